@@ -1,0 +1,50 @@
+use thiserror::Error;
+
+/// Why a netlist could not be built, printed or simulated. Every message names the module and the signal.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum Error {
+    /// Widths that do not fit together, or a width outside 1 to 64.
+    #[error("module {module}, signal {signal}: {problem}")]
+    Width {
+        /// The module that was being built.
+        module: String,
+        /// The signal's name, or its operator and number where it has none.
+        signal: String,
+        /// What was found and what was expected.
+        problem: String,
+    },
+    /// A name that is taken, is no identifier, or is a SystemVerilog keyword; or a port that is not there.
+    #[error("module {module}: name '{name}' {problem}")]
+    Name {
+        /// The module.
+        module: String,
+        /// The offending name.
+        name: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A register or forward wire that nothing drives, or that is driven twice.
+    #[error("module {module}: '{signal}' {problem}")]
+    Drive {
+        /// The module.
+        module: String,
+        /// The signal.
+        signal: String,
+        /// "is never driven" or "is driven twice".
+        problem: String,
+    },
+    /// Signals that depend on themselves within one cycle.
+    #[error("combinational loop through {}", .0.join(" -> "))]
+    Loop(Vec<String>),
+    /// The code generator refused; a defect of ours.
+    #[error("code generation: {0}")]
+    Codegen(String),
+    /// A waveform could not be written.
+    #[error("waveform {path}: {problem}")]
+    Wave {
+        /// The file.
+        path: String,
+        /// What the system said.
+        problem: String,
+    },
+}

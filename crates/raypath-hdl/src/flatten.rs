@@ -1,0 +1,235 @@
+//! A hierarchy of modules as one list of operations: what is needed and nothing else, in the order of evaluation.
+
+use crate::Error;
+use crate::graph::{Call, Graph, Node, Operation};
+use crate::netlist::{Driver, Module, RegisterInfo, SignalId};
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// Whether output port `output` of `module` depends on input port `input` within one cycle, through whatever is
+/// inside; an error where there is no such port, or where signals depend on themselves.
+pub fn depends_combinationally(module: &Arc<Module>, output: &str, input: &str) -> Result<bool, Error> {
+    let from = module.input_position(input)?;
+    let to = module.output_position(output)?;
+    let graph = loop_free(module)?;
+    let target = module.inputs[from].signal;
+    let mut seen = vec![false; graph.nodes.len()];
+    let mut open = vec![module.outputs[to].signal];
+    while let Some(node) = open.pop() {
+        if node == target {
+            return Ok(true);
+        }
+        if !std::mem::replace(&mut seen[node.index()], true) {
+            open.extend(graph.operands(node));
+        }
+    }
+    Ok(false)
+}
+
+/// What a simulator executes. A [`SignalId`] in here is a position in [`Flat::nodes`].
+pub struct Flat {
+    /// Operands before readers; no aliases.
+    pub nodes: Vec<Node>,
+    /// The registers that are needed; their `signal` is a node.
+    pub registers: Vec<RegisterInfo>,
+    /// What the top's outputs show.
+    pub outputs: Vec<SignalId>,
+    /// Observed signals, each value once.
+    pub observed: Vec<SignalId>,
+    /// Observed names: hierarchical name, width, position in `observed`.
+    pub names: Vec<(String, u32, usize)>,
+    /// Instances that are evaluated as functions, and the function of each.
+    pub calls: Vec<(usize, Call)>,
+    /// Register-free, instance-free modules, flattened once.
+    pub functions: Vec<Flat>,
+}
+
+impl Flat {
+    /// Flattens `top`, keeping the named signals for whose hierarchical name `observed` holds.
+    pub fn new(top: &Arc<Module>, observed: &dyn Fn(&str) -> bool) -> Result<Self, Error> {
+        loop_free(top)?;
+        // A call has all outputs depend on all inputs. Where that seems to close a loop, the modules on it are expanded.
+        let mut expanded: HashSet<*const Module> = HashSet::new();
+        loop {
+            let called = |prefix: &str, module: &Arc<Module>| {
+                worth_a_call(module)
+                    && !expanded.contains(&Arc::as_ptr(module))
+                    && !names_in(module, prefix).any(|(name, _)| observed(&name))
+            };
+            let graph = Graph::new(top, called);
+            let nodes = match graph.order(roots(&graph, top)) {
+                Ok(order) => return Self::assemble(top, graph, order, observed),
+                Err(nodes) => nodes,
+            };
+            for node in &nodes {
+                if let Operation::Result { call, .. } = graph.nodes[node.index()].operation {
+                    expanded.insert(Arc::as_ptr(&graph.calls[call].module));
+                }
+            }
+        }
+    }
+
+    fn assemble(
+        top: &Arc<Module>,
+        graph: Graph,
+        order: Vec<SignalId>,
+        observed: &dyn Fn(&str) -> bool,
+    ) -> Result<Self, Error> {
+        let mut named = Vec::new();
+        for scope in &graph.scopes {
+            let here = names_in(&scope.module, &scope.prefix).filter(|(name, _)| observed(name));
+            named.extend(here.map(|(name, id)| (name, SignalId(scope.first + id.0))));
+        }
+        let outputs: Vec<SignalId> = top.outputs.iter().map(|port| port.signal).collect();
+        let live = live(&graph, outputs.iter().copied().chain(named.iter().map(|&(_, id)| id)));
+
+        let mut flat = Self {
+            nodes: Vec::new(),
+            registers: Vec::new(),
+            outputs,
+            observed: Vec::new(),
+            names: Vec::new(),
+            calls: Vec::new(),
+            functions: Vec::new(),
+        };
+        let Graph { nodes, registers, calls, .. } = graph;
+        let mut nodes: Vec<Option<Node>> = nodes.into_iter().map(Some).collect();
+        let mut places = vec![SignalId(u32::MAX); nodes.len()];
+        let mut call_places = HashMap::new();
+        for id in order {
+            let Some(mut node) = nodes[id.index()].take().filter(|_| live[id.index()]) else { continue };
+            match &mut node.operation {
+                Operation::Input(_) => {}
+                Operation::Register(register) => {
+                    flat.registers.push(registers[*register].clone());
+                    *register = flat.registers.len() - 1;
+                }
+                Operation::Result { call, .. } => {
+                    let next = call_places.len();
+                    *call = *call_places.entry(*call).or_insert(next);
+                }
+                Operation::Operator(Driver::Alias(source)) => {
+                    places[id.index()] = places[source.index()];
+                    continue;
+                }
+                Operation::Operator(driver) => driver.for_operands(|id| *id = places[id.index()]),
+            }
+            places[id.index()] = SignalId(flat.nodes.len() as u32);
+            flat.nodes.push(node);
+        }
+        flat.add_calls(calls, &call_places)?;
+        flat.place(&places, named);
+        Ok(flat)
+    }
+
+    /// Keeps the needed calls, in the order of `places`, and flattens each called module once.
+    fn add_calls(&mut self, calls: Vec<Call>, places: &HashMap<usize, usize>) -> Result<(), Error> {
+        let mut needed: Vec<(usize, Call)> =
+            calls.into_iter().enumerate().filter_map(|(call, it)| Some((*places.get(&call)?, it))).collect();
+        needed.sort_by_key(|&(place, _)| place);
+        let mut functions = HashMap::new();
+        for (_, call) in needed {
+            let next = self.functions.len();
+            let function = *functions.entry(Arc::as_ptr(&call.module)).or_insert(next);
+            if function == next {
+                self.functions.push(Flat::new(&call.module, &|_| false)?);
+            }
+            self.calls.push((function, call));
+        }
+        Ok(())
+    }
+
+    /// Replaces positions in the graph by positions in the list.
+    fn place(&mut self, places: &[SignalId], named: Vec<(String, SignalId)>) {
+        let place = |id: &mut SignalId| *id = places[id.index()];
+        self.outputs.iter_mut().for_each(place);
+        for (_, call) in &mut self.calls {
+            call.inputs.iter_mut().for_each(place);
+        }
+        for register in &mut self.registers {
+            place(&mut register.signal);
+            place(&mut register.next);
+            register.enable.iter_mut().for_each(place);
+        }
+        let mut slots = HashMap::new();
+        for (name, mut id) in named {
+            place(&mut id);
+            let slot = *slots.entry(id).or_insert(self.observed.len());
+            if slot == self.observed.len() {
+                self.observed.push(id);
+            }
+            self.names.push((name, self.nodes[id.index()].width, slot));
+        }
+    }
+}
+
+impl Module {
+    /// The position of an input port; an error where there is none of this name.
+    pub(crate) fn input_position(&self, name: &str) -> Result<usize, Error> {
+        self.inputs.iter().position(|port| port.name == name).ok_or_else(|| self.no_port(name, "input"))
+    }
+
+    /// The position of an output port; an error where there is none of this name.
+    pub(crate) fn output_position(&self, name: &str) -> Result<usize, Error> {
+        self.outputs.iter().position(|port| port.name == name).ok_or_else(|| self.no_port(name, "output"))
+    }
+
+    fn no_port(&self, name: &str, direction: &str) -> Error {
+        let problem = format!("is no {direction} of it");
+        Error::Name { module: self.name.clone(), name: name.to_string(), problem }
+    }
+}
+
+/// Below this many signals, passing values costs more than compiling them once more.
+const SMALLEST_CALL: usize = 24;
+
+fn worth_a_call(module: &Module) -> bool {
+    module.registers.is_empty() && module.instances.is_empty() && module.signals.len() >= SMALLEST_CALL
+}
+
+/// Hierarchical names of the output ports and named signals of a module, and what they are in it.
+fn names_in(module: &Module, prefix: &str) -> impl Iterator<Item = (String, SignalId)> {
+    let outputs = module.outputs.iter().map(|port| (&port.name, port.signal));
+    let signals = module.signals.iter().enumerate();
+    let signals = signals.filter_map(|(place, signal)| Some((signal.name.as_ref()?, SignalId(place as u32))));
+    outputs.chain(signals).map(move |(name, id)| (format!("{prefix}{name}"), id))
+}
+
+/// What must be computed, register by register, so that a value is stored soon after it is made.
+fn roots(graph: &Graph, top: &Module) -> impl Iterator<Item = SignalId> {
+    let registers = graph.registers.iter().flat_map(|r| [Some(r.signal), Some(r.next), r.enable]).flatten();
+    registers.chain(top.outputs.iter().map(|port| port.signal))
+}
+
+/// Which nodes `roots` depend on, in this cycle or through registers.
+fn live(graph: &Graph, roots: impl Iterator<Item = SignalId>) -> Vec<bool> {
+    let mut live = vec![false; graph.nodes.len()];
+    let mut open: Vec<SignalId> = roots.collect();
+    while let Some(node) = open.pop() {
+        if std::mem::replace(&mut live[node.index()], true) {
+            continue;
+        }
+        open.extend(graph.operands(node));
+        if let Operation::Register(register) = graph.nodes[node.index()].operation {
+            let info = &graph.registers[register];
+            open.push(info.next);
+            open.extend(info.enable);
+        }
+    }
+    live
+}
+
+/// The graph of every signal; an error where signals depend on themselves, whether or not anybody needs them.
+fn loop_free(top: &Arc<Module>) -> Result<Graph, Error> {
+    let graph = Graph::new(top, |_, _| false);
+    match graph.order(std::iter::empty()) {
+        Ok(_) => Ok(graph),
+        // In the direction of the data, the first again at the end. Only forward wires and instances close loops, and
+        // they have names; the expressions between them do not matter.
+        Err(nodes) => {
+            let mut names: Vec<String> = nodes.iter().filter_map(|&node| graph.name(node)).collect();
+            names.extend(names.first().cloned());
+            Err(Error::Loop(names))
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! A hierarchy of modules as one graph of signals, and the order in which to evaluate it.
+
+use crate::netlist::{Driver, Module, RegisterInfo, SignalId};
+use std::sync::Arc;
+
+/// Every signal of every scope. A [`SignalId`] in here is a position in [`Graph::nodes`].
+pub struct Graph {
+    pub scopes: Vec<Scope>,
+    pub nodes: Vec<Node>,
+    pub registers: Vec<RegisterInfo>,
+    pub calls: Vec<Call>,
+    /// The operands of node `n` are `operands[starts[n]..starts[n + 1]]`.
+    operands: Vec<SignalId>,
+    starts: Vec<u32>,
+}
+
+/// One module in the place where it is instantiated; the first is the top.
+pub struct Scope {
+    pub module: Arc<Module>,
+    /// What goes before a signal's name: empty, or instance names that each end in a dot.
+    pub prefix: String,
+    /// The node of the module's first signal.
+    pub first: u32,
+}
+
+pub struct Node {
+    pub width: u32,
+    pub operation: Operation,
+}
+
+/// How a node comes by its value.
+pub enum Operation {
+    /// An input port of the top.
+    Input(usize),
+    /// A register, by position.
+    Register(usize),
+    /// An output of a call.
+    Result { call: usize, output: usize },
+    /// Any driver but `Input`, `Register` and `Instance`.
+    Operator(Driver),
+}
+
+/// An instance that is evaluated as a whole instead of being expanded.
+pub struct Call {
+    pub module: Arc<Module>,
+    pub inputs: Vec<SignalId>,
+}
+
+impl Graph {
+    /// Expands `top`; an instance (its prefix and module) for which `called` holds becomes a [`Call`].
+    pub fn new(top: &Arc<Module>, called: impl Fn(&str, &Arc<Module>) -> bool) -> Self {
+        let mut graph = Self {
+            scopes: Vec::new(),
+            nodes: Vec::new(),
+            registers: Vec::new(),
+            calls: Vec::new(),
+            operands: Vec::new(),
+            starts: vec![0],
+        };
+        graph.add_scope(top, String::new());
+        let mut done = 0;
+        while done < graph.scopes.len() {
+            graph.expand_instances(done, &called);
+            done += 1;
+        }
+        graph.collect_operands();
+        graph
+    }
+
+    pub fn operands(&self, node: SignalId) -> &[SignalId] {
+        &self.operands[self.starts[node.index()] as usize..self.starts[node.index() + 1] as usize]
+    }
+
+    /// All nodes, operands before readers, `roots` and what they need first; or the nodes of a loop, in the direction
+    /// of the data.
+    pub fn order(&self, roots: impl Iterator<Item = SignalId>) -> Result<Vec<SignalId>, Vec<SignalId>> {
+        #[derive(Clone, Copy, PartialEq)]
+        enum Mark {
+            New,
+            Open,
+            Done,
+        }
+        let mut marks = vec![Mark::New; self.nodes.len()];
+        let mut order = Vec::with_capacity(self.nodes.len());
+        let mut path: Vec<(SignalId, usize)> = Vec::new();
+        for root in roots.chain((0..self.nodes.len() as u32).map(SignalId)) {
+            if marks[root.index()] == Mark::New {
+                marks[root.index()] = Mark::Open;
+                path.push((root, 0));
+            }
+            while let Some((node, visited)) = path.last_mut() {
+                let Some(&operand) = self.operands(*node).get(*visited) else {
+                    marks[node.index()] = Mark::Done;
+                    order.push(*node);
+                    path.pop();
+                    continue;
+                };
+                *visited += 1;
+                match marks[operand.index()] {
+                    Mark::New => {
+                        marks[operand.index()] = Mark::Open;
+                        path.push((operand, 0));
+                    }
+                    Mark::Open => {
+                        let readers = path.iter().rev().map(|&(node, _)| node);
+                        let rest = readers.take_while(|&node| node != operand);
+                        return Err(std::iter::once(operand).chain(rest.collect::<Vec<_>>()).collect());
+                    }
+                    Mark::Done => {}
+                }
+            }
+        }
+        Ok(order)
+    }
+
+    /// The hierarchical name of a node, if its signal has a name.
+    pub fn name(&self, node: SignalId) -> Option<String> {
+        let scope = &self.scopes[self.scopes.partition_point(|s| s.first <= node.0) - 1];
+        let name = scope.module.signals[node.index() - scope.first as usize].name.as_ref()?;
+        Some(format!("{}{name}", scope.prefix))
+    }
+
+    /// Adds the signals of a module; those of its instances' outputs and, but in the top, of its inputs remain to be
+    /// connected.
+    fn add_scope(&mut self, module: &Arc<Module>, prefix: String) {
+        let first = self.nodes.len() as u32;
+        let first_register = self.registers.len();
+        let shift = |id: SignalId| SignalId(id.0 + first);
+        for signal in &module.signals {
+            let operation = match &signal.driver {
+                Driver::Register(register) => Operation::Register(first_register + register),
+                driver => {
+                    let mut driver = driver.clone();
+                    driver.for_operands(|id| *id = shift(*id));
+                    Operation::Operator(driver)
+                }
+            };
+            self.nodes.push(Node { width: signal.width, operation });
+        }
+        if self.scopes.is_empty() {
+            for (position, port) in module.inputs.iter().enumerate() {
+                self.nodes[port.signal.index()].operation = Operation::Input(position);
+            }
+        }
+        self.registers.extend(module.registers.iter().map(|register| RegisterInfo {
+            signal: shift(register.signal),
+            next: shift(register.next),
+            enable: register.enable.map(shift),
+            reset: register.reset,
+        }));
+        self.scopes.push(Scope { module: module.clone(), prefix, first });
+    }
+
+    fn expand_instances(&mut self, scope: usize, called: &impl Fn(&str, &Arc<Module>) -> bool) {
+        let parent = self.scopes[scope].module.clone();
+        let first = self.scopes[scope].first;
+        let shift = |id: SignalId| SignalId(id.0 + first);
+        for instance in &parent.instances {
+            let prefix = format!("{}{}.", self.scopes[scope].prefix, instance.name);
+            if called(&prefix, &instance.module) {
+                let call = self.calls.len();
+                for (output, &id) in instance.outputs.iter().enumerate() {
+                    self.nodes[shift(id).index()].operation = Operation::Result { call, output };
+                }
+                let inputs = instance.inputs.iter().map(|&id| shift(id)).collect();
+                self.calls.push(Call { module: instance.module.clone(), inputs });
+                continue;
+            }
+            let inside = self.nodes.len() as u32;
+            self.add_scope(&instance.module, prefix);
+            for (port, &id) in instance.module.inputs.iter().zip(&instance.inputs) {
+                self.connect(SignalId(inside + port.signal.0), shift(id));
+            }
+            for (port, &id) in instance.module.outputs.iter().zip(&instance.outputs) {
+                self.connect(shift(id), SignalId(inside + port.signal.0));
+            }
+        }
+    }
+
+    fn connect(&mut self, node: SignalId, source: SignalId) {
+        self.nodes[node.index()].operation = Operation::Operator(Driver::Alias(source));
+    }
+
+    fn collect_operands(&mut self) {
+        for node in &mut self.nodes {
+            match &mut node.operation {
+                Operation::Input(_) | Operation::Register(_) => {}
+                Operation::Result { call, .. } => self.operands.extend(&self.calls[*call].inputs),
+                Operation::Operator(driver) => driver.for_operands(|id| self.operands.push(*id)),
+            }
+            self.starts.push(self.operands.len() as u32);
+        }
+    }
+}
+
+impl Driver {
+    /// Visits the signals that it reads within the cycle and within the module.
+    pub(crate) fn for_operands(&mut self, mut visit: impl FnMut(&mut SignalId)) {
+        match self {
+            Self::Input | Self::Constant(_) | Self::Register(_) | Self::Instance { .. } => {}
+            Self::Not(a) | Self::Any(a) | Self::All(a) | Self::Alias(a) | Self::Slice { source: a, .. } => visit(a),
+            Self::And(a, b)
+            | Self::Or(a, b)
+            | Self::Xor(a, b)
+            | Self::Add(a, b)
+            | Self::Sub(a, b)
+            | Self::Mul(a, b)
+            | Self::Equal(a, b)
+            | Self::Less(a, b)
+            | Self::ShiftLeft(a, b)
+            | Self::ShiftRight(a, b) => {
+                visit(a);
+                visit(b);
+            }
+            Self::Mux { select, if_true, if_false } => {
+                visit(select);
+                visit(if_true);
+                visit(if_false);
+            }
+            Self::Case { selector, arms, default } => {
+                visit(selector);
+                arms.iter_mut().for_each(|arm| visit(&mut arm.value));
+                visit(default);
+            }
+            Self::Concat(parts) => parts.iter_mut().for_each(visit),
+        }
+    }
+}

@@ -1,0 +1,373 @@
+//! Native code for a flat netlist. All use of Cranelift, and all that is `unsafe`, is in this file.
+#![allow(unsafe_code)]
+
+use crate::Error;
+use crate::flatten::Flat;
+use crate::graph::Operation;
+use crate::netlist::{Driver, SignalId};
+use cranelift_codegen::ir::condcodes::IntCC;
+use cranelift_codegen::ir::types::I64;
+use cranelift_codegen::ir::{
+    AbiParam, FuncRef, InstBuilder, MemFlagsData, StackSlot, StackSlotData, StackSlotKind, Value,
+};
+use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
+use cranelift_jit::{JITBuilder, JITModule};
+use cranelift_module::{FuncId, Module, default_libcall_names};
+
+/// A compiled netlist.
+pub struct Code {
+    /// Present until dropped; owns the memory that `cycle` points into.
+    module: Option<JITModule>,
+    cycle: extern "C" fn(*const u64, *mut u64, *mut u64),
+    registers: usize,
+    io: usize,
+}
+
+impl Code {
+    /// Compiles a netlist and the functions that it calls.
+    pub fn new(flat: &Flat, inputs: usize) -> Result<Self, Error> {
+        let mut compiler = Compiler::new()?;
+        let mut functions = Vec::new();
+        for (place, function) in flat.functions.iter().enumerate() {
+            let parameters = flat.calls.iter().find(|(f, _)| *f == place).map_or(0, |(_, call)| call.inputs.len());
+            functions.push(compiler.define(function, &[], Frame::Function { inputs: parameters })?);
+        }
+        let id = compiler.define(flat, &functions, Frame::Cycle { inputs })?;
+        compiler.module.finalize_definitions().map_err(codegen)?;
+        let address = compiler.module.get_finalized_function(id);
+        // SAFETY: `define` gave this function three pointer parameters, no result, and the host's C convention.
+        let cycle = unsafe { std::mem::transmute::<*const u8, extern "C" fn(*const u64, *mut u64, *mut u64)>(address) };
+        let io = inputs + flat.outputs.len() + flat.observed.len();
+        Ok(Self { module: Some(compiler.module), cycle, registers: flat.registers.len(), io })
+    }
+
+    /// Evaluates one cycle: reads `current` registers and the inputs in `io`; writes `next` registers and the outputs
+    /// and observed signals in `io`, which follow the inputs.
+    pub fn run(&self, current: &[u64], next: &mut [u64], io: &mut [u64]) {
+        assert_eq!((current.len(), next.len(), io.len()), (self.registers, self.registers, self.io));
+        // The code touches the words that the three lengths cover and no others; the slices do not overlap.
+        (self.cycle)(current.as_ptr(), next.as_mut_ptr(), io.as_mut_ptr());
+    }
+}
+
+impl Drop for Code {
+    fn drop(&mut self) {
+        if let Some(module) = self.module.take() {
+            // SAFETY: `cycle` is private and only called by `run`, which borrows self.
+            unsafe { module.free_memory() };
+        }
+    }
+}
+
+/// How a function receives and returns values.
+#[derive(Clone, Copy)]
+enum Frame {
+    /// `(current, next, io)`; inputs come first in `io`.
+    Cycle { inputs: usize },
+    /// Each input a parameter; the last parameter points to where the outputs go.
+    Function { inputs: usize },
+}
+
+struct Compiler {
+    module: JITModule,
+    context: cranelift_codegen::Context,
+    builder: FunctionBuilderContext,
+}
+
+impl Compiler {
+    fn new() -> Result<Self, Error> {
+        let flags = [
+            ("opt_level", "speed"),
+            ("enable_verifier", if cfg!(debug_assertions) { "true" } else { "false" }),
+            ("unwind_info", "false"),
+        ];
+        let module = JITModule::new(JITBuilder::with_flags(&flags, default_libcall_names()).map_err(codegen)?);
+        let context = module.make_context();
+        Ok(Self { module, context, builder: FunctionBuilderContext::new() })
+    }
+
+    fn define(&mut self, flat: &Flat, functions: &[FuncId], frame: Frame) -> Result<FuncId, Error> {
+        let parameters = match frame {
+            Frame::Cycle { .. } => 3,
+            Frame::Function { inputs } => inputs + 1,
+        };
+        let mut signature = self.module.make_signature();
+        signature.params = vec![AbiParam::new(I64); parameters];
+        let id = self.module.declare_anonymous_function(&signature).map_err(codegen)?;
+        self.context.func.signature = signature;
+
+        let callees: Vec<FuncRef> =
+            functions.iter().map(|&f| self.module.declare_func_in_func(f, &mut self.context.func)).collect();
+        let mut builder = FunctionBuilder::new(&mut self.context.func, &mut self.builder);
+        let block = builder.create_block();
+        builder.append_block_params_for_function_params(block);
+        builder.switch_to_block(block);
+        builder.seal_block(block);
+        let parameters = builder.block_params(block).to_vec();
+        Body { builder, flat, frame, parameters, callees, values: Vec::new(), results: vec![None; flat.calls.len()] }
+            .emit(self.module.target_config());
+        self.module.define_function(id, &mut self.context).map_err(codegen)?;
+        self.module.clear_context(&mut self.context);
+        Ok(id)
+    }
+}
+
+fn codegen(error: impl std::fmt::Display) -> Error {
+    Error::Codegen(error.to_string())
+}
+
+/// What is stored once its operands are there.
+enum Store {
+    Register(usize),
+    Output(usize),
+    Observed(usize),
+}
+
+/// The body of one function. Every value is 64 bits wide, those above the signal's width zero.
+struct Body<'a> {
+    builder: FunctionBuilder<'a>,
+    flat: &'a Flat,
+    frame: Frame,
+    parameters: Vec<Value>,
+    callees: Vec<FuncRef>,
+    /// By node.
+    values: Vec<Value>,
+    /// By call that has been made: where its outputs are.
+    results: Vec<Option<StackSlot>>,
+}
+
+impl Body<'_> {
+    fn emit(mut self, target: cranelift_codegen::isa::TargetFrontendConfig) {
+        let mut stores = self.stores().into_iter().peekable();
+        for (place, node) in self.flat.nodes.iter().enumerate() {
+            let value = match &node.operation {
+                Operation::Input(input) => self.input(*input),
+                Operation::Register(register) => self.load(self.parameters[0], *register),
+                Operation::Result { call, output } => self.result(*call, *output),
+                Operation::Operator(driver) => self.operator(driver, node.width),
+            };
+            self.values.push(value);
+            while let Some((_, store)) = stores.next_if(|(ready, _)| *ready == place) {
+                self.emit_store(store);
+            }
+        }
+        self.builder.ins().return_(&[]);
+        self.builder.finalize(target);
+    }
+
+    /// Each store, and the node after which it can happen; in that order, so that few values are live at a time.
+    fn stores(&self) -> Vec<(usize, Store)> {
+        let mut stores = Vec::new();
+        for (place, register) in self.flat.registers.iter().enumerate() {
+            let enable = register.enable.unwrap_or(register.signal);
+            let ready = register.signal.max(register.next).max(enable).index();
+            stores.push((ready, Store::Register(place)));
+        }
+        let outputs = self.flat.outputs.iter().enumerate();
+        stores.extend(outputs.map(|(place, id)| (id.index(), Store::Output(place))));
+        let observed = self.flat.observed.iter().enumerate();
+        stores.extend(observed.map(|(place, id)| (id.index(), Store::Observed(place))));
+        stores.sort_by_key(|&(ready, _)| ready);
+        stores
+    }
+
+    fn emit_store(&mut self, store: Store) {
+        match (store, self.frame) {
+            (Store::Register(place), _) => {
+                let register = &self.flat.registers[place];
+                let mut value = self.value(register.next);
+                if let Some(enable) = register.enable {
+                    let (enable, current) = (self.value(enable), self.value(register.signal));
+                    value = self.builder.ins().select(enable, value, current);
+                }
+                self.store(value, self.parameters[1], place);
+            }
+            (Store::Output(place), Frame::Cycle { inputs }) => {
+                self.store(self.value(self.flat.outputs[place]), self.parameters[2], inputs + place);
+            }
+            (Store::Output(place), Frame::Function { inputs }) => {
+                self.store(self.value(self.flat.outputs[place]), self.parameters[inputs], place);
+            }
+            (Store::Observed(place), Frame::Cycle { inputs } | Frame::Function { inputs }) => {
+                let slot = inputs + self.flat.outputs.len() + place;
+                self.store(self.value(self.flat.observed[place]), self.parameters[2], slot);
+            }
+        }
+    }
+
+    fn value(&self, id: SignalId) -> Value {
+        self.values[id.index()]
+    }
+
+    fn input(&mut self, input: usize) -> Value {
+        match self.frame {
+            Frame::Cycle { .. } => self.load(self.parameters[2], input),
+            Frame::Function { .. } => self.parameters[input],
+        }
+    }
+
+    fn load(&mut self, base: Value, word: usize) -> Value {
+        self.builder.ins().load(I64, MemFlagsData::trusted(), base, (word * 8) as i32)
+    }
+
+    fn store(&mut self, value: Value, base: Value, word: usize) {
+        self.builder.ins().store(MemFlagsData::trusted(), value, base, (word * 8) as i32);
+    }
+
+    fn result(&mut self, call: usize, output: usize) -> Value {
+        let slot = match self.results[call] {
+            Some(slot) => slot,
+            None => self.call(call),
+        };
+        let base = self.builder.ins().stack_addr(I64, slot, 0);
+        self.load(base, output)
+    }
+
+    fn call(&mut self, call: usize) -> StackSlot {
+        let (function, inputs) = (self.flat.calls[call].0, &self.flat.calls[call].1.inputs);
+        let bytes = self.flat.functions[function].outputs.len() as u32 * 8;
+        let slot = self.builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, bytes, 3));
+        let outputs = self.builder.ins().stack_addr(I64, slot, 0);
+        let arguments: Vec<Value> = inputs.iter().map(|&id| self.value(id)).chain([outputs]).collect();
+        self.builder.ins().call(self.callees[function], &arguments);
+        self.results[call] = Some(slot);
+        slot
+    }
+
+    fn operator(&mut self, driver: &Driver, width: u32) -> Value {
+        let v = |id: &SignalId| self.values[id.index()];
+        let width_of = |id: &SignalId| self.flat.nodes[id.index()].width;
+        match driver {
+            Driver::Constant(value) => self.constant(*value),
+            Driver::Not(a) => {
+                let (a, ones) = (v(a), self.constant(mask(width)));
+                self.builder.ins().bxor(a, ones)
+            }
+            Driver::And(a, b) => {
+                let (a, b) = (v(a), v(b));
+                self.builder.ins().band(a, b)
+            }
+            Driver::Or(a, b) => {
+                let (a, b) = (v(a), v(b));
+                self.builder.ins().bor(a, b)
+            }
+            Driver::Xor(a, b) => {
+                let (a, b) = (v(a), v(b));
+                self.builder.ins().bxor(a, b)
+            }
+            Driver::Add(a, b) => {
+                let (a, b) = (v(a), v(b));
+                let sum = self.builder.ins().iadd(a, b);
+                self.masked(sum, width)
+            }
+            Driver::Sub(a, b) => {
+                let (a, b) = (v(a), v(b));
+                let difference = self.builder.ins().isub(a, b);
+                self.masked(difference, width)
+            }
+            Driver::Mul(a, b) => {
+                let (a, b) = (v(a), v(b));
+                self.builder.ins().imul(a, b)
+            }
+            Driver::Equal(a, b) => self.compare(IntCC::Equal, v(a), v(b)),
+            Driver::Less(a, b) => self.compare(IntCC::UnsignedLessThan, v(a), v(b)),
+            Driver::Any(a) => {
+                let (a, zero) = (v(a), self.constant(0));
+                self.compare(IntCC::NotEqual, a, zero)
+            }
+            Driver::All(a) => {
+                let (a, ones) = (v(a), self.constant(mask(width_of(a))));
+                self.compare(IntCC::Equal, a, ones)
+            }
+            Driver::ShiftLeft(a, amount) => {
+                let (value, by, wide) = (v(a), v(amount), width_of(amount) > 6);
+                let shifted = self.builder.ins().ishl(value, by);
+                let shifted = self.masked(shifted, width);
+                self.unless_too_far(shifted, by, wide)
+            }
+            Driver::ShiftRight(a, amount) => {
+                let (value, by, wide) = (v(a), v(amount), width_of(amount) > 6);
+                let shifted = self.builder.ins().ushr(value, by);
+                self.unless_too_far(shifted, by, wide)
+            }
+            Driver::Mux { select, if_true, if_false } => {
+                let (select, if_true, if_false) = (v(select), v(if_true), v(if_false));
+                self.builder.ins().select(select, if_true, if_false)
+            }
+            Driver::Case { selector, arms, default } => {
+                let selector = v(selector);
+                let mut value = v(default);
+                for arm in arms {
+                    let label = self.constant(arm.label.value);
+                    let matches = self.builder.ins().icmp(IntCC::Equal, selector, label);
+                    value = self.builder.ins().select(matches, self.values[arm.value.index()], value);
+                }
+                value
+            }
+            Driver::Concat(parts) => self.concat(parts),
+            Driver::Slice { source, low } => {
+                let (value, rest) = (v(source), width_of(source) - low);
+                let value = if *low == 0 {
+                    value
+                } else {
+                    let low = self.constant(u64::from(*low));
+                    self.builder.ins().ushr(value, low)
+                };
+                if rest == width { value } else { self.masked(value, width) }
+            }
+            Driver::Alias(a) => v(a),
+            Driver::Input | Driver::Register(_) | Driver::Instance { .. } => {
+                unreachable!("the graph makes operations of their own of these")
+            }
+        }
+    }
+
+    fn constant(&mut self, value: u64) -> Value {
+        self.builder.ins().iconst(I64, value as i64)
+    }
+
+    fn masked(&mut self, value: Value, width: u32) -> Value {
+        if width == 64 {
+            return value;
+        }
+        let mask = self.constant(mask(width));
+        self.builder.ins().band(value, mask)
+    }
+
+    fn compare(&mut self, condition: IntCC, a: Value, b: Value) -> Value {
+        let bit = self.builder.ins().icmp(condition, a, b);
+        self.builder.ins().uextend(I64, bit)
+    }
+
+    /// The machine shifts by `amount` modulo 64: an amount that can be more needs a test.
+    fn unless_too_far(&mut self, shifted: Value, amount: Value, amount_is_wide: bool) -> Value {
+        if !amount_is_wide {
+            return shifted;
+        }
+        let (limit, zero) = (self.constant(64), self.constant(0));
+        let near = self.builder.ins().icmp(IntCC::UnsignedLessThan, amount, limit);
+        self.builder.ins().select(near, shifted, zero)
+    }
+
+    fn concat(&mut self, parts: &[SignalId]) -> Value {
+        let mut position = 0;
+        let mut whole = None;
+        for id in parts.iter().rev() {
+            let mut part = self.values[id.index()];
+            if position > 0 {
+                let by = self.constant(position);
+                part = self.builder.ins().ishl(part, by);
+            }
+            whole = Some(match whole {
+                Some(rest) => self.builder.ins().bor(rest, part),
+                None => part,
+            });
+            position += u64::from(self.flat.nodes[id.index()].width);
+        }
+        whole.unwrap_or_else(|| self.constant(0))
+    }
+}
+
+fn mask(width: u32) -> u64 {
+    u64::MAX >> (64 - width)
+}

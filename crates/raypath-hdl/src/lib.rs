@@ -1,0 +1,41 @@
+//! A small structural netlist with one meaning.
+//!
+//! A [`Module`] is built with a [`Builder`], printed as SystemVerilog by [`verilog`], and executed as it stands by
+//! [`Simulator`]. The crate knows nothing of numbers or rays: signals are words of 1 to 64 bits.
+//!
+//! ```
+//! use raypath_hdl::{Builder, Simulator};
+//!
+//! let m = Builder::new("counter");
+//! let step = m.input("step_i", 8);
+//! let count = m.register("count_q", 8).reset_to(0);
+//! count.next(count.wire() + step);
+//! m.output("count_o", count.wire());
+//! let counter = m.finish()?;
+//!
+//! let mut simulator = Simulator::new(&counter)?;
+//! let (step, count) = (simulator.input("step_i")?, simulator.output("count_o")?);
+//! simulator.set(step, 3);
+//! simulator.cycle();
+//! simulator.cycle();
+//! assert_eq!(simulator.get(count), 3); // what the second cycle showed, before its clock edge
+//! # Ok::<(), raypath_hdl::Error>(())
+//! ```
+
+mod builder;
+mod error;
+mod flatten;
+mod graph;
+mod jit;
+mod names;
+mod netlist;
+mod simulator;
+pub mod verilog;
+mod wave;
+
+pub use builder::{Builder, Forward, Register, Wire};
+pub use error::Error;
+pub use flatten::depends_combinationally;
+pub use netlist::{Arm, Driver, Instance, Item, Label, Module, Port, RegisterInfo, Signal, SignalId};
+pub use simulator::{InputPort, OutputPort, Probe, Simulator};
+pub use wave::WaveWriter;

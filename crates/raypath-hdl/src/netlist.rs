@@ -1,0 +1,259 @@
+//! The netlist as data: what the printer prints and the simulator executes.
+
+use std::sync::Arc;
+
+/// A signal of one module, by position in [`Module::signals`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct SignalId(pub u32);
+
+impl SignalId {
+    /// The position in [`Module::signals`].
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A word of `width` bits (1 to 64) and what drives it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    /// Its name in the output; a signal without one is an expression inside its reader, if it has one reader only.
+    pub name: Option<String>,
+    /// Its width in bits.
+    pub width: u32,
+    /// What drives it.
+    pub driver: Driver,
+    /// A remark for the reader of the output, printed beside the declaration.
+    pub comment: Option<String>,
+}
+
+/// What drives a signal. Operands of `And` to `Sub`, of comparisons and of multiplexers have equal widths; nothing is
+/// extended or truncated silently.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Driver {
+    /// An input port of the module.
+    Input,
+    /// A constant.
+    Constant(u64),
+    /// Bitwise not.
+    Not(SignalId),
+    /// Bitwise and.
+    And(SignalId, SignalId),
+    /// Bitwise or.
+    Or(SignalId, SignalId),
+    /// Bitwise exclusive or.
+    Xor(SignalId, SignalId),
+    /// Sum modulo 2^width.
+    Add(SignalId, SignalId),
+    /// Difference modulo 2^width.
+    Sub(SignalId, SignalId),
+    /// Unsigned product, as wide as both factors together.
+    Mul(SignalId, SignalId),
+    /// One bit: the operands are equal.
+    Equal(SignalId, SignalId),
+    /// One bit: the first operand is less than the second, unsigned.
+    Less(SignalId, SignalId),
+    /// One bit: any bit is set.
+    Any(SignalId),
+    /// One bit: every bit is set.
+    All(SignalId),
+    /// Shift left by a signal; zeros enter, and an amount of the width or more gives zero.
+    ShiftLeft(SignalId, SignalId),
+    /// Shift right by a signal; zeros enter, and an amount of the width or more gives zero.
+    ShiftRight(SignalId, SignalId),
+    /// `select ? if_true : if_false`.
+    Mux {
+        /// One bit.
+        select: SignalId,
+        /// Taken where `select` is 1.
+        if_true: SignalId,
+        /// Taken where `select` is 0.
+        if_false: SignalId,
+    },
+    /// The value of the arm whose label equals the selector, else the default. Labels are distinct.
+    Case {
+        /// What is compared with the labels.
+        selector: SignalId,
+        /// Labels and values.
+        arms: Vec<Arm>,
+        /// The value where no label matches.
+        default: SignalId,
+    },
+    /// Concatenation, most significant part first.
+    Concat(Vec<SignalId>),
+    /// Bits `low` to `low + width - 1` of a signal.
+    Slice {
+        /// The signal cut from.
+        source: SignalId,
+        /// The least significant bit taken.
+        low: u32,
+    },
+    /// Another signal under a second name.
+    Alias(SignalId),
+    /// The register with this position in [`Module::registers`].
+    Register(usize),
+    /// An output port (by position among the instantiated module's outputs) of an instance.
+    Instance {
+        /// Position in [`Module::instances`].
+        instance: usize,
+        /// Position in the instantiated module's [`Module::outputs`].
+        output: usize,
+    },
+}
+
+/// One arm of a [`Driver::Case`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arm {
+    /// What the selector must equal.
+    pub label: Label,
+    /// The value.
+    pub value: SignalId,
+}
+
+/// A constant that a reader knows by name, such as an opcode.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Label {
+    /// An identifier, declared as a `localparam` where it is used.
+    pub name: String,
+    /// Its value.
+    pub value: u64,
+}
+
+/// A port of a module. `clk_i` and `rst_ni` are implied ([`Module::is_clocked`], [`Module::has_reset`]).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Port {
+    /// Its name, direction suffix included.
+    pub name: String,
+    /// The signal that it is (input) or that drives it (output).
+    pub signal: SignalId,
+}
+
+/// A register on the rising edge of `clk_i`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RegisterInfo {
+    /// The signal that holds its value.
+    pub signal: SignalId,
+    /// What it takes at the edge.
+    pub next: SignalId,
+    /// Takes `next` only in cycles where this one-bit signal is 1.
+    pub enable: Option<SignalId>,
+    /// Its value while `rst_ni` is 0 (asynchronous); data registers have none.
+    pub reset: Option<u64>,
+}
+
+/// A module inside another.
+#[derive(Debug, Clone)]
+pub struct Instance {
+    /// Its name, unique in the parent.
+    pub name: String,
+    /// What it is an instance of.
+    pub module: Arc<Module>,
+    /// The parent's signals at the module's inputs, in the order of [`Module::inputs`].
+    pub inputs: Vec<SignalId>,
+    /// The parent's signals at the module's outputs, in the order of [`Module::outputs`].
+    pub outputs: Vec<SignalId>,
+}
+
+impl Instance {
+    /// Its name without the customary `u_`: what signals around it are named after.
+    pub fn stem(&self) -> &str {
+        self.name.strip_prefix("u_").unwrap_or(&self.name)
+    }
+}
+
+/// Something that the printed text has a place for, in the order of building.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Item {
+    /// A comment over what follows.
+    Section(String),
+    /// A named signal that an expression drives.
+    Signal(SignalId),
+    /// An instance.
+    Instance(usize),
+    /// A register.
+    Register(usize),
+    /// Signals that nobody reads, on purpose, under one name that begins with `unused_`.
+    Unused(String, Vec<SignalId>),
+}
+
+/// A finished module: widths checked, everything driven, names unique. Built by [`crate::Builder`] only.
+#[derive(Debug, Clone)]
+pub struct Module {
+    pub(crate) name: String,
+    pub(crate) doc: Vec<String>,
+    pub(crate) signals: Vec<Signal>,
+    pub(crate) inputs: Vec<Port>,
+    pub(crate) outputs: Vec<Port>,
+    pub(crate) registers: Vec<RegisterInfo>,
+    pub(crate) instances: Vec<Instance>,
+    pub(crate) items: Vec<Item>,
+}
+
+impl Module {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The lines of its head comment.
+    pub fn doc(&self) -> &[String] {
+        &self.doc
+    }
+
+    /// All signals; a [`SignalId`] is a position in here. Operands come before what they drive, except through
+    /// registers, instances and aliases.
+    pub fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    /// One signal.
+    pub fn signal(&self, id: SignalId) -> &Signal {
+        &self.signals[id.index()]
+    }
+
+    /// Input ports in order of declaration.
+    pub fn inputs(&self) -> &[Port] {
+        &self.inputs
+    }
+
+    /// Output ports in order of declaration.
+    pub fn outputs(&self) -> &[Port] {
+        &self.outputs
+    }
+
+    /// Registers in order of declaration.
+    pub fn registers(&self) -> &[RegisterInfo] {
+        &self.registers
+    }
+
+    /// Instances in order of declaration.
+    pub fn instances(&self) -> &[Instance] {
+        &self.instances
+    }
+
+    /// What is printed, in order.
+    pub fn items(&self) -> &[Item] {
+        &self.items
+    }
+
+    /// The width of an input or output port of this name.
+    pub fn port_width(&self, name: &str) -> Option<u32> {
+        let port = self.inputs.iter().chain(&self.outputs).find(|p| p.name == name)?;
+        Some(self.signal(port.signal).width)
+    }
+
+    /// Whether it, or anything inside it, has a register, and so a port `clk_i`.
+    pub fn is_clocked(&self) -> bool {
+        !self.registers.is_empty() || self.instances.iter().any(|i| i.module.is_clocked())
+    }
+
+    /// Whether it, or anything inside it, has a register with a reset, and so a port `rst_ni`.
+    pub fn has_reset(&self) -> bool {
+        self.registers.iter().any(|r| r.reset.is_some()) || self.instances.iter().any(|i| i.module.has_reset())
+    }
+
+    /// Register bits in it and everything inside it.
+    pub fn register_bits(&self) -> u64 {
+        let own: u64 = self.registers.iter().map(|r| u64::from(self.signal(r.signal).width)).sum();
+        own + self.instances.iter().map(|i| i.module.register_bits()).sum::<u64>()
+    }
+}

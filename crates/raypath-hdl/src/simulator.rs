@@ -1,0 +1,160 @@
+//! Executing a netlist, cycle by cycle, as native code.
+
+use crate::Error;
+use crate::flatten::Flat;
+use crate::jit::Code;
+use crate::netlist::Module;
+use std::sync::Arc;
+
+/// A module in simulation.
+///
+/// Set inputs, let a [`cycle`](Self::cycle) pass, and get what the outputs showed in it. Registers begin with their
+/// reset values, those without one with 0, as if a reset had just ended.
+pub struct Simulator {
+    module: Arc<Module>,
+    code: Code,
+    /// The registers now, and where the next values go.
+    current: Vec<u64>,
+    next: Vec<u64>,
+    /// Inputs, outputs, observed signals.
+    io: Vec<u64>,
+    /// Registers that have a reset value.
+    resets: Vec<(usize, u64)>,
+    reset: bool,
+    /// Observed names, widths and positions in `io`.
+    observed: Vec<(String, u32, usize)>,
+}
+
+/// An input of a [`Simulator`]; valid for others of the same module too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct InputPort {
+    slot: usize,
+    mask: u64,
+}
+
+/// An output of a [`Simulator`]; valid for others of the same module too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct OutputPort {
+    slot: usize,
+}
+
+/// An observed signal of the [`Simulator`] that gave it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Probe {
+    slot: usize,
+}
+
+impl Simulator {
+    /// Compiles `module`. What no output depends on, not even through registers, is left out.
+    pub fn new(module: &Arc<Module>) -> Result<Self, Error> {
+        Self::observing(module, |_| false)
+    }
+
+    /// Compiles `module` so that the signals, in it and inside its instances, whose hierarchical name
+    /// (`u_stage_3.valid_q`) is `wanted` can be observed. Only signals with a name and output ports have one.
+    pub fn observing(module: &Arc<Module>, wanted: impl Fn(&str) -> bool) -> Result<Self, Error> {
+        let flat = Flat::new(module, &wanted)?;
+        let inputs = module.inputs.len();
+        let code = Code::new(&flat, inputs)?;
+        let first = inputs + flat.outputs.len();
+        let resets = flat.registers.iter().enumerate();
+        let mut simulator = Self {
+            module: module.clone(),
+            code,
+            current: vec![0; flat.registers.len()],
+            next: vec![0; flat.registers.len()],
+            io: vec![0; first + flat.observed.len()],
+            resets: resets.filter_map(|(place, register)| Some((place, register.reset?))).collect(),
+            reset: false,
+            observed: flat.names.into_iter().map(|(name, width, slot)| (name, width, first + slot)).collect(),
+        };
+        simulator.apply_reset();
+        Ok(simulator)
+    }
+
+    /// The module that it executes.
+    pub fn module(&self) -> &Arc<Module> {
+        &self.module
+    }
+
+    /// The input port of this name.
+    pub fn input(&self, name: &str) -> Result<InputPort, Error> {
+        let slot = self.module.input_position(name)?;
+        let width = self.module.signal(self.module.inputs[slot].signal).width;
+        Ok(InputPort { slot, mask: u64::MAX >> (64 - width) })
+    }
+
+    /// The output port of this name.
+    pub fn output(&self, name: &str) -> Result<OutputPort, Error> {
+        Ok(OutputPort { slot: self.module.inputs.len() + self.module.output_position(name)? })
+    }
+
+    /// Sets an input, until it is set again. Bits above its width are ignored.
+    pub fn set(&mut self, input: InputPort, value: u64) {
+        self.io[input.slot] = value & input.mask;
+    }
+
+    /// What an output showed when last evaluated: in the last cycle before its clock edge, or when last settled.
+    pub fn get(&self, output: OutputPort) -> u64 {
+        self.io[output.slot]
+    }
+
+    /// One clock cycle: evaluates with the inputs as set, then the rising edge.
+    pub fn cycle(&mut self) {
+        self.settle();
+        std::mem::swap(&mut self.current, &mut self.next);
+        if self.reset {
+            self.apply_reset();
+        }
+    }
+
+    /// Evaluates with the inputs as set, without an edge.
+    pub fn settle(&mut self) {
+        self.code.run(&self.current, &mut self.next, &mut self.io);
+    }
+
+    /// Drives `rst_ni`: low where `asserted`. The reset is asynchronous: registers that have a reset value take it at
+    /// once, without an edge, and hold it until the reset ends. Outputs follow when next evaluated.
+    pub fn set_reset(&mut self, asserted: bool) {
+        self.reset = asserted;
+        if asserted {
+            self.apply_reset();
+        }
+    }
+
+    /// Whether the reset is asserted.
+    pub fn is_reset(&self) -> bool {
+        self.reset
+    }
+
+    /// Hierarchical names and widths of the signals that can be observed.
+    pub fn signals(&self) -> impl Iterator<Item = (&str, u32)> {
+        self.observed.iter().map(|(name, width, _)| (name.as_str(), *width))
+    }
+
+    /// The same, with what to [`peek`](Self::peek) at. Names of the same value share a probe.
+    pub fn probes(&self) -> impl Iterator<Item = (&str, u32, Probe)> {
+        self.observed.iter().map(|(name, width, slot)| (name.as_str(), *width, Probe { slot: *slot }))
+    }
+
+    /// The observed signal of this hierarchical name.
+    pub fn observe(&self, name: &str) -> Result<Probe, Error> {
+        let found = self.observed.iter().find(|(observed, ..)| observed == name);
+        found.map(|&(_, _, slot)| Probe { slot }).ok_or_else(|| Error::Name {
+            module: self.module.name.clone(),
+            name: name.to_string(),
+            problem: "is no observed signal".to_string(),
+        })
+    }
+
+    /// What an observed signal was when last evaluated, like [`get`](Self::get).
+    pub fn peek(&self, probe: Probe) -> u64 {
+        self.io[probe.slot]
+    }
+
+    fn apply_reset(&mut self) {
+        for &(register, value) in &self.resets {
+            self.current[register] = value;
+        }
+    }
+}

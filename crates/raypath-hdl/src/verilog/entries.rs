@@ -1,0 +1,171 @@
+//! What is printed, in order: a module's items, gathered into sections.
+
+use crate::netlist::{Driver, Item, Label, Module, SignalId};
+use std::collections::HashSet;
+
+/// A section of the text.
+pub struct Chunk<'m> {
+    /// The comment over it.
+    pub title: Option<&'m str>,
+    /// What it consists of; registers last.
+    pub entries: Vec<Entry<'m>>,
+}
+
+/// A statement.
+#[derive(Clone)]
+pub enum Entry<'m> {
+    /// The assignment of a signal.
+    Signal(SignalId),
+    /// Cases with one selector and the same labels, in one block.
+    Cases(Vec<SignalId>),
+    /// An instance.
+    Instance(usize),
+    /// Registers with one enable, with or without reset, in one block.
+    Registers(Vec<usize>),
+    /// Signals that nobody reads, and the name that says so.
+    Unused(&'m str, &'m [SignalId]),
+    /// The assignment of an output port.
+    Output(usize),
+}
+
+/// Where a signal is read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reader<'m> {
+    /// In the expression that drives another.
+    Signal(SignalId),
+    /// As the next value of a register.
+    Next(usize),
+    /// As the enable of this and perhaps other registers.
+    Enable(usize),
+    /// At an instance's input.
+    Port(usize, usize),
+    /// In the signal of this name that only says that nothing else reads it.
+    Unused(&'m str),
+    /// At an output port.
+    Output(usize),
+}
+
+/// The sections of a module; `operands` are those of each of its signals.
+pub fn chunks<'m>(module: &'m Module, operands: &[Vec<SignalId>]) -> Vec<Chunk<'m>> {
+    let mut chunks = vec![Chunk { title: None, entries: Vec::new() }];
+    let mut registers: Vec<Entry<'m>> = Vec::new();
+    for item in module.items() {
+        let last = chunks.len() - 1;
+        let entries = &mut chunks[last].entries;
+        match item {
+            Item::Section(title) => {
+                entries.append(&mut registers);
+                chunks.push(Chunk { title: Some(title), entries: Vec::new() });
+            }
+            Item::Signal(id) if is_case(module, *id) => match entries.last_mut() {
+                Some(Entry::Cases(group)) if belongs(module, operands, group, *id) => group.push(*id),
+                _ => entries.push(Entry::Cases(vec![*id])),
+            },
+            Item::Signal(id) => entries.push(Entry::Signal(*id)),
+            Item::Instance(instance) => entries.push(Entry::Instance(*instance)),
+            Item::Register(register) => add_register(module, &mut registers, *register),
+            Item::Unused(name, signals) => entries.push(Entry::Unused(name, signals)),
+        }
+    }
+    if let Some(last) = chunks.last_mut() {
+        last.entries.append(&mut registers);
+    }
+    let outputs = (0..module.outputs().len()).map(Entry::Output).collect();
+    let title = (chunks.len() > 1).then_some("Outputs");
+    chunks.push(Chunk { title, entries: outputs });
+    chunks
+}
+
+/// Whether a case drives the signal.
+pub fn is_case(module: &Module, id: SignalId) -> bool {
+    matches!(module.signal(id).driver, Driver::Case { .. })
+}
+
+impl<'m> Entry<'m> {
+    /// What it reads; what a block prints once counts once.
+    pub fn reads(&self, module: &'m Module, operands: &[Vec<SignalId>]) -> Vec<(SignalId, Reader<'m>)> {
+        let of = |id: SignalId| operands[id.index()].iter().map(move |&operand| (operand, Reader::Signal(id)));
+        match self {
+            Self::Signal(id) => of(*id).collect(),
+            Self::Cases(group) => {
+                let rest = group[1..].iter().flat_map(|&id| of(id).skip(1));
+                of(group[0]).chain(rest).collect()
+            }
+            Self::Instance(instance) => {
+                let inputs = module.instances()[*instance].inputs.iter().enumerate();
+                inputs.map(|(input, &id)| (id, Reader::Port(*instance, input))).collect()
+            }
+            Self::Registers(group) => {
+                let enable = module.registers()[group[0]].enable.map(|id| (id, Reader::Enable(group[0])));
+                let next = group.iter().map(|&register| (module.registers()[register].next, Reader::Next(register)));
+                enable.into_iter().chain(next).collect()
+            }
+            Self::Unused(name, ids) => ids.iter().map(|&id| (id, Reader::Unused(name))).collect(),
+            Self::Output(port) => vec![(module.outputs()[*port].signal, Reader::Output(*port))],
+        }
+    }
+
+    /// The signals that it drives, if they are not ports.
+    pub fn defines(&self, module: &Module) -> Vec<SignalId> {
+        match self {
+            Self::Signal(id) => vec![*id],
+            Self::Cases(group) => group.clone(),
+            Self::Instance(instance) => module.instances()[*instance].outputs.clone(),
+            Self::Registers(group) => group.iter().map(|&register| module.registers()[register].signal).collect(),
+            Self::Unused(..) | Self::Output(_) => Vec::new(),
+        }
+    }
+}
+
+fn add_register(module: &Module, blocks: &mut Vec<Entry<'_>>, register: usize) {
+    let kind = |register: usize| {
+        let info = &module.registers()[register];
+        (info.enable, info.reset.is_some())
+    };
+    for block in blocks.iter_mut() {
+        if let Entry::Registers(group) = block
+            && kind(group[0]) == kind(register)
+        {
+            return group.push(register);
+        }
+    }
+    blocks.push(Entry::Registers(vec![register]));
+}
+
+/// Whether a case may join a block: the labels are the same, and no case of the block depends on another, which would
+/// look like a combinational loop to tools that see the block as a whole.
+fn belongs(module: &Module, operands: &[Vec<SignalId>], group: &[SignalId], new: SignalId) -> bool {
+    alternatives(module, group[0]) == alternatives(module, new)
+        && !reaches(module, operands, &[new], group)
+        && !reaches(module, operands, group, &[new])
+}
+
+fn alternatives(module: &Module, id: SignalId) -> Option<(SignalId, Vec<&Label>)> {
+    match &module.signal(id).driver {
+        Driver::Case { selector, arms, .. } => Some((*selector, arms.iter().map(|arm| &arm.label).collect())),
+        _ => None,
+    }
+}
+
+/// Whether one of `from` depends on one of `targets` within a cycle, where all outputs of an instance are taken to
+/// depend on all of its inputs.
+fn reaches(module: &Module, operands: &[Vec<SignalId>], from: &[SignalId], targets: &[SignalId]) -> bool {
+    let mut seen = HashSet::new();
+    let mut seen_instances = HashSet::new();
+    let mut open: Vec<SignalId> = from.iter().flat_map(|id| &operands[id.index()]).copied().collect();
+    while let Some(id) = open.pop() {
+        if targets.contains(&id) {
+            return true;
+        }
+        if !seen.insert(id) {
+            continue;
+        }
+        match module.signal(id).driver {
+            Driver::Instance { instance, .. } if seen_instances.insert(instance) => {
+                open.extend(&module.instances()[instance].inputs);
+            }
+            _ => open.extend(&operands[id.index()]),
+        }
+    }
+    false
+}

@@ -1,0 +1,325 @@
+//! Decides which signals have a name in the text, and which are part of an expression.
+
+use super::entries::{self, Chunk, Entry, Reader, is_case};
+use super::expression::{Expression, render, repetitions, slice_root};
+use super::labels::Labels;
+use crate::Error;
+use crate::netlist::{Driver, Item, Module, SignalId};
+use std::collections::{BTreeSet, HashSet};
+
+/// The most that is written inside another expression, as a register's next value, and at an instance's port.
+const INSIDE: usize = 48;
+const INSIDE_LEVELS: u32 = 3;
+const NEXT: usize = 72;
+const PORT: usize = 40;
+
+/// How a signal appears where it is read.
+#[derive(Debug, Clone)]
+pub enum Place {
+    /// Not at all: nobody reads it.
+    Nowhere,
+    /// Under its own name, its output port's, or one made for it.
+    Name(String),
+    /// As an expression.
+    Text(Expression),
+}
+
+/// Everything about the text of a module that is not layout.
+pub struct Plan<'m> {
+    module: &'m Module,
+    operands: Vec<Vec<SignalId>>,
+    chunks: Vec<Chunk<'m>>,
+    labels: Labels<'m>,
+    uses: Vec<Uses<'m>>,
+    places: Vec<Place>,
+}
+
+#[derive(Clone, Default)]
+struct Uses<'m> {
+    count: u32,
+    /// One of its readers; the reader, where there is one only.
+    reader: Option<Reader<'m>>,
+}
+
+/// Where a signal without a name is first needed, which is where it is assigned if it gets one.
+#[derive(Clone)]
+struct Owner {
+    chunk: usize,
+    entry: usize,
+    /// The name that says best what it is, if there is one.
+    role: Option<String>,
+    /// The named thing that it is a part of.
+    whole: String,
+}
+
+impl<'m> Plan<'m> {
+    /// Plans the text of a module.
+    pub fn new(module: &'m Module) -> Result<Self, Error> {
+        let operands: Vec<Vec<SignalId>> = module.signals().iter().map(|signal| operands(&signal.driver)).collect();
+        let chunks = entries::chunks(module, &operands);
+        let uses = uses(module, &operands, &chunks);
+        let mut names = names(module);
+        let printed = |index: usize| module.signals()[index].name.is_some() || uses[index].count > 0;
+        let labels = Labels::new(module, printed, &mut names)?;
+        let places = vec![Place::Nowhere; operands.len()];
+        let mut plan = Self { module, operands, chunks, labels, uses, places };
+        plan.place_named(&mut names);
+        plan.place_unnamed(&mut names);
+        Ok(plan)
+    }
+
+    /// The module.
+    pub fn module(&self) -> &'m Module {
+        self.module
+    }
+
+    /// The text's sections.
+    pub fn chunks(&self) -> &[Chunk<'m>] {
+        &self.chunks
+    }
+
+    /// The labels that it uses.
+    pub fn labels(&self) -> &Labels<'m> {
+        &self.labels
+    }
+
+    /// A signal as its readers see it.
+    pub fn read(&self, id: SignalId) -> &str {
+        match &self.places[id.index()] {
+            Place::Nowhere => "",
+            Place::Name(name) => name,
+            Place::Text(expression) => &expression.text,
+        }
+    }
+
+    /// The expression that drives a signal.
+    pub fn expression(&self, id: SignalId) -> String {
+        render(self.module, &self.places, self.driven_by(id)).text
+    }
+
+    /// The signal itself, or the nameless one of which it is the only reader and another name.
+    pub fn driven_by(&self, id: SignalId) -> SignalId {
+        match self.module.signal(id).driver {
+            Driver::Alias(source) if self.is_renamed(source) => source,
+            _ => id,
+        }
+    }
+
+    /// Whether a signal has no name but that of the only thing that shows it: an alias or an output port.
+    pub fn is_renamed(&self, id: SignalId) -> bool {
+        let Uses { count, reader } = &self.uses[id.index()];
+        let by_alias = |reader: SignalId| matches!(self.module.signal(reader).driver, Driver::Alias(_));
+        self.module.signal(id).name.is_none()
+            && *count == 1
+            && match reader {
+                Some(Reader::Output(_)) => true,
+                Some(Reader::Signal(reader)) => by_alias(*reader),
+                _ => false,
+            }
+    }
+
+    /// The name under which a signal has to be declared.
+    pub fn declaration(&self, id: SignalId) -> Option<&str> {
+        let is_port = matches!(self.module.signal(id).driver, Driver::Input) || self.is_renamed(id);
+        match &self.places[id.index()] {
+            Place::Name(name) if !is_port => Some(name),
+            _ => None,
+        }
+    }
+
+    /// The signals that an entry defines or reads by name.
+    pub fn mentioned(&self, entry: &Entry<'m>) -> BTreeSet<SignalId> {
+        let mut found: BTreeSet<SignalId> = entry.defines(self.module).into_iter().collect();
+        let reads = entry.reads(self.module, &self.operands);
+        let mut open: Vec<SignalId> = reads.into_iter().map(|(id, _)| id).collect();
+        while let Some(id) = open.pop() {
+            match self.places[id.index()] {
+                Place::Name(_) if !self.is_renamed(id) => {
+                    found.insert(id);
+                }
+                _ => open.extend(&self.operands[id.index()]),
+            }
+        }
+        found
+    }
+
+    fn place_named(&mut self, names: &mut HashSet<String>) {
+        for (index, signal) in self.module.signals().iter().enumerate() {
+            let Some(name) = &signal.name else { continue };
+            self.places[index] = Place::Name(match signal.driver {
+                Driver::Instance { instance, output } if self.uses[index].count == 0 => {
+                    let instance = &self.module.instances()[instance];
+                    let port = &instance.module.outputs()[output].name;
+                    fresh(names, &format!("unused_{}_{}", instance.stem(), stem(port, "_o")))
+                }
+                _ => name.clone(),
+            });
+        }
+    }
+
+    fn place_unnamed(&mut self, names: &mut HashSet<String>) {
+        let owners = self.owners();
+        let mut needs_name = vec![false; self.places.len()];
+        for (index, signal) in self.module.signals().iter().enumerate() {
+            if let (true, Driver::Slice { source, low }) = (self.uses[index].count > 0, &signal.driver) {
+                let (root, _) = slice_root(self.module, *source, *low);
+                needs_name[root.index()] = !matches!(self.module.signal(root).driver, Driver::Constant(_));
+            }
+        }
+        let mut assigned: Vec<(usize, usize, SignalId)> = Vec::new();
+        for (index, owner) in owners.into_iter().enumerate() {
+            let Some(owner) = owner else { continue };
+            let id = SignalId(index as u32);
+            if self.is_renamed(id) {
+                self.places[index] = Place::Name(owner.whole);
+                continue;
+            }
+            let expression = render(self.module, &self.places, id);
+            self.places[index] = if !needs_name[index] && self.is_inline(id, &expression) {
+                Place::Text(expression)
+            } else {
+                assigned.push((owner.chunk, owner.entry, id));
+                Place::Name(match owner.role {
+                    Some(role) => fresh(names, &role),
+                    None => numbered(names, &owner.whole),
+                })
+            };
+        }
+        // From the last on, so that positions stay true.
+        assigned.sort_by_key(|&assignment| std::cmp::Reverse(assignment));
+        for (chunk, entry, id) in assigned {
+            let assignment = if is_case(self.module, id) { Entry::Cases(vec![id]) } else { Entry::Signal(id) };
+            self.chunks[chunk].entries.insert(entry, assignment);
+        }
+    }
+
+    fn is_inline(&self, id: SignalId, expression: &Expression) -> bool {
+        let signal = self.module.signal(id);
+        if signal.comment.is_some() || is_case(self.module, id) {
+            return false;
+        }
+        match signal.driver {
+            Driver::Constant(_) | Driver::Slice { .. } => return true,
+            Driver::Not(_) if expression.depth == 0 => return true,
+            _ => {}
+        }
+        let Uses { count: 1, reader } = &self.uses[id.index()] else { return false };
+        match reader {
+            Some(Reader::Next(_)) => expression.text.len() <= NEXT,
+            Some(Reader::Port(..)) => expression.text.len() <= PORT,
+            _ => expression.text.len() <= INSIDE && expression.depth <= INSIDE_LEVELS,
+        }
+    }
+
+    /// The owners of the signals without a name that somebody reads.
+    fn owners(&self) -> Vec<Option<Owner>> {
+        let mut owners: Vec<Option<Owner>> = vec![None; self.places.len()];
+        for (chunk, list) in self.chunks.iter().enumerate() {
+            for (entry, reading) in list.entries.iter().enumerate() {
+                for (id, reader) in reading.reads(self.module, &self.operands) {
+                    let (whole, role) = self.describe(reader);
+                    let mut open = vec![(id, role)];
+                    while let Some((id, role)) = open.pop() {
+                        if self.module.signal(id).name.is_none() && owners[id.index()].is_none() {
+                            owners[id.index()] = Some(Owner { chunk, entry, role, whole: whole.clone() });
+                            open.extend(self.operands[id.index()].iter().map(|&operand| (operand, None)));
+                        }
+                    }
+                }
+            }
+        }
+        owners
+    }
+
+    /// The reader's name, and what it calls the signal that it reads.
+    fn describe(&self, reader: Reader<'_>) -> (String, Option<String>) {
+        let register = |index: usize| {
+            let name = self.module.signal(self.module.registers()[index].signal).name.as_deref();
+            stem(name.unwrap_or_default(), "_q").to_string()
+        };
+        match reader {
+            Reader::Signal(id) => (self.module.signal(id).name.clone().unwrap_or_default(), None),
+            Reader::Next(index) => (register(index), Some(format!("{}_d", register(index)))),
+            Reader::Enable(index) => (register(index), Some(format!("{}_en", register(index)))),
+            Reader::Port(instance, input) => {
+                let instance = &self.module.instances()[instance];
+                let port = stem(&instance.module.inputs()[input].name, "_i");
+                (instance.stem().to_string(), Some(format!("{}_{port}", instance.stem())))
+            }
+            Reader::Unused(name) => (name.to_string(), None),
+            Reader::Output(port) => (self.module.outputs()[port].name.clone(), None),
+        }
+    }
+}
+
+/// What a driver reads; a repeated part of a concatenation is written, and so read, once.
+fn operands(driver: &Driver) -> Vec<SignalId> {
+    if let Driver::Concat(parts) = driver {
+        return repetitions(parts).into_iter().map(|(part, _)| part).collect();
+    }
+    let mut found = Vec::new();
+    driver.clone().for_operands(|id| found.push(*id));
+    found
+}
+
+/// Counts readers that are printed. Signals without a name follow their operands, so that going backwards meets every
+/// reader before what it reads.
+fn uses<'m>(module: &'m Module, operands: &[Vec<SignalId>], chunks: &[Chunk<'m>]) -> Vec<Uses<'m>> {
+    let mut uses = vec![Uses::default(); operands.len()];
+    let note = |uses: &mut Vec<Uses<'m>>, id: SignalId, reader| {
+        uses[id.index()].count += 1;
+        uses[id.index()].reader = Some(reader);
+    };
+    for (id, reader) in chunks.iter().flat_map(|chunk| &chunk.entries).flat_map(|entry| entry.reads(module, operands)) {
+        note(&mut uses, id, reader);
+    }
+    for (index, signal) in module.signals().iter().enumerate().rev() {
+        if signal.name.is_none() && uses[index].count > 0 {
+            for &operand in &operands[index] {
+                note(&mut uses, operand, Reader::Signal(SignalId(index as u32)));
+            }
+        }
+    }
+    uses
+}
+
+fn names(module: &Module) -> HashSet<String> {
+    let ports = module.inputs().iter().chain(module.outputs()).map(|port| &port.name);
+    let signals = module.signals().iter().filter_map(|signal| signal.name.as_ref());
+    let instances = module.instances().iter().map(|instance| &instance.name);
+    let mut names: HashSet<String> = ports.chain(signals).chain(instances).cloned().collect();
+    names.extend(["clk_i", "rst_ni"].map(String::from));
+    names.extend(module.items().iter().filter_map(|item| match item {
+        Item::Unused(name, _) => Some(name.clone()),
+        _ => None,
+    }));
+    names
+}
+
+/// `name`, or `name_2` and so on if it is taken; taken from now on.
+fn fresh(names: &mut HashSet<String>, name: &str) -> String {
+    let mut candidate = name.to_string();
+    let mut number = 2;
+    while crate::names::problem(&candidate).is_some() || !names.insert(candidate.clone()) {
+        candidate = format!("{name}_{number}");
+        number += 1;
+    }
+    candidate
+}
+
+/// A term of `whole`: the first of `whole_t1`, `whole_t2` and so on that is not taken; taken from now on.
+fn numbered(names: &mut HashSet<String>, whole: &str) -> String {
+    let whole = stem(whole, "_o");
+    let mut number = 1;
+    loop {
+        let candidate = format!("{whole}_t{number}");
+        if names.insert(candidate.clone()) {
+            return candidate;
+        }
+        number += 1;
+    }
+}
+
+fn stem<'a>(name: &'a str, suffix: &str) -> &'a str {
+    name.strip_suffix(suffix).unwrap_or(name)
+}

@@ -1,0 +1,246 @@
+//! Waveforms of a simulation, as FST files (for GTKWave, Surfer and the like).
+
+use crate::netlist::Module;
+use crate::{Error, Probe, Simulator};
+use fst_writer::{
+    FstBodyWriter, FstFileType, FstHeaderWriter, FstInfo, FstScopeType, FstSignalId, FstSignalType, FstVarDirection,
+    FstVarType,
+};
+use std::collections::HashMap;
+use std::fmt::Display;
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Writes what a [`Simulator`] observes, with the clock and the reset of the top, at 10 ns a cycle.
+///
+/// The file appears under its name when [`finish`](Self::finish) has written all of it; a writer that is dropped
+/// before leaves nothing behind.
+///
+/// ```no_run
+/// # fn waves(module: &std::sync::Arc<raypath_hdl::Module>) -> Result<(), raypath_hdl::Error> {
+/// use raypath_hdl::{Simulator, WaveWriter};
+/// let mut simulator = Simulator::observing(module, |_| true)?;
+/// let mut waves = WaveWriter::create("run.fst", &simulator)?;
+/// for cycle in 0..100 {
+///     simulator.cycle();
+///     waves.sample(&simulator, cycle)?;
+/// }
+/// waves.finish()
+/// # }
+/// ```
+pub struct WaveWriter {
+    path: PathBuf,
+    temporary: PathBuf,
+    /// Present until finished or dropped.
+    body: Option<FstBodyWriter<BufWriter<File>>>,
+    clock: Option<FstSignalId>,
+    reset: Option<Wave>,
+    waves: Vec<(Probe, Wave)>,
+    /// The first cycle that may be sampled next.
+    next_cycle: u64,
+}
+
+/// One signal in the file, and the value that it showed last.
+struct Wave {
+    id: FstSignalId,
+    width: u32,
+    shown: Option<u64>,
+}
+
+const NS_PER_CYCLE: u64 = 10;
+
+/// Changes are kept in memory up to this many bytes.
+const FLUSH_AT: usize = 1 << 20;
+
+impl WaveWriter {
+    /// Begins a file that will be at `path`, replacing what is there, of what `simulator` observes.
+    pub fn create(path: impl AsRef<Path>, simulator: &Simulator) -> Result<Self, Error> {
+        let path = path.as_ref().to_path_buf();
+        let temporary = beside(&path);
+        let begun = begin(&temporary, simulator).map_err(|problem| {
+            // What was wrong is reported; a file that cannot be removed either adds nothing to that.
+            let _ = fs::remove_file(&temporary);
+            wave_error(&path, problem)
+        })?;
+        let Begun { body, clock, reset, waves } = begun;
+        Ok(Self { path, temporary, body: Some(body), clock, reset, waves, next_cycle: 0 })
+    }
+
+    /// Writes what the signals were when `simulator`, the one given to [`create`](Self::create), was last evaluated,
+    /// as the values of this clock cycle. Cycles must increase.
+    pub fn sample(&mut self, simulator: &Simulator, cycle: u64) -> Result<(), Error> {
+        if cycle < self.next_cycle {
+            return Err(wave_error(&self.path, format!("cycle {cycle} sampled after cycle {}", self.next_cycle - 1)));
+        }
+        self.next_cycle = cycle + 1;
+        self.write_cycle(simulator, cycle).map_err(|problem| wave_error(&self.path, problem))
+    }
+
+    /// Completes the file and gives it its name.
+    pub fn finish(mut self) -> Result<(), Error> {
+        let Some(mut body) = self.body.take() else { return Ok(()) };
+        // The last cycle lasts as long as the others.
+        body.time_change(self.next_cycle * NS_PER_CYCLE).map_err(|e| wave_error(&self.path, e))?;
+        let written = body.finish().map_err(|e| wave_error(&self.path, e))?;
+        written.into_inner().map_err(|e| wave_error(&self.path, e))?;
+        fs::rename(&self.temporary, &self.path).map_err(|e| wave_error(&self.path, e))
+    }
+
+    fn write_cycle(&mut self, simulator: &Simulator, cycle: u64) -> fst_writer::Result<()> {
+        let Some(body) = &mut self.body else { return Ok(()) };
+        if body.size() > FLUSH_AT {
+            body.flush()?;
+        }
+        let rise = cycle * NS_PER_CYCLE;
+        body.time_change(rise)?;
+        if let Some(clock) = self.clock {
+            body.signal_change(clock, b"1")?;
+        }
+        if let Some(reset) = &mut self.reset {
+            reset.show(u64::from(!simulator.is_reset()), body)?;
+        }
+        for (probe, wave) in &mut self.waves {
+            wave.show(simulator.peek(*probe), body)?;
+        }
+        if let Some(clock) = self.clock {
+            body.time_change(rise + NS_PER_CYCLE / 2)?;
+            body.signal_change(clock, b"0")?;
+        }
+        Ok(())
+    }
+}
+
+impl Drop for WaveWriter {
+    fn drop(&mut self) {
+        self.body = None;
+        // After `finish` it is gone already; otherwise there is nobody left to tell.
+        let _ = fs::remove_file(&self.temporary);
+    }
+}
+
+impl Wave {
+    fn show(&mut self, value: u64, body: &mut FstBodyWriter<BufWriter<File>>) -> fst_writer::Result<()> {
+        if self.shown.replace(value) == Some(value) {
+            return Ok(());
+        }
+        let mut digits = [b'0'; 64];
+        let digits = &mut digits[..self.width as usize];
+        for (bit, digit) in digits.iter_mut().rev().enumerate() {
+            *digit = b'0' + (value >> bit & 1) as u8;
+        }
+        body.signal_change(self.id, digits)
+    }
+}
+
+struct Begun {
+    body: FstBodyWriter<BufWriter<File>>,
+    clock: Option<FstSignalId>,
+    reset: Option<Wave>,
+    waves: Vec<(Probe, Wave)>,
+}
+
+fn begin(temporary: &Path, simulator: &Simulator) -> fst_writer::Result<Begun> {
+    let info = FstInfo {
+        start_time: 0,
+        timescale_exponent: -9,
+        version: concat!("raypath-hdl ", env!("CARGO_PKG_VERSION")).to_string(),
+        date: String::new(), // the same run gives the same file
+        file_type: FstFileType::Verilog,
+    };
+    let file = File::options().read(true).write(true).create_new(true).open(temporary)?;
+    let header = FstHeaderWriter::new(BufWriter::new(file), &info)?;
+    let mut scopes = Scopes { header, by_scope: signals_by_scope(simulator), ids: HashMap::new(), waves: Vec::new() };
+
+    let top = simulator.module();
+    scopes.header.scope(top.name(), top.name(), FstScopeType::Module)?;
+    let clock = top.is_clocked().then(|| scopes.bit("clk_i")).transpose()?;
+    let reset = top.has_reset().then(|| scopes.bit("rst_ni")).transpose()?;
+    scopes.write_all(top)?;
+    let body = scopes.header.finish()?;
+    Ok(Begun { body, clock, reset: reset.map(|id| Wave { id, width: 1, shown: None }), waves: scopes.waves })
+}
+
+/// The hierarchy being written.
+struct Scopes<'s> {
+    header: FstHeaderWriter<BufWriter<File>>,
+    by_scope: HashMap<&'s str, Vec<(&'s str, u32, Probe)>>,
+    /// Signals with the same value at all times are one in the file.
+    ids: HashMap<Probe, FstSignalId>,
+    waves: Vec<(Probe, Wave)>,
+}
+
+/// Observed signals by the prefix of their scope; scopes with none but inside their instances too.
+fn signals_by_scope(simulator: &Simulator) -> HashMap<&str, Vec<(&str, u32, Probe)>> {
+    let mut by_scope: HashMap<&str, Vec<_>> = HashMap::new();
+    for (name, width, probe) in simulator.probes() {
+        let prefix = name.rfind('.').map_or(0, |dot| dot + 1);
+        by_scope.entry(&name[..prefix]).or_default().push((&name[prefix..], width, probe));
+        for (dot, _) in name.match_indices('.') {
+            by_scope.entry(&name[..=dot]).or_default();
+        }
+    }
+    by_scope
+}
+
+impl Scopes<'_> {
+    /// Writes the signals of the open scope of `top` and all scopes inside it, and closes it.
+    fn write_all(&mut self, top: &Arc<Module>) -> fst_writer::Result<()> {
+        self.signals(top, "")?;
+        let mut path = vec![(top.clone(), String::new(), 0)];
+        while let Some((module, prefix, next)) = path.last_mut() {
+            let Some(instance) = module.instances().get(*next) else {
+                self.header.up_scope()?;
+                path.pop();
+                continue;
+            };
+            *next += 1;
+            let (inside, prefix) = (instance.module.clone(), format!("{prefix}{}.", instance.name));
+            if self.by_scope.contains_key(prefix.as_str()) {
+                self.header.scope(&instance.name, inside.name(), FstScopeType::Module)?;
+                self.signals(&inside, &prefix)?;
+                path.push((inside, prefix, 0));
+            }
+        }
+        Ok(())
+    }
+
+    fn signals(&mut self, module: &Module, prefix: &str) -> fst_writer::Result<()> {
+        for (name, width, probe) in self.by_scope.get(prefix).into_iter().flatten() {
+            let direction = if module.inputs().iter().any(|port| port.name == *name) {
+                FstVarDirection::Input
+            } else if module.outputs().iter().any(|port| port.name == *name) {
+                FstVarDirection::Output
+            } else {
+                FstVarDirection::Implicit
+            };
+            let title = if *width == 1 { name.to_string() } else { format!("{name} [{}:0]", width - 1) };
+            let known = self.ids.get(probe).copied();
+            let kind = FstSignalType::bit_vec(*width);
+            let id = self.header.var(title, kind, FstVarType::Logic, direction, known)?;
+            if known.is_none() {
+                self.ids.insert(*probe, id);
+                self.waves.push((*probe, Wave { id, width: *width, shown: None }));
+            }
+        }
+        Ok(())
+    }
+
+    fn bit(&mut self, name: &str) -> fst_writer::Result<FstSignalId> {
+        self.header.var(name, FstSignalType::bit_vec(1), FstVarType::Logic, FstVarDirection::Input, None)
+    }
+}
+
+/// A name in the same directory, so that renaming stays within the file system, that no other writer has.
+fn beside(path: &Path) -> PathBuf {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
+    path.with_file_name(name)
+}
+
+fn wave_error(path: &Path, problem: impl Display) -> Error {
+    Error::Wave { path: path.display().to_string(), problem: problem.to_string() }
+}

@@ -1,0 +1,262 @@
+//! Everything that `Builder` rejects, and what it says: the module, the signal, the problem.
+
+use raypath_hdl::{Builder, Error, Label};
+
+/// What building a module `bad`, with inputs `a_i` of 8 bits and `c_i` of 1 bit, ends with.
+fn error_of(describe: impl FnOnce(&Builder)) -> Error {
+    let m = Builder::new("bad");
+    describe(&m);
+    m.finish().expect_err("accepted")
+}
+
+fn width(signal: &str, problem: &str) -> Error {
+    Error::Width { module: "bad".into(), signal: signal.into(), problem: problem.into() }
+}
+
+fn name(name: &str, problem: &str) -> Error {
+    Error::Name { module: "bad".into(), name: name.into(), problem: problem.into() }
+}
+
+fn drive(signal: &str, problem: &str) -> Error {
+    Error::Drive { module: "bad".into(), signal: signal.into(), problem: problem.into() }
+}
+
+const NO_IDENTIFIER: &str = "is no identifier: letters, digits and underscores, no digit first";
+
+#[test]
+fn operands_of_unequal_width() {
+    macro_rules! rejects {
+        ($operator:literal, $a:ident, $b:ident, $expression:expr) => {
+            let found = error_of(|m| {
+                let ($a, $b) = (m.input("a_i", 8), m.input("b_i", 7));
+                let _ = $expression;
+            });
+            assert_eq!(found, width(concat!($operator, " 2"), "operand of 7 bits, expected 8"));
+        };
+    }
+    rejects!("Add", a, b, a + b);
+    rejects!("Sub", a, b, a - b);
+    rejects!("And", a, b, a & b);
+    rejects!("Or", a, b, a | b);
+    rejects!("Xor", a, b, a ^ b);
+    rejects!("Equal", a, b, a.equals(b));
+    rejects!("Less", a, b, a.less(b));
+}
+
+#[test]
+fn multiplexers_that_do_not_fit() {
+    let found = error_of(|m| {
+        let (a, b) = (m.input("a_i", 8), m.input("b_i", 7));
+        m.input("c_i", 1).mux(a, b);
+    });
+    assert_eq!(found, width("Mux 3", "operand of 7 bits, expected 8"));
+    let found = error_of(|m| {
+        let a = m.input("a_i", 8);
+        a.mux(a, a);
+    });
+    assert_eq!(found, width("Mux 1", "operand of 8 bits, expected 1"));
+}
+
+#[test]
+fn cases_that_do_not_fit() {
+    let label = |name: &str, value| Label { name: name.to_string(), value };
+    let found = error_of(|m| {
+        let (a, b) = (m.input("a_i", 2), m.input("b_i", 7));
+        m.case(a, &[(label("One", 1), b), (label("Four", 4), b)], b);
+    });
+    assert_eq!(found, width("Case 2", "label Four does not fit the selector"));
+    let found = error_of(|m| {
+        let (a, b) = (m.input("a_i", 2), m.input("b_i", 7));
+        m.case(a, &[(label("One", 1), b), (label("Uno", 1), b)], b);
+    });
+    assert_eq!(found, width("Case 2", "label Uno appears twice"));
+    let found = error_of(|m| {
+        let (a, b) = (m.input("a_i", 2), m.input("b_i", 7));
+        m.case(a, &[(label("One", 1), a)], b);
+    });
+    assert_eq!(found, width("Case 2", "operand of 2 bits, expected 7"));
+}
+
+#[test]
+fn widths_out_of_range() {
+    let found = error_of(|m| {
+        m.input("a_i", 0);
+    });
+    assert!(matches!(&found, Error::Width { problem, .. } if problem == "width 0, expected 1 to 64"), "{found}");
+    let found = error_of(|m| {
+        let a = m.input("a_i", 64);
+        m.concat(&[a, a.top()]);
+    });
+    assert_eq!(found, width("Concat 2", "width 65, expected 1 to 64"));
+    let found = error_of(|m| {
+        let a = m.input("a_i", 33);
+        let _ = a * a;
+    });
+    assert_eq!(found, width("Mul 1", "width 66, expected 1 to 64"));
+    let found = error_of(|m| {
+        m.concat(&[]);
+    });
+    assert_eq!(found, width("Concat 0", "width 0, expected 1 to 64"));
+}
+
+#[test]
+fn constants_and_reset_values_that_do_not_fit() {
+    let found = error_of(|m| {
+        m.constant(3, 8);
+    });
+    assert_eq!(found, width("Constant 0", "constant 8 does not fit 3 bits"));
+    let found = error_of(|m| {
+        let count = m.register("count_q", 3).reset_to(8);
+        count.next(count.wire());
+    });
+    assert_eq!(found, width("count_q", "reset value 8 does not fit"));
+}
+
+#[test]
+fn cuts_and_extensions_that_do_not_fit() {
+    type Cut = fn(raypath_hdl::Wire<'_>) -> raypath_hdl::Wire<'_>;
+    let cases: [(Cut, &str); 8] = [
+        (|a| a.bits(8, 0), "bits [8:0] of 8"),
+        (|a| a.bits(2, 3), "bits [2:3] of 8"),
+        (|a| a.bit(8), "bits [8:8] of 8"),
+        (|a| a.lower(9), "bits [8:0] of 8"),
+        (|a| a.lower(0), "no lower bits"),
+        (|a| a.upper(9), "9 upper bits of 8"),
+        (|a| a.upper(0), "0 upper bits of 8"),
+        (|a| a.extend(7), "8 bits extended to 7"),
+    ];
+    for (cut, problem) in cases {
+        let found = error_of(|m| {
+            cut(m.input("a_i", 8));
+        });
+        assert_eq!(found, width("a_i", problem));
+    }
+}
+
+#[test]
+fn registers_and_forwards_of_another_width() {
+    let found = error_of(|m| m.register("count_q", 4).next(m.input("a_i", 8)));
+    assert_eq!(found, width("count_q", "operand of 8 bits, expected 4"));
+    let found = error_of(|m| {
+        let a = m.input("a_i", 4);
+        m.register("count_q", 4).next_when(a, a);
+    });
+    assert_eq!(found, width("count_q", "operand of 4 bits, expected 1"));
+    let found = error_of(|m| m.forward("later", 4).drive(m.input("a_i", 8)));
+    assert_eq!(found, width("later", "operand of 8 bits, expected 4"));
+    let found = error_of(|m| {
+        m.input("a_i", 8).replicate(2);
+    });
+    assert_eq!(found, width("a_i", "operand of 8 bits, expected 1"));
+}
+
+#[test]
+fn what_is_never_driven_or_driven_twice() {
+    let found = error_of(|m| {
+        m.register("count_q", 4);
+    });
+    assert_eq!(found, drive("count_q", "is never driven"));
+    let found = error_of(|m| {
+        m.forward("later", 4);
+    });
+    assert_eq!(found, drive("later", "is never driven"));
+    let found = error_of(|m| {
+        let count = m.register("count_q", 4);
+        count.next(count.wire());
+        count.next(count.wire());
+    });
+    assert_eq!(found, drive("count_q", "is driven twice"));
+    let found = error_of(|m| {
+        let (a, later) = (m.input("a_i", 4), m.forward("later", 4));
+        later.drive(a);
+        later.drive(a);
+    });
+    assert_eq!(found, drive("later", "is driven twice"));
+}
+
+#[test]
+fn names_that_cannot_be() {
+    for (bad, problem) in [
+        ("2nd", NO_IDENTIFIER),
+        ("", NO_IDENTIFIER),
+        ("a.b", NO_IDENTIFIER),
+        ("größe", NO_IDENTIFIER),
+        ("wire", "is a keyword of SystemVerilog"),
+        ("clk_i", "is taken"),
+        ("rst_ni", "is taken"),
+        ("a_i", "is taken"),
+    ] {
+        let declare: [fn(&Builder, &str); 6] = [
+            |m, name| _ = m.input(name, 1),
+            |m, name| m.output(name, m.constant(1, 0)),
+            |m, name| {
+                let register = m.register(name, 1);
+                register.next(register.wire());
+            },
+            |m, name| m.forward(name, 1).drive(m.constant(1, 0)),
+            |m, name| _ = m.constant(1, 0).named(name),
+            |m, name| _ = m.instance(name, &Builder::new("empty").finish().unwrap(), &[]),
+        ];
+        for declare in declare {
+            let found = error_of(|m| {
+                m.input("a_i", 8);
+                declare(m, bad);
+            });
+            assert_eq!(found, name(bad, problem));
+        }
+    }
+    let found = Builder::new("module").finish().expect_err("accepted");
+    let problem = "is a keyword of SystemVerilog".to_string();
+    assert_eq!(found, Error::Name { module: "module".into(), name: "module".into(), problem });
+}
+
+#[test]
+fn instances_whose_ports_do_not_match() {
+    let inner = {
+        let m = Builder::new("inner");
+        let a = m.input("a_i", 8);
+        m.output("a_o", a);
+        m.finish().unwrap()
+    };
+    let connected = |ports: &[(&str, u32)]| {
+        error_of(|m| {
+            let inputs: Vec<_> =
+                ports.iter().map(|&(port, width)| (port, m.input(&format!("x_{port}"), width))).collect();
+            m.instance("u_inner", &inner, &inputs);
+        })
+    };
+    let twice = error_of(|m| {
+        let (a, b) = (m.input("a_i", 8), m.input("b_i", 8));
+        m.instance("u_inner", &inner, &[("a_i", a), ("a_i", b)]);
+    });
+    assert_eq!(twice, drive("u_inner.a_i", "is driven twice"));
+    assert_eq!(connected(&[]), drive("u_inner.a_i", "is never driven"));
+    assert_eq!(connected(&[("a_i", 7)]), width("u_inner.a_i", "connected to 7 bits, expected 8"));
+    assert_eq!(connected(&[("a_i", 8), ("b_i", 8)]), name("b_i", "is no input of inner"));
+}
+
+#[test]
+fn unused_signals_are_declared_as_such() {
+    let found = error_of(|m| m.unused("rest", &[m.input("a_i", 8)]));
+    assert_eq!(found, name("rest", "must begin with unused_"));
+}
+
+/// What went wrong first is what is reported.
+#[test]
+fn the_first_error_is_kept() {
+    let found = error_of(|m| {
+        m.constant(3, 8);
+        m.input("wire", 1);
+    });
+    assert_eq!(found, width("Constant 0", "constant 8 does not fit 3 bits"));
+}
+
+#[test]
+fn messages_name_module_and_signal() {
+    let message = width("sum", "operand of 7 bits, expected 8").to_string();
+    assert_eq!(message, "module bad, signal sum: operand of 7 bits, expected 8");
+    let message = drive("later", "is never driven").to_string();
+    assert_eq!(message, "module bad: 'later' is never driven");
+    let message = Error::Loop(["a", "b", "a"].map(String::from).to_vec()).to_string();
+    assert_eq!(message, "combinational loop through a -> b -> a");
+}

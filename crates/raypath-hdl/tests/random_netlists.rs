@@ -1,0 +1,299 @@
+//! Random netlists, compiled, against an interpreter of the netlist that shares no code with the simulator.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use raypath_hdl::{Builder, Driver, Label, Module, SignalId, Simulator, Wire};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// The interpreter: evaluates a signal when asked, remembers it for the rest of the cycle.
+struct Scope<'m> {
+    module: &'m Module,
+    children: Vec<Scope<'m>>,
+    registers: Vec<u128>,
+    /// The values of the input ports, when known.
+    inputs: Vec<Option<u128>>,
+    values: Vec<Option<u128>>,
+}
+
+impl<'m> Scope<'m> {
+    fn new(module: &'m Module) -> Self {
+        Self {
+            module,
+            children: module.instances().iter().map(|instance| Scope::new(&instance.module)).collect(),
+            registers: module.registers().iter().map(|register| u128::from(register.reset.unwrap_or(0))).collect(),
+            inputs: vec![None; module.inputs().len()],
+            values: vec![None; module.signals().len()],
+        }
+    }
+
+    fn begin_cycle(&mut self, reset: bool) {
+        self.values.fill(None);
+        self.inputs.fill(None);
+        for (register, info) in self.registers.iter_mut().zip(self.module.registers()) {
+            if let (true, Some(value)) = (reset, info.reset) {
+                *register = u128::from(value);
+            }
+        }
+        self.children.iter_mut().for_each(|child| child.begin_cycle(reset));
+    }
+
+    /// Evaluates everything, so that what only registers need is there at the edge.
+    fn evaluate(&mut self) {
+        for id in 0..self.module.signals().len() as u32 {
+            self.value(SignalId(id));
+        }
+        for place in 0..self.children.len() {
+            self.connect(place);
+            self.children[place].evaluate();
+        }
+    }
+
+    fn edge(&mut self, reset: bool) {
+        for (place, info) in self.module.registers().iter().enumerate() {
+            let enabled = info.enable.is_none_or(|enable| self.values[enable.index()] == Some(1));
+            match info.reset {
+                Some(value) if reset => self.registers[place] = u128::from(value),
+                _ if enabled => self.registers[place] = self.values[info.next.index()].unwrap(),
+                _ => {}
+            }
+        }
+        self.children.iter_mut().for_each(|child| child.edge(reset));
+    }
+
+    fn connect(&mut self, instance: usize) {
+        let inputs = &self.module.instances()[instance].inputs;
+        let values: Vec<_> = inputs.iter().map(|&id| Some(self.value(id))).collect();
+        self.children[instance].inputs = values;
+    }
+
+    fn value(&mut self, id: SignalId) -> u128 {
+        if let Some(value) = self.values[id.index()] {
+            return value;
+        }
+        let signal = self.module.signal(id);
+        let size = 1u128 << signal.width;
+        let value = match &signal.driver {
+            Driver::Input => {
+                let port = self.module.inputs().iter().position(|port| port.signal == id).unwrap();
+                self.inputs[port].unwrap()
+            }
+            Driver::Constant(value) => u128::from(*value),
+            Driver::Not(a) => size - 1 - self.value(*a),
+            Driver::And(a, b) => self.value(*a) & self.value(*b),
+            Driver::Or(a, b) => self.value(*a) | self.value(*b),
+            Driver::Xor(a, b) => self.value(*a) ^ self.value(*b),
+            Driver::Add(a, b) => (self.value(*a) + self.value(*b)) % size,
+            Driver::Sub(a, b) => (size + self.value(*a) - self.value(*b)) % size,
+            Driver::Mul(a, b) => self.value(*a) * self.value(*b),
+            Driver::Equal(a, b) => u128::from(self.value(*a) == self.value(*b)),
+            Driver::Less(a, b) => u128::from(self.value(*a) < self.value(*b)),
+            Driver::Any(a) => u128::from(self.value(*a) != 0),
+            Driver::All(a) => u128::from(self.value(*a) == (1 << self.module.signal(*a).width) - 1),
+            Driver::ShiftLeft(a, by) => {
+                let (value, by) = (self.value(*a), self.value(*by));
+                if by < 64 { (value << by) % size } else { 0 }
+            }
+            Driver::ShiftRight(a, by) => {
+                let (value, by) = (self.value(*a), self.value(*by));
+                if by < 64 { value >> by } else { 0 }
+            }
+            Driver::Mux { select, if_true, if_false } => {
+                if self.value(*select) == 1 {
+                    self.value(*if_true)
+                } else {
+                    self.value(*if_false)
+                }
+            }
+            Driver::Case { selector, arms, default } => {
+                let selector = self.value(*selector);
+                let arm = arms.iter().find(|arm| u128::from(arm.label.value) == selector);
+                self.value(arm.map_or(*default, |arm| arm.value))
+            }
+            Driver::Concat(parts) => {
+                parts.iter().fold(0, |all, part| (all << self.module.signal(*part).width) + self.value(*part))
+            }
+            Driver::Slice { source, low } => (self.value(*source) >> low) % size,
+            Driver::Alias(a) => self.value(*a),
+            Driver::Register(register) => self.registers[*register],
+            Driver::Instance { instance, output } => {
+                self.connect(*instance);
+                let child = &mut self.children[*instance];
+                child.value(child.module.outputs()[*output].signal)
+            }
+        };
+        assert!(value < size, "the interpreter made {value} of {} bits", signal.width);
+        self.values[id.index()] = Some(value);
+        value
+    }
+}
+
+/// A module of random operators; with registers, and with instances of `inside`, where there are any.
+fn random_module(
+    name: &str,
+    random: &mut ChaCha8Rng,
+    operators: usize,
+    registers: u32,
+    inside: &[Arc<Module>],
+) -> Arc<Module> {
+    let m = Builder::new(name);
+    let mut wires: Vec<Wire<'_>> = Vec::new();
+    for n in 0..4 {
+        wires.push(m.input(&format!("in{n}_i"), random_width(random)));
+    }
+    let mut pending = Vec::new();
+    for n in 0..registers {
+        let width = random_width(random);
+        let mut register = m.register(&format!("r{n}_q"), width);
+        if random.random_bool(0.5) {
+            register = register.reset_to(random.random::<u64>() >> (64 - width));
+        }
+        wires.push(register.wire());
+        pending.push(register);
+    }
+    for (n, module) in inside.iter().enumerate() {
+        grow(&m, &mut wires, random, operators / (inside.len() + 1));
+        let ports: Vec<_> =
+            module.inputs().iter().map(|port| (port.name.as_str(), module.signal(port.signal).width)).collect();
+        let inputs: Vec<_> = ports.iter().map(|&(port, width)| (port, pick(&m, &wires, random, width))).collect();
+        wires.extend(m.instance(&format!("u_i{n}"), module, &inputs));
+    }
+    grow(&m, &mut wires, random, operators);
+    for register in pending {
+        let next = pick(&m, &wires, random, register.wire().width());
+        if random.random_bool(0.5) {
+            register.next_when(pick(&m, &wires, random, 1), next);
+        } else {
+            register.next(next);
+        }
+    }
+    for n in 0..6 {
+        m.output(&format!("out{n}_o"), wires[wires.len() - 1 - n]);
+    }
+    m.finish().unwrap()
+}
+
+fn random_width(random: &mut ChaCha8Rng) -> u32 {
+    match random.random_range(0..8) {
+        0 | 1 => 1,
+        2 => 64,
+        3 => 33,
+        _ => random.random_range(1..=64),
+    }
+}
+
+/// A recent wire, cut or extended to `width`.
+fn pick<'m>(m: &'m Builder, wires: &[Wire<'m>], random: &mut ChaCha8Rng, width: u32) -> Wire<'m> {
+    let back = random.random_range(0..wires.len().min(20));
+    let wire = wires[wires.len() - 1 - back];
+    if random.random_range(0..20) == 0 {
+        m.constant(width, random.random::<u64>() >> (64 - width))
+    } else if wire.width() < width {
+        wire.extend(width)
+    } else {
+        let low = random.random_range(0..=wire.width() - width);
+        wire.bits(low + width - 1, low)
+    }
+}
+
+fn grow<'m>(m: &'m Builder, wires: &mut Vec<Wire<'m>>, random: &mut ChaCha8Rng, count: usize) {
+    for _ in 0..count {
+        let width = random_width(random);
+        let mut take = |width: u32| pick(m, wires, random, width);
+        let (a, b, c) = (take(width), take(width), take(1));
+        let wire = match random.random_range(0..18) {
+            0 => !a,
+            1 => a & b,
+            2 => a | b,
+            3 => a ^ b,
+            4 => a + b,
+            5 => a - b,
+            6 => a.lower(width.min(32)) * b.lower(width.min(32)),
+            7 => a.equals(b),
+            8 => a.less(b),
+            9 => a.any(),
+            10 => a.all(),
+            11 => a.shift_left(b),
+            12 => a.shift_right(b.lower(width.min(7))),
+            13 => a.shift_right(b),
+            14 => c.mux(a, b),
+            15 => {
+                let selector = b.lower(width.min(2));
+                let last = (1 << selector.width()) - 1;
+                let arms = [(0, !a), (last, b)].map(|(value, wire)| (Label { name: format!("L{value}"), value }, wire));
+                m.case(selector, &arms, a)
+            }
+            16 if width < 63 => m.concat(&[c, a, c]),
+            _ => a.named(&format!("n{}", wires.len())),
+        };
+        wires.push(wire);
+    }
+}
+
+fn compare(module: &Arc<Module>, random: &mut ChaCha8Rng, seed: u64) {
+    let mut plain = Simulator::new(module).unwrap();
+    let mut observing = Simulator::observing(module, |_| true).unwrap();
+    let inputs: Vec<_> = module.inputs().iter().map(|port| plain.input(&port.name).unwrap()).collect();
+    let outputs: Vec<_> = module.outputs().iter().map(|port| plain.output(&port.name).unwrap()).collect();
+    let mut scope = Scope::new(module);
+    for cycle in 0..40 {
+        let reset = random.random_range(0..10) == 0;
+        plain.set_reset(reset);
+        observing.set_reset(reset);
+        scope.begin_cycle(reset);
+        for (place, (&port, info)) in inputs.iter().zip(module.inputs()).enumerate() {
+            let value = match random.random_range(0..4) {
+                0 => 0,
+                1 => u64::MAX,
+                _ => random.random::<u64>(),
+            };
+            plain.set(port, value);
+            observing.set(port, value);
+            scope.inputs[place] = Some(u128::from(value) % (1 << module.signal(info.signal).width));
+        }
+        scope.evaluate();
+        plain.cycle();
+        observing.cycle();
+        for (port, &output) in module.outputs().iter().zip(&outputs) {
+            let expected = scope.value(port.signal);
+            let place = format!("{} in cycle {cycle} of seed {seed}", port.name);
+            assert_eq!(u128::from(plain.get(output)), expected, "{place}");
+            assert_eq!(u128::from(observing.get(output)), expected, "{place}, observing");
+        }
+        compare_observed(&observing, &mut scope, "", &format!("cycle {cycle} of seed {seed}"));
+        scope.edge(reset);
+    }
+}
+
+/// Every named signal and every output port of a scope and those inside it.
+fn compare_observed(simulator: &Simulator, scope: &mut Scope<'_>, prefix: &str, place: &str) {
+    let module = scope.module;
+    let signals = module.signals().iter().enumerate();
+    let named = signals.filter_map(|(place, signal)| Some((signal.name.as_ref()?, SignalId(place as u32))));
+    for (name, id) in named.chain(module.outputs().iter().map(|port| (&port.name, port.signal))) {
+        let name = format!("{prefix}{name}");
+        let shown = simulator.peek(simulator.observe(&name).unwrap());
+        assert_eq!(u128::from(shown), scope.value(id), "{name} in {place}");
+    }
+    for (instance, child) in module.instances().iter().zip(&mut scope.children) {
+        compare_observed(simulator, child, &format!("{prefix}{}.", instance.name), place);
+    }
+}
+
+#[test]
+fn random_netlists_agree_with_the_interpreter() {
+    let mut drivers = BTreeSet::new();
+    for seed in 0..30 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let small = random_module("little", &mut random, 8, 0, &[]);
+        let large = random_module("large", &mut random, 60, 0, &[]);
+        let clocked = random_module("clocked", &mut random, 30, 5, &[large.clone(), small.clone()]);
+        let top = random_module("top", &mut random, 40, 6, &[large.clone(), clocked.clone(), large, clocked, small]);
+        compare(&top, &mut random, seed);
+        drivers.extend(top.signals().iter().map(|signal| {
+            let driver = format!("{:?}", signal.driver);
+            driver.split(['(', ' ']).next().unwrap_or_default().to_string()
+        }));
+    }
+    assert_eq!(drivers.len(), 22, "every driver occurs: {drivers:?}");
+}

@@ -1,0 +1,136 @@
+//! Registers, enables and the asynchronous reset.
+
+use raypath_hdl::{Builder, InputPort, Module, OutputPort, Simulator};
+use std::sync::Arc;
+
+/// Three registers that take `d_i`: always, when `en_i`, and when `en_i` with a reset to 9.
+fn three_registers() -> Arc<Module> {
+    let m = Builder::new("three");
+    let (d, en) = (m.input("d_i", 8), m.input("en_i", 1));
+    let (plain, held, reset) =
+        (m.register("plain_q", 8), m.register("held_q", 8), m.register("reset_q", 8).reset_to(9));
+    plain.next(d);
+    held.next_when(en, d);
+    reset.next_when(en, d);
+    for (name, register) in [("plain_o", plain), ("held_o", held), ("reset_o", reset)] {
+        m.output(name, register.wire());
+    }
+    m.finish().unwrap()
+}
+
+struct Bench {
+    simulator: Simulator,
+    d: InputPort,
+    en: InputPort,
+    outputs: [OutputPort; 3],
+}
+
+impl Bench {
+    fn new() -> Self {
+        let simulator = Simulator::new(&three_registers()).unwrap();
+        let outputs = ["plain_o", "held_o", "reset_o"].map(|name| simulator.output(name).unwrap());
+        Self { d: simulator.input("d_i").unwrap(), en: simulator.input("en_i").unwrap(), simulator, outputs }
+    }
+
+    /// What the outputs show in a cycle with these inputs.
+    fn cycle(&mut self, d: u64, en: u64) -> [u64; 3] {
+        self.simulator.set(self.d, d);
+        self.simulator.set(self.en, en);
+        self.simulator.cycle();
+        self.shown()
+    }
+
+    fn settled(&mut self) -> [u64; 3] {
+        self.simulator.settle();
+        self.shown()
+    }
+
+    fn shown(&self) -> [u64; 3] {
+        self.outputs.map(|output| self.simulator.get(output))
+    }
+}
+
+#[test]
+fn registers_take_their_values_at_the_edge() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.cycle(1, 1), [0, 0, 9]);
+    assert_eq!(bench.cycle(2, 0), [1, 1, 1]);
+    assert_eq!(bench.cycle(3, 0), [2, 1, 1]);
+    assert_eq!(bench.cycle(4, 1), [3, 1, 1]);
+    assert_eq!(bench.cycle(5, 0), [4, 4, 4]);
+}
+
+#[test]
+fn settling_makes_no_edge() {
+    let mut bench = Bench::new();
+    bench.cycle(1, 1);
+    bench.simulator.set(bench.d, 2);
+    assert_eq!(bench.settled(), [1, 1, 1]);
+    assert_eq!(bench.settled(), [1, 1, 1]);
+    assert_eq!(bench.cycle(3, 1), [1, 1, 1]);
+    assert_eq!(bench.settled(), [3, 3, 3]);
+}
+
+#[test]
+fn the_reset_acts_at_once_and_holds() {
+    let mut bench = Bench::new();
+    bench.cycle(1, 1);
+    assert_eq!(bench.settled(), [1, 1, 1]);
+    bench.simulator.set_reset(true);
+    assert!(bench.simulator.is_reset());
+    assert_eq!(bench.settled(), [1, 1, 9], "without an edge");
+    assert_eq!(bench.cycle(2, 1), [1, 1, 9]);
+    assert_eq!(bench.cycle(3, 1), [2, 2, 9], "an enabled edge does not count");
+    bench.simulator.set_reset(false);
+    assert_eq!(bench.cycle(4, 0), [3, 3, 9], "held until the next enabled edge");
+    assert_eq!(bench.cycle(5, 1), [4, 3, 9]);
+    assert_eq!(bench.settled(), [5, 5, 5]);
+}
+
+#[test]
+fn a_reset_pulse_between_edges_counts() {
+    let mut bench = Bench::new();
+    bench.cycle(1, 1);
+    bench.simulator.set_reset(true);
+    bench.simulator.set_reset(false);
+    assert_eq!(bench.settled(), [1, 1, 9]);
+}
+
+/// All registers take their values at the same edge, whatever the order of evaluation.
+#[test]
+fn registers_can_swap() {
+    let m = Builder::new("swap");
+    let (a, b) = (m.register("a_q", 64).reset_to(u64::MAX), m.register("b_q", 64).reset_to(1));
+    a.next(b.wire());
+    b.next(a.wire());
+    m.output("a_o", a.wire());
+    m.output("b_o", b.wire());
+    let mut simulator = Simulator::new(&m.finish().unwrap()).unwrap();
+    let (a, b) = (simulator.output("a_o").unwrap(), simulator.output("b_o").unwrap());
+    for cycle in 0..5 {
+        simulator.cycle();
+        let expected = if cycle % 2 == 0 { (u64::MAX, 1) } else { (1, u64::MAX) };
+        assert_eq!((simulator.get(a), simulator.get(b)), expected, "cycle {cycle}");
+    }
+}
+
+#[test]
+fn simulators_of_one_module_are_independent_and_can_move_to_threads() {
+    let module = three_registers();
+    let results: Vec<u64> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..4)
+            .map(|n| {
+                let mut simulator = Simulator::new(&module).unwrap();
+                scope.spawn(move || {
+                    let (d, output) = (simulator.input("d_i").unwrap(), simulator.output("plain_o").unwrap());
+                    simulator.set(d, n);
+                    simulator.cycle();
+                    simulator.cycle();
+                    simulator.get(output)
+                })
+            })
+            .collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    assert_eq!(results, [0, 1, 2, 3]);
+}
