@@ -1,0 +1,57 @@
+//! The C++ program around the compiled model.
+
+use raypath_hdl::Module;
+
+/// Reads a frame of inputs from standard input for each cycle, and writes a frame of outputs. Words are 64 bits in the
+/// machine's byte order, which is little-endian wherever Verilator is at home.
+pub fn main_file(top: &Module) -> String {
+    let mut drive = String::new();
+    let mut words = 0;
+    let mut set = |name: &str, width: u32| {
+        drive += &format!("    top.{name} = in[{words}] & {:#x}u;\n", u64::MAX >> (64 - width));
+        words += 1;
+    };
+    if top.has_reset() {
+        set("rst_ni", 1);
+    }
+    for port in top.inputs() {
+        set(&port.name, top.signal(port.signal).width);
+    }
+    let outputs = top.outputs().iter().enumerate();
+    let sample: String = outputs.map(|(word, port)| format!("    out[{word}] = top.{};\n", port.name)).collect();
+    let fall = if top.is_clocked() { "    top.clk_i = 0;\n" } else { "" };
+    let rise = if top.is_clocked() { "    top.clk_i = 1;\n    top.eval();\n" } else { "" };
+    // A reset has just ended when the first frame comes, as in the simulator of the netlist.
+    let reset = if top.has_reset() {
+        "  for (int level : {1, 0, 1}) {\n    top.rst_ni = level;\n    top.eval();\n  }\n"
+    } else {
+        ""
+    };
+    let (inputs, outputs) = (input_words(top).max(1), top.outputs().len().max(1));
+    format!(
+        r#"#include <cstdint>
+#include <cstdio>
+
+#include "Vtop.h"
+#include "verilated.h"
+
+int main() {{
+  VerilatedContext context;
+  Vtop top{{&context}};
+  static uint64_t in[{inputs}];
+  static uint64_t out[{outputs}];
+{reset}  while (std::fread(in, sizeof in, 1, stdin) == 1) {{
+{fall}{drive}    top.eval();
+{sample}    if (std::fwrite(out, sizeof out, 1, stdout) != 1) return 1;
+{rise}  }}
+  top.final();
+  return std::fflush(stdout) == 0 ? 0 : 1;
+}}
+"#
+    )
+}
+
+/// Words in a frame of inputs. (A frame without any is still one word long on the pipe.)
+pub fn input_words(top: &Module) -> usize {
+    usize::from(top.has_reset()) + top.inputs().len()
+}

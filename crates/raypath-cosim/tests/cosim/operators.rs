@@ -1,0 +1,107 @@
+//! Every operator by itself at the widths where machine words end, and inside others, where Verilog's rules on the
+//! widths of expressions lie in wait.
+
+use crate::compare::agree;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use raypath_hdl::{Builder, Label, Module, Wire};
+use std::cell::Cell;
+use std::sync::Arc;
+
+const WIDTHS: [u32; 7] = [1, 2, 8, 32, 33, 63, 64];
+
+#[test]
+fn every_operator_at_every_width() {
+    agree(&operators(), &mut ChaCha8Rng::seed_from_u64(1), 20_000);
+}
+
+fn operators() -> Arc<Module> {
+    let m = Builder::new("operators");
+    let select = m.input("select_i", 2);
+    let amount = m.input("amount_i", 7);
+    for width in WIDTHS {
+        let input = |name: &str| m.input(&format!("{name}{width}_i"), width);
+        let (a, b, c) = (input("a"), input("b"), input("c"));
+        let show = |name: &str, wire: Wire<'_>| m.output(&format!("{name}{width}_o"), wire);
+        m.section(format!("{width} bits"));
+        single(&m, [a, b, c], select, amount, show);
+        nested(&m, [a, b, c], amount, show);
+    }
+    m.finish().expect("a module")
+}
+
+fn single<'m>(
+    m: &'m Builder,
+    [a, b, c]: [Wire<'m>; 3],
+    select: Wire<'m>,
+    amount: Wire<'m>,
+    show: impl Fn(&str, Wire<'m>),
+) {
+    let width = a.width();
+    show("not", !a);
+    show("and", a & b);
+    show("or", a | b);
+    show("xor", a ^ b);
+    show("add", a + b);
+    show("sub", a - b);
+    show("equal", a.equals(b));
+    show("is", a.is(1));
+    show("less", a.less(b));
+    show("any", a.any());
+    show("all", a.all());
+    show("left", a.shift_left(amount));
+    show("right", a.shift_right(amount));
+    show("left_far", a.shift_left(b));
+    show("right_far", a.shift_right(b));
+    show("mux", select.bit(0).mux(a, b));
+    show("alias", a.named(&format!("alias{width}")));
+    show("top", a.top());
+    show("constant", m.constant(width, u64::MAX >> (64 - width)));
+    let label = |name: &str, value| Label { name: name.to_string(), value };
+    show("case", m.case(select, &[(label("OpOne", 1), a), (label("OpTwo", 2), b)], c));
+    let half = (width / 2).max(1);
+    show("slice", a.bits(width - 1, width - half));
+    show("concat", m.concat(&[a.lower(half), b.lower(half)]));
+    show("product", a.lower(half) * b.lower(width - half.min(width - 1)));
+    show("replicate", m.concat(&[a.bit(0).replicate(half), b.lower(half)]));
+    show("copies", a.bit(0).replicate(width));
+    let squares = [(label("OpOne", 1), a + b), (label("OpTwo", 2), a + b)];
+    show("case_unnamed", m.case(select, &squares, a ^ c) + c);
+}
+
+/// Where the context could widen an operand, keep a carry or change a sign.
+fn nested<'m>(m: &'m Builder, [a, b, c]: [Wire<'m>; 3], amount: Wire<'m>, show: impl Fn(&str, Wire<'m>)) {
+    let width = a.width();
+    let cuts = Cell::new(0);
+    // An expression's low bits; that nobody reads the others is on purpose.
+    let low = |wire: Wire<'m>, bits: u32| {
+        if bits < wire.width() {
+            cuts.set(cuts.get() + 1);
+            m.unused(&format!("unused_cut{width}_{}", cuts.get()), &[wire]);
+        }
+        wire.lower(bits)
+    };
+    let factor = width.min(32);
+    show("sum_less", (a + b).less(c));
+    show("difference_less", (a - b).less(c - a));
+    show("sum_equal", (a + b).equals(b + c));
+    show("sum_right", (a + b).shift_right(amount));
+    show("not_right", (!a).shift_right(amount));
+    show("left_right", a.shift_left(amount).shift_right(amount));
+    show("right_by_sum", a.shift_right(amount + amount));
+    show("product_of_sums", (low(a, factor) + low(b, factor)) * !low(c, factor));
+    show("product_of_not", low(!a, factor) * low(b - c, factor));
+    show("subtractions", a - (b - c));
+    show("mixed", (a & b) | (!a & c) | (b ^ c));
+    show("any_of", (a & b).any() & !(a | c).all());
+    show("muxes", a.any().mux(b.all().mux(a, b), c.less(a).mux(b + c, c)));
+    show("compared", a.equals(b).equals(b.less(c)));
+    show("sum_low", low(a + b, 1));
+    if width < 64 {
+        let sum = a.extend(width + 1) + b.extend(width + 1);
+        show("carry", sum.top());
+        show("sum", sum.lower(width));
+        show("parts", m.concat(&[low(b + c, 1), a + b]));
+        show("long", (a.extend(width + 1) - b.extend(width + 1)) ^ m.concat(&[c, b.top()]));
+    }
+}

@@ -1,0 +1,57 @@
+//! The process at the other end: tops without a clock, without inputs, long streams, frames that do not fit.
+
+use raypath_cosim::{CosimError, Options, Sources, Verilated};
+use raypath_hdl::Builder;
+
+#[test]
+fn long_streams_without_a_clock() {
+    let m = Builder::new("adder");
+    let (a, b) = (m.input("a_i", 16), m.input("b_i", 16));
+    m.output("sum_o", a + b);
+    let top = m.finish().expect("a module");
+    let folder = tempfile::tempdir().expect("a folder");
+    let sources = Sources::write(&top, folder.path()).expect("sources");
+    let options = Options { c_optimisation: 0, jobs: 1 };
+    let verilated = Verilated::build_sources(&[sources.all], &top, folder.path(), &options).expect("a build");
+
+    // Far more than the pipes hold; the inputs' upper bits are cut off.
+    let frames = (0..500_000u64).map(|n| vec![n | 1 << 40, 7 * n]);
+    let mut seen = 0;
+    verilated
+        .run(frames, |cycle, outputs| {
+            assert_eq!(outputs, [(8 * cycle as u64) & 0xffff]);
+            seen += 1;
+        })
+        .expect("a run");
+    assert_eq!(seen, 500_000);
+
+    let short = verilated.run([vec![1, 2], vec![3]], |_, _| {});
+    assert!(matches!(short, Err(CosimError::Frame { cycle: 1, found: 1, expected: 2 })), "{short:?}");
+}
+
+#[test]
+fn clocks_without_inputs() {
+    let m = Builder::new("ticker");
+    let count = m.register("count_q", 64);
+    count.next(count.wire() + m.constant(64, 1));
+    m.output("count_o", count.wire());
+    let top = m.finish().expect("a module");
+    let folder = tempfile::tempdir().expect("a folder");
+    let verilated = Verilated::build(&top, folder.path()).expect("a build");
+    for _ in 0..2 {
+        let mut seen = Vec::new();
+        verilated.run(vec![vec![]; 3], |_, outputs| seen.extend_from_slice(outputs)).expect("a run");
+        assert_eq!(seen, [0, 1, 2], "every run begins anew");
+    }
+}
+
+#[test]
+fn faults_of_the_text_are_shown() {
+    let m = Builder::new("careless");
+    let a = m.input("a_i", 2);
+    m.output("a_o", a.bit(0));
+    let top = m.finish().expect("a module");
+    let folder = tempfile::tempdir().expect("a folder");
+    let fault = Sources::write(&top, folder.path()).expect("sources").lint().expect_err("a bit that nobody reads");
+    assert!(fault.to_string().contains("UNUSED"), "{fault}");
+}

@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# Every test. Installs the programs that it needs where it can, and says what is missing where it cannot.
+#   ./test.sh                        everyday tests, some minutes
+#   ./test.sh --long                 long campaigns as well
+#   RAYPATH_GOLDEN=DIR ./test.sh     also replays the whole set of golden vectors in DIR
+set -euo pipefail
+cd "$(dirname "$0")"
+
+case "${1:-}" in
+  '') ;;
+  --long) export RAYPATH_LONG=1 ;;
+  *) echo "test.sh: unknown argument '$1', expected --long or nothing" >&2; exit 2 ;;
+esac
+
+step() { printf '\n== %s (after %d s)\n' "$1" "$SECONDS"; }
+
+# ensure_debian PROGRAM PACKAGE: installs PACKAGE with apt-get unless PROGRAM is there.
+ensure_debian() {
+  command -v "$1" >/dev/null && return
+  local root=()
+  [ "$(id -u)" = 0 ] || root=(sudo -n)
+  if command -v apt-get >/dev/null; then
+    echo "installing $2"
+    "${root[@]}" apt-get update -qq && "${root[@]}" apt-get install -y -qq "$2" >/dev/null || true
+  fi
+  command -v "$1" >/dev/null && return
+  echo "test.sh: $1 is missing and could not be installed; try: sudo apt-get install $2" >&2
+  exit 1
+}
+
+# ensure_python MODULE PACKAGE: installs PACKAGE with pip unless Python has MODULE.
+ensure_python() {
+  python3 -c "import $1" 2>/dev/null && return
+  echo "installing $2"
+  python3 -m pip install --quiet "$2" 2>/dev/null || python3 -m pip install --quiet --break-system-packages "$2" || true
+  python3 -c "import $1" 2>/dev/null && return
+  echo "test.sh: the Python module $1 is missing and could not be installed; try: python3 -m pip install $2" >&2
+  exit 1
+}
+
+step 'Programs'
+if ! command -v cargo >/dev/null; then
+  echo 'test.sh: cargo is missing; install Rust 1.95 or newer' >&2
+  exit 1
+fi
+ensure_debian c++ g++
+ensure_debian make make
+ensure_debian verilator verilator
+ensure_debian yosys yosys
+ensure_debian python3 python3
+python3 -m pip --version >/dev/null 2>&1 || ensure_debian pip3 python3-pip
+ensure_python pyslang pyslang
+
+step 'Format'
+cargo fmt --all --check
+
+step 'Clippy'
+cargo clippy --workspace --all-targets --locked -- -D warnings
+
+step 'Documentation'
+RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --locked --quiet
+
+step 'Tests'
+cargo test --workspace --release --locked
+
+step 'Done'
