@@ -1,0 +1,117 @@
+//! Modules around the units, and running them.
+
+use raypath_float::{Format, add, compare, decode, encode, mul};
+use raypath_hdl::{Builder, Error, Module, Simulator, Wire};
+use std::sync::Arc;
+
+/// What the units say of two operands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Answer {
+    pub sum: u64,
+    pub product: u64,
+    pub less: bool,
+    pub equal: bool,
+    pub unordered: bool,
+}
+
+impl Answer {
+    /// From the outputs in the order of [`OUTPUTS`].
+    pub fn of(outputs: &[u64]) -> Self {
+        let [sum, product, less, equal, unordered] = outputs.try_into().expect("all outputs of a bench");
+        Self { sum, product, less: less == 1, equal: equal == 1, unordered: unordered == 1 }
+    }
+}
+
+/// The two ways to present operands to the units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ports {
+    /// Through encoders and decoders.
+    Ieee,
+    /// Directly.
+    Recoded,
+}
+
+/// One netlist that holds an adder, a multiplier and a comparator, with two operands in common.
+pub struct Bench {
+    simulator: Simulator,
+    inputs: [raypath_hdl::InputPort; 2],
+    outputs: [raypath_hdl::OutputPort; 5],
+}
+
+impl Bench {
+    pub fn new(format: Format, ports: Ports) -> Self {
+        let module = module(format, ports).expect("the bench builds");
+        let simulator = Simulator::new(&module).expect("the bench runs");
+        let inputs = ["a_i", "b_i"].map(|name| simulator.input(name).expect("an input"));
+        let outputs = OUTPUTS.map(|name| simulator.output(name).expect("an output"));
+        Self { simulator, inputs, outputs }
+    }
+
+    pub fn run(&mut self, a: u64, b: u64) -> Answer {
+        self.simulator.set(self.inputs[0], a);
+        self.simulator.set(self.inputs[1], b);
+        self.simulator.settle();
+        Answer::of(&self.outputs.map(|output| self.simulator.get(output)))
+    }
+}
+
+/// A converter alone: one word in, one word out.
+pub struct Converter {
+    simulator: Simulator,
+    input: raypath_hdl::InputPort,
+    output: raypath_hdl::OutputPort,
+}
+
+impl Converter {
+    pub fn new(module: Result<Arc<Module>, Error>) -> Self {
+        let module = module.expect("the converter builds");
+        let simulator = Simulator::new(&module).expect("the converter runs");
+        let input = simulator.input(&module.inputs()[0].name).expect("its input");
+        let output = simulator.output(&module.outputs()[0].name).expect("its output");
+        Self { simulator, input, output }
+    }
+
+    pub fn run(&mut self, word: u64) -> u64 {
+        self.simulator.set(self.input, word);
+        self.simulator.settle();
+        self.simulator.get(self.output)
+    }
+}
+
+/// The outputs of a bench, in the order of [`Answer`].
+pub const OUTPUTS: [&str; 5] = ["sum_o", "product_o", "less_o", "equal_o", "unordered_o"];
+
+/// The netlist of a bench.
+pub fn module(format: Format, ports: Ports) -> Result<Arc<Module>, Error> {
+    let (name, width) = match ports {
+        Ports::Ieee => ("ieee", format.ieee_width()),
+        Ports::Recoded => ("recoded", format.recoded_width()),
+    };
+    let m = Builder::new(&format!("bench_{name}_{format}"));
+    let (a, b) = (m.input("a_i", width), m.input("b_i", width));
+    let (encoder, decoder) = (encode(format)?, decode(format)?);
+    let take = |name: &str, wire| match ports {
+        Ports::Ieee => only(m.instance(name, &encoder, &[("ieee_i", wire)])),
+        Ports::Recoded => wire,
+    };
+    let give = |name: &str, wire| match ports {
+        Ports::Ieee => only(m.instance(name, &decoder, &[("recoded_i", wire)])),
+        Ports::Recoded => wire,
+    };
+    let (a, b) = (take("encode_a", a), take("encode_b", b));
+    let operands = [("a_i", a), ("b_i", b)];
+    let sum = only(m.instance("add", &add(format)?, &operands));
+    let product = only(m.instance("mul", &mul(format)?, &operands));
+    let relation = m.instance("compare", &compare(format)?, &operands);
+    m.output(OUTPUTS[0], give("decode_sum", sum));
+    m.output(OUTPUTS[1], give("decode_product", product));
+    for (name, wire) in OUTPUTS[2..].iter().zip(relation) {
+        m.output(name, wire);
+    }
+    m.finish()
+}
+
+fn only(outputs: Vec<Wire<'_>>) -> Wire<'_> {
+    assert_eq!(outputs.len(), 1);
+    outputs[0]
+}

@@ -1,0 +1,83 @@
+//! Random operands in formats between the exhaustible ones and the largest, by both oracles where both reach.
+
+use crate::bench::{Answer, Bench, Ports};
+use crate::binary32::{cases, generator};
+use crate::exact::Exact;
+use crate::{integer, small_formats};
+use rand::Rng;
+use raypath_float::Format;
+
+#[test]
+fn binary16() {
+    by_search(5, 11);
+}
+
+#[test]
+fn bfloat16() {
+    by_search(8, 8);
+}
+
+#[test]
+fn tensor_float_32() {
+    by_search(8, 11);
+}
+
+#[test]
+fn significand_at_its_bound() {
+    by_search(4, 7);
+    by_search(6, 14);
+    by_integers(6, 19);
+}
+
+#[test]
+fn wide_exponent() {
+    by_search(10, 6);
+    by_integers(10, 6);
+    by_integers(11, 3);
+}
+
+#[test]
+fn widest() {
+    by_integers(7, 24);
+    by_integers(8, 24);
+    by_integers(11, 24);
+}
+
+fn by_search(e: u32, s: u32) {
+    let exact = Exact::new(e, s);
+    random_operands(exact.format, |a, b| {
+        let (x, y) = (exact.ieee_value(a), exact.ieee_value(b));
+        small_formats::answer(x, y, |number| exact.ieee_code(number))
+    });
+}
+
+fn by_integers(e: u32, s: u32) {
+    let format = Format::new(e, s).expect("a format of the test's choosing");
+    random_operands(format, |a, b| integer::answer(format, a, b));
+}
+
+/// Of each eight pairs, four are any, three of near exponents, and one of exponents whose product is near the subnormal
+/// range.
+fn random_operands(format: Format, expected: impl Fn(u64, u64) -> Answer) {
+    let mut bench = Bench::new(format, Ports::Ieee);
+    let mut random = generator(u64::from(format.exponent()) << 8 | u64::from(format.significand()));
+    let (mask, fraction_width) = ((1 << format.ieee_width()) - 1, format.significand() - 1);
+    let exponents = (1 << format.exponent()) - 1;
+    for _ in 0..cases(1_000_000) {
+        let draw = random.next_u64();
+        let a = random.next_u64() & mask;
+        let any = random.next_u64() & mask;
+        let near = |centre: u64| {
+            let offset = draw >> 8 & 0x3f;
+            let exponent = (centre + offset).saturating_sub(32).min(exponents);
+            any & !(exponents << fraction_width) | exponent << fraction_width
+        };
+        let exponent = a >> fraction_width & exponents;
+        let b = match draw & 7 {
+            0..4 => any,
+            4..7 => near(exponent),
+            _ => near((exponents / 2).saturating_sub(exponent)),
+        };
+        assert_eq!(bench.run(a, b), expected(a, b), "{format}: {a:#x}, {b:#x}");
+    }
+}

@@ -1,0 +1,71 @@
+//! Every operand of formats small enough, and every accepted recoded word.
+
+use crate::bench::{Answer, Bench, Converter, Ports};
+use crate::exact::{Exact, sum};
+use raypath_float::{decode, encode};
+
+/// Among them: the significand at its bound for the exponent (3, 5), subnormal ranges as wide as the normal one (3, 4),
+/// and widths of shifters at, above and below powers of two.
+const FORMATS: [(u32, u32); 8] = [(3, 3), (3, 4), (3, 5), (4, 3), (4, 4), (4, 5), (5, 3), (5, 4)];
+
+#[test]
+fn operands_in_ieee_layout() {
+    for (e, s) in FORMATS {
+        let exact = Exact::new(e, s);
+        let mut bench = Bench::new(exact.format, Ports::Ieee);
+        for a in exact.ieee_codes() {
+            for b in exact.ieee_codes() {
+                let (x, y) = (exact.ieee_value(a), exact.ieee_value(b));
+                let expected = answer(x, y, |number| exact.ieee_code(number));
+                assert_eq!(bench.run(a, b), expected, "{}: {a:#x} ({x}), {b:#x} ({y})", exact.format);
+            }
+        }
+    }
+}
+
+#[test]
+fn recoded_operands_canonical_or_not() {
+    for (e, s) in FORMATS {
+        let exact = Exact::new(e, s);
+        let words = exact.recoded_words();
+        let mut bench = Bench::new(exact.format, Ports::Recoded);
+        for &(a, x) in &words {
+            for &(b, y) in &words {
+                let expected = answer(x, y, |number| exact.recoded_word(exact.ieee_value(exact.ieee_code(number))));
+                assert_eq!(bench.run(a, b), expected, "{}: {a:#x} ({x}), {b:#x} ({y})", exact.format);
+            }
+        }
+    }
+}
+
+#[test]
+fn conversions() {
+    for (e, s) in FORMATS.into_iter().chain([(4, 7), (5, 11), (6, 4), (6, 14), (8, 8), (10, 5)]) {
+        let exact = Exact::new(e, s);
+        let format = exact.format;
+        let mut encoder = Converter::new(encode(format));
+        for code in exact.ieee_codes() {
+            let number = exact.ieee_value(code);
+            let expected = exact.recoded_word(number);
+            assert_eq!(encoder.run(code), expected, "{format}: encoding {code:#x} ({number})");
+            assert_eq!(format.encode(code), expected, "{format}: encoding {code:#x} ({number}) in software");
+        }
+        let mut decoder = Converter::new(decode(format));
+        for (word, number) in exact.recoded_words() {
+            let expected = exact.ieee_code(number);
+            assert_eq!(decoder.run(word), expected, "{format}: decoding {word:#x} ({number})");
+            assert_eq!(format.decode(word), expected, "{format}: decoding {word:#x} ({number}) in software");
+        }
+    }
+}
+
+/// What the units must say of two numbers; `code` rounds a number and writes it.
+pub fn answer(x: f64, y: f64, code: impl Fn(f64) -> u64) -> Answer {
+    Answer {
+        sum: code(sum(x, y)),
+        product: code(x * y),
+        less: x < y,
+        equal: x == y,
+        unordered: x.is_nan() || y.is_nan(),
+    }
+}
