@@ -1,0 +1,190 @@
+//! Operations over the machine's own binary32: the functional model.
+
+use crate::circuit::{Bit, Circuit, Flags, Num, Relation, Test, Word};
+use std::fmt;
+
+/// IEEE 754 binary32, computed natively.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Binary32;
+
+/// A binary32 number; equal where the bits are equal, all NaNs being one.
+#[derive(Clone, Copy, Default)]
+pub struct Single(pub f32);
+
+impl Single {
+    /// Its bits. This is the one place that makes NaN canonical: the machine's payloads and signs end here.
+    #[inline]
+    pub fn to_bits(self) -> u32 {
+        if self.0.is_nan() { 0x7fc0_0000 } else { self.0.to_bits() }
+    }
+}
+
+impl PartialEq for Single {
+    fn eq(&self, other: &Self) -> bool {
+        self.to_bits() == other.to_bits()
+    }
+}
+
+impl fmt::Debug for Single {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:08x} ({:e})", self.to_bits(), self.0)
+    }
+}
+
+impl Circuit for Binary32 {
+    type Num = Single;
+    type Bit = bool;
+    type Word = u32;
+    type Order = (Single, Single);
+
+    #[inline]
+    fn constant(self, value: f32) -> Single {
+        Single(value)
+    }
+    #[inline]
+    fn add(self, a: Single, b: Single) -> Single {
+        Single(a.0 + b.0)
+    }
+    #[inline]
+    fn subtract(self, a: Single, b: Single) -> Single {
+        Single(a.0 - b.0)
+    }
+    #[inline]
+    fn multiply(self, a: Single, b: Single) -> Single {
+        Single(a.0 * b.0)
+    }
+    #[inline]
+    fn negate(self, a: Single) -> Single {
+        Single(-a.0)
+    }
+    #[inline]
+    fn compare(self, a: Single, b: Single) -> (Single, Single) {
+        (a, b)
+    }
+    #[inline]
+    fn relation(self, (a, b): (Single, Single), relation: Relation) -> bool {
+        match relation {
+            Relation::Less => a.0 < b.0,
+            Relation::LessOrEqual => a.0 <= b.0,
+            Relation::Equal => a.0 == b.0,
+            Relation::GreaterOrEqual => a.0 >= b.0,
+            Relation::Greater => a.0 > b.0,
+        }
+    }
+    #[inline]
+    fn test(self, test: Test, a: Single) -> bool {
+        match test {
+            Test::SignBit => a.0.is_sign_negative(),
+            Test::Zero => a.0 == 0.0,
+            Test::Nan => a.0.is_nan(),
+            Test::AtLeastZero => a.0 >= 0.0,
+            Test::AboveZero => a.0 > 0.0,
+        }
+    }
+    #[inline]
+    fn constant_bit(self, value: bool) -> bool {
+        value
+    }
+    #[inline]
+    fn and(self, a: bool, b: bool) -> bool {
+        a & b
+    }
+    #[inline]
+    fn or(self, a: bool, b: bool) -> bool {
+        a | b
+    }
+    #[inline]
+    fn not(self, a: bool) -> bool {
+        !a
+    }
+    #[inline]
+    fn constant_word(self, _width: u32, value: u32) -> u32 {
+        value
+    }
+    #[inline]
+    fn word_equal(self, a: u32, b: u32) -> bool {
+        a == b
+    }
+    #[inline]
+    fn word_less(self, a: u32, b: u32) -> bool {
+        a < b
+    }
+    #[inline]
+    fn select_num(self, condition: bool, if_true: Single, if_false: Single) -> Single {
+        if condition { if_true } else { if_false }
+    }
+    #[inline]
+    fn select_bit(self, condition: bool, if_true: bool, if_false: bool) -> bool {
+        if condition { if_true } else { if_false }
+    }
+    #[inline]
+    fn select_word(self, condition: bool, if_true: u32, if_false: u32) -> u32 {
+        if condition { if_true } else { if_false }
+    }
+}
+
+impl From<f32> for Num<Binary32> {
+    fn from(value: f32) -> Self {
+        Num::new(Binary32, Single(value))
+    }
+}
+
+impl From<Num<Binary32>> for f32 {
+    fn from(number: Num<Binary32>) -> f32 {
+        number.value().0
+    }
+}
+
+impl Num<Binary32> {
+    /// The number with these bits.
+    pub fn from_bits(bits: u32) -> Self {
+        f32::from_bits(bits).into()
+    }
+
+    /// Its bits; NaN is canonical.
+    pub fn to_bits(self) -> u32 {
+        self.value().to_bits()
+    }
+}
+
+impl From<bool> for Bit<Binary32> {
+    fn from(value: bool) -> Self {
+        Bit::new(Binary32, value)
+    }
+}
+
+impl From<Bit<Binary32>> for bool {
+    fn from(bit: Bit<Binary32>) -> bool {
+        bit.value()
+    }
+}
+
+impl<const W: u32> From<Word<Binary32, W>> for u32 {
+    fn from(word: Word<Binary32, W>) -> u32 {
+        word.value()
+    }
+}
+
+impl<const W: u32> Word<Binary32, W> {
+    /// The low `W` bits of `value`.
+    pub fn truncate(value: u32) -> Self {
+        Word::new(Binary32, if W < 32 { value & ((1 << W) - 1) } else { value })
+    }
+}
+
+impl<const N: usize> Flags<Binary32, N> {
+    /// From an array; element `i` is bit `i`.
+    pub fn new(bits: [bool; N]) -> Self {
+        Self(bits.map(Bit::from))
+    }
+
+    /// From a mask; bit `i` is element `i`.
+    pub fn from_mask(mask: u64) -> Self {
+        Self(std::array::from_fn(|i| (mask >> i & 1 == 1).into()))
+    }
+
+    /// As an array.
+    pub fn to_array(self) -> [bool; N] {
+        self.0.map(bool::from)
+    }
+}

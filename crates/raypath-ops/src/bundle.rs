@@ -1,0 +1,153 @@
+//! Structures of numbers, bits and words whose fields have names, so that ports, registers and files follow from the
+//! structure and are listed nowhere else.
+
+use crate::circuit::{Bit, Circuit, Flags, Num, Word};
+use std::fmt::Write;
+
+/// A structure of values of circuit `C`. Implemented for [`Num`], [`Bit`], [`Word`], [`Flags`], arrays, `()` and,
+/// by the macro `bundle!`, for structures of them.
+pub trait Bundle<C: Circuit>: Copy {
+    /// Makes one by asking `source` for every leaf, in order.
+    fn build<S: Source<C> + ?Sized>(path: &mut Path, source: &mut S) -> Self;
+    /// Shows every leaf to `sink`, in the same order.
+    fn each<S: Sink<C> + ?Sized>(&self, path: &mut Path, sink: &mut S);
+}
+
+/// A leaf's place in its structure: what becomes its port.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Field<'p> {
+    /// The names on the way to it, joined with underscores: `ray_origin_x`.
+    pub name: &'p str,
+    /// For an element of [`Flags`]: which bit of the port, and how wide the port is.
+    pub bit: Option<(u32, u32)>,
+}
+
+/// Where the values of a bundle come from.
+pub trait Source<C: Circuit> {
+    /// A number.
+    fn num(&mut self, field: Field<'_>) -> Num<C>;
+    /// A truth value.
+    fn bit(&mut self, field: Field<'_>) -> Bit<C>;
+    /// A word of `width` bits.
+    fn word(&mut self, field: Field<'_>, width: u32) -> (C, C::Word);
+}
+
+/// Where the values of a bundle go.
+pub trait Sink<C: Circuit> {
+    /// A number.
+    fn num(&mut self, field: Field<'_>, value: Num<C>);
+    /// A truth value.
+    fn bit(&mut self, field: Field<'_>, value: Bit<C>);
+    /// A word of `width` bits.
+    fn word(&mut self, field: Field<'_>, width: u32, value: C::Word);
+}
+
+/// The names on the way to a leaf.
+#[derive(Debug, Default)]
+pub struct Path(String);
+
+impl Path {
+    /// A path that begins with `name`, or an empty one.
+    pub fn new(name: &str) -> Self {
+        Self(name.to_string())
+    }
+
+    /// Runs `f` with `segment` appended.
+    pub fn with<T>(&mut self, segment: impl std::fmt::Display, f: impl FnOnce(&mut Self) -> T) -> T {
+        let length = self.0.len();
+        if length > 0 {
+            self.0.push('_');
+        }
+        // Writing to a String cannot fail.
+        let _ = write!(self.0, "{segment}");
+        let result = f(self);
+        self.0.truncate(length);
+        result
+    }
+
+    fn field(&self) -> Field<'_> {
+        Field { name: &self.0, bit: None }
+    }
+}
+
+impl<C: Circuit> Bundle<C> for Num<C> {
+    fn build<S: Source<C> + ?Sized>(path: &mut Path, source: &mut S) -> Self {
+        source.num(path.field())
+    }
+    fn each<S: Sink<C> + ?Sized>(&self, path: &mut Path, sink: &mut S) {
+        sink.num(path.field(), *self);
+    }
+}
+
+impl<C: Circuit> Bundle<C> for Bit<C> {
+    fn build<S: Source<C> + ?Sized>(path: &mut Path, source: &mut S) -> Self {
+        source.bit(path.field())
+    }
+    fn each<S: Sink<C> + ?Sized>(&self, path: &mut Path, sink: &mut S) {
+        sink.bit(path.field(), *self);
+    }
+}
+
+impl<C: Circuit, const W: u32> Bundle<C> for Word<C, W> {
+    fn build<S: Source<C> + ?Sized>(path: &mut Path, source: &mut S) -> Self {
+        let (circuit, value) = source.word(path.field(), W);
+        Self::new(circuit, value)
+    }
+    fn each<S: Sink<C> + ?Sized>(&self, path: &mut Path, sink: &mut S) {
+        sink.word(path.field(), W, self.value());
+    }
+}
+
+impl<C: Circuit, const N: usize> Bundle<C> for Flags<C, N> {
+    fn build<S: Source<C> + ?Sized>(path: &mut Path, source: &mut S) -> Self {
+        Self(std::array::from_fn(|i| source.bit(Field { name: &path.0, bit: Some((i as u32, N as u32)) })))
+    }
+    fn each<S: Sink<C> + ?Sized>(&self, path: &mut Path, sink: &mut S) {
+        for (i, bit) in self.0.iter().enumerate() {
+            sink.bit(Field { name: &path.0, bit: Some((i as u32, N as u32)) }, *bit);
+        }
+    }
+}
+
+impl<C: Circuit, B: Bundle<C>, const N: usize> Bundle<C> for [B; N] {
+    fn build<S: Source<C> + ?Sized>(path: &mut Path, source: &mut S) -> Self {
+        std::array::from_fn(|i| path.with(i, |path| B::build(path, source)))
+    }
+    fn each<S: Sink<C> + ?Sized>(&self, path: &mut Path, sink: &mut S) {
+        for (i, element) in self.iter().enumerate() {
+            path.with(i, |path| element.each(path, sink));
+        }
+    }
+}
+
+impl<C: Circuit> Bundle<C> for () {
+    fn build<S: Source<C> + ?Sized>(_: &mut Path, _: &mut S) -> Self {}
+    fn each<S: Sink<C> + ?Sized>(&self, _: &mut Path, _: &mut S) {}
+}
+
+/// Declares a structure over a circuit `C` and makes it a [`Bundle`] and a [`Select`](crate::Select): its fields are
+/// named once.
+macro_rules! bundle {
+    (
+        $(#[$attribute:meta])*
+        pub struct $name:ident<C $(, const $n:ident: usize)?> {
+            $($(#[$field_attribute:meta])* pub $field:ident: $type:ty,)*
+        }
+    ) => {
+        $(#[$attribute])*
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub struct $name<C: $crate::Circuit $(, const $n: usize)?> {
+            $($(#[$field_attribute])* pub $field: $type,)*
+        }
+
+        impl<C: $crate::Circuit $(, const $n: usize)?> $crate::Bundle<C> for $name<C $(, $n)?> {
+            fn build<S: $crate::Source<C> + ?Sized>(path: &mut $crate::Path, source: &mut S) -> Self {
+                Self { $($field: path.with(stringify!($field), |path| <$type>::build(path, source)),)* }
+            }
+            fn each<S: $crate::Sink<C> + ?Sized>(&self, path: &mut $crate::Path, sink: &mut S) {
+                $(path.with(stringify!($field), |path| self.$field.each(path, sink));)*
+            }
+        }
+    };
+}
+pub(crate) use bundle;

@@ -1,0 +1,111 @@
+//! Vectors, boxes and triangles.
+
+use crate::binary32::Binary32;
+use crate::bundle::bundle;
+use crate::circuit::{Circuit, Num, Word};
+use std::ops::Sub;
+
+bundle! {
+    /// Three coordinates.
+    pub struct Vec3<C> {
+        /// Along x.
+        pub x: Num<C>,
+        /// Along y.
+        pub y: Num<C>,
+        /// Along z.
+        pub z: Num<C>,
+    }
+}
+
+bundle! {
+    /// What lies between two parallel planes: one axis of a box.
+    pub struct Slab<C> {
+        /// The lesser bound.
+        pub min: Num<C>,
+        /// The greater bound.
+        pub max: Num<C>,
+    }
+}
+
+bundle! {
+    /// An axis-aligned bounding box: three slabs. A box whose `min` exceeds its `max` is taken as it stands.
+    pub struct Aabb<C> {
+        /// Along x.
+        pub x: Slab<C>,
+        /// Along y.
+        pub y: Slab<C>,
+        /// Along z.
+        pub z: Slab<C>,
+    }
+}
+
+bundle! {
+    /// Three vertices, counter-clockwise as seen from the side that can be hit.
+    pub struct Triangle<C> {
+        /// The first vertex.
+        pub a: Vec3<C>,
+        /// The second vertex.
+        pub b: Vec3<C>,
+        /// The third vertex.
+        pub c: Vec3<C>,
+    }
+}
+
+impl<C: Circuit> Vec3<C> {
+    /// The coordinate along axis `k`: 0 is x, 1 is y; 2, and 3 as well, is z.
+    #[inline]
+    pub fn along(self, k: Word<C, 2>) -> Num<C> {
+        k.is(0).select(self.x, k.is(1).select(self.y, self.z))
+    }
+}
+
+impl<C: Circuit> Sub for Vec3<C> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+}
+
+impl<C: Circuit> Slab<C> {
+    /// Applies `f` to both bounds.
+    #[inline]
+    pub fn map(self, f: impl Fn(Num<C>) -> Num<C>) -> Self {
+        Self { min: f(self.min), max: f(self.max) }
+    }
+}
+
+impl<C: Circuit> Aabb<C> {
+    /// Applies `f` to each slab and the coordinate along the same axis.
+    #[inline]
+    pub fn zip(self, v: Vec3<C>, f: impl Fn(Slab<C>, Num<C>) -> Slab<C>) -> Self {
+        Self { x: f(self.x, v.x), y: f(self.y, v.y), z: f(self.z, v.z) }
+    }
+}
+
+impl From<[f32; 3]> for Vec3<Binary32> {
+    fn from([x, y, z]: [f32; 3]) -> Self {
+        Self { x: x.into(), y: y.into(), z: z.into() }
+    }
+}
+
+impl From<Vec3<Binary32>> for [f32; 3] {
+    fn from(v: Vec3<Binary32>) -> [f32; 3] {
+        [v.x.into(), v.y.into(), v.z.into()]
+    }
+}
+
+impl Aabb<Binary32> {
+    /// The box between two corners.
+    pub fn new(min: [f32; 3], max: [f32; 3]) -> Self {
+        let slab = |axis: usize| Slab { min: min[axis].into(), max: max[axis].into() };
+        Self { x: slab(0), y: slab(1), z: slab(2) }
+    }
+}
+
+impl Triangle<Binary32> {
+    /// The triangle with these vertices.
+    pub fn new(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Self {
+        Self { a: a.into(), b: b.into(), c: c.into() }
+    }
+}

@@ -1,0 +1,48 @@
+//! The datapath's operations, each written once.
+//!
+//! An [`Operation`] is a plain function over an abstract number, with its pipeline stages marked. What the number is,
+//! a [`Circuit`] says: over [`Binary32`] the function runs natively and is the functional model; over the elaborator's
+//! circuit (crate `raypath-rtl`) the same function becomes hardware.
+//!
+//! ```
+//! use raypath_ops::{Aabb, Binary32, Operation, Ray, RayBox, RayBoxInput, Rules};
+//!
+//! let ray = Ray::new([0.0, 0.0, -5.0], [0.0, 0.0, 1.0], f32::INFINITY)?;
+//! let near = Aabb::new([-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]);
+//! let far = Aabb::new([-1.0, -1.0, 7.0], [1.0, 1.0, 9.0]);
+//! let aside = Aabb::new([4.0, 4.0, 4.0], [5.0, 5.0, 5.0]);
+//!
+//! let job = RayBoxInput { ray, aabb: [far, aside, near, aside] };
+//! let (hits, _) = RayBox { rules: Rules::Paper }.run(Binary32, job, ());
+//! assert_eq!(hits.is_intersect.to_array(), [true, true, false, false]);
+//! assert_eq!(hits.box_index.map(u32::from), [2, 0, 1, 3]);
+//! assert_eq!(f32::from(hits.tmin[0]), 4.0);
+//! # Ok::<(), raypath_ops::RayError>(())
+//! ```
+
+mod binary32;
+mod bundle;
+mod circuit;
+mod distance;
+mod geometry;
+mod job;
+mod operation;
+mod ray;
+mod ray_box;
+mod ray_triangle;
+mod rules;
+
+pub use binary32::{Binary32, Single};
+pub use bundle::{Bundle, Field, Path, Sink, Source};
+pub use circuit::{Bit, Circuit, Flags, Num, Order, Relation, Select, Test, Word};
+pub use distance::{
+    Angular, AngularInput, AngularOutput, AngularState, Beat, Euclidean, EuclideanInput, EuclideanOutput,
+    EuclideanState,
+};
+pub use geometry::{Aabb, Slab, Triangle, Vec3};
+pub use job::{Job, JobKind, Outcome, PortKind, PortValue};
+pub use operation::Operation;
+pub use ray::{Ray, RayError};
+pub use ray_box::{RayBox, RayBoxInput, RayBoxOutput};
+pub use ray_triangle::{RayTriangle, RayTriangleInput, RayTriangleOutput};
+pub use rules::{ParseRulesError, Rules};

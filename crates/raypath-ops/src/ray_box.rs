@@ -1,0 +1,90 @@
+//! Ray against four boxes: the slab method (Table VII, column Quadbox).
+
+use crate::bundle::bundle;
+use crate::circuit::{Circuit, Flags, Num, Word};
+use crate::geometry::Aabb;
+use crate::operation::Operation;
+use crate::ray::Ray;
+use crate::rules::{Interval, Place, Rules};
+
+/// Which of four boxes a ray hits, nearest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RayBox {
+    /// The rules on the edges.
+    pub rules: Rules,
+}
+
+bundle! {
+    /// A ray and four boxes.
+    pub struct RayBoxInput<C> {
+        /// The ray.
+        pub ray: Ray<C>,
+        /// The boxes.
+        pub aabb: [Aabb<C>; 4],
+    }
+}
+
+bundle! {
+    /// The four boxes by distance: hits before misses, nearer before farther.
+    pub struct RayBoxOutput<C> {
+        /// Whether the box in each place is hit.
+        pub is_intersect: Flags<C, 4>,
+        /// Where the ray enters it, in units of the direction's length; +∞ for a miss.
+        pub tmin: [Num<C>; 4],
+        /// Which of the job's boxes it is.
+        pub box_index: [Word<C, 2>; 4],
+    }
+}
+
+impl Operation for RayBox {
+    const NAME: &'static str = "quadbox";
+    type Input<C: Circuit> = RayBoxInput<C>;
+    type Output<C: Circuit> = RayBoxOutput<C>;
+    type State<C: Circuit> = ();
+
+    #[inline]
+    fn run<C: Circuit>(&self, c: C, input: RayBoxInput<C>, _state: ()) -> (RayBoxOutput<C>, ()) {
+        let RayBoxInput { ray, aabb } = input;
+
+        c.stage(2, "every box bound - origin");
+        let relative = aabb.map(|b| b.zip(ray.origin, |slab, origin| slab.map(|bound| bound - origin)));
+        c.label(format_args!("relative"), &relative);
+
+        c.stage(3, "times inv: slab distances");
+        let distance = relative.map(|b| b.zip(ray.inv, |slab, inv| slab.map(|bound| bound * inv)));
+        c.label(format_args!("distance"), &distance);
+
+        c.stage(4, "near and far by sign; tmin = max(near, 0), tmax = min(far, extent)");
+        let inside: [Interval<C>; 4] = std::array::from_fn(|i| {
+            let Aabb { x, y, z } = distance[i];
+            let slabs = [(x, ray.dir.x, ray.inv.x), (y, ray.dir.y, ray.inv.y), (z, ray.dir.z, ray.inv.z)];
+            let backwards = slabs.map(|(_, dir, inv)| self.rules.runs_backwards(c, dir, inv));
+            let near: [Num<C>; 3] = std::array::from_fn(|k| backwards[k].select(slabs[k].0.max, slabs[k].0.min));
+            let far: [Num<C>; 3] = std::array::from_fn(|k| backwards[k].select(slabs[k].0.min, slabs[k].0.max));
+            for (k, axis) in ["x", "y", "z"].iter().enumerate() {
+                c.label(format_args!("near_{i}_{axis}"), &near[k]);
+                c.label(format_args!("far_{i}_{axis}"), &far[k]);
+            }
+            Interval { tmin: self.rules.entry(c, near), tmax: self.rules.exit(far, ray.extent) }
+        });
+        c.label(format_args!("inside"), &inside);
+
+        c.stage(5, "hit = tmin against tmax");
+        let unsorted: [Place<C>; 4] = std::array::from_fn(|i| {
+            let hit = self.rules.box_hit(inside[i]);
+            Place { hit, tmin: hit.select(inside[i].tmin, c.infinity()), index: c.word(i as u32) }
+        });
+        c.label(format_args!("unsorted"), &unsorted);
+
+        c.stage(10, "sort the four by tmin, values and indices");
+        let sorted = self.rules.sort(unsorted);
+        c.label(format_args!("sorted"), &sorted);
+
+        let output = RayBoxOutput {
+            is_intersect: Flags(sorted.map(|p| p.hit)),
+            tmin: sorted.map(|p| p.tmin),
+            box_index: sorted.map(|p| p.index),
+        };
+        (output, ())
+    }
+}

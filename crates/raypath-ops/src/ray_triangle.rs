@@ -1,0 +1,108 @@
+//! Ray against a triangle, watertight (Woop, Benthin and Wald; Table VII, column Triangle).
+
+use crate::bundle::bundle;
+use crate::circuit::{Bit, Circuit, Num};
+use crate::geometry::{Triangle, Vec3};
+use crate::operation::Operation;
+use crate::ray::Ray;
+use crate::rules::Rules;
+
+/// Whether a ray hits a triangle's front, and where.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RayTriangle {
+    /// The rules on the edges.
+    pub rules: Rules,
+}
+
+bundle! {
+    /// A ray and a triangle. Of the ray, origin, shear and the three axes are read.
+    pub struct RayTriangleInput<C> {
+        /// The ray.
+        pub ray: Ray<C>,
+        /// The triangle.
+        pub triangle: Triangle<C>,
+    }
+}
+
+bundle! {
+    /// Distance as a fraction, so that the division stays outside. Both parts are given whether or not it is a hit.
+    pub struct RayTriangleOutput<C> {
+        /// Numerator of the distance, in units of the direction's length times `t_denom`.
+        pub t_num: Num<C>,
+        /// Denominator of the distance: U + V + W.
+        pub t_denom: Num<C>,
+        /// Whether the ray hits.
+        pub triangle_hit: Bit<C>,
+    }
+}
+
+bundle! {
+    /// The scaled barycentric coordinates U, V, W: on which side of each edge the ray passes.
+    pub struct Edges<C> {
+        /// Against edge BC.
+        pub u: Num<C>,
+        /// Against edge CA.
+        pub v: Num<C>,
+        /// Against edge AB.
+        pub w: Num<C>,
+    }
+}
+
+impl Operation for RayTriangle {
+    const NAME: &'static str = "triangle";
+    type Input<C: Circuit> = RayTriangleInput<C>;
+    type Output<C: Circuit> = RayTriangleOutput<C>;
+    type State<C: Circuit> = ();
+
+    #[inline]
+    fn run<C: Circuit>(&self, circuit: C, input: RayTriangleInput<C>, _state: ()) -> (RayTriangleOutput<C>, ()) {
+        let RayTriangleInput { ray, triangle } = input;
+
+        circuit.stage(2, "each vertex - origin");
+        let relative = [triangle.a, triangle.b, triangle.c].map(|vertex| vertex - ray.origin);
+        circuit.label(format_args!("relative"), &relative);
+
+        circuit.stage(3, "Sx, Sy, Sz times each vertex's kz coordinate");
+        let turned = relative.map(|v| Vec3 { x: v.along(ray.kx), y: v.along(ray.ky), z: v.along(ray.kz) });
+        circuit.label(format_args!("turned"), &turned);
+        let shift = turned.map(|v| Vec3 { x: ray.shear.x * v.z, y: ray.shear.y * v.z, z: ray.shear.z * v.z });
+        circuit.label(format_args!("shift"), &shift);
+
+        circuit.stage(4, "shear: x and y of each vertex");
+        let [a, b, c]: [Vec3<C>; 3] =
+            std::array::from_fn(|i| Vec3 { x: turned[i].x - shift[i].x, y: turned[i].y - shift[i].y, z: shift[i].z });
+        circuit.label(format_args!("sheared"), &[a, b, c]);
+
+        circuit.stage(5, "products of U, V, W");
+        let products = [(c.x * b.y, c.y * b.x), (a.x * c.y, a.y * c.x), (b.x * a.y, b.y * a.x)];
+        for ((plus, minus), edge) in products.iter().zip(["u", "v", "w"]) {
+            circuit.label(format_args!("{edge}_plus"), plus);
+            circuit.label(format_args!("{edge}_minus"), minus);
+        }
+
+        circuit.stage(6, "U, V, W");
+        let [u, v, w] = products.map(|(plus, minus)| plus - minus);
+        let edges = Edges { u, v, w };
+        circuit.label(format_args!("edge"), &edges);
+
+        circuit.stage(7, "U Az, V Bz, W Cz");
+        let (uaz, vbz, wcz) = (u * a.z, v * b.z, w * c.z);
+        circuit.label(format_args!("edge_depth"), &[uaz, vbz, wcz]);
+
+        circuit.stage(8, "U + V ; U Az + V Bz");
+        let (uv, uv_depth) = (u + v, uaz + vbz);
+        circuit.label(format_args!("uv"), &uv);
+        circuit.label(format_args!("uv_depth"), &uv_depth);
+
+        circuit.stage(9, "+ W = t_denom ; + W Cz = t_num");
+        let (t_denom, t_num) = (uv + w, uv_depth + wcz);
+        circuit.label(format_args!("t_denom"), &t_denom);
+        circuit.label(format_args!("t_num"), &t_num);
+
+        circuit.stage(10, "hit test");
+        let triangle_hit = self.rules.triangle_hit(circuit, edges, t_num, t_denom);
+        circuit.label(format_args!("triangle_hit"), &triangle_hit);
+
+        (RayTriangleOutput { t_num, t_denom, triangle_hit }, ())
+    }
+}

@@ -1,0 +1,182 @@
+//! The rules on the edges (SPEC §6), in the two sets that exist. Everything else the two share.
+
+use crate::bundle::bundle;
+use crate::circuit::{Bit, Circuit, Num, Select, Word};
+use crate::ray_triangle::Edges;
+use std::fmt;
+use std::str::FromStr;
+use thiserror::Error;
+
+/// Which rules decide at zeros, NaNs, ties and touching boxes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Rules {
+    /// The rulings of SPEC §6; `docs/semantics.md` gives their reasons.
+    #[default]
+    Paper,
+    /// What the original hardware does, bit for bit, its accumulator fault excepted.
+    Chisel,
+}
+
+bundle! {
+    /// The part of a ray that lies inside a box; empty where `tmin` exceeds `tmax`.
+    pub struct Interval<C> {
+        /// Where the ray has entered every slab.
+        pub tmin: Num<C>,
+        /// Where it leaves the first slab.
+        pub tmax: Num<C>,
+    }
+}
+
+bundle! {
+    /// A box on its way through the sorting network.
+    pub struct Place<C> {
+        /// Whether the ray hits it.
+        pub hit: Bit<C>,
+        /// Where; +∞ if it does not.
+        pub tmin: Num<C>,
+        /// Which of the job's boxes it is.
+        pub index: Word<C, 2>,
+    }
+}
+
+impl Rules {
+    /// Whether the ray runs against an axis, so that a slab's `max` is the nearer bound.
+    #[inline]
+    pub(crate) fn runs_backwards<C: Circuit>(self, c: C, dir: Num<C>, inv: Num<C>) -> Bit<C> {
+        match self {
+            Rules::Paper => inv.sign_bit(),
+            Rules::Chisel => !dir.compare(c.zero()).greater_or_equal(),
+        }
+    }
+
+    /// The greatest of the three near distances and zero: where the ray is inside all slabs.
+    #[inline]
+    pub(crate) fn entry<C: Circuit>(self, c: C, [x, y, z]: [Num<C>; 3]) -> Num<C> {
+        match self {
+            // Zero comes last, and ties take the second: so a zero is +0.
+            Rules::Paper => larger(larger(x, y), larger(z, c.zero())),
+            Rules::Chisel => sort_four([x, y, z, c.zero()], keeps_descending)[0],
+        }
+    }
+
+    /// The least of the three far distances and the extent: where the ray leaves a slab, or ends.
+    #[inline]
+    pub(crate) fn exit<C: Circuit>(self, [x, y, z]: [Num<C>; 3], extent: Num<C>) -> Num<C> {
+        match self {
+            Rules::Paper => smaller(smaller(x, y), smaller(z, extent)),
+            Rules::Chisel => sort_four([x, y, z, extent], keeps_descending)[3],
+        }
+    }
+
+    /// Whether an interval is a hit. With a NaN it is none.
+    #[inline]
+    pub(crate) fn box_hit<C: Circuit>(self, interval: Interval<C>) -> Bit<C> {
+        let order = interval.tmin.compare(interval.tmax);
+        match self {
+            Rules::Paper => order.less_or_equal(),
+            Rules::Chisel => order.less(),
+        }
+    }
+
+    /// Nearest hit first, misses last.
+    #[inline]
+    pub(crate) fn sort<C: Circuit>(self, boxes: [Place<C>; 4]) -> [Place<C>; 4] {
+        match self {
+            Rules::Paper => sort_four(boxes, |a, b| !precedes(b, a)),
+            Rules::Chisel => {
+                let [a, b, c, d] = sort_four(boxes, |a, b| keeps_descending(a.tmin, b.tmin));
+                [d, c, b, a]
+            }
+        }
+    }
+
+    /// Whether the ray hits the triangle's front.
+    #[inline]
+    pub(crate) fn triangle_hit<C: Circuit>(self, c: C, edges: Edges<C>, t_num: Num<C>, t_denom: Num<C>) -> Bit<C> {
+        let Edges { u, v, w } = edges;
+        match self {
+            Rules::Paper => {
+                let inside = u.is_at_least_zero() & v.is_at_least_zero() & w.is_at_least_zero();
+                inside & !t_denom.is_zero() & !t_denom.is_nan() & t_num.is_above_zero()
+            }
+            Rules::Chisel => {
+                let negative = |x: Num<C>| x.compare(c.zero()).less();
+                let outside = negative(u) | negative(v) | negative(w) | negative(t_num);
+                !outside & !t_denom.compare(c.zero()).equal()
+            }
+        }
+    }
+}
+
+/// The larger of two; the other where one is NaN; `b` where they are equal.
+#[inline]
+fn larger<C: Circuit>(a: Num<C>, b: Num<C>) -> Num<C> {
+    (a.compare(b).greater() | b.is_nan()).select(a, b)
+}
+
+/// The smaller of two; the other where one is NaN; `b` where they are equal.
+#[inline]
+fn smaller<C: Circuit>(a: Num<C>, b: Num<C>) -> Num<C> {
+    (a.compare(b).less() | b.is_nan()).select(a, b)
+}
+
+/// Nearer before farther; at the same distance hits before misses, then by index.
+#[inline]
+fn precedes<C: Circuit>(a: Place<C>, b: Place<C>) -> Bit<C> {
+    let distance = a.tmin.compare(b.tmin);
+    let only_a_hits = a.hit & !b.hit;
+    let tie = only_a_hits | (a.hit.same_as(b.hit) & a.index.less(b.index));
+    distance.less() | (distance.equal() & tie)
+}
+
+/// The original's order: what is not greater or equal changes places, so that unordered numbers do.
+#[inline]
+fn keeps_descending<C: Circuit>(a: Num<C>, b: Num<C>) -> Bit<C> {
+    a.compare(b).greater_or_equal()
+}
+
+/// Five compare-and-swaps, (0,2) (1,3) (0,1) (2,3) (1,2): `keeps(a, b)` says that `a` may stay before `b`.
+#[inline]
+fn sort_four<C: Circuit, T: Select<C>>(mut items: [T; 4], keeps: impl Fn(T, T) -> Bit<C>) -> [T; 4] {
+    for (i, j) in [(0, 2), (1, 3), (0, 1), (2, 3), (1, 2)] {
+        let keep = keeps(items[i], items[j]);
+        (items[i], items[j]) = (keep.select(items[i], items[j]), keep.select(items[j], items[i]));
+    }
+    items
+}
+
+impl<C: Circuit> Select<C> for Place<C> {
+    #[inline]
+    fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
+        Self {
+            hit: condition.select(if_true.hit, if_false.hit),
+            tmin: condition.select(if_true.tmin, if_false.tmin),
+            index: condition.select(if_true.index, if_false.index),
+        }
+    }
+}
+
+/// A name that is no rule set.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("'{0}' is no rule set, expected paper or chisel")]
+pub struct ParseRulesError(String);
+
+impl FromStr for Rules {
+    type Err = ParseRulesError;
+    fn from_str(name: &str) -> Result<Self, ParseRulesError> {
+        match name {
+            "paper" => Ok(Rules::Paper),
+            "chisel" => Ok(Rules::Chisel),
+            _ => Err(ParseRulesError(name.to_string())),
+        }
+    }
+}
+
+impl fmt::Display for Rules {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Rules::Paper => "paper",
+            Rules::Chisel => "chisel",
+        })
+    }
+}
