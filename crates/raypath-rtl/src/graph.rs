@@ -1,0 +1,466 @@
+//! What an operation does, recorded: one node a value, each with the stage that makes it.
+
+use crate::STAGES;
+use crate::error::Error;
+use raypath_ops::{Bit, Bundle, Circuit, Field, Num, Operation, Path, Relation, Sink, Source, Test};
+use std::cell::{Cell, RefCell};
+use std::fmt;
+
+/// A value, by position in its operation's [`Traced::nodes`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct NodeId(u32);
+
+impl NodeId {
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// How a value is made.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Op {
+    /// An input port, or one bit of it.
+    Input(PortBit),
+    /// The operation's state of this number.
+    State(usize),
+    /// A constant, as the bits of a binary32 number.
+    Number(u32),
+    /// A constant truth value.
+    Bit(bool),
+    /// A constant word.
+    Word(u32),
+    /// Binary32 to recoded.
+    Encode(NodeId),
+    /// Recoded to binary32.
+    Decode(NodeId),
+    Add(NodeId, NodeId),
+    Subtract(NodeId, NodeId),
+    Multiply(NodeId, NodeId),
+    Compare(NodeId, NodeId),
+    Negate(NodeId),
+    /// Floats: it costs next to nothing, so it is made where it saves registers, not where it was written.
+    Test(Test, NodeId),
+    Relation(NodeId, Relation),
+    And(NodeId, NodeId),
+    Or(NodeId, NodeId),
+    Not(NodeId),
+    WordEqual(NodeId, NodeId),
+    WordLess(NodeId, NodeId),
+    Select(NodeId, NodeId, NodeId),
+}
+
+/// What a value is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// A number as it stands at the ports.
+    Ieee,
+    /// A number as it stands inside.
+    Recoded,
+    /// A small word of so many bits; a truth value has one.
+    Word(u32),
+    /// The three answers of a comparator.
+    Order,
+}
+
+#[derive(Debug, Clone)]
+pub struct Node {
+    pub op: Op,
+    pub kind: Kind,
+    /// The stage that makes it; 0 for inputs. Constants and state are everywhere.
+    pub stage: u32,
+    /// What the algorithm calls it.
+    pub name: Option<String>,
+}
+
+/// An input or output port without its direction suffix, or one bit of it.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct PortBit {
+    pub port: String,
+    /// Bit and width of the port, where the value is one bit of several.
+    pub bit: Option<(u32, u32)>,
+}
+
+/// One output of an operation.
+#[derive(Debug, Clone)]
+pub struct OutputValue {
+    pub port: PortBit,
+    pub node: NodeId,
+}
+
+/// A register of an operation that outlives a job.
+#[derive(Debug, Clone)]
+pub struct StateValue {
+    pub name: String,
+    /// What it holds for the next job.
+    pub next: NodeId,
+    /// The stage in which it is read and written.
+    pub stage: u32,
+}
+
+/// An operation's record.
+#[derive(Debug, Clone)]
+pub struct Traced {
+    pub name: &'static str,
+    pub opcode: u64,
+    pub nodes: Vec<Node>,
+    pub inputs: Vec<NodeId>,
+    pub outputs: Vec<OutputValue>,
+    pub states: Vec<StateValue>,
+    /// What its stages say they do.
+    pub notes: Vec<(u32, &'static str)>,
+}
+
+impl Traced {
+    /// Runs `operation` over a recording circuit.
+    pub fn new<O: Operation>(operation: &O, opcode: u64) -> Result<Self, Error> {
+        let graph = Graph::default();
+        let c = Tracer { graph: &graph };
+        let mut inputs = InputSource { c, inputs: Vec::new() };
+        let input = O::Input::build(&mut Path::default(), &mut inputs);
+        let inputs = inputs.inputs;
+        let mut states = StateSource { c, names: Vec::new() };
+        let state = O::State::build(&mut Path::default(), &mut states);
+        let names = states.names;
+
+        let (output, next) = operation.run(c, input, state);
+
+        graph.stage.set(STAGES);
+        let mut outputs = OutputSink { c, outputs: Vec::new() };
+        output.each(&mut Path::default(), &mut outputs);
+        let outputs = outputs.outputs;
+        let mut next_nodes = Leaves(Vec::new());
+        next.each(&mut Path::default(), &mut next_nodes);
+
+        let states = names.into_iter().zip(next_nodes.0).map(|(name, next)| StateValue { name, next, stage: 0 });
+        let mut traced = Self {
+            name: O::NAME,
+            opcode,
+            inputs,
+            outputs,
+            states: states.collect(),
+            notes: graph.notes.take(),
+            nodes: graph.nodes.take(),
+        };
+        traced.check()?;
+        Ok(traced)
+    }
+
+    pub fn node(&self, id: NodeId) -> &Node {
+        &self.nodes[id.index()]
+    }
+
+    /// What to call a value in messages and in the netlist.
+    pub fn name_of(&self, id: NodeId) -> String {
+        let node = self.node(id);
+        node.name.clone().unwrap_or_else(|| {
+            let text = format!("{:?}", node.op);
+            let operator = text.split(['(', ' ']).next().unwrap_or_default().to_lowercase();
+            format!("{operator}_{}", id.0)
+        })
+    }
+
+    /// The values that a value is made of.
+    pub fn operands(&self, id: NodeId) -> Vec<NodeId> {
+        match self.node(id).op {
+            Op::Input(_) | Op::State(_) | Op::Number(_) | Op::Bit(_) | Op::Word(_) => vec![],
+            Op::Encode(a) | Op::Decode(a) | Op::Negate(a) | Op::Test(_, a) | Op::Relation(a, _) | Op::Not(a) => vec![a],
+            Op::Add(a, b)
+            | Op::Subtract(a, b)
+            | Op::Multiply(a, b)
+            | Op::Compare(a, b)
+            | Op::And(a, b)
+            | Op::Or(a, b)
+            | Op::WordEqual(a, b)
+            | Op::WordLess(a, b) => vec![a, b],
+            Op::Select(condition, a, b) => vec![condition, a, b],
+        }
+    }
+
+    /// Whether it is made in no particular stage.
+    pub fn is_everywhere(&self, id: NodeId) -> bool {
+        matches!(self.node(id).op, Op::State(_) | Op::Number(_) | Op::Bit(_) | Op::Word(_))
+    }
+
+    /// Whether it may be made in any stage that has its operand.
+    pub fn floats(&self, id: NodeId) -> bool {
+        matches!(self.node(id).op, Op::Test(..))
+    }
+
+    /// Stages in range, nothing read before it is made, state read where it is written.
+    fn check(&mut self) -> Result<(), Error> {
+        for index in 0..self.nodes.len() {
+            let id = NodeId(index as u32);
+            let stage = self.node(id).stage;
+            let inside = !matches!(self.node(id).op, Op::Input(_) | Op::Encode(_) | Op::Decode(_));
+            if inside && !self.is_everywhere(id) && !(1..STAGES).contains(&stage) {
+                let value = self.name_of(id);
+                return Err(Error::NoSuchStage { operation: self.name, value, stage, last: STAGES - 1 });
+            }
+            for operand in self.operands(id) {
+                let made = self.node(operand).stage;
+                if !self.is_everywhere(operand) && made > stage {
+                    let (reader, value) = (self.name_of(id), self.name_of(operand));
+                    return Err(Error::UsedBeforeMade { operation: self.name, reader, stage, value, made });
+                }
+                if let Op::State(state) = self.node(operand).op {
+                    let made = self.node(self.states[state].next).stage;
+                    if made != stage {
+                        let state = self.states[state].name.clone();
+                        return Err(Error::StateApart { operation: self.name, state, read: stage, made });
+                    }
+                }
+            }
+        }
+        for state in 0..self.states.len() {
+            self.states[state].stage = self.node(self.states[state].next).stage;
+        }
+        Ok(())
+    }
+}
+
+#[derive(Default)]
+struct Graph {
+    nodes: RefCell<Vec<Node>>,
+    notes: RefCell<Vec<(u32, &'static str)>>,
+    stage: Cell<u32>,
+}
+
+/// The circuit that records.
+#[derive(Clone, Copy)]
+struct Tracer<'g> {
+    graph: &'g Graph,
+}
+
+impl Tracer<'_> {
+    fn push(self, kind: Kind, op: Op) -> NodeId {
+        self.push_at(self.graph.stage.get(), kind, op)
+    }
+
+    fn push_at(self, stage: u32, kind: Kind, op: Op) -> NodeId {
+        let mut nodes = self.graph.nodes.borrow_mut();
+        nodes.push(Node { op, kind, stage, name: None });
+        NodeId(nodes.len() as u32 - 1)
+    }
+
+    /// The node of a value that costs no unit, made once however often it is written.
+    fn once(self, kind: Kind, op: Op) -> NodeId {
+        let found = self.graph.nodes.borrow().iter().position(|node| node.op == op && node.kind == kind);
+        found.map_or_else(|| self.push(kind, op), |index| NodeId(index as u32))
+    }
+
+    fn name(self, id: NodeId, name: &str) {
+        let mut nodes = self.graph.nodes.borrow_mut();
+        let node = &mut nodes[id.index()];
+        if !matches!(node.op, Op::Input(_) | Op::Number(_) | Op::Bit(_) | Op::Word(_)) {
+            node.name = Some(name.to_string());
+        }
+    }
+}
+
+const BIT: Kind = Kind::Word(1);
+
+impl Circuit for Tracer<'_> {
+    type Num = NodeId;
+    type Bit = NodeId;
+    type Word = NodeId;
+    type Order = NodeId;
+
+    fn stage(self, number: u32, what: &'static str) {
+        self.graph.stage.set(number);
+        let mut notes = self.graph.notes.borrow_mut();
+        if !notes.contains(&(number, what)) {
+            notes.push((number, what));
+        }
+    }
+
+    fn label<B: Bundle<Self>>(self, name: fmt::Arguments<'_>, value: &B) {
+        value.each(&mut Path::new(&name.to_string()), &mut LabelSink(self));
+    }
+
+    fn constant(self, value: f32) -> NodeId {
+        self.once(Kind::Recoded, Op::Number(value.to_bits()))
+    }
+    fn add(self, a: NodeId, b: NodeId) -> NodeId {
+        self.push(Kind::Recoded, Op::Add(a, b))
+    }
+    fn subtract(self, a: NodeId, b: NodeId) -> NodeId {
+        self.push(Kind::Recoded, Op::Subtract(a, b))
+    }
+    fn multiply(self, a: NodeId, b: NodeId) -> NodeId {
+        self.push(Kind::Recoded, Op::Multiply(a, b))
+    }
+    fn negate(self, a: NodeId) -> NodeId {
+        self.push(Kind::Recoded, Op::Negate(a))
+    }
+    fn compare(self, a: NodeId, b: NodeId) -> NodeId {
+        self.push(Kind::Order, Op::Compare(a, b))
+    }
+    fn relation(self, order: NodeId, relation: Relation) -> NodeId {
+        // Read where the comparison is made: one bit crosses the registers, not the comparator's three.
+        let stage = self.graph.nodes.borrow()[order.index()].stage;
+        self.push_at(stage, BIT, Op::Relation(order, relation))
+    }
+    fn test(self, test: Test, a: NodeId) -> NodeId {
+        self.once(BIT, Op::Test(test, a))
+    }
+    fn constant_bit(self, value: bool) -> NodeId {
+        self.once(BIT, Op::Bit(value))
+    }
+    fn and(self, a: NodeId, b: NodeId) -> NodeId {
+        self.push(BIT, Op::And(a, b))
+    }
+    fn or(self, a: NodeId, b: NodeId) -> NodeId {
+        self.push(BIT, Op::Or(a, b))
+    }
+    fn not(self, a: NodeId) -> NodeId {
+        self.push(BIT, Op::Not(a))
+    }
+    fn constant_word(self, width: u32, value: u32) -> NodeId {
+        self.once(Kind::Word(width), Op::Word(value))
+    }
+    fn word_equal(self, a: NodeId, b: NodeId) -> NodeId {
+        self.push(BIT, Op::WordEqual(a, b))
+    }
+    fn word_less(self, a: NodeId, b: NodeId) -> NodeId {
+        self.push(BIT, Op::WordLess(a, b))
+    }
+    fn select_num(self, condition: NodeId, if_true: NodeId, if_false: NodeId) -> NodeId {
+        self.push(Kind::Recoded, Op::Select(condition, if_true, if_false))
+    }
+    fn select_bit(self, condition: NodeId, if_true: NodeId, if_false: NodeId) -> NodeId {
+        self.push(BIT, Op::Select(condition, if_true, if_false))
+    }
+    fn select_word(self, condition: NodeId, if_true: NodeId, if_false: NodeId) -> NodeId {
+        let kind = self.graph.nodes.borrow()[if_true.index()].kind;
+        self.push(kind, Op::Select(condition, if_true, if_false))
+    }
+}
+
+impl PartialEq for Tracer<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.graph, other.graph)
+    }
+}
+
+impl fmt::Debug for Tracer<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Tracer")
+    }
+}
+
+fn port_bit(field: Field<'_>) -> PortBit {
+    PortBit { port: field.name.to_string(), bit: field.bit }
+}
+
+/// Values that arrive at ports; numbers are recoded in stage 1.
+struct InputSource<'g> {
+    c: Tracer<'g>,
+    inputs: Vec<NodeId>,
+}
+
+impl InputSource<'_> {
+    fn push(&mut self, kind: Kind, field: Field<'_>) -> NodeId {
+        let name = match field.bit {
+            Some((bit, _)) => format!("{}_{bit}", field.name),
+            None => field.name.to_string(),
+        };
+        let id = self.c.push_at(0, kind, Op::Input(port_bit(field)));
+        self.c.graph.nodes.borrow_mut()[id.index()].name = Some(name);
+        self.inputs.push(id);
+        id
+    }
+}
+
+impl<'g> Source<Tracer<'g>> for InputSource<'g> {
+    fn num(&mut self, field: Field<'_>) -> Num<Tracer<'g>> {
+        let name = field.name.to_string();
+        let ieee = self.push(Kind::Ieee, field);
+        let recoded = self.c.push_at(1, Kind::Recoded, Op::Encode(ieee));
+        self.c.name(recoded, &name);
+        Num::new(self.c, recoded)
+    }
+    fn bit(&mut self, field: Field<'_>) -> Bit<Tracer<'g>> {
+        Bit::new(self.c, self.push(BIT, field))
+    }
+    fn word(&mut self, field: Field<'_>, width: u32) -> (Tracer<'g>, NodeId) {
+        (self.c, self.push(Kind::Word(width), field))
+    }
+}
+
+struct StateSource<'g> {
+    c: Tracer<'g>,
+    names: Vec<String>,
+}
+
+impl StateSource<'_> {
+    fn push(&mut self, kind: Kind, field: Field<'_>) -> NodeId {
+        self.names.push(field.name.to_string());
+        let id = self.c.push_at(0, kind, Op::State(self.names.len() - 1));
+        self.c.name(id, field.name);
+        id
+    }
+}
+
+impl<'g> Source<Tracer<'g>> for StateSource<'g> {
+    fn num(&mut self, field: Field<'_>) -> Num<Tracer<'g>> {
+        Num::new(self.c, self.push(Kind::Recoded, field))
+    }
+    fn bit(&mut self, field: Field<'_>) -> Bit<Tracer<'g>> {
+        Bit::new(self.c, self.push(BIT, field))
+    }
+    fn word(&mut self, field: Field<'_>, width: u32) -> (Tracer<'g>, NodeId) {
+        (self.c, self.push(Kind::Word(width), field))
+    }
+}
+
+/// Values that leave at ports; numbers are decoded in the last stage.
+struct OutputSink<'g> {
+    c: Tracer<'g>,
+    outputs: Vec<OutputValue>,
+}
+
+impl<'g> Sink<Tracer<'g>> for OutputSink<'g> {
+    fn num(&mut self, field: Field<'_>, value: Num<Tracer<'g>>) {
+        let node = self.c.push(Kind::Ieee, Op::Decode(value.value()));
+        self.c.name(node, field.name);
+        self.outputs.push(OutputValue { port: port_bit(field), node });
+    }
+    fn bit(&mut self, field: Field<'_>, value: Bit<Tracer<'g>>) {
+        self.outputs.push(OutputValue { port: port_bit(field), node: value.value() });
+    }
+    fn word(&mut self, field: Field<'_>, _width: u32, value: NodeId) {
+        self.outputs.push(OutputValue { port: port_bit(field), node: value });
+    }
+}
+
+/// The leaves of a structure, in order.
+struct Leaves(Vec<NodeId>);
+
+impl<'g> Sink<Tracer<'g>> for Leaves {
+    fn num(&mut self, _: Field<'_>, value: Num<Tracer<'g>>) {
+        self.0.push(value.value());
+    }
+    fn bit(&mut self, _: Field<'_>, value: Bit<Tracer<'g>>) {
+        self.0.push(value.value());
+    }
+    fn word(&mut self, _: Field<'_>, _: u32, value: NodeId) {
+        self.0.push(value);
+    }
+}
+
+struct LabelSink<'g>(Tracer<'g>);
+
+impl<'g> Sink<Tracer<'g>> for LabelSink<'g> {
+    fn num(&mut self, field: Field<'_>, value: Num<Tracer<'g>>) {
+        self.0.name(value.value(), field.name);
+    }
+    fn bit(&mut self, field: Field<'_>, value: Bit<Tracer<'g>>) {
+        match field.bit {
+            Some((bit, _)) => self.0.name(value.value(), &format!("{}_{bit}", field.name)),
+            None => self.0.name(value.value(), field.name),
+        }
+    }
+    fn word(&mut self, field: Field<'_>, _: u32, value: NodeId) {
+        self.0.name(value, field.name);
+    }
+}

@@ -1,0 +1,38 @@
+//! Elaboration: operations become an elastic pipeline of shared units.
+//!
+//! An operation is run once over a circuit that records it ([`graph`]). From the record follow the units of each
+//! stage, the registers between them and the ports ([`plan`]); from those the netlist ([`Datapath::top`]).
+//!
+//! ```
+//! use raypath_rtl::{Config, Datapath, Lanes};
+//!
+//! let datapath = Datapath::new(Config { lanes: Lanes::None, ..Config::default() })?;
+//! assert_eq!(datapath.top().name(), "raypath");
+//! assert_eq!(datapath.units(2).add, 24);
+//! # Ok::<(), raypath_rtl::Error>(())
+//! ```
+
+mod boundary;
+mod config;
+mod datapath;
+mod error;
+mod graph;
+mod input;
+mod library;
+mod liveness;
+mod output;
+mod place;
+mod plan;
+mod skid;
+mod stage;
+mod top;
+mod units;
+mod values;
+
+pub use config::{Config, Lanes, ParseLanesError};
+pub use datapath::{Datapath, Registers, StageNote};
+pub use error::Error;
+pub use units::{UnitKind, Units};
+
+/// The stages between the input's registers and the output's (Table VII).
+pub const STAGES: u32 = 11;

@@ -1,0 +1,69 @@
+//! From the last registers to the ports: an operation's outputs, zero while another's job is there.
+
+use crate::STAGES;
+use crate::boundary::{self, OPCODE_WIDTH, label};
+use crate::error::Error;
+use crate::graph::NodeId;
+use crate::library::Library;
+use crate::place::Place;
+use crate::plan::Plan;
+use crate::stage::number_width;
+use raypath_hdl::{Builder, Label, Module, Wire};
+use std::sync::Arc;
+
+/// An output port, direction suffix excluded, and for each operation that has it the values of its bits, lowest first.
+struct OutputPort {
+    name: String,
+    arms: Vec<(usize, Vec<NodeId>)>,
+}
+
+/// The module `raypath_output`, without registers.
+pub fn output(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
+    let m = Builder::new("raypath_output");
+    m.doc("From the last registers to the ports. What does not belong to the job's opcode is zero.");
+    let layout = &plan.stages[STAGES as usize].layout;
+    let opcode = m.input("opcode_i", OPCODE_WIDTH);
+    let width = number_width(library, STAGES as usize);
+    let numbers: Vec<Wire<'_>> =
+        (0..layout.numbers).map(|place| m.input(&format!("{}_i", boundary::number(place)), width)).collect();
+    let flags = (layout.flags > 0).then(|| m.input("flags_i", layout.flags));
+
+    let read = |op: usize, id: NodeId| {
+        let traced = &plan.operations[op];
+        match (layout.places[op].get(&id), flags) {
+            (Some(&Place::Number(place)), _) => Ok(numbers[place]),
+            (Some(&Place::Flags { low, width }), Some(flags)) => Ok(flags.bits(low + width - 1, low)),
+            _ => Err(Error::Unplaced { operation: traced.name, value: traced.name_of(id) }),
+        }
+    };
+    for port in ports(plan) {
+        let mut arms: Vec<(Label, Wire<'_>)> = Vec::new();
+        for (op, bits) in port.arms {
+            let mut parts = bits.into_iter().map(|id| read(op, id)).collect::<Result<Vec<_>, Error>>()?;
+            parts.reverse();
+            arms.push((label(&plan.operations[op]), m.concat(&parts)));
+        }
+        let Some(width) = arms.first().map(|(_, wire)| wire.width()) else { continue };
+        let shown = m.case(opcode, &arms, m.constant(width, 0));
+        m.output(&format!("{}_o", port.name), shown.named(&port.name));
+    }
+    Ok(m.finish()?)
+}
+
+fn ports(plan: &Plan) -> Vec<OutputPort> {
+    let mut ports: Vec<OutputPort> = Vec::new();
+    for (op, traced) in plan.operations.iter().enumerate() {
+        for value in &traced.outputs {
+            let known = ports.iter().position(|port| port.name == value.port.port).unwrap_or_else(|| {
+                ports.push(OutputPort { name: value.port.port.clone(), arms: Vec::new() });
+                ports.len() - 1
+            });
+            let arms = &mut ports[known].arms;
+            match arms.last_mut() {
+                Some((last, bits)) if *last == op => bits.push(value.node),
+                _ => arms.push((op, vec![value.node])),
+            }
+        }
+    }
+    ports
+}

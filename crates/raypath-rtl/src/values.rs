@@ -1,0 +1,236 @@
+//! The values of one stage, as wires: read from the registers before it, made by its units and by the operations' logic.
+
+use crate::boundary::{Wires, by_opcode, negate};
+use crate::error::Error;
+use crate::graph::{Kind, NodeId, Op};
+use crate::library::Library;
+use crate::place::{Origin, Place};
+use crate::plan::Plan;
+use crate::units::Unit;
+use raypath_hdl::{Builder, Wire};
+use raypath_ops::{Relation, Test};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Wires of values, made on demand and once.
+pub struct Values<'m, 'p> {
+    m: &'m Builder,
+    plan: &'p Plan,
+    library: &'p Library,
+    stage: usize,
+    opcode: Wire<'m>,
+    before: Before<'m>,
+    made: BTreeMap<(usize, NodeId), Wire<'m>>,
+    units: BTreeMap<Unit, Vec<Wire<'m>>>,
+    in_progress: BTreeSet<Unit>,
+    names: BTreeSet<String>,
+}
+
+/// What a stage finds when its job arrives.
+pub struct Before<'m> {
+    /// Number registers before the stage.
+    pub numbers: Vec<Wire<'m>>,
+    /// The flag register before the stage, if it has one.
+    pub flags: Option<Wire<'m>>,
+    /// State registers of the stage, by operation and number.
+    pub states: BTreeMap<(usize, usize), Wire<'m>>,
+}
+
+impl<'m, 'p> Values<'m, 'p> {
+    /// The values of a stage, with what stands in its registers.
+    pub fn new(
+        m: &'m Builder,
+        plan: &'p Plan,
+        library: &'p Library,
+        stage: usize,
+        opcode: Wire<'m>,
+        before: Before<'m>,
+    ) -> Self {
+        Self {
+            m,
+            plan,
+            library,
+            stage,
+            opcode,
+            before,
+            made: BTreeMap::new(),
+            units: BTreeMap::new(),
+            in_progress: BTreeSet::new(),
+            names: BTreeSet::new(),
+        }
+    }
+
+    /// The values read from the registers before the stage, in order.
+    pub fn read_from_registers(&self) -> Vec<(usize, NodeId)> {
+        self.made.keys().copied().filter(|&(op, id)| self.place(op, id).is_some()).collect()
+    }
+
+    /// The wire of an operation's value, under the name that the algorithm has for it.
+    pub fn get(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
+        if let Some(&wire) = self.made.get(&(op, id)) {
+            return Ok(wire);
+        }
+        let wire = self.make(op, id)?;
+        let traced = &self.plan.operations[op];
+        let wire = match &traced.node(id).name {
+            Some(name) if !traced.is_everywhere(id) => {
+                let repeats = name.strip_prefix(traced.name).is_some_and(|rest| rest.starts_with('_'));
+                let full = if repeats { name.clone() } else { format!("{}_{name}", traced.name) };
+                let name = self.free_name(&full);
+                wire.named(&name)
+            }
+            _ => wire,
+        };
+        self.made.insert((op, id), wire);
+        Ok(wire)
+    }
+
+    /// A unit's results, in the order of its ports.
+    pub fn unit(&mut self, unit: Unit) -> Result<Vec<Wire<'m>>, Error> {
+        if let Some(wires) = self.units.get(&unit) {
+            return Ok(wires.clone());
+        }
+        if !self.in_progress.insert(unit) {
+            return Err(Error::UnitLoop { stage: self.stage as u32 });
+        }
+        let (kind, number) = unit;
+        let module = self.library.unit(kind);
+        let stem = format!("{}_{number}", kind.stem());
+        let mut connections = Vec::new();
+        for (operand, port) in module.inputs().iter().enumerate() {
+            let letter = port.name.strip_suffix("_i").unwrap_or(&port.name);
+            connections.push((port.name.as_str(), self.operand(unit, operand, &format!("{stem}_{letter}"))?));
+        }
+        let wires = self.m.instance(&format!("u_{stem}"), module, &connections);
+        self.units.insert(unit, wires.clone());
+        Ok(wires)
+    }
+
+    /// One operand of a unit: that of whichever operation the job belongs to. A difference is a sum with the second
+    /// operand's sign inverted.
+    fn operand(&mut self, unit: Unit, operand: usize, name: &str) -> Result<Wire<'m>, Error> {
+        let users: Vec<(usize, NodeId)> = self.users(unit);
+        let inverted =
+            |op: usize, id: NodeId| operand == 1 && matches!(self.plan.operations[op].node(id).op, Op::Subtract(..));
+        let all_inverted = users.iter().all(|&(op, id)| inverted(op, id));
+        let arms: Vec<_> = users
+            .into_iter()
+            .map(|(op, id)| {
+                let source = self.plan.operations[op].operands(id)[operand];
+                (op, self.plan.origin(self.stage, op, source), source, inverted(op, id) && !all_inverted)
+            })
+            .collect();
+        let (m, opcode, plan) = (self.m, self.opcode, self.plan);
+        let chosen = by_opcode(m, opcode, &plan.operations, &arms, self)?;
+        let chosen = chosen.unwrap_or_else(|| m.constant(self.library.format.recoded_width(), 0));
+        let one_net = arms.iter().all(|arm| (&arm.1, arm.3) == (&arms[0].1, arms[0].3));
+        let chosen = if one_net { chosen } else { chosen.named(name) };
+        Ok(if all_inverted { negate(chosen) } else { chosen })
+    }
+
+    /// The operations that a unit serves, and what it makes for each.
+    fn users(&self, unit: Unit) -> Vec<(usize, NodeId)> {
+        let assigned = &self.plan.stages[self.stage].assigned;
+        let made = |op: usize| assigned[op].iter().find(|(_, u)| **u == unit).map(|(&id, _)| (op, id));
+        (0..assigned.len()).filter_map(made).collect()
+    }
+
+    fn make(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
+        let m = self.m;
+        if let Some(place) = self.place(op, id) {
+            return Ok(self.read(place));
+        }
+        let traced = &self.plan.operations[op];
+        let node = traced.node(id);
+        Ok(match node.op {
+            Op::Input(_) => return Err(Error::Unplaced { operation: traced.name, value: traced.name_of(id) }),
+            Op::State(state) => self.before.states[&(op, state)],
+            Op::Number(bits) => {
+                m.constant(self.library.format.recoded_width(), self.library.format.encode(bits.into()))
+            }
+            Op::Bit(value) => m.constant(1, value.into()),
+            Op::Word(value) => {
+                let Kind::Word(width) = node.kind else { unreachable!("a word constant has a word's kind") };
+                m.constant(width, value.into())
+            }
+            Op::Encode(_) | Op::Decode(_) | Op::Add(..) | Op::Subtract(..) | Op::Multiply(..) | Op::Compare(..) => {
+                let unit = self.plan.stages[self.stage].assigned[op][&id];
+                self.unit(unit)?[0]
+            }
+            Op::Relation(order, relation) => {
+                let unit = self.plan.stages[self.stage].assigned[op][&order];
+                let results = self.unit(unit)?;
+                relate(results[0], results[1], results[2], relation)
+            }
+            Op::Negate(a) => negate(self.get(op, a)?),
+            // Four of its bits are read: the whole number gets a name for who reads all of it.
+            Op::Test(test, a) => test_class(test, self.shared(op, a)?),
+            Op::And(a, b) => self.get(op, a)? & self.get(op, b)?,
+            Op::Or(a, b) => self.get(op, a)? | self.get(op, b)?,
+            Op::Not(a) => !self.get(op, a)?,
+            Op::WordEqual(a, b) => self.get(op, a)?.equals(self.get(op, b)?),
+            Op::WordLess(a, b) => self.get(op, a)?.less(self.get(op, b)?),
+            Op::Select(condition, a, b) => {
+                let condition = self.get(op, condition)?;
+                condition.mux(self.get(op, a)?, self.get(op, b)?)
+            }
+        })
+    }
+
+    fn place(&self, op: usize, id: NodeId) -> Option<Place> {
+        let before = &self.plan.stages[self.stage.checked_sub(1)?].layout;
+        before.places[op].get(&id).copied()
+    }
+
+    fn read(&self, place: Place) -> Wire<'m> {
+        match (place, self.before.flags) {
+            (Place::Number(place), _) => self.before.numbers[place],
+            (Place::Flags { low, width }, Some(flags)) => flags.bits(low + width - 1, low),
+            (Place::Flags { width, .. }, None) => self.m.constant(width, 0),
+        }
+    }
+
+    fn free_name(&mut self, wanted: &str) -> String {
+        let candidates = std::iter::once(wanted.to_string()).chain((2..).map(|n| format!("{wanted}_v{n}")));
+        let mut free = candidates.skip_while(|name| self.names.contains(name));
+        let name = free.next().unwrap_or_default();
+        self.names.insert(name.clone());
+        name
+    }
+}
+
+impl<'m> Wires<'m> for Values<'m, '_> {
+    fn named(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
+        self.get(op, id)
+    }
+
+    fn shared(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
+        match self.plan.origin(self.stage, op, id) {
+            Origin::Place(place) => Ok(self.read(place)),
+            Origin::Unit(unit) => Ok(self.unit(unit)?[0]),
+            Origin::Port(_) | Origin::Logic(..) => self.get(op, id),
+        }
+    }
+}
+
+fn relate<'m>(less: Wire<'m>, equal: Wire<'m>, unordered: Wire<'m>, relation: Relation) -> Wire<'m> {
+    match relation {
+        Relation::Less => less,
+        Relation::LessOrEqual => less | equal,
+        Relation::Equal => equal,
+        Relation::GreaterOrEqual => !(less | unordered),
+        Relation::Greater => !(less | equal | unordered),
+    }
+}
+
+/// Sign and class of a recoded number: the sign bit and the top three bits of the exponent (SPEC §7).
+fn test_class(test: Test, a: Wire<'_>) -> Wire<'_> {
+    let sign = a.top();
+    let class = a.bits(a.width() - 2, a.width() - 4);
+    match test {
+        Test::SignBit => sign,
+        Test::Zero => class.is(0b000),
+        Test::Nan => class.is(0b111),
+        Test::AtLeastZero => (!sign & !class.is(0b111)) | class.is(0b000),
+        Test::AboveZero => !sign & !class.is(0b111) & !class.is(0b000),
+    }
+}
