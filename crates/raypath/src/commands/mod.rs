@@ -1,0 +1,41 @@
+//! The command line.
+
+mod failure;
+mod generate;
+mod output;
+mod progress;
+mod replay;
+mod stream;
+mod wave;
+
+use clap::{Parser, Subcommand};
+pub use failure::Failure;
+
+/// An open hardware ray-tracer datapath: SystemVerilog, and models that agree with it bit for bit.
+#[derive(Debug, Parser)]
+#[command(name = "raypath", version, about, after_help = "Exit codes: 0 all is well, 1 a mismatch, 2 wrong input.")]
+pub struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Write the datapath as SystemVerilog, show its schedule and units, and check the netlist against the models
+    Generate(generate::Arguments),
+    /// Run recorded transactions through a model or the netlist and compare the results
+    Replay(replay::Arguments),
+    /// Run recorded transactions through the netlist and write a waveform (FST)
+    Wave(wave::Arguments),
+}
+
+impl CommandLine {
+    /// Does what was asked for.
+    pub fn run(self) -> Result<(), Failure> {
+        match self.command {
+            Command::Generate(arguments) => generate::run(&arguments),
+            Command::Replay(arguments) => replay::run(&arguments),
+            Command::Wave(arguments) => wave::run(&arguments),
+        }
+    }
+}

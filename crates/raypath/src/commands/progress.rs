@@ -1,0 +1,60 @@
+//! Progress: a bar on a terminal, plain lines elsewhere. Ctrl-C asks the work to stop.
+
+use crate::commands::Failure;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// How far a long piece of work has come.
+pub struct Progress {
+    what: &'static str,
+    total: usize,
+    bar: Option<ProgressBar>,
+    /// Elsewhere than on a terminal: when the last line was printed.
+    last_line: Instant,
+    stopped: Arc<AtomicBool>,
+}
+
+const BETWEEN_LINES: Duration = Duration::from_secs(5);
+
+impl Progress {
+    /// Begins. `what` names the items counted: "jobs".
+    pub fn new(what: &'static str, total: usize) -> Self {
+        let stopped = Arc::new(AtomicBool::new(false));
+        let flag = stopped.clone();
+        // A second handler is refused; commands have one piece of long work each, so this is the first.
+        let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {msg}  {per_sec}  {eta} left");
+            let bar = ProgressBar::new(total as u64).with_message(what);
+            bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        });
+        Self { what, total, bar, last_line: Instant::now(), stopped }
+    }
+
+    /// `done` items are done. False where the user wants to stop.
+    pub fn at(&mut self, done: usize) -> bool {
+        match &self.bar {
+            Some(bar) => bar.set_position(done as u64),
+            None if self.last_line.elapsed() > BETWEEN_LINES => {
+                eprintln!("{done} of {} {}", self.total, self.what);
+                self.last_line = Instant::now();
+            }
+            None => {}
+        }
+        !self.stopped.load(Ordering::Relaxed)
+    }
+
+    /// Ends; an error where the user stopped the work after `done` items.
+    pub fn finish(self, done: usize) -> Result<(), Failure> {
+        if let Some(bar) = self.bar {
+            bar.finish_and_clear();
+        }
+        if self.stopped.load(Ordering::Relaxed) {
+            return Err(Failure::Interrupted(format!("after {done} of {} {}", self.total, self.what)));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,75 @@
+//! The options that say which transactions run, and how: shared by `replay` and `wave`.
+
+use crate::commands::Failure;
+use clap::{Args, ValueEnum};
+use raypath::ops::{JobKind, Rules};
+use raypath::traffic::{Traffic, interleave};
+use raypath::transactions::{Transaction, kind_of, merge, read};
+use std::path::PathBuf;
+
+/// Which transactions, and how.
+#[derive(Debug, Args)]
+pub struct StreamArguments {
+    /// Transaction files, plain or gzip; several merge by seq into one stream
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// What kind of jobs the files hold, if their names do not begin with it
+    #[arg(long, value_enum)]
+    kind: Option<Kind>,
+    /// The rules on the edges: paper (this project's rulings) or chisel (the original hardware's)
+    #[arg(long, default_value_t = Rules::Paper)]
+    pub rules: Rules,
+    /// Offer and take in every cycle, or stall the sink and starve the source at random
+    #[arg(long, value_enum, default_value_t = Handshake::Always)]
+    handshake: Handshake,
+    /// Mix the modes freely, while each keeps its own order
+    #[arg(long)]
+    interleave: bool,
+    /// Seed of all that is random
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Kind {
+    Triangle,
+    Quadbox,
+    Euclidean,
+    Angular,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Handshake {
+    Always,
+    Random,
+}
+
+impl StreamArguments {
+    /// Reads all files into one stream.
+    pub fn read(&self) -> Result<Vec<Transaction>, Failure> {
+        let mut files = Vec::new();
+        for path in &self.files {
+            let kind = match self.kind {
+                Some(Kind::Triangle) => JobKind::Triangle,
+                Some(Kind::Quadbox) => JobKind::Quadbox,
+                Some(Kind::Euclidean) => JobKind::Euclidean,
+                Some(Kind::Angular) => JobKind::Angular,
+                None => kind_of(path)?,
+            };
+            files.push(read(path, kind)?);
+        }
+        let stream = merge(files);
+        if stream.is_empty() {
+            return Err(Failure::Unusable("the files hold no transactions, expected at least one".to_string()));
+        }
+        Ok(if self.interleave { interleave(stream, self.seed) } else { stream })
+    }
+
+    /// When source and sink act.
+    pub fn traffic(&self) -> Traffic {
+        match self.handshake {
+            Handshake::Always => Traffic::always(),
+            Handshake::Random => Traffic::random(self.seed),
+        }
+    }
+}

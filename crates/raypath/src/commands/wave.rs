@@ -1,0 +1,78 @@
+//! `raypath wave`: recorded transactions through the netlist, with a waveform.
+
+use crate::commands::Failure;
+use crate::commands::progress::Progress;
+use crate::commands::stream::StreamArguments;
+use clap::Args;
+use raypath::engine::{Engine, NetlistEngine, Shown, drive};
+use raypath::hdl::WaveWriter;
+use raypath::ops::Job;
+use raypath::rtl::Config;
+use std::cell::Cell;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    stream: StreamArguments,
+    /// The waveform to write, for GTKWave, Surfer and the like
+    #[arg(long, default_value = "trace.fst")]
+    out: PathBuf,
+    /// Stop after this many jobs
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let stream = arguments.stream.read()?;
+    let config = Config { rules: arguments.stream.rules, ..Config::default() };
+    let netlist = NetlistEngine::new(config, is_of_interest)?;
+    let waves = WaveWriter::create(&arguments.out, netlist.simulator())?;
+    let mut waving = Waving { netlist, waves, cycle: 0, failed: None };
+
+    let total = arguments.jobs.unwrap_or(stream.len()).min(stream.len());
+    let mut progress = Progress::new("jobs", total);
+    let going = Cell::new(true);
+    let jobs = stream[..total].iter().map(|transaction| &transaction.job).take_while(|_| going.get());
+    let run = drive(&mut waving, jobs, &mut arguments.stream.traffic(), |index, _| going.set(progress.at(index + 1)));
+    progress.finish(run.jobs)?;
+    if let Some(failed) = waving.failed {
+        return Err(failed.into());
+    }
+    waving.waves.finish()?;
+    println!("Wrote {} jobs in {} cycles to {}", run.jobs, run.cycles, arguments.out.display());
+    Ok(())
+}
+
+/// Ports, handshakes, and stage registers under the algorithm's names; not the insides of units.
+fn is_of_interest(name: &str) -> bool {
+    let units = ["u_encode_", "u_add_", "u_mul_", "u_compare_", "u_decode_"];
+    !name.split('.').any(|part| units.iter().any(|unit| part.starts_with(unit)))
+}
+
+/// The netlist, sampled in every cycle.
+struct Waving {
+    netlist: NetlistEngine,
+    waves: WaveWriter,
+    cycle: u64,
+    failed: Option<raypath::hdl::Error>,
+}
+
+impl Engine for Waving {
+    fn present(&mut self, job: &Job) {
+        self.netlist.present(job);
+    }
+
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
+        let shown = self.netlist.cycle(input_valid, output_ready);
+        if self.failed.is_none() {
+            self.failed = self.waves.sample(self.netlist.simulator(), self.cycle).err();
+        }
+        self.cycle += 1;
+        shown
+    }
+
+    fn reset(&mut self) {
+        self.netlist.reset();
+    }
+}

@@ -1,0 +1,33 @@
+//! An open hardware ray-tracer datapath, described once in Rust.
+//!
+//! From one function for each operation come synthesizable SystemVerilog ([`rtl`]), a bit-exact functional model and a
+//! cycle-exact one ([`model`]). This crate joins them, and adds what surrounds them: files of transactions
+//! ([`transactions`]), traffic with bubbles and stalls ([`traffic`]), and engines that carry jobs through any of the
+//! three ([`engine`]).
+//!
+//! ```
+//! use raypath::ops::{Aabb, Job, Outcome, Ray, RayBoxInput, Rules};
+//!
+//! let ray = Ray::new([0.0, 0.0, -5.0], [0.0, 0.0, 1.0], f32::INFINITY)?;
+//! let boxes = [Aabb::new([-1.0; 3], [1.0; 3]); 4];
+//!
+//! let mut datapath = raypath::model::Functional::<16, 8>::new(Rules::Paper);
+//! let Outcome::Quadbox(hits) = datapath.run(&Job::Quadbox(RayBoxInput { ray, aabb: boxes })) else { unreachable!() };
+//! assert_eq!(hits.is_intersect.to_array(), [true; 4]);
+//! # Ok::<(), raypath::ops::RayError>(())
+//! ```
+
+pub use raypath_float as float;
+pub use raypath_hdl as hdl;
+pub use raypath_model as model;
+pub use raypath_ops as ops;
+pub use raypath_rtl as rtl;
+
+pub mod check;
+pub mod engine;
+pub mod jobs;
+pub mod picture;
+pub mod tables;
+pub mod traffic;
+mod transaction_format;
+pub mod transactions;

@@ -1,0 +1,101 @@
+//! The pipeline as a picture, drawn from the schedule.
+
+use crate::tables::list;
+use raypath_rtl::{Datapath, STAGES, StageNote};
+use svg::Document;
+use svg::node::element::{Group, Rectangle, Style, Text, Title};
+
+const LEFT: i32 = 96;
+const COLUMN: i32 = 88;
+const HEAD: i32 = 64;
+const ROW: i32 = 46;
+const GAP: i32 = 6;
+/// One colour an operation, told apart by colour-blind readers too (Okabe and Ito).
+const COLOURS: [&str; 4] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
+
+/// The pipeline of a datapath as SVG: a column a stage with its registers, a row an operation with its units, the units
+/// that they share, and the bits that cross each boundary.
+pub fn pipeline(datapath: &Datapath) -> String {
+    let columns = STAGES as i32 + 1;
+    let operations = datapath.schedule(1);
+    let rows = operations.len() as i32;
+    let width = LEFT + columns * COLUMN + 16;
+    let units_at = HEAD + rows * (ROW + GAP);
+    let bits_at = units_at + ROW + 2 * GAP;
+    let height = bits_at + 96;
+
+    let style = "text { font: 12px sans-serif; fill: #222 } .head { font-weight: bold } .small { font-size: 10.5px } \
+                 .on { fill: #fff }";
+    let mut picture = Document::new()
+        .set("viewBox", (0, 0, width, height))
+        .set("width", width)
+        .set("height", height)
+        .add(Title::new("The raypath pipeline"))
+        .add(Style::new(style))
+        .add(rectangle(0, 0, width, height, "#ffffff"))
+        .add(text(12, 24, "head", &format!("raypath: {}", datapath.config())))
+        .add(text(12, 42, "small", "one job a cycle, latency 12; each bar between stages is a skid buffer"));
+    for (row, operation) in operations.iter().enumerate() {
+        let y = HEAD + row as i32 * (ROW + GAP);
+        picture = picture.add(text(12, y + ROW / 2 + 4, "head", operation.operation));
+    }
+    picture =
+        picture.add(text(12, units_at + ROW / 2 + 4, "head", "units")).add(text(12, bits_at + 16, "head", "bits"));
+    let most = (0..=STAGES).map(|stage| datapath.registers(stage).live).max().unwrap_or(1).max(1);
+    for stage in 0..=STAGES {
+        let x = LEFT + stage as i32 * COLUMN;
+        let title = if stage == 0 { "input".to_string() } else { format!("stage {stage}") };
+        picture = picture.add(text(x + 4, HEAD - 6, "head", &title)).add(buffer(x, units_at + ROW));
+        for (row, note) in datapath.schedule(stage).iter().enumerate() {
+            let y = HEAD + row as i32 * (ROW + GAP);
+            picture = picture.add(cell(x, y, note, stage, COLOURS[row % COLOURS.len()]));
+        }
+        let units = list(datapath.units(stage));
+        picture = picture.add(lines(x + 4, units_at + 14, "small", &units));
+        let live = datapath.registers(stage).live;
+        let length = (live * 64 / most) as i32;
+        picture = picture.add(rectangle(x + COLUMN - 24, bits_at, 18, length.max(1), "#999999")).add(text(
+            x + COLUMN - 52,
+            bits_at + 12,
+            "small",
+            &live.to_string(),
+        ));
+    }
+    picture.to_string() + "\n"
+}
+
+/// What an operation does in a stage: its units on its colour, or a thin line where it only passes.
+fn cell(x: i32, y: i32, note: &StageNote, stage: u32, colour: &str) -> Group {
+    let units = list(note.units);
+    let works = stage > 0 && (!units.is_empty() || !note.what.is_empty());
+    if !works {
+        return Group::new().add(rectangle(x, y + ROW / 2 - 1, COLUMN - 14, 2, colour));
+    }
+    let shown = if units.is_empty() { "select".to_string() } else { units };
+    Group::new().add(Title::new(note.what.clone())).add(rectangle(x, y, COLUMN - 14, ROW, colour)).add(lines(
+        x + 6,
+        y + 18,
+        "small on",
+        &shown,
+    ))
+}
+
+/// The registers after a stage.
+fn buffer(x: i32, bottom: i32) -> Group {
+    let (right, height) = (x + COLUMN - 12, bottom - HEAD);
+    Group::new().add(rectangle(right, HEAD, 3, height, "#555555")).add(rectangle(right + 5, HEAD, 3, height, "#aaaaaa"))
+}
+
+/// Comma-separated parts below each other.
+fn lines(x: i32, y: i32, class: &str, parts: &str) -> Group {
+    let below = |(line, part)| text(x, y + 14 * line as i32, class, part);
+    parts.split(", ").enumerate().map(below).fold(Group::new(), Group::add)
+}
+
+fn rectangle(x: i32, y: i32, width: i32, height: i32, fill: &str) -> Rectangle {
+    Rectangle::new().set("x", x).set("y", y).set("width", width).set("height", height).set("fill", fill)
+}
+
+fn text(x: i32, y: i32, class: &str, words: &str) -> Text {
+    Text::new(words).set("x", x).set("y", y).set("class", class)
+}

@@ -1,0 +1,83 @@
+//! The golden vectors: what the original hardware answered, from every engine, in every order and under every handshake.
+//!
+//! A quarter of them travels with the repository; `RAYPATH_GOLDEN` may name a folder with the whole set.
+
+use raypath::engine::{CycleEngine, NetlistEngine, Run, drive, evaluate};
+use raypath::ops::{JobKind, Outcome, Rules};
+use raypath::rtl::{Config, Lanes};
+use raypath::traffic::{Traffic, interleave};
+use raypath::transactions::{Transaction, merge, read};
+use std::path::PathBuf;
+
+const CHISEL: Config = Config { rules: Rules::Chisel, lanes: Lanes::Sixteen };
+
+fn golden() -> Vec<Transaction> {
+    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/golden");
+    let folder = std::env::var_os("RAYPATH_GOLDEN").map_or(PathBuf::from(default), PathBuf::from);
+    let files = JobKind::ALL.map(|kind| read(&folder.join(format!("{kind}.txt.gz")), kind).expect("golden vectors"));
+    let stream = merge(files.into());
+    assert!(stream.len() >= 24_576, "golden vectors are missing: {} jobs", stream.len());
+    for kind in JobKind::ALL {
+        assert!(stream.iter().any(|transaction| transaction.job.kind() == kind), "no {kind} jobs");
+    }
+    stream
+}
+
+/// The stream as recorded, and with the modes mixed between the beats of each other's vectors.
+fn orders() -> [(&'static str, Vec<Transaction>); 2] {
+    let recorded = golden();
+    let mixed = interleave(recorded.clone(), 5);
+    assert_ne!(recorded, mixed);
+    [("recorded", recorded), ("interleaved", mixed)]
+}
+
+/// Runs a stream and checks each outcome, in order, and that every job comes out.
+fn check(what: &str, stream: &[Transaction], run: impl FnOnce(&mut dyn FnMut(usize, Outcome)) -> Run) -> Run {
+    let mut mismatches = 0;
+    let run = run(&mut |index, outcome| {
+        let transaction = &stream[index];
+        if outcome != transaction.expected {
+            mismatches += 1;
+            if mismatches <= 3 {
+                eprintln!("{what}, seq {:06x}: {outcome:?}, recorded {:?}", transaction.seq, transaction.expected);
+            }
+        }
+    });
+    assert_eq!((run.jobs, mismatches), (stream.len(), 0), "{what}: jobs, mismatches");
+    run
+}
+
+#[test]
+fn functional_model_answers_as_the_original() {
+    for (order, stream) in orders() {
+        check(order, &stream, |each| evaluate(Rules::Chisel, stream.iter().map(|t| &t.job), each));
+    }
+}
+
+#[test]
+fn cycle_model_answers_as_the_original() {
+    for (order, stream) in orders() {
+        for (handshake, mut traffic) in [("always", Traffic::always()), ("random", Traffic::random(2))] {
+            let mut engine = CycleEngine::new(Rules::Chisel);
+            let jobs = stream.iter().map(|t| &t.job);
+            let run =
+                check(&format!("{order}, {handshake}"), &stream, |each| drive(&mut engine, jobs, &mut traffic, each));
+            let least = stream.len() as u64 + 12;
+            assert!(if handshake == "always" { run.cycles == least } else { run.cycles > 2 * least }, "{run:?}");
+        }
+    }
+}
+
+#[test]
+fn netlist_answers_as_the_original() {
+    for (order, stream) in orders() {
+        for (handshake, mut traffic) in [("always", Traffic::always()), ("random", Traffic::random(3))] {
+            let mut engine = NetlistEngine::new(CHISEL, |_| false).expect("a datapath");
+            let jobs = stream.iter().map(|t| &t.job);
+            let run =
+                check(&format!("{order}, {handshake}"), &stream, |each| drive(&mut engine, jobs, &mut traffic, each));
+            let least = stream.len() as u64 + 12;
+            assert!(if handshake == "always" { run.cycles == least } else { run.cycles > 2 * least }, "{run:?}");
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! One question, three engines, one answer.
+
+use raypath::engine::{CycleEngine, Engine, NetlistEngine, drive};
+use raypath::model::Functional;
+use raypath::ops::{Aabb, Binary32, Job, Num, Outcome, Ray, RayBoxInput, Rules};
+use raypath::rtl::Config;
+use raypath::traffic::Traffic;
+use std::cell::RefCell;
+use std::collections::HashMap;
+
+pub type Ray32 = Ray<Binary32>;
+pub type Box32 = Aabb<Binary32>;
+pub const INF: f32 = f32::INFINITY;
+
+/// What the functional model, the cycle-exact model and the netlist answer to `jobs`, from a reset on: the same.
+pub fn answers(rules: Rules, jobs: &[Job]) -> Vec<Outcome> {
+    answers_under(rules, jobs, &Traffic::always())
+}
+
+/// The same, with bubbles and stalls.
+pub fn answers_under(rules: Rules, jobs: &[Job], traffic: &Traffic) -> Vec<Outcome> {
+    let mut functional = Functional::new(rules);
+    let expected: Vec<Outcome> = jobs.iter().map(|job| functional.run(job)).collect();
+    let check = |name: &str, engine: &mut dyn Engine| {
+        let mut came_out = 0;
+        drive(engine, jobs.iter(), &mut traffic.clone(), |i, outcome| {
+            assert_eq!(outcome, expected[i], "{name} and functional model, job {i}: {:?}", jobs[i]);
+            came_out += 1;
+        });
+        assert_eq!(came_out, jobs.len(), "{name} lost or repeated jobs");
+    };
+    check("cycle model", &mut CycleEngine::new(rules));
+    with_netlist(rules, |netlist| check("netlist", &mut CanonicalOnly(netlist)));
+    expected
+}
+
+pub fn answer(rules: Rules, job: Job) -> Outcome {
+    answers(rules, &[job])[0]
+}
+
+/// Lends the netlist of these rules after a reset. A thread compiles it once.
+pub fn with_netlist<T>(rules: Rules, f: impl FnOnce(&mut NetlistEngine) -> T) -> T {
+    thread_local! {
+        static NETLISTS: RefCell<HashMap<Rules, NetlistEngine>> = RefCell::default();
+    }
+    NETLISTS.with_borrow_mut(|netlists| {
+        let netlist = netlists
+            .entry(rules)
+            .or_insert_with(|| NetlistEngine::new(Config { rules, ..Config::default() }, |_| false).unwrap());
+        netlist.reset();
+        f(netlist)
+    })
+}
+
+/// Outcomes compare all NaNs as one; from the netlist no other NaN than the canonical may come in the first place.
+struct CanonicalOnly<'e>(&'e mut NetlistEngine);
+
+impl Engine for CanonicalOnly<'_> {
+    fn present(&mut self, job: &Job) {
+        self.0.present(job);
+    }
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> raypath::engine::Shown {
+        let shown = self.0.cycle(input_valid, output_ready);
+        for number in shown.output.iter().flat_map(numbers) {
+            let number = f32::from(number);
+            assert!(!number.is_nan() || number.to_bits() == 0x7fc0_0000, "NaN {:08x}", number.to_bits());
+        }
+        shown
+    }
+    fn reset(&mut self) {
+        self.0.reset();
+    }
+}
+
+/// All numbers of an outcome.
+pub fn numbers(outcome: &Outcome) -> Vec<Num<Binary32>> {
+    match outcome {
+        Outcome::Triangle(o) => vec![o.t_num, o.t_denom],
+        Outcome::Quadbox(o) => o.tmin.to_vec(),
+        Outcome::Euclidean(o) => vec![o.euclidean_accumulator],
+        Outcome::Angular(o) => vec![o.angular_dot_product, o.angular_norm],
+    }
+}
+
+/// The three output fields of a quadbox job, place by place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hits {
+    pub hit: [bool; 4],
+    /// As bits: −0 is not +0 here.
+    pub tmin: [u32; 4],
+    pub index: [u32; 4],
+}
+
+pub fn hits(outcome: &Outcome) -> Hits {
+    let Outcome::Quadbox(o) = outcome else { panic!("no quadbox outcome: {outcome:?}") };
+    Hits { hit: o.is_intersect.to_array(), tmin: o.tmin.map(Num::to_bits), index: o.box_index.map(u32::from) }
+}
+
+pub fn quadbox(ray: Ray32, aabb: [Box32; 4]) -> Job {
+    Job::Quadbox(RayBoxInput { ray, aabb })
+}
+
+/// Where the ray enters one box, as bits; `None` for a miss. The box is asked for in all four places at once.
+pub fn entry(rules: Rules, ray: Ray32, aabb: Box32) -> Option<u32> {
+    let hits = hits(&answer(rules, quadbox(ray, [aabb; 4])));
+    assert!(hits.hit == [hits.hit[0]; 4] && hits.tmin == [hits.tmin[0]; 4], "four equal boxes differ: {hits:?}");
+    if !hits.hit[0] {
+        assert_eq!(hits.tmin[0], INF.to_bits(), "a miss reports +∞");
+    }
+    hits.hit[0].then_some(hits.tmin[0])
+}
+
+/// A hit at this distance, as [`entry`] says it.
+pub fn at(distance: f32) -> Option<u32> {
+    Some(distance.to_bits())
+}
+
+/// The ray with all derived fields, from numbers that the rules allow.
+pub fn ray(origin: [f32; 3], direction: [f32; 3], extent: f32) -> Ray32 {
+    Ray::new(origin, direction, extent).unwrap()
+}
+
+/// The slab distances themselves: a ray from 0 whose inverse direction is 1, and a box with these bounds.
+pub fn slabs(near: [f32; 3], far: [f32; 3], extent: f32) -> (Ray32, Box32) {
+    (ray([0.0; 3], [1.0; 3], extent), Aabb::new(near, far))
+}

@@ -1,0 +1,61 @@
+//! What the original answered, under rules `paper`: the same numbers, and where the rules differ other hits.
+
+use crate::answers::answers;
+use crate::oracle::Oracle;
+use raypath::engine::evaluate;
+use raypath::ops::{Job, JobKind, Outcome, Rules};
+use raypath::transactions::{Transaction, merge, read};
+use std::path::Path;
+
+fn golden() -> Vec<Transaction> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/golden");
+    merge(JobKind::ALL.map(|kind| read(&folder.join(format!("{kind}.txt.gz")), kind).unwrap()).into())
+}
+
+fn jobs(golden: &[Transaction]) -> Vec<Job> {
+    golden.iter().map(|transaction| transaction.job).collect()
+}
+
+/// Rules decide hits, order and distances of boxes; they touch no arithmetic.
+#[test]
+fn rules_paper_change_hits_and_no_arithmetic() {
+    let golden = golden();
+    let (mut triangles, mut boxes) = (0, 0);
+    for (transaction, outcome) in golden.iter().zip(answers(Rules::Paper, &jobs(&golden))) {
+        match (outcome, transaction.expected) {
+            (Outcome::Triangle(ours), Outcome::Triangle(theirs)) => {
+                assert_eq!((ours.t_num, ours.t_denom), (theirs.t_num, theirs.t_denom), "seq {:x}", transaction.seq);
+                triangles += usize::from(ours.triangle_hit != theirs.triangle_hit);
+                // Paper's condition is the narrower one.
+                assert!(bool::from(theirs.triangle_hit) || !bool::from(ours.triangle_hit));
+            }
+            (Outcome::Quadbox(ours), Outcome::Quadbox(theirs)) => boxes += usize::from(ours != theirs),
+            (ours, theirs) => assert_eq!(ours, theirs, "seq {:x}: no rule touches a sum", transaction.seq),
+        }
+    }
+    assert!(triangles > 100 && boxes > 500, "the rules differ in {triangles} triangles and {boxes} boxes");
+}
+
+#[test]
+fn rules_chisel_change_nothing() {
+    let golden = golden();
+    assert!(golden.len() > 20_000);
+    evaluate(Rules::Chisel, jobs(&golden).iter(), |i, outcome| {
+        assert_eq!(outcome, golden[i].expected, "seq {:x}", golden[i].seq);
+    });
+}
+
+/// The oracle of these tests, held against the recorded numbers: so it is right where the rules do not matter.
+#[test]
+fn the_oracle_agrees_with_the_original_arithmetic() {
+    let mut oracle = Oracle::default();
+    for transaction in golden() {
+        match (oracle.run(&transaction.job), transaction.expected) {
+            (Outcome::Triangle(ours), Outcome::Triangle(theirs)) => {
+                assert_eq!((ours.t_num, ours.t_denom), (theirs.t_num, theirs.t_denom));
+            }
+            (Outcome::Quadbox(_), _) => {}
+            (ours, theirs) => assert_eq!(ours, theirs),
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! In every cycle the netlist and the cycle-exact model show the same at their ports.
+
+use crate::answers::with_netlist;
+use crate::random::{mixed_jobs, rng};
+use rand::RngExt;
+use raypath::engine::{CycleEngine, Engine};
+use raypath::ops::Rules;
+use raypath::traffic::Traffic;
+
+/// Bubbles, stalls, all modes mixed, resets at any time; while nothing is offered the input ports change all the same.
+#[test]
+fn netlist_and_cycle_model_agree_in_every_cycle() {
+    for rules in [Rules::Paper, Rules::Chisel] {
+        for seed in 0..4 {
+            let cycles = 12_000;
+            let jobs = mixed_jobs(cycles, 100 + seed);
+            let noise = mixed_jobs(64, 200 + seed);
+            let mut rng = rng(300 + seed);
+            let mut traffic = Traffic::random(seed);
+            let mut model = CycleEngine::new(rules);
+            let mut seen = Seen::default();
+            with_netlist(rules, |netlist| {
+                let mut next = 0;
+                for cycle in 0..cycles {
+                    if rng.random_bool(0.002) {
+                        netlist.reset();
+                        model.reset();
+                        seen.resets += 1;
+                    }
+                    let (offers, output_ready) = traffic.next_cycle();
+                    let job = if offers { &jobs[next] } else { &noise[rng.random_range(0..noise.len())] };
+                    netlist.present(job);
+                    model.present(job);
+                    let shown = netlist.cycle(offers, output_ready);
+                    assert_eq!(shown, model.cycle(offers, output_ready), "cycle {cycle}, seed {seed}, {rules}");
+                    if let Some(outcome) = shown.output {
+                        let strays = netlist.stray_outputs();
+                        assert!(strays.is_empty(), "cycle {cycle}: {strays:?} with {outcome:?}");
+                    }
+                    next += usize::from(offers && shown.input_ready);
+                    seen.accepted += usize::from(offers && shown.input_ready);
+                    seen.refused += usize::from(!shown.input_ready);
+                    seen.held += usize::from(shown.output.is_some() && !output_ready);
+                    seen.left += usize::from(shown.output.is_some() && output_ready);
+                }
+            });
+            let Seen { resets, accepted, refused, held, left } = seen;
+            assert!(resets > 5 && accepted > 2000 && refused > 500 && held > 1000 && left > 2000, "{seen:?}");
+        }
+    }
+}
+
+#[derive(Debug, Default)]
+struct Seen {
+    resets: usize,
+    accepted: usize,
+    refused: usize,
+    held: usize,
+    left: usize,
+}
+
+/// A reset in the very cycle of each handshake, and several in a row.
+#[test]
+fn resets_at_every_moment_of_a_burst() {
+    let jobs = mixed_jobs(64, 5);
+    for moment in 0..50 {
+        let mut model = CycleEngine::new(Rules::Paper);
+        with_netlist(Rules::Paper, |netlist| {
+            let mut next = 0;
+            for cycle in 0..90 {
+                if cycle == moment || cycle == moment + 1 || cycle == moment + 20 {
+                    netlist.reset();
+                    model.reset();
+                }
+                let output_ready = cycle % 3 != 0 && !(15..30).contains(&cycle);
+                netlist.present(&jobs[next]);
+                model.present(&jobs[next]);
+                let shown = netlist.cycle(cycle < 60, output_ready);
+                assert_eq!(shown, model.cycle(cycle < 60, output_ready), "cycle {cycle}, reset at {moment}");
+                next += usize::from(cycle < 60 && shown.input_ready);
+            }
+        });
+    }
+}

@@ -1,0 +1,59 @@
+//! §3: registered ready; nothing that the sink does is seen by the source in the same cycle, nor the other way round.
+
+use raypath::hdl::{Builder, Module, depends_combinationally};
+use raypath::ops::Rules;
+use raypath::rtl::{Config, Datapath, Lanes};
+use std::sync::Arc;
+
+fn depends(module: &Arc<Module>, output: &str, input: &str) -> bool {
+    depends_combinationally(module, output, input).unwrap()
+}
+
+#[test]
+fn the_handshakes_do_not_see_each_other() {
+    for lanes in [Lanes::None, Lanes::Sixteen] {
+        for rules in [Rules::Paper, Rules::Chisel] {
+            let datapath = Datapath::new(Config { rules, lanes, ..Config::default() }).unwrap();
+            for input in ["output_ready_i", "input_valid_i", "opcode_i"] {
+                for output in ["input_ready_o", "output_valid_o", "opcode_o"] {
+                    assert!(!depends(datapath.top(), output, input), "{output} from {input}, {lanes}, {rules}");
+                }
+            }
+        }
+    }
+}
+
+/// Inputs and outputs are registered: no output port follows from the sink's ready, nor ready from any input port.
+#[test]
+fn no_port_passes_through() {
+    let datapath = Datapath::new(Config::default()).unwrap();
+    let top = datapath.top();
+    for output in top.outputs() {
+        assert!(!depends(top, &output.name, "output_ready_i"), "{}", output.name);
+        assert!(!depends(top, &output.name, "input_valid_i"), "{}", output.name);
+    }
+    for input in top.inputs().iter().filter(|port| !["clk_i", "rst_ni"].contains(&port.name.as_str())) {
+        assert!(!depends(top, "input_ready_o", &input.name), "{}", input.name);
+    }
+    for (output, input) in
+        [("tmin_0_o", "aabb_0_x_min_i"), ("t_num_o", "triangle_a_x_i"), ("euclidean_accumulator_o", "euclidean_a_0_i")]
+    {
+        assert!(!depends(top, output, input), "{output} from {input}");
+    }
+}
+
+/// For contrast, a stage with one register, whose ready is the sink's ready or an empty register: the question can be
+/// answered with yes.
+#[test]
+fn a_stage_without_a_skid_register_has_such_a_path() {
+    let m = Builder::new("one_register");
+    let (valid, ready) = (m.input("input_valid_i", 1), m.input("output_ready_i", 1));
+    let valid_q = m.register("valid_q", 1).reset_to(0);
+    let free = !valid_q.wire() | ready;
+    valid_q.next_when(free, valid);
+    m.output("input_ready_o", free);
+    m.output("output_valid_o", valid_q.wire());
+    let module = m.finish().unwrap();
+    assert!(depends(&module, "input_ready_o", "output_ready_i"));
+    assert!(!depends(&module, "output_valid_o", "input_valid_i"));
+}

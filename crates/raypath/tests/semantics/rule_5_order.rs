@@ -1,0 +1,117 @@
+//! Ruling 5: hits before misses, nearer before farther, equal distances by box index; a miss reports +∞.
+
+use crate::answers::{Box32, Hits, INF, Ray32, answers, hits, quadbox, ray};
+use raypath::ops::{Aabb, Rules};
+
+/// A ray along z whose distances are the bounds times 2^126: those of 2^10 and more overflow to +∞.
+fn short_ray() -> Ray32 {
+    ray([0.0; 3], [0.0, 0.0, 2f32.powi(-126)], INF)
+}
+
+/// A box that the ray enters at this distance. That +∞ is a distance which binary32 cannot hold, yet the ray hits.
+fn box_at(distance: f32) -> Box32 {
+    let z = if distance == INF { 1024.0 } else { distance * 2f32.powi(-126) };
+    Aabb::new([-1.0, -1.0, z], [1.0, 1.0, 4096.0])
+}
+
+/// Missed: beside the ray, though `depth` along it, or behind its origin.
+fn missed_at(depth: Option<f32>) -> Box32 {
+    match depth {
+        Some(depth) => Aabb::new([2.0, 2.0, depth * 2f32.powi(-126)], [3.0, 3.0, 4.0 * 2f32.powi(-126)]),
+        None => Aabb::new([-1.0, -1.0, -2.0], [1.0, 1.0, -1.0]),
+    }
+}
+
+/// The order by the text: a stable sort, by index to begin with.
+fn expected(distances: [Option<f32>; 4]) -> Hits {
+    let mut places = [0, 1, 2, 3];
+    places.sort_by(|&a, &b| match (distances[a], distances[b]) {
+        (Some(a), Some(b)) => a.total_cmp(&b),
+        (a, b) => b.is_some().cmp(&a.is_some()),
+    });
+    Hits {
+        hit: places.map(|i| distances[i].is_some()),
+        tmin: places.map(|i| distances[i].unwrap_or(INF).to_bits()),
+        index: places.map(|i| i as u32),
+    }
+}
+
+/// All 7⁴ quadruples: so all 24 orders of distinct distances, all tie patterns, and misses in every company.
+#[test]
+fn every_order_of_distances_ties_and_misses() {
+    const CHOICES: [Option<f32>; 7] = [Some(0.0), Some(1.0), Some(2.0), Some(3.0), Some(INF), None, None];
+    let mut jobs = Vec::new();
+    let mut wanted = Vec::new();
+    for pattern in 0..7_usize.pow(4) {
+        let chosen = [0, 1, 2, 3].map(|i| pattern / 7_usize.pow(i) % 7);
+        let aabb = chosen.map(|choice| match (choice, CHOICES[choice]) {
+            (_, Some(distance)) => box_at(distance),
+            // A miss that would be the nearest by its entry distance, and one behind.
+            (5, None) => missed_at(Some(0.5)),
+            (_, None) => missed_at(None),
+        });
+        jobs.push(quadbox(short_ray(), aabb));
+        wanted.push(expected(chosen.map(|choice| CHOICES[choice])));
+    }
+    for (i, outcome) in answers(Rules::Paper, &jobs).iter().enumerate() {
+        assert_eq!(hits(outcome), wanted[i], "job {i}");
+    }
+}
+
+#[test]
+fn the_24_permutations_of_distinct_distances() {
+    let mut seen = 0;
+    for pattern in 0..256_u32 {
+        let index = [0, 2, 4, 6].map(|shift| pattern >> shift & 3);
+        if index.iter().fold(0, |set, i| set | 1 << i) != 0b1111 {
+            continue;
+        }
+        let mut aabb = [missed_at(None); 4];
+        for (place, &i) in index.iter().enumerate() {
+            aabb[i as usize] = box_at(1.0 + place as f32);
+        }
+        let found = hits(&answers(Rules::Paper, &[quadbox(short_ray(), aabb)])[0]);
+        let tmin = [1.0_f32, 2.0, 3.0, 4.0].map(f32::to_bits);
+        assert_eq!(found, Hits { hit: [true; 4], tmin, index });
+        seen += 1;
+    }
+    assert_eq!(seen, 24);
+}
+
+#[test]
+fn four_equal_distances_stand_in_index_order() {
+    let job = quadbox(short_ray(), [box_at(2.0); 4]);
+    assert_eq!(hits(&answers(Rules::Paper, &[job])[0]).index, [0, 1, 2, 3]);
+    assert_eq!(hits(&answers(Rules::Chisel, &[job])[0]).index, [3, 2, 1, 0], "the original's network");
+}
+
+#[test]
+fn misses_report_infinity_and_stand_in_index_order() {
+    let misses = [missed_at(Some(3.0)), missed_at(Some(1.0)), missed_at(None), missed_at(Some(2.0))];
+    let found = hits(&answers(Rules::Paper, &[quadbox(short_ray(), misses)])[0]);
+    assert_eq!(found, Hits { hit: [false; 4], tmin: [INF.to_bits(); 4], index: [0, 1, 2, 3] });
+}
+
+/// The distance overflows, and the box is hit all the same: it stands before every miss, whose +∞ means nothing.
+#[test]
+fn a_hit_at_infinity_stands_before_misses() {
+    for place in 0..4 {
+        let mut aabb = [missed_at(None); 4];
+        aabb[place] = box_at(INF);
+        let found = hits(&answers(Rules::Paper, &[quadbox(short_ray(), aabb)])[0]);
+        let mut index = vec![place as u32];
+        index.extend((0..4).filter(|&i| i != place as u32));
+        assert_eq!(found.hit, [true, false, false, false]);
+        assert_eq!(found.tmin, [INF.to_bits(); 4]);
+        assert_eq!(found.index.to_vec(), index);
+    }
+}
+
+/// −0 and +0 are equal distances (and both are reported as +0, by ruling 2).
+#[test]
+fn zeros_of_both_signs_tie() {
+    let plane = |x: f32| Aabb::new([x; 3], [1.0; 3]);
+    let aabb = [plane(0.0), plane(-0.0), plane(-1.0), plane(0.0)];
+    let found = hits(&answers(Rules::Paper, &[quadbox(ray([0.0; 3], [1.0; 3], INF), aabb)])[0]);
+    assert_eq!(found, Hits { hit: [true; 4], tmin: [0; 4], index: [0, 1, 2, 3] });
+}

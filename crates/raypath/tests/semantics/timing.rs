@@ -1,0 +1,130 @@
+//! §2 and §3: latency 12, one job a cycle, 24 jobs while the sink refuses, outputs that hold.
+
+use crate::answers::with_netlist;
+use crate::random::mixed_jobs;
+use raypath::engine::{CycleEngine, Engine};
+use raypath::model::Functional;
+use raypath::ops::{Job, Outcome, Rules};
+
+/// From the cycle that accepts a job to the cycle that shows its outcome.
+const LATENCY: usize = 12;
+const CAPACITY: usize = 24;
+
+fn on_engines(scenario: impl Fn(&mut dyn Engine)) {
+    with_netlist(Rules::Paper, |netlist| scenario(netlist));
+    scenario(&mut CycleEngine::new(Rules::Paper));
+}
+
+fn outcomes(jobs: &[Job]) -> Vec<Outcome> {
+    let mut model = Functional::new(Rules::Paper);
+    jobs.iter().map(|job| model.run(job)).collect()
+}
+
+#[test]
+fn a_job_takes_twelve_cycles() {
+    for (i, job) in mixed_jobs(40, 11).iter().enumerate() {
+        on_engines(|engine| {
+            engine.reset();
+            engine.present(job);
+            let shown = engine.cycle(true, true);
+            assert!(shown.input_ready && shown.output.is_none());
+            let waited = (1..100).find(|_| engine.cycle(false, true).output.is_some());
+            assert_eq!(waited, Some(LATENCY), "job {i}, {}", job.kind());
+            assert_eq!(engine.cycle(false, true).output, None, "it leaves once");
+        });
+    }
+}
+
+#[test]
+fn a_job_enters_and_leaves_in_every_cycle() {
+    let jobs = mixed_jobs(500, 12);
+    let expected = outcomes(&jobs);
+    on_engines(|engine| {
+        for cycle in 0..jobs.len() + LATENCY {
+            if let Some(job) = jobs.get(cycle) {
+                engine.present(job);
+            }
+            let shown = engine.cycle(cycle < jobs.len(), true);
+            assert!(shown.input_ready, "cycle {cycle}");
+            assert_eq!(shown.output, cycle.checked_sub(LATENCY).map(|i| expected[i]), "cycle {cycle}");
+        }
+        assert_eq!(engine.cycle(false, true).output, None);
+    });
+}
+
+/// 24 jobs go in while the sink refuses, not one more; the output holds; then all come out in order, one a cycle.
+#[test]
+fn twenty_four_jobs_wait_for_the_sink() {
+    let jobs = mixed_jobs(60, 13);
+    let expected = outcomes(&jobs);
+    on_engines(|engine| {
+        let mut accepted = 0;
+        for cycle in 0..100 {
+            engine.present(&jobs[accepted]);
+            let shown = engine.cycle(true, false);
+            assert_eq!(shown.input_ready, accepted < CAPACITY && cycle == accepted, "cycle {cycle}");
+            assert_eq!(shown.output, (cycle >= LATENCY).then_some(expected[0]), "cycle {cycle}: the output holds");
+            accepted += usize::from(shown.input_ready);
+        }
+        assert_eq!(accepted, CAPACITY);
+        // Whatever the source shows without being accepted goes nowhere.
+        for waiting in &jobs[30..40] {
+            engine.present(waiting);
+            assert!(!engine.cycle(true, false).input_ready);
+        }
+        for outcome in &expected[..CAPACITY] {
+            assert_eq!(engine.cycle(false, true).output, Some(*outcome));
+        }
+        assert_eq!(engine.cycle(false, true).output, None);
+    });
+}
+
+/// After a full stall the pipeline is again as fast as before, once the gaps have passed.
+#[test]
+fn full_throughput_returns_after_a_stall() {
+    let jobs = mixed_jobs(200, 14);
+    let expected = outcomes(&jobs);
+    on_engines(|engine| {
+        let (mut accepted, mut left) = (0, 0);
+        let mut drive = |engine: &mut dyn Engine, output_ready: bool| {
+            engine.present(&jobs[accepted]);
+            let shown = engine.cycle(true, output_ready);
+            accepted += usize::from(shown.input_ready);
+            if let Some(outcome) = shown.output.filter(|_| output_ready) {
+                assert_eq!(outcome, expected[left]);
+                left += 1;
+                return true;
+            }
+            false
+        };
+        (0..50).for_each(|_| _ = drive(engine, false));
+        let taken = (0..100).filter(|_| drive(engine, true)).count();
+        assert_eq!(taken, 100, "an outcome in every cycle: 24 were waiting, and the source never stopped");
+    });
+}
+
+/// A sink that takes every other cycle gets every other cycle's worth, in order, and each output holds until taken.
+#[test]
+fn outputs_hold_until_they_are_taken() {
+    let jobs = mixed_jobs(50, 15);
+    let expected = outcomes(&jobs);
+    for pause in [1, 2, 3, 7] {
+        on_engines(|engine| {
+            engine.reset();
+            let (mut accepted, mut left) = (0, 0);
+            for cycle in 0..(LATENCY + jobs.len() * (pause + 1) + 50) {
+                if let Some(job) = jobs.get(accepted) {
+                    engine.present(job);
+                }
+                let output_ready = cycle % (pause + 1) == pause;
+                let shown = engine.cycle(accepted < jobs.len(), output_ready);
+                accepted += usize::from(accepted < jobs.len() && shown.input_ready);
+                if let Some(outcome) = shown.output {
+                    assert_eq!(outcome, expected[left], "cycle {cycle}");
+                    left += usize::from(output_ready);
+                }
+            }
+            assert_eq!(left, jobs.len());
+        });
+    }
+}

@@ -1,0 +1,44 @@
+//! Nothing to say about any configuration, from anyone, with no waiver in the text.
+
+use raypath::ops::Rules;
+use raypath::rtl::{Config, Datapath, Lanes};
+use raypath_cosim::{Sources, lint_slang, lint_verilator, lint_yosys};
+
+#[test]
+fn every_configuration_is_clean() {
+    for lanes in [Lanes::None, Lanes::Sixteen] {
+        for rules in [Rules::Paper, Rules::Chisel] {
+            let datapath = Datapath::new(Config { rules, lanes }).expect("a datapath");
+            let folder = tempfile::tempdir().expect("a folder");
+            let sources = Sources::write(datapath.top(), folder.path()).expect("sources");
+            let text = std::fs::read_to_string(&sources.all).expect("text");
+            assert!(!text.contains("lint_off") && !text.contains("verilator"), "a waiver");
+            sources.lint().unwrap_or_else(|fault| panic!("{rules}, {lanes} lanes: {fault}"));
+        }
+    }
+}
+
+/// The linters find what they are there for.
+#[test]
+fn linters_find_fault() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("a file");
+        path
+    };
+    let unused = file("unused.sv", "module unused (input logic a_i);\nendmodule\n");
+    assert!(lint_verilator(&[unused], "unused", &[]).is_err());
+    let latch = file(
+        "latch.sv",
+        "module latch (input logic a_i, input logic b_i, output logic c_o);\n  always_latch if (a_i) c_o = b_i;\nendmodule\n",
+    );
+    assert!(lint_yosys(&latch, "latch").is_err());
+    let cycle = file(
+        "cycle.sv",
+        "module cycle (output logic c_o);\n  logic d;\n  assign d = ~c_o;\n  assign c_o = d;\nendmodule\n",
+    );
+    assert!(lint_yosys(&cycle, "cycle").is_err());
+    let undeclared = file("undeclared.sv", "module undeclared (output logic c_o);\n  assign c_o = d;\nendmodule\n");
+    assert!(lint_slang(&[undeclared]).is_err());
+}
