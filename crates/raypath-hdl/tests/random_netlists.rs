@@ -286,7 +286,7 @@ fn random_netlists_agree_with_the_interpreter() {
     for seed in 0..30 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let small = random_module("little", &mut random, 8, 0, &[]);
-        let large = random_module("large", &mut random, 60, 0, &[]);
+        let large = random_module("wide", &mut random, 60, 0, &[]);
         let clocked = random_module("clocked", &mut random, 30, 5, &[large.clone(), small.clone()]);
         let top = random_module("top", &mut random, 40, 6, &[large.clone(), clocked.clone(), large, clocked, small]);
         compare(&top, &mut random, seed);

@@ -5,11 +5,12 @@ use crate::bundle::bundle;
 use crate::circuit::{Bit, Circuit, Flags, Num};
 use crate::operation::Operation;
 
-/// Squared Euclidean distance, `N` dimensions a beat.
+/// Squared Euclidean distance, `N` dimensions a beat: a power of two, at most 16.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Euclidean<const N: usize>;
 
-/// Dot product and squared norm of the candidate, `N` dimensions a beat: half as many as a Euclidean beat has.
+/// Dot product and squared norm of the candidate, `N` dimensions a beat: half as many as a Euclidean beat has, so a
+/// power of two, at most 8.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Angular<const N: usize>;
 
@@ -111,6 +112,7 @@ impl<const N: usize> Operation for Euclidean<N> {
         let mut lanes = difference.map(|d| d * d);
         c.label(format_args!("square"), &lanes);
 
+        const { assert!(N.is_power_of_two() && N <= 16, "the tree has four levels") };
         let mut width = N;
         for stage in TREE_STAGES {
             c.stage(stage, TREE_TITLE);
@@ -152,6 +154,7 @@ impl<const N: usize> Operation for Angular<N> {
         c.label(format_args!("dot"), &dots);
         c.label(format_args!("norm"), &norms);
 
+        const { assert!(N.is_power_of_two() && N <= 8, "the tree has three levels") };
         let mut width = N;
         for stage in &TREE_STAGES[..3] {
             c.stage(*stage, TREE_TITLE);

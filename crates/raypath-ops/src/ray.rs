@@ -17,7 +17,7 @@ bundle! {
         pub inv: Vec3<C>,
         /// How far it reaches, in units of its direction's length; boxes beyond are missed.
         pub extent: Num<C>,
-        /// Sx = dir[kx] / dir[kz], Sy = dir[ky] / dir[kz], Sz = 1 / dir[kz].
+        /// `Sx = dir[kx] / dir[kz]`, `Sy = dir[ky] / dir[kz]`, `Sz = 1 / dir[kz]`.
         pub shear: Vec3<C>,
         /// The axis that becomes x once the ray looks along z: 0, 1 or 2.
         pub kx: Word<C, 2>,

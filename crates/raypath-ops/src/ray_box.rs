@@ -65,7 +65,10 @@ impl Operation for RayBox {
                 c.label(format_args!("near_{i}_{axis}"), &near[k]);
                 c.label(format_args!("far_{i}_{axis}"), &far[k]);
             }
-            Interval { tmin: self.rules.entry(c, near), tmax: self.rules.exit(far, ray.extent) }
+            Interval {
+                tmin: self.rules.entry(c, format_args!("near_{i}"), near),
+                tmax: self.rules.exit(c, format_args!("far_{i}"), far, ray.extent),
+            }
         });
         c.label(format_args!("inside"), &inside);
 
@@ -77,7 +80,7 @@ impl Operation for RayBox {
         c.label(format_args!("unsorted"), &unsorted);
 
         c.stage(10, "sort the four by tmin, values and indices");
-        let sorted = self.rules.sort(unsorted);
+        let sorted = self.rules.sort(c, unsorted);
         c.label(format_args!("sorted"), &sorted);
 
         let output = RayBoxOutput {

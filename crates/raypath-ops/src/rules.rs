@@ -1,9 +1,9 @@
 //! The rules on the edges (SPEC §6), in the two sets that exist. Everything else the two share.
 
-use crate::bundle::bundle;
+use crate::bundle::{Bundle, bundle};
 use crate::circuit::{Bit, Circuit, Num, Select, Word};
 use crate::ray_triangle::Edges;
-use std::fmt;
+use std::fmt::{self, Arguments, Display};
 use std::str::FromStr;
 use thiserror::Error;
 
@@ -49,22 +49,32 @@ impl Rules {
         }
     }
 
-    /// The greatest of the three near distances and zero: where the ray is inside all slabs.
+    /// The greatest of the three near distances and zero: where the ray is inside all slabs. `name` is whose it is.
     #[inline]
-    pub(crate) fn entry<C: Circuit>(self, c: C, [x, y, z]: [Num<C>; 3]) -> Num<C> {
+    pub(crate) fn entry<C: Circuit>(self, c: C, name: Arguments<'_>, [x, y, z]: [Num<C>; 3]) -> Num<C> {
         match self {
             // Zero comes last, and ties take the second: so a zero is +0.
-            Rules::Paper => larger(larger(x, y), larger(z, c.zero())),
-            Rules::Chisel => sort_four([x, y, z, c.zero()], keeps_descending)[0],
+            Rules::Paper => {
+                let (xy, z0) = (larger(x, y), larger(z, c.zero()));
+                c.label(format_args!("{name}_xy"), &xy);
+                c.label(format_args!("{name}_z0"), &z0);
+                larger(xy, z0)
+            }
+            Rules::Chisel => sort_four(c, name, [x, y, z, c.zero()], swaps_descending)[0],
         }
     }
 
     /// The least of the three far distances and the extent: where the ray leaves a slab, or ends.
     #[inline]
-    pub(crate) fn exit<C: Circuit>(self, [x, y, z]: [Num<C>; 3], extent: Num<C>) -> Num<C> {
+    pub(crate) fn exit<C: Circuit>(self, c: C, name: Arguments<'_>, [x, y, z]: [Num<C>; 3], extent: Num<C>) -> Num<C> {
         match self {
-            Rules::Paper => smaller(smaller(x, y), smaller(z, extent)),
-            Rules::Chisel => sort_four([x, y, z, extent], keeps_descending)[3],
+            Rules::Paper => {
+                let (xy, z_extent) = (smaller(x, y), smaller(z, extent));
+                c.label(format_args!("{name}_xy"), &xy);
+                c.label(format_args!("{name}_z_extent"), &z_extent);
+                smaller(xy, z_extent)
+            }
+            Rules::Chisel => sort_four(c, name, [x, y, z, extent], swaps_descending)[3],
         }
     }
 
@@ -80,12 +90,13 @@ impl Rules {
 
     /// Nearest hit first, misses last.
     #[inline]
-    pub(crate) fn sort<C: Circuit>(self, boxes: [Place<C>; 4]) -> [Place<C>; 4] {
+    pub(crate) fn sort<C: Circuit>(self, c: C, boxes: [Place<C>; 4]) -> [Place<C>; 4] {
         match self {
-            Rules::Paper => sort_four(boxes, |a, b| !precedes(b, a)),
+            Rules::Paper => sort_four(c, "sort", boxes, |a, b| precedes(b, a)),
             Rules::Chisel => {
-                let [a, b, c, d] = sort_four(boxes, |a, b| keeps_descending(a.tmin, b.tmin));
-                [d, c, b, a]
+                let swaps = |a: Place<C>, b: Place<C>| swaps_descending(a.tmin, b.tmin);
+                let [first, second, third, last] = sort_four(c, "sort", boxes, swaps);
+                [last, third, second, first]
             }
         }
     }
@@ -131,16 +142,24 @@ fn precedes<C: Circuit>(a: Place<C>, b: Place<C>) -> Bit<C> {
 
 /// The original's order: what is not greater or equal changes places, so that unordered numbers do.
 #[inline]
-fn keeps_descending<C: Circuit>(a: Num<C>, b: Num<C>) -> Bit<C> {
-    a.compare(b).greater_or_equal()
+fn swaps_descending<C: Circuit>(a: Num<C>, b: Num<C>) -> Bit<C> {
+    !a.compare(b).greater_or_equal()
 }
 
-/// Five compare-and-swaps, (0,2) (1,3) (0,1) (2,3) (1,2): `keeps(a, b)` says that `a` may stay before `b`.
+/// Five compare-and-swaps, (0,2) (1,3) (0,1) (2,3) (1,2): `swaps(a, b)` says that `b` must come before `a`.
 #[inline]
-fn sort_four<C: Circuit, T: Select<C>>(mut items: [T; 4], keeps: impl Fn(T, T) -> Bit<C>) -> [T; 4] {
-    for (i, j) in [(0, 2), (1, 3), (0, 1), (2, 3), (1, 2)] {
-        let keep = keeps(items[i], items[j]);
-        (items[i], items[j]) = (keep.select(items[i], items[j]), keep.select(items[j], items[i]));
+fn sort_four<C: Circuit, T: Select<C> + Bundle<C>>(
+    c: C,
+    name: impl Display + Copy,
+    mut items: [T; 4],
+    swaps: impl Fn(T, T) -> Bit<C>,
+) -> [T; 4] {
+    for (step, (i, j)) in [(0, 2), (1, 3), (0, 1), (2, 3), (1, 2)].into_iter().enumerate() {
+        let swap = swaps(items[i], items[j]);
+        (items[i], items[j]) = (swap.select(items[j], items[i]), swap.select(items[i], items[j]));
+        c.label(format_args!("{name}_swap_{step}"), &swap);
+        c.label(format_args!("{name}_{step}_first"), &items[i]);
+        c.label(format_args!("{name}_{step}_second"), &items[j]);
     }
     items
 }

@@ -61,10 +61,15 @@ impl Datapath {
         }
         let plan = Plan::new(operations)?;
         let library = Library::new(Format::BINARY32)?;
-        let doc = [
+        let mut doc = vec![
             "A ray-tracer datapath: one job a cycle, latency 12, ready and valid at both ends.".to_string(),
-            format!("Configuration: {config}. Opcodes: {}.", opcodes(&plan)),
+            format!("Opcodes: {}.", opcodes(&plan)),
         ];
+        for traced in &plan.operations {
+            doc.extend([String::new(), format!("{}, stage by stage:", traced.name)]);
+            let works = (1..=STAGES).map(|stage| (stage, notes(traced, stage))).filter(|(_, what)| !what.is_empty());
+            doc.extend(works.map(|(stage, what)| format!("  {stage:>2}  {what}")));
+        }
         let top = top::top(&plan, &library, &doc)?;
         Ok(Self { config, plan, top })
     }

@@ -142,7 +142,26 @@ impl Traced {
             nodes: graph.nodes.take(),
         };
         traced.check()?;
+        traced.name_tests();
         Ok(traced)
+    }
+
+    /// A test is called after what it tests.
+    fn name_tests(&mut self) {
+        for index in 0..self.nodes.len() {
+            if let Op::Test(test, operand) = self.nodes[index].op
+                && let (None, Some(operand)) = (&self.nodes[index].name, &self.node(operand).name)
+            {
+                let what = match test {
+                    Test::SignBit => "sign",
+                    Test::Zero => "is_zero",
+                    Test::Nan => "is_nan",
+                    Test::AtLeastZero => "at_least_zero",
+                    Test::AboveZero => "above_zero",
+                };
+                self.nodes[index].name = Some(format!("{operand}_{what}"));
+            }
+        }
     }
 
     pub fn node(&self, id: NodeId) -> &Node {
@@ -248,6 +267,21 @@ impl Tracer<'_> {
         found.map_or_else(|| self.push(kind, op), |index| NodeId(index as u32))
     }
 
+    /// A bit whose value follows from constants, such as the order of two boxes' numbers before they are sorted.
+    fn known_bit(self, id: NodeId) -> Option<bool> {
+        match self.graph.nodes.borrow()[id.index()].op {
+            Op::Bit(value) => Some(value),
+            _ => None,
+        }
+    }
+
+    fn known_word(self, id: NodeId) -> Option<u32> {
+        match self.graph.nodes.borrow()[id.index()].op {
+            Op::Word(value) => Some(value),
+            _ => None,
+        }
+    }
+
     fn name(self, id: NodeId, name: &str) {
         let mut nodes = self.graph.nodes.borrow_mut();
         let node = &mut nodes[id.index()];
@@ -307,13 +341,24 @@ impl Circuit for Tracer<'_> {
         self.once(BIT, Op::Bit(value))
     }
     fn and(self, a: NodeId, b: NodeId) -> NodeId {
-        self.push(BIT, Op::And(a, b))
+        match (self.known_bit(a), self.known_bit(b)) {
+            (Some(true), _) | (_, Some(false)) => b,
+            (Some(false), _) | (_, Some(true)) => a,
+            (None, None) => self.push(BIT, Op::And(a, b)),
+        }
     }
     fn or(self, a: NodeId, b: NodeId) -> NodeId {
-        self.push(BIT, Op::Or(a, b))
+        match (self.known_bit(a), self.known_bit(b)) {
+            (Some(false), _) | (_, Some(true)) => b,
+            (Some(true), _) | (_, Some(false)) => a,
+            (None, None) => self.push(BIT, Op::Or(a, b)),
+        }
     }
     fn not(self, a: NodeId) -> NodeId {
-        self.push(BIT, Op::Not(a))
+        match self.known_bit(a) {
+            Some(value) => self.constant_bit(!value),
+            None => self.push(BIT, Op::Not(a)),
+        }
     }
     fn constant_word(self, width: u32, value: u32) -> NodeId {
         self.once(Kind::Word(width), Op::Word(value))
@@ -322,7 +367,10 @@ impl Circuit for Tracer<'_> {
         self.push(BIT, Op::WordEqual(a, b))
     }
     fn word_less(self, a: NodeId, b: NodeId) -> NodeId {
-        self.push(BIT, Op::WordLess(a, b))
+        match (self.known_word(a), self.known_word(b)) {
+            (Some(a), Some(b)) => self.constant_bit(a < b),
+            _ => self.push(BIT, Op::WordLess(a, b)),
+        }
     }
     fn select_num(self, condition: NodeId, if_true: NodeId, if_false: NodeId) -> NodeId {
         self.push(Kind::Recoded, Op::Select(condition, if_true, if_false))

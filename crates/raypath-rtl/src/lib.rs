@@ -1,7 +1,7 @@
 //! Elaboration: operations become an elastic pipeline of shared units.
 //!
-//! An operation is run once over a circuit that records it ([`graph`]). From the record follow the units of each
-//! stage, the registers between them and the ports ([`plan`]); from those the netlist ([`Datapath::top`]).
+//! An operation is run once over a circuit that records it (`graph.rs`). From the record follow the units of each
+//! stage, the registers between them and the ports (`plan.rs`); from those the netlist ([`Datapath::top`]).
 //!
 //! ```
 //! use raypath_rtl::{Config, Datapath, Lanes};

@@ -4,6 +4,7 @@ use crate::engine::{CycleEngine, Engine, NetlistEngine, Shown};
 use crate::traffic::Traffic;
 use raypath_model::Functional;
 use raypath_ops::{Job, JobKind, Outcome, Rules};
+use std::collections::VecDeque;
 
 /// What a comparison found.
 #[derive(Debug, Clone, Default)]
@@ -32,28 +33,31 @@ pub struct Timing {
 }
 
 const DIFFERENCES_SHOWN: usize = 5;
+/// After so many differences the rest tells nothing new; a netlist that answers nothing would go on for ever.
+const TOO_MANY: usize = 100;
 
 /// Streams jobs through the netlist and the cycle-exact model, comparing all that their ports show in every cycle, and
 /// each outcome with the functional model's. `on_cycle` is told how many jobs have left and says whether to go on.
 pub fn lockstep(
     netlist: &mut NetlistEngine,
     rules: Rules,
-    jobs: &[Job],
+    jobs: impl Iterator<Item = Job>,
     traffic: &mut Traffic,
     mut on_cycle: impl FnMut(usize) -> bool,
 ) -> Comparison {
     let mut cycle_model = CycleEngine::new(rules);
     let mut functional = Functional::new(rules);
-    let expected: Vec<Outcome> = jobs.iter().map(|job| functional.run(job)).collect();
+    let mut jobs = jobs.peekable();
+    let mut in_flight: VecDeque<Outcome> = VecDeque::new();
     let mut found = Comparison::default();
-    let mut accepted = 0;
-    while found.jobs < jobs.len() && found.different < 100 && on_cycle(found.jobs) {
+    while (jobs.peek().is_some() || !in_flight.is_empty()) && found.different < TOO_MANY && on_cycle(found.jobs) {
         let (offers, output_ready) = traffic.next_cycle();
-        let input_valid = offers && accepted < jobs.len();
-        if input_valid {
-            netlist.present(&jobs[accepted]);
-            cycle_model.present(&jobs[accepted]);
+        let offered = jobs.peek().filter(|_| offers);
+        if let Some(job) = offered {
+            netlist.present(job);
+            cycle_model.present(job);
         }
+        let input_valid = offered.is_some();
         let shown = netlist.cycle(input_valid, output_ready);
         let modelled = cycle_model.cycle(input_valid, output_ready);
         if shown != modelled {
@@ -61,20 +65,22 @@ pub fn lockstep(
         }
         found.cycles += 1;
         found.stalled += u64::from(input_valid && !shown.input_ready);
-        accepted += usize::from(input_valid && shown.input_ready);
         if let Shown { output: Some(outcome), .. } = shown {
             let strays = netlist.stray_outputs();
             if !strays.is_empty() {
                 found.differs(format!("outputs of other modes are not zero: {}", strays.join(", ")));
             }
             if output_ready {
-                if outcome != expected[found.jobs] {
-                    let right = expected[found.jobs];
-                    found.differs(format!("the netlist answers {outcome:?}, the functional model {right:?}"));
+                let expected = in_flight.pop_front();
+                if expected != Some(outcome) {
+                    found.differs(format!("the netlist answers {outcome:?}, the functional model {expected:?}"));
                 }
                 found.by_kind[outcome.kind() as usize] += 1;
                 found.jobs += 1;
             }
+        }
+        if input_valid && shown.input_ready {
+            in_flight.extend(jobs.next().map(|job| functional.run(&job)));
         }
     }
     found

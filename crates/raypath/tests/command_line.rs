@@ -128,7 +128,7 @@ fn wrong_input_is_named() {
     let not_text = file("angular_not_text.txt", &[b'0', 0xff, 0xfe]);
     let empty = file("angular_empty.txt", b"");
     let nameless = file("jobs.txt", beat.as_bytes());
-    let cases: [(&[&str], &[&str]); 13] = [
+    let cases: [(&[&str], &[&str]); 16] = [
         (&["replay", "/nonexistent/triangle.txt"], &["/nonexistent/triangle.txt", "No such file"]),
         (&["replay", &wrong_digit], &["angular_digit.txt:1", "field 5", "euclidean_a_0", "4000000g", "hexadecimal"]),
         (&["replay", &too_wide], &["angular_wide.txt:2", "field 4", "euclidean_mask", "1ff", "at most ff"]),
@@ -142,10 +142,19 @@ fn wrong_input_is_named() {
         (&["generate", "--lanes", "0"], &["'0' lanes", "none or 16"]),
         (&["generate", "--rules", "none"], &["'none' is no rule set", "paper or chisel"]),
         (&["generate", "--out", &nameless], &["jobs.txt"]),
+        (&["generate", "--jobs", "0"], &["'0'", "1..="]),
+        (&["ray", "--origin", "1", "2", "3", "--direction", "0", "-0", "0"], &["direction (0, -0, 0) is zero"]),
+        (&["ray", "--origin", "1", "2", "3", "--direction", "0", "1", "0", "--extent", "-1"], &["extent -1"]),
     ];
     for (arguments, words) in cases {
         ends_with(arguments, 2, words);
     }
+}
+
+#[test]
+fn ray_derives_what_the_ports_want() {
+    let words = ["ray_inv_y_i      ff800000  -inf", "ray_shear_x_i    bf000000  -5e-1", "ray_kz_i         2"];
+    ends_with(&["ray", "--origin", "0", "0", "-5", "--direction", "-0.5", "-0", "1"], 0, &words);
 }
 
 #[test]

@@ -90,6 +90,21 @@ fn tables_show_every_stage_and_operation() {
     assert!(units.contains("11033"), "{units}");
 }
 
+/// The table of configurations in README.md has a row for each, with the flip-flops that it has now.
+#[test]
+fn readme_has_the_figures_of_every_configuration() {
+    let readme = include_str!("../../../README.md");
+    for (lanes, lanes_option) in [(Lanes::Sixteen, ""), (Lanes::None, " --lanes none")] {
+        for (rules, rules_option) in [(Rules::Paper, ""), (Rules::Chisel, " --rules chisel")] {
+            let bits = datapath(lanes, rules).top().register_bits();
+            let figure = format!("| {},{:03} |", bits / 1000, bits % 1000);
+            let command = format!("| `generate{lanes_option}{rules_option}` |");
+            let row = readme.lines().find(|line| line.starts_with(&command)).expect("a row");
+            assert!(row.contains(&figure), "{figure} is not in {row}");
+        }
+    }
+}
+
 /// The picture in README.md is the one that the program draws now.
 #[test]
 fn picture_in_the_documents_is_current() {

@@ -5,9 +5,9 @@ use crate::commands::output::write_all;
 use crate::commands::progress::Progress;
 use clap::Args;
 use raypath::check::{Comparison, lockstep, timing};
-use raypath::engine::{Engine, NetlistEngine};
+use raypath::engine::NetlistEngine;
 use raypath::hdl::verilog;
-use raypath::ops::{Job, JobKind, Rules};
+use raypath::ops::{JobKind, Rules};
 use raypath::rtl::{Config, Datapath, Lanes};
 use raypath::traffic::Traffic;
 use raypath::{jobs, picture, tables};
@@ -26,8 +26,8 @@ pub struct Arguments {
     #[arg(long, default_value = "build")]
     out: PathBuf,
     /// How many random jobs to check the netlist with
-    #[arg(long, default_value_t = 10_000)]
-    jobs: usize,
+    #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..))]
+    jobs: u32,
     /// Seed of the random jobs, stalls and bubbles
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -82,14 +82,14 @@ fn check(datapath: &Datapath, arguments: &Arguments) -> Result<(), Failure> {
         Lanes::None => &[JobKind::Triangle, JobKind::Quadbox][..],
         Lanes::Sixteen => &JobKind::ALL[..],
     };
-    let stream: Vec<Job> = jobs::random(arguments.seed, kinds).take(arguments.jobs.max(1)).collect();
+    let total = arguments.jobs as usize;
+    let stream = || jobs::random(arguments.seed, kinds).take(total);
     let mut netlist = NetlistEngine::of(datapath, |_| false)?;
-    let measured = timing(&mut netlist, &stream[0]);
-    netlist.reset();
+    let measured = stream().next().and_then(|job| timing(&mut netlist, &job));
 
     let mut traffic = Traffic::random(arguments.seed);
-    let mut progress = Progress::new("jobs", stream.len());
-    let found = lockstep(&mut netlist, arguments.rules, &stream, &mut traffic, |done| progress.at(done));
+    let mut progress = Progress::new("jobs", total);
+    let found = lockstep(&mut netlist, arguments.rules, stream(), &mut traffic, |done| progress.at(done));
     progress.finish(found.jobs)?;
     report(&found, kinds, begin);
     if found.different > 0 {

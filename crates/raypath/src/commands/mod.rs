@@ -4,6 +4,7 @@ mod failure;
 mod generate;
 mod output;
 mod progress;
+mod ray;
 mod replay;
 mod stream;
 mod wave;
@@ -13,7 +14,12 @@ pub use failure::Failure;
 
 /// An open hardware ray-tracer datapath: SystemVerilog, and models that agree with it bit for bit.
 #[derive(Debug, Parser)]
-#[command(name = "raypath", version, about, after_help = "Exit codes: 0 all is well, 1 a mismatch, 2 wrong input.")]
+#[command(
+    name = "raypath",
+    version,
+    about,
+    after_help = "Exit codes: 0 all is well, 1 a mismatch, 2 wrong input, 130 stopped by Ctrl-C."
+)]
 pub struct CommandLine {
     #[command(subcommand)]
     command: Command,
@@ -25,6 +31,8 @@ enum Command {
     Generate(generate::Arguments),
     /// Run recorded transactions through a model or the netlist and compare the results
     Replay(replay::Arguments),
+    /// Derive what the hardware expects of a ray (inverse, axes, shear) from its origin and direction
+    Ray(ray::Arguments),
     /// Run recorded transactions through the netlist and write a waveform (FST)
     Wave(wave::Arguments),
 }
@@ -35,6 +43,7 @@ impl CommandLine {
         match self.command {
             Command::Generate(arguments) => generate::run(&arguments),
             Command::Replay(arguments) => replay::run(&arguments),
+            Command::Ray(arguments) => ray::run(&arguments),
             Command::Wave(arguments) => wave::run(&arguments),
         }
     }

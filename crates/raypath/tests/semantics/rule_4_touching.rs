@@ -57,3 +57,16 @@ fn a_comparison_with_nan_is_false() {
     assert_eq!(entry(Rules::Paper, ray, aabb), at(0.0));
     assert_eq!(entry(Rules::Paper, Ray32 { extent: f32::NAN.into(), ..ray }, aabb), None);
 }
+
+/// The letter of the rules where geometry says otherwise: beside the box, in a direction that is 0 there, both distances
+/// are +∞; and if all else that bounds tmax is +∞ as well, ∞ ≤ ∞ is a hit. A finite bound or extent makes it the miss
+/// that it is.
+#[test]
+fn infinity_is_not_greater_than_infinity() {
+    let beside = |z: f32| Aabb::new([1.0, -1.0, -1.0], [2.0, 1.0, z]);
+    let slow = |extent| ray([0.0; 3], [0.0, 0.0, 2f32.powi(-126)], extent);
+    assert_eq!(entry(Rules::Paper, slow(INF), beside(4096.0)), at(INF), "the far distance along z overflows");
+    assert_eq!(entry(Rules::Paper, slow(INF), beside(3.0)), None);
+    assert_eq!(entry(Rules::Paper, slow(f32::MAX), beside(4096.0)), None);
+    assert_eq!(entry(Rules::Chisel, slow(INF), beside(4096.0)), None, "the original is strict");
+}

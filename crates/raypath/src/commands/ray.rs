@@ -1,0 +1,35 @@
+//! `raypath ray`: a ray as the input ports take it, for whoever writes a test bench.
+
+use crate::commands::Failure;
+use clap::Args;
+use raypath::ops::{Aabb, Job, PortKind, Ray, RayBoxInput};
+
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct Arguments {
+    /// Where the ray begins: three numbers
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], required = true)]
+    origin: Vec<f32>,
+    /// Its direction, of any length but zero: three numbers
+    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], required = true)]
+    direction: Vec<f32>,
+    /// How far it reaches, in units of its direction's length
+    #[arg(long, default_value_t = f32::INFINITY)]
+    extent: f32,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let vector = |given: &[f32]| std::array::from_fn(|axis| given.get(axis).copied().unwrap_or(f32::NAN));
+    let ray = Ray::new(vector(&arguments.origin), vector(&arguments.direction), arguments.extent)
+        .map_err(|error| Failure::Unusable(error.to_string()))?;
+    let job: Job = Job::Quadbox(RayBoxInput { ray, aabb: [Aabb::new([0.0; 3], [0.0; 3]); 4] });
+    for port in job.ports().into_iter().filter(|port| port.name.starts_with("ray_")) {
+        match port.kind {
+            PortKind::Number => {
+                println!("{:<16} {:08x}  {:e}", port.name + "_i", port.bits, f32::from_bits(port.bits as u32));
+            }
+            PortKind::Flags | PortKind::Word => println!("{:<16} {}", port.name + "_i", port.bits),
+        }
+    }
+    Ok(())
+}
