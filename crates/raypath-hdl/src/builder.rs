@@ -3,13 +3,15 @@
 //! The first thing that does not fit (a width, a name, a register without a next value) is kept and returned by
 //! [`Builder::finish`]; until then building goes on, so that descriptions need no `?` at every operator.
 
+mod wire;
+
 use crate::Error;
 use crate::names;
 use crate::netlist::{Arm, Driver, Instance, Item, Label, Module, Port, RegisterInfo, Signal, SignalId};
 use std::cell::RefCell;
 use std::collections::HashSet;
-use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 use std::sync::Arc;
+pub use wire::{Forward, Register, Wire};
 
 /// A module under construction.
 pub struct Builder {
@@ -22,26 +24,6 @@ struct State {
     /// Registers and forward wires that still lack a driver.
     undriven: Vec<SignalId>,
     error: Option<Error>,
-}
-
-/// A signal of the module that `Builder` builds: a small copyable handle with operators.
-#[derive(Clone, Copy)]
-pub struct Wire<'m> {
-    builder: &'m Builder,
-    id: SignalId,
-}
-
-/// A register whose next value is still to be given.
-#[derive(Clone, Copy)]
-pub struct Register<'m> {
-    wire: Wire<'m>,
-    index: usize,
-}
-
-/// A wire that is read before it is driven, for paths that run backwards.
-#[derive(Clone, Copy)]
-pub struct Forward<'m> {
-    wire: Wire<'m>,
 }
 
 impl Builder {
@@ -300,238 +282,6 @@ impl Builder {
 
     fn fail(&self, error: Error) {
         self.state.borrow_mut().error.get_or_insert(error);
-    }
-}
-
-impl<'m> Wire<'m> {
-    /// The builder of the module that it belongs to.
-    pub fn builder(self) -> &'m Builder {
-        self.builder
-    }
-
-    /// Its width in bits.
-    pub fn width(self) -> u32 {
-        self.builder.state.borrow().module.signals[self.id.index()].width
-    }
-
-    /// The same value under a name that survives into the output.
-    pub fn named(self, name: &str) -> Self {
-        self.builder.claim(name);
-        let taken = self.builder.state.borrow().module.signals[self.id.index()].name.is_some();
-        let wire = if taken { self.builder.push(self.width(), Driver::Alias(self.id)) } else { self };
-        let mut state = self.builder.state.borrow_mut();
-        state.module.signals[wire.id.index()].name = Some(name.to_string());
-        state.module.items.push(Item::Signal(wire.id));
-        drop(state);
-        wire
-    }
-
-    /// Adds a remark for the reader of the output.
-    pub fn comment(self, remark: impl Into<String>) -> Self {
-        self.builder.state.borrow_mut().module.signals[self.id.index()].comment = Some(remark.into());
-        self
-    }
-
-    /// One bit of it.
-    pub fn bit(self, index: u32) -> Self {
-        self.bits(index, index)
-    }
-
-    /// Bits `high` down to `low`, both included.
-    pub fn bits(self, high: u32, low: u32) -> Self {
-        let width = self.width();
-        if low == 0 && high + 1 == width {
-            return self;
-        }
-        if high < low || high >= width {
-            self.builder.fail_width(self.id, format!("bits [{high}:{low}] of {width}"));
-            return self;
-        }
-        self.builder.push(high - low + 1, Driver::Slice { source: self.id, low })
-    }
-
-    /// Its most significant bit.
-    pub fn top(self) -> Self {
-        self.bit(self.width() - 1)
-    }
-
-    /// Its `n` most significant bits.
-    pub fn upper(self, n: u32) -> Self {
-        let width = self.width();
-        if n == 0 || n > width {
-            self.builder.fail_width(self.id, format!("{n} upper bits of {width}"));
-            return self;
-        }
-        self.bits(width - 1, width - n)
-    }
-
-    /// Its `n` least significant bits.
-    pub fn lower(self, n: u32) -> Self {
-        if n == 0 {
-            self.builder.fail_width(self.id, "no lower bits".to_string());
-            return self;
-        }
-        self.bits(n - 1, 0)
-    }
-
-    /// Extended with zeros to `width` bits.
-    pub fn extend(self, width: u32) -> Self {
-        let own = self.width();
-        if width < own {
-            self.builder.fail_width(self.id, format!("{own} bits extended to {width}"));
-        }
-        if width <= own { self } else { self.builder.concat(&[self.builder.constant(width - own, 0), self]) }
-    }
-
-    /// One bit: equal to `other`.
-    pub fn equals(self, other: Self) -> Self {
-        self.compare(other, Driver::Equal(self.id, other.id))
-    }
-
-    /// One bit: equal to a constant.
-    pub fn is(self, value: u64) -> Self {
-        self.equals(self.builder.constant(self.width(), value))
-    }
-
-    /// One bit: less than `other`, unsigned.
-    pub fn less(self, other: Self) -> Self {
-        self.compare(other, Driver::Less(self.id, other.id))
-    }
-
-    /// One bit: any bit is set.
-    pub fn any(self) -> Self {
-        if self.width() == 1 { self } else { self.builder.push(1, Driver::Any(self.id)) }
-    }
-
-    /// One bit: every bit is set.
-    pub fn all(self) -> Self {
-        if self.width() == 1 { self } else { self.builder.push(1, Driver::All(self.id)) }
-    }
-
-    /// Shifted left by `amount`; zeros enter.
-    pub fn shift_left(self, amount: Self) -> Self {
-        self.builder.push(self.width(), Driver::ShiftLeft(self.id, amount.id))
-    }
-
-    /// Shifted right by `amount`; zeros enter.
-    pub fn shift_right(self, amount: Self) -> Self {
-        self.builder.push(self.width(), Driver::ShiftRight(self.id, amount.id))
-    }
-
-    /// `self ? if_true : if_false`; `self` has one bit.
-    pub fn mux(self, if_true: Self, if_false: Self) -> Self {
-        let driver = Driver::Mux { select: self.id, if_true: if_true.id, if_false: if_false.id };
-        let wire = self.builder.push(if_true.width(), driver);
-        self.builder.expect_width(wire.id, self.width(), 1);
-        self.builder.expect_width(wire.id, if_false.width(), if_true.width());
-        wire
-    }
-
-    /// `width` copies of this one bit.
-    pub fn replicate(self, width: u32) -> Self {
-        self.builder.expect_width(self.id, self.width(), 1);
-        self.builder.concat(&vec![self; width as usize])
-    }
-
-    fn compare(self, other: Self, driver: Driver) -> Self {
-        let wire = self.builder.push(1, driver);
-        self.builder.expect_width(wire.id, other.width(), self.width());
-        wire
-    }
-
-    fn same_width(self, other: Self, driver: Driver) -> Self {
-        let wire = self.builder.push(self.width(), driver);
-        self.builder.expect_width(wire.id, other.width(), self.width());
-        wire
-    }
-}
-
-impl<'m> Register<'m> {
-    /// Its value.
-    pub fn wire(self) -> Wire<'m> {
-        self.wire
-    }
-
-    /// Gives it a value that it has while `rst_ni` is 0.
-    pub fn reset_to(self, value: u64) -> Self {
-        self.info(|info| info.reset = Some(value));
-        if self.wire.width() < 64 && value >> self.wire.width() != 0 {
-            self.wire.builder.fail_width(self.wire.id, format!("reset value {value} does not fit"));
-        }
-        self
-    }
-
-    /// Takes `next` at every edge.
-    pub fn next(self, next: Wire<'m>) {
-        self.wire.builder.drive(self.wire.id);
-        self.wire.builder.expect_width(self.wire.id, next.width(), self.wire.width());
-        self.info(|info| info.next = next.id);
-    }
-
-    /// Takes `next` at edges where `enable` is 1.
-    pub fn next_when(self, enable: Wire<'m>, next: Wire<'m>) {
-        self.next(next);
-        self.wire.builder.expect_width(self.wire.id, enable.width(), 1);
-        self.info(|info| info.enable = Some(enable.id));
-    }
-
-    fn info(self, change: impl FnOnce(&mut RegisterInfo)) {
-        change(&mut self.wire.builder.state.borrow_mut().module.registers[self.index]);
-    }
-}
-
-impl<'m> Forward<'m> {
-    /// Its value.
-    pub fn wire(self) -> Wire<'m> {
-        self.wire
-    }
-
-    /// Drives it.
-    pub fn drive(self, wire: Wire<'m>) {
-        self.wire.builder.drive(self.wire.id);
-        self.wire.builder.expect_width(self.wire.id, wire.width(), self.wire.width());
-        self.wire.builder.state.borrow_mut().module.signals[self.wire.id.index()].driver = Driver::Alias(wire.id);
-    }
-}
-
-macro_rules! operator {
-    ($trait:ident, $method:ident) => {
-        impl<'m> $trait for Wire<'m> {
-            type Output = Self;
-            fn $method(self, other: Self) -> Self {
-                self.same_width(other, Driver::$trait(self.id, other.id))
-            }
-        }
-    };
-    ($trait:ident, $method:ident, $driver:ident) => {
-        impl<'m> $trait for Wire<'m> {
-            type Output = Self;
-            fn $method(self, other: Self) -> Self {
-                self.same_width(other, Driver::$driver(self.id, other.id))
-            }
-        }
-    };
-}
-
-operator!(Add, add);
-operator!(Sub, sub);
-operator!(BitAnd, bitand, And);
-operator!(BitOr, bitor, Or);
-operator!(BitXor, bitxor, Xor);
-
-/// Unsigned; the product is as wide as both factors together.
-impl Mul for Wire<'_> {
-    type Output = Self;
-    #[expect(clippy::suspicious_arithmetic_impl, reason = "the widths add up")]
-    fn mul(self, other: Self) -> Self {
-        self.builder.push(self.width() + other.width(), Driver::Mul(self.id, other.id))
-    }
-}
-
-impl Not for Wire<'_> {
-    type Output = Self;
-    fn not(self) -> Self {
-        self.builder.push(self.width(), Driver::Not(self.id))
     }
 }
 

@@ -26,6 +26,7 @@ mod plan;
 mod skid;
 mod stage;
 mod top;
+mod tracer;
 mod units;
 mod values;
 
