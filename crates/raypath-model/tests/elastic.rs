@@ -1,4 +1,4 @@
-//! A row of skid buffers, against what SPEC §3 asks of it.
+//! A row of skid buffers, against what `docs/ports.md` promises of it.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -125,8 +125,20 @@ impl<C: Circuit> Bundle<C> for () {
     fn each<S: Sink<C> + ?Sized>(&self, _: &mut Path, _: &mut S) {}
 }
 
-/// Declares a structure over a circuit `C` and makes it a [`Bundle`] and a [`Select`](crate::Select): its fields are
-/// named once.
+/// Declares a structure over a circuit `C` and makes it a [`Bundle`]: its fields are named once, and ports follow.
+///
+/// ```
+/// raypath_ops::bundle! {
+///     /// A point and how far from the origin it may be.
+///     pub struct Reach<C> {
+///         /// The point.
+///         pub point: raypath_ops::Vec3<C>,
+///         /// The greatest distance, squared.
+///         pub limit: raypath_ops::Num<C>,
+///     }
+/// }
+/// ```
+#[macro_export]
 macro_rules! bundle {
     (
         $(#[$attribute:meta])*
@@ -150,4 +162,4 @@ macro_rules! bundle {
         }
     };
 }
-pub(crate) use bundle;
+pub use bundle;

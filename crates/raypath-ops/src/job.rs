@@ -3,12 +3,15 @@
 use crate::binary32::Binary32;
 use crate::bundle::{Bundle, Field, Path, Sink, Source};
 use crate::circuit::{Bit, Circuit, Num};
-use crate::distance::{AngularInput, AngularOutput, EuclideanInput, EuclideanOutput};
-use crate::ray_box::{RayBoxInput, RayBoxOutput};
-use crate::ray_triangle::{RayTriangleInput, RayTriangleOutput};
+use crate::distance::{Angular, AngularInput, AngularOutput, Euclidean, EuclideanInput, EuclideanOutput};
+use crate::operation::Operation;
+use crate::ray_box::{RayBox, RayBoxInput, RayBoxOutput};
+use crate::ray_triangle::{RayTriangle, RayTriangleInput, RayTriangleOutput};
 use std::fmt;
+use std::str::FromStr;
+use thiserror::Error;
 
-/// The operations of the paper; the discriminant is the opcode (SPEC §1).
+/// The operations of the paper; the discriminant is the opcode (`docs/ports.md`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum JobKind {
     /// Ray against a triangle.
@@ -79,13 +82,13 @@ impl JobKind {
         self as u64
     }
 
-    /// Its name, lower case.
+    /// The name of its operation.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Triangle => "triangle",
-            Self::Quadbox => "quadbox",
-            Self::Euclidean => "euclidean",
-            Self::Angular => "angular",
+            Self::Triangle => RayTriangle::NAME,
+            Self::Quadbox => RayBox::NAME,
+            Self::Euclidean => Euclidean::<16>::NAME,
+            Self::Angular => Angular::<8>::NAME,
         }
     }
 }
@@ -96,71 +99,58 @@ impl fmt::Display for JobKind {
     }
 }
 
-impl<const E: usize, const A: usize> Job<E, A> {
-    /// Which operation it asks for.
-    pub fn kind(&self) -> JobKind {
-        match self {
-            Self::Triangle(_) => JobKind::Triangle,
-            Self::Quadbox(_) => JobKind::Quadbox,
-            Self::Euclidean(_) => JobKind::Euclidean,
-            Self::Angular(_) => JobKind::Angular,
-        }
-    }
-
-    /// What it puts on the input ports, the opcode excepted.
-    pub fn ports(&self) -> Vec<PortValue> {
-        match self {
-            Self::Triangle(input) => ports(input, raw_bits),
-            Self::Quadbox(input) => ports(input, raw_bits),
-            Self::Euclidean(input) => ports(input, raw_bits),
-            Self::Angular(input) => ports(input, raw_bits),
-        }
-    }
-
-    /// The job of this kind whose ports have the values that `port` gives by name.
-    pub fn from_ports(kind: JobKind, port: impl FnMut(&str) -> u64) -> Self {
-        let mut source = FromPorts(port);
-        match kind {
-            JobKind::Triangle => Self::Triangle(Bundle::build(&mut Path::default(), &mut source)),
-            JobKind::Quadbox => Self::Quadbox(Bundle::build(&mut Path::default(), &mut source)),
-            JobKind::Euclidean => Self::Euclidean(Bundle::build(&mut Path::default(), &mut source)),
-            JobKind::Angular => Self::Angular(Bundle::build(&mut Path::default(), &mut source)),
-        }
+impl FromStr for JobKind {
+    type Err = ParseJobKindError;
+    fn from_str(name: &str) -> Result<Self, ParseJobKindError> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| ParseJobKindError(name.to_string()))
     }
 }
 
-impl Outcome {
-    /// Which operation it answers.
-    pub fn kind(&self) -> JobKind {
-        match self {
-            Self::Triangle(_) => JobKind::Triangle,
-            Self::Quadbox(_) => JobKind::Quadbox,
-            Self::Euclidean(_) => JobKind::Euclidean,
-            Self::Angular(_) => JobKind::Angular,
-        }
-    }
+/// A name that is no kind of job.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("'{0}' is no kind of job, expected triangle, quadbox, euclidean or angular")]
+pub struct ParseJobKindError(String);
 
-    /// What it shows on the output ports of its operation; those of the others are zero.
-    pub fn ports(&self) -> Vec<PortValue> {
-        match self {
-            Self::Triangle(output) => ports(output, Num::to_bits),
-            Self::Quadbox(output) => ports(output, Num::to_bits),
-            Self::Euclidean(output) => ports(output, Num::to_bits),
-            Self::Angular(output) => ports(output, Num::to_bits),
-        }
-    }
+/// What a job and an outcome have in common: one variant a kind, each holding the ports of its operation.
+macro_rules! by_kind {
+    ($type:ident $(<$(const $n:ident: usize),*>)?, $bits:expr) => {
+        impl $(<$(const $n: usize),*>)? $type $(<$($n),*>)? {
+            /// Which operation it belongs to.
+            pub fn kind(&self) -> JobKind {
+                match self {
+                    Self::Triangle(_) => JobKind::Triangle,
+                    Self::Quadbox(_) => JobKind::Quadbox,
+                    Self::Euclidean(_) => JobKind::Euclidean,
+                    Self::Angular(_) => JobKind::Angular,
+                }
+            }
 
-    /// The outcome of this kind whose ports have the values that `port` gives by name.
-    pub fn from_ports(kind: JobKind, port: impl FnMut(&str) -> u64) -> Self {
-        let mut source = FromPorts(port);
-        match kind {
-            JobKind::Triangle => Self::Triangle(Bundle::build(&mut Path::default(), &mut source)),
-            JobKind::Quadbox => Self::Quadbox(Bundle::build(&mut Path::default(), &mut source)),
-            JobKind::Euclidean => Self::Euclidean(Bundle::build(&mut Path::default(), &mut source)),
-            JobKind::Angular => Self::Angular(Bundle::build(&mut Path::default(), &mut source)),
+            /// The values of its ports; the opcode is not among them, and ports of other operations are zero.
+            pub fn ports(&self) -> Vec<PortValue> {
+                match self {
+                    Self::Triangle(values) => ports(values, $bits),
+                    Self::Quadbox(values) => ports(values, $bits),
+                    Self::Euclidean(values) => ports(values, $bits),
+                    Self::Angular(values) => ports(values, $bits),
+                }
+            }
+
+            /// The one of this kind whose ports have the values that `port` gives by name.
+            pub fn from_ports(kind: JobKind, port: impl FnMut(&str) -> u64) -> Self {
+                let (path, source) = (&mut Path::default(), &mut FromPorts(port));
+                match kind {
+                    JobKind::Triangle => Self::Triangle(Bundle::build(path, source)),
+                    JobKind::Quadbox => Self::Quadbox(Bundle::build(path, source)),
+                    JobKind::Euclidean => Self::Euclidean(Bundle::build(path, source)),
+                    JobKind::Angular => Self::Angular(Bundle::build(path, source)),
+                }
+            }
         }
-    }
+    };
 }
+
+by_kind!(Job<const E: usize, const A: usize>, raw_bits);
+by_kind!(Outcome, Num::to_bits);
 
 /// A job's numbers reach the ports as they are, NaN payloads included.
 fn raw_bits(number: Num<Binary32>) -> u32 {

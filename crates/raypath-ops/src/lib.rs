@@ -40,7 +40,7 @@ pub use distance::{
     EuclideanState,
 };
 pub use geometry::{Aabb, Slab, Triangle, Vec3};
-pub use job::{Job, JobKind, Outcome, PortKind, PortValue};
+pub use job::{Job, JobKind, Outcome, ParseJobKindError, PortKind, PortValue};
 pub use operation::Operation;
 pub use ray::{Ray, RayError};
 pub use ray_box::{RayBox, RayBoxInput, RayBoxOutput};

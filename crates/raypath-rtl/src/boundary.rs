@@ -77,15 +77,52 @@ pub fn residents(plan: &Plan, layout: &Layout, place: usize) -> String {
     named.collect::<Vec<_>>().join(", ")
 }
 
-/// Adds registers, handshake and output ports to a stage. `wires` gives what the stage makes of a value, and `width` is
-/// a number's width in these registers. Returns whether the stage hands on its job in this cycle.
+/// What an operation keeps in the flag register, from bit 0, in words; runs of numbered bits as one.
+pub fn flag_residents(plan: &Plan, layout: &Layout, op: usize) -> String {
+    let traced = &plan.operations[op];
+    let mut words: Vec<String> = Vec::new();
+    let mut run: Option<(String, u32, u32)> = None; // stem, first and last number
+    for (_, width, id) in flag_fields(layout, op) {
+        let name = traced.name_of(id);
+        let numbered = name.rsplit_once('_').and_then(|(stem, number)| Some((stem, number.parse::<u32>().ok()?)));
+        match (&mut run, numbered) {
+            (Some((stem, _, last)), Some((same, number))) if stem == same && *last + 1 == number && width == 1 => {
+                *last = number;
+                words.pop();
+            }
+            (_, Some((stem, number))) if width == 1 => run = Some((stem.to_string(), number, number)),
+            _ => run = None,
+        }
+        words.push(match &run {
+            Some((stem, first, last)) if first < last => format!("{stem}_{first} to _{last}"),
+            _ if width > 1 => format!("{name} ({width} bits)"),
+            _ => name,
+        });
+    }
+    if words.is_empty() { "none".to_string() } else { words.join(", ") }
+}
+
+/// An operation's fields of the flag register: lowest bit, width and value.
+fn flag_fields(layout: &Layout, op: usize) -> Vec<(u32, u32, NodeId)> {
+    let mut fields: Vec<(u32, u32, NodeId)> = layout.places[op]
+        .iter()
+        .filter_map(|(&id, place)| match place {
+            Place::Flags { low, width } => Some((*low, *width, id)),
+            Place::Number(_) => None,
+        })
+        .collect();
+    fields.sort_unstable();
+    fields
+}
+
+/// Adds registers, handshake and output ports to a stage. `wires` gives what the stage makes of a value. Returns whether
+/// the stage hands on its job in this cycle.
 pub fn registers<'m>(
     m: &'m Builder,
     plan: &Plan,
     stage: usize,
     skid: &Arc<Module>,
     opcode: Wire<'m>,
-    width: u32,
     wires: &mut dyn Wires<'m>,
 ) -> Result<Handshake<'m>, Error> {
     let layout = &plan.stages[stage].layout;
@@ -110,7 +147,7 @@ pub fn registers<'m>(
     m.output("ready_o", ready);
     m.output("valid_o", valid_out);
     for (name, wire, residents) in next {
-        let bits = if name.starts_with("num_") { width } else { wire.width() };
+        let bits = wire.width();
         let wire = wire.named(&format!("{name}_d"));
         let spare = m.register(&format!("{name}_spare_q"), bits);
         let front = m.register(&format!("{name}_q"), bits);
@@ -146,18 +183,10 @@ fn flags<'m>(
     wires: &mut dyn Wires<'m>,
 ) -> Result<Option<Wire<'m>>, Error> {
     let mut arms = Vec::new();
-    for (op, places) in layout.places.iter().enumerate() {
-        let mut fields: Vec<(u32, u32, NodeId)> = places
-            .iter()
-            .filter_map(|(&id, place)| match place {
-                Place::Flags { low, width } => Some((*low, *width, id)),
-                Place::Number(_) => None,
-            })
-            .collect();
-        fields.sort_unstable();
+    for op in 0..plan.operations.len() {
         let mut parts = Vec::new();
         let mut reached = 0;
-        for (low, width, id) in fields {
+        for (low, width, id) in flag_fields(layout, op) {
             if low > reached {
                 parts.push(m.constant(low - reached, 0));
             }

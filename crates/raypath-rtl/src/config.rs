@@ -1,4 +1,4 @@
-use raypath_ops::Rules;
+use raypath_ops::{JobKind, Rules};
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
@@ -26,6 +26,16 @@ pub enum Lanes {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("'{0}' lanes, expected none or 16")]
 pub struct ParseLanesError(String);
+
+impl Config {
+    /// The jobs that it answers.
+    pub fn kinds(self) -> &'static [JobKind] {
+        match self.lanes {
+            Lanes::None => &[JobKind::Triangle, JobKind::Quadbox],
+            Lanes::Sixteen => &JobKind::ALL,
+        }
+    }
+}
 
 impl FromStr for Lanes {
     type Err = ParseLanesError;

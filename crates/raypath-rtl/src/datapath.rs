@@ -1,23 +1,51 @@
 use crate::STAGES;
+use crate::boundary::OPCODE_WIDTH;
 use crate::config::{Config, Lanes};
 use crate::error::Error;
 use crate::graph::Traced;
 use crate::library::Library;
 use crate::plan::Plan;
 use crate::stage::notes;
-use crate::top;
+use crate::top::{self, Pipeline};
 use crate::units::{UnitKind, Units};
 use raypath_float::Format;
 use raypath_hdl::Module;
-use raypath_ops::{Angular, Euclidean, JobKind, RayBox, RayTriangle};
+use raypath_ops::{Angular, Euclidean, JobKind, Operation, RayBox, RayTriangle};
 use std::sync::Arc;
 
 /// A datapath, elaborated: its netlist, and what can be said of it.
 #[derive(Debug)]
 pub struct Datapath {
-    config: Config,
     plan: Plan,
-    top: Arc<Module>,
+    library: Library,
+    pipeline: Pipeline,
+}
+
+/// The operations of a datapath, each with its opcode. Their order is that of ports, tables and comments.
+#[derive(Debug, Default)]
+pub struct Operations {
+    traced: Vec<Traced>,
+}
+
+impl Operations {
+    /// None yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds an operation under an opcode of two bits.
+    ///
+    /// # Errors
+    /// An operation that does not fit the pipeline: a stage that is not there, a value that is read before it is made,
+    /// state that is read elsewhere than its next value is made; an opcode that is taken or too large.
+    pub fn with<O: Operation>(mut self, operation: &O, opcode: u64) -> Result<Self, Error> {
+        let taken = self.traced.iter().find(|traced| traced.opcode == opcode).map(|traced| traced.name);
+        if taken.is_some() || opcode >> OPCODE_WIDTH != 0 {
+            return Err(Error::Opcode { operation: O::NAME, opcode, taken });
+        }
+        self.traced.push(Traced::new(operation, opcode)?);
+        Ok(self)
+    }
 }
 
 /// What an operation does in a stage: a cell of Table VII.
@@ -45,43 +73,37 @@ pub struct Registers {
 }
 
 impl Datapath {
-    /// Elaborates a configuration.
+    /// Elaborates a configuration of the paper's operations.
     ///
     /// # Errors
-    /// Operations that do not fit the pipeline; with the operations of this crate's configurations, none.
+    /// None that a user can cause: these operations fit.
     pub fn new(config: Config) -> Result<Self, Error> {
         let rules = config.rules;
-        let mut operations = vec![
-            Traced::new(&RayBox { rules }, JobKind::Quadbox.opcode())?,
-            Traced::new(&RayTriangle { rules }, JobKind::Triangle.opcode())?,
-        ];
-        if config.lanes == Lanes::Sixteen {
-            operations.push(Traced::new(&Euclidean::<16>, JobKind::Euclidean.opcode())?);
-            operations.push(Traced::new(&Angular::<8>, JobKind::Angular.opcode())?);
-        }
-        let plan = Plan::new(operations)?;
-        let library = Library::new(Format::BINARY32)?;
-        let mut doc = vec![
-            "A ray-tracer datapath: one job a cycle, latency 12, ready and valid at both ends.".to_string(),
-            format!("Opcodes: {}.", opcodes(&plan)),
-        ];
-        for traced in &plan.operations {
-            doc.extend([String::new(), format!("{}, stage by stage:", traced.name)]);
-            let works = (1..=STAGES).map(|stage| (stage, notes(traced, stage))).filter(|(_, what)| !what.is_empty());
-            doc.extend(works.map(|(stage, what)| format!("  {stage:>2}  {what}")));
-        }
-        let top = top::top(&plan, &library, &doc)?;
-        Ok(Self { config, plan, top })
+        let operations = Operations::new()
+            .with(&RayBox { rules }, JobKind::Quadbox.opcode())?
+            .with(&RayTriangle { rules }, JobKind::Triangle.opcode())?;
+        Self::of(match config.lanes {
+            Lanes::None => operations,
+            Lanes::Sixteen => operations
+                .with(&Euclidean::<16>, JobKind::Euclidean.opcode())?
+                .with(&Angular::<8>, JobKind::Angular.opcode())?,
+        })
     }
 
-    /// What it was elaborated from.
-    pub fn config(&self) -> Config {
-        self.config
+    /// Elaborates any set of operations.
+    ///
+    /// # Errors
+    /// Operations that use the units of a stage in orders that make a loop, or whose names cannot be printed.
+    pub fn of(operations: Operations) -> Result<Self, Error> {
+        let plan = Plan::new(operations.traced);
+        let library = Library::new(Format::BINARY32)?;
+        let pipeline = top::pipeline(&plan, &library, &description(&plan))?;
+        Ok(Self { plan, library, pipeline })
     }
 
     /// The module `raypath`.
     pub fn top(&self) -> &Arc<Module> {
-        &self.top
+        &self.pipeline.top
     }
 
     /// What each operation does in a stage (1 to [`STAGES`]), in words and units.
@@ -102,10 +124,9 @@ impl Datapath {
     /// The units of a stage (1 to [`STAGES`]), counted in the netlist.
     pub fn units(&self, stage: u32) -> Units {
         let mut units = Units::default();
-        let Some(module) = self.module(stage) else { return units };
-        for instance in module.instances() {
+        for instance in self.module(stage).iter().flat_map(|module| module.instances()) {
             for kind in UnitKind::ALL {
-                if instance.module.name().starts_with(&format!("raypath_fp_{}_", kind.stem())) {
+                if Arc::ptr_eq(&instance.module, self.library.unit(kind)) {
                     *units.of_mut(kind) += 1;
                 }
             }
@@ -125,15 +146,30 @@ impl Datapath {
     }
 
     fn module(&self, stage: u32) -> Option<&Arc<Module>> {
-        let name = if stage == 0 { "raypath_input".to_string() } else { format!("raypath_stage_{stage}") };
-        let instance = self.top.instances().iter().find(|instance| instance.module.name() == name)?;
-        (stage <= STAGES).then_some(&instance.module)
+        self.pipeline.stages.get(stage as usize)
     }
 }
 
-fn opcodes(plan: &Plan) -> String {
+impl Registers {
+    /// All flip-flops.
+    pub fn flip_flops(self) -> u64 {
+        self.data + self.control + self.state
+    }
+}
+
+/// The head comment of the top module: Table VII, column by column.
+fn description(plan: &Plan) -> Vec<String> {
     let mut operations: Vec<&Traced> = plan.operations.iter().collect();
     operations.sort_by_key(|traced| traced.opcode);
-    let named: Vec<String> = operations.iter().map(|traced| format!("{} {}", traced.opcode, traced.name)).collect();
-    named.join(", ")
+    let opcodes: Vec<String> = operations.iter().map(|traced| format!("{} {}", traced.opcode, traced.name)).collect();
+    let mut lines = vec![
+        "A ray-tracer datapath: one job a cycle, latency 12, ready and valid at both ends.".to_string(),
+        format!("Opcodes: {}.", opcodes.join(", ")),
+    ];
+    for traced in &plan.operations {
+        lines.extend([String::new(), format!("{}, stage by stage:", traced.name)]);
+        let works = (1..=STAGES).map(|stage| (stage, notes(traced, stage))).filter(|(_, what)| !what.is_empty());
+        lines.extend(works.map(|(stage, what)| format!("  {stage:>2}  {what}")));
+    }
+    lines
 }

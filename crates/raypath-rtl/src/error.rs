@@ -41,13 +41,23 @@ pub enum Error {
         /// Where its next value is made.
         made: u32,
     },
-    /// An input that no register holds; a defect of ours.
-    #[error("operation {operation}: input {value} is read in a stage that no register brings it to")]
+    /// A value that no register brings to where it is read; a defect of ours.
+    #[error("operation {operation}: {value} is read in a stage that no register brings it to")]
     Unplaced {
         /// The operation.
         operation: &'static str,
-        /// The input.
+        /// The value.
         value: String,
+    },
+    /// An opcode that is taken, or has more than two bits.
+    #[error("operation {operation}: opcode {opcode} {}", .taken.map_or("is too large, expected 0 to 3".to_string(), |by| format!("is that of {by}")))]
+    Opcode {
+        /// The operation.
+        operation: &'static str,
+        /// The opcode asked for.
+        opcode: u64,
+        /// The operation that has it.
+        taken: Option<&'static str>,
     },
     /// Two operations whose shared units would feed each other in a circle.
     #[error("stage {stage}: the operations use its units in orders that make a loop")]

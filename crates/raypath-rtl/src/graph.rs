@@ -172,9 +172,9 @@ impl Traced {
         matches!(self.node(id).op, Op::State(_) | Op::Number(_) | Op::Bit(_) | Op::Word(_))
     }
 
-    /// Whether it may be made in any stage that has its operand.
+    /// Whether it may be made in any stage that has its operand. State is at hand in one stage only.
     pub fn floats(&self, id: NodeId) -> bool {
-        matches!(self.node(id).op, Op::Test(..))
+        matches!(self.node(id).op, Op::Test(_, operand) if !matches!(self.node(operand).op, Op::State(_)))
     }
 
     /// Stages in range, nothing read before it is made, state read where it is written.

@@ -5,7 +5,6 @@ use crate::error::Error;
 use crate::graph::{Kind, NodeId, Op, PortBit};
 use crate::library::Library;
 use crate::plan::Plan;
-use crate::stage::number_width;
 use raypath_hdl::{Builder, Module, Wire};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -54,7 +53,7 @@ pub fn input(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
         .map(|port| (port.name.clone(), m.input(&format!("{}_i", port.name), port.width)))
         .collect();
     let mut wires = Ports { plan, wires };
-    boundary::registers(&m, plan, 0, &library.skid, opcode, number_width(library, 0), &mut wires)?;
+    boundary::registers(&m, plan, 0, &library.skid, opcode, &mut wires)?;
     Ok(m.finish()?)
 }
 

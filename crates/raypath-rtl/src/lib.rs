@@ -31,7 +31,7 @@ mod units;
 mod values;
 
 pub use config::{Config, Lanes, ParseLanesError};
-pub use datapath::{Datapath, Registers, StageNote};
+pub use datapath::{Datapath, Operations, Registers, StageNote};
 pub use error::Error;
 pub use units::{UnitKind, Units};
 

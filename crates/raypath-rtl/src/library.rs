@@ -4,6 +4,7 @@ use raypath_hdl::{Error, Module};
 use std::sync::Arc;
 
 /// The modules that stages are made of, each built once.
+#[derive(Debug)]
 pub struct Library {
     pub format: Format,
     pub skid: Arc<Module>,

@@ -5,10 +5,11 @@ use crate::boundary::{self, OPCODE_WIDTH, label};
 use crate::error::Error;
 use crate::graph::NodeId;
 use crate::library::Library;
-use crate::place::Place;
 use crate::plan::Plan;
 use crate::stage::number_width;
+use crate::values::Before;
 use raypath_hdl::{Builder, Label, Module, Wire};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// An output port, direction suffix excluded, and for each operation that has it the values of its bits, lowest first.
@@ -24,17 +25,15 @@ pub fn output(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
     let layout = &plan.stages[STAGES as usize].layout;
     let opcode = m.input("opcode_i", OPCODE_WIDTH);
     let width = number_width(library, STAGES as usize);
-    let numbers: Vec<Wire<'_>> =
-        (0..layout.numbers).map(|place| m.input(&format!("{}_i", boundary::number(place)), width)).collect();
+    let numbers = (0..layout.numbers).map(|place| m.input(&format!("{}_i", boundary::number(place)), width)).collect();
     let flags = (layout.flags > 0).then(|| m.input("flags_i", layout.flags));
+    let before = Before { numbers, flags, states: BTreeMap::new() };
 
     let read = |op: usize, id: NodeId| {
         let traced = &plan.operations[op];
-        match (layout.places[op].get(&id), flags) {
-            (Some(&Place::Number(place)), _) => Ok(numbers[place]),
-            (Some(&Place::Flags { low, width }), Some(flags)) => Ok(flags.bits(low + width - 1, low)),
-            _ => Err(Error::Unplaced { operation: traced.name, value: traced.name_of(id) }),
-        }
+        let place = layout.places[op].get(&id);
+        let unplaced = || Error::Unplaced { operation: traced.name, value: traced.name_of(id) };
+        place.and_then(|&place| before.read(place)).ok_or_else(unplaced)
     };
     for port in ports(plan) {
         let mut arms: Vec<(Label, Wire<'_>)> = Vec::new();

@@ -49,105 +49,132 @@ impl Layout {
     /// multiplexers are needed.
     pub fn new(
         operations: &[Traced],
-        carried: &[&[NodeId]],
+        carried: &[Vec<NodeId>],
         before: &Layout,
         origin: impl Fn(usize, NodeId) -> Origin,
     ) -> Self {
-        let mut layout = Self { places: vec![BTreeMap::new(); operations.len()], ..Self::default() };
-        let parts: Vec<(Vec<NodeId>, Vec<NodeId>)> = operations
-            .iter()
-            .zip(carried)
-            .map(|(traced, ids)| ids.iter().partition(|id| !matches!(traced.node(**id).kind, Kind::Word(_))))
-            .collect();
-        let flag_bits = |op: usize| parts[op].1.iter().map(|&id| width(&operations[op], id)).sum::<u32>();
-        layout.numbers = parts.iter().map(|(numbers, _)| numbers.len()).max().unwrap_or(0);
-        layout.flags = (0..operations.len()).map(flag_bits).max().unwrap_or(0);
-
+        let needs: Vec<Needs> = operations.iter().zip(carried).map(|(traced, ids)| Needs::new(traced, ids)).collect();
+        let mut layout = Self {
+            numbers: needs.iter().map(|needs| needs.numbers.len()).max().unwrap_or(0),
+            flags: needs.iter().map(Needs::flag_bits).max().unwrap_or(0),
+            places: vec![BTreeMap::new(); operations.len()],
+        };
         // The neediest operation chooses first: it has the least choice.
         let mut order: Vec<usize> = (0..operations.len()).collect();
-        order.sort_by_key(|&op| std::cmp::Reverse((parts[op].0.len(), flag_bits(op))));
+        order.sort_by_key(|&op| std::cmp::Reverse((needs[op].numbers.len(), needs[op].flag_bits())));
         let mut residents: BTreeMap<Origin, usize> = BTreeMap::new();
         for op in order {
-            let old = before.places.get(op);
-            let numbers = place_numbers(&parts[op].0, layout.numbers, old, |id| origin(op, id), &mut residents);
-            let widths: Vec<(NodeId, u32)> = parts[op].1.iter().map(|&id| (id, width(&operations[op], id))).collect();
-            layout.places[op].extend(numbers);
-            layout.places[op].extend(place_flags(&widths, layout.flags, old));
+            let old = |id: NodeId| before.places.get(op)?.get(&id).copied();
+            let mut rooms = Rooms { free: vec![true; layout.numbers], places: BTreeMap::new() };
+            place_numbers(&needs[op].numbers, old, |id| origin(op, id), &mut residents, &mut rooms);
+            layout.places[op] = rooms.places;
+            layout.places[op].extend(place_flags(&needs[op].flags, layout.flags, old));
         }
         layout
     }
 }
 
-fn width(traced: &Traced, id: NodeId) -> u32 {
-    match traced.node(id).kind {
-        Kind::Word(width) => width,
-        Kind::Ieee | Kind::Recoded | Kind::Order => 0,
+/// What one operation carries over a boundary.
+struct Needs {
+    numbers: Vec<NodeId>,
+    /// Small words and their widths.
+    flags: Vec<(NodeId, u32)>,
+}
+
+impl Needs {
+    fn new(traced: &Traced, ids: &[NodeId]) -> Self {
+        let mut needs = Self { numbers: Vec::new(), flags: Vec::new() };
+        for &id in ids {
+            match traced.node(id).kind {
+                Kind::Word(width) => needs.flags.push((id, width)),
+                Kind::Ieee | Kind::Recoded | Kind::Order => needs.numbers.push(id),
+            }
+        }
+        needs
+    }
+
+    fn flag_bits(&self) -> u32 {
+        self.flags.iter().map(|(_, width)| width).sum()
+    }
+}
+
+/// The number registers of one operation, while they are given away.
+struct Rooms {
+    free: Vec<bool>,
+    places: BTreeMap<NodeId, Place>,
+}
+
+impl Rooms {
+    /// Gives `id` this register if it is free and `id` has none.
+    fn take(&mut self, id: NodeId, register: usize) -> bool {
+        let takes = self.free.get(register) == Some(&true) && !self.places.contains_key(&id);
+        if takes {
+            self.free[register] = false;
+            self.places.insert(id, Place::Number(register));
+        }
+        takes
     }
 }
 
 /// First whoever has a place already stays, then whoever finds its own net somewhere joins it, then the rest fill up.
 fn place_numbers(
     ids: &[NodeId],
-    available: usize,
-    old: Option<&BTreeMap<NodeId, Place>>,
+    old: impl Fn(NodeId) -> Option<Place>,
     origin: impl Fn(NodeId) -> Origin,
     residents: &mut BTreeMap<Origin, usize>,
-) -> BTreeMap<NodeId, Place> {
-    let mut free = vec![true; available];
-    let mut places = BTreeMap::new();
-    let stays = |id: NodeId, _: &BTreeMap<Origin, usize>, _: &[bool]| match old?.get(&id)? {
-        Place::Number(place) => Some(*place),
-        Place::Flags { .. } => None,
-    };
-    let joins = |id: NodeId, residents: &BTreeMap<Origin, usize>, _: &[bool]| residents.get(&origin(id)).copied();
-    let fills = |_: NodeId, _: &BTreeMap<Origin, usize>, free: &[bool]| free.iter().position(|&free| free);
-    type Choice<'c> = &'c dyn Fn(NodeId, &BTreeMap<Origin, usize>, &[bool]) -> Option<usize>;
-    for choice in [&stays as Choice<'_>, &joins, &fills] {
-        for &id in ids {
-            if places.contains_key(&id) {
-                continue;
-            }
-            if let Some(place) = choice(id, residents, &free).filter(|&place| free.get(place) == Some(&true)) {
-                free[place] = false;
-                residents.entry(origin(id)).or_insert(place);
-                places.insert(id, Place::Number(place));
-            }
+    rooms: &mut Rooms,
+) {
+    for &id in ids {
+        if let Some(Place::Number(register)) = old(id) {
+            rooms.take(id, register);
         }
+    }
+    for &id in ids {
+        if let Some(&register) = residents.get(&origin(id)) {
+            rooms.take(id, register);
+        }
+    }
+    for &id in ids {
+        if let Some(register) = rooms.free.iter().position(|&free| free) {
+            rooms.take(id, register);
+        }
+    }
+    for (&id, place) in &rooms.places {
+        if let Place::Number(register) = place {
+            residents.entry(origin(id)).or_insert(*register);
+        }
+    }
+}
+
+/// Whoever has bits already keeps them if the rest still fits; else all are packed in order, which always fits.
+fn place_flags(
+    ids: &[(NodeId, u32)],
+    available: u32,
+    old: impl Fn(NodeId) -> Option<Place>,
+) -> BTreeMap<NodeId, Place> {
+    let mut free = vec![true; available as usize];
+    let mut places = BTreeMap::new();
+    let mut order: Vec<&(NodeId, u32)> = ids.iter().collect();
+    order.sort_by_key(|(id, _)| old(*id).is_none());
+    for &&(id, width) in &order {
+        let fits =
+            |low: u32| free.get(low as usize..(low + width) as usize).is_some_and(|bits| bits.iter().all(|&bit| bit));
+        let low = match old(id) {
+            Some(Place::Flags { low, .. }) => Some(low).filter(|&low| fits(low)),
+            _ => (0..available).find(|&low| fits(low)),
+        };
+        let Some(low) = low else { return pack(ids) };
+        free[low as usize..(low + width) as usize].fill(false);
+        places.insert(id, Place::Flags { low, width });
     }
     places
 }
 
-/// Whoever has bits already keeps them if the rest still fits; else all are packed in order.
-fn place_flags(
-    ids: &[(NodeId, u32)],
-    available: u32,
-    old: Option<&BTreeMap<NodeId, Place>>,
-) -> BTreeMap<NodeId, Place> {
-    let stays = |id: &NodeId| match old?.get(id)? {
-        Place::Flags { low, .. } => Some(*low),
-        Place::Number(_) => None,
+fn pack(ids: &[(NodeId, u32)]) -> BTreeMap<NodeId, Place> {
+    let mut low = 0;
+    let place = |&(id, width): &(NodeId, u32)| {
+        low += width;
+        (id, Place::Flags { low: low - width, width })
     };
-    pack(ids, available, stays).or_else(|| pack(ids, available, |_| None)).unwrap_or_default()
-}
-
-fn pack(
-    ids: &[(NodeId, u32)],
-    available: u32,
-    stays: impl Fn(&NodeId) -> Option<u32>,
-) -> Option<BTreeMap<NodeId, Place>> {
-    let mut free = vec![true; available as usize];
-    let mut places = BTreeMap::new();
-    let mut order: Vec<&(NodeId, u32)> = ids.iter().collect();
-    order.sort_by_key(|(id, _)| stays(id).is_none());
-    for (id, width) in order {
-        let fits =
-            |low: u32| free.get(low as usize..(low + width) as usize).is_some_and(|bits| bits.iter().all(|&b| b));
-        let low = match stays(id) {
-            Some(low) => Some(low).filter(|&low| fits(low)),
-            None => (0..available).find(|&low| fits(low)),
-        }?;
-        free[low as usize..(low + width) as usize].fill(false);
-        places.insert(*id, Place::Flags { low, width: *width });
-    }
-    Some(places)
+    ids.iter().map(place).collect()
 }

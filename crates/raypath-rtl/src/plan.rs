@@ -1,6 +1,6 @@
 //! The plan of a datapath: for every stage its units, and for every boundary who lives where.
 
-use crate::error::Error;
+use crate::STAGES;
 use crate::graph::{NodeId, Op, Traced};
 use crate::liveness::{self, Work};
 use crate::place::{Layout, Origin};
@@ -27,20 +27,21 @@ pub struct StagePlan {
 }
 
 impl Plan {
-    pub fn new(operations: Vec<Traced>) -> Result<Self, Error> {
+    pub fn new(operations: Vec<Traced>) -> Self {
         let works: Vec<Vec<Work>> = operations.iter().map(liveness::work).collect();
         let mut stages: Vec<StagePlan> = Vec::new();
-        for stage in 0..works.first().map_or(0, Vec::len) {
-            let work: Vec<Work> = works.iter().map(|stages| stages[stage].clone()).collect();
-            let assigned: Vec<_> = operations.iter().zip(&work).map(|(op, work)| units::assign(op, work)).collect();
-            let before = stages.last().map(|s: &StagePlan| s.layout.clone()).unwrap_or_default();
-            let carried: Vec<&[NodeId]> = work.iter().map(|w| w.carried.as_slice()).collect();
+        for stage in 0..=STAGES as usize {
+            let assigned: Vec<_> =
+                operations.iter().zip(&works).map(|(op, works)| units::assign(op, &works[stage])).collect();
+            let carried: Vec<Vec<NodeId>> = works.iter().map(|works| works[stage].carried.clone()).collect();
+            let nothing = Layout::default();
+            let before = stages.last().map_or(&nothing, |stage| &stage.layout);
             let layout =
-                Layout::new(&operations, &carried, &before, |op, id| origin(&operations, &before, &assigned, op, id));
+                Layout::new(&operations, &carried, before, |op, id| origin(&operations, before, &assigned, op, id));
             let units = count(&assigned);
             stages.push(StagePlan { assigned, units, layout });
         }
-        Ok(Self { operations, stages })
+        Self { operations, stages }
     }
 
     /// What drives a value in the stage of these units, with these registers before it.

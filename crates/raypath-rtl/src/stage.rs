@@ -60,11 +60,10 @@ fn build(
             values.unit(unit)?;
         }
     }
-    let after = number_width(library, stage);
-    let handshake = boundary::registers(m, plan, stage, &library.skid, opcode, after, &mut values)?;
+    let handshake = boundary::registers(m, plan, stage, &library.skid, opcode, &mut values)?;
 
     if !states.is_empty() {
-        m.section("State: changes once for each job, when the stage hands it on");
+        m.section("The stage hands its job on");
         let advance = (handshake.valid & handshake.ready).named("advance");
         for ((op, state), register) in states {
             let traced = &plan.operations[op];
@@ -87,6 +86,13 @@ fn describe(m: &Builder, plan: &Plan, stage: usize) {
         let what = notes(traced, stage as u32);
         m.doc(format!("  {:<10} {}", format!("{}:", traced.name), if what.is_empty() { "passes" } else { &what }));
     }
+    let after = &plan.stages[stage].layout;
+    if after.flags > 0 {
+        m.doc("Flags after it, lowest bit first:");
+        for (op, traced) in plan.operations.iter().enumerate() {
+            m.doc(format!("  {:<10} {}", format!("{}:", traced.name), boundary::flag_residents(plan, after, op)));
+        }
+    }
 }
 
 /// What an operation says that it does in a stage.
@@ -107,6 +113,9 @@ fn state_registers<'m>(
     stage: usize,
 ) -> BTreeMap<(usize, usize), Register<'m>> {
     let mut registers = BTreeMap::new();
+    if plan.operations.iter().any(|traced| traced.states.iter().any(|state| state.stage as usize == stage)) {
+        m.section("State: changes once for each job, when the stage hands it on");
+    }
     for (op, traced) in plan.operations.iter().enumerate() {
         for (number, state) in traced.states.iter().enumerate().filter(|(_, state)| state.stage as usize == stage) {
             let width = match traced.node(state.next).kind {

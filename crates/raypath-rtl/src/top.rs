@@ -11,17 +11,22 @@ use raypath_hdl::{Builder, Module, Wire};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The module `raypath`. `doc` is its head comment.
-pub fn top(plan: &Plan, library: &Library, doc: &[String]) -> Result<Arc<Module>, Error> {
+/// The top module, and those of its stages: the input's registers, then stage 1 and so on.
+#[derive(Debug)]
+pub struct Pipeline {
+    pub top: Arc<Module>,
+    pub stages: Vec<Arc<Module>>,
+}
+
+/// Builds the module `raypath` and all below it. `doc` is its head comment.
+pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeline, Error> {
     let m = Builder::new("raypath");
     for line in doc {
         m.doc(line);
     }
     let mut wires: BTreeMap<String, Wire<'_>> = BTreeMap::new();
-    for (name, width) in [("valid", 1), ("opcode", OPCODE_WIDTH)] {
-        let port = if name == "valid" { "input_valid_i".to_string() } else { format!("{name}_i") };
-        wires.insert(name.to_string(), m.input(&port, width));
-    }
+    wires.insert("valid".to_string(), m.input("input_valid_i", 1));
+    wires.insert("opcode".to_string(), m.input("opcode_i", OPCODE_WIDTH));
     let output_ready = m.input("output_ready_i", 1);
     let mut unread = Vec::new();
     for port in input::ports(plan, library) {
@@ -63,7 +68,8 @@ pub fn top(plan: &Plan, library: &Library, doc: &[String]) -> Result<Arc<Module>
     for (name, wire) in instance(&m, "output", &output, &wires) {
         m.output(&format!("{name}_o"), wire);
     }
-    Ok(m.finish()?)
+    let stages = modules.into_iter().map(|(_, module)| module).collect();
+    Ok(Pipeline { top: m.finish()?, stages })
 }
 
 /// An instance whose inputs are wires of the same names; gives its outputs by name.

@@ -35,6 +35,16 @@ pub struct Before<'m> {
     pub states: BTreeMap<(usize, usize), Wire<'m>>,
 }
 
+impl<'m> Before<'m> {
+    /// What stands in a place.
+    pub fn read(&self, place: Place) -> Option<Wire<'m>> {
+        match place {
+            Place::Number(register) => self.numbers.get(register).copied(),
+            Place::Flags { low, width } => Some(self.flags?.bits(low + width - 1, low)),
+        }
+    }
+}
+
 impl<'m, 'p> Values<'m, 'p> {
     /// The values of a stage, with what stands in its registers.
     pub fn new(
@@ -137,13 +147,13 @@ impl<'m, 'p> Values<'m, 'p> {
     fn make(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
         let m = self.m;
         if let Some(place) = self.place(op, id) {
-            return Ok(self.read(place));
+            return self.read(op, id, place);
         }
         let traced = &self.plan.operations[op];
         let node = traced.node(id);
         Ok(match node.op {
-            Op::Input(_) => return Err(Error::Unplaced { operation: traced.name, value: traced.name_of(id) }),
-            Op::State(state) => self.before.states[&(op, state)],
+            Op::Input(_) => return Err(self.unplaced(op, id)),
+            Op::State(state) => *self.before.states.get(&(op, state)).ok_or_else(|| self.unplaced(op, id))?,
             Op::Number(bits) => {
                 m.constant(self.library.format.recoded_width(), self.library.format.encode(bits.into()))
             }
@@ -181,12 +191,13 @@ impl<'m, 'p> Values<'m, 'p> {
         before.places[op].get(&id).copied()
     }
 
-    fn read(&self, place: Place) -> Wire<'m> {
-        match (place, self.before.flags) {
-            (Place::Number(place), _) => self.before.numbers[place],
-            (Place::Flags { low, width }, Some(flags)) => flags.bits(low + width - 1, low),
-            (Place::Flags { width, .. }, None) => self.m.constant(width, 0),
-        }
+    fn read(&self, op: usize, id: NodeId, place: Place) -> Result<Wire<'m>, Error> {
+        self.before.read(place).ok_or_else(|| self.unplaced(op, id))
+    }
+
+    fn unplaced(&self, op: usize, id: NodeId) -> Error {
+        let traced = &self.plan.operations[op];
+        Error::Unplaced { operation: traced.name, value: traced.name_of(id) }
     }
 
     fn free_name(&mut self, wanted: &str) -> String {
@@ -205,7 +216,7 @@ impl<'m> Wires<'m> for Values<'m, '_> {
 
     fn shared(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
         match self.plan.origin(self.stage, op, id) {
-            Origin::Place(place) => Ok(self.read(place)),
+            Origin::Place(place) => self.read(op, id, place),
             Origin::Unit(unit) => Ok(self.unit(unit)?[0]),
             Origin::Port(_) | Origin::Logic(..) => self.get(op, id),
         }
@@ -222,7 +233,7 @@ fn relate<'m>(less: Wire<'m>, equal: Wire<'m>, unordered: Wire<'m>, relation: Re
     }
 }
 
-/// Sign and class of a recoded number: the sign bit and the top three bits of the exponent (SPEC §7).
+/// Sign and class of a recoded number: the sign bit and the top three bits of the exponent (`docs/recoded.md`).
 fn test_class(test: Test, a: Wire<'_>) -> Wire<'_> {
     let sign = a.top();
     let class = a.bits(a.width() - 2, a.width() - 4);

@@ -3,13 +3,20 @@
 mod commands;
 
 use clap::Parser;
+use commands::Failure;
+use std::io::Write;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match commands::CommandLine::parse().run() {
+    let mut out = std::io::stdout().lock();
+    let result = commands::CommandLine::parse().run(&mut out);
+    match result.and_then(|()| out.flush().map_err(Failure::from)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("raypath: {failure}");
+            if !failure.is_silent() {
+                // Where not even this can be written there is nobody left to tell.
+                let _ = writeln!(std::io::stderr(), "raypath: {failure}");
+            }
             failure.exit_code()
         }
     }

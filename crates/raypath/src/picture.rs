@@ -1,7 +1,7 @@
 //! The pipeline as a picture, drawn from the schedule.
 
 use crate::tables::list;
-use raypath_rtl::{Datapath, STAGES, StageNote};
+use raypath_rtl::{Config, Datapath, STAGES, StageNote};
 use svg::Document;
 use svg::node::element::{Group, Rectangle, Style, Text, Title};
 
@@ -15,7 +15,7 @@ const COLOURS: [&str; 4] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
 
 /// The pipeline of a datapath as SVG: a column a stage with its registers, a row an operation with its units, the units
 /// that they share, and the bits that cross each boundary.
-pub fn pipeline(datapath: &Datapath) -> String {
+pub fn pipeline(datapath: &Datapath, config: Config) -> String {
     let columns = STAGES as i32 + 1;
     let operations = datapath.schedule(1);
     let rows = operations.len() as i32;
@@ -33,7 +33,7 @@ pub fn pipeline(datapath: &Datapath) -> String {
         .add(Title::new("The raypath pipeline"))
         .add(Style::new(style))
         .add(rectangle(0, 0, width, height, "#ffffff"))
-        .add(text(12, 24, "head", &format!("raypath: {}", datapath.config())))
+        .add(text(12, 24, "head", &format!("raypath: {}", config)))
         .add(text(12, 42, "small", "one job a cycle, latency 12; each bar between stages is a skid buffer"));
     for (row, operation) in operations.iter().enumerate() {
         let y = HEAD + row as i32 * (ROW + GAP);

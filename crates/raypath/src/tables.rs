@@ -2,7 +2,7 @@
 
 use comfy_table::{ContentArrangement, Table, presets};
 use raypath_ops::Rules;
-use raypath_rtl::{Datapath, Lanes, Registers, STAGES, StageNote, UnitKind, Units};
+use raypath_rtl::{Config, Datapath, Lanes, STAGES, StageNote, UnitKind, Units};
 
 /// Table VIII of the paper, for stages 1 to 11 with 16 lanes; the two quad-sorters of stage 10 count five comparators
 /// each. Conversions stand outside it.
@@ -47,62 +47,57 @@ fn cell(note: &StageNote) -> String {
 }
 
 /// Table VIII with the paper's figures beside ours, and the registers after each stage.
-pub fn units_and_registers(datapath: &Datapath) -> String {
+pub fn units_and_registers(datapath: &Datapath, config: Config) -> String {
     let mut table = new_table();
     table.set_header(["stage", "units", "Table VIII", "live bits", "flip-flops", "why the units differ"]);
-    let mut total = Registers::default();
+    let (mut all, mut live, mut flip_flops) = (Units::default(), 0, 0);
     for stage in 0..=STAGES {
         let registers = datapath.registers(stage);
-        let flip_flops = registers.data + registers.control + registers.state;
-        total.data += flip_flops;
-        total.live += registers.live;
-        let paper = stage.checked_sub(1).map(|index| PAPER_UNITS[index as usize]).unwrap_or_default();
+        let units = datapath.units(stage);
+        all = sum(all, units);
+        live += registers.live;
+        flip_flops += registers.flip_flops();
         table.add_row([
             if stage == 0 { "input".to_string() } else { stage.to_string() },
-            list(datapath.units(stage)),
-            list(paper),
+            list(units),
+            list(paper_units(stage)),
             registers.live.to_string(),
-            flip_flops.to_string(),
-            difference(datapath, stage).to_string(),
+            registers.flip_flops().to_string(),
+            difference(datapath, config, stage).join("; "),
         ]);
     }
-    let all = (1..=STAGES).map(|stage| datapath.units(stage)).fold(Units::default(), sum);
-    table.add_row([
-        "all".to_string(),
-        list(all),
-        list(PAPER_UNITS.into_iter().fold(Units::default(), sum)),
-        total.live.to_string(),
-        total.data.to_string(),
-        String::new(),
-    ]);
+    let paper = PAPER_UNITS.into_iter().fold(Units::default(), sum);
+    table.add_row(["all".to_string(), list(all), list(paper), live.to_string(), flip_flops.to_string(), String::new()]);
     table.to_string()
 }
 
 /// Why a stage has other units than Table VIII gives it; empty where it has the same.
-pub fn difference(datapath: &Datapath, stage: u32) -> &'static str {
-    let config = datapath.config();
-    match (stage, config.lanes, config.rules) {
-        (1 | 11, _, _) => "conversion, which Table VIII leaves out",
-        (4, Lanes::Sixteen, Rules::Paper) => "ruling 1: the sign of inv is read, not compared (12 fewer)",
-        (4, Lanes::None, Rules::Paper) => "ruling 1 (12 comparators fewer); no sums of 16 lanes (2 adders fewer)",
-        (4, Lanes::None, Rules::Chisel) => "no sums of 16 lanes (2 fewer)",
-        (6, Lanes::None, _) => "no sums of 16 lanes (1 fewer)",
-        (10, lanes, rules) => match (rules, lanes) {
-            (Rules::Paper, Lanes::Sixteen) => {
-                "one network's 5 comparators move values and indices; ruling 6: the hit test reads signs (5 fewer)"
-            }
-            (Rules::Paper, Lanes::None) => {
-                "one network's 5 comparators move values and indices; ruling 6 (5 fewer); no accumulator"
-            }
-            (Rules::Chisel, Lanes::Sixteen) => {
-                "one network's 5 comparators move values and indices, and serve the hit test as well"
-            }
-            (Rules::Chisel, Lanes::None) => {
-                "one network's 5 comparators move values and indices, and serve the hit test; no accumulator"
-            }
-        },
-        _ => "",
+pub fn difference(datapath: &Datapath, config: Config, stage: u32) -> Vec<&'static str> {
+    let (ours, paper) = (datapath.units(stage), paper_units(stage));
+    let mut causes = Vec::new();
+    if ours.encode + ours.decode > 0 {
+        causes.push("conversion, which Table VIII leaves out");
     }
+    if ours.add != paper.add && config.lanes == Lanes::None {
+        causes.push("no distance modes");
+    }
+    if ours.compare != paper.compare {
+        causes.extend(match (stage, config.rules) {
+            (4, Rules::Paper) => &["ruling 1: the sign of inv is read, not compared"][..],
+            (10, Rules::Paper) => {
+                &["one sorting network moves values and indices", "ruling 6: the hit test reads signs"]
+            }
+            (10, Rules::Chisel) => {
+                &["one sorting network moves values and indices", "the hit test shares its comparators"]
+            }
+            _ => &[],
+        });
+    }
+    causes
+}
+
+fn paper_units(stage: u32) -> Units {
+    stage.checked_sub(1).and_then(|index| PAPER_UNITS.get(index as usize).copied()).unwrap_or_default()
 }
 
 /// Units in words, `24 add, 4 compare`; empty where there are none.

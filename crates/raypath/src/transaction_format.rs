@@ -1,5 +1,5 @@
-//! The columns of transaction files, as `VECTORS.md` of the golden vectors gives them: one transaction a line, fields
-//! separated by spaces, hexadecimal without `0x`.
+//! The columns of transaction files (`docs/transactions.md`): one transaction a line, fields separated by spaces,
+//! hexadecimal without `0x`. Their order is that of the recorded golden vectors, not that of the ports.
 
 use raypath_ops::JobKind;
 
@@ -101,5 +101,42 @@ impl List {
 
     fn flag(&mut self, port: &str, bit: u32) {
         self.0.push(Column { port: port.to_string(), bit: Some(bit), width: 1 });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raypath_ops::{Job, Outcome, PortKind, PortValue};
+    use std::collections::BTreeMap;
+
+    /// Bits that columns give each port.
+    fn widths(columns: &[Column]) -> BTreeMap<String, u32> {
+        let mut widths = BTreeMap::new();
+        for column in columns {
+            *widths.entry(column.port.clone()).or_insert(0) += column.width;
+        }
+        widths
+    }
+
+    /// Every port of an operation has its columns, and no column stands for anything else: the one list of ports that
+    /// is written by hand cannot drift.
+    #[test]
+    fn columns_are_the_ports() {
+        for kind in JobKind::ALL {
+            let Columns { inputs, outputs } = columns(kind);
+            let ones = Job::<16, 8>::from_ports(kind, |_| u64::MAX).ports();
+            let outcome = Outcome::from_ports(kind, |_| u64::MAX).ports();
+            for (columns, ports) in [(inputs, ones), (outputs, outcome)] {
+                // A port that is all ones has as many bits as it is wide; a number has 32, whatever NaN became.
+                let width = |port: &PortValue| match port.kind {
+                    PortKind::Number => 32,
+                    PortKind::Flags | PortKind::Word => port.bits.count_ones(),
+                };
+                let expected: BTreeMap<String, u32> =
+                    ports.iter().map(|port| (port.name.clone(), width(port))).collect();
+                assert_eq!(widths(&columns), expected, "{kind}");
+            }
+        }
     }
 }

@@ -33,6 +33,16 @@ pub enum TransactionError {
         /// What the system said.
         problem: std::io::Error,
     },
+    /// A line cannot be read: the compressed data are damaged, or it is no text.
+    #[error("{}:{line}: {problem}, expected text, plain or gzip", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What the system said.
+        problem: std::io::Error,
+    },
     /// The name does not say what kind of jobs it has.
     #[error("{}: the name begins with no kind of job, expected triangle, quadbox, euclidean or angular (or give --kind)", .0.display())]
     UnknownKind(PathBuf),
@@ -81,7 +91,8 @@ pub fn read(path: &Path, kind: JobKind) -> Result<Vec<Transaction>, TransactionE
     let mut parser = Parser::new(path, kind);
     let mut transactions = Vec::new();
     for (index, line) in open(path).map_err(failed)?.lines().enumerate() {
-        let line = line.map_err(failed)?;
+        let unreadable = |problem| TransactionError::Line { path: path.to_path_buf(), line: index + 1, problem };
+        let line = line.map_err(unreadable)?;
         if !line.trim().is_empty() && !line.starts_with('#') {
             transactions.push(parser.parse(index + 1, &line)?);
         }

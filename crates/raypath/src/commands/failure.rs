@@ -1,4 +1,5 @@
 use raypath::transactions::TransactionError;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::process::ExitCode;
 use thiserror::Error;
@@ -15,6 +16,9 @@ pub enum Failure {
     /// The datapath could not be elaborated.
     #[error(transparent)]
     Elaboration(#[from] raypath::rtl::Error),
+    /// What the command says cannot be written.
+    #[error("standard output: {0}")]
+    Output(#[from] std::io::Error),
     /// The user stopped it.
     #[error("stopped {0}")]
     Interrupted(String),
@@ -26,11 +30,17 @@ impl Failure {
         Self::Unusable(format!("{}: cannot {doing}: {problem}", path.display()))
     }
 
-    /// 1 for a mismatch, 2 for what cannot be used, 130 after Ctrl-C.
+    /// Whether the reader of standard output has gone, as `head` does: no fault, and nothing to say.
+    pub fn is_silent(&self) -> bool {
+        matches!(self, Self::Output(error) if error.kind() == ErrorKind::BrokenPipe)
+    }
+
+    /// 1 for a mismatch, 2 for what cannot be used, 130 after Ctrl-C, 141 where the reader has gone (as shells have it).
     pub fn exit_code(&self) -> ExitCode {
         match self {
+            Self::Output(_) if self.is_silent() => ExitCode::from(141),
             Self::Mismatch(_) => ExitCode::from(1),
-            Self::Unusable(_) | Self::Elaboration(_) => ExitCode::from(2),
+            Self::Unusable(_) | Self::Elaboration(_) | Self::Output(_) => ExitCode::from(2),
             Self::Interrupted(_) => ExitCode::from(130),
         }
     }

@@ -11,6 +11,7 @@ mod wave;
 
 use clap::{Parser, Subcommand};
 pub use failure::Failure;
+use std::io::Write;
 
 /// An open hardware ray-tracer datapath: SystemVerilog, and models that agree with it bit for bit.
 #[derive(Debug, Parser)]
@@ -38,13 +39,13 @@ enum Command {
 }
 
 impl CommandLine {
-    /// Does what was asked for.
-    pub fn run(self) -> Result<(), Failure> {
+    /// Does what was asked for, and says so on `out`.
+    pub fn run(self, out: &mut dyn Write) -> Result<(), Failure> {
         match self.command {
-            Command::Generate(arguments) => generate::run(&arguments),
-            Command::Replay(arguments) => replay::run(&arguments),
-            Command::Ray(arguments) => ray::run(&arguments),
-            Command::Wave(arguments) => wave::run(&arguments),
+            Command::Generate(arguments) => generate::run(&arguments, out),
+            Command::Replay(arguments) => replay::run(&arguments, out),
+            Command::Ray(arguments) => ray::run(&arguments, out),
+            Command::Wave(arguments) => wave::run(&arguments, out),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::commands::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -39,7 +39,8 @@ impl Progress {
         match &self.bar {
             Some(bar) => bar.set_position(done as u64),
             None if self.last_line.elapsed() > BETWEEN_LINES => {
-                eprintln!("{done} of {} {}", self.total, self.what);
+                // Progress that nobody can read is no reason to stop.
+                let _ = writeln!(std::io::stderr(), "{done} of {} {}", self.total, self.what);
                 self.last_line = Instant::now();
             }
             None => {}

@@ -3,22 +3,22 @@
 use crate::commands::Failure;
 use clap::Args;
 use raypath::ops::{Aabb, Job, PortKind, Ray, RayBoxInput};
+use std::io::Write;
 
 #[derive(Debug, Args)]
-#[command(allow_negative_numbers = true)]
 pub struct Arguments {
     /// Where the ray begins: three numbers
-    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], required = true)]
+    #[arg(long, num_args = 3, allow_hyphen_values = true, value_names = ["X", "Y", "Z"], required = true)]
     origin: Vec<f32>,
     /// Its direction, of any length but zero: three numbers
-    #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], required = true)]
+    #[arg(long, num_args = 3, allow_hyphen_values = true, value_names = ["X", "Y", "Z"], required = true)]
     direction: Vec<f32>,
     /// How far it reaches, in units of its direction's length
-    #[arg(long, default_value_t = f32::INFINITY)]
+    #[arg(long, default_value_t = f32::INFINITY, allow_hyphen_values = true)]
     extent: f32,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let vector = |given: &[f32]| std::array::from_fn(|axis| given.get(axis).copied().unwrap_or(f32::NAN));
     let ray = Ray::new(vector(&arguments.origin), vector(&arguments.direction), arguments.extent)
         .map_err(|error| Failure::Unusable(error.to_string()))?;
@@ -26,9 +26,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for port in job.ports().into_iter().filter(|port| port.name.starts_with("ray_")) {
         match port.kind {
             PortKind::Number => {
-                println!("{:<16} {:08x}  {:e}", port.name + "_i", port.bits, f32::from_bits(port.bits as u32));
+                let value = f32::from_bits(port.bits as u32);
+                writeln!(out, "{:<16} {:08x}  {value:e}", port.name + "_i", port.bits)?;
             }
-            PortKind::Flags | PortKind::Word => println!("{:<16} {}", port.name + "_i", port.bits),
+            PortKind::Flags | PortKind::Word => writeln!(out, "{:<16} {}", port.name + "_i", port.bits)?,
         }
     }
     Ok(())

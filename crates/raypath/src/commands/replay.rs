@@ -9,6 +9,7 @@ use raypath::ops::{JobKind, Outcome, PortKind, PortValue};
 use raypath::rtl::Config;
 use raypath::transactions::Transaction;
 use std::cell::Cell;
+use std::io::Write;
 use std::time::Instant;
 
 #[derive(Debug, Args)]
@@ -30,7 +31,7 @@ enum EngineKind {
     Netlist,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let stream = arguments.stream.read()?;
     let begin = Instant::now();
     let mut progress = Progress::new("jobs", stream.len());
@@ -39,8 +40,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         tally.compare(index, outcome);
         progress.at(index + 1)
     })?;
-    progress.finish(run.jobs)?;
-    tally.report(&run, begin)
+    let stopped = progress.finish(run.jobs);
+    tally.report(&run, begin, out)?;
+    tally.verdict(&run, stopped)
 }
 
 /// Runs the stream through the engine that was asked for, until `on_outcome` says stop.
@@ -87,29 +89,33 @@ impl<'s> Tally<'s> {
         }
     }
 
-    fn report(&self, run: &Run, begin: Instant) -> Result<(), Failure> {
-        println!("{:<10} {:>9} {:>11}", "operation", "jobs", "mismatches");
+    fn report(&self, run: &Run, begin: Instant, out: &mut dyn Write) -> std::io::Result<()> {
+        writeln!(out, "{:<10} {:>9} {:>11}", "operation", "jobs", "mismatches")?;
         for kind in JobKind::ALL {
             let (jobs, mismatches) = (self.jobs[kind as usize], self.mismatches[kind as usize]);
             if jobs > 0 {
-                println!("{:<10} {jobs:>9} {mismatches:>11}", kind.name());
+                writeln!(out, "{:<10} {jobs:>9} {mismatches:>11}", kind.name())?;
             }
         }
-        let mismatches: usize = self.mismatches.iter().sum();
-        println!("{:<10} {:>9} {mismatches:>11}", "all", run.jobs);
+        writeln!(out, "{:<10} {:>9} {:>11}", "all", run.jobs, self.mismatches.iter().sum::<usize>())?;
         if run.cycles > 0 {
-            print!("{} cycles, ", run.cycles);
+            write!(out, "{} cycles, ", run.cycles)?;
         }
-        println!("{:.2} s", begin.elapsed().as_secs_f64());
-        for text in &self.shown {
-            println!("\n{text}");
+        writeln!(out, "{:.2} s", begin.elapsed().as_secs_f64())?;
+        self.shown.iter().try_for_each(|text| writeln!(out, "\n{text}"))
+    }
+
+    /// What was found weighs more than that the user stopped the search.
+    fn verdict(&self, run: &Run, stopped: Result<(), Failure>) -> Result<(), Failure> {
+        let mismatches: usize = self.mismatches.iter().sum();
+        if mismatches > 0 {
+            let problem = format!("{mismatches} of {} outcomes differ from the recorded ones", run.jobs);
+            return Err(Failure::Mismatch(problem));
         }
-        match (mismatches, self.stream.len() - run.jobs) {
-            (0, 0) => Ok(()),
-            (0, lost) => Err(Failure::Mismatch(format!("{lost} jobs never came out"))),
-            (some, _) => {
-                Err(Failure::Mismatch(format!("{some} of {} outcomes differ from the recorded ones", run.jobs)))
-            }
+        stopped?;
+        match self.stream.len() - run.jobs {
+            0 => Ok(()),
+            lost => Err(Failure::Mismatch(format!("{lost} jobs never came out"))),
         }
     }
 }

@@ -14,8 +14,8 @@ pub struct StreamArguments {
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// What kind of jobs the files hold, if their names do not begin with it
-    #[arg(long, value_enum)]
-    kind: Option<Kind>,
+    #[arg(long, value_name = "triangle|quadbox|euclidean|angular")]
+    kind: Option<JobKind>,
     /// The rules on the edges: paper (this project's rulings) or chisel (the original hardware's)
     #[arg(long, default_value_t = Rules::Paper)]
     pub rules: Rules,
@@ -31,14 +31,6 @@ pub struct StreamArguments {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum Kind {
-    Triangle,
-    Quadbox,
-    Euclidean,
-    Angular,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
 enum Handshake {
     Always,
     Random,
@@ -50,11 +42,10 @@ impl StreamArguments {
         let mut files = Vec::new();
         for path in &self.files {
             let kind = match self.kind {
-                Some(Kind::Triangle) => JobKind::Triangle,
-                Some(Kind::Quadbox) => JobKind::Quadbox,
-                Some(Kind::Euclidean) => JobKind::Euclidean,
-                Some(Kind::Angular) => JobKind::Angular,
-                None => kind_of(path)?,
+                Some(kind) => kind,
+                // A file that is not there is the greater fault than a name that says nothing.
+                None if path.exists() => kind_of(path)?,
+                None => kind_of(path).unwrap_or(JobKind::Triangle),
             };
             files.push(read(path, kind)?);
         }

@@ -7,8 +7,9 @@ use clap::Args;
 use raypath::engine::{Engine, NetlistEngine, Shown, drive};
 use raypath::hdl::WaveWriter;
 use raypath::ops::Job;
-use raypath::rtl::Config;
+use raypath::rtl::{Config, UnitKind};
 use std::cell::Cell;
+use std::io::Write;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -19,18 +20,18 @@ pub struct Arguments {
     #[arg(long, default_value = "trace.fst")]
     out: PathBuf,
     /// Stop after this many jobs
-    #[arg(long, value_name = "N")]
-    jobs: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    jobs: Option<u32>,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let stream = arguments.stream.read()?;
     let config = Config { rules: arguments.stream.rules, ..Config::default() };
     let netlist = NetlistEngine::new(config, is_of_interest)?;
     let waves = WaveWriter::create(&arguments.out, netlist.simulator())?;
     let mut waving = Waving { netlist, waves, cycle: 0, failed: None };
 
-    let total = arguments.jobs.unwrap_or(stream.len()).min(stream.len());
+    let total = arguments.jobs.map_or(stream.len(), |jobs| stream.len().min(jobs as usize));
     let mut progress = Progress::new("jobs", total);
     let going = Cell::new(true);
     let jobs = stream[..total].iter().map(|transaction| &transaction.job).take_while(|_| going.get());
@@ -40,13 +41,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(failed.into());
     }
     waving.waves.finish()?;
-    println!("Wrote {} jobs in {} cycles to {}", run.jobs, run.cycles, arguments.out.display());
+    writeln!(out, "Wrote {} jobs in {} cycles to {}", run.jobs, run.cycles, arguments.out.display())?;
     Ok(())
 }
 
 /// Ports, handshakes, and stage registers under the algorithm's names; not the insides of units.
 fn is_of_interest(name: &str) -> bool {
-    let units = ["u_encode_", "u_add_", "u_mul_", "u_compare_", "u_decode_"];
+    let units = UnitKind::ALL.map(|kind| format!("u_{}_", kind.stem()));
     !name.split('.').any(|part| units.iter().any(|unit| part.starts_with(unit)))
 }
 

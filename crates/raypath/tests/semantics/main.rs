@@ -1,4 +1,4 @@
-//! What the datapath answers on every edge that SPEC §6 rules on (and where §1 and §3 state behaviour).
+//! What the datapath answers on every edge that `docs/semantics.md` rules on, and what `docs/ports.md` promises.
 //!
 //! Expected values come from the text of a rule or from exact arithmetic, never from a model; and each is asked of the
 //! functional model, the cycle-exact model and the netlist alike ([`answers::answers`]).

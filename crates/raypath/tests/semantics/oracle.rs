@@ -1,4 +1,4 @@
-//! Table VII and the rules of SPEC §6, written once more, from the text: each operation in binary64 and rounded once.
+//! Table VII and the rules of `docs/semantics.md`, written once more, from the text: each operation in binary64 and rounded once.
 //!
 //! Why one rounding: binary64 has 53 ≥ 2·24 + 2 bits, so that rounding a sum, difference or product of binary32 numbers
 //! first to 53 and then to 24 bits gives what rounding once gives. Where the result is subnormal the binary64 one is

@@ -1,0 +1,246 @@
+//! Operations that are none of the paper's: what the elaborator makes of them, and what it refuses.
+
+use raypath_hdl::Simulator;
+use raypath_ops::{Bit, Circuit, Num, Operation, Word, bundle};
+use raypath_rtl::{Datapath, Error, Operations};
+
+bundle! {
+    /// Two numbers, a flag and a small word.
+    pub struct Input<C> {
+        /// A number.
+        pub a: Num<C>,
+        /// Another.
+        pub b: Num<C>,
+        /// A flag.
+        pub flag: Bit<C>,
+        /// A word.
+        pub word: Word<C, 3>,
+    }
+}
+
+bundle! {
+    /// One of each.
+    pub struct Output<C> {
+        /// A number.
+        pub number: Num<C>,
+        /// A flag.
+        pub is_so: Bit<C>,
+        /// A word.
+        pub code: Word<C, 3>,
+    }
+}
+
+bundle! {
+    /// One number from job to job.
+    pub struct State<C> {
+        /// The number.
+        pub kept: Num<C>,
+    }
+}
+
+/// An operation that is a function; its outputs are called as [`Output`] has them.
+macro_rules! operation {
+    ($name:ident, |$c:ident, $input:ident| $body:expr) => {
+        struct $name;
+        impl Operation for $name {
+            const NAME: &'static str = stringify!($name);
+            type Input<C: Circuit> = Input<C>;
+            type Output<C: Circuit> = Output<C>;
+            type State<C: Circuit> = ();
+            fn run<C: Circuit>(&self, circuit: C, $input: Input<C>, _: ()) -> (Output<C>, ()) {
+                let $c = circuit;
+                ($body, ())
+            }
+        }
+    };
+}
+
+/// Runs jobs (a, b, flag, word) one after the other and gives (number, is_so, code) of each, twelve cycles later.
+fn answers(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)]) -> Vec<(f32, bool, u64)> {
+    let operations = Operations::new().with(operation, 2).expect("an operation");
+    let datapath = Datapath::of(operations).expect("a datapath");
+    let mut simulator = Simulator::new(datapath.top()).expect("a netlist");
+    let input = |name: &str| simulator.input(name).expect(name);
+    // What an operation does not read is no port of it; every input here is, read or not.
+    let (valid, ready, opcode) = (input("input_valid_i"), input("output_ready_i"), input("opcode_i"));
+    let (a, b, flag, word) = (input("a_i"), input("b_i"), input("flag_i"), input("word_i"));
+    let output = |name: &str| simulator.output(name).expect(name);
+    let (number, is_so, code, shown) =
+        (output("number_o"), output("is_so_o"), output("code_o"), output("output_valid_o"));
+    simulator.set(ready, 1);
+    simulator.set(opcode, 2);
+    let mut answers = Vec::new();
+    for cycle in 0..jobs.len() + 12 {
+        let job = jobs.get(cycle);
+        simulator.set(valid, job.is_some().into());
+        if let Some(&(x, y, f, w)) = job {
+            let values = [(a, x.to_bits().into()), (b, y.to_bits().into()), (flag, f.into()), (word, w)];
+            values.into_iter().for_each(|(port, value)| simulator.set(port, value));
+        }
+        simulator.cycle();
+        assert_eq!(simulator.get(shown) == 1, cycle >= 12, "cycle {cycle}");
+        if cycle >= 12 {
+            let bits = u32::try_from(simulator.get(number)).expect("32 bits");
+            answers.push((f32::from_bits(bits), simulator.get(is_so) == 1, simulator.get(code)));
+        }
+    }
+    answers
+}
+
+fn flip_flops(operation: &impl Operation) -> u64 {
+    let operations = Operations::new().with(operation, 0).expect("an operation");
+    Datapath::of(operations).expect("a datapath").top().register_bits()
+}
+
+operation!(Mixed, |c, i| {
+    c.stage(2, "a + b, compared with a");
+    let sum = i.a + i.b;
+    let order = i.a.compare(i.b);
+    c.stage(5, "times a");
+    let product = sum * i.a;
+    c.stage(9, "a relation, late; negation");
+    Output { number: -product, is_so: order.greater_or_equal() | i.flag, code: i.word }
+});
+
+#[test]
+fn values_arrive_wherever_they_are_read() {
+    let jobs = [(1.5, 2.0, false, 5), (3.0, -2.0, false, 0), (-1.0, 4.0, true, 7), (f32::NAN, 1.0, false, 1)];
+    let found = answers(&Mixed, &jobs);
+    assert_eq!(found[..3], [(-5.25, false, 5), (-3.0, true, 0), (3.0, true, 7)]);
+    // A negated NaN is canonical again at the port; no relation with it holds.
+    assert_eq!((found[3].0.to_bits(), found[3].1, found[3].2), (0x7fc0_0000, false, 1));
+}
+
+operation!(Straight, |_c, i| Output { number: i.a, is_so: i.flag, code: i.word });
+
+#[test]
+fn inputs_may_be_outputs() {
+    // Neither a stage nor a unit, but for the conversions; subnormals and infinities come through.
+    let jobs = [(1e-40, 0.0, true, 2), (f32::NEG_INFINITY, 0.0, false, 3), (-0.0, 0.0, true, 6)];
+    let found = answers(&Straight, &jobs);
+    assert_eq!(found.iter().map(|f| f.0.to_bits()).collect::<Vec<_>>(), jobs.map(|j| j.0.to_bits()));
+    assert_eq!(found.iter().map(|f| (f.1, f.2)).collect::<Vec<_>>(), jobs.map(|j| (j.2, j.3)));
+}
+
+operation!(Constants, |c, i| {
+    c.stage(3, "a test of a constant, read late");
+    let is_so = c.infinity().is_above_zero();
+    c.stage(9, "chosen by the flag");
+    Output { number: i.flag.select(c.infinity(), c.zero()), is_so, code: c.word(5) }
+});
+
+operation!(ConstantBit, |c, i| {
+    c.stage(9, "the same, with no test");
+    Output { number: i.flag.select(c.infinity(), c.zero()), is_so: c.bit(true), code: c.word(5) }
+});
+
+/// A test of a constant is a constant, made where it is read.
+#[test]
+fn constants_cost_no_registers() {
+    let found = answers(&Constants, &[(0.0, 0.0, true, 0), (0.0, 0.0, false, 0)]);
+    assert_eq!(found, [(f32::INFINITY, true, 5), (0.0, true, 5)]);
+    assert_eq!(flip_flops(&Constants), flip_flops(&ConstantBit));
+}
+
+/// Keeps the largest number so far, and begins again where it was negative or the flag is set.
+struct Largest;
+
+impl Operation for Largest {
+    const NAME: &'static str = "largest";
+    type Input<C: Circuit> = Input<C>;
+    type Output<C: Circuit> = Output<C>;
+    type State<C: Circuit> = State<C>;
+    fn run<C: Circuit>(&self, c: C, i: Input<C>, state: State<C>) -> (Output<C>, State<C>) {
+        c.stage(6, "the larger of a and what is kept");
+        let was_negative = state.kept.sign_bit();
+        let larger = i.a.compare(state.kept).greater();
+        let kept = (larger | was_negative).select(i.a, state.kept);
+        (Output { number: kept, is_so: was_negative, code: i.word }, State { kept: i.flag.select(-i.b, kept) })
+    }
+}
+
+#[test]
+fn state_may_be_compared_and_tested() {
+    let jobs =
+        [(1.0, 0.0, false, 0), (3.0, 0.0, false, 1), (2.0, 7.0, true, 2), (-9.0, 0.0, false, 3), (-8.0, 0.0, false, 4)];
+    let expected = [(1.0, false, 0), (3.0, false, 1), (3.0, false, 2), (-9.0, true, 3), (-8.0, true, 4)];
+    assert_eq!(answers(&Largest, &jobs), expected);
+}
+
+/// Another's adders and multipliers serve, and its registers: a second operation adds multiplexers, and no more.
+#[test]
+fn operations_share_units_and_registers() {
+    operation!(Double, |c, i| {
+        c.stage(2, "a - b");
+        let difference = i.a - i.b;
+        c.stage(5, "squared");
+        Output { number: difference * difference, is_so: difference.sign_bit(), code: c.word(0) }
+    });
+    let both = Operations::new().with(&Mixed, 0).and_then(|set| set.with(&Double, 1)).expect("operations");
+    let both = Datapath::of(both).expect("a datapath");
+    let units = (both.units(2).add, both.units(2).compare, both.units(5).multiply);
+    assert_eq!(units, (1, 1, 1));
+    assert!(both.top().register_bits() <= flip_flops(&Mixed) + 2 * 12, "{}", both.top().register_bits());
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    operation!(TooEarly, |c, i| {
+        c.stage(5, "late");
+        let late = i.a + i.b;
+        c.label(format_args!("late"), &late);
+        c.stage(3, "early");
+        Output { number: late * late, is_so: i.flag, code: i.word }
+    });
+    let error = Operations::new().with(&TooEarly, 0).expect_err("used before made");
+    assert!(matches!(error, Error::UsedBeforeMade { stage: 3, made: 5, .. }), "{error}");
+    assert!(error.to_string().contains("late, which stage 5 makes"), "{error}");
+
+    operation!(TooLate, |c, i| {
+        c.stage(11, "where numbers are decoded");
+        Output { number: i.a + i.b, is_so: i.flag, code: i.word }
+    });
+    let error = Operations::new().with(&TooLate, 0).expect_err("no such stage");
+    assert!(matches!(error, Error::NoSuchStage { stage: 11, last: 10, .. }), "{error}");
+
+    operation!(Stageless, |_c, i| Output { number: i.a + i.b, is_so: i.flag, code: i.word });
+    assert!(matches!(Operations::new().with(&Stageless, 0), Err(Error::NoSuchStage { stage: 0, .. })));
+
+    struct Apart;
+    impl Operation for Apart {
+        const NAME: &'static str = "apart";
+        type Input<C: Circuit> = Input<C>;
+        type Output<C: Circuit> = Output<C>;
+        type State<C: Circuit> = State<C>;
+        fn run<C: Circuit>(&self, c: C, i: Input<C>, state: State<C>) -> (Output<C>, State<C>) {
+            c.stage(4, "reads");
+            let sum = state.kept + i.a;
+            c.stage(7, "writes");
+            (Output { number: sum, is_so: i.flag, code: i.word }, State { kept: sum * sum })
+        }
+    }
+    let error = Operations::new().with(&Apart, 0).expect_err("state apart");
+    assert!(matches!(error, Error::StateApart { read: 4, made: 7, .. }), "{error}");
+
+    let error = Operations::new().with(&Mixed, 1).and_then(|set| set.with(&Straight, 1)).expect_err("taken");
+    assert_eq!(error.to_string(), "operation Straight: opcode 1 is that of Mixed");
+    let error = Operations::new().with(&Mixed, 4).expect_err("too large");
+    assert_eq!(error.to_string(), "operation Mixed: opcode 4 is too large, expected 0 to 3");
+}
+
+/// Each alone is well; together the stage's adder would feed its multiplier and the other way round.
+#[test]
+fn units_in_a_circle_are_refused() {
+    operation!(SumFirst, |c, i| {
+        c.stage(3, "(a + b) a");
+        Output { number: (i.a + i.b) * i.a, is_so: i.flag, code: i.word }
+    });
+    operation!(ProductFirst, |c, i| {
+        c.stage(3, "a b + a");
+        Output { number: i.a * i.b + i.a, is_so: i.flag, code: i.word }
+    });
+    assert_eq!(answers(&SumFirst, &[(2.0, 3.0, false, 0)])[0].0, 10.0);
+    assert_eq!(answers(&ProductFirst, &[(2.0, 3.0, false, 0)])[0].0, 8.0);
+    let both = Operations::new().with(&SumFirst, 0).and_then(|set| set.with(&ProductFirst, 1)).expect("operations");
+    assert!(matches!(Datapath::of(both), Err(Error::UnitLoop { stage: 3 })));
+}
