@@ -31,6 +31,7 @@ mod ray;
 mod ray_box;
 mod ray_triangle;
 mod rules;
+mod vectors;
 
 pub use binary32::{Binary32, Single};
 pub use bundle::{Bundle, Field, Path, Sink, Source};
@@ -46,3 +47,4 @@ pub use ray::{Ray, RayError};
 pub use ray_box::{RayBox, RayBoxInput, RayBoxOutput};
 pub use ray_triangle::{RayTriangle, RayTriangleInput, RayTriangleOutput};
 pub use rules::{ParseRulesError, Rules};
+pub use vectors::VectorError;

@@ -7,7 +7,7 @@ use crate::graph::{Kind, NodeId, Traced};
 use crate::library::Library;
 use crate::plan::{Plan, all_units};
 use crate::values::{Before, Values};
-use raypath_hdl::{Builder, Module, Register};
+use raypath_hdl::{Builder, Module, Register, Wire};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -65,10 +65,12 @@ fn build(
     if !states.is_empty() {
         m.section("The stage hands its job on");
         let advance = (handshake.valid & handshake.ready).named("advance");
+        let mut advances: BTreeMap<usize, Wire<'_>> = BTreeMap::new();
         for ((op, state), register) in states {
             let traced = &plan.operations[op];
             let next = values.get(op, traced.states[state].next)?;
-            register.next_when(advance & opcode.is(traced.opcode), next);
+            let named = || (advance & opcode.is(traced.opcode)).named(&format!("{}_advances", traced.name));
+            register.next_when(*advances.entry(op).or_insert_with(named), next);
         }
     }
     Ok(values.read_from_registers())
