@@ -4,17 +4,22 @@
 //! else's compiler, so that the two can be compared cycle by cycle.
 //!
 //! ```no_run
-//! # fn main() -> Result<(), raypath_cosim::CosimError> {
-//! # let top: std::sync::Arc<raypath_hdl::Module> = unimplemented!();
 //! use raypath_cosim::{Sources, Verilated};
+//! use raypath_hdl::Builder;
+//!
+//! let m = Builder::new("counter");
+//! let step = m.input("step_i", 8);
+//! let count = m.register("count_q", 8).reset_to(0);
+//! count.next(count.wire() + step);
+//! m.output("count_o", count.wire());
+//! let top = m.finish()?;
 //!
 //! let folder = std::path::Path::new("build");
 //! Sources::write(&top, folder)?.lint()?;
 //! let verilated = Verilated::build(&top, folder)?;
 //! let frames = (0..1000).map(|cycle| vec![1, cycle]); // rst_ni, then the inputs in the order of declaration
 //! verilated.run(frames, |cycle, outputs| println!("{cycle}: {outputs:?}"))?;
-//! # Ok(())
-//! # }
+//! # Ok::<(), raypath_cosim::CosimError>(())
 //! ```
 
 mod error;

@@ -16,8 +16,7 @@ try:
     import pyslang
     from pyslang.driver import Driver
 except ImportError as problem:
-    print(problem)
-    sys.exit(77)
+    sys.exit(problem.msg)
 driver = Driver()
 driver.addStandardArgs()
 arguments = ["slang", "-Weverything", "-Wno-unused-but-set-variable", "-Werror"] + sys.argv[1:]
@@ -50,7 +49,8 @@ pub fn lint_slang(files: &[PathBuf]) -> Result<(), CosimError> {
     command.args(["-c", SLANG_SCRIPT]).args(files);
     match tool::run(&mut command, "apt-get install python3") {
         Ok(output) => silent("slang", output),
-        Err(CosimError::Tool { output, .. }) if output.contains("No module named 'pyslang'") => {
+        // Of the package, or of a part that only its later versions have.
+        Err(CosimError::Tool { output, .. }) if output.starts_with("No module named 'pyslang") => {
             Err(CosimError::MissingTool { tool: "pyslang".to_string(), install: PYSLANG })
         }
         Err(CosimError::Tool { output, .. }) => Err(CosimError::Tool { tool: "slang".to_string(), output }),

@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub struct Sources {
     /// One file a module, those that are instantiated first.
     pub files: Vec<PathBuf>,
-    /// All of it in one file.
+    /// All of it in one file, in a folder `all` so that it is none of the others whatever their names are.
     pub all: PathBuf,
     /// The name of the top module.
     pub top: String,
@@ -28,7 +28,9 @@ impl Sources {
             files.push(path);
             all += &text;
         }
-        let path = folder.join(format!("{}_all.sv", top.name()));
+        let folder = folder.join("all");
+        std::fs::create_dir_all(&folder).map_err(|problem| CosimError::File { path: folder.clone(), problem })?;
+        let path = folder.join(format!("{}.sv", top.name()));
         write(&path, &all)?;
         Ok(Self { files, all: path, top: top.name().to_string() })
     }

@@ -5,7 +5,7 @@ use crate::{CosimError, harness, tool};
 use raypath_hdl::Module;
 use std::io::{self, BufReader, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{ChildStdin, Command, Stdio};
+use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::Arc;
 
 pub(crate) const VERILATOR: &str = "apt-get install verilator g++ make";
@@ -79,19 +79,21 @@ impl Verilated {
         on_outputs: impl FnMut(usize, &[u64]),
     ) -> Result<(), CosimError> {
         let failed = |problem| failed(&self.program, problem);
-        let mut child =
-            Command::new(&self.program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().map_err(failed)?;
-        let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
+        let child = Command::new(&self.program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().map_err(failed)?;
+        let mut process = Process(child);
+        let (Some(input), Some(output)) = (process.0.stdin.take(), process.0.stdout.take()) else {
             return Err(failed(io::Error::from(ErrorKind::BrokenPipe)));
         };
         let frames = frames.into_iter();
         // Both pipes at once: neither side may wait for the other with a full pipe.
-        let (sent, received) = std::thread::scope(|scope| {
+        let (sent, received, status) = std::thread::scope(|scope| {
+            // In here, so that after a panic it ends before the scope waits for the writer, which waits for it.
+            let mut process = process;
             let writer = scope.spawn(|| self.send(frames, input));
             let received = self.receive(BufReader::with_capacity(BUFFER, output), on_outputs);
-            (writer.join(), received)
+            (writer.join(), received, process.0.wait())
         });
-        let status = child.wait().map_err(failed)?;
+        let status = status.map_err(failed)?;
         let sent = sent.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         let received = received?;
         if !status.success() || sent != received {
@@ -139,6 +141,17 @@ impl Verilated {
             on_outputs(cycle, &words);
         }
         Ok(0)
+    }
+}
+
+/// A process that does not outlive this.
+struct Process(Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // Both fail where it has ended and been waited for, which is as it should be.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
     }
 }
 

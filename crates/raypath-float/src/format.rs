@@ -93,8 +93,8 @@ impl Format {
         sign << self.ieee_width() | magnitude
     }
 
-    /// What the unit of this name computes: a recoded number in IEEE 754's layout. Bits beyond
-    /// [`Format::recoded_width`] are ignored.
+    /// What the unit of this name computes: a recoded number in IEEE 754's layout, for words that are numbers of the
+    /// format; others are unspecified, here and in hardware. Bits beyond [`Format::recoded_width`] are ignored.
     pub fn decode(self, recoded: u64) -> u64 {
         let (sign, exponent, fraction) = self.split(recoded, self.exponent + 1);
         let infinity = mask(self.exponent) << self.fraction_width();

@@ -7,9 +7,9 @@ mod wire;
 
 use crate::Error;
 use crate::names;
-use crate::netlist::{Arm, Driver, Instance, Item, Label, Module, Port, RegisterInfo, Signal, SignalId};
+use crate::netlist::{Arm, Driver, Instance, Item, Label, Module, Port, RegisterInfo, Signal, SignalId, fits};
 use std::cell::RefCell;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 pub use wire::{Forward, Register, Wire};
 
@@ -21,6 +21,8 @@ pub struct Builder {
 struct State {
     module: Module,
     names: HashSet<String>,
+    /// Labels used so far: name, width of the selector, value.
+    labels: HashMap<String, (u32, u64)>,
     /// Registers and forward wires that still lack a driver.
     undriven: Vec<SignalId>,
     error: Option<Error>,
@@ -40,7 +42,8 @@ impl Builder {
             items: Vec::new(),
         };
         let names = ["clk_i", "rst_ni"].map(String::from).into();
-        let builder = Self { state: RefCell::new(State { module, names, undriven: Vec::new(), error: None }) };
+        let (labels, undriven) = (HashMap::new(), Vec::new());
+        let builder = Self { state: RefCell::new(State { module, names, labels, undriven, error: None }) };
         if let Some(problem) = names::problem(name) {
             builder.fail_name(name, problem);
         }
@@ -67,13 +70,14 @@ impl Builder {
     /// An output port that shows `wire`.
     pub fn output(&self, name: &str, wire: Wire<'_>) {
         self.claim(name);
-        self.state.borrow_mut().module.outputs.push(Port { name: name.to_string(), signal: wire.id });
+        let signal = self.own(wire);
+        self.state.borrow_mut().module.outputs.push(Port { name: name.to_string(), signal });
     }
 
     /// A constant of `width` bits; an error where `value` needs more.
     pub fn constant(&self, width: u32, value: u64) -> Wire<'_> {
         let wire = self.push(width, Driver::Constant(value));
-        if width < 64 && value >> width != 0 {
+        if !fits(wire.width(), value) {
             self.fail_width(wire.id, format!("constant {value} does not fit {width} bits"));
         }
         wire
@@ -102,27 +106,31 @@ impl Builder {
     /// Concatenation, most significant part first.
     pub fn concat(&self, parts: &[Wire<'_>]) -> Wire<'_> {
         match parts {
-            [one] => Wire { builder: self, id: one.id },
-            _ => self.push(parts.iter().map(|p| p.width()).sum(), Driver::Concat(ids(parts))),
+            [one] => Wire { builder: self, id: self.own(*one) },
+            _ => {
+                let width = parts.iter().fold(0, |sum: u32, part| sum.saturating_add(part.width()));
+                self.push(width, Driver::Concat(self.own_all(parts)))
+            }
         }
     }
 
     /// The value of the arm whose label equals `selector`, else `default`.
     pub fn case(&self, selector: Wire<'_>, arms: &[(Label, Wire<'_>)], default: Wire<'_>) -> Wire<'_> {
         let driver = Driver::Case {
-            selector: selector.id,
-            arms: arms.iter().map(|(label, wire)| Arm { label: label.clone(), value: wire.id }).collect(),
-            default: default.id,
+            selector: self.own(selector),
+            arms: arms.iter().map(|(label, wire)| Arm { label: label.clone(), value: self.own(*wire) }).collect(),
+            default: self.own(default),
         };
         let result = self.push(default.width(), driver);
         for (place, (label, wire)) in arms.iter().enumerate() {
             self.expect_width(result.id, wire.width(), default.width());
-            if selector.width() < 64 && label.value >> selector.width() != 0 {
+            if !fits(selector.width(), label.value) {
                 self.fail_width(result.id, format!("label {} does not fit the selector", label.name));
             }
             if arms[..place].iter().any(|(other, _)| other.value == label.value) {
                 self.fail_width(result.id, format!("label {} appears twice", label.name));
             }
+            self.claim_label(label, selector.width());
         }
         result
     }
@@ -136,7 +144,7 @@ impl Builder {
             match inputs.iter().find(|(given, _)| *given == port.name) {
                 Some((_, wire)) => {
                     self.expect_port(name, &port.name, wire.width(), module.signal(port.signal).width);
-                    connected.push(wire.id);
+                    connected.push(self.own(*wire));
                 }
                 None => self.fail_drive(&format!("{name}.{}", port.name), "is never driven"),
             }
@@ -149,27 +157,17 @@ impl Builder {
                 self.fail_name(given, &format!("is no input of {}", module.name()));
             }
         }
-        let instance = self.state.borrow().module.instances.len();
-        let prefix = name.strip_prefix("u_").unwrap_or(name);
-        let outputs: Vec<Wire<'_>> = module
-            .outputs()
-            .iter()
-            .enumerate()
-            .map(|(output, port)| {
-                let stem = port.name.strip_suffix("_o").unwrap_or(&port.name);
-                let width = module.signal(port.signal).width;
-                self.declare(&format!("{prefix}_{stem}"), width, Driver::Instance { instance, output })
-            })
-            .collect();
-        let mut state = self.state.borrow_mut();
-        state.module.instances.push(Instance {
-            name: name.to_string(),
-            module: module.clone(),
-            inputs: connected,
-            outputs: ids(&outputs),
-        });
-        state.module.items.push(Item::Instance(instance));
-        drop(state);
+        let index = self.state.borrow().module.instances.len();
+        let mut instance =
+            Instance { name: name.to_string(), module: module.clone(), inputs: connected, outputs: Vec::new() };
+        let declare = |(output, port): (usize, &Port)| {
+            let driver = Driver::Instance { instance: index, output };
+            self.declare(&instance.output_name(output), module.signal(port.signal).width, driver)
+        };
+        let outputs: Vec<Wire<'_>> = module.outputs().iter().enumerate().map(declare).collect();
+        instance.outputs = self.own_all(&outputs);
+        self.state.borrow_mut().module.instances.push(instance);
+        self.item(Item::Instance(index));
         outputs
     }
 
@@ -179,7 +177,7 @@ impl Builder {
         if !name.starts_with("unused_") {
             self.fail_name(name, "must begin with unused_");
         }
-        self.item(Item::Unused(name.to_string(), ids(wires)));
+        self.item(Item::Unused(name.to_string(), self.own_all(wires)));
     }
 
     /// Checks what is left to check and gives the module, or the first thing that was wrong.
@@ -225,6 +223,35 @@ impl Builder {
         if !self.state.borrow_mut().names.insert(name.to_string()) {
             self.fail_name(name, "is taken");
         }
+    }
+
+    /// A label may be used again, with the same meaning.
+    fn claim_label(&self, label: &Label, width: u32) {
+        let known = self.state.borrow().labels.get(&label.name).copied();
+        match known {
+            None => {
+                self.claim(&label.name);
+                self.state.borrow_mut().labels.insert(label.name.clone(), (width, label.value));
+            }
+            Some(known) if known == (width, label.value) => {}
+            Some((w, v)) => {
+                self.fail_name(&label.name, &format!("labels both {w}'d{v} and {width}'d{}", label.value));
+            }
+        }
+    }
+
+    /// What to store of an operand. All operands pass here: an id of another module's would be any signal of this one.
+    fn own(&self, wire: Wire<'_>) -> SignalId {
+        if std::ptr::eq(self, wire.builder) {
+            return wire.id;
+        }
+        let signal = describe(&wire.builder.state.borrow().module, wire.id);
+        self.fail_drive(&signal, "belongs to another module");
+        SignalId(0)
+    }
+
+    fn own_all(&self, wires: &[Wire<'_>]) -> Vec<SignalId> {
+        wires.iter().map(|&wire| self.own(wire)).collect()
     }
 
     fn item(&self, item: Item) {
@@ -283,10 +310,6 @@ impl Builder {
     fn fail(&self, error: Error) {
         self.state.borrow_mut().error.get_or_insert(error);
     }
-}
-
-fn ids(wires: &[Wire<'_>]) -> Vec<SignalId> {
-    wires.iter().map(|w| w.id).collect()
 }
 
 fn describe(module: &Module, id: SignalId) -> String {

@@ -13,7 +13,8 @@ pub enum Error {
         /// What was found and what was expected.
         problem: String,
     },
-    /// A name that is taken, is no identifier, or is a SystemVerilog keyword; or a port that is not there.
+    /// A name that is taken, is no identifier, or means something to SystemVerilog or Verilator; or a port that is not
+    /// there.
     #[error("module {module}: name '{name}' {problem}")]
     Name {
         /// The module.
@@ -23,14 +24,14 @@ pub enum Error {
         /// What is wrong with it.
         problem: String,
     },
-    /// A register or forward wire that nothing drives, or that is driven twice.
+    /// A register or forward wire that nothing drives, or that is driven twice; or an operand from another module.
     #[error("module {module}: '{signal}' {problem}")]
     Drive {
         /// The module.
         module: String,
         /// The signal.
         signal: String,
-        /// "is never driven" or "is driven twice".
+        /// "is never driven", "is driven twice" or "belongs to another module".
         problem: String,
     },
     /// Signals that depend on themselves within one cycle.
@@ -44,7 +45,7 @@ pub enum Error {
     Wave {
         /// The file.
         path: String,
-        /// What the system said.
+        /// What was wrong, or what the system said.
         problem: String,
     },
 }

@@ -112,7 +112,7 @@ impl Flat {
                     places[id.index()] = places[source.index()];
                     continue;
                 }
-                Operation::Operator(driver) => driver.for_operands(|id| *id = places[id.index()]),
+                Operation::Operator(driver) => driver.renumber(|id| places[id.index()]),
             }
             places[id.index()] = SignalId(flat.nodes.len() as u32);
             flat.nodes.push(node);

@@ -131,7 +131,7 @@ impl Graph {
                 Driver::Register(register) => Operation::Register(first_register + register),
                 driver => {
                     let mut driver = driver.clone();
-                    driver.for_operands(|id| *id = shift(*id));
+                    driver.renumber(shift);
                     Operation::Operator(driver)
                 }
             };
@@ -182,47 +182,13 @@ impl Graph {
     }
 
     fn collect_operands(&mut self) {
-        for node in &mut self.nodes {
-            match &mut node.operation {
+        for node in &self.nodes {
+            match &node.operation {
                 Operation::Input(_) | Operation::Register(_) => {}
                 Operation::Result { call, .. } => self.operands.extend(&self.calls[*call].inputs),
-                Operation::Operator(driver) => driver.for_operands(|id| self.operands.push(*id)),
+                Operation::Operator(driver) => self.operands.extend(driver.operands()),
             }
             self.starts.push(self.operands.len() as u32);
-        }
-    }
-}
-
-impl Driver {
-    /// Visits the signals that it reads within the cycle and within the module.
-    pub(crate) fn for_operands(&mut self, mut visit: impl FnMut(&mut SignalId)) {
-        match self {
-            Self::Input | Self::Constant(_) | Self::Register(_) | Self::Instance { .. } => {}
-            Self::Not(a) | Self::Any(a) | Self::All(a) | Self::Alias(a) | Self::Slice { source: a, .. } => visit(a),
-            Self::And(a, b)
-            | Self::Or(a, b)
-            | Self::Xor(a, b)
-            | Self::Add(a, b)
-            | Self::Sub(a, b)
-            | Self::Mul(a, b)
-            | Self::Equal(a, b)
-            | Self::Less(a, b)
-            | Self::ShiftLeft(a, b)
-            | Self::ShiftRight(a, b) => {
-                visit(a);
-                visit(b);
-            }
-            Self::Mux { select, if_true, if_false } => {
-                visit(select);
-                visit(if_true);
-                visit(if_false);
-            }
-            Self::Case { selector, arms, default } => {
-                visit(selector);
-                arms.iter_mut().for_each(|arm| visit(&mut arm.value));
-                visit(default);
-            }
-            Self::Concat(parts) => parts.iter_mut().for_each(visit),
         }
     }
 }

@@ -4,7 +4,7 @@
 use crate::Error;
 use crate::flatten::Flat;
 use crate::graph::Operation;
-use crate::netlist::{Driver, SignalId};
+use crate::netlist::{Driver, SignalId, mask};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::I64;
 use cranelift_codegen::ir::{
@@ -173,7 +173,7 @@ impl Body<'_> {
 
     fn emit_store(&mut self, store: Store) {
         match (store, self.frame) {
-            (Store::Register(place), _) => {
+            (Store::Register(place), Frame::Cycle { .. }) => {
                 let register = &self.flat.registers[place];
                 let mut value = self.value(register.next);
                 if let Some(enable) = register.enable {
@@ -188,9 +188,12 @@ impl Body<'_> {
             (Store::Output(place), Frame::Function { inputs }) => {
                 self.store(self.value(self.flat.outputs[place]), self.parameters[inputs], place);
             }
-            (Store::Observed(place), Frame::Cycle { inputs } | Frame::Function { inputs }) => {
+            (Store::Observed(place), Frame::Cycle { inputs }) => {
                 let slot = inputs + self.flat.outputs.len() + place;
                 self.store(self.value(self.flat.observed[place]), self.parameters[2], slot);
+            }
+            (Store::Register(_) | Store::Observed(_), Frame::Function { .. }) => {
+                unreachable!("functions have no registers and observe nothing")
             }
         }
     }
@@ -366,8 +369,4 @@ impl Body<'_> {
         }
         whole.unwrap_or_else(|| self.constant(0))
     }
-}
-
-fn mask(width: u32) -> u64 {
-    u64::MAX >> (64 - width)
 }

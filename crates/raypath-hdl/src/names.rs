@@ -22,6 +22,15 @@ const KEYWORDS: &str = "
     wait_order wand weak weak0 weak1 while wildcard wire with within wor xnor xor
 ";
 
+/// The words of C++ beside those that are of SystemVerilog too, and two more that Verilator treats alike.
+const CPP_KEYWORDS: &str = "
+    abort alignas alignof and_eq asm auto bitand bitor bool catch char char16_t char32_t char8_t co_await co_return
+    co_yield compl concept const_cast consteval constexpr constinit decltype delete double dynamic_cast explicit false
+    float friend goto inline long mutable namespace noexcept not_eq nullptr operator or_eq override private public
+    register reinterpret_cast requires short sizeof static_assert static_cast switch template thread_local throw true
+    try typeid typename using volatile wchar_t xor_eq
+";
+
 /// What is wrong with `name` as an identifier, if anything.
 pub fn problem(name: &str) -> Option<&'static str> {
     let mut characters = name.chars();
@@ -29,5 +38,14 @@ pub fn problem(name: &str) -> Option<&'static str> {
     if !first_fits || !characters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
         return Some("is no identifier: letters, digits and underscores, no digit first");
     }
-    KEYWORDS.split_ascii_whitespace().any(|keyword| keyword == name).then_some("is a keyword of SystemVerilog")
+    let is_among = |words: &str| words.split_ascii_whitespace().any(|word| word == name);
+    if name.contains("__") {
+        Some("has two underscores in a row, which Verilator keeps for itself")
+    } else if is_among(KEYWORDS) {
+        Some("is a keyword of SystemVerilog")
+    } else if is_among(CPP_KEYWORDS) {
+        Some("is a keyword of C++, which Verilator refuses")
+    } else {
+        None
+    }
 }

@@ -153,11 +153,89 @@ pub struct Instance {
     pub outputs: Vec<SignalId>,
 }
 
+impl Driver {
+    /// The signals that it reads within the cycle and within the module.
+    pub(crate) fn operands(&self) -> impl Iterator<Item = SignalId> {
+        let (few, arms, parts, last): (_, &[Arm], &[SignalId], _) = match self {
+            Self::Input | Self::Constant(_) | Self::Register(_) | Self::Instance { .. } => ([None; 3], &[], &[], None),
+            Self::Not(a) | Self::Any(a) | Self::All(a) | Self::Alias(a) | Self::Slice { source: a, .. } => {
+                ([Some(*a), None, None], &[], &[], None)
+            }
+            Self::And(a, b)
+            | Self::Or(a, b)
+            | Self::Xor(a, b)
+            | Self::Add(a, b)
+            | Self::Sub(a, b)
+            | Self::Mul(a, b)
+            | Self::Equal(a, b)
+            | Self::Less(a, b)
+            | Self::ShiftLeft(a, b)
+            | Self::ShiftRight(a, b) => ([Some(*a), Some(*b), None], &[], &[], None),
+            Self::Mux { select, if_true, if_false } => {
+                ([Some(*select), Some(*if_true), Some(*if_false)], &[], &[], None)
+            }
+            Self::Case { selector, arms, default } => ([Some(*selector), None, None], arms, &[], Some(*default)),
+            Self::Concat(parts) => ([None; 3], &[], parts, None),
+        };
+        let arms = arms.iter().map(|arm| arm.value);
+        few.into_iter().flatten().chain(arms).chain(parts.iter().copied()).chain(last)
+    }
+
+    /// Replaces every operand.
+    pub(crate) fn renumber(&mut self, new: impl Fn(SignalId) -> SignalId) {
+        match self {
+            Self::Input | Self::Constant(_) | Self::Register(_) | Self::Instance { .. } => {}
+            Self::Not(a) | Self::Any(a) | Self::All(a) | Self::Alias(a) | Self::Slice { source: a, .. } => *a = new(*a),
+            Self::And(a, b)
+            | Self::Or(a, b)
+            | Self::Xor(a, b)
+            | Self::Add(a, b)
+            | Self::Sub(a, b)
+            | Self::Mul(a, b)
+            | Self::Equal(a, b)
+            | Self::Less(a, b)
+            | Self::ShiftLeft(a, b)
+            | Self::ShiftRight(a, b) => (*a, *b) = (new(*a), new(*b)),
+            Self::Mux { select, if_true, if_false } => {
+                (*select, *if_true, *if_false) = (new(*select), new(*if_true), new(*if_false));
+            }
+            Self::Case { selector, arms, default } => {
+                *selector = new(*selector);
+                arms.iter_mut().for_each(|arm| arm.value = new(arm.value));
+                *default = new(*default);
+            }
+            Self::Concat(parts) => parts.iter_mut().for_each(|part| *part = new(*part)),
+        }
+    }
+}
+
 impl Instance {
     /// Its name without the customary `u_`: what signals around it are named after.
     pub fn stem(&self) -> &str {
         self.name.strip_prefix("u_").unwrap_or(&self.name)
     }
+
+    /// What a signal at this input, by position, is named if it has no name of its own.
+    pub(crate) fn input_name(&self, input: usize) -> String {
+        let port = &self.module.inputs[input].name;
+        format!("{}_{}", self.stem(), port.strip_suffix("_i").unwrap_or(port))
+    }
+
+    /// The name of the signal at this output, by position.
+    pub(crate) fn output_name(&self, output: usize) -> String {
+        let port = &self.module.outputs[output].name;
+        format!("{}_{}", self.stem(), port.strip_suffix("_o").unwrap_or(port))
+    }
+}
+
+/// The largest word of `width` bits, 1 to 64.
+pub(crate) fn mask(width: u32) -> u64 {
+    u64::MAX >> (64 - width)
+}
+
+/// Whether a word of `width` bits, 1 to 64, can hold `value`.
+pub(crate) fn fits(width: u32, value: u64) -> bool {
+    value <= mask(width)
 }
 
 /// Something that the printed text has a place for, in the order of building.

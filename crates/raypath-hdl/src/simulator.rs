@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::flatten::Flat;
 use crate::jit::Code;
-use crate::netlist::Module;
+use crate::netlist::{Module, mask};
 use std::sync::Arc;
 
 /// A module in simulation.
@@ -51,7 +51,9 @@ impl Simulator {
     }
 
     /// Compiles `module` so that the signals, in it and inside its instances, whose hierarchical name
-    /// (`u_stage_3.valid_q`) is `wanted` can be observed. Only signals with a name and output ports have one.
+    /// (`u_stage_3.valid_q`) is `wanted` can be observed. Only signals with a name and output ports have one. It is the
+    /// name in the printed text, with one exception: there, an instance's output that nobody reads is `unused_` and its
+    /// name.
     pub fn observing(module: &Arc<Module>, wanted: impl Fn(&str) -> bool) -> Result<Self, Error> {
         let flat = Flat::new(module, &wanted)?;
         let inputs = module.inputs.len();
@@ -81,7 +83,7 @@ impl Simulator {
     pub fn input(&self, name: &str) -> Result<InputPort, Error> {
         let slot = self.module.input_position(name)?;
         let width = self.module.signal(self.module.inputs[slot].signal).width;
-        Ok(InputPort { slot, mask: u64::MAX >> (64 - width) })
+        Ok(InputPort { slot, mask: mask(width) })
     }
 
     /// The output port of this name.

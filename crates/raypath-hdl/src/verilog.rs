@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// The SystemVerilog text of one module, without those that it instantiates; see [`modules`]. The lines of `banner`
 /// become its head comment, followed by the module's own.
 pub fn print_module(module: &Module, banner: &[String]) -> Result<String, Error> {
-    let plan = Plan::new(module)?;
+    let plan = Plan::new(module);
     let mut lines = head_comment(module, banner);
     lines.extend(ports(module));
     lines.extend(plan.labels().declarations());
@@ -75,11 +75,11 @@ impl Found {
 }
 
 fn head_comment(module: &Module, banner: &[String]) -> Vec<String> {
-    let mut lines: Vec<String> = banner.iter().flat_map(|text| text.lines()).map(comment).collect();
+    let mut lines: Vec<String> = banner.iter().flat_map(|text| text.split('\n')).map(comment).collect();
     if !banner.is_empty() && !module.doc().is_empty() {
         lines.push(comment(""));
     }
-    lines.extend(module.doc().iter().flat_map(|text| text.lines()).map(comment));
+    lines.extend(module.doc().iter().flat_map(|text| text.split('\n')).map(comment));
     if !lines.is_empty() {
         lines.push(String::new());
     }
@@ -149,7 +149,10 @@ fn declarations(plan: &Plan<'_>, chunk: &Chunk<'_>, declared: &mut HashSet<Signa
     for id in new {
         if let Some(name) = plan.declaration(id) {
             let signal = plan.module().signal(id);
-            let remark = signal.comment.as_deref().map(layout::remark).unwrap_or_default();
+            // A nameless signal that only drives this one has no declaration of its own to stand beside.
+            let driver = plan.module().signal(plan.driven_by(id));
+            let remark = signal.comment.as_ref().or(driver.comment.as_ref());
+            let remark = remark.map(|remark| layout::remark(remark)).unwrap_or_default();
             rows.push(["logic".to_string(), range(signal.width), format!("{name};"), remark]);
         }
     }

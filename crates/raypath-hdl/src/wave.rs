@@ -7,9 +7,8 @@ use fst_writer::{
     FstVarType,
 };
 use std::collections::HashMap;
-use std::fmt::Display;
 use std::fs::{self, File};
-use std::io::BufWriter;
+use std::io::{BufWriter, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,7 +16,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Writes what a [`Simulator`] observes, with the clock and the reset of the top, at 10 ns a cycle.
 ///
 /// The file appears under its name when [`finish`](Self::finish) has written all of it; a writer that is dropped
-/// before leaves nothing behind.
+/// before, or has failed, leaves nothing behind.
 ///
 /// ```no_run
 /// # fn waves(module: &std::sync::Arc<raypath_hdl::Module>) -> Result<(), raypath_hdl::Error> {
@@ -32,10 +31,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// # }
 /// ```
 pub struct WaveWriter {
+    /// As given; what errors name.
     path: PathBuf,
+    /// Where the file will be: what `path` leads to, if it is a symbolic link.
+    target: PathBuf,
     temporary: PathBuf,
-    /// Present until finished or dropped.
-    body: Option<FstBodyWriter<BufWriter<File>>>,
+    /// Present until finished, failed or dropped.
+    body: Option<Body>,
     clock: Option<FstSignalId>,
     reset: Option<Wave>,
     waves: Vec<(Probe, Wave)>,
@@ -50,47 +52,62 @@ struct Wave {
     shown: Option<u64>,
 }
 
+type Body = FstBodyWriter<BufWriter<File>>;
+
 const NS_PER_CYCLE: u64 = 10;
 
 /// Changes are kept in memory up to this many bytes.
 const FLUSH_AT: usize = 1 << 20;
 
 impl WaveWriter {
-    /// Begins a file that will be at `path`, replacing what is there, of what `simulator` observes.
+    /// Begins a file that will be at `path`, of what `simulator` observes. It replaces a file that is there, the one that
+    /// a symbolic link leads to included; anything else there is an error.
     pub fn create(path: impl AsRef<Path>, simulator: &Simulator) -> Result<Self, Error> {
         let path = path.as_ref().to_path_buf();
-        let temporary = beside(&path);
+        let target = target(&path)?;
+        let temporary = beside(&target);
         let begun = begin(&temporary, simulator).map_err(|problem| {
             // What was wrong is reported; a file that cannot be removed either adds nothing to that.
             let _ = fs::remove_file(&temporary);
-            wave_error(&path, problem)
+            failed(&path, &problem)
         })?;
         let Begun { body, clock, reset, waves } = begun;
-        Ok(Self { path, temporary, body: Some(body), clock, reset, waves, next_cycle: 0 })
+        Ok(Self { path, target, temporary, body: Some(body), clock, reset, waves, next_cycle: 0 })
     }
 
     /// Writes what the signals were when `simulator`, the one given to [`create`](Self::create), was last evaluated,
-    /// as the values of this clock cycle. Cycles must increase.
+    /// as the values of this clock cycle. Cycles must increase. A waveform with a gap would mislead: after an error there
+    /// will be no file.
     pub fn sample(&mut self, simulator: &Simulator, cycle: u64) -> Result<(), Error> {
+        let Some(mut body) = self.body.take() else { return Err(self.broken()) };
         if cycle < self.next_cycle {
-            return Err(wave_error(&self.path, format!("cycle {cycle} sampled after cycle {}", self.next_cycle - 1)));
+            let problem = format!("cycle {cycle} sampled after cycle {}", self.next_cycle - 1);
+            return Err(wave_error(&self.path, problem));
+        }
+        if cycle >= u64::MAX / NS_PER_CYCLE {
+            return Err(wave_error(&self.path, format!("cycle {cycle} is later than a waveform's times reach")));
         }
         self.next_cycle = cycle + 1;
-        self.write_cycle(simulator, cycle).map_err(|problem| wave_error(&self.path, problem))
+        self.write_cycle(&mut body, simulator, cycle).map_err(|problem| failed(&self.path, &problem))?;
+        self.body = Some(body);
+        Ok(())
     }
 
     /// Completes the file and gives it its name.
     pub fn finish(mut self) -> Result<(), Error> {
-        let Some(mut body) = self.body.take() else { return Ok(()) };
+        let Some(mut body) = self.body.take() else { return Err(self.broken()) };
         // The last cycle lasts as long as the others.
-        body.time_change(self.next_cycle * NS_PER_CYCLE).map_err(|e| wave_error(&self.path, e))?;
-        let written = body.finish().map_err(|e| wave_error(&self.path, e))?;
-        written.into_inner().map_err(|e| wave_error(&self.path, e))?;
-        fs::rename(&self.temporary, &self.path).map_err(|e| wave_error(&self.path, e))
+        body.time_change(self.next_cycle * NS_PER_CYCLE).map_err(|e| failed(&self.path, &e))?;
+        let written = body.finish().map_err(|e| failed(&self.path, &e))?;
+        written.into_inner().map_err(|e| failed(&self.path, e.error()))?;
+        fs::rename(&self.temporary, &self.target).map_err(|e| failed(&self.path, &e))
     }
 
-    fn write_cycle(&mut self, simulator: &Simulator, cycle: u64) -> fst_writer::Result<()> {
-        let Some(body) = &mut self.body else { return Ok(()) };
+    fn broken(&self) -> Error {
+        wave_error(&self.path, "incomplete, for a sample failed before".to_string())
+    }
+
+    fn write_cycle(&mut self, body: &mut Body, simulator: &Simulator, cycle: u64) -> fst_writer::Result<()> {
         if body.size() > FLUSH_AT {
             body.flush()?;
         }
@@ -122,7 +139,7 @@ impl Drop for WaveWriter {
 }
 
 impl Wave {
-    fn show(&mut self, value: u64, body: &mut FstBodyWriter<BufWriter<File>>) -> fst_writer::Result<()> {
+    fn show(&mut self, value: u64, body: &mut Body) -> fst_writer::Result<()> {
         if self.shown.replace(value) == Some(value) {
             return Ok(());
         }
@@ -136,7 +153,7 @@ impl Wave {
 }
 
 struct Begun {
-    body: FstBodyWriter<BufWriter<File>>,
+    body: Body,
     clock: Option<FstSignalId>,
     reset: Option<Wave>,
     waves: Vec<(Probe, Wave)>,
@@ -233,6 +250,23 @@ impl Scopes<'_> {
     }
 }
 
+/// Where a file of this name goes. A file is published by renaming, which would put it in the place of a link, a pipe or
+/// a device instead of writing to it.
+fn target(path: &Path) -> Result<PathBuf, Error> {
+    let found = match fs::symlink_metadata(path) {
+        Err(problem) if problem.kind() == ErrorKind::NotFound => return Ok(path.to_path_buf()),
+        Ok(found) if found.is_symlink() => {
+            let target = path.canonicalize().map_err(|e| failed(path, &e))?;
+            fs::metadata(&target).map(|found| (target, found))
+        }
+        other => other.map(|found| (path.to_path_buf(), found)),
+    };
+    match found.map_err(|e| failed(path, &e))? {
+        (target, found) if found.is_file() => Ok(target),
+        _ => Err(wave_error(path, "is no regular file, expected a file or nothing".to_string())),
+    }
+}
+
 /// A name in the same directory, so that renaming stays within the file system, that no other writer has.
 fn beside(path: &Path) -> PathBuf {
     static COUNT: AtomicU64 = AtomicU64::new(0);
@@ -241,6 +275,12 @@ fn beside(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-fn wave_error(path: &Path, problem: impl Display) -> Error {
-    Error::Wave { path: path.display().to_string(), problem: problem.to_string() }
+/// With the causes of `error`, which say more than itself.
+fn failed(path: &Path, error: &dyn std::error::Error) -> Error {
+    let causes = std::iter::successors(error.source(), |cause| cause.source());
+    wave_error(path, causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}")))
+}
+
+fn wave_error(path: &Path, problem: String) -> Error {
+    Error::Wave { path: path.display().to_string(), problem }
 }

@@ -1,6 +1,6 @@
 //! Everything that `Builder` rejects, and what it says: the module, the signal, the problem.
 
-use raypath_hdl::{Builder, Error, Label};
+use raypath_hdl::{Builder, Error, Label, Wire};
 
 /// What building a module `bad`, with inputs `a_i` of 8 bits and `c_i` of 1 bit, ends with.
 fn error_of(describe: impl FnOnce(&Builder)) -> Error {
@@ -114,8 +114,9 @@ fn constants_and_reset_values_that_do_not_fit() {
 
 #[test]
 fn cuts_and_extensions_that_do_not_fit() {
-    type Cut = fn(raypath_hdl::Wire<'_>) -> raypath_hdl::Wire<'_>;
-    let cases: [(Cut, &str); 8] = [
+    type Cut = fn(Wire<'_>) -> Wire<'_>;
+    let cases: [(Cut, &str); 9] = [
+        (|a| a.bits(u32::MAX, 0), "bits [4294967295:0] of 8"),
         (|a| a.bits(8, 0), "bits [8:0] of 8"),
         (|a| a.bits(2, 3), "bits [2:3] of 8"),
         (|a| a.bit(8), "bits [8:8] of 8"),
@@ -134,6 +135,97 @@ fn cuts_and_extensions_that_do_not_fit() {
 }
 
 #[test]
+fn shift_amounts_that_are_too_wide() {
+    let found = error_of(|m| {
+        m.input("a_i", 8).shift_left(m.input("b_i", 33));
+    });
+    assert_eq!(found, width("ShiftLeft 2", "shift amount of 33 bits, expected 1 to 32"));
+    let found = error_of(|m| {
+        m.input("a_i", 8).shift_right(m.input("b_i", 64));
+    });
+    assert_eq!(found, width("ShiftRight 2", "shift amount of 64 bits, expected 1 to 32"));
+}
+
+#[test]
+fn wires_of_another_module() {
+    let other = Builder::new("other");
+    let strange = [other.input("x_i", 4), other.input("strange_i", 1)][1];
+    let taker = {
+        let m = Builder::new("taker");
+        m.unused("unused_a", &[m.input("a_i", 1)]);
+        m.finish().unwrap()
+    };
+    let label = || Label { name: "One".to_string(), value: 1 };
+    macro_rules! refused {
+        ($(|$m:ident, $a:ident| $use:expr;)*) => {$({
+            let $m = Builder::new("bad");
+            let $a = $m.input("a_i", 1);
+            let _ = ($a, $use);
+            let found = $m.finish().expect_err("accepted");
+            assert_eq!(found, drive("strange_i", "belongs to another module"), stringify!($use));
+        })*};
+    }
+    refused! {
+        |m, a| a + strange;
+        |m, a| a - strange;
+        |m, a| a * strange;
+        |m, a| a & strange;
+        |m, a| a | strange;
+        |m, a| a ^ strange;
+        |m, a| a.equals(strange);
+        |m, a| a.less(strange);
+        |m, a| a.shift_left(strange);
+        |m, a| a.shift_right(strange);
+        |m, a| a.mux(strange, a);
+        |m, a| a.mux(a, strange);
+        |m, a| m.concat(&[strange]);
+        |m, a| m.concat(&[a, strange]);
+        |m, a| m.case(strange, &[(label(), a)], a);
+        |m, a| m.case(a, &[(label(), strange)], a);
+        |m, a| m.case(a, &[(label(), a)], strange);
+        |m, a| m.output("b_o", strange);
+        |m, a| m.unused("unused_b", &[strange]);
+        |m, a| m.instance("u_taker", &taker, &[("a_i", strange)]);
+        |m, a| m.register("b_q", 1).next(strange);
+        |m, a| m.register("b_q", 1).next_when(strange, a);
+        |m, a| m.register("b_q", 1).next_when(a, strange);
+        |m, a| m.forward("b", 1).drive(strange);
+    };
+    // Nor is a module without any signal confused by one.
+    let m = Builder::new("bad");
+    m.output("b_o", strange);
+    assert_eq!(m.finish().expect_err("accepted"), drive("strange_i", "belongs to another module"));
+}
+
+#[test]
+fn labels_that_cannot_be() {
+    let with = |labels: [(&str, u64); 2]| {
+        let m = Builder::new("bad");
+        let (select, a) = (m.input("select_i", 2), m.input("a_i", 1));
+        for (n, (name, value)) in labels.into_iter().enumerate() {
+            let label = Label { name: name.to_string(), value };
+            m.output(&format!("x{n}_o"), m.case(select, &[(label, a)], !a));
+        }
+        m.finish().map(|_| ())
+    };
+    assert_eq!(with([("OpOne", 1), ("OpOne", 1)]), Ok(()));
+    assert_eq!(with([("OpOne", 1), ("OpOne", 2)]), Err(name("OpOne", "labels both 2'd1 and 2'd2")));
+    assert_eq!(with([("OpOne", 1), ("a_i", 2)]), Err(name("a_i", "is taken")));
+    assert_eq!(with([("OpOne", 1), ("case", 2)]), Err(name("case", "is a keyword of SystemVerilog")));
+    let found = error_of(|m| {
+        let a = m.input("a_i", 1);
+        m.case(a, &[(Label { name: "One".to_string(), value: 1 }, a)], a);
+        m.case(m.concat(&[a, a]), &[(Label { name: "One".to_string(), value: 1 }, a)], a);
+    });
+    assert_eq!(found, name("One", "labels both 1'd1 and 2'd1"));
+    let found = error_of(|m| {
+        let a = m.input("a_i", 1);
+        m.case(a, &[(Label { name: "One".to_string(), value: 1 }, a)], a).named("One");
+    });
+    assert_eq!(found, name("One", "is taken"));
+}
+
+#[test]
 fn registers_and_forwards_of_another_width() {
     let found = error_of(|m| m.register("count_q", 4).next(m.input("a_i", 8)));
     assert_eq!(found, width("count_q", "operand of 8 bits, expected 4"));
@@ -148,6 +240,10 @@ fn registers_and_forwards_of_another_width() {
         m.input("a_i", 8).replicate(2);
     });
     assert_eq!(found, width("a_i", "operand of 8 bits, expected 1"));
+    let found = error_of(|m| {
+        m.input("a_i", 1).replicate(u32::MAX);
+    });
+    assert_eq!(found, width("a_i", "4294967295 copies, expected 1 to 64"));
 }
 
 #[test]
@@ -182,6 +278,9 @@ fn names_that_cannot_be() {
         ("a.b", NO_IDENTIFIER),
         ("größe", NO_IDENTIFIER),
         ("wire", "is a keyword of SystemVerilog"),
+        ("double", "is a keyword of C++, which Verilator refuses"),
+        ("switch", "is a keyword of C++, which Verilator refuses"),
+        ("sum__out", "has two underscores in a row, which Verilator keeps for itself"),
         ("clk_i", "is taken"),
         ("rst_ni", "is taken"),
         ("a_i", "is taken"),

@@ -211,17 +211,17 @@ fn observed_signals_have_hierarchical_names() {
 
 #[test]
 fn signals_inside_called_modules_can_be_observed() {
-    let m = Builder::new("long");
+    let m = Builder::new("lengthy");
     let mut value = m.input("a_i", 8);
     for _ in 0..30 {
         value = value + m.constant(8, 1);
     }
     m.output("a_o", value.named("last"));
-    let long = m.finish().unwrap();
+    let lengthy = m.finish().unwrap();
     let m = Builder::new("outer");
     let a = m.input("a_i", 8);
     for n in 0..3 {
-        let wire = m.instance(&format!("u_p{n}"), &long, &[("a_i", a + m.constant(8, n))])[0];
+        let wire = m.instance(&format!("u_p{n}"), &lengthy, &[("a_i", a + m.constant(8, n))])[0];
         m.output(&format!("a{n}_o"), wire);
     }
     let mut s = Simulator::observing(&m.finish().unwrap(), |name| name == "u_p1.last").unwrap();

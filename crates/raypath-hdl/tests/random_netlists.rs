@@ -213,14 +213,15 @@ fn grow<'m>(m: &'m Builder, wires: &mut Vec<Wire<'m>>, random: &mut ChaCha8Rng, 
             8 => a.less(b),
             9 => a.any(),
             10 => a.all(),
-            11 => a.shift_left(b),
+            11 => a.shift_left(b.lower(width.min(32))),
             12 => a.shift_right(b.lower(width.min(7))),
-            13 => a.shift_right(b),
+            13 => a.shift_right(b.lower(width.min(32))),
             14 => c.mux(a, b),
             15 => {
                 let selector = b.lower(width.min(2));
                 let last = (1 << selector.width()) - 1;
-                let arms = [(0, !a), (last, b)].map(|(value, wire)| (Label { name: format!("L{value}"), value }, wire));
+                let arms =
+                    [(0, !a), (last, b)].map(|(value, wire)| (Label { name: format!("L{last}V{value}"), value }, wire));
                 m.case(selector, &arms, a)
             }
             16 if width < 63 => m.concat(&[c, a, c]),

@@ -255,20 +255,54 @@ fn two_modules_of_one_name_are_refused() {
 }
 
 #[test]
-fn labels_that_contradict_each_other_are_refused() {
-    let with = |labels: [Label; 2]| {
-        let m = Builder::new("labels");
-        let (select, a) = (m.input("select_i", 2), m.input("a_i", 1));
-        for (n, label) in labels.into_iter().enumerate() {
-            m.output(&format!("x{n}_o"), m.case(select, &[(label, a)], !a));
-        }
-        verilog::print_module(&m.finish().unwrap(), &[]).map_err(|error| error.to_string())
-    };
-    assert!(with([label("OpOne", 1), label("OpOne", 1)]).is_ok());
-    assert_eq!(
-        with([label("OpOne", 1), label("OpOne", 2)]).unwrap_err(),
-        "module labels: name 'OpOne' labels both 2'd1 and 2'd2"
+fn labels_are_declared_by_value() {
+    let m = Builder::new("labels");
+    let (select, a) = (m.input("select_i", 2), m.input("a_i", 1));
+    let arms = [(label("OpThree", 3), a), (label("OpOne", 1), !a), (label("OpTwo", 2), a)];
+    m.output("a_o", m.case(select, &arms, !a));
+    assert_prints(
+        &m.finish().unwrap(),
+        "\
+  localparam logic [1:0] OpOne   = 2'd1;
+  localparam logic [1:0] OpTwo   = 2'd2;
+  localparam logic [1:0] OpThree = 2'd3;
+",
     );
-    assert_eq!(with([label("OpOne", 1), label("a_i", 2)]).unwrap_err(), "module labels: name 'a_i' is taken");
-    assert!(with([label("OpOne", 1), label("case", 2)]).unwrap_err().contains("keyword"));
+}
+
+#[test]
+fn empty_lines_of_a_head_comment_stay() {
+    let m = Builder::new("remarks");
+    m.doc("First.");
+    m.doc("");
+    m.doc("Third.\n\nFifth.");
+    assert_prints(&m.finish().unwrap(), "// First.\n//\n// Third.\n//\n// Fifth.\n\n");
+}
+
+#[test]
+fn a_remark_on_what_drives_a_forward_wire_is_beside_the_wire() {
+    let m = Builder::new("backwards");
+    let a = m.input("a_i", 4);
+    let later = m.forward("later", 4);
+    m.output("a_o", later.wire() ^ a);
+    later.drive((a + a).comment("twice"));
+    assert_prints(&m.finish().unwrap(), "  logic [3:0] later;  // twice\n");
+}
+
+/// No name may have two underscores in a row, not even one that is made.
+#[test]
+fn made_names_do_not_double_underscores() {
+    let m = Builder::new("dashes");
+    let a = m.input("a_i", 4);
+    let register = m.register("a_", 4);
+    register.next((register.wire() + a) ^ (a - register.wire()) ^ (register.wire() & a) ^ (a | register.wire()));
+    let inner = {
+        let m = Builder::new("inner");
+        m.output("sum_o", m.input("_x_i", 4));
+        m.finish().unwrap()
+    };
+    let long = (a + register.wire()).equals(a).mux(a & register.wire(), a | register.wire());
+    m.output("_y_o", m.instance("u_b", &inner, &[("_x_i", long)])[0]);
+    let text = text(&m.finish().unwrap());
+    assert!(!text.contains("__"), "{text}");
 }

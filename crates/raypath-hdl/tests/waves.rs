@@ -2,7 +2,9 @@
 
 use raypath_hdl::{Builder, Error, Module, Simulator, WaveWriter};
 use std::fs;
-use std::path::PathBuf;
+use std::os::unix::fs::{FileTypeExt, symlink};
+use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::Arc;
 use wellen::simple::Waveform;
 
@@ -191,17 +193,67 @@ fn errors_name_the_file() {
     let directory = Directory::new("errors");
     let path = directory.0.join("missing").join("run.fst");
     let found = WaveWriter::create(&path, &simulator).map(|_| ());
-    assert!(
-        matches!(&found, Err(Error::Wave { path: named, .. }) if *named == path.display().to_string()),
-        "{found:?}"
-    );
+    let problem = "I/O operation failed: No such file or directory (os error 2)";
+    assert_eq!(found, Err(wave_error(&path, problem)));
 
     let path = directory.0.join("run.fst");
     let mut waves = WaveWriter::create(&path, &simulator).unwrap();
     waves.sample(&simulator, 5).unwrap();
-    let problem = "cycle 5 sampled after cycle 5".to_string();
-    assert_eq!(waves.sample(&simulator, 5), Err(Error::Wave { path: path.display().to_string(), problem }));
     fs::create_dir(&path).unwrap();
     assert!(matches!(waves.finish(), Err(Error::Wave { .. })), "a directory is in the way");
     assert_eq!(directory.files(), ["run.fst"], "the temporary file is gone");
+}
+
+fn wave_error(path: &Path, problem: &str) -> Error {
+    Error::Wave { path: path.display().to_string(), problem: problem.to_string() }
+}
+
+#[test]
+fn after_a_failed_sample_there_is_no_file() {
+    let directory = Directory::new("failed");
+    let path = directory.0.join("run.fst");
+    let simulator = Simulator::observing(&nested(), |_| true).unwrap();
+    let too_late = "cycle 18446744073709551615 is later than a waveform's times reach";
+    for (cycle, problem) in [(5, "cycle 5 sampled after cycle 5"), (u64::MAX, too_late)] {
+        let mut waves = WaveWriter::create(&path, &simulator).unwrap();
+        waves.sample(&simulator, 5).unwrap();
+        assert_eq!(waves.sample(&simulator, cycle), Err(wave_error(&path, problem)));
+        let incomplete = Err(wave_error(&path, "incomplete, for a sample failed before"));
+        assert_eq!(waves.sample(&simulator, 6), incomplete);
+        assert_eq!(waves.finish(), incomplete);
+        assert!(directory.files().is_empty());
+    }
+    // The last cycle that there can be.
+    let mut waves = WaveWriter::create(&path, &simulator).unwrap();
+    waves.sample(&simulator, u64::MAX / 10 - 1).unwrap();
+    waves.finish().unwrap();
+}
+
+#[test]
+fn only_files_are_replaced() {
+    let directory = Directory::new("special");
+    let simulator = Simulator::new(&nested()).unwrap();
+    let create = |path: &Path| WaveWriter::create(path, &simulator).map(|_| ());
+    let (pipe, link) = (directory.0.join("pipe"), directory.0.join("link"));
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    symlink(&pipe, &link).unwrap();
+    let problem = "is no regular file, expected a file or nothing";
+    for path in [&pipe, &link, &directory.0] {
+        assert_eq!(create(path), Err(wave_error(path, problem)));
+    }
+    assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
+    assert_eq!(directory.files().len(), 2);
+}
+
+#[test]
+fn a_link_stays_and_what_it_leads_to_is_replaced() {
+    let directory = Directory::new("link");
+    let (folder, link) = (directory.0.join("elsewhere"), directory.0.join("run.fst"));
+    fs::create_dir(&folder).unwrap();
+    fs::write(folder.join("real.fst"), "of an earlier run").unwrap();
+    symlink(folder.join("real.fst"), &link).unwrap();
+    let simulator = Simulator::observing(&nested(), |_| true).unwrap();
+    WaveWriter::create(&link, &simulator).unwrap().finish().unwrap();
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert!(wellen::simple::read(folder.join("real.fst")).is_ok());
 }

@@ -51,8 +51,9 @@ fn single<'m>(
     show("all", a.all());
     show("left", a.shift_left(amount));
     show("right", a.shift_right(amount));
-    show("left_far", a.shift_left(b));
-    show("right_far", a.shift_right(b));
+    let far = b.lower(width.min(32));
+    show("left_far", a.shift_left(far));
+    show("right_far", a.shift_right(far));
     show("mux", select.bit(0).mux(a, b));
     show("alias", a.named(&format!("alias{width}")));
     show("top", a.top());

@@ -46,6 +46,39 @@ fn clocks_without_inputs() {
 }
 
 #[test]
+fn a_panic_leaves_no_process_behind() {
+    let m = Builder::new("echo");
+    m.output("a_o", m.input("a_i", 16));
+    let top = m.finish().expect("a module");
+    let folder = tempfile::tempdir().expect("a folder");
+    let verilated = Verilated::build(&top, folder.path()).expect("a build");
+    let run = || verilated.run((0..).map(|n| vec![n]), |cycle, _| assert!(cycle < 100, "enough"));
+    assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).is_err());
+    // Those that have ended but have not been waited for are listed as well.
+    let children = std::fs::read_to_string("/proc/thread-self/children").expect("a list of processes");
+    assert_eq!(children, "");
+}
+
+#[test]
+fn the_file_of_everything_is_none_of_the_modules() {
+    let inner = {
+        let m = Builder::new("outer_all");
+        m.output("a_o", m.input("a_i", 2));
+        m.finish().expect("a module")
+    };
+    let m = Builder::new("outer");
+    let a = m.input("a_i", 2);
+    m.output("a_o", m.instance("u_inner", &inner, &[("a_i", a)])[0]);
+    let top = m.finish().expect("a module");
+    let folder = tempfile::tempdir().expect("a folder");
+    let sources = Sources::write(&top, folder.path()).expect("sources");
+    sources.lint().unwrap_or_else(|fault| panic!("{fault}"));
+    let modules = |path| std::fs::read_to_string(path).expect("text").matches("endmodule").count();
+    assert_eq!(sources.files.iter().map(modules).collect::<Vec<_>>(), [1, 1]);
+    assert_eq!(modules(&sources.all), 2);
+}
+
+#[test]
 fn faults_of_the_text_are_shown() {
     let m = Builder::new("careless");
     let a = m.input("a_i", 2);

@@ -130,7 +130,6 @@ impl<'m> Growth<'m> {
             8 => self.less(a),
             9 => a.any(),
             10 => a.all(),
-            // Verilator takes no constants beyond 32 bits as amounts, and finds some where we see none.
             11 => a.shift_left(self.pick(width.min(32))),
             12 => a.shift_right(self.pick(width.min(7))),
             13 => a.shift_right(self.pick(width.min(32))),

@@ -4,6 +4,7 @@ use crate::bench::{Answer, Bench, Converter, Ports};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_float::{Format, decode, encode};
+use std::cmp::Ordering;
 
 const CASES: u64 = 10_000_000;
 const FRACTION: u32 = 0x007f_ffff;
@@ -48,7 +49,7 @@ fn operands_that_make_products_hard() {
 
 #[test]
 fn operands_that_make_comparisons_hard() {
-    check(3, |random| {
+    let census = check(3, |random| {
         let a = if below(random, 2) == 0 { random.next_u32() } else { number(random) };
         let b = match below(random, 8) {
             0 | 1 => a,
@@ -60,6 +61,58 @@ fn operands_that_make_comparisons_hard() {
         };
         (a, b)
     });
+    let relations = census.relations;
+    let Relations { less, equal, greater, unordered } = relations;
+    assert!(less.min(equal).min(greater).min(unordered) >= cases(CASES) / 100, "{relations:?}");
+}
+
+/// Words with the same meaning as canonical ones: zeros with lower exponent bits, infinities with any bits below the
+/// class, NaNs with any sign and payload.
+#[test]
+fn recoded_words_that_are_not_canonical() {
+    let format = Format::BINARY32;
+    let mut bench = Bench::new(format, Ports::Recoded);
+    let mut decoder = Converter::new(decode(format));
+    let mut random = generator(5);
+    let mut seen = [[0; 4]; 4];
+    for _ in 0..cases(2_000_000) {
+        let [(a, x), (b, y)] = [(); 2].map(|_| {
+            let number = match below(&mut random, 8) {
+                0 | 1 => 0.0_f32.to_bits(),
+                2 | 3 => f32::INFINITY.to_bits(),
+                4 | 5 => f32::NAN.to_bits(),
+                _ => number(&mut random),
+            } | random.next_u32() & 0x8000_0000;
+            let word = disguised(format.encode(number.into()), &mut random);
+            assert_eq!(format.decode(word), canonical(f32::from_bits(number)), "decoding {word:#011x}");
+            assert_eq!(decoder.run(word), canonical(f32::from_bits(number)), "decoding {word:#011x} in hardware");
+            (word, f32::from_bits(format.decode(word) as u32))
+        });
+        let kind = |number: f32| match number {
+            number if number.is_nan() => 0,
+            number if number.is_infinite() => 1,
+            0.0 => 2,
+            _ => 3,
+        };
+        seen[kind(x)][kind(y)] += 1;
+        let expected = answer(x, y);
+        let [sum, product] = [expected.sum, expected.product].map(|code| format.encode(code));
+        let expected = Answer { sum, product, ..expected };
+        assert_eq!(bench.run(a, b), expected, "{a:#011x} ({x:e}), {b:#011x} ({y:e})");
+    }
+    assert!(seen.as_flattened().iter().all(|&count| count >= cases(2_000_000) / 100), "{seen:?}");
+}
+
+/// A recoded binary32 word with random bits where they mean nothing.
+fn disguised(word: u64, random: &mut impl Rng) -> u64 {
+    let (lower_exponent, fraction, sign) = (0x3f << 23, (1 << 23) - 1, 1 << 32);
+    let free = match word >> 29 & 0b111 {
+        0b000 => lower_exponent,
+        0b110 => lower_exponent | fraction,
+        0b111 => sign | lower_exponent | fraction,
+        _ => 0,
+    };
+    word & !free | random.next_u64() & free
 }
 
 #[test]
@@ -146,6 +199,7 @@ fn check(seed: u64, mut operands: impl FnMut(&mut ChaCha8Rng) -> (u32, u32)) -> 
         let (a, b) = operands(&mut random);
         let (x, y) = (f32::from_bits(a), f32::from_bits(b));
         assert_eq!(bench.run(a.into(), b.into()), answer(x, y), "{a:#010x} ({x:e}), {b:#010x} ({y:e})");
+        census.relations.count(x, y);
         census.sums.count(x, y, x + y, f64::from(x) + f64::from(y));
         census.products.count(x, y, x * y, f64::from(x) * f64::from(y));
     }
@@ -156,6 +210,16 @@ fn check(seed: u64, mut operands: impl FnMut(&mut ChaCha8Rng) -> (u32, u32)) -> 
 struct Census {
     sums: Kinds,
     products: Kinds,
+    relations: Relations,
+}
+
+/// How many pairs of operands stood in each relation.
+#[derive(Debug, Default, Clone, Copy)]
+struct Relations {
+    less: u64,
+    equal: u64,
+    greater: u64,
+    unordered: u64,
 }
 
 /// How many results were of each kind.
@@ -176,6 +240,17 @@ impl Census {
         let Kinds { zero, subnormal, overflow, nan, tie_down, tie_up } = kinds;
         let fewest = zero.min(subnormal).min(overflow).min(nan).min(tie_down).min(tie_up);
         assert!(fewest >= cases(CASES) / 10_000, "{kinds:?}");
+    }
+}
+
+impl Relations {
+    fn count(&mut self, x: f32, y: f32) {
+        match x.partial_cmp(&y) {
+            Some(Ordering::Less) => self.less += 1,
+            Some(Ordering::Equal) => self.equal += 1,
+            Some(Ordering::Greater) => self.greater += 1,
+            None => self.unordered += 1,
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Wires, and what can be done with them.
 
 use super::Builder;
-use crate::netlist::{Driver, Item, RegisterInfo, SignalId};
+use crate::netlist::{Driver, Item, RegisterInfo, SignalId, fits};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 
 /// A signal of the module that `Builder` builds: a small copyable handle with operators.
@@ -23,6 +23,9 @@ pub struct Register<'m> {
 pub struct Forward<'m> {
     pub(super) wire: Wire<'m>,
 }
+
+/// A driver of two operands.
+type Binary = fn(SignalId, SignalId) -> Driver;
 
 impl<'m> Wire<'m> {
     /// The builder of the module that it belongs to.
@@ -61,11 +64,11 @@ impl<'m> Wire<'m> {
     /// Bits `high` down to `low`, both included.
     pub fn bits(self, high: u32, low: u32) -> Self {
         let width = self.width();
-        if low == 0 && high + 1 == width {
-            return self;
-        }
         if high < low || high >= width {
             self.builder.fail_width(self.id, format!("bits [{high}:{low}] of {width}"));
+            return self;
+        }
+        if low == 0 && high + 1 == width {
             return self;
         }
         self.builder.push(high - low + 1, Driver::Slice { source: self.id, low })
@@ -106,7 +109,7 @@ impl<'m> Wire<'m> {
 
     /// One bit: equal to `other`.
     pub fn equals(self, other: Self) -> Self {
-        self.compare(other, Driver::Equal(self.id, other.id))
+        self.compare(other, Driver::Equal)
     }
 
     /// One bit: equal to a constant.
@@ -116,7 +119,7 @@ impl<'m> Wire<'m> {
 
     /// One bit: less than `other`, unsigned.
     pub fn less(self, other: Self) -> Self {
-        self.compare(other, Driver::Less(self.id, other.id))
+        self.compare(other, Driver::Less)
     }
 
     /// One bit: any bit is set.
@@ -129,19 +132,20 @@ impl<'m> Wire<'m> {
         if self.width() == 1 { self } else { self.builder.push(1, Driver::All(self.id)) }
     }
 
-    /// Shifted left by `amount`; zeros enter.
+    /// Shifted left by `amount`, of 32 bits at most; zeros enter.
     pub fn shift_left(self, amount: Self) -> Self {
-        self.builder.push(self.width(), Driver::ShiftLeft(self.id, amount.id))
+        self.shift(amount, Driver::ShiftLeft)
     }
 
-    /// Shifted right by `amount`; zeros enter.
+    /// Shifted right by `amount`, of 32 bits at most; zeros enter.
     pub fn shift_right(self, amount: Self) -> Self {
-        self.builder.push(self.width(), Driver::ShiftRight(self.id, amount.id))
+        self.shift(amount, Driver::ShiftRight)
     }
 
     /// `self ? if_true : if_false`; `self` has one bit.
     pub fn mux(self, if_true: Self, if_false: Self) -> Self {
-        let driver = Driver::Mux { select: self.id, if_true: if_true.id, if_false: if_false.id };
+        let (yes, no) = (self.builder.own(if_true), self.builder.own(if_false));
+        let driver = Driver::Mux { select: self.id, if_true: yes, if_false: no };
         let wire = self.builder.push(if_true.width(), driver);
         self.builder.expect_width(wire.id, self.width(), 1);
         self.builder.expect_width(wire.id, if_false.width(), if_true.width());
@@ -151,19 +155,36 @@ impl<'m> Wire<'m> {
     /// `width` copies of this one bit.
     pub fn replicate(self, width: u32) -> Self {
         self.builder.expect_width(self.id, self.width(), 1);
+        if width > 64 {
+            self.builder.fail_width(self.id, format!("{width} copies, expected 1 to 64"));
+            return self;
+        }
         self.builder.concat(&vec![self; width as usize])
     }
 
-    fn compare(self, other: Self, driver: Driver) -> Self {
-        let wire = self.builder.push(1, driver);
+    fn compare(self, other: Self, driver: Binary) -> Self {
+        let wire = self.binary(1, other, driver);
         self.builder.expect_width(wire.id, other.width(), self.width());
         wire
     }
 
-    fn same_width(self, other: Self, driver: Driver) -> Self {
-        let wire = self.builder.push(self.width(), driver);
+    fn same_width(self, other: Self, driver: Binary) -> Self {
+        let wire = self.binary(self.width(), other, driver);
         self.builder.expect_width(wire.id, other.width(), self.width());
         wire
+    }
+
+    fn shift(self, amount: Self, driver: Binary) -> Self {
+        let wire = self.binary(self.width(), amount, driver);
+        // Verilator takes no wider constant as an amount, and finds constants where nobody wrote one.
+        if amount.width() > 32 {
+            self.builder.fail_width(wire.id, format!("shift amount of {} bits, expected 1 to 32", amount.width()));
+        }
+        wire
+    }
+
+    fn binary(self, width: u32, other: Self, driver: Binary) -> Self {
+        self.builder.push(width, driver(self.id, self.builder.own(other)))
     }
 }
 
@@ -176,7 +197,7 @@ impl<'m> Register<'m> {
     /// Gives it a value that it has while `rst_ni` is 0.
     pub fn reset_to(self, value: u64) -> Self {
         self.info(|info| info.reset = Some(value));
-        if self.wire.width() < 64 && value >> self.wire.width() != 0 {
+        if !fits(self.wire.width(), value) {
             self.wire.builder.fail_width(self.wire.id, format!("reset value {value} does not fit"));
         }
         self
@@ -186,14 +207,16 @@ impl<'m> Register<'m> {
     pub fn next(self, next: Wire<'m>) {
         self.wire.builder.drive(self.wire.id);
         self.wire.builder.expect_width(self.wire.id, next.width(), self.wire.width());
-        self.info(|info| info.next = next.id);
+        let next = self.wire.builder.own(next);
+        self.info(|info| info.next = next);
     }
 
     /// Takes `next` at edges where `enable` is 1.
     pub fn next_when(self, enable: Wire<'m>, next: Wire<'m>) {
         self.next(next);
         self.wire.builder.expect_width(self.wire.id, enable.width(), 1);
-        self.info(|info| info.enable = Some(enable.id));
+        let enable = self.wire.builder.own(enable);
+        self.info(|info| info.enable = Some(enable));
     }
 
     fn info(self, change: impl FnOnce(&mut RegisterInfo)) {
@@ -211,31 +234,24 @@ impl<'m> Forward<'m> {
     pub fn drive(self, wire: Wire<'m>) {
         self.wire.builder.drive(self.wire.id);
         self.wire.builder.expect_width(self.wire.id, wire.width(), self.wire.width());
-        self.wire.builder.state.borrow_mut().module.signals[self.wire.id.index()].driver = Driver::Alias(wire.id);
+        let driver = Driver::Alias(self.wire.builder.own(wire));
+        self.wire.builder.state.borrow_mut().module.signals[self.wire.id.index()].driver = driver;
     }
 }
 
 macro_rules! operator {
-    ($trait:ident, $method:ident) => {
-        impl<'m> $trait for Wire<'m> {
-            type Output = Self;
-            fn $method(self, other: Self) -> Self {
-                self.same_width(other, Driver::$trait(self.id, other.id))
-            }
-        }
-    };
     ($trait:ident, $method:ident, $driver:ident) => {
         impl<'m> $trait for Wire<'m> {
             type Output = Self;
             fn $method(self, other: Self) -> Self {
-                self.same_width(other, Driver::$driver(self.id, other.id))
+                self.same_width(other, Driver::$driver)
             }
         }
     };
 }
 
-operator!(Add, add);
-operator!(Sub, sub);
+operator!(Add, add, Add);
+operator!(Sub, sub, Sub);
 operator!(BitAnd, bitand, And);
 operator!(BitOr, bitor, Or);
 operator!(BitXor, bitxor, Xor);
@@ -245,7 +261,7 @@ impl Mul for Wire<'_> {
     type Output = Self;
     #[expect(clippy::suspicious_arithmetic_impl, reason = "the widths add up")]
     fn mul(self, other: Self) -> Self {
-        self.builder.push(self.width() + other.width(), Driver::Mul(self.id, other.id))
+        self.binary(self.width() + other.width(), other, Driver::Mul)
     }
 }
 

@@ -5,7 +5,7 @@
 //! of their product; so an expression means the same alone and inside another.
 
 use super::plan::Place;
-use crate::netlist::{Driver, Module, SignalId};
+use crate::netlist::{Driver, Module, SignalId, mask};
 
 /// Text, and what its reader must know to place it.
 #[derive(Debug, Clone)]
@@ -188,9 +188,7 @@ fn select(module: &Module, places: &[Place], root: SignalId, low: u32, width: u3
     let signal = module.signal(root);
     let high = low + width - 1;
     match (&places[root.index()], &signal.driver) {
-        (Place::Text(_), Driver::Constant(value)) => {
-            Expression::primary(constant(width, (value >> low) & (u64::MAX >> (64 - width))))
-        }
+        (Place::Text(_), Driver::Constant(value)) => Expression::primary(constant(width, (value >> low) & mask(width))),
         (place, _) if width == signal.width => match place {
             Place::Text(expression) => expression.clone(),
             _ => read(places, root),

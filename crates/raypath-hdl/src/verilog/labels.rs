@@ -2,55 +2,30 @@
 
 use super::expression::constant;
 use super::layout::{range, table};
-use crate::Error;
-use crate::names;
 use crate::netlist::{Driver, Module};
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
-/// The labels that a module uses, each once, in the order of first use.
+/// The labels that a module uses, each once, by width and value.
 pub struct Labels<'m> {
-    entries: Vec<(&'m str, u32, u64)>,
+    entries: Vec<(u32, u64, &'m str)>,
 }
 
 impl<'m> Labels<'m> {
     /// Collects the labels of the signals for which `printed` holds, and reserves their names among those `taken`.
-    pub fn new(
-        module: &'m Module,
-        printed: impl Fn(usize) -> bool,
-        taken: &mut HashSet<String>,
-    ) -> Result<Self, Error> {
-        let fail = |name: &str, problem: String| {
-            Err(Error::Name { module: module.name().to_string(), name: name.to_string(), problem })
-        };
-        let mut entries: Vec<(&str, u32, u64)> = Vec::new();
+    pub fn new(module: &'m Module, printed: impl Fn(usize) -> bool, taken: &mut HashSet<String>) -> Self {
+        let mut entries = BTreeSet::new();
         for (_, signal) in module.signals().iter().enumerate().filter(|(index, _)| printed(*index)) {
             let Driver::Case { selector, arms, .. } = &signal.driver else { continue };
             let width = module.signal(*selector).width;
-            for label in arms.iter().map(|arm| &arm.label) {
-                match entries.iter().find(|(name, ..)| *name == label.name) {
-                    Some((_, w, v)) if (*w, *v) == (width, label.value) => {}
-                    Some((_, w, v)) => {
-                        let (one, other) = (constant(*w, *v), constant(width, label.value));
-                        return fail(&label.name, format!("labels both {one} and {other}"));
-                    }
-                    None => {
-                        if let Some(problem) = names::problem(&label.name) {
-                            return fail(&label.name, problem.to_string());
-                        }
-                        if !taken.insert(label.name.clone()) {
-                            return fail(&label.name, "is taken".to_string());
-                        }
-                        entries.push((&label.name, width, label.value));
-                    }
-                }
-            }
+            entries.extend(arms.iter().map(|arm| (width, arm.label.value, arm.label.name.as_str())));
         }
-        Ok(Self { entries })
+        taken.extend(entries.iter().map(|(.., name)| name.to_string()));
+        Self { entries: entries.into_iter().collect() }
     }
 
     /// Their declarations, after a blank line; nothing if there are none.
     pub fn declarations(&self) -> Vec<String> {
-        let row = |&(name, width, value): &(&str, u32, u64)| {
+        let row = |&(width, value, name): &(u32, u64, &str)| {
             let parameter = "localparam logic".to_string();
             [parameter, range(width), name.to_string(), format!("= {};", constant(width, value))]
         };

@@ -3,7 +3,6 @@
 use super::entries::{self, Chunk, Entry, Reader, is_case};
 use super::expression::{Expression, render, repetitions, slice_root};
 use super::labels::Labels;
-use crate::Error;
 use crate::netlist::{Driver, Item, Module, SignalId};
 use std::collections::{BTreeSet, HashSet};
 
@@ -54,18 +53,18 @@ struct Owner {
 
 impl<'m> Plan<'m> {
     /// Plans the text of a module.
-    pub fn new(module: &'m Module) -> Result<Self, Error> {
+    pub fn new(module: &'m Module) -> Self {
         let operands: Vec<Vec<SignalId>> = module.signals().iter().map(|signal| operands(&signal.driver)).collect();
         let chunks = entries::chunks(module, &operands);
         let uses = uses(module, &operands, &chunks);
         let mut names = names(module);
         let printed = |index: usize| module.signals()[index].name.is_some() || uses[index].count > 0;
-        let labels = Labels::new(module, printed, &mut names)?;
+        let labels = Labels::new(module, printed, &mut names);
         let places = vec![Place::Nowhere; operands.len()];
         let mut plan = Self { module, operands, chunks, labels, uses, places };
         plan.place_named(&mut names);
         plan.place_unnamed(&mut names);
-        Ok(plan)
+        plan
     }
 
     /// The module.
@@ -148,9 +147,8 @@ impl<'m> Plan<'m> {
             let Some(name) = &signal.name else { continue };
             self.places[index] = Place::Name(match signal.driver {
                 Driver::Instance { instance, output } if self.uses[index].count == 0 => {
-                    let instance = &self.module.instances()[instance];
-                    let port = &instance.module.outputs()[output].name;
-                    fresh(names, &format!("unused_{}_{}", instance.stem(), stem(port, "_o")))
+                    let name = self.module.instances()[instance].output_name(output);
+                    fresh(names, &format!("unused_{name}"))
                 }
                 _ => name.clone(),
             });
@@ -243,8 +241,7 @@ impl<'m> Plan<'m> {
             Reader::Enable(index) => (register(index), Some(format!("{}_en", register(index)))),
             Reader::Port(instance, input) => {
                 let instance = &self.module.instances()[instance];
-                let port = stem(&instance.module.inputs()[input].name, "_i");
-                (instance.stem().to_string(), Some(format!("{}_{port}", instance.stem())))
+                (instance.stem().to_string(), Some(instance.input_name(input)))
             }
             Reader::Unused(name) => (name.to_string(), None),
             Reader::Output(port) => (self.module.outputs()[port].name.clone(), None),
@@ -257,9 +254,7 @@ fn operands(driver: &Driver) -> Vec<SignalId> {
     if let Driver::Concat(parts) = driver {
         return repetitions(parts).into_iter().map(|(part, _)| part).collect();
     }
-    let mut found = Vec::new();
-    driver.clone().for_operands(|id| found.push(*id));
-    found
+    driver.operands().collect()
 }
 
 /// Counts readers that are printed. Signals without a name follow their operands, so that going backwards meets every
@@ -298,7 +293,8 @@ fn names(module: &Module) -> HashSet<String> {
 
 /// `name`, or `name_2` and so on if it is taken; taken from now on.
 fn fresh(names: &mut HashSet<String>, name: &str) -> String {
-    let mut candidate = name.to_string();
+    let name = single_underscores(name);
+    let mut candidate = name.clone();
     let mut number = 2;
     while crate::names::problem(&candidate).is_some() || !names.insert(candidate.clone()) {
         candidate = format!("{name}_{number}");
@@ -312,12 +308,21 @@ fn numbered(names: &mut HashSet<String>, whole: &str) -> String {
     let whole = stem(whole, "_o");
     let mut number = 1;
     loop {
-        let candidate = format!("{whole}_t{number}");
+        let candidate = single_underscores(&format!("{whole}_t{number}"));
         if names.insert(candidate.clone()) {
             return candidate;
         }
         number += 1;
     }
+}
+
+/// Names that end or begin in an underscore, put together, may have two in a row, which no name may.
+fn single_underscores(name: &str) -> String {
+    let mut name = name.to_string();
+    while name.contains("__") {
+        name = name.replace("__", "_");
+    }
+    name
 }
 
 fn stem<'a>(name: &'a str, suffix: &str) -> &'a str {
