@@ -172,7 +172,8 @@ impl Traced {
         matches!(self.node(id).op, Op::State(_) | Op::Number(_) | Op::Bit(_) | Op::Word(_))
     }
 
-    /// Whether it may be made in any stage that has its operand. State is at hand in one stage only.
+    /// Whether it may be made in any stage that has its operand. State is at hand in one stage only; a test of a constant
+    /// is a constant and never gets here.
     pub fn floats(&self, id: NodeId) -> bool {
         matches!(self.node(id).op, Op::Test(_, operand) if !matches!(self.node(operand).op, Op::State(_)))
     }

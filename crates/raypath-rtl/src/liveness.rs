@@ -44,11 +44,9 @@ fn needed_before(
             continue;
         }
         if traced.floats(id) {
-            // A test of what is at hand anyway, or made here, is made here as well; the others are decided below.
+            // A test of what is made here is made here as well; whether others are, is decided below.
             let operand = traced.operands(id)[0];
-            if traced.is_everywhere(operand) {
-                here.insert(id);
-            } else if traced.node(operand).stage == stage {
+            if traced.node(operand).stage == stage {
                 here.insert(id);
                 open.push(operand);
             } else {

@@ -2,7 +2,7 @@
 
 use crate::STAGES;
 use crate::graph::{Kind, Node, NodeId, Op, OutputValue, PortBit, StateValue, Traced};
-use raypath_ops::{Bit, Bundle, Circuit, Field, Num, Operation, Path, Relation, Sink, Source, Test};
+use raypath_ops::{Binary32, Bit, Bundle, Circuit, Field, Num, Operation, Path, Relation, Single, Sink, Source, Test};
 use std::cell::{Cell, RefCell};
 use std::fmt;
 
@@ -77,6 +77,13 @@ impl Tracer<'_> {
         }
     }
 
+    fn known_number(self, id: NodeId) -> Option<f32> {
+        match self.graph.nodes.borrow()[id.index()].op {
+            Op::Number(bits) => Some(f32::from_bits(bits)),
+            _ => None,
+        }
+    }
+
     fn known_word(self, id: NodeId) -> Option<u32> {
         match self.graph.nodes.borrow()[id.index()].op {
             Op::Word(value) => Some(value),
@@ -137,7 +144,10 @@ impl Circuit for Tracer<'_> {
         self.push_at(stage, BIT, Op::Relation(order, relation))
     }
     fn test(self, test: Test, a: NodeId) -> NodeId {
-        self.once(BIT, Op::Test(test, a))
+        match self.known_number(a) {
+            Some(number) => self.constant_bit(Binary32.test(test, Single(number))),
+            None => self.once(BIT, Op::Test(test, a)),
+        }
     }
     fn constant_bit(self, value: bool) -> NodeId {
         self.once(BIT, Op::Bit(value))

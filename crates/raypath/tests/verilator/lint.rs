@@ -3,6 +3,7 @@
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Datapath, Lanes};
 use raypath_cosim::{Sources, lint_slang, lint_verilator, lint_yosys};
+use std::process::Command;
 
 #[test]
 fn every_configuration_is_clean() {
@@ -16,6 +17,22 @@ fn every_configuration_is_clean() {
             sources.lint().unwrap_or_else(|fault| panic!("{rules}, {lanes} lanes: {fault}"));
         }
     }
+}
+
+/// The same of the files that `generate` writes, as its list names them.
+#[test]
+fn what_generate_writes_is_clean() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut generate = Command::new(env!("CARGO_BIN_EXE_raypath"));
+    let output = generate.args(["generate", "--jobs", "1", "--out"]).arg(folder.path()).output().expect("the program");
+    assert!(output.status.success(), "{output:?}");
+    let list = std::fs::read_to_string(folder.path().join("raypath.f")).expect("the list");
+    let files: Vec<_> = list.lines().map(|file| folder.path().join(file)).collect();
+    lint_verilator(&files, "raypath", &[]).expect("clean files");
+    let all = folder.path().join("raypath.sv");
+    lint_verilator(std::slice::from_ref(&all), "raypath", &["-Wno-DECLFILENAME"]).expect("a clean file");
+    lint_yosys(&all, "raypath").expect("a clean file");
+    lint_slang(&[all]).expect("a clean file");
 }
 
 /// The linters find what they are there for.
