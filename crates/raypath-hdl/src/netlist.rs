@@ -209,6 +209,13 @@ impl Driver {
     }
 }
 
+impl Port {
+    /// Its name without the customary suffix of its direction, `_i` or `_o`.
+    pub fn stem(&self) -> &str {
+        self.name.strip_suffix("_i").or_else(|| self.name.strip_suffix("_o")).unwrap_or(&self.name)
+    }
+}
+
 impl Instance {
     /// Its name without the customary `u_`: what signals around it are named after.
     pub fn stem(&self) -> &str {

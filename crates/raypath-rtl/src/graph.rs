@@ -150,6 +150,11 @@ impl Traced {
         })
     }
 
+    /// That no register brings a value to where it is read.
+    pub fn unplaced(&self, id: NodeId) -> Error {
+        Error::Unplaced { operation: self.name, value: self.name_of(id) }
+    }
+
     /// The values that a value is made of.
     pub fn operands(&self, id: NodeId) -> Vec<NodeId> {
         match self.node(id).op {

@@ -66,9 +66,8 @@ struct Ports<'m, 'p> {
 impl<'m> Wires<'m> for Ports<'m, '_> {
     fn named(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
         let traced = &self.plan.operations[op];
-        let unplaced = || Error::Unplaced { operation: traced.name, value: traced.name_of(id) };
-        let Op::Input(PortBit { port, bit }) = &traced.node(id).op else { return Err(unplaced()) };
-        let wire = *self.wires.get(port).ok_or_else(unplaced)?;
+        let Op::Input(PortBit { port, bit }) = &traced.node(id).op else { return Err(traced.unplaced(id)) };
+        let wire = *self.wires.get(port).ok_or_else(|| traced.unplaced(id))?;
         Ok(match (traced.node(id).kind, bit) {
             (_, Some((bit, _))) => wire.bit(*bit),
             (Kind::Word(width), None) => wire.lower(width),

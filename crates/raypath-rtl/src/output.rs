@@ -30,10 +30,8 @@ pub fn output(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
     let before = Before { numbers, flags, states: BTreeMap::new() };
 
     let read = |op: usize, id: NodeId| {
-        let traced = &plan.operations[op];
         let place = layout.places[op].get(&id);
-        let unplaced = || Error::Unplaced { operation: traced.name, value: traced.name_of(id) };
-        place.and_then(|&place| before.read(place)).ok_or_else(unplaced)
+        place.and_then(|&place| before.read(place)).ok_or_else(|| plan.operations[op].unplaced(id))
     };
     for port in ports(plan) {
         let mut arms: Vec<(Label, Wire<'_>)> = Vec::new();

@@ -79,9 +79,8 @@ fn instance<'m>(
     module: &Arc<Module>,
     wires: &BTreeMap<String, Wire<'m>>,
 ) -> BTreeMap<String, Wire<'m>> {
-    let stem = |port: &str| port[..port.len().saturating_sub(2)].to_string();
     let connections: Vec<(&str, Wire<'m>)> =
-        module.inputs().iter().filter_map(|port| Some((port.name.as_str(), *wires.get(&stem(&port.name))?))).collect();
+        module.inputs().iter().filter_map(|port| Some((port.name.as_str(), *wires.get(port.stem())?))).collect();
     let outputs = m.instance(&format!("u_{name}"), module, &connections);
-    module.outputs().iter().map(|port| stem(&port.name)).zip(outputs).collect()
+    module.outputs().iter().map(|port| port.stem().to_string()).zip(outputs).collect()
 }

@@ -107,7 +107,7 @@ impl<'m, 'p> Values<'m, 'p> {
         let stem = format!("{}_{number}", kind.stem());
         let mut connections = Vec::new();
         for (operand, port) in module.inputs().iter().enumerate() {
-            let letter = port.name.strip_suffix("_i").unwrap_or(&port.name);
+            let letter = port.stem();
             connections.push((port.name.as_str(), self.operand(unit, operand, &format!("{stem}_{letter}"))?));
         }
         let wires = self.m.instance(&format!("u_{stem}"), module, &connections);
@@ -196,8 +196,7 @@ impl<'m, 'p> Values<'m, 'p> {
     }
 
     fn unplaced(&self, op: usize, id: NodeId) -> Error {
-        let traced = &self.plan.operations[op];
-        Error::Unplaced { operation: traced.name, value: traced.name_of(id) }
+        self.plan.operations[op].unplaced(id)
     }
 
     fn free_name(&mut self, wanted: &str) -> String {

@@ -1,9 +1,10 @@
 //! Netlist and models side by side.
 
-use crate::engine::{CycleEngine, Engine, NetlistEngine, Shown};
+use crate::engine::{CycleEngine, Engine, NetlistEngine, Shown, drive};
 use crate::traffic::Traffic;
 use raypath_model::Functional;
 use raypath_ops::{Job, JobKind, Outcome, Rules};
+use std::cell::Cell;
 use std::collections::VecDeque;
 
 /// What a comparison found.
@@ -33,64 +34,90 @@ pub struct Timing {
 }
 
 const DIFFERENCES_SHOWN: usize = 5;
-/// After so many differences the rest tells nothing new; a netlist that answers nothing would go on for ever.
+/// After so many differences the rest tells nothing new.
 const TOO_MANY: usize = 100;
 
 /// Streams jobs through the netlist and the cycle-exact model, comparing all that their ports show in every cycle, and
-/// each outcome with the functional model's. `on_cycle` is told how many jobs have left and says whether to go on.
+/// each outcome with the functional model's. `on_job` is told how many jobs have left and says whether to go on.
 pub fn lockstep(
     netlist: &mut NetlistEngine,
     rules: Rules,
     jobs: impl Iterator<Item = Job>,
     traffic: &mut Traffic,
-    mut on_cycle: impl FnMut(usize) -> bool,
+    mut on_job: impl FnMut(usize) -> bool,
 ) -> Comparison {
-    let mut cycle_model = CycleEngine::new(rules);
-    let mut functional = Functional::new(rules);
-    let mut jobs = jobs.peekable();
-    let mut in_flight: VecDeque<Outcome> = VecDeque::new();
-    let mut found = Comparison::default();
-    while (jobs.peek().is_some() || !in_flight.is_empty()) && found.different < TOO_MANY && on_cycle(found.jobs) {
-        let (offers, output_ready) = traffic.next_cycle();
-        let offered = jobs.peek().filter(|_| offers);
-        if let Some(job) = offered {
-            netlist.present(job);
-            cycle_model.present(job);
-        }
-        let input_valid = offered.is_some();
-        let shown = netlist.cycle(input_valid, output_ready);
-        let modelled = cycle_model.cycle(input_valid, output_ready);
-        if shown != modelled {
-            found.differs(format!("the netlist shows {shown:?}, the cycle-exact model {modelled:?}"));
-        }
-        found.cycles += 1;
-        found.stalled += u64::from(input_valid && !shown.input_ready);
-        if let Shown { output: Some(outcome), .. } = shown {
-            let strays = netlist.stray_outputs();
-            if !strays.is_empty() {
-                found.differs(format!("outputs of other modes are not zero: {}", strays.join(", ")));
-            }
-            if output_ready {
-                let expected = in_flight.pop_front();
-                if expected != Some(outcome) {
-                    found.differs(format!("the netlist answers {outcome:?}, the functional model {expected:?}"));
-                }
-                found.by_kind[outcome.kind() as usize] += 1;
-                found.jobs += 1;
-            }
-        }
-        if input_valid && shown.input_ready {
-            in_flight.extend(jobs.next().map(|job| functional.run(&job)));
-        }
-    }
-    found
+    let different = Cell::new(0);
+    let mut engines = SideBySide {
+        netlist,
+        cycle_model: CycleEngine::new(rules),
+        functional: Functional::new(rules),
+        in_flight: VecDeque::new(),
+        found: Comparison::default(),
+        different: &different,
+    };
+    drive(&mut engines, jobs, traffic, |index, _| different.get() < TOO_MANY && on_job(index + 1));
+    engines.found.different = different.get();
+    engines.found
 }
 
-impl Comparison {
+/// Netlist and models as one engine, which shows what the netlist shows.
+struct SideBySide<'n> {
+    netlist: &'n mut NetlistEngine,
+    cycle_model: CycleEngine,
+    functional: Functional,
+    /// What the functional model answers to the jobs presented, oldest first.
+    in_flight: VecDeque<Outcome>,
+    found: Comparison,
+    /// Seen from outside while the engines run.
+    different: &'n Cell<usize>,
+}
+
+impl Engine for SideBySide<'_> {
+    fn present(&mut self, job: &Job) {
+        self.netlist.present(job);
+        self.cycle_model.present(job);
+        self.in_flight.push_back(self.functional.run(job));
+    }
+
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
+        let shown = self.netlist.cycle(input_valid, output_ready);
+        let modelled = self.cycle_model.cycle(input_valid, output_ready);
+        if shown != modelled {
+            self.differs(format!("the netlist shows {shown:?}, the cycle-exact model {modelled:?}"));
+        }
+        self.found.cycles += 1;
+        self.found.stalled += u64::from(input_valid && !shown.input_ready);
+        if let Some(outcome) = shown.output {
+            let strays = self.netlist.stray_outputs();
+            if !strays.is_empty() {
+                let strays = strays.join(", ");
+                self.differs(format!("outputs of other modes are not zero: {strays}"));
+            }
+            if output_ready {
+                let expected = self.in_flight.pop_front();
+                if expected != Some(outcome) {
+                    self.differs(format!("the netlist answers {outcome:?}, the functional model {expected:?}"));
+                }
+                self.found.by_kind[outcome.kind() as usize] += 1;
+                self.found.jobs += 1;
+            }
+        }
+        shown
+    }
+
+    fn reset(&mut self) {
+        self.netlist.reset();
+        self.cycle_model.reset();
+        self.functional.reset();
+        self.in_flight.clear();
+    }
+}
+
+impl SideBySide<'_> {
     fn differs(&mut self, what: String) {
-        self.different += 1;
-        if self.differences.len() < DIFFERENCES_SHOWN {
-            self.differences.push(format!("cycle {}, job {}: {what}", self.cycles, self.jobs));
+        self.different.set(self.different.get() + 1);
+        if self.found.differences.len() < DIFFERENCES_SHOWN {
+            self.found.differences.push(format!("cycle {}, job {}: {what}", self.found.cycles, self.found.jobs));
         }
     }
 }

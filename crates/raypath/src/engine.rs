@@ -5,6 +5,7 @@ use raypath_hdl::{InputPort, OutputPort, Simulator};
 use raypath_model::{CycleModel, Functional};
 use raypath_ops::{Job, JobKind, Outcome, Rules};
 use raypath_rtl::{Config, Datapath};
+use std::borrow::Borrow;
 use std::collections::{HashMap, HashSet};
 
 /// A datapath as seen from outside, cycle by cycle.
@@ -35,13 +36,14 @@ pub struct Run {
     pub jobs: usize,
 }
 
-/// Feeds `jobs` to an engine under `traffic`, and shows each outcome as it leaves, with its job's position. Gives up
-/// when nothing has left for a long time: then fewer jobs come out than went in.
-pub fn drive<'j>(
+/// Feeds `jobs` to an engine under `traffic`, each presented once, and shows each outcome as it leaves, with its job's
+/// position, until `on_outcome` answers false. Gives up when nothing has left for a long time: then fewer jobs come out
+/// than went in.
+pub fn drive<J: Borrow<Job>>(
     engine: &mut dyn Engine,
-    jobs: impl Iterator<Item = &'j Job>,
+    jobs: impl Iterator<Item = J>,
     traffic: &mut Traffic,
-    mut on_outcome: impl FnMut(usize, Outcome),
+    mut on_outcome: impl FnMut(usize, Outcome) -> bool,
 ) -> Run {
     /// More idle cycles than any traffic makes by chance.
     const PATIENCE: u64 = 100_000;
@@ -50,7 +52,7 @@ pub fn drive<'j>(
     let mut accepted = 0;
     let mut last_progress = 0;
     if let Some(job) = jobs.peek() {
-        engine.present(job);
+        engine.present(job.borrow());
     }
     while (jobs.peek().is_some() || run.jobs < accepted) && run.cycles - last_progress < PATIENCE {
         let (offers, output_ready) = traffic.next_cycle();
@@ -62,29 +64,33 @@ pub fn drive<'j>(
             last_progress = run.cycles;
             jobs.next();
             if let Some(job) = jobs.peek() {
-                engine.present(job);
+                engine.present(job.borrow());
             }
         }
         if let Some(outcome) = shown.output.filter(|_| output_ready) {
-            on_outcome(run.jobs, outcome);
             run.jobs += 1;
             last_progress = run.cycles;
+            if !on_outcome(run.jobs - 1, outcome) {
+                break;
+            }
         }
     }
     run
 }
 
-/// Answers jobs without time.
+/// Answers jobs without time, until `on_outcome` answers false.
 pub fn evaluate<'j>(
     rules: Rules,
     jobs: impl Iterator<Item = &'j Job>,
-    mut on_outcome: impl FnMut(usize, Outcome),
+    mut on_outcome: impl FnMut(usize, Outcome) -> bool,
 ) -> Run {
     let mut model = Functional::new(rules);
     let mut run = Run::default();
     for job in jobs {
-        on_outcome(run.jobs, model.run(job));
         run.jobs += 1;
+        if !on_outcome(run.jobs - 1, model.run(job)) {
+            break;
+        }
     }
     run
 }
@@ -151,11 +157,11 @@ impl NetlistEngine {
         let simulator = Simulator::observing(top, observed)?;
         let mut inputs = HashMap::new();
         for port in top.inputs() {
-            inputs.insert(stem(&port.name), simulator.input(&port.name)?);
+            inputs.insert(port.stem().to_string(), simulator.input(&port.name)?);
         }
         let mut outputs = HashMap::new();
         for port in top.outputs() {
-            outputs.insert(stem(&port.name), simulator.output(&port.name)?);
+            outputs.insert(port.stem().to_string(), simulator.output(&port.name)?);
         }
         let handshake = Handshake {
             input_valid: simulator.input("input_valid_i")?,
@@ -221,8 +227,4 @@ impl Engine for NetlistEngine {
         self.simulator.cycle();
         self.simulator.set_reset(false);
     }
-}
-
-fn stem(port: &str) -> String {
-    port.strip_suffix("_i").or_else(|| port.strip_suffix("_o")).unwrap_or(port).to_string()
 }

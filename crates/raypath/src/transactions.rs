@@ -78,19 +78,14 @@ pub enum TransactionError {
     },
 }
 
-/// The kind of job that a file's name begins with: `triangle.txt.gz` has triangles.
-pub fn kind_of(path: &Path) -> Result<JobKind, TransactionError> {
-    let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let kind = JobKind::ALL.into_iter().find(|kind| name.starts_with(kind.name()));
-    kind.ok_or_else(|| TransactionError::UnknownKind(path.to_path_buf()))
-}
-
-/// Reads a file, plain or gzip. Empty lines and lines that begin with `#` are passed over.
-pub fn read(path: &Path, kind: JobKind) -> Result<Vec<Transaction>, TransactionError> {
-    let failed = |problem| TransactionError::File { path: path.to_path_buf(), problem };
-    let mut parser = Parser::new(path, kind);
+/// Reads a file, plain or gzip, with jobs of one kind: `kind`, or that which the file's name begins with. Empty lines
+/// and lines that begin with `#` are passed over.
+pub fn read(path: &Path, kind: impl Into<Option<JobKind>>) -> Result<Vec<Transaction>, TransactionError> {
+    // Before the name is looked at: a file that is not there is the greater fault than a name that says nothing.
+    let file = open(path).map_err(|problem| TransactionError::File { path: path.to_path_buf(), problem })?;
+    let parser = Parser::new(path, kind.into().map_or_else(|| kind_of(path), Ok)?);
     let mut transactions = Vec::new();
-    for (index, line) in open(path).map_err(failed)?.lines().enumerate() {
+    for (index, line) in file.lines().enumerate() {
         let unreadable = |problem| TransactionError::Line { path: path.to_path_buf(), line: index + 1, problem };
         let line = line.map_err(unreadable)?;
         if !line.trim().is_empty() && !line.starts_with('#') {
@@ -98,6 +93,13 @@ pub fn read(path: &Path, kind: JobKind) -> Result<Vec<Transaction>, TransactionE
         }
     }
     Ok(transactions)
+}
+
+/// The kind of job that a file's name begins with: `triangle.txt.gz` has triangles.
+fn kind_of(path: &Path) -> Result<JobKind, TransactionError> {
+    let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let kind = JobKind::ALL.into_iter().find(|kind| name.starts_with(kind.name()));
+    kind.ok_or_else(|| TransactionError::UnknownKind(path.to_path_buf()))
 }
 
 fn open(path: &Path) -> std::io::Result<Box<dyn BufRead>> {
@@ -120,7 +122,7 @@ impl<'p> Parser<'p> {
         Self { path, kind, inputs: columns.inputs, outputs: columns.outputs }
     }
 
-    fn parse(&mut self, line: usize, text: &str) -> Result<Transaction, TransactionError> {
+    fn parse(&self, line: usize, text: &str) -> Result<Transaction, TransactionError> {
         let fields: Vec<&str> = text.split_ascii_whitespace().collect();
         let expected = 2 + self.inputs.len() + self.outputs.len();
         if fields.len() != expected {

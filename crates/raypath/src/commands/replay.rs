@@ -8,7 +8,6 @@ use raypath::engine::{CycleEngine, Engine, NetlistEngine, Run, drive, evaluate};
 use raypath::ops::{JobKind, Outcome, PortKind, PortValue};
 use raypath::rtl::Config;
 use raypath::transactions::Transaction;
-use std::cell::Cell;
 use std::io::Write;
 use std::time::Instant;
 
@@ -49,12 +48,10 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
 fn carry(
     arguments: &Arguments,
     stream: &[Transaction],
-    mut on_outcome: impl FnMut(usize, Outcome) -> bool,
+    on_outcome: impl FnMut(usize, Outcome) -> bool,
 ) -> Result<Run, Failure> {
     let rules = arguments.stream.rules;
-    let going = Cell::new(true);
-    let jobs = stream.iter().map(|transaction| &transaction.job).take_while(|_| going.get());
-    let on_outcome = |index: usize, outcome: Outcome| going.set(on_outcome(index, outcome));
+    let jobs = stream.iter().map(|transaction| &transaction.job);
     let mut engine: Box<dyn Engine> = match arguments.engine {
         EngineKind::Model => return Ok(evaluate(rules, jobs, on_outcome)),
         EngineKind::Cycle => Box::new(CycleEngine::new(rules)),
@@ -74,7 +71,7 @@ struct Tally<'s> {
 
 impl<'s> Tally<'s> {
     fn new(stream: &'s [Transaction], show: usize) -> Self {
-        Self { stream, show, jobs: [0; 4], mismatches: [0; 4], shown: Vec::new() }
+        Self { stream, show, jobs: Default::default(), mismatches: Default::default(), shown: Vec::new() }
     }
 
     fn compare(&mut self, index: usize, outcome: Outcome) {

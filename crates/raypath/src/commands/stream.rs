@@ -4,7 +4,7 @@ use crate::commands::Failure;
 use clap::{Args, ValueEnum};
 use raypath::ops::{JobKind, Rules};
 use raypath::traffic::{Traffic, interleave};
-use raypath::transactions::{Transaction, kind_of, merge, read};
+use raypath::transactions::{Transaction, merge, read};
 use std::path::PathBuf;
 
 /// Which transactions, and how.
@@ -41,13 +41,7 @@ impl StreamArguments {
     pub fn read(&self) -> Result<Vec<Transaction>, Failure> {
         let mut files = Vec::new();
         for path in &self.files {
-            let kind = match self.kind {
-                Some(kind) => kind,
-                // A file that is not there is the greater fault than a name that says nothing.
-                None if path.exists() => kind_of(path)?,
-                None => kind_of(path).unwrap_or(JobKind::Triangle),
-            };
-            files.push(read(path, kind)?);
+            files.push(read(path, self.kind)?);
         }
         let stream = merge(files);
         if stream.is_empty() {

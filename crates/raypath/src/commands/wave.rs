@@ -8,7 +8,6 @@ use raypath::engine::{Engine, NetlistEngine, Shown, drive};
 use raypath::hdl::WaveWriter;
 use raypath::ops::Job;
 use raypath::rtl::{Config, UnitKind};
-use std::cell::Cell;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -27,15 +26,15 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let stream = arguments.stream.read()?;
     let config = Config { rules: arguments.stream.rules, ..Config::default() };
-    let netlist = NetlistEngine::new(config, is_of_interest)?;
+    let units = UnitKind::ALL.map(|kind| format!("u_{}_", kind.stem()));
+    let netlist = NetlistEngine::new(config, |name| is_of_interest(name, &units))?;
     let waves = WaveWriter::create(&arguments.out, netlist.simulator())?;
     let mut waving = Waving { netlist, waves, cycle: 0, failed: None };
 
     let total = arguments.jobs.map_or(stream.len(), |jobs| stream.len().min(jobs as usize));
     let mut progress = Progress::new("jobs", total);
-    let going = Cell::new(true);
-    let jobs = stream[..total].iter().map(|transaction| &transaction.job).take_while(|_| going.get());
-    let run = drive(&mut waving, jobs, &mut arguments.stream.traffic(), |index, _| going.set(progress.at(index + 1)));
+    let jobs = stream[..total].iter().map(|transaction| &transaction.job);
+    let run = drive(&mut waving, jobs, &mut arguments.stream.traffic(), |index, _| progress.at(index + 1));
     progress.finish(run.jobs)?;
     if let Some(failed) = waving.failed {
         return Err(failed.into());
@@ -45,9 +44,9 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Ports, handshakes, and stage registers under the algorithm's names; not the insides of units.
-fn is_of_interest(name: &str) -> bool {
-    let units = UnitKind::ALL.map(|kind| format!("u_{}_", kind.stem()));
+/// Ports, handshakes, and stage registers under the algorithm's names; not the insides of instances that begin like
+/// `units`.
+fn is_of_interest(name: &str, units: &[String]) -> bool {
     !name.split('.').any(|part| units.iter().any(|unit| part.starts_with(unit)))
 }
 

@@ -26,6 +26,7 @@ pub fn answers_under(rules: Rules, jobs: &[Job], traffic: &Traffic) -> Vec<Outco
         drive(engine, jobs.iter(), &mut traffic.clone(), |i, outcome| {
             assert_eq!(outcome, expected[i], "{name} and functional model, job {i}: {:?}", jobs[i]);
             came_out += 1;
+            true
         });
         assert_eq!(came_out, jobs.len(), "{name} lost or repeated jobs");
     };

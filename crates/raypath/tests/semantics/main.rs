@@ -7,6 +7,8 @@ mod answers;
 mod exact;
 mod oracle;
 mod random;
+#[path = "../recorded/mod.rs"]
+mod recorded;
 
 mod rule_1_direction;
 mod rule_2_slab_nan;

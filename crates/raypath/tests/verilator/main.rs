@@ -2,4 +2,6 @@
 
 mod frames;
 mod lint;
+#[path = "../recorded/mod.rs"]
+mod recorded;
 mod replay;

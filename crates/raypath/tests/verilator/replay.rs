@@ -1,22 +1,14 @@
 //! The printed datapath, in Verilator, in every cycle like the cycle-exact model; so the golden vectors hold there too.
 
 use crate::frames::{Answers, Cycle, Stimulus};
+use crate::recorded::golden;
 use raypath::hdl::Module;
 use raypath::jobs::random;
 use raypath::model::Functional;
 use raypath::ops::{Job, JobKind, Outcome, Rules};
 use raypath::rtl::{Config, Datapath, Lanes};
 use raypath::traffic::{Traffic, interleave};
-use raypath::transactions::{Transaction, merge, read};
 use raypath_cosim::Verilated;
-use std::path::PathBuf;
-
-fn golden() -> Vec<Transaction> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/golden");
-    let folder = std::env::var_os("RAYPATH_GOLDEN").map_or(PathBuf::from(default), PathBuf::from);
-    let files = JobKind::ALL.map(|kind| read(&folder.join(format!("{kind}.txt.gz")), kind).expect("golden vectors"));
-    merge(files.into())
-}
 
 fn build(config: Config) -> (tempfile::TempDir, Datapath, Verilated) {
     let datapath = Datapath::new(config).expect("a datapath");
