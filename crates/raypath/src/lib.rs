@@ -24,9 +24,11 @@ pub use raypath_ops as ops;
 pub use raypath_rtl as rtl;
 
 pub mod check;
+mod drawing;
 pub mod engine;
 pub mod jobs;
 pub mod picture;
+pub mod ppa;
 pub mod tables;
 pub mod traffic;
 mod transaction_format;

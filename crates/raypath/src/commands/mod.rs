@@ -1,12 +1,17 @@
 //! The command line.
 
+mod bench;
+mod chosen;
+mod explore;
 mod failure;
 mod generate;
 mod output;
+mod ppa;
 mod progress;
 mod ray;
 mod replay;
 mod stream;
+mod sweep;
 mod wave;
 
 use clap::{Parser, Subcommand};
@@ -36,6 +41,10 @@ enum Command {
     Ray(ray::Arguments),
     /// Run recorded transactions through the netlist and write a waveform (FST)
     Wave(wave::Arguments),
+    /// Measure area and timing in a cell library, stage by stage, with Yosys and OpenSTA
+    Ppa(ppa::Arguments),
+    /// Measure many configurations and draw area against clock and throughput
+    Explore(explore::Arguments),
 }
 
 impl CommandLine {
@@ -46,6 +55,8 @@ impl CommandLine {
             Command::Replay(arguments) => replay::run(&arguments, out),
             Command::Ray(arguments) => ray::run(&arguments, out),
             Command::Wave(arguments) => wave::run(&arguments, out),
+            Command::Ppa(arguments) => ppa::run(&arguments, out),
+            Command::Explore(arguments) => explore::run(&arguments, out),
         }
     }
 }
