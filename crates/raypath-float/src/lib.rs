@@ -28,6 +28,7 @@ mod encode;
 mod format;
 mod mul;
 mod normalise;
+mod parts;
 mod recoded;
 
 pub use add::add;
@@ -35,4 +36,4 @@ pub use compare::compare;
 pub use decode::decode;
 pub use encode::encode;
 pub use format::{Format, FormatError};
-pub use mul::mul;
+pub use mul::{mul, mul_parts};
