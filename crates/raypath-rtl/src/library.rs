@@ -26,7 +26,7 @@ impl Library {
             skid: control::skid()?,
             encode: raypath_float::encode(format)?,
             decode: raypath_float::decode(format)?,
-            add: raypath_float::add_parts(format, parts)?,
+            add: vec![raypath_float::add(format)?],
             multiply: raypath_float::mul_parts(format, parts)?,
             compare: raypath_float::compare(format)?,
         })

@@ -18,7 +18,7 @@ pub fn record<O: Operation>(operation: &O, opcode: u64) -> Traced {
 
     let (output, next) = operation.run(c, input, state);
 
-    let mut outputs = OutputSink { c, outputs: Vec::new() };
+    let mut outputs = OutputSink::default();
     output.each(&mut Path::default(), &mut outputs);
     let outputs = outputs.outputs;
     let mut next_nodes = Leaves(Vec::new());
@@ -270,12 +270,12 @@ impl<'g> Source<Tracer<'g>> for StateSource<'g> {
 }
 
 /// Values that leave at ports.
-struct OutputSink<'g> {
-    c: Tracer<'g>,
+#[derive(Default)]
+struct OutputSink {
     outputs: Vec<OutputValue>,
 }
 
-impl<'g> Sink<Tracer<'g>> for OutputSink<'g> {
+impl<'g> Sink<Tracer<'g>> for OutputSink {
     fn num(&mut self, field: Field<'_>, value: Num<Tracer<'g>>) {
         self.outputs.push(OutputValue { port: port_bit(field), node: value.value() });
     }

@@ -2,7 +2,7 @@
 
 use comfy_table::{ContentArrangement, Table, presets};
 use raypath_ops::Rules;
-use raypath_rtl::{Config, Datapath, Lanes, STAGES, StageNote, UnitKind, Units};
+use raypath_rtl::{Config, Datapath, Lanes, STAGES, StageNote, Step, UnitKind, Units};
 
 /// Table VIII of the paper, for stages 1 to 11 with 16 lanes; the two quad-sorters of stage 10 count five comparators
 /// each. Conversions stand outside it.
@@ -24,14 +24,14 @@ const fn units(add: usize, multiply: usize, compare: usize) -> Units {
     Units { encode: 0, add, multiply, compare, decode: 0 }
 }
 
-/// Table VII: what each operation does in each stage.
+/// Table VII: what each operation does in each step.
 pub fn schedule(datapath: &Datapath) -> String {
     let mut table = new_table();
     let operations: Vec<&str> = datapath.schedule(1).iter().map(|note| note.operation).collect();
     table.set_header([&["stage"], operations.as_slice()].concat());
-    for stage in 1..=STAGES {
-        let mut row = vec![stage.to_string()];
-        row.extend(datapath.schedule(stage).iter().map(cell));
+    for (index, step) in datapath.steps().enumerate().skip(1) {
+        let mut row = vec![step.to_string()];
+        row.extend(datapath.schedule(index).iter().map(cell));
         table.add_row(row);
     }
     table.to_string()
@@ -46,24 +46,24 @@ fn cell(note: &StageNote) -> String {
     }
 }
 
-/// Table VIII with the paper's figures beside ours, and the registers after each stage.
+/// Table VIII with the paper's figures beside ours, and the registers after each step.
 pub fn units_and_registers(datapath: &Datapath, config: Config) -> String {
     let mut table = new_table();
     table.set_header(["stage", "units", "Table VIII", "live bits", "flip-flops", "why the units differ"]);
     let (mut all, mut live, mut flip_flops) = (Units::default(), 0, 0);
-    for stage in 0..=STAGES {
-        let registers = datapath.registers(stage);
-        let units = datapath.units(stage);
+    for (index, step) in datapath.steps().enumerate() {
+        let registers = datapath.registers(index);
+        let units = datapath.units(index);
         all = sum(all, units);
         live += registers.live;
         flip_flops += registers.flip_flops();
         table.add_row([
-            if stage == 0 { "input".to_string() } else { stage.to_string() },
+            step.to_string(),
             list(units),
-            list(paper_units(stage)),
+            list(paper_units(step)),
             registers.live.to_string(),
             registers.flip_flops().to_string(),
-            difference(datapath, config, stage).join("; "),
+            difference(datapath, config, index).join("; "),
         ]);
     }
     let paper = PAPER_UNITS.into_iter().fold(Units::default(), sum);
@@ -71,18 +71,27 @@ pub fn units_and_registers(datapath: &Datapath, config: Config) -> String {
     table.to_string()
 }
 
-/// Why a stage has other units than Table VIII gives it; empty where it has the same.
-pub fn difference(datapath: &Datapath, config: Config, stage: u32) -> Vec<&'static str> {
-    let (ours, paper) = (datapath.units(stage), paper_units(stage));
+/// Why a step, by its place in [`Datapath::steps`], has other units than Table VIII gives its stage; empty where it has
+/// the same.
+pub fn difference(datapath: &Datapath, config: Config, index: usize) -> Vec<&'static str> {
+    let Some(step) = datapath.steps().nth(index) else { return Vec::new() };
+    let (ours, paper) = (datapath.units(index), paper_units(step));
     let mut causes = Vec::new();
+    if step.parts > 1 {
+        causes.push("the stage takes several steps");
+    }
     if ours.encode + ours.decode > 0 {
         causes.push("conversion, which Table VIII leaves out");
     }
-    if ours.add != paper.add && config.lanes == Lanes::None {
-        causes.push("no distance modes");
+    if ours.add != paper.add || ours.multiply != paper.multiply {
+        match config.lanes {
+            Lanes::None => causes.push("no distance modes"),
+            Lanes::Sixteen => {}
+            _ => causes.push("other lanes than the paper's 16"),
+        }
     }
     if ours.compare != paper.compare {
-        causes.extend(match (stage, config.rules) {
+        causes.extend(match (step.stage, config.rules) {
             (4, Rules::Paper) => &["ruling 1: the sign of inv is read, not compared"][..],
             (10, Rules::Paper) => {
                 &["one sorting network moves values and indices", "ruling 6: the hit test reads signs"]
@@ -96,8 +105,8 @@ pub fn difference(datapath: &Datapath, config: Config, stage: u32) -> Vec<&'stat
     causes
 }
 
-fn paper_units(stage: u32) -> Units {
-    stage.checked_sub(1).and_then(|index| PAPER_UNITS.get(index as usize).copied()).unwrap_or_default()
+fn paper_units(step: Step) -> Units {
+    step.stage.checked_sub(1).and_then(|index| PAPER_UNITS.get(index as usize).copied()).unwrap_or_default()
 }
 
 /// Units in words, `24 add, 4 compare`; empty where there are none.

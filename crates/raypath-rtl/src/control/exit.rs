@@ -29,9 +29,10 @@ pub fn exit(depth: u32) -> Result<Arc<Module>, raypath_hdl::Error> {
     let width = waiting.wire().width();
     waiting.next(waiting.wire() + stores.extend(width) - fetches.extend(width));
     if depth > 1 {
-        let turned = |pointer: raypath_hdl::Wire<'_>| pointer.builder().concat(&[pointer.lower(depth - 1), pointer.top()]);
-        write.next_when(stores, turned(write.wire()));
-        read.next_when(fetches, turned(read.wire()));
+        for (pointer, turns) in [(write, stores), (read, fetches)] {
+            let wire = pointer.wire();
+            pointer.next_when(turns, m.concat(&[wire.lower(depth - 1), wire.top()]));
+        }
     } else {
         write.next(write.wire());
         read.next(read.wire());
