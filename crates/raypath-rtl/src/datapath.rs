@@ -165,13 +165,13 @@ impl Datapath {
     /// What each operation does in a step, in words and units.
     pub fn schedule(&self, step: usize) -> Vec<StageNote> {
         let Some(plan) = self.plan.steps.get(step) else { return Vec::new() };
-        let operations = self.plan.operations.iter().zip(&plan.assigned);
+        let operations = self.plan.operations.iter().zip(&plan.bindings);
         operations
             .enumerate()
-            .map(|(op, (traced, assigned))| {
+            .map(|(op, (traced, bindings))| {
                 let mut units = self.plan.conversions(step, op);
-                for unit in assigned.values() {
-                    *units.of_mut(unit.kind) += 1;
+                for binding in bindings.values() {
+                    *units.of_mut(binding.unit.kind) += 1;
                 }
                 StageNote { operation: traced.name, what: notes(traced, plan.step), units }
             })

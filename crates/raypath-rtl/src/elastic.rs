@@ -27,7 +27,7 @@ pub fn skid_buffers<'m>(
     let ready_after = m.input("ready_i", 1);
     let valid = hold.map_or(valid, |hold| valid & !hold);
     let control = m.instance("u_skid", &library.skid, &[("valid_i", valid), ("ready_i", ready_after)]);
-    let (ready, valid_out, load_front, load_spare) = (control[0], control[1], control[2], control[3]);
+    let (ready, valid_out, load_front, arrives) = (control[0], control[1], control[2], control[3]);
     m.output("ready_o", hold.map_or(ready, |hold| ready & !hold));
     m.output("valid_o", valid_out);
     for Next { name, wire, residents } in next {
@@ -38,8 +38,8 @@ pub fn skid_buffers<'m>(
         if !residents.is_empty() {
             front.wire().comment(residents);
         }
-        spare.next_when(load_spare, wire);
-        front.next_when(load_front, ready.mux(wire, spare.wire()));
+        spare.next_when(arrives, wire);
+        front.next_when(load_front, arrives.mux(wire, spare.wire()));
         m.output(&format!("{name}_o"), front.wire());
     }
     valid & ready

@@ -12,11 +12,13 @@
 //! # Ok::<(), raypath_rtl::Error>(())
 //! ```
 
+mod binding;
 mod boundary;
 mod choice;
 mod config;
 mod control;
 mod datapath;
+mod demand;
 mod elastic;
 mod error;
 mod graph;

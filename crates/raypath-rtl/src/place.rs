@@ -2,6 +2,7 @@
 //! read it; so operations share the registers, unless the configuration keeps them apart.
 
 use crate::config::Sharing;
+use crate::demand::Demands;
 use crate::graph::{Kind, NodeId, PortBit, Traced};
 use crate::units::Unit;
 use std::collections::{BTreeMap, BTreeSet};
@@ -59,6 +60,7 @@ impl Layout {
         sharing: Sharing,
         operations: &[Traced],
         carried: &[Vec<NodeId>],
+        demands: &[Demands],
         before: &Layout,
         origin: impl Fn(usize, NodeId) -> Origin,
     ) -> Self {
@@ -81,7 +83,18 @@ impl Layout {
                 }
             };
             let mut rooms = Rooms::new(numbers.clone());
-            place_numbers(&needs[op].numbers, old, |id| origin(op, id), &mut residents, &mut rooms);
+            let shares = sharing == Sharing::Union;
+            let fit = |id: NodeId, register: usize, places: &BTreeMap<NodeId, Place>| {
+                let others = layout.places.iter().enumerate().filter(|_| shares);
+                let there = others.flat_map(|(other, theirs)| {
+                    let found = theirs.iter().filter(|(_, place)| **place == Place::Number(register));
+                    found.map(move |(&id, _)| (other, id, theirs))
+                });
+                there.map(|(other, o, theirs)| demands[op].match_of(id, places, &demands[other], o, theirs)).sum()
+            };
+            let mut ids = needs[op].numbers.clone();
+            ids.sort_by_key(|&id| std::cmp::Reverse(demands[op].count(id)));
+            place_numbers(&ids, old, |id| origin(op, id), fit, &mut residents, &mut rooms);
             let placed = place_flags(&needs[op].flags, flags.clone(), old);
             layout.numbers = layout.numbers.max(numbers.end);
             layout.flags = layout.flags.max(end(&placed, 0));
@@ -150,11 +163,13 @@ impl Rooms {
     }
 }
 
-/// First whoever has a place already stays, then whoever finds its own net somewhere joins it, then the rest fill up.
+/// First whoever has a place already stays, then whoever finds its own net somewhere joins it, then the rest go where
+/// they fit best.
 fn place_numbers(
     ids: &[NodeId],
     old: impl Fn(NodeId) -> Option<Place>,
     origin: impl Fn(NodeId) -> Origin,
+    fit: impl Fn(NodeId, usize, &BTreeMap<NodeId, Place>) -> usize,
     residents: &mut BTreeMap<Origin, usize>,
     rooms: &mut Rooms,
 ) {
@@ -169,7 +184,11 @@ fn place_numbers(
         }
     }
     for &id in ids {
-        if let Some(&register) = rooms.free.first() {
+        if rooms.places.contains_key(&id) {
+            continue;
+        }
+        let best = rooms.free.iter().copied().rev().max_by_key(|&register| fit(id, register, &rooms.places));
+        if let Some(register) = best {
             rooms.take(id, register);
         }
     }

@@ -1,11 +1,13 @@
 //! The plan of a datapath: for every step its units, and for every boundary who lives where.
 
+use crate::binding::{self, Bindings};
 use crate::config::{Config, Encoding};
+use crate::demand::Demands;
 use crate::graph::{Kind, NodeId, Op, Traced};
 use crate::liveness::{self, Work};
 use crate::place::{Layout, Origin, Place};
 use crate::steps::{self, Step};
-use crate::units::{self, Unit, Units};
+use crate::units::{Unit, Units};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Everything that the netlist follows from.
@@ -25,7 +27,7 @@ pub struct StepPlan {
     /// Its place in Table VII.
     pub step: Step,
     /// The unit of each value that needs one, operation by operation.
-    pub assigned: Vec<BTreeMap<NodeId, Unit>>,
+    pub bindings: Vec<Bindings>,
     /// What each operation makes.
     pub made: Vec<Vec<NodeId>>,
     /// The registers after it.
@@ -37,17 +39,18 @@ impl Plan {
         let (operations, steps) = steps::expand(operations, config.unit_latency.stages());
         let last = steps.len() as u32 - 1;
         let works: Vec<Vec<Work>> = operations.iter().map(|traced| liveness::work(traced, last)).collect();
+        let demands: Vec<Demands> = operations.iter().map(Demands::new).collect();
         let mut plans: Vec<StepPlan> = Vec::new();
         for (index, step) in steps.into_iter().enumerate() {
-            let assigned: Vec<_> =
-                operations.iter().zip(&works).map(|(op, works)| units::assign(op, &works[index])).collect();
-            let carried: Vec<Vec<NodeId>> = works.iter().map(|works| works[index].carried.clone()).collect();
+            let here: Vec<&Work> = works.iter().map(|works| &works[index]).collect();
+            let carried: Vec<Vec<NodeId>> = here.iter().map(|work| work.carried.clone()).collect();
             let nothing = Layout::default();
             let before = plans.last().map_or(&nothing, |plan| &plan.layout);
-            let origin = |op, id| origin(&operations, before, &assigned, op, id);
-            let layout = Layout::new(config.sharing, &operations, &carried, before, origin);
+            let bindings = binding::bind(&operations, &here, before);
+            let origin = |op, id| origin(&operations, before, &bindings, op, id);
+            let layout = Layout::new(config.sharing, &operations, &carried, &demands, before, origin);
             let made = works.iter().map(|works| works[index].made.clone()).collect();
-            plans.push(StepPlan { step, assigned, made, layout });
+            plans.push(StepPlan { step, bindings, made, layout });
         }
         Self { config, operations, steps: plans }
     }
@@ -66,12 +69,12 @@ impl Plan {
     pub fn origin(&self, step: usize, op: usize, id: NodeId) -> Origin {
         let none = Layout::default();
         let before = step.checked_sub(1).map_or(&none, |before| &self.steps[before].layout);
-        origin(&self.operations, before, &self.steps[step].assigned, op, id)
+        origin(&self.operations, before, &self.steps[step].bindings, op, id)
     }
 
     /// The units of a step, or their parts, kind by kind.
     pub fn units(&self, step: usize) -> BTreeSet<Unit> {
-        self.steps[step].assigned.iter().flat_map(BTreeMap::values).copied().collect()
+        self.steps[step].bindings.iter().flat_map(BTreeMap::values).map(|binding| binding.unit).collect()
     }
 
     /// Numbers of an operation that a step encodes and decodes.
@@ -116,7 +119,7 @@ impl Plan {
 fn origin(
     operations: &[Traced],
     before: &Layout,
-    assigned: &[BTreeMap<NodeId, Unit>],
+    bindings: &[Bindings],
     op: usize,
     id: NodeId,
 ) -> Origin {
@@ -127,6 +130,6 @@ fn origin(
         Op::Input(port) => Origin::Port(port.clone()),
         // A comparator has several results; which of them a value is, is the operation's logic.
         Op::Compare(..) => Origin::Logic(op, id),
-        _ => assigned[op].get(&id).map_or(Origin::Logic(op, id), |unit| Origin::Unit(*unit)),
+        _ => bindings[op].get(&id).map_or(Origin::Logic(op, id), |binding| Origin::Unit(binding.unit)),
     }
 }

@@ -1,8 +1,6 @@
-//! Which unit of a step does what: the k-th adder of every operation is the same adder.
+//! The units of a step.
 
 use crate::graph::{Kind, NodeId, Op, Traced};
-use crate::liveness::Work;
-use std::collections::BTreeMap;
 use std::fmt;
 
 /// The floating-point units.
@@ -104,22 +102,8 @@ impl Units {
     }
 }
 
-/// The unit that makes each of an operation's values in one step.
-pub fn assign(traced: &Traced, work: &Work) -> BTreeMap<NodeId, Unit> {
-    let mut used: BTreeMap<(UnitKind, u32), usize> = BTreeMap::new();
-    let mut units = BTreeMap::new();
-    for &id in &work.made {
-        if let Some((kind, part)) = part(traced, id) {
-            let next = used.entry((kind, part)).or_default();
-            units.insert(id, Unit { kind, part, number: *next });
-            *next += 1;
-        }
-    }
-    units
-}
-
 /// The kind of unit that makes a value, and which of its parts.
-fn part(traced: &Traced, id: NodeId) -> Option<(UnitKind, u32)> {
+pub fn part(traced: &Traced, id: NodeId) -> Option<(UnitKind, u32)> {
     match traced.node(id).op {
         Op::Add(..) | Op::Subtract(..) => Some((UnitKind::Add, 0)),
         Op::Multiply(..) => Some((UnitKind::Multiply, 0)),

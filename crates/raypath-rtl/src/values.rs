@@ -168,7 +168,8 @@ impl<'m, 'p> Values<'m, 'p> {
         let arms: Vec<_> = users
             .into_iter()
             .map(|(op, id)| {
-                let source = self.plan.operations[op].operands(id)[operand];
+                let swapped = self.plan.steps[self.step].bindings[op][&id].swapped;
+                let source = self.plan.operations[op].operands(id)[if swapped { 1 - operand } else { operand }];
                 (op, self.plan.origin(self.step, op, source), source, inverted(op, id) && !all_inverted)
             })
             .collect();
@@ -182,9 +183,9 @@ impl<'m, 'p> Values<'m, 'p> {
 
     /// The operations that a unit serves, and what it makes for each.
     fn users(&self, unit: Unit) -> Vec<(usize, NodeId)> {
-        let assigned = &self.plan.steps[self.step].assigned;
-        let made = |op: usize| assigned[op].iter().find(|(_, u)| **u == unit).map(|(&id, _)| (op, id));
-        (0..assigned.len()).filter_map(made).collect()
+        let bindings = &self.plan.steps[self.step].bindings;
+        let made = |op: usize| bindings[op].iter().find(|(_, binding)| binding.unit == unit).map(|(&id, _)| (op, id));
+        (0..bindings.len()).filter_map(made).collect()
     }
 
     fn make(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
@@ -206,11 +207,11 @@ impl<'m, 'p> Values<'m, 'p> {
                 m.constant(width, value.into())
             }
             Op::Continue(_) | Op::Add(..) | Op::Subtract(..) | Op::Multiply(..) | Op::Compare(..) => {
-                let unit = self.plan.steps[self.step].assigned[op][&id];
+                let unit = self.plan.steps[self.step].bindings[op][&id].unit;
                 self.unit(unit)?[0]
             }
             Op::Relation(order, relation) => {
-                let unit = self.plan.steps[self.step].assigned[op][&order];
+                let unit = self.plan.steps[self.step].bindings[op][&order].unit;
                 let results = self.unit(unit)?;
                 relate(results[0], results[1], results[2], relation)
             }
