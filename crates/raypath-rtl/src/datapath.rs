@@ -3,7 +3,7 @@ use crate::config::{Config, Lanes};
 use crate::error::Error;
 use crate::graph::Traced;
 use crate::library::Library;
-use crate::plan::Plan;
+use crate::plan::{Plan, StepPlan};
 use crate::stage::{self, notes};
 use crate::steps::Step;
 use crate::top::{self, Pipeline};
@@ -173,7 +173,7 @@ impl Datapath {
                 for binding in bindings.values() {
                     *units.of_mut(binding.unit.kind) += 1;
                 }
-                StageNote { operation: traced.name, what: notes(traced, plan.step), units }
+                StageNote { operation: traced.name, what: notes(&self.plan, traced, step), units }
             })
             .collect()
     }
@@ -238,9 +238,12 @@ fn description(plan: &Plan) -> Vec<String> {
     }
     for traced in &plan.operations {
         lines.extend([String::new(), format!("{}, stage by stage:", traced.name)]);
-        let stages = plan.steps.iter().skip(1).filter(|plan| plan.step.part == 1);
-        let works = stages.map(|plan| (plan.step.stage, notes(traced, plan.step))).filter(|(_, what)| !what.is_empty());
-        lines.extend(works.map(|(stage, what)| format!("  {stage:>2}  {what}")));
+        for (index, StepPlan { step, .. }) in plan.steps.iter().enumerate().filter(|(_, plan)| plan.step.part == 1) {
+            let what = notes(plan, traced, index);
+            if !what.is_empty() {
+                lines.push(format!("  {:>2}  {what}", step.stage));
+            }
+        }
     }
     lines
 }

@@ -183,13 +183,14 @@ fn place_numbers(
             rooms.take(id, register);
         }
     }
-    for &id in ids {
-        if rooms.places.contains_key(&id) {
-            continue;
-        }
-        let best = rooms.free.iter().copied().rev().max_by_key(|&register| fit(id, register, &rooms.places));
-        if let Some(register) = best {
-            rooms.take(id, register);
+    // Those that fit nowhere in particular come last, so that they take nobody's place.
+    for least in [1, 0] {
+        for &id in ids.iter().filter(|id| least == 0 || old(**id).is_none()) {
+            let fits = rooms.free.iter().rev().map(|&register| (fit(id, register, &rooms.places), register));
+            match fits.max_by_key(|(fit, _)| *fit) {
+                Some((fit, register)) if fit >= least => rooms.take(id, register),
+                _ => {}
+            }
         }
     }
     for (&id, place) in &rooms.places {

@@ -1,8 +1,7 @@
 //! One step as a module: the values of its registers under the algorithm's names, its units, its registers.
 
-use crate::STAGES;
 use crate::boundary::{self, OPCODE_WIDTH};
-use crate::config::Control;
+use crate::config::{Control, Encoding};
 use crate::elastic;
 use crate::error::Error;
 use crate::graph::{Kind, NodeId, StateValue, Traced};
@@ -10,6 +9,7 @@ use crate::library::Library;
 use crate::plan::Plan;
 use crate::steps::Step;
 use crate::values::{Before, Values};
+use raypath_float::Format;
 use raypath_hdl::{Builder, Module, Register, Wire};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -89,7 +89,7 @@ fn describe(m: &Builder, plan: &Plan, step: usize) {
         Step { stage, part, parts } => format!("Stage {stage}, step {part} of {parts}, and the registers after it."),
     });
     for traced in &plan.operations {
-        let what = notes(traced, at);
+        let what = notes(plan, traced, step);
         m.doc(format!("  {:<10} {}", format!("{}:", traced.name), if what.is_empty() { "passes" } else { &what }));
     }
     let after = &plan.steps[step].layout;
@@ -101,14 +101,17 @@ fn describe(m: &Builder, plan: &Plan, step: usize) {
     }
 }
 
-/// What an operation says that it does in a step's stage.
-pub fn notes(traced: &Traced, step: Step) -> String {
-    let notes: Vec<&str> = traced.notes.iter().filter(|(at, _)| *at == step.stage).map(|(_, what)| *what).collect();
-    match step.stage {
-        1 => "numbers as the stages want them".to_string(),
-        STAGES => "numbers as the ports want them".to_string(),
-        _ => notes.join("; "),
-    }
+/// What an operation says that it does in a step's stage, and what the stage does with all numbers.
+pub fn notes(plan: &Plan, traced: &Traced, index: usize) -> String {
+    let step = plan.steps[index].step;
+    let own = traced.notes.iter().filter(|(at, _)| *at == step.stage).map(|(_, what)| *what);
+    let ieee = if plan.config.format == Format::BINARY32 { "binary32" } else { "IEEE 754" };
+    let conversion = match index.checked_sub(1).map(|before| (plan.encoding(before), plan.encoding(index))) {
+        Some((Encoding::Ieee, Encoding::Recoded)) => Some(format!("{ieee} to recoded")),
+        Some((Encoding::Recoded, Encoding::Ieee)) => Some(format!("recoded to {ieee}")),
+        _ => None,
+    };
+    conversion.into_iter().chain(own.map(str::to_string)).collect::<Vec<_>>().join("; ")
 }
 
 /// The state that a step reads or writes.
