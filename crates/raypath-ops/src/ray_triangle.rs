@@ -75,8 +75,11 @@ impl Operation for RayTriangle {
         circuit.label(format_args!("shift"), &shift);
 
         circuit.stage(4, "shear: x and y of each vertex");
-        let [a, b, c]: [Vec3<C>; 3] =
-            std::array::from_fn(|i| Vec3 { x: relative[i].x - shift[i].x, y: relative[i].y - shift[i].y, z: shift[i].z });
+        let [a, b, c]: [Vec3<C>; 3] = std::array::from_fn(|i| Vec3 {
+            x: relative[i].x - shift[i].x,
+            y: relative[i].y - shift[i].y,
+            z: shift[i].z,
+        });
         circuit.label(format_args!("sheared"), &[a, b, c]);
 
         circuit.stage(5, "products of U, V, W");

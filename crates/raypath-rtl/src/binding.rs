@@ -41,9 +41,10 @@ pub fn bind(operations: &[Traced], works: &[&Work], before: &Layout) -> Vec<Bind
         } else if values.iter().enumerate().any(|(op, values)| chained(&operations[op], works[op], values)) {
             // Another choice could make two operations' chains a circle.
             for (op, values) in values.iter().enumerate() {
-                let in_order = values.iter().enumerate().map(|(number, &id)| {
-                    (id, Binding { unit: Unit { kind, part, number }, swapped: false })
-                });
+                let in_order = values
+                    .iter()
+                    .enumerate()
+                    .map(|(number, &id)| (id, Binding { unit: Unit { kind, part, number }, swapped: false }));
                 bindings[op].extend(in_order);
             }
         } else {
@@ -83,13 +84,7 @@ fn chained(traced: &Traced, work: &Work, values: &[NodeId]) -> bool {
 type Nets = BTreeSet<(Origin, bool)>;
 
 /// The operation with the most values first; each value then goes where it adds the fewest nets.
-fn matched(
-    operations: &[Traced],
-    kind: UnitKind,
-    values: &[Vec<NodeId>],
-    before: &Layout,
-    bindings: &mut [Bindings],
-) {
+fn matched(operations: &[Traced], kind: UnitKind, values: &[Vec<NodeId>], before: &Layout, bindings: &mut [Bindings]) {
     let units = values.iter().map(Vec::len).max().unwrap_or(0);
     let mut nets: Vec<[Nets; 2]> = vec![Default::default(); units];
     let mut order: Vec<usize> = (0..operations.len()).collect();
@@ -101,7 +96,8 @@ fn matched(
             for swapped in [false, true] {
                 let Some(operands) = operands(traced, op, id, swapped, before) else { continue };
                 for (number, nets) in nets.iter().enumerate() {
-                    let new = operands.iter().zip(nets).filter(|(net, known)| !known.is_empty() && !known.contains(net));
+                    let new =
+                        operands.iter().zip(nets).filter(|(net, known)| !known.is_empty() && !known.contains(net));
                     offers.push((new.count(), swapped, place.abs_diff(number), place, number, operands.clone()));
                 }
             }
@@ -122,13 +118,7 @@ fn matched(
 }
 
 /// The nets of a value's two operands; none where they may not change places.
-fn operands(
-    traced: &Traced,
-    op: usize,
-    id: NodeId,
-    swapped: bool,
-    before: &Layout,
-) -> Option<[(Origin, bool); 2]> {
+fn operands(traced: &Traced, op: usize, id: NodeId, swapped: bool, before: &Layout) -> Option<[(Origin, bool); 2]> {
     let (a, b, inverts) = match traced.node(id).op {
         Op::Add(a, b) | Op::Multiply(a, b) if swapped => (b, a, false),
         Op::Add(a, b) | Op::Multiply(a, b) => (a, b, false),

@@ -202,7 +202,8 @@ impl Datapath {
         let cuts = layout.cuts.iter().flat_map(|&unit| self.library.cut(unit)).map(|(_, width)| u64::from(width));
         let numbers = layout.numbers as u64 * u64::from(self.plan.number_width(step));
         let live = u64::from(OPCODE_WIDTH) + numbers + u64::from(layout.flags) + cuts.sum::<u64>();
-        let states = self.plan.operations.iter().flat_map(|traced| traced.states.iter().map(move |state| (traced, state)));
+        let states =
+            self.plan.operations.iter().flat_map(|traced| traced.states.iter().map(move |state| (traced, state)));
         let here = states.filter(|(_, state)| state.written as usize == step);
         let state = here.map(|(traced, state)| u64::from(stage::width(traced, state, &self.library))).sum();
         let below: u64 = module.instances().iter().map(|instance| instance.module.register_bits()).sum();

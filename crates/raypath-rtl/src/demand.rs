@@ -60,7 +60,8 @@ impl Demands {
     ) -> usize {
         let (Some(ours), Some(theirs)) = (self.0.get(&id), other.0.get(&other_id)) else { return 0 };
         let alike = |a: &Demand, b: &Demand| {
-            (a.step, a.kind) == (b.step, b.kind) && (a.operand == b.operand || a.operand.is_none() || b.operand.is_none())
+            (a.step, a.kind) == (b.step, b.kind)
+                && (a.operand == b.operand || a.operand.is_none() || b.operand.is_none())
         };
         let together = |a: &Demand, b: &Demand| {
             let (place, other) = (places.get(&a.companion), other_places.get(&b.companion));

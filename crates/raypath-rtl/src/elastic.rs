@@ -16,12 +16,7 @@ pub struct Next<'m> {
 
 /// Adds registers, their handshake and output ports. `hold` keeps the job in the registers before. Returns whether the
 /// step hands on its job in this cycle.
-pub fn skid_buffers<'m>(
-    m: &'m Builder,
-    library: &Library,
-    next: Vec<Next<'m>>,
-    hold: Option<Wire<'m>>,
-) -> Wire<'m> {
+pub fn skid_buffers<'m>(m: &'m Builder, library: &Library, next: Vec<Next<'m>>, hold: Option<Wire<'m>>) -> Wire<'m> {
     m.section("Registers: a skid buffer");
     let valid = m.input("valid_i", 1);
     let ready_after = m.input("ready_i", 1);

@@ -116,13 +116,7 @@ impl Plan {
     }
 }
 
-fn origin(
-    operations: &[Traced],
-    before: &Layout,
-    bindings: &[Bindings],
-    op: usize,
-    id: NodeId,
-) -> Origin {
+fn origin(operations: &[Traced], before: &Layout, bindings: &[Bindings], op: usize, id: NodeId) -> Origin {
     if let Some(place) = before.places.get(op).and_then(|places| places.get(&id)) {
         return Origin::Place(*place);
     }

@@ -125,7 +125,9 @@ struct States<'m> {
 impl<'m> States<'m> {
     fn new(m: &'m Builder, plan: &Plan, library: &Library, step: usize) -> Self {
         let mut states = Self { registers: BTreeMap::new(), wires: BTreeMap::new() };
-        let all = || plan.operations.iter().enumerate().flat_map(|(op, t)| t.states.iter().enumerate().map(move |s| (op, t, s)));
+        let all = || {
+            plan.operations.iter().enumerate().flat_map(|(op, t)| t.states.iter().enumerate().map(move |s| (op, t, s)))
+        };
         let step = step as u32;
         for (op, traced, (number, state)) in all() {
             if (state.read..state.written).contains(&step) {

@@ -13,8 +13,20 @@ fn main() {
                     let mut n = NetlistEngine::of(&d, |_| false).unwrap();
                     let job = jobs::random(1, config.kinds()).next().unwrap();
                     let t = timing(&mut n, &job);
-                    let f = lockstep(&mut n, rules, jobs::random(1, config.kinds()).take(5000), &mut Traffic::random(1), |_| true);
-                    println!("{config}: {} FF, {:?} {} jobs {} different", d.top().register_bits(), t, f.jobs, f.different);
+                    let f = lockstep(
+                        &mut n,
+                        rules,
+                        jobs::random(1, config.kinds()).take(5000),
+                        &mut Traffic::random(1),
+                        |_| true,
+                    );
+                    println!(
+                        "{config}: {} FF, {:?} {} jobs {} different",
+                        d.top().register_bits(),
+                        t,
+                        f.jobs,
+                        f.different
+                    );
                 }
             }
         }
@@ -28,9 +40,17 @@ fn main() {
         let t = timing(&mut n, &job);
         let jobs: Vec<_> = jobs::random(1, config.kinds()).take(5000).collect();
         let mut exp = Vec::new();
-        evaluate(config.rules, jobs.iter(), |_, o| { exp.push(o); true });
+        evaluate(config.rules, jobs.iter(), |_, o| {
+            exp.push(o);
+            true
+        });
         let mut bad = 0;
-        let r = drive(&mut n, jobs.iter(), &mut Traffic::random(3), |i, o| { if o != exp[i] { bad += 1; } true });
+        let r = drive(&mut n, jobs.iter(), &mut Traffic::random(3), |i, o| {
+            if o != exp[i] {
+                bad += 1;
+            }
+            true
+        });
         println!("{config}: {} FF {:?} {:?} bad {bad}", d.top().register_bits(), t, r);
     }
 }
