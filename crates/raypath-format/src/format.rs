@@ -41,6 +41,9 @@ impl Format {
     /// IEEE 754 binary16.
     pub const BINARY16: Self = Self { exponent: 5, significand: 11 };
 
+    /// IEEE 754 binary64, to convert from and to `f64`. It is beyond what [`Format::new`] allows, so it stays inside.
+    pub(crate) const BINARY64: Self = Self { exponent: 11, significand: 53 };
+
     /// A format of 3 to 11 exponent bits and 3 to 24 significand bits. The significand is bounded by 2^(exponent-2) + 3
     /// as well: with more, the smallest subnormals would need the recoded exponents that say zero.
     pub fn new(exponent: u32, significand: u32) -> Result<Self, FormatError> {
@@ -94,6 +97,12 @@ impl Format {
     #[inline]
     pub fn nan(self) -> u64 {
         self.infinity() | 1 << (self.fraction_width() - 1)
+    }
+
+    /// The code of -0: the sign bit.
+    #[inline]
+    pub(crate) fn sign_bit(self) -> u64 {
+        1 << (self.ieee_width() - 1)
     }
 
     /// Sign, exponent and fraction of a number whose exponent has `exponent_width` bits.
