@@ -5,12 +5,12 @@ use crate::bundle::bundle;
 use crate::circuit::{Bit, Circuit, Flags, Num};
 use crate::operation::Operation;
 
-/// Squared Euclidean distance, `N` dimensions a beat: a power of two, at most 16.
+/// Squared Euclidean distance, `N` dimensions a beat: a power of two, at most 64.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Euclidean<const N: usize>;
 
 /// Dot product and squared norm of the candidate, `N` dimensions a beat: half as many as a Euclidean beat has, so a
-/// power of two, at most 8.
+/// power of two, at most 32.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Angular<const N: usize>;
 
@@ -84,9 +84,10 @@ bundle! {
     }
 }
 
-/// The stage of each level of the halving tree, widest first. A Euclidean tree of 16 lanes uses all four levels, an
-/// angular one of 8 the first three and accumulates where the fourth would be.
-const TREE_STAGES: [u32; 4] = [4, 6, 8, 9];
+/// Stages for the levels of the halving trees. First come those whose adders are there for other operations as well;
+/// a tree with fewer levels leaves out the later ones. A Euclidean tree may end where an angular one accumulates.
+const EUCLIDEAN_TREE: [u32; 6] = [4, 6, 8, 9, 5, 7];
+const ANGULAR_TREE: [u32; 5] = [4, 6, 8, 5, 7];
 const TREE_TITLE: &str = "sums i + (i + half)";
 
 impl<const N: usize> Operation for Euclidean<N> {
@@ -112,11 +113,10 @@ impl<const N: usize> Operation for Euclidean<N> {
         let mut lanes = difference.map(|d| d * d);
         c.label(format_args!("square"), &lanes);
 
-        const { assert!(N.is_power_of_two() && N <= 16, "the tree has four levels") };
-        let mut width = N;
-        for stage in TREE_STAGES {
+        const { assert!(N.is_power_of_two() && N <= 64, "lanes are a power of two, 64 at most") };
+        for (level, stage) in tree(&EUCLIDEAN_TREE, N) {
             c.stage(stage, TREE_TITLE);
-            width = fold(c, "sum", &mut lanes, width);
+            fold(c, "sum", &mut lanes, level);
         }
 
         c.stage(10, "accumulated");
@@ -154,12 +154,11 @@ impl<const N: usize> Operation for Angular<N> {
         c.label(format_args!("dot"), &dots);
         c.label(format_args!("norm"), &norms);
 
-        const { assert!(N.is_power_of_two() && N <= 8, "the tree has three levels") };
-        let mut width = N;
-        for stage in &TREE_STAGES[..3] {
-            c.stage(*stage, TREE_TITLE);
-            fold(c, "dot_sum", &mut dots, width);
-            width = fold(c, "norm_sum", &mut norms, width);
+        const { assert!(N.is_power_of_two() && N <= 32, "lanes are a power of two, 32 at most") };
+        for (level, stage) in tree(&ANGULAR_TREE, N) {
+            c.stage(stage, TREE_TITLE);
+            fold(c, "dot_sum", &mut dots, level);
+            fold(c, "norm_sum", &mut norms, level);
         }
 
         c.stage(9, "both accumulated");
@@ -176,13 +175,19 @@ impl<const N: usize> Operation for Angular<N> {
     }
 }
 
-/// One level of the halving tree: lane i takes in lane i + width/2. Gives the number of lanes left.
+/// The levels of a halving tree over `lanes` lanes: the lanes that each leaves, and its stage.
 #[inline]
-fn fold<C: Circuit>(c: C, name: &str, lanes: &mut [Num<C>], width: usize) -> usize {
-    let half = width / 2;
+fn tree(preference: &[u32], lanes: usize) -> impl Iterator<Item = (usize, u32)> {
+    let chosen = &preference[..lanes.ilog2() as usize];
+    let in_order = (1..=10).filter(move |stage| chosen.contains(stage));
+    in_order.enumerate().map(move |(level, stage)| (lanes >> (level + 1), stage))
+}
+
+/// One level of the halving tree: lane i takes in lane i + half.
+#[inline]
+fn fold<C: Circuit>(c: C, name: &str, lanes: &mut [Num<C>], half: usize) {
     for i in 0..half {
         lanes[i] = lanes[i] + lanes[i + half];
         c.label(format_args!("{name}_{half}_{i}"), &lanes[i]);
     }
-    half
 }

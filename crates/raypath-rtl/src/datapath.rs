@@ -84,9 +84,12 @@ impl Datapath {
             .with(&RayTriangle { rules }, JobKind::Triangle.opcode())?;
         Self::of(match config.lanes {
             Lanes::None => operations,
-            Lanes::Sixteen => operations
-                .with(&Euclidean::<16>, JobKind::Euclidean.opcode())?
-                .with(&Angular::<8>, JobKind::Angular.opcode())?,
+            Lanes::Two => with_distances::<2, 1>(operations)?,
+            Lanes::Four => with_distances::<4, 2>(operations)?,
+            Lanes::Eight => with_distances::<8, 4>(operations)?,
+            Lanes::Sixteen => with_distances::<16, 8>(operations)?,
+            Lanes::ThirtyTwo => with_distances::<32, 16>(operations)?,
+            Lanes::SixtyFour => with_distances::<64, 32>(operations)?,
         })
     }
 
@@ -148,6 +151,10 @@ impl Datapath {
     fn module(&self, stage: u32) -> Option<&Arc<Module>> {
         self.pipeline.stages.get(stage as usize)
     }
+}
+
+fn with_distances<const E: usize, const A: usize>(operations: Operations) -> Result<Operations, Error> {
+    operations.with(&Euclidean::<E>, JobKind::Euclidean.opcode())?.with(&Angular::<A>, JobKind::Angular.opcode())
 }
 
 impl Registers {

@@ -13,6 +13,7 @@
 //! ```
 
 mod boundary;
+mod choice;
 mod config;
 mod datapath;
 mod error;
@@ -23,6 +24,7 @@ mod liveness;
 mod output;
 mod place;
 mod plan;
+mod preset;
 mod skid;
 mod stage;
 mod top;
@@ -30,9 +32,11 @@ mod tracer;
 mod units;
 mod values;
 
-pub use config::{Config, Lanes, ParseLanesError};
+pub use choice::ParseChoiceError;
+pub use config::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
 pub use datapath::{Datapath, Operations, Registers, StageNote};
 pub use error::Error;
+pub use preset::{PRESETS, Preset};
 pub use units::{UnitKind, Units};
 
 /// The stages between the input's registers and the output's (Table VII).

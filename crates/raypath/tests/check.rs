@@ -10,7 +10,7 @@ use raypath::traffic::Traffic;
 const JOBS: usize = 2000;
 
 fn netlist(rules: Rules) -> NetlistEngine {
-    NetlistEngine::new(Config { rules, lanes: Lanes::Sixteen }, |_| false).expect("a datapath")
+    NetlistEngine::new(Config { rules, ..Config::DEFAULT }, |_| false).expect("a datapath")
 }
 
 #[test]

@@ -9,7 +9,7 @@ use raypath::traffic::{Traffic, interleave};
 use raypath::transactions::Transaction;
 use recorded::golden;
 
-const CHISEL: Config = Config { rules: Rules::Chisel, lanes: Lanes::Sixteen };
+const CHISEL: Config = Config { rules: Rules::Chisel, ..Config::DEFAULT };
 
 /// The stream as recorded, and with the modes mixed between the beats of each other's vectors.
 fn orders() -> [(&'static str, Vec<Transaction>); 2] {

@@ -5,10 +5,10 @@ use raypath::picture::pipeline;
 use raypath::rtl::{Config, Datapath, Lanes, STAGES, Units};
 use raypath::tables::{PAPER_UNITS, difference, schedule, units_and_registers};
 
-const DEFAULT: Config = Config { rules: Rules::Paper, lanes: Lanes::Sixteen };
+const DEFAULT: Config = Config::DEFAULT;
 
 fn datapath(lanes: Lanes, rules: Rules) -> Datapath {
-    Datapath::new(Config { rules, lanes }).expect("a datapath")
+    Datapath::new(Config { rules, lanes, ..Config::DEFAULT }).expect("a datapath")
 }
 
 fn arithmetic(units: Units) -> (usize, usize, usize) {
@@ -52,7 +52,7 @@ fn units_equal_table_viii_or_say_why_not() {
 fn differences_have_reasons() {
     for lanes in [Lanes::Sixteen, Lanes::None] {
         for rules in [Rules::Paper, Rules::Chisel] {
-            let (config, datapath) = (Config { rules, lanes }, datapath(lanes, rules));
+            let (config, datapath) = (Config { rules, lanes, ..Config::DEFAULT }, datapath(lanes, rules));
             for stage in 1..=STAGES {
                 let converts = stage == 1 || stage == STAGES;
                 let differs = arithmetic(datapath.units(stage)) != TABLE_VIII[stage as usize - 1];

@@ -19,7 +19,7 @@ use std::time::Instant;
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Lanes of a Euclidean beat (an angular one has half as many), or none: no distance modes
-    #[arg(long, default_value_t = Lanes::Sixteen, value_name = "none|16")]
+    #[arg(long, default_value_t = Lanes::Sixteen, value_name = "none|2|4|8|16|32|64")]
     lanes: Lanes,
     /// The rules on the edges: paper (this project's rulings) or chisel (the original hardware's)
     #[arg(long, default_value_t = Rules::Paper, value_name = "paper|chisel")]
@@ -36,7 +36,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
-    let config = Config { rules: arguments.rules, lanes: arguments.lanes };
+    let config = Config { rules: arguments.rules, lanes: arguments.lanes, ..Config::DEFAULT };
     let datapath = Datapath::new(config)?;
     let files = files(&datapath, config, &arguments.out)?;
     write_all(&files)?;

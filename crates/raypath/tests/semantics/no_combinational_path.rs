@@ -13,7 +13,7 @@ fn depends(module: &Arc<Module>, output: &str, input: &str) -> bool {
 fn the_handshakes_do_not_see_each_other() {
     for lanes in [Lanes::None, Lanes::Sixteen] {
         for rules in [Rules::Paper, Rules::Chisel] {
-            let datapath = Datapath::new(Config { rules, lanes }).unwrap();
+            let datapath = Datapath::new(Config { rules, lanes, ..Config::DEFAULT }).unwrap();
             for input in ["output_ready_i", "input_valid_i", "opcode_i"] {
                 for output in ["input_ready_o", "output_valid_o", "opcode_o"] {
                     assert!(!depends(datapath.top(), output, input), "{output} from {input}, {lanes}, {rules}");

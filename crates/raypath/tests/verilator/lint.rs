@@ -9,7 +9,7 @@ use std::process::Command;
 fn every_configuration_is_clean() {
     for lanes in [Lanes::None, Lanes::Sixteen] {
         for rules in [Rules::Paper, Rules::Chisel] {
-            let datapath = Datapath::new(Config { rules, lanes }).expect("a datapath");
+            let datapath = Datapath::new(Config { rules, lanes, ..Config::DEFAULT }).expect("a datapath");
             let folder = tempfile::tempdir().expect("a folder");
             let sources = Sources::write(datapath.top(), folder.path()).expect("sources");
             let text = std::fs::read_to_string(&sources.all).expect("text");

@@ -39,7 +39,7 @@ fn faults(verilated: &Verilated, top: &Module, cycles: &[Cycle]) -> usize {
 /// The golden vectors: in the recorded order without stalls, with stalls and bubbles, and with the modes interleaved.
 #[test]
 fn golden_vectors() {
-    let (_folder, datapath, verilated) = build(Config { rules: Rules::Chisel, lanes: Lanes::Sixteen });
+    let (_folder, datapath, verilated) = build(Config { rules: Rules::Chisel, ..Config::DEFAULT });
     let recorded = golden();
     let mixed = interleave(recorded.clone(), 11);
     for (stream, traffic) in [
@@ -79,7 +79,7 @@ fn random_jobs_and_resets_without_distance_modes() {
 }
 
 fn random_campaign(lanes: Lanes, kinds: &[JobKind]) {
-    let (_folder, datapath, verilated) = build(Config { rules: Rules::Paper, lanes });
+    let (_folder, datapath, verilated) = build(Config { lanes, ..Config::DEFAULT });
     let jobs: Vec<Job> = random(21, kinds).take(20_000).collect();
     for seed in 0..2 {
         let resets = (0..40).map(|n| 500 + n * 997 + n * n).collect();
