@@ -18,6 +18,7 @@
 //! ```
 
 pub use raypath_float as float;
+pub use raypath_format as format;
 pub use raypath_hdl as hdl;
 pub use raypath_model as model;
 pub use raypath_ops as ops;
