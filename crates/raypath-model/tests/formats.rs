@@ -4,11 +4,10 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_format::Format;
-use raypath_model::{Binary64, Soft};
+use raypath_model::{Binary64, Functional, Soft};
 use raypath_ops::{
-    Aabb, Angular, AngularState, Binary32, Circuit, Concrete, Euclidean, EuclideanState, Job, JobKind, Num, Operation,
-    Outcome, PortKind, PortValue, Ray, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Relation, Rules, Test,
-    Triangle,
+    Aabb, Binary32, Circuit, Concrete, Job, JobKind, Outcome, PortKind, PortValue, Ray, RayBoxInput, RayTriangleInput,
+    Relation, Rules, Test, Triangle,
 };
 
 const EDGES: [u32; 16] = [
@@ -81,7 +80,7 @@ fn soft_binary32_is_binary32() {
     let soft = Soft { format: Format::BINARY32 };
     for rules in [Rules::Paper, Rules::Chisel] {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let (mut host, mut soft_datapath) = (Datapath::new(Binary32, rules), Datapath::new(soft, rules));
+        let (mut host, mut in_software) = (Functional::<16, 8>::new(rules), Functional::<16, 8, _>::over(soft, rules));
         let mut seen = Seen::default();
         for _ in 0..JOBS {
             let job = job(&mut rng);
@@ -89,7 +88,7 @@ fn soft_binary32_is_binary32() {
             let mut input = in_order(&inputs);
             let same = Job::from_ports_in(soft, job.kind(), |name| input(name).bits);
             let expected = host.run(&job);
-            assert_eq!(soft_datapath.run(&same).ports(), expected.ports(), "{job:?}");
+            assert_eq!(in_software.run(&same).ports(), expected.ports(), "{job:?}");
             seen.count(&expected);
         }
         // Answers of one kind would prove little.
@@ -112,7 +111,7 @@ fn where_nothing_is_rounded_all_formats_agree() {
 fn agree_exactly<C: Concrete>(circuit: C, rules: Rules, code: impl Fn(f32) -> u64, number: impl Fn(u64) -> f64) {
     const JOBS: usize = 20_000;
     let mut rng = ChaCha8Rng::seed_from_u64(2);
-    let (mut host, mut other) = (Datapath::new(Binary32, rules), Datapath::new(circuit, rules));
+    let (mut host, mut other) = (Functional::<16, 8>::new(rules), Functional::<16, 8, _>::over(circuit, rules));
     let mut seen = Seen::default();
     for _ in 0..JOBS {
         let kind = JobKind::ALL[rng.random_range(0..4)];
@@ -193,41 +192,6 @@ fn job(rng: &mut ChaCha8Rng) -> Job {
                 _ if rng.random_bool(0.05) => rng.random(),
                 _ => rng.random_range(-1.0_f32..1.0).to_bits().into(),
             })
-        }
-    }
-}
-
-/// The operations over a circuit, and their accumulators.
-struct Datapath<C: Concrete> {
-    circuit: C,
-    rules: Rules,
-    euclidean: EuclideanState<C>,
-    angular: AngularState<C>,
-}
-
-impl<C: Concrete> Datapath<C> {
-    fn new(circuit: C, rules: Rules) -> Self {
-        let zero: Num<C> = circuit.zero();
-        let (euclidean, angular) =
-            (EuclideanState { accumulator: zero }, AngularState { dot_product: zero, norm: zero });
-        Self { circuit, rules, euclidean, angular }
-    }
-
-    fn run(&mut self, job: &Job<16, 8, C>) -> Outcome<C> {
-        let Self { circuit, rules, .. } = *self;
-        match *job {
-            Job::Triangle(input) => Outcome::Triangle(RayTriangle { rules }.run(circuit, input, ()).0),
-            Job::Quadbox(input) => Outcome::Quadbox(RayBox { rules }.run(circuit, input, ()).0),
-            Job::Euclidean(input) => {
-                let (output, state) = Euclidean::<16>.run(circuit, input, self.euclidean);
-                self.euclidean = state;
-                Outcome::Euclidean(output)
-            }
-            Job::Angular(input) => {
-                let (output, state) = Angular::<8>.run(circuit, input, self.angular);
-                self.angular = state;
-                Outcome::Angular(output)
-            }
         }
     }
 }

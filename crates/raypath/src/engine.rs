@@ -2,7 +2,7 @@
 
 use crate::traffic::Traffic;
 use raypath_hdl::{InputPort, OutputPort, Simulator};
-use raypath_model::{CycleModel, Functional};
+use raypath_model::{CycleModel, Functional, Shape};
 use raypath_ops::{Job, JobKind, Outcome, Rules};
 use raypath_rtl::{Config, Datapath};
 use std::borrow::Borrow;
@@ -105,7 +105,7 @@ pub struct CycleEngine {
 impl CycleEngine {
     /// An empty pipeline.
     pub fn new(rules: Rules) -> Self {
-        Self { model: CycleModel::new(rules), presented: None }
+        Self { model: CycleModel::new(Functional::new(rules), &Shape::default()), presented: None }
     }
 }
 
@@ -115,7 +115,8 @@ impl Engine for CycleEngine {
     }
 
     fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
-        let shown = Shown { input_ready: self.model.input_ready(), output: self.model.output().copied() };
+        let kind = self.presented.map_or(JobKind::Triangle, |job| job.kind());
+        let shown = Shown { input_ready: self.model.input_ready(kind), output: self.model.output().copied() };
         self.model.cycle(self.presented.as_ref().filter(|_| input_valid), output_ready);
         shown
     }

@@ -4,7 +4,7 @@ use raypath::check::lockstep;
 use raypath::engine::NetlistEngine;
 use raypath::jobs::random;
 use raypath::ops::{JobKind, Rules};
-use raypath::rtl::{Config, Lanes};
+use raypath::rtl::Config;
 use raypath::traffic::Traffic;
 
 const JOBS: usize = 2000;

@@ -4,7 +4,7 @@ mod recorded;
 
 use raypath::engine::{CycleEngine, NetlistEngine, Run, drive, evaluate};
 use raypath::ops::{Outcome, Rules};
-use raypath::rtl::{Config, Lanes};
+use raypath::rtl::Config;
 use raypath::traffic::{Traffic, interleave};
 use raypath::transactions::Transaction;
 use recorded::golden;

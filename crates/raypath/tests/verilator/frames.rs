@@ -2,8 +2,8 @@
 //! every port must show in every cycle.
 
 use raypath::hdl::Module;
-use raypath::model::{Elastic, Functional, LATENCY};
-use raypath::ops::{Job, Outcome};
+use raypath::model::{Elastic, Functional, Shape};
+use raypath::ops::{Job, JobKind, Outcome};
 use raypath::traffic::Traffic;
 use std::collections::HashMap;
 
@@ -45,7 +45,7 @@ impl Stimulus<'_> {
         let mut inputs = vec![0; places.len() + 1];
         let mut cycles =
             vec![Cycle { inputs: inputs.clone(), expected: None }, Cycle { inputs: inputs.clone(), expected: None }];
-        let mut pipeline: Elastic<Outcome, LATENCY> = Elastic::new();
+        let mut pipeline: Elastic<Outcome> = Elastic::new(&Shape::default());
         let (mut accepted, mut left) = (0, 0);
         while left < self.jobs.len() {
             let reset = self.resets.contains(&cycles.len());
@@ -68,11 +68,13 @@ impl Stimulus<'_> {
             inputs[0] = (!reset).into();
             inputs[places["input_valid_i"]] = offered.is_some().into();
             inputs[places["output_ready_i"]] = output_ready.into();
-            let expected = Expected { input_ready: pipeline.input_ready(), output: pipeline.output().copied() };
+            let input_ready = pipeline.input_ready(job.map_or(JobKind::Triangle, Job::kind));
+            let expected = Expected { input_ready, output: pipeline.output().copied() };
             cycles.push(Cycle { inputs: inputs.clone(), expected: Some(expected) });
             if !reset {
-                let is_accepted = offered.filter(|_| pipeline.input_ready());
-                let transfer = pipeline.cycle(is_accepted.map(|job| self.answers.next(accepted, job)), output_ready);
+                let entering = offered.filter(|_| input_ready);
+                let item = entering.map(|job| (job.kind(), self.answers.next(accepted, job)));
+                let transfer = pipeline.cycle(item, output_ready);
                 accepted += usize::from(transfer.accepted);
                 left += usize::from(transfer.output.is_some());
             }
