@@ -71,10 +71,11 @@ fn shim(unit: Arc<Module>, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
     for part in 1..=parts {
         let m = raypath_hdl::Builder::new(&format!("{}_part_{part}_of_{parts}", unit.name()));
         let w = unit.port_width("a_i").unwrap();
-        let (a, b) = (m.input("a_i", w), m.input("b_i", w));
+        let names = if part == 1 { ["a_i", "b_i"] } else { ["x_i", "y_i"] };
+        let (a, b) = (m.input(names[0], w), m.input(names[1], w));
         if part < parts {
-            m.output("a_o", a);
-            m.output("b_o", b);
+            m.output("x_o", a);
+            m.output("y_o", b);
         } else {
             let out = m.instance("u_unit", &unit, &[("a_i", a), ("b_i", b)]);
             m.output(&unit.outputs()[0].name, out[0]);

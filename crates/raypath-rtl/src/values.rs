@@ -199,7 +199,8 @@ impl<'m, 'p> Values<'m, 'p> {
             Op::Input(_) => return Err(self.unplaced(op, id)),
             Op::State(state) => *self.before.states.get(&(op, state)).ok_or_else(|| self.unplaced(op, id))?,
             Op::Number(bits) => {
-                m.constant(self.library.format.recoded_width(), self.library.format.encode(bits.into()))
+                let format = self.library.format;
+                m.constant(format.recoded_width(), format.encode(format.from_f32(f32::from_bits(bits))))
             }
             Op::Bit(value) => m.constant(1, value.into()),
             Op::Word(value) => {
