@@ -1,22 +1,36 @@
 //! Nothing to say about any configuration, from anyone, with no waiver in the text.
 
+use crate::representatives::REPRESENTATIVES;
 use raypath::ops::Rules;
-use raypath::rtl::{Config, Datapath, Lanes};
+use raypath::rtl::{Config, Datapath, Encoding, Lanes, PRESETS};
 use raypath_cosim::{Sources, lint_slang, lint_verilator, lint_yosys};
 use std::process::Command;
 
 #[test]
 fn every_configuration_is_clean() {
-    for lanes in [Lanes::None, Lanes::Sixteen] {
-        for rules in [Rules::Paper, Rules::Chisel] {
-            let datapath = Datapath::new(Config { rules, lanes, ..Config::DEFAULT }).expect("a datapath");
-            let folder = tempfile::tempdir().expect("a folder");
-            let sources = Sources::write(datapath.top(), folder.path()).expect("sources");
-            let text = std::fs::read_to_string(&sources.all).expect("text");
-            assert!(!text.contains("lint_off") && !text.contains("verilator"), "a waiver");
-            sources.lint().unwrap_or_else(|fault| panic!("{rules}, {lanes} lanes: {fault}"));
+    let rules = [Rules::Paper, Rules::Chisel].map(|rules| Config { rules, ..Config::DEFAULT });
+    let table_vi = Encoding::ALL.iter().flat_map(|&io| Encoding::ALL.iter().map(move |&registers| (io, registers)));
+    let table_vi = table_vi.flat_map(|(io, registers)| {
+        Lanes::ALL.iter().map(move |&lanes| Config { io, registers, lanes, ..Config::DEFAULT })
+    });
+    let presets = PRESETS.iter().map(|preset| preset.config);
+    let mut seen: Vec<Config> = Vec::new();
+    for config in rules.into_iter().chain(table_vi).chain(presets).chain(REPRESENTATIVES) {
+        if !seen.contains(&config) {
+            clean(config);
+            seen.push(config);
         }
     }
+    assert!(seen.len() > 40);
+}
+
+fn clean(config: Config) {
+    let datapath = Datapath::new(config).expect("a datapath");
+    let folder = tempfile::tempdir().expect("a folder");
+    let sources = Sources::write(datapath.top(), folder.path()).expect("sources");
+    let text = std::fs::read_to_string(&sources.all).expect("text");
+    assert!(!text.contains("lint_off") && !text.contains("verilator"), "a waiver");
+    sources.lint().unwrap_or_else(|fault| panic!("{config}: {fault}"));
 }
 
 /// The same of the files that `generate` writes, as its list names them.

@@ -2,6 +2,7 @@
 
 use crate::frames::{Answers, Cycle, Stimulus};
 use crate::recorded::golden;
+use crate::representatives::REPRESENTATIVES;
 use raypath::engine::{PortEncoding, shape};
 use raypath::hdl::Module;
 use raypath::jobs::random;
@@ -82,6 +83,12 @@ fn random_jobs_and_resets() {
 #[test]
 fn random_jobs_and_resets_without_distance_modes() {
     random_campaign(Config { lanes: Lanes::None, ..Config::DEFAULT });
+}
+
+/// And every value of every other parameter.
+#[test]
+fn random_jobs_and_resets_in_other_configurations() {
+    REPRESENTATIVES.into_iter().for_each(random_campaign);
 }
 
 fn random_campaign(config: Config) {
