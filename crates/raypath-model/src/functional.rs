@@ -63,7 +63,8 @@ impl<const E: usize, const A: usize, C: Concrete> Model for Functional<E, A, C> 
     type Job = Job<E, A, C>;
     type Outcome = Outcome<C>;
 
-    #[inline]
+    /// Not inlined: a program that offers all configurations has this function for each of them.
+    #[inline(never)]
     fn run(&mut self, job: &Job<E, A, C>) -> Outcome<C> {
         self.run(job)
     }

@@ -25,6 +25,7 @@ pub use raypath_ops as ops;
 pub use raypath_rtl as rtl;
 
 pub mod check;
+pub mod configuration;
 pub mod engine;
 pub mod jobs;
 pub mod models;

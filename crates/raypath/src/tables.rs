@@ -1,8 +1,9 @@
 //! The datapath in tables: schedule (Table VII), units (Table VIII) and registers, all computed from the netlist.
 
-use comfy_table::{ContentArrangement, Table, presets};
+use comfy_table::presets::ASCII_MARKDOWN;
+use comfy_table::{ContentArrangement, Table};
 use raypath_ops::Rules;
-use raypath_rtl::{Config, Datapath, Lanes, STAGES, StageNote, Step, UnitKind, Units};
+use raypath_rtl::{Config, Datapath, Lanes, PRESETS, STAGES, StageNote, Step, UnitKind, UnitLatency, Units};
 
 /// Table VIII of the paper, for stages 1 to 11 with 16 lanes; the two quad-sorters of stage 10 count five comparators
 /// each. Conversions stand outside it.
@@ -46,10 +47,25 @@ fn cell(note: &StageNote) -> String {
     }
 }
 
-/// Table VIII with the paper's figures beside ours, and the registers after each step.
+/// The units of each step and the registers after it; beside them Table VIII where the configuration is one that it
+/// speaks of, with what makes ours differ.
 pub fn units_and_registers(datapath: &Datapath, config: Config) -> String {
+    let has_paper = is_in_table_viii(config);
+    let row = |stage: &str, units: Units, paper: Units, live: u64, flip_flops: u64, why: &str| {
+        let mut cells = vec![stage.to_string(), list(units), live.to_string(), flip_flops.to_string()];
+        if has_paper {
+            cells.insert(2, list(paper));
+            cells.push(why.to_string());
+        }
+        cells
+    };
     let mut table = new_table();
-    table.set_header(["stage", "units", "Table VIII", "live bits", "flip-flops", "why the units differ"]);
+    let mut header = vec!["stage", "units", "live bits", "flip-flops"];
+    if has_paper {
+        header.insert(2, "Table VIII");
+        header.push("why the units differ");
+    }
+    table.set_header(header);
     let (mut all, mut live, mut flip_flops) = (Units::default(), 0, 0);
     for (index, step) in datapath.steps().enumerate() {
         let registers = datapath.registers(index);
@@ -57,17 +73,26 @@ pub fn units_and_registers(datapath: &Datapath, config: Config) -> String {
         all = sum(all, units);
         live += registers.live;
         flip_flops += registers.flip_flops();
-        table.add_row([
-            step.to_string(),
-            list(units),
-            list(paper_units(step)),
-            registers.live.to_string(),
-            registers.flip_flops().to_string(),
-            difference(datapath, config, index).join("; "),
-        ]);
+        let why = difference(datapath, config, index).join("; ");
+        table.add_row(row(&step.to_string(), units, paper_units(step), registers.live, registers.flip_flops(), &why));
     }
     let paper = PAPER_UNITS.into_iter().fold(Units::default(), sum);
-    table.add_row(["all".to_string(), list(all), list(paper), live.to_string(), flip_flops.to_string(), String::new()]);
+    table.add_row(row("all", all, paper, live, flip_flops, ""));
+    table.to_string()
+}
+
+/// Whether Table VIII speaks of such a configuration: 16 lanes or none, and units of one stage.
+fn is_in_table_viii(config: Config) -> bool {
+    matches!(config.lanes, Lanes::None | Lanes::Sixteen) && config.unit_latency == UnitLatency::One
+}
+
+/// The configurations with names.
+pub fn presets() -> String {
+    let mut table = new_table();
+    table.set_header(["preset", "what differs from the first", "what it is for"]);
+    for preset in PRESETS {
+        table.add_row([preset.name.to_string(), preset.config.options(), preset.purpose.to_string()]);
+    }
     table.to_string()
 }
 
@@ -129,7 +154,7 @@ fn sum(a: Units, b: Units) -> Units {
 
 fn new_table() -> Table {
     let mut table = Table::new();
-    table.load_preset(presets::ASCII_MARKDOWN).set_content_arrangement(ContentArrangement::Dynamic);
+    table.load_preset(ASCII_MARKDOWN).set_content_arrangement(ContentArrangement::Dynamic);
     if table.width().is_none() {
         table.set_width(140);
     }

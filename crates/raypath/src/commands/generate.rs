@@ -1,6 +1,7 @@
 //! `raypath generate`: SystemVerilog, its tables, and the proof that it answers like the models.
 
 use crate::commands::Failure;
+use crate::commands::configuration::ConfigArguments;
 use crate::commands::output::write_all;
 use crate::commands::progress::Progress;
 use clap::Args;
@@ -9,8 +10,8 @@ use raypath::engine::NetlistEngine;
 use raypath::hdl::verilog;
 use raypath::model::{Model, Shape};
 use raypath::models::{Visitor, with_model};
-use raypath::ops::{JobKind, Rules};
-use raypath::rtl::{Config, Datapath, Lanes};
+use raypath::ops::JobKind;
+use raypath::rtl::{Config, Datapath};
 use raypath::traffic::Traffic;
 use raypath::{jobs, picture, tables};
 use std::io::Write;
@@ -19,12 +20,6 @@ use std::time::Instant;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Lanes of a Euclidean beat (an angular one has half as many), or none: no distance modes
-    #[arg(long, default_value_t = Lanes::Sixteen, value_name = "none|2|4|8|16|32|64")]
-    lanes: Lanes,
-    /// The rules on the edges: paper (this project's rulings) or chisel (the original hardware's)
-    #[arg(long, default_value_t = Rules::Paper, value_name = "paper|chisel")]
-    rules: Rules,
     /// The folder to write to
     #[arg(long, default_value = "build")]
     out: PathBuf,
@@ -34,10 +29,12 @@ pub struct Arguments {
     /// Seed of the random jobs, stalls and bubbles
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    config: ConfigArguments,
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
-    let config = Config { rules: arguments.rules, lanes: arguments.lanes, ..Config::DEFAULT };
+    let config = arguments.config.config()?;
     let datapath = Datapath::new(config)?;
     let files = files(&datapath, config, &arguments.out)?;
     write_all(&files)?;

@@ -1,5 +1,7 @@
 //! The command line.
 
+mod configs;
+mod configuration;
 mod failure;
 mod generate;
 mod output;
@@ -30,6 +32,8 @@ pub struct CommandLine {
 enum Command {
     /// Write the datapath as SystemVerilog, show its schedule and units, and check the netlist against the models
     Generate(generate::Arguments),
+    /// List the configurations that have names
+    Configs,
     /// Run recorded transactions through a model or the netlist and compare the results
     Replay(replay::Arguments),
     /// Derive what the hardware expects of a ray (inverse, axes, shear) from its origin and direction
@@ -43,6 +47,7 @@ impl CommandLine {
     pub fn run(self, out: &mut dyn Write) -> Result<(), Failure> {
         match self.command {
             Command::Generate(arguments) => generate::run(&arguments, out),
+            Command::Configs => configs::run(out),
             Command::Replay(arguments) => replay::run(&arguments, out),
             Command::Ray(arguments) => ray::run(&arguments, out),
             Command::Wave(arguments) => wave::run(&arguments, out),

@@ -1,6 +1,7 @@
 //! `raypath replay`: recorded transactions through an engine, compared with what was recorded.
 
 use crate::commands::Failure;
+use crate::commands::configuration::ConfigArguments;
 use crate::commands::progress::Progress;
 use crate::commands::stream::StreamArguments;
 use clap::{Args, ValueEnum};
@@ -24,6 +25,8 @@ pub struct Arguments {
     /// How many mismatches to show field by field
     #[arg(long, default_value_t = 3)]
     show: usize,
+    #[command(flatten)]
+    config: ConfigArguments,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -34,7 +37,7 @@ enum EngineKind {
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
-    let config = Config { rules: arguments.stream.rules, ..Config::default() };
+    let config = arguments.config.config()?;
     with_model(config, Replay { arguments, config, out })
 }
 

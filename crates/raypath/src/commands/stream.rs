@@ -3,7 +3,7 @@
 use crate::commands::Failure;
 use clap::{Args, ValueEnum};
 use raypath::model::Model;
-use raypath::ops::{JobKind, Rules};
+use raypath::ops::JobKind;
 use raypath::rtl::Config;
 use raypath::traffic::{Traffic, interleave};
 use raypath::transactions::{Transaction, merge, read};
@@ -18,9 +18,6 @@ pub struct StreamArguments {
     /// What kind of jobs the files hold, if their names do not begin with it
     #[arg(long, value_name = "triangle|quadbox|euclidean|angular")]
     kind: Option<JobKind>,
-    /// The rules on the edges: paper (this project's rulings) or chisel (the original hardware's)
-    #[arg(long, default_value_t = Rules::Paper)]
-    pub rules: Rules,
     /// Offer and take in every cycle, or stall the sink and starve the source at random
     #[arg(long, value_enum, default_value_t = Handshake::Always)]
     handshake: Handshake,

@@ -1,6 +1,7 @@
 //! `raypath wave`: recorded transactions through the netlist, with a waveform.
 
 use crate::commands::Failure;
+use crate::commands::configuration::ConfigArguments;
 use crate::commands::progress::Progress;
 use crate::commands::stream::StreamArguments;
 use clap::Args;
@@ -22,10 +23,12 @@ pub struct Arguments {
     /// Stop after this many jobs
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     jobs: Option<u32>,
+    #[command(flatten)]
+    config: ConfigArguments,
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
-    let config = Config { rules: arguments.stream.rules, ..Config::default() };
+    let config = arguments.config.config()?;
     with_model(config, Wave { arguments, config, out })
 }
 
