@@ -39,7 +39,7 @@ pub enum Job<const E: usize = 16, const A: usize = 8, C: Concrete = Binary32> {
     Angular(AngularInput<C, A>),
 }
 
-/// What the datapath answers to a job. Equal where all bits are equal.
+/// What the datapath answers to a job. Equal where all bits are equal; made from ports, NaNs are canonical.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome<C: Concrete = Binary32> {
     /// Ray against a triangle.
@@ -114,7 +114,7 @@ pub struct ParseJobKindError(String);
 
 /// What a job and an outcome have in common: one variant a kind, each holding the ports of its operation.
 macro_rules! by_kind {
-    ($type:ident[$($n:ident),*], $bits:expr) => {
+    ($type:ident[$($n:ident),*], $number:expr, $bits:expr) => {
         impl<$(const $n: usize,)* C: Concrete> $type<$($n,)* C> {
             /// Which operation it belongs to.
             pub fn kind(&self) -> JobKind {
@@ -138,7 +138,7 @@ macro_rules! by_kind {
 
             /// The one of this kind whose ports have the values that `port` gives by name.
             pub fn from_ports_in(circuit: C, kind: JobKind, port: impl FnMut(&str) -> u64) -> Self {
-                let (path, source) = (&mut Path::default(), &mut FromPorts { circuit, port });
+                let (path, source) = (&mut Path::default(), &mut FromPorts { circuit, port, number: $number });
                 match kind {
                     JobKind::Triangle => Self::Triangle(Bundle::build(path, source)),
                     JobKind::Quadbox => Self::Quadbox(Bundle::build(path, source)),
@@ -158,8 +158,12 @@ macro_rules! by_kind {
 }
 
 // A job's numbers reach the ports as they are, NaN payloads included; an outcome's NaN is the canonical one.
-by_kind!(Job[E, A], Concrete::raw_bits);
-by_kind!(Outcome[], Concrete::bits);
+by_kind!(Job[E, A], Concrete::number, Concrete::raw_bits);
+by_kind!(Outcome[], canonical, Concrete::bits);
+
+fn canonical<C: Concrete>(circuit: C, bits: u64) -> C::Num {
+    circuit.number(circuit.bits(circuit.number(bits)))
+}
 
 fn ports<C: Concrete>(bundle: &impl Bundle<C>, bits: fn(C, C::Num) -> u64) -> Vec<PortValue> {
     let mut sink = ToPorts { ports: Vec::new(), bits };
@@ -194,14 +198,15 @@ impl<C: Concrete> Sink<C> for ToPorts<C> {
     }
 }
 
-struct FromPorts<C, F> {
+struct FromPorts<C: Concrete, F> {
     circuit: C,
     port: F,
+    number: fn(C, u64) -> C::Num,
 }
 
 impl<C: Concrete, F: FnMut(&str) -> u64> Source<C> for FromPorts<C, F> {
     fn num(&mut self, field: Field<'_>) -> Num<C> {
-        Num::new(self.circuit, self.circuit.number((self.port)(field.name)))
+        Num::new(self.circuit, (self.number)(self.circuit, (self.port)(field.name)))
     }
     fn bit(&mut self, field: Field<'_>) -> Bit<C> {
         let index = field.bit.map_or(0, |(index, _)| index);

@@ -3,7 +3,7 @@
 //! From one function for each operation come synthesizable SystemVerilog ([`rtl`]), a bit-exact functional model and a
 //! cycle-exact one ([`model`]). This crate joins them, and adds what surrounds them: files of transactions
 //! ([`transactions`]), traffic with bubbles and stalls ([`traffic`]), and engines that carry jobs through any of the
-//! three ([`engine`]).
+//! three ([`engine`]), for every configuration ([`models`]).
 //!
 //! ```
 //! use raypath::ops::{Aabb, Job, Outcome, Ray, RayBoxInput, Rules};
@@ -28,6 +28,7 @@ pub mod accuracy;
 pub mod check;
 pub mod engine;
 pub mod jobs;
+pub mod models;
 pub mod picture;
 pub mod tables;
 pub mod traffic;

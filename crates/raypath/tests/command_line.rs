@@ -153,7 +153,7 @@ fn wrong_input_is_named() {
         (&["replay", &empty], &["no transactions"]),
         (&["replay", &nameless], &["jobs.txt", "--kind"]),
         (&["replay"], &["FILES"]),
-        (&["generate", "--lanes", "0"], &["'0' lanes", "none or 16"]),
+        (&["generate", "--lanes", "0"], &["'0' is no number of lanes", "none, 2, 4"]),
         (&["generate", "--rules", "none"], &["'none' is no rule set", "paper or chisel"]),
         (&["generate", "--out", &nameless], &["jobs.txt"]),
         (&["generate", "--jobs", "0"], &["'0'", "1..="]),

@@ -3,6 +3,7 @@
 mod recorded;
 
 use raypath::engine::{CycleEngine, NetlistEngine, Run, drive, evaluate};
+use raypath::model::{Functional, Shape};
 use raypath::ops::{Outcome, Rules};
 use raypath::rtl::Config;
 use raypath::traffic::{Traffic, interleave};
@@ -39,7 +40,7 @@ fn check(what: &str, stream: &[Transaction], run: impl FnOnce(&mut dyn FnMut(usi
 #[test]
 fn functional_model_answers_as_the_original() {
     for (order, stream) in orders() {
-        check(order, &stream, |each| evaluate(Rules::Chisel, stream.iter().map(|t| &t.job), each));
+        check(order, &stream, |each| evaluate(Functional::new(Rules::Chisel), stream.iter().map(|t| &t.job), each));
     }
 }
 
@@ -47,7 +48,7 @@ fn functional_model_answers_as_the_original() {
 fn cycle_model_answers_as_the_original() {
     for (order, stream) in orders() {
         for (handshake, mut traffic) in [("always", Traffic::always()), ("random", Traffic::random(2))] {
-            let mut engine = CycleEngine::new(Rules::Chisel);
+            let mut engine = CycleEngine::new(Functional::new(Rules::Chisel), &Shape::default());
             let jobs = stream.iter().map(|t| &t.job);
             let run =
                 check(&format!("{order}, {handshake}"), &stream, |each| drive(&mut engine, jobs, &mut traffic, each));
@@ -61,7 +62,7 @@ fn cycle_model_answers_as_the_original() {
 fn netlist_answers_as_the_original() {
     for (order, stream) in orders() {
         for (handshake, mut traffic) in [("always", Traffic::always()), ("random", Traffic::random(3))] {
-            let mut engine = NetlistEngine::new(CHISEL, |_| false).expect("a datapath");
+            let mut engine = NetlistEngine::new(Functional::new(Rules::Chisel), CHISEL, |_| false).expect("a datapath");
             let jobs = stream.iter().map(|t| &t.job);
             let run =
                 check(&format!("{order}, {handshake}"), &stream, |each| drive(&mut engine, jobs, &mut traffic, each));

@@ -2,7 +2,9 @@
 
 use crate::commands::Failure;
 use clap::{Args, ValueEnum};
+use raypath::model::Model;
 use raypath::ops::{JobKind, Rules};
+use raypath::rtl::Config;
 use raypath::traffic::{Traffic, interleave};
 use raypath::transactions::{Transaction, merge, read};
 use std::path::PathBuf;
@@ -37,11 +39,11 @@ enum Handshake {
 }
 
 impl StreamArguments {
-    /// Reads all files into one stream.
-    pub fn read(&self) -> Result<Vec<Transaction>, Failure> {
+    /// Reads all files into one stream for a configuration and its model.
+    pub fn read<M: Model>(&self, model: &M, config: Config) -> Result<Vec<Transaction<M>>, Failure> {
         let mut files = Vec::new();
         for path in &self.files {
-            files.push(read(path, self.kind)?);
+            files.push(read(path, self.kind, model, config)?);
         }
         let stream = merge(files);
         if stream.is_empty() {
