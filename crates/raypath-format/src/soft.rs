@@ -104,6 +104,15 @@ impl Format {
         f64::from_bits(Self::BINARY64.code(self.value(a)))
     }
 
+    /// The unit in the last place: how far apart the format's numbers are about `number`, which counts as if the format
+    /// had no largest number. At a power of two it is the distance to the next larger one. `number` must be finite.
+    #[inline]
+    pub fn ulp(self, number: f64) -> f64 {
+        let biased = (number.to_bits() >> Self::BINARY64.fraction_width() & mask(Self::BINARY64.exponent())) as i32;
+        let last_place = (biased - 1023 - self.fraction_width() as i32).max(self.least_exponent());
+        f64::from_bits(Self::BINARY64.round(1, last_place))
+    }
+
     /// What a code stands for.
     #[inline]
     fn value(self, code: u64) -> Value {

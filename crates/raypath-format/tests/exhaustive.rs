@@ -57,6 +57,23 @@ fn conversions_round_to_the_nearest() {
     }
 }
 
+/// Between any two neighbours, and from the largest number on as if it had a neighbour.
+#[test]
+fn an_ulp_is_the_distance_between_neighbours() {
+    for (e, s) in [(3, 3), (3, 5), (4, 7), (5, 3), (5, 11), (8, 8)] {
+        let numbers = Numbers::of(e, s);
+        for (i, (x, midpoint)) in numbers.magnitudes.iter().zip(&numbers.midpoints).enumerate() {
+            let distance = 2.0 * (midpoint - x);
+            for number in [*x, *midpoint, (x + distance).next_down()].into_iter().flat_map(|x| [x, -x]) {
+                assert_eq!(numbers.format.ulp(number), distance, "{}: {number:e} after code {i}", numbers.format);
+            }
+        }
+    }
+    let widest = Format::new(11, 24).expect("a format");
+    assert_eq!((widest.ulp(0.0), widest.ulp(f64::from_bits(1))), (widest.to_f64(1), widest.to_f64(1)));
+    assert_eq!((widest.ulp(1.0), Format::BINARY16.ulp(1e300)), (2.0_f64.powi(-23), 2.0_f64.powi(996 - 10)));
+}
+
 /// All magnitudes of a format, and what lies half way between them.
 struct Numbers {
     format: Format,

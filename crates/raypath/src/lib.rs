@@ -24,6 +24,7 @@ pub use raypath_model as model;
 pub use raypath_ops as ops;
 pub use raypath_rtl as rtl;
 
+pub mod accuracy;
 pub mod check;
 pub mod configuration;
 pub mod engine;

@@ -152,7 +152,7 @@ fn sum(a: Units, b: Units) -> Units {
     }
 }
 
-fn new_table() -> Table {
+pub(crate) fn new_table() -> Table {
     let mut table = Table::new();
     table.load_preset(ASCII_MARKDOWN).set_content_arrangement(ContentArrangement::Dynamic);
     if table.width().is_none() {

@@ -1,5 +1,6 @@
 //! The command line.
 
+mod accuracy;
 mod configs;
 mod configuration;
 mod failure;
@@ -40,6 +41,8 @@ enum Command {
     Ray(ray::Arguments),
     /// Run recorded transactions through the netlist and write a waveform (FST)
     Wave(wave::Arguments),
+    /// Measure what a format costs: hits and distances against binary64, on random jobs and a scene
+    Accuracy(accuracy::Arguments),
 }
 
 impl CommandLine {
@@ -51,6 +54,7 @@ impl CommandLine {
             Command::Replay(arguments) => replay::run(&arguments, out),
             Command::Ray(arguments) => ray::run(&arguments, out),
             Command::Wave(arguments) => wave::run(&arguments, out),
+            Command::Accuracy(arguments) => accuracy::run(&arguments, out),
         }
     }
 }
