@@ -27,11 +27,12 @@ mod decode;
 mod encode;
 mod mul;
 mod normalise;
+mod parts;
 mod recoded;
 
 pub use add::add;
 pub use compare::compare;
 pub use decode::decode;
 pub use encode::encode;
-pub use mul::mul;
+pub use mul::{mul, mul_parts};
 pub use raypath_format::{Format, FormatError};

@@ -8,7 +8,7 @@ pub use encoding::PortEncoding;
 pub use netlist::NetlistEngine;
 
 use crate::traffic::Traffic;
-use raypath_model::{Control, CycleModel, Functional, LATENCY, Model, OnPorts, Shape};
+use raypath_model::{Control, CycleModel, Functional, Loop, Model, OnPorts, Shape};
 use raypath_ops::{JobKind, Outcome};
 use raypath_rtl::{self as rtl, Config, Datapath};
 use std::borrow::Borrow;
@@ -42,12 +42,16 @@ pub struct Run {
 }
 
 /// When a configuration's datapath shows what: how its cycle-exact model is shaped.
-pub fn shape(config: Config, _datapath: &Datapath) -> Shape {
+pub fn shape(config: Config, datapath: &Datapath) -> Shape {
     let control = match config.control {
         rtl::Control::Skid => Control::Skid,
         rtl::Control::Credit => Control::Credit,
     };
-    Shape { latency: LATENCY, control, loops: Vec::new() }
+    let loops = datapath.loops().into_iter().filter_map(|found| {
+        let kind = JobKind::ALL.into_iter().find(|kind| kind.opcode() == found.opcode)?;
+        Some(Loop { kind, first: found.first as usize, last: found.last as usize })
+    });
+    Shape { latency: datapath.latency() as usize, control, loops: loops.collect() }
 }
 
 /// Feeds `jobs` to an engine under `traffic`, each presented once, and shows each outcome as it leaves, with its job's
