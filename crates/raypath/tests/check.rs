@@ -1,12 +1,12 @@
 //! The comparison that `generate` prints: that it finds nothing where nothing is, and something where something is.
 
 use raypath::check::lockstep;
-use raypath::engine::NetlistEngine;
+use raypath::engine::{Engine, NetlistEngine};
 use raypath::format::Format;
 use raypath::jobs::random;
 use raypath::model::Functional;
-use raypath::ops::{Job, JobKind, Rules};
-use raypath::rtl::Config;
+use raypath::ops::{Job, JobKind, Outcome, Rules};
+use raypath::rtl::{Config, Datapath, Encoding};
 use raypath::traffic::Traffic;
 
 const JOBS: usize = 2000;
@@ -36,6 +36,30 @@ fn other_rules_differ() {
     assert!(found.different >= 100 && found.jobs < JOBS, "{} differences in {} jobs", found.different, found.jobs);
     assert_eq!(found.differences.len(), 5);
     assert!(found.differences[0].contains("Quadbox") || found.differences[0].contains("Triangle"));
+}
+
+/// Ports that do not show the one encoding of what they should are named: other modes' ports, other numbers, and all
+/// numbers where they are read in an encoding that they are not in.
+#[test]
+fn improper_outputs_are_named() {
+    let model = Functional::<16, 8>::new(Rules::Paper);
+    let mut netlist = netlist(Rules::Paper);
+    let ones = |kind| Job::from_ports(kind, |_| 0x3f80_0000);
+    netlist.present(&ones(JobKind::Euclidean));
+    let shown = (0..20).find_map(|_| netlist.cycle(true, true).output).expect("an outcome");
+    assert_eq!(netlist.improper_outputs(&shown), [""; 0]);
+    let Outcome::Euclidean(mut other) = shown else { panic!("{shown:?}") };
+    other.euclidean_accumulator = 1.0.into();
+    let improper = netlist.improper_outputs(&Outcome::Euclidean(other));
+    assert_eq!(improper, ["euclidean_accumulator_o is 0, expected 3f800000"]);
+    let boxes = model.clone().run(&ones(JobKind::Quadbox));
+    assert!(netlist.improper_outputs(&boxes).iter().any(|port| port == "is_intersect_o is 0, expected f"));
+
+    let recoded = Config { io: Encoding::Recoded, ..Config::DEFAULT };
+    let datapath = Datapath::new(Config::DEFAULT).expect("a datapath");
+    let mut misread = NetlistEngine::of(model.clone(), recoded, &datapath, |_| false).expect("an engine");
+    let found = lockstep(&mut misread, model, jobs(), &mut Traffic::always(), |_| true);
+    assert!(found.different >= 100, "{} differences", found.different);
 }
 
 #[test]

@@ -104,6 +104,14 @@ fn replay_compares_with_the_record() {
         arguments.extend(files.iter().map(String::as_str));
         ends_with(&arguments, 0, &["24576"]);
     }
+    // However it is built, the answers are the same.
+    for options in ["--io recoded --registers ieee", "--control credit --sharing segregated", "--unit-latency 2"] {
+        let options: Vec<&str> = options.split(' ').collect();
+        let engine = ["replay", "--rules", "chisel", "--engine", "netlist", "--handshake", "random"];
+        let files = files.iter().map(String::as_str);
+        let arguments: Vec<&str> = engine.into_iter().chain(options).chain(files).collect();
+        ends_with(&arguments, 0, &["24576"]);
+    }
     // The rules differ, and a mismatch is shown field by field.
     ends_with(&["replay", &files[1]], 1, &["mismatch: quadbox job", "* box_index_", "outcomes differ"]);
 }
@@ -131,7 +139,7 @@ fn replay_reads_what_the_configuration_says() {
     ends_with(&["replay", &text(&path)], 2, &["expected 38 for euclidean with 16 lanes"]);
     // In bfloat16, 16 squared and 1 make 256: 257 has nine bits.
     std::fs::write(&path, "0 0 1 3 4180 3f80 0 0 4380 1\n").expect("a file");
-    for engine in ["model", "cycle"] {
+    for engine in ["model", "cycle", "netlist"] {
         ends_with(&["replay", "--lanes", "2", "--format", "bf16", "--engine", engine, &text(&path)], 0, &["euclidean"]);
     }
     std::fs::write(&path, "0 0 1 3 4180 3f80 0 0 4381 1\n").expect("a file");
@@ -139,6 +147,18 @@ fn replay_reads_what_the_configuration_says() {
     std::fs::write(&path, "0 0 1 3 4180 3f80 0 10000 4380 1\n").expect("a file");
     let words = ["euclidean.txt:1: field 8 (euclidean_b_1) is '10000', expected hexadecimal digits, at most ffff"];
     ends_with(&["replay", "--lanes", "2", "--format", "bf16", &text(&path)], 2, &words);
+}
+
+#[test]
+fn generate_builds_and_checks_every_preset() {
+    let folder = folder();
+    for preset in raypath::rtl::PRESETS {
+        let arguments = ["generate", "--preset", preset.name, "--jobs", "300", "--out", &text(folder.path())];
+        ends_with(&arguments, 0, &[&format!(": {}\n", preset.config), "0 mismatches", "initiation interval 1"]);
+    }
+    // What sums twice in a row waits; how long is said.
+    let arguments = ["generate", "--unit-latency", "3", "--jobs", "300", "--out", &text(folder.path())];
+    ends_with(&arguments, 0, &["initiation interval 1; 3 between euclidean jobs, 3 between angular jobs.\n"]);
 }
 
 /// A preset or a file first, whatever the order; options override it.

@@ -1,7 +1,6 @@
 //! Configurations in TOML: what a file says is what is built, and the table of presets is the only one.
 
 use raypath::configuration::read;
-use raypath::format::Format;
 use raypath::rtl::{Config, Lanes, PRESETS, UnitLatency};
 use std::path::Path;
 
@@ -39,16 +38,6 @@ fn a_file_overrides_its_preset_wherever_that_stands() {
     let expected = Config { lanes: Lanes::Four, unit_latency: UnitLatency::Three, ..expected };
     assert_eq!(parse("lanes = 4 # a comment\npreset = \"compact\"\n\nunit-latency = '3'\n"), Ok(expected));
     assert_eq!(parse(""), Ok(Config::DEFAULT));
-}
-
-/// The example in the documents.
-#[test]
-fn the_documented_file_means_what_is_said() {
-    let document = include_str!("../../../docs/configurations.md");
-    let example = document.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
-    let compact = PRESETS.iter().find(|preset| preset.name == "compact").expect("compact").config;
-    let expected = Config { format: Format::BINARY16, unit_latency: UnitLatency::Two, ..compact };
-    assert_eq!(parse(example), Ok(expected));
 }
 
 #[test]
