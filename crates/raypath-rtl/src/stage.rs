@@ -4,7 +4,7 @@ use crate::boundary::{self, OPCODE_WIDTH};
 use crate::config::{Control, Encoding};
 use crate::elastic;
 use crate::error::Error;
-use crate::graph::{Kind, NodeId, StateValue, Traced};
+use crate::graph::{Kind, NodeId, Op, StateValue, Traced};
 use crate::library::Library;
 use crate::plan::Plan;
 use crate::steps::Step;
@@ -128,17 +128,20 @@ impl<'m> States<'m> {
         let all = || {
             plan.operations.iter().enumerate().flat_map(|(op, t)| t.states.iter().enumerate().map(move |s| (op, t, s)))
         };
-        let step = step as u32;
+        let reads = |op: usize, traced: &Traced, number: usize| {
+            let mut operands = plan.steps[step].made[op].iter().flat_map(|&id| traced.operands(id));
+            operands.any(|id| traced.node(id).op == Op::State(number))
+        };
         for (op, traced, (number, state)) in all() {
-            if (state.read..state.written).contains(&step) {
+            if state.written as usize != step && reads(op, traced, number) {
                 let port = m.input(&format!("{}_i", port(traced, state)), width(traced, state, library));
                 states.wires.insert((op, number), port);
             }
         }
-        if all().any(|(_, _, (_, state))| state.written == step) {
+        if all().any(|(_, _, (_, state))| state.written as usize == step) {
             m.section("State: changes once for each job, when the step hands it on");
         }
-        for (op, traced, (number, state)) in all().filter(|(_, _, (_, state))| state.written == step) {
+        for (op, traced, (number, state)) in all().filter(|(_, _, (_, state))| state.written as usize == step) {
             let register = m.register(&format!("{}_q", port(traced, state)), width(traced, state, library)).reset_to(0);
             states.registers.insert((op, number), register);
             states.wires.insert((op, number), register.wire());

@@ -114,11 +114,10 @@ impl<'m> Backward<'m> {
     fn supply(&mut self, module: &Module, wires: &mut BTreeMap<String, Wire<'m>>) {
         for port in module.inputs() {
             let stem = port.stem().to_string();
-            if !wires.contains_key(&stem) {
+            wires.entry(stem.clone()).or_insert_with(|| {
                 let width = module.signal(port.signal).width;
-                let forward = self.forwards.entry(stem.clone()).or_insert_with(|| self.m.forward(&stem, width));
-                wires.insert(stem, forward.wire());
-            }
+                self.forwards.entry(stem.clone()).or_insert_with(|| self.m.forward(&stem, width)).wire()
+            });
         }
     }
 

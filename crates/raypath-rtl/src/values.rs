@@ -141,7 +141,7 @@ impl<'m, 'p> Values<'m, 'p> {
             let wire = if unit.part == 0 {
                 self.operand(unit, operand, &format!("{}_{}", unit.stem(), port.stem()))?
             } else {
-                self.from_part_before(unit, port.stem())?
+                self.handed_on(unit, port.stem())?
             };
             connections.push((port.name.as_str(), wire));
         }
@@ -151,7 +151,7 @@ impl<'m, 'p> Values<'m, 'p> {
     }
 
     /// What the part before has handed on; its unit has the same number.
-    fn from_part_before(&self, unit: Unit, stem: &str) -> Result<Wire<'m>, Error> {
+    fn handed_on(&self, unit: Unit, stem: &str) -> Result<Wire<'m>, Error> {
         let cut = self.before.cuts.get(&Unit { part: unit.part - 1, ..unit }).into_iter().flatten();
         let found = cut.into_iter().find(|(port, _)| port == stem).map(|(_, wire)| *wire);
         let lost = || Error::PartApart { unit: unit.stem(), step: self.plan.steps[self.step].step.to_string() };

@@ -16,8 +16,9 @@ fn the_handshakes_do_not_see_each_other() {
         for input in ["output_ready_i", "input_valid_i", "opcode_i"] {
             for output in ["input_ready_o", "output_valid_o", "opcode_o"] {
                 // Where nothing can wait inside, whether a beat may enter depends on whose it is.
-                let expected =
-                    (output, input) == ("input_ready_o", "opcode_i") && config.control == Control::Credit && loops(config);
+                let expected = (output, input) == ("input_ready_o", "opcode_i")
+                    && config.control == Control::Credit
+                    && loops(config);
                 assert_eq!(depends(datapath.top(), output, input), expected, "{output} from {input}, {config}");
             }
         }
