@@ -2,7 +2,7 @@
 
 use raypath::ops::Rules;
 use raypath::picture::pipeline;
-use raypath::rtl::{Config, Datapath, Lanes, STAGES, Units};
+use raypath::rtl::{Config, Datapath, Lanes, PRESETS, STAGES, Units};
 use raypath::tables::{PAPER_UNITS, difference, schedule, units_and_registers};
 
 const DEFAULT: Config = Config::DEFAULT;
@@ -106,21 +106,19 @@ fn tables_show_every_stage_and_operation() {
         assert!(schedule.lines().any(|line| line.starts_with(&format!("| {stage} "))), "{schedule}");
         assert!(units.lines().any(|line| line.starts_with(&format!("| {stage} "))), "{units}");
     }
-    assert!(units.contains("11033"), "{units}");
+    assert!(units.contains(&datapath.top().register_bits().to_string()), "{units}");
 }
 
-/// The table of configurations in README.md has a row for each, with the flip-flops that it has now.
+/// The table of presets in README.md has a row for each, with the flip-flops and the latency that it has now.
 #[test]
-fn readme_has_the_figures_of_every_configuration() {
+fn readme_has_the_figures_of_every_preset() {
     let readme = include_str!("../../../README.md");
-    for (lanes, lanes_option) in [(Lanes::Sixteen, ""), (Lanes::None, " --lanes none")] {
-        for (rules, rules_option) in [(Rules::Paper, ""), (Rules::Chisel, " --rules chisel")] {
-            let bits = datapath(lanes, rules).top().register_bits();
-            let figure = format!("| {},{:03} |", bits / 1000, bits % 1000);
-            let command = format!("| `generate{lanes_option}{rules_option}` |");
-            let row = readme.lines().find(|line| line.starts_with(&command)).expect("a row");
-            assert!(row.contains(&figure), "{figure} is not in {row}");
-        }
+    for preset in PRESETS {
+        let datapath = Datapath::new(preset.config).expect("a datapath");
+        let (bits, latency) = (datapath.top().register_bits(), datapath.latency());
+        let figures = format!("| {},{:03} | {latency} |", bits / 1000, bits % 1000);
+        let row = readme.lines().find(|line| line.starts_with(&format!("| `{}`", preset.name))).expect("a row");
+        assert!(row.contains(&figures), "{figures} is not in {row}");
     }
 }
 
