@@ -34,20 +34,37 @@ impl fmt::Display for Step {
 /// Rewrites operations so that their values stand in steps, and gives the steps, the input's registers first. Adders and
 /// multipliers take `latency` steps, at least 1.
 pub fn expand(operations: &[Traced], latency: u32) -> (Vec<Traced>, Vec<Step>) {
-    let times: Vec<Vec<Time>> = operations.iter().map(|traced| times(traced, latency)).collect();
-    let parts = |stage: u32| {
-        let ends = operations.iter().zip(&times).flat_map(|(traced, times)| traced.nodes.iter().zip(times));
-        ends.filter(|(node, _)| node.stage == stage).map(|(_, time)| time.end + 1).max().unwrap_or(1)
-    };
+    let longest = chain(latency);
+    let times: Vec<Vec<Time>> = operations.iter().map(|traced| times(traced, latency, longest)).collect();
     let mut steps = vec![Step { stage: 0, part: 1, parts: 1 }];
     let mut first = vec![0];
     for stage in 1..=STAGES {
         first.push(steps.len() as u32);
-        let parts = parts(stage);
+        let parts = operations.iter().zip(&times).map(|(traced, times)| parts(traced, times, stage)).max().unwrap_or(1);
         steps.extend((1..=parts).map(|part| Step { stage, part, parts }));
     }
-    let rewritten = operations.iter().zip(&times).map(|(traced, times)| rewrite(traced, times, &first));
+    let rewritten = operations.iter().map(|traced| rewrite(traced, &spread(traced, latency, &steps), &first));
     (rewritten.collect(), steps)
+}
+
+/// Where a stage has more steps than an operation's comparators need, they stand as far apart as they can.
+fn spread(traced: &Traced, latency: u32, steps: &[Step]) -> Vec<Time> {
+    let longest = chain(latency);
+    let mut spread = times(traced, latency, longest);
+    for chain in (1..longest.min(4)).rev() {
+        let times = times(traced, latency, chain);
+        for step in steps.iter().filter(|step| step.part == 1 && parts(traced, &times, step.stage) <= step.parts) {
+            let here = traced.nodes.iter().zip(&times).enumerate().filter(|(_, (node, _))| node.stage == step.stage);
+            here.for_each(|(index, (_, time))| spread[index] = *time);
+        }
+    }
+    spread
+}
+
+/// How many steps an operation needs in a stage, at least 1.
+fn parts(traced: &Traced, times: &[Time], stage: u32) -> u32 {
+    let here = traced.nodes.iter().zip(times).filter(|(node, _)| node.stage == stage);
+    here.map(|(_, time)| time.end + 1).max().unwrap_or(1)
 }
 
 /// When a value is made, in steps from the beginning of its stage.
@@ -70,8 +87,9 @@ fn chain(latency: u32) -> u32 {
     }
 }
 
-/// As soon as possible: operands of the same stage first, those of earlier stages are there from the beginning.
-fn times(traced: &Traced, latency: u32) -> Vec<Time> {
+/// As soon as possible, with at most `chain` comparators one after the other: operands of the same stage first, those of
+/// earlier stages are there from the beginning.
+fn times(traced: &Traced, latency: u32, chain: u32) -> Vec<Time> {
     let mut times: Vec<Time> = Vec::with_capacity(traced.nodes.len());
     for (index, node) in traced.nodes.iter().enumerate() {
         let operands = traced.operands(NodeId(index as u32));
@@ -82,9 +100,9 @@ fn times(traced: &Traced, latency: u32) -> Vec<Time> {
             Op::Add(..) | Op::Subtract(..) | Op::Multiply(..) if latency > 1 => {
                 let begin = if chained > 0 { end + 1 } else { end };
                 // Nothing that costs time follows a unit in its last step.
-                Time { begin, end: begin + latency - 1, chained: chain(latency) }
+                Time { begin, end: begin + latency - 1, chained: chain }
             }
-            Op::Compare(..) if chained >= chain(latency) => Time { begin: end + 1, end: end + 1, chained: 1 },
+            Op::Compare(..) if chained >= chain => Time { begin: end + 1, end: end + 1, chained: 1 },
             Op::Compare(..) => Time { begin: end, end, chained: chained + 1 },
             _ => Time { begin: end, end, chained },
         });
