@@ -1,9 +1,9 @@
 //! The pipeline as a picture, drawn from the schedule.
 
+use crate::drawing::{self, rectangle, text};
 use crate::tables::list;
 use raypath_rtl::{Config, Control, Datapath, StageNote};
-use svg::Document;
-use svg::node::element::{Group, Rectangle, Style, Text, Title};
+use svg::node::element::{Group, Title};
 
 const LEFT: i32 = 96;
 const COLUMN: i32 = 88;
@@ -24,15 +24,7 @@ pub fn pipeline(datapath: &Datapath, config: Config) -> String {
     let bits_at = units_at + ROW + 2 * GAP;
     let height = bits_at + 96;
 
-    let style = "text { font: 12px sans-serif; fill: #222 } .head { font-weight: bold } .small { font-size: 10.5px } \
-                 .on { fill: #fff }";
-    let mut picture = Document::new()
-        .set("viewBox", (0, 0, width, height))
-        .set("width", width)
-        .set("height", height)
-        .add(Title::new("The raypath pipeline"))
-        .add(Style::new(style))
-        .add(rectangle(0, 0, width, height, "#ffffff"))
+    let mut picture = drawing::picture("The raypath pipeline", width, height)
         .add(text(12, 24, "head", &format!("raypath: {}", config)))
         .add(text(12, 42, "small", &caption(datapath, config)));
     for (row, operation) in operations.iter().enumerate() {
@@ -103,12 +95,4 @@ fn buffer(x: i32, bottom: i32, control: Control) -> Group {
 fn lines(x: i32, y: i32, class: &str, parts: &str) -> Group {
     let below = |(line, part)| text(x, y + 14 * line as i32, class, part);
     parts.split(", ").enumerate().map(below).fold(Group::new(), Group::add)
-}
-
-fn rectangle(x: i32, y: i32, width: i32, height: i32, fill: &str) -> Rectangle {
-    Rectangle::new().set("x", x).set("y", y).set("width", width).set("height", height).set("fill", fill)
-}
-
-fn text(x: i32, y: i32, class: &str, words: &str) -> Text {
-    Text::new(words).set("x", x).set("y", y).set("class", class)
 }

@@ -3,13 +3,17 @@
 mod accuracy;
 mod configs;
 mod configuration;
+mod bench;
+mod explore;
 mod failure;
 mod generate;
 mod output;
+mod ppa;
 mod progress;
 mod ray;
 mod replay;
 mod stream;
+mod sweep;
 mod wave;
 
 use clap::{Parser, Subcommand};
@@ -43,6 +47,10 @@ enum Command {
     Wave(wave::Arguments),
     /// Measure what a format costs: hits and distances against binary64, on random jobs and a scene
     Accuracy(accuracy::Arguments),
+    /// Measure area and timing in a cell library, stage by stage, with Yosys and OpenSTA
+    Ppa(ppa::Arguments),
+    /// Measure many configurations and draw area against clock and throughput
+    Explore(explore::Arguments),
 }
 
 impl CommandLine {
@@ -55,6 +63,8 @@ impl CommandLine {
             Command::Ray(arguments) => ray::run(&arguments, out),
             Command::Wave(arguments) => wave::run(&arguments, out),
             Command::Accuracy(arguments) => accuracy::run(&arguments, out),
+            Command::Ppa(arguments) => ppa::run(&arguments, out),
+            Command::Explore(arguments) => explore::run(&arguments, out),
         }
     }
 }

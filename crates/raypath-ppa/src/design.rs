@@ -1,0 +1,233 @@
+//! A design, taken apart for synthesis: each kind of unit once, and all that surrounds the units.
+
+use crate::Error;
+use raypath_hdl::{Module, verilog};
+use std::collections::{BTreeMap, HashSet};
+use std::fmt;
+use std::sync::Arc;
+
+/// What is measured: a netlist, and the words by which a report calls it.
+#[derive(Debug, Clone)]
+pub struct Design {
+    name: String,
+    top: Arc<Module>,
+}
+
+/// Modules whose names begin so are units: synthesised once each and kept apart from what surrounds them.
+const UNIT_PREFIX: &str = "raypath_fp_";
+
+/// A text to synthesise on its own.
+#[derive(Debug, Clone)]
+pub(crate) struct Piece {
+    /// The module.
+    pub module: String,
+    /// SystemVerilog of it and everything below it; of units only the ports, where this is not a unit itself.
+    pub text: String,
+    pub is_unit: bool,
+}
+
+/// What a unit computes, and which part of it where it is cut into several for pipelining.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct UnitKind {
+    /// `add`, `mul`...
+    pub stem: String,
+    /// Part and number of parts.
+    pub part: Option<(u32, u32)>,
+}
+
+/// Where a register stands, and what it is for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct RegisterKind {
+    /// Position in [`Design::groups`].
+    pub group: usize,
+    /// Valid, ready, counters: whatever the handshake needs. Otherwise a register holds part of a job, or state of an
+    /// operation.
+    pub is_control: bool,
+}
+
+impl Design {
+    /// A design whose top module is a row of instances, the stages; their names say where things are in the report.
+    pub fn new(name: impl Into<String>, top: &Arc<Module>) -> Self {
+        Self { name: name.into(), top: top.clone() }
+    }
+
+    /// What the report calls it.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub(crate) fn top(&self) -> &str {
+        self.top.name()
+    }
+
+    /// The texts to synthesise: each unit, and last everything else.
+    pub(crate) fn pieces(&self) -> Result<Vec<Piece>, Error> {
+        let modules = verilog::modules(&self.top)?;
+        let units: Vec<&Arc<Module>> = modules.iter().filter(|module| is_unit(module)).collect();
+        let mut inside_units = HashSet::new();
+        let mut pieces = Vec::new();
+        let mut surroundings = String::new();
+        for unit in units {
+            let mut text = String::new();
+            for module in verilog::modules(unit)? {
+                text += &verilog::print_module(&module, &[])?;
+                inside_units.insert(module.name().to_string());
+            }
+            surroundings += &ports_only(unit)?;
+            pieces.push(Piece { module: unit.name().to_string(), text, is_unit: true });
+        }
+        for module in modules.iter().filter(|module| !inside_units.contains(module.name())) {
+            surroundings += &verilog::print_module(module, &[])?;
+        }
+        pieces.push(Piece { module: self.top().to_string(), text: surroundings, is_unit: false });
+        Ok(pieces)
+    }
+
+    /// The instances in the top module, `u_stage_3`, in their order, and last the top module's own name, for what
+    /// stands in none of them.
+    pub(crate) fn groups(&self) -> Vec<String> {
+        let instances = self.top.instances().iter().map(|instance| instance.name.clone());
+        instances.chain([self.top().to_string()]).collect()
+    }
+
+    /// All registers outside of units by their names in the flat design: `u_stage_3.num_4_q`.
+    pub(crate) fn registers(&self) -> BTreeMap<String, RegisterKind> {
+        let mut found = BTreeMap::new();
+        let instances = self.top.instances();
+        own_registers(&self.top, "", instances.len(), &mut found);
+        for (group, instance) in instances.iter().enumerate() {
+            registers(&instance.module, &format!("{}.", instance.name), group, &mut found);
+        }
+        found
+    }
+}
+
+impl UnitKind {
+    /// From the name of a unit's module: `raypath_fp_mul_e8s24_part_1_of_2`.
+    pub fn of(module: &str) -> Option<Self> {
+        let name = module.strip_prefix(UNIT_PREFIX)?;
+        let stem = name.split('_').next()?.to_string();
+        let part = name.rsplit_once("_part_").and_then(|(_, part)| {
+            let (part, of) = part.split_once("_of_")?;
+            Some((part.parse().ok()?, of.parse().ok()?))
+        });
+        Some(Self { stem, part })
+    }
+}
+
+impl fmt::Display for UnitKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.stem)?;
+        self.part.map_or(Ok(()), |(part, of)| write!(f, " {part}/{of}"))
+    }
+}
+
+fn is_unit(module: &Module) -> bool {
+    module.name().starts_with(UNIT_PREFIX)
+}
+
+fn registers(module: &Module, path: &str, group: usize, found: &mut BTreeMap<String, RegisterKind>) {
+    own_registers(module, path, group, found);
+    for instance in module.instances().iter().filter(|instance| !is_unit(&instance.module)) {
+        registers(&instance.module, &format!("{path}{}.", instance.name), group, found);
+    }
+}
+
+fn own_registers(module: &Module, path: &str, group: usize, found: &mut BTreeMap<String, RegisterKind>) {
+    for register in module.registers() {
+        let Some(name) = &module.signal(register.signal).name else { continue };
+        // Data registers have no reset; what has one is an operation's state by its name, or control.
+        let is_control = register.reset.is_some() && !name.ends_with("_state_q");
+        found.insert(format!("{path}{name}"), RegisterKind { group, is_control });
+    }
+}
+
+/// A module as those that instantiate it see it. Kept by its own name when everything around it is flattened.
+fn ports_only(module: &Module) -> Result<String, Error> {
+    let text = verilog::print_module(module, &[])?;
+    let code = text.lines().skip_while(|line| line.starts_with("//") || line.is_empty());
+    let mut lines = vec!["(* keep_hierarchy *)"];
+    for line in code {
+        lines.push(line);
+        if line == ");" {
+            break;
+        }
+    }
+    lines.push("endmodule\n");
+    Ok(lines.join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raypath_hdl::Builder;
+
+    fn unit() -> Arc<Module> {
+        let m = Builder::new("raypath_fp_mul_e8s24_part_1_of_2");
+        let a = m.input("a_i", 8);
+        m.output("a_o", !a);
+        m.finish().expect("a unit")
+    }
+
+    fn stage() -> Arc<Module> {
+        let control = Builder::new("raypath_skid");
+        let full = control.register("full_q", 1).reset_to(0);
+        full.next(!full.wire());
+        control.output("full_o", full.wire());
+        let control = control.finish().expect("control");
+
+        let m = Builder::new("raypath_stage_1");
+        let a = m.input("a_i", 8);
+        let product = m.instance("u_mul_0", &unit(), &[("a_i", a)])[0];
+        let sum = m.register("sum_state_q", 8).reset_to(0);
+        sum.next(sum.wire() + product);
+        let data = m.register("num_0_q", 8);
+        data.next(sum.wire());
+        m.output("a_o", data.wire());
+        m.output("full_o", m.instance("u_skid", &control, &[])[0]);
+        m.finish().expect("a stage")
+    }
+
+    fn design() -> Design {
+        let m = Builder::new("raypath");
+        let a = m.input("a_i", 8);
+        let outputs = m.instance("u_stage_1", &stage(), &[("a_i", a)]);
+        m.output("a_o", outputs[0]);
+        m.output("full_o", outputs[1]);
+        Design::new("small", &m.finish().expect("a design"))
+    }
+
+    #[test]
+    fn units_stand_apart() {
+        let pieces = design().pieces().expect("pieces");
+        let names: Vec<&str> = pieces.iter().map(|piece| piece.module.as_str()).collect();
+        assert_eq!(names, ["raypath_fp_mul_e8s24_part_1_of_2", "raypath"]);
+        let [unit, rest] = &pieces[..] else { unreachable!("two pieces") };
+        assert!(unit.is_unit && unit.text.contains("~a_i") && !unit.text.contains("raypath_skid"), "{}", unit.text);
+        assert!(
+            !rest.is_unit && rest.text.contains("module raypath_skid") && !rest.text.contains("~a_i"),
+            "{}",
+            rest.text
+        );
+        assert!(rest.text.starts_with("(* keep_hierarchy *)\nmodule raypath_fp_mul_e8s24_part_1_of_2 ("));
+    }
+
+    #[test]
+    fn registers_are_control_state_or_data() {
+        let registers = design().registers();
+        let control = |name: &str| registers.get(name).map(|kind| (kind.group, kind.is_control));
+        assert_eq!(control("u_stage_1.u_skid.full_q"), Some((0, true)));
+        assert_eq!(control("u_stage_1.sum_state_q"), Some((0, false)));
+        assert_eq!(control("u_stage_1.num_0_q"), Some((0, false)));
+        assert_eq!(registers.len(), 3);
+        assert_eq!(design().groups(), ["u_stage_1", "raypath"]);
+    }
+
+    #[test]
+    fn kinds_of_units() {
+        let kind = |module| UnitKind::of(module).map(|kind| kind.to_string());
+        assert_eq!(kind("raypath_fp_add_e8s24"), Some("add".to_string()));
+        assert_eq!(kind("raypath_fp_mul_e8s24_part_1_of_2"), Some("mul 1/2".to_string()));
+        assert_eq!(kind("raypath_skid"), None);
+    }
+}

@@ -1,0 +1,123 @@
+//! Boolean functions as libraries write them: `(!((A B)+C))`, `(A&!B) | (!A&B)`.
+
+/// The truth table of a function of at most six inputs: bit i is its value where bit k of i is input k. Nothing where
+/// the text is no such function.
+pub fn truth_table(function: &str, inputs: &[&str]) -> Option<u64> {
+    let mut reader = Reader { rest: function.trim(), inputs };
+    let table = reader.sum()?;
+    (reader.rest.is_empty() && inputs.len() <= MASKS.len()).then(|| table & used(inputs.len()))
+}
+
+/// The truth table of each of six inputs.
+const MASKS: [u64; 6] = [
+    0xaaaa_aaaa_aaaa_aaaa,
+    0xcccc_cccc_cccc_cccc,
+    0xf0f0_f0f0_f0f0_f0f0,
+    0xff00_ff00_ff00_ff00,
+    0xffff_0000_ffff_0000,
+    0xffff_ffff_0000_0000,
+];
+
+/// The bits of a table of so many inputs.
+fn used(inputs: usize) -> u64 {
+    u64::MAX >> (64 - (1_u32 << inputs))
+}
+
+struct Reader<'a> {
+    rest: &'a str,
+    inputs: &'a [&'a str],
+}
+
+impl Reader<'_> {
+    fn sum(&mut self) -> Option<u64> {
+        let mut table = self.product()?;
+        while self.takes(&['+', '|']) {
+            table |= self.product()?;
+        }
+        Some(table)
+    }
+
+    /// Factors stand beside each other, or with an operator between them.
+    fn product(&mut self) -> Option<u64> {
+        let mut table = self.exclusive()?;
+        while self.takes(&['*', '&']) || self.rest.starts_with(|c: char| c == '(' || c == '!' || is_name(c)) {
+            table &= self.exclusive()?;
+        }
+        Some(table)
+    }
+
+    fn exclusive(&mut self) -> Option<u64> {
+        let mut table = self.factor()?;
+        while self.takes(&['^']) {
+            table ^= self.factor()?;
+        }
+        Some(table)
+    }
+
+    fn factor(&mut self) -> Option<u64> {
+        let mut table = if self.takes(&['!']) {
+            !self.factor()?
+        } else if self.takes(&['(']) {
+            let inner = self.sum()?;
+            self.takes(&[')']).then_some(inner)?
+        } else {
+            let end = self.rest.find(|c| !is_name(c)).unwrap_or(self.rest.len());
+            let (name, rest) = self.rest.split_at(end);
+            self.rest = rest.trim_start();
+            match name {
+                "0" => 0,
+                "1" => u64::MAX,
+                _ => *MASKS.get(self.inputs.iter().position(|input| *input == name)?)?,
+            }
+        };
+        while self.takes(&['\'']) {
+            table = !table;
+        }
+        Some(table)
+    }
+
+    fn takes(&mut self, any: &[char]) -> bool {
+        let Some(rest) = self.rest.strip_prefix(any) else { return false };
+        self.rest = rest.trim_start();
+        true
+    }
+}
+
+fn is_name(c: char) -> bool {
+    c.is_alphanumeric() || c == '_' || c == '[' || c == ']'
+}
+
+#[cfg(test)]
+mod tests {
+    use super::truth_table;
+
+    type Function = fn(bool, bool, bool) -> bool;
+
+    #[test]
+    fn all_ways_of_writing() {
+        let inputs = ["A", "B", "C"];
+        let by_rust =
+            |f: Function| (0..8_u64).map(|i| u64::from(f(i & 1 != 0, i & 2 != 0, i & 4 != 0)) << i).sum::<u64>();
+        let cases: [(&str, Function); 8] = [
+            ("(!((A B)+C))", |a, b, c| !((a && b) || c)),
+            ("(A&!B) | (!A&B)", |a, b, _| a != b),
+            ("A*B'+C", |a, b, c| (a && !b) || c),
+            ("((A^B)^C)", |a, b, c| a ^ b ^ c),
+            ("!A^B C", |a, b, c| (!a ^ b) && c),
+            (" A ", |a, _, _| a),
+            ("1", |_, _, _| true),
+            ("(((A B)+(B C))+(C A))", |a, b, c| u8::from(a) + u8::from(b) + u8::from(c) >= 2),
+        ];
+        for (text, function) in cases {
+            assert_eq!(truth_table(text, &inputs), Some(by_rust(function)), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_function_of_these_inputs() {
+        for text in ["", "IQ", "A +", "(A", "A)", "A ? B"] {
+            assert_eq!(truth_table(text, &["A", "B"]), None, "{text}");
+        }
+        assert_eq!(truth_table("1", &[]), Some(1));
+    }
+}

@@ -1,0 +1,47 @@
+//! Area and timing of a netlist, by open tools: Yosys chooses the gates, OpenSTA times them.
+//!
+//! A [`Design`] is a netlist whose top module is a row of stages. A [`Bench`] is a cell library, the tools, and a place
+//! for results; it measures designs into [`Report`]s. `docs/ppa.md` says what the figures mean and what they do not.
+//!
+//! ```no_run
+//! use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library, OpenSta, Yosys};
+//! use std::path::Path;
+//!
+//! # fn top() -> std::sync::Arc<raypath_hdl::Module> { unimplemented!() }
+//! let bench = Bench {
+//!     library: Library::read(Path::new(DEFAULT_LIBRARY))?,
+//!     yosys: Yosys::find(None)?,
+//!     sta: OpenSta::find()?,
+//!     period: 12.0,
+//!     jobs: 4,
+//!     cache: "build/ppa-cache".into(),
+//! };
+//! let reports = bench.measure(&[Design::new("mine", &top())], |_| true)?;
+//! println!("{} flip-flops, {} MHz", reports[0].flip_flops, reports[0].clock_mhz);
+//! # Ok::<(), raypath_ppa::Error>(())
+//! ```
+
+mod bench;
+mod cache;
+mod design;
+mod error;
+mod function;
+mod liberty;
+mod library;
+mod names;
+mod netlist;
+mod place;
+mod recipe;
+mod report;
+mod structural;
+mod synthesis;
+mod timing;
+mod tool;
+mod work;
+
+pub use bench::{Bench, Steps};
+pub use design::Design;
+pub use error::Error;
+pub use library::{Cell, DEFAULT_LIBRARY, Library};
+pub use report::{Area, Path, Report, Setting, Slowest, Stage, Step, Units};
+pub use tool::{OpenSta, Yosys, YosysKind};

@@ -1,0 +1,237 @@
+//! Liberty, the format of cell libraries: groups in groups, and what they say. What it means is `library.rs`.
+
+use std::ops::Range;
+
+/// `kind (names) { attributes and groups }`. An attribute in parentheses, `unit (1, pf);`, is a group without a body.
+#[derive(Debug)]
+pub struct Group<'a> {
+    pub kind: &'a str,
+    pub names: Vec<&'a str>,
+    /// `name : value;`, strings without their quotes.
+    pub attributes: Vec<(&'a str, &'a str)>,
+    pub groups: Vec<Group<'a>>,
+    /// Where it stands in the text.
+    pub place: Range<usize>,
+}
+
+/// Where text is not Liberty: line from 1, what was found, what was expected.
+#[derive(Debug, PartialEq, Eq)]
+pub struct SyntaxError {
+    pub line: usize,
+    pub found: String,
+    pub expected: &'static str,
+}
+
+/// Reads the one group that a file is.
+pub fn read(text: &str) -> Result<Group<'_>, SyntaxError> {
+    let mut reader = Reader { text, at: 0 };
+    match reader.statement()? {
+        Statement::Group(group) if group.kind == "library" => Ok(group),
+        _ => Err(SyntaxError { line: 1, found: "something else".to_string(), expected: "library (name) { ... }" }),
+    }
+}
+
+impl<'a> Group<'a> {
+    /// The first name, or none.
+    pub fn name(&self) -> &'a str {
+        self.names.first().copied().unwrap_or_default()
+    }
+
+    /// The value of an attribute.
+    pub fn attribute(&self, name: &str) -> Option<&'a str> {
+        self.attributes.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
+    }
+
+    /// The groups of a kind.
+    pub fn of_kind(&self, kind: &'static str) -> impl Iterator<Item = &Group<'a>> {
+        self.groups.iter().filter(move |group| group.kind == kind)
+    }
+}
+
+enum Statement<'a> {
+    Attribute(&'a str, &'a str),
+    Group(Group<'a>),
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    at: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn statement(&mut self) -> Result<Statement<'a>, SyntaxError> {
+        self.skip_blank();
+        let begin = self.at;
+        let kind = self.word();
+        if kind.is_empty() {
+            return Err(self.error("the name of an attribute or a group"));
+        }
+        self.skip_blank();
+        match self.peek() {
+            Some(b':') => {
+                self.at += 1;
+                Ok(Statement::Attribute(kind, self.value()?))
+            }
+            Some(b'(') => {
+                self.at += 1;
+                let names = self.names()?;
+                let mut group = Group { kind, names, attributes: vec![], groups: vec![], place: begin..begin };
+                self.skip_blank();
+                match self.peek() {
+                    Some(b'{') => self.body(&mut group)?,
+                    Some(b';') => self.at += 1,
+                    _ => {}
+                }
+                group.place.end = self.at;
+                Ok(Statement::Group(group))
+            }
+            _ => Err(self.error("':' or '('")),
+        }
+    }
+
+    fn body(&mut self, group: &mut Group<'a>) -> Result<(), SyntaxError> {
+        self.at += 1;
+        loop {
+            self.skip_blank();
+            match self.peek() {
+                Some(b'}') => {
+                    self.at += 1;
+                    return Ok(());
+                }
+                // Some writers end a group with a semicolon.
+                Some(b';') => self.at += 1,
+                None => return Err(self.error("'}'")),
+                Some(_) => match self.statement()? {
+                    Statement::Attribute(name, value) => group.attributes.push((name, value)),
+                    Statement::Group(inner) => group.groups.push(inner),
+                },
+            }
+        }
+    }
+
+    /// What stands between parentheses, behind the first.
+    fn names(&mut self) -> Result<Vec<&'a str>, SyntaxError> {
+        let mut names = Vec::new();
+        loop {
+            self.skip_blank();
+            match self.peek() {
+                Some(b')') => {
+                    self.at += 1;
+                    return Ok(names);
+                }
+                Some(b',') => self.at += 1,
+                Some(b'"') => names.push(self.string()?),
+                _ => match self.word() {
+                    "" => return Err(self.error("')'")),
+                    word => names.push(word),
+                },
+            }
+        }
+    }
+
+    fn value(&mut self) -> Result<&'a str, SyntaxError> {
+        self.skip_blank();
+        if self.peek() == Some(b'"') {
+            return self.string();
+        }
+        let rest = &self.text[self.at..];
+        let value = &rest[..rest.find([';', '\n', '}']).unwrap_or(rest.len())];
+        self.at += value.len();
+        Ok(value.trim())
+    }
+
+    fn string(&mut self) -> Result<&'a str, SyntaxError> {
+        let rest = &self.text[self.at + 1..];
+        let Some(length) = rest.find('"') else { return Err(self.error("a string that ends")) };
+        self.at += length + 2;
+        Ok(&rest[..length])
+    }
+
+    fn word(&mut self) -> &'a str {
+        let rest = &self.text[self.at..];
+        let ends = |c: char| c.is_whitespace() || "(){}:;,\"".contains(c);
+        let word = &rest[..rest.find(ends).unwrap_or(rest.len())];
+        self.at += word.len();
+        word
+    }
+
+    /// Passes white space, comments and continued lines.
+    fn skip_blank(&mut self) {
+        loop {
+            let rest = &self.text[self.at..];
+            let passed = if let Some(comment) = rest.strip_prefix("/*") {
+                comment.find("*/").map_or(rest.len(), |end| end + 4)
+            } else if rest.starts_with("//") {
+                rest.find('\n').unwrap_or(rest.len())
+            } else {
+                rest.find(|c: char| !c.is_whitespace() && c != '\\').unwrap_or(rest.len())
+            };
+            if passed == 0 {
+                return;
+            }
+            self.at += passed;
+        }
+    }
+
+    fn peek(&self) -> Option<u8> {
+        self.text.as_bytes().get(self.at).copied()
+    }
+
+    fn error(&self, expected: &'static str) -> SyntaxError {
+        let line = self.text[..self.at].matches('\n').count() + 1;
+        let found = match self.text[self.at..].chars().next() {
+            Some(character) => format!("'{}'", character.escape_debug()),
+            None => "the end".to_string(),
+        };
+        SyntaxError { line, found, expected }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SMALL: &str = r#"/* a comment */
+library(small) {
+  capacitive_load_unit (1,pf);
+  // another
+  lu_table_template(t) { index_1 ("1.0, \
+     2.0"); };
+  cell ("AND2") {
+    area : 6.5;
+    dont_use : true ;
+    pin(Y) { direction : output; function : "(A B)" }
+  }
+}
+"#;
+
+    #[test]
+    fn groups_attributes_and_strings() {
+        let library = read(SMALL).expect("Liberty");
+        assert_eq!(library.name(), "small");
+        let unit = library.of_kind("capacitive_load_unit").next().expect("a unit");
+        assert_eq!(unit.names, ["1", "pf"]);
+        let cell = library.of_kind("cell").next().expect("a cell");
+        assert_eq!(cell.attributes, [("area", "6.5"), ("dont_use", "true")]);
+        assert!(SMALL[cell.place.clone()].starts_with("cell (\"AND2\")"));
+        assert!(SMALL[cell.place.clone()].trim_end().ends_with("}\n  }"));
+        let pin = &cell.groups[0];
+        assert_eq!((pin.name(), pin.attribute("function"), pin.attribute("absent")), ("Y", Some("(A B)"), None));
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let fails = |text: &str| read(text).map(|group| group.kind.len()).expect_err("an error");
+        assert_eq!(
+            fails("library(x) {\n area : 1;\n"),
+            SyntaxError { line: 3, found: "the end".to_string(), expected: "'}'" }
+        );
+        assert_eq!(
+            fails("library(x) {\n\n  {"),
+            SyntaxError { line: 3, found: "'{'".to_string(), expected: "the name of an attribute or a group" }
+        );
+        assert_eq!(fails("module x;").line, 1);
+        assert_eq!(fails("library(x) { a : \"b }").expected, "a string that ends");
+        assert_eq!(fails("cell(x) { }").expected, "library (name) { ... }");
+    }
+}

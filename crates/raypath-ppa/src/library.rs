@@ -1,0 +1,234 @@
+//! A cell library: its cells' areas, and those that have a part in the recipe.
+
+use crate::Error;
+use crate::function::truth_table;
+use crate::liberty::{self, Group};
+use flate2::read::GzDecoder;
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::Path;
+
+/// The library that is taken where none is named, as Debian's package `qflow-tech-osu018` installs it.
+pub const DEFAULT_LIBRARY: &str = "/usr/share/qflow/tech/osu018/osu018_stdcells.lib";
+
+/// A Liberty file, read.
+#[derive(Debug)]
+pub struct Library {
+    name: String,
+    /// The file without the cells that must not be used.
+    text: String,
+    digest: String,
+    cells: BTreeMap<String, Cell>,
+    nand2: String,
+    buffer: String,
+    /// Ten inputs of the buffer, in whole femtofarads.
+    load: f64,
+    tie: Option<Tie>,
+}
+
+/// What a cell is to a measurement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// In the library's unit, which is µm² in all that we know.
+    pub area: f64,
+    /// Whether it is a flip-flop.
+    pub is_flip_flop: bool,
+    /// The names of its output pins.
+    pub outputs: Vec<String>,
+}
+
+/// The cells and pins that are constantly 1 and 0.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Tie {
+    pub one: (String, String),
+    pub zero: (String, String),
+}
+
+/// Cells that no synthesiser should take on its own, where the library does not say so itself (`dont_use : true`):
+/// sky130 has cells for power gating and for probes among the others.
+const NEVER_USED: [&str; 2] = ["__lpflow_", "__probe"];
+
+impl Library {
+    /// Reads a Liberty file, plain or compressed by gzip.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no Liberty file; a library without a buffer, or without a NAND of two inputs.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text = read_text(path).map_err(|problem| match problem.kind() {
+            std::io::ErrorKind::NotFound if path == Path::new(DEFAULT_LIBRARY) => Error::MissingTool {
+                program: format!("the cell library {DEFAULT_LIBRARY}"),
+                install: "apt-get install qflow-tech-osu018 (or name another Liberty file)",
+            },
+            _ => Error::file(path, "read", problem),
+        })?;
+        Self::of(text, path)
+    }
+
+    /// A library from its text; `path` is for messages.
+    fn of(text: String, path: &Path) -> Result<Self, Error> {
+        let library = liberty::read(&text).map_err(|wrong| Error::Liberty {
+            path: path.to_path_buf(),
+            line: wrong.line,
+            found: wrong.found,
+            expected: wrong.expected,
+        })?;
+        let (used, unused): (Vec<&Group<'_>>, Vec<&Group<'_>>) =
+            library.of_kind("cell").partition(|cell| is_used(cell));
+        let lacks = |what: &str| Error::Lacks { path: path.to_path_buf(), what: what.to_string() };
+        let nand2 = nand2(&used).ok_or_else(|| lacks("NAND with two inputs"))?.name().to_string();
+        let buffer = buffer(&used).ok_or_else(|| lacks("buffer"))?;
+        let load = (10.0 * femtofarads(&library) * input_capacitance(buffer)).round();
+        let buffer = buffer.name().to_string();
+        let tie = tie(&used);
+        let cells = used.iter().map(|cell| (cell.name().to_string(), Cell::of(cell))).collect();
+        let name = library.name().to_string();
+
+        let mut kept = String::with_capacity(text.len());
+        let mut reached = 0;
+        for cell in unused {
+            kept += &text[reached..cell.place.start];
+            reached = cell.place.end;
+        }
+        kept += &text[reached..];
+        let digest = hex(&Sha256::digest(&kept));
+        Ok(Self { name, text: kept, digest, cells, nand2, buffer, load, tie })
+    }
+
+    /// What the library calls itself.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The Liberty text, without the cells that must not be used.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Identifies [`Self::text`].
+    pub fn digest(&self) -> &str {
+        &self.digest
+    }
+
+    /// A cell that may be used.
+    pub fn cell(&self, name: &str) -> Option<&Cell> {
+        self.cells.get(name)
+    }
+
+    /// The smallest NAND of two inputs: the unit of gate equivalents.
+    pub fn nand2(&self) -> &str {
+        &self.nand2
+    }
+
+    /// The area of [`Self::nand2`].
+    pub fn nand2_area(&self) -> f64 {
+        self.cells[&self.nand2].area
+    }
+
+    /// The buffer that drives every input: the one of strength 2, or the smallest.
+    pub fn buffer(&self) -> &str {
+        &self.buffer
+    }
+
+    /// What every output drives: ten inputs of [`Self::buffer`], in femtofarads.
+    pub fn load(&self) -> f64 {
+        self.load
+    }
+
+    /// The cells that are constantly 1 and 0, if there are any.
+    pub(crate) fn tie(&self) -> Option<&Tie> {
+        self.tie.as_ref()
+    }
+}
+
+impl Cell {
+    fn of(cell: &Group<'_>) -> Self {
+        Self {
+            area: area(cell),
+            is_flip_flop: cell.groups.iter().any(|group| group.kind == "ff" || group.kind == "ff_bank"),
+            outputs: pins(cell, "output").into_iter().map(|pin| pin.name().to_string()).collect(),
+        }
+    }
+}
+
+fn read_text(path: &Path) -> std::io::Result<String> {
+    let bytes = std::fs::read(path)?;
+    let mut text = String::new();
+    if bytes.starts_with(&[0x1f, 0x8b]) {
+        GzDecoder::new(bytes.as_slice()).read_to_string(&mut text)?;
+    } else {
+        bytes.as_slice().read_to_string(&mut text)?;
+    }
+    Ok(text)
+}
+
+fn is_used(cell: &Group<'_>) -> bool {
+    cell.attribute("dont_use") != Some("true") && !NEVER_USED.iter().any(|part| cell.name().contains(part))
+}
+
+fn area(cell: &Group<'_>) -> f64 {
+    cell.attribute("area").and_then(|area| area.parse().ok()).unwrap_or(0.0)
+}
+
+fn pins<'g, 'a>(cell: &'g Group<'a>, direction: &str) -> Vec<&'g Group<'a>> {
+    cell.of_kind("pin").filter(|pin| pin.attribute("direction") == Some(direction)).collect()
+}
+
+/// The truth table of a cell of one output without state; nothing for any other.
+fn gate(cell: &Group<'_>, inputs: usize) -> Option<u64> {
+    let names: Vec<&str> = pins(cell, "input").iter().map(|pin| pin.name()).collect();
+    match pins(cell, "output").as_slice() {
+        [output] if names.len() == inputs && output.attribute("three_state").is_none() => {
+            truth_table(output.attribute("function")?, &names)
+        }
+        _ => None,
+    }
+}
+
+fn nand2<'g, 'a>(cells: &[&'g Group<'a>]) -> Option<&'g Group<'a>> {
+    let nands = cells.iter().copied().filter(|cell| gate(cell, 2) == Some(0b0111));
+    nands.min_by(|a, b| area(a).total_cmp(&area(b)))
+}
+
+/// The buffer of drive strength 2, by its name (`buf_2`, `BUFX2`; the shortest, since clock buffers have longer ones);
+/// the smallest of all where none is called so.
+fn buffer<'g, 'a>(cells: &[&'g Group<'a>]) -> Option<&'g Group<'a>> {
+    let buffers = || cells.iter().copied().filter(|cell| gate(cell, 1) == Some(0b10));
+    let strength = |cell: &Group<'_>| cell.name().rsplit(|c: char| !c.is_ascii_digit()).next() == Some("2");
+    let double = buffers().filter(|cell| strength(cell)).min_by_key(|cell| cell.name().len());
+    double.or_else(|| buffers().min_by(|a, b| area(a).total_cmp(&area(b))))
+}
+
+fn tie(cells: &[&Group<'_>]) -> Option<Tie> {
+    let constant = |value: &str| {
+        let mut pins = cells
+            .iter()
+            .filter(|cell| pins(cell, "input").is_empty())
+            .flat_map(|cell| pins(cell, "output").into_iter().map(|pin| (cell.name().to_string(), pin)));
+        let (cell, pin) = pins.find(|(_, pin)| pin.attribute("function") == Some(value))?;
+        Some((cell, pin.name().to_string()))
+    };
+    Some(Tie { one: constant("1")?, zero: constant("0")? })
+}
+
+/// The library's unit of capacitance.
+fn femtofarads(library: &Group<'_>) -> f64 {
+    let unit = library.of_kind("capacitive_load_unit").next().map(|unit| unit.names.as_slice());
+    match unit {
+        Some([number, unit]) => {
+            let scale = if unit.eq_ignore_ascii_case("ff") { 1.0 } else { 1000.0 };
+            number.parse::<f64>().unwrap_or(1.0) * scale
+        }
+        _ => 1000.0,
+    }
+}
+
+fn input_capacitance(cell: &Group<'_>) -> f64 {
+    let input = pins(cell, "input").first().and_then(|pin| pin.attribute("capacitance"));
+    input.and_then(|capacitance| capacitance.parse().ok()).unwrap_or(0.0)
+}
+
+/// Bytes as hexadecimal digits.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,83 @@
+//! What registers are called. Synthesis keeps one of the several names that a net has; which register drives it follows
+//! from a record of all of them, made while all are still there.
+
+use crate::design::RegisterKind;
+use crate::netlist::{NamedNet, Net};
+use serde::Deserialize;
+use std::collections::{BTreeMap, HashMap};
+
+/// A design as Yosys writes it, of which only the names matter.
+#[derive(Debug, Deserialize)]
+pub struct YosysNames {
+    modules: HashMap<String, YosysModule>,
+}
+
+#[derive(Debug, Deserialize)]
+struct YosysModule {
+    netnames: BTreeMap<String, NamedNet>,
+}
+
+/// The register behind every name of a net.
+#[derive(Debug, Default)]
+pub struct RegisterNames {
+    nets: HashMap<(String, usize), Net>,
+    registers: HashMap<Net, String>,
+}
+
+impl RegisterNames {
+    /// From all names of a module's nets, and the registers in it.
+    pub fn new(mut names: YosysNames, module: &str, registers: &BTreeMap<String, RegisterKind>) -> Self {
+        let mut result = Self::default();
+        let names = names.modules.remove(module).map(|module| module.netnames).unwrap_or_default();
+        for (name, net) in names.into_iter().filter(|(name, _)| !name.starts_with('$')) {
+            let is_register = registers.contains_key(&name);
+            for (place, bit) in net.bits.iter().enumerate() {
+                if is_register {
+                    let of = if net.bits.len() > 1 { format!("{name}[{place}]") } else { name.clone() };
+                    result.registers.entry(*bit).or_insert(of);
+                }
+                result.nets.insert((name.clone(), place + net.offset), *bit);
+            }
+        }
+        result
+    }
+
+    /// The register, `u_stage_3.num_4_q[7]`, that drives the net with this name.
+    pub fn register(&self, net: &str) -> Option<&str> {
+        self.registers.get(self.nets.get(&bit(net))?).map(String::as_str)
+    }
+}
+
+/// `num_4_q[7]` is bit 7 of `num_4_q`; a name without a position is a bit of its own.
+fn bit(net: &str) -> (String, usize) {
+    let split = net.strip_suffix(']').and_then(|net| net.rsplit_once('['));
+    match split.and_then(|(name, place)| Some((name.to_string(), place.parse().ok()?))) {
+        Some(bit) => bit,
+        None => (net.to_string(), 0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_name_leads_to_the_register() {
+        let names = r#"{"creator": "Yosys", "modules": {"raypath": {"ports": {}, "netnames": {
+            "$1": {"bits": [9]},
+            "stage_1_flags": {"hide_name": 0, "bits": [7, 8], "attributes": {}},
+            "u_stage_1.flags_q": {"bits": [7, 8]},
+            "u_stage_2.hit": {"bits": [8]},
+            "u_stage_2.constant": {"bits": ["0"]},
+            "valid_q": {"bits": [9], "offset": 0}}}}}"#;
+        let names: YosysNames = serde_json::from_str(names).expect("names");
+        let kind = RegisterKind { group: 0, is_control: false };
+        let registers = ["u_stage_1.flags_q", "valid_q"].map(|name| (name.to_string(), kind.clone()));
+        let names = RegisterNames::new(names, "raypath", &BTreeMap::from(registers));
+        assert_eq!(names.register("stage_1_flags[0]"), Some("u_stage_1.flags_q[0]"));
+        assert_eq!(names.register("u_stage_2.hit"), Some("u_stage_1.flags_q[1]"));
+        assert_eq!(names.register("valid_q"), Some("valid_q"));
+        assert_eq!(names.register("u_stage_2.constant"), None);
+        assert_eq!(names.register("elsewhere[1]"), None);
+    }
+}

@@ -1,0 +1,138 @@
+//! A netlist as the plainest Verilog: what OpenSTA reads. Names are numbers that say what a cell is, so that paths can be
+//! read back without any rule of escaping: `g3_r17` is a register of group 3, cell 17 of the netlist.
+
+use crate::netlist::{Direction, Net, Netlist};
+use crate::place::Role;
+use std::collections::{BTreeSet, HashMap};
+use std::fmt::Write;
+
+/// The name of a cell of the top module.
+pub fn cell_name(index: usize, role: &Role) -> String {
+    match role {
+        Role::Register { group, .. } => format!("g{group}_r{index}"),
+        Role::Unit { group, .. } => format!("g{group}_u{index}"),
+        Role::Gate => format!("x{index}"),
+    }
+}
+
+/// The cell that has this name.
+pub fn cell_index(name: &str) -> Option<usize> {
+    let number = name.strip_prefix('x').or_else(|| name.split_once("_r").or(name.split_once("_u")).map(|(_, n)| n))?;
+    number.parse().ok()
+}
+
+/// All registers of a group, as a pattern of names.
+pub fn registers(group: usize) -> String {
+    format!("g{group}_r*")
+}
+
+/// A module as Verilog.
+pub fn module(netlist: &Netlist, name_of: impl Fn(usize) -> String) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = write_module(&mut text, netlist, name_of);
+    text
+}
+
+fn write_module(text: &mut String, netlist: &Netlist, name_of: impl Fn(usize) -> String) -> std::fmt::Result {
+    let ports: Vec<&str> = netlist.ports.keys().map(String::as_str).collect();
+    writeln!(text, "module {} ({});", netlist.module, ports.join(", "))?;
+    // A net at a port has the port's name; where it is at several, the others are assigned.
+    let mut names: HashMap<Net, String> = HashMap::new();
+    let mut assigned = Vec::new();
+    for wanted in [Direction::Input, Direction::Inout, Direction::Output] {
+        for (name, port) in netlist.ports.iter().filter(|(_, port)| port.direction == wanted) {
+            let (direction, high) = (direction(wanted), port.bits.len().saturating_sub(1));
+            let range = if high > 0 { format!("[{high}:0] ") } else { String::new() };
+            writeln!(text, "  {direction} {range}{name};")?;
+            for (place, net) in port.bits.iter().enumerate() {
+                let bit = if high > 0 { format!("{name}[{place}]") } else { name.clone() };
+                if matches!(net, Net::Wire(_)) && !names.contains_key(net) {
+                    names.insert(*net, bit);
+                } else if *net != Net::Open {
+                    assigned.push((bit, *net));
+                }
+            }
+        }
+    }
+    let connected = netlist.cells.iter().flat_map(|instance| instance.connections.values().flatten());
+    let inner: BTreeSet<&Net> = connected.filter(|net| !names.contains_key(net)).collect();
+    for net in inner {
+        if let Net::Wire(number) = net {
+            writeln!(text, "  wire n{number};")?;
+        }
+    }
+    let value = |net: &Net| match net {
+        Net::Zero | Net::Open => "1'b0".to_string(),
+        Net::One => "1'b1".to_string(),
+        Net::Wire(number) => names.get(net).cloned().unwrap_or_else(|| format!("n{number}")),
+    };
+    for (port, net) in assigned {
+        writeln!(text, "  assign {port} = {};", value(&net))?;
+    }
+    for (index, instance) in netlist.cells.iter().enumerate() {
+        let connected = instance.connections.iter().filter(|(_, nets)| nets.iter().any(|net| *net != Net::Open));
+        let pins = connected.map(|(pin, nets)| match nets.as_slice() {
+            [net] => format!(".{pin}({})", value(net)),
+            nets => format!(".{pin}({{{}}})", nets.iter().rev().map(value).collect::<Vec<_>>().join(", ")),
+        });
+        let pins: Vec<String> = pins.collect();
+        writeln!(text, "  {} {} ({});", instance.cell, name_of(index), pins.join(", "))?;
+    }
+    writeln!(text, "endmodule")
+}
+
+fn direction(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Input => "input",
+        Direction::Output => "output",
+        Direction::Inout => "inout",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::netlist::YosysDesign;
+
+    #[test]
+    fn ports_wires_constants_and_buses() {
+        let json = r#"{"modules": {"top": {
+            "ports": {
+                "a_i": {"direction": "input", "bits": [2, 3]},
+                "b_o": {"direction": "output", "bits": [4]},
+                "c_o": {"direction": "output", "bits": [4, 2, "1"]}},
+            "cells": {
+                "$1": {"type": "NAND2", "connections": {"A": [2], "B": [5], "Y": [4]}},
+                "u_0": {"type": "raypath_fp_add", "connections": {"a_i": [3, "0"], "s_o": [5], "open_o": ["x"]}}},
+            "netnames": {}}}}"#;
+        let mut design: YosysDesign = serde_json::from_str(json).expect("JSON");
+        let (netlist, _) = design.take("top").expect("a module");
+        let text = module(&netlist, |index| format!("x{index}"));
+        let expected = "\
+module top (a_i, b_o, c_o);
+  input [1:0] a_i;
+  output b_o;
+  output [2:0] c_o;
+  wire n5;
+  assign c_o[0] = b_o;
+  assign c_o[1] = a_i[0];
+  assign c_o[2] = 1'b1;
+  NAND2 x0 (.A(a_i[0]), .B(n5), .Y(b_o));
+  raypath_fp_add x1 (.a_i({1'b0, a_i[1]}), .s_o(n5));
+endmodule
+";
+        assert_eq!(text, expected);
+        assert!(design.take("top").is_err());
+    }
+
+    #[test]
+    fn names_lead_back() {
+        let roles = [Role::Gate, Role::Register { group: 12, is_control: false }];
+        for (index, role) in roles.iter().enumerate() {
+            assert_eq!(cell_index(&cell_name(index, role)), Some(index));
+        }
+        assert_eq!(cell_index("g3_u41"), Some(41));
+        assert_eq!(cell_index("opcode_i"), None);
+    }
+}

@@ -1,0 +1,113 @@
+//! A piece of a design becomes cells of a library.
+
+use crate::Error;
+use crate::cache::Key;
+use crate::design::{Piece, RegisterKind};
+use crate::library::Library;
+use crate::names::RegisterNames;
+use crate::netlist::{Net, Netlist, YosysDesign};
+use crate::recipe;
+use crate::tool::Yosys;
+use serde::de::DeserializeOwned;
+use std::collections::{BTreeMap, HashMap};
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+/// What a synthesis follows from.
+pub struct Synthesis<'a> {
+    pub library: &'a Library,
+    pub yosys: &'a Yosys,
+    pub period: f64,
+}
+
+impl Synthesis<'_> {
+    /// Identifies the outcome.
+    pub fn key(&self, piece: &Piece) -> Key {
+        let Self { library, yosys, period } = self;
+        let recipe = recipe::yosys(piece, library) + &recipe::abc(*period) + &recipe::constraints(library);
+        Key::new("netlist", &[&recipe::source(piece), &recipe, library.digest(), &yosys.to_string()])
+    }
+
+    /// Synthesises a piece. `registers` are those that it may have.
+    pub fn run(
+        &self,
+        piece: &Piece,
+        registers: &BTreeMap<String, RegisterKind>,
+        stop: &AtomicBool,
+    ) -> Result<Netlist, Error> {
+        let folder = tempfile::tempdir().map_err(|problem| Error::file(&std::env::temp_dir(), "write in", problem))?;
+        let folder = folder.path();
+        write(folder, recipe::DESIGN, &recipe::source(piece))?;
+        write(folder, recipe::LIBRARY, self.library.text())?;
+        write(folder, recipe::SCRIPT, &recipe::yosys(piece, self.library))?;
+        write(folder, recipe::ABC_SCRIPT, &recipe::abc(self.period))?;
+        write(folder, recipe::ABC_CONSTRAINTS, &recipe::constraints(self.library))?;
+        self.yosys.run(folder, recipe::SCRIPT, &piece.module, stop)?;
+
+        let mut design: YosysDesign = read_json(&folder.join(recipe::NETLIST))?;
+        let (mut netlist, net_names) = design.take(&piece.module)?;
+        let names = match piece.is_unit {
+            true => RegisterNames::default(),
+            false => RegisterNames::new(read_json(&folder.join(recipe::NAMES))?, &piece.module, registers),
+        };
+        let mut names_of: HashMap<Net, Vec<&str>> = HashMap::new();
+        for (name, net) in &net_names {
+            net.bits.iter().for_each(|bit| names_of.entry(*bit).or_default().push(name));
+        }
+        for instance in &mut netlist.cells {
+            let Some(cell) = self.library.cell(&instance.cell) else { continue };
+            let outputs = cell.outputs.iter().filter_map(|pin| instance.connections.get(pin)).flatten();
+            let mut driven = outputs.filter_map(|net| names_of.get(net)).flatten().copied();
+            instance.name = match cell.is_flip_flop {
+                true => driven.clone().find_map(|net| names.register(net)).or(driven.next()).unwrap_or("?").to_string(),
+                false => String::new(),
+            };
+        }
+        self.check(piece, &netlist, &fs::read_to_string(folder.join(recipe::STATISTICS)).unwrap_or_default())?;
+        Ok(netlist)
+    }
+
+    /// Every cell is one of the library's or a unit, units have no registers of their own, and their areas add up to
+    /// what Yosys says.
+    fn check(&self, piece: &Piece, netlist: &Netlist, statistics: &str) -> Result<(), Error> {
+        let mut sum = 0.0;
+        for instance in &netlist.cells {
+            match self.library.cell(&instance.cell) {
+                Some(cell) if piece.is_unit && cell.is_flip_flop => {
+                    let found = format!("a flip-flop in {}", piece.module);
+                    return Err(Error::unexpected("yosys", found, "units without registers"));
+                }
+                Some(cell) => sum += cell.area,
+                None if instance.cell.starts_with('$') => {
+                    let found = format!("{} in {} not mapped", instance.cell, piece.module);
+                    return Err(Error::unexpected("yosys", found, "a library with a cell for it"));
+                }
+                None => {}
+            }
+        }
+        match chip_area(statistics) {
+            Some(area) if (area - sum).abs() <= 1e-4 * sum + 0.01 => Ok(()),
+            found => {
+                let found = found.map_or("no area".to_string(), |area| format!("an area of {area}"));
+                Err(Error::unexpected("yosys", format!("{found} for {}", piece.module), format!("{sum}")))
+            }
+        }
+    }
+}
+
+/// The area in what Yosys's `stat` prints: without the units, which the library does not have.
+fn chip_area(statistics: &str) -> Option<f64> {
+    let line = statistics.lines().rfind(|line| line.contains("Chip area for "))?;
+    line.rsplit(' ').next()?.parse().ok()
+}
+
+pub fn write(folder: &Path, name: &str, text: &str) -> Result<(), Error> {
+    let path = folder.join(name);
+    fs::write(&path, text).map_err(|problem| Error::file(&path, "write", problem))
+}
+
+fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
+    let bytes = fs::read(path).map_err(|problem| Error::file(path, "read", problem))?;
+    serde_json::from_slice(&bytes).map_err(|problem| Error::unexpected("yosys", problem.to_string(), "its JSON"))
+}

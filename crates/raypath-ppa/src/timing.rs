@@ -1,0 +1,97 @@
+//! The slowest paths, by OpenSTA: what it is told, and what it says.
+
+use crate::Error;
+use crate::library::Library;
+use crate::structural::registers;
+
+/// Names of the files beside each other while paths are looked for.
+pub const NETLIST: &str = "netlist.v";
+pub const LIBRARY: &str = "cells.lib";
+pub const SCRIPT: &str = "script.tcl";
+pub const LOG: &str = "sta.log";
+
+/// Where paths may end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ends {
+    /// Registers of a group.
+    Registers(usize),
+    /// Output ports.
+    Ports,
+}
+
+/// A path as OpenSTA prints it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RawPath {
+    /// Pins, with the time in nanoseconds at each: `g3_r17/Q`, `g4_u5/x12/Y`, or a port.
+    pub points: Vec<(String, f64)>,
+    /// When the value arrives at the last.
+    pub arrival: f64,
+    /// What the register at the end asks for.
+    pub setup: f64,
+}
+
+const MARK: &str = "raypath paths:";
+
+/// The commands for OpenSTA: ports switch at the clock's edge, resets are no paths, clock and wires take no time.
+pub fn script(top: &str, library: &Library, period: f64, ends: &[Ends]) -> String {
+    let mut lines = vec![
+        format!("read_liberty {LIBRARY}"),
+        format!("read_verilog {NETLIST}"),
+        format!("link_design {top}"),
+        "set_cmd_units -time ns -capacitance fF".to_string(),
+        format!("create_clock -name clk -period {period} [get_ports clk_i]"),
+        "set_input_delay 0 -clock clk [all_inputs]".to_string(),
+        "set_output_delay 0 -clock clk [all_outputs]".to_string(),
+        format!("set_driving_cell -lib_cell {} [all_inputs]", library.buffer()),
+        format!("set_load {} [all_outputs]", library.load()),
+        "set_false_path -from [get_ports rst_ni]".to_string(),
+    ];
+    for (number, end) in ends.iter().enumerate() {
+        lines.push(format!("puts \"{MARK} {number}\""));
+        let to = match end {
+            Ends::Registers(group) => format!("[get_cells {}]", registers(*group)),
+            Ends::Ports => "[all_outputs]".to_string(),
+        };
+        lines.push(format!("report_checks -path_delay max -digits 4 -to {to}"));
+    }
+    lines.push("exit".to_string());
+    lines.join("\n") + "\n"
+}
+
+/// The slowest path to each of `ends`, which [`script`] asked for; none where there is no path.
+pub fn paths(said: &str, ends: usize) -> Result<Vec<Option<RawPath>>, Error> {
+    let last_lines = || {
+        let lines: Vec<&str> = said.lines().collect();
+        format!("\"{}\"", lines[lines.len().saturating_sub(5)..].join("\n"))
+    };
+    let mut found = Vec::new();
+    for (number, part) in said.split(MARK).skip(1).enumerate() {
+        let path = part.strip_prefix(&format!(" {number}\n")).and_then(path);
+        found.push(path.ok_or_else(|| Error::unexpected("sta", last_lines(), "a path"))?);
+    }
+    if found.len() != ends {
+        return Err(Error::unexpected("sta", last_lines(), format!("paths to {ends} sets of ends")));
+    }
+    Ok(found)
+}
+
+/// One report. Nothing where it cannot be read, `Some(None)` where it says that there is no path.
+fn path(report: &str) -> Option<Option<RawPath>> {
+    if report.contains("No paths found") {
+        return Some(None);
+    }
+    let (mut points, mut arrival, mut setup) = (Vec::new(), None, 0.0);
+    for line in report.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words.as_slice() {
+            // A pin before the arrival is on the path; those after it are on the clock's way.
+            [_, time, "^" | "v", pin, cell] if arrival.is_none() && cell.starts_with('(') => {
+                points.push((pin.to_string(), time.parse().ok()?));
+            }
+            [time, "data", "arrival", "time"] if arrival.is_none() => arrival = Some(time.parse().ok()?),
+            [time, _, "library", "setup", "time"] => setup = -time.parse::<f64>().ok()?,
+            _ => {}
+        }
+    }
+    arrival.filter(|_| !points.is_empty()).map(|arrival| Some(RawPath { points, arrival, setup }))
+}

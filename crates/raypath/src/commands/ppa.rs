@@ -1,0 +1,72 @@
+//! `raypath ppa`: area and timing of the datapath in a cell library.
+
+use crate::commands::Failure;
+use crate::commands::bench::BenchArguments;
+use crate::commands::configuration::ConfigArguments;
+use crate::commands::output::write_all;
+use clap::Args;
+use raypath::ppa::{self, Design, Earlier, Report};
+use raypath::rtl::{Config, Datapath};
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    configuration: ConfigArguments,
+    #[command(flatten)]
+    bench: BenchArguments,
+    /// Compare with the report in this folder (its ppa.json)
+    #[arg(long, value_name = "DIR")]
+    against: Option<PathBuf>,
+    /// The folder to write ppa.json and ppa.svg to
+    #[arg(long, default_value = "build/ppa", value_name = "DIR")]
+    out: PathBuf,
+    /// Print the report as JSON instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
+    // What cannot be compared with is found out before minutes of work.
+    let earlier = arguments.against.as_deref().map(Earlier::read).transpose()?;
+    let design = design(arguments.configuration.config()?)?;
+    let reports = arguments.bench.measure(&[design])?;
+    for report in reports {
+        write_all(&files(&report, &arguments.out)?)?;
+        if arguments.json {
+            writeln!(out, "{}", json(&report)?)?;
+        } else {
+            show(&report, earlier.as_ref(), arguments, out)?;
+        }
+    }
+    Ok(())
+}
+
+fn show(report: &Report, earlier: Option<&Earlier>, arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
+    writeln!(out, "raypath {}: {}\n", env!("CARGO_PKG_VERSION"), report.design)?;
+    writeln!(out, "Area by stage and kind, µm²\n\n{}\n", ppa::areas(report))?;
+    writeln!(out, "Units, µm²\n\n{}\n", ppa::units(report))?;
+    writeln!(out, "The slowest path to each stage\n\n{}\n", ppa::paths(report))?;
+    writeln!(out, "{}", ppa::summary(report))?;
+    if let Some(earlier) = earlier {
+        writeln!(out, "\nThis divided by {}\n\n{}", earlier.design, ppa::comparison(report, earlier))?;
+    }
+    writeln!(out, "\nWrote {0}/ppa.json and {0}/ppa.svg.", arguments.out.display())?;
+    Ok(())
+}
+
+/// A configuration, elaborated.
+pub fn design(config: Config) -> Result<Design, Failure> {
+    Ok(Design::new(config.to_string(), Datapath::new(config)?.top()))
+}
+
+/// A report as the files that show it.
+pub fn files(report: &Report, folder: &std::path::Path) -> Result<Vec<(PathBuf, String)>, Failure> {
+    Ok(vec![(folder.join("ppa.json"), json(report)? + "\n"), (folder.join("ppa.svg"), ppa::stages(report))])
+}
+
+/// A report, or many, as JSON.
+pub fn json(report: &impl serde::Serialize) -> Result<String, Failure> {
+    serde_json::to_string_pretty(report).map_err(|problem| Failure::Unusable(format!("JSON: {problem}")))
+}

@@ -1,0 +1,73 @@
+//! Figures of an earlier measurement, or of somebody else's design.
+
+use raypath_ppa::Error;
+use serde::Deserialize;
+use std::path::Path;
+
+/// What a comparison needs of a `ppa.json`. Only the whole area, the flip-flops and the slowest path must be there, so
+/// that a design of other stages, or one that was measured otherwise, can be written down by hand.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Earlier {
+    /// What was measured.
+    pub design: String,
+    /// Everything, in the library's unit.
+    pub area: EarlierArea,
+    /// All flip-flops.
+    pub flip_flops: u64,
+    /// The slowest path of all.
+    pub slowest: EarlierPath,
+    /// Its stages, as far as known.
+    #[serde(default)]
+    pub stages: Vec<EarlierStage>,
+}
+
+/// A stage of an earlier measurement.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct EarlierStage {
+    /// As our reports name it: `stage 3`.
+    pub name: String,
+    /// Its area.
+    pub area: Option<EarlierArea>,
+    /// Its flip-flops.
+    pub flip_flops: Option<u64>,
+    /// Its slowest path.
+    pub slowest: Option<EarlierPath>,
+}
+
+/// An area.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct EarlierArea {
+    /// Of everything.
+    pub total: f64,
+}
+
+/// A path.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct EarlierPath {
+    /// Its length in nanoseconds.
+    pub ns: f64,
+}
+
+impl Earlier {
+    /// Reads `ppa.json` in a folder.
+    ///
+    /// # Errors
+    /// It cannot be read, or is no report.
+    pub fn read(folder: &Path) -> Result<Self, Error> {
+        let path = folder.join("ppa.json");
+        let bytes = match std::fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(problem) => return Err(Error::File { path, doing: "read", problem }),
+        };
+        serde_json::from_slice(&bytes).map_err(|problem| Error::Unexpected {
+            program: path.display().to_string(),
+            found: problem.to_string(),
+            expected: "a report as `raypath ppa` writes it".to_string(),
+        })
+    }
+
+    /// The stage of this name.
+    pub fn stage(&self, name: &str) -> Option<&EarlierStage> {
+        self.stages.iter().find(|stage| stage.name == name)
+    }
+}

@@ -1,0 +1,113 @@
+//! Configurations as points: what area buys in clock and throughput.
+
+use crate::drawing::{self, line, text};
+use crate::ppa::stages::round_step;
+use crate::ppa::{Exploration, Point};
+use svg::node::element::{Circle, Group, Title};
+
+const PANEL: i32 = 470;
+const HEIGHT: i32 = 380;
+const LEFT: i32 = 64;
+const TOP: i32 = 84;
+const BETWEEN: i32 = 150;
+
+/// An exploration as SVG, in two panels: area against the clock, which is also jobs a second; and area against the
+/// dimensions of distances a second, for those that have distance modes. Through each runs the line of the best area
+/// for its throughput; whoever stands above it pays more for the same.
+pub fn scatter(exploration: &Exploration) -> String {
+    let width = LEFT + 2 * (PANEL + BETWEEN);
+    let most = exploration.points.iter().map(area).fold(0.1, f64::max) * 1.1;
+    let title = "Area against clock and throughput";
+    let setting = exploration.points.first().map(|point| &point.report.setting);
+    let setting =
+        setting.map(|setting| format!("{}, {}, library {}", setting.synthesis, setting.timing, setting.library));
+    let dimensions = |point: &Point| point.dimensions_per_second / 1e9;
+    drawing::picture(title, width, TOP + HEIGHT + 56)
+        .add(text(12, 24, "head", title))
+        .add(text(12, 42, "small", &setting.unwrap_or_default()))
+        .add(panel(exploration, LEFT, most, "million jobs a second = clock in MHz", |point| point.report.clock_mhz))
+        .add(panel(exploration, LEFT + PANEL + BETWEEN, most, "thousand million dimensions a second", dimensions))
+        .to_string()
+        + "\n"
+}
+
+/// One diagram of area in mm² against `throughput`; points whose throughput is 0 are left out.
+fn panel(
+    exploration: &Exploration,
+    left: i32,
+    most_area: f64,
+    words: &str,
+    throughput: impl Fn(&Point) -> f64,
+) -> Group {
+    let points: Vec<(&Point, f64)> = exploration.points.iter().map(|point| (point, throughput(point))).collect();
+    let points: Vec<(&Point, f64)> = points.into_iter().filter(|(_, throughput)| *throughput > 0.0).collect();
+    let most = points.iter().map(|(_, throughput)| *throughput).fold(0.0, f64::max) * 1.1;
+    if most == 0.0 {
+        return Group::new();
+    }
+    let x = |value: f64| left + (value / most * f64::from(PANEL)).round() as i32;
+    let y = |value: f64| TOP + HEIGHT - (value / most_area * f64::from(HEIGHT)).round() as i32;
+    let bottom = TOP + HEIGHT;
+    let mut group = Group::new()
+        .add(line((left, bottom), (left + PANEL, bottom), "#222222"))
+        .add(line((left, TOP), (left, bottom), "#222222"))
+        .add(text(left, TOP - 14, "small", "mm²"))
+        .add(text(left + PANEL / 2, bottom + 40, "small middle", words));
+    for value in marks(most) {
+        group = group.add(line((x(value), bottom), (x(value), bottom + 4), "#222222")).add(text(
+            x(value),
+            bottom + 18,
+            "small middle",
+            &shown(value),
+        ));
+    }
+    for value in marks(most_area) {
+        group = group.add(line((left, y(value)), (left + PANEL, y(value)), "#dddddd")).add(text(
+            left - 6,
+            y(value) + 4,
+            "small right",
+            &shown(value),
+        ));
+    }
+    // The best is a straight line from the origin: area for each job, or dimension, a second.
+    let best = points.iter().map(|(point, throughput)| area(point) / throughput).fold(f64::INFINITY, f64::min);
+    let end = (most_area / best).min(most);
+    group = group.add(line((x(0.0), y(0.0)), (x(end), y(end * best)), "#0072b2").set("stroke-dasharray", "4 4"));
+    let mut labels: Vec<(i32, i32)> = Vec::new();
+    for (point, throughput) in points {
+        let (at_x, at_y) = (x(throughput), y(area(point)));
+        let colour = if area(point) / throughput <= best { "#0072b2" } else { "#d55e00" };
+        let report = &point.report;
+        let title = format!(
+            "{}: {:.3} mm², {:.2} ns, {} flip-flops, {:.2} mm² ns",
+            point.name,
+            area(point),
+            report.slowest.ns,
+            report.flip_flops,
+            report.area_period
+        );
+        let circle = Circle::new().set("cx", at_x).set("cy", at_y).set("r", 5).set("fill", colour);
+        // A label that would cover another moves down.
+        let mut label = (at_x + 9, at_y + 4);
+        while labels.iter().any(|(x, y)| (x - label.0).abs() < 90 && (y - label.1).abs() < 12) {
+            label.1 += 12;
+        }
+        labels.push(label);
+        group = group.add(circle.add(Title::new(title))).add(text(label.0, label.1, "small", &point.name));
+    }
+    group
+}
+
+fn area(point: &Point) -> f64 {
+    point.report.area.total / 1e6
+}
+
+fn marks(most: f64) -> Vec<f64> {
+    let step = round_step(most / 6.0);
+    (1..).map(|number| f64::from(number) * step).take_while(|value| *value <= most).collect()
+}
+
+/// Without the last digits that binary fractions have.
+fn shown(value: f64) -> String {
+    ((value * 1e6).round() / 1e6).to_string()
+}

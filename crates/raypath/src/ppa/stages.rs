@@ -1,0 +1,164 @@
+//! A design as a picture: what each stage is made of, and where its slowest path spends its time.
+
+use crate::drawing::{self, line, rectangle, text};
+use crate::ppa::tables::grouped;
+use crate::ppa::{Area, Path, Report};
+use svg::node::element::{Group, Title};
+
+const LEFT: i32 = 64;
+const COLUMN: i32 = 66;
+const BAR: i32 = 44;
+const AREA_TOP: i32 = 84;
+const AREA_HEIGHT: i32 = 320;
+const TIME_TOP: i32 = 470;
+const TIME_HEIGHT: i32 = 150;
+const LEGEND: i32 = 150;
+
+/// The parts of a path, as they are coloured: what the register takes, gates, units, set-up.
+const REGISTER: &str = "#555555";
+const GATES: &str = "#999999";
+const UNIT: &str = "#0072b2";
+const SETUP: &str = "#000000";
+
+/// A measured design as SVG: a stacked bar of area for each stage, and below it one of time.
+pub fn stages(report: &Report) -> String {
+    let columns = report.stages.len() as i32;
+    let right = LEFT + columns * COLUMN;
+    let (width, height) = (right + LEGEND, TIME_TOP + TIME_HEIGHT + 48);
+    let most_area = report.stages.iter().map(|stage| stage.area.total).fold(1.0, f64::max);
+    let most_time = report.slowest.ns.max(0.01);
+    let summary = format!(
+        "{:.3} mm² = {:.1} kGE, {} flip-flops; slowest path {:.2} ns = {:.1} MHz; library {}",
+        report.area.total / 1e6,
+        report.kilo_gates,
+        grouped(report.flip_flops),
+        report.slowest.ns,
+        report.clock_mhz,
+        report.setting.library
+    );
+    let mut picture = drawing::picture("Area and slowest path by stage", width, height)
+        .add(text(12, 24, "head", &format!("raypath: {}", report.design)))
+        .add(text(12, 42, "small", &summary))
+        .add(text(12, AREA_TOP - 14, "small", "area, thousands of µm²"))
+        .add(text(12, TIME_TOP - 18, "small", "slowest path that ends in the stage, ns"))
+        .add(axis(AREA_TOP, AREA_HEIGHT, right, most_area / 1000.0))
+        .add(axis(TIME_TOP, TIME_HEIGHT, right, most_time));
+    for (column, stage) in report.stages.iter().enumerate() {
+        let x = LEFT + column as i32 * COLUMN + (COLUMN - BAR) / 2;
+        let middle = x + BAR / 2;
+        let area = bar(x, AREA_TOP + AREA_HEIGHT, AREA_HEIGHT, most_area, &kinds(&stage.area));
+        let total = format!("{:.0}", stage.area.total / 1000.0);
+        let top = AREA_TOP + AREA_HEIGHT - scaled(stage.area.total, most_area, AREA_HEIGHT);
+        picture = picture.add(area).add(text(middle, top - 4, "small middle", &total)).add(text(
+            middle,
+            AREA_TOP + AREA_HEIGHT + 16,
+            "middle",
+            stage.name.trim_start_matches("stage "),
+        ));
+        if let Some(path) = &stage.slowest {
+            let top = TIME_TOP + TIME_HEIGHT - scaled(path.ns, most_time, TIME_HEIGHT);
+            picture = picture
+                .add(bar(x, TIME_TOP + TIME_HEIGHT, TIME_HEIGHT, most_time, &parts(path)))
+                .add(text(middle, top - 4, "small middle", &format!("{:.2}", path.ns)))
+                .add(text(middle, TIME_TOP + TIME_HEIGHT + 16, "middle", stage.name.trim_start_matches("stage ")));
+        }
+    }
+    let present = kinds(&report.area).into_iter().map(|part| (part.name, part.colour));
+    let times = [("register", REGISTER), ("gates", GATES), ("unit", UNIT), ("set-up", SETUP)];
+    let times = times.map(|(name, colour)| (name.to_string(), colour)).into_iter();
+    picture = picture.add(legend(right + 20, AREA_TOP, present)).add(legend(right + 20, TIME_TOP, times));
+    picture.to_string() + "\n"
+}
+
+/// A part of a bar.
+struct Part {
+    name: String,
+    colour: &'static str,
+    size: f64,
+}
+
+/// What a stage is made of, from the bottom. Colours that colour-blind readers tell apart (Okabe and Ito).
+fn kinds(area: &Area) -> Vec<Part> {
+    let unit = |kind: &str| match kind.split(' ').next() {
+        Some("mul") => "#0072b2",
+        Some("add") => "#d55e00",
+        Some("compare") => "#009e73",
+        Some("encode") => "#cc79a7",
+        _ => "#e69f00",
+    };
+    let units =
+        area.units.iter().map(|(kind, units)| Part { name: kind.clone(), colour: unit(kind), size: units.area });
+    let colours = ["#555555", "#56b4e9", "#999999", "#f0e442", "#c8c8c8", "#000000"];
+    let others = area.other_kinds().into_iter().zip(colours);
+    let others = others.map(|((name, size), colour)| Part { name: name.to_string(), colour, size });
+    units.chain(others).filter(|part| part.size > 0.0).collect()
+}
+
+/// Where a path spends its time, from the bottom.
+fn parts(path: &Path) -> Vec<Part> {
+    let mut before = 0.0;
+    let mut parts = Vec::new();
+    for (number, step) in path.steps.iter().enumerate() {
+        let colour = match step.through.as_str() {
+            _ if number == 0 => REGISTER,
+            "gates" => GATES,
+            unit if unit.starts_with("u_") => UNIT,
+            _ => GATES,
+        };
+        parts.push(Part { name: step.through.clone(), colour, size: step.ns - before });
+        before = step.ns;
+    }
+    parts.push(Part { name: "set-up".to_string(), colour: SETUP, size: path.setup_ns });
+    parts
+}
+
+fn bar(x: i32, bottom: i32, height: i32, most: f64, parts: &[Part]) -> Group {
+    let mut reached = 0.0;
+    let mut group = Group::new();
+    for part in parts {
+        // Edges, not heights, are rounded, so that errors do not add up.
+        let (low, high) = (scaled(reached, most, height), scaled(reached + part.size, most, height));
+        reached += part.size;
+        if high > low {
+            let title = Title::new(format!("{}: {:.2}", part.name, part.size));
+            group = group.add(rectangle(x, bottom - high, BAR, high - low, part.colour).add(title));
+        }
+    }
+    group
+}
+
+/// Horizontal lines at round numbers.
+fn axis(top: i32, height: i32, right: i32, most: f64) -> Group {
+    let step = round_step(most / 4.0);
+    let mut group = Group::new().add(line((LEFT, top + height), (right, top + height), "#222222"));
+    let mut value = step;
+    while value <= most {
+        let y = top + height - scaled(value, most, height);
+        group = group.add(line((LEFT, y), (right, y), "#dddddd")).add(text(
+            LEFT - 6,
+            y + 4,
+            "small right",
+            &value.to_string(),
+        ));
+        value += step;
+    }
+    group
+}
+
+/// The smallest of 1, 2, 5, 10, 20 ... that is not below.
+pub(super) fn round_step(at_least: f64) -> f64 {
+    let power = 10_f64.powf(at_least.max(1e-9).log10().floor());
+    [1.0, 2.0, 5.0].map(|digit| digit * power).into_iter().find(|step| *step >= at_least).unwrap_or(10.0 * power)
+}
+
+fn legend(x: i32, top: i32, entries: impl Iterator<Item = (String, &'static str)>) -> Group {
+    let entry = |(number, (name, colour)): (usize, (String, &str))| {
+        let y = top + 18 * number as i32;
+        Group::new().add(rectangle(x, y, 12, 12, colour)).add(text(x + 18, y + 10, "small", &name))
+    };
+    entries.enumerate().map(entry).fold(Group::new(), Group::add)
+}
+
+fn scaled(value: f64, most: f64, height: i32) -> i32 {
+    (value / most * f64::from(height)).round() as i32
+}

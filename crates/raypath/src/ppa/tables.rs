@@ -1,0 +1,168 @@
+//! Measurements in tables and words.
+
+use crate::ppa::{Area, Earlier, Exploration, Report};
+use crate::tables::new_table;
+use comfy_table::{CellAlignment, Table};
+
+/// Area by stage and kind, and flip-flops by stage.
+pub fn areas(report: &Report) -> String {
+    let kinds = Area::default().other_kinds().map(|(kind, _)| kind);
+    let mut table =
+        table(&[&["stage", "units", "area of units"], kinds.as_slice(), &["all", "share", "flip-flops"]].concat());
+    let whole = report.area.total;
+    let mut row = |name: &str, units: String, area: &Area, flip_flops: u64| {
+        let mut cells = vec![name.to_string(), units, rounded(area.units_area())];
+        cells.extend(area.other_kinds().map(|(_, area)| rounded(area)));
+        cells.extend([rounded(area.total), percent(area.total / whole), grouped(flip_flops)]);
+        table.add_row(cells);
+    };
+    for stage in &report.stages {
+        let units = stage.area.units.iter().map(|(kind, units)| format!("{} {kind}", units.count));
+        row(&stage.name, units.collect::<Vec<_>>().join(", "), &stage.area, stage.flip_flops);
+    }
+    let units: u64 = report.area.units.values().map(|units| units.count).sum();
+    row("all", grouped(units), &report.area, report.flip_flops);
+    let mut shares = vec!["share".to_string(), String::new(), percent(report.area.unit_share())];
+    shares.extend(report.area.other_kinds().map(|(_, area)| percent(area / whole)));
+    table.add_row(shares);
+    aligned(table, 2)
+}
+
+/// Units by kind: how many, and what one takes.
+pub fn units(report: &Report) -> String {
+    let mut table = table(&["unit", "number", "area of one", "area of all", "share"]);
+    for (kind, units) in &report.area.units {
+        let one = units.area / units.count as f64;
+        let share = percent(units.area / report.area.total);
+        table.add_row([kind.clone(), grouped(units.count), rounded(one), rounded(units.area), share]);
+    }
+    aligned(table, 1)
+}
+
+/// The slowest path to each stage: its ends, and when it leaves what is between.
+pub fn paths(report: &Report) -> String {
+    let mut table = table(&["ends in", "ns", "from", "through (ns at its end)", "to"]);
+    for stage in &report.stages {
+        let Some(path) = &stage.slowest else { continue };
+        let between = path.steps.get(1..path.steps.len().saturating_sub(1)).unwrap_or_default();
+        let through: Vec<String> = between.iter().map(|step| format!("{} {:.2}", step.through, step.ns)).collect();
+        let ns = format!("{:.2}", path.ns);
+        table.add_row([stage.name.clone(), ns, path.start.clone(), through.join(", "), path.end.clone()]);
+    }
+    aligned(table, 1)
+}
+
+/// The figures that count, in a few lines.
+pub fn summary(report: &Report) -> String {
+    let Report { setting, area, slowest, .. } = report;
+    let lines = [
+        format!(
+            "Area {:.3} mm² = {:.1} kGE ({} = 1 GE), {} of it units; {} flip-flops.",
+            area.total / 1e6,
+            report.kilo_gates,
+            setting.nand2,
+            percent(area.unit_share()),
+            grouped(report.flip_flops)
+        ),
+        format!(
+            "Slowest path {:.2} ns, to {}: {:.1} MHz; area × period {:.2} mm² ns.",
+            slowest.ns, slowest.stage, report.clock_mhz, report.area_period
+        ),
+        format!(
+            "{} and {}, library {}, gates chosen for {} ns; no placement, no wires, ideal clock.",
+            setting.synthesis, setting.timing, setting.library, setting.period_ns
+        ),
+    ];
+    lines.join("\n")
+}
+
+/// Ours divided by earlier figures.
+pub fn comparison(report: &Report, earlier: &Earlier) -> String {
+    let mut table = table(&["stage", "area", "flip-flops", "slowest path"]);
+    for stage in &report.stages {
+        let Some(theirs) = earlier.stage(&stage.name) else { continue };
+        let area = theirs.area.map(|theirs| ratio(stage.area.total, theirs.total));
+        let flip_flops = theirs.flip_flops.map(|theirs| ratio(stage.flip_flops as f64, theirs as f64));
+        let slowest = stage.slowest.as_ref().zip(theirs.slowest).map(|(ours, theirs)| ratio(ours.ns, theirs.ns));
+        let cells = [area, flip_flops, slowest].map(Option::unwrap_or_default);
+        table.add_row([std::slice::from_ref(&stage.name), cells.as_slice()].concat());
+    }
+    table.add_row([
+        "all".to_string(),
+        ratio(report.area.total, earlier.area.total),
+        ratio(report.flip_flops as f64, earlier.flip_flops as f64),
+        ratio(report.slowest.ns, earlier.slowest.ns),
+    ]);
+    aligned(table, 1)
+}
+
+/// Configurations beside each other.
+pub fn explored(exploration: &Exploration) -> String {
+    let head = ["", "mm²", "kGE", "flip-flops", "ns", "slowest", "MHz", "mm² ns", "box tests/s", "dimensions/s"];
+    let mut table = table(&head);
+    for point in &exploration.points {
+        let report = &point.report;
+        table.add_row([
+            point.name.clone(),
+            format!("{:.3}", report.area.total / 1e6),
+            format!("{:.1}", report.kilo_gates),
+            grouped(report.flip_flops),
+            format!("{:.2}", report.slowest.ns),
+            report.slowest.stage.clone(),
+            format!("{:.1}", report.clock_mhz),
+            format!("{:.2}", report.area_period),
+            millions(point.boxes_per_second),
+            millions(point.dimensions_per_second),
+        ]);
+    }
+    aligned(table, 1)
+}
+
+fn table(head: &[&str]) -> Table {
+    let mut table = new_table();
+    table.set_header(head);
+    table
+}
+
+/// Numbers to the right: every column from this one on whose cells begin with digits.
+fn aligned(mut table: Table, from: usize) -> String {
+    for index in from..table.column_count() {
+        let numbers = table.column_cells_iter(index).flatten().all(|cell| {
+            let content = cell.content();
+            content.is_empty() || content.starts_with(|c: char| c.is_ascii_digit())
+        });
+        if let Some(column) = table.column_mut(index).filter(|_| numbers) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table.to_string()
+}
+
+fn rounded(area: f64) -> String {
+    if area == 0.0 { String::new() } else { grouped(area.round() as u64) }
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", share * 100.0)
+}
+
+fn ratio(ours: f64, theirs: f64) -> String {
+    if theirs > 0.0 { format!("{:.3}", ours / theirs) } else { String::new() }
+}
+
+fn millions(per_second: f64) -> String {
+    if per_second == 0.0 { String::new() } else { format!("{} M", grouped((per_second / 1e6).round() as u64)) }
+}
+
+/// 1,234,567.
+pub(super) fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
