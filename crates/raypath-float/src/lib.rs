@@ -25,14 +25,14 @@ mod align;
 mod compare;
 mod decode;
 mod encode;
-mod format;
 mod mul;
 mod normalise;
+mod parts;
 mod recoded;
 
 pub use add::add;
 pub use compare::compare;
 pub use decode::decode;
 pub use encode::encode;
-pub use format::{Format, FormatError};
-pub use mul::mul;
+pub use mul::{mul, mul_parts};
+pub use raypath_format::{Format, FormatError};

@@ -9,25 +9,54 @@
 //! `other_formats.rs` (exact products), `verilator.rs`.
 
 use crate::Format;
+use crate::parts::Parts;
 use crate::recoded::{Magnitude, Outcome};
-use raypath_hdl::{Builder, Error, Module};
+use raypath_hdl::{Error, Module};
 use std::sync::Arc;
 
 /// The module `raypath_fp_mul_<format>`: `product_o = a_i * b_i`.
 pub fn mul(format: Format) -> Result<Arc<Module>, Error> {
+    Ok(mul_parts(format, 1)?.remove(0))
+}
+
+/// The same in `parts` modules, 1 or 2.
+pub fn mul_parts(format: Format, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
+    let doc = "Product of two recoded numbers, rounded to nearest even.";
+    Parts::build(&format!("raypath_fp_mul_{format}"), doc, parts, |parts| describe(format, parts))
+}
+
+fn describe(format: Format, parts: &mut Parts<'_>) {
     let (e, s) = (format.exponent(), format.significand());
-    let m = Builder::new(&format!("raypath_fp_mul_{format}"));
-    m.doc("Product of two recoded numbers, rounded to nearest even.");
+    let m = parts.builder();
     let a_i = m.input("a_i", format.recoded_width());
     let b_i = m.input("b_i", format.recoded_width());
     let (a, b) = (Magnitude::of(format, a_i), Magnitude::of(format, b_i));
     let sign = (a_i.top() ^ b_i.top()).named("sign");
+
+    m.section("Operands that are no numbers");
+    let zero_times_infinity = (a.is_zero() & b.is_infinite()) | (a.is_infinite() & b.is_zero());
+    let zero_times_infinity = zero_times_infinity.named("zero_times_infinity");
+    let nan = (a.is_nan() | b.is_nan() | zero_times_infinity).named("operand_nan");
+    let infinite = (a.is_infinite() | b.is_infinite()).named("operand_infinite");
 
     m.section("Multiply");
     let exponent_sum = (a.exponent().extend(e + 2) + b.exponent().extend(e + 2)).named("exponent_sum");
     let a_significand = a.significand().named("a_significand");
     let b_significand = b.significand().named("b_significand");
     let product = (a_significand * b_significand).named("product");
+
+    let [product, exponent_sum, sign, nan, infinite] = parts.cut(
+        1,
+        2,
+        [
+            ("product", product),
+            ("exponent_sum", exponent_sum),
+            ("sign", sign),
+            ("operand_nan", nan),
+            ("operand_infinite", infinite),
+        ],
+    );
+    let m = parts.builder();
 
     m.section("Mark the bits to lose: one or two, and more below the normal range");
     // With a smaller exponent sum, a product of significands in [1, 4) is less than half the smallest subnormal.
@@ -57,18 +86,15 @@ pub fn mul(format: Format) -> Result<Arc<Module>, Error> {
     let fraction = rounded.bit(s + 1).mux(rounded.bits(s, 2), rounded.bits(s - 1, 1)).named("fraction");
 
     m.section("Result");
-    let zero_times_infinity = (a.is_zero() & b.is_infinite()) | (a.is_infinite() & b.is_zero());
-    let zero_times_infinity = zero_times_infinity.named("zero_times_infinity");
     let product_is_zero = (vanishes | !rounded.upper(3).any()).named("zero");
     let overflow = (exponent.upper(2).all() & !product_is_zero).named("overflow");
     let result = Outcome {
-        nan: (a.is_nan() | b.is_nan() | zero_times_infinity).named("nan"),
-        infinite: (a.is_infinite() | b.is_infinite() | overflow).named("infinite"),
+        nan,
+        infinite: (infinite | overflow).named("infinite"),
         zero: product_is_zero,
         sign,
         exponent,
         fraction,
     };
-    m.output("product_o", result.pack(&m));
-    m.finish()
+    m.output("product_o", result.pack(m));
 }

@@ -1,10 +1,17 @@
-//! Elastic stages: skid buffers in a row, with ready and valid at both ends.
+//! An elastic pipeline: ready and valid at both ends, nothing lost, repeated or reordered in between.
 
-/// A row of `N` skid buffers. Each holds two items, passes one a cycle, and says from a register whether it is ready:
-/// nothing that the sink does is seen by the source in the same cycle.
+use crate::credit::Credits;
+use crate::shape::{Control, Shape};
+use crate::skid::SkidRow;
+use raypath_ops::JobKind;
+use std::collections::VecDeque;
+
+/// A pipeline of some [`Shape`], cycle by cycle, whatever its items are.
 #[derive(Debug, Clone)]
-pub struct Elastic<T, const N: usize> {
-    buffers: [SkidBuffer<T>; N],
+pub struct Elastic<T> {
+    flow: Flow,
+    /// The items, oldest first; where each of them is, `flow` knows.
+    inside: VecDeque<T>,
 }
 
 /// What passed at the two ends in one cycle.
@@ -16,75 +23,63 @@ pub struct Transfer<T> {
     pub output: Option<T>,
 }
 
+/// How far items have come. Order is kept, so kinds say all that there is to know about them.
 #[derive(Debug, Clone)]
-struct SkidBuffer<T> {
-    /// What the next stage sees.
-    front: Option<T>,
-    /// What arrived while `front` could not leave.
-    spare: Option<T>,
+enum Flow {
+    Skid(SkidRow),
+    Credit(Credits),
 }
 
-impl<T, const N: usize> Elastic<T, N> {
-    /// An empty pipeline. `N` is at least 1.
-    pub fn new() -> Self {
-        const { assert!(N > 0, "a pipeline has at least one buffer") };
-        Self { buffers: std::array::from_fn(|_| SkidBuffer { front: None, spare: None }) }
+impl<T> Elastic<T> {
+    /// An empty pipeline.
+    pub fn new(shape: &Shape) -> Self {
+        let flow = match shape.control {
+            Control::Skid => Flow::Skid(SkidRow::new(shape)),
+            Control::Credit => Flow::Credit(Credits::new(shape)),
+        };
+        Self { flow, inside: VecDeque::with_capacity(shape.capacity()) }
     }
 
-    /// Whether an item offered in this cycle will be accepted.
+    /// Whether an item of this kind, offered in this cycle, will be accepted.
     #[inline]
-    pub fn input_ready(&self) -> bool {
-        self.buffers[0].is_ready()
+    pub fn input_ready(&self, kind: JobKind) -> bool {
+        match &self.flow {
+            Flow::Skid(row) => row.input_ready(),
+            Flow::Credit(credits) => credits.input_ready(kind),
+        }
     }
 
     /// What the output shows in this cycle; it stays until the sink takes it.
     #[inline]
     pub fn output(&self) -> Option<&T> {
-        self.buffers[N - 1].front.as_ref()
+        let valid = match &self.flow {
+            Flow::Skid(row) => row.output_valid(),
+            Flow::Credit(credits) => credits.output_valid(),
+        };
+        if valid { self.inside.front() } else { None }
     }
 
     /// One clock cycle in which the source offers `input` and the sink takes the output if `output_ready`.
     #[inline]
-    pub fn cycle(&mut self, input: Option<T>, output_ready: bool) -> Transfer<T> {
-        let output = if output_ready { self.buffers[N - 1].front.take() } else { None };
-        let input_ready = self.input_ready();
-        for i in (1..N).rev() {
-            let (before, from_here) = self.buffers.split_at_mut(i);
-            let (source, target) = (&mut before[i - 1], &mut from_here[0]);
-            // `target` has given away its front already, but is ready only if it was so when the cycle began.
-            let item = if target.is_ready() { source.front.take() } else { None };
-            target.settle(item);
+    pub fn cycle(&mut self, input: Option<(JobKind, T)>, output_ready: bool) -> Transfer<T> {
+        let taken = output_ready && self.output().is_some();
+        let input = input.filter(|(kind, _)| self.input_ready(*kind));
+        let entering = input.as_ref().map(|(kind, _)| *kind);
+        match &mut self.flow {
+            Flow::Skid(row) => row.cycle(entering, taken),
+            Flow::Credit(credits) => credits.cycle(entering, taken),
         }
-        let accepted = input_ready && input.is_some();
-        self.buffers[0].settle(if input_ready { input } else { None });
-        Transfer { accepted, output }
+        let output = if taken { self.inside.pop_front() } else { None };
+        self.inside.extend(input.map(|(_, item)| item));
+        Transfer { accepted: entering.is_some(), output }
     }
 
     /// A hardware reset: everything in flight is lost.
     pub fn reset(&mut self) {
-        *self = Self::new();
-    }
-}
-
-impl<T, const N: usize> Default for Elastic<T, N> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<T> SkidBuffer<T> {
-    #[inline]
-    fn is_ready(&self) -> bool {
-        self.spare.is_none()
-    }
-
-    /// The clock edge, after `front` may have left.
-    #[inline]
-    fn settle(&mut self, arriving: Option<T>) {
-        if self.front.is_none() {
-            self.front = self.spare.take().or(arriving);
-        } else if arriving.is_some() {
-            self.spare = arriving;
+        self.inside.clear();
+        match &mut self.flow {
+            Flow::Skid(row) => row.reset(),
+            Flow::Credit(credits) => credits.reset(),
         }
     }
 }

@@ -1,20 +1,32 @@
+use crate::model::Model;
 use raypath_ops::{
-    Angular, AngularState, Binary32, Euclidean, EuclideanState, Job, Operation, Outcome, RayBox, RayTriangle, Rules,
+    Angular, AngularState, Binary32, Concrete, Euclidean, EuclideanState, Job, JobKind, Operation, Outcome, RayBox,
+    RayTriangle, Rules,
 };
 
-/// What the datapath answers, job by job: the operations over the machine's own binary32, and their accumulators.
-#[derive(Debug, Clone)]
-pub struct Functional<const E: usize = 16, const A: usize = 8> {
+/// What the datapath answers, job by job: the operations over the numbers of circuit `C`, by default the machine's own
+/// binary32, and their accumulators.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Functional<const E: usize = 16, const A: usize = 8, C: Concrete = Binary32> {
+    circuit: C,
     rules: Rules,
-    euclidean: EuclideanState<Binary32>,
-    angular: AngularState<Binary32>,
+    euclidean: EuclideanState<C>,
+    angular: AngularState<C>,
 }
 
 impl<const E: usize, const A: usize> Functional<E, A> {
-    /// A datapath whose accumulators are zero.
+    /// A datapath over binary32 whose accumulators are zero.
     pub fn new(rules: Rules) -> Self {
-        let zero = 0.0.into();
+        Self::over(Binary32, rules)
+    }
+}
+
+impl<const E: usize, const A: usize, C: Concrete> Functional<E, A, C> {
+    /// A datapath over the numbers of `circuit` whose accumulators are zero.
+    pub fn over(circuit: C, rules: Rules) -> Self {
+        let zero = circuit.zero();
         Self {
+            circuit,
             rules,
             euclidean: EuclideanState { accumulator: zero },
             angular: AngularState { dot_product: zero, norm: zero },
@@ -23,18 +35,18 @@ impl<const E: usize, const A: usize> Functional<E, A> {
 
     /// Answers a job; a beat of a distance job leaves its sum for the next.
     #[inline]
-    pub fn run(&mut self, job: &Job<E, A>) -> Outcome {
-        let rules = self.rules;
+    pub fn run(&mut self, job: &Job<E, A, C>) -> Outcome<C> {
+        let (circuit, rules) = (self.circuit, self.rules);
         match job {
-            Job::Triangle(input) => Outcome::Triangle(RayTriangle { rules }.run(Binary32, *input, ()).0),
-            Job::Quadbox(input) => Outcome::Quadbox(RayBox { rules }.run(Binary32, *input, ()).0),
+            Job::Triangle(input) => Outcome::Triangle(RayTriangle { rules }.run(circuit, *input, ()).0),
+            Job::Quadbox(input) => Outcome::Quadbox(RayBox { rules }.run(circuit, *input, ()).0),
             Job::Euclidean(input) => {
-                let (output, state) = Euclidean::<E>.run(Binary32, *input, self.euclidean);
+                let (output, state) = Euclidean::<E>.run(circuit, *input, self.euclidean);
                 self.euclidean = state;
                 Outcome::Euclidean(output)
             }
             Job::Angular(input) => {
-                let (output, state) = Angular::<A>.run(Binary32, *input, self.angular);
+                let (output, state) = Angular::<A>.run(circuit, *input, self.angular);
                 self.angular = state;
                 Outcome::Angular(output)
             }
@@ -43,6 +55,26 @@ impl<const E: usize, const A: usize> Functional<E, A> {
 
     /// A hardware reset: the accumulators are zero again.
     pub fn reset(&mut self) {
-        *self = Self::new(self.rules);
+        *self = Self::over(self.circuit, self.rules);
+    }
+}
+
+impl<const E: usize, const A: usize, C: Concrete> Model for Functional<E, A, C> {
+    type Job = Job<E, A, C>;
+    type Outcome = Outcome<C>;
+
+    /// Not inlined: a program that offers all configurations has this function for each of them.
+    #[inline(never)]
+    fn run(&mut self, job: &Job<E, A, C>) -> Outcome<C> {
+        self.run(job)
+    }
+    fn reset(&mut self) {
+        self.reset();
+    }
+    fn job(&self, kind: JobKind, port: impl FnMut(&str) -> u64) -> Job<E, A, C> {
+        Job::from_ports_in(self.circuit, kind, port)
+    }
+    fn outcome(&self, kind: JobKind, port: impl FnMut(&str) -> u64) -> Outcome<C> {
+        Outcome::from_ports_in(self.circuit, kind, port)
     }
 }

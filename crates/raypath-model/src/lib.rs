@@ -1,16 +1,18 @@
-//! Models of the datapath over binary32: what it answers ([`Functional`]) and when ([`CycleModel`]).
+//! Models of the datapath: what it answers ([`Functional`]) and when ([`CycleModel`]); and circuits for the numbers that
+//! they compute in: any small format in software ([`Soft`]), and [`Binary64`].
 //!
-//! Arithmetic depends on the jobs and their order alone, time on handshakes alone. So the cycle-exact model computes a
-//! job's outcome once, when it enters, and carries it through twelve skid buffers.
+//! Arithmetic depends on the jobs and their order alone, time on handshakes and on the kinds of jobs alone. So the
+//! cycle-exact model computes a job's outcome once, when it enters, and carries it through a pipeline of the datapath's
+//! [`Shape`], which knows nothing of numbers.
 //!
 //! ```
-//! use raypath_model::{CycleModel, LATENCY};
+//! use raypath_model::{CycleModel, Functional, LATENCY, Shape};
 //! use raypath_ops::{Aabb, Binary32, Job, Ray, RayBoxInput, Rules};
 //!
 //! let ray = Ray::new([0.0, 0.0, -5.0], [0.0, 0.0, 1.0], f32::INFINITY)?;
 //! let job: Job = Job::Quadbox(RayBoxInput { ray, aabb: [Aabb::new([-1.0; 3], [1.0; 3]); 4] });
 //!
-//! let mut datapath = CycleModel::new(Rules::Paper);
+//! let mut datapath = CycleModel::new(Functional::new(Rules::Paper), &Shape::default());
 //! assert!(datapath.cycle(Some(&job), true).accepted);
 //! let mut cycles = 1;
 //! while datapath.output().is_none() {
@@ -21,13 +23,25 @@
 //! # Ok::<(), raypath_ops::RayError>(())
 //! ```
 
+mod binary64;
+mod credit;
 mod cycle;
 mod elastic;
 mod functional;
+mod logic;
+mod model;
+mod shape;
+mod skid;
+mod soft;
 
+pub use binary64::{Binary64, Double};
 pub use cycle::CycleModel;
 pub use elastic::{Elastic, Transfer};
 pub use functional::Functional;
+pub use model::{Model, OnPorts};
+pub use shape::{Control, Loop, Shape};
+pub use soft::{Soft, SoftNumber};
 
-/// Cycles from the one in which a job is accepted to the one that shows its outcome, in an empty pipeline.
+/// Cycles from the one in which a job is accepted to the one that shows its outcome, in an empty pipeline whose units
+/// take one stage.
 pub const LATENCY: usize = 12;

@@ -1,84 +1,236 @@
-//! A row of skid buffers, against what `docs/ports.md` promises of it.
+//! Elastic pipelines of every shape, against what is promised of them: two references that say it in other words.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_model::{Elastic, Transfer};
-use std::collections::VecDeque;
+use raypath_model::{Control, Elastic, Loop, Shape, Transfer};
+use raypath_ops::JobKind;
+use std::collections::HashMap;
 
-/// Random sources and sinks: nothing lost, repeated or reordered; outputs hold; never more than 2 N inside, and room
-/// for as many; nothing leaves sooner than N cycles after it entered.
-fn obeys_the_handshake<const N: usize>() {
-    for seed in 0..40 {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut pipeline = Elastic::<u64, N>::new();
-        let mut inside: VecDeque<(u64, u64)> = VecDeque::new();
-        let (mut source_mood, mut sink_mood) = (0.5, 0.5);
-        let mut held = None;
-        let (mut next, mut fullest, mut was_empty) = (0, 0, 0);
-        for cycle in 0..4000 {
-            if rng.random_bool(0.02) {
-                source_mood = [0.0, 0.1, 0.5, 1.0][rng.random_range(0..4)];
-                sink_mood = [0.0, 0.1, 0.5, 1.0][rng.random_range(0..4)];
+const EUCLIDEAN: JobKind = JobKind::Euclidean;
+const TRIANGLE: JobKind = JobKind::Triangle;
+
+fn shape(latency: usize, control: Control, loops: &[(JobKind, usize, usize)]) -> Shape {
+    let loops = loops.iter().map(|&(kind, first, last)| Loop { kind, first, last }).collect();
+    Shape { latency, control, loops }
+}
+
+/// Pipelines of several lengths under both controls, with and without loops.
+fn shapes() -> Vec<Shape> {
+    let mut shapes = vec![];
+    for control in [Control::Skid, Control::Credit] {
+        shapes.extend([1, 2, 3, 12].map(|latency| shape(latency, control, &[])));
+        shapes.push(shape(4, control, &[(EUCLIDEAN, 1, 3)]));
+        shapes.push(shape(21, control, &[(EUCLIDEAN, 18, 19), (JobKind::Angular, 16, 17)]));
+        shapes.push(shape(29, control, &[(EUCLIDEAN, 24, 26), (JobKind::Angular, 21, 23)]));
+        // Loops of one kind that overlap, follow each other, or hold nobody back.
+        shapes.push(shape(9, control, &[(TRIANGLE, 2, 5), (TRIANGLE, 4, 6), (EUCLIDEAN, 1, 2), (EUCLIDEAN, 2, 8)]));
+        shapes.push(shape(5, control, &[(TRIANGLE, 0, 2), (TRIANGLE, 3, 3), (EUCLIDEAN, 2, 5)]));
+    }
+    shapes
+}
+
+/// What a pipeline promises, in terms of where every item is and when it came.
+struct Reference {
+    shape: Shape,
+    now: u64,
+    /// Items inside, oldest first.
+    items: Vec<Item>,
+    /// When an item of a kind last entered.
+    entered: HashMap<JobKind, u64>,
+}
+
+#[derive(Clone, Copy)]
+struct Item {
+    id: u64,
+    kind: JobKind,
+    /// In which buffer it is; 0 is the input's.
+    place: usize,
+    since: u64,
+}
+
+impl Reference {
+    fn new(shape: &Shape) -> Self {
+        Self { shape: shape.clone(), now: 0, items: vec![], entered: HashMap::new() }
+    }
+
+    fn loops(&self, kind: JobKind) -> impl Iterator<Item = &Loop> {
+        let inside = |l: &&Loop| l.first >= 1 && l.last < self.shape.latency && l.last > l.first;
+        self.shape.loops.iter().filter(move |l| l.kind == kind).filter(inside)
+    }
+
+    fn input_ready(&self, kind: JobKind) -> bool {
+        match self.shape.control {
+            Control::Skid => self.at(0).len() < 2,
+            Control::Credit => {
+                let too_soon = |l: &Loop| {
+                    self.entered.get(&kind).is_some_and(|then| self.now < then + (l.last - l.first) as u64 + 1)
+                };
+                self.items.len() <= self.shape.latency && !self.loops(kind).any(too_soon)
             }
-            if rng.random_bool(0.001) {
-                pipeline.reset();
-                (held, _) = (None, inside.clear());
-            }
-            let (input, output_ready) = (rng.random_bool(source_mood).then_some(next), rng.random_bool(sink_mood));
-            let (ready, shown) = (pipeline.input_ready(), pipeline.output().copied());
-            if let Some(item) = held {
-                assert_eq!(shown, Some(item), "cycle {cycle}: an output holds until it is taken");
-            }
-            if let Some(item) = shown {
-                let (oldest, entered) = *inside.front().expect("nothing comes from an empty pipeline");
-                assert_eq!(item, oldest, "cycle {cycle}");
-                assert!(cycle - entered >= N as u64, "cycle {cycle}: item {item} entered at {entered}");
-            }
-            let Transfer { accepted, output } = pipeline.cycle(input, output_ready);
-            assert_eq!(accepted, input.is_some() && ready);
-            assert_eq!(output, shown.filter(|_| output_ready));
-            held = shown.filter(|_| !output_ready);
-            if output.is_some() {
-                inside.pop_front();
-            }
-            if accepted {
-                inside.push_back((next, cycle));
-                next += 1;
-            }
-            fullest = fullest.max(inside.len());
-            was_empty += usize::from(inside.is_empty());
-            assert!(inside.len() <= 2 * N);
         }
-        assert!(next > 200 && fullest == 2 * N && was_empty > 0, "seed {seed}: {next} {fullest} {was_empty}");
+    }
+
+    fn output(&self) -> Option<u64> {
+        let oldest = self.items.first()?;
+        let is_there = match self.shape.control {
+            Control::Skid => oldest.place == self.shape.latency - 1,
+            Control::Credit => self.now >= oldest.since + self.shape.latency as u64,
+        };
+        is_there.then_some(oldest.id)
+    }
+
+    /// The items in a buffer, oldest first.
+    fn at(&self, place: usize) -> Vec<Item> {
+        self.items.iter().copied().filter(|item| item.place == place).collect()
+    }
+
+    /// Whether the item, first in its buffer, moves to the next in this cycle.
+    fn moves(&self, item: &Item) -> bool {
+        let next = item.place + 1;
+        let between = |l: &Loop| self.items.iter().any(|i| i.kind == l.kind && (l.first..l.last).contains(&i.place));
+        next < self.shape.latency
+            && self.at(next).len() < 2
+            && !self.loops(item.kind).any(|l| l.first == next && between(l))
+    }
+
+    fn cycle(&mut self, input: Option<(JobKind, u64)>, output_ready: bool) {
+        let accepted = input.filter(|(kind, _)| self.input_ready(*kind));
+        let moving: Vec<u64> = (0..self.shape.latency)
+            .filter_map(|place| self.at(place).first().copied())
+            .filter(|first| self.moves(first))
+            .map(|first| first.id)
+            .collect();
+        let taken = self.output().filter(|_| output_ready);
+        self.items.iter_mut().filter(|item| moving.contains(&item.id)).for_each(|item| item.place += 1);
+        self.items.retain(|item| Some(item.id) != taken);
+        if let Some((kind, id)) = accepted {
+            self.items.push(Item { id, kind, place: 0, since: self.now });
+            self.entered.insert(kind, self.now);
+        }
+        self.now += 1;
     }
 }
 
+/// Random kinds, bubbles, stalls and resets: in every cycle the same as the reference, and what comes out is what went
+/// in, in order.
 #[test]
-fn rows_of_any_length_obey_the_handshake() {
-    obeys_the_handshake::<1>();
-    obeys_the_handshake::<2>();
-    obeys_the_handshake::<3>();
-    obeys_the_handshake::<12>();
+fn every_shape_does_what_is_promised() {
+    for shape in shapes() {
+        for seed in 0..8 {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let mut pipeline = Elastic::<u64>::new(&shape);
+            let mut reference = Reference::new(&shape);
+            let (mut source_mood, mut sink_mood, mut repeats) = (0.5, 0.5, 0.5);
+            let (mut kind, mut next, mut expected) = (TRIANGLE, 0, 0);
+            let (mut fullest, mut was_empty, mut kept_apart) = (0, 0, 0);
+            for cycle in 0..6000 {
+                if rng.random_bool(0.02) {
+                    source_mood = [0.0, 0.1, 0.5, 1.0, 1.0][rng.random_range(0..5)];
+                    sink_mood = [0.0, 0.1, 0.5, 1.0, 1.0][rng.random_range(0..5)];
+                    repeats = [0.0, 0.3, 0.9][rng.random_range(0..3)];
+                }
+                if rng.random_bool(0.002) {
+                    pipeline.reset();
+                    reference = Reference::new(&shape);
+                    expected = next;
+                }
+                if rng.random_bool(1.0 - repeats) {
+                    kind = JobKind::ALL[rng.random_range(0..4)];
+                }
+                let input = rng.random_bool(source_mood).then_some((kind, next));
+                let output_ready = rng.random_bool(sink_mood);
+                for kind in JobKind::ALL {
+                    let ready = pipeline.input_ready(kind);
+                    assert_eq!(ready, reference.input_ready(kind), "{shape:?}, seed {seed}, cycle {cycle}, {kind}");
+                    kept_apart += usize::from(ready != pipeline.input_ready(JobKind::Quadbox));
+                }
+                let shown = pipeline.output().copied();
+                assert_eq!(shown, reference.output(), "{shape:?}, seed {seed}, cycle {cycle}");
+                let ready = pipeline.input_ready(kind);
+                let Transfer { accepted, output } = pipeline.cycle(input, output_ready);
+                reference.cycle(input, output_ready);
+                assert_eq!((accepted, output), (input.is_some() && ready, shown.filter(|_| output_ready)));
+                if let Some(item) = output {
+                    assert_eq!(item, expected, "{shape:?}, seed {seed}, cycle {cycle}: in order, each once");
+                    expected += 1;
+                }
+                next += u64::from(accepted);
+                fullest = fullest.max(next - expected);
+                was_empty += usize::from(next == expected);
+            }
+            assert!(next > 300 && was_empty > 0, "{shape:?}, seed {seed}: {next} {was_empty}");
+            let closes_the_entrance =
+                shape.control == Control::Credit && JobKind::ALL.iter().any(|&k| shape.interval(k) > 1);
+            assert_eq!(kept_apart > 0, closes_the_entrance, "{shape:?}");
+            assert!(fullest <= shape.capacity() as u64);
+            assert!(fullest == shape.capacity() as u64 || shape.loops.len() > 2, "{shape:?}: {fullest}");
+        }
+    }
+}
+
+/// Cycles in which items of one kind leave, while the source always offers one and the sink always takes.
+fn departures(shape: &Shape, kind: JobKind) -> Vec<usize> {
+    let mut pipeline = Elastic::new(shape);
+    (0..400).filter(|_| pipeline.cycle(Some((kind, ())), true).output.is_some()).collect()
 }
 
 #[test]
-fn an_item_takes_n_cycles_and_one_follows_another() {
-    let mut pipeline = Elastic::<usize, 12>::new();
-    for cycle in 0..200_usize {
-        assert!(pipeline.input_ready());
-        assert_eq!(pipeline.output().copied(), cycle.checked_sub(12));
-        pipeline.cycle(Some(cycle), true);
+fn an_item_takes_the_latency_and_the_next_follows_at_once() {
+    for shape in shapes() {
+        let expected: Vec<usize> = (shape.latency..400).collect();
+        assert_eq!(departures(&shape, JobKind::Quadbox), expected, "{shape:?}");
+    }
+}
+
+/// An item of a loop's kind follows another after as many cycles as the loop has steps; one of another kind at once.
+#[test]
+fn items_of_a_loop_keep_their_distance_and_no_others() {
+    for control in [Control::Skid, Control::Credit] {
+        for distance in 2..=5 {
+            let shape = shape(12, control, &[(EUCLIDEAN, 4, 4 + distance - 1)]);
+            assert_eq!((shape.interval(EUCLIDEAN), shape.interval(TRIANGLE)), (distance, 1));
+            let expected: Vec<usize> = (12..400).step_by(distance).collect();
+            assert_eq!(departures(&shape, EUCLIDEAN), expected, "{shape:?}");
+
+            // Every `distance`-th item is of the kind: nobody waits.
+            let mut pipeline = Elastic::new(&shape);
+            for cycle in 0..200 {
+                let kind = if cycle % distance == 0 { EUCLIDEAN } else { TRIANGLE };
+                assert!(pipeline.input_ready(kind), "cycle {cycle}, {shape:?}");
+                assert_eq!(pipeline.cycle(Some((kind, cycle)), true).output, cycle.checked_sub(12));
+            }
+        }
+    }
+}
+
+/// 24 in the paper's twelve skid buffers; one more than the latency with credits.
+#[test]
+fn so_many_fit_while_the_sink_refuses() {
+    for (control, latency, capacity) in [(Control::Skid, 12, 24), (Control::Credit, 12, 13), (Control::Credit, 21, 22)]
+    {
+        let shape = shape(latency, control, &[]);
+        assert_eq!(shape.capacity(), capacity);
+        let mut pipeline = Elastic::new(&shape);
+        let accepted = (0..100).filter(|cycle| pipeline.cycle(Some((TRIANGLE, *cycle)), false).accepted);
+        assert!(accepted.eq(0..capacity as i32), "{shape:?}");
+        assert_eq!(pipeline.output(), Some(&0));
+        let left: Vec<_> = (0..capacity).map(|_| pipeline.cycle(None, true).output).collect();
+        assert_eq!(left, (0..capacity as i32).map(Some).collect::<Vec<_>>(), "one a cycle");
+        assert_eq!(pipeline.output(), None);
     }
 }
 
 /// Ready is a register: it says what was true before this cycle's transfer.
 #[test]
-fn a_full_row_accepts_again_one_cycle_after_its_first_buffer_gave() {
-    let mut one = Elastic::<u8, 1>::new();
-    assert!(one.cycle(Some(1), false).accepted);
-    assert!(one.cycle(Some(2), false).accepted);
-    assert!(!one.cycle(Some(3), false).accepted, "both registers are full");
-    assert_eq!(one.cycle(Some(3), true), Transfer { accepted: false, output: Some(1) }, "though one leaves");
-    assert_eq!(one.cycle(Some(3), true), Transfer { accepted: true, output: Some(2) });
-    assert_eq!(one.output(), Some(&3));
+fn a_full_pipeline_accepts_again_one_cycle_after_it_gave() {
+    for control in [Control::Skid, Control::Credit] {
+        let mut one = Elastic::<u8>::new(&shape(1, control, &[]));
+        let mut cycle = |item: u8, output_ready: bool| one.cycle(Some((TRIANGLE, item)), output_ready);
+        assert!(cycle(1, false).accepted);
+        assert!(cycle(2, false).accepted);
+        assert!(!cycle(3, false).accepted, "two fit");
+        assert_eq!(cycle(3, true), Transfer { accepted: false, output: Some(1) }, "though one leaves");
+        assert_eq!(cycle(3, true), Transfer { accepted: true, output: Some(2) });
+        assert_eq!(one.output(), Some(&3));
+    }
 }

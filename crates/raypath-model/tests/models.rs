@@ -2,7 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_model::{CycleModel, Functional, LATENCY};
+use raypath_model::{Control, CycleModel, Functional, LATENCY, Loop, Shape};
 use raypath_ops::{Job, JobKind, Outcome, Rules};
 
 /// A beat of small integers, with its exact sums: Σ(a−b)² for Euclidean, Σab and Σb² for angular jobs.
@@ -56,6 +56,8 @@ fn beats_of_every_width_sum_exactly() {
     sums_are_exact::<4, 2>();
     sums_are_exact::<8, 4>();
     sums_are_exact::<16, 8>();
+    sums_are_exact::<32, 16>();
+    sums_are_exact::<64, 32>();
 }
 
 #[test]
@@ -68,38 +70,46 @@ fn a_reset_zeroes_the_sums() {
         functional.reset();
         assert_eq!(sums(&functional.run(&job)), expected);
 
-        let mut cycle = CycleModel::new(Rules::Paper);
+        let mut cycle = CycleModel::new(Functional::new(Rules::Paper), &Shape::default());
         (0..30).for_each(|_| _ = cycle.cycle(Some(&job), true));
         cycle.reset();
-        assert!(cycle.input_ready() && cycle.output().is_none());
+        assert!(cycle.input_ready(kind) && cycle.output().is_none());
         cycle.cycle(Some(&job), true);
         let outcome = (0..LATENCY + 5).find_map(|_| cycle.cycle(None, true).output).unwrap();
         assert_eq!(sums(&outcome), expected);
     }
 }
 
-/// The cycle model answers with the functional model's outcomes, each once and in order, whatever source and sink do;
-/// a job that is offered and not accepted leaves no trace in the sums.
+/// The cycle model of any shape answers with the functional model's outcomes, each once and in order, whatever source
+/// and sink do; a job that is offered and not accepted leaves no trace in the sums.
 #[test]
 fn the_cycle_model_gives_the_functional_models_outcomes() {
-    for seed in 0..10 {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let kinds = JobKind::ALL;
-        let jobs: Vec<Job> = (0..1000)
-            .map(|_| {
-                Job::from_ports(kinds[rng.random_range(0..4)], |_| f32::to_bits(rng.random_range(-4..4) as f32).into())
-            })
-            .collect();
-        let mut functional = Functional::new(Rules::Paper);
-        let expected: Vec<Outcome> = jobs.iter().map(|job| functional.run(job)).collect();
-        let mut model = CycleModel::new(Rules::Paper);
-        let (mut next, mut outcomes) = (0, Vec::new());
-        while outcomes.len() < jobs.len() {
-            let job = jobs.get(next).filter(|_| rng.random_bool(0.7));
-            let transfer = model.cycle(job, rng.random_bool(0.4));
-            next += usize::from(transfer.accepted);
-            outcomes.extend(transfer.output);
+    let loops = vec![
+        Loop { kind: JobKind::Euclidean, first: 18, last: 19 },
+        Loop { kind: JobKind::Angular, first: 16, last: 17 },
+    ];
+    let shapes = [Control::Skid, Control::Credit].map(|control| Shape { latency: 21, control, loops: loops.clone() });
+    for shape in [Shape::default()].iter().chain(&shapes) {
+        for seed in 0..10 {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let jobs: Vec<Job> = (0..1000)
+                .map(|_| {
+                    Job::from_ports(JobKind::ALL[rng.random_range(0..4)], |_| {
+                        f32::to_bits(rng.random_range(-4..4) as f32).into()
+                    })
+                })
+                .collect();
+            let mut functional = Functional::new(Rules::Paper);
+            let expected: Vec<Outcome> = jobs.iter().map(|job| functional.run(job)).collect();
+            let mut model = CycleModel::new(Functional::new(Rules::Paper), shape);
+            let (mut next, mut outcomes) = (0, Vec::new());
+            while outcomes.len() < jobs.len() {
+                let job = jobs.get(next).filter(|_| rng.random_bool(0.7));
+                let transfer = model.cycle(job, rng.random_bool(0.4));
+                next += usize::from(transfer.accepted);
+                outcomes.extend(transfer.output);
+            }
+            assert_eq!(outcomes, expected);
         }
-        assert_eq!(outcomes, expected);
     }
 }

@@ -1,6 +1,7 @@
 //! Operations over the machine's own binary32: the functional model.
 
 use crate::circuit::{Bit, Circuit, Flags, Num, Relation, Test, Word};
+use crate::concrete::Concrete;
 use std::fmt;
 
 /// IEEE 754 binary32, computed natively.
@@ -120,6 +121,21 @@ impl Circuit for Binary32 {
     #[inline]
     fn select_word(self, condition: bool, if_true: u32, if_false: u32) -> u32 {
         if condition { if_true } else { if_false }
+    }
+}
+
+impl Concrete for Binary32 {
+    #[inline]
+    fn number(self, ieee_bits: u64) -> Single {
+        Single(f32::from_bits(ieee_bits as u32))
+    }
+    #[inline]
+    fn bits(self, number: Single) -> u64 {
+        number.to_bits().into()
+    }
+    #[inline]
+    fn raw_bits(self, number: Single) -> u64 {
+        number.0.to_bits().into()
     }
 }
 

@@ -2,7 +2,8 @@
 
 use crate::binary32::Binary32;
 use crate::bundle::{Bundle, Field, Path, Sink, Source};
-use crate::circuit::{Bit, Circuit, Num};
+use crate::circuit::{Bit, Num};
+use crate::concrete::Concrete;
 use crate::distance::{Angular, AngularInput, AngularOutput, Euclidean, EuclideanInput, EuclideanOutput};
 use crate::operation::Operation;
 use crate::ray_box::{RayBox, RayBoxInput, RayBoxOutput};
@@ -24,31 +25,31 @@ pub enum JobKind {
     Angular = 3,
 }
 
-/// One job (one beat), with `E` Euclidean and `A` angular lanes.
+/// One job (one beat) in the numbers of circuit `C`, with `E` Euclidean and `A` angular lanes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::large_enum_variant)] // jobs are streamed by value; boxing would allocate for each
-pub enum Job<const E: usize = 16, const A: usize = 8> {
+pub enum Job<const E: usize = 16, const A: usize = 8, C: Concrete = Binary32> {
     /// Ray against a triangle.
-    Triangle(RayTriangleInput<Binary32>),
+    Triangle(RayTriangleInput<C>),
     /// Ray against four boxes.
-    Quadbox(RayBoxInput<Binary32>),
+    Quadbox(RayBoxInput<C>),
     /// A beat of a Euclidean distance.
-    Euclidean(EuclideanInput<Binary32, E>),
+    Euclidean(EuclideanInput<C, E>),
     /// A beat of an angular distance.
-    Angular(AngularInput<Binary32, A>),
+    Angular(AngularInput<C, A>),
 }
 
-/// What the datapath answers to a job. Equal where all bits are equal.
+/// What the datapath answers to a job. Equal where all bits are equal; made from ports, NaNs are canonical.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Outcome {
+pub enum Outcome<C: Concrete = Binary32> {
     /// Ray against a triangle.
-    Triangle(RayTriangleOutput<Binary32>),
+    Triangle(RayTriangleOutput<C>),
     /// Ray against four boxes.
-    Quadbox(RayBoxOutput<Binary32>),
+    Quadbox(RayBoxOutput<C>),
     /// A beat of a Euclidean distance.
-    Euclidean(EuclideanOutput<Binary32>),
+    Euclidean(EuclideanOutput<C>),
     /// A beat of an angular distance.
-    Angular(AngularOutput<Binary32>),
+    Angular(AngularOutput<C>),
 }
 
 /// The value of one port, in the bits that it has there.
@@ -65,7 +66,7 @@ pub struct PortValue {
 /// What a port's bits mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PortKind {
-    /// A binary32 number.
+    /// A number, in IEEE 754's layout.
     Number,
     /// One bit, or one bit for each of several places.
     Flags,
@@ -113,8 +114,8 @@ pub struct ParseJobKindError(String);
 
 /// What a job and an outcome have in common: one variant a kind, each holding the ports of its operation.
 macro_rules! by_kind {
-    ($type:ident $(<$(const $n:ident: usize),*>)?, $bits:expr) => {
-        impl $(<$(const $n: usize),*>)? $type $(<$($n),*>)? {
+    ($type:ident[$($n:ident),*], $number:expr, $bits:expr) => {
+        impl<$(const $n: usize,)* C: Concrete> $type<$($n,)* C> {
             /// Which operation it belongs to.
             pub fn kind(&self) -> JobKind {
                 match self {
@@ -136,8 +137,8 @@ macro_rules! by_kind {
             }
 
             /// The one of this kind whose ports have the values that `port` gives by name.
-            pub fn from_ports(kind: JobKind, port: impl FnMut(&str) -> u64) -> Self {
-                let (path, source) = (&mut Path::default(), &mut FromPorts(port));
+            pub fn from_ports_in(circuit: C, kind: JobKind, port: impl FnMut(&str) -> u64) -> Self {
+                let (path, source) = (&mut Path::default(), &mut FromPorts { circuit, port, number: $number });
                 match kind {
                     JobKind::Triangle => Self::Triangle(Bundle::build(path, source)),
                     JobKind::Quadbox => Self::Quadbox(Bundle::build(path, source)),
@@ -146,40 +147,47 @@ macro_rules! by_kind {
                 }
             }
         }
+
+        impl<$(const $n: usize),*> $type<$($n),*> {
+            /// The one of this kind whose ports have the values that `port` gives by name, in binary32.
+            pub fn from_ports(kind: JobKind, port: impl FnMut(&str) -> u64) -> Self {
+                Self::from_ports_in(Binary32, kind, port)
+            }
+        }
     };
 }
 
-by_kind!(Job<const E: usize, const A: usize>, raw_bits);
-by_kind!(Outcome, Num::to_bits);
+// A job's numbers reach the ports as they are, NaN payloads included; an outcome's NaN is the canonical one.
+by_kind!(Job[E, A], Concrete::number, Concrete::raw_bits);
+by_kind!(Outcome[], canonical, Concrete::bits);
 
-/// A job's numbers reach the ports as they are, NaN payloads included.
-fn raw_bits(number: Num<Binary32>) -> u32 {
-    f32::from(number).to_bits()
+fn canonical<C: Concrete>(circuit: C, bits: u64) -> C::Num {
+    circuit.number(circuit.bits(circuit.number(bits)))
 }
 
-fn ports(bundle: &impl Bundle<Binary32>, bits: fn(Num<Binary32>) -> u32) -> Vec<PortValue> {
+fn ports<C: Concrete>(bundle: &impl Bundle<C>, bits: fn(C, C::Num) -> u64) -> Vec<PortValue> {
     let mut sink = ToPorts { ports: Vec::new(), bits };
     bundle.each(&mut Path::default(), &mut sink);
     sink.ports
 }
 
-struct ToPorts {
+struct ToPorts<C: Concrete> {
     ports: Vec<PortValue>,
-    bits: fn(Num<Binary32>) -> u32,
+    bits: fn(C, C::Num) -> u64,
 }
 
-impl ToPorts {
+impl<C: Concrete> ToPorts<C> {
     fn push(&mut self, field: Field<'_>, kind: PortKind, bits: u64) {
         self.ports.push(PortValue { name: field.name.to_string(), kind, bits });
     }
 }
 
-impl Sink<Binary32> for ToPorts {
-    fn num(&mut self, field: Field<'_>, value: Num<Binary32>) {
-        self.push(field, PortKind::Number, (self.bits)(value).into());
+impl<C: Concrete> Sink<C> for ToPorts<C> {
+    fn num(&mut self, field: Field<'_>, value: Num<C>) {
+        self.push(field, PortKind::Number, (self.bits)(value.circuit, value.value));
     }
-    fn bit(&mut self, field: Field<'_>, value: Bit<Binary32>) {
-        let bit = u64::from(bool::from(value));
+    fn bit(&mut self, field: Field<'_>, value: Bit<C>) {
+        let bit = u64::from(value.value);
         match (field.bit, self.ports.last_mut()) {
             (Some((index, _)), Some(port)) if index > 0 => port.bits |= bit << index,
             _ => self.push(field, PortKind::Flags, bit),
@@ -190,17 +198,21 @@ impl Sink<Binary32> for ToPorts {
     }
 }
 
-struct FromPorts<F>(F);
+struct FromPorts<C: Concrete, F> {
+    circuit: C,
+    port: F,
+    number: fn(C, u64) -> C::Num,
+}
 
-impl<F: FnMut(&str) -> u64> Source<Binary32> for FromPorts<F> {
-    fn num(&mut self, field: Field<'_>) -> Num<Binary32> {
-        Num::from_bits((self.0)(field.name) as u32)
+impl<C: Concrete, F: FnMut(&str) -> u64> Source<C> for FromPorts<C, F> {
+    fn num(&mut self, field: Field<'_>) -> Num<C> {
+        Num::new(self.circuit, (self.number)(self.circuit, (self.port)(field.name)))
     }
-    fn bit(&mut self, field: Field<'_>) -> Bit<Binary32> {
+    fn bit(&mut self, field: Field<'_>) -> Bit<C> {
         let index = field.bit.map_or(0, |(index, _)| index);
-        ((self.0)(field.name) >> index & 1 == 1).into()
+        Bit::new(self.circuit, (self.port)(field.name) >> index & 1 == 1)
     }
-    fn word(&mut self, field: Field<'_>, width: u32) -> (Binary32, <Binary32 as Circuit>::Word) {
-        (Binary32, (self.0)(field.name) as u32 & (u32::MAX >> (32 - width)))
+    fn word(&mut self, field: Field<'_>, width: u32) -> (C, u32) {
+        (self.circuit, (self.port)(field.name) as u32 & (u32::MAX >> (32 - width)))
     }
 }

@@ -23,6 +23,7 @@
 mod binary32;
 mod bundle;
 mod circuit;
+mod concrete;
 mod distance;
 mod geometry;
 mod job;
@@ -36,6 +37,7 @@ mod vectors;
 pub use binary32::{Binary32, Single};
 pub use bundle::{Bundle, Field, Path, Sink, Source};
 pub use circuit::{Bit, Circuit, Flags, Num, Order, Relation, Select, Test, Word};
+pub use concrete::Concrete;
 pub use distance::{
     Angular, AngularInput, AngularOutput, AngularState, Beat, Euclidean, EuclideanInput, EuclideanOutput,
     EuclideanState,

@@ -58,19 +58,28 @@ impl Operation for RayTriangle {
     fn run<C: Circuit>(&self, circuit: C, input: RayTriangleInput<C>, _state: ()) -> (RayTriangleOutput<C>, ()) {
         let RayTriangleInput { ray, triangle } = input;
 
+        // Table VII turns the differences. Turning what they are made of gives the same numbers, early in a stage that
+        // has time for it.
+        circuit.stage(1, "axes permuted so that the ray looks along z");
+        let turn = |v: Vec3<C>| Vec3 { x: v.along(ray.kx), y: v.along(ray.ky), z: v.along(ray.kz) };
+        let (origin, vertices) = (turn(ray.origin), [triangle.a, triangle.b, triangle.c].map(turn));
+        circuit.label(format_args!("turned_origin"), &origin);
+        circuit.label(format_args!("turned"), &vertices);
+
         circuit.stage(2, "each vertex - origin");
-        let relative = [triangle.a, triangle.b, triangle.c].map(|vertex| vertex - ray.origin);
+        let relative = vertices.map(|vertex| vertex - origin);
         circuit.label(format_args!("relative"), &relative);
 
         circuit.stage(3, "Sx, Sy, Sz times each vertex's kz coordinate");
-        let turned = relative.map(|v| Vec3 { x: v.along(ray.kx), y: v.along(ray.ky), z: v.along(ray.kz) });
-        circuit.label(format_args!("turned"), &turned);
-        let shift = turned.map(|v| Vec3 { x: ray.shear.x * v.z, y: ray.shear.y * v.z, z: ray.shear.z * v.z });
+        let shift = relative.map(|v| Vec3 { x: ray.shear.x * v.z, y: ray.shear.y * v.z, z: ray.shear.z * v.z });
         circuit.label(format_args!("shift"), &shift);
 
         circuit.stage(4, "shear: x and y of each vertex");
-        let [a, b, c]: [Vec3<C>; 3] =
-            std::array::from_fn(|i| Vec3 { x: turned[i].x - shift[i].x, y: turned[i].y - shift[i].y, z: shift[i].z });
+        let [a, b, c]: [Vec3<C>; 3] = std::array::from_fn(|i| Vec3 {
+            x: relative[i].x - shift[i].x,
+            y: relative[i].y - shift[i].y,
+            z: shift[i].z,
+        });
         circuit.label(format_args!("sheared"), &[a, b, c]);
 
         circuit.stage(5, "products of U, V, W");

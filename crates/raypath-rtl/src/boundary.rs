@@ -1,11 +1,14 @@
-//! The registers after a stage: what each operation hands on, chosen by opcode, in two registers a place.
+//! What goes into the registers after a step: what each operation hands on, chosen by opcode.
 
+use crate::config::{Encoding, Sharing};
+use crate::elastic::Next;
 use crate::error::Error;
 use crate::graph::{NodeId, Traced};
-use crate::place::{Layout, Place};
+use crate::library::Library;
+use crate::place::{FLAG_REGISTER, Layout, Origin, Place};
 use crate::plan::Plan;
-use raypath_hdl::{Builder, Label, Module, Wire};
-use std::sync::Arc;
+use crate::units::Unit;
+use raypath_hdl::{Builder, Label, Wire};
 
 /// Bits of the opcode.
 pub const OPCODE_WIDTH: u32 = 2;
@@ -13,6 +16,11 @@ pub const OPCODE_WIDTH: u32 = 2;
 /// The name of a number register at a port.
 pub fn number(place: usize) -> String {
     format!("num_{place}")
+}
+
+/// The name of a flag register at a port.
+pub fn flag_register(layout: &Layout, register: usize) -> String {
+    if layout.flags <= FLAG_REGISTER { "flags".to_string() } else { format!("flags_{register}") }
 }
 
 /// How comments and labels call an operation's opcode: `OpQuadbox`.
@@ -26,12 +34,16 @@ pub fn label(traced: &Traced) -> Label {
     Label { name, value: traced.opcode }
 }
 
-/// What a value of an operation is in a stage.
+/// What a value of an operation is in a step. Numbers are recoded.
 pub trait Wires<'m> {
     /// The wire, under the name that the algorithm has for it.
     fn named(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error>;
     /// The same net without that name: operations that share it have different names for it.
     fn shared(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error>;
+    /// A register before the step, as it stands there.
+    fn register(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error>;
+    /// What a unit hands to its next part, with the stems of its ports.
+    fn cut(&mut self, unit: Unit) -> Result<Vec<(String, Wire<'m>)>, Error>;
 }
 
 /// A choice by opcode: whose it is, what tells it from other nets, and the value; `true` inverts its sign.
@@ -108,63 +120,96 @@ fn flag_fields(layout: &Layout, op: usize) -> Vec<(u32, u32, NodeId)> {
         .iter()
         .filter_map(|(&id, place)| match place {
             Place::Flags { low, width } => Some((*low, *width, id)),
-            Place::Number(_) => None,
+            Place::Number(_) | Place::Cut(_) => None,
         })
         .collect();
     fields.sort_unstable();
     fields
 }
 
-/// Adds registers, handshake and output ports to a stage. `wires` gives what the stage makes of a value. Returns whether
-/// the stage hands on its job in this cycle.
-pub fn registers<'m>(
+/// What each operation hands on after a step, register by register.
+pub fn next<'m>(
     m: &'m Builder,
     plan: &Plan,
-    stage: usize,
-    skid: &Arc<Module>,
+    library: &Library,
+    step: usize,
     opcode: Wire<'m>,
     wires: &mut dyn Wires<'m>,
-) -> Result<Handshake<'m>, Error> {
-    let layout = &plan.stages[stage].layout;
+) -> Result<Vec<Next<'m>>, Error> {
+    let layout = &plan.steps[step].layout;
     m.section("What the job's operation hands on");
-    let mut next = vec![("opcode".to_string(), opcode, String::new())];
+    let mut next = vec![Next { name: "opcode".to_string(), wire: opcode, residents: String::new() }];
     for place in 0..layout.numbers {
-        let tenants = tenants(plan, layout, place);
-        let arms: Vec<_> = tenants.iter().map(|&(op, id)| (op, plan.origin(stage, op, id), id, false)).collect();
-        if let Some(wire) = by_opcode(m, opcode, &plan.operations, &arms, wires)? {
-            next.push((number(place), wire, residents(plan, layout, place)));
+        if let Some(wire) = next_number(m, plan, library, step, opcode, place, wires)? {
+            next.push(Next { name: number(place), wire, residents: residents(plan, layout, place) });
         }
     }
-    if let Some(wire) = flags(m, plan, layout, opcode, wires)? {
-        next.push(("flags".to_string(), wire, String::new()));
-    }
-
-    m.section("Registers: a skid buffer");
-    let valid = m.input("valid_i", 1);
-    let ready_after = m.input("ready_i", 1);
-    let control = m.instance("u_skid", skid, &[("valid_i", valid), ("ready_i", ready_after)]);
-    let (ready, valid_out, load_front, load_spare) = (control[0], control[1], control[2], control[3]);
-    m.output("ready_o", ready);
-    m.output("valid_o", valid_out);
-    for (name, wire, residents) in next {
-        let bits = wire.width();
-        let wire = wire.named(&format!("{name}_d"));
-        let spare = m.register(&format!("{name}_spare_q"), bits);
-        let front = m.register(&format!("{name}_q"), bits);
-        if !residents.is_empty() {
-            front.wire().comment(residents);
+    for &unit in &layout.cuts {
+        for (stem, wire) in wires.cut(unit)? {
+            next.push(Next { name: format!("{}_{stem}", unit.stem()), wire, residents: String::new() });
         }
-        spare.next_when(load_spare, wire);
-        front.next_when(load_front, ready.mux(wire, spare.wire()));
-        m.output(&format!("{name}_o"), front.wire());
     }
-    Ok(Handshake { valid, ready })
+    for (register, width) in layout.flag_registers().enumerate() {
+        if let Some(wire) = next_flags(m, plan, layout, register, width, opcode, wires)? {
+            next.push(Next { name: flag_register(layout, register), wire, residents: String::new() });
+        }
+    }
+    Ok(next)
 }
 
-/// A stage's job moves on in a cycle where both are 1.
-pub struct Handshake<'m> {
-    pub valid: Wire<'m>,
-    pub ready: Wire<'m>,
+/// The next value of a number register, encoded as it is there. What passes in the same encoding is not touched; what
+/// has to be decoded is so after the choice by opcode, so that one decoder a register is enough.
+fn next_number<'m>(
+    m: &'m Builder,
+    plan: &Plan,
+    library: &Library,
+    step: usize,
+    opcode: Wire<'m>,
+    place: usize,
+    wires: &mut dyn Wires<'m>,
+) -> Result<Option<Wire<'m>>, Error> {
+    let tenants = tenants(plan, &plan.steps[step].layout, place);
+    let arms: Vec<_> = tenants.iter().map(|&(op, id)| (op, plan.origin(step, op, id), id, false)).collect();
+    let before = step.checked_sub(1).map(|before| plan.encoding(before));
+    let decodes = plan.encoding(step) == Encoding::Ieee && before.is_some();
+    if !decodes {
+        return by_opcode(m, opcode, &plan.operations, &arms, wires);
+    }
+    let passes = |origin: &Origin| before == Some(Encoding::Ieee) && matches!(origin, Origin::Place(_));
+    let (passing, made): (Vec<_>, Vec<_>) = arms.into_iter().partition(|(_, origin, ..)| passes(origin));
+    let decoded = by_opcode(m, opcode, &plan.operations, &made, wires)?.map(|wire| {
+        let name = format!("u_decode_{}", number(place));
+        m.instance(&name, &library.decode, &[("recoded_i", wire)])[0]
+    });
+    let Some(decoded) = decoded else {
+        return by_opcode(m, opcode, &plan.operations, &passing, &mut Registers(wires));
+    };
+    if passing.is_empty() {
+        return Ok(Some(decoded));
+    }
+    let mut labelled = Vec::new();
+    for &(op, _, id, _) in &passing {
+        labelled.push((label(&plan.operations[op]), wires.register(op, id)?));
+    }
+    Ok(Some(m.case(opcode, &labelled, decoded)))
+}
+
+/// Values as they stand in the registers before.
+struct Registers<'w, 'm>(&'w mut dyn Wires<'m>);
+
+impl<'m> Wires<'m> for Registers<'_, 'm> {
+    fn named(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
+        self.0.register(op, id)
+    }
+    fn shared(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
+        self.0.register(op, id)
+    }
+    fn register(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
+        self.0.register(op, id)
+    }
+    fn cut(&mut self, unit: Unit) -> Result<Vec<(String, Wire<'m>)>, Error> {
+        self.0.cut(unit)
+    }
 }
 
 /// Who lives in a number register: operations and their values.
@@ -174,37 +219,61 @@ pub fn tenants(plan: &Plan, layout: &Layout, place: usize) -> Vec<(usize, NodeId
     (0..plan.operations.len()).filter_map(lives).collect()
 }
 
-/// The flag register's next value: for each operation its bits, and zeros where it has none.
-fn flags<'m>(
+/// A flag register's next value: for each operation its bits, and zeros where it has none.
+fn next_flags<'m>(
     m: &'m Builder,
     plan: &Plan,
     layout: &Layout,
+    register: usize,
+    width: u32,
     opcode: Wire<'m>,
     wires: &mut dyn Wires<'m>,
 ) -> Result<Option<Wire<'m>>, Error> {
+    let first = register as u32 * FLAG_REGISTER;
+    let own = |op: usize| {
+        flag_fields(layout, op).into_iter().filter(move |field| field.0 / FLAG_REGISTER == first / FLAG_REGISTER)
+    };
+    if plan.config.sharing == Sharing::Segregated {
+        let mut fields: Vec<_> = (0..plan.operations.len()).flat_map(|op| own(op).map(move |f| (op, f))).collect();
+        fields.sort_unstable_by_key(|(_, field)| field.0);
+        return flag_word(m, first, width, fields.into_iter(), wires);
+    }
     let mut arms = Vec::new();
     for op in 0..plan.operations.len() {
-        let mut parts = Vec::new();
-        let mut reached = 0;
-        for (low, width, id) in flag_fields(layout, op) {
-            if low > reached {
-                parts.push(m.constant(low - reached, 0));
-            }
-            parts.push(wires.named(op, id)?);
-            reached = low + width;
+        if let Some(word) = flag_word(m, first, width, own(op).map(|field| (op, field)), wires)? {
+            arms.push((label(&plan.operations[op]), word));
         }
-        if parts.is_empty() {
-            continue;
-        }
-        if reached < layout.flags {
-            parts.push(m.constant(layout.flags - reached, 0));
-        }
-        parts.reverse();
-        arms.push((label(&plan.operations[op]), m.concat(&parts)));
     }
     Ok(match arms.as_slice() {
         [] => None,
         [(_, only)] => Some(*only),
         [(_, first), ..] => Some(m.case(opcode, &arms, *first)),
     })
+}
+
+/// Fields, lowest first, as one word of `width` bits whose lowest is flag bit `first`; none where there are no fields.
+fn flag_word<'m>(
+    m: &'m Builder,
+    first: u32,
+    width: u32,
+    fields: impl Iterator<Item = (usize, (u32, u32, NodeId))>,
+    wires: &mut dyn Wires<'m>,
+) -> Result<Option<Wire<'m>>, Error> {
+    let mut parts = Vec::new();
+    let mut reached = first;
+    for (op, (low, bits, id)) in fields {
+        if low > reached {
+            parts.push(m.constant(low - reached, 0));
+        }
+        parts.push(wires.named(op, id)?);
+        reached = low + bits;
+    }
+    if parts.is_empty() {
+        return Ok(None);
+    }
+    if reached < first + width {
+        parts.push(m.constant(first + width - reached, 0));
+    }
+    parts.reverse();
+    Ok(Some(m.concat(&parts)))
 }

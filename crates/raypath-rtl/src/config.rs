@@ -167,7 +167,7 @@ impl Config {
     fn others(self) -> [(&'static str, String, String); 6] {
         let default = Self::DEFAULT;
         [
-            ("format", self.format.to_string(), default.format.to_string()),
+            ("format", self.format.name(), default.format.name()),
             ("io", self.io.to_string(), default.io.to_string()),
             ("registers", self.registers.to_string(), default.registers.to_string()),
             ("control", self.control.to_string(), default.control.to_string()),

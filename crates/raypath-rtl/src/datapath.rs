@@ -1,14 +1,13 @@
-use crate::STAGES;
 use crate::boundary::OPCODE_WIDTH;
 use crate::config::{Config, Lanes};
 use crate::error::Error;
 use crate::graph::Traced;
 use crate::library::Library;
-use crate::plan::Plan;
-use crate::stage::notes;
+use crate::plan::{Plan, StepPlan};
+use crate::stage::{self, notes};
+use crate::steps::Step;
 use crate::top::{self, Pipeline};
-use crate::units::{UnitKind, Units};
-use raypath_float::Format;
+use crate::units::Units;
 use raypath_hdl::Module;
 use raypath_ops::{Angular, Euclidean, JobKind, Operation, RayBox, RayTriangle};
 use std::sync::Arc;
@@ -48,7 +47,7 @@ impl Operations {
     }
 }
 
-/// What an operation does in a stage: a cell of Table VII.
+/// What an operation does in a step: a cell of Table VII.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StageNote {
     /// The operation.
@@ -59,14 +58,28 @@ pub struct StageNote {
     pub units: Units,
 }
 
-/// Register bits of a stage, both registers of each skid buffer counted.
+/// An operation that reads its state in one step and writes it in a later one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StateLoop {
+    /// The operation.
+    pub operation: &'static str,
+    /// Its opcode.
+    pub opcode: u64,
+    /// The step that reads the state first, by its place in [`Datapath::steps`].
+    pub first: u32,
+    /// The step that writes it: a job may follow `last - first + 1` cycles after the one before, and not earlier.
+    pub last: u32,
+}
+
+/// Register bits after a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Registers {
-    /// Bits of a job that must cross, opcode included: half of the data registers.
+    /// Bits of a job that must cross, opcode included.
     pub live: u64,
-    /// Data registers: `live` twice.
+    /// Data registers: `live` twice in skid buffers, `live` once where nothing stalls, and a place for every job in the
+    /// exit's FIFO.
     pub data: u64,
-    /// Valid and ready.
+    /// Valid, ready, credits, pointers.
     pub control: u64,
     /// Accumulators.
     pub state: u64,
@@ -82,7 +95,7 @@ impl Datapath {
         let operations = Operations::new()
             .with(&RayBox { rules }, JobKind::Quadbox.opcode())?
             .with(&RayTriangle { rules }, JobKind::Triangle.opcode())?;
-        Self::of(match config.lanes {
+        let operations = match config.lanes {
             Lanes::None => operations,
             Lanes::Two => with_distances::<2, 1>(operations)?,
             Lanes::Four => with_distances::<4, 2>(operations)?,
@@ -90,16 +103,26 @@ impl Datapath {
             Lanes::Sixteen => with_distances::<16, 8>(operations)?,
             Lanes::ThirtyTwo => with_distances::<32, 16>(operations)?,
             Lanes::SixtyFour => with_distances::<64, 32>(operations)?,
-        })
+        };
+        Self::build(operations, config)
     }
 
-    /// Elaborates any set of operations.
+    /// Elaborates any set of operations, built as by default.
     ///
     /// # Errors
     /// Operations that use the units of a stage in orders that make a loop, or whose names cannot be printed.
     pub fn of(operations: Operations) -> Result<Self, Error> {
-        let plan = Plan::new(operations.traced);
-        let library = Library::new(Format::BINARY32)?;
+        Self::build(operations, Config::DEFAULT)
+    }
+
+    /// Elaborates any set of operations, built as `config` says. Its rules and lanes say nothing here: they are the
+    /// operations' own.
+    ///
+    /// # Errors
+    /// Those of [`Datapath::of`].
+    pub fn build(operations: Operations, config: Config) -> Result<Self, Error> {
+        let plan = Plan::new(&operations.traced, config);
+        let library = Library::new(config)?;
         let pipeline = top::pipeline(&plan, &library, &description(&plan))?;
         Ok(Self { plan, library, pipeline })
     }
@@ -109,47 +132,84 @@ impl Datapath {
         &self.pipeline.top
     }
 
-    /// What each operation does in a stage (1 to [`STAGES`]), in words and units.
-    pub fn schedule(&self, stage: u32) -> Vec<StageNote> {
-        let Some(plan) = self.plan.stages.get(stage as usize) else { return Vec::new() };
-        let operations = self.plan.operations.iter().zip(&plan.assigned);
-        operations
-            .map(|(traced, assigned)| {
-                let mut units = Units::default();
-                for (kind, _) in assigned.values() {
-                    *units.of_mut(*kind) += 1;
-                }
-                StageNote { operation: traced.name, what: notes(traced, stage), units }
+    /// The steps of the pipeline, each with the registers after it; the first is the input's registers alone. Where
+    /// units take one step they are the stages of Table VII.
+    pub fn steps(&self) -> impl Iterator<Item = Step> + '_ {
+        self.plan.steps.iter().map(|plan| plan.step)
+    }
+
+    /// The module of a step, by its place in [`Datapath::steps`].
+    pub fn module(&self, step: usize) -> Option<&Arc<Module>> {
+        self.pipeline.steps.get(step)
+    }
+
+    /// Cycles from the one in which a job is accepted to the one that shows its outcome, in an empty pipeline.
+    pub fn latency(&self) -> u32 {
+        self.plan.latency()
+    }
+
+    /// Operations whose jobs may not follow each other at once, because their state goes through a unit of several
+    /// steps.
+    pub fn loops(&self) -> Vec<StateLoop> {
+        let loops = self.plan.operations.iter().filter(|traced| traced.is_loop());
+        loops
+            .map(|traced| StateLoop {
+                operation: traced.name,
+                opcode: traced.opcode,
+                first: traced.states.iter().map(|state| state.read).min().unwrap_or(0),
+                last: traced.states.iter().map(|state| state.written).max().unwrap_or(0),
             })
             .collect()
     }
 
-    /// The units of a stage (1 to [`STAGES`]), counted in the netlist.
-    pub fn units(&self, stage: u32) -> Units {
-        let mut units = Units::default();
-        for instance in self.module(stage).iter().flat_map(|module| module.instances()) {
-            for kind in UnitKind::ALL {
-                if Arc::ptr_eq(&instance.module, self.library.unit(kind)) {
-                    *units.of_mut(kind) += 1;
+    /// What each operation does in a step, in words and units.
+    pub fn schedule(&self, step: usize) -> Vec<StageNote> {
+        let Some(plan) = self.plan.steps.get(step) else { return Vec::new() };
+        let operations = self.plan.operations.iter().zip(&plan.bindings);
+        operations
+            .enumerate()
+            .map(|(op, (traced, bindings))| {
+                let mut units = self.plan.conversions(step, op);
+                for binding in bindings.values() {
+                    *units.of_mut(binding.unit.kind) += 1;
                 }
+                StageNote { operation: traced.name, what: notes(&self.plan, traced, step), units }
+            })
+            .collect()
+    }
+
+    /// The units of a step, counted in the netlist; where a unit has several parts, each counts in its own step.
+    pub fn units(&self, step: usize) -> Units {
+        let mut units = Units::default();
+        for instance in self.module(step).iter().flat_map(|module| module.instances()) {
+            if let Some(kind) = self.library.kind(&instance.module) {
+                *units.of_mut(kind) += 1;
             }
         }
         units
     }
 
-    /// The registers after a stage (0, the input's, to [`STAGES`]), counted in the netlist.
-    pub fn registers(&self, stage: u32) -> Registers {
-        let Some(module) = self.module(stage) else { return Registers::default() };
-        let bits = |with_reset: bool| -> u64 {
+    /// The registers after a step, counted in the netlist. What lets jobs in counts as the input's.
+    pub fn registers(&self, step: usize) -> Registers {
+        let (Some(module), Some(plan)) = (self.module(step), self.plan.steps.get(step)) else {
+            return Registers::default();
+        };
+        let own = |with_reset: bool| -> u64 {
             let chosen = module.registers().iter().filter(|register| register.reset.is_some() == with_reset);
             chosen.map(|register| u64::from(module.signal(register.signal).width)).sum()
         };
-        let control = module.instances().iter().map(|instance| instance.module.register_bits()).sum();
-        Registers { live: bits(false) / 2, data: bits(false), control, state: bits(true) }
-    }
-
-    fn module(&self, stage: u32) -> Option<&Arc<Module>> {
-        self.pipeline.stages.get(stage as usize)
+        let layout = &plan.layout;
+        let cuts = layout.cuts.iter().flat_map(|&unit| self.library.cut(unit)).map(|(_, width)| u64::from(width));
+        let numbers = layout.numbers as u64 * u64::from(self.plan.number_width(step));
+        let live = u64::from(OPCODE_WIDTH) + numbers + u64::from(layout.flags) + cuts.sum::<u64>();
+        let states =
+            self.plan.operations.iter().flat_map(|traced| traced.states.iter().map(move |state| (traced, state)));
+        let here = states.filter(|(_, state)| state.written as usize == step);
+        let state = here.map(|(traced, state)| u64::from(stage::width(traced, state, &self.library))).sum();
+        let below: u64 = module.instances().iter().map(|instance| instance.module.register_bits()).sum();
+        let entrance = self.pipeline.credit.iter().filter(|_| step == 0).map(|module| module.register_bits());
+        let control = own(true) - state + below + entrance.sum::<u64>();
+        Registers { live, data: own(false), control, state }
     }
 }
 
@@ -170,13 +230,21 @@ fn description(plan: &Plan) -> Vec<String> {
     operations.sort_by_key(|traced| traced.opcode);
     let opcodes: Vec<String> = operations.iter().map(|traced| format!("{} {}", traced.opcode, traced.name)).collect();
     let mut lines = vec![
-        "A ray-tracer datapath: one job a cycle, latency 12, ready and valid at both ends.".to_string(),
+        format!("A ray-tracer datapath: one job a cycle, latency {}, ready and valid at both ends.", plan.latency()),
         format!("Opcodes: {}.", opcodes.join(", ")),
     ];
+    for traced in plan.operations.iter().filter(|traced| traced.is_loop()) {
+        let (name, cycles) = (traced.name, traced.spacing() + 1);
+        lines.push(format!("A job of {name} may follow another one of {name} {cycles} cycles later, not before."));
+    }
     for traced in &plan.operations {
         lines.extend([String::new(), format!("{}, stage by stage:", traced.name)]);
-        let works = (1..=STAGES).map(|stage| (stage, notes(traced, stage))).filter(|(_, what)| !what.is_empty());
-        lines.extend(works.map(|(stage, what)| format!("  {stage:>2}  {what}")));
+        for (index, StepPlan { step, .. }) in plan.steps.iter().enumerate().filter(|(_, plan)| plan.step.part == 1) {
+            let what = notes(plan, traced, index);
+            if !what.is_empty() {
+                lines.push(format!("  {:>2}  {what}", step.stage));
+            }
+        }
     }
     lines
 }

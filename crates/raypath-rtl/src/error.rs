@@ -65,6 +65,14 @@ pub enum Error {
         /// The stage.
         stage: u32,
     },
+    /// A part of a unit that the part before has handed nothing; a defect of ours.
+    #[error("step {step}: {unit} has no part before it")]
+    PartApart {
+        /// The unit's part.
+        unit: String,
+        /// The step.
+        step: String,
+    },
     /// The netlist did not build.
     #[error(transparent)]
     Netlist(#[from] raypath_hdl::Error),

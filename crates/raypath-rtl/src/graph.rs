@@ -3,6 +3,7 @@
 use crate::STAGES;
 use crate::error::Error;
 use crate::tracer;
+use crate::units::UnitKind;
 use raypath_ops::{Operation, Relation, Test};
 
 /// A value, by position in its operation's [`Traced::nodes`].
@@ -28,10 +29,8 @@ pub enum Op {
     Bit(bool),
     /// A constant word.
     Word(u32),
-    /// Binary32 to recoded.
-    Encode(NodeId),
-    /// Recoded to binary32.
-    Decode(NodeId),
+    /// The next part of a unit that takes several steps.
+    Continue(NodeId),
     Add(NodeId, NodeId),
     Subtract(NodeId, NodeId),
     Multiply(NodeId, NodeId),
@@ -51,10 +50,10 @@ pub enum Op {
 /// What a value is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
-    /// A number as it stands at the ports.
-    Ieee,
-    /// A number as it stands inside.
-    Recoded,
+    /// A number; how it stands in a register is the boundary's business.
+    Number,
+    /// What a unit of several parts hands to its next part, after the part of this number (the first is 0).
+    Cut(UnitKind, u32),
     /// A small word of so many bits; a truth value has one.
     Word(u32),
     /// The three answers of a comparator.
@@ -65,7 +64,7 @@ pub enum Kind {
 pub struct Node {
     pub op: Op,
     pub kind: Kind,
-    /// The stage that makes it; 0 for inputs. Constants and state are everywhere.
+    /// The stage that makes it, and once they are known the step; 0 for inputs. Constants and state are everywhere.
     pub stage: u32,
     /// What the algorithm calls it.
     pub name: Option<String>,
@@ -92,8 +91,10 @@ pub struct StateValue {
     pub name: String,
     /// What it holds for the next job.
     pub next: NodeId,
-    /// The stage in which it is read and written.
-    pub stage: u32,
+    /// The stage, and once they are known the step, in which it is written.
+    pub written: u32,
+    /// The first one in which it is read.
+    pub read: u32,
 }
 
 /// An operation's record.
@@ -159,7 +160,7 @@ impl Traced {
     pub fn operands(&self, id: NodeId) -> Vec<NodeId> {
         match self.node(id).op {
             Op::Input(_) | Op::State(_) | Op::Number(_) | Op::Bit(_) | Op::Word(_) => vec![],
-            Op::Encode(a) | Op::Decode(a) | Op::Negate(a) | Op::Test(_, a) | Op::Relation(a, _) | Op::Not(a) => vec![a],
+            Op::Continue(a) | Op::Negate(a) | Op::Test(_, a) | Op::Relation(a, _) | Op::Not(a) => vec![a],
             Op::Add(a, b)
             | Op::Subtract(a, b)
             | Op::Multiply(a, b)
@@ -170,6 +171,18 @@ impl Traced {
             | Op::WordLess(a, b) => vec![a, b],
             Op::Select(condition, a, b) => vec![condition, a, b],
         }
+    }
+
+    /// Whether it writes state later than it reads it, so that a job must not follow the one before at once.
+    pub fn is_loop(&self) -> bool {
+        self.spacing() > 0
+    }
+
+    /// How many cycles lie between two of its jobs at least, in which none enters.
+    pub fn spacing(&self) -> u32 {
+        let read = self.states.iter().map(|state| state.read).min().unwrap_or(0);
+        let written = self.states.iter().map(|state| state.written).max().unwrap_or(0);
+        written.saturating_sub(read)
     }
 
     /// Whether it is made in no particular stage.
@@ -188,7 +201,7 @@ impl Traced {
         for index in 0..self.nodes.len() {
             let id = NodeId(index as u32);
             let stage = self.node(id).stage;
-            let inside = !matches!(self.node(id).op, Op::Input(_) | Op::Encode(_) | Op::Decode(_));
+            let inside = !matches!(self.node(id).op, Op::Input(_));
             if inside && !self.is_everywhere(id) && !(1..STAGES).contains(&stage) {
                 let value = self.name_of(id);
                 return Err(Error::NoSuchStage { operation: self.name, value, stage, last: STAGES - 1 });
@@ -200,7 +213,7 @@ impl Traced {
                     return Err(Error::UsedBeforeMade { operation: self.name, reader, stage, value, made });
                 }
                 if let Op::State(state) = self.node(operand).op {
-                    let made = self.states[state].stage;
+                    let made = self.states[state].written;
                     if made != stage {
                         let state = self.states[state].name.clone();
                         return Err(Error::StateApart { operation: self.name, state, read: stage, made });

@@ -1,10 +1,13 @@
 //! The input's registers: ports of all operations, one job's worth of registers.
 
 use crate::boundary::{self, OPCODE_WIDTH, Wires};
+use crate::config::Control;
+use crate::elastic;
 use crate::error::Error;
 use crate::graph::{Kind, NodeId, Op, PortBit};
 use crate::library::Library;
 use crate::plan::Plan;
+use crate::units::Unit;
 use raypath_hdl::{Builder, Module, Wire};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -19,7 +22,7 @@ pub struct Port {
 }
 
 /// The input ports of all operations; those that operations name alike are one.
-pub fn ports(plan: &Plan, library: &Library) -> Vec<Port> {
+pub fn ports(plan: &Plan) -> Vec<Port> {
     let mut ports: Vec<Port> = Vec::new();
     for (op, traced) in plan.operations.iter().enumerate() {
         for &id in &traced.inputs {
@@ -27,9 +30,9 @@ pub fn ports(plan: &Plan, library: &Library) -> Vec<Port> {
             let width = match (traced.node(id).kind, bit) {
                 (_, Some((_, width))) => *width,
                 (Kind::Word(width), None) => width,
-                (Kind::Ieee | Kind::Recoded | Kind::Order, None) => library.format.ieee_width(),
+                (Kind::Number | Kind::Order | Kind::Cut(..), None) => plan.number_width(0),
             };
-            let read = plan.stages[0].layout.places[op].contains_key(&id);
+            let read = plan.steps[0].layout.places[op].contains_key(&id);
             match ports.iter_mut().find(|known| known.name == *port) {
                 Some(known) => {
                     known.width = known.width.max(width);
@@ -47,13 +50,17 @@ pub fn input(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_input");
     m.doc("The input's registers: each operation's ports, chosen by opcode, in registers that the operations share.");
     let opcode = m.input("opcode_i", OPCODE_WIDTH);
-    let wires: BTreeMap<String, Wire<'_>> = ports(plan, library)
+    let wires: BTreeMap<String, Wire<'_>> = ports(plan)
         .into_iter()
         .filter(|port| port.read)
         .map(|port| (port.name.clone(), m.input(&format!("{}_i", port.name), port.width)))
         .collect();
     let mut wires = Ports { plan, wires };
-    boundary::registers(&m, plan, 0, &library.skid, opcode, &mut wires)?;
+    let next = boundary::next(&m, plan, library, 0, opcode, &mut wires)?;
+    match plan.config.control {
+        Control::Skid => elastic::skid_buffers(&m, library, next, None),
+        Control::Credit => elastic::plain(&m, next),
+    };
     Ok(m.finish()?)
 }
 
@@ -71,11 +78,19 @@ impl<'m> Wires<'m> for Ports<'m, '_> {
         Ok(match (traced.node(id).kind, bit) {
             (_, Some((bit, _))) => wire.bit(*bit),
             (Kind::Word(width), None) => wire.lower(width),
-            (Kind::Ieee | Kind::Recoded | Kind::Order, None) => wire,
+            (Kind::Number | Kind::Order | Kind::Cut(..), None) => wire,
         })
     }
 
     fn shared(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
         self.named(op, id)
+    }
+
+    fn register(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
+        self.named(op, id)
+    }
+
+    fn cut(&mut self, unit: Unit) -> Result<Vec<(String, Wire<'m>)>, Error> {
+        Err(Error::PartApart { unit: unit.stem(), step: "input".to_string() })
     }
 }

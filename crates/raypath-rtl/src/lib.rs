@@ -12,10 +12,14 @@
 //! # Ok::<(), raypath_rtl::Error>(())
 //! ```
 
+mod binding;
 mod boundary;
 mod choice;
 mod config;
+mod control;
 mod datapath;
+mod demand;
+mod elastic;
 mod error;
 mod graph;
 mod input;
@@ -25,8 +29,8 @@ mod output;
 mod place;
 mod plan;
 mod preset;
-mod skid;
 mod stage;
+mod steps;
 mod top;
 mod tracer;
 mod units;
@@ -34,9 +38,10 @@ mod values;
 
 pub use choice::ParseChoiceError;
 pub use config::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
-pub use datapath::{Datapath, Operations, Registers, StageNote};
+pub use datapath::{Datapath, Operations, Registers, StageNote, StateLoop};
 pub use error::Error;
 pub use preset::{PRESETS, Preset};
+pub use steps::Step;
 pub use units::{UnitKind, Units};
 
 /// The stages between the input's registers and the output's (Table VII).

@@ -1,40 +1,86 @@
-use crate::units::UnitKind;
+use crate::config::Config;
+use crate::control;
+use crate::units::{Unit, UnitKind};
 use raypath_float::Format;
 use raypath_hdl::{Error, Module};
 use std::sync::Arc;
 
-/// The modules that stages are made of, each built once.
+/// The modules that steps are made of, each built once.
 #[derive(Debug)]
 pub struct Library {
     pub format: Format,
+    /// The skid buffers' control.
     pub skid: Arc<Module>,
-    encode: Arc<Module>,
-    add: Arc<Module>,
-    multiply: Arc<Module>,
+    pub encode: Arc<Module>,
+    pub decode: Arc<Module>,
+    add: Vec<Arc<Module>>,
+    multiply: Vec<Arc<Module>>,
     compare: Arc<Module>,
-    decode: Arc<Module>,
 }
 
 impl Library {
-    pub fn new(format: Format) -> Result<Self, Error> {
+    pub fn new(config: Config) -> Result<Self, Error> {
+        let (format, parts) = (config.format, config.unit_latency.stages());
         Ok(Self {
             format,
-            skid: crate::skid::skid()?,
+            skid: control::skid()?,
             encode: raypath_float::encode(format)?,
-            add: raypath_float::add(format)?,
-            multiply: raypath_float::mul(format)?,
-            compare: raypath_float::compare(format)?,
             decode: raypath_float::decode(format)?,
+            add: shim(raypath_float::add(format)?, parts)?,
+            multiply: shim(raypath_float::mul(format)?, parts)?,
+            compare: raypath_float::compare(format)?,
         })
     }
 
-    pub fn unit(&self, kind: UnitKind) -> &Arc<Module> {
-        match kind {
+    /// The module of a unit's part.
+    pub fn unit(&self, unit: Unit) -> &Arc<Module> {
+        let part = unit.part as usize;
+        match unit.kind {
             UnitKind::Encode => &self.encode,
-            UnitKind::Add => &self.add,
-            UnitKind::Multiply => &self.multiply,
+            UnitKind::Add => &self.add[part],
+            UnitKind::Multiply => &self.multiply[part],
             UnitKind::Compare => &self.compare,
             UnitKind::Decode => &self.decode,
         }
     }
+
+    /// The kind of unit that a module is, or is a part of.
+    pub fn kind(&self, module: &Arc<Module>) -> Option<UnitKind> {
+        let is = |parts: &[Arc<Module>]| parts.iter().any(|part| Arc::ptr_eq(part, module));
+        UnitKind::ALL.into_iter().find(|kind| match kind {
+            UnitKind::Encode => Arc::ptr_eq(&self.encode, module),
+            UnitKind::Add => is(&self.add),
+            UnitKind::Multiply => is(&self.multiply),
+            UnitKind::Compare => Arc::ptr_eq(&self.compare, module),
+            UnitKind::Decode => Arc::ptr_eq(&self.decode, module),
+        })
+    }
+
+    /// The registers after a unit's part that is not the last: their stems and widths.
+    pub fn cut(&self, unit: Unit) -> impl Iterator<Item = (&str, u32)> {
+        let module = self.unit(unit);
+        module.outputs().iter().map(|port| (port.stem(), module.signal(port.signal).width))
+    }
+}
+
+fn shim(unit: Arc<Module>, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
+    if parts == 1 {
+        return Ok(vec![unit]);
+    }
+    let mut all = Vec::new();
+    for part in 1..=parts {
+        let m = raypath_hdl::Builder::new(&format!("{}_part_{part}_of_{parts}", unit.name()));
+        let w = unit.port_width("a_i").unwrap();
+        let names = if part == 1 { ["a_i", "b_i"] } else { ["x_i", "y_i"] };
+        let (a, b) = (m.input(names[0], w), m.input(names[1], w));
+        if part < parts {
+            m.output("x_o", a);
+            m.output("y_o", b);
+        } else {
+            let out = m.instance("u_unit", &unit, &[("a_i", a), ("b_i", b)]);
+            m.output(&unit.outputs()[0].name, out[0]);
+        }
+        all.push(m.finish()?);
+    }
+    Ok(all)
 }

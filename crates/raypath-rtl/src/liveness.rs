@@ -1,37 +1,36 @@
-//! What has to cross each register boundary, and what each stage has to make.
+//! What has to cross each register boundary, and what each step has to make.
 
-use crate::STAGES;
 use crate::graph::{NodeId, Traced};
 use std::collections::BTreeSet;
 
-/// What one operation makes in a stage and hands on after it. Stage 0 makes nothing: it is the input's registers.
+/// What one operation makes in a step and hands on after it. Step 0 makes nothing: it is the input's registers.
 #[derive(Debug, Clone, Default)]
 pub struct Work {
-    /// Values made in this stage, operands before what is made of them.
+    /// Values made in this step, operands before what is made of them.
     pub made: Vec<NodeId>,
-    /// Values in the registers after this stage.
+    /// Values in the registers after this step.
     pub carried: Vec<NodeId>,
 }
 
-/// The work of stages 0 to [`STAGES`], by going backwards from the outputs: a value is carried from the stage that makes
-/// it to the last that reads it, and nowhere else; what nobody reads is not made.
-pub fn work(traced: &Traced) -> Vec<Work> {
-    let mut stages = vec![Work::default(); STAGES as usize + 1];
+/// The work of steps 0 to `last`, by going backwards from the outputs: a value is carried from the step that makes it to
+/// the last that reads it, and nowhere else; what nobody reads is not made.
+pub fn work(traced: &Traced, last: u32) -> Vec<Work> {
+    let mut steps = vec![Work::default(); last as usize + 1];
     let mut wanted: BTreeSet<NodeId> = traced.outputs.iter().map(|output| output.node).collect();
-    for stage in (1..=STAGES).rev() {
-        let work = &mut stages[stage as usize];
+    for step in (1..=last).rev() {
+        let work = &mut steps[step as usize];
         work.carried = wanted.iter().copied().collect();
-        let nexts = traced.states.iter().filter(|state| state.stage == stage).map(|state| state.next);
-        wanted = needed_before(traced, stage, wanted.iter().copied().chain(nexts), &mut work.made);
+        let nexts = traced.states.iter().filter(|state| state.written == step).map(|state| state.next);
+        wanted = needed_before(traced, step, wanted.iter().copied().chain(nexts), &mut work.made);
     }
-    stages[0].carried = wanted.into_iter().collect();
-    stages
+    steps[0].carried = wanted.into_iter().collect();
+    steps
 }
 
-/// What must be in the registers before `stage` so that it has all of `wanted`; what it makes itself goes to `made`.
+/// What must be in the registers before `step` so that it has all of `wanted`; what it makes itself goes to `made`.
 fn needed_before(
     traced: &Traced,
-    stage: u32,
+    step: u32,
     wanted: impl Iterator<Item = NodeId>,
     made: &mut Vec<NodeId>,
 ) -> BTreeSet<NodeId> {
@@ -44,15 +43,16 @@ fn needed_before(
             continue;
         }
         if traced.floats(id) {
-            // A test of what is made here is made here as well; whether others are, is decided below.
+            // A test of what is made here is made here as well, and one of an input in the first step; whether others
+            // are, is decided below.
             let operand = traced.operands(id)[0];
-            if traced.node(operand).stage == stage {
+            if traced.node(operand).stage.max(1) == step {
                 here.insert(id);
                 open.push(operand);
             } else {
                 floating.insert(id);
             }
-        } else if traced.node(id).stage == stage {
+        } else if traced.node(id).stage == step {
             if here.insert(id) {
                 open.extend(traced.operands(id));
             }

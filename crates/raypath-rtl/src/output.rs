@@ -1,15 +1,12 @@
 //! From the last registers to the ports: an operation's outputs, zero while another's job is there.
 
-use crate::STAGES;
-use crate::boundary::{self, OPCODE_WIDTH, label};
+use crate::boundary::{OPCODE_WIDTH, label};
 use crate::error::Error;
 use crate::graph::NodeId;
 use crate::library::Library;
 use crate::plan::Plan;
-use crate::stage::number_width;
 use crate::values::Before;
 use raypath_hdl::{Builder, Label, Module, Wire};
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// An output port, direction suffix excluded, and for each operation that has it the values of its bits, lowest first.
@@ -22,12 +19,9 @@ struct OutputPort {
 pub fn output(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_output");
     m.doc("From the last registers to the ports. What does not belong to the job's opcode is zero.");
-    let layout = &plan.stages[STAGES as usize].layout;
+    let layout = &plan.steps[plan.last()].layout;
     let opcode = m.input("opcode_i", OPCODE_WIDTH);
-    let width = number_width(library, STAGES as usize);
-    let numbers = (0..layout.numbers).map(|place| m.input(&format!("{}_i", boundary::number(place)), width)).collect();
-    let flags = (layout.flags > 0).then(|| m.input("flags_i", layout.flags));
-    let before = Before { numbers, flags, states: BTreeMap::new() };
+    let before = Before::ports(&m, plan, library, plan.steps.len());
 
     let read = |op: usize, id: NodeId| {
         let place = layout.places[op].get(&id);

@@ -1,64 +1,122 @@
-//! The plan of a datapath: for every stage its units, and for every boundary who lives where.
+//! The plan of a datapath: for every step its units, and for every boundary who lives where.
 
-use crate::STAGES;
-use crate::graph::{NodeId, Op, Traced};
+use crate::binding::{self, Bindings};
+use crate::config::{Config, Encoding};
+use crate::demand::Demands;
+use crate::graph::{Kind, NodeId, Op, Traced};
 use crate::liveness::{self, Work};
-use crate::place::{Layout, Origin};
-use crate::units::{self, Unit, UnitKind, Units};
-use std::collections::BTreeMap;
+use crate::place::{Layout, Origin, Place};
+use crate::steps::{self, Step};
+use crate::units::{Unit, Units};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Everything that the netlist follows from.
 #[derive(Debug)]
 pub struct Plan {
+    /// What is asked for; rules and lanes are in the operations already.
+    pub config: Config,
+    /// The operations, their values in steps.
     pub operations: Vec<Traced>,
-    /// Stage 0, which is the input's registers, to the last.
-    pub stages: Vec<StagePlan>,
+    /// Step 0, which is the input's registers, to the last.
+    pub steps: Vec<StepPlan>,
 }
 
-/// A stage and the registers after it.
-#[derive(Debug, Default)]
-pub struct StagePlan {
+/// A step and the registers after it.
+#[derive(Debug)]
+pub struct StepPlan {
+    /// Its place in Table VII.
+    pub step: Step,
     /// The unit of each value that needs one, operation by operation.
-    pub assigned: Vec<BTreeMap<NodeId, Unit>>,
-    /// How many units that makes.
-    pub units: Units,
+    pub bindings: Vec<Bindings>,
+    /// What each operation makes.
+    pub made: Vec<Vec<NodeId>>,
     /// The registers after it.
     pub layout: Layout,
 }
 
 impl Plan {
-    pub fn new(operations: Vec<Traced>) -> Self {
-        let works: Vec<Vec<Work>> = operations.iter().map(liveness::work).collect();
-        let mut stages: Vec<StagePlan> = Vec::new();
-        for stage in 0..=STAGES as usize {
-            let assigned: Vec<_> =
-                operations.iter().zip(&works).map(|(op, works)| units::assign(op, &works[stage])).collect();
-            let carried: Vec<Vec<NodeId>> = works.iter().map(|works| works[stage].carried.clone()).collect();
+    pub fn new(operations: &[Traced], config: Config) -> Self {
+        let (operations, steps) = steps::expand(operations, config.unit_latency.stages());
+        let last = steps.len() as u32 - 1;
+        let works: Vec<Vec<Work>> = operations.iter().map(|traced| liveness::work(traced, last)).collect();
+        let demands: Vec<Demands> = operations.iter().map(Demands::new).collect();
+        let mut plans: Vec<StepPlan> = Vec::new();
+        for (index, step) in steps.into_iter().enumerate() {
+            let here: Vec<&Work> = works.iter().map(|works| &works[index]).collect();
+            let carried: Vec<Vec<NodeId>> = here.iter().map(|work| work.carried.clone()).collect();
             let nothing = Layout::default();
-            let before = stages.last().map_or(&nothing, |stage| &stage.layout);
-            let layout =
-                Layout::new(&operations, &carried, before, |op, id| origin(&operations, before, &assigned, op, id));
-            let units = count(&assigned);
-            stages.push(StagePlan { assigned, units, layout });
+            let before = plans.last().map_or(&nothing, |plan| &plan.layout);
+            let bindings = binding::bind(&operations, &here, before);
+            let origin = |op, id| origin(&operations, before, &bindings, op, id);
+            let layout = Layout::new(config.sharing, &operations, &carried, &demands, before, origin);
+            let made = works.iter().map(|works| works[index].made.clone()).collect();
+            plans.push(StepPlan { step, bindings, made, layout });
         }
-        Self { operations, stages }
+        Self { config, operations, steps: plans }
     }
 
-    /// What drives a value in the stage of these units, with these registers before it.
-    pub fn origin(&self, stage: usize, op: usize, id: NodeId) -> Origin {
+    /// The last step.
+    pub fn last(&self) -> usize {
+        self.steps.len() - 1
+    }
+
+    /// Cycles from an accepted job to its outcome: one for each boundary.
+    pub fn latency(&self) -> u32 {
+        self.steps.len() as u32
+    }
+
+    /// What drives a value in a step.
+    pub fn origin(&self, step: usize, op: usize, id: NodeId) -> Origin {
         let none = Layout::default();
-        let before = stage.checked_sub(1).map_or(&none, |before| &self.stages[before].layout);
-        origin(&self.operations, before, &self.stages[stage].assigned, op, id)
+        let before = step.checked_sub(1).map_or(&none, |before| &self.steps[before].layout);
+        origin(&self.operations, before, &self.steps[step].bindings, op, id)
+    }
+
+    /// The units of a step, or their parts, kind by kind.
+    pub fn units(&self, step: usize) -> BTreeSet<Unit> {
+        self.steps[step].bindings.iter().flat_map(BTreeMap::values).map(|binding| binding.unit).collect()
+    }
+
+    /// Numbers of an operation that a step encodes and decodes.
+    pub fn conversions(&self, step: usize, op: usize) -> Units {
+        let mut units = Units::default();
+        let Some(before) = step.checked_sub(1) else { return units };
+        let (after, layout) = (self.encoding(step), &self.steps[before].layout);
+        let number = |id: NodeId| match layout.places[op].get(&id) {
+            Some(Place::Number(register)) => Some(*register),
+            _ => None,
+        };
+        let traced = &self.operations[op];
+        let carried: Vec<NodeId> = self.steps[step].layout.places[op].keys().copied().collect();
+        let carried = carried.into_iter().filter(|&id| traced.node(id).kind == Kind::Number);
+        let passing = |id: NodeId| number(id).is_some() && self.encoding(before) == Encoding::Ieee;
+        if after == Encoding::Ieee {
+            units.decode = carried.clone().filter(|&id| !passing(id)).count();
+        }
+        if self.encoding(before) == Encoding::Ieee {
+            let read = self.steps[step].made[op].iter().filter(|&&id| !matches!(traced.node(id).op, Op::Test(..)));
+            let read = read.flat_map(|&id| traced.operands(id));
+            let passed = carried.filter(|_| after == Encoding::Recoded);
+            units.encode = read.chain(passed).filter_map(number).collect::<BTreeSet<_>>().len();
+        }
+        units
+    }
+
+    /// How numbers stand in the registers after a step.
+    pub fn encoding(&self, step: usize) -> Encoding {
+        if step == 0 || step == self.last() { self.config.io } else { self.config.registers }
+    }
+
+    /// Bits of a number in the registers after a step.
+    pub fn number_width(&self, step: usize) -> u32 {
+        match self.encoding(step) {
+            Encoding::Ieee => self.config.format.ieee_width(),
+            Encoding::Recoded => self.config.format.recoded_width(),
+        }
     }
 }
 
-fn origin(
-    operations: &[Traced],
-    before: &Layout,
-    assigned: &[BTreeMap<NodeId, Unit>],
-    op: usize,
-    id: NodeId,
-) -> Origin {
+fn origin(operations: &[Traced], before: &Layout, bindings: &[Bindings], op: usize, id: NodeId) -> Origin {
     if let Some(place) = before.places.get(op).and_then(|places| places.get(&id)) {
         return Origin::Place(*place);
     }
@@ -66,20 +124,6 @@ fn origin(
         Op::Input(port) => Origin::Port(port.clone()),
         // A comparator has several results; which of them a value is, is the operation's logic.
         Op::Compare(..) => Origin::Logic(op, id),
-        _ => assigned[op].get(&id).map_or(Origin::Logic(op, id), |unit| Origin::Unit(*unit)),
+        _ => bindings[op].get(&id).map_or(Origin::Logic(op, id), |binding| Origin::Unit(binding.unit)),
     }
-}
-
-fn count(assigned: &[BTreeMap<NodeId, Unit>]) -> Units {
-    let mut units = Units::default();
-    for (kind, number) in assigned.iter().flat_map(BTreeMap::values) {
-        let most = units.of_mut(*kind);
-        *most = (*most).max(number + 1);
-    }
-    units
-}
-
-/// All units of a stage, kind by kind.
-pub fn all_units(units: Units) -> impl Iterator<Item = Unit> {
-    UnitKind::ALL.into_iter().flat_map(move |kind| (0..units.of(kind)).map(move |number| (kind, number)))
 }

@@ -2,6 +2,7 @@
 
 use crate::choice::ParseChoiceError;
 use crate::config::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
+use raypath_float::Format;
 use raypath_ops::Rules;
 use std::fmt;
 use std::str::FromStr;
@@ -30,6 +31,7 @@ pub const PRESETS: &[Preset] = &[
     preset("compact", "the smallest in binary32", Config { control: Control::Credit, ..GRAPHICS }),
     preset("fast", "boxes and triangles, units in two stages", Config { unit_latency: UnitLatency::Two, ..GRAPHICS }),
     preset("fastest", "boxes and triangles, units in three", Config { unit_latency: UnitLatency::Three, ..GRAPHICS }),
+    preset("half", "boxes and triangles in binary16", Config { format: Format::BINARY16, ..GRAPHICS }),
     preset("recoded", "recoded numbers at the ports as well", Config { io: Encoding::Recoded, ..PAPER }),
     preset("ieee", "binary32 in the stage registers as well", Config { registers: Encoding::Ieee, ..PAPER }),
     preset("segregated", "registers of its own for each operation", Config { sharing: Sharing::Segregated, ..PAPER }),

@@ -1,48 +1,52 @@
-//! One stage as a module: the values of its registers under the algorithm's names, its units, its registers.
+//! One step as a module: the values of its registers under the algorithm's names, its units, its registers.
 
-use crate::STAGES;
 use crate::boundary::{self, OPCODE_WIDTH};
+use crate::config::{Control, Encoding};
+use crate::elastic;
 use crate::error::Error;
-use crate::graph::{Kind, NodeId, Traced};
+use crate::graph::{Kind, NodeId, Op, StateValue, Traced};
 use crate::library::Library;
-use crate::plan::{Plan, all_units};
+use crate::plan::Plan;
+use crate::steps::Step;
 use crate::values::{Before, Values};
+use raypath_float::Format;
 use raypath_hdl::{Builder, Module, Register, Wire};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The module `raypath_stage_<stage>`, 1 to [`STAGES`].
-pub fn stage(plan: &Plan, library: &Library, stage: usize) -> Result<Arc<Module>, Error> {
+/// The module `raypath_stage_<stage>`, or `raypath_stage_<stage>_<part>` where the stage has several steps.
+pub fn stage(plan: &Plan, library: &Library, step: usize) -> Result<Arc<Module>, Error> {
     // Built once to learn which values are read by name, and once more to name them first.
     let scratch = Builder::new("scratch");
-    let read = build(&scratch, plan, library, stage, &[])?;
-    let m = Builder::new(&format!("raypath_stage_{stage}"));
-    describe(&m, plan, stage);
-    build(&m, plan, library, stage, &read)?;
+    let read = build(&scratch, plan, library, step, &[])?;
+    let m = Builder::new(&format!("raypath_{}", name(plan.steps[step].step)));
+    describe(&m, plan, step);
+    build(&m, plan, library, step, &read)?;
     Ok(m.finish()?)
 }
 
-/// Builds a stage whose algorithms begin with `names` for the registers before it. Gives those that it needs.
+/// What a step's instance is called: `stage_3`, `stage_3_2`.
+pub fn name(step: Step) -> String {
+    match step {
+        Step { stage: 0, .. } => "input".to_string(),
+        Step { stage, parts: 1, .. } => format!("stage_{stage}"),
+        Step { stage, part, .. } => format!("stage_{stage}_{part}"),
+    }
+}
+
+/// Builds a step whose algorithms begin with `names` for the registers before it. Gives those that it needs.
 fn build(
     m: &Builder,
     plan: &Plan,
     library: &Library,
-    stage: usize,
+    step: usize,
     names: &[(usize, NodeId)],
 ) -> Result<Vec<(usize, NodeId)>, Error> {
-    let before = &plan.stages[stage - 1].layout;
     let opcode = m.input("opcode_i", OPCODE_WIDTH);
-    let width = number_width(library, stage - 1);
-    let number = |place| {
-        let port = m.input(&format!("{}_i", boundary::number(place)), width);
-        port.comment(boundary::residents(plan, before, place))
-    };
-    let numbers = (0..before.numbers).map(number).collect();
-    let flags = (before.flags > 0).then(|| m.input("flags_i", before.flags));
-
-    let states = state_registers(m, plan, library, stage);
-    let state_wires = states.iter().map(|(&key, register)| (key, register.wire())).collect();
-    let mut values = Values::new(m, plan, library, stage, opcode, Before { numbers, flags, states: state_wires });
+    let mut before = Before::ports(m, plan, library, step);
+    let states = States::new(m, plan, library, step);
+    before.states = states.wires.clone();
+    let mut values = Values::new(m, plan, library, step, opcode, before);
 
     for (op, traced) in plan.operations.iter().enumerate() {
         let mut names = names.iter().filter(|(whose, _)| *whose == op).peekable();
@@ -53,42 +57,42 @@ fn build(
             values.get(op, id)?;
         }
     }
-    let units = plan.stages[stage].units;
-    if all_units(units).next().is_some() {
+    let units = plan.units(step);
+    if !units.is_empty() {
         m.section("Units, shared by the operations");
-        for unit in all_units(units) {
+        for unit in units {
             values.unit(unit)?;
         }
     }
-    let handshake = boundary::registers(m, plan, stage, &library.skid, opcode, &mut values)?;
-
-    if !states.is_empty() {
-        m.section("The stage hands its job on");
-        let advance = (handshake.valid & handshake.ready).named("advance");
-        let mut advances: BTreeMap<usize, Wire<'_>> = BTreeMap::new();
-        for ((op, state), register) in states {
-            let traced = &plan.operations[op];
-            let next = values.get(op, traced.states[state].next)?;
-            let named = || (advance & opcode.is(traced.opcode)).named(&format!("{}_advances", traced.name));
-            register.next_when(*advances.entry(op).or_insert_with(named), next);
+    let next = boundary::next(m, plan, library, step, opcode, &mut values)?;
+    let last = step == plan.last();
+    let advance = match plan.config.control {
+        Control::Skid => {
+            let busy = Busy::new(m, plan, step, opcode);
+            let hold = busy.iter().map(|busy| busy.hold).reduce(|a, b| a | b);
+            let advance = elastic::skid_buffers(m, library, next, hold);
+            busy.into_iter().for_each(|busy| busy.follow(advance));
+            advance
         }
-    }
+        Control::Credit if last => elastic::exit(m, next, plan.latency())?,
+        Control::Credit => elastic::plain(m, next),
+    };
+    states.write(m, plan, advance, opcode, &mut values)?;
     Ok(values.read_from_registers())
 }
 
-/// Bits of a number in the registers after `stage`: binary32 at the two ends, recoded between.
-pub fn number_width(library: &Library, stage: usize) -> u32 {
-    if stage == 0 || stage == STAGES as usize { library.format.ieee_width() } else { library.format.recoded_width() }
-}
-
 /// The head comment: Table VII, read along its row.
-fn describe(m: &Builder, plan: &Plan, stage: usize) {
-    m.doc(format!("Stage {stage} and the registers after it."));
+fn describe(m: &Builder, plan: &Plan, step: usize) {
+    let at = plan.steps[step].step;
+    m.doc(match at {
+        Step { stage, parts: 1, .. } => format!("Stage {stage} and the registers after it."),
+        Step { stage, part, parts } => format!("Stage {stage}, step {part} of {parts}, and the registers after it."),
+    });
     for traced in &plan.operations {
-        let what = notes(traced, stage as u32);
+        let what = notes(plan, traced, step);
         m.doc(format!("  {:<10} {}", format!("{}:", traced.name), if what.is_empty() { "passes" } else { &what }));
     }
-    let after = &plan.stages[stage].layout;
+    let after = &plan.steps[step].layout;
     if after.flags > 0 {
         m.doc("Flags after it, lowest bit first:");
         for (op, traced) in plan.operations.iter().enumerate() {
@@ -97,36 +101,131 @@ fn describe(m: &Builder, plan: &Plan, stage: usize) {
     }
 }
 
-/// What an operation says that it does in a stage.
-pub fn notes(traced: &Traced, stage: u32) -> String {
-    let notes: Vec<&str> = traced.notes.iter().filter(|(at, _)| *at == stage).map(|(_, what)| *what).collect();
-    match stage {
-        1 => "binary32 to recoded".to_string(),
-        STAGES => "recoded to binary32".to_string(),
-        _ => notes.join("; "),
+/// What an operation says that it does in a step's stage, and what the stage does with all numbers.
+pub fn notes(plan: &Plan, traced: &Traced, index: usize) -> String {
+    let step = plan.steps[index].step;
+    let own = traced.notes.iter().filter(|(at, _)| *at == step.stage).map(|(_, what)| *what);
+    let ieee = if plan.config.format == Format::BINARY32 { "binary32" } else { "IEEE 754" };
+    let conversion = match index.checked_sub(1).map(|before| (plan.encoding(before), plan.encoding(index))) {
+        Some((Encoding::Ieee, Encoding::Recoded)) => Some(format!("{ieee} to recoded")),
+        Some((Encoding::Recoded, Encoding::Ieee)) => Some(format!("recoded to {ieee}")),
+        _ => None,
+    };
+    conversion.into_iter().chain(own.map(str::to_string)).collect::<Vec<_>>().join("; ")
+}
+
+/// The state that a step reads or writes.
+struct States<'m> {
+    /// Written here: registers, zero after reset.
+    registers: BTreeMap<(usize, usize), Register<'m>>,
+    /// Read here.
+    wires: BTreeMap<(usize, usize), Wire<'m>>,
+}
+
+impl<'m> States<'m> {
+    fn new(m: &'m Builder, plan: &Plan, library: &Library, step: usize) -> Self {
+        let mut states = Self { registers: BTreeMap::new(), wires: BTreeMap::new() };
+        let all = || {
+            plan.operations.iter().enumerate().flat_map(|(op, t)| t.states.iter().enumerate().map(move |s| (op, t, s)))
+        };
+        let reads = |op: usize, traced: &Traced, number: usize| {
+            let mut operands = plan.steps[step].made[op].iter().flat_map(|&id| traced.operands(id));
+            operands.any(|id| traced.node(id).op == Op::State(number))
+        };
+        for (op, traced, (number, state)) in all() {
+            if state.written as usize != step && reads(op, traced, number) {
+                let port = m.input(&format!("{}_i", port(traced, state)), width(traced, state, library));
+                states.wires.insert((op, number), port);
+            }
+        }
+        if all().any(|(_, _, (_, state))| state.written as usize == step) {
+            m.section("State: changes once for each job, when the step hands it on");
+        }
+        for (op, traced, (number, state)) in all().filter(|(_, _, (_, state))| state.written as usize == step) {
+            let register = m.register(&format!("{}_q", port(traced, state)), width(traced, state, library)).reset_to(0);
+            states.registers.insert((op, number), register);
+            states.wires.insert((op, number), register.wire());
+        }
+        states
+    }
+
+    /// Gives the registers their next values.
+    fn write(
+        self,
+        m: &'m Builder,
+        plan: &Plan,
+        advance: Wire<'m>,
+        opcode: Wire<'m>,
+        values: &mut Values<'m, '_>,
+    ) -> Result<(), Error> {
+        if self.registers.is_empty() {
+            return Ok(());
+        }
+        m.section("The step hands its job on");
+        let advance = advance.named("advance");
+        let mut advances: BTreeMap<usize, Wire<'_>> = BTreeMap::new();
+        for ((op, number), register) in self.registers {
+            let traced = &plan.operations[op];
+            let state = &traced.states[number];
+            let next = values.get(op, state.next)?;
+            let named = || (advance & opcode.is(traced.opcode)).named(&format!("{}_advances", traced.name));
+            register.next_when(*advances.entry(op).or_insert_with(named), next);
+            if state.read < state.written {
+                m.output(&format!("{}_o", port(traced, state)), register.wire());
+            }
+        }
+        for (op, advances) in advances {
+            if plan.config.control == Control::Skid && plan.operations[op].is_loop() {
+                m.output(&format!("{}_o", written(&plan.operations[op])), advances);
+            }
+        }
+        Ok(())
     }
 }
 
-/// The state that operations keep in this stage, zero after reset.
-fn state_registers<'m>(
-    m: &'m Builder,
-    plan: &Plan,
-    library: &Library,
-    stage: usize,
-) -> BTreeMap<(usize, usize), Register<'m>> {
-    let mut registers = BTreeMap::new();
-    if plan.operations.iter().any(|traced| traced.states.iter().any(|state| state.stage as usize == stage)) {
-        m.section("State: changes once for each job, when the stage hands it on");
+/// A state as a port, or as the stem of its register.
+fn port(traced: &Traced, state: &StateValue) -> String {
+    format!("{}_{}_state", traced.name, state.name)
+}
+
+/// That an operation has written its state, as a port.
+fn written(traced: &Traced) -> String {
+    format!("{}_written", traced.name)
+}
+
+/// Bits of a state; numbers are recoded.
+pub fn width(traced: &Traced, state: &StateValue, library: &Library) -> u32 {
+    match traced.node(state.next).kind {
+        Kind::Word(width) => width,
+        Kind::Number | Kind::Order | Kind::Cut(..) => library.format.recoded_width(),
     }
-    for (op, traced) in plan.operations.iter().enumerate() {
-        for (number, state) in traced.states.iter().enumerate().filter(|(_, state)| state.stage as usize == stage) {
-            let width = match traced.node(state.next).kind {
-                Kind::Word(width) => width,
-                Kind::Ieee | Kind::Recoded | Kind::Order => library.format.recoded_width(),
-            };
-            let name = format!("{}_{}_state_q", traced.name, state.name);
-            registers.insert((op, number), m.register(&name, width).reset_to(0));
-        }
+}
+
+/// An operation that reads its state in this step and writes it in a later one: its next job has to wait.
+struct Busy<'m> {
+    pending: Register<'m>,
+    written: Wire<'m>,
+    is_own: Wire<'m>,
+    /// The job in the registers before has to stay there.
+    hold: Wire<'m>,
+}
+
+impl<'m> Busy<'m> {
+    fn new(m: &'m Builder, plan: &Plan, step: usize, opcode: Wire<'m>) -> Vec<Self> {
+        let loops = plan.operations.iter().filter(|traced| traced.is_loop());
+        let here = loops.filter(|traced| traced.states.iter().map(|state| state.read).min() == Some(step as u32));
+        here.map(|traced| {
+            m.section(format!("A job of {} waits until the one before it has written its state", traced.name));
+            let written = m.input(&format!("{}_i", written(traced)), 1);
+            let pending = m.register(&format!("{}_pending_q", traced.name), 1).reset_to(0);
+            let is_own = opcode.is(traced.opcode).named(&format!("is_{}", traced.name));
+            let hold = (pending.wire() & is_own).named(&format!("{}_waits", traced.name));
+            Self { pending, written, is_own, hold }
+        })
+        .collect()
     }
-    registers
+
+    fn follow(self, advance: Wire<'m>) {
+        self.pending.next((advance & self.is_own) | (self.pending.wire() & !self.written));
+    }
 }

@@ -1,21 +1,25 @@
 //! The top module: input registers, stages, output, in a row.
 
-use crate::boundary::OPCODE_WIDTH;
+use crate::boundary::{OPCODE_WIDTH, label};
+use crate::config::Control;
+use crate::control::{self, Spacing};
 use crate::error::Error;
 use crate::input;
 use crate::library::Library;
 use crate::output;
 use crate::plan::Plan;
 use crate::stage;
-use raypath_hdl::{Builder, Module, Wire};
+use raypath_hdl::{Builder, Forward, Module, Wire};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The top module, and those of its stages: the input's registers, then stage 1 and so on.
+/// The top module, and those of its steps: the input's registers, then stage 1 and so on.
 #[derive(Debug)]
 pub struct Pipeline {
     pub top: Arc<Module>,
-    pub stages: Vec<Arc<Module>>,
+    pub steps: Vec<Arc<Module>>,
+    /// What lets jobs in, where control is by credits.
+    pub credit: Option<Arc<Module>>,
 }
 
 /// Builds the module `raypath` and all below it. `doc` is its head comment.
@@ -25,11 +29,12 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
         m.doc(line);
     }
     let mut wires: BTreeMap<String, Wire<'_>> = BTreeMap::new();
-    wires.insert("valid".to_string(), m.input("input_valid_i", 1));
+    let input_valid = m.input("input_valid_i", 1);
+    wires.insert("valid".to_string(), input_valid);
     wires.insert("opcode".to_string(), m.input("opcode_i", OPCODE_WIDTH));
     let output_ready = m.input("output_ready_i", 1);
     let mut unread = Vec::new();
-    for port in input::ports(plan, library) {
+    for port in input::ports(plan) {
         let wire = m.input(&format!("{}_i", port.name), port.width);
         if port.read {
             wires.insert(port.name, wire);
@@ -42,34 +47,94 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
         m.unused("unused_ports", &unread);
     }
 
-    m.section("The pipeline");
     let mut modules = vec![("input".to_string(), input::input(plan, library)?)];
-    for number in 1..plan.stages.len() {
-        modules.push((format!("stage_{number}"), stage::stage(plan, library, number)?));
+    for step in 1..plan.steps.len() {
+        modules.push((stage::name(plan.steps[step].step), stage::stage(plan, library, step)?));
     }
-    let mut ready_before: Option<raypath_hdl::Forward<'_>> = None;
+    let mut credit = None;
+    let mut leaves = None;
+    if plan.config.control == Control::Credit {
+        m.section("A job enters while the exit has a place for it");
+        let module = control::credit(plan.latency() + 1, &spacings(plan))?;
+        let returned = m.forward("job_leaves", 1);
+        wires.insert("returned".to_string(), returned.wire());
+        let outputs = instance(&m, "credit", &module, &wires);
+        m.output("input_ready_o", outputs["ready"]);
+        wires.insert("valid".to_string(), outputs["valid"]);
+        (credit, leaves) = (Some(module), Some(returned));
+    }
+
+    m.section("The pipeline");
+    let mut backward = Backward { m: &m, forwards: BTreeMap::new(), driven: BTreeMap::new() };
+    let mut ready_before: Option<Forward<'_>> = None;
     for (index, (name, module)) in modules.iter().enumerate() {
-        let next = modules.get(index + 1);
+        let next = modules.get(index + 1).filter(|_| plan.config.control == Control::Skid);
         let ready_after = next.map(|(next, _)| m.forward(&format!("ready_of_{next}"), 1));
         wires.insert("ready".to_string(), ready_after.map_or(output_ready, |forward| forward.wire()));
+        backward.supply(module, &mut wires);
         wires = instance(&m, name, module, &wires);
-        let ready = wires.get("ready").copied();
-        match (ready_before, ready) {
+        backward.collect(&wires);
+        match (ready_before, wires.get("ready").copied()) {
             (Some(forward), Some(ready)) => forward.drive(ready),
             (None, Some(ready)) => m.output("input_ready_o", ready),
             (_, None) => {}
         }
         ready_before = ready_after;
     }
+    backward.connect();
 
+    if let Some(leaves) = leaves {
+        leaves.drive(wires["valid"] & output_ready);
+    }
     m.output("output_valid_o", wires["valid"]);
     m.output("opcode_o", wires["opcode"]);
     let output = output::output(plan, library)?;
     for (name, wire) in instance(&m, "output", &output, &wires) {
         m.output(&format!("{name}_o"), wire);
     }
-    let stages = modules.into_iter().map(|(_, module)| module).collect();
-    Ok(Pipeline { top: m.finish()?, stages })
+    let steps = modules.into_iter().map(|(_, module)| module).collect();
+    Ok(Pipeline { top: m.finish()?, steps, credit })
+}
+
+/// Operations whose jobs must keep a distance, because the pipeline cannot hold one back once it is in.
+fn spacings(plan: &Plan) -> Vec<Spacing> {
+    let loops = plan.operations.iter().filter(|traced| traced.is_loop());
+    loops.map(|traced| Spacing { label: label(traced), name: traced.name, cycles: traced.spacing() }).collect()
+}
+
+/// Wires from a step to an earlier one: state that is read before the step that writes it.
+struct Backward<'m> {
+    m: &'m Builder,
+    forwards: BTreeMap<String, Forward<'m>>,
+    driven: BTreeMap<String, Wire<'m>>,
+}
+
+impl<'m> Backward<'m> {
+    /// Gives a module those of its inputs that nothing before it has.
+    fn supply(&mut self, module: &Module, wires: &mut BTreeMap<String, Wire<'m>>) {
+        for port in module.inputs() {
+            let stem = port.stem().to_string();
+            wires.entry(stem.clone()).or_insert_with(|| {
+                let width = module.signal(port.signal).width;
+                self.forwards.entry(stem.clone()).or_insert_with(|| self.m.forward(&stem, width)).wire()
+            });
+        }
+    }
+
+    /// Takes from a module's outputs what an earlier one asked for.
+    fn collect(&mut self, outputs: &BTreeMap<String, Wire<'m>>) {
+        for (stem, wire) in outputs.iter().filter(|(stem, _)| self.forwards.contains_key(*stem)) {
+            self.driven.insert(stem.clone(), *wire);
+        }
+    }
+
+    fn connect(self) {
+        for (stem, forward) in self.forwards {
+            if let Some(wire) = self.driven.get(&stem) {
+                forward.drive(*wire);
+            }
+        }
+    }
 }
 
 /// An instance whose inputs are wires of the same names; gives its outputs by name.

@@ -1,6 +1,5 @@
 //! The circuit that records: every operator leaves a node.
 
-use crate::STAGES;
 use crate::graph::{Kind, Node, NodeId, Op, OutputValue, PortBit, StateValue, Traced};
 use raypath_ops::{Binary32, Bit, Bundle, Circuit, Field, Num, Operation, Path, Relation, Single, Sink, Source, Test};
 use std::cell::{Cell, RefCell};
@@ -19,8 +18,7 @@ pub fn record<O: Operation>(operation: &O, opcode: u64) -> Traced {
 
     let (output, next) = operation.run(c, input, state);
 
-    graph.stage.set(STAGES);
-    let mut outputs = OutputSink { c, outputs: Vec::new() };
+    let mut outputs = OutputSink::default();
     output.each(&mut Path::default(), &mut outputs);
     let outputs = outputs.outputs;
     let mut next_nodes = Leaves(Vec::new());
@@ -33,7 +31,9 @@ pub fn record<O: Operation>(operation: &O, opcode: u64) -> Traced {
         opcode,
         inputs,
         outputs,
-        states: states.map(|(name, next)| StateValue { name, next, stage: stage_of(next) }).collect(),
+        states: states
+            .map(|(name, next)| StateValue { name, next, written: stage_of(next), read: stage_of(next) })
+            .collect(),
         notes: graph.notes.take(),
         nodes: graph.nodes.take(),
     }
@@ -121,19 +121,19 @@ impl Circuit for Tracer<'_> {
     }
 
     fn constant(self, value: f32) -> NodeId {
-        self.once(Kind::Recoded, Op::Number(value.to_bits()))
+        self.once(Kind::Number, Op::Number(value.to_bits()))
     }
     fn add(self, a: NodeId, b: NodeId) -> NodeId {
-        self.push(Kind::Recoded, Op::Add(a, b))
+        self.push(Kind::Number, Op::Add(a, b))
     }
     fn subtract(self, a: NodeId, b: NodeId) -> NodeId {
-        self.push(Kind::Recoded, Op::Subtract(a, b))
+        self.push(Kind::Number, Op::Subtract(a, b))
     }
     fn multiply(self, a: NodeId, b: NodeId) -> NodeId {
-        self.push(Kind::Recoded, Op::Multiply(a, b))
+        self.push(Kind::Number, Op::Multiply(a, b))
     }
     fn negate(self, a: NodeId) -> NodeId {
-        self.push(Kind::Recoded, Op::Negate(a))
+        self.push(Kind::Number, Op::Negate(a))
     }
     fn compare(self, a: NodeId, b: NodeId) -> NodeId {
         self.push(Kind::Order, Op::Compare(a, b))
@@ -185,7 +185,7 @@ impl Circuit for Tracer<'_> {
         }
     }
     fn select_num(self, condition: NodeId, if_true: NodeId, if_false: NodeId) -> NodeId {
-        self.push(Kind::Recoded, Op::Select(condition, if_true, if_false))
+        self.push(Kind::Number, Op::Select(condition, if_true, if_false))
     }
     fn select_bit(self, condition: NodeId, if_true: NodeId, if_false: NodeId) -> NodeId {
         self.push(BIT, Op::Select(condition, if_true, if_false))
@@ -212,7 +212,7 @@ fn port_bit(field: Field<'_>) -> PortBit {
     PortBit { port: field.name.to_string(), bit: field.bit }
 }
 
-/// Values that arrive at ports; numbers are recoded in stage 1.
+/// Values that arrive at ports.
 struct InputSource<'g> {
     c: Tracer<'g>,
     inputs: Vec<NodeId>,
@@ -233,11 +233,7 @@ impl InputSource<'_> {
 
 impl<'g> Source<Tracer<'g>> for InputSource<'g> {
     fn num(&mut self, field: Field<'_>) -> Num<Tracer<'g>> {
-        let name = field.name.to_string();
-        let ieee = self.push(Kind::Ieee, field);
-        let recoded = self.c.push_at(1, Kind::Recoded, Op::Encode(ieee));
-        self.c.name(recoded, &name);
-        Num::new(self.c, recoded)
+        Num::new(self.c, self.push(Kind::Number, field))
     }
     fn bit(&mut self, field: Field<'_>) -> Bit<Tracer<'g>> {
         Bit::new(self.c, self.push(BIT, field))
@@ -263,7 +259,7 @@ impl StateSource<'_> {
 
 impl<'g> Source<Tracer<'g>> for StateSource<'g> {
     fn num(&mut self, field: Field<'_>) -> Num<Tracer<'g>> {
-        Num::new(self.c, self.push(Kind::Recoded, field))
+        Num::new(self.c, self.push(Kind::Number, field))
     }
     fn bit(&mut self, field: Field<'_>) -> Bit<Tracer<'g>> {
         Bit::new(self.c, self.push(BIT, field))
@@ -273,17 +269,15 @@ impl<'g> Source<Tracer<'g>> for StateSource<'g> {
     }
 }
 
-/// Values that leave at ports; numbers are decoded in the last stage.
-struct OutputSink<'g> {
-    c: Tracer<'g>,
+/// Values that leave at ports.
+#[derive(Default)]
+struct OutputSink {
     outputs: Vec<OutputValue>,
 }
 
-impl<'g> Sink<Tracer<'g>> for OutputSink<'g> {
+impl<'g> Sink<Tracer<'g>> for OutputSink {
     fn num(&mut self, field: Field<'_>, value: Num<Tracer<'g>>) {
-        let node = self.c.push(Kind::Ieee, Op::Decode(value.value()));
-        self.c.name(node, field.name);
-        self.outputs.push(OutputValue { port: port_bit(field), node });
+        self.outputs.push(OutputValue { port: port_bit(field), node: value.value() });
     }
     fn bit(&mut self, field: Field<'_>, value: Bit<Tracer<'g>>) {
         self.outputs.push(OutputValue { port: port_bit(field), node: value.value() });

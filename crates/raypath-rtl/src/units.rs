@@ -1,8 +1,6 @@
-//! Which unit of a stage does what: the k-th adder of every operation is the same adder.
+//! The units of a step.
 
-use crate::graph::{NodeId, Op, Traced};
-use crate::liveness::Work;
-use std::collections::BTreeMap;
+use crate::graph::{Kind, NodeId, Op, Traced};
 use std::fmt;
 
 /// The floating-point units.
@@ -20,7 +18,7 @@ pub enum UnitKind {
     Decode,
 }
 
-/// How many units a stage has.
+/// How many units a step has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Units {
     /// Encoders, binary32 to recoded.
@@ -35,8 +33,22 @@ pub struct Units {
     pub decode: usize,
 }
 
-/// A unit of a stage, by kind and number.
-pub type Unit = (UnitKind, usize);
+/// A unit of a step, or the part of one that the step has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Unit {
+    pub kind: UnitKind,
+    /// The part, from 0.
+    pub part: u32,
+    /// Which of the step's units of this kind and part, from 0.
+    pub number: usize,
+}
+
+impl Unit {
+    /// What its instance is called: `add_3`.
+    pub fn stem(self) -> String {
+        format!("{}_{}", self.kind.stem(), self.number)
+    }
+}
 
 impl UnitKind {
     /// All of them.
@@ -90,27 +102,16 @@ impl Units {
     }
 }
 
-/// The unit that makes each of an operation's values in one stage.
-pub fn assign(traced: &Traced, work: &Work) -> BTreeMap<NodeId, Unit> {
-    let mut used = Units::default();
-    let mut units = BTreeMap::new();
-    for &id in &work.made {
-        if let Some(kind) = kind(&traced.node(id).op) {
-            let next = used.of_mut(kind);
-            units.insert(id, (kind, *next));
-            *next += 1;
-        }
-    }
-    units
-}
-
-fn kind(op: &Op) -> Option<UnitKind> {
-    match op {
-        Op::Encode(_) => Some(UnitKind::Encode),
-        Op::Add(..) | Op::Subtract(..) => Some(UnitKind::Add),
-        Op::Multiply(..) => Some(UnitKind::Multiply),
-        Op::Compare(..) => Some(UnitKind::Compare),
-        Op::Decode(_) => Some(UnitKind::Decode),
+/// The kind of unit that makes a value, and which of its parts.
+pub fn part(traced: &Traced, id: NodeId) -> Option<(UnitKind, u32)> {
+    match traced.node(id).op {
+        Op::Add(..) | Op::Subtract(..) => Some((UnitKind::Add, 0)),
+        Op::Multiply(..) => Some((UnitKind::Multiply, 0)),
+        Op::Compare(..) => Some((UnitKind::Compare, 0)),
+        Op::Continue(before) => match traced.node(before).kind {
+            Kind::Cut(kind, part) => Some((kind, part + 1)),
+            _ => None,
+        },
         _ => None,
     }
 }

@@ -1,12 +1,14 @@
-//! The values of one stage, as wires: read from the registers before it, made by its units and by the operations' logic.
+//! The values of one step, as wires: read from the registers before it, made by its units and by the operations' logic.
 
-use crate::boundary::{Wires, by_opcode, negate};
+use crate::boundary::{self, Wires, by_opcode, negate};
+use crate::config::Encoding;
 use crate::error::Error;
 use crate::graph::{Kind, NodeId, Op};
 use crate::library::Library;
-use crate::place::{Origin, Place};
+use crate::place::{FLAG_REGISTER, Origin, Place};
 use crate::plan::Plan;
 use crate::units::Unit;
+use raypath_float::Format;
 use raypath_hdl::{Builder, Wire};
 use raypath_ops::{Relation, Test};
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,42 +18,72 @@ pub struct Values<'m, 'p> {
     m: &'m Builder,
     plan: &'p Plan,
     library: &'p Library,
-    stage: usize,
+    step: usize,
     opcode: Wire<'m>,
     before: Before<'m>,
     made: BTreeMap<(usize, NodeId), Wire<'m>>,
+    /// Number registers, recoded.
+    recoded: BTreeMap<usize, Wire<'m>>,
     units: BTreeMap<Unit, Vec<Wire<'m>>>,
     in_progress: BTreeSet<Unit>,
     names: BTreeSet<String>,
 }
 
-/// What a stage finds when its job arrives.
+/// What a step finds when its job arrives.
 pub struct Before<'m> {
-    /// Number registers before the stage.
+    /// How numbers are encoded.
+    pub encoding: Encoding,
+    /// Number registers before the step.
     pub numbers: Vec<Wire<'m>>,
-    /// The flag register before the stage, if it has one.
-    pub flags: Option<Wire<'m>>,
-    /// State registers of the stage, by operation and number.
+    /// The flag registers before the step.
+    pub flags: Vec<Wire<'m>>,
+    /// What units have handed to their next parts, by the stems of their ports.
+    pub cuts: BTreeMap<Unit, Vec<(String, Wire<'m>)>>,
+    /// State that the step reads, by operation and number.
     pub states: BTreeMap<(usize, usize), Wire<'m>>,
 }
 
 impl<'m> Before<'m> {
-    /// What stands in a place.
+    /// The registers before a step as input ports.
+    pub fn ports(m: &'m Builder, plan: &Plan, library: &Library, step: usize) -> Self {
+        let layout = &plan.steps[step - 1].layout;
+        let width = plan.number_width(step - 1);
+        let number = |place| {
+            let port = m.input(&format!("{}_i", boundary::number(place)), width);
+            port.comment(boundary::residents(plan, layout, place))
+        };
+        let numbers = (0..layout.numbers).map(number).collect();
+        let cut = |unit: Unit| {
+            let port = |(stem, width)| (String::from(stem), m.input(&format!("{}_{stem}_i", unit.stem()), width));
+            (unit, library.cut(unit).map(port).collect())
+        };
+        let cuts = layout.cuts.iter().copied().map(cut).collect();
+        let flag = |(register, width)| m.input(&format!("{}_i", boundary::flag_register(layout, register)), width);
+        let flags = layout.flag_registers().enumerate().map(flag).collect();
+        Self { encoding: plan.encoding(step - 1), numbers, flags, cuts, states: BTreeMap::new() }
+    }
+
+    /// What stands in a place, as it stands there.
     pub fn read(&self, place: Place) -> Option<Wire<'m>> {
         match place {
             Place::Number(register) => self.numbers.get(register).copied(),
-            Place::Flags { low, width } => Some(self.flags?.bits(low + width - 1, low)),
+            Place::Flags { low, width } => {
+                let register = self.flags.get((low / FLAG_REGISTER) as usize)?;
+                let low = low % FLAG_REGISTER;
+                Some(register.bits(low + width - 1, low))
+            }
+            Place::Cut(_) => None,
         }
     }
 }
 
 impl<'m, 'p> Values<'m, 'p> {
-    /// The values of a stage, with what stands in its registers.
+    /// The values of a step, with what stands in its registers.
     pub fn new(
         m: &'m Builder,
         plan: &'p Plan,
         library: &'p Library,
-        stage: usize,
+        step: usize,
         opcode: Wire<'m>,
         before: Before<'m>,
     ) -> Self {
@@ -59,17 +91,18 @@ impl<'m, 'p> Values<'m, 'p> {
             m,
             plan,
             library,
-            stage,
+            step,
             opcode,
             before,
             made: BTreeMap::new(),
+            recoded: BTreeMap::new(),
             units: BTreeMap::new(),
             in_progress: BTreeSet::new(),
             names: BTreeSet::new(),
         }
     }
 
-    /// The values read from the registers before the stage, in order.
+    /// The values read from the registers before the step, in order.
     pub fn read_from_registers(&self) -> Vec<(usize, NodeId)> {
         self.made.keys().copied().filter(|&(op, id)| self.place(op, id).is_some()).collect()
     }
@@ -100,19 +133,29 @@ impl<'m, 'p> Values<'m, 'p> {
             return Ok(wires.clone());
         }
         if !self.in_progress.insert(unit) {
-            return Err(Error::UnitLoop { stage: self.stage as u32 });
+            return Err(Error::UnitLoop { stage: self.plan.steps[self.step].step.stage });
         }
-        let (kind, number) = unit;
-        let module = self.library.unit(kind);
-        let stem = format!("{}_{number}", kind.stem());
+        let module = self.library.unit(unit);
         let mut connections = Vec::new();
         for (operand, port) in module.inputs().iter().enumerate() {
-            let letter = port.stem();
-            connections.push((port.name.as_str(), self.operand(unit, operand, &format!("{stem}_{letter}"))?));
+            let wire = if unit.part == 0 {
+                self.operand(unit, operand, &format!("{}_{}", unit.stem(), port.stem()))?
+            } else {
+                self.handed_on(unit, port.stem())?
+            };
+            connections.push((port.name.as_str(), wire));
         }
-        let wires = self.m.instance(&format!("u_{stem}"), module, &connections);
+        let wires = self.m.instance(&format!("u_{}", unit.stem()), module, &connections);
         self.units.insert(unit, wires.clone());
         Ok(wires)
+    }
+
+    /// What the part before has handed on; its unit has the same number.
+    fn handed_on(&self, unit: Unit, stem: &str) -> Result<Wire<'m>, Error> {
+        let cut = self.before.cuts.get(&Unit { part: unit.part - 1, ..unit }).into_iter().flatten();
+        let found = cut.into_iter().find(|(port, _)| port == stem).map(|(_, wire)| *wire);
+        let lost = || Error::PartApart { unit: unit.stem(), step: self.plan.steps[self.step].step.to_string() };
+        found.ok_or_else(lost)
     }
 
     /// One operand of a unit: that of whichever operation the job belongs to. A difference is a sum with the second
@@ -125,8 +168,9 @@ impl<'m, 'p> Values<'m, 'p> {
         let arms: Vec<_> = users
             .into_iter()
             .map(|(op, id)| {
-                let source = self.plan.operations[op].operands(id)[operand];
-                (op, self.plan.origin(self.stage, op, source), source, inverted(op, id) && !all_inverted)
+                let swapped = self.plan.steps[self.step].bindings[op][&id].swapped;
+                let source = self.plan.operations[op].operands(id)[if swapped { 1 - operand } else { operand }];
+                (op, self.plan.origin(self.step, op, source), source, inverted(op, id) && !all_inverted)
             })
             .collect();
         let (m, opcode, plan) = (self.m, self.opcode, self.plan);
@@ -139,9 +183,9 @@ impl<'m, 'p> Values<'m, 'p> {
 
     /// The operations that a unit serves, and what it makes for each.
     fn users(&self, unit: Unit) -> Vec<(usize, NodeId)> {
-        let assigned = &self.plan.stages[self.stage].assigned;
-        let made = |op: usize| assigned[op].iter().find(|(_, u)| **u == unit).map(|(&id, _)| (op, id));
-        (0..assigned.len()).filter_map(made).collect()
+        let bindings = &self.plan.steps[self.step].bindings;
+        let made = |op: usize| bindings[op].iter().find(|(_, binding)| binding.unit == unit).map(|(&id, _)| (op, id));
+        (0..bindings.len()).filter_map(made).collect()
     }
 
     fn make(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
@@ -155,25 +199,25 @@ impl<'m, 'p> Values<'m, 'p> {
             Op::Input(_) => return Err(self.unplaced(op, id)),
             Op::State(state) => *self.before.states.get(&(op, state)).ok_or_else(|| self.unplaced(op, id))?,
             Op::Number(bits) => {
-                m.constant(self.library.format.recoded_width(), self.library.format.encode(bits.into()))
+                let format = self.library.format;
+                m.constant(format.recoded_width(), format.encode(format.from_f32(f32::from_bits(bits))))
             }
             Op::Bit(value) => m.constant(1, value.into()),
             Op::Word(value) => {
                 let Kind::Word(width) = node.kind else { unreachable!("a word constant has a word's kind") };
                 m.constant(width, value.into())
             }
-            Op::Encode(_) | Op::Decode(_) | Op::Add(..) | Op::Subtract(..) | Op::Multiply(..) | Op::Compare(..) => {
-                let unit = self.plan.stages[self.stage].assigned[op][&id];
+            Op::Continue(_) | Op::Add(..) | Op::Subtract(..) | Op::Multiply(..) | Op::Compare(..) => {
+                let unit = self.plan.steps[self.step].bindings[op][&id].unit;
                 self.unit(unit)?[0]
             }
             Op::Relation(order, relation) => {
-                let unit = self.plan.stages[self.stage].assigned[op][&order];
+                let unit = self.plan.steps[self.step].bindings[op][&order].unit;
                 let results = self.unit(unit)?;
                 relate(results[0], results[1], results[2], relation)
             }
             Op::Negate(a) => negate(self.get(op, a)?),
-            // Four of its bits are read: the whole number gets a name for who reads all of it.
-            Op::Test(test, a) => test_class(test, self.shared(op, a)?),
+            Op::Test(test, a) => self.test(test, op, a)?,
             Op::And(a, b) => self.get(op, a)? & self.get(op, b)?,
             Op::Or(a, b) => self.get(op, a)? | self.get(op, b)?,
             Op::Not(a) => !self.get(op, a)?,
@@ -187,12 +231,33 @@ impl<'m, 'p> Values<'m, 'p> {
     }
 
     fn place(&self, op: usize, id: NodeId) -> Option<Place> {
-        let before = &self.plan.stages[self.stage.checked_sub(1)?].layout;
+        let before = &self.plan.steps[self.step.checked_sub(1)?].layout;
         before.places[op].get(&id).copied()
     }
 
-    fn read(&self, op: usize, id: NodeId, place: Place) -> Result<Wire<'m>, Error> {
-        self.before.read(place).ok_or_else(|| self.unplaced(op, id))
+    /// What stands in a place, recoded if it is a number.
+    fn read(&mut self, op: usize, id: NodeId, place: Place) -> Result<Wire<'m>, Error> {
+        let wire = self.before.read(place).ok_or_else(|| self.unplaced(op, id))?;
+        let Place::Number(register) = place else { return Ok(wire) };
+        if self.before.encoding == Encoding::Recoded {
+            return Ok(wire);
+        }
+        let (m, library) = (self.m, self.library);
+        let name = format!("u_encode_{}", boundary::number(register));
+        let encode = || m.instance(&name, &library.encode, &[("ieee_i", wire)])[0];
+        Ok(*self.recoded.entry(register).or_insert_with(encode))
+    }
+
+    /// A test reads a number in whatever encoding it has, and no more of it than it must.
+    fn test(&mut self, test: Test, op: usize, a: NodeId) -> Result<Wire<'m>, Error> {
+        match (self.place(op, a), self.before.encoding) {
+            (Some(place @ Place::Number(_)), Encoding::Ieee) => {
+                let number = self.before.read(place).ok_or_else(|| self.unplaced(op, a))?;
+                Ok(test_ieee(test, number, self.library.format))
+            }
+            // Four of its bits are read: the whole number gets a name for who reads all of it.
+            _ => Ok(test_class(test, self.shared(op, a)?)),
+        }
     }
 
     fn unplaced(&self, op: usize, id: NodeId) -> Error {
@@ -214,11 +279,20 @@ impl<'m> Wires<'m> for Values<'m, '_> {
     }
 
     fn shared(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
-        match self.plan.origin(self.stage, op, id) {
+        match self.plan.origin(self.step, op, id) {
             Origin::Place(place) => self.read(op, id, place),
             Origin::Unit(unit) => Ok(self.unit(unit)?[0]),
             Origin::Port(_) | Origin::Logic(..) => self.get(op, id),
         }
+    }
+
+    fn register(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
+        self.place(op, id).and_then(|place| self.before.read(place)).ok_or_else(|| self.unplaced(op, id))
+    }
+
+    fn cut(&mut self, unit: Unit) -> Result<Vec<(String, Wire<'m>)>, Error> {
+        let stems: Vec<String> = self.library.cut(unit).map(|(stem, _)| stem.to_string()).collect();
+        Ok(stems.into_iter().zip(self.unit(unit)?).collect())
     }
 }
 
@@ -229,6 +303,21 @@ fn relate<'m>(less: Wire<'m>, equal: Wire<'m>, unordered: Wire<'m>, relation: Re
         Relation::Equal => equal,
         Relation::GreaterOrEqual => !(less | unordered),
         Relation::Greater => !(less | equal | unordered),
+    }
+}
+
+/// Sign and class of a number in IEEE 754's layout.
+fn test_ieee<'m>(test: Test, a: Wire<'m>, format: Format) -> Wire<'m> {
+    let sign = a.top();
+    let zero = || !a.lower(a.width() - 1).any();
+    let fraction_width = format.significand() - 1;
+    let nan = || a.bits(a.width() - 2, fraction_width).all() & a.lower(fraction_width).any();
+    match test {
+        Test::SignBit => sign,
+        Test::Zero => zero(),
+        Test::Nan => nan(),
+        Test::AtLeastZero => (!sign & !nan()) | zero(),
+        Test::AboveZero => !sign & !nan() & !zero(),
     }
 }
 

@@ -1,8 +1,9 @@
 //! Operations that are none of the paper's: what the elaborator makes of them, and what it refuses.
 
+use raypath_float::Format;
 use raypath_hdl::Simulator;
 use raypath_ops::{Bit, Circuit, Num, Operation, Word, bundle};
-use raypath_rtl::{Datapath, Error, Operations};
+use raypath_rtl::{Config, Control, Datapath, Encoding, Error, Operations, Sharing, UnitLatency};
 
 bundle! {
     /// Two numbers, a flag and a small word.
@@ -55,35 +56,69 @@ macro_rules! operation {
     };
 }
 
-/// Runs jobs (a, b, flag, word) one after the other and gives (number, is_so, code) of each, twelve cycles later.
+/// Configurations that build the same operations differently.
+fn configurations() -> Vec<Config> {
+    let default = Config::DEFAULT;
+    let mut all = Vec::new();
+    for control in Control::ALL.iter().copied() {
+        for unit_latency in UnitLatency::ALL.iter().copied() {
+            all.push(Config { control, unit_latency, ..default });
+        }
+        all.push(Config { control, io: Encoding::Recoded, ..default });
+        all.push(Config { control, registers: Encoding::Ieee, sharing: Sharing::Segregated, ..default });
+        all.push(Config { control, io: Encoding::Recoded, registers: Encoding::Ieee, ..default });
+    }
+    all
+}
+
+/// Runs jobs (a, b, flag, word) one after the other and gives (number, is_so, code) of each, the same in every
+/// configuration.
 fn answers(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)]) -> Vec<(f32, bool, u64)> {
+    let expected = answers_of(operation, jobs, Config::DEFAULT);
+    for config in configurations() {
+        let found = answers_of(operation, jobs, config);
+        let bits = |(number, is_so, code): &(f32, bool, u64)| (number.to_bits(), *is_so, *code);
+        assert!(found.iter().map(bits).eq(expected.iter().map(bits)), "{config}: {found:?}, expected {expected:?}");
+    }
+    expected
+}
+
+/// The answers of one configuration; the first comes after as many cycles as its latency says.
+fn answers_of(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)], config: Config) -> Vec<(f32, bool, u64)> {
     let operations = Operations::new().with(operation, 2).expect("an operation");
-    let datapath = Datapath::of(operations).expect("a datapath");
+    let datapath = Datapath::build(operations, config).expect("a datapath");
     let mut simulator = Simulator::new(datapath.top()).expect("a netlist");
     let input = |name: &str| simulator.input(name).expect(name);
     // What an operation does not read is no port of it; every input here is, read or not.
     let (valid, ready, opcode) = (input("input_valid_i"), input("output_ready_i"), input("opcode_i"));
     let (a, b, flag, word) = (input("a_i"), input("b_i"), input("flag_i"), input("word_i"));
     let output = |name: &str| simulator.output(name).expect(name);
-    let (number, is_so, code, shown) =
-        (output("number_o"), output("is_so_o"), output("code_o"), output("output_valid_o"));
+    let (number, is_so, code) = (output("number_o"), output("is_so_o"), output("code_o"));
+    let (accepts, shown) = (output("input_ready_o"), output("output_valid_o"));
+    let recoded = config.io == Encoding::Recoded;
+    let to_port =
+        |value: f32| if recoded { Format::BINARY32.encode(value.to_bits().into()) } else { value.to_bits().into() };
+    let from_port = |bits: u64| if recoded { Format::BINARY32.decode(bits) } else { bits };
     simulator.set(ready, 1);
     simulator.set(opcode, 2);
-    let mut answers = Vec::new();
-    for cycle in 0..jobs.len() + 12 {
-        let job = jobs.get(cycle);
-        simulator.set(valid, job.is_some().into());
-        if let Some(&(x, y, f, w)) = job {
-            let values = [(a, x.to_bits().into()), (b, y.to_bits().into()), (flag, f.into()), (word, w)];
+    let (mut answers, mut next) = (Vec::new(), jobs.iter().peekable());
+    for cycle in 0..10 * (jobs.len() as u32 + datapath.latency()) {
+        simulator.set(valid, next.peek().is_some().into());
+        if let Some(&&(x, y, f, w)) = next.peek() {
+            let values = [(a, to_port(x)), (b, to_port(y)), (flag, f.into()), (word, w)];
             values.into_iter().for_each(|(port, value)| simulator.set(port, value));
         }
         simulator.cycle();
-        assert_eq!(simulator.get(shown) == 1, cycle >= 12, "cycle {cycle}");
-        if cycle >= 12 {
-            let bits = u32::try_from(simulator.get(number)).expect("32 bits");
+        if simulator.get(accepts) == 1 {
+            next.next();
+        }
+        if simulator.get(shown) == 1 {
+            assert!(cycle >= datapath.latency() && (cycle == datapath.latency() || !answers.is_empty()), "{config}");
+            let bits = u32::try_from(from_port(simulator.get(number))).expect("32 bits");
             answers.push((f32::from_bits(bits), simulator.get(is_so) == 1, simulator.get(code)));
         }
     }
+    assert_eq!(answers.len(), jobs.len(), "{config}");
     answers
 }
 
@@ -165,6 +200,37 @@ fn state_may_be_compared_and_tested() {
         [(1.0, 0.0, false, 0), (3.0, 0.0, false, 1), (2.0, 7.0, true, 2), (-9.0, 0.0, false, 3), (-8.0, 0.0, false, 4)];
     let expected = [(1.0, false, 0), (3.0, false, 1), (3.0, false, 2), (-9.0, true, 3), (-8.0, true, 4)];
     assert_eq!(answers(&Largest, &jobs), expected);
+}
+
+/// Adds up what comes, in jobs with the flag to what went before: a loop through an adder.
+struct Sum;
+
+impl Operation for Sum {
+    const NAME: &'static str = "sum";
+    type Input<C: Circuit> = Input<C>;
+    type Output<C: Circuit> = Output<C>;
+    type State<C: Circuit> = State<C>;
+    fn run<C: Circuit>(&self, c: C, i: Input<C>, state: State<C>) -> (Output<C>, State<C>) {
+        c.stage(3, "a b");
+        let product = i.a * i.b;
+        c.stage(7, "accumulated");
+        let kept = state.kept + product;
+        (Output { number: kept, is_so: i.flag, code: i.word }, State { kept: i.flag.select(kept, c.zero()) })
+    }
+}
+
+#[test]
+fn state_may_go_through_an_adder_of_several_steps() {
+    let jobs =
+        [(1.0, 2.0, true, 0), (3.0, 5.0, true, 1), (2.0, 7.0, false, 2), (9.0, 3.0, true, 3), (8.0, 1.0, true, 4)];
+    let expected = [(2.0, true, 0), (17.0, true, 1), (31.0, false, 2), (27.0, true, 3), (35.0, true, 4)];
+    assert_eq!(answers(&Sum, &jobs), expected);
+    for config in configurations() {
+        let operations = Operations::new().with(&Sum, 2).expect("an operation");
+        let loops = Datapath::build(operations, config).expect("a datapath").loops();
+        let spacing = loops.first().map_or(1, |found| found.last - found.first + 1);
+        assert_eq!(spacing, config.unit_latency.stages(), "{config}");
+    }
 }
 
 /// Another's adders and multipliers serve, and its registers: a second operation adds multiplexers, and no more.

@@ -2,10 +2,11 @@
 
 use crate::engine::{CycleEngine, Engine, NetlistEngine, Shown, drive};
 use crate::traffic::Traffic;
-use raypath_model::Functional;
-use raypath_ops::{Job, JobKind, Outcome, Rules};
+use raypath_model::{Model, OnPorts};
+use raypath_ops::JobKind;
 use std::cell::Cell;
 use std::collections::VecDeque;
+use std::fmt;
 
 /// What a comparison found.
 #[derive(Debug, Clone, Default)]
@@ -29,8 +30,14 @@ pub struct Comparison {
 pub struct Timing {
     /// Cycles from an accepted job to its valid output, in an empty pipeline with a ready sink.
     pub latency: u64,
-    /// Cycles from one output to the next while the source always offers and the sink always takes.
+    /// Cycles from one output to the next while the source always offers this job and the sink always takes.
     pub initiation_interval: u64,
+}
+
+impl fmt::Display for Timing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "latency {} cycles, initiation interval {}", self.latency, self.initiation_interval)
+    }
 }
 
 const DIFFERENCES_SHOWN: usize = 5;
@@ -38,19 +45,19 @@ const DIFFERENCES_SHOWN: usize = 5;
 const TOO_MANY: usize = 100;
 
 /// Streams jobs through the netlist and the cycle-exact model, comparing all that their ports show in every cycle, and
-/// each outcome with the functional model's. `on_job` is told how many jobs have left and says whether to go on.
-pub fn lockstep(
-    netlist: &mut NetlistEngine,
-    rules: Rules,
-    jobs: impl Iterator<Item = Job>,
+/// each outcome with what `model` answers. `on_job` is told how many jobs have left and says whether to go on.
+pub fn lockstep<M: Model>(
+    netlist: &mut NetlistEngine<M>,
+    model: M,
+    jobs: impl Iterator<Item = M::Job>,
     traffic: &mut Traffic,
     mut on_job: impl FnMut(usize) -> bool,
 ) -> Comparison {
     let different = Cell::new(0);
     let mut engines = SideBySide {
+        cycle_model: CycleEngine::new(model.clone(), netlist.shape()),
         netlist,
-        cycle_model: CycleEngine::new(rules),
-        functional: Functional::new(rules),
+        functional: model,
         in_flight: VecDeque::new(),
         found: Comparison::default(),
         different: &different,
@@ -61,25 +68,25 @@ pub fn lockstep(
 }
 
 /// Netlist and models as one engine, which shows what the netlist shows.
-struct SideBySide<'n> {
-    netlist: &'n mut NetlistEngine,
-    cycle_model: CycleEngine,
-    functional: Functional,
+struct SideBySide<'n, M: Model> {
+    netlist: &'n mut NetlistEngine<M>,
+    cycle_model: CycleEngine<M>,
+    functional: M,
     /// What the functional model answers to the jobs presented, oldest first.
-    in_flight: VecDeque<Outcome>,
+    in_flight: VecDeque<M::Outcome>,
     found: Comparison,
     /// Seen from outside while the engines run.
     different: &'n Cell<usize>,
 }
 
-impl Engine for SideBySide<'_> {
-    fn present(&mut self, job: &Job) {
+impl<M: Model> Engine<M> for SideBySide<'_, M> {
+    fn present(&mut self, job: &M::Job) {
         self.netlist.present(job);
         self.cycle_model.present(job);
         self.in_flight.push_back(self.functional.run(job));
     }
 
-    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
         let shown = self.netlist.cycle(input_valid, output_ready);
         let modelled = self.cycle_model.cycle(input_valid, output_ready);
         if shown != modelled {
@@ -88,10 +95,9 @@ impl Engine for SideBySide<'_> {
         self.found.cycles += 1;
         self.found.stalled += u64::from(input_valid && !shown.input_ready);
         if let Some(outcome) = shown.output {
-            let strays = self.netlist.stray_outputs();
-            if !strays.is_empty() {
-                let strays = strays.join(", ");
-                self.differs(format!("outputs of other modes are not zero: {strays}"));
+            let improper = self.netlist.improper_outputs(&outcome);
+            if !improper.is_empty() {
+                self.differs(format!("the netlist shows {outcome:?}, but {}", improper.join(", ")));
             }
             if output_ready {
                 let expected = self.in_flight.pop_front();
@@ -113,7 +119,7 @@ impl Engine for SideBySide<'_> {
     }
 }
 
-impl SideBySide<'_> {
+impl<M: Model> SideBySide<'_, M> {
     fn differs(&mut self, what: String) {
         self.different.set(self.different.get() + 1);
         if self.found.differences.len() < DIFFERENCES_SHOWN {
@@ -124,7 +130,7 @@ impl SideBySide<'_> {
 
 /// Measures latency and initiation interval at an engine's ports, after a reset. `job` may be any; a beat of a distance
 /// leaves its sum behind. `None` where nothing comes out.
-pub fn timing(engine: &mut dyn Engine, job: &Job) -> Option<Timing> {
+pub fn timing<M: Model>(engine: &mut dyn Engine<M>, job: &M::Job) -> Option<Timing> {
     const LONG_ENOUGH: u64 = 1000;
     const STREAM: usize = 100;
     engine.reset();

@@ -2,45 +2,73 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_ops::{Aabb, Job, JobKind, Ray, RayBoxInput, RayTriangleInput, Triangle};
+use raypath_format::Format;
+use raypath_model::Model;
+use raypath_ops::{Aabb, Job, JobKind, PortKind, Ray, RayBoxInput, RayTriangleInput, Triangle};
+use std::collections::HashMap;
 
-/// An endless stream of jobs of these kinds, reproducible by `seed`: three in four from a scene, one in four with
-/// numbers from the edges (zeros, subnormals, infinities, NaN, raw bits). `kinds` must not be empty.
-pub fn random(seed: u64, kinds: &[JobKind]) -> impl Iterator<Item = Job> {
-    let mut generator = Generator { rng: ChaCha8Rng::seed_from_u64(seed), kinds: kinds.to_vec() };
+/// An endless stream of jobs of these kinds for a model whose numbers have this format, reproducible by `seed`: of rays,
+/// three in four are from a scene, rounded into the format; other jobs have numbers from its edges (zeros, subnormals,
+/// infinities, NaN, raw bits) among ordinary ones. `kinds` must not be empty.
+pub fn random<M: Model>(
+    model: &M,
+    format: Format,
+    seed: u64,
+    kinds: &[JobKind],
+) -> impl Iterator<Item = M::Job> + use<M> {
+    let rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut generator = Generator { model: model.clone(), format, edges: edges(format), rng, kinds: kinds.to_vec() };
     std::iter::repeat_with(move || generator.job())
 }
 
-struct Generator {
+struct Generator<M> {
+    model: M,
+    format: Format,
+    edges: [u64; 16],
     rng: ChaCha8Rng,
     kinds: Vec<JobKind>,
 }
 
 /// Numbers at which rules decide.
-const EDGES: [u32; 16] = [
-    0x0000_0000, // 0
-    0x8000_0000, // -0
-    0x0000_0001, // smallest subnormal
-    0x807f_ffff, // largest subnormal, negative
-    0x0080_0000, // smallest normal
-    0x3f80_0000, // 1
-    0xbf80_0000, // -1
-    0x3f80_0001, // 1 and an ulp
-    0x3f00_0000, // 1/2
-    0x4000_0000, // 2
-    0x1fff_ffff, // a square of it is subnormal
-    0x5f00_0000, // 2^63: a square of it is near the largest
-    0x7f7f_ffff, // largest
-    0x7f80_0000, // infinity
-    0xff80_0000, // -infinity
-    0x7fc0_0000, // NaN
-];
+fn edges(format: Format) -> [u64; 16] {
+    let last_place = 1;
+    let power = |exponent: i64| (bias(format) + exponent).unsigned_abs() << format.fraction_width();
+    let minus = 1 << (format.ieee_width() - 1);
+    let least_normal = power(1 - bias(format));
+    let largest = format.infinity() - last_place;
+    [
+        0,
+        minus,
+        last_place, // the smallest subnormal
+        minus | (least_normal - last_place),
+        least_normal,
+        power(0),
+        minus | power(0),
+        power(0) + last_place,
+        power(-1),
+        power(1),
+        power((1 - bias(format)) / 2) - last_place, // a square of it is subnormal
+        power(bias(format) / 2),                    // a square of it is near the largest
+        largest,
+        format.infinity(),
+        minus | format.infinity(),
+        format.nan(),
+    ]
+}
 
-impl Generator {
-    fn job(&mut self) -> Job {
+/// What an exponent field has more than the exponent.
+fn bias(format: Format) -> i64 {
+    (1 << (format.exponent() - 1)) - 1
+}
+
+impl<M: Model> Generator<M> {
+    fn job(&mut self) -> M::Job {
         let kind = self.kinds[self.rng.random_range(0..self.kinds.len())];
         match kind {
-            JobKind::Triangle | JobKind::Quadbox if self.rng.random_bool(0.75) => self.scene(kind),
+            JobKind::Triangle | JobKind::Quadbox if self.rng.random_bool(0.75) => {
+                let scene = self.scene(kind);
+                self.rounded(&scene)
+            }
             _ => self.ports(kind),
         }
     }
@@ -64,21 +92,74 @@ impl Generator {
         Job::Quadbox(RayBoxInput { ray, aabb })
     }
 
+    /// A job in binary32 as one of the model's.
+    fn rounded(&self, job: &Job) -> M::Job {
+        let value = |kind, bits: u64| match kind {
+            PortKind::Number => self.number(f32::from_bits(bits as u32)),
+            PortKind::Flags | PortKind::Word => bits,
+        };
+        let ports: HashMap<String, u64> =
+            job.ports().into_iter().map(|port| (port.name, value(port.kind, port.bits))).collect();
+        self.model.job(job.kind(), |name| ports.get(name).copied().unwrap_or(0))
+    }
+
     /// A job whose ports are drawn one by one; in one of three many of its numbers are at the edges.
-    fn ports(&mut self, kind: JobKind) -> Job {
+    fn ports(&mut self, kind: JobKind) -> M::Job {
         let edges = if self.rng.random_bool(0.33) { 0.5 } else { 0.01 };
-        let rng = &mut self.rng;
-        Job::from_ports(kind, |port| match port {
-            "ray_kx" | "ray_ky" | "ray_kz" => rng.random_range(0..4),
-            "euclidean_mask" if rng.random_bool(0.5) => u64::MAX,
-            "euclidean_reset_accum" => rng.random_bool(0.1).into(),
-            _ if rng.random_bool(edges) => EDGES[rng.random_range(0..EDGES.len())].into(),
-            _ if rng.random_bool(0.05) => rng.random(),
-            _ => rng.random_range(-1.0f32..1.0).to_bits().into(),
+        let model = self.model.clone();
+        model.job(kind, |port| match port {
+            "ray_kx" | "ray_ky" | "ray_kz" => self.rng.random_range(0..4),
+            "euclidean_mask" if self.rng.random_bool(0.5) => u64::MAX,
+            "euclidean_reset_accum" => self.rng.random_bool(0.1).into(),
+            _ if self.rng.random_bool(edges) => self.edges[self.rng.random_range(0..self.edges.len())],
+            _ if self.rng.random_bool(0.05) => self.rng.random(),
+            _ => {
+                let number = self.rng.random_range(-1.0f32..1.0);
+                self.number(number)
+            }
         })
+    }
+
+    /// A number's bits in the format: the nearest.
+    fn number(&self, number: f32) -> u64 {
+        self.format.from_f32(number)
     }
 
     fn point(&mut self, reach: f32) -> [f32; 3] {
         std::array::from_fn(|_| self.rng.random_range(-reach..reach))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In binary32 and binary16, written down by hand.
+    #[test]
+    fn edges_are_those_of_the_format() {
+        let binary32 = [
+            0x0000_0000,
+            0x8000_0000,
+            0x0000_0001,
+            0x807f_ffff,
+            0x0080_0000,
+            0x3f80_0000,
+            0xbf80_0000,
+            0x3f80_0001,
+            0x3f00_0000,
+            0x4000_0000,
+            0x1fff_ffff,
+            0x5f00_0000,
+            0x7f7f_ffff,
+            0x7f80_0000,
+            0xff80_0000,
+            0x7fc0_0000,
+        ];
+        assert_eq!(edges(Format::BINARY32), binary32);
+        let binary16 = [
+            0x0000, 0x8000, 0x0001, 0x83ff, 0x0400, 0x3c00, 0xbc00, 0x3c01, 0x3800, 0x4000, 0x1fff, 0x5800, 0x7bff,
+            0x7c00, 0xfc00, 0x7e00,
+        ];
+        assert_eq!(edges(Format::BINARY16), binary16);
     }
 }

@@ -3,7 +3,7 @@
 //! From one function for each operation come synthesizable SystemVerilog ([`rtl`]), a bit-exact functional model and a
 //! cycle-exact one ([`model`]). This crate joins them, and adds what surrounds them: files of transactions
 //! ([`transactions`]), traffic with bubbles and stalls ([`traffic`]), and engines that carry jobs through any of the
-//! three ([`engine`]).
+//! three ([`engine`]), for every configuration ([`models`]).
 //!
 //! ```
 //! use raypath::ops::{Aabb, Job, Outcome, Ray, RayBoxInput, Rules};
@@ -18,15 +18,19 @@
 //! ```
 
 pub use raypath_float as float;
+pub use raypath_format as format;
 pub use raypath_hdl as hdl;
 pub use raypath_model as model;
 pub use raypath_ops as ops;
 pub use raypath_rtl as rtl;
 
+pub mod accuracy;
 pub mod check;
+pub mod configuration;
 mod drawing;
 pub mod engine;
 pub mod jobs;
+pub mod models;
 pub mod picture;
 pub mod ppa;
 pub mod tables;

@@ -2,7 +2,7 @@
 
 use crate::drawing::{self, rectangle, text};
 use crate::tables::list;
-use raypath_rtl::{Config, Datapath, STAGES, StageNote};
+use raypath_rtl::{Config, Control, Datapath, StageNote};
 use svg::node::element::{Group, Title};
 
 const LEFT: i32 = 96;
@@ -16,7 +16,7 @@ const COLOURS: [&str; 4] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
 /// The pipeline of a datapath as SVG: a column a stage with its registers, a row an operation with its units, the units
 /// that they share, and the bits that cross each boundary.
 pub fn pipeline(datapath: &Datapath, config: Config) -> String {
-    let columns = STAGES as i32 + 1;
+    let columns = datapath.latency() as i32;
     let operations = datapath.schedule(1);
     let rows = operations.len() as i32;
     let width = LEFT + columns * COLUMN + 16;
@@ -26,25 +26,26 @@ pub fn pipeline(datapath: &Datapath, config: Config) -> String {
 
     let mut picture = drawing::picture("The raypath pipeline", width, height)
         .add(text(12, 24, "head", &format!("raypath: {}", config)))
-        .add(text(12, 42, "small", "one job a cycle, latency 12; each bar between stages is a skid buffer"));
+        .add(text(12, 42, "small", &caption(datapath, config)));
     for (row, operation) in operations.iter().enumerate() {
         let y = HEAD + row as i32 * (ROW + GAP);
         picture = picture.add(text(12, y + ROW / 2 + 4, "head", operation.operation));
     }
     picture =
         picture.add(text(12, units_at + ROW / 2 + 4, "head", "units")).add(text(12, bits_at + 16, "head", "bits"));
-    let most = (0..=STAGES).map(|stage| datapath.registers(stage).live).max().unwrap_or(1).max(1);
-    for stage in 0..=STAGES {
-        let x = LEFT + stage as i32 * COLUMN;
-        let title = if stage == 0 { "input".to_string() } else { format!("stage {stage}") };
-        picture = picture.add(text(x + 4, HEAD - 6, "head", &title)).add(buffer(x, units_at + ROW));
-        for (row, note) in datapath.schedule(stage).iter().enumerate() {
+    let live = |index| datapath.registers(index).live;
+    let most = (0..datapath.latency() as usize).map(live).max().unwrap_or(1).max(1);
+    for (index, step) in datapath.steps().enumerate() {
+        let x = LEFT + index as i32 * COLUMN;
+        let title = if index == 0 { step.to_string() } else { format!("stage {step}") };
+        picture = picture.add(text(x + 4, HEAD - 6, "head", &title)).add(buffer(x, units_at + ROW, config.control));
+        for (row, note) in datapath.schedule(index).iter().enumerate() {
             let y = HEAD + row as i32 * (ROW + GAP);
-            picture = picture.add(cell(x, y, note, stage, COLOURS[row % COLOURS.len()]));
+            picture = picture.add(cell(x, y, note, index, COLOURS[row % COLOURS.len()]));
         }
-        let units = list(datapath.units(stage));
+        let units = list(datapath.units(index));
         picture = picture.add(lines(x + 4, units_at + 14, "small", &units));
-        let live = datapath.registers(stage).live;
+        let live = live(index);
         let length = (live * 64 / most) as i32;
         picture = picture.add(rectangle(x + COLUMN - 24, bits_at, 18, length.max(1), "#999999")).add(text(
             x + COLUMN - 52,
@@ -56,10 +57,18 @@ pub fn pipeline(datapath: &Datapath, config: Config) -> String {
     picture.to_string() + "\n"
 }
 
+fn caption(datapath: &Datapath, config: Config) -> String {
+    let bars = match config.control {
+        Control::Skid => "each bar between stages is a skid buffer",
+        Control::Credit => "each bar between stages is a register that never stalls",
+    };
+    format!("one job a cycle, latency {}; {bars}", datapath.latency())
+}
+
 /// What an operation does in a stage: its units on its colour, or a thin line where it only passes.
-fn cell(x: i32, y: i32, note: &StageNote, stage: u32, colour: &str) -> Group {
+fn cell(x: i32, y: i32, note: &StageNote, step: usize, colour: &str) -> Group {
     let units = list(note.units);
-    let works = stage > 0 && (!units.is_empty() || !note.what.is_empty());
+    let works = step > 0 && (!units.is_empty() || !note.what.is_empty());
     if !works {
         return Group::new().add(rectangle(x, y + ROW / 2 - 1, COLUMN - 14, 2, colour));
     }
@@ -73,9 +82,13 @@ fn cell(x: i32, y: i32, note: &StageNote, stage: u32, colour: &str) -> Group {
 }
 
 /// The registers after a stage.
-fn buffer(x: i32, bottom: i32) -> Group {
+fn buffer(x: i32, bottom: i32, control: Control) -> Group {
     let (right, height) = (x + COLUMN - 12, bottom - HEAD);
-    Group::new().add(rectangle(right, HEAD, 3, height, "#555555")).add(rectangle(right + 5, HEAD, 3, height, "#aaaaaa"))
+    let front = Group::new().add(rectangle(right, HEAD, 3, height, "#555555"));
+    match control {
+        Control::Skid => front.add(rectangle(right + 5, HEAD, 3, height, "#aaaaaa")),
+        Control::Credit => front,
+    }
 }
 
 /// Comma-separated parts below each other.

@@ -1,8 +1,9 @@
 //! The datapath in tables: schedule (Table VII), units (Table VIII) and registers, all computed from the netlist.
 
-use comfy_table::{ContentArrangement, Table, presets};
+use comfy_table::presets::ASCII_MARKDOWN;
+use comfy_table::{ContentArrangement, Table};
 use raypath_ops::Rules;
-use raypath_rtl::{Config, Datapath, Lanes, STAGES, StageNote, UnitKind, Units};
+use raypath_rtl::{Config, Datapath, Lanes, PRESETS, STAGES, StageNote, Step, UnitKind, UnitLatency, Units};
 
 /// Table VIII of the paper, for stages 1 to 11 with 16 lanes; the two quad-sorters of stage 10 count five comparators
 /// each. Conversions stand outside it.
@@ -24,14 +25,14 @@ const fn units(add: usize, multiply: usize, compare: usize) -> Units {
     Units { encode: 0, add, multiply, compare, decode: 0 }
 }
 
-/// Table VII: what each operation does in each stage.
+/// Table VII: what each operation does in each step.
 pub fn schedule(datapath: &Datapath) -> String {
     let mut table = new_table();
     let operations: Vec<&str> = datapath.schedule(1).iter().map(|note| note.operation).collect();
     table.set_header([&["stage"], operations.as_slice()].concat());
-    for stage in 1..=STAGES {
-        let mut row = vec![stage.to_string()];
-        row.extend(datapath.schedule(stage).iter().map(cell));
+    for (index, step) in datapath.steps().enumerate().skip(1) {
+        let mut row = vec![step.to_string()];
+        row.extend(datapath.schedule(index).iter().map(cell));
         table.add_row(row);
     }
     table.to_string()
@@ -46,43 +47,76 @@ fn cell(note: &StageNote) -> String {
     }
 }
 
-/// Table VIII with the paper's figures beside ours, and the registers after each stage.
+/// The units of each step and the registers after it; beside them Table VIII where the configuration is one that it
+/// speaks of, with what makes ours differ.
 pub fn units_and_registers(datapath: &Datapath, config: Config) -> String {
+    let has_paper = is_in_table_viii(config);
+    let row = |stage: &str, units: Units, paper: Units, live: u64, flip_flops: u64, why: &str| {
+        let mut cells = vec![stage.to_string(), list(units), live.to_string(), flip_flops.to_string()];
+        if has_paper {
+            cells.insert(2, list(paper));
+            cells.push(why.to_string());
+        }
+        cells
+    };
     let mut table = new_table();
-    table.set_header(["stage", "units", "Table VIII", "live bits", "flip-flops", "why the units differ"]);
+    let mut header = vec!["stage", "units", "live bits", "flip-flops"];
+    if has_paper {
+        header.insert(2, "Table VIII");
+        header.push("why the units differ");
+    }
+    table.set_header(header);
     let (mut all, mut live, mut flip_flops) = (Units::default(), 0, 0);
-    for stage in 0..=STAGES {
-        let registers = datapath.registers(stage);
-        let units = datapath.units(stage);
+    for (index, step) in datapath.steps().enumerate() {
+        let registers = datapath.registers(index);
+        let units = datapath.units(index);
         all = sum(all, units);
         live += registers.live;
         flip_flops += registers.flip_flops();
-        table.add_row([
-            if stage == 0 { "input".to_string() } else { stage.to_string() },
-            list(units),
-            list(paper_units(stage)),
-            registers.live.to_string(),
-            registers.flip_flops().to_string(),
-            difference(datapath, config, stage).join("; "),
-        ]);
+        let why = difference(datapath, config, index).join("; ");
+        table.add_row(row(&step.to_string(), units, paper_units(step), registers.live, registers.flip_flops(), &why));
     }
     let paper = PAPER_UNITS.into_iter().fold(Units::default(), sum);
-    table.add_row(["all".to_string(), list(all), list(paper), live.to_string(), flip_flops.to_string(), String::new()]);
+    table.add_row(row("all", all, paper, live, flip_flops, ""));
     table.to_string()
 }
 
-/// Why a stage has other units than Table VIII gives it; empty where it has the same.
-pub fn difference(datapath: &Datapath, config: Config, stage: u32) -> Vec<&'static str> {
-    let (ours, paper) = (datapath.units(stage), paper_units(stage));
+/// Whether Table VIII speaks of such a configuration: 16 lanes or none, and units of one stage.
+fn is_in_table_viii(config: Config) -> bool {
+    matches!(config.lanes, Lanes::None | Lanes::Sixteen) && config.unit_latency == UnitLatency::One
+}
+
+/// The configurations with names.
+pub fn presets() -> String {
+    let mut table = new_table();
+    table.set_header(["preset", "what differs from the first", "what it is for"]);
+    for preset in PRESETS {
+        table.add_row([preset.name.to_string(), preset.config.options(), preset.purpose.to_string()]);
+    }
+    table.to_string()
+}
+
+/// Why a step, by its place in [`Datapath::steps`], has other units than Table VIII gives its stage; empty where it has
+/// the same.
+pub fn difference(datapath: &Datapath, config: Config, index: usize) -> Vec<&'static str> {
+    let Some(step) = datapath.steps().nth(index) else { return Vec::new() };
+    let (ours, paper) = (datapath.units(index), paper_units(step));
     let mut causes = Vec::new();
+    if step.parts > 1 {
+        causes.push("the stage takes several steps");
+    }
     if ours.encode + ours.decode > 0 {
         causes.push("conversion, which Table VIII leaves out");
     }
-    if ours.add != paper.add && config.lanes == Lanes::None {
-        causes.push("no distance modes");
+    if ours.add != paper.add || ours.multiply != paper.multiply {
+        match config.lanes {
+            Lanes::None => causes.push("no distance modes"),
+            Lanes::Sixteen => {}
+            _ => causes.push("other lanes than the paper's 16"),
+        }
     }
     if ours.compare != paper.compare {
-        causes.extend(match (stage, config.rules) {
+        causes.extend(match (step.stage, config.rules) {
             (4, Rules::Paper) => &["ruling 1: the sign of inv is read, not compared"][..],
             (10, Rules::Paper) => {
                 &["one sorting network moves values and indices", "ruling 6: the hit test reads signs"]
@@ -96,8 +130,8 @@ pub fn difference(datapath: &Datapath, config: Config, stage: u32) -> Vec<&'stat
     causes
 }
 
-fn paper_units(stage: u32) -> Units {
-    stage.checked_sub(1).and_then(|index| PAPER_UNITS.get(index as usize).copied()).unwrap_or_default()
+fn paper_units(step: Step) -> Units {
+    step.stage.checked_sub(1).and_then(|index| PAPER_UNITS.get(index as usize).copied()).unwrap_or_default()
 }
 
 /// Units in words, `24 add, 4 compare`; empty where there are none.
@@ -120,7 +154,7 @@ fn sum(a: Units, b: Units) -> Units {
 
 pub(crate) fn new_table() -> Table {
     let mut table = Table::new();
-    table.load_preset(presets::ASCII_MARKDOWN).set_content_arrangement(ContentArrangement::Dynamic);
+    table.load_preset(ASCII_MARKDOWN).set_content_arrangement(ContentArrangement::Dynamic);
     if table.width().is_none() {
         table.set_width(140);
     }

@@ -3,6 +3,7 @@
 use crate::transactions::Transaction;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use raypath_model::{Model, OnPorts};
 use raypath_ops::JobKind;
 use std::collections::VecDeque;
 
@@ -26,7 +27,7 @@ struct Mood {
     cycles_left: u32,
 }
 
-/// How likely source and sink are to act, by mood. Long stalls fill all 24 places of the pipeline.
+/// How likely source and sink are to act, by mood. Long stalls fill all places of the pipeline.
 const PROBABILITIES: [f64; 6] = [1.0, 0.9, 0.5, 0.1, 0.01, 0.0];
 const LONGEST_MOOD: u32 = 80;
 
@@ -63,10 +64,10 @@ impl Mood {
 }
 
 /// Mixes the modes freely while each keeps its own order, so that other jobs come between the beats of a distance.
-pub fn interleave(stream: Vec<Transaction>, seed: u64) -> Vec<Transaction> {
+pub fn interleave<M: Model>(stream: Vec<Transaction<M>>, seed: u64) -> Vec<Transaction<M>> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let total = stream.len();
-    let mut queues: [VecDeque<Transaction>; JobKind::ALL.len()] = Default::default();
+    let mut queues = JobKind::ALL.map(|_| VecDeque::new());
     for transaction in stream {
         queues[transaction.job.kind() as usize].push_back(transaction);
     }

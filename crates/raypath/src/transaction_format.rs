@@ -1,7 +1,9 @@
 //! The columns of transaction files (`docs/transactions.md`): one transaction a line, fields separated by spaces,
 //! hexadecimal without `0x`. Their order is that of the recorded golden vectors, not that of the ports.
 
+use raypath_format::Format;
 use raypath_ops::JobKind;
+use raypath_rtl::Config;
 
 /// A column, the port that it stands for, and how it is written.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -21,12 +23,18 @@ pub struct Columns {
     pub inputs: Vec<Column>,
     /// What was answered.
     pub outputs: Vec<Column>,
+    /// Lanes of a beat, where the job is one.
+    pub lanes: Option<usize>,
 }
 
-/// The columns for a kind of job.
-pub fn columns(kind: JobKind) -> Columns {
-    let mut inputs = List::default();
-    let mut outputs = List::default();
+/// The columns for a kind of job: as many lanes as the configuration has, numbers as wide as its format.
+pub fn columns(kind: JobKind, config: Config) -> Columns {
+    let (mut inputs, mut outputs) = (List::new(config.format), List::new(config.format));
+    let lanes = match kind {
+        JobKind::Triangle | JobKind::Quadbox => None,
+        JobKind::Euclidean => Some(config.lanes.count()),
+        JobKind::Angular => Some(config.lanes.count() / 2),
+    };
     match kind {
         JobKind::Triangle | JobKind::Quadbox => {
             for vector in ["origin", "dir", "inv"] {
@@ -38,8 +46,7 @@ pub fn columns(kind: JobKind) -> Columns {
             }
             inputs.vector("ray_shear");
         }
-        JobKind::Euclidean => beat(&mut inputs, 16),
-        JobKind::Angular => beat(&mut inputs, 8),
+        JobKind::Euclidean | JobKind::Angular => beat(&mut inputs, lanes.unwrap_or(0)),
     }
     match kind {
         JobKind::Triangle => {
@@ -72,23 +79,29 @@ pub fn columns(kind: JobKind) -> Columns {
             outputs.word("angular_reset_accum", 1);
         }
     }
-    Columns { inputs: inputs.0, outputs: outputs.0 }
+    Columns { inputs: inputs.columns, outputs: outputs.columns, lanes }
 }
 
-fn beat(inputs: &mut List, lanes: u32) {
+fn beat(inputs: &mut List, lanes: usize) {
     inputs.word("euclidean_reset_accum", 1);
-    inputs.word("euclidean_mask", lanes);
+    inputs.word("euclidean_mask", lanes as u32);
     for vector in ["a", "b"] {
         (0..lanes).for_each(|lane| inputs.number(&format!("euclidean_{vector}_{lane}")));
     }
 }
 
-#[derive(Default)]
-struct List(Vec<Column>);
+struct List {
+    format: Format,
+    columns: Vec<Column>,
+}
 
 impl List {
+    fn new(format: Format) -> Self {
+        Self { format, columns: Vec::new() }
+    }
+
     fn number(&mut self, port: &str) {
-        self.word(port, 32);
+        self.word(port, self.format.ieee_width());
     }
 
     fn vector(&mut self, port: &str) {
@@ -96,18 +109,21 @@ impl List {
     }
 
     fn word(&mut self, port: &str, width: u32) {
-        self.0.push(Column { port: port.to_string(), bit: None, width });
+        self.columns.push(Column { port: port.to_string(), bit: None, width });
     }
 
     fn flag(&mut self, port: &str, bit: u32) {
-        self.0.push(Column { port: port.to_string(), bit: Some(bit), width: 1 });
+        self.columns.push(Column { port: port.to_string(), bit: Some(bit), width: 1 });
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raypath_ops::{Job, Outcome, PortKind, PortValue};
+    use crate::models::{Visitor, with_model};
+    use raypath_model::{Model, OnPorts};
+    use raypath_ops::{PortKind, PortValue};
+    use raypath_rtl::Lanes;
     use std::collections::BTreeMap;
 
     /// Bits that columns give each port.
@@ -119,23 +135,37 @@ mod tests {
         widths
     }
 
+    struct ColumnsArePorts(Config);
+
+    impl Visitor for ColumnsArePorts {
+        type Answer = ();
+        fn visit<M: Model>(self, model: M) {
+            for &kind in self.0.kinds() {
+                let Columns { inputs, outputs, .. } = columns(kind, self.0);
+                let ones = model.job(kind, |_| u64::MAX).ports();
+                let outcome = model.outcome(kind, |_| u64::MAX).ports();
+                for (columns, ports) in [(inputs, ones), (outputs, outcome)] {
+                    // A port that is all ones has as many bits as it is wide; a number is a NaN then.
+                    let width = |port: &PortValue| match port.kind {
+                        PortKind::Number => self.0.format.ieee_width(),
+                        PortKind::Flags | PortKind::Word => port.bits.count_ones(),
+                    };
+                    let expected: BTreeMap<String, u32> =
+                        ports.iter().map(|port| (port.name.clone(), width(port))).collect();
+                    assert_eq!(widths(&columns), expected, "{kind}, {}", self.0);
+                }
+            }
+        }
+    }
+
     /// Every port of an operation has its columns, and no column stands for anything else: the one list of ports that
     /// is written by hand cannot drift.
     #[test]
     fn columns_are_the_ports() {
-        for kind in JobKind::ALL {
-            let Columns { inputs, outputs } = columns(kind);
-            let ones = Job::<16, 8>::from_ports(kind, |_| u64::MAX).ports();
-            let outcome = Outcome::from_ports(kind, |_| u64::MAX).ports();
-            for (columns, ports) in [(inputs, ones), (outputs, outcome)] {
-                // A port that is all ones has as many bits as it is wide; a number has 32, whatever NaN became.
-                let width = |port: &PortValue| match port.kind {
-                    PortKind::Number => 32,
-                    PortKind::Flags | PortKind::Word => port.bits.count_ones(),
-                };
-                let expected: BTreeMap<String, u32> =
-                    ports.iter().map(|port| (port.name.clone(), width(port))).collect();
-                assert_eq!(widths(&columns), expected, "{kind}");
+        for &lanes in Lanes::ALL {
+            for format in [Format::BINARY32, Format::BINARY16] {
+                let config = Config { lanes, format, ..Config::DEFAULT };
+                with_model(config, ColumnsArePorts(config));
             }
         }
     }

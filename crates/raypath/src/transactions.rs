@@ -1,8 +1,10 @@
 //! Files of transactions: jobs with the outcomes that were recorded for them.
 
-use crate::transaction_format::{Column, columns};
+use crate::transaction_format::{Column, Columns, columns};
 use flate2::read::MultiGzDecoder;
-use raypath_ops::{Job, JobKind, Outcome};
+use raypath_model::{Functional, Model};
+use raypath_ops::JobKind;
+use raypath_rtl::Config;
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -11,15 +13,15 @@ use thiserror::Error;
 
 /// A job, where it stood in its stream, and what was answered.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Transaction {
+pub struct Transaction<M: Model = Functional> {
     /// Its position in the stream that the files share.
     pub seq: u64,
     /// The generator's category.
     pub category: u64,
     /// The job.
-    pub job: Job,
+    pub job: M::Job,
     /// The recorded outcome.
-    pub expected: Outcome,
+    pub expected: M::Outcome,
 }
 
 /// Why a file is no file of transactions.
@@ -46,8 +48,18 @@ pub enum TransactionError {
     /// The name does not say what kind of jobs it has.
     #[error("{}: the name begins with no kind of job, expected triangle, quadbox, euclidean or angular (or give --kind)", .0.display())]
     UnknownKind(PathBuf),
+    /// Jobs that the configuration has no mode for.
+    #[error("{}: {kind} jobs, but the configuration ({config}) has no distance modes, expected triangle or quadbox", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// The kind.
+        kind: JobKind,
+        /// What it would run on.
+        config: Config,
+    },
     /// A line with too few or too many fields.
-    #[error("{}:{line}: {found} fields, expected {expected} for {kind}", path.display())]
+    #[error("{}:{line}: {found} fields, expected {expected} for {kind}{}", path.display(), in_words(*.lanes))]
     Fields {
         /// The file.
         path: PathBuf,
@@ -59,6 +71,8 @@ pub enum TransactionError {
         expected: usize,
         /// The kind.
         kind: JobKind,
+        /// Lanes of its beats, where it has any.
+        lanes: Option<usize>,
     },
     /// A field that is no number, or too large a one.
     #[error("{}:{line}: field {field} ({name}) is '{value}', expected {expected}", path.display())]
@@ -78,12 +92,29 @@ pub enum TransactionError {
     },
 }
 
-/// Reads a file, plain or gzip, with jobs of one kind: `kind`, or that which the file's name begins with. Empty lines
-/// and lines that begin with `#` are passed over.
-pub fn read(path: &Path, kind: impl Into<Option<JobKind>>) -> Result<Vec<Transaction>, TransactionError> {
+fn in_words(lanes: Option<usize>) -> String {
+    lanes.map(|lanes| format!(" with {lanes} lanes")).unwrap_or_default()
+}
+
+/// Reads a file, plain or gzip, with jobs of one kind for a configuration, whose model is `model`: `kind`, or that which
+/// the file's name begins with. Empty lines and lines that begin with `#` are passed over.
+///
+/// # Errors
+/// A file that cannot be read, a kind that the name does not tell or the configuration does not answer, and lines that
+/// do not fit the kind, the lanes or the format.
+pub fn read<M: Model>(
+    path: &Path,
+    kind: impl Into<Option<JobKind>>,
+    model: &M,
+    config: Config,
+) -> Result<Vec<Transaction<M>>, TransactionError> {
     // Before the name is looked at: a file that is not there is the greater fault than a name that says nothing.
     let file = open(path).map_err(|problem| TransactionError::File { path: path.to_path_buf(), problem })?;
-    let parser = Parser::new(path, kind.into().map_or_else(|| kind_of(path), Ok)?);
+    let kind = kind.into().map_or_else(|| kind_of(path), Ok)?;
+    if !config.kinds().contains(&kind) {
+        return Err(TransactionError::Unsupported { path: path.to_path_buf(), kind, config });
+    }
+    let parser = Parser { path, kind, model, columns: columns(kind, config) };
     let mut transactions = Vec::new();
     for (index, line) in file.lines().enumerate() {
         let unreadable = |problem| TransactionError::Line { path: path.to_path_buf(), line: index + 1, problem };
@@ -109,37 +140,33 @@ fn open(path: &Path) -> std::io::Result<Box<dyn BufRead>> {
     Ok(Box::new(BufReader::new(plain)))
 }
 
-struct Parser<'p> {
+struct Parser<'p, M> {
     path: &'p Path,
     kind: JobKind,
-    inputs: Vec<Column>,
-    outputs: Vec<Column>,
+    model: &'p M,
+    columns: Columns,
 }
 
-impl<'p> Parser<'p> {
-    fn new(path: &'p Path, kind: JobKind) -> Self {
-        let columns = columns(kind);
-        Self { path, kind, inputs: columns.inputs, outputs: columns.outputs }
-    }
-
-    fn parse(&self, line: usize, text: &str) -> Result<Transaction, TransactionError> {
+impl<M: Model> Parser<'_, M> {
+    fn parse(&self, line: usize, text: &str) -> Result<Transaction<M>, TransactionError> {
+        let Columns { inputs, outputs, lanes } = &self.columns;
         let fields: Vec<&str> = text.split_ascii_whitespace().collect();
-        let expected = 2 + self.inputs.len() + self.outputs.len();
+        let first_output = 2 + inputs.len();
+        let expected = first_output + outputs.len();
         if fields.len() != expected {
             let (path, kind, found) = (self.path.to_path_buf(), self.kind, fields.len());
-            return Err(TransactionError::Fields { path, line, found, expected, kind });
+            return Err(TransactionError::Fields { path, line, found, expected, kind, lanes: *lanes });
         }
         let seq = self.number(line, 0, "seq", 64, fields[0])?;
         let category = self.number(line, 1, "cat", 64, fields[1])?;
-        let first_output = 2 + self.inputs.len();
-        let inputs = self.ports(line, 2, &self.inputs, &fields[2..first_output])?;
-        let outputs = self.ports(line, first_output, &self.outputs, &fields[first_output..])?;
+        let inputs = self.ports(line, 2, inputs, &fields[2..first_output])?;
+        let outputs = self.ports(line, first_output, outputs, &fields[first_output..])?;
         let at = |ports: &HashMap<&str, u64>, name: &str| ports.get(name).copied().unwrap_or(0);
         Ok(Transaction {
             seq,
             category,
-            job: Job::from_ports(self.kind, |name| at(&inputs, name)),
-            expected: Outcome::from_ports(self.kind, |name| at(&outputs, name)),
+            job: self.model.job(self.kind, |name| at(&inputs, name)),
+            expected: self.model.outcome(self.kind, |name| at(&outputs, name)),
         })
     }
 
@@ -173,8 +200,8 @@ impl<'p> Parser<'p> {
 }
 
 /// One stream of all files, in the order of `seq`.
-pub fn merge(files: Vec<Vec<Transaction>>) -> Vec<Transaction> {
-    let mut stream: Vec<Transaction> = files.into_iter().flatten().collect();
+pub fn merge<M: Model>(files: Vec<Vec<Transaction<M>>>) -> Vec<Transaction<M>> {
+    let mut stream: Vec<Transaction<M>> = files.into_iter().flatten().collect();
     stream.sort_by_key(|transaction| transaction.seq);
     stream
 }

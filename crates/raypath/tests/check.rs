@@ -1,23 +1,28 @@
 //! The comparison that `generate` prints: that it finds nothing where nothing is, and something where something is.
 
 use raypath::check::lockstep;
-use raypath::engine::NetlistEngine;
+use raypath::engine::{Engine, NetlistEngine};
+use raypath::format::Format;
 use raypath::jobs::random;
-use raypath::ops::{JobKind, Rules};
-use raypath::rtl::{Config, Lanes};
+use raypath::model::Functional;
+use raypath::ops::{Job, JobKind, Outcome, Rules};
+use raypath::rtl::{Config, Datapath, Encoding};
 use raypath::traffic::Traffic;
 
 const JOBS: usize = 2000;
 
 fn netlist(rules: Rules) -> NetlistEngine {
-    NetlistEngine::new(Config { rules, ..Config::DEFAULT }, |_| false).expect("a datapath")
+    NetlistEngine::new(Functional::new(rules), Config { rules, ..Config::DEFAULT }, |_| false).expect("a datapath")
+}
+
+fn jobs() -> impl Iterator<Item = Job> {
+    random(&Functional::new(Rules::Paper), Format::BINARY32, 4, &JobKind::ALL).take(JOBS)
 }
 
 #[test]
 fn the_same_rules_agree() {
     for rules in [Rules::Paper, Rules::Chisel] {
-        let jobs = random(4, &JobKind::ALL).take(JOBS);
-        let found = lockstep(&mut netlist(rules), rules, jobs, &mut Traffic::random(5), |_| true);
+        let found = lockstep(&mut netlist(rules), Functional::new(rules), jobs(), &mut Traffic::random(5), |_| true);
         assert_eq!((found.jobs, found.different, found.by_kind.iter().sum::<usize>()), (JOBS, 0, JOBS));
         assert!(found.cycles > JOBS as u64 && found.stalled > 0, "{found:?}");
     }
@@ -26,16 +31,42 @@ fn the_same_rules_agree() {
 /// A netlist with the other rules answers some jobs otherwise; after a hundred differences nobody wants more.
 #[test]
 fn other_rules_differ() {
-    let jobs = random(4, &JobKind::ALL).take(JOBS);
-    let found = lockstep(&mut netlist(Rules::Chisel), Rules::Paper, jobs, &mut Traffic::random(5), |_| true);
+    let found =
+        lockstep(&mut netlist(Rules::Chisel), Functional::new(Rules::Paper), jobs(), &mut Traffic::random(5), |_| true);
     assert!(found.different >= 100 && found.jobs < JOBS, "{} differences in {} jobs", found.different, found.jobs);
     assert_eq!(found.differences.len(), 5);
     assert!(found.differences[0].contains("Quadbox") || found.differences[0].contains("Triangle"));
 }
 
+/// Ports that do not show the one encoding of what they should are named: other modes' ports, other numbers, and all
+/// numbers where they are read in an encoding that they are not in.
+#[test]
+fn improper_outputs_are_named() {
+    let model = Functional::<16, 8>::new(Rules::Paper);
+    let mut netlist = netlist(Rules::Paper);
+    let ones = |kind| Job::from_ports(kind, |_| 0x3f80_0000);
+    netlist.present(&ones(JobKind::Euclidean));
+    let shown = (0..20).find_map(|_| netlist.cycle(true, true).output).expect("an outcome");
+    assert_eq!(netlist.improper_outputs(&shown), [""; 0]);
+    let Outcome::Euclidean(mut other) = shown else { panic!("{shown:?}") };
+    other.euclidean_accumulator = 1.0.into();
+    let improper = netlist.improper_outputs(&Outcome::Euclidean(other));
+    assert_eq!(improper, ["euclidean_accumulator_o is 0, expected 3f800000"]);
+    let boxes = model.clone().run(&ones(JobKind::Quadbox));
+    assert!(netlist.improper_outputs(&boxes).iter().any(|port| port == "is_intersect_o is 0, expected f"));
+
+    let recoded = Config { io: Encoding::Recoded, ..Config::DEFAULT };
+    let datapath = Datapath::new(Config::DEFAULT).expect("a datapath");
+    let mut misread = NetlistEngine::of(model.clone(), recoded, &datapath, |_| false).expect("an engine");
+    let found = lockstep(&mut misread, model, jobs(), &mut Traffic::always(), |_| true);
+    assert!(found.different >= 100, "{} differences", found.different);
+}
+
 #[test]
 fn whoever_watches_may_stop_it() {
-    let jobs = random(4, &JobKind::ALL).take(JOBS);
-    let found = lockstep(&mut netlist(Rules::Paper), Rules::Paper, jobs, &mut Traffic::always(), |done| done < 10);
+    let found =
+        lockstep(&mut netlist(Rules::Paper), Functional::new(Rules::Paper), jobs(), &mut Traffic::always(), |done| {
+            done < 10
+        });
     assert_eq!((found.jobs, found.different), (10, 0));
 }

@@ -104,6 +104,14 @@ fn replay_compares_with_the_record() {
         arguments.extend(files.iter().map(String::as_str));
         ends_with(&arguments, 0, &["24576"]);
     }
+    // However it is built, the answers are the same.
+    for options in ["--io recoded --registers ieee", "--control credit --sharing segregated", "--unit-latency 2"] {
+        let options: Vec<&str> = options.split(' ').collect();
+        let engine = ["replay", "--rules", "chisel", "--engine", "netlist", "--handshake", "random"];
+        let files = files.iter().map(String::as_str);
+        let arguments: Vec<&str> = engine.into_iter().chain(options).chain(files).collect();
+        ends_with(&arguments, 0, &["24576"]);
+    }
     // The rules differ, and a mismatch is shown field by field.
     ends_with(&["replay", &files[1]], 1, &["mismatch: quadbox job", "* box_index_", "outcomes differ"]);
 }
@@ -117,6 +125,71 @@ fn replay_reads_plain_files_of_any_name() {
     ends_with(&["replay", "--kind", "euclidean", &text(&path)], 0, &["euclidean"]);
     std::fs::write(&path, format!("{line} 41800001 1\n")).expect("a file");
     ends_with(&["replay", "--kind", "euclidean", &text(&path)], 1, &["41800000 1.6e1", "41800001"]);
+}
+
+/// Files of any lanes and any format; a number has as many digits as the format wants.
+#[test]
+fn replay_reads_what_the_configuration_says() {
+    let folder = folder();
+    let path = folder.path().join("euclidean.txt");
+    std::fs::write(&path, "0 0 1 3 40400000 40400000 40000000 3f800000 40a00000 1\n").expect("a file");
+    for engine in ["model", "cycle", "netlist"] {
+        ends_with(&["replay", "--lanes", "2", "--engine", engine, &text(&path)], 0, &["euclidean"]);
+    }
+    ends_with(&["replay", &text(&path)], 2, &["expected 38 for euclidean with 16 lanes"]);
+    // In bfloat16, 16 squared and 1 make 256: 257 has nine bits.
+    std::fs::write(&path, "0 0 1 3 4180 3f80 0 0 4380 1\n").expect("a file");
+    for engine in ["model", "cycle", "netlist"] {
+        ends_with(&["replay", "--lanes", "2", "--format", "bf16", "--engine", engine, &text(&path)], 0, &["euclidean"]);
+    }
+    std::fs::write(&path, "0 0 1 3 4180 3f80 0 0 4381 1\n").expect("a file");
+    ends_with(&["replay", "--lanes", "2", "--format", "bf16", &text(&path)], 1, &["4380 2.56e2", "4381 2.58e2"]);
+    std::fs::write(&path, "0 0 1 3 4180 3f80 0 10000 4380 1\n").expect("a file");
+    let words = ["euclidean.txt:1: field 8 (euclidean_b_1) is '10000', expected hexadecimal digits, at most ffff"];
+    ends_with(&["replay", "--lanes", "2", "--format", "bf16", &text(&path)], 2, &words);
+}
+
+#[test]
+fn generate_builds_and_checks_every_preset() {
+    let folder = folder();
+    for preset in raypath::rtl::PRESETS {
+        let arguments = ["generate", "--preset", preset.name, "--jobs", "300", "--out", &text(folder.path())];
+        ends_with(&arguments, 0, &[&format!(": {}\n", preset.config), "0 mismatches", "initiation interval 1"]);
+    }
+    // What sums twice in a row waits; how long is said.
+    let arguments = ["generate", "--unit-latency", "3", "--jobs", "300", "--out", &text(folder.path())];
+    ends_with(&arguments, 0, &["initiation interval 1; 3 between euclidean jobs, 3 between angular jobs.\n"]);
+}
+
+/// A preset or a file first, whatever the order; options override it.
+#[test]
+fn options_override_presets_and_files() {
+    let folder = folder();
+    let file = folder.path().join("small.toml");
+    std::fs::write(&file, "preset = 'graphics'\nrules = 'chisel'\n").expect("a file");
+    let out = text(&folder.path().join("out"));
+    let cases: [(&[&str], &str); 4] = [
+        (&["--preset", "graphics"], "lanes none, rules paper\n"),
+        (&["--rules", "chisel", "--preset", "graphics"], "lanes none, rules chisel\n"),
+        (&["--config", &text(&file)], "lanes none, rules chisel\n"),
+        (&["--rules", "paper", "--config", &text(&file), "--lanes", "4"], "lanes 4, rules paper\n"),
+    ];
+    for (options, configuration) in cases {
+        let arguments = [&["generate", "--jobs", "20", "--out", &out], options].concat();
+        ends_with(&arguments, 0, &[configuration, "0 mismatches"]);
+    }
+}
+
+#[test]
+fn configs_lists_the_presets() {
+    let output = raypath(&["configs"]);
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(said.lines().count(), 2 + raypath::rtl::PRESETS.len(), "{said}");
+    for preset in raypath::rtl::PRESETS {
+        let row = said.lines().find(|line| line.starts_with(&format!("| {} ", preset.name))).expect("a row");
+        assert!(row.contains(&preset.config.options()) && row.contains(preset.purpose), "{row}");
+    }
 }
 
 #[test]
@@ -136,7 +209,8 @@ fn wrong_input_is_named() {
     let not_text = file("angular_not_text.txt", &[b'0', 0xff, 0xfe]);
     let empty = file("angular_empty.txt", b"");
     let nameless = file("jobs.txt", beat.as_bytes());
-    let cases: [(&[&str], &[&str]); 19] = [
+    let lanes = file("small.toml", b"rules = \"paper\"\nlanes = 5\n");
+    let cases: [(&[&str], &[&str]); 24] = [
         (&["replay", "/nonexistent/triangle.txt"], &["/nonexistent/triangle.txt", "No such file"]),
         (&["replay", &wrong_digit], &["angular_digit.txt:1", "field 5", "euclidean_a_0", "4000000g", "hexadecimal"]),
         (&["replay", &too_wide], &["angular_wide.txt:2", "field 4", "euclidean_mask", "1ff", "at most ff"]),
@@ -153,8 +227,13 @@ fn wrong_input_is_named() {
         (&["replay", &empty], &["no transactions"]),
         (&["replay", &nameless], &["jobs.txt", "--kind"]),
         (&["replay"], &["FILES"]),
-        (&["generate", "--lanes", "0"], &["'0' lanes", "none or 16"]),
+        (&["generate", "--lanes", "0"], &["'0' is no number of lanes", "none, 2, 4"]),
         (&["generate", "--rules", "none"], &["'none' is no rule set", "paper or chisel"]),
+        (&["generate", "--preset", "small"], &["'small' is no preset", "paper, original, graphics"]),
+        (&["generate", "--config", &lanes], &["small.toml:2: lanes: '5' is no number of lanes", "none, 2, 4"]),
+        (&["generate", "--config", &lanes, "--preset", "paper"], &["'--config <FILE>' cannot be used with '--preset"]),
+        (&["replay", "--lanes", "none", &empty], &["angular_empty.txt: angular jobs", "no distance modes"]),
+        (&["replay", "--lanes", "8", &short], &["angular_short.txt:1: 4 fields, expected 15 for angular with 4 lanes"]),
         (&["generate", "--out", &nameless], &["jobs.txt"]),
         (&["generate", "--jobs", "0"], &["'0'", "1..="]),
         (&["ray", "--origin", "1", "2", "3", "--direction", "0", "-0", "0"], &["direction (0, -0, 0) is zero"]),

@@ -3,8 +3,9 @@
 mod recorded;
 
 use raypath::engine::{CycleEngine, NetlistEngine, Run, drive, evaluate};
+use raypath::model::{Functional, Shape};
 use raypath::ops::{Outcome, Rules};
-use raypath::rtl::{Config, Lanes};
+use raypath::rtl::{Config, Control, Encoding, Sharing, UnitLatency};
 use raypath::traffic::{Traffic, interleave};
 use raypath::transactions::Transaction;
 use recorded::golden;
@@ -39,7 +40,7 @@ fn check(what: &str, stream: &[Transaction], run: impl FnOnce(&mut dyn FnMut(usi
 #[test]
 fn functional_model_answers_as_the_original() {
     for (order, stream) in orders() {
-        check(order, &stream, |each| evaluate(Rules::Chisel, stream.iter().map(|t| &t.job), each));
+        check(order, &stream, |each| evaluate(Functional::new(Rules::Chisel), stream.iter().map(|t| &t.job), each));
     }
 }
 
@@ -47,7 +48,7 @@ fn functional_model_answers_as_the_original() {
 fn cycle_model_answers_as_the_original() {
     for (order, stream) in orders() {
         for (handshake, mut traffic) in [("always", Traffic::always()), ("random", Traffic::random(2))] {
-            let mut engine = CycleEngine::new(Rules::Chisel);
+            let mut engine = CycleEngine::new(Functional::new(Rules::Chisel), &Shape::default());
             let jobs = stream.iter().map(|t| &t.job);
             let run =
                 check(&format!("{order}, {handshake}"), &stream, |each| drive(&mut engine, jobs, &mut traffic, each));
@@ -61,12 +62,30 @@ fn cycle_model_answers_as_the_original() {
 fn netlist_answers_as_the_original() {
     for (order, stream) in orders() {
         for (handshake, mut traffic) in [("always", Traffic::always()), ("random", Traffic::random(3))] {
-            let mut engine = NetlistEngine::new(CHISEL, |_| false).expect("a datapath");
+            let mut engine = NetlistEngine::new(Functional::new(Rules::Chisel), CHISEL, |_| false).expect("a datapath");
             let jobs = stream.iter().map(|t| &t.job);
             let run =
                 check(&format!("{order}, {handshake}"), &stream, |each| drive(&mut engine, jobs, &mut traffic, each));
             let least = stream.len() as u64 + 12;
             assert!(if handshake == "always" { run.cycles == least } else { run.cycles > 2 * least }, "{run:?}");
         }
+    }
+}
+
+/// However it is built, the hardware's answers are the original's.
+#[test]
+fn netlists_built_otherwise_answer_as_the_original() {
+    let [_, (order, stream)] = orders();
+    let configs = [
+        Config { io: Encoding::Recoded, registers: Encoding::Ieee, sharing: Sharing::Segregated, ..CHISEL },
+        Config { registers: Encoding::Ieee, control: Control::Credit, ..CHISEL },
+        Config { unit_latency: UnitLatency::Two, ..CHISEL },
+        Config { unit_latency: UnitLatency::Three, control: Control::Credit, ..CHISEL },
+    ];
+    for config in configs {
+        let mut engine = NetlistEngine::new(Functional::new(Rules::Chisel), config, |_| false).expect("a datapath");
+        let jobs = stream.iter().map(|t| &t.job);
+        let mut traffic = Traffic::random(4);
+        check(&format!("{order}, {config}"), &stream, |each| drive(&mut engine, jobs, &mut traffic, each));
     }
 }

@@ -2,7 +2,7 @@
 
 use raypath::ops::Rules;
 use raypath::picture::pipeline;
-use raypath::rtl::{Config, Datapath, Lanes, STAGES, Units};
+use raypath::rtl::{Config, Datapath, Lanes, PRESETS, STAGES, Units};
 use raypath::tables::{PAPER_UNITS, difference, schedule, units_and_registers};
 
 const DEFAULT: Config = Config::DEFAULT;
@@ -36,7 +36,7 @@ fn units_equal_table_viii_or_say_why_not() {
     for rules in [Rules::Paper, Rules::Chisel] {
         let datapath = datapath(Lanes::Sixteen, rules);
         for stage in 1..=STAGES {
-            let (ours, paper) = (arithmetic(datapath.units(stage)), TABLE_VIII[stage as usize - 1]);
+            let (ours, paper) = (arithmetic(datapath.units(stage as usize)), TABLE_VIII[stage as usize - 1]);
             let expected = match (rules, stage) {
                 (Rules::Paper, 4) => (8, 0, 24), // ruling 1: three signs a box are read, not compared
                 (_, 10) => (1, 0, 5),            // one sorting network; ruling 6, or the hit test shares it
@@ -55,8 +55,8 @@ fn differences_have_reasons() {
             let (config, datapath) = (Config { rules, lanes, ..Config::DEFAULT }, datapath(lanes, rules));
             for stage in 1..=STAGES {
                 let converts = stage == 1 || stage == STAGES;
-                let differs = arithmetic(datapath.units(stage)) != TABLE_VIII[stage as usize - 1];
-                let reasons = difference(&datapath, config, stage);
+                let differs = arithmetic(datapath.units(stage as usize)) != TABLE_VIII[stage as usize - 1];
+                let reasons = difference(&datapath, config, stage as usize);
                 assert_eq!(differs || converts, !reasons.is_empty(), "{config}, stage {stage}: {reasons:?}");
             }
         }
@@ -72,11 +72,11 @@ fn distance_modes_leave_nothing_behind_where_they_are_off() {
     let expected =
         [(24, 0, 0), (0, 24, 0), (6, 0, 24), (0, 6, 4), (3, 0, 0), (0, 3, 0), (2, 0, 0), (2, 0, 0), (0, 0, 5)];
     for (stage, expected) in (2..).zip(expected) {
-        assert_eq!(arithmetic(datapath.units(stage)), expected, "stage {stage}");
+        assert_eq!(arithmetic(datapath.units(stage as usize)), expected, "stage {stage}");
     }
     let ports = datapath.top().inputs().iter().chain(datapath.top().outputs());
     assert!(ports.into_iter().all(|port| !port.name.contains("euclidean") && !port.name.contains("angular")));
-    assert_eq!((0..=STAGES).map(|stage| datapath.registers(stage).state).sum::<u64>(), 0);
+    assert_eq!((0..=STAGES).map(|stage| datapath.registers(stage as usize).state).sum::<u64>(), 0);
 }
 
 /// What a trial of the idea found live after stages 1 to 10 with modes sharing registers (in the project's design
@@ -106,21 +106,19 @@ fn tables_show_every_stage_and_operation() {
         assert!(schedule.lines().any(|line| line.starts_with(&format!("| {stage} "))), "{schedule}");
         assert!(units.lines().any(|line| line.starts_with(&format!("| {stage} "))), "{units}");
     }
-    assert!(units.contains("11033"), "{units}");
+    assert!(units.contains(&datapath.top().register_bits().to_string()), "{units}");
 }
 
-/// The table of configurations in README.md has a row for each, with the flip-flops that it has now.
+/// The table of presets in README.md has a row for each, with the flip-flops and the latency that it has now.
 #[test]
-fn readme_has_the_figures_of_every_configuration() {
+fn readme_has_the_figures_of_every_preset() {
     let readme = include_str!("../../../README.md");
-    for (lanes, lanes_option) in [(Lanes::Sixteen, ""), (Lanes::None, " --lanes none")] {
-        for (rules, rules_option) in [(Rules::Paper, ""), (Rules::Chisel, " --rules chisel")] {
-            let bits = datapath(lanes, rules).top().register_bits();
-            let figure = format!("| {},{:03} |", bits / 1000, bits % 1000);
-            let command = format!("| `generate{lanes_option}{rules_option}` |");
-            let row = readme.lines().find(|line| line.starts_with(&command)).expect("a row");
-            assert!(row.contains(&figure), "{figure} is not in {row}");
-        }
+    for preset in PRESETS {
+        let datapath = Datapath::new(preset.config).expect("a datapath");
+        let (bits, latency) = (datapath.top().register_bits(), datapath.latency());
+        let figures = format!("| {},{:03} | {latency} |", bits / 1000, bits % 1000);
+        let row = readme.lines().find(|line| line.starts_with(&format!("| `{}`", preset.name))).expect("a row");
+        assert!(row.contains(&figures), "{figures} is not in {row}");
     }
 }
 

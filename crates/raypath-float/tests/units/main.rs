@@ -3,7 +3,6 @@
 mod bench;
 mod binary32;
 mod exact;
-mod format;
 mod integer;
 mod other_formats;
 mod small_formats;

@@ -2,9 +2,8 @@
 
 use crate::commands::Failure;
 use crate::commands::bench::BenchArguments;
-use crate::commands::chosen::design;
 use crate::commands::output::write_all;
-use crate::commands::ppa;
+use crate::commands::ppa::{self, design};
 use crate::commands::sweep::Sweep;
 use clap::Args;
 use raypath::ppa::{Exploration, Point, explored, scatter};

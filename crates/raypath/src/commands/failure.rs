@@ -1,3 +1,4 @@
+use raypath::configuration::ConfigurationError;
 use raypath::transactions::TransactionError;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -48,6 +49,12 @@ impl Failure {
 
 impl From<TransactionError> for Failure {
     fn from(error: TransactionError) -> Self {
+        Self::Unusable(error.to_string())
+    }
+}
+
+impl From<ConfigurationError> for Failure {
+    fn from(error: ConfigurationError) -> Self {
         Self::Unusable(error.to_string())
     }
 }

@@ -1,15 +1,17 @@
 //! `raypath generate`: SystemVerilog, its tables, and the proof that it answers like the models.
 
 use crate::commands::Failure;
+use crate::commands::configuration::ConfigArguments;
 use crate::commands::output::write_all;
 use crate::commands::progress::Progress;
 use clap::Args;
 use raypath::check::{Comparison, Timing, lockstep, timing};
 use raypath::engine::NetlistEngine;
 use raypath::hdl::verilog;
-use raypath::model::LATENCY;
-use raypath::ops::Rules;
-use raypath::rtl::{Config, Datapath, Lanes};
+use raypath::model::{Model, Shape};
+use raypath::models::{Visitor, with_model};
+use raypath::ops::JobKind;
+use raypath::rtl::{Config, Datapath};
 use raypath::traffic::Traffic;
 use raypath::{jobs, picture, tables};
 use std::io::Write;
@@ -18,12 +20,6 @@ use std::time::Instant;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Lanes of a Euclidean beat (an angular one has half as many), or none: no distance modes
-    #[arg(long, default_value_t = Lanes::Sixteen, value_name = "none|2|4|8|16|32|64")]
-    lanes: Lanes,
-    /// The rules on the edges: paper (this project's rulings) or chisel (the original hardware's)
-    #[arg(long, default_value_t = Rules::Paper, value_name = "paper|chisel")]
-    rules: Rules,
     /// The folder to write to
     #[arg(long, default_value = "build")]
     out: PathBuf,
@@ -33,10 +29,12 @@ pub struct Arguments {
     /// Seed of the random jobs, stalls and bubbles
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    config: ConfigArguments,
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
-    let config = Config { rules: arguments.rules, lanes: arguments.lanes, ..Config::DEFAULT };
+    let config = arguments.config.config()?;
     let datapath = Datapath::new(config)?;
     let files = files(&datapath, config, &arguments.out)?;
     write_all(&files)?;
@@ -52,7 +50,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         files.len() - 3
     )?;
     writeln!(out, "{folder}/raypath.sv; a picture of the pipeline to {folder}/pipeline.svg.\n")?;
-    check(&datapath, config, arguments, out)
+    with_model(config, Check { datapath: &datapath, config, arguments, out })
 }
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -82,31 +80,60 @@ fn head(banner: &[String], doc: &[String]) -> String {
 }
 
 /// Streams random jobs through the netlist and the models, and measures its timing.
-fn check(datapath: &Datapath, config: Config, arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
-    let begin = Instant::now();
-    let total = arguments.jobs as usize;
-    let stream = || jobs::random(arguments.seed, config.kinds()).take(total);
-    let mut netlist = NetlistEngine::of(datapath, |_| false)?;
-    let measured = stream().next().and_then(|job| timing(&mut netlist, &job));
+struct Check<'a> {
+    datapath: &'a Datapath,
+    config: Config,
+    arguments: &'a Arguments,
+    out: &'a mut dyn Write,
+}
 
-    let mut traffic = Traffic::random(arguments.seed);
-    let mut progress = Progress::new("jobs", total);
-    let found = lockstep(&mut netlist, config.rules, stream(), &mut traffic, |done| progress.at(done));
-    let stopped = progress.finish(found.jobs);
-    report(&found, config, begin, out)?;
-    if found.different > 0 {
-        let problem = format!("netlist and models differ {} times in {} cycles", found.different, found.cycles);
-        return Err(Failure::Mismatch(problem));
+impl Visitor for Check<'_> {
+    type Answer = Result<(), Failure>;
+
+    fn visit<M: Model>(self, model: M) -> Result<(), Failure> {
+        let Self { datapath, config, arguments, out } = self;
+        let begin = Instant::now();
+        let (seed, total) = (arguments.seed, arguments.jobs as usize);
+        let stream = |kinds: &[JobKind]| jobs::random(&model, config.format, seed, kinds);
+        let mut netlist = NetlistEngine::of(model.clone(), config, datapath, |_| false)?;
+        let mut measured = Vec::new();
+        for &kind in config.kinds() {
+            let timing = stream(&[kind]).next().and_then(|job| timing(&mut netlist, &job));
+            measured.push((kind, timing));
+        }
+
+        let mut traffic = Traffic::random(seed);
+        let mut progress = Progress::new("jobs", total);
+        let jobs = stream(config.kinds()).take(total);
+        let found = lockstep(&mut netlist, model.clone(), jobs, &mut traffic, |done| progress.at(done));
+        let stopped = progress.finish(found.jobs);
+        report(&found, config, begin, out)?;
+        if found.different > 0 {
+            let problem = format!("netlist and models differ {} times in {} cycles", found.different, found.cycles);
+            return Err(Failure::Mismatch(problem));
+        }
+        stopped?;
+        report_timing(&measured, netlist.shape(), out)
     }
-    stopped?;
-    let Some(timing) = measured else {
-        return Err(Failure::Mismatch("the netlist answered nothing in an empty pipeline".to_string()));
-    };
-    let Timing { latency, initiation_interval } = timing;
-    writeln!(out, "Measured at the ports: latency {latency} cycles, initiation interval {initiation_interval}.")?;
-    if timing != (Timing { latency: LATENCY as u64, initiation_interval: 1 }) {
-        return Err(Failure::Mismatch(format!("expected latency {LATENCY} and initiation interval 1")));
+}
+
+/// What was measured with a stream of each kind of job; an error where the models are slower or faster.
+fn report_timing(measured: &[(JobKind, Option<Timing>)], shape: &Shape, out: &mut dyn Write) -> Result<(), Failure> {
+    for &(kind, timing) in measured {
+        let Some(timing) = timing else {
+            return Err(Failure::Mismatch(format!("the netlist answered no {kind} job in an empty pipeline")));
+        };
+        let expected = Timing { latency: shape.latency as u64, initiation_interval: shape.interval(kind) as u64 };
+        if timing != expected {
+            return Err(Failure::Mismatch(format!("{kind} jobs have {timing}, expected {expected}")));
+        }
     }
+    let slower = measured.iter().filter(|(kind, _)| shape.interval(*kind) > 1);
+    let slower: Vec<String> =
+        slower.map(|(kind, _)| format!("{} between {kind} jobs", shape.interval(*kind))).collect();
+    let exceptions = if slower.is_empty() { String::new() } else { format!("; {}", slower.join(", ")) };
+    let usual = Timing { latency: shape.latency as u64, initiation_interval: 1 };
+    writeln!(out, "Measured at the ports: {usual}{exceptions}.")?;
     Ok(())
 }
 

@@ -1,7 +1,9 @@
 //! The command line.
 
+mod accuracy;
+mod configs;
+mod configuration;
 mod bench;
-mod chosen;
 mod explore;
 mod failure;
 mod generate;
@@ -35,12 +37,16 @@ pub struct CommandLine {
 enum Command {
     /// Write the datapath as SystemVerilog, show its schedule and units, and check the netlist against the models
     Generate(generate::Arguments),
+    /// List the configurations that have names
+    Configs,
     /// Run recorded transactions through a model or the netlist and compare the results
     Replay(replay::Arguments),
     /// Derive what the hardware expects of a ray (inverse, axes, shear) from its origin and direction
     Ray(ray::Arguments),
     /// Run recorded transactions through the netlist and write a waveform (FST)
     Wave(wave::Arguments),
+    /// Measure what a format costs: hits and distances against binary64, on random jobs and a scene
+    Accuracy(accuracy::Arguments),
     /// Measure area and timing in a cell library, stage by stage, with Yosys and OpenSTA
     Ppa(ppa::Arguments),
     /// Measure many configurations and draw area against clock and throughput
@@ -52,9 +58,11 @@ impl CommandLine {
     pub fn run(self, out: &mut dyn Write) -> Result<(), Failure> {
         match self.command {
             Command::Generate(arguments) => generate::run(&arguments, out),
+            Command::Configs => configs::run(out),
             Command::Replay(arguments) => replay::run(&arguments, out),
             Command::Ray(arguments) => ray::run(&arguments, out),
             Command::Wave(arguments) => wave::run(&arguments, out),
+            Command::Accuracy(arguments) => accuracy::run(&arguments, out),
             Command::Ppa(arguments) => ppa::run(&arguments, out),
             Command::Explore(arguments) => explore::run(&arguments, out),
         }

@@ -2,17 +2,18 @@
 
 use crate::commands::Failure;
 use crate::commands::bench::BenchArguments;
-use crate::commands::chosen::{ChosenConfiguration, design};
+use crate::commands::configuration::ConfigArguments;
 use crate::commands::output::write_all;
 use clap::Args;
-use raypath::ppa::{self, Earlier, Report};
+use raypath::ppa::{self, Design, Earlier, Report};
+use raypath::rtl::{Config, Datapath};
 use std::io::Write;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
     #[command(flatten)]
-    configuration: ChosenConfiguration,
+    configuration: ConfigArguments,
     #[command(flatten)]
     bench: BenchArguments,
     /// Compare with the report in this folder (its ppa.json)
@@ -29,7 +30,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     // What cannot be compared with is found out before minutes of work.
     let earlier = arguments.against.as_deref().map(Earlier::read).transpose()?;
-    let design = design(arguments.configuration.config())?;
+    let design = design(arguments.configuration.config()?)?;
     let reports = arguments.bench.measure(&[design])?;
     for report in reports {
         write_all(&files(&report, &arguments.out)?)?;
@@ -53,6 +54,11 @@ fn show(report: &Report, earlier: Option<&Earlier>, arguments: &Arguments, out: 
     }
     writeln!(out, "\nWrote {0}/ppa.json and {0}/ppa.svg.", arguments.out.display())?;
     Ok(())
+}
+
+/// A configuration, elaborated.
+pub fn design(config: Config) -> Result<Design, Failure> {
+    Ok(Design::new(config.to_string(), Datapath::new(config)?.top()))
 }
 
 /// A report as the files that show it.

@@ -1,12 +1,16 @@
 //! `raypath replay`: recorded transactions through an engine, compared with what was recorded.
 
 use crate::commands::Failure;
+use crate::commands::configuration::ConfigArguments;
 use crate::commands::progress::Progress;
 use crate::commands::stream::StreamArguments;
 use clap::{Args, ValueEnum};
-use raypath::engine::{CycleEngine, Engine, NetlistEngine, Run, drive, evaluate};
-use raypath::ops::{JobKind, Outcome, PortKind, PortValue};
-use raypath::rtl::Config;
+use raypath::engine::{CycleEngine, Engine, NetlistEngine, Run, drive, evaluate, shape};
+use raypath::format::Format;
+use raypath::model::{Model, OnPorts};
+use raypath::models::{Visitor, with_model};
+use raypath::ops::{JobKind, PortKind, PortValue};
+use raypath::rtl::{Config, Datapath};
 use raypath::transactions::Transaction;
 use std::io::Write;
 use std::time::Instant;
@@ -21,6 +25,8 @@ pub struct Arguments {
     /// How many mismatches to show field by field
     #[arg(long, default_value_t = 3)]
     show: usize,
+    #[command(flatten)]
+    config: ConfigArguments,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -31,57 +37,76 @@ enum EngineKind {
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
-    let stream = arguments.stream.read()?;
-    let begin = Instant::now();
-    let mut progress = Progress::new("jobs", stream.len());
-    let mut tally = Tally::new(&stream, arguments.show);
-    let run = carry(arguments, &stream, |index, outcome| {
-        tally.compare(index, outcome);
-        progress.at(index + 1)
-    })?;
-    let stopped = progress.finish(run.jobs);
-    tally.report(&run, begin, out)?;
-    tally.verdict(&run, stopped)
+    let config = arguments.config.config()?;
+    with_model(config, Replay { arguments, config, out })
 }
 
-/// Runs the stream through the engine that was asked for, until `on_outcome` says stop.
-fn carry(
-    arguments: &Arguments,
-    stream: &[Transaction],
-    on_outcome: impl FnMut(usize, Outcome) -> bool,
-) -> Result<Run, Failure> {
-    let rules = arguments.stream.rules;
-    let jobs = stream.iter().map(|transaction| &transaction.job);
-    let mut engine: Box<dyn Engine> = match arguments.engine {
-        EngineKind::Model => return Ok(evaluate(rules, jobs, on_outcome)),
-        EngineKind::Cycle => Box::new(CycleEngine::new(rules)),
-        EngineKind::Netlist => Box::new(NetlistEngine::new(Config { rules, ..Config::default() }, |_| false)?),
-    };
-    Ok(drive(engine.as_mut(), jobs, &mut arguments.stream.traffic(), on_outcome))
+struct Replay<'a> {
+    arguments: &'a Arguments,
+    config: Config,
+    out: &'a mut dyn Write,
+}
+
+impl Visitor for Replay<'_> {
+    type Answer = Result<(), Failure>;
+
+    fn visit<M: Model>(self, model: M) -> Result<(), Failure> {
+        let stream = self.arguments.stream.read(&model, self.config)?;
+        let begin = Instant::now();
+        let mut progress = Progress::new("jobs", stream.len());
+        let mut tally = Tally::new(&stream, self.config.format, self.arguments.show);
+        let run = self.carry(model, &stream, |index, outcome| {
+            tally.compare(index, outcome);
+            progress.at(index + 1)
+        })?;
+        let stopped = progress.finish(run.jobs);
+        tally.report(&run, begin, self.out)?;
+        tally.verdict(&run, stopped)
+    }
+}
+
+impl Replay<'_> {
+    /// Runs the stream through the engine that was asked for, until `on_outcome` says stop.
+    fn carry<M: Model>(
+        &self,
+        model: M,
+        stream: &[Transaction<M>],
+        on_outcome: impl FnMut(usize, M::Outcome) -> bool,
+    ) -> Result<Run, Failure> {
+        let config = self.config;
+        let jobs = stream.iter().map(|transaction| &transaction.job);
+        let mut engine: Box<dyn Engine<M>> = match self.arguments.engine {
+            EngineKind::Model => return Ok(evaluate(model, jobs, on_outcome)),
+            EngineKind::Cycle => Box::new(CycleEngine::new(model, &shape(config, &Datapath::new(config)?))),
+            EngineKind::Netlist => Box::new(NetlistEngine::new(model, config, |_| false)?),
+        };
+        Ok(drive(engine.as_mut(), jobs, &mut self.arguments.stream.traffic(), on_outcome))
+    }
 }
 
 /// Outcomes compared with the recorded ones.
-struct Tally<'s> {
-    stream: &'s [Transaction],
+struct Tally<'s, M: Model> {
+    stream: &'s [Transaction<M>],
+    format: Format,
     show: usize,
     jobs: [usize; JobKind::ALL.len()],
     mismatches: [usize; JobKind::ALL.len()],
     shown: Vec<String>,
 }
 
-impl<'s> Tally<'s> {
-    fn new(stream: &'s [Transaction], show: usize) -> Self {
-        Self { stream, show, jobs: Default::default(), mismatches: Default::default(), shown: Vec::new() }
+impl<'s, M: Model> Tally<'s, M> {
+    fn new(stream: &'s [Transaction<M>], format: Format, show: usize) -> Self {
+        Self { stream, format, show, jobs: Default::default(), mismatches: Default::default(), shown: Vec::new() }
     }
 
-    fn compare(&mut self, index: usize, outcome: Outcome) {
+    fn compare(&mut self, index: usize, outcome: M::Outcome) {
         let transaction = &self.stream[index];
         let kind = transaction.job.kind() as usize;
         self.jobs[kind] += 1;
         if outcome != transaction.expected {
             self.mismatches[kind] += 1;
             if self.shown.len() < self.show {
-                self.shown.push(field_by_field(transaction, outcome));
+                self.shown.push(field_by_field(transaction, &outcome, self.format));
             }
         }
     }
@@ -118,7 +143,7 @@ impl<'s> Tally<'s> {
 }
 
 /// A mismatch, with every field that was answered and recorded.
-fn field_by_field(transaction: &Transaction, outcome: Outcome) -> String {
+fn field_by_field<M: Model>(transaction: &Transaction<M>, outcome: &M::Outcome, format: Format) -> String {
     let kind = transaction.job.kind();
     let mut text = format!("mismatch: {kind} job, seq {:06x}, cat {:x}", transaction.seq, transaction.category);
     text += &format!("\n    {:<24} {:<27} {:<27}", "field", "answered", "recorded");
@@ -127,14 +152,23 @@ fn field_by_field(transaction: &Transaction, outcome: Outcome) -> String {
     }
     for (answered, recorded) in outcome.ports().iter().zip(transaction.expected.ports()) {
         let mark = if answered.bits == recorded.bits { ' ' } else { '*' };
-        text += &format!("\n  {mark} {:<24} {:<27} {:<27}", answered.name, show(answered), show(&recorded));
+        let (name, answered, recorded) = (&answered.name, show(answered, format), show(&recorded, format));
+        text += &format!("\n  {mark} {name:<24} {answered:<27} {recorded:<27}");
     }
     text
 }
 
-fn show(port: &PortValue) -> String {
+fn show(port: &PortValue, format: Format) -> String {
     match port.kind {
-        PortKind::Number => format!("{:08x} {:e}", port.bits, f32::from_bits(port.bits as u32)),
+        PortKind::Number => {
+            let (bits, digits, number) =
+                (port.bits, format.ieee_width().div_ceil(4) as usize, format.to_f64(port.bits));
+            // Binary32 needs fewer digits to say which of its numbers it is.
+            match number as f32 {
+                single if f64::from(single) == number => format!("{bits:0digits$x} {single:e}"),
+                _ => format!("{bits:0digits$x} {number:e}"),
+            }
+        }
         PortKind::Flags => format!("{:b}", port.bits),
         PortKind::Word => port.bits.to_string(),
     }

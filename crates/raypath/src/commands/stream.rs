@@ -2,7 +2,9 @@
 
 use crate::commands::Failure;
 use clap::{Args, ValueEnum};
-use raypath::ops::{JobKind, Rules};
+use raypath::model::Model;
+use raypath::ops::JobKind;
+use raypath::rtl::Config;
 use raypath::traffic::{Traffic, interleave};
 use raypath::transactions::{Transaction, merge, read};
 use std::path::PathBuf;
@@ -16,9 +18,6 @@ pub struct StreamArguments {
     /// What kind of jobs the files hold, if their names do not begin with it
     #[arg(long, value_name = "triangle|quadbox|euclidean|angular")]
     kind: Option<JobKind>,
-    /// The rules on the edges: paper (this project's rulings) or chisel (the original hardware's)
-    #[arg(long, default_value_t = Rules::Paper)]
-    pub rules: Rules,
     /// Offer and take in every cycle, or stall the sink and starve the source at random
     #[arg(long, value_enum, default_value_t = Handshake::Always)]
     handshake: Handshake,
@@ -37,11 +36,11 @@ enum Handshake {
 }
 
 impl StreamArguments {
-    /// Reads all files into one stream.
-    pub fn read(&self) -> Result<Vec<Transaction>, Failure> {
+    /// Reads all files into one stream for a configuration and its model.
+    pub fn read<M: Model>(&self, model: &M, config: Config) -> Result<Vec<Transaction<M>>, Failure> {
         let mut files = Vec::new();
         for path in &self.files {
-            files.push(read(path, self.kind)?);
+            files.push(read(path, self.kind, model, config)?);
         }
         let stream = merge(files);
         if stream.is_empty() {

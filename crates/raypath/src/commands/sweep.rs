@@ -62,13 +62,14 @@ fn set(mut config: Config, parameter: &str, value: &str) -> Result<Config, Strin
     match parameter {
         "rules" => put(&mut config.rules, value)?,
         "lanes" => put(&mut config.lanes, value)?,
+        "format" => put(&mut config.format, value)?,
         "io" => put(&mut config.io, value)?,
         "registers" => put(&mut config.registers, value)?,
         "control" => put(&mut config.control, value)?,
         "sharing" => put(&mut config.sharing, value)?,
         "unit-latency" => put(&mut config.unit_latency, value)?,
         _ => {
-            let known = "rules, lanes, io, registers, control, sharing or unit-latency";
+            let known = "rules, lanes, format, io, registers, control, sharing or unit-latency";
             return Err(format!("no such parameter, expected {known}"));
         }
     }

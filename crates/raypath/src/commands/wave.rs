@@ -1,12 +1,14 @@
 //! `raypath wave`: recorded transactions through the netlist, with a waveform.
 
 use crate::commands::Failure;
+use crate::commands::configuration::ConfigArguments;
 use crate::commands::progress::Progress;
 use crate::commands::stream::StreamArguments;
 use clap::Args;
 use raypath::engine::{Engine, NetlistEngine, Shown, drive};
 use raypath::hdl::WaveWriter;
-use raypath::ops::Job;
+use raypath::model::Model;
+use raypath::models::{Visitor, with_model};
 use raypath::rtl::{Config, UnitKind};
 use std::io::Write;
 use std::path::PathBuf;
@@ -21,27 +23,44 @@ pub struct Arguments {
     /// Stop after this many jobs
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     jobs: Option<u32>,
+    #[command(flatten)]
+    config: ConfigArguments,
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
-    let stream = arguments.stream.read()?;
-    let config = Config { rules: arguments.stream.rules, ..Config::default() };
-    let units = UnitKind::ALL.map(|kind| format!("u_{}_", kind.stem()));
-    let netlist = NetlistEngine::new(config, |name| is_of_interest(name, &units))?;
-    let waves = WaveWriter::create(&arguments.out, netlist.simulator())?;
-    let mut waving = Waving { netlist, waves, cycle: 0, failed: None };
+    let config = arguments.config.config()?;
+    with_model(config, Wave { arguments, config, out })
+}
 
-    let total = arguments.jobs.map_or(stream.len(), |jobs| stream.len().min(jobs as usize));
-    let mut progress = Progress::new("jobs", total);
-    let jobs = stream[..total].iter().map(|transaction| &transaction.job);
-    let run = drive(&mut waving, jobs, &mut arguments.stream.traffic(), |index, _| progress.at(index + 1));
-    progress.finish(run.jobs)?;
-    if let Some(failed) = waving.failed {
-        return Err(failed.into());
+struct Wave<'a> {
+    arguments: &'a Arguments,
+    config: Config,
+    out: &'a mut dyn Write,
+}
+
+impl Visitor for Wave<'_> {
+    type Answer = Result<(), Failure>;
+
+    fn visit<M: Model>(self, model: M) -> Result<(), Failure> {
+        let Self { arguments, config, out } = self;
+        let stream = arguments.stream.read(&model, config)?;
+        let units = UnitKind::ALL.map(|kind| format!("u_{}_", kind.stem()));
+        let netlist = NetlistEngine::new(model, config, |name| is_of_interest(name, &units))?;
+        let waves = WaveWriter::create(&arguments.out, netlist.simulator())?;
+        let mut waving = Waving { netlist, waves, cycle: 0, failed: None };
+
+        let total = arguments.jobs.map_or(stream.len(), |jobs| stream.len().min(jobs as usize));
+        let mut progress = Progress::new("jobs", total);
+        let jobs = stream[..total].iter().map(|transaction| &transaction.job);
+        let run = drive(&mut waving, jobs, &mut arguments.stream.traffic(), |index, _| progress.at(index + 1));
+        progress.finish(run.jobs)?;
+        if let Some(failed) = waving.failed {
+            return Err(failed.into());
+        }
+        waving.waves.finish()?;
+        writeln!(out, "Wrote {} jobs in {} cycles to {}", run.jobs, run.cycles, arguments.out.display())?;
+        Ok(())
     }
-    waving.waves.finish()?;
-    writeln!(out, "Wrote {} jobs in {} cycles to {}", run.jobs, run.cycles, arguments.out.display())?;
-    Ok(())
 }
 
 /// Ports, handshakes, and stage registers under the algorithm's names; not the insides of instances that begin like
@@ -51,19 +70,19 @@ fn is_of_interest(name: &str, units: &[String]) -> bool {
 }
 
 /// The netlist, sampled in every cycle.
-struct Waving {
-    netlist: NetlistEngine,
+struct Waving<M: Model> {
+    netlist: NetlistEngine<M>,
     waves: WaveWriter,
     cycle: u64,
     failed: Option<raypath::hdl::Error>,
 }
 
-impl Engine for Waving {
-    fn present(&mut self, job: &Job) {
+impl<M: Model> Engine<M> for Waving<M> {
+    fn present(&mut self, job: &M::Job) {
         self.netlist.present(job);
     }
 
-    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
         let shown = self.netlist.cycle(input_valid, output_ready);
         if self.failed.is_none() {
             self.failed = self.waves.sample(self.netlist.simulator(), self.cycle).err();

@@ -1,7 +1,9 @@
 //! The golden vectors, for every test that reads them: a quarter travels with the repository, and `RAYPATH_GOLDEN` may
 //! name a folder with the whole set.
 
-use raypath::ops::JobKind;
+use raypath::model::Functional;
+use raypath::ops::{JobKind, Rules};
+use raypath::rtl::Config;
 use raypath::transactions::{Transaction, merge, read};
 use std::path::PathBuf;
 
@@ -9,7 +11,11 @@ use std::path::PathBuf;
 pub fn golden() -> Vec<Transaction> {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/golden");
     let folder = std::env::var_os("RAYPATH_GOLDEN").map_or(PathBuf::from(default), PathBuf::from);
-    let files = JobKind::ALL.map(|kind| read(&folder.join(format!("{kind}.txt.gz")), kind).expect("golden vectors"));
+    // Reading takes neither rules nor sums.
+    let model = Functional::new(Rules::Paper);
+    let files = JobKind::ALL.map(|kind| {
+        read(&folder.join(format!("{kind}.txt.gz")), kind, &model, Config::DEFAULT).expect("golden vectors")
+    });
     let stream = merge(files.into());
     assert!(stream.len() >= 24_576, "golden vectors are missing: {} jobs", stream.len());
     for kind in JobKind::ALL {

@@ -4,6 +4,7 @@ use crate::answers::answers;
 use crate::oracle::Oracle;
 use crate::recorded::golden;
 use raypath::engine::evaluate;
+use raypath::model::Functional;
 use raypath::ops::{Job, Outcome, Rules};
 use raypath::transactions::Transaction;
 
@@ -35,7 +36,7 @@ fn rules_paper_change_hits_and_no_arithmetic() {
 fn rules_chisel_change_nothing() {
     let golden = golden();
     assert!(golden.len() > 20_000);
-    evaluate(Rules::Chisel, jobs(&golden).iter(), |i, outcome| {
+    evaluate(Functional::new(Rules::Chisel), jobs(&golden).iter(), |i, outcome| {
         assert_eq!(outcome, golden[i].expected, "seq {:x}", golden[i].seq);
         true
     });

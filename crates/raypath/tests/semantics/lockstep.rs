@@ -4,6 +4,7 @@ use crate::answers::with_netlist;
 use crate::random::{mixed_jobs, rng};
 use rand::RngExt;
 use raypath::engine::{CycleEngine, Engine};
+use raypath::model::{Functional, Shape};
 use raypath::ops::Rules;
 use raypath::traffic::Traffic;
 
@@ -17,7 +18,7 @@ fn netlist_and_cycle_model_agree_in_every_cycle() {
             let noise = mixed_jobs(64, 200 + seed);
             let mut rng = rng(300 + seed);
             let mut traffic = Traffic::random(seed);
-            let mut model = CycleEngine::new(rules);
+            let mut model = CycleEngine::new(Functional::new(rules), &Shape::default());
             let mut seen = Seen::default();
             with_netlist(rules, |netlist| {
                 let mut next = 0;
@@ -34,8 +35,8 @@ fn netlist_and_cycle_model_agree_in_every_cycle() {
                     let shown = netlist.cycle(offers, output_ready);
                     assert_eq!(shown, model.cycle(offers, output_ready), "cycle {cycle}, seed {seed}, {rules}");
                     if let Some(outcome) = shown.output {
-                        let strays = netlist.stray_outputs();
-                        assert!(strays.is_empty(), "cycle {cycle}: {strays:?} with {outcome:?}");
+                        let improper = netlist.improper_outputs(&outcome);
+                        assert!(improper.is_empty(), "cycle {cycle}: {improper:?} with {outcome:?}");
                     }
                     next += usize::from(offers && shown.input_ready);
                     seen.accepted += usize::from(offers && shown.input_ready);
@@ -64,7 +65,7 @@ struct Seen {
 fn resets_at_every_moment_of_a_burst() {
     let jobs = mixed_jobs(64, 5);
     for moment in 0..50 {
-        let mut model = CycleEngine::new(Rules::Paper);
+        let mut model = CycleEngine::new(Functional::new(Rules::Paper), &Shape::default());
         with_netlist(Rules::Paper, |netlist| {
             let mut next = 0;
             for cycle in 0..90 {

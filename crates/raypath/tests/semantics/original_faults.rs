@@ -3,6 +3,7 @@
 
 use crate::answers::with_netlist;
 use raypath::engine::{CycleEngine, Engine};
+use raypath::model::{Functional, Shape};
 use raypath::ops::{
     Aabb, Beat, Binary32, EuclideanInput, Flags, Job, Outcome, Ray, RayBoxInput, RayTriangleInput, Rules, Triangle,
 };
@@ -24,7 +25,7 @@ fn ray() -> Ray<Binary32> {
 /// Every engine that knows time, under both rule sets, each from a reset on.
 fn on_engines(scenario: impl Fn(&mut dyn Engine)) {
     for rules in [Rules::Paper, Rules::Chisel] {
-        scenario(&mut CycleEngine::new(rules));
+        scenario(&mut CycleEngine::new(Functional::new(rules), &Shape::default()));
         with_netlist(rules, |netlist| scenario(netlist));
     }
 }

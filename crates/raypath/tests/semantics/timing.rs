@@ -3,7 +3,7 @@
 use crate::answers::with_netlist;
 use crate::random::mixed_jobs;
 use raypath::engine::{CycleEngine, Engine};
-use raypath::model::Functional;
+use raypath::model::{Functional, Shape};
 use raypath::ops::{Job, Outcome, Rules};
 
 /// From the cycle that accepts a job to the cycle that shows its outcome.
@@ -12,7 +12,7 @@ const CAPACITY: usize = 24;
 
 fn on_engines(scenario: impl Fn(&mut dyn Engine)) {
     with_netlist(Rules::Paper, |netlist| scenario(netlist));
-    scenario(&mut CycleEngine::new(Rules::Paper));
+    scenario(&mut CycleEngine::new(Functional::new(Rules::Paper), &Shape::default()));
 }
 
 fn outcomes(jobs: &[Job]) -> Vec<Outcome> {

@@ -1,51 +1,55 @@
-//! Stimuli for an open-loop simulation: a row of skid buffers says beforehand when each job will be accepted, and what
+//! Stimuli for an open-loop simulation: a model of the pipeline says beforehand when each job will be accepted, and what
 //! every port must show in every cycle.
 
+use raypath::engine::PortEncoding;
 use raypath::hdl::Module;
-use raypath::model::{Elastic, Functional, LATENCY};
-use raypath::ops::{Job, Outcome};
+use raypath::model::{Elastic, Model, OnPorts, Shape};
+use raypath::ops::JobKind;
 use raypath::traffic::Traffic;
 use std::collections::HashMap;
 
 /// What one cycle puts on the inputs, and what the outputs must show.
-pub struct Cycle {
+pub struct Cycle<O> {
     /// Values of `rst_ni` and the input ports.
     pub inputs: Vec<u64>,
     /// `None` where the outputs do not matter: while registers are still unknown.
-    pub expected: Option<Expected>,
+    pub expected: Option<Expected<O>>,
 }
 
-pub struct Expected {
+pub struct Expected<O> {
     pub input_ready: bool,
-    pub output: Option<Outcome>,
+    pub output: Option<O>,
+    encoding: PortEncoding,
 }
 
 /// When the source, the sink and the reset act.
-pub struct Stimulus<'j> {
-    pub jobs: &'j [Job],
-    pub answers: Answers<'j>,
+pub struct Stimulus<'j, M: Model> {
+    pub shape: Shape,
+    pub encoding: PortEncoding,
+    pub jobs: &'j [M::Job],
+    pub answers: Answers<'j, M>,
     pub traffic: Traffic,
     /// Cycles in which `rst_ni` falls; jobs in flight are lost. None for a run in which every job comes out.
     pub resets: Vec<usize>,
 }
 
 /// Where the expected outcomes come from.
-pub enum Answers<'j> {
+pub enum Answers<'j, M: Model> {
     /// A record, job by job. It knows of no resets.
-    Recorded(&'j [Outcome]),
+    Recorded(&'j [M::Outcome]),
     /// The functional model.
-    Model(Functional),
+    Model(M),
 }
 
-impl Stimulus<'_> {
+impl<M: Model> Stimulus<'_, M> {
     /// Every cycle from power-on until the last job has left.
-    pub fn cycles(mut self, top: &Module) -> Vec<Cycle> {
+    pub fn cycles(mut self, top: &Module) -> Vec<Cycle<M::Outcome>> {
         let places: HashMap<&str, usize> =
             top.inputs().iter().enumerate().map(|(place, port)| (port.name.as_str(), place + 1)).collect();
         let mut inputs = vec![0; places.len() + 1];
         let mut cycles =
             vec![Cycle { inputs: inputs.clone(), expected: None }, Cycle { inputs: inputs.clone(), expected: None }];
-        let mut pipeline: Elastic<Outcome, LATENCY> = Elastic::new();
+        let mut pipeline = Elastic::new(&self.shape);
         let (mut accepted, mut left) = (0, 0);
         while left < self.jobs.len() {
             let reset = self.resets.contains(&cycles.len());
@@ -60,7 +64,7 @@ impl Stimulus<'_> {
                 inputs[places["opcode_i"]] = job.kind().opcode();
                 for port in job.ports() {
                     if let Some(&place) = places.get(format!("{}_i", port.name).as_str()) {
-                        inputs[place] = port.bits;
+                        inputs[place] = self.encoding.to_port(&port);
                     }
                 }
             }
@@ -68,11 +72,13 @@ impl Stimulus<'_> {
             inputs[0] = (!reset).into();
             inputs[places["input_valid_i"]] = offered.is_some().into();
             inputs[places["output_ready_i"]] = output_ready.into();
-            let expected = Expected { input_ready: pipeline.input_ready(), output: pipeline.output().copied() };
+            let input_ready = pipeline.input_ready(job.map_or(JobKind::Triangle, M::Job::kind));
+            let expected = Expected { input_ready, output: pipeline.output().copied(), encoding: self.encoding };
             cycles.push(Cycle { inputs: inputs.clone(), expected: Some(expected) });
             if !reset {
-                let is_accepted = offered.filter(|_| pipeline.input_ready());
-                let transfer = pipeline.cycle(is_accepted.map(|job| self.answers.next(accepted, job)), output_ready);
+                let entering = offered.filter(|_| input_ready);
+                let item = entering.map(|job| (job.kind(), self.answers.next(accepted, job)));
+                let transfer = pipeline.cycle(item, output_ready);
                 accepted += usize::from(transfer.accepted);
                 left += usize::from(transfer.output.is_some());
             }
@@ -81,8 +87,8 @@ impl Stimulus<'_> {
     }
 }
 
-impl Answers<'_> {
-    fn next(&mut self, index: usize, job: &Job) -> Outcome {
+impl<M: Model> Answers<'_, M> {
+    fn next(&mut self, index: usize, job: &M::Job) -> M::Outcome {
         match self {
             Self::Recorded(outcomes) => outcomes[index],
             Self::Model(model) => model.run(job),
@@ -96,11 +102,12 @@ impl Answers<'_> {
     }
 }
 
-impl Expected {
+impl<O: OnPorts> Expected<O> {
     /// What is wrong with the output ports' values, if anything.
     pub fn fault(&self, top: &Module, values: &[u64]) -> Option<String> {
-        let ports = self.output.iter().flat_map(Outcome::ports);
-        let mut expected: HashMap<String, u64> = ports.map(|port| (format!("{}_o", port.name), port.bits)).collect();
+        let ports = self.output.iter().flat_map(O::ports);
+        let mut expected: HashMap<String, u64> =
+            ports.map(|port| (format!("{}_o", port.name), self.encoding.to_port(&port))).collect();
         expected.insert("input_ready_o".to_string(), self.input_ready.into());
         expected.insert("output_valid_o".to_string(), self.output.is_some().into());
         if let Some(outcome) = self.output {

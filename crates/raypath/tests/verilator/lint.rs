@@ -1,25 +1,64 @@
 //! Nothing to say about any configuration, from anyone, with no waiver in the text.
 
+use crate::representatives::REPRESENTATIVES;
 use raypath::ops::Rules;
-use raypath::rtl::{Config, Datapath, Lanes};
+use raypath::rtl::{Config, Datapath, Encoding, Lanes, PRESETS};
 use raypath_cosim::{Sources, lint_slang, lint_verilator, lint_yosys};
 use std::process::Command;
 
+/// All three front ends, for every preset and for every value of every parameter.
 #[test]
-fn every_configuration_is_clean() {
-    for lanes in [Lanes::None, Lanes::Sixteen] {
-        for rules in [Rules::Paper, Rules::Chisel] {
-            let datapath = Datapath::new(Config { rules, lanes, ..Config::DEFAULT }).expect("a datapath");
-            let folder = tempfile::tempdir().expect("a folder");
-            let sources = Sources::write(datapath.top(), folder.path()).expect("sources");
-            let text = std::fs::read_to_string(&sources.all).expect("text");
-            assert!(!text.contains("lint_off") && !text.contains("verilator"), "a waiver");
-            sources.lint().unwrap_or_else(|fault| panic!("{rules}, {lanes} lanes: {fault}"));
-        }
+fn presets_and_representatives_are_clean() {
+    let presets = PRESETS.iter().map(|preset| preset.config);
+    let rules = [Config { rules: Rules::Chisel, ..Config::DEFAULT }];
+    for config in distinct(presets.chain(rules).chain(REPRESENTATIVES)) {
+        let (_folder, sources) = sources(config);
+        let text = std::fs::read_to_string(&sources.all).expect("text");
+        assert!(!text.contains("lint_off") && !text.contains("verilator"), "a waiver");
+        sources.lint().unwrap_or_else(|fault| panic!("{config}: {fault}"));
     }
 }
 
-/// The same of the files that `generate` writes, as its list names them.
+/// Verilator, which finds the most, for all of Table VI.
+#[test]
+fn all_of_table_vi_is_clean() {
+    for config in table_vi() {
+        let (_folder, sources) = sources(config);
+        lint_verilator(&sources.files, "raypath", &[]).unwrap_or_else(|fault| panic!("{config}: {fault}"));
+    }
+}
+
+fn table_vi() -> Vec<Config> {
+    let mut all = Vec::new();
+    for &io in Encoding::ALL {
+        for &registers in Encoding::ALL {
+            for &lanes in Lanes::ALL {
+                all.push(Config { io, registers, lanes, ..Config::DEFAULT });
+            }
+        }
+    }
+    assert_eq!(all.len(), 28);
+    all
+}
+
+fn distinct(configs: impl Iterator<Item = Config>) -> Vec<Config> {
+    let mut distinct = Vec::new();
+    for config in configs {
+        if !distinct.contains(&config) {
+            distinct.push(config);
+        }
+    }
+    distinct
+}
+
+fn sources(config: Config) -> (tempfile::TempDir, Sources) {
+    let datapath = Datapath::new(config).expect("a datapath");
+    let folder = tempfile::tempdir().expect("a folder");
+    let sources = Sources::write(datapath.top(), folder.path()).expect("sources");
+    (folder, sources)
+}
+
+/// All three of the files that `generate` writes, as its list names them.
 #[test]
 fn what_generate_writes_is_clean() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -5,3 +5,4 @@ mod lint;
 #[path = "../recorded/mod.rs"]
 mod recorded;
 mod replay;
+mod representatives;

@@ -2,10 +2,13 @@
 
 use crate::frames::{Answers, Cycle, Stimulus};
 use crate::recorded::golden;
+use crate::representatives::REPRESENTATIVES;
+use raypath::engine::{PortEncoding, shape};
 use raypath::hdl::Module;
 use raypath::jobs::random;
-use raypath::model::Functional;
-use raypath::ops::{Job, JobKind, Outcome, Rules};
+use raypath::model::{Functional, Model, OnPorts};
+use raypath::models::{Visitor, with_model};
+use raypath::ops::{Job, Outcome, Rules};
 use raypath::rtl::{Config, Datapath, Lanes};
 use raypath::traffic::{Traffic, interleave};
 use raypath_cosim::Verilated;
@@ -18,13 +21,14 @@ fn build(config: Config) -> (tempfile::TempDir, Datapath, Verilated) {
 }
 
 /// Runs cycles in Verilator and gives the number of those that differ from the model's.
-fn faults(verilated: &Verilated, top: &Module, cycles: &[Cycle]) -> usize {
+fn faults(verilated: &Verilated, top: &Module, cycles: Vec<Cycle<impl OnPorts>>) -> usize {
+    let (inputs, expected): (Vec<_>, Vec<_>) = cycles.into_iter().map(|cycle| (cycle.inputs, cycle.expected)).unzip();
     let mut faults = 0;
     let mut seen = 0;
     verilated
-        .run(cycles.iter().map(|cycle| cycle.inputs.clone()), |index, values| {
+        .run(inputs, |index, values| {
             seen += 1;
-            if let Some(fault) = cycles[index].expected.as_ref().and_then(|expected| expected.fault(top, values)) {
+            if let Some(fault) = expected[index].as_ref().and_then(|expected| expected.fault(top, values)) {
                 faults += 1;
                 if faults <= 3 {
                     eprintln!("cycle {index}: {fault}");
@@ -32,16 +36,23 @@ fn faults(verilated: &Verilated, top: &Module, cycles: &[Cycle]) -> usize {
             }
         })
         .expect("a simulation");
-    assert_eq!(seen, cycles.len());
+    assert_eq!(seen, expected.len());
     faults
 }
 
 /// The golden vectors: in the recorded order without stalls, with stalls and bubbles, and with the modes interleaved.
 #[test]
 fn golden_vectors() {
-    let (_folder, datapath, verilated) = build(Config { rules: Rules::Chisel, ..Config::DEFAULT });
+    let config = Config { rules: Rules::Chisel, ..Config::DEFAULT };
+    let (_folder, datapath, verilated) = build(config);
     let recorded = golden();
     let mixed = interleave(recorded.clone(), 11);
+    let faults_of = |jobs: &[Job], outcomes: &[Outcome], traffic: Traffic| {
+        let (shape, encoding) = (shape(config, &datapath), PortEncoding::of(config));
+        let answers: Answers<'_, Functional> = Answers::Recorded(outcomes);
+        let stimulus = Stimulus { shape, encoding, jobs, answers, traffic, resets: vec![] };
+        faults(&verilated, datapath.top(), stimulus.cycles(datapath.top()))
+    };
     for (stream, traffic) in [
         (&recorded, Traffic::always()),
         (&recorded, Traffic::random(12)),
@@ -50,9 +61,7 @@ fn golden_vectors() {
     ] {
         let jobs: Vec<Job> = stream.iter().map(|transaction| transaction.job).collect();
         let outcomes: Vec<Outcome> = stream.iter().map(|transaction| transaction.expected).collect();
-        let answers = Answers::Recorded(&outcomes);
-        let cycles = Stimulus { jobs: &jobs, answers, traffic, resets: vec![] }.cycles(datapath.top());
-        assert_eq!(faults(&verilated, datapath.top(), &cycles), 0);
+        assert_eq!(faults_of(&jobs, &outcomes, traffic), 0);
     }
     // The comparison can fail: one wrong bit in the record is found.
     let jobs: Vec<Job> = recorded[..100].iter().map(|transaction| transaction.job).collect();
@@ -61,31 +70,55 @@ fn golden_vectors() {
     outcomes[60] = Outcome::from_ports(outcomes[60].kind(), |name| {
         ports.iter().find(|port| port.name == name).map_or(0, |port| port.bits) ^ 1
     });
-    let answers = Answers::Recorded(&outcomes);
-    let cycles = Stimulus { jobs: &jobs, answers, traffic: Traffic::always(), resets: vec![] }.cycles(datapath.top());
-    assert_eq!(faults(&verilated, datapath.top(), &cycles), 1);
+    assert_eq!(faults_of(&jobs, &outcomes, Traffic::always()), 1);
 }
 
 /// Random jobs of all modes under the rules `paper`, with resets at any moment, against the models.
 #[test]
 fn random_jobs_and_resets() {
-    random_campaign(Lanes::Sixteen, &JobKind::ALL);
+    random_campaign(Config::DEFAULT);
 }
 
 /// The same without distance modes.
 #[test]
 fn random_jobs_and_resets_without_distance_modes() {
-    random_campaign(Lanes::None, &[JobKind::Triangle, JobKind::Quadbox]);
+    random_campaign(Config { lanes: Lanes::None, ..Config::DEFAULT });
 }
 
-fn random_campaign(lanes: Lanes, kinds: &[JobKind]) {
-    let (_folder, datapath, verilated) = build(Config { lanes, ..Config::DEFAULT });
-    let jobs: Vec<Job> = random(21, kinds).take(20_000).collect();
-    for seed in 0..2 {
-        let resets = (0..40).map(|n| 500 + n * 997 + n * n).collect();
-        let answers = Answers::Model(Functional::new(Rules::Paper));
-        let stimulus = Stimulus { jobs: &jobs, answers, traffic: Traffic::random(seed), resets };
-        let cycles = stimulus.cycles(datapath.top());
-        assert_eq!(faults(&verilated, datapath.top(), &cycles), 0, "seed {seed}");
+/// And every value of every other parameter.
+#[test]
+fn random_jobs_and_resets_in_other_configurations() {
+    REPRESENTATIVES.into_iter().for_each(random_campaign);
+}
+
+fn random_campaign(config: Config) {
+    let (_folder, datapath, verilated) = build(config);
+    with_model(config, Campaign { config, datapath: &datapath, verilated: &verilated });
+}
+
+struct Campaign<'d> {
+    config: Config,
+    datapath: &'d Datapath,
+    verilated: &'d Verilated,
+}
+
+impl Visitor for Campaign<'_> {
+    type Answer = ();
+
+    fn visit<M: Model>(self, model: M) {
+        let Self { config, datapath, verilated } = self;
+        let jobs: Vec<M::Job> = random(&model, config.format, 21, config.kinds()).take(20_000).collect();
+        for seed in 0..2 {
+            let stimulus = Stimulus {
+                shape: shape(config, datapath),
+                encoding: PortEncoding::of(config),
+                jobs: &jobs,
+                answers: Answers::Model(model.clone()),
+                traffic: Traffic::random(seed),
+                resets: (0..40).map(|n| 500 + n * 997 + n * n).collect(),
+            };
+            let cycles = stimulus.cycles(datapath.top());
+            assert_eq!(faults(verilated, datapath.top(), cycles), 0, "{config}, seed {seed}");
+        }
     }
 }

@@ -1,0 +1,79 @@
+//! A combinational unit as one module, or as a chain of modules with registers to come between them.
+//!
+//! The unit is described once. At every place where it may be divided it says so, and which values go on from there;
+//! where nobody asked for that division, the values go on as they are. So whole and parts cannot differ in what they
+//! compute. Values that are not handed over at a cut are left behind: to use one later is an error when the part is
+//! finished.
+
+use raypath_hdl::{Builder, Error, Module, Wire};
+use std::sync::Arc;
+
+/// The parts of a unit under construction.
+pub(crate) struct Parts<'m> {
+    builders: &'m [Builder],
+    /// The place of the part that is described now.
+    current: usize,
+}
+
+impl<'m> Parts<'m> {
+    /// Has a unit described and gives its parts in order: the module `name` if `count` is 1, else the modules
+    /// `<name>_part_1_of_<count>` and so on. `doc` becomes the head comment. An error where the description has no cuts
+    /// for this count.
+    pub fn build(
+        name: &str,
+        doc: &str,
+        count: u32,
+        describe: impl for<'b> FnOnce(&mut Parts<'b>),
+    ) -> Result<Vec<Arc<Module>>, Error> {
+        let builders: Vec<Builder> = (1..=count).map(|part| begin(name, doc, part, count)).collect();
+        let undivided = || Error::Name {
+            module: name.to_string(),
+            name: part_name(1, count),
+            problem: "does not exist: the unit has no such division".to_string(),
+        };
+        if builders.is_empty() {
+            return Err(undivided());
+        }
+        let mut parts = Parts { builders: &builders, current: 0 };
+        describe(&mut parts);
+        if parts.current + 1 != builders.len() {
+            return Err(undivided());
+        }
+        builders.into_iter().map(Builder::finish).collect()
+    }
+
+    /// The builder of the part that is described now. Ask again behind a cut.
+    pub fn builder(&self) -> &'m Builder {
+        &self.builders[self.current]
+    }
+
+    /// Ends part `part` of `of`, if there are to be that many, and begins the next: a value of stem `x` leaves by the
+    /// port `x_o` and enters by `x_i`. Gives the values as the description is to go on with.
+    pub fn cut<const N: usize>(&mut self, part: usize, of: usize, values: [(&str, Wire<'m>); N]) -> [Wire<'m>; N] {
+        if of != self.builders.len() || part != self.current + 1 || part == of {
+            return values.map(|(_, wire)| wire);
+        }
+        let (from, to) = (&self.builders[self.current], &self.builders[part]);
+        self.current = part;
+        values.map(|(stem, wire)| {
+            from.output(&format!("{stem}_o"), wire);
+            to.input(&format!("{stem}_i"), wire.width())
+        })
+    }
+}
+
+fn begin(name: &str, doc: &str, part: u32, count: u32) -> Builder {
+    if count == 1 {
+        let m = Builder::new(name);
+        m.doc(doc);
+        return m;
+    }
+    let m = Builder::new(&format!("{name}_{}", part_name(part, count)));
+    m.doc(doc);
+    m.doc(format!("Part {part} of {count}."));
+    m
+}
+
+fn part_name(part: u32, count: u32) -> String {
+    format!("part_{part}_of_{count}")
+}

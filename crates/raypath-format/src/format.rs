@@ -1,0 +1,120 @@
+//! A format by its two widths.
+
+use thiserror::Error;
+
+/// A binary floating-point format in IEEE 754's layout: exponent bits, and significand bits with the hidden bit
+/// included. Prints as `e8s24`; [`Format::name`] is what users call it.
+///
+/// Numbers of a format are its codes: the bits of IEEE 754's layout in the low [`Format::ieee_width`] bits of a `u64`.
+/// What stands above them is ignored where a code is taken, and zero where one is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Format {
+    exponent: u32,
+    significand: u32,
+}
+
+/// Why there is no such format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum FormatError {
+    /// Too few or too many exponent bits.
+    #[error("format with an exponent of {0} bits, expected 3 to 11")]
+    Exponent(u32),
+    /// Too few or too many significand bits.
+    #[error("format with a significand of {significand} bits, expected 3 to {most} where the exponent has {exponent}")]
+    Significand {
+        /// The exponent bits asked for.
+        exponent: u32,
+        /// The significand bits asked for.
+        significand: u32,
+        /// The most that this exponent allows.
+        most: u32,
+    },
+}
+
+impl Format {
+    /// IEEE 754 binary32.
+    pub const BINARY32: Self = Self { exponent: 8, significand: 24 };
+    /// TensorFloat-32: binary32's range in 19 bits.
+    pub const TF32: Self = Self { exponent: 8, significand: 11 };
+    /// bfloat16: the upper half of binary32.
+    pub const BFLOAT16: Self = Self { exponent: 8, significand: 8 };
+    /// IEEE 754 binary16.
+    pub const BINARY16: Self = Self { exponent: 5, significand: 11 };
+
+    /// IEEE 754 binary64, to convert from and to `f64`. It is beyond what [`Format::new`] allows, so it stays inside.
+    pub(crate) const BINARY64: Self = Self { exponent: 11, significand: 53 };
+
+    /// A format of 3 to 11 exponent bits and 3 to 24 significand bits. The significand is bounded by 2^(exponent-2) + 3
+    /// as well: with more, the smallest subnormals would need the recoded exponents that say zero.
+    pub fn new(exponent: u32, significand: u32) -> Result<Self, FormatError> {
+        if !(3..=11).contains(&exponent) {
+            return Err(FormatError::Exponent(exponent));
+        }
+        let most = 24.min((1 << (exponent - 2)) + 3);
+        if !(3..=most).contains(&significand) {
+            return Err(FormatError::Significand { exponent, significand, most });
+        }
+        Ok(Self { exponent, significand })
+    }
+
+    /// Exponent bits in IEEE 754's layout; the recoded format has one more.
+    #[inline]
+    pub fn exponent(self) -> u32 {
+        self.exponent
+    }
+
+    /// Significand bits, hidden bit included.
+    #[inline]
+    pub fn significand(self) -> u32 {
+        self.significand
+    }
+
+    /// Bits of a fraction: the significand without its hidden bit.
+    #[inline]
+    pub fn fraction_width(self) -> u32 {
+        self.significand - 1
+    }
+
+    /// Bits of a number in IEEE 754's layout.
+    #[inline]
+    pub fn ieee_width(self) -> u32 {
+        self.exponent + self.significand
+    }
+
+    /// Bits of a recoded number.
+    #[inline]
+    pub fn recoded_width(self) -> u32 {
+        self.ieee_width() + 1
+    }
+
+    /// The code of +infinity.
+    #[inline]
+    pub fn infinity(self) -> u64 {
+        mask(self.exponent) << self.fraction_width()
+    }
+
+    /// The code of the canonical NaN: no sign, all exponent bits, and of the fraction the top bit alone.
+    #[inline]
+    pub fn nan(self) -> u64 {
+        self.infinity() | 1 << (self.fraction_width() - 1)
+    }
+
+    /// The code of -0: the sign bit.
+    #[inline]
+    pub(crate) fn sign_bit(self) -> u64 {
+        1 << (self.ieee_width() - 1)
+    }
+
+    /// Sign, exponent and fraction of a number whose exponent has `exponent_width` bits.
+    #[inline]
+    pub(crate) fn split(self, number: u64, exponent_width: u32) -> (u64, u64, u64) {
+        let fraction = number & mask(self.fraction_width());
+        let exponent = number >> self.fraction_width() & mask(exponent_width);
+        (number >> (self.fraction_width() + exponent_width) & 1, exponent, fraction)
+    }
+}
+
+#[inline]
+pub(crate) fn mask(bits: u32) -> u64 {
+    (1 << bits) - 1
+}

@@ -1,0 +1,108 @@
+//! binary32 against the host's `f32`.
+
+mod common;
+
+use common::{Operands, cases};
+use raypath_format::Format;
+
+const FORMAT: Format = Format::BINARY32;
+const CASES: u32 = 10_000_000;
+
+#[test]
+fn random_pairs() {
+    let mut operands = Operands::new(FORMAT, 1);
+    let mut seen = Kinds::default();
+    for _ in 0..cases(CASES) {
+        let (a, b) = operands.pair();
+        check(a, b);
+        let (x, y) = (f32::from_bits(a as u32), f32::from_bits(b as u32));
+        seen.sums.count(x + y, f64::from(x) + f64::from(y));
+        seen.products.count(x * y, f64::from(x) * f64::from(y));
+        seen.unordered += u32::from(x.partial_cmp(&y).is_none());
+        seen.equal += u32::from(x == y);
+    }
+    // A generator that misses a kind tests less than it seems to.
+    let Results { zero, subnormal, overflow, tie_down, tie_up } = seen.sums;
+    let least = zero.min(subnormal).min(overflow).min(tie_down).min(tie_up).min(seen.unordered).min(seen.equal);
+    let Results { zero, subnormal, overflow, tie_down, tie_up } = seen.products;
+    let least = least.min(zero).min(subnormal).min(overflow).min(tie_down).min(tie_up);
+    assert!(least >= cases(CASES) / 5_000, "{seen:?}");
+}
+
+#[test]
+fn every_pair_of_edges() {
+    let fraction = 0x007f_ffff;
+    let exponents = [0, 1, 2, 23, 24, 25, 126, 127, 128, 150, 151, 152, 230, 253, 254, 255];
+    let fractions = [0, 1, 2, fraction / 2, fraction / 2 + 1, fraction / 2 + 2, fraction - 1, fraction];
+    let numbers: Vec<u64> = [0, 1 << 31]
+        .into_iter()
+        .flat_map(|sign| exponents.map(|exponent| sign | exponent << 23))
+        .flat_map(|upper| fractions.map(|fraction| upper | fraction))
+        .collect();
+    for &a in &numbers {
+        numbers.iter().for_each(|&b| check(a, b));
+    }
+}
+
+/// Bits above the format's are ignored, and none are given.
+#[test]
+fn bits_above_the_format() {
+    let mut operands = Operands::new(FORMAT, 2);
+    for _ in 0..cases(100_000) {
+        let (a, b) = operands.pair();
+        let (c, d) = (a | 0xdead_beef << 32, b | 0x1234_5678 << 32);
+        assert_eq!((FORMAT.add(c, d), FORMAT.sub(c, d)), (FORMAT.add(a, b), FORMAT.sub(a, b)));
+        assert_eq!((FORMAT.mul(c, d), FORMAT.neg(c)), (FORMAT.mul(a, b), FORMAT.neg(a)));
+        assert_eq!((FORMAT.compare(c, d), FORMAT.canonical(c)), (FORMAT.compare(a, b), FORMAT.canonical(a)));
+    }
+}
+
+#[derive(Debug, Default)]
+struct Kinds {
+    sums: Results,
+    products: Results,
+    unordered: u32,
+    equal: u32,
+}
+
+/// How many results were of each kind.
+#[derive(Debug, Default)]
+struct Results {
+    zero: u32,
+    subnormal: u32,
+    overflow: u32,
+    tie_down: u32,
+    tie_up: u32,
+}
+
+impl Results {
+    fn count(&mut self, result: f32, exact: f64) {
+        self.zero += u32::from(result == 0.0);
+        self.subnormal += u32::from(result.is_subnormal());
+        self.overflow += u32::from(result.is_infinite() && exact.is_finite());
+        let magnitude = result.abs();
+        let half_way_to = |neighbour: f32| exact.abs() == (f64::from(magnitude) + f64::from(neighbour)) / 2.0;
+        let inexact = result.is_finite() && f64::from(result) != exact;
+        self.tie_down += u32::from(inexact && half_way_to(magnitude.next_up()));
+        self.tie_up += u32::from(inexact && half_way_to(magnitude.next_down()));
+    }
+}
+
+fn check(a: u64, b: u64) {
+    let (x, y) = (f32::from_bits(a as u32), f32::from_bits(b as u32));
+    let operands = || format!("{a:08x} ({x:e}), {b:08x} ({y:e})");
+    assert_eq!(FORMAT.add(a, b), code(x + y), "sum of {}", operands());
+    assert_eq!(FORMAT.sub(a, b), code(x - y), "difference of {}", operands());
+    assert_eq!(FORMAT.mul(a, b), code(x * y), "product of {}", operands());
+    assert_eq!(FORMAT.compare(a, b), x.partial_cmp(&y), "order of {}", operands());
+    assert_eq!(FORMAT.neg(a), code(-x), "negated: {a:08x}");
+    assert_eq!((FORMAT.is_nan(a), FORMAT.is_zero(a)), (x.is_nan(), x == 0.0), "class of {a:08x}");
+    assert_eq!(FORMAT.is_sign_negative(a), x.is_sign_negative(), "sign of {a:08x}");
+    assert_eq!((FORMAT.canonical(a), FORMAT.from_f32(x), FORMAT.from_f64(x.into())), (code(x), code(x), code(x)));
+    assert!(FORMAT.to_f64(a).to_bits() == f64::from(x).to_bits() || x.is_nan() && FORMAT.to_f64(a).is_nan());
+}
+
+/// The bits of a number; one NaN for all.
+fn code(number: f32) -> u64 {
+    if number.is_nan() { 0x7fc0_0000 } else { number.to_bits().into() }
+}

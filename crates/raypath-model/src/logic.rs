@@ -1,0 +1,50 @@
+//! Bits and words of circuits whose values are known.
+
+/// What a [`Circuit`](raypath_ops::Circuit) implements for bits that are `bool` and words that are `u32`, and its
+/// multiplexers.
+macro_rules! known_bits_and_words {
+    () => {
+        #[inline]
+        fn constant_bit(self, value: bool) -> bool {
+            value
+        }
+        #[inline]
+        fn and(self, a: bool, b: bool) -> bool {
+            a & b
+        }
+        #[inline]
+        fn or(self, a: bool, b: bool) -> bool {
+            a | b
+        }
+        #[inline]
+        fn not(self, a: bool) -> bool {
+            !a
+        }
+        #[inline]
+        fn constant_word(self, _width: u32, value: u32) -> u32 {
+            value
+        }
+        #[inline]
+        fn word_equal(self, a: u32, b: u32) -> bool {
+            a == b
+        }
+        #[inline]
+        fn word_less(self, a: u32, b: u32) -> bool {
+            a < b
+        }
+        #[inline]
+        fn select_num(self, condition: bool, if_true: Self::Num, if_false: Self::Num) -> Self::Num {
+            if condition { if_true } else { if_false }
+        }
+        #[inline]
+        fn select_bit(self, condition: bool, if_true: bool, if_false: bool) -> bool {
+            if condition { if_true } else { if_false }
+        }
+        #[inline]
+        fn select_word(self, condition: bool, if_true: u32, if_false: u32) -> u32 {
+            if condition { if_true } else { if_false }
+        }
+    };
+}
+
+pub(crate) use known_bits_and_words;

@@ -1,0 +1,87 @@
+use crate::logic::known_bits_and_words;
+use raypath_format::Format;
+use raypath_ops::{Circuit, Concrete, Relation, Test};
+use std::cmp::Ordering;
+
+/// Numbers of any format, computed in software: over it the operations are the golden model of a datapath in that
+/// format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Soft {
+    /// The format.
+    pub format: Format,
+}
+
+/// A number of a [`Soft`] circuit: its code in IEEE 754's layout. Equal where the bits are equal; a NaN that the circuit
+/// computed is the canonical one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SoftNumber(pub u64);
+
+impl Circuit for Soft {
+    type Num = SoftNumber;
+    type Bit = bool;
+    type Word = u32;
+    type Order = Option<Ordering>;
+
+    #[inline]
+    fn constant(self, value: f32) -> SoftNumber {
+        SoftNumber(self.format.from_f32(value))
+    }
+    #[inline]
+    fn add(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {
+        SoftNumber(self.format.add(a.0, b.0))
+    }
+    #[inline]
+    fn subtract(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {
+        SoftNumber(self.format.sub(a.0, b.0))
+    }
+    #[inline]
+    fn multiply(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {
+        SoftNumber(self.format.mul(a.0, b.0))
+    }
+    #[inline]
+    fn negate(self, a: SoftNumber) -> SoftNumber {
+        SoftNumber(self.format.neg(a.0))
+    }
+    #[inline]
+    fn compare(self, a: SoftNumber, b: SoftNumber) -> Option<Ordering> {
+        self.format.compare(a.0, b.0)
+    }
+    #[inline]
+    fn relation(self, order: Option<Ordering>, relation: Relation) -> bool {
+        order.is_some_and(match relation {
+            Relation::Less => Ordering::is_lt,
+            Relation::LessOrEqual => Ordering::is_le,
+            Relation::Equal => Ordering::is_eq,
+            Relation::GreaterOrEqual => Ordering::is_ge,
+            Relation::Greater => Ordering::is_gt,
+        })
+    }
+    #[inline]
+    fn test(self, test: Test, a: SoftNumber) -> bool {
+        let against_zero = |relation| self.relation(self.compare(a, SoftNumber(0)), relation);
+        match test {
+            Test::SignBit => self.format.is_sign_negative(a.0),
+            Test::Zero => self.format.is_zero(a.0),
+            Test::Nan => self.format.is_nan(a.0),
+            Test::AtLeastZero => against_zero(Relation::GreaterOrEqual),
+            Test::AboveZero => against_zero(Relation::Greater),
+        }
+    }
+
+    known_bits_and_words!();
+}
+
+impl Concrete for Soft {
+    #[inline]
+    fn number(self, ieee_bits: u64) -> SoftNumber {
+        SoftNumber(ieee_bits & (u64::MAX >> (64 - self.format.ieee_width())))
+    }
+    #[inline]
+    fn bits(self, number: SoftNumber) -> u64 {
+        self.format.canonical(number.0)
+    }
+    #[inline]
+    fn raw_bits(self, number: SoftNumber) -> u64 {
+        number.0
+    }
+}

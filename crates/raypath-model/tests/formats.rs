@@ -1,0 +1,238 @@
+//! The operations over software numbers and over binary64, against the same operations over the machine's binary32:
+//! bit for bit in binary32, and in every format where nothing is rounded.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use raypath_format::Format;
+use raypath_model::{Binary64, Functional, Soft};
+use raypath_ops::{
+    Aabb, Binary32, Circuit, Concrete, Job, JobKind, Outcome, PortKind, PortValue, Ray, RayBoxInput, RayTriangleInput,
+    Relation, Rules, Test, Triangle,
+};
+
+const EDGES: [u32; 16] = [
+    0x0000_0000, // 0
+    0x8000_0000, // -0
+    0x0000_0001, // smallest subnormal
+    0x807f_ffff, // largest subnormal, negative
+    0x0080_0000, // smallest normal
+    0x3f80_0000, // 1
+    0xbf80_0000, // -1
+    0x3f80_0001, // 1 and an ulp
+    0x4000_0000, // 2
+    0x1a80_0000, // 2^-74: its square is subnormal
+    0x5f80_0000, // 2^64: its square overflows
+    0x7f7f_ffff, // largest
+    0x7f80_0000, // infinity
+    0xff80_0000, // -infinity
+    0x7fc0_0000, // NaN
+    0xffc0_1234, // NaN with sign and payload
+];
+
+/// Every method that looks at values, on pairs of edges.
+#[test]
+fn circuits_agree() {
+    agree(Soft { format: Format::BINARY32 }, |number| number.to_bits().into());
+    agree(Binary64, |number| f64::from(number).to_bits());
+}
+
+fn agree<C: Concrete>(circuit: C, code: impl Fn(f32) -> u64) {
+    let host = Binary32;
+    let relations =
+        [Relation::Less, Relation::LessOrEqual, Relation::Equal, Relation::GreaterOrEqual, Relation::Greater];
+    let tests = [Test::SignBit, Test::Zero, Test::Nan, Test::AtLeastZero, Test::AboveZero];
+    for a in EDGES {
+        let (x, a) = (f32::from_bits(a), host.number(a.into()));
+        let own = circuit.number(code(x));
+        assert_eq!((circuit.raw_bits(own), circuit.bits(own)), (code(x), canonical(code(x), circuit)));
+        assert_eq!(circuit.bits(circuit.negate(own)), canonical(code(-x), circuit), "{x:e} negated");
+        for test in tests {
+            assert_eq!(circuit.test(test, own), host.test(test, a), "{test:?} of {x:e}");
+        }
+        for b in EDGES {
+            let (y, b) = (f32::from_bits(b), host.number(b.into()));
+            let order = circuit.compare(own, circuit.number(code(y)));
+            for relation in relations {
+                let expected = host.relation(host.compare(a, b), relation);
+                assert_eq!(circuit.relation(order, relation), expected, "{relation:?}: {x:e}, {y:e}");
+            }
+        }
+    }
+    for (a, b) in [(0, 0), (0, 1), (1, 0), (3, 3), (2, 3), (3, 2)] {
+        assert_eq!(circuit.word_equal(a, b), host.word_equal(a, b), "{a} = {b}");
+        assert_eq!(circuit.word_less(a, b), host.word_less(a, b), "{a} < {b}");
+    }
+    for constant in [0.0, f32::INFINITY] {
+        assert_eq!(circuit.bits(circuit.constant(constant)), code(constant));
+    }
+}
+
+/// The code that the circuit's own infinity minus itself has, where `code` is a NaN.
+fn canonical<C: Concrete>(code: u64, circuit: C) -> u64 {
+    let infinity = circuit.constant(f32::INFINITY);
+    let is_nan = circuit.test(Test::Nan, circuit.number(code));
+    if is_nan { circuit.bits(circuit.subtract(infinity, infinity)) } else { code }
+}
+
+#[test]
+fn soft_binary32_is_binary32() {
+    const JOBS: usize = 200_000;
+    let soft = Soft { format: Format::BINARY32 };
+    for rules in [Rules::Paper, Rules::Chisel] {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let (mut host, mut in_software) = (Functional::<16, 8>::new(rules), Functional::<16, 8, _>::over(soft, rules));
+        let mut seen = Seen::default();
+        for _ in 0..JOBS {
+            let job = job(&mut rng);
+            let inputs = job.ports();
+            let mut input = in_order(&inputs);
+            let same = Job::from_ports_in(soft, job.kind(), |name| input(name).bits);
+            let expected = host.run(&job);
+            assert_eq!(in_software.run(&same).ports(), expected.ports(), "{job:?}");
+            seen.count(&expected);
+        }
+        // Answers of one kind would prove little.
+        assert!(seen.fewest() >= JOBS / 1000, "{seen:?}");
+    }
+}
+
+/// Zeros, ones, infinities and NaNs: all that the operations make of them is in every one of these formats.
+#[test]
+fn where_nothing_is_rounded_all_formats_agree() {
+    let widest = Format::new(11, 24).expect("a format");
+    for rules in [Rules::Paper, Rules::Chisel] {
+        for format in [Format::TF32, Format::BFLOAT16, Format::BINARY16, widest] {
+            agree_exactly(Soft { format }, rules, |number| format.from_f32(number), |code| format.to_f64(code));
+        }
+        agree_exactly(Binary64, rules, |number| f64::from(number).to_bits(), f64::from_bits);
+    }
+}
+
+fn agree_exactly<C: Concrete>(circuit: C, rules: Rules, code: impl Fn(f32) -> u64, number: impl Fn(u64) -> f64) {
+    const JOBS: usize = 20_000;
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let (mut host, mut other) = (Functional::<16, 8>::new(rules), Functional::<16, 8, _>::over(circuit, rules));
+    let mut seen = Seen::default();
+    for _ in 0..JOBS {
+        let kind = JobKind::ALL[rng.random_range(0..4)];
+        let specials = [0.0, 0.1][rng.random_range(0..2)];
+        let along_z = rng.random_bool(0.5);
+        let job: Job = Job::from_ports(kind, |port| match port {
+            "ray_kx" if along_z => 0,
+            "ray_ky" if along_z => 1,
+            "ray_kz" if along_z => 2,
+            "ray_kx" | "ray_ky" | "ray_kz" | "euclidean_mask" => rng.random(),
+            "euclidean_reset_accum" => 1,
+            port if port.starts_with("ray_origin") => 0,
+            "ray_shear_x" | "ray_shear_y" if along_z => 0,
+            _ if rng.random_bool(specials) => EDGES[rng.random_range(12..16)].into(),
+            _ => [0.0, -0.0, 1.0, -1.0_f32][rng.random_range(0..4)].to_bits().into(),
+        });
+        let inputs = job.ports();
+        let mut input = in_order(&inputs);
+        let same = Job::from_ports_in(circuit, kind, |name| match input(name) {
+            PortValue { kind: PortKind::Number, bits, .. } => code(f32::from_bits(*bits as u32)),
+            port => port.bits,
+        });
+        let expected = host.run(&job);
+        let widened = values(&expected, |bits| f32::from_bits(bits as u32).into());
+        assert_eq!(values(&other.run(&same), &number), widened, "{circuit:?}: {job:?}");
+        seen.count(&expected);
+    }
+    let Seen { box_hits, box_misses, triangle_hits, triangle_misses, nans, infinities, .. } = seen;
+    let fewest = [box_hits, box_misses, triangle_hits, triangle_misses, nans, infinities].into_iter().min();
+    assert!(fewest >= Some(JOBS / 1000), "{seen:?}");
+}
+
+/// Ports are asked for in the order in which they are listed; flags are asked for bit by bit.
+fn in_order<'p>(ports: &'p [PortValue]) -> impl FnMut(&str) -> &'p PortValue {
+    let mut place = 0;
+    move |name| {
+        while ports[place].name != name {
+            place += 1;
+        }
+        &ports[place]
+    }
+}
+
+/// An outcome's ports, its numbers widened; one NaN for all.
+fn values<C: Concrete>(outcome: &Outcome<C>, number: impl Fn(u64) -> f64) -> Vec<(String, u64)> {
+    let bits = |port: &PortValue| match port.kind {
+        PortKind::Number if number(port.bits).is_nan() => f64::NAN.to_bits(),
+        PortKind::Number => number(port.bits).to_bits(),
+        PortKind::Flags | PortKind::Word => port.bits,
+    };
+    outcome.ports().into_iter().map(|port| (port.name.clone(), bits(&port))).collect()
+}
+
+/// A ray aimed at boxes or a triangle, or ports drawn one by one, many of them from the edges.
+fn job(rng: &mut ChaCha8Rng) -> Job {
+    let kind = JobKind::ALL[rng.random_range(0..4)];
+    let mut point = |reach: f32| -> [f32; 3] { std::array::from_fn(|_| rng.random_range(-reach..reach)) };
+    let (origin, a, b, c) = (point(4.0), point(1.0), point(1.0), point(1.0));
+    let boxes: [[f32; 3]; 8] = std::array::from_fn(|_| point(1.0));
+    let direction = std::array::from_fn(|axis| (a[axis] + b[axis] + c[axis]) / 3.0 - origin[axis]);
+    match (kind, Ray::new(origin, direction, 2.0)) {
+        (JobKind::Triangle, Ok(ray)) if rng.random() => {
+            Job::Triangle(RayTriangleInput { ray, triangle: Triangle::new(a, b, c) })
+        }
+        (JobKind::Quadbox, Ok(ray)) if rng.random() => {
+            let corners = |i: usize| {
+                let (p, q) = (boxes[2 * i], boxes[2 * i + 1]);
+                Aabb::new(std::array::from_fn(|k| p[k].min(q[k])), std::array::from_fn(|k| p[k].max(q[k])))
+            };
+            Job::Quadbox(RayBoxInput { ray, aabb: std::array::from_fn(corners) })
+        }
+        _ => {
+            let edges = [0.01, 0.1, 0.5][rng.random_range(0..3)];
+            Job::from_ports(kind, |port| match port {
+                "ray_kx" | "ray_ky" | "ray_kz" => rng.random_range(0..4),
+                "euclidean_reset_accum" => rng.random_bool(0.3).into(),
+                _ if rng.random_bool(edges) => EDGES[rng.random_range(0..EDGES.len())].into(),
+                _ if rng.random_bool(0.05) => rng.random(),
+                _ => rng.random_range(-1.0_f32..1.0).to_bits().into(),
+            })
+        }
+    }
+}
+
+/// How many answers were of each kind.
+#[derive(Debug, Default)]
+struct Seen {
+    box_hits: usize,
+    box_misses: usize,
+    triangle_hits: usize,
+    triangle_misses: usize,
+    nans: usize,
+    infinities: usize,
+    subnormals: usize,
+}
+
+impl Seen {
+    fn count(&mut self, outcome: &Outcome) {
+        match outcome {
+            Outcome::Quadbox(output) => {
+                let hits = output.is_intersect.to_array().into_iter().filter(|hit| *hit).count();
+                self.box_hits += hits;
+                self.box_misses += 4 - hits;
+            }
+            Outcome::Triangle(output) if output.triangle_hit.into() => self.triangle_hits += 1,
+            Outcome::Triangle(_) => self.triangle_misses += 1,
+            Outcome::Euclidean(_) | Outcome::Angular(_) => {}
+        }
+        if outcome.kind() != JobKind::Quadbox {
+            for port in outcome.ports().iter().filter(|port| port.kind == PortKind::Number) {
+                let number = f32::from_bits(port.bits as u32);
+                self.nans += usize::from(number.is_nan());
+                self.infinities += usize::from(number.is_infinite());
+                self.subnormals += usize::from(number.is_subnormal());
+            }
+        }
+    }
+
+    fn fewest(&self) -> usize {
+        let Self { box_hits, box_misses, triangle_hits, triangle_misses, nans, infinities, subnormals } = *self;
+        let counts = [box_hits, box_misses, triangle_hits, triangle_misses, nans, infinities, subnormals];
+        counts.into_iter().min().unwrap_or(0)
+    }
+}

@@ -1,0 +1,59 @@
+//! Credits: how many more jobs may enter a pipeline that cannot stall.
+
+use crate::boundary::OPCODE_WIDTH;
+use raypath_hdl::{Builder, Label, Module};
+use std::sync::Arc;
+
+/// Jobs of one opcode that may not follow each other at once.
+#[derive(Debug, Clone)]
+pub struct Spacing {
+    /// The operation, as a label of its opcode.
+    pub label: Label,
+    /// Its name.
+    pub name: &'static str,
+    /// In how many cycles after one of its jobs no other is let in; at least 1.
+    pub cycles: u32,
+}
+
+/// `raypath_credit`: lets a job in while the exit has a place for it. `credits` is how many places there are.
+pub fn credit(credits: u32, spacings: &[Spacing]) -> Result<Arc<Module>, raypath_hdl::Error> {
+    let m = Builder::new("raypath_credit");
+    m.doc(format!("Lets a job in while one of {credits} credits is left; a job that leaves gives its credit back."));
+    m.doc("ready comes from a flip-flop, so nothing of the sink reaches the source in the same cycle.");
+    let valid = m.input("valid_i", 1);
+    let returned = m.input("returned_i", 1).comment("a job leaves");
+    let opcode = (!spacings.is_empty()).then(|| m.input("opcode_i", OPCODE_WIDTH));
+
+    let width = u32::BITS - credits.leading_zeros();
+    let count = m.register("count_q", width).reset_to(credits.into());
+    let available = m.register("available_q", 1).reset_to(1);
+
+    let mut ready = available.wire();
+    let mut spaced = Vec::new();
+    if let Some(opcode) = opcode {
+        m.section("A unit of several steps in a loop: the next job of its operation has to wait for its result");
+        for spacing in spacings {
+            let recent = m.register(&format!("{}_recent_q", spacing.name), spacing.cycles).reset_to(0);
+            let same = opcode.is(spacing.label.value).named(&format!("is_{}", spacing.name));
+            ready = ready & !(same & recent.wire().any());
+            spaced.push((spacing, recent, same));
+        }
+    }
+    let enters = (valid & ready).named("enters");
+    for (spacing, recent, same) in spaced {
+        let enters = enters & same;
+        recent.next(match spacing.cycles {
+            1 => enters,
+            cycles => m.concat(&[recent.wire().lower(cycles - 1), enters]),
+        });
+    }
+
+    m.section("Count");
+    let more = count.wire() + returned.extend(width) - enters.extend(width);
+    let more = more.named("count_d");
+    count.next(more);
+    available.next(more.any());
+    m.output("ready_o", ready);
+    m.output("valid_o", enters);
+    m.finish()
+}

@@ -1,0 +1,76 @@
+//! Random jobs: rays aimed at things about the origin, and vectors.
+
+use super::host::{HostJob, HostRay, Point, unit};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Dimensions of the vectors whose distances are measured: several beats, so that accumulators count too.
+pub const DIMENSIONS: usize = 64;
+
+/// An endless stream of random jobs, reproducible by seed.
+pub struct RandomJobs(ChaCha8Rng);
+
+impl RandomJobs {
+    pub fn new(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    /// One job of each kind; a distance is as many as its vectors have beats.
+    pub fn round(&mut self) -> Vec<HostJob> {
+        let mut jobs = vec![self.quadbox(), self.triangle()];
+        let (a, b) = (self.vector(), self.vector());
+        jobs.extend(beats(&a, &b, |a, b, last| HostJob::Euclidean { a, b, last }));
+        jobs.extend(beats(&a, &b, |a, b, last| HostJob::Angular { a, b, last }));
+        jobs
+    }
+
+    /// Four boxes, and a ray aimed at a point near their centres.
+    fn quadbox(&mut self) -> HostJob {
+        let target = self.point(1.0);
+        let ray = self.ray_to(target);
+        let boxes = std::array::from_fn(|_| {
+            let (centre, half) = (self.point(1.0), self.point(0.5).map(f64::abs));
+            [std::array::from_fn(|i| centre[i] - half[i]), std::array::from_fn(|i| centre[i] + half[i])]
+        });
+        HostJob::Quadbox { ray, boxes }
+    }
+
+    /// A triangle, and a ray aimed at a point inside or a little outside.
+    fn triangle(&mut self) -> HostJob {
+        let vertices @ [a, b, c] = [self.point(1.0), self.point(1.0), self.point(1.0)];
+        let [u, v, w]: [f64; 3] = std::array::from_fn(|_| self.0.random_range(-0.1..1.0));
+        let target = std::array::from_fn(|i| (u * a[i] + v * b[i] + w * c[i]) / (u + v + w));
+        HostJob::Triangle { ray: self.ray_to(target), vertices }
+    }
+
+    fn ray_to(&mut self, target: Point) -> HostRay {
+        loop {
+            let origin = self.point(4.0);
+            let ray = HostRay::new(origin, unit(std::array::from_fn(|i| target[i] - origin[i])));
+            // An origin that is no way from the target is no ray; others will do.
+            if let Some(ray) = ray {
+                return ray;
+            }
+        }
+    }
+
+    fn point(&mut self, reach: f64) -> Point {
+        std::array::from_fn(|_| self.0.random_range(-reach..reach))
+    }
+
+    fn vector(&mut self) -> [f64; DIMENSIONS] {
+        std::array::from_fn(|_| self.0.random_range(-1.0..1.0))
+    }
+}
+
+/// The beats of two vectors, `N` lanes each.
+fn beats<const N: usize>(
+    a: &[f64; DIMENSIONS],
+    b: &[f64; DIMENSIONS],
+    beat: impl Fn([f64; N], [f64; N], bool) -> HostJob,
+) -> impl Iterator<Item = HostJob> {
+    const { assert!(DIMENSIONS.is_multiple_of(N), "vectors are whole beats") };
+    let lanes = |vector: &[f64; DIMENSIONS], first: usize| std::array::from_fn(|lane| vector[first + lane]);
+    let last = DIMENSIONS - N;
+    (0..DIMENSIONS).step_by(N).map(move |first| beat(lanes(a, first), lanes(b, first), first == last))
+}

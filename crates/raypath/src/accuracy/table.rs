@@ -1,0 +1,43 @@
+use super::{Quantiles, Row};
+use crate::tables::new_table;
+
+/// The rows as a table in Markdown. Columns `a` are against binary64 on the rounded inputs, columns `b` against binary64
+/// on the inputs as they were.
+pub fn table(rows: &[Row]) -> String {
+    let mut table = new_table();
+    let mut header = ["format", "result", "compared", "hits"].map(String::from).to_vec();
+    for reference in ["a", "b"] {
+        header.extend(["differ", "50 %", "99 %", "max"].map(|column| format!("{reference} {column}")));
+    }
+    header.push("no number".to_string());
+    table.set_header(header);
+    for row in rows {
+        let hits_only = |cell: String| if row.quantity.may_miss() { cell } else { String::new() };
+        let mut cells = vec![row.format.name(), row.quantity.to_string(), row.on_original.results.to_string()];
+        cells.push(hits_only(row.on_original.hits.to_string()));
+        for errors in [&row.on_rounded, &row.on_original] {
+            cells.push(hits_only(share(errors.disagreements, errors.hits)));
+            cells.extend(match errors.quantiles() {
+                Some(Quantiles { median, percentile_99, max }) => [median, percentile_99, max].map(ulps),
+                None => Default::default(),
+            });
+        }
+        cells.push(row.on_original.not_finite.to_string());
+        table.add_row(cells);
+    }
+    table.to_string()
+}
+
+/// `3, 0.12 %`; nothing, or a part of nothing, has no share.
+fn share(count: usize, of: usize) -> String {
+    if count == 0 || of == 0 {
+        count.to_string()
+    } else {
+        format!("{count}, {:.2} %", 100.0 * count as f64 / of as f64)
+    }
+}
+
+/// Errors of more than a thousand ulps need no decimals.
+fn ulps(error: f64) -> String {
+    if error < 1000.0 { format!("{error:.2}") } else { format!("{error:.1e}") }
+}

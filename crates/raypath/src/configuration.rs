@@ -1,0 +1,157 @@
+//! Configurations in files: TOML whose keys are the command line's options (`docs/configurations.md`).
+
+use raypath_rtl::{Config, Preset};
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use thiserror::Error;
+use toml::de::{DeTable, DeValue};
+
+/// Why a file is no configuration.
+#[derive(Debug, Error)]
+pub enum ConfigurationError {
+    /// The file cannot be read.
+    #[error("{}: {problem}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        problem: std::io::Error,
+    },
+    /// It is no TOML.
+    #[error("{}:{line}: '{text}': {problem}; expected lines like lanes = 16 or rules = \"paper\"", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is there.
+        text: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A key that is no parameter.
+    #[error("{}:{line}: '{key}' is no parameter, expected {KEYS}", path.display())]
+    UnknownKey {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The key.
+        key: String,
+    },
+    /// A value that the parameter does not have.
+    #[error("{}:{line}: {key}: {problem}", path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The parameter.
+        key: String,
+        /// Names the value and says what was expected.
+        problem: String,
+    },
+}
+
+const KEYS: &str = "preset, lanes, rules, format, io, registers, control, sharing or unit-latency";
+
+/// Reads a configuration from a file. What the file does not say is as in its `preset`, or as in the default.
+///
+/// ```no_run
+/// let config = raypath::configuration::read("small.toml".as_ref())?;
+/// let datapath = raypath::rtl::Datapath::new(config)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// A file that cannot be read or is no TOML, a key that is no parameter, a value that its parameter does not have.
+pub fn read(path: &Path) -> Result<Config, ConfigurationError> {
+    let text =
+        fs::read_to_string(path).map_err(|problem| ConfigurationError::File { path: path.to_path_buf(), problem })?;
+    File { path, text: &text }.config()
+}
+
+struct File<'f> {
+    path: &'f Path,
+    text: &'f str,
+}
+
+/// A key, its value as text, and where it stands.
+struct Entry {
+    key: String,
+    value: String,
+    line: usize,
+}
+
+impl File<'_> {
+    fn config(&self) -> Result<Config, ConfigurationError> {
+        let entries = self.entries()?;
+        let (presets, parameters): (Vec<Entry>, Vec<Entry>) =
+            entries.into_iter().partition(|entry| entry.key == "preset");
+        let mut config = Config::DEFAULT;
+        for entry in &presets {
+            config = self.value::<Preset>(entry)?.config;
+        }
+        for entry in &parameters {
+            match entry.key.as_str() {
+                "lanes" => config.lanes = self.value(entry)?,
+                "rules" => config.rules = self.value(entry)?,
+                "format" => config.format = self.value(entry)?,
+                "io" => config.io = self.value(entry)?,
+                "registers" => config.registers = self.value(entry)?,
+                "control" => config.control = self.value(entry)?,
+                "sharing" => config.sharing = self.value(entry)?,
+                "unit-latency" => config.unit_latency = self.value(entry)?,
+                _ => {
+                    let (path, line, key) = (self.path.to_path_buf(), entry.line, entry.key.clone());
+                    return Err(ConfigurationError::UnknownKey { path, line, key });
+                }
+            }
+        }
+        Ok(config)
+    }
+
+    /// In the order of the file.
+    fn entries(&self) -> Result<Vec<Entry>, ConfigurationError> {
+        let table = DeTable::parse(self.text).map_err(|error| {
+            let line = self.line(error.span().unwrap_or_default());
+            let text = self.text.lines().nth(line - 1).unwrap_or_default().trim().to_string();
+            let problem = error.message().to_string();
+            ConfigurationError::Syntax { path: self.path.to_path_buf(), line, text, problem }
+        })?;
+        let mut entries: Vec<Entry> = table
+            .get_ref()
+            .iter()
+            .map(|(key, value)| Entry {
+                key: key.get_ref().to_string(),
+                value: self.in_words(value.get_ref(), value.span()),
+                line: self.line(key.span()),
+            })
+            .collect();
+        entries.sort_by_key(|entry| entry.line);
+        Ok(entries)
+    }
+
+    /// A string without its quotes; other values as they are written, of long ones the first line.
+    fn in_words(&self, value: &DeValue<'_>, span: Range<usize>) -> String {
+        match value {
+            DeValue::String(text) => text.to_string(),
+            _ => self.text.get(span).and_then(|text| text.lines().next()).unwrap_or_default().to_string(),
+        }
+    }
+
+    fn value<T: FromStr<Err: ToString>>(&self, entry: &Entry) -> Result<T, ConfigurationError> {
+        entry.value.parse().map_err(|problem: T::Err| ConfigurationError::Value {
+            path: self.path.to_path_buf(),
+            line: entry.line,
+            key: entry.key.clone(),
+            problem: problem.to_string(),
+        })
+    }
+
+    fn line(&self, span: Range<usize>) -> usize {
+        1 + self.text.bytes().take(span.start).filter(|&byte| byte == b'\n').count()
+    }
+}

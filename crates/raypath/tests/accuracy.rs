@@ -1,0 +1,176 @@
+//! What a format costs: errors counted by hand, bounds that rounding obeys, and what must not change a result.
+
+use raypath::accuracy::{Accuracy, Errors, Quantiles, Quantity, RAYS, Row};
+use raypath::format::Format;
+use raypath::ops::Rules;
+use std::process::Command;
+use std::sync::OnceLock;
+
+const FP32: Accuracy = Accuracy { format: Format::BINARY32, rules: Rules::Paper, scale: 1.0 };
+
+#[test]
+fn errors_are_counted_in_ulps_of_the_format() {
+    let mut errors = Errors::default();
+    assert_eq!(errors.quantiles(), None);
+    // An ulp of binary16 is 2^-10 from 1 on, half of that below, and 2^-24 about zero.
+    let half = Format::BINARY16;
+    for step in (0..200).rev() {
+        errors.add(half, Some(1.0 + f64::from(step) / 1024.0), Some(1.0));
+    }
+    assert_eq!(errors.quantiles(), Some(Quantiles { median: 99.0, percentile_99: 197.0, max: 199.0 }));
+    errors.add(half, Some(-0.5), Some(0.75));
+    errors.add(half, Some(0.0), Some(2.0_f64.powi(-14)));
+    let Some(Quantiles { max, .. }) = errors.quantiles() else { panic!("errors") };
+    assert_eq!(max, 2560.0);
+    assert_eq!((errors.results, errors.hits, errors.disagreements, errors.not_finite), (202, 202, 0, 0));
+}
+
+#[test]
+fn hits_misses_and_what_is_no_number() {
+    let mut errors = Errors::default();
+    for (result, reference) in [
+        (Some(1.0), Some(1.0)),
+        (None, Some(1.0)),
+        (Some(1.0), None),
+        (None, None),
+        (Some(f64::NAN), Some(1.0)),
+        (Some(f64::INFINITY), Some(1.0)),
+        (Some(f64::INFINITY), Some(f64::INFINITY)),
+    ] {
+        errors.add(Format::TF32, result, reference);
+    }
+    assert_eq!((errors.results, errors.hits, errors.disagreements, errors.not_finite), (7, 5, 2, 2));
+    assert_eq!(errors.quantiles(), Some(Quantiles { median: 0.0, percentile_99: 0.0, max: 0.0 }));
+}
+
+/// A result of n roundings that nothing cancels is off by at most n ulps and a little; of the same inputs.
+#[test]
+fn errors_obey_their_bounds() {
+    for format in [Format::BINARY32, Format::TF32, Format::BFLOAT16, Format::BINARY16] {
+        let rows = Accuracy { format, ..FP32 }.random_jobs(3, 3_000, || true);
+        // A difference and a product; a difference that counts twice, a square, four levels of a tree and three more
+        // beats; a square, three levels and seven more beats.
+        for (quantity, roundings) in [(Quantity::BoxEntry, 2.0), (Quantity::EuclideanSum, 10.0), (Quantity::Norm, 11.0)]
+        {
+            let Some(Quantiles { median, max, .. }) = of(&rows, quantity).on_rounded.quantiles() else {
+                panic!("errors")
+            };
+            assert!(max <= roundings * 1.05, "{format} {quantity}: {max}");
+            assert!(median > 0.2 && median < max, "{format} {quantity}: {median}");
+        }
+        // Inputs are rounded as well.
+        let entry = of(&rows, Quantity::BoxEntry);
+        let median = |errors: &Errors| errors.quantiles().map(|quantiles| quantiles.median);
+        assert!(median(&entry.on_original) > median(&entry.on_rounded), "{format}");
+    }
+}
+
+/// As long as no number leaves the range, a wider exponent changes nothing.
+#[test]
+fn range_matters_only_at_its_ends() {
+    let wide = |significand| Format::new(11, significand).expect("a format");
+    same(&Accuracy { format: wide(24), ..FP32 }.scene(|| true), fp32_scene());
+    for format in [Format::TF32, Format::BFLOAT16] {
+        let accuracy = |format| Accuracy { format, ..FP32 }.random_jobs(4, 1_000, || true);
+        same(&accuracy(wide(format.significand())), &accuracy(format));
+    }
+    // Squares of 64 dimensions at 64 times the size are beyond 65504.
+    let rows = Accuracy { format: Format::BINARY16, scale: 64.0, ..FP32 }.random_jobs(4, 100, || true);
+    let sums = &of(&rows, Quantity::EuclideanSum).on_original;
+    assert_eq!((sums.results, sums.not_finite, sums.quantiles()), (100, 100, None));
+}
+
+/// A scene of another size by a power of two has all its significands.
+#[test]
+fn scale_by_a_power_of_two_changes_no_error() {
+    let large = Accuracy { scale: 1024.0, ..FP32 };
+    same(&large.scene(|| true), fp32_scene());
+    for scale in [1024.0, 1.0 / 1024.0] {
+        let scaled = Accuracy { scale, ..FP32 };
+        same(&scaled.random_jobs(5, 1_000, || true), &FP32.random_jobs(5, 1_000, || true));
+    }
+}
+
+#[test]
+fn a_scene_is_a_picture() {
+    let rows = fp32_scene();
+    let (boxes, triangles, pixels) =
+        (of(rows, Quantity::BoxEntry), of(rows, Quantity::TriangleDistance), of(rows, Quantity::Pixel));
+    assert_eq!(pixels.on_original.results, RAYS);
+    let (entered, hits, seen) = (boxes.on_original.hits, triangles.on_original.hits, pixels.on_original.hits);
+    assert!(RAYS / 4 < seen && seen <= hits && hits < entered && entered <= triangles.on_original.results);
+    // 24 bits see every pixel as 53 do; 8 do not.
+    assert_eq!(pixels.on_original.disagreements, 0);
+    let rows = Accuracy { format: Format::BFLOAT16, ..FP32 }.scene(|| true);
+    assert!(of(&rows, Quantity::Pixel).on_original.disagreements > 0);
+}
+
+#[test]
+fn whoever_watches_may_stop_it() {
+    let mut left = 10;
+    let mut watch = || {
+        left -= 1;
+        left > 0
+    };
+    let rows = FP32.random_jobs(6, 1_000, &mut watch);
+    assert_eq!(of(&rows, Quantity::Norm).on_original.results, 10);
+    assert_eq!(of(&rows, Quantity::BoxEntry).on_original.results, 40);
+    left = 20;
+    let rows = FP32.scene(|| {
+        left -= 1;
+        left > 0
+    });
+    assert_eq!(of(&rows, Quantity::Pixel).on_original.results, 20);
+}
+
+#[test]
+fn the_command_prints_what_the_document_shows() {
+    let document = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/formats.md"));
+    let document = document.expect("docs/formats.md");
+    for arguments in [&["accuracy"][..], &["accuracy", "--format", "fp16", "--scale", "64"]] {
+        assert!(document.contains(&format!("raypath -- {}\n", arguments.join(" "))), "{arguments:?}");
+        let output = raypath(arguments);
+        assert!(output.status.success());
+        let printed = String::from_utf8(output.stdout).expect("text");
+        assert!(document.contains(&printed), "{arguments:?} prints other than docs/formats.md has:\n{printed}");
+    }
+}
+
+#[test]
+fn wrong_input_is_named() {
+    let cases: [(&[&str], &[&str]); 5] = [
+        (&["--format", "fp16,fp8"], &["'fp8' is no format", "fp32, tf32, bf16, fp16 or eXsY"]),
+        (&["--format", "e4s8"], &["'e4s8'", "significand of 8 bits, expected 3 to 7 where the exponent has 4"]),
+        (&["--scale", "0"], &["'0'", "expected a number from 1e-30 to 1e30"]),
+        (&["--scale", "much"], &["'much'", "expected a number from 1e-30 to 1e30"]),
+        (&["--jobs", "0"], &["'0'", "1..="]),
+    ];
+    for (arguments, words) in cases {
+        let output = raypath(&[&["accuracy"], arguments].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(words.iter().all(|word| said.contains(word)), "{arguments:?}: {said}");
+    }
+}
+
+/// The scene in binary32, measured once.
+fn fp32_scene() -> &'static [Row] {
+    static ROWS: OnceLock<Vec<Row>> = OnceLock::new();
+    ROWS.get_or_init(|| FP32.scene(|| true))
+}
+
+fn raypath(arguments: &[&str]) -> std::process::Output {
+    Command::new(env!("CARGO_BIN_EXE_raypath")).args(arguments).output().expect("the program")
+}
+
+fn of(rows: &[Row], quantity: Quantity) -> &Row {
+    rows.iter().find(|row| row.quantity == quantity).expect("a row")
+}
+
+fn same(found: &[Row], expected: &[Row]) {
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(expected) {
+        assert!(found.on_rounded == expected.on_rounded, "{}, rounded", found.quantity);
+        assert!(found.on_original == expected.on_original, "{}, original", found.quantity);
+    }
+}

@@ -1,0 +1,76 @@
+//! Configurations in TOML: what a file says is what is built, and the table of presets is the only one.
+
+use raypath::configuration::read;
+use raypath::rtl::{Config, Lanes, PRESETS, UnitLatency};
+use std::path::Path;
+
+/// What a file with this text means, or what is wrong with it.
+fn parse(text: &str) -> Result<Config, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("raypath.toml");
+    std::fs::write(&path, text).expect("a file");
+    read(&path).map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
+}
+
+/// The options of the command line, `--lanes 4 --io recoded`, as lines of a file.
+fn lines(options: &str) -> String {
+    let words: Vec<&str> = options.split_whitespace().collect();
+    words.chunks(2).map(|pair| format!("{} = \"{}\"\n", &pair[0][2..], pair[1])).collect()
+}
+
+#[test]
+fn presets_by_name_and_parameter_by_parameter() {
+    assert_eq!(PRESETS[0].config, Config::DEFAULT);
+    for preset in PRESETS {
+        assert_eq!(parse(&format!("preset = \"{}\"", preset.name)), Ok(preset.config));
+        assert_eq!(parse(&lines(&preset.config.options())), Ok(preset.config), "{}", preset.name);
+    }
+    // Every parameter differs from the default in one of these.
+    let all = PRESETS.iter().map(|preset| preset.config.options()).collect::<String>() + "--format";
+    for key in ["lanes", "rules", "format", "io", "registers", "control", "sharing", "unit-latency"] {
+        assert!(all.contains(&format!("--{key}")), "{key}: {all}");
+    }
+}
+
+#[test]
+fn a_file_overrides_its_preset_wherever_that_stands() {
+    let expected = PRESETS.iter().find(|preset| preset.name == "compact").expect("compact").config;
+    let expected = Config { lanes: Lanes::Four, unit_latency: UnitLatency::Three, ..expected };
+    assert_eq!(parse("lanes = 4 # a comment\npreset = \"compact\"\n\nunit-latency = '3'\n"), Ok(expected));
+    assert_eq!(parse(""), Ok(Config::DEFAULT));
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let cases = [
+        ("\nlans = 2", "raypath.toml:2: 'lans' is no parameter, expected preset, lanes, rules, format,"),
+        ("unit_latency = 2", "raypath.toml:1: 'unit_latency' is no parameter"),
+        ("lanes = 3", "raypath.toml:1: lanes: '3' is no number of lanes, expected none, 2, 4, 8, 16, 32 or 64"),
+        ("lanes = true", "raypath.toml:1: lanes: 'true' is no number"),
+        ("lanes = 16.0", "raypath.toml:1: lanes: '16.0' is no number"),
+        ("lanes = [16,\n 2]", "raypath.toml:1: lanes: '[16,' is no number"),
+        ("lanes = { count = 2 }", "raypath.toml:1: lanes: '{ count = 2 }' is no number"),
+        ("rules = 'paper'\n[lanes]\ncount = 2", "raypath.toml:2: lanes: '[lanes]' is no number"),
+        ("rules = ''", "raypath.toml:1: rules: '' is no rule set, expected paper or chisel"),
+        ("format = 'e5s90'", "raypath.toml:1: format: 'e5s90': format with a significand of 90 bits, expected 3 to 11"),
+        ("preset = 'big'", "raypath.toml:1: preset: 'big' is no preset, expected paper, original, graphics,"),
+        // The first in the file, not in the alphabet.
+        ("io = 1\ncontrol = 1", "raypath.toml:1: io: '1' is no encoding of numbers, expected ieee or recoded"),
+        ("io = 'ieee'\nlanes = none", "raypath.toml:2: 'lanes = none': "),
+        (
+            "lanes = 2\nlanes = 4",
+            "raypath.toml:2: 'lanes = 4': duplicate key; expected lines like lanes = 16 or rules =",
+        ),
+    ];
+    for (text, expected) in cases {
+        let error = parse(text).expect_err(text);
+        assert!(error.starts_with(expected), "{text:?}: {error}");
+    }
+    let nowhere = read(Path::new("/nonexistent/raypath.toml")).expect_err("no file").to_string();
+    assert!(nowhere.starts_with("/nonexistent/raypath.toml: No such file"), "{nowhere}");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("bytes.toml");
+    std::fs::write(&path, [0xff, 0xfe]).expect("a file");
+    let bytes = read(&path).expect_err("no text").to_string();
+    assert!(bytes.contains("bytes.toml: ") && bytes.contains("UTF-8"), "{bytes}");
+}
