@@ -248,9 +248,13 @@ fn readable(raw: &RawPath, top: &Netlist, placed: &Placed<'_>) -> Path {
     Path { ns: thousandths(raw.arrival + raw.setup), start, end, steps, setup_ns: raw.setup }
 }
 
-/// `u_stage_3` is stage 3.
+/// `u_stage_3` is stage 3, `u_stage_3_1` stage 3.1.
 fn stage_name(instance: &str) -> String {
-    instance.strip_prefix("u_").unwrap_or(instance).replace('_', " ")
+    let name = instance.strip_prefix("u_").unwrap_or(instance);
+    match name.strip_prefix("stage_") {
+        Some(number) => format!("stage {}", number.replace('_', ".")),
+        None => name.replace('_', " "),
+    }
 }
 
 /// `u_stage_3.num_4_q[7]` is num_4_q[7] of stage 3.

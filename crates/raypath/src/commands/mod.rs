@@ -1,9 +1,9 @@
 //! The command line.
 
 mod accuracy;
+mod bench;
 mod configs;
 mod configuration;
-mod bench;
 mod explore;
 mod failure;
 mod generate;
@@ -13,7 +13,6 @@ mod progress;
 mod ray;
 mod replay;
 mod stream;
-mod sweep;
 mod wave;
 
 use clap::{Parser, Subcommand};
