@@ -124,6 +124,23 @@ fn somebody_elses_figures_may_be_few() {
     assert_eq!(found[1..], [["stage 1", "", "", "1.250"], ["all", "0.500", "0.250", "0.500"]]);
 }
 
+/// The figures of the original that the repository has, to compare with: those of issue and paper alike.
+#[test]
+fn the_originals_figures_can_be_compared_with() {
+    let read = |folder: &str| {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/original").join(folder);
+        Earlier::read(&path).expect("a report")
+    };
+    let figures = |earlier: &Earlier| (earlier.area.total, earlier.flip_flops, earlier.slowest.ns);
+    assert_eq!(figures(&read("lanes-none")), (1.848e6, 15_867, 17.3));
+    let sixteen = read("lanes-16");
+    assert_eq!(figures(&sixteen), (2.326e6, 25_600, 17.6));
+    // The slowest of its stages is its slowest, and all its stages are called as ours are.
+    let slowest = sixteen.stages.iter().filter_map(|stage| stage.slowest).map(|path| path.ns).fold(0.0, f64::max);
+    assert_eq!(slowest, sixteen.slowest.ns);
+    assert!((1..=11).all(|number| sixteen.stage(&format!("stage {number}")).is_some()));
+}
+
 /// The attributes of all elements that open so.
 fn elements<'s>(svg: &'s str, opening: &'static str) -> Vec<BTreeMap<&'s str, &'s str>> {
     let opened = svg.split(opening).skip(1);
