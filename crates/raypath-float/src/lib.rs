@@ -22,15 +22,18 @@
 
 mod add;
 mod align;
+mod booth;
 mod compare;
+mod compress;
 mod decode;
 mod encode;
+mod lookahead;
 mod mul;
 mod normalise;
 mod parts;
 mod recoded;
 
-pub use add::add;
+pub use add::{add, add_parts};
 pub use compare::compare;
 pub use decode::decode;
 pub use encode::encode;

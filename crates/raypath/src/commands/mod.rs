@@ -1,9 +1,9 @@
 //! The command line.
 
 mod accuracy;
+mod bench;
 mod configs;
 mod configuration;
-mod bench;
 mod explore;
 mod failure;
 mod generate;
