@@ -14,19 +14,21 @@ esac
 
 step() { printf '\n== %s (after %d s)\n' "$1" "$SECONDS"; }
 
-# ensure_debian PROGRAM PACKAGE: installs PACKAGE with apt-get unless PROGRAM is there.
+# ensure_debian WHAT PACKAGE: installs PACKAGE with apt-get unless WHAT, a program or a file by its path, is there.
 ensure_debian() {
-  command -v "$1" >/dev/null && return
+  is_there "$1" && return
   local root=()
   [ "$(id -u)" = 0 ] || root=(sudo -n)
   if command -v apt-get >/dev/null; then
     echo "installing $2"
     "${root[@]}" apt-get update -qq && "${root[@]}" apt-get install -y -qq "$2" >/dev/null || true
   fi
-  command -v "$1" >/dev/null && return
+  is_there "$1" && return
   echo "test.sh: $1 is missing and could not be installed; try: sudo apt-get install $2" >&2
   exit 1
 }
+
+is_there() { command -v "$1" >/dev/null || [ -f "$1" ]; }
 
 # ensure_python MODULE PACKAGE: installs PACKAGE with pip unless Python has MODULE.
 ensure_python() {
@@ -47,6 +49,8 @@ ensure_debian c++ g++
 ensure_debian make make
 ensure_debian verilator verilator
 ensure_debian yosys yosys
+ensure_debian sta opensta
+ensure_debian /usr/share/qflow/tech/osu018/osu018_stdcells.lib qflow-tech-osu018
 ensure_debian python3 python3
 python3 -m pip --version >/dev/null 2>&1 || ensure_debian pip3 python3-pip
 ensure_python pyslang pyslang

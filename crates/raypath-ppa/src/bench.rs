@@ -52,75 +52,74 @@ impl Bench {
     /// A tool is missing or fails; a file cannot be written; [`Error::Stopped`].
     pub fn measure(&self, designs: &[Design], mut proceed: impl FnMut(Steps) -> bool) -> Result<Vec<Report>, Error> {
         let cache = Cache::new(&self.cache);
-        let synthesis = Synthesis { library: &self.library, yosys: &self.yosys, period: self.period };
-        let mut prepared = Vec::new();
-        for design in designs {
-            let pieces = design.pieces()?;
-            let keys: Vec<Key> = pieces.iter().map(|piece| synthesis.key(piece)).collect();
-            prepared.push((design, pieces, self.key(design, &keys)));
-        }
-        // A report that is there needs nothing else; a unit that several designs have is synthesised once.
-        let wanted = prepared.iter().filter(|(.., key)| cache.get::<Report>(key).is_none());
-        let mut seen = HashSet::new();
-        let mut tasks: Vec<(&Piece, &Design)> = Vec::new();
-        for (design, pieces, _) in wanted.clone() {
-            tasks.extend(pieces.iter().filter(|piece| seen.insert(synthesis.key(piece))).map(|piece| (piece, *design)));
-        }
-        // What surrounds the units takes longest.
-        tasks.sort_by_key(|(piece, _)| piece.is_unit);
+        let plans = designs.iter().map(|design| self.plan(design)).collect::<Result<Vec<_>, _>>()?;
+        // A report that is there needs nothing else.
+        let wanted: Vec<&Plan<'_>> = plans.iter().filter(|plan| cache.get::<Report>(&plan.key).is_none()).collect();
+        let pieces = new_pieces(&wanted, &cache);
+        let total = pieces.len() + wanted.len();
 
-        let total = tasks.len() + wanted.count();
-        let netlist = |piece: &Piece, registers: &BTreeMap<String, RegisterKind>, stop: &AtomicBool| {
-            let key = synthesis.key(piece);
-            if let Some(netlist) = cache.get::<Netlist>(&key) {
-                return Ok(netlist);
-            }
-            let netlist = synthesis.run(piece, registers, stop)?;
-            cache.put(&key, &netlist).map(|()| netlist)
-        };
-        let synthesise = |(piece, design): &(&Piece, &Design), stop: &AtomicBool| {
-            netlist(piece, &design.registers(), stop).map(drop)
-        };
-        work::for_each(&tasks, self.jobs, synthesise, |done| proceed(Steps { done, total }))?;
+        let synthesise =
+            |(plan, piece): &(&Plan<'_>, usize), stop: &AtomicBool| self.netlist(plan, *piece, &cache, stop).map(drop);
+        work::for_each(&pieces, self.jobs, synthesise, |done| proceed(Steps { done, total }))?;
 
-        let report = |(design, pieces, key): &(&Design, Vec<Piece>, Key), stop: &AtomicBool| {
-            if let Some(report) = cache.get(key) {
-                return Ok(report);
+        let known = plans.len() - wanted.len();
+        let done = |reports: usize| Steps { done: pieces.len() + reports.saturating_sub(known), total };
+        let report = |plan: &Plan<'_>, stop: &AtomicBool| match cache.get(&plan.key) {
+            Some(report) => Ok(report),
+            None => {
+                let report = self.report(plan, &cache, stop)?;
+                cache.put(&plan.key, &report).map(|()| report)
             }
-            let registers = design.registers();
-            let mut netlists = BTreeMap::new();
-            for piece in pieces {
-                netlists.insert(piece.module.clone(), netlist(piece, &registers, stop)?);
-            }
-            let report = self.report(design, netlists, &registers, stop)?;
-            cache.put(key, &report).map(|()| report)
         };
-        let cached = designs.len() - (total - tasks.len());
-        let done = |reports: usize| Steps { done: tasks.len() + reports.saturating_sub(cached), total };
-        work::for_each(&prepared, self.jobs, report, |reports| proceed(done(reports)))
+        work::for_each(&plans, self.jobs, report, |reports| proceed(done(reports)))
     }
 
-    fn key(&self, design: &Design, pieces: &[Key]) -> Key {
+    fn plan<'d>(&self, design: &'d Design) -> Result<Plan<'d>, Error> {
+        let synthesis = self.synthesis();
+        let pieces: Vec<(Piece, Key)> = design
+            .pieces()?
+            .into_iter()
+            .map(|piece| {
+                let key = synthesis.key(&piece);
+                (piece, key)
+            })
+            .collect();
         let (period, sta) = (self.period.to_string(), self.sta.to_string());
         let mut parts = vec![design.name(), self.library.digest(), &period, &sta];
-        parts.extend(pieces.iter().map(Key::as_str));
-        Key::new("report", &parts)
+        parts.extend(pieces.iter().map(|(_, key)| key.as_str()));
+        let key = Key::new("report", &parts);
+        Ok(Plan { design, registers: design.registers(), pieces, key })
     }
 
-    /// Puts together what is known of a synthesised design. `netlists` are its units and its top module.
-    fn report(
-        &self,
-        design: &Design,
-        mut netlists: BTreeMap<String, Netlist>,
-        registers: &BTreeMap<String, RegisterKind>,
-        stop: &AtomicBool,
-    ) -> Result<Report, Error> {
+    fn synthesis(&self) -> Synthesis<'_> {
+        Synthesis { library: &self.library, yosys: &self.yosys, period: self.period }
+    }
+
+    /// A piece, synthesised now or earlier.
+    fn netlist(&self, plan: &Plan<'_>, piece: usize, cache: &Cache, stop: &AtomicBool) -> Result<Netlist, Error> {
+        let (piece, key) = &plan.pieces[piece];
+        match cache.get(key) {
+            Some(netlist) => Ok(netlist),
+            None => {
+                let netlist = self.synthesis().run(piece, &plan.registers, stop)?;
+                cache.put(key, &netlist).map(|()| netlist)
+            }
+        }
+    }
+
+    /// Puts together what is known of a design.
+    fn report(&self, plan: &Plan<'_>, cache: &Cache, stop: &AtomicBool) -> Result<Report, Error> {
+        let Plan { design, registers, .. } = plan;
+        let mut units = BTreeMap::new();
+        for (number, (piece, _)) in plan.pieces.iter().enumerate() {
+            units.insert(piece.module.clone(), self.netlist(plan, number, cache, stop)?);
+        }
+        let top = units.remove(design.top()).ok_or_else(|| Error::unexpected("yosys", "no top module", "one"))?;
         let groups = design.groups();
-        let top = netlists.remove(design.top()).ok_or_else(|| Error::unexpected("yosys", "no top module", "one"))?;
-        let placed = Placed::new(&top, &netlists, &self.library, &groups, registers);
-        let areas = placed.areas(&netlists, &self.library);
+        let placed = Placed::new(&top, &units, &self.library, &groups, registers);
+        let areas = placed.areas(&units, &self.library);
         let flip_flops = placed.flip_flops();
-        let slowest = self.slowest(&top, &netlists, &placed, &flip_flops, &groups, stop)?;
+        let slowest = self.slowest(&top, &units, &placed, &flip_flops, &groups, stop)?;
 
         let mut area = Area::default();
         areas.iter().for_each(|part| area.add(part));
@@ -204,6 +203,27 @@ impl Bench {
     }
 }
 
+/// A design, and the names under which its results are kept.
+struct Plan<'d> {
+    design: &'d Design,
+    registers: BTreeMap<String, RegisterKind>,
+    pieces: Vec<(Piece, Key)>,
+    key: Key,
+}
+
+/// The pieces that have to be synthesised, each once, however many designs have it; what surrounds the units first,
+/// which takes longest.
+fn new_pieces<'p, 'd>(plans: &[&'p Plan<'d>], cache: &Cache) -> Vec<(&'p Plan<'d>, usize)> {
+    let mut seen = HashSet::new();
+    let mut new = Vec::new();
+    for plan in plans {
+        let unknown = |(_, (_, key)): &(usize, &(Piece, Key))| !cache.has(key) && seen.insert(key.clone());
+        new.extend(plan.pieces.iter().enumerate().filter(unknown).map(|(number, _)| (*plan, number)));
+    }
+    new.sort_by_key(|(plan, number)| plan.pieces[*number].0.is_unit);
+    new
+}
+
 /// A path in the designer's words.
 fn readable(raw: &RawPath, top: &Netlist, placed: &Placed<'_>) -> Path {
     let word = |pin: &str| {
@@ -228,9 +248,13 @@ fn readable(raw: &RawPath, top: &Netlist, placed: &Placed<'_>) -> Path {
     Path { ns: thousandths(raw.arrival + raw.setup), start, end, steps, setup_ns: raw.setup }
 }
 
-/// `u_stage_3` is stage 3.
+/// `u_stage_3` is stage 3, `u_stage_3_1` stage 3.1.
 fn stage_name(instance: &str) -> String {
-    instance.strip_prefix("u_").unwrap_or(instance).replace('_', " ")
+    let name = instance.strip_prefix("u_").unwrap_or(instance);
+    match name.strip_prefix("stage_") {
+        Some(number) => format!("stage {}", number.replace('_', ".")),
+        None => name.replace('_', " "),
+    }
 }
 
 /// `u_stage_3.num_4_q[7]` is num_4_q[7] of stage 3.

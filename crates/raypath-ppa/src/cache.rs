@@ -53,6 +53,11 @@ impl Cache {
         serde_json::from_slice(&bytes).ok()
     }
 
+    /// Whether there is a result, whole or not.
+    pub fn has(&self, key: &Key) -> bool {
+        self.path(key).exists()
+    }
+
     /// Keeps a result. It is there whole or not at all.
     pub fn put<T: Serialize>(&self, key: &Key, result: &T) -> Result<(), Error> {
         fs::create_dir_all(&self.folder).map_err(|problem| Error::file(&self.folder, "create the folder", problem))?;
@@ -81,9 +86,9 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let cache = Cache::new(&folder.path().join("cache"));
         let key = Key::new("area", &["text", "library"]);
-        assert_eq!(cache.get::<Vec<u32>>(&key), None);
+        assert_eq!((cache.get::<Vec<u32>>(&key), cache.has(&key)), (None, false));
         cache.put(&key, &vec![1, 2, 3]).expect("written");
-        assert_eq!(cache.get(&key), Some(vec![1, 2, 3]));
+        assert_eq!((cache.get(&key), cache.has(&key)), (Some(vec![1, 2, 3]), true));
         let bytes = fs::read(cache.path(&key)).expect("a file");
         fs::write(cache.path(&key), &bytes[..bytes.len() / 2]).expect("written");
         assert_eq!(cache.get::<Vec<u32>>(&key), None);

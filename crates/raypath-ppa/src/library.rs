@@ -66,7 +66,7 @@ impl Library {
     }
 
     /// A library from its text; `path` is for messages.
-    fn of(text: String, path: &Path) -> Result<Self, Error> {
+    pub(crate) fn of(text: String, path: &Path) -> Result<Self, Error> {
         let library = liberty::read(&text).map_err(|wrong| Error::Liberty {
             path: path.to_path_buf(),
             line: wrong.line,
@@ -231,4 +231,97 @@ fn input_capacitance(cell: &Group<'_>) -> f64 {
 /// Bytes as hexadecimal digits.
 pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CELLS: &str = r#"
+  cell ("inv_1") { area : 1.0; pin ("A") { direction : input; } pin ("Y") { direction : output; function : "!A"; } }
+  cell ("nand2_2") { area : 3.0;
+    pin ("A") { direction : input; } pin ("B") { direction : input; }
+    pin ("Y") { direction : output; function : "!A | !B"; } }
+  cell ("nand2_1") { area : 2.0;
+    pin ("A") { direction : input; } pin ("B") { direction : input; }
+    pin ("Y") { direction : output; function : "(!(A B))"; } }
+  cell ("nand2_tiny") { area : 0.5; dont_use : true;
+    pin ("A") { direction : input; } pin ("B") { direction : input; }
+    pin ("Y") { direction : output; function : "(!(A B))"; } }
+  cell ("lib__lpflow_nand2") { area : 0.4;
+    pin ("A") { direction : input; } pin ("B") { direction : input; }
+    pin ("Y") { direction : output; function : "(!(A B))"; } }
+  cell ("tri_2") { area : 1.5;
+    pin ("A") { direction : input; }
+    pin ("Y") { direction : output; function : "A"; three_state : "!E"; } }
+  cell ("clkbuf_2") { area : 1.6;
+    pin ("A") { direction : input; capacitance : 0.5; } pin ("X") { direction : output; function : "A"; } }
+  cell ("buf_2") { area : 1.7;
+    pin ("A") { direction : input; capacitance : 0.0017; } pin ("X") { direction : output; function : "A"; } }
+  cell ("buf_12") { area : 9.0;
+    pin ("A") { direction : input; } pin ("X") { direction : output; function : "A"; } }
+  cell ("tie") { area : 0.7;
+    pin ("HI") { direction : output; function : "1"; } pin ("LO") { direction : output; function : "0"; } }
+  cell ("dff") { area : 5.0; ff (IQ, IQN) { next_state : "D"; clocked_on : "CK"; }
+    pin ("CK") { direction : input; } pin ("D") { direction : input; }
+    pin ("Q") { direction : output; function : "IQ"; } pin ("QN") { direction : output; function : "IQN"; } }
+"#;
+
+    fn library(cells: &str, unit: &str) -> Result<Library, Error> {
+        Library::of(format!("library (small) {{\n  {unit}\n{cells}}}\n"), Path::new("small.lib"))
+    }
+
+    #[test]
+    fn cells_are_found_by_what_they_do() {
+        let library = library(CELLS, "capacitive_load_unit (1.0, \"pf\");").expect("a library");
+        assert_eq!((library.name(), library.nand2(), library.nand2_area()), ("small", "nand2_1", 2.0));
+        assert_eq!((library.buffer(), library.load()), ("buf_2", 17.0));
+        let pin = |pin: &str| ("tie".to_string(), pin.to_string());
+        assert_eq!(library.tie(), Some(&Tie { one: pin("HI"), zero: pin("LO") }));
+        let dff = library.cell("dff").expect("a flip-flop");
+        assert_eq!((dff.area, dff.is_flip_flop, dff.outputs.join(" ")), (5.0, true, "Q QN".to_string()));
+        assert!(library.cell("inv_1").is_some_and(|cell| !cell.is_flip_flop));
+    }
+
+    #[test]
+    fn what_must_not_be_used_is_not_there() {
+        let library = library(CELLS, "").expect("a library");
+        for name in ["nand2_tiny", "lib__lpflow_nand2"] {
+            assert!(library.cell(name).is_none() && !library.text().contains(name), "{name}");
+        }
+        // What is left is still Liberty, with all the others.
+        assert_eq!(liberty::read(library.text()).expect("Liberty").of_kind("cell").count(), 9);
+    }
+
+    #[test]
+    fn units_of_capacitance_and_lesser_buffers() {
+        let few: String = CELLS.replace("\"buf_2\"", "\"buffer\"").replace("\"clkbuf_2\"", "\"clkbuf_1\"");
+        let library = library(&few, "capacitive_load_unit (2, ff);").expect("a library");
+        assert_eq!((library.buffer(), library.load()), ("clkbuf_1", 10.0));
+    }
+
+    #[test]
+    fn what_is_missing_is_named() {
+        let fails = |cells: &str| library(cells, "").expect_err("an error").to_string();
+        assert_eq!(fails(""), "small.lib: no NAND with two inputs in this library, expected one");
+        let no_buffer = CELLS.replace("function : \"A\"", "function : \"!A\"");
+        assert_eq!(fails(&no_buffer), "small.lib: no buffer in this library, expected one");
+        assert_eq!(fails("cell"), "small.lib:3: found '}', expected ':' or '('");
+        let error = Library::read(Path::new("/nonexistent.lib")).expect_err("an error").to_string();
+        assert!(error.starts_with("/nonexistent.lib: cannot read:"), "{error}");
+    }
+
+    #[test]
+    fn plain_and_compressed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = format!("library (small) {{ {CELLS} }}");
+        let plain = folder.path().join("plain.lib");
+        std::fs::write(&plain, &text).expect("written");
+        let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        std::io::Write::write_all(&mut encoder, text.as_bytes()).expect("compressed");
+        let compressed = folder.path().join("compressed.lib.gz");
+        std::fs::write(&compressed, encoder.finish().expect("compressed")).expect("written");
+        let [plain, compressed] = [plain, compressed].map(|path| Library::read(&path).expect("a library"));
+        assert_eq!((plain.text(), plain.digest()), (compressed.text(), compressed.digest()));
+    }
 }

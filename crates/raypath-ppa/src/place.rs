@@ -203,3 +203,78 @@ fn kind_of_gate<'a>(area: &'a mut Area, goals: &[Goal]) -> &'a mut f64 {
         _ => &mut area.shared_logic,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::netlist::YosysDesign;
+    use std::path::Path;
+
+    const LIBRARY: &str = r#"library (l) {
+        cell (INV) { area : 1; pin (A) { direction : input; } pin (Y) { direction : output; function : "!A"; } }
+        cell (BUF) { area : 2; pin (A) { direction : input; } pin (Y) { direction : output; function : "A"; } }
+        cell (NAND2) { area : 4; pin (A) { direction : input; } pin (B) { direction : input; }
+            pin (Y) { direction : output; function : "!(A B)"; } }
+        cell (DFF) { area : 16; ff (I, J) { next_state : "D"; } pin (D) { direction : input; }
+            pin (Q) { direction : output; function : "I"; } }
+    }"#;
+
+    /// Two stages and an output: a register and a control register each, a unit in the second.
+    const NETLIST: &str = r#"{"modules": {
+        "raypath_fp_add": {
+            "ports": {"a_i": {"direction": "input", "bits": [2]}, "s_o": {"direction": "output", "bits": [3]}},
+            "cells": {"x": {"type": "NAND2", "connections": {"A": [2], "B": [2], "Y": [4]}},
+                      "y": {"type": "INV", "connections": {"A": [4], "Y": [3]}}}},
+        "raypath": {
+            "ports": {"a_i": {"direction": "input", "bits": [2]}, "b_o": {"direction": "output", "bits": [30]}},
+            "cells": {
+                "u_a.num_q[0]": {"type": "DFF", "connections": {"D": [2], "Q": [10]}},
+                "u_a.valid_q": {"type": "DFF", "connections": {"D": [18], "Q": [11]}},
+                "u_b.num_q[0]": {"type": "DFF", "connections": {"D": [16], "Q": [20]}},
+                "u_b.valid_q": {"type": "DFF", "connections": {"D": [19], "Q": [21]}},
+                "u_b.u_add_0": {"type": "raypath_fp_add", "connections": {"a_i": [13], "s_o": [15]}},
+                "c0": {"type": "INV", "connections": {"A": [10], "Y": [12]}},
+                "c1": {"type": "NAND2", "connections": {"A": [12], "B": [14], "Y": [13]}},
+                "c2": {"type": "INV", "connections": {"A": [11], "Y": [14]}},
+                "c3": {"type": "NAND2", "connections": {"A": [15], "B": [14], "Y": [16]}},
+                "c4": {"type": "BUF", "connections": {"A": [21], "Y": [17]}},
+                "c5": {"type": "INV", "connections": {"A": [17], "Y": [18]}},
+                "c6": {"type": "INV", "connections": {"A": [17], "Y": [19]}},
+                "c7": {"type": "INV", "connections": {"A": [20], "Y": [30]}}}}}}"#;
+
+    #[test]
+    fn gates_belong_to_what_they_lead_to() {
+        let library = Library::of(LIBRARY.to_string(), Path::new("l.lib")).expect("a library");
+        let mut design: YosysDesign = serde_json::from_str(NETLIST).expect("JSON");
+        let (unit, _) = design.take("raypath_fp_add").expect("a unit");
+        let (top, _) = design.take("raypath").expect("a module");
+        let units = BTreeMap::from([(unit.module.clone(), unit)]);
+        let groups = ["u_a", "u_b", "u_out", "raypath"].map(str::to_string);
+        let register = |name: &str, group, is_control| (name.to_string(), RegisterKind { group, is_control });
+        let registers = BTreeMap::from([
+            register("u_a.num_q", 0, false),
+            register("u_a.valid_q", 0, true),
+            register("u_b.num_q", 1, false),
+            register("u_b.valid_q", 1, true),
+        ]);
+        let placed = Placed::new(&top, &units, &library, &groups, &registers);
+        assert_eq!(placed.flip_flops(), [2, 2, 0, 0]);
+        let areas = placed.areas(&units, &library);
+        let add = BTreeMap::from([("add".to_string(), crate::report::Units { count: 1, area: 5.0 })]);
+        // c4 leads to control of both and is shared; c5 and c6 to one each.
+        let first = Area { registers: 16.0, control: 16.0 + 1.0 + 1.0, total: 34.0, ..Area::default() };
+        // c0 and c1 lead to the unit, c3 to the register, c2 to both.
+        let second = Area {
+            units: add,
+            registers: 16.0,
+            operand_muxes: 5.0,
+            register_muxes: 4.0,
+            shared_logic: 1.0,
+            control: 16.0 + 1.0 + 1.0,
+            total: 49.0,
+            ..Area::default()
+        };
+        let output = Area { output_gates: 1.0, total: 1.0, ..Area::default() };
+        assert_eq!(areas, [first, second, output, Area::default()]);
+    }
+}

@@ -98,8 +98,9 @@ impl Synthesis<'_> {
 
 /// The area in what Yosys's `stat` prints: without the units, which the library does not have.
 fn chip_area(statistics: &str) -> Option<f64> {
-    let line = statistics.lines().rfind(|line| line.contains("Chip area for "))?;
-    line.rsplit(' ').next()?.parse().ok()
+    let (_, area) =
+        statistics.lines().rev().find_map(|line| line.trim().strip_prefix("Chip area for ")?.split_once(": "))?;
+    area.trim().parse().ok()
 }
 
 pub fn write(folder: &Path, name: &str, text: &str) -> Result<(), Error> {
@@ -110,4 +111,22 @@ pub fn write(folder: &Path, name: &str, text: &str) -> Result<(), Error> {
 fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
     let bytes = fs::read(path).map_err(|problem| Error::file(path, "read", problem))?;
     serde_json::from_slice(&bytes).map_err(|problem| Error::unexpected("yosys", problem.to_string(), "its JSON"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::chip_area;
+
+    /// Recorded: a flip-flop with a reset (176), two without (96 each), a gate (24), and a module with another (16).
+    #[test]
+    fn recorded_areas() {
+        for statistics in
+            [include_str!("../tests/data/yosys-0.23-stat.txt"), include_str!("../tests/data/pyosys-0.70-stat.txt")]
+        {
+            assert_eq!(chip_area(statistics), Some(408.0));
+            let of_the_top_alone = statistics.split("=== unit ===").next().unwrap_or_default();
+            assert_eq!(chip_area(of_the_top_alone), Some(392.0));
+        }
+        assert_eq!(chip_area("ERROR: no such module"), None);
+    }
 }

@@ -95,3 +95,40 @@ fn path(report: &str) -> Option<Option<RawPath>> {
     }
     arrival.filter(|_| !points.is_empty()).map(|arrival| Some(RawPath { points, arrival, setup }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Recorded: a register to a register through a unit and a gate; a register that is never set; a register to a port;
+    /// a port to a register.
+    const RECORDED: &str = include_str!("../tests/data/opensta-2.0.17.log");
+
+    fn pins(path: &RawPath) -> Vec<(&str, f64)> {
+        path.points.iter().map(|(pin, ns)| (pin.as_str(), *ns)).collect()
+    }
+
+    #[test]
+    fn recorded_paths() {
+        let found = paths(RECORDED, 4).expect("paths");
+        let [Some(inner), None, Some(leaving), Some(entering)] = &found[..] else { panic!("{found:?}") };
+        let expected =
+            [("g0_r0/CLK", 0.0), ("g0_r0/Q", 0.1598), ("g1_u1/x0/Y", 0.2093), ("x2/Y", 0.2485), ("g1_r3/D", 0.2485)];
+        assert_eq!((pins(inner), inner.arrival, inner.setup), (expected.to_vec(), 0.2485, 0.1626));
+        let expected = [("g2_r4/CLK", 0.0), ("g2_r4/Q", 0.3756), ("c_o", 0.3756)];
+        assert_eq!((pins(leaving), leaving.arrival, leaving.setup), (expected.to_vec(), 0.3756, 0.0));
+        let expected = [("a_i", 0.0075), ("g0_r0/D", 0.0075)];
+        assert_eq!((pins(entering), entering.arrival, entering.setup), (expected.to_vec(), 0.0075, 0.1919));
+    }
+
+    #[test]
+    fn what_is_no_answer_is_an_error() {
+        // OpenSTA ends with success whatever happens; that it said nothing of use is all there is.
+        let fails = |said: &str, ends| paths(said, ends).expect_err("an error").to_string();
+        assert!(fails("Error: cannot read file cells.lib.\n", 1).contains("cannot read file cells.lib."));
+        assert!(fails(RECORDED, 5).contains("expected paths to 5 sets"));
+        let cut = RECORDED.split("data arrival").next().unwrap_or_default();
+        assert!(fails(cut, 1).contains("expected a path"));
+        assert!(fails("raypath paths: 1\nNo paths found.\n", 1).contains("expected a path"));
+    }
+}

@@ -15,7 +15,8 @@ pub fn for_each<I: Sync, T: Send>(
     work: impl Fn(&I, &AtomicBool) -> Result<T, Error> + Sync,
     mut proceed: impl FnMut(usize) -> bool,
 ) -> Result<Vec<T>, Error> {
-    let stop = AtomicBool::new(false);
+    // Whoever watches is ready to say stop before anything runs.
+    let stop = AtomicBool::new(!proceed(0));
     let next = AtomicUsize::new(0);
     let mut results: Vec<Option<T>> = items.iter().map(|_| None).collect();
     let mut failure: Option<Error> = None;

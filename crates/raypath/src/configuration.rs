@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use thiserror::Error;
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Why a file is no configuration.
@@ -73,12 +74,30 @@ pub fn read(path: &Path) -> Result<Config, ConfigurationError> {
     File { path, text: &text }.config()
 }
 
+/// Reads many configurations from a file of the same keys whose values may be lists: all combinations, each under a
+/// name of the values in which they differ.
+///
+/// ```toml
+/// preset = "graphics"
+/// control = ["skid", "credit"]
+/// unit-latency = [1, 2]
+/// ```
+///
+/// # Errors
+/// As [`read`]; an empty list.
+pub fn sweep(path: &Path) -> Result<Vec<(String, Config)>, ConfigurationError> {
+    let text =
+        fs::read_to_string(path).map_err(|problem| ConfigurationError::File { path: path.to_path_buf(), problem })?;
+    File { path, text: &text }.sweep()
+}
+
 struct File<'f> {
     path: &'f Path,
     text: &'f str,
 }
 
-/// A key, its value as text, and where it stands.
+/// A key, one value of it as text, and where it stands.
+#[derive(Clone)]
 struct Entry {
     key: String,
     value: String,
@@ -87,14 +106,38 @@ struct Entry {
 
 impl File<'_> {
     fn config(&self) -> Result<Config, ConfigurationError> {
-        let entries = self.entries()?;
-        let (presets, parameters): (Vec<Entry>, Vec<Entry>) =
-            entries.into_iter().partition(|entry| entry.key == "preset");
+        let entries: Vec<Entry> = self.entries(false)?.into_iter().flatten().collect();
+        self.config_of(&entries)
+    }
+
+    fn sweep(&self) -> Result<Vec<(String, Config)>, ConfigurationError> {
+        let mut combinations: Vec<(Vec<String>, Vec<Entry>)> = vec![Default::default()];
+        for values in self.entries(true)? {
+            let differs = values.len() > 1;
+            let with = |(words, entries): &(Vec<String>, Vec<Entry>), entry: &Entry| {
+                let word =
+                    if entry.key == "preset" { entry.value.clone() } else { format!("{}-{}", entry.key, entry.value) };
+                let words = words.iter().cloned().chain(differs.then_some(word)).collect();
+                (words, entries.iter().chain([entry]).cloned().collect())
+            };
+            combinations =
+                combinations.iter().flat_map(|so_far| values.iter().map(|entry| with(so_far, entry))).collect();
+        }
+        let named = combinations.iter().map(|(words, entries)| {
+            let name = if words.is_empty() { "only".to_string() } else { words.join("-") };
+            Ok((name, self.config_of(entries)?))
+        });
+        named.collect()
+    }
+
+    /// What the entries say, the preset first.
+    fn config_of(&self, entries: &[Entry]) -> Result<Config, ConfigurationError> {
+        let (presets, parameters): (Vec<&Entry>, Vec<&Entry>) = entries.iter().partition(|entry| entry.key == "preset");
         let mut config = Config::DEFAULT;
-        for entry in &presets {
+        for entry in presets {
             config = self.value::<Preset>(entry)?.config;
         }
-        for entry in &parameters {
+        for entry in parameters {
             match entry.key.as_str() {
                 "lanes" => config.lanes = self.value(entry)?,
                 "rules" => config.rules = self.value(entry)?,
@@ -113,24 +156,31 @@ impl File<'_> {
         Ok(config)
     }
 
-    /// In the order of the file.
-    fn entries(&self) -> Result<Vec<Entry>, ConfigurationError> {
+    /// Each key with its value, or, where there may be `lists`, with its values; in the order of the file.
+    fn entries(&self, lists: bool) -> Result<Vec<Vec<Entry>>, ConfigurationError> {
         let table = DeTable::parse(self.text).map_err(|error| {
             let line = self.line(error.span().unwrap_or_default());
             let text = self.text.lines().nth(line - 1).unwrap_or_default().trim().to_string();
             let problem = error.message().to_string();
             ConfigurationError::Syntax { path: self.path.to_path_buf(), line, text, problem }
         })?;
-        let mut entries: Vec<Entry> = table
-            .get_ref()
-            .iter()
-            .map(|(key, value)| Entry {
-                key: key.get_ref().to_string(),
-                value: self.in_words(value.get_ref(), value.span()),
-                line: self.line(key.span()),
-            })
-            .collect();
-        entries.sort_by_key(|entry| entry.line);
+        let mut entries = Vec::new();
+        for (key, value) in table.get_ref() {
+            let (line, key) = (self.line(key.span()), key.get_ref().to_string());
+            let entry = |value: &Spanned<DeValue<'_>>| {
+                let value = self.in_words(value.get_ref(), value.span());
+                Entry { key: key.clone(), value, line }
+            };
+            entries.push(match value.get_ref() {
+                DeValue::Array(values) if lists && values.is_empty() => {
+                    let (path, problem) = (self.path.to_path_buf(), "an empty list, expected a value".to_string());
+                    return Err(ConfigurationError::Value { path, line, key, problem });
+                }
+                DeValue::Array(values) if lists => values.iter().map(entry).collect(),
+                _ => vec![entry(value)],
+            });
+        }
+        entries.sort_by_key(|values: &Vec<Entry>| values.first().map(|entry| entry.line));
         Ok(entries)
     }
 

@@ -1,7 +1,7 @@
 //! Configurations in TOML: what a file says is what is built, and the table of presets is the only one.
 
-use raypath::configuration::read;
-use raypath::rtl::{Config, Lanes, PRESETS, UnitLatency};
+use raypath::configuration::{read, sweep};
+use raypath::rtl::{Config, Control, Lanes, PRESETS, UnitLatency};
 use std::path::Path;
 
 /// What a file with this text means, or what is wrong with it.
@@ -73,4 +73,37 @@ fn what_is_wrong_is_named() {
     std::fs::write(&path, [0xff, 0xfe]).expect("a file");
     let bytes = read(&path).expect_err("no text").to_string();
     assert!(bytes.contains("bytes.toml: ") && bytes.contains("UTF-8"), "{bytes}");
+}
+
+#[test]
+fn lists_are_all_combinations() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sweep.toml");
+    let sweep = |text: &str| {
+        std::fs::write(&path, text).expect("a file");
+        sweep(&path).map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
+    };
+    let found = sweep("lanes = ['none', 4]\nrules = 'chisel'\npreset = ['paper', 'credit']").expect("configurations");
+    let preset = |name: &str| PRESETS.iter().find(|preset| preset.name == name).expect(name).config;
+    let config = |name: &str, lanes| Config { lanes, rules: raypath::ops::Rules::Chisel, ..preset(name) };
+    let expected = [
+        ("lanes-none-paper", config("paper", Lanes::None)),
+        ("lanes-none-credit", config("credit", Lanes::None)),
+        ("lanes-4-paper", config("paper", Lanes::Four)),
+        ("lanes-4-credit", config("credit", Lanes::Four)),
+    ];
+    assert_eq!(found, expected.map(|(name, config)| (name.to_string(), config)));
+    assert_eq!(found[1].1.control, Control::Credit);
+    assert_eq!(sweep("lanes = [2]"), Ok(vec![("only".to_string(), Config { lanes: Lanes::Two, ..Config::DEFAULT })]));
+
+    let cases = [
+        ("\nlanes = [2,\n 3]", "sweep.toml:2: lanes: '3' is no number of lanes"),
+        ("lanes = []", "sweep.toml:1: lanes: an empty list, expected a value"),
+        ("lane = [2]", "sweep.toml:1: 'lane' is no parameter"),
+        ("lanes = [[2]]", "sweep.toml:1: lanes: '[2]' is no number of lanes"),
+    ];
+    for (text, problem) in cases {
+        let found = sweep(text).expect_err(text);
+        assert!(found.starts_with(problem), "{text}: {found}");
+    }
 }

@@ -4,8 +4,8 @@ use crate::commands::Failure;
 use crate::commands::bench::BenchArguments;
 use crate::commands::output::write_all;
 use crate::commands::ppa::{self, design};
-use crate::commands::sweep::Sweep;
 use clap::Args;
+use raypath::configuration;
 use raypath::ppa::{Exploration, Point, explored, scatter};
 use raypath::rtl::{Config, PRESETS, Preset};
 use std::io::Write;
@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
 /// What to measure, by name.
 fn configurations(arguments: &Arguments) -> Result<Vec<(String, Config)>, Failure> {
     if let Some(path) = &arguments.sweep {
-        return Sweep::read(path)?.configurations(path);
+        return Ok(configuration::sweep(path)?);
     }
     let chosen = if arguments.preset.is_empty() { PRESETS } else { &arguments.preset };
     Ok(chosen.iter().map(|preset| (preset.name.to_string(), preset.config)).collect())

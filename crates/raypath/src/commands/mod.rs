@@ -13,7 +13,6 @@ mod progress;
 mod ray;
 mod replay;
 mod stream;
-mod sweep;
 mod wave;
 
 use clap::{Parser, Subcommand};

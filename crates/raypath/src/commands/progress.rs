@@ -12,8 +12,9 @@ pub struct Progress {
     what: &'static str,
     total: usize,
     bar: Option<ProgressBar>,
-    /// Elsewhere than on a terminal: when the last line was printed.
+    /// Elsewhere than on a terminal: when the last line was printed, and what it counted.
     last_line: Instant,
+    last_done: Option<usize>,
     stopped: Arc<AtomicBool>,
 }
 
@@ -31,17 +32,18 @@ impl Progress {
             let bar = ProgressBar::new(total as u64).with_message(what);
             bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
-        Self { what, total, bar, last_line: Instant::now(), stopped }
+        Self { what, total, bar, last_line: Instant::now(), last_done: None, stopped }
     }
 
     /// `done` items are done. False where the user wants to stop.
     pub fn at(&mut self, done: usize) -> bool {
         match &self.bar {
             Some(bar) => bar.set_position(done as u64),
-            None if self.last_line.elapsed() > BETWEEN_LINES => {
+            None if self.last_line.elapsed() > BETWEEN_LINES && self.last_done != Some(done) => {
                 // Progress that nobody can read is no reason to stop.
                 let _ = writeln!(std::io::stderr(), "{done} of {} {}", self.total, self.what);
                 self.last_line = Instant::now();
+                self.last_done = Some(done);
             }
             None => {}
         }

@@ -9,7 +9,7 @@ const PANEL: i32 = 470;
 const HEIGHT: i32 = 380;
 const LEFT: i32 = 64;
 const TOP: i32 = 84;
-const BETWEEN: i32 = 150;
+const BETWEEN: i32 = 210;
 
 /// An exploration as SVG, in two panels: area against the clock, which is also jobs a second; and area against the
 /// dimensions of distances a second, for those that have distance modes. Through each runs the line of the best area
@@ -73,9 +73,7 @@ fn panel(
     let best = points.iter().map(|(point, throughput)| area(point) / throughput).fold(f64::INFINITY, f64::min);
     let end = (most_area / best).min(most);
     group = group.add(line((x(0.0), y(0.0)), (x(end), y(end * best)), "#0072b2").set("stroke-dasharray", "4 4"));
-    let mut labels: Vec<(i32, i32)> = Vec::new();
-    for (point, throughput) in points {
-        let (at_x, at_y) = (x(throughput), y(area(point)));
+    for (point, throughput) in &points {
         let colour = if area(point) / throughput <= best { "#0072b2" } else { "#d55e00" };
         let report = &point.report;
         let title = format!(
@@ -86,14 +84,25 @@ fn panel(
             report.flip_flops,
             report.area_period
         );
-        let circle = Circle::new().set("cx", at_x).set("cy", at_y).set("r", 5).set("fill", colour);
-        // A label that would cover another moves down.
-        let mut label = (at_x + 9, at_y + 4);
-        while labels.iter().any(|(x, y)| (x - label.0).abs() < 90 && (y - label.1).abs() < 12) {
-            label.1 += 12;
-        }
-        labels.push(label);
-        group = group.add(circle.add(Title::new(title))).add(text(label.0, label.1, "small", &point.name));
+        let circle = Circle::new().set("cx", x(*throughput)).set("cy", y(area(point))).set("r", 5).set("fill", colour);
+        group = group.add(circle.add(Title::new(title)));
+    }
+    let mut names: Vec<(i32, i32, &str)> =
+        points.iter().map(|(point, throughput)| (y(area(point)), x(*throughput), point.name.as_str())).collect();
+    names.sort_unstable();
+    group.add(labels(&names, left + PANEL + 14))
+}
+
+/// Names below each other in a column, each led to its point; `(y, x, name)` from the top.
+fn labels(names: &[(i32, i32, &str)], column: i32) -> Group {
+    let apart = (HEIGHT / names.len().max(1) as i32).min(15);
+    let mut free = TOP;
+    let mut group = Group::new();
+    for (below, (y, x, name)) in names.iter().enumerate().map(|(index, name)| (names.len() - 1 - index, name)) {
+        // As near to its point as the names above and below allow.
+        let at = (*y).min(TOP + HEIGHT - below as i32 * apart).max(free);
+        free = at + apart;
+        group = group.add(line((*x, *y), (column - 3, at), "#bbbbbb")).add(text(column, at + 4, "small", name));
     }
     group
 }

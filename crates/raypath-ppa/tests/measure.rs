@@ -1,0 +1,165 @@
+//! The whole way through Yosys and OpenSTA with the library that Debian ships, on a design that is small enough to know
+//! what must come out.
+
+use raypath_hdl::{Builder, Module, Wire};
+use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, OpenSta, Report, Stage, Yosys, YosysKind};
+use std::path::Path;
+use std::sync::Arc;
+
+const WIDTH: u32 = 6;
+
+/// A "floating-point unit": a sum.
+fn unit() -> Arc<Module> {
+    let m = Builder::new("raypath_fp_add_tiny");
+    let (a, b) = (m.input("a_i", WIDTH), m.input("b_i", WIDTH));
+    m.output("sum_o", a + b);
+    m.finish().expect("a unit")
+}
+
+/// A valid bit with a reset.
+fn control() -> Arc<Module> {
+    let m = Builder::new("raypath_tiny_control");
+    let valid = m.register("valid_q", 1).reset_to(0);
+    valid.next(m.input("valid_i", 1));
+    m.output("valid_o", valid.wire());
+    m.finish().expect("control")
+}
+
+/// Registers a number behind `made`; `extra` is a register that nobody reads.
+fn stage(name: &str, extra: bool, made: impl for<'m> Fn(&'m Builder, Wire<'m>) -> Wire<'m>) -> Arc<Module> {
+    let m = Builder::new(name);
+    let number = m.input("num_0_i", WIDTH);
+    let valid = m.input("valid_i", 1);
+    let next = made(&m, number);
+    let register = m.register("num_0_q", WIDTH);
+    register.next_when(valid, next);
+    if extra {
+        let unread = m.register("unread_q", WIDTH);
+        unread.next(number);
+        m.unused("unused_register", &[unread.wire()]);
+    }
+    m.output("num_0_o", register.wire());
+    m.output("valid_o", m.instance("u_control", &control(), &[("valid_i", valid)])[0]);
+    m.finish().expect("a stage")
+}
+
+/// Three stages: one that only hands on, one whose two adders stand in a row, one with a choice before its adder.
+fn design() -> Design {
+    let first = stage("raypath_tiny_input", true, |_, number| number);
+    let second = stage("raypath_tiny_row", false, |m, number| {
+        let sum = m.instance("u_add_0", &unit(), &[("a_i", number), ("b_i", number)])[0];
+        m.instance("u_add_1", &unit(), &[("a_i", sum), ("b_i", number)])[0]
+    });
+    let third = stage("raypath_tiny_choice", false, |m, number| {
+        let chosen = number.bit(0).mux(!number, number);
+        m.instance("u_add_0", &unit(), &[("a_i", chosen), ("b_i", number)])[0]
+    });
+    let m = Builder::new("raypath");
+    let mut wires = (m.input("num_0_i", WIDTH), m.input("valid_i", 1));
+    for (name, module) in [("u_input", &first), ("u_stage_1", &second), ("u_stage_2", &third)] {
+        let outputs = m.instance(name, module, &[("num_0_i", wires.0), ("valid_i", wires.1)]);
+        wires = (outputs[0], outputs[1]);
+    }
+    m.output("num_0_o", wires.0);
+    m.output("valid_o", wires.1);
+    Design::new("tiny", &m.finish().expect("a design"))
+}
+
+fn bench(cache: &Path) -> Bench {
+    Bench {
+        library: Library::read(Path::new(DEFAULT_LIBRARY)).expect("the package qflow-tech-osu018"),
+        yosys: Yosys::find(Some(YosysKind::Program)).expect("the package yosys"),
+        sta: OpenSta::find().expect("the package opensta"),
+        period: 5.0,
+        jobs: 2,
+        cache: cache.to_path_buf(),
+    }
+}
+
+fn stage_of<'r>(report: &'r Report, name: &str) -> &'r Stage {
+    report.stages.iter().find(|stage| stage.name == name).expect(name)
+}
+
+/// What a path passes, without the positions of bits.
+fn through(stage: &Stage) -> Vec<&str> {
+    let path = stage.slowest.as_ref().expect("a path");
+    path.steps.iter().map(|step| step.through.split('[').next().unwrap_or_default()).collect()
+}
+
+fn ns(stage: &Stage) -> f64 {
+    stage.slowest.as_ref().expect("a path").ns
+}
+
+#[test]
+fn a_design_is_taken_apart_into_stages_and_kinds() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bench = bench(&folder.path().join("cache"));
+    let mut steps = Vec::new();
+    let watch = |now| {
+        steps.push(now);
+        true
+    };
+    let reports = bench.measure(&[design()], watch).expect("a report");
+    let [report] = &reports[..] else { panic!("{} reports", reports.len()) };
+    let names: Vec<&str> = report.stages.iter().map(|stage| stage.name.as_str()).collect();
+    assert_eq!(names, ["input", "stage 1", "stage 2"]);
+    let [input, row, choice] = ["input", "stage 1", "stage 2"].map(|name| stage_of(report, name));
+
+    // Six bits and a valid bit each; what nobody reads is gone. The areas are those of DFFPOSX1 and DFFSR.
+    for stage in [input, row, choice] {
+        assert_eq!(stage.flip_flops, 7, "{}", stage.name);
+        assert_eq!((stage.area.registers, stage.area.control), (6.0 * 96.0, 176.0), "{}", stage.name);
+        assert!(stage.area.register_muxes > 0.0, "holding costs gates: {stage:?}");
+    }
+    assert_eq!(report.flip_flops, 21);
+    assert!(input.area.units.is_empty());
+    let (two, one) = (row.area.units["add"], choice.area.units["add"]);
+    assert_eq!((two.count, one.count, two.area), (2, 1, 2.0 * one.area));
+    assert_eq!(report.area.units["add"].area, 3.0 * one.area);
+    assert_eq!((input.area.operand_muxes, row.area.operand_muxes), (0.0, 0.0));
+    assert!(choice.area.operand_muxes > 0.0, "{choice:?}");
+    let sum: f64 = report.stages.iter().map(|stage| stage.area.total).sum();
+    assert!((report.area.total - sum).abs() < 0.01);
+    // NAND2X1 has 24.
+    assert!((report.kilo_gates * 1000.0 * 24.0 - sum).abs() < 24.0);
+
+    assert_eq!(through(row), ["input num_0_q", "u_add_0", "u_add_1", "gates", "stage 1 num_0_q"]);
+    assert_eq!(through(choice), ["stage 1 num_0_q", "gates", "u_add_0", "gates", "stage 2 num_0_q"]);
+    assert!(ns(row) > ns(choice) && ns(choice) > ns(input), "{} {} {}", ns(row), ns(choice), ns(input));
+    assert_eq!((report.slowest.stage.as_str(), report.slowest.ns), ("stage 1", ns(row)));
+    for path in report.stages.iter().filter_map(|stage| stage.slowest.as_ref()) {
+        assert!(path.steps.is_sorted_by(|a, b| a.ns <= b.ns) && path.setup_ns > 0.0, "{path:?}");
+        assert!((path.steps.last().expect("an end").ns + path.setup_ns - path.ns).abs() < 0.002, "{path:?}");
+    }
+    let last = steps.last().expect("steps");
+    assert_eq!((last.done, last.total), (3, 3), "a unit, what surrounds it, and the timing");
+
+    // Once more, everything is known.
+    let watch = |now: raypath_ppa::Steps| {
+        assert_eq!(now.total, 0);
+        true
+    };
+    assert_eq!(bench.measure(&[design()], watch).expect("a report"), reports);
+    // Another period needs other gates, and is another measurement.
+    let bench = Bench { period: 6.0, ..bench };
+    assert!(matches!(bench.measure(&[design()], |_| false), Err(Error::Stopped)));
+}
+
+#[test]
+fn a_stopped_measurement_leaves_nothing_half_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cache = folder.path().join("cache");
+    let result = bench(&cache).measure(&[design()], |steps| steps.done == 0);
+    assert!(matches!(result, Err(Error::Stopped)), "{result:?}");
+    let kept = std::fs::read_dir(&cache).map(|files| files.map(|file| file.expect("a file").file_name()).collect());
+    let kept: Vec<_> = kept.unwrap_or_default();
+    assert!(kept.iter().all(|name| name.to_string_lossy().ends_with(".json.gz")), "{kept:?}");
+    // It goes on from what is kept.
+    let mut total = 0;
+    let watch = |steps: raypath_ppa::Steps| {
+        total = steps.total;
+        true
+    };
+    bench(&cache).measure(&[design()], watch).expect("a report");
+    assert_eq!(total, 3 - kept.len());
+}

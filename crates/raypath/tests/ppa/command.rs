@@ -1,0 +1,140 @@
+//! The commands as a user meets them where something is missing or wrong, and where they are stopped.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("a plain path")
+}
+
+/// Runs in `folder`, where no path but `folder/bin` has programs.
+fn raypath(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_raypath"));
+    command.args(arguments).current_dir(folder).env("PATH", folder.join("bin"));
+    command
+}
+
+fn ends_with(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) {
+    let output = raypath(folder, arguments).output().expect("the program");
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
+    for word in words {
+        assert!(said.contains(word), "{arguments:?} should say '{word}': {said}");
+    }
+    assert!(!folder.join("build").exists(), "{arguments:?} wrote something");
+}
+
+/// A library with what must be there.
+const LIBRARY: &str = r#"library (small) {
+  cell (BUFX2) { area : 1; pin (A) { direction : input; } pin (Y) { direction : output; function : "A"; } }
+  cell (NAND2X1) { area : 1; pin (A) { direction : input; } pin (B) { direction : input; }
+    pin (Y) { direction : output; function : "!(A B)"; } }
+}
+"#;
+
+/// A folder with that library and a folder for programs.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("small.lib"), LIBRARY).expect("written");
+    fs::create_dir(folder.path().join("bin")).expect("a folder");
+    folder
+}
+
+fn program(folder: &Path, name: &str, script: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    let path = folder.join("bin").join(name);
+    fs::write(&path, format!("#!/bin/sh\n{script}\n")).expect("written");
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("set");
+}
+
+#[test]
+fn missing_tools_are_named_with_their_packages() {
+    let folder = folder();
+    let folder = folder.path();
+    let ppa = ["ppa", "--liberty", "small.lib"];
+    ends_with(folder, &ppa, 2, &["yosys not found; install it with: apt-get install yosys"]);
+    ends_with(folder, &[&ppa[..], &["--yosys", "pyosys"]].concat(), 2, &["pyosys not found", "pip install pyosys"]);
+    program(folder, "yosys", "echo 'Yosys 0.0 (none)'");
+    ends_with(folder, &ppa, 2, &["sta not found; install it with: apt-get install opensta"]);
+    ends_with(folder, &["explore", "--liberty", "small.lib"], 2, &["sta not found"]);
+}
+
+#[test]
+fn wrong_input_is_named_before_any_work() {
+    let folder = folder();
+    let folder = folder.path();
+    let write = |name: &str, text: &str| fs::write(folder.join(name), text).expect("written");
+    write("broken.lib", "library (x) {\n  area 3;\n}\n");
+    write("bare.lib", "library (x) {\n}\n");
+    write("lanes.toml", "control = ['skid', 'credit']\nlanes = [2, 3]\n");
+    write("key.toml", "lane = [2]\n");
+    write("empty.toml", "\nlanes = []\n");
+    fs::create_dir(folder.join("earlier")).expect("a folder");
+    write("earlier/ppa.json", "{\"design\": \"x\"}");
+    let cases: [(&[&str], &[&str]); 11] = [
+        (&["ppa", "--liberty", "none.lib"], &["none.lib: cannot read: No such file"]),
+        (&["ppa", "--liberty", "broken.lib"], &["broken.lib:2: found '3', expected ':' or '('"]),
+        (&["ppa", "--liberty", "bare.lib"], &["bare.lib: no NAND with two inputs in this library"]),
+        (&["ppa", "--against", "nowhere"], &["nowhere/ppa.json: cannot read: No such file"]),
+        (&["ppa", "--against", "earlier"], &["earlier/ppa.json: missing field `area`", "expected a report"]),
+        (&["ppa", "--period", "0"], &["expected nanoseconds"]),
+        (&["ppa", "--jobs", "0"], &["1.."]),
+        (&["explore", "--preset", "big"], &["'big' is no preset, expected paper,"]),
+        (&["explore", "--sweep", "lanes.toml"], &["lanes.toml:2: lanes: '3' is no number of lanes"]),
+        (&["explore", "--sweep", "key.toml"], &["key.toml:1: 'lane' is no parameter"]),
+        (&["explore", "--sweep", "empty.toml"], &["empty.toml:2: lanes: an empty list"]),
+    ];
+    for (arguments, words) in cases {
+        ends_with(folder, arguments, 2, words);
+    }
+}
+
+#[test]
+fn a_failing_synthesiser_is_quoted() {
+    let folder = folder();
+    let folder = folder.path();
+    program(folder, "yosys", "[ \"$1\" = -V ] && { echo 'Yosys 0.0 (none)'; exit; }\necho 'ERROR: no luck'; exit 1");
+    program(folder, "sta", "echo 0.0");
+    let words = ["yosys failed on raypath", "ERROR: no luck"];
+    ends_with(folder, &["ppa", "--liberty", "small.lib", "--cache", "cache"], 2, &words);
+    assert!(!folder.join("cache").exists());
+}
+
+/// Ctrl-C, and what `kill` sends.
+#[test]
+fn stopped_it_ends_its_programs_and_writes_nothing() {
+    for signal in ["INT", "TERM"] {
+        let folder = folder();
+        let folder = folder.path();
+        let started = folder.join("started");
+        // The child's own child must end as well.
+        let script = format!("/bin/sleep 600 & echo $! > {0}.new && /bin/mv {0}.new {0}; wait", text(&started));
+        program(folder, "yosys", &format!("[ \"$1\" = -V ] && {{ echo 'Yosys 0.0 (none)'; exit; }}\n{script}"));
+        program(folder, "sta", "echo 0.0");
+        program(folder, "sh", "exec /bin/sh \"$@\"");
+        let arguments = ["ppa", "--liberty", "small.lib", "--jobs", "1", "--cache", "cache"];
+        let mut command = raypath(folder, &arguments);
+        let running = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program");
+        let wait = || std::thread::sleep(std::time::Duration::from_millis(20));
+        while !started.exists() {
+            wait();
+        }
+        let kill = Command::new("kill").args([format!("-{signal}"), running.id().to_string()]).status();
+        assert!(kill.expect("kill").success());
+        let output = running.wait_with_output().expect("an end");
+        let said = said(&output);
+        assert_eq!(output.status.code(), Some(130), "{said}");
+        assert!(said.contains("stopped after 0 of") && said.contains("goes on from there"), "{said}");
+        assert!(!folder.join("build").exists() && !folder.join("cache").exists());
+        let sleeper = fs::read_to_string(&started).expect("a number");
+        let status = || fs::read_to_string(format!("/proc/{}/stat", sleeper.trim()));
+        while status().is_ok_and(|status| !status.contains(") Z ")) {
+            wait();
+        }
+    }
+}

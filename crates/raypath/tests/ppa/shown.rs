@@ -1,0 +1,198 @@
+//! Tables and pictures, of a report small enough to compute by hand.
+
+use raypath::ppa::{self, Area, Earlier, Exploration, Path, Point, Report, Setting, Slowest, Stage, Step, Units};
+use raypath::rtl::{Config, Lanes};
+use std::collections::BTreeMap;
+
+fn area(units: &[(&str, u64, f64)], registers: f64, operand_muxes: f64) -> Area {
+    let units = units.iter().map(|&(kind, count, area)| (kind.to_string(), Units { count, area }));
+    let units: BTreeMap<String, Units> = units.collect();
+    let total = units.values().map(|units| units.area).sum::<f64>() + registers + operand_muxes;
+    Area { total, units, registers, operand_muxes, ..Area::default() }
+}
+
+fn path(steps: &[(&str, f64)], setup_ns: f64) -> Path {
+    let name = |step: Option<&(&str, f64)>| step.expect("a step").0.to_string();
+    Path {
+        ns: steps.last().expect("a step").1 + setup_ns,
+        start: name(steps.first()),
+        end: name(steps.last()),
+        steps: steps.iter().map(|(through, ns)| Step { through: through.to_string(), ns: *ns }).collect(),
+        setup_ns,
+    }
+}
+
+/// Two stages: 1,000 and 3,000 µm², 2 and 5 ns.
+fn report() -> Report {
+    let first = Stage {
+        name: "input".to_string(),
+        area: area(&[], 1000.0, 0.0),
+        flip_flops: 50,
+        slowest: Some(path(&[("port a_i", 0.5), ("gates", 1.5), ("input num_0_q[3]", 1.5)], 0.5)),
+    };
+    let second = Stage {
+        name: "stage 1".to_string(),
+        area: area(&[("add", 2, 400.0), ("mul", 1, 2000.0)], 500.0, 100.0),
+        flip_flops: 1025,
+        slowest: Some(path(&[("input num_0_q[3]", 0.25), ("u_mul_0", 4.0), ("stage 1 num_1_q", 4.5)], 0.5)),
+    };
+    Report {
+        design: "small".to_string(),
+        setting: Setting {
+            synthesis: "Yosys 1".to_string(),
+            timing: "OpenSTA 2".to_string(),
+            library: "cells".to_string(),
+            nand2: "NAND".to_string(),
+            buffer: "BUF".to_string(),
+            load_ff: 10.0,
+            period_ns: 7.5,
+        },
+        area: area(&[("add", 2, 400.0), ("mul", 1, 2000.0)], 1500.0, 100.0),
+        flip_flops: 1075,
+        kilo_gates: 2.0,
+        slowest: Slowest { stage: "stage 1".to_string(), ns: 5.0 },
+        clock_mhz: 200.0,
+        area_period: 0.02,
+        stages: vec![first, second],
+    }
+}
+
+/// A table's rows, cell by cell. A line without a first cell continues the one before.
+fn rows(table: &str) -> Vec<Vec<String>> {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for line in table.lines().filter(|line| !line.contains("|--")) {
+        let cells: Vec<String> = line.trim_matches('|').split('|').map(|cell| cell.trim().to_string()).collect();
+        match rows.last_mut() {
+            Some(row) if cells[0].is_empty() => {
+                for (whole, rest) in row.iter_mut().zip(&cells).filter(|(_, rest)| !rest.is_empty()) {
+                    *whole += &format!(" {rest}");
+                }
+            }
+            _ => rows.push(cells),
+        }
+    }
+    rows
+}
+
+#[test]
+fn tables_say_what_the_report_says() {
+    let report = report();
+    let found = rows(&ppa::areas(&report));
+    let row = |cells: [&str; 12]| cells.map(str::to_string).to_vec();
+    let expected = [
+        row(["input", "", "", "1,000", "", "", "", "", "", "1,000", "25.0 %", "50"]),
+        row(["stage 1", "2 add, 1 mul", "2,400", "500", "100", "", "", "", "", "3,000", "75.0 %", "1,025"]),
+        row(["all", "3", "2,400", "1,500", "100", "", "", "", "", "4,000", "100.0 %", "1,075"]),
+        row(["share", "", "60.0 %", "37.5 %", "2.5 %", "0.0 %", "0.0 %", "0.0 %", "0.0 %", "", "", ""]),
+    ];
+    assert_eq!(found[1..], expected);
+    let found = rows(&ppa::units(&report));
+    assert_eq!(found[1..], [["add", "2", "200", "400", "10.0 %"], ["mul", "1", "2,000", "2,000", "50.0 %"]]);
+    let found = rows(&ppa::paths(&report));
+    assert_eq!(
+        found[1..],
+        [
+            ["input", "2.00", "port a_i", "gates 1.50", "input num_0_q[3]"],
+            ["stage 1", "5.00", "input num_0_q[3]", "u_mul_0 4.00", "stage 1 num_1_q"]
+        ]
+    );
+    let words = ppa::summary(&report);
+    for part in
+        ["0.004 mm² = 2.0 kGE (NAND = 1 GE), 60.0 % of it units; 1,075", "5.00 ns, to stage 1: 200.0 MHz", "7.5 ns"]
+    {
+        assert!(words.contains(part), "{part}: {words}");
+    }
+}
+
+#[test]
+fn a_report_survives_its_file_and_compares_with_itself() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = serde_json::to_string_pretty(&report()).expect("JSON");
+    assert_eq!(serde_json::from_str::<Report>(&text).expect("a report"), report());
+    std::fs::write(folder.path().join("ppa.json"), text).expect("written");
+    let found = rows(&ppa::comparison(&report(), &Earlier::read(folder.path()).expect("a report")));
+    assert_eq!(found[1..], ["input", "stage 1", "all"].map(|name| [name, "1.000", "1.000", "1.000"]));
+}
+
+#[test]
+fn somebody_elses_figures_may_be_few() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = r#"{"design": "theirs", "area": {"total": 8000}, "flip_flops": 4300, "slowest": {"ns": 10},
+                   "stages": [{"name": "stage 1", "slowest": {"ns": 4}}, {"name": "stage 9", "area": {"total": 1}}]}"#;
+    std::fs::write(folder.path().join("ppa.json"), text).expect("written");
+    let found = rows(&ppa::comparison(&report(), &Earlier::read(folder.path()).expect("a report")));
+    assert_eq!(found[1..], [["stage 1", "", "", "1.250"], ["all", "0.500", "0.250", "0.500"]]);
+}
+
+/// The attributes of all elements that open so.
+fn elements<'s>(svg: &'s str, opening: &'static str) -> Vec<BTreeMap<&'s str, &'s str>> {
+    let opened = svg.split(opening).skip(1);
+    let attributes = |element: &'s str| {
+        let words: Vec<&str> = element.split('>').next().unwrap_or_default().split('"').collect();
+        words.chunks_exact(2).map(|pair| (pair[0].trim().trim_end_matches('='), pair[1])).collect()
+    };
+    opened.map(attributes).collect()
+}
+
+fn number(element: &BTreeMap<&str, &str>, name: &str) -> f64 {
+    element[name].parse().expect("a number")
+}
+
+#[test]
+fn bars_are_as_long_as_what_they_mean() {
+    let svg = ppa::stages(&report());
+    // What has a title is part of a bar; legends have none.
+    let bars: Vec<&str> = svg.split("<rect ").skip(1).filter(|part| part.contains("<title>")).collect();
+    let title =
+        |bar: &str| bar.split("<title>").nth(1).and_then(|rest| rest.split('<').next()).map(|t| t.trim().to_string());
+    let heights: BTreeMap<String, f64> = bars
+        .iter()
+        .map(|bar| (title(bar).expect("a title"), number(&elements(&format!("<rect {bar}"), "<rect ")[0], "height")))
+        .collect();
+    // 3,000 µm² are the height of the upper diagram, 5 ns that of the lower.
+    let (area, time) = (320.0 / 3000.0, 150.0 / 5.0);
+    let expected = [
+        ("mul: 2000.00", 2000.0 * area),
+        ("add: 400.00", 400.0 * area),
+        ("registers: 1000.00", 1000.0 * area),
+        ("u_mul_0: 3.75", 3.75 * time),
+        ("gates: 1.00", 1.0 * time),
+    ];
+    for (title, height) in expected {
+        assert!((heights[title] - height).abs() <= 1.0, "{title}: {} for {height}; {heights:?}", heights[title]);
+    }
+}
+
+#[test]
+fn points_stand_where_their_figures_are() {
+    let point = |name: &str, lanes, mhz: f64, mm2: f64| {
+        let mut report = Report { clock_mhz: mhz, ..report() };
+        report.area.total = mm2 * 1e6;
+        Point::new(name, Config { lanes, ..Config::DEFAULT }, report)
+    };
+    let points = vec![
+        point("graphics", Lanes::None, 100.0, 1.0),
+        point("four", Lanes::Four, 100.0, 2.0),
+        point("eight", Lanes::Eight, 50.0, 1.0),
+    ];
+    assert_eq!(points[0].boxes_per_second, 400e6);
+    let dimensions: Vec<f64> = points.iter().map(|point| point.dimensions_per_second).collect();
+    assert_eq!(dimensions, [0.0, 400e6, 400e6]);
+    let exploration = Exploration { points };
+    let rows = rows(&ppa::explored(&exploration));
+    assert_eq!(
+        rows.last().map(|row| (row[0].as_str(), row[1].as_str(), row[9].as_str())),
+        Some(("eight", "1.000", "400 M"))
+    );
+
+    let svg = ppa::scatter(&exploration);
+    let circles = elements(&svg, "<circle ");
+    let [graphics, four, eight, far_four, far_eight] = &circles[..] else { panic!("{} points", circles.len()) };
+    // Equal clocks and equal areas stand in line, the larger area higher; without distances only in the first diagram.
+    assert_eq!((graphics["cx"], graphics["cy"]), (four["cx"], eight["cy"]));
+    assert!(number(four, "cy") < number(graphics, "cy") && number(eight, "cx") < number(graphics, "cx"));
+    assert_eq!((far_four["cx"], far_four["cy"], far_eight["cy"]), (far_eight["cx"], four["cy"], eight["cy"]));
+    // The best area for a job, and for a dimension, a second.
+    assert!(graphics["fill"] != four["fill"] && four["fill"] == eight["fill"]);
+    assert_eq!((far_eight["fill"], far_four["fill"]), (graphics["fill"], four["fill"]));
+}
