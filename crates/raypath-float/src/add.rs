@@ -1,72 +1,155 @@
 //! Sum of two recoded numbers. A difference is a sum with one sign bit inverted.
 //!
-//! Hardware: the operands put in order of magnitude, the smaller one shifted right to the larger one's exponent with
-//! guard, round and sticky bit, one adder that also subtracts, a normalising shift left, and one incrementer that
-//! rounds fraction and exponent together. A sum below the normal range is exact, so that it needs nothing of its own.
+//! Hardware: the operands put in order of exponent, the smaller one shifted right to the larger one's exponent with
+//! guard, round and sticky bit, one adder that also subtracts and rounds, and a normalising shift left. A sum below the
+//! normal range is exact, so that it needs nothing of its own.
+//!
+//! The adder finds its carries first. With the bits that a carry into the last place would reach, they serve the sum and
+//! the sum plus one alike, and which of the two is right (rounding up, or the second half of a complement) need not be
+//! known before the leading bits are. Nothing is left to round behind the normalising shift: what it moves by more than
+//! one place is exact.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all operands, exact sums), `binary32.rs` (the host's `f32`),
-//! `other_formats.rs` (exact sums), `verilator.rs`.
+//! `other_formats.rs` (exact sums), `verilator.rs`; in all of them whole and in parts.
 
 use crate::Format;
 use crate::align::shift_right_sticky;
-use crate::normalise::normalise;
-use crate::recoded::{Magnitude, Outcome};
-use raypath_hdl::{Builder, Error, Module};
+use crate::normalise::Normalised;
+use crate::parts::Parts;
+use crate::recoded::Magnitude;
+use raypath_hdl::{Error, Module};
 use std::sync::Arc;
 
 /// The module `raypath_fp_add_<format>`: `sum_o = a_i + b_i`. A sum that is exactly zero is +0, but for -0 + -0.
 pub fn add(format: Format) -> Result<Arc<Module>, Error> {
-    let m = Builder::new(&format!("raypath_fp_add_{format}"));
-    m.doc("Sum of two recoded numbers, rounded to nearest even.");
+    Ok(add_parts(format, 1)?.remove(0))
+}
+
+/// The adder in 1, 2 or 3 parts, in the order in which a sum passes through them; together they are the module that
+/// [`add`] gives. What leaves a part by the port `x_o` enters the next by `x_i`.
+///
+/// # Errors
+/// Another number of parts.
+pub fn add_parts(format: Format, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
+    let doc = "Sum of two recoded numbers, rounded to nearest even.";
+    Parts::build(&format!("raypath_fp_add_{format}"), doc, parts, |parts| describe(format, parts))
+}
+
+fn describe(format: Format, parts: &mut Parts<'_>) {
+    let (e, s) = (format.exponent(), format.significand());
+    let m = parts.builder();
     let a_i = m.input("a_i", format.recoded_width());
     let b_i = m.input("b_i", format.recoded_width());
     let (a, b) = (Magnitude::of(format, a_i), Magnitude::of(format, b_i));
-
-    m.section("Order by magnitude");
-    let swap = a.word.less(b.word).named("swap");
-    let larger = Magnitude::of(format, swap.mux(b.word, a.word).named("larger"));
-    let smaller = Magnitude::of(format, swap.mux(a.word, b.word).named("smaller"));
-    let larger_sign = swap.mux(b_i.top(), a_i.top()).named("larger_sign");
     let subtract = (a_i.top() ^ b_i.top()).named("subtract");
 
-    m.section("Align; guard, round and sticky bit on the right");
-    let distance = (larger.exponent() - smaller.exponent()).named("distance");
-    let guards = m.constant(3, 0);
-    let unaligned = m.concat(&[smaller.significand(), guards]).named("unaligned");
-    let aligned = shift_right_sticky(unaligned, distance);
+    m.section("Order by exponent");
+    let difference = (a.exponent().extend(e + 2) - b.exponent().extend(e + 2)).named("difference");
+    let swap = difference.top().named("swap");
+    let exponent = swap.mux(b.exponent(), a.exponent()).named("larger_exponent");
+    let fraction = swap.mux(b.fraction(), a.fraction()).named("larger_fraction");
+    let sign = swap.mux(b_i.top(), a_i.top()).named("larger_sign");
 
-    m.section("Add or subtract; the lowest bit carries in");
-    let augend = m.concat(&[m.constant(1, 0), larger.significand(), guards, m.constant(1, 1)]).named("augend");
-    let addend =
-        m.concat(&[aligned.extend(aligned.width() + 1), m.constant(1, 0)]) ^ subtract.replicate(augend.width());
-    let total = (augend + addend).named("total");
-    m.unused("unused_carry", &[total.bit(0)]);
+    m.section("Operands that are no ordinary numbers");
+    let both_special = (a.exponent().upper(2).all() & b.exponent().upper(2).all()).named("both_special");
+    let special = exponent.upper(2).all().named("special");
+    let nan = (exponent.upper(3).all() | (both_special & subtract)).named("nan");
+    let both_zero = (a.is_zero() & b.is_zero()).named("both_zero");
+    let nan_or_zero = (nan | both_zero).named("nan_or_zero");
+
+    m.section("Align; guard, round and sticky bit on the right");
+    // Of operands that are swapped, the distance is the complement plus one. The one is in the wiring.
+    let distance = (difference.lower(e + 1) ^ swap.replicate(e + 1)).named("distance");
+    let hidden = m.constant(1, 1);
+    let swapped = m.concat(&[m.constant(1, 0), hidden, a.fraction(), m.constant(2, 0)]);
+    let unaligned = swap.mux(swapped, m.concat(&[hidden, b.fraction(), m.constant(3, 0)])).named("unaligned");
+    let smaller = shift_right_sticky(unaligned, distance, a.is_zero() | b.is_zero()).named("smaller");
+
+    let [exponent, fraction, sign, subtract, special, nan_or_zero, smaller] = parts.cut(
+        1,
+        3,
+        [
+            ("exponent", exponent),
+            ("fraction", fraction),
+            ("sign", sign),
+            ("subtract", subtract),
+            ("special", special),
+            ("nan_or_zero", nan_or_zero),
+            ("smaller", smaller),
+        ],
+    );
+    let m = parts.builder();
+
+    m.section("Add, for now without a carry into the last place");
+    // A difference is the complement of the sum of the larger one's complement and the smaller one.
+    let augend = (m.concat(&[m.constant(1, 1), fraction]) ^ subtract.replicate(s)).named("augend");
+    let addend = smaller.upper(s).named("addend");
+    let propagate = (augend ^ addend).extend(s + 1).named("propagate");
+    let carries = ((augend.extend(s + 1) + addend.extend(s + 1)) ^ propagate).named("carries");
+    let tail = smaller.lower(3);
+
+    let values = [
+        ("exponent", exponent),
+        ("sign", sign),
+        ("subtract", subtract),
+        ("special", special),
+        ("nan_or_zero", nan_or_zero),
+        ("without_carry", propagate ^ carries),
+        ("tail", tail),
+    ];
+    let [exponent, sign, subtract, special, nan_or_zero, without_carry, tail] = parts.cut(1, 2, values);
+    let m = parts.builder();
+    // The sum without that carry is what a second addition, of nothing, would propagate.
+    let (propagate, carries) =
+        if parts.count() == 2 { (without_carry, m.constant(s + 1, 0)) } else { (propagate, carries) };
+
+    m.section("Round");
+    let reach = (propagate ^ (propagate + m.constant(s + 1, 1))).named("reach");
+    let carry_out = propagate.top() ^ carries.top();
+    let [guard, round, sticky] = [2, 1, 0].map(|place| tail.bit(place));
+    let below_guard = (round | sticky).named("below_guard");
+    let inexact = (guard | below_guard).named("inexact");
+    let borrow = (subtract & inexact).named("borrow");
+    let half = (guard ^ (subtract & below_guard)).named("half");
+    let quarter = (round ^ (subtract & sticky)).named("quarter");
+    let last = propagate.bit(0);
+    let next = (propagate.bit(1) ^ carries.bit(1)).named("next");
+    let carry_two = (subtract | (last & (inexact | next))).named("carry_two");
+    let carry_one = (borrow ^ (half & (below_guard | last))).named("carry_one");
+    let carry_half = (inexact & !(half & quarter)).named("carry_half");
+    let top = !(propagate.bit(s - 1) ^ (carries.bit(s - 1) | (reach.bit(s - 1) & borrow)));
+    let below_one = (subtract & !top).named("below_one");
+    let carry_in = carry_out.mux(carry_two, below_one.mux(carry_half, carry_one)).named("carry_in");
+
+    let rounded_carries = (carries | (reach & carry_in.replicate(s + 1))).named("rounded_carries");
+    let invert = (subtract & !carry_out).named("invert");
+    let rounded = (propagate.lower(s) ^ rounded_carries.lower(s) ^ invert.replicate(s)).named("rounded");
+    let carried = ((propagate.top() ^ rounded_carries.top()) & !subtract).named("carried");
+    let below = (half ^ (quarter & (sticky | half))).named("below");
+    let sum = m.concat(&[carried, rounded, below]).named("sum");
+
+    let overflow = (carried & exponent.is((0b110 << (e - 2)) - 1)).named("overflow");
+    let cancelled = (subtract & reach.top() & !inexact).named("cancelled");
+    let special = (special | overflow).named("special_sum");
+    let sign = ((sign ^ (subtract & carry_out)) & !((cancelled | nan_or_zero) & subtract)).named("sum_sign");
+    let nan_or_zero = (nan_or_zero | cancelled).named("nan_or_zero_sum");
+
+    let values =
+        [("exponent", exponent), ("sum", sum), ("sign", sign), ("special", special), ("nan_or_zero", nan_or_zero)];
+    let [exponent, sum, sign, special, nan_or_zero] = parts.cut(2, 3, values);
+    let m = parts.builder();
 
     m.section("Normalise");
-    let normalised = normalise(total.upper(total.width() - 1));
-    let one = m.constant(larger.exponent().width(), 1);
-    let exponent = (larger.exponent() + one - normalised.count.extend(one.width())).named("exponent");
-    let cancelled = (!normalised.word.top()).named("cancelled");
-
-    m.section("Round; the carry steps the exponent, at last to infinity");
-    let below_hidden = normalised.word.lower(normalised.word.width() - 1);
-    let fraction = below_hidden.upper(format.fraction_width()).named("fraction");
-    let half = below_hidden.bit(3);
-    let round_up = (half & (below_hidden.lower(3).any() | fraction.bit(0))).named("round_up");
-    let truncated = m.concat(&[exponent, fraction]);
-    let rounded = Magnitude::of(format, (truncated + round_up.extend(truncated.width())).named("rounded"));
+    let normalised = Normalised::of(sum);
+    let leading_zeros = normalised.leading_zeros();
+    let one_more = (exponent + m.constant(e + 1, 1)).named("one_more");
+    let exponent = (one_more - leading_zeros.extend(e + 1)).named("exponent");
 
     m.section("Result");
-    let overflow = (rounded.exponent().upper(2).all() & !cancelled).named("overflow");
-    let opposite_infinities = (a.is_infinite() & b.is_infinite() & subtract).named("opposite_infinities");
-    let sum = Outcome {
-        nan: (a.is_nan() | b.is_nan() | opposite_infinities).named("nan"),
-        infinite: (a.is_infinite() | b.is_infinite() | overflow).named("infinite"),
-        zero: cancelled,
-        sign: cancelled.mux(a_i.top() & b_i.top(), larger_sign),
-        exponent: rounded.exponent(),
-        fraction: rounded.fraction(),
-    };
-    m.output("sum_o", sum.pack(&m));
-    m.finish()
+    let nan = (special & nan_or_zero).named("result_nan");
+    let ordinary = (!special & !nan_or_zero).named("ordinary");
+    let class = m.concat(&[special, special, nan, m.constant(e - 2, 0)]);
+    let exponent = ((exponent & ordinary.replicate(e + 1)) | class).named("result_exponent");
+    let fraction = normalised.fraction(s - 1, ordinary) | m.concat(&[nan, m.constant(s - 2, 0)]);
+    m.output("sum_o", m.concat(&[sign & !nan, exponent, fraction.named("result_fraction")]));
 }

@@ -2,16 +2,27 @@
 
 use raypath_hdl::Wire;
 
-/// `word` shifted right by `amount`, whatever that is; the lowest bit of the result is also set where a set bit was
-/// lost ("sticky"). Rounding needs no more. `amount` must have more bits than the width of `word` needs.
-pub(crate) fn shift_right_sticky<'m>(word: Wire<'m>, amount: Wire<'m>) -> Wire<'m> {
+/// `word`, which is not zero, shifted right by `amount`, whatever that is; the lowest bit of the result is also set
+/// where a set bit was lost ("sticky"). Rounding needs no more. Where `zero` is set, `word` counts as zero after all.
+/// `amount` must have more bits than the width of `word` needs.
+pub(crate) fn shift_right_sticky<'m>(word: Wire<'m>, amount: Wire<'m>, zero: Wire<'m>) -> Wire<'m> {
     let m = word.builder();
-    let layers = word.width().next_power_of_two().ilog2();
+    let width = word.width();
+    let layers = width.next_power_of_two().ilog2();
     let far = amount.bits(amount.width() - 1, layers).any().named("far");
-    (0..layers).rev().fold(word, |word, layer| {
+    let vanishes = (far | zero).named("vanishes");
+    let layer = |(word, lost): (Wire<'m>, Wire<'m>), layer: u32| {
         let step = 1 << layer;
-        let lost = word.lower(step).any().extend(word.width());
-        let shifted = (word.shift_right(m.constant(layers, step.into())) | lost).named(&format!("shifted_{step}"));
-        (far | amount.bit(layer)).mux(shifted, word).named(&format!("aligned_{step}"))
-    })
+        let select = amount.bit(layer);
+        let shifted = word.shift_right(m.constant(layers, step.into()));
+        let aligned = match layer {
+            // The last layer takes neither where nothing is left.
+            0 => (word & (!select & !vanishes).replicate(width)) | (shifted & (select & !vanishes).replicate(width)),
+            _ => select.mux(shifted, word),
+        };
+        let lost = lost | (select & word.lower(step).any());
+        (aligned.named(&format!("aligned_{step}")), lost.named(&format!("lost_{step}")))
+    };
+    let (aligned, lost) = (0..layers).rev().fold((word, far), layer);
+    aligned | (lost & !zero).extend(width)
 }

@@ -1,13 +1,14 @@
 //! Comparison of two recoded numbers.
 //!
-//! Hardware: one comparison of the magnitudes as words; all infinities are one magnitude, and so are all zeros.
+//! Hardware: a comparison of the magnitudes as words, exponents and fractions side by side, that tells the greater word
+//! as well as equal ones; all infinities are one magnitude, and so are all zeros.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all operands), `binary32.rs` (the host's `f32`), `other_formats.rs`,
 //! `verilator.rs`.
 
 use crate::Format;
 use crate::recoded::Magnitude;
-use raypath_hdl::{Builder, Error, Module};
+use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
 /// The module `raypath_fp_compare_<format>`: `less_o` for `a_i < b_i`, `equal_o` (-0 equals +0), and `unordered_o`
@@ -21,20 +22,41 @@ pub fn compare(format: Format) -> Result<Arc<Module>, Error> {
     let a_negative = a_i.top().named("a_negative");
     let b_negative = b_i.top().named("b_negative");
 
+    m.section("Magnitudes as words");
+    let exponents = Order::of("exponent", a.exponent(), b.exponent());
+    let fractions = Order::of("fraction", a.fraction(), b.fraction());
+    let less = (exponents.less | (exponents.covered & fractions.less)).named("less");
+    let equal = (exponents.covered & fractions.covered & !less).named("equal");
+
     m.section("Magnitudes; the lower bits of zeros and infinities mean nothing");
     let both_zero = (a.is_zero() & b.is_zero()).named("both_zero");
-    let same_class = (both_zero | (a.is_infinite() & b.is_infinite())).named("same_class");
-    let same = (same_class | a.word.equals(b.word)).named("same");
-    let smaller = (!same_class & a.word.less(b.word)).named("smaller");
-    let larger = (!same & !smaller).named("larger");
+    let same = (equal | both_zero | (a.is_infinite() & b.is_infinite())).named("same");
+    let smaller = (less & !same).named("smaller");
+    let larger = (!less & !same).named("larger");
 
     m.section("Signs");
     let unordered = (a.is_nan() | b.is_nan()).named("unordered");
-    let less_apart = (a_negative & !b_negative & !both_zero).named("less_apart");
-    let less_positive = (!a_negative & !b_negative & smaller).named("less_positive");
-    let less_negative = (a_negative & b_negative & larger).named("less_negative");
-    m.output("less_o", !unordered & (less_apart | less_positive | less_negative));
-    m.output("equal_o", !unordered & same & (both_zero | !(a_negative ^ b_negative)));
+    let same_sign = (!(a_negative ^ b_negative)).named("same_sign");
+    let less_alike = a_negative.mux(larger, smaller).named("less_alike");
+    let less_apart = (a_negative & !both_zero).named("less_apart");
+    m.output("less_o", !unordered & same_sign.mux(less_alike, less_apart));
+    m.output("equal_o", !unordered & same & (same_sign | both_zero));
     m.output("unordered_o", unordered);
     m.finish()
+}
+
+/// How two words stand to each other: they are equal where `b` covers `a` and `a` is not less.
+struct Order<'m> {
+    less: Wire<'m>,
+    /// Every bit of `a` is one of `b`, so that `a` is no greater. It needs the gates that `less` has already.
+    covered: Wire<'m>,
+}
+
+impl<'m> Order<'m> {
+    fn of(name: &str, a: Wire<'m>, b: Wire<'m>) -> Self {
+        Self {
+            less: a.less(b).named(&format!("{name}_less")),
+            covered: (!(a & !b).any()).named(&format!("{name}_covered")),
+        }
+    }
 }

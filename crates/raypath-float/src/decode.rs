@@ -18,23 +18,30 @@ pub fn decode(format: Format) -> Result<Arc<Module>, Error> {
     let recoded_i = m.input("recoded_i", format.recoded_width());
     let number = Magnitude::of(format, recoded_i);
     let exponent = number.exponent().named("exponent");
-    let zeros = m.constant(s - 2, 0);
 
     m.section("Below the normal range the hidden bit shows");
     let subnormal = exponent.less(m.constant(e + 1, format.least_normal())).named("subnormal");
-    // The lowest bits of the exponent tell how far below.
-    let depth_width = (s - 1).next_power_of_two().ilog2();
-    let depth = (m.constant(depth_width, 1) - exponent.lower(depth_width)).named("depth");
-    let significand = m.concat(&[!number.is_zero(), number.fraction().upper(s - 2)]);
-    let shifted = significand.shift_right(depth).named("shifted");
+    let layers = s.next_power_of_two().ilog2();
+    let depth = m.constant(layers, format.least_normal() & ((1 << layers) - 1)) - exponent.lower(layers);
+    let depth = (depth & subnormal.replicate(layers)).named("depth");
+    let significand = m.concat(&[m.constant(1, 1), number.fraction()]).named("significand");
+    let shifted = (1..layers).rev().fold(significand, |word, layer| {
+        let step = 1 << layer;
+        depth.bit(layer).mux(word.shift_right(m.constant(layers, step)), word).named(&format!("shifted_{step}"))
+    });
 
     m.section("Result");
     let nan = number.is_nan().named("nan");
-    let special = (nan | number.is_infinite()).named("special");
+    let special = exponent.upper(2).all().named("special");
+    let finite = (!special & !number.is_zero()).named("finite");
+    let f = s - 1;
+    let take_0 = (finite & !depth.bit(0)).named("take_0");
+    let take_1 = (finite & depth.bit(0)).named("take_1");
+    let fraction = (take_0.replicate(f) & shifted.lower(f))
+        | (take_1.replicate(f) & shifted.upper(f))
+        | m.concat(&[nan, m.constant(f - 1, 0)]);
     let biased = exponent.lower(e) - m.constant(e, format.least_normal() - 1);
     let biased = ((biased & (!subnormal).replicate(e)) | special.replicate(e)).named("biased");
-    let fraction = subnormal.mux(shifted, number.fraction());
-    let fraction = special.mux(m.concat(&[nan, zeros]), fraction).named("fraction");
     m.output("ieee_o", m.concat(&[recoded_i.top() & !nan, biased, fraction]));
     m.finish()
 }

@@ -1,12 +1,13 @@
 //! IEEE 754's layout to the recoded format.
 //!
-//! Hardware: a normalising shift for subnormal fractions, and one adder that gives the exponent its new bias. IEEE's
-//! infinity becomes the recoded infinity by that addition alone.
+//! Hardware: a normalising shift for subnormal fractions, which the hidden bit of a normal number stops before it begins,
+//! and one adder that gives the exponent its new bias. IEEE's infinity becomes the recoded infinity by that addition
+//! alone.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all numbers, by the format's definition), `binary32.rs`, `verilator.rs`.
 
 use crate::Format;
-use crate::normalise::normalise;
+use crate::normalise::Normalised;
 use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
 
@@ -19,31 +20,32 @@ pub fn encode(format: Format) -> Result<Arc<Module>, Error> {
     let sign = ieee_i.top();
     let biased = ieee_i.bits(e + s - 2, s - 1).named("biased");
     let fraction = ieee_i.lower(s - 1).named("fraction");
+    let zeros = |width| m.constant(width, 0);
 
     m.section("Subnormal numbers: the leading one becomes hidden");
     let subnormal = (!biased.any()).named("subnormal");
-    let normalised = normalise(fraction);
-    let zero = (subnormal & !normalised.word.top()).named("zero");
-    let shifted = m.concat(&[normalised.word.lower(s - 2), m.constant(1, 0)]);
+    let significand = m.concat(&[!subnormal, fraction]).named("significand");
+    let normalised = Normalised::of(significand);
+    let leading_zeros = normalised.leading_zeros();
+    let zero = (!normalised.word.upper(2).any()).named("zero");
 
     m.section("Change the bias");
-    // Minus the leading zeros is their complement plus one.
-    let step = subnormal.mux(!normalised.count.extend(e + 1), biased.extend(e + 1)).named("step");
-    let normal_bias = format.least_normal() - 1;
-    let bias = subnormal.mux(m.constant(e + 1, normal_bias + 1), m.constant(e + 1, normal_bias));
+    // Minus the leading zeros is their complement plus one; the smallest normal numbers' biased exponent is not 0 but 1.
+    let complement = !leading_zeros.extend(e + 1) & subnormal.replicate(e + 1);
+    let step = (biased.extend(e + 1) | complement).named("step");
+    let two_if_subnormal = m.concat(&[zeros(e - 1), subnormal, zeros(1)]);
+    let bias = m.constant(e + 1, format.least_normal() - 1) | two_if_subnormal;
     let exponent = (step + bias).named("exponent");
 
     m.section("Result");
     let nan = (biased.all() & fraction.any()).named("nan");
-    let nan_bit = m.constant(e + 1, 1 << (e - 2));
-    let nan_fraction = m.constant(s - 1, 1 << (s - 2));
-    let number = subnormal.mux(shifted, fraction).named("number");
+    let number = normalised.fraction(s - 1, !nan);
     m.output(
         "recoded_o",
         m.concat(&[
             sign & !nan,
-            ((exponent & (!zero).replicate(e + 1)) | (nan_bit & nan.replicate(e + 1))).named("result_exponent"),
-            nan.mux(nan_fraction, number).named("result_fraction"),
+            ((exponent & (!zero).replicate(e + 1)) | m.concat(&[zeros(2), nan, zeros(e - 2)])).named("result_exponent"),
+            (number | m.concat(&[nan, zeros(s - 2)])).named("result_fraction"),
         ]),
     );
     m.finish()

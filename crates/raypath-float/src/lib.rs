@@ -3,8 +3,7 @@
 //! A recoded number has a sign, an exponent of one bit more than IEEE 754 gives it, and a fraction. The top three bits
 //! of the exponent say zero (000), infinity (110) or NaN (111); every other number is normalised, so that no unit has
 //! a subnormal case. All units are combinational, round to nearest even and write canonical results; they accept a zero
-//! and an infinity whatever their lower exponent bits are, an infinity with any fraction, and a NaN with any sign and
-//! payload.
+//! and an infinity with any lower exponent bits and any fraction, and a NaN with any sign and payload.
 //!
 //! ```
 //! use raypath_float::{Format, add};
@@ -22,15 +21,18 @@
 
 mod add;
 mod align;
+mod booth;
 mod compare;
+mod compress;
 mod decode;
 mod encode;
+mod lookahead;
 mod mul;
 mod normalise;
 mod parts;
 mod recoded;
 
-pub use add::add;
+pub use add::{add, add_parts};
 pub use compare::compare;
 pub use decode::decode;
 pub use encode::encode;

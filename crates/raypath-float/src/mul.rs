@@ -1,16 +1,22 @@
 //! Product of two recoded numbers.
 //!
-//! Hardware: an adder for the exponents, a multiplier for the significands, and rounding. The bits that the result
-//! loses are marked by a mask, in which the exponent sum alone sets the bits that are lost below the normal range; it
-//! is ready before the product is. Half of a last place is added at the mask's edge and the mask cut away, the last
-//! place itself too on a tie. Only then the result is normalised, by one place.
+//! Hardware: an adder for the exponents; for the significands nine multiples of the multiplicand, one for three bits of
+//! the multiplier (`booth.rs`), full adders that make two rows of them (`compress.rs`) and an adder whose carries go
+//! ahead (`lookahead.rs`); then rounding. The bits that the result loses are marked by a mask, in which the exponent sum
+//! alone sets the bits that are lost below the normal range; it is ready before the product is. What is below half of a
+//! last place is filled with ones, so that adding one rounds up, and the mask cuts the rest away, the last place itself
+//! too on a tie. Only then the result is normalised, by one place. Where operands or exponents settle the result, its
+//! class takes the exponent's place and the mask loses everything.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all operands, exact products), `binary32.rs` (the host's `f32`),
-//! `other_formats.rs` (exact products), `verilator.rs`.
+//! `other_formats.rs` (exact products), `verilator.rs`; in all of them whole and in parts.
 
 use crate::Format;
+use crate::booth;
+use crate::compress::{Row, compress};
+use crate::lookahead;
 use crate::parts::Parts;
-use crate::recoded::{Magnitude, Outcome};
+use crate::recoded::Magnitude;
 use raypath_hdl::{Error, Module};
 use std::sync::Arc;
 
@@ -19,7 +25,11 @@ pub fn mul(format: Format) -> Result<Arc<Module>, Error> {
     Ok(mul_parts(format, 1)?.remove(0))
 }
 
-/// The same in `parts` modules, 1 or 2.
+/// The multiplier in 1, 2 or 3 parts, in the order in which a product passes through them; together they are the module
+/// that [`mul`] gives. What leaves a part by the port `x_o` enters the next by `x_i`.
+///
+/// # Errors
+/// Another number of parts.
 pub fn mul_parts(format: Format, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
     let doc = "Product of two recoded numbers, rounded to nearest even.";
     Parts::build(&format!("raypath_fp_mul_{format}"), doc, parts, |parts| describe(format, parts))
@@ -31,70 +41,90 @@ fn describe(format: Format, parts: &mut Parts<'_>) {
     let a_i = m.input("a_i", format.recoded_width());
     let b_i = m.input("b_i", format.recoded_width());
     let (a, b) = (Magnitude::of(format, a_i), Magnitude::of(format, b_i));
-    let sign = (a_i.top() ^ b_i.top()).named("sign");
 
-    m.section("Operands that are no numbers");
-    let zero_times_infinity = (a.is_zero() & b.is_infinite()) | (a.is_infinite() & b.is_zero());
-    let zero_times_infinity = zero_times_infinity.named("zero_times_infinity");
-    let nan = (a.is_nan() | b.is_nan() | zero_times_infinity).named("operand_nan");
-    let infinite = (a.is_infinite() | b.is_infinite()).named("operand_infinite");
-
-    m.section("Multiply");
+    m.section("Exponent; where it or an operand settles the result, the class of that");
     let exponent_sum = (a.exponent().extend(e + 2) + b.exponent().extend(e + 2)).named("exponent_sum");
-    let a_significand = a.significand().named("a_significand");
-    let b_significand = b.significand().named("b_significand");
-    let product = (a_significand * b_significand).named("product");
-
-    let [product, exponent_sum, sign, nan, infinite] = parts.cut(
-        1,
-        2,
-        [
-            ("product", product),
-            ("exponent_sum", exponent_sum),
-            ("sign", sign),
-            ("operand_nan", nan),
-            ("operand_infinite", infinite),
-        ],
-    );
-    let m = parts.builder();
-
-    m.section("Mark the bits to lose: one or two, and more below the normal range");
     // With a smaller exponent sum, a product of significands in [1, 4) is less than half the smallest subnormal.
     let least_sum = format.least_normal() + (1 << e) - u64::from(s + 1);
-    let above_least = (exponent_sum - m.constant(e + 2, least_sum)).named("above_least");
-    let vanishes = above_least.top().named("vanishes");
-    let subnormal = m.constant(s + 1, (1 << (s + 1)) - 1).shift_right(above_least.lower(e + 1)).named("subnormal");
-    let carried = product.top().named("carried");
+    let vanishes = exponent_sum.less(m.constant(e + 2, least_sum)).named("vanishes");
+    let overflows = (!exponent_sum.less(m.constant(e + 2, 5 << (e - 1)))).named("overflows");
+    let zero_times_infinity = (a.is_zero() & b.is_infinite()) | (a.is_infinite() & b.is_zero());
+    let nan = (a.is_nan() | b.is_nan() | zero_times_infinity).named("nan");
+    let special = (nan | a.is_infinite() | b.is_infinite() | overflows).named("special");
+    let settled = (special | a.is_zero() | b.is_zero() | vanishes).named("settled");
+    let class = m.concat(&[special, special, nan, m.constant(e - 2, 0)]);
+    let biased = exponent_sum.lower(e + 1) - m.constant(e + 1, 1 << e);
+    let exponent = settled.mux(class, biased).named("exponent");
+    let sign = ((a_i.top() ^ b_i.top()) & !nan).named("sign");
+
+    m.section("Multiples");
+    let multiplicand = m.concat(&[m.constant(1, 1), a.fraction()]).named("multiplicand");
+    let triple = booth::triple_above(multiplicand).named("triple_above");
+    let values = [
+        ("multiplicand", multiplicand.lower(s - 1)),
+        ("triple_above", triple),
+        ("multiplier", b.fraction()),
+        ("exponent", exponent),
+        ("settled", settled),
+        ("sign", sign),
+    ];
+    let [fraction, triple, multiplier, exponent, settled, sign] = parts.cut(1, 3, values);
+    let m = parts.builder();
+    let multiplicand = m.concat(&[m.constant(1, 1), fraction]);
+    let triple = m.concat(&[triple, multiplicand.bit(0)]);
+
+    m.section("Multiply");
+    let mut rows = booth::rows(multiplicand, triple, multiplier, 2 * s);
+    // The multiplier's hidden bit.
+    rows.push(Row { word: multiplicand, low: s - 1 });
+    let rows = compress(rows, 2 * s);
+    let [addend, augend] = [0, 1].map(|row| rows[row].columns(0, 2 * s));
+
+    m.section("Add; of the lower columns only the carry counts, and whether they are zero");
+    let low = lookahead::add(addend.lower(s - 2), augend.lower(s - 2), m.constant(1, 0), "low");
+    let sticky = low.word.any().named("sticky");
+    let values = [
+        ("addend", addend.upper(s + 2)),
+        ("augend", augend.upper(s + 2)),
+        ("low_carry", low.carry),
+        ("sticky", sticky),
+        ("exponent", exponent),
+        ("settled", settled),
+        ("sign", sign),
+    ];
+    let [addend, augend, low_carry, sticky, exponent, settled, sign] = parts.cut_at(&[(1, 2), (2, 3)], values);
+    let m = parts.builder();
+    let word = lookahead::add(addend, augend, low_carry, "high");
+    m.unused("unused_carry", &[word.carry]);
+    let word = word.word.named("word");
+
+    m.section("Mark the bits to lose: one or two, and more below the normal range");
     let zero = m.constant(1, 0);
+    let least = m.constant(e + 1, format.least_normal() - u64::from(s + 1));
+    // A result that is settled loses every bit.
+    let above_least = ((exponent - least) & (!settled).replicate(e + 1)).named("above_least");
+    let subnormal = m.constant(s + 1, (1 << (s + 1)) - 1).shift_right(above_least).named("subnormal");
+    let carried = word.top().named("carried");
     let lost_half = subnormal.bit(0) | carried;
-    let lost = m.concat(&[zero, subnormal.upper(s), lost_half, m.constant(1, 1)]).named("lost");
-    let lost_below = m.concat(&[zero, lost.upper(s + 2)]).named("lost_below_half");
-    let half = (lost & !lost_below).named("half");
-    let last_place = (m.concat(&[lost.lower(s + 2), zero]) & !lost).named("last_place");
+    let lost = m.concat(&[settled, subnormal.upper(s), lost_half, m.constant(1, 1)]).named("lost");
+    let below_half = m.concat(&[zero, lost.upper(s + 2)]).named("below_half");
 
     m.section("Round");
-    let word = product.upper(s + 2).extend(s + 3).named("word");
-    let sticky = product.lower(s - 2).any().named("sticky");
-    let tie = ((word & half).any() & !((word & lost_below).any() | sticky)).named("tie");
-    let cut = (lost | (tie.replicate(s + 3) & last_place)).named("cut");
-    let rounded = ((word + half) & !cut).named("rounded");
-    m.unused("unused_half", &[rounded.bit(0)]);
+    let word = word.extend(s + 3);
+    let exact = (!((word & below_half).any() | sticky)).named("exact");
+    let filled = (word | below_half).named("filled");
+    let rounded = (filled + m.constant(s + 3, 1)).named("rounded");
+    let half = m.concat(&[word.lower(s + 2) & lost.lower(s + 2), zero]);
+    let tie = exact.replicate(s + 3) & half;
+    let kept = (rounded & !lost & !tie).named("kept");
+    m.unused("unused_half", &[kept.bit(0)]);
 
-    m.section("Normalise; the leading one is in the upper three bits");
-    let exponent = exponent_sum.lower(e + 1) - m.constant(e + 1, 1 << e) + rounded.upper(2).extend(e + 1);
-    let exponent = exponent.named("exponent");
-    let fraction = rounded.bit(s + 1).mux(rounded.bits(s, 2), rounded.bits(s - 1, 1)).named("fraction");
-
-    m.section("Result");
-    let product_is_zero = (vanishes | !rounded.upper(3).any()).named("zero");
-    let overflow = (exponent.upper(2).all() & !product_is_zero).named("overflow");
-    let result = Outcome {
-        nan,
-        infinite: (infinite | overflow).named("infinite"),
-        zero: product_is_zero,
-        sign,
-        exponent,
-        fraction,
-    };
-    m.output("product_o", result.pack(m));
+    m.section("Normalise");
+    let any = settled | kept.upper(3).any();
+    let result_exponent = ((exponent + kept.upper(2).extend(e + 1)) & any.replicate(e + 1)).named("result_exponent");
+    let largest = exponent.is((3 << (e - 1)) - 1).named("largest");
+    let fraction = carried.mux(kept.bits(s, 2), kept.bits(s - 1, 1)).named("fraction");
+    let fraction = fraction & (!(largest & carried)).replicate(s - 1);
+    let quiet = m.concat(&[exponent.upper(3).all(), m.constant(s - 2, 0)]);
+    m.output("product_o", m.concat(&[sign, result_exponent, fraction | quiet]));
 }

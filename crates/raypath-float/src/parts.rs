@@ -42,6 +42,11 @@ impl<'m> Parts<'m> {
         builders.into_iter().map(Builder::finish).collect()
     }
 
+    /// How many parts were asked for.
+    pub fn count(&self) -> usize {
+        self.builders.len()
+    }
+
     /// The builder of the part that is described now. Ask again behind a cut.
     pub fn builder(&self) -> &'m Builder {
         &self.builders[self.current]
@@ -59,6 +64,13 @@ impl<'m> Parts<'m> {
             from.output(&format!("{stem}_o"), wire);
             to.input(&format!("{stem}_i"), wire.width())
         })
+    }
+
+    /// One place that serves several divisions: at most one of the `cuts`, each a part and of how many, takes place.
+    pub fn cut_at<const N: usize>(&mut self, cuts: &[(usize, usize)], values: [(&str, Wire<'m>); N]) -> [Wire<'m>; N] {
+        let chosen = cuts.iter().copied().find(|(_, of)| *of == self.count());
+        let (part, of) = chosen.unwrap_or((0, 0));
+        self.cut(part, of, values)
     }
 }
 

@@ -26,8 +26,8 @@ impl Library {
             skid: control::skid()?,
             encode: raypath_float::encode(format)?,
             decode: raypath_float::decode(format)?,
-            add: shim(raypath_float::add(format)?, parts)?,
-            multiply: shim(raypath_float::mul(format)?, parts)?,
+            add: raypath_float::add_parts(format, parts)?,
+            multiply: raypath_float::mul_parts(format, parts)?,
             compare: raypath_float::compare(format)?,
         })
     }
@@ -61,26 +61,4 @@ impl Library {
         let module = self.unit(unit);
         module.outputs().iter().map(|port| (port.stem(), module.signal(port.signal).width))
     }
-}
-
-fn shim(unit: Arc<Module>, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
-    if parts == 1 {
-        return Ok(vec![unit]);
-    }
-    let mut all = Vec::new();
-    for part in 1..=parts {
-        let m = raypath_hdl::Builder::new(&format!("{}_part_{part}_of_{parts}", unit.name()));
-        let w = unit.port_width("a_i").unwrap();
-        let names = if part == 1 { ["a_i", "b_i"] } else { ["x_i", "y_i"] };
-        let (a, b) = (m.input(names[0], w), m.input(names[1], w));
-        if part < parts {
-            m.output("x_o", a);
-            m.output("y_o", b);
-        } else {
-            let out = m.instance("u_unit", &unit, &[("a_i", a), ("b_i", b)]);
-            m.output(&unit.outputs()[0].name, out[0]);
-        }
-        all.push(m.finish()?);
-    }
-    Ok(all)
 }

@@ -1,6 +1,7 @@
 //! Modules around the units, and running them.
 
-use raypath_float::{Format, add, compare, decode, encode, mul};
+use crate::chain::chain;
+use raypath_float::{Format, add, add_parts, compare, decode, encode, mul, mul_parts};
 use raypath_hdl::{Builder, Error, Module, Simulator, Wire};
 use std::sync::Arc;
 
@@ -17,7 +18,8 @@ pub struct Answer {
 impl Answer {
     /// From the outputs in the order of [`OUTPUTS`].
     pub fn of(outputs: &[u64]) -> Self {
-        let [sum, product, less, equal, unordered] = outputs.try_into().expect("all outputs of a bench");
+        let [sum, product, less, equal, unordered, parts_agree] = outputs.try_into().expect("all outputs of a bench");
+        assert_eq!(parts_agree, 1, "a unit in parts answers something else than {sum:#x} or {product:#x}");
         Self { sum, product, less: less == 1, equal: equal == 1, unordered: unordered == 1 }
     }
 }
@@ -31,11 +33,12 @@ pub enum Ports {
     Recoded,
 }
 
-/// One netlist that holds an adder, a multiplier and a comparator, with two operands in common.
+/// One netlist that holds an adder, a multiplier, both of them again in two and in three parts, and a comparator, with
+/// two operands in common.
 pub struct Bench {
     simulator: Simulator,
     inputs: [raypath_hdl::InputPort; 2],
-    outputs: [raypath_hdl::OutputPort; 5],
+    outputs: [raypath_hdl::OutputPort; 6],
 }
 
 impl Bench {
@@ -79,7 +82,7 @@ impl Converter {
 }
 
 /// The outputs of a bench, in the order of [`Answer`].
-pub const OUTPUTS: [&str; 5] = ["sum_o", "product_o", "less_o", "equal_o", "unordered_o"];
+pub const OUTPUTS: [&str; 6] = ["sum_o", "product_o", "less_o", "equal_o", "unordered_o", "parts_agree_o"];
 
 /// The netlist of a bench.
 pub fn module(format: Format, ports: Ports) -> Result<Arc<Module>, Error> {
@@ -105,9 +108,18 @@ pub fn module(format: Format, ports: Ports) -> Result<Arc<Module>, Error> {
     let relation = m.instance("compare", &compare(format)?, &operands);
     m.output(OUTPUTS[0], give("decode_sum", sum));
     m.output(OUTPUTS[1], give("decode_product", product));
-    for (name, wire) in OUTPUTS[2..].iter().zip(relation) {
+    for (name, wire) in OUTPUTS[2..5].iter().zip(relation) {
         m.output(name, wire);
     }
+    let mut agree = m.constant(1, 1);
+    for count in 2..=3 {
+        let chains = [(&add_parts(format, count)?, sum), (&mul_parts(format, count)?, product)];
+        for ((parts, whole), kind) in chains.into_iter().zip(["add", "mul"]) {
+            let result = only(m.instance(&format!("{kind}_in_{count}"), &chain(parts)?, &operands));
+            agree = agree & result.equals(whole);
+        }
+    }
+    m.output(OUTPUTS[5], agree);
     m.finish()
 }
 

@@ -66,8 +66,7 @@ fn operands_that_make_comparisons_hard() {
     assert!(less.min(equal).min(greater).min(unordered) >= cases(CASES) / 100, "{relations:?}");
 }
 
-/// Words with the same meaning as canonical ones: zeros with lower exponent bits, infinities with any bits below the
-/// class, NaNs with any sign and payload.
+/// Words with the same meaning as canonical ones: zeros and infinities with any bits below the class, NaNs with any sign and payload.
 #[test]
 fn recoded_words_that_are_not_canonical() {
     let format = Format::BINARY32;
@@ -107,8 +106,7 @@ fn recoded_words_that_are_not_canonical() {
 fn disguised(word: u64, random: &mut impl Rng) -> u64 {
     let (lower_exponent, fraction, sign) = (0x3f << 23, (1 << 23) - 1, 1 << 32);
     let free = match word >> 29 & 0b111 {
-        0b000 => lower_exponent,
-        0b110 => lower_exponent | fraction,
+        0b000 | 0b110 => lower_exponent | fraction,
         0b111 => sign | lower_exponent | fraction,
         _ => 0,
     };

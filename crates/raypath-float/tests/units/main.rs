@@ -2,6 +2,7 @@
 
 mod bench;
 mod binary32;
+mod chain;
 mod exact;
 mod integer;
 mod other_formats;

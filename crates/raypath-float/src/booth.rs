@@ -1,0 +1,93 @@
+//! Products as rows to be added: one multiple of the multiplicand for three bits of the multiplier.
+//!
+//! Three bits and the one to their right, which belongs to the digit below, say a digit from -4 to 4 (Booth, radix 8).
+//! So few rows are worth the one multiple, three times, that takes an adder.
+
+use crate::compress::Row;
+use raypath_hdl::Wire;
+
+/// Three times the multiplicand, but for the lowest bit, which is the multiplicand's; the other multiples are shifts.
+pub(crate) fn triple_above(multiplicand: Wire<'_>) -> Wire<'_> {
+    let width = multiplicand.width();
+    multiplicand.upper(width - 1).extend(width + 1) + multiplicand.extend(width + 1)
+}
+
+/// Rows whose sum is `multiplicand * multiplier`, modulo 2 to the number of `columns`, at least as many as both have bits
+/// together. They are in the order of their lowest columns. `triple` is three times the multiplicand.
+pub(crate) fn rows<'m>(multiplicand: Wire<'m>, triple: Wire<'m>, multiplier: Wire<'m>, columns: u32) -> Vec<Row<'m>> {
+    let m = multiplicand.builder();
+    let digits = multiplier.width() / 3 + 1;
+    let padding = m.constant(3 * digits - multiplier.width(), 0);
+    let padded = m.concat(&[padding, multiplier, m.constant(1, 0)]).named("padded_multiplier");
+    let multiples = Multiples::new(multiplicand, triple);
+    let mut rows = Vec::new();
+    // What completes the complement of the row above.
+    let mut correction = None;
+    for digit in 0..digits {
+        let name = |stem: &str| format!("{stem}_{digit}");
+        let bits = padded.bits(3 * digit + 3, 3 * digit);
+        let magnitude =
+            multiples.select(bits.lower(3), bits.upper(3), digit, columns - 3 * digit).named(&name("magnitude"));
+        let negative = bits.top().named(&name("negative"));
+        let (upper, lowest) = (magnitude.upper(magnitude.width() - 1), magnitude.bit(0));
+        // Minus a number is its complement plus one: the lowest bit stays, and may carry a one into the next.
+        let complemented = upper ^ negative.replicate(upper.width());
+        let one = m.constant(1, 1);
+        let sign = match digit {
+            _ if digit + 1 == digits && digits > 1 => vec![one],
+            _ if digit + 1 == digits => vec![],
+            0 => vec![!negative, negative, negative, negative],
+            _ => vec![one, one, !negative],
+        };
+        let mut word = vec![complemented, lowest];
+        if let Some(correction) = correction {
+            word.extend([m.constant(1, 0), correction]);
+        }
+        let low = if digit == 0 { 0 } else { 3 * digit - 2 };
+        let end = word.iter().fold(low, |end, part| end + part.width());
+        let beyond = (end + sign.len() as u32).saturating_sub(columns) as usize;
+        let word = [sign.get(beyond..).unwrap_or_default(), &word].concat();
+        rows.push(Row { word: m.concat(&word).named(&name("row")), low });
+        if digit + 1 < digits {
+            correction = Some((negative & !lowest).named(&name("correction")));
+        }
+    }
+    rows
+}
+
+struct Multiples<'m> {
+    one: Wire<'m>,
+    two: Wire<'m>,
+    three: Wire<'m>,
+    four: Wire<'m>,
+}
+
+impl<'m> Multiples<'m> {
+    fn new(multiplicand: Wire<'m>, triple: Wire<'m>) -> Self {
+        let m = multiplicand.builder();
+        let width = triple.width();
+        Self {
+            one: multiplicand.extend(width),
+            two: m.concat(&[multiplicand, m.constant(1, 0)]).extend(width),
+            three: triple,
+            four: m.concat(&[multiplicand, m.constant(2, 0)]),
+        }
+    }
+
+    /// The lowest bits, `columns` at most, of the multiple that a digit asks for. Its value is the step from the number
+    /// in `low` to that in `high`.
+    fn select(&self, low: Wire<'m>, high: Wire<'m>, digit: u32, columns: u32) -> Wire<'m> {
+        let name = |stem: &str| format!("{stem}_{digit}");
+        let steps = (low ^ high).named(&name("steps"));
+        let odd = steps.bit(0);
+        let gate = |condition: Wire<'m>, stem: &str, word: Wire<'m>| {
+            let width = word.width().min(columns);
+            condition.named(&name(stem)).replicate(width) & word.lower(width)
+        };
+        let one = gate(odd & !steps.bit(2), "one", self.one);
+        let two = gate(!odd & steps.bit(1), "two", self.two);
+        let three = gate(odd & steps.bit(2), "three", self.three);
+        let four = gate(!odd & !steps.bit(1) & steps.bit(2), "four", self.four);
+        one | two | three | four
+    }
+}
