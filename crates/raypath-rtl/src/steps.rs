@@ -2,7 +2,7 @@
 //!
 //! A step is what stands between two registers. Where units are combinational every stage is one step. Where they take
 //! several, a stage becomes as many steps as its longest chain of units needs: an adder or a multiplier begins at a
-//! register and is cut into parts, one a step; comparators are not cut but spread over the steps.
+//! register and is cut into parts, one a step; a comparator is not cut, and has a step to itself.
 
 use crate::STAGES;
 use crate::graph::{Kind, Node, NodeId, Op, Traced};
@@ -34,8 +34,7 @@ impl fmt::Display for Step {
 /// Rewrites operations so that their values stand in steps, and gives the steps, the input's registers first. Adders and
 /// multipliers take `latency` steps, at least 1.
 pub fn expand(operations: &[Traced], latency: u32) -> (Vec<Traced>, Vec<Step>) {
-    let longest = chain(latency);
-    let times: Vec<Vec<Time>> = operations.iter().map(|traced| times(traced, latency, longest)).collect();
+    let times: Vec<Vec<Time>> = operations.iter().map(|traced| times(traced, latency)).collect();
     let mut steps = vec![Step { stage: 0, part: 1, parts: 1 }];
     let mut first = vec![0];
     for stage in 1..=STAGES {
@@ -43,22 +42,8 @@ pub fn expand(operations: &[Traced], latency: u32) -> (Vec<Traced>, Vec<Step>) {
         let parts = operations.iter().zip(&times).map(|(traced, times)| parts(traced, times, stage)).max().unwrap_or(1);
         steps.extend((1..=parts).map(|part| Step { stage, part, parts }));
     }
-    let rewritten = operations.iter().map(|traced| rewrite(traced, &spread(traced, latency, &steps), &first));
+    let rewritten = operations.iter().zip(&times).map(|(traced, times)| rewrite(traced, times, &first));
     (rewritten.collect(), steps)
-}
-
-/// Where a stage has more steps than an operation's comparators need, they stand as far apart as they can.
-fn spread(traced: &Traced, latency: u32, steps: &[Step]) -> Vec<Time> {
-    let longest = chain(latency);
-    let mut spread = times(traced, latency, longest);
-    for chain in (1..longest.min(4)).rev() {
-        let times = times(traced, latency, chain);
-        for step in steps.iter().filter(|step| step.part == 1 && parts(traced, &times, step.stage) <= step.parts) {
-            let here = traced.nodes.iter().zip(&times).enumerate().filter(|(_, (node, _))| node.stage == step.stage);
-            here.for_each(|(index, (_, time))| spread[index] = *time);
-        }
-    }
-    spread
 }
 
 /// How many steps an operation needs in a stage, at least 1.
@@ -74,37 +59,26 @@ struct Time {
     begin: u32,
     /// The step in which it is there.
     end: u32,
-    /// Comparators one after the other in that step, this one included.
-    chained: u32,
+    /// A unit has ended in that step, so that another one has to wait for the next.
+    full: bool,
 }
 
-/// Comparators that fit into one step, one after the other.
-fn chain(latency: u32) -> u32 {
-    match latency {
-        1 => u32::MAX,
-        2 => 2,
-        _ => 1,
-    }
-}
-
-/// As soon as possible, with at most `chain` comparators one after the other: operands of the same stage first, those of
-/// earlier stages are there from the beginning.
-fn times(traced: &Traced, latency: u32, chain: u32) -> Vec<Time> {
+/// As soon as possible: operands of the same stage first, those of earlier stages are there from the beginning. Where
+/// units take several steps, no unit follows another one in a step.
+fn times(traced: &Traced, latency: u32) -> Vec<Time> {
     let mut times: Vec<Time> = Vec::with_capacity(traced.nodes.len());
     for (index, node) in traced.nodes.iter().enumerate() {
         let operands = traced.operands(NodeId(index as u32));
         let here = operands.into_iter().filter(|operand| traced.node(*operand).stage == node.stage);
-        let ready = here.map(|operand| times[operand.index()]).max_by_key(|time| (time.end, time.chained));
-        let Time { end, chained, .. } = ready.unwrap_or_default();
+        let ready = here.map(|operand| times[operand.index()]).max_by_key(|time| (time.end, time.full));
+        let Time { end, full, .. } = ready.unwrap_or_default();
+        let begin = if full { end + 1 } else { end };
         times.push(match node.op {
             Op::Add(..) | Op::Subtract(..) | Op::Multiply(..) if latency > 1 => {
-                let begin = if chained > 0 { end + 1 } else { end };
-                // Nothing that costs time follows a unit in its last step.
-                Time { begin, end: begin + latency - 1, chained: chain }
+                Time { begin, end: begin + latency - 1, full: true }
             }
-            Op::Compare(..) if chained >= chain => Time { begin: end + 1, end: end + 1, chained: 1 },
-            Op::Compare(..) => Time { begin: end, end, chained: chained + 1 },
-            _ => Time { begin: end, end, chained },
+            Op::Compare(..) if latency > 1 => Time { begin, end: begin, full: true },
+            _ => Time { begin: end, end, full },
         });
     }
     times
