@@ -67,10 +67,10 @@ impl<'m> Multiples<'m> {
         let m = multiplicand.builder();
         let width = triple.width();
         Self {
-            one: multiplicand.extend(width),
-            two: m.concat(&[multiplicand, m.constant(1, 0)]).extend(width),
-            three: triple,
-            four: m.concat(&[multiplicand, m.constant(2, 0)]),
+            one: multiplicand.extend(width).named("once"),
+            two: m.concat(&[multiplicand, m.constant(1, 0)]).extend(width).named("twice"),
+            three: triple.named("thrice"),
+            four: m.concat(&[multiplicand, m.constant(2, 0)]).named("four_times"),
         }
     }
 

@@ -42,7 +42,7 @@ fn describe(format: Format, parts: &mut Parts<'_>) {
     let b_i = m.input("b_i", format.recoded_width());
     let (a, b) = (Magnitude::of(format, a_i), Magnitude::of(format, b_i));
 
-    m.section("Exponent; where it or an operand settles the result, the class of that");
+    m.section("Exponent; the result's class where that is settled");
     let exponent_sum = (a.exponent().extend(e + 2) + b.exponent().extend(e + 2)).named("exponent_sum");
     // With a smaller exponent sum, a product of significands in [1, 4) is less than half the smallest subnormal.
     let least_sum = format.least_normal() + (1 << e) - u64::from(s + 1);
@@ -70,7 +70,7 @@ fn describe(format: Format, parts: &mut Parts<'_>) {
     ];
     let [fraction, triple, multiplier, exponent, settled, sign] = parts.cut(1, 3, values);
     let m = parts.builder();
-    let multiplicand = m.concat(&[m.constant(1, 1), fraction]);
+    let multiplicand = m.concat(&[m.constant(1, 1), fraction]).named("factor");
     let triple = m.concat(&[triple, multiplicand.bit(0)]);
 
     m.section("Multiply");
@@ -80,7 +80,7 @@ fn describe(format: Format, parts: &mut Parts<'_>) {
     let rows = compress(rows, 2 * s);
     let [addend, augend] = [0, 1].map(|row| rows[row].columns(0, 2 * s));
 
-    m.section("Add; of the lower columns only the carry counts, and whether they are zero");
+    m.section("Add; the lower columns give a carry and a sticky bit");
     let low = lookahead::add(addend.lower(s - 2), augend.lower(s - 2), m.constant(1, 0), "low");
     let sticky = low.word.any().named("sticky");
     let values = [

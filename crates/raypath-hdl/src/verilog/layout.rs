@@ -15,7 +15,7 @@ pub fn remark(text: &str) -> String {
 
 /// The comment over a section.
 pub fn title(text: &str) -> String {
-    format!("  {:-<78}", comment(&format!("---- {text}")) + " ")
+    format!("  {:-<78}", comment(&format!("---- {text}")) + " ").trim_end().to_string()
 }
 
 /// The packed dimension of a word; nothing for a single bit.

@@ -31,7 +31,7 @@ pub fn credit(credits: u32, spacings: &[Spacing]) -> Result<Arc<Module>, raypath
     let mut ready = available.wire();
     let mut spaced = Vec::new();
     if let Some(opcode) = opcode {
-        m.section("A unit of several steps in a loop: the next job of its operation has to wait for its result");
+        m.section("A job of an operation with a loop waits for the one before");
         for spacing in spacings {
             let recent = m.register(&format!("{}_recent_q", spacing.name), spacing.cycles).reset_to(0);
             let same = opcode.is(spacing.label.value).named(&format!("is_{}", spacing.name));
