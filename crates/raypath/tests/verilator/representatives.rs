@@ -7,7 +7,7 @@ use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
 const DEFAULT: Config = Config::DEFAULT;
 
 /// None is like another in more than half of its parameters; the default and `lanes none` stand beside them.
-pub const REPRESENTATIVES: [Config; 7] = [
+pub const REPRESENTATIVES: [Config; 6] = [
     Config { lanes: Lanes::Two, io: Encoding::Recoded, registers: Encoding::Ieee, control: Control::Credit, ..DEFAULT },
     Config {
         lanes: Lanes::Four,
@@ -20,19 +20,13 @@ pub const REPRESENTATIVES: [Config; 7] = [
         lanes: Lanes::Eight,
         registers: Encoding::Ieee,
         rules: Rules::Chisel,
+        format: Format::TF32,
         control: Control::Credit,
         unit_latency: UnitLatency::Three,
         ..DEFAULT
     },
-    Config { unit_latency: UnitLatency::Three, format: Format::TF32, ..DEFAULT },
-    Config {
-        lanes: Lanes::ThirtyTwo,
-        format: Format::BFLOAT16,
-        control: Control::Credit,
-        sharing: Sharing::Segregated,
-        ..DEFAULT
-    },
-    Config { lanes: Lanes::SixtyFour, format: Format::BINARY16, unit_latency: UnitLatency::Two, ..DEFAULT },
+    Config { lanes: Lanes::ThirtyTwo, format: Format::BFLOAT16, control: Control::Credit, ..DEFAULT },
+    Config { lanes: Lanes::SixtyFour, format: Format::BINARY16, ..DEFAULT },
     Config { lanes: Lanes::None, rules: Rules::Chisel, control: Control::Credit, ..DEFAULT },
 ];
 
