@@ -37,3 +37,4 @@ pub mod tables;
 pub mod traffic;
 mod transaction_format;
 pub mod transactions;
+pub mod verify;

@@ -13,6 +13,7 @@ mod progress;
 mod ray;
 mod replay;
 mod stream;
+mod verify;
 mod wave;
 
 use clap::{Parser, Subcommand};
@@ -50,6 +51,8 @@ enum Command {
     Ppa(ppa::Arguments),
     /// Measure many configurations and draw area against clock and throughput
     Explore(explore::Arguments),
+    /// Hold the datapath's claims against independent oracles: proofs, campaigns, mutations
+    Verify(verify::Arguments),
 }
 
 impl CommandLine {
@@ -64,6 +67,7 @@ impl CommandLine {
             Command::Accuracy(arguments) => accuracy::run(&arguments, out),
             Command::Ppa(arguments) => ppa::run(&arguments, out),
             Command::Explore(arguments) => explore::run(&arguments, out),
+            Command::Verify(arguments) => verify::run(&arguments, out),
         }
     }
 }

@@ -3,7 +3,6 @@
 use crate::commands::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -15,24 +14,25 @@ pub struct Progress {
     /// Elsewhere than on a terminal: when the last line was printed, and what it counted.
     last_line: Instant,
     last_done: Option<usize>,
-    stopped: Arc<AtomicBool>,
+    begin: Instant,
 }
+
+/// Whether the user has asked to stop. One for the program, as Ctrl-C is.
+static STOPPED: AtomicBool = AtomicBool::new(false);
 
 const BETWEEN_LINES: Duration = Duration::from_secs(5);
 
 impl Progress {
     /// Begins. `what` names the items counted: "jobs".
     pub fn new(what: &'static str, total: usize) -> Self {
-        let stopped = Arc::new(AtomicBool::new(false));
-        let flag = stopped.clone();
-        // A second handler is refused; commands have one piece of long work each, so this is the first.
-        let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
+        // A second piece of work finds the handler of the first, which is refused another and does the same.
+        let _ = ctrlc::set_handler(|| STOPPED.store(true, Ordering::Relaxed));
         let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {msg}  {per_sec}  {eta} left");
             let bar = ProgressBar::new(total as u64).with_message(what);
             bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
-        Self { what, total, bar, last_line: Instant::now(), last_done: None, stopped }
+        Self { what, total, bar, last_line: Instant::now(), last_done: None, begin: Instant::now() }
     }
 
     /// `done` items are done. False where the user wants to stop.
@@ -41,13 +41,16 @@ impl Progress {
             Some(bar) => bar.set_position(done as u64),
             None if self.last_line.elapsed() > BETWEEN_LINES && self.last_done != Some(done) => {
                 // Progress that nobody can read is no reason to stop.
-                let _ = writeln!(std::io::stderr(), "{done} of {} {}", self.total, self.what);
+                let rate = done as f64 / self.begin.elapsed().as_secs_f64();
+                let left = self.total.saturating_sub(done) as f64 / rate.max(f64::MIN_POSITIVE);
+                let pace = format!("{rate:.0}/s, {left:.0} s left");
+                let _ = writeln!(std::io::stderr(), "{done} of {} {}, {pace}", self.total, self.what);
                 self.last_line = Instant::now();
                 self.last_done = Some(done);
             }
             None => {}
         }
-        !self.stopped.load(Ordering::Relaxed)
+        !STOPPED.load(Ordering::Relaxed)
     }
 
     /// Ends; an error where the user stopped the work after `done` items.
@@ -55,7 +58,7 @@ impl Progress {
         if let Some(bar) = self.bar {
             bar.finish_and_clear();
         }
-        if self.stopped.load(Ordering::Relaxed) {
+        if STOPPED.load(Ordering::Relaxed) {
             return Err(Failure::Interrupted(format!("after {done} of {} {}", self.total, self.what)));
         }
         Ok(())

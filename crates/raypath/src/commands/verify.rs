@@ -1,0 +1,124 @@
+//! `raypath verify`: claims about the datapath, each held against its oracle.
+
+use crate::commands::Failure;
+use crate::commands::configuration::ConfigArguments;
+use crate::commands::progress::Progress;
+use clap::Args;
+use raypath::rtl::Config;
+use raypath::verify::{Error, ITEMS, Item, Level, Request, Shard, Verdict};
+use std::io::Write;
+use std::time::Instant;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// What to verify; `--list` shows what there is [default: all]
+    #[arg(value_parser = item, value_name = "ITEM")]
+    items: Vec<Named>,
+    /// List the items with their claims and oracles, and do nothing
+    #[arg(long)]
+    list: bool,
+    /// How much: seconds each, minutes each, or hours
+    #[arg(long, default_value = "everyday", value_name = "everyday|full|long")]
+    level: Level,
+    /// How many jobs, where an item has jobs [default: by the level]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    jobs: Option<u64>,
+    /// Seed of whatever is random
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// The part of the work to do, so that machines can divide it: 2/5 is the second of five
+    #[arg(long, default_value = "1/1", value_name = "I/N")]
+    shard: Shard,
+    #[command(flatten)]
+    config: ConfigArguments,
+}
+
+/// An item by its name.
+#[derive(Clone, Copy)]
+struct Named(&'static Item);
+
+impl std::fmt::Debug for Named {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.0.name)
+    }
+}
+
+fn item(name: &str) -> Result<Named, String> {
+    let names = || ITEMS.iter().map(|item| item.name).collect::<Vec<_>>().join(", ");
+    ITEMS.iter().find(|item| item.name == name).map(Named).ok_or_else(|| format!("expected one of {}", names()))
+}
+
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
+    let config = arguments.config.config()?;
+    let chosen: Vec<&Item> = match arguments.items.as_slice() {
+        [] => ITEMS.iter().collect(),
+        named => named.iter().map(|named| named.0).collect(),
+    };
+    if arguments.list {
+        return chosen.into_iter().try_for_each(|item| describe(item, out)).map_err(Failure::from);
+    }
+    writeln!(out, "Level {}, seed {}, shard {}.", arguments.level.name(), arguments.seed, arguments.shard)?;
+    let (mut wrong, mut not_run) = (Vec::new(), Vec::new());
+    for item in chosen {
+        describe(item, out)?;
+        out.flush()?;
+        let begin = Instant::now();
+        match verify(item, arguments, config) {
+            Ok(verdict) => {
+                report(&verdict, begin, out)?;
+                if !verdict.failures.is_empty() {
+                    wrong.push(item.name);
+                }
+                if verdict.is_stopped {
+                    return Err(stopped(item.name, &wrong));
+                }
+            }
+            Err(problem) => {
+                writeln!(out, "  not run  {problem}")?;
+                not_run.push(format!("{}: {problem}", item.name));
+            }
+        }
+    }
+    match (wrong.is_empty(), not_run.is_empty()) {
+        (false, _) => Err(Failure::Mismatch(format!("wrong: {}", wrong.join(", ")))),
+        (true, false) => Err(Failure::Unusable(format!("not run: {}", not_run.join("; ")))),
+        (true, true) => Ok(writeln!(out, "All is well.")?),
+    }
+}
+
+fn verify(item: &Item, arguments: &Arguments, config: Config) -> Result<Verdict, Error> {
+    let mut progress: Option<Progress> = None;
+    let mut reached = 0;
+    let mut watch = |step: raypath::verify::Step| {
+        reached = step.done as usize;
+        progress.get_or_insert_with(|| Progress::new(item.name, step.total as usize)).at(reached)
+    };
+    let Arguments { level, jobs, seed, shard, .. } = *arguments;
+    let verdict = (item.run)(&mut Request { config, level, jobs, seed, shard, watch: &mut watch });
+    // A stop is told by the verdict, with what was covered.
+    let _ = progress.map(|progress| progress.finish(reached));
+    verdict
+}
+
+fn describe(item: &Item, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(out, "\n{}\n  claim    {}\n  oracle   {}", item.name, item.claim, item.oracle)
+}
+
+fn report(verdict: &Verdict, begin: Instant, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(out, "  covered  {}, in {:.1} s", verdict.covered, begin.elapsed().as_secs_f64())?;
+    verdict.remarks.iter().try_for_each(|remark| writeln!(out, "  remark   {remark}"))?;
+    verdict.failures.iter().try_for_each(|failure| writeln!(out, "  wrong    {failure}"))?;
+    let result = match (verdict.failures.is_empty(), verdict.is_stopped) {
+        (false, _) => "WRONG",
+        (true, true) => "stopped; nothing wrong so far",
+        (true, false) => "as claimed",
+    };
+    writeln!(out, "  result   {result}")
+}
+
+fn stopped(item: &str, wrong: &[&str]) -> Failure {
+    match wrong {
+        [] => Failure::Interrupted(format!("in {item}; nothing was wrong so far")),
+        wrong => Failure::Mismatch(format!("stopped in {item}; wrong: {}", wrong.join(", "))),
+    }
+}
