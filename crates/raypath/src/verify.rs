@@ -2,6 +2,8 @@
 //!
 //! `docs/verification.md` has the same items with their results.
 
+mod geometry;
+
 pub use raypath_verify::{Error, Level, Request, Shard, ShardError, Step, Verdict};
 
 /// A claim that can be verified.
@@ -17,4 +19,4 @@ pub struct Item {
 }
 
 /// All items, in the order of `docs/verification.md`.
-pub const ITEMS: &[Item] = &[];
+pub const ITEMS: &[Item] = &[geometry::WATERTIGHT, geometry::BOXES, geometry::TRIANGLE_DISTANCE, geometry::SUMS];
