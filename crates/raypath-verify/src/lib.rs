@@ -3,7 +3,11 @@
 //!
 //! Whatever is verified takes a [`Request`] and gives a [`Verdict`].
 
+pub mod bench;
+mod cores;
 mod request;
+pub mod testfloat;
+pub mod units;
 mod verdict;
 
 pub use request::{Level, Request, Shard, ShardError, Step};

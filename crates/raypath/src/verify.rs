@@ -19,4 +19,28 @@ pub struct Item {
 }
 
 /// All items, in the order of `docs/verification.md`.
-pub const ITEMS: &[Item] = &[geometry::WATERTIGHT, geometry::BOXES, geometry::TRIANGLE_DISTANCE, geometry::SUMS];
+pub const ITEMS: &[Item] = &[
+    Item {
+        name: "testfloat",
+        claim: "the units add, subtract, multiply and compare binary32 as IEEE 754 says, whole and in parts",
+        oracle: "Berkeley SoftFloat, on the cases of Berkeley TestFloat",
+        run: raypath_verify::units::testfloat,
+    },
+    Item {
+        name: "conversions",
+        claim: "recoding loses no number of binary32, keeps their order and follows its table; all words that mean nothing \
+                but zero, infinity or NaN are decoded so",
+        oracle: "the host's conversion to binary64, and the table of docs/recoded.md",
+        run: raypath_verify::units::conversions,
+    },
+    Item {
+        name: "small-formats",
+        claim: "the units of small formats answer every pair of operands as IEEE 754 says, whole and in parts",
+        oracle: "LLVM's soft float, in the crate rustc_apfloat",
+        run: raypath_verify::units::small_formats,
+    },
+    geometry::WATERTIGHT,
+    geometry::BOXES,
+    geometry::TRIANGLE_DISTANCE,
+    geometry::SUMS,
+];
