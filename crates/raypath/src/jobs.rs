@@ -30,7 +30,7 @@ struct Generator<M> {
 }
 
 /// Numbers at which rules decide.
-fn edges(format: Format) -> [u64; 16] {
+pub(crate) fn edges(format: Format) -> [u64; 16] {
     let last_place = 1;
     let power = |exponent: i64| (bias(format) + exponent).unsigned_abs() << format.fraction_width();
     let minus = 1 << (format.ieee_width() - 1);

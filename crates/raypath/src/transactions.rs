@@ -2,8 +2,8 @@
 
 use crate::transaction_format::{Column, Columns, columns};
 use flate2::read::MultiGzDecoder;
-use raypath_model::{Functional, Model};
-use raypath_ops::JobKind;
+use raypath_model::{Functional, Model, OnPorts};
+use raypath_ops::{JobKind, PortValue};
 use raypath_rtl::Config;
 use std::collections::HashMap;
 use std::fs::File;
@@ -204,4 +204,25 @@ pub fn merge<M: Model>(files: Vec<Vec<Transaction<M>>>) -> Vec<Transaction<M>> {
     let mut stream: Vec<Transaction<M>> = files.into_iter().flatten().collect();
     stream.sort_by_key(|transaction| transaction.seq);
     stream
+}
+
+/// Transactions of one kind as the text of a file.
+pub fn text<M: Model>(kind: JobKind, transactions: &[Transaction<M>], config: Config) -> String {
+    let columns = columns(kind, config);
+    let mut text = String::new();
+    for Transaction { seq, category, job, expected } in transactions {
+        let inputs = written(&columns.inputs, &job.ports());
+        let outputs = written(&columns.outputs, &expected.ports());
+        text += &format!("{seq:x} {category:x} {inputs} {outputs}\n");
+    }
+    text
+}
+
+fn written(columns: &[Column], ports: &[PortValue]) -> String {
+    let of_column = |column: &Column| {
+        let bits = ports.iter().find(|port| port.name == column.port).map_or(0, |port| port.bits);
+        let mask = u64::MAX >> (64 - column.width);
+        format!("{:x}", bits >> column.bit.unwrap_or(0) & mask)
+    };
+    columns.iter().map(of_column).collect::<Vec<_>>().join(" ")
 }

@@ -2,7 +2,16 @@
 //!
 //! `docs/verification.md` has the same items with their results.
 
+pub mod campaign;
+pub mod coverage;
+mod files;
 mod geometry;
+pub mod layout;
+pub mod models;
+pub mod oracle;
+mod parallel;
+pub mod shrink;
+pub mod stimuli;
 
 pub use raypath_verify::{Error, Level, Request, Shard, ShardError, Step, Verdict};
 
@@ -43,4 +52,6 @@ pub const ITEMS: &[Item] = &[
     geometry::BOXES,
     geometry::TRIANGLE_DISTANCE,
     geometry::SUMS,
+    campaign::ITEM,
+    models::ITEM,
 ];

@@ -11,7 +11,7 @@ use raypath::model::Model;
 use raypath::models::{Visitor, with_model};
 use raypath::ops::{JobKind, Rules};
 use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
-use raypath::traffic::Traffic;
+use raypath::traffic::{Cycle, Traffic};
 
 /// Configurations: every combination of these values.
 struct Space {
@@ -175,7 +175,7 @@ impl Check {
             let job = jobs.next().expect("an endless stream");
             netlist.present(&job);
             modelled.present(&job);
-            let (offers, output_ready) = traffic.next_cycle();
+            let Cycle { offers, takes: output_ready, .. } = traffic.next_cycle();
             let shown = netlist.cycle(offers, output_ready);
             assert_eq!(shown, modelled.cycle(offers, output_ready), "{}, cycle {cycle}", self.config);
             left += usize::from(shown.output.is_some() && output_ready);
