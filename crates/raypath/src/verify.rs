@@ -2,6 +2,8 @@
 //!
 //! `docs/verification.md` has the same items with their results.
 
+pub mod parsers;
+
 pub use raypath_verify::{Error, Level, Request, Shard, ShardError, Step, Verdict};
 
 /// A claim that can be verified.
@@ -17,4 +19,10 @@ pub struct Item {
 }
 
 /// All items, in the order of `docs/verification.md`.
-pub const ITEMS: &[Item] = &[];
+pub const ITEMS: &[Item] = &[Item {
+    name: "parsers",
+    claim: "No file makes raypath panic, hang, or fill the memory",
+    oracle: "the bounds that docs/transactions.md, docs/configurations.md and docs/ppa.md state; what was read means the \
+             same when it is written and read again",
+    run: parsers::run,
+}];
