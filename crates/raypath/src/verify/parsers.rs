@@ -24,7 +24,7 @@ const FAILURES_SHOWN: usize = 10;
 /// # Errors
 /// There is no corpus: `raypath` does not run where it was built.
 pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let mutations = request.jobs.unwrap_or(request.level.pick(1_000, 30_000, 1_000_000));
+    let mutations = request.jobs.unwrap_or(request.level.pick(5_000, 100_000, 1_000_000));
     let corpora = TARGETS.iter().map(corpus).collect::<Result<Vec<_>, _>>()?;
     let total = corpora.iter().map(|files| files.len() as u64 * (mutations + 1)).sum();
     let (mut verdict, mut done, mut accepted) = (Verdict::default(), 0, 0);

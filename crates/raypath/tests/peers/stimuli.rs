@@ -145,10 +145,11 @@ fn lanes_are_on_and_off_beside_each_other() {
             let pairs: BTreeSet<u64> = masks.iter().map(|mask| mask >> lane & 3).collect();
             assert_eq!(pairs.len(), 4, "lanes {lane} and {} of {lanes}, {format}: {pairs:?}", lane + 1);
         }
+        // A random mask has about half of the lanes; one in ten thousand of 64 has fewer than a quarter.
         let all = u64::MAX >> (64 - lanes.count());
-        let some = masks.iter().filter(|mask| ![0, all].contains(mask));
-        let half = some.clone().filter(|mask| mask.count_ones() as usize * 4 > lanes.count()).count();
-        assert!(half * 2 >= some.count().min(2), "{lanes}, {format}: masks with more than a few lanes");
+        let some: Vec<u64> = masks.iter().copied().filter(|mask| ![0, all].contains(mask)).collect();
+        let many = some.iter().filter(|mask| mask.count_ones() as usize * 4 >= lanes.count()).count();
+        assert!(many * 10 >= some.len() * 9, "{lanes} lanes, {format}: {many} of {} masks have many lanes", some.len());
     }
 }
 
@@ -158,6 +159,6 @@ fn boxes_and_triangles_are_hit_and_missed_in_every_order() {
     let share = |name: &str, value: u64| census.hits[name].get(&value).copied().unwrap_or(0);
     assert!(share("triangle_hit", 0) > JOBS / 40 && share("triangle_hit", 1) > JOBS / 40, "{:?}", census.hits);
     assert_eq!(census.hits["is_intersect"].len(), 5, "0 to 4 boxes hit; hits stand first: {:?}", census.hits);
-    assert!(census.hits["is_intersect"].values().all(|&count| count > 20), "{:?}", census.hits["is_intersect"]);
+    assert!(census.hits["is_intersect"].values().all(|&count| count > 50), "{:?}", census.hits["is_intersect"]);
     assert_eq!(census.hits["order"].len(), 24, "all orders of four boxes");
 }
