@@ -78,15 +78,20 @@ impl<M: Model> Generator<M> {
         let (origin, a, b, c) = (self.point(4.0), self.point(1.0), self.point(1.0), self.point(1.0));
         let [u, v, w]: [f32; 3] = std::array::from_fn(|_| self.rng.random_range(-0.1..1.0));
         let target: [f32; 3] = std::array::from_fn(|i| (u * a[i] + v * b[i] + w * c[i]) / (u + v + w));
-        let direction = std::array::from_fn(|i| target[i] - origin[i]);
+        let direction: [f32; 3] = std::array::from_fn(|i| target[i] - origin[i]);
         let extent = if self.rng.random_bool(0.8) { f32::INFINITY } else { self.rng.random_range(0.0..2.0) };
         // Only a direction of zero or a division by zero above is refused; any other scene will do instead.
         let Ok(ray) = Ray::new(origin, direction, extent) else { return self.scene(kind) };
         if kind == JobKind::Triangle {
             return Job::Triangle(RayTriangleInput { ray, triangle: Triangle::new(a, b, c) });
         }
+        // Half of the boxes stand on the ray: of four boxes anywhere more than two are hardly ever hit.
         let aabb = std::array::from_fn(|_| {
-            let (centre, half) = (self.point(1.0), self.point(0.5).map(f32::abs));
+            let (mut centre, half) = (self.point(1.0), self.point(0.5).map(f32::abs));
+            if self.rng.random_bool(0.5) {
+                let along = self.rng.random_range(0.2..2.0);
+                centre = std::array::from_fn(|i| origin[i] + along * direction[i] + 0.5 * half[i] * centre[i]);
+            }
             Aabb::new(std::array::from_fn(|i| centre[i] - half[i]), std::array::from_fn(|i| centre[i] + half[i]))
         });
         Job::Quadbox(RayBoxInput { ray, aabb })
@@ -110,6 +115,8 @@ impl<M: Model> Generator<M> {
         model.job(kind, |port| match port {
             "ray_kx" | "ray_ky" | "ray_kz" => self.rng.random_range(0..4),
             "euclidean_mask" if self.rng.random_bool(0.5) => u64::MAX,
+            // A number would leave the lanes off that are beyond its width.
+            "euclidean_mask" => self.rng.random(),
             "euclidean_reset_accum" => self.rng.random_bool(0.1).into(),
             _ if self.rng.random_bool(edges) => self.edges[self.rng.random_range(0..self.edges.len())],
             _ if self.rng.random_bool(0.05) => self.rng.random(),

@@ -10,6 +10,7 @@ pub mod layout;
 pub mod models;
 pub mod oracle;
 mod parallel;
+pub mod parsers;
 pub mod shrink;
 pub mod stimuli;
 
@@ -54,4 +55,11 @@ pub const ITEMS: &[Item] = &[
     geometry::SUMS,
     campaign::ITEM,
     models::ITEM,
+    Item {
+        name: "parsers",
+        claim: "no file makes raypath panic, hang, or fill the memory",
+        oracle: "the bounds that docs/transactions.md, docs/configurations.md and docs/ppa.md state; what was read means the \
+                 same when it is written and read again",
+        run: parsers::run,
+    },
 ];
