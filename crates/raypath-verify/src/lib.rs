@@ -3,6 +3,8 @@
 //!
 //! Whatever is verified takes a [`Request`] and gives a [`Verdict`].
 
+pub mod equivalence;
+pub mod proof;
 mod request;
 mod verdict;
 
