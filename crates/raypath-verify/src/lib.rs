@@ -6,6 +6,7 @@
 pub mod equivalence;
 pub mod proof;
 mod request;
+pub mod unit_proofs;
 mod verdict;
 
 pub use request::{Level, Request, Shard, ShardError, Step};
