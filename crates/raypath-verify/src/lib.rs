@@ -5,8 +5,11 @@
 
 pub mod bench;
 mod cores;
+pub mod equivalence;
+pub mod proof;
 mod request;
 pub mod testfloat;
+pub mod unit_proofs;
 pub mod units;
 mod verdict;
 
