@@ -1,6 +1,6 @@
 //! The types of C's `stdint.h` that the crate `softfloat-sys` names, in place of the crate `c99` on crates.io.
 //!
-//! That one finds them out by building a C program with CMake, by instructions that CMake 4 refuses. The ABIs have settled
+//! That one finds them out by building a C program with CMake, by a file for version 2.6 that CMake 4 no longer takes. The ABIs have settled
 //! them: a "fast" integer of 8 bits has 8, one of 64 has 64, and one of 32 has a register's width in 64-bit glibc, 32
 //! elsewhere. `Cargo.toml` of the workspace puts this crate in the other's place.
 #![allow(non_camel_case_types)]

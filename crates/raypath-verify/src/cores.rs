@@ -158,7 +158,7 @@ pub fn grouped(number: u64) -> String {
     let places = digits.len();
     let mut text = String::new();
     for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (places - place) % 3 == 0 {
+        if place > 0 && (places - place).is_multiple_of(3) {
             text.push(',');
         }
         text.push(digit);
@@ -188,7 +188,10 @@ mod tests {
             let mut last = None;
             covered += with_request(
                 shard,
-                |step| last.replace(step).is_none() || true,
+                |step| {
+                    last = Some(step);
+                    true
+                },
                 |request| {
                     let mut campaign = Campaign::new(request, &[phase]);
                     let check = |_: &mut (), range: Range<u64>| {
