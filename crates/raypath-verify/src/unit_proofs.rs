@@ -5,12 +5,12 @@
 //! all operands in IEEE 754's layout free. Every claim is refuted for a unit with a deliberate fault, by the same
 //! commands, before it counts.
 
-mod adder;
+mod cases;
 mod claim;
 mod judged;
 mod kept;
 
-pub use adder::{ADDER_PROOF_FOLDER, adder_proof};
+pub use cases::{CASES_FOLDER, adder_proof, multiplier_proof};
 pub use claim::{Claim, Fault, Operands, Subject};
 pub use judged::{Judged, judge};
 
@@ -60,6 +60,21 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
     const CLAIMS: &[(Level, Subject, u32, u32)] = &[
         (Level::Full, Add, 5, 11),
         (Level::Full, Sub, 5, 11),
+        (Level::Full, Mul, 8, 8),
+        (Level::Full, Mul, 5, 8),
+        (Level::Full, Add, 8, 11),
+        (Level::Full, Sub, 8, 11),
+        (Level::Full, Add, 8, 8),
+        (Level::Full, Sub, 8, 8),
+        (Level::Full, Mul, 5, 6),
+        (Level::Full, Mul, 4, 5),
+        (Level::Full, Mul, 5, 4),
+        (Level::Full, Mul, 4, 4),
+        (Level::Full, Add, 4, 4),
+        (Level::Full, Compare, 8, 8),
+        (Level::Full, Compare, 8, 11),
+        (Level::Full, RoundTrip, 8, 8),
+        (Level::Full, RoundTrip, 8, 11),
         (Level::Full, MulParts(2), 8, 24),
         (Level::Full, MulParts(3), 8, 24),
         (Level::Full, AddParts(2), 8, 24),
