@@ -6,6 +6,7 @@
 pub mod bench;
 mod cores;
 pub mod equivalence;
+mod item;
 pub mod proof;
 mod request;
 pub mod testfloat;
@@ -13,5 +14,6 @@ pub mod unit_proofs;
 pub mod units;
 mod verdict;
 
+pub use item::Item;
 pub use request::{Level, Request, Shard, ShardError, Step};
 pub use verdict::{Error, Verdict};

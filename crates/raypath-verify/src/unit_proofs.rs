@@ -5,19 +5,44 @@
 //! all operands in IEEE 754's layout free. Every claim is refuted for a unit with a deliberate fault, by the same
 //! commands, before it counts.
 
-mod adder;
+mod cases;
 mod claim;
 mod judged;
 mod kept;
 
-pub use adder::{ADDER_PROOF_FOLDER, adder_proof};
+pub use cases::{CASES_FOLDER, adder_proof, multiplier_proof};
 pub use claim::{Claim, Fault, Operands, Subject};
 pub use judged::{Judged, judge};
 
 use crate::proof::{Prover, pool};
-use crate::{Error, Level, Request, Step, Verdict};
+use crate::{Error, Item, Level, Request, Step, Verdict};
 use raypath_float::Format;
 use std::time::Duration;
+
+/// Every unit, in formats that a proof reaches whole.
+pub const UNIT_PROOFS: Item = Item {
+    name: "unit-proofs",
+    claim: "adders, multipliers, comparison and conversions do for all operands what IEEE 754 says, and in parts what \
+            they do whole",
+    oracle: "Yosys's symfpu, by SAT (ABC)",
+    run: unit_proofs,
+};
+
+/// The adder of binary32, in cases.
+pub const ADDER_PROOF: Item = Item {
+    name: "adder-proof",
+    claim: "the binary32 adder gives IEEE 754's sum for all operands",
+    oracle: "Yosys's symfpu, by SAT (ABC), for each of the 511 differences of exponents",
+    run: adder_proof,
+};
+
+/// The multiplier of binary16, in cases.
+pub const MULTIPLIER_PROOF: Item = Item {
+    name: "multiplier-proof",
+    claim: "the binary16 multiplier gives IEEE 754's product for all operands",
+    oracle: "Yosys's symfpu, by SAT (ABC), for each of the 1024 fractions of the second operand",
+    run: multiplier_proof,
+};
 
 /// Proves what the level asks for of every unit. The work is divided by claims.
 ///
@@ -60,6 +85,21 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
     const CLAIMS: &[(Level, Subject, u32, u32)] = &[
         (Level::Full, Add, 5, 11),
         (Level::Full, Sub, 5, 11),
+        (Level::Full, Mul, 8, 8),
+        (Level::Full, Mul, 5, 8),
+        (Level::Full, Add, 8, 11),
+        (Level::Full, Sub, 8, 11),
+        (Level::Full, Add, 8, 8),
+        (Level::Full, Sub, 8, 8),
+        (Level::Full, Mul, 5, 6),
+        (Level::Full, Mul, 4, 5),
+        (Level::Full, Mul, 5, 4),
+        (Level::Full, Mul, 4, 4),
+        (Level::Full, Add, 4, 4),
+        (Level::Full, Compare, 8, 8),
+        (Level::Full, Compare, 8, 11),
+        (Level::Full, RoundTrip, 8, 8),
+        (Level::Full, RoundTrip, 8, 11),
         (Level::Full, MulParts(2), 8, 24),
         (Level::Full, MulParts(3), 8, 24),
         (Level::Full, AddParts(2), 8, 24),

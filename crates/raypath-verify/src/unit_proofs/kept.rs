@@ -49,3 +49,27 @@ impl Kept {
 fn file(path: &Path, problem: std::io::Error) -> Error {
     Error::File { path: path.to_path_buf(), problem }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_very_same_proof_is_found_again() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let inside = folder.path().join("a/b");
+        let problem = |text: &str, command: &str| Problem {
+            name: "test".to_string(),
+            sources: vec![("unit.sv".to_string(), text.to_string())],
+            commands: vec![command.to_string()],
+            inputs: Vec::new(),
+        };
+        let kept = Kept::open(&inside, "1".to_string()).expect("a folder");
+        assert!(!kept.has(&problem("x", "proc")));
+        kept.keep(&problem("x", "proc"), "proved").expect("a file");
+        let later = Kept::open(&inside, "1".to_string()).expect("the folder");
+        assert!(later.has(&problem("x", "proc")));
+        assert!(!later.has(&problem("y", "proc")) && !later.has(&problem("x", "opt")));
+        assert!(!Kept::open(&inside, "2".to_string()).expect("the folder").has(&problem("x", "proc")));
+    }
+}

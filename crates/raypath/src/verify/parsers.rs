@@ -8,7 +8,7 @@ mod worker;
 
 pub use targets::{TARGETS, Target};
 
-use crate::verify::{Error, Request, Step, Verdict};
+use crate::verify::{Error, Item, Request, Step, Verdict};
 use std::fs;
 use std::path::{Path, PathBuf};
 use worker::{Outcome, Worker};
@@ -18,6 +18,15 @@ const MOST_SECONDS: u64 = 10;
 /// More than reading some kilobytes may take; what is there before does not count.
 const MOST_BYTES: u64 = 256 << 20;
 const FAILURES_SHOWN: usize = 10;
+
+/// The item of `raypath verify`.
+pub const ITEM: Item = Item {
+    name: "parsers",
+    claim: "no file makes raypath panic, hang, or fill the memory",
+    oracle: "the bounds that docs/transactions.md, docs/configurations.md and docs/ppa.md state; what was read means the \
+             same when it is written and read again",
+    run,
+};
 
 /// Feeds every file of the corpora, and mutations of each, to the parser that it is for.
 ///
