@@ -38,8 +38,11 @@ fn datapath(rules: Rules, case: &Case) -> [Answer; 4] {
     answers
 }
 
-/// Ways to be wrong that the campaign must find, by their names.
-const FAULTY: [(&str, fn(&Case) -> [Answer; 4]); 3] = [
+/// What answers, and its name.
+type Named = (&'static str, fn(&Case) -> [Answer; 4]);
+
+/// Ways to be wrong that the campaign must find.
+const FAULTY: [Named; 3] = [
     ("the original's comparisons", |case| datapath(Rules::Chisel, case)),
     ("inverses of 22 bits", |case| with_inverses(case, |_, inv| f32::from_bits(inv.to_bits() & !3))),
     ("slabs ignored that the ray runs along", |case| {

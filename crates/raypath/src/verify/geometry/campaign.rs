@@ -157,6 +157,7 @@ impl Largest {
 mod tests {
     use super::{Failures, Tally, run};
     use rand::RngExt;
+    use rand_chacha::ChaCha8Rng;
     use raypath_verify::{Level, Request, Shard, Step};
 
     #[derive(Default, PartialEq, Debug)]
@@ -197,8 +198,12 @@ mod tests {
 
     #[test]
     fn it_stops_when_told() {
-        let (some, is_stopped) = numbers(1, Shard::ALL, &mut |_| false);
-        assert!(is_stopped && some.len() < 5000, "{}", some.len());
+        let config = Default::default();
+        let watch = &mut |_| false;
+        let mut request = Request { config, level: Level::Everyday, jobs: None, seed: 1, shard: Shard::ALL, watch };
+        let case = |rng: &mut ChaCha8Rng, numbers: &mut Numbers| numbers.0.push(rng.random());
+        let (some, is_stopped) = run(&mut request, 7, 1_000_000_000, case);
+        assert!(is_stopped && some.0.len() < 1_000_000_000, "{}", some.0.len());
     }
 
     #[test]

@@ -12,9 +12,12 @@ pub fn datapath(rules: Rules, ray: &Ray<Binary32>, [a, b, c]: [[f32; 3]; 3]) -> 
     }
 }
 
-/// Other ways to intersect a ray and a triangle that faces it, with their names: each lets rays through. A campaign
+/// A way to intersect a ray and a triangle, and its name.
+pub type Named = (&'static str, fn(&Ray<Binary32>, [[f32; 3]; 3]) -> bool);
+
+/// Other ways to intersect a ray and a triangle that faces it: each lets rays through. A campaign
 /// that does not see it would not see a fault of the datapath.
-pub const LEAKY: [(&str, fn(&Ray<Binary32>, [[f32; 3]; 3]) -> bool); 3] =
+pub const LEAKY: [Named; 3] =
     [("edges that belong to no face", open_edges), ("fused products", fused), ("Möller-Trumbore", moeller_trumbore)];
 
 /// U, V, W > 0 instead of ≥ 0.
