@@ -110,7 +110,7 @@ mod tests {
     fn bombs_are_errors() {
         let bomb = gzip(&vec![b'0'; 64 << 20]);
         assert!(bomb.len() < 1 << 20);
-        let fails = |mut lines: Lines<'_>| lines.next().map(Option::is_some).expect_err("a bomb").to_string();
+        let fails = |mut lines: Lines<'_>| lines.next().map(|line| line.is_some()).expect_err("a bomb").to_string();
         assert_eq!(fails(Lines::new(bomb.as_slice()).expect("a stream")), "more than 65536 bytes in a line");
         assert_eq!(fails(Lines::new(std::io::repeat(b'0')).expect("a stream")), "more than 65536 bytes in a line");
     }

@@ -1,7 +1,7 @@
 //! All subnormals of binary32 into the recoded format and back, each against a normalisation that counts no zeros.
 //!
-//! Peers: SoftFloat in Hercules shifted by a count that could be negative (issue 29); HardFloat as bsg keeps it decided
-//! wrongly what is subnormal (pull request 3). Here it would show as a subnormal coordinate that is another power of two.
+//! Peer: SoftFloat in Hercules shifted by a count of leading zeros that could be negative (issue 29). Here it would show as
+//! a subnormal coordinate that is another power of two.
 //!
 //! Mutation: in `raypath-float/src/encode.rs`, any two leading-zero counts exchanged, or one too many.
 

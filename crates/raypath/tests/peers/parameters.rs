@@ -3,7 +3,7 @@
 //! Told in the field without a source: a parameter that is declared, documented and swept over, and reaches nothing, so that
 //! all points of a sweep are one. Here the emitted SystemVerilog would be the same, but for its banner.
 //!
-//! Mutation: any one parameter not passed on in `raypath-rtl` (tried: `sharing`, taken as `Union` always).
+//! Mutation: any one parameter not passed on in `raypath-rtl`, `sharing` taken as `Union` always, say.
 
 use raypath::hdl::verilog;
 use raypath::ops::Rules;

@@ -118,11 +118,12 @@ mod tests {
 
     #[test]
     fn mutations_are_many_different_ones_and_always_the_same() {
-        let files = [b"library (x) { cell (y) { area : 1; } }".to_vec(), packed(b"lanes = 2")];
+        let files = [b"library (x) { cell (y) { area : 1; } }".repeat(10), packed(&b"lanes = 2\n".repeat(20))];
         for file in 0..files.len() {
             let all: Vec<Vec<u8>> = (0..1000).map(|number| mutated(&files, file, number, 1)).collect();
             assert_eq!(all, (0..1000).map(|number| mutated(&files, file, number, 1)).collect::<Vec<_>>());
-            assert!(all.iter().collect::<HashSet<_>>().len() > 900);
+            let different = all.iter().collect::<HashSet<_>>().len();
+            assert!(different > 700, "{different}");
             assert!(all.iter().any(|bytes| bytes.len() < files[file].len() / 2));
             assert!(all.iter().any(|bytes| unpacked(bytes).unwrap_or(bytes.clone()).len() > 1000));
         }
