@@ -13,7 +13,7 @@ fn words_are_the_ports_in_order() {
             let job: Job = Job::from_ports(kind, |_| rng.random());
             job.words(&mut words);
             assert_eq!(words, job.ports().iter().map(|port| port.bits).collect::<Vec<_>>());
-            let again = Job::from_words_in(Binary32, kind, &words);
+            let again: Job = Job::from_words_in(Binary32, kind, &words);
             assert_eq!(again.ports(), job.ports());
 
             let outcome: Outcome = Outcome::from_ports(kind, |_| rng.random());

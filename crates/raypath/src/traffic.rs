@@ -77,12 +77,12 @@ impl Traffic {
     }
 
     /// For so many cycles everything that may happen: source and sink each have a habit (always, seldom, bursts, long
-    /// stalls, moods), in many seeds there are resets at any moment, and in many the source withdraws jobs. Then always.
+    /// stalls, moods), in most seeds there are resets at any moment, and in many the source withdraws jobs. Then always.
     pub fn eventful(seed: u64, cycles: u32) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (source, sink) = (Habit::random(&mut rng), Habit::random(&mut rng));
         let mut one_of = |chances: [f64; 4]| chances[rng.random_range(0..chances.len())];
-        let (resets, withdraws) = (one_of([0.0, 0.0, 0.005, 0.03]), one_of([0.0, 0.0, 0.02, 0.2]));
+        let (resets, withdraws) = (one_of([0.0, 0.003, 0.01, 0.03]), one_of([0.0, 0.0, 0.02, 0.2]));
         Self { pattern: Pattern::Eventful(Eventful { rng, source, sink, resets, withdraws, cycles_left: cycles }) }
     }
 

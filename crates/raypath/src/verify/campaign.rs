@@ -5,7 +5,7 @@ mod episode;
 mod failure;
 
 pub(crate) use episode::mixed;
-pub use episode::{Episode, JOBS_PER_EPISODE};
+pub use episode::{Episode, Found, JOBS_PER_EPISODE};
 pub use failure::{Failure, report};
 
 use crate::engine::{NetlistEngine, shape};
@@ -85,9 +85,9 @@ pub fn verify_module(
 }
 
 /// Jobs by level: seconds, a quarter of an hour, hours.
-const EVERYDAY: u64 = 200_000;
-const FULL: u64 = 30_000_000;
-const LONG: u64 = 300_000_000;
+const EVERYDAY: u64 = 300_000;
+const FULL: u64 = 45_000_000;
+const LONG: u64 = 450_000_000;
 
 /// What one worker found.
 struct Tally<C = ()> {

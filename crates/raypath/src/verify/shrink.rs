@@ -161,9 +161,9 @@ mod tests {
     #[test]
     fn reduction_keeps_what_matters() {
         let needed = [3, 17, 64];
-        let left = reduced((0..100).collect(), |items| needed.iter().all(|item| items.contains(item)));
+        let left = reduced((0..100).collect::<Vec<i32>>(), |items| needed.iter().all(|item| items.contains(item)));
         assert_eq!(left, needed);
-        assert_eq!(reduced((0..100).collect::<Vec<_>>(), |_| true), []);
-        assert_eq!(reduced((0..10).collect::<Vec<_>>(), |items| items.len() > 6).len(), 7);
+        assert!(reduced((0..100).collect::<Vec<i32>>(), |_| true).is_empty());
+        assert_eq!(reduced((0..10).collect::<Vec<i32>>(), |items| items.len() > 6).len(), 7);
     }
 }

@@ -39,6 +39,11 @@ pub struct Features {
 }
 
 impl Cell {
+    /// Whether only a job that leaves tells whether it exercises it.
+    pub fn is_known_at_exit_only(&self) -> bool {
+        self.is_known_at_exit_only
+    }
+
     /// Whether a job can exercise it that goes this way, by its position in [`WAYS`]. One that is lost in a reset never
     /// shows what it found in the accumulator.
     pub fn is_reachable(&self, way: usize) -> bool {

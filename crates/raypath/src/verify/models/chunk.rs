@@ -65,7 +65,7 @@ impl<'l> Chunk<'l> {
         while self.count < JOBS_PER_CHUNK {
             let index = self.count;
             let job = self.next(&mut words);
-            if index % COUNTED == 0 {
+            if index.is_multiple_of(COUNTED) {
                 coverage.count(&atlas.features(job.kind(), &words), Way::STRAIGHT);
             }
             let (expected, found) = (oracle.run(&job), functional.run(&job));
@@ -89,7 +89,7 @@ impl<'l> Chunk<'l> {
     fn next(&mut self, words: &mut Vec<u64>) -> Job {
         let dice: u64 = self.rng.random();
         let kind = JobKind::ALL[dice as usize % JobKind::ALL.len()];
-        if self.count % REPLACED == 0 {
+        if self.count.is_multiple_of(REPLACED) {
             let place = (dice >> 2) as usize % POOL;
             self.stimuli.next_of(kind, &mut self.pool[kind as usize][place]);
         }

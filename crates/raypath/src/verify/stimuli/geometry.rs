@@ -65,11 +65,11 @@ impl Geometry {
         const DIRECTIONS: [f32; 9] = [1.0, -1.0, 2.0, -2.0, 0.5, -0.5, 0.0, -0.0, 1.0];
         let small = |rng: &mut ChaCha8Rng| one_of(&[-2.0, -1.0, -0.0, 0.0, 1.0, 2.0], rng);
         let origin = std::array::from_fn(|_| small(rng));
-        let direction: Point = match rng.random_range(0..8) {
-            0 => [0.0, -0.0, 0.0],
-            _ => std::array::from_fn(|_| one_of(&DIRECTIONS, rng)),
-        };
+        let is_still = rng.random_bool(0.12);
+        let direction: Point =
+            if is_still { [0.0, -0.0, 0.0] } else { std::array::from_fn(|_| one_of(&DIRECTIONS, rng)) };
         let extent = match rng.random_range(0..20) {
+            0..6 if is_still => f32::NAN,
             0..11 => f32::INFINITY,
             11 => one_of(&[f32::NAN, -1.0, -0.0, f32::NEG_INFINITY], rng),
             _ => one_of(&[0.0, 1.0, 2.0, 3.0, 4.0], rng),
@@ -89,7 +89,8 @@ impl Geometry {
 fn met(origin: Point, direction: Point, rng: &mut ChaCha8Rng) -> [Point; 2] {
     let place = one_of(&[-1.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 4.0], rng);
     let centre: Point = std::array::from_fn(|i| origin[i] + place * direction[i]);
-    let reach = |rng: &mut ChaCha8Rng| one_of(&[0.0, 0.5, 1.0, 2.0], rng);
+    let reaches = if rng.random_bool(0.3) { [0.0, 0.0, 0.0, 1.0] } else { [0.0, 0.5, 1.0, 2.0] };
+    let reach = |rng: &mut ChaCha8Rng| one_of(&reaches, rng);
     [std::array::from_fn(|i| centre[i] - reach(rng)), std::array::from_fn(|i| centre[i] + reach(rng))]
 }
 

@@ -29,7 +29,9 @@ pub enum Sort {
 impl Sort {
     /// One of them.
     pub fn random(rng: &mut ChaCha8Rng) -> Self {
-        [Self::Lattice, Self::Unit, Self::Wide, Self::Wide, Self::Edges, Self::Edges, Self::Raw][rng.random_range(0..7)]
+        const ALL: [Sort; 8] =
+            [Sort::Lattice, Sort::Unit, Sort::Wide, Sort::Wide, Sort::Edges, Sort::Edges, Sort::Edges, Sort::Raw];
+        ALL[rng.random_range(0..ALL.len())]
     }
 }
 
@@ -38,8 +40,9 @@ impl Numbers {
     pub fn of(format: Format) -> Self {
         let minus = 1 << (format.ieee_width() - 1);
         let mut all = edges(format).to_vec();
-        // Of each its opposite, and NaNs that are not the canonical one: one that signals, one with a payload.
-        all.extend([format.infinity() | 1, format.nan() | 1]);
+        // Of each its opposite, NaNs that are not the canonical one (one that signals, one with a payload), and what else
+        // would come too seldom.
+        all.extend([format.infinity() | 1, format.nan() | 1, format.infinity(), 1, format.nan()]);
         let opposites: Vec<u64> = all.iter().map(|edge| edge ^ minus).collect();
         all.extend(opposites);
         let lattice = [-4.0, -3.0, -2.0, -1.0, -0.5, -0.0, 0.0, 0.5, 1.0, 1.0, 2.0, 3.0, 4.0];
@@ -56,7 +59,7 @@ impl Numbers {
         let format = self.format;
         match sort {
             Sort::Lattice => self.lattice[rng.random_range(0..self.lattice.len())],
-            Sort::Edges if rng.random_bool(0.3) => self.edges[rng.random_range(0..self.edges.len())],
+            Sort::Edges if rng.random_bool(0.4) => self.edges[rng.random_range(0..self.edges.len())],
             Sort::Edges => self.lattice[rng.random_range(0..self.lattice.len())],
             Sort::Unit => self.nearest(rng.random_range(-1.0..=1.0_f64) as f32),
             Sort::Raw => rng.random::<u64>() >> (64 - format.ieee_width()),

@@ -79,8 +79,8 @@ impl BoxRule {
         let mut places = [(false, 0.0, 0); 4];
         for (index, bounds) in bounds.iter().enumerate() {
             let (mut nears, mut fars) = ([0.0; 3], [0.0; 3]);
-            for axis in 0..3 {
-                let distances = bounds[axis].map(|bound| {
+            for (axis, slab) in bounds.iter().enumerate() {
+                let distances = slab.map(|bound| {
                     let relative = rounded.sub(bound, origin[axis]);
                     let distance = rounded.mul(relative, inverse[axis]);
                     (distance, distance.is_nan() && !relative.is_nan() && !inverse[axis].is_nan())
