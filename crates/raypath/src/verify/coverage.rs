@@ -83,7 +83,7 @@ impl Coverage {
                     places += ways.clone().count();
                     let missing = ways.filter(|(_, (_, count))| **count == 0);
                     unhit.extend(missing.map(|(_, (way, _))| format!("{}, {way}", cell.name)));
-                } else if !cell.is_known_at_exit_only() {
+                } else if cell.is_reachable_at_entry() {
                     places += 1;
                     unhit.extend((counts.iter().sum::<u64>() == 0).then(|| cell.name.clone()));
                 }

@@ -28,6 +28,7 @@ pub struct Cell {
     /// What it is called.
     pub name: String,
     is_known_at_exit_only: bool,
+    is_impossible: bool,
 }
 
 /// What a job exercises: a set of its kind's cells.
@@ -39,15 +40,16 @@ pub struct Features {
 }
 
 impl Cell {
-    /// Whether only a job that leaves tells whether it exercises it.
-    pub fn is_known_at_exit_only(&self) -> bool {
-        self.is_known_at_exit_only
+    /// Whether a job can exercise it so that it is known when it enters.
+    pub fn is_reachable_at_entry(&self) -> bool {
+        !self.is_impossible && !self.is_known_at_exit_only
     }
 
     /// Whether a job can exercise it that goes this way, by its position in [`WAYS`]. One that is lost in a reset never
-    /// shows what it found in the accumulator.
+    /// shows what it found in the accumulator; where lanes are few, one is all, or more than one is.
     pub fn is_reachable(&self, way: usize) -> bool {
-        !(self.is_known_at_exit_only && way % (WAYS.len() / 2) == End::Lost as usize)
+        let is_lost = way % (WAYS.len() / 2) == End::Lost as usize;
+        !(self.is_impossible || self.is_known_at_exit_only && is_lost)
     }
 }
 
@@ -71,8 +73,7 @@ impl Features {
 impl Atlas {
     /// That of a configuration, its datapath's shape, and its model's jobs.
     pub fn new(config: Config, shape: &Shape, layout: Layout) -> Self {
-        let cells =
-            JobKind::ALL.map(|kind| if config.kinds().contains(&kind) { cells(kind, config.rules) } else { vec![] });
+        let cells = JobKind::ALL.map(|kind| if config.kinds().contains(&kind) { cells(kind, config) } else { vec![] });
         Self {
             cells: cells.into(),
             capacity: shape.capacity(),
@@ -138,7 +139,8 @@ fn rules_begin(kind: JobKind, rules: Rules) -> usize {
     CLASSES.len() * groups(kind, rules).len() + if kind == JobKind::Triangle { 12 } else { 0 }
 }
 
-fn cells(kind: JobKind, rules: Rules) -> Vec<Cell> {
+fn cells(kind: JobKind, config: Config) -> Vec<Cell> {
+    let rules = config.rules;
     let groups = groups(kind, rules).iter();
     let mut names: Vec<String> =
         groups.flat_map(|group| CLASSES.iter().map(move |class| format!("{group} {class}"))).collect();
@@ -156,12 +158,16 @@ fn cells(kind: JobKind, rules: Rules) -> Vec<Cell> {
         names.extend((0..PERMUTATIONS).map(|number| format!("5: order {:?}", permutation(number))));
     }
     let is_beat = matches!(kind, JobKind::Euclidean | JobKind::Angular);
+    let lanes = if kind == JobKind::Angular { config.lanes.count() / 2 } else { config.lanes.count() };
+    let too_few = [(BeatRule::MaskOne, 1), (BeatRule::MaskSome, 2)].into_iter().filter(|(_, most)| lanes <= *most);
+    let impossible: Vec<usize> = too_few.map(|(rule, _)| first_rule + rule as usize).collect();
     let first_at_exit = first_rule + BeatRule::FIRST_AT_EXIT as usize;
     let named = names.into_iter().enumerate();
     named
         .map(|(index, name)| Cell {
             name: format!("{kind}: {name}"),
             is_known_at_exit_only: is_beat && index >= first_at_exit,
+            is_impossible: is_beat && impossible.contains(&index),
         })
         .collect()
 }
