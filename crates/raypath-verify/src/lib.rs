@@ -3,6 +3,7 @@
 //!
 //! Whatever is verified takes a [`Request`] and gives a [`Verdict`].
 
+pub mod control;
 mod request;
 mod verdict;
 
