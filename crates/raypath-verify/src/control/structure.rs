@@ -87,13 +87,22 @@ fn together(module: &Module) -> Vec<String> {
         let find = |name: String| data.iter().find(|(_, other)| *other == name).map(|(register, _)| *register);
         let matches = find(format!("opcode{suffix}")).is_some_and(|opcode| {
             let sibling = |other: &str| find(format!("{stem}{other}")).zip(find(format!("opcode{other}")));
-            opcode.enable == register.enable && same_load(module, register, opcode, &sibling)
+            bit(module, opcode.enable) == bit(module, register.enable) && same_load(module, register, opcode, &sibling)
         });
         if !matches {
             faults.push(format!("{}: {own} is not loaded as the opcode is", module.name()));
         }
     }
     faults
+}
+
+/// A signal of one bit, told from others by what it is cut from.
+fn bit(module: &Module, signal: Option<SignalId>) -> Option<(SignalId, u32)> {
+    let signal = source(module, signal?);
+    match module.signal(signal).driver {
+        Driver::Slice { source: whole, low } => Some((source(module, whole), low)),
+        _ => Some((signal, 0)),
+    }
 }
 
 /// `_spare_q`, `_store_3_q` or `_q`.
