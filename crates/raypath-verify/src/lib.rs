@@ -4,6 +4,7 @@
 //! Whatever is verified takes a [`Request`] and gives a [`Verdict`].
 
 pub mod bench;
+pub mod control;
 mod cores;
 pub mod equivalence;
 mod item;

@@ -16,7 +16,7 @@ pub mod stimuli;
 
 pub use raypath_verify::{Error, Item, Level, Request, Shard, ShardError, Step, Verdict};
 
-use raypath_verify::{unit_proofs, units};
+use raypath_verify::{control, unit_proofs, units};
 
 /// All items, in the order of `docs/verification.md`.
 pub const ITEMS: &[Item] = &[
@@ -26,6 +26,7 @@ pub const ITEMS: &[Item] = &[
     unit_proofs::UNIT_PROOFS,
     unit_proofs::ADDER_PROOF,
     unit_proofs::MULTIPLIER_PROOF,
+    control::CONTROL,
     geometry::WATERTIGHT,
     geometry::BOXES,
     geometry::TRIANGLE_DISTANCE,
