@@ -4,8 +4,8 @@
 //! are emitted beside it, that opcodes go through it as through a FIFO; of the entrance, that it lets in no more than fit;
 //! of the whole, that stalled outputs stay and that beats of an accumulator keep apart. The structure of the netlist shows
 //! that the steps stand in a row, and that data move with the opcode. That a row of FIFOs is a FIFO, and that a FIFO which
-//! never looks at what it carries treats all of it alike (Wolper 1986), does the rest; the whole is followed for some cycles
-//! besides.
+//! never looks at what it carries treats all of it alike (Wolper 1986), does the rest. Where units take one step the engine
+//! proves the order of the whole besides, all steps at once.
 
 mod engine;
 mod lemmas;
