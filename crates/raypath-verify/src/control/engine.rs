@@ -173,7 +173,10 @@ impl Engine {
 fn answer(said: &str, method: Method) -> Answer {
     let status = said.lines().rev().find_map(|line| line.trim().strip_prefix("Status = ")?.split_whitespace().next());
     let through = |cycles: u32| said.contains(&format!("No output asserted in {cycles} frames"));
+    let base_fails = said.lines().any(|line| line.trim().starts_with("Status = 0 "));
     match (status, method) {
+        // The induction, which comes after, does not know of it.
+        (_, Method::Inductive) if base_fails => Answer::Fails,
         (Some("1"), Method::Inductive) if !through(BASE) => Answer::Undecided,
         (Some("1"), _) => Answer::Holds,
         (Some("0"), _) => Answer::Fails,
@@ -207,6 +210,8 @@ mod tests {
         let base = "No output asserted in 8 frames.\nStatus = -1  Frames = 7\n";
         assert_eq!(answer(&format!("{base}Status = 1  Frames = -1\n"), Method::Inductive), Answer::Holds);
         assert_eq!(answer("Status = 1  Frames = -1\n", Method::Inductive), Answer::Undecided);
+        let refuted = "Status = 0  Frames = 4\nStatus = -1  Frames = -1\n";
+        assert_eq!(answer(refuted, Method::Inductive), Answer::Fails);
         assert_eq!(answer(&format!("{base}Status = -1  Frames = -1\n"), Method::Inductive), Answer::Undecided);
         assert_eq!(answer("** cmd error\n", Method::Unbounded), Answer::Undecided);
     }
