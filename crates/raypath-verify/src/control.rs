@@ -4,10 +4,11 @@
 //! are emitted beside it, that opcodes go through it as through a FIFO; of the entrance, that it lets in no more than fit;
 //! of the whole, that stalled outputs stay and that beats of an accumulator keep apart. The structure of the netlist shows
 //! that the steps stand in a row, and that data move with the opcode. That a row of FIFOs is a FIFO, and that a FIFO which
-//! never looks at what it carries treats all of it alike (Wolper 1986), does the rest; the whole is followed for some cycles
-//! besides.
+//! never looks at what it carries treats all of it alike (Wolper 1986), does the rest. Where units take one step the engine
+//! proves the order of the whole besides, all steps at once.
 
 mod engine;
+mod lemmas;
 mod problems;
 mod structure;
 
@@ -15,12 +16,11 @@ pub use engine::{Answer, Engine, Method, Problem};
 pub use problems::{Fault, Texts, problems, vacuous};
 pub use structure::faults;
 
+use crate::proof::pool;
 use crate::{Error, Item, Request, Step, Verdict};
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control, Datapath, Lanes, Sharing, UnitLatency};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::time::Duration;
+use std::collections::HashMap;
 
 /// The item of `raypath verify`.
 pub const CONTROL: Item = Item {
@@ -37,7 +37,6 @@ pub const CONTROL: Item = Item {
 pub fn control(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let engine = Engine::find()?;
     let configs = request.level.pick(representatives(), all(), all());
-    let cycles = request.level.pick(14, 18, 20);
     let mut numbered = configs.into_iter().zip(0..);
     let mut work = Vec::new();
     let mut verdict = Verdict::default();
@@ -49,29 +48,25 @@ pub fn control(request: &mut Request<'_>) -> Result<Verdict, Error> {
         let datapath = Datapath::new(config)?;
         verdict.failures.extend(faults(&datapath, config)?.into_iter().map(|fault| format!("{config}: {fault}")));
         let texts = Texts::new(datapath.top())?;
-        let mut problems = problems(&datapath, config, &texts, cycles);
+        let mut problems = problems(&datapath, config, &texts);
         problems.push(vacuous(&datapath, config, &texts, datapath.top().name()));
         work.extend(problems.into_iter().map(|problem| (config, problem)));
         configurations += 1;
     }
     let judged = judge_all(&engine, &work, request)?;
-    let (mut proved, mut followed) = (0, 0);
+    let mut proved = 0;
     for ((config, problem), answer) in work.iter().zip(&judged) {
         let is_vacuous = problem.name.ends_with("never_leaves");
         match (answer, problem.method) {
             (None, _) => verdict.is_stopped = true,
             (Some(Answer::Fails), _) if is_vacuous => {}
-            (Some(Answer::Holds), Method::Unbounded) => proved += problem.assertions,
-            (Some(Answer::Holds), Method::Bounded(_)) if !is_vacuous => followed += problem.assertions,
-            (Some(Answer::Holds), _) => verdict.failures.push(format!("{config}: no job ever leaves")),
+            (Some(Answer::Holds), Method::Unbounded | Method::Inductive) => proved += problem.assertions,
+            (Some(Answer::Holds), Method::Bounded(_)) => verdict.failures.push(format!("{config}: no job ever leaves")),
             (Some(answer), _) => verdict.failures.push(format!("{config}: {}: {answer:?}", problem.name)),
         }
     }
     verdict.failures.truncate(8);
-    verdict.covered = format!(
-        "{proved} assertions of {configurations} configurations proved, {followed} of whole pipelines followed for \
-         {cycles} cycles"
-    );
+    verdict.covered = format!("{proved} assertions of {configurations} configurations proved");
     Ok(verdict)
 }
 
@@ -98,40 +93,23 @@ fn representatives() -> Vec<Config> {
     vec![config(Control::Skid, UnitLatency::One), config(Control::Credit, UnitLatency::One)]
 }
 
-const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
-
-/// Judges on all cores; nothing for what was not reached when it was stopped.
+/// Judges each text once, on all cores; nothing for what was not reached when it was stopped.
 fn judge_all(
     engine: &Engine,
     work: &[(Config, Problem)],
     request: &mut Request<'_>,
 ) -> Result<Vec<Option<Answer>>, Error> {
-    let (next, done, stop) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
-    let answers: Mutex<Vec<Option<Result<Answer, Error>>>> = Mutex::new(work.iter().map(|_| None).collect());
-    let total = work.len();
-    std::thread::scope(|scope| {
-        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
-            scope.spawn(|| {
-                while !stop.load(Ordering::Relaxed) {
-                    let number = next.fetch_add(1, Ordering::Relaxed);
-                    let Some((_, problem)) = work.get(number) else { break };
-                    let answer = engine.judge(problem);
-                    if let Ok(mut answers) = answers.lock() {
-                        answers[number] = Some(answer);
-                    }
-                    done.fetch_add(1, Ordering::Relaxed);
-                }
-            });
-        }
-        while done.load(Ordering::Relaxed) < total {
-            let reached = done.load(Ordering::Relaxed);
-            if !(request.watch)(Step { done: reached as u64, total: total as u64 }) {
-                stop.store(true, Ordering::Relaxed);
-                break;
-            }
-            std::thread::sleep(BETWEEN_LOOKS);
-        }
-    });
-    let answers = answers.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
-    answers.into_iter().map(Option::transpose).collect()
+    let mut places: HashMap<(&str, Method), usize> = HashMap::new();
+    let mut different: Vec<&Problem> = Vec::new();
+    let mut place = Vec::new();
+    for (_, problem) in work {
+        place.push(*places.entry((&problem.text, problem.method)).or_insert_with(|| {
+            different.push(problem);
+            different.len() - 1
+        }));
+    }
+    let total = different.len() as u64;
+    let watch = |done: usize| (request.watch)(Step { done: done as u64, total });
+    let answers = pool::for_each(&different, |problem, stop| engine.judge(problem, stop), watch)?;
+    Ok(place.into_iter().map(|place| answers[place]).collect())
 }

@@ -1,9 +1,14 @@
 //! Yosys and ABC on a module with assertions: text in, verdict out.
 
 use crate::Error;
+use crate::proof::abc::Abc;
+use raypath_ppa::{Yosys, YosysKind};
+use std::collections::HashMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// A module to be judged, as one SystemVerilog text.
 #[derive(Debug, Clone)]
@@ -21,11 +26,14 @@ pub struct Problem {
 }
 
 /// How far the judgement goes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Method {
     /// All reachable states: property-directed reachability (Bradley 2011, Eén et al. 2011), an induction that finds its
     /// own lemmas.
     Unbounded,
+    /// All reachable states, by induction over some cycles: the assertions hold in the first ones, and follow from
+    /// themselves (Sheeran, Singh, Stålmarck 2000).
+    Inductive,
     /// So many cycles from the first reset.
     Bounded(u32),
 }
@@ -41,21 +49,20 @@ pub enum Answer {
     Undecided,
 }
 
-/// The two programs, found.
-#[derive(Debug, Clone)]
+/// Yosys and ABC, found, and what they have answered.
+#[derive(Debug)]
 pub struct Engine {
-    abc: PathBuf,
+    yosys: Yosys,
+    abc: Abc,
+    /// Answers by method and graph: equal graphs are judged once.
+    answers: Mutex<HashMap<(Method, Vec<u8>), Answer>>,
 }
 
-/// Seconds for a problem.
-const LIMIT: u32 = 120;
-const INSTALL: &str = "it after: python3 -m pip install pyosys";
-const BESIDE_PYOSYS: &str = "import pyosys, os; print(os.path.join(os.path.dirname(pyosys.__file__), 'yosys-abc'))";
-/// Runs commands line by line.
-const RUN: &str = "import sys\n\
-                   from pyosys import libyosys\n\
-                   design = libyosys.Design()\n\
-                   for line in open(sys.argv[1]):\n    libyosys.run_pass(line.strip(), design)\n";
+/// Limit for a problem.
+const LIMIT: Duration = Duration::from_secs(600);
+/// Cycles from the first reset that are looked at before an induction, which goes back at most [`BACK`].
+const BASE: u32 = 8;
+const BACK: u32 = 3;
 
 /// From text to an and-inverter graph with state. Units are empty modules, and their outputs are free from cycle to
 /// cycle; outputs of the module go, so that only what an assertion depends on stays.
@@ -78,26 +85,20 @@ const TO_GRAPH: &[&str] = &[
 ];
 
 impl Engine {
-    /// Finds the Python module `pyosys` and the ABC that comes with it.
+    /// Finds the Python module `pyosys`, and the ABC that comes with it or Debian's.
     ///
     /// # Errors
-    /// It is not there.
+    /// One is not there.
     pub fn find() -> Result<Self, Error> {
-        let missing = || Error::Program {
-            program: "pyosys".to_string(),
-            problem: "not found".to_string(),
-            expected: INSTALL.to_string(),
-        };
-        let output = Command::new("python3").args(["-c", BESIDE_PYOSYS]).output().map_err(|_| missing())?;
-        let abc = PathBuf::from(String::from_utf8_lossy(&output.stdout).trim());
-        if output.status.success() && abc.is_file() { Ok(Self { abc }) } else { Err(missing()) }
+        let yosys = Yosys::find(Some(YosysKind::Python))?;
+        Ok(Self { yosys, abc: Abc::find()?, answers: Mutex::default() })
     }
 
-    /// Judges a problem.
+    /// Judges a problem; nothing where `stop` is set meanwhile.
     ///
     /// # Errors
     /// A program fails, or other assertions than expected reach ABC: none at all, or such as hold for no reason.
-    pub fn judge(&self, problem: &Problem) -> Result<Answer, Error> {
+    pub fn judge(&self, problem: &Problem, stop: &AtomicBool) -> Result<Option<Answer>, Error> {
         let temporary = std::env::temp_dir();
         let folder = tempfile::tempdir().map_err(|error| Error::File { path: temporary, problem: error })?;
         let folder = folder.path();
@@ -111,17 +112,38 @@ impl Engine {
         let commands = begin.into_iter().chain(TO_GRAPH.iter().map(ToString::to_string));
         let commands: Vec<String> = commands.chain(["write_aiger -zinit -B problem.aig".to_string()]).collect();
         write("script", &(commands.join("\n") + "\n"))?;
-        run(folder, Command::new("python3").args(["-c", RUN, "script"]), &problem.name)?;
+        match self.yosys.run(folder, "script", &problem.name, stop) {
+            Err(raypath_ppa::Error::Stopped) => return Ok(None),
+            other => other?,
+        }
         self.check(folder, problem)?;
+        // Constraints become outputs (fold), and all outputs one; what that does not depend on goes.
+        let reduce = "read_aiger problem.aig; fold; strash; orpos; scleanup; trim; write_aiger reduced.aig";
+        if self.abc.run(folder, reduce, LIMIT, stop)?.is_none() {
+            return Ok(None);
+        }
+        let path = folder.join("reduced.aig");
+        let graph = fs::read(&path).map_err(|problem| Error::File { path, problem })?;
+        // ABC ends a graph with a comment that has the time in it.
+        let key = (problem.method, without_comment(graph));
+        let known = self.answers.lock().ok().and_then(|answers| answers.get(&key).copied());
+        if known.is_some() {
+            return Ok(known);
+        }
         let method = match problem.method {
-            Method::Unbounded => format!("pdr -T {LIMIT}"),
-            Method::Bounded(cycles) => format!("bmc3 -F {cycles} -T {LIMIT}"),
+            Method::Unbounded => "pdr".to_string(),
+            Method::Inductive => format!("bmc3 -F {BASE}; print_status; ind -F {BACK}"),
+            Method::Bounded(cycles) => format!("bmc3 -F {cycles}"),
         };
-        // Constraints become outputs (fold), and all outputs one.
-        let commands = format!("read_aiger problem.aig; fold; strash; orpos; {method}; print_status");
-        let output = run(folder, Command::new(&self.abc).args(["-q", &commands]), &problem.name)?;
-        let said = String::from_utf8_lossy(&output.stdout);
-        Ok(answer(&said, problem.method))
+        let commands = format!("read_aiger reduced.aig; {method}; print_status");
+        let Some(said) = self.abc.run(folder, &commands, LIMIT, stop)? else {
+            return Ok((!stop.load(Ordering::Relaxed)).then_some(Answer::Undecided));
+        };
+        let answer = answer(&said, problem.method);
+        if let Ok(mut answers) = self.answers.lock() {
+            answers.insert(key, answer);
+        }
+        Ok(Some(answer))
     }
 
     /// The graph has as many assertions as were written, and state and gates on which they depend.
@@ -151,7 +173,11 @@ impl Engine {
 fn answer(said: &str, method: Method) -> Answer {
     let status = said.lines().rev().find_map(|line| line.trim().strip_prefix("Status = ")?.split_whitespace().next());
     let through = |cycles: u32| said.contains(&format!("No output asserted in {cycles} frames"));
+    let base_fails = said.lines().any(|line| line.trim().starts_with("Status = 0 "));
     match (status, method) {
+        // The induction, which comes after, does not know of it.
+        (_, Method::Inductive) if base_fails => Answer::Fails,
+        (Some("1"), Method::Inductive) if !through(BASE) => Answer::Undecided,
         (Some("1"), _) => Answer::Holds,
         (Some("0"), _) => Answer::Fails,
         (Some("-1"), Method::Bounded(cycles)) if through(cycles) => Answer::Holds,
@@ -159,19 +185,14 @@ fn answer(said: &str, method: Method) -> Answer {
     }
 }
 
-fn run(folder: &Path, command: &mut Command, about: &str) -> Result<Output, Error> {
-    let program = command.get_program().to_string_lossy().into_owned();
-    let output = command.current_dir(folder).env("TMPDIR", folder).output();
-    let output = output.map_err(|problem| Error::File { path: PathBuf::from(&program), problem })?;
-    if output.status.success() {
-        return Ok(output);
+/// A graph without the last line of the comment that ABC ends it with, which has the time in it. It is the last of its
+/// kind in the file, so that nothing of the graph itself goes.
+fn without_comment(mut graph: Vec<u8>) -> Vec<u8> {
+    const SIGNATURE: &[u8] = b"This file was written by ABC";
+    if let Some(end) = graph.windows(SIGNATURE.len()).rposition(|window| window == SIGNATURE) {
+        graph.truncate(end);
     }
-    let said = [output.stdout, output.stderr].concat();
-    let said = String::from_utf8_lossy(&said);
-    let lines: Vec<&str> = said.lines().filter(|line| !line.trim().is_empty()).collect();
-    let last = lines[lines.len().saturating_sub(5)..].join("; ");
-    let expected = "it to succeed".to_string();
-    Err(Error::Program { program, problem: format!("{about}: {}: {last}", output.status), expected })
+    graph
 }
 
 #[cfg(test)]
@@ -187,6 +208,12 @@ mod tests {
         assert_eq!(answer("No output asserted in 8 frames.\nStatus = -1  Frames = 7\n", bounded), Answer::Holds);
         assert_eq!(answer("No output asserted in 7 frames.\nStatus = -1  Frames = 6\n", bounded), Answer::Undecided);
         assert_eq!(answer("No output asserted in 8 frames.\nStatus = -1\n", Method::Unbounded), Answer::Undecided);
+        let base = "No output asserted in 8 frames.\nStatus = -1  Frames = 7\n";
+        assert_eq!(answer(&format!("{base}Status = 1  Frames = -1\n"), Method::Inductive), Answer::Holds);
+        assert_eq!(answer("Status = 1  Frames = -1\n", Method::Inductive), Answer::Undecided);
+        let refuted = "Status = 0  Frames = 4\nStatus = -1  Frames = -1\n";
+        assert_eq!(answer(refuted, Method::Inductive), Answer::Fails);
+        assert_eq!(answer(&format!("{base}Status = -1  Frames = -1\n"), Method::Inductive), Answer::Undecided);
         assert_eq!(answer("** cmd error\n", Method::Unbounded), Answer::Undecided);
     }
 }

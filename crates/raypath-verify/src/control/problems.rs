@@ -1,9 +1,10 @@
 //! What is proved of a datapath: each step alone, the entrance alone, the whole.
 
 use super::engine::{Method, Problem};
+use super::lemmas;
 use crate::Error;
 use raypath_hdl::{Module, verilog};
-use raypath_rtl::{Bind, Checker, Config, Control, Datapath};
+use raypath_rtl::{Bind, Checker, Config, Control, Datapath, UnitLatency};
 use std::sync::Arc;
 
 /// A text that stands in a module in the place of another: a fault to be found.
@@ -47,10 +48,20 @@ impl Texts {
         true
     }
 
-    /// All of it, with `inside` before the end of `module`.
+    /// A module with `inside` before its end, and the modules below it: nothing else, so that equal modules of different
+    /// datapaths are equal texts.
     fn with(&self, module: &str, inside: &str) -> String {
+        let mut below = vec![module];
+        let mut next = 0;
+        while let Some(&name) = below.get(next) {
+            next += 1;
+            let Some((_, text)) = self.modules.iter().find(|(other, _)| other == name) else { continue };
+            let is_new = |other: &&str| !below.contains(other) && text.contains(&format!("  {other} "));
+            let new: Vec<&str> = self.modules.iter().map(|(name, _)| name.as_str()).filter(is_new).collect();
+            below.extend(new);
+        }
         let mut all = String::new();
-        for (name, text) in &self.modules {
+        for (name, text) in self.modules.iter().filter(|(name, _)| below.contains(&name.as_str())) {
             match text.rsplit_once("endmodule").filter(|_| name == module) {
                 Some((head, _)) => all += &format!("{head}{inside}\nendmodule\n"),
                 None => all += text,
@@ -75,25 +86,32 @@ fn shell(module: &Module) -> String {
 /// The first cycle is a reset; later ones may be, at any moment.
 const RESET: &str = "  initial assume (!rst_ni);\n";
 
-/// Everything to prove of a datapath. `cycles` is how far the whole pipeline's order is followed.
-pub fn problems(datapath: &Datapath, config: Config, texts: &Texts, cycles: u32) -> Vec<Problem> {
+/// Everything to prove of a datapath.
+pub fn problems(datapath: &Datapath, config: Config, texts: &Texts) -> Vec<Problem> {
     let properties = datapath.properties();
     let mut modules: Vec<&str> = properties.binds().iter().map(|bind| bind.module.as_str()).collect();
     modules.dedup();
     let mut problems = Vec::new();
     for module in modules {
         let own: Vec<&Bind> = properties.binds().iter().filter(|bind| bind.module == module).collect();
+        let last = datapath.module(datapath.steps().count() - 1);
+        let is_exit = config.control == Control::Credit && last.is_some_and(|last| last.name() == module);
         let is_top = module == datapath.top().name();
-        // In the whole, and at an exit with pointers, the order of 13 to 60 jobs is beyond the lemmas that induction
-        // finds by itself.
-        let last = datapath.steps().count() - 1;
-        let is_exit = config.control == Control::Credit && datapath.module(last).is_some_and(|m| m.name() == module);
-        let bounded = |bind: &&&Bind| (is_top || is_exit) && bind.checker == Checker::Order;
-        let (order, others): (Vec<&Bind>, Vec<&Bind>) = own.iter().partition(bounded);
+        // The order of many jobs needs lemmas; that of a place or two does not.
+        let is_long = |bind: &&&Bind| (is_top || is_exit) && bind.checker == Checker::Order;
+        let (order, others): (Vec<&Bind>, Vec<&Bind>) = own.iter().partition(is_long);
         let environment = environment(datapath, config, module);
-        for (binds, method) in [(others, Method::Unbounded), (order, Method::Bounded(cycles))] {
+        // A longer row is proved by its parts.
+        let order = if is_top && config.unit_latency != UnitLatency::One { Vec::new() } else { order };
+        let lemmas = if is_top { lemmas::of_pipeline } else { lemmas::of_exit };
+        for (binds, method) in [(others, Method::Unbounded), (order, Method::Inductive)] {
             if !binds.is_empty() {
-                problems.push(problem(texts, module, &binds, &environment, method));
+                let (besides, more) = match method {
+                    Method::Inductive => (environment.clone() + &lemmas(datapath, config), 1),
+                    _ => (environment.clone(), 0),
+                };
+                let problem = problem(texts, module, &binds, &besides, method);
+                problems.push(Problem { assertions: problem.assertions + more, ..problem });
             }
         }
     }

@@ -39,36 +39,14 @@ impl Abc {
 
     /// Solves a graph in a folder.
     pub fn solve(&self, folder: &Path, graph: &Aiger, limit: Duration, stop: &AtomicBool) -> Result<Answer, Error> {
-        let (log, example) = (folder.join("abc.log"), folder.join("example"));
+        let example = folder.join("example");
         let _ = fs::remove_file(&example);
-        let output = File::create(&log).map_err(|error| file(&log, error))?;
         // A limit on conflicts that nothing reaches: time decides.
         let commands = format!("read_aiger {}; &get; &cec -m -C 1000000000; write_cex example", graph.file);
-        let mut command = Command::new(&self.program);
-        command.args(["-q", &commands]).current_dir(folder).env("TMPDIR", folder);
-        command.stdin(Stdio::null()).stdout(output).stderr(Stdio::null());
-        own_group(&mut command);
-        let mut child = command.spawn().map_err(|error| file(&self.program, error))?;
-        let begin = Instant::now();
-        let status = loop {
-            if let Some(status) = child.try_wait().map_err(|error| file(&self.program, error))? {
-                break status;
-            }
-            let is_stopped = stop.load(Ordering::Relaxed);
-            if is_stopped || begin.elapsed() > limit {
-                // Errors mean that it has ended already.
-                let _ = child.kill();
-                let _ = child.wait();
-                let timeout = || Answer::Undecided(format!("no answer within {} s", limit.as_secs()));
-                return Ok(if is_stopped { Answer::Stopped } else { timeout() });
-            }
-            std::thread::sleep(BETWEEN_LOOKS);
+        let Some(said) = self.run(folder, &commands, limit, stop)? else {
+            let timeout = || Answer::Undecided(format!("no answer within {} s", limit.as_secs()));
+            return Ok(if stop.load(Ordering::Relaxed) { Answer::Stopped } else { timeout() });
         };
-        let said = fs::read(&log).map_err(|error| file(&log, error))?;
-        let said = String::from_utf8_lossy(&said);
-        if !status.success() {
-            return Ok(Answer::Undecided(format!("abc ended with {status}: {}", last_line(&said))));
-        }
         let counterexample = || fs::read_to_string(&example).ok().and_then(|word| graph.ports(word.trim()));
         match verdict(&said) {
             Some(true) => Ok(Answer::Proved { gates: graph.gates }),
@@ -79,6 +57,40 @@ impl Abc {
             }),
             None => Ok(Answer::Undecided(last_line(&said))),
         }
+    }
+
+    /// Runs commands in a folder and gives what was said; nothing where it was stopped or did not end within the limit.
+    pub fn run(
+        &self,
+        folder: &Path,
+        commands: &str,
+        limit: Duration,
+        stop: &AtomicBool,
+    ) -> Result<Option<String>, Error> {
+        let log = folder.join("abc.log");
+        let output = File::create(&log).map_err(|error| file(&log, error))?;
+        let mut command = Command::new(&self.program);
+        command.args(["-q", commands]).current_dir(folder).env("TMPDIR", folder);
+        command.stdin(Stdio::null()).stdout(output).stderr(Stdio::null());
+        own_group(&mut command);
+        let mut child = command.spawn().map_err(|error| file(&self.program, error))?;
+        let begin = Instant::now();
+        let status = loop {
+            if let Some(status) = child.try_wait().map_err(|error| file(&self.program, error))? {
+                break status;
+            }
+            if stop.load(Ordering::Relaxed) || begin.elapsed() > limit {
+                // Errors mean that it has ended already.
+                let _ = child.kill();
+                let _ = child.wait();
+                return Ok(None);
+            }
+            std::thread::sleep(BETWEEN_LOOKS);
+        };
+        let said = fs::read(&log).map_err(|error| file(&log, error))?;
+        let said = String::from_utf8_lossy(&said).into_owned();
+        // What was said of it before it failed is no verdict.
+        Ok(Some(if status.success() { said } else { format!("abc ended with {status}: {}", last_line(&said)) }))
     }
 }
 
