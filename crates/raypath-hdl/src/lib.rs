@@ -27,6 +27,7 @@ mod error;
 mod flatten;
 mod graph;
 mod jit;
+pub mod mutate;
 mod names;
 mod netlist;
 mod simulator;
