@@ -207,5 +207,5 @@ fn a_replacement_that_does_not_fit_is_refused() {
 fn the_example_has_every_driver() {
     let kind = |driver: &Driver| format!("{driver:?}").split(['(', ' ']).next().unwrap_or_default().to_string();
     let kinds: BTreeSet<String> = everything().signals().iter().map(|signal| kind(&signal.driver)).collect();
-    assert_eq!(kinds.len(), 20, "{kinds:?}");
+    assert_eq!(kinds.len(), 21, "{kinds:?}");
 }

@@ -3,8 +3,11 @@
 //!
 //! Whatever is verified takes a [`Request`] and gives a [`Verdict`].
 
+mod chain;
+pub mod operands;
 mod request;
 mod verdict;
 
+pub use chain::chain;
 pub use request::{Level, Request, Shard, ShardError, Step};
 pub use verdict::{Error, Verdict};

@@ -1,5 +1,9 @@
 //! Netlist and models side by side.
 
+mod everyday;
+
+pub use everyday::{Everyday, Failed};
+
 use crate::engine::{CycleEngine, Engine, NetlistEngine, Shown, drive};
 use crate::traffic::Traffic;
 use raypath_model::{Model, OnPorts};

@@ -1,27 +1,16 @@
 //! Modules around the units, and running them.
 
-use crate::chain::chain;
 use raypath_float::{Format, add, add_parts, compare, decode, encode, mul, mul_parts};
 use raypath_hdl::{Builder, Error, Module, Simulator, Wire};
+use raypath_verify::chain;
+use raypath_verify::operands::Answer;
 use std::sync::Arc;
 
-/// What the units say of two operands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Answer {
-    pub sum: u64,
-    pub product: u64,
-    pub less: bool,
-    pub equal: bool,
-    pub unordered: bool,
-}
-
-impl Answer {
-    /// From the outputs in the order of [`OUTPUTS`].
-    pub fn of(outputs: &[u64]) -> Self {
-        let [sum, product, less, equal, unordered, parts_agree] = outputs.try_into().expect("all outputs of a bench");
-        assert_eq!(parts_agree, 1, "a unit in parts answers something else than {sum:#x} or {product:#x}");
-        Self { sum, product, less: less == 1, equal: equal == 1, unordered: unordered == 1 }
-    }
+/// What the units say, from the outputs in the order of [`OUTPUTS`].
+pub fn answer_of(outputs: &[u64]) -> Answer {
+    let [sum, product, less, equal, unordered, parts_agree] = outputs.try_into().expect("all outputs of a bench");
+    assert_eq!(parts_agree, 1, "a unit in parts answers something else than {sum:#x} or {product:#x}");
+    Answer { sum, product, less: less == 1, equal: equal == 1, unordered: unordered == 1 }
 }
 
 /// The two ways to present operands to the units.
@@ -54,7 +43,7 @@ impl Bench {
         self.simulator.set(self.inputs[0], a);
         self.simulator.set(self.inputs[1], b);
         self.simulator.settle();
-        Answer::of(&self.outputs.map(|output| self.simulator.get(output)))
+        answer_of(&self.outputs.map(|output| self.simulator.get(output)))
     }
 }
 
@@ -81,7 +70,7 @@ impl Converter {
     }
 }
 
-/// The outputs of a bench, in the order of [`Answer`].
+/// The outputs of a bench, in the order of [`answer_of`].
 pub const OUTPUTS: [&str; 6] = ["sum_o", "product_o", "less_o", "equal_o", "unordered_o", "parts_agree_o"];
 
 /// The netlist of a bench.

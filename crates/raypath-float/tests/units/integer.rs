@@ -1,7 +1,7 @@
 //! A second oracle, in integers, for formats beyond the reach of the first: a finite number is `factor * 2^exponent`.
 
-use crate::bench::Answer;
 use raypath_float::Format;
+use raypath_verify::operands::Answer;
 
 /// What the units must say of two IEEE 754 codes.
 pub fn answer(format: Format, a: u64, b: u64) -> Answer {

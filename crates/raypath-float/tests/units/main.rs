@@ -2,7 +2,6 @@
 
 mod bench;
 mod binary32;
-mod chain;
 mod exact;
 mod integer;
 mod other_formats;

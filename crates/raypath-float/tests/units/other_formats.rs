@@ -1,11 +1,12 @@
 //! Random operands in formats between the exhaustible ones and the largest, by both oracles where both reach.
 
-use crate::bench::{Answer, Bench, Ports};
-use crate::binary32::{cases, generator};
+use crate::bench::{Bench, Ports};
+use crate::binary32::cases;
 use crate::exact::Exact;
 use crate::{integer, small_formats};
 use rand::Rng;
 use raypath_float::Format;
+use raypath_verify::operands::{Answer, generator};
 
 #[test]
 fn binary16() {

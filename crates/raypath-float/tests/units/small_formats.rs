@@ -1,8 +1,9 @@
 //! Every operand of formats small enough, and every accepted recoded word.
 
-use crate::bench::{Answer, Bench, Converter, Ports};
+use crate::bench::{Bench, Converter, Ports};
 use crate::exact::{Exact, sum};
 use raypath_float::{decode, encode};
+use raypath_verify::operands::Answer;
 
 /// Among them: the significand at its bound for the exponent (3, 5), subnormal ranges as wide as the normal one (3, 4),
 /// and widths of shifters at, above and below powers of two.

@@ -1,13 +1,13 @@
 //! The emitted SystemVerilog: in Verilator against the same oracles, and before the linters.
 
-use crate::bench::{self, Answer, OUTPUTS, Ports};
-use crate::binary32::{self, generator, number};
+use crate::bench::{self, OUTPUTS, Ports, answer_of};
 use crate::exact::Exact;
 use crate::small_formats;
 use rand::Rng;
 use raypath_cosim::{Sources, Verilated};
 use raypath_float::Format;
 use raypath_hdl::{Builder, Error, Module};
+use raypath_verify::operands::{Answer, answer, generator, number};
 use std::sync::Arc;
 
 /// Operands of one bench, and what it must answer.
@@ -31,7 +31,7 @@ fn every_small_operand_and_a_sample_of_binary32() -> Result<(), Box<dyn std::err
     let mut answered = 0;
     verilated.run(frames, |cycle, outputs| {
         for ((module, (a, b, expected)), seen) in in_cycle(cycle).zip(outputs.chunks_exact(OUTPUTS.len())) {
-            assert_eq!(Answer::of(seen), expected, "{}: {a:#x}, {b:#x}", module.name());
+            assert_eq!(answer_of(seen), expected, "{}: {a:#x}, {b:#x}", module.name());
             answered += 1;
         }
     })?;
@@ -69,7 +69,7 @@ fn binary32_cases() -> Vec<Case> {
         let other = number(&mut random);
         let near = (a & 0x7f80_0000).saturating_sub(random.next_u32() & 0x0f80_0000) | other & 0x807f_ffff;
         let b = if random.next_u32() & 1 == 0 { near } else { other };
-        (a.into(), b.into(), binary32::answer(f32::from_bits(a), f32::from_bits(b)))
+        (a.into(), b.into(), answer(f32::from_bits(a), f32::from_bits(b)))
     };
     (0..200_000).map(|_| case()).collect()
 }

@@ -1,9 +1,10 @@
 use crate::engine::{Engine, PortEncoding, Shown, shape};
-use raypath_hdl::{InputPort, OutputPort, Simulator};
+use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
 use raypath_model::{Functional, Model, OnPorts, Shape};
 use raypath_ops::{JobKind, PortKind};
 use raypath_rtl::{Config, Datapath};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// The netlist, simulated, as an engine.
 pub struct NetlistEngine<M: Model = Functional> {
@@ -48,7 +49,21 @@ impl<M: Model> NetlistEngine<M> {
         datapath: &Datapath,
         observed: impl Fn(&str) -> bool,
     ) -> Result<Self, raypath_rtl::Error> {
-        let top = datapath.top();
+        Self::over(model, config, shape(config, datapath), datapath.top(), observed)
+    }
+
+    /// Compiles any module that has the ports of a configuration's datapath and should behave as its cycle-exact model of
+    /// this shape: the datapath with a fault, for one.
+    ///
+    /// # Errors
+    /// A module that lacks one of the ports that all datapaths have.
+    pub fn over(
+        model: M,
+        config: Config,
+        shape: Shape,
+        top: &Arc<Module>,
+        observed: impl Fn(&str) -> bool,
+    ) -> Result<Self, raypath_rtl::Error> {
         let simulator = Simulator::observing(top, observed)?;
         let mut inputs = HashMap::new();
         for port in top.inputs() {
@@ -71,7 +86,7 @@ impl<M: Model> NetlistEngine<M> {
             let ports = model.outcome(kind, |_| 0).ports().into_iter();
             ports.map(|port| (port.name, port.kind)).collect::<HashMap<_, _>>()
         });
-        let (encoding, shape) = (PortEncoding::of(config), shape(config, datapath));
+        let encoding = PortEncoding::of(config);
         let mut engine = Self { model, simulator, encoding, shape, inputs, outputs, handshake, owned };
         engine.reset();
         Ok(engine)
