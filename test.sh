@@ -54,6 +54,7 @@ ensure_debian /usr/share/qflow/tech/osu018/osu018_stdcells.lib qflow-tech-osu018
 ensure_debian python3 python3
 python3 -m pip --version >/dev/null 2>&1 || ensure_debian pip3 python3-pip
 ensure_python pyslang pyslang
+ensure_python pyosys pyosys
 
 step 'Format'
 cargo fmt --all --check

@@ -24,6 +24,7 @@
 
 mod builder;
 mod error;
+mod expose;
 mod flatten;
 mod graph;
 mod jit;
@@ -36,6 +37,7 @@ mod wave;
 
 pub use builder::{Builder, Forward, Register, Wire};
 pub use error::Error;
+pub use expose::expose_registers;
 pub use flatten::depends_combinationally;
 pub use netlist::{Arm, Driver, Instance, Item, Label, Module, Port, RegisterInfo, Signal, SignalId};
 pub use simulator::{InputPort, OutputPort, Probe, Simulator};

@@ -68,8 +68,12 @@ impl Yosys {
         Some(Self { kind: YosysKind::Python, version })
     }
 
-    /// Runs the commands of a file in a folder.
-    pub(crate) fn run(&self, folder: &Path, script: &str, about: &str, stop: &AtomicBool) -> Result<(), Error> {
+    /// Runs the commands of a file in a folder, a line each; what it prints goes to `yosys.log` there. `about` is what a
+    /// message says that it worked on.
+    ///
+    /// # Errors
+    /// It failed, or `stop` was set meanwhile ([`Error::Stopped`]).
+    pub fn run(&self, folder: &Path, script: &str, about: &str, stop: &AtomicBool) -> Result<(), Error> {
         let mut command = match self.kind {
             YosysKind::Program => Command::new("yosys"),
             YosysKind::Python => Command::new("python3"),

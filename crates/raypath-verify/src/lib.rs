@@ -5,6 +5,8 @@
 
 mod chain;
 pub mod operands;
+pub mod equivalence;
+pub mod proof;
 mod request;
 mod verdict;
 

@@ -43,3 +43,27 @@ pub enum Error {
     #[error(transparent)]
     Netlist(#[from] raypath_hdl::Error),
 }
+
+impl From<raypath_ppa::Error> for Error {
+    /// What a synthesis tool had to say, in the words of this crate.
+    fn from(error: raypath_ppa::Error) -> Self {
+        use raypath_ppa::Error as Ppa;
+        match error {
+            Ppa::File { path, problem, .. } => Self::File { path, problem },
+            Ppa::MissingTool { program, install } => {
+                Self::Program { program, problem: "not found".to_string(), expected: format!("it after: {install}") }
+            }
+            Ppa::Netlist(error) => Self::Netlist(error),
+            Ppa::Tool { ref program, .. } => Self::Program {
+                program: program.clone(),
+                problem: error.to_string(),
+                expected: "it to do its work".to_string(),
+            },
+            other => Self::Program {
+                program: "yosys".to_string(),
+                problem: other.to_string(),
+                expected: "it to do its work".to_string(),
+            },
+        }
+    }
+}

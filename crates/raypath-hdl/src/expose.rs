@@ -1,0 +1,119 @@
+//! A module's function without its state: for proofs that take registers as given.
+
+use crate::netlist::{Driver, Instance, Item, Module, Port, Signal, SignalId};
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// `module` with every register, in it and inside its instances, opened. The register `x_q` becomes an input port `x_q`;
+/// output ports `next_x_q`, `reset_x_q` and `has_reset_x_q` say what it takes at the next edge (its own value where it is
+/// not enabled), and to what, if anything, a reset sets it. For a register in an instance `u_y`, the port's names begin
+/// with `y_`. A name that is taken gets a number. Two modules whose registers and ports have the same names do the same
+/// in every cycle if they are the same after this.
+pub fn expose_registers(module: &Arc<Module>) -> Arc<Module> {
+    Exposed::default().expose(module)
+}
+
+/// Modules that are done, so that instances of one module go on sharing it.
+#[derive(Default)]
+struct Exposed(HashMap<*const Module, Arc<Module>>);
+
+impl Exposed {
+    fn expose(&mut self, module: &Arc<Module>) -> Arc<Module> {
+        if let Some(done) = self.0.get(&Arc::as_ptr(module)) {
+            return done.clone();
+        }
+        let mut open = Open { module: (**module).clone(), taken: names(module) };
+        open.registers();
+        for index in 0..open.module.instances.len() {
+            let inside = self.expose(&open.module.instances[index].module);
+            open.instance(index, inside);
+        }
+        let result = Arc::new(open.module);
+        self.0.insert(Arc::as_ptr(module), result.clone());
+        result
+    }
+}
+
+/// A module that is being opened.
+struct Open {
+    module: Module,
+    taken: HashSet<String>,
+}
+
+impl Open {
+    fn registers(&mut self) {
+        self.module.items.retain(|item| !matches!(item, Item::Register(_)));
+        for register in std::mem::take(&mut self.module.registers) {
+            let held = register.signal;
+            let Signal { name, width, .. } = self.module.signal(held).clone();
+            let name = name.unwrap_or_else(|| format!("register_{}", held.0));
+            let next = match register.enable {
+                Some(select) => self.add(width, Driver::Mux { select, if_true: register.next, if_false: held }),
+                None => register.next,
+            };
+            // A port shows a signal of its own.
+            let next = self.add(width, Driver::Alias(next));
+            let reset = self.add(width, Driver::Constant(register.reset.unwrap_or(0)));
+            let has_reset = self.add(1, Driver::Constant(register.reset.is_some().into()));
+            self.module.signals[held.index()].driver = Driver::Input;
+            self.module.inputs.push(Port { name: name.clone(), signal: held });
+            for (prefix, signal) in [("next", next), ("reset", reset), ("has_reset", has_reset)] {
+                let name = self.fresh(format!("{prefix}_{name}"));
+                self.module.outputs.push(Port { name, signal });
+            }
+        }
+    }
+
+    /// Puts the opened module in place of the instance's, and leads its new ports out.
+    fn instance(&mut self, index: usize, inside: Arc<Module>) {
+        let Instance { inputs, outputs, .. } = &self.module.instances[index];
+        let (inputs, outputs) = (inputs.len(), outputs.len());
+        let stem = self.module.instances[index].stem().to_string();
+        for port in &inside.inputs[inputs..] {
+            let name = self.fresh(format!("{stem}_{}", port.name));
+            let signal = self.add(inside.signal(port.signal).width, Driver::Input);
+            self.module.signals[signal.index()].name = Some(name.clone());
+            self.module.inputs.push(Port { name, signal });
+            self.module.instances[index].inputs.push(signal);
+        }
+        for (output, port) in inside.outputs.iter().enumerate().skip(outputs) {
+            let name = self.fresh(format!("{stem}_{}", port.name));
+            let wire = self.fresh(format!("{name}_inside"));
+            let signal = self.add(inside.signal(port.signal).width, Driver::Instance { instance: index, output });
+            self.module.signals[signal.index()].name = Some(wire);
+            self.module.outputs.push(Port { name, signal });
+            self.module.instances[index].outputs.push(signal);
+        }
+        self.module.instances[index].module = inside;
+    }
+
+    fn add(&mut self, width: u32, driver: Driver) -> SignalId {
+        let id = SignalId(self.module.signals.len() as u32);
+        self.module.signals.push(Signal { name: None, width, driver, comment: None });
+        id
+    }
+
+    fn fresh(&mut self, name: String) -> String {
+        let numbered = (2..).map(|number| format!("{name}_{number}"));
+        let free = std::iter::once(name.clone()).chain(numbered).find(|name| !self.taken.contains(name));
+        let free = free.unwrap_or(name);
+        self.taken.insert(free.clone());
+        free
+    }
+}
+
+/// Every name that the module uses.
+fn names(module: &Module) -> HashSet<String> {
+    let signals = module.signals.iter().filter_map(|signal| signal.name.clone());
+    let ports = module.inputs.iter().chain(&module.outputs).map(|port| port.name.clone());
+    let instances = module.instances.iter().map(|instance| instance.name.clone());
+    let unused = module.items.iter().filter_map(|item| match item {
+        Item::Unused(name, _) => Some(name.clone()),
+        _ => None,
+    });
+    let labels = module.signals.iter().flat_map(|signal| match &signal.driver {
+        Driver::Case { arms, .. } => arms.iter().map(|arm| arm.label.name.clone()).collect(),
+        _ => Vec::new(),
+    });
+    signals.chain(ports).chain(instances).chain(unused).chain(labels).collect()
+}

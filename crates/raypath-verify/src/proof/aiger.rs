@@ -1,0 +1,80 @@
+//! What Yosys has written: an and-inverter graph, and which of its inputs is which bit.
+
+use super::{Problem, file};
+use crate::Error;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+/// A graph in a file, checked against its problem.
+pub struct Aiger {
+    /// The problem's name.
+    pub problem: String,
+    /// The file in its folder.
+    pub file: String,
+    /// And-gates.
+    pub gates: u64,
+    /// The port and bit that each input is.
+    inputs: Vec<(String, u32)>,
+}
+
+impl Aiger {
+    /// Reads what belongs to problem `number`: it must have the problem's inputs, one output and no state.
+    pub fn read(folder: &Path, number: usize, problem: &Problem) -> Result<Self, Error> {
+        let path = folder.join(format!("{number}.aig"));
+        let bytes = fs::read(&path).map_err(|error| file(&path, error))?;
+        let header = bytes.split(|&byte| byte == b'\n').next().unwrap_or_default();
+        let header = String::from_utf8_lossy(header).into_owned();
+        // "aig", then numbers: variables, inputs, latches, outputs, and-gates.
+        let numbers: Vec<u64> = header.split(' ').skip(1).map_while(|word| word.parse().ok()).collect();
+        let path = folder.join(format!("{number}.map"));
+        let map = fs::read_to_string(&path).map_err(|error| file(&path, error))?;
+        let inputs = inputs(&map);
+        let mut found = inputs.clone();
+        found.sort();
+        let mut expected: Vec<(String, u32)> =
+            problem.inputs.iter().flat_map(|(name, width)| (0..*width).map(|bit| (name.clone(), bit))).collect();
+        expected.sort();
+        match numbers[..] {
+            [_, count, 0, 1, gates] if found == expected && count as usize == expected.len() => {
+                Ok(Self { problem: problem.name.clone(), file: format!("{number}.aig"), gates, inputs })
+            }
+            _ => Err(Error::Program {
+                program: "yosys".to_string(),
+                problem: format!("{}: made a circuit '{header}' with inputs {}", problem.name, ports(&found)),
+                expected: format!("one output, no latches and the inputs {}", ports(&expected)),
+            }),
+        }
+    }
+
+    /// Ports from a word of 0 and 1 for the inputs in order; nothing where it is too short.
+    pub fn ports(&self, word: &str) -> Option<BTreeMap<String, u64>> {
+        let mut values = BTreeMap::new();
+        let mut digits = word.chars();
+        for (port, bit) in &self.inputs {
+            let digit = digits.next()?.to_digit(2)?;
+            *values.entry(port.clone()).or_insert(0) |= u64::from(digit) << bit;
+        }
+        Some(values)
+    }
+}
+
+/// Lines are "input 3 1 a_i": the fourth input is bit 1 of `a_i`.
+fn inputs(map: &str) -> Vec<(String, u32)> {
+    let mut inputs = BTreeMap::new();
+    for line in map.lines() {
+        if let ["input", position, bit, name] = line.split(' ').collect::<Vec<_>>()[..]
+            && let (Ok(position), Ok(bit)) = (position.parse::<usize>(), bit.parse())
+        {
+            inputs.insert(position, (name.to_string(), bit));
+        }
+    }
+    inputs.into_values().collect()
+}
+
+fn ports(bits: &[(String, u32)]) -> String {
+    let mut widths: BTreeMap<&str, u32> = BTreeMap::new();
+    bits.iter().for_each(|(name, _)| *widths.entry(name).or_default() += 1);
+    let names: Vec<String> = widths.into_iter().map(|(name, width)| format!("{name} ({width})")).collect();
+    names.join(", ")
+}

@@ -1,0 +1,158 @@
+//! Modules against changed ones: what differs is told with values, what does not is proved.
+
+use raypath_hdl::{Builder, Module, Simulator, expose_registers};
+use raypath_verify::Error;
+use raypath_verify::equivalence::Equivalence;
+use raypath_verify::proof::Prover;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// What can be wrong with a counter, or merely written in another way.
+#[derive(Clone, Copy, PartialEq)]
+enum Change {
+    None,
+    Rewritten,
+    Step,
+    Enable,
+    ResetValue,
+    NoReset,
+    Rare,
+}
+
+fn counter(change: Change) -> Arc<Module> {
+    counter_named("counter", change)
+}
+
+/// Counts up by `step_i` while `en_i`.
+fn counter_named(name: &str, change: Change) -> Arc<Module> {
+    let m = Builder::new(name);
+    let (step, en) = (m.input("step_i", 16), m.input("en_i", 1));
+    let count = m.register("count_q", 16);
+    let count = match change {
+        Change::NoReset => count,
+        Change::ResetValue => count.reset_to(6),
+        _ => count.reset_to(7),
+    };
+    let next = match change {
+        // a + b is (a ^ b) + 2 (a & b).
+        Change::Rewritten => {
+            let both = m.concat(&[(step & count.wire()).lower(15), m.constant(1, 0)]);
+            (step ^ count.wire()) + both
+        }
+        Change::Step => step + count.wire() + m.constant(16, 1),
+        Change::Rare => step.is(0x1234).mux(step, step + count.wire()),
+        _ => step + count.wire(),
+    };
+    match change {
+        Change::Enable => count.next(next),
+        _ => count.next_when(en, next),
+    }
+    m.output("count_o", count.wire());
+    m.finish().unwrap()
+}
+
+/// Two counters in a row; the second is changed.
+fn row(change: Change) -> Arc<Module> {
+    let m = Builder::new("row");
+    let (step, en) = (m.input("step_i", 16), m.input("en_i", 1));
+    // A name that the opened second counter would take.
+    let second_count_q = (step ^ m.constant(16, 3)).named("second_count_q");
+    let first = m.instance("u_first", &first(), &[("step_i", step), ("en_i", en)])[0];
+    let second = m.instance("u_second", &counter_named("second", change), &[("step_i", first), ("en_i", en)])[0];
+    m.output("count_o", second ^ second_count_q);
+    m.finish().unwrap()
+}
+
+fn first() -> Arc<Module> {
+    let m = Builder::new("first");
+    let (step, en) = (m.input("step_i", 16), m.input("en_i", 1));
+    m.output("count_o", m.instance("u_count", &counter(Change::None), &[("step_i", step), ("en_i", en)])[0]);
+    m.finish().unwrap()
+}
+
+fn compare(pairs: &[(Arc<Module>, Arc<Module>)]) -> Result<Vec<Equivalence>, Error> {
+    let pairs: Vec<(&Arc<Module>, &Arc<Module>)> = pairs.iter().map(|(a, b)| (a, b)).collect();
+    Prover::find()?.equivalent(&pairs, Duration::from_secs(60), &AtomicBool::new(false))
+}
+
+#[test]
+fn another_way_to_write_it_is_no_difference() {
+    let pairs = [Change::None, Change::Rewritten].map(|change| (counter(Change::None), counter(change)));
+    assert_eq!(compare(&pairs).unwrap(), [Equivalence::Proved, Equivalence::Proved]);
+}
+
+#[test]
+fn every_change_is_found() {
+    let changes = [Change::Step, Change::Enable, Change::ResetValue, Change::NoReset, Change::Rare];
+    let found = compare(&changes.map(|change| (counter(Change::None), counter(change)))).unwrap();
+    for equivalence in &found {
+        let Equivalence::Different(values) = equivalence else { panic!("{equivalence:?}") };
+        let names: Vec<&str> = values.keys().map(String::as_str).collect();
+        assert_eq!(names, ["count_q", "en_i", "step_i"]);
+    }
+    let Equivalence::Different(values) = &found[4] else { unreachable!() };
+    assert_eq!((values["step_i"], values["en_i"]), (0x1234, 1));
+    let Equivalence::Different(values) = &found[1] else { unreachable!() };
+    assert_eq!(values["en_i"], 0);
+}
+
+#[test]
+fn registers_inside_instances_count() {
+    let changes = [Change::None, Change::Rewritten, Change::Step, Change::Rare];
+    let found = compare(&changes.map(|change| (row(Change::None), row(change)))).unwrap();
+    assert_eq!(found[..2], [Equivalence::Proved, Equivalence::Proved]);
+    for equivalence in &found[2..] {
+        let Equivalence::Different(values) = equivalence else { panic!("{equivalence:?}") };
+        let names: Vec<&str> = values.keys().map(String::as_str).collect();
+        assert_eq!(names, ["en_i", "first_count_count_q", "second_count_q_2", "step_i"]);
+    }
+}
+
+#[test]
+fn other_ports_or_registers_are_an_error() {
+    let m = Builder::new("counter");
+    m.output("count_o", m.input("step_i", 16) ^ m.input("en_i", 1).extend(16));
+    let error = compare(&[(counter(Change::None), m.finish().unwrap())]).unwrap_err().to_string();
+    assert!(error.contains("module counter") && error.contains("count_q"), "{error}");
+}
+
+/// The opened module, its registers kept outside, does what the module does.
+#[test]
+fn an_opened_module_steps_like_the_module() {
+    let module = row(Change::None);
+    let mut whole = Simulator::new(&module).unwrap();
+    let mut opened = Simulator::new(&expose_registers(&module)).unwrap();
+    let registers = ["first_count_count_q", "second_count_q_2"];
+    let mut state = [0; 2];
+    for cycle in 0..50_u64 {
+        for simulator in [&mut whole, &mut opened] {
+            let (step, en) = (simulator.input("step_i").unwrap(), simulator.input("en_i").unwrap());
+            simulator.set(step, cycle * 7919);
+            simulator.set(en, u64::from(cycle % 3 != 0));
+        }
+        for (name, value) in registers.iter().zip(state) {
+            let input = opened.input(name).unwrap();
+            opened.set(input, value);
+        }
+        if cycle == 0 {
+            // Both begin from a reset.
+            whole.set_reset(true);
+            whole.set_reset(false);
+            let resets = ["first_count_reset_count_q", "second_reset_count_q"];
+            opened.settle();
+            state = resets.map(|name| opened.get(opened.output(name).unwrap()));
+            assert_eq!(state, [7, 7]);
+            for (name, value) in registers.iter().zip(state) {
+                let input = opened.input(name).unwrap();
+                opened.set(input, value);
+            }
+        }
+        whole.cycle();
+        opened.settle();
+        assert_eq!(whole.get(whole.output("count_o").unwrap()), opened.get(opened.output("count_o").unwrap()));
+        state =
+            ["first_count_next_count_q", "second_next_count_q"].map(|name| opened.get(opened.output(name).unwrap()));
+    }
+    assert_ne!(state, [7, 7]);
+}
