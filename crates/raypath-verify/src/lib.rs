@@ -4,8 +4,8 @@
 //! Whatever is verified takes a [`Request`] and gives a [`Verdict`].
 
 mod chain;
-pub mod operands;
 pub mod equivalence;
+pub mod operands;
 pub mod proof;
 mod request;
 mod verdict;

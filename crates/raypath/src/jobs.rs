@@ -8,8 +8,9 @@ use raypath_ops::{Aabb, Job, JobKind, PortKind, Ray, RayBoxInput, RayTriangleInp
 use std::collections::HashMap;
 
 /// An endless stream of jobs of these kinds for a model whose numbers have this format, reproducible by `seed`: of rays,
-/// three in four are from a scene, rounded into the format; other jobs have numbers from its edges (zeros, subnormals,
-/// infinities, NaN, raw bits) among ordinary ones. `kinds` must not be empty.
+/// three in four are from a scene, of any size, rounded into the format, some with a number or two from its edges; other
+/// jobs have numbers from its edges (zeros, subnormals, infinities, NaN, raw bits) among ordinary ones. `kinds` must not
+/// be empty.
 pub fn random<M: Model>(
     model: &M,
     format: Format,
@@ -73,33 +74,43 @@ impl<M: Model> Generator<M> {
         }
     }
 
-    /// A ray aimed at one of the boxes, or at a place in or near the triangle.
+    /// A ray aimed at one of the boxes, or at a place in or near the triangle; some scenes are very small or very large.
     fn scene(&mut self, kind: JobKind) -> Job {
-        let (origin, a, b, c) = (self.point(4.0), self.point(1.0), self.point(1.0), self.point(1.0));
+        let size = if self.rng.random_bool(0.2) { self.rng.random_range(-70.0f32..60.0).round().exp2() } else { 1.0 };
+        let (origin, a, b, c) = (self.point(4.0 * size), self.point(size), self.point(size), self.point(size));
         let [u, v, w]: [f32; 3] = std::array::from_fn(|_| self.rng.random_range(-0.1..1.0));
         let target: [f32; 3] = std::array::from_fn(|i| (u * a[i] + v * b[i] + w * c[i]) / (u + v + w));
         let direction = std::array::from_fn(|i| target[i] - origin[i]);
-        let extent = if self.rng.random_bool(0.8) { f32::INFINITY } else { self.rng.random_range(0.0..2.0) };
+        let extent = if self.rng.random_bool(0.8) { f32::INFINITY } else { self.rng.random_range(0.0..2.0) * size };
         // Only a direction of zero or a division by zero above is refused; any other scene will do instead.
         let Ok(ray) = Ray::new(origin, direction, extent) else { return self.scene(kind) };
         if kind == JobKind::Triangle {
             return Job::Triangle(RayTriangleInput { ray, triangle: Triangle::new(a, b, c) });
         }
         let aabb = std::array::from_fn(|_| {
-            let (centre, half) = (self.point(1.0), self.point(0.5).map(f32::abs));
+            let (centre, half) = (self.point(size), self.point(0.5 * size).map(f32::abs));
             Aabb::new(std::array::from_fn(|i| centre[i] - half[i]), std::array::from_fn(|i| centre[i] + half[i]))
         });
         Job::Quadbox(RayBoxInput { ray, aabb })
     }
 
     /// A job in binary32 as one of the model's.
-    fn rounded(&self, job: &Job) -> M::Job {
+    fn rounded(&mut self, job: &Job) -> M::Job {
         let value = |kind, bits: u64| match kind {
             PortKind::Number => self.number(f32::from_bits(bits as u32)),
             PortKind::Flags | PortKind::Word => bits,
         };
-        let ports: HashMap<String, u64> =
-            job.ports().into_iter().map(|port| (port.name, value(port.kind, port.bits))).collect();
+        let mut ports = job.ports();
+        ports.iter_mut().for_each(|port| port.bits = value(port.kind, port.bits));
+        if self.rng.random_bool(0.25) {
+            for _ in 0..self.rng.random_range(1..=2) {
+                let place = self.rng.random_range(0..ports.len());
+                if ports[place].kind == PortKind::Number {
+                    ports[place].bits = self.edges[self.rng.random_range(0..self.edges.len())];
+                }
+            }
+        }
+        let ports: HashMap<String, u64> = ports.into_iter().map(|port| (port.name, port.bits)).collect();
         self.model.job(job.kind(), |name| ports.get(name).copied().unwrap_or(0))
     }
 

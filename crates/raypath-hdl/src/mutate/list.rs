@@ -155,12 +155,16 @@ impl Changes<'_> {
                 (exchanged[index].value, exchanged[index + 1].value) = (next.value, arms[index].value);
                 self.becomes(driver, with(exchanged, *default), "an arm exchanged with the next");
             }
-            let rest = [&arms[..index], &arms[index + 1..]].concat();
-            self.becomes(driver, with(rest, *default), "an arm left out");
+            if arms[index].value != *default {
+                let rest = [&arms[..index], &arms[index + 1..]].concat();
+                self.becomes(driver, with(rest, *default), "an arm left out");
+            }
         }
         // Where every selector has its arm, nothing is taken by default.
         let labels = arms.len() as u128;
-        if let Some(first) = arms.first().filter(|_| labels < 1 << self.module.signal(*selector).width) {
+        if let Some(first) =
+            arms.first().filter(|first| first.value != *default && labels < 1 << self.module.signal(*selector).width)
+        {
             self.becomes(driver, with(arms.clone(), first.value), "the first arm taken by default");
         }
     }

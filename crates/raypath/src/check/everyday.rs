@@ -48,7 +48,7 @@ impl Everyday {
 
     /// Random and edge jobs under random handshakes.
     fn answers_like_the_models<M: Model>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
-        const JOBS: usize = 3000;
+        const JOBS: usize = 6000;
         let kinds = self.config.kinds();
         let jobs = self.jobs(model, kinds).take(JOBS);
         let found = lockstep(netlist, model.clone(), jobs, &mut Traffic::random(self.seed), |_| true);

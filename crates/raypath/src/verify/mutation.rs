@@ -1,11 +1,13 @@
 //! Mutation: whether the everyday tests notice a fault in the netlist.
 
+mod logic;
+mod passes;
 mod report;
 mod sample;
 mod trial;
 mod units;
 
-use crate::verify::{Error, Request, Verdict};
+use crate::verify::{Error, Level, Request, Verdict};
 use raypath_hdl::mutate::{Fault, replace};
 use raypath_rtl::{Config, Control, Lanes, UnitLatency};
 use report::Report;
@@ -28,14 +30,17 @@ const CONFIGS: [Config; 4] = [
 /// Where the fate of each mutant is written.
 const LIST: &str = "build/verify/mutants.txt";
 
+/// Bytes of a thread's stack: proofs descend from the outputs to the inputs.
+const STACK: usize = 64 << 20;
+
 /// What became of a mutant.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Fate {
     /// A check failed.
     Killed(&'static str),
-    /// No check did, and rightly: a proof says that the fault changes nothing.
-    Equivalent,
-    /// No check did.
+    /// No check did, and rightly: this proof says that the fault changes nothing.
+    Equivalent(&'static str),
+    /// No check did, and this is what a proof came to.
     Survived(&'static str),
 }
 
@@ -47,7 +52,8 @@ pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let count = request.jobs.unwrap_or(request.level.pick(60, 2400, 10_000)) as usize;
     let subjects = subjects(&CONFIGS)?;
     let mutants = choose(&subjects, count, request.seed);
-    let report = judge(&subjects, &mutants, request, &|trial| trial.run())?;
+    let proves_modules = request.level > Level::Everyday;
+    let report = judge(&subjects, &mutants, request, &|trial| trial.run(proves_modules))?;
     report.write(Path::new(LIST))?;
     Ok(report.verdict())
 }
@@ -75,15 +81,22 @@ fn judge<'s>(
     std::thread::scope(|scope| {
         for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
             let (send, next, stop, mine) = (send.clone(), &next, &stop, &mine);
-            scope.spawn(move || {
-                while let Some(mutant) =
-                    mine.get(next.fetch_add(1, Ordering::Relaxed)).filter(|_| !stop.load(Ordering::Relaxed))
+            let work = move || {
+                while !stop.load(Ordering::Relaxed)
+                    && let Some(mutant) = mine.get(next.fetch_add(1, Ordering::Relaxed))
                 {
-                    if send.send(trial(mutant).and_then(|trial| judge(&trial)).map(|fate| (*mutant, fate))).is_err() {
+                    let fate = trial(mutant).and_then(|trial| judge(&trial));
+                    if send.send(fate.map(|fate| (*mutant, fate))).is_err() {
                         return;
                     }
                 }
-            });
+            };
+            let worker = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);
+            worker.map_err(|problem| Error::Program {
+                program: "raypath".to_string(),
+                problem: format!("no thread: {problem}"),
+                expected: "a system that gives threads".to_string(),
+            })?;
         }
         drop(send);
         let found = loop {

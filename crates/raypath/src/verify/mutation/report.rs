@@ -68,7 +68,7 @@ impl<'s> Report<'s> {
         judged.fold(Count::default(), |count, judged| Count {
             faults: count.faults + 1,
             killed: count.killed + usize::from(matches!(judged.fate, Fate::Killed(_))),
-            equivalent: count.equivalent + usize::from(judged.fate == Fate::Equivalent),
+            equivalent: count.equivalent + usize::from(matches!(judged.fate, Fate::Equivalent(_))),
         })
     }
 
@@ -114,7 +114,7 @@ impl<'s> Report<'s> {
 
     fn survivors(&self) -> impl Iterator<Item = String> {
         self.judged.iter().filter_map(|judged| match judged.fate {
-            Fate::Survived(why) => Some(format!("survivor: {} ({}){why}", judged.fault, judged.config)),
+            Fate::Survived(why) => Some(format!("survivor: {} ({}); {why}", judged.fault, judged.config)),
             _ => None,
         })
     }
@@ -145,8 +145,8 @@ impl<'s> Report<'s> {
         for judged in &self.judged {
             let fate = match &judged.fate {
                 Fate::Killed(check) => format!("killed by {check}"),
-                Fate::Equivalent => "equivalent".to_string(),
-                Fate::Survived(why) => format!("survived{why}"),
+                Fate::Equivalent(proof) => format!("equivalent, {proof}"),
+                Fate::Survived(why) => format!("survived, {why}"),
             };
             let _ = writeln!(text, "{fate:32} {} ({})", judged.fault, judged.config);
         }

@@ -63,7 +63,47 @@ fn the_checks_kill_what_is_plainly_wrong() {
     ] {
         let subject = subjects.iter().find(|subject| subject.module.name().starts_with(module)).expect("a module");
         let fault = subject.faults.iter().find(|found| found.to_string().contains(fault)).expect("a fault");
-        let fate = trial(&Mutant { subject, fault }).and_then(|trial| trial.run()).expect("a fate");
+        let fate = trial(&Mutant { subject, fault }).and_then(|trial| trial.run(false)).expect("a fate");
         assert!(matches!(fate, Fate::Killed(_)), "{fault}: {fate:?}");
+    }
+}
+
+/// A proof that says too much would hide what tests should kill.
+#[test]
+fn what_is_proven_alike_survives_every_check() {
+    let config = Config { lanes: Lanes::None, ..Config::DEFAULT };
+    let subjects = subjects(&[config, Config { control: Control::Credit, ..config }]).expect("modules");
+    let mut proven = 0;
+    for mutant in &choose(&subjects, 300, 2) {
+        let trial = trial(mutant).expect("a mutant");
+        if proven < 12 && passes::passes_alike(&trial) {
+            proven += 1;
+            let fate = trial.run(false).expect("a fate");
+            assert!(matches!(fate, Fate::Equivalent(_)), "{}: {fate:?}", mutant.fault);
+        }
+    }
+    assert!(proven >= 5, "{proven}");
+}
+
+/// Faults that jobs can see, by what they change.
+#[test]
+fn what_is_not_alike_is_not_proven() {
+    let config = Config { lanes: Lanes::Two, ..Config::DEFAULT };
+    let subjects = subjects(&[config]).expect("modules");
+    for (module, fault) in [
+        ("raypath", "u_stage_3.num_0_i: replaced by zero"),
+        ("raypath", "u_stage_3.opcode_i: replaced by zero"),
+        ("raypath_input", "num_0_spare_q: never loads"),
+        ("raypath_input", "num_0_q: loads in every cycle"),
+        ("raypath_stage_4", "num_0_spare_q: never loads"),
+        ("raypath_stage_9", "u_add_0.a_i: replaced by zero"),
+        ("raypath_stage_10", "euclidean_advances: And becomes Or"),
+        ("raypath_output", "Constant"),
+    ] {
+        let subject = subjects.iter().find(|subject| subject.module.name() == module).expect("a module");
+        let all: Vec<String> = subject.faults.iter().map(|fault| fault.to_string()).collect();
+        let place = all.iter().position(|found| found.contains(fault)).unwrap_or_else(|| panic!("{fault}: {all:#?}"));
+        let trial = trial(&Mutant { subject, fault: &subject.faults[place] }).expect("a mutant");
+        assert!(!passes::passes_alike(&trial), "{}", all[place]);
     }
 }

@@ -1,6 +1,7 @@
 //! One mutant before the checks of the everyday tests.
 
 use super::Fate;
+use super::passes::passes_alike;
 use super::sample::{Elaborated, Subject};
 use crate::check::{Everyday, Failed};
 use crate::engine::NetlistEngine;
@@ -8,6 +9,7 @@ use crate::models::{Visitor, with_model};
 use crate::verify::Error;
 use raypath_hdl::Module;
 use raypath_model::Model;
+use raypath_verify::equivalence::{Equivalence, equivalent};
 use std::sync::Arc;
 
 /// A mutant.
@@ -20,8 +22,9 @@ pub struct Trial<'s> {
 }
 
 impl Trial<'_> {
-    /// The cheapest check first, until one fails.
-    pub fn run(&self) -> Result<Fate, Error> {
+    /// The cheapest check first, until one fails; then proofs. Stages are compared as modules only where `proves_modules`
+    /// holds, because that takes many seconds.
+    pub fn run(&self, proves_modules: bool) -> Result<Fate, Error> {
         if let Some(unit) = &self.subject.unit
             && let Some(check) = unit.check(&self.module)?
         {
@@ -30,7 +33,30 @@ impl Trial<'_> {
         let Elaborated { config, .. } = *self.subject.datapath;
         match with_model(config, Whole { datapath: &self.subject.datapath, top: &self.top })? {
             Err(failed) => Ok(Fate::Killed(failed.check)),
-            Ok(()) => Ok(Fate::Survived("")),
+            Ok(()) => self.proof(proves_modules),
+        }
+    }
+
+    /// What a survivor is.
+    fn proof(&self, proves_modules: bool) -> Result<Fate, Error> {
+        let original = &self.subject.module;
+        if passes_alike(self) {
+            return Ok(Fate::Equivalent("alike to every job"));
+        }
+        let is_small = self.subject.unit.is_some() || original.instances().is_empty();
+        if !is_small && !proves_modules {
+            return Ok(Fate::Survived("not alike to every job"));
+        }
+        // The top's modules are compared where the top is not the module: its proof would take minutes.
+        if original.name() == self.subject.datapath.top.name() {
+            return Ok(Fate::Survived("not alike to every job"));
+        }
+        match equivalent(original, &self.module) {
+            Ok(Equivalence::Proved) => Ok(Fate::Equivalent("alike as modules")),
+            Ok(Equivalence::Different(_)) => Ok(Fate::Survived("different as modules")),
+            Ok(Equivalence::Undecided(_)) => Ok(Fate::Survived("undecided as modules")),
+            Err(Error::Program { .. }) => Ok(Fate::Survived("not compared as modules: a program is missing or fails")),
+            Err(other) => Err(other),
         }
     }
 }
