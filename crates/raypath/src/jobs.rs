@@ -8,7 +8,8 @@ use raypath_ops::{Aabb, Job, JobKind, PortKind, Ray, RayBoxInput, RayTriangleInp
 use std::collections::HashMap;
 
 /// An endless stream of jobs of these kinds for a model whose numbers have this format, reproducible by `seed`: of rays,
-/// three in four are from a scene, of any size, rounded into the format, some with a number or two from its edges; other
+/// three in four are from a scene, of any size, now and then on a grid, rounded into the format, some with a number or two
+/// from its edges; other
 /// jobs have numbers from its edges (zeros, subnormals, infinities, NaN, raw bits) among ordinary ones. `kinds` must not
 /// be empty.
 pub fn random<M: Model>(
@@ -75,11 +76,16 @@ impl<M: Model> Generator<M> {
     }
 
     /// A ray aimed at one of the boxes, or at a place in or near the triangle; some scenes are very small or very large.
+    /// On a grid rays run along axes, in faces and through corners: zeros of both signs, ties, zero times infinity.
     fn scene(&mut self, kind: JobKind) -> Job {
         let size = if self.rng.random_bool(0.2) { self.rng.random_range(-70.0f32..60.0).round().exp2() } else { 1.0 };
-        let (origin, a, b, c) = (self.point(4.0 * size), self.point(size), self.point(size), self.point(size));
+        let grid = self.rng.random_bool(0.25).then_some(0.5 * size);
+        let snap = |point: [f32; 3]| point.map(|x| grid.map_or(x, |grid| (x / grid).round() * grid));
+        let reach = if grid.is_some() { size } else { 4.0 * size };
+        let [origin, a, b, c] = [reach, size, size, size].map(|reach| snap(self.point(reach)));
         let [u, v, w]: [f32; 3] = std::array::from_fn(|_| self.rng.random_range(-0.1..1.0));
         let target: [f32; 3] = std::array::from_fn(|i| (u * a[i] + v * b[i] + w * c[i]) / (u + v + w));
+        let target = if grid.is_some() { a } else { target };
         let direction = std::array::from_fn(|i| target[i] - origin[i]);
         let extent = if self.rng.random_bool(0.8) { f32::INFINITY } else { self.rng.random_range(0.0..2.0) * size };
         // Only a direction of zero or a division by zero above is refused; any other scene will do instead.
@@ -88,7 +94,7 @@ impl<M: Model> Generator<M> {
             return Job::Triangle(RayTriangleInput { ray, triangle: Triangle::new(a, b, c) });
         }
         let aabb = std::array::from_fn(|_| {
-            let (centre, half) = (self.point(size), self.point(0.5 * size).map(f32::abs));
+            let (centre, half) = (snap(self.point(size)), snap(self.point(0.5 * size)).map(f32::abs));
             Aabb::new(std::array::from_fn(|i| centre[i] - half[i]), std::array::from_fn(|i| centre[i] + half[i]))
         });
         Job::Quadbox(RayBoxInput { ray, aabb })
@@ -102,6 +108,12 @@ impl<M: Model> Generator<M> {
         };
         let mut ports = job.ports();
         ports.iter_mut().for_each(|port| port.bits = value(port.kind, port.bits));
+        // The extent meets every box.
+        for port in ports.iter_mut().filter(|port| port.name == "ray_extent") {
+            if self.rng.random_bool(0.05) {
+                port.bits = self.format.nan();
+            }
+        }
         if self.rng.random_bool(0.25) {
             for _ in 0..self.rng.random_range(1..=2) {
                 let place = self.rng.random_range(0..ports.len());

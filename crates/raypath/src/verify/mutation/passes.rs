@@ -3,10 +3,11 @@
 //! Many values of a stage matter to nobody: what an operation leaves in registers that only other operations read, what
 //! it gives to units that it does not use. No comparison of two stages can tell; the stages behind must be asked. So for
 //! each opcode a job goes through the datapath as a function of arbitrary inputs and state: the control passes it on,
-//! registers show what they load, units are functions that nothing is known of. In the stage with the fault it takes
-//! every way that there is: straight through, or by way of the spare register or each place of the FIFO. Outputs and
-//! next states must come out the same as without the fault. And in the stage itself, whatever its registers hold, all
-//! that control sees must be the same: enables, resets, handshakes.
+//! registers show what they have loaded, units are functions that nothing is known of. In the stage with the fault it
+//! takes every way that there is: straight through, or by way of the spare register or each place of the FIFO, and then
+//! something arbitrary stands before the stage when it leaves. Outputs and next states must come out the same as without
+//! the fault. And in the stage itself, whatever its registers hold, all that control sees must be the same: enables,
+//! resets, handshakes.
 
 use super::logic::{FALSE, Logic, TRUE, Word};
 use super::trial::Trial;
@@ -47,6 +48,17 @@ enum Way {
     Spare,
     /// By way of this place of the exit's FIFO.
     Place(u32),
+}
+
+/// When a stage is looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Time {
+    /// The job is in the registers before; those of the stage hold anything.
+    Arriving,
+    /// The job is in a register behind the one that it leaves by; anything is before the stage.
+    Leaving,
+    /// The job is in the registers that the next stage sees.
+    After,
 }
 
 fn ways(module: &Module) -> Vec<Way> {
@@ -92,7 +104,8 @@ struct Scope {
     /// The scope and the instance that it is inside of.
     parent: Option<(usize, usize)>,
     children: Vec<Option<usize>>,
-    words: Vec<Option<Word>>,
+    /// By time.
+    words: [Vec<Option<Word>>; 3],
 }
 
 impl<'v> View<'v> {
@@ -105,7 +118,7 @@ impl<'v> View<'v> {
     /// Adds a module, and what is inside of it where jobs pass through.
     fn add(&mut self, module: &Arc<Module>, path: String, parent: Option<(usize, usize)>) -> usize {
         let scope = self.scopes.len();
-        let words = vec![None; module.signals().len()];
+        let words = [(); 3].map(|()| vec![None; module.signals().len()]);
         self.scopes.push(Scope { module: module.clone(), path, parent, children: Vec::new(), words });
         for (number, instance) in module.instances().iter().enumerate() {
             let path = format!("{}{}.", self.scopes[scope].path, instance.name);
@@ -121,21 +134,21 @@ impl<'v> View<'v> {
         let module = self.scopes[0].module.clone();
         let mut seen = Vec::new();
         for register in module.registers() {
-            seen.extend(register.enable.map(|enable| self.word(logic, 0, enable)));
-            seen.extend(register.reset.map(|_| self.next(logic, 0, register)));
+            seen.extend(register.enable.map(|enable| self.word(logic, 0, Time::Arriving, enable)));
+            seen.extend(register.reset.map(|_| self.next(logic, 0, Time::Arriving, register)));
             seen.extend(register.reset.map(|reset| logic.constant(64, reset)));
         }
         for port in module.outputs().iter().filter(|port| is_handshake(&port.name)) {
             // The opcode is data, too: with the job it is compared there.
             if port.name != "opcode_o" {
-                seen.push(self.word(logic, 0, port.signal));
+                seen.push(self.word(logic, 0, Time::Arriving, port.signal));
             }
         }
         for instance in module.instances().iter().filter(|instance| !is_unit(&instance.module)) {
             let ports = instance.module.inputs().iter().zip(&instance.inputs);
             for (port, &id) in ports {
                 if is_control(&instance.module) || is_handshake(&port.name) {
-                    seen.push(self.word(logic, 0, id));
+                    seen.push(self.word(logic, 0, Time::Arriving, id));
                 }
             }
         }
@@ -149,100 +162,93 @@ impl<'v> View<'v> {
             let module = self.scopes[scope].module.clone();
             let is_faulty = module.name() == self.faulty;
             for port in module.outputs().iter().filter(|port| scope == 0 || is_faulty && port.name == "opcode_o") {
-                seen.push(self.word(logic, scope, port.signal));
+                let time = if module.is_clocked() && scope != 0 { Time::After } else { Time::Arriving };
+                seen.push(self.word(logic, scope, time, port.signal));
             }
             for register in module.registers().iter().filter(|register| register.reset.is_some()) {
-                seen.push(self.next(logic, scope, register));
+                seen.push(self.next(logic, scope, Time::Arriving, register));
             }
         }
         seen
     }
 
     /// What a register holds after the edge.
-    fn next(&mut self, logic: &mut Logic, scope: usize, register: &raypath_hdl::RegisterInfo) -> Word {
-        let next = self.word(logic, scope, register.next);
+    fn next(&mut self, logic: &mut Logic, scope: usize, time: Time, register: &raypath_hdl::RegisterInfo) -> Word {
+        let next = self.word(logic, scope, time, register.next);
         let Some(enable) = register.enable else { return next };
-        let (enable, held) = (self.word(logic, scope, enable), self.word(logic, scope, register.signal));
+        let (enable, held) = (self.word(logic, scope, time, enable), self.word(logic, scope, time, register.signal));
         logic.choose(enable[0], &next, &held)
     }
 
-    fn word(&mut self, logic: &mut Logic, scope: usize, id: SignalId) -> Word {
-        if let Some(word) = &self.scopes[scope].words[id.index()] {
+    fn word(&mut self, logic: &mut Logic, scope: usize, time: Time, id: SignalId) -> Word {
+        if let Some(word) = &self.scopes[scope].words[time as usize][id.index()] {
             return word.clone();
         }
         let module = self.scopes[scope].module.clone();
-        let word = self.driven(logic, scope, &module, id);
-        self.scopes[scope].words[id.index()] = Some(word.clone());
+        let word = self.driven(logic, scope, time, &module, id);
+        self.scopes[scope].words[time as usize][id.index()] = Some(word.clone());
         word
     }
 
-    fn driven(&mut self, logic: &mut Logic, scope: usize, module: &Module, id: SignalId) -> Word {
+    fn driven(&mut self, logic: &mut Logic, scope: usize, time: Time, module: &Module, id: SignalId) -> Word {
         let signal = module.signal(id);
         let width = signal.width;
         let operator = |name: &str| format!("{name} {width}");
         match &signal.driver {
-            Driver::Input => self.input(logic, scope, module, id),
-            Driver::Register(register) => {
-                let info = &module.registers()[*register];
-                match (self.way, info.reset) {
-                    (Some(_), None) => self.word(logic, scope, info.next),
-                    _ => {
-                        let name = signal.name.as_deref().unwrap_or_default();
-                        logic.function(format!("register {}{name}", self.scopes[scope].path), vec![], width)
-                    }
-                }
-            }
-            Driver::Instance { instance, output } => self.output(logic, scope, module, *instance, *output),
+            Driver::Input => self.input(logic, scope, time, module, id),
+            Driver::Register(register) => self.register(logic, scope, time, module, *register),
+            Driver::Instance { instance, output } => self.output(logic, scope, time, module, *instance, *output),
             Driver::Constant(value) => logic.constant(width, *value),
-            Driver::Alias(a) => self.word(logic, scope, *a),
-            Driver::Not(a) => self.word(logic, scope, *a).iter().map(|bit| bit ^ 1).collect(),
-            Driver::And(a, b) => self.bitwise(logic, scope, [*a, *b], Logic::and),
-            Driver::Or(a, b) => self.bitwise(logic, scope, [*a, *b], Logic::or),
-            Driver::Xor(a, b) => self.bitwise(logic, scope, [*a, *b], Logic::xor),
+            Driver::Alias(a) => self.word(logic, scope, time, *a),
+            Driver::Not(a) => self.word(logic, scope, time, *a).iter().map(|bit| bit ^ 1).collect(),
+            Driver::And(a, b) => self.bitwise(logic, scope, time, [*a, *b], Logic::and),
+            Driver::Or(a, b) => self.bitwise(logic, scope, time, [*a, *b], Logic::or),
+            Driver::Xor(a, b) => self.bitwise(logic, scope, time, [*a, *b], Logic::xor),
             Driver::Equal(a, b) => {
-                let (a, b) = (self.word(logic, scope, *a), self.word(logic, scope, *b));
+                let (a, b) = (self.word(logic, scope, time, *a), self.word(logic, scope, time, *b));
                 vec![logic.equal(&a, &b)]
             }
             Driver::All(a) => {
-                let word = self.word(logic, scope, *a);
+                let word = self.word(logic, scope, time, *a);
                 vec![logic.all(&word)]
             }
             Driver::Any(a) => {
-                let inverted: Word = self.word(logic, scope, *a).iter().map(|bit| bit ^ 1).collect();
+                let inverted: Word = self.word(logic, scope, time, *a).iter().map(|bit| bit ^ 1).collect();
                 vec![logic.all(&inverted) ^ 1]
             }
             Driver::Mux { select, if_true, if_false } => {
-                let select = self.word(logic, scope, *select)[0];
+                let select = self.word(logic, scope, time, *select)[0];
                 // What a constant does not choose is not asked for: it may lead back to where we come from.
                 match select {
-                    TRUE => self.word(logic, scope, *if_true),
-                    FALSE => self.word(logic, scope, *if_false),
+                    TRUE => self.word(logic, scope, time, *if_true),
+                    FALSE => self.word(logic, scope, time, *if_false),
                     _ => {
-                        let (a, b) = (self.word(logic, scope, *if_true), self.word(logic, scope, *if_false));
+                        let (a, b) =
+                            (self.word(logic, scope, time, *if_true), self.word(logic, scope, time, *if_false));
                         logic.choose(select, &a, &b)
                     }
                 }
             }
             Driver::Case { selector, arms, default } => {
-                let selector = self.word(logic, scope, *selector);
-                let mut value = self.word(logic, scope, *default);
+                let selector = self.word(logic, scope, time, *selector);
+                let mut value = self.word(logic, scope, time, *default);
                 for arm in arms {
                     let label = logic.constant(selector.len() as u32, arm.label.value);
-                    let (is_it, arm) = (logic.equal(&selector, &label), self.word(logic, scope, arm.value));
+                    let (is_it, arm) = (logic.equal(&selector, &label), self.word(logic, scope, time, arm.value));
                     value = logic.choose(is_it, &arm, &value);
                 }
                 value
             }
-            Driver::Concat(parts) => parts.iter().rev().flat_map(|&part| self.word(logic, scope, part)).collect(),
+            Driver::Concat(parts) => parts.iter().rev().flat_map(|&part| self.word(logic, scope, time, part)).collect(),
             Driver::Slice { source, low } => {
-                self.word(logic, scope, *source)[*low as usize..(low + width) as usize].to_vec()
+                self.word(logic, scope, time, *source)[*low as usize..(low + width) as usize].to_vec()
             }
-            Driver::Add(a, b) => self.arithmetic(logic, scope, operator("add"), width, [*a, *b]),
-            Driver::Sub(a, b) => self.arithmetic(logic, scope, operator("sub"), width, [*a, *b]),
-            Driver::Mul(a, b) => self.arithmetic(logic, scope, operator("mul"), width, [*a, *b]),
-            Driver::Less(a, b) => self.arithmetic(logic, scope, operator("less"), width, [*a, *b]),
-            Driver::ShiftLeft(a, b) => self.arithmetic(logic, scope, operator("left"), width, [*a, *b]),
-            Driver::ShiftRight(a, b) => self.arithmetic(logic, scope, operator("right"), width, [*a, *b]),
+            Driver::Add(a, b) => self.arithmetic(logic, scope, time, operator("add"), width, [*a, *b]),
+            Driver::Sub(a, b) => self.arithmetic(logic, scope, time, operator("sub"), width, [*a, *b]),
+            Driver::Mul(a, b) => self.arithmetic(logic, scope, time, operator("mul"), width, [*a, *b]),
+            Driver::Less(a, b) => self.arithmetic(logic, scope, time, operator("less"), width, [*a, *b]),
+            Driver::ShiftLeft(a, b) => self.arithmetic(logic, scope, time, operator("left"), width, [*a, *b]),
+            Driver::ShiftRight(a, b) => self.arithmetic(logic, scope, time, operator("right"), width, [*a, *b]),
         }
     }
 
@@ -250,62 +256,112 @@ impl<'v> View<'v> {
         &mut self,
         logic: &mut Logic,
         scope: usize,
+        time: Time,
         [a, b]: [SignalId; 2],
         operator: fn(&mut Logic, u32, u32) -> u32,
     ) -> Word {
-        let (a, b) = (self.word(logic, scope, a), self.word(logic, scope, b));
+        let (a, b) = (self.word(logic, scope, time, a), self.word(logic, scope, time, b));
         logic.bitwise(&a, &b, operator)
     }
 
     /// The width of the first operand is part of the name, so that arguments cannot be divided otherwise.
-    fn arithmetic(&mut self, logic: &mut Logic, scope: usize, name: String, width: u32, ids: [SignalId; 2]) -> Word {
-        let words = ids.map(|id| self.word(logic, scope, id));
+    fn arithmetic(
+        &mut self,
+        logic: &mut Logic,
+        scope: usize,
+        time: Time,
+        name: String,
+        width: u32,
+        ids: [SignalId; 2],
+    ) -> Word {
+        let words = ids.map(|id| self.word(logic, scope, time, id));
         logic.function(format!("{name} {}", words[0].len()), words.concat(), width)
     }
 
-    fn input(&mut self, logic: &mut Logic, scope: usize, module: &Module, id: SignalId) -> Word {
+    fn register(&mut self, logic: &mut Logic, scope: usize, time: Time, module: &Module, register: usize) -> Word {
+        let info = &module.registers()[register];
+        let loads_at = match (time, self.way_through(module)) {
+            (Time::Arriving, _) => None,
+            (Time::Leaving, _) => Some(Time::Arriving),
+            (Time::After, Way::Straight) => Some(Time::Arriving),
+            (Time::After, Way::Spare | Way::Place(_)) => Some(Time::Leaving),
+        };
+        if let Some(before) = loads_at.filter(|_| info.reset.is_none()) {
+            let loads = info.enable.is_none_or(|enable| self.word(logic, scope, before, enable) == [TRUE]);
+            if loads {
+                return self.word(logic, scope, before, info.next);
+            }
+        }
+        // State is what it was when the job came, others hold something else than the job.
+        let time = if info.reset.is_some() { Time::Arriving } else { time };
+        let (signal, path) = (module.signal(info.signal), &self.scopes[scope].path);
+        let name = signal.name.as_deref().unwrap_or_default();
+        logic.function(format!("register {path}{name} {time:?}"), vec![], signal.width)
+    }
+
+    fn input(&mut self, logic: &mut Logic, scope: usize, time: Time, module: &Module, id: SignalId) -> Word {
         let width = module.signal(id).width;
         let position = module.inputs().iter().position(|port| port.signal == id);
         let Some((place, port)) = position.map(|place| (place, &module.inputs()[place])) else { return Word::new() };
-        match self.scopes[scope].parent {
-            Some((parent, instance)) => {
+        match (self.scopes[scope].parent, time) {
+            (Some((parent, instance)), Time::Arriving) => {
                 let outside = self.scopes[parent].module.instances()[instance].inputs[place];
-                self.word(logic, parent, outside)
+                self.word(logic, parent, Time::Arriving, outside)
             }
-            None if port.name == "opcode_i" => logic.constant(width, self.opcode),
-            None => logic.function(format!("input {}", port.name), vec![], width),
+            (None, Time::Arriving) if port.name == "opcode_i" => logic.constant(width, self.opcode),
+            _ => {
+                let path = &self.scopes[scope].path;
+                logic.function(format!("input {path}{} {time:?}", port.name), vec![], width)
+            }
         }
     }
 
-    fn output(&mut self, logic: &mut Logic, scope: usize, module: &Module, instance: usize, output: usize) -> Word {
+    fn way_through(&self, module: &Module) -> Way {
+        self.way.filter(|_| module.name() == self.faulty).unwrap_or(Way::Straight)
+    }
+
+    fn output(
+        &mut self,
+        logic: &mut Logic,
+        scope: usize,
+        time: Time,
+        module: &Module,
+        instance: usize,
+        output: usize,
+    ) -> Word {
         let info = &module.instances()[instance];
         let port = &info.module.outputs()[output];
         let width = info.module.signal(port.signal).width;
         if is_unit(&info.module) {
-            let arguments = info.inputs.iter().flat_map(|&id| self.word(logic, scope, id)).collect();
+            let arguments = info.inputs.iter().flat_map(|&id| self.word(logic, scope, time, id)).collect();
             return logic.function(format!("unit {}.{}", info.module.name(), port.name), arguments, width);
         }
         if let Some(child) = self.scopes[scope].children[instance] {
-            return self.word(logic, child, port.signal);
+            let time = if info.module.is_clocked() { Time::After } else { Time::Arriving };
+            return self.word(logic, child, time, port.signal);
         }
-        let way = self.way.map(|way| if module.name() == self.faulty { way } else { Way::Straight });
-        let passed = way.filter(|_| info.module.name() != "raypath_credit").and_then(|way| passed(&port.name, way));
-        match passed {
-            Some(value) => logic.constant(width, value & (u64::MAX >> (64 - width))),
-            None => logic.function(format!("{}{}.{}", self.scopes[scope].path, info.name, port.name), vec![], width),
+        let way = self.way.filter(|_| info.module.name() != "raypath_credit").map(|_| self.way_through(module));
+        match way.and_then(|way| passed(&port.name, way, time)) {
+            Some(value) => logic.constant(width, value),
+            None => {
+                let (path, name) = (&self.scopes[scope].path, &info.name);
+                logic.function(format!("{path}{name}.{} {time:?}", port.name), vec![], width)
+            }
         }
     }
 }
 
-/// What the control of a stage's registers shows while a job passes.
-fn passed(port: &str, way: Way) -> Option<u64> {
-    Some(match (port, way) {
-        ("arrives_o", way) => u64::from(way == Way::Straight),
-        ("from_store_o", way) => u64::from(way != Way::Straight),
-        ("read_o", Way::Place(place)) => 1 << place,
-        ("read_o", _) => return None,
-        ("store_o", _) => u64::MAX,
-        ("ready_o" | "valid_o" | "load_front_o", _) => 1,
-        _ => return None,
-    })
+/// What the control of a stage's registers shows while a job passes; `None` where that does not matter to the job.
+fn passed(port: &str, way: Way, time: Time) -> Option<u64> {
+    match (time, port, way) {
+        (Time::Arriving, "ready_o" | "arrives_o", _) => Some(1),
+        (Time::Arriving, "load_front_o", way) => Some((way == Way::Straight).into()),
+        (Time::Arriving, "from_store_o" | "store_o", Way::Straight) => Some(0),
+        (Time::Arriving, "store_o", Way::Place(place)) | (Time::Leaving, "read_o", Way::Place(place)) => {
+            Some(1 << place)
+        }
+        (Time::Leaving, "arrives_o", _) => Some(0),
+        (Time::Leaving, "load_front_o" | "from_store_o", _) | (Time::After, "valid_o", _) => Some(1),
+        _ => None,
+    }
 }
