@@ -8,8 +8,8 @@ use raypath_ops::{Aabb, Job, JobKind, PortKind, Ray, RayBoxInput, RayTriangleInp
 use std::collections::HashMap;
 
 /// An endless stream of jobs of these kinds for a model whose numbers have this format, reproducible by `seed`: of rays,
-/// three in four are from a scene, of any size, now and then on a grid, rounded into the format, some with a number or two
-/// from its edges; other
+/// three in four are from a scene, of any size, now and then on a grid, rounded into the format, half of them with a few
+/// numbers from its edges; other
 /// jobs have numbers from its edges (zeros, subnormals, infinities, NaN, raw bits) among ordinary ones. `kinds` must not
 /// be empty.
 pub fn random<M: Model>(
@@ -114,8 +114,9 @@ impl<M: Model> Generator<M> {
                 port.bits = self.format.nan();
             }
         }
-        if self.rng.random_bool(0.25) {
-            for _ in 0..self.rng.random_range(1..=2) {
+        // So that every unit meets each of them among ordinary numbers.
+        if self.rng.random_bool(0.5) {
+            for _ in 0..self.rng.random_range(1..=4) {
                 let place = self.rng.random_range(0..ports.len());
                 if ports[place].kind == PortKind::Number {
                     ports[place].bits = self.edges[self.rng.random_range(0..self.edges.len())];
@@ -128,7 +129,7 @@ impl<M: Model> Generator<M> {
 
     /// A job whose ports are drawn one by one; in one of three many of its numbers are at the edges.
     fn ports(&mut self, kind: JobKind) -> M::Job {
-        let edges = if self.rng.random_bool(0.33) { 0.5 } else { 0.01 };
+        let edges = [0.5, 0.05, 0.01][self.rng.random_range(0..3)];
         let model = self.model.clone();
         model.job(kind, |port| match port {
             "ray_kx" | "ray_ky" | "ray_kz" => self.rng.random_range(0..4),

@@ -71,7 +71,7 @@ fn the_checks_kill_what_is_plainly_wrong() {
 /// A proof that says too much would hide what tests should kill.
 #[test]
 fn what_is_proven_alike_survives_every_check() {
-    let config = Config { lanes: Lanes::None, ..Config::DEFAULT };
+    let config = Config { lanes: Lanes::Two, ..Config::DEFAULT };
     let subjects = subjects(&[config, Config { control: Control::Credit, ..config }]).expect("modules");
     let mut proven = 0;
     for mutant in &choose(&subjects, 300, 2) {
