@@ -7,11 +7,10 @@ use raypath_model::Model;
 use raypath_ops::{Aabb, Job, JobKind, PortKind, Ray, RayBoxInput, RayTriangleInput, Triangle};
 use std::collections::HashMap;
 
-/// An endless stream of jobs of these kinds for a model whose numbers have this format, reproducible by `seed`: of rays,
-/// three in four are from a scene, of any size, now and then on a grid, rounded into the format, half of them with a few
-/// numbers from its edges; other
-/// jobs have numbers from its edges (zeros, subnormals, infinities, NaN, raw bits) among ordinary ones. `kinds` must not
-/// be empty.
+/// An endless stream of jobs of these kinds for a model whose numbers have this format, reproducible by `seed`. Of rays,
+/// three in four are from a scene of any size, now and then on a grid, rounded into the format; half of these have a few
+/// numbers from the format's edges (zeros, subnormals, infinities, NaN). Other jobs have numbers from the edges and raw bits
+/// among ordinary ones. `kinds` must not be empty.
 pub fn random<M: Model>(
     model: &M,
     format: Format,
