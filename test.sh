@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # Every test. Installs the programs that it needs where it can, and says what is missing where it cannot.
 #   ./test.sh                        everyday tests, some minutes
-#   ./test.sh --long                 long campaigns as well
+#   ./test.sh --long                 also verifies at level full, about an hour
 #   RAYPATH_GOLDEN=DIR ./test.sh     also replays the whole set of golden vectors in DIR
 set -euo pipefail
 cd "$(dirname "$0")"
 
+is_long=false
 case "${1:-}" in
   '') ;;
-  --long) export RAYPATH_LONG=1 ;;
+  --long) is_long=true ;;
   *) echo "test.sh: unknown argument '$1', expected --long or nothing" >&2; exit 2 ;;
 esac
 
@@ -67,5 +68,10 @@ RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --locked --quiet
 
 step 'Tests'
 cargo test --workspace --release --locked
+
+if "$is_long"; then
+  step 'Verification'
+  cargo run --release --locked -- verify --level full
+fi
 
 step 'Done'

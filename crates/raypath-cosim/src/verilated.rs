@@ -63,7 +63,19 @@ impl Verilated {
         write(&main, &harness::main_file(top))?;
         let objects = folder.join("obj");
         let mut command = Command::new("verilator");
-        command.args(["--cc", "--exe", "--build", "-O3", "--x-assign", "0", "--x-initial", "0", "--prefix", "Vtop"]);
+        command.args([
+            "--cc",
+            "--exe",
+            "--build",
+            "--assert",
+            "-O3",
+            "--x-assign",
+            "0",
+            "--x-initial",
+            "0",
+            "--prefix",
+            "Vtop",
+        ]);
         command.args(["-CFLAGS", &format!("-O{}", options.c_optimisation), "-j", &options.jobs.max(1).to_string()]);
         command.args(["--top-module", top.name(), "-Mdir"]).arg(&objects).args(files).arg(&main);
         tool::run(&mut command, VERILATOR)?;

@@ -124,6 +124,15 @@ impl Simulator {
         }
     }
 
+    /// Begins again as a new simulator of the module does: all registers, those without a reset value too, are as they
+    /// were at first. Inputs are 0.
+    pub fn restart(&mut self) {
+        self.reset = false;
+        self.current.fill(0);
+        self.io.fill(0);
+        self.apply_reset();
+    }
+
     /// Whether the reset is asserted.
     pub fn is_reset(&self) -> bool {
         self.reset

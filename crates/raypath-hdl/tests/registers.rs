@@ -134,3 +134,22 @@ fn simulators_of_one_module_are_independent_and_can_move_to_threads() {
     });
     assert_eq!(results, [0, 1, 2, 3]);
 }
+
+/// Unlike a reset, a restart forgets registers without a reset value too.
+#[test]
+fn a_restarted_simulator_is_as_a_new_one() {
+    let module = three_registers();
+    let mut simulator = Simulator::new(&module).unwrap();
+    let ports = ["plain_o", "held_o", "reset_o"].map(|name| simulator.output(name).unwrap());
+    let inputs = [("d_i", 5), ("en_i", 1)].map(|(name, value)| (simulator.input(name).unwrap(), value));
+    inputs.into_iter().for_each(|(input, value)| simulator.set(input, value));
+    simulator.cycle();
+    simulator.set_reset(true);
+    simulator.restart();
+    assert!(!simulator.is_reset());
+    for _ in 0..2 {
+        simulator.cycle();
+    }
+    // The inputs are 0 again, and the one register that takes its input in every cycle has taken it.
+    assert_eq!(ports.map(|port| simulator.get(port)), [0, 0, 9]);
+}

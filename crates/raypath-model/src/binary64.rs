@@ -1,4 +1,3 @@
-use crate::logic::known_bits_and_words;
 use raypath_ops::{Circuit, Concrete, Relation, Test};
 
 /// IEEE 754 binary64, computed natively: what other formats' accuracy is measured against.
@@ -74,7 +73,7 @@ impl Circuit for Binary64 {
         }
     }
 
-    known_bits_and_words!();
+    raypath_ops::known_bits_and_words!();
 }
 
 impl Concrete for Binary64 {

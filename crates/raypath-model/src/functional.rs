@@ -77,4 +77,10 @@ impl<const E: usize, const A: usize, C: Concrete> Model for Functional<E, A, C> 
     fn outcome(&self, kind: JobKind, port: impl FnMut(&str) -> u64) -> Outcome<C> {
         Outcome::from_ports_in(self.circuit, kind, port)
     }
+    fn job_of_words(&self, kind: JobKind, words: &[u64]) -> Job<E, A, C> {
+        Job::from_words_in(self.circuit, kind, words)
+    }
+    fn outcome_of_words(&self, kind: JobKind, words: &[u64]) -> Outcome<C> {
+        Outcome::from_words_in(self.circuit, kind, words)
+    }
 }

@@ -28,7 +28,6 @@ mod credit;
 mod cycle;
 mod elastic;
 mod functional;
-mod logic;
 mod model;
 mod shape;
 mod skid;

@@ -20,6 +20,12 @@ pub trait Model: Clone + Debug + PartialEq {
 
     /// The outcome of this kind whose ports have the values that `port` gives by name.
     fn outcome(&self, kind: JobKind, port: impl FnMut(&str) -> u64) -> Self::Outcome;
+
+    /// The job of this kind whose [`words`](OnPorts::words) are these.
+    fn job_of_words(&self, kind: JobKind, words: &[u64]) -> Self::Job;
+
+    /// The outcome of this kind whose [`words`](OnPorts::words) are these.
+    fn outcome_of_words(&self, kind: JobKind, words: &[u64]) -> Self::Outcome;
 }
 
 /// A job or an outcome, of any model.
@@ -29,6 +35,10 @@ pub trait OnPorts: Copy + Debug + PartialEq {
 
     /// The values of its ports, numbers in IEEE 754's layout; the opcode is not among them.
     fn ports(&self) -> Vec<PortValue>;
+
+    /// The bits of its ports in the order of [`ports`](Self::ports), in place of what `words` held: for who knows ports
+    /// by their places, and has no time for names.
+    fn words(&self, words: &mut Vec<u64>);
 }
 
 impl<const E: usize, const A: usize, C: Concrete> OnPorts for Job<E, A, C> {
@@ -39,6 +49,9 @@ impl<const E: usize, const A: usize, C: Concrete> OnPorts for Job<E, A, C> {
     fn ports(&self) -> Vec<PortValue> {
         self.ports()
     }
+    fn words(&self, words: &mut Vec<u64>) {
+        self.words(words);
+    }
 }
 
 impl<C: Concrete> OnPorts for Outcome<C> {
@@ -48,5 +61,8 @@ impl<C: Concrete> OnPorts for Outcome<C> {
     }
     fn ports(&self) -> Vec<PortValue> {
         self.ports()
+    }
+    fn words(&self, words: &mut Vec<u64>) {
+        self.words(words);
     }
 }

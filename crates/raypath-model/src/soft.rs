@@ -1,4 +1,3 @@
-use crate::logic::known_bits_and_words;
 use raypath_format::Format;
 use raypath_ops::{Circuit, Concrete, Relation, Test};
 use std::cmp::Ordering;
@@ -68,7 +67,7 @@ impl Circuit for Soft {
         }
     }
 
-    known_bits_and_words!();
+    raypath_ops::known_bits_and_words!();
 }
 
 impl Concrete for Soft {

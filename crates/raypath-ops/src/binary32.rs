@@ -82,46 +82,8 @@ impl Circuit for Binary32 {
             Test::AboveZero => a.0 > 0.0,
         }
     }
-    #[inline]
-    fn constant_bit(self, value: bool) -> bool {
-        value
-    }
-    #[inline]
-    fn and(self, a: bool, b: bool) -> bool {
-        a & b
-    }
-    #[inline]
-    fn or(self, a: bool, b: bool) -> bool {
-        a | b
-    }
-    #[inline]
-    fn not(self, a: bool) -> bool {
-        !a
-    }
-    #[inline]
-    fn constant_word(self, _width: u32, value: u32) -> u32 {
-        value
-    }
-    #[inline]
-    fn word_equal(self, a: u32, b: u32) -> bool {
-        a == b
-    }
-    #[inline]
-    fn word_less(self, a: u32, b: u32) -> bool {
-        a < b
-    }
-    #[inline]
-    fn select_num(self, condition: bool, if_true: Single, if_false: Single) -> Single {
-        if condition { if_true } else { if_false }
-    }
-    #[inline]
-    fn select_bit(self, condition: bool, if_true: bool, if_false: bool) -> bool {
-        if condition { if_true } else { if_false }
-    }
-    #[inline]
-    fn select_word(self, condition: bool, if_true: u32, if_false: u32) -> u32 {
-        if condition { if_true } else { if_false }
-    }
+
+    crate::known_bits_and_words!();
 }
 
 impl Concrete for Binary32 {

@@ -44,29 +44,41 @@ pub trait Sink<C: Circuit> {
 
 /// The names on the way to a leaf.
 #[derive(Debug, Default)]
-pub struct Path(String);
+pub struct Path {
+    name: String,
+    is_unnamed: bool,
+}
 
 impl Path {
     /// A path that begins with `name`, or an empty one.
     pub fn new(name: &str) -> Self {
-        Self(name.to_string())
+        Self { name: name.to_string(), is_unnamed: false }
+    }
+
+    /// A path on which leaves have no names, for whoever knows them by their order: names cost far more time than what
+    /// they name.
+    pub fn unnamed() -> Self {
+        Self { name: String::new(), is_unnamed: true }
     }
 
     /// Runs `f` with `segment` appended.
     pub fn with<T>(&mut self, segment: impl std::fmt::Display, f: impl FnOnce(&mut Self) -> T) -> T {
-        let length = self.0.len();
+        if self.is_unnamed {
+            return f(self);
+        }
+        let length = self.name.len();
         if length > 0 {
-            self.0.push('_');
+            self.name.push('_');
         }
         // Writing to a String cannot fail.
-        let _ = write!(self.0, "{segment}");
+        let _ = write!(self.name, "{segment}");
         let result = f(self);
-        self.0.truncate(length);
+        self.name.truncate(length);
         result
     }
 
     fn field(&self) -> Field<'_> {
-        Field { name: &self.0, bit: None }
+        Field { name: &self.name, bit: None }
     }
 }
 
@@ -100,11 +112,11 @@ impl<C: Circuit, const W: u32> Bundle<C> for Word<C, W> {
 
 impl<C: Circuit, const N: usize> Bundle<C> for Flags<C, N> {
     fn build<S: Source<C> + ?Sized>(path: &mut Path, source: &mut S) -> Self {
-        Self(std::array::from_fn(|i| source.bit(Field { name: &path.0, bit: Some((i as u32, N as u32)) })))
+        Self(std::array::from_fn(|i| source.bit(Field { name: &path.name, bit: Some((i as u32, N as u32)) })))
     }
     fn each<S: Sink<C> + ?Sized>(&self, path: &mut Path, sink: &mut S) {
         for (i, bit) in self.0.iter().enumerate() {
-            sink.bit(Field { name: &path.0, bit: Some((i as u32, N as u32)) }, *bit);
+            sink.bit(Field { name: &path.name, bit: Some((i as u32, N as u32)) }, *bit);
         }
     }
 }

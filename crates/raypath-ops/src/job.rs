@@ -136,6 +136,31 @@ macro_rules! by_kind {
                 }
             }
 
+            /// The bits of its ports, in the order of [`ports`](Self::ports), in place of what `words` held. Fast.
+            pub fn words(&self, words: &mut Vec<u64>) {
+                words.clear();
+                let (path, sink) = (&mut Path::unnamed(), &mut ToWords { words, bits: $bits });
+                match self {
+                    Self::Triangle(values) => values.each(path, sink),
+                    Self::Quadbox(values) => values.each(path, sink),
+                    Self::Euclidean(values) => values.each(path, sink),
+                    Self::Angular(values) => values.each(path, sink),
+                }
+            }
+
+            /// The one of this kind whose [`words`](Self::words) are these; what is missing is 0, and bits beyond a
+            /// port's width are ignored. Fast.
+            pub fn from_words_in(circuit: C, kind: JobKind, words: &[u64]) -> Self {
+                let words = words.iter();
+                let (path, source) = (&mut Path::unnamed(), &mut FromWords { circuit, words, last: 0, number: $number });
+                match kind {
+                    JobKind::Triangle => Self::Triangle(Bundle::build(path, source)),
+                    JobKind::Quadbox => Self::Quadbox(Bundle::build(path, source)),
+                    JobKind::Euclidean => Self::Euclidean(Bundle::build(path, source)),
+                    JobKind::Angular => Self::Angular(Bundle::build(path, source)),
+                }
+            }
+
             /// The one of this kind whose ports have the values that `port` gives by name.
             pub fn from_ports_in(circuit: C, kind: JobKind, port: impl FnMut(&str) -> u64) -> Self {
                 let (path, source) = (&mut Path::default(), &mut FromPorts { circuit, port, number: $number });
@@ -214,5 +239,65 @@ impl<C: Concrete, F: FnMut(&str) -> u64> Source<C> for FromPorts<C, F> {
     }
     fn word(&mut self, field: Field<'_>, width: u32) -> (C, u32) {
         (self.circuit, (self.port)(field.name) as u32 & (u32::MAX >> (32 - width)))
+    }
+}
+
+/// Leaves in order, without names.
+struct ToWords<'w, C: Concrete> {
+    words: &'w mut Vec<u64>,
+    bits: fn(C, C::Num) -> u64,
+}
+
+impl<C: Concrete> Sink<C> for ToWords<'_, C> {
+    #[inline]
+    fn num(&mut self, _: Field<'_>, value: Num<C>) {
+        self.words.push((self.bits)(value.circuit, value.value));
+    }
+    #[inline]
+    fn bit(&mut self, field: Field<'_>, value: Bit<C>) {
+        let bit = u64::from(value.value);
+        match (field.bit, self.words.last_mut()) {
+            (Some((index, _)), Some(word)) if index > 0 => *word |= bit << index,
+            _ => self.words.push(bit),
+        }
+    }
+    #[inline]
+    fn word(&mut self, _: Field<'_>, _width: u32, value: u32) {
+        self.words.push(value.into());
+    }
+}
+
+struct FromWords<'w, C: Concrete> {
+    circuit: C,
+    words: std::slice::Iter<'w, u64>,
+    /// The word whose bits are being read.
+    last: u64,
+    number: fn(C, u64) -> C::Num,
+}
+
+impl<C: Concrete> FromWords<'_, C> {
+    #[inline]
+    fn next(&mut self) -> u64 {
+        self.words.next().copied().unwrap_or(0)
+    }
+}
+
+impl<C: Concrete> Source<C> for FromWords<'_, C> {
+    #[inline]
+    fn num(&mut self, _: Field<'_>) -> Num<C> {
+        let bits = self.next();
+        Num::new(self.circuit, (self.number)(self.circuit, bits))
+    }
+    #[inline]
+    fn bit(&mut self, field: Field<'_>) -> Bit<C> {
+        let index = field.bit.map_or(0, |(index, _)| index);
+        if index == 0 {
+            self.last = self.next();
+        }
+        Bit::new(self.circuit, self.last >> index & 1 == 1)
+    }
+    #[inline]
+    fn word(&mut self, _: Field<'_>, width: u32) -> (C, u32) {
+        (self.circuit, self.next() as u32 & (u32::MAX >> (32 - width)))
     }
 }

@@ -27,6 +27,7 @@ mod concrete;
 mod distance;
 mod geometry;
 mod job;
+mod known;
 mod operation;
 mod ray;
 mod ray_box;

@@ -2,6 +2,7 @@
 
 use crate::cache::{Cache, Key};
 use crate::design::{Design, Piece, RegisterKind};
+use crate::input::read_within;
 use crate::library::Library;
 use crate::netlist::Netlist;
 use crate::place::{Placed, Role};
@@ -12,9 +13,11 @@ use crate::timing::{self, Ends, RawPath};
 use crate::tool::{OpenSta, Yosys};
 use crate::{Error, work};
 use std::collections::{BTreeMap, HashSet};
-use std::fs;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
+
+/// More than OpenSTA says: some kilobytes a stage.
+const MOST_SAID: u64 = 64 << 20;
 
 /// Everything that designs are measured with.
 #[derive(Debug)]
@@ -135,6 +138,10 @@ impl Bench {
         let slowest = slowest.max_by(|(_, a), (_, b)| a.total_cmp(b));
         let slowest = slowest.map(|(stage, ns)| Slowest { stage: stage.name.clone(), ns });
         let slowest = slowest.ok_or_else(|| Error::unexpected("sta", "no path", "at least one"))?;
+        if slowest.ns <= 0.0 {
+            let found = format!("a slowest path of {} ns", slowest.ns);
+            return Err(Error::unexpected("sta", found, "one that takes time"));
+        }
         Ok(Report {
             design: design.name().to_string(),
             setting: self.setting(),
@@ -188,7 +195,7 @@ impl Bench {
         write(folder, timing::SCRIPT, &timing::script(&top.module, &self.library, self.period, &ends_only))?;
         self.sta.run(folder, timing::SCRIPT, timing::LOG, &top.module, stop)?;
         let log = folder.join(timing::LOG);
-        let said = fs::read(&log).map_err(|problem| Error::file(&log, "read", problem))?;
+        let said = read_within(&log, MOST_SAID).map_err(|problem| Error::file(&log, "read", problem))?;
         let found = timing::paths(&String::from_utf8_lossy(&said), ends.len())?;
 
         let mut slowest: Vec<Option<Path>> = vec![None; groups.len()];

@@ -1,9 +1,9 @@
 //! Results kept on disk under the digest of all that they follow from, so that nothing is done twice.
 
 use crate::Error;
+use crate::input::unpacked;
 use crate::library::hex;
 use flate2::Compression;
-use flate2::read::GzDecoder;
 use flate2::write::GzEncoder;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -12,6 +12,9 @@ use std::fs::{self, File};
 use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
+
+/// More bytes, unpacked, than any result has: a netlist of the largest configuration has some tens of millions.
+pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
 /// A folder of results.
 #[derive(Debug, Clone)]
@@ -48,9 +51,7 @@ impl Cache {
 
     /// A result, if it is there and whole.
     pub fn get<T: DeserializeOwned>(&self, key: &Key) -> Option<T> {
-        let mut bytes = Vec::new();
-        GzDecoder::new(File::open(self.path(key)).ok()?).read_to_end(&mut bytes).ok()?;
-        serde_json::from_slice(&bytes).ok()
+        whole(File::open(self.path(key)).ok()?)
     }
 
     /// Whether there is a result, whole or not.
@@ -75,6 +76,11 @@ impl Cache {
     fn path(&self, key: &Key) -> PathBuf {
         self.folder.join(format!("{}.json.gz", key.0))
     }
+}
+
+/// A result as it was kept, if it is whole.
+pub(crate) fn whole<T: DeserializeOwned>(stream: impl Read) -> Option<T> {
+    serde_json::from_slice(&unpacked(stream, MOST_BYTES).ok()?).ok()
 }
 
 #[cfg(test)]

@@ -3,10 +3,13 @@
 /// The truth table of a function of at most six inputs: bit i is its value where bit k of i is input k. Nothing where
 /// the text is no such function.
 pub fn truth_table(function: &str, inputs: &[&str]) -> Option<u64> {
-    let mut reader = Reader { rest: function.trim(), inputs };
+    let mut reader = Reader { rest: function.trim(), inputs, levels: 0 };
     let table = reader.sum()?;
     (reader.rest.is_empty() && inputs.len() <= MASKS.len()).then(|| table & used(inputs.len()))
 }
+
+/// How deep parentheses and negations may stand in each other: each level is a call.
+const MOST_LEVELS: usize = 100;
 
 /// The truth table of each of six inputs.
 const MASKS: [u64; 6] = [
@@ -26,6 +29,8 @@ fn used(inputs: usize) -> u64 {
 struct Reader<'a> {
     rest: &'a str,
     inputs: &'a [&'a str],
+    /// Parentheses and negations that are open.
+    levels: usize,
 }
 
 impl Reader<'_> {
@@ -55,6 +60,10 @@ impl Reader<'_> {
     }
 
     fn factor(&mut self) -> Option<u64> {
+        self.levels += 1;
+        if self.levels > MOST_LEVELS {
+            return None;
+        }
         let mut table = if self.takes(&['!']) {
             !self.factor()?
         } else if self.takes(&['(']) {
@@ -73,6 +82,7 @@ impl Reader<'_> {
         while self.takes(&['\'']) {
             table = !table;
         }
+        self.levels -= 1;
         Some(table)
     }
 
@@ -119,5 +129,18 @@ mod tests {
             assert_eq!(truth_table(text, &["A", "B"]), None, "{text}");
         }
         assert_eq!(truth_table("1", &[]), Some(1));
+    }
+
+    /// A library could have a million of them, and the stack could not.
+    #[test]
+    fn depth_is_bounded() {
+        let negated = |levels: usize| truth_table(&format!("{}A", "!".repeat(levels)), &["A"]);
+        let nested = |levels: usize| truth_table(&format!("{}A{}", "(".repeat(levels), ")".repeat(levels)), &["A"]);
+        assert_eq!((negated(98), nested(99)), (Some(0b10), Some(0b10)));
+        for levels in [100, 1_000_000] {
+            assert_eq!((negated(levels), nested(levels)), (None, None));
+        }
+        // What stands beside each other is no depth.
+        assert_eq!(truth_table(&vec!["(!A)"; 10_000].join("+"), &["A"]), Some(0b01));
     }
 }

@@ -26,10 +26,13 @@ mod cache;
 mod design;
 mod error;
 mod function;
+mod input;
 mod liberty;
 mod library;
 mod names;
 mod netlist;
+#[doc(hidden)]
+pub mod parsers;
 mod place;
 mod recipe;
 mod report;
@@ -37,11 +40,13 @@ mod structural;
 mod synthesis;
 mod timing;
 mod tool;
+mod usable;
 mod work;
 
 pub use bench::{Bench, Steps};
 pub use design::Design;
 pub use error::Error;
+pub use input::read_within;
 pub use library::{Cell, DEFAULT_LIBRARY, Library};
 pub use report::{Area, Path, Report, Setting, Slowest, Stage, Step, Units};
 pub use tool::{OpenSta, Yosys, YosysKind};

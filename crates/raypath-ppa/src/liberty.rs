@@ -22,9 +22,18 @@ pub struct SyntaxError {
     pub expected: &'static str,
 }
 
+/// How deep groups may stand in groups; libraries with current sources have seven levels.
+const MOST_LEVELS: usize = 32;
+/// How many groups, attributes and names there may be: enough for 256 MiB of any library's text, at some 100 bytes each.
+const MOST_PARTS: usize = 8 << 20;
+
 /// Reads the one group that a file is.
 pub fn read(text: &str) -> Result<Group<'_>, SyntaxError> {
-    let mut reader = Reader { text, at: 0 };
+    read_parts(text, MOST_PARTS)
+}
+
+fn read_parts(text: &str, most_parts: usize) -> Result<Group<'_>, SyntaxError> {
+    let mut reader = Reader { text, at: 0, levels: 0, parts_left: most_parts };
     match reader.statement()? {
         Statement::Group(group) if group.kind == "library" => Ok(group),
         _ => Err(SyntaxError { line: 1, found: "something else".to_string(), expected: "library (name) { ... }" }),
@@ -56,11 +65,16 @@ enum Statement<'a> {
 struct Reader<'a> {
     text: &'a str,
     at: usize,
+    /// Groups that are open.
+    levels: usize,
+    /// Groups, attributes and names that may still come.
+    parts_left: usize,
 }
 
 impl<'a> Reader<'a> {
     fn statement(&mut self) -> Result<Statement<'a>, SyntaxError> {
         self.skip_blank();
+        self.part()?;
         let begin = self.at;
         let kind = self.word();
         if kind.is_empty() {
@@ -90,12 +104,17 @@ impl<'a> Reader<'a> {
     }
 
     fn body(&mut self, group: &mut Group<'a>) -> Result<(), SyntaxError> {
+        if self.levels == MOST_LEVELS {
+            return Err(self.error("groups at most 32 deep"));
+        }
+        self.levels += 1;
         self.at += 1;
         loop {
             self.skip_blank();
             match self.peek() {
                 Some(b'}') => {
                     self.at += 1;
+                    self.levels -= 1;
                     return Ok(());
                 }
                 // Some writers end a group with a semicolon.
@@ -114,6 +133,7 @@ impl<'a> Reader<'a> {
         let mut names = Vec::new();
         loop {
             self.skip_blank();
+            self.part()?;
             match self.peek() {
                 Some(b')') => {
                     self.at += 1;
@@ -171,6 +191,13 @@ impl<'a> Reader<'a> {
             }
             self.at += passed;
         }
+    }
+
+    /// Counts one thing more that is kept.
+    fn part(&mut self) -> Result<(), SyntaxError> {
+        let too_many = || self.error("at most 8388608 groups, attributes and names");
+        self.parts_left = self.parts_left.checked_sub(1).ok_or_else(too_many)?;
+        Ok(())
     }
 
     fn peek(&self) -> Option<u8> {
@@ -233,5 +260,27 @@ library(small) {
         assert_eq!(fails("module x;").line, 1);
         assert_eq!(fails("library(x) { a : \"b }").expected, "a string that ends");
         assert_eq!(fails("cell(x) { }").expected, "library (name) { ... }");
+    }
+
+    /// Each level is a call: a million of them were a stack that overflows.
+    #[test]
+    fn depth_is_bounded() {
+        let nested = |levels: usize| format!("library(x) {{\n{}{}}}", "g(){".repeat(levels), "}".repeat(levels));
+        assert!(read(&nested(MOST_LEVELS - 1)).is_ok());
+        for levels in [MOST_LEVELS, 1_000_000] {
+            let error = read(&nested(levels)).map(|group| group.place).expect_err("too deep");
+            assert_eq!((error.line, error.expected), (2, "groups at most 32 deep"));
+        }
+    }
+
+    /// Three bytes of text can be a hundred of memory.
+    #[test]
+    fn parts_are_bounded() {
+        for part in ["a:;", "a()", "b,"] {
+            let begin = if part == "b," { "library(" } else { "library(x){" };
+            let text = format!("{begin}{}", part.repeat(1000));
+            let error = read_parts(&text, 1000).map(|group| group.place).expect_err("too many");
+            assert_eq!(error.expected, "at most 8388608 groups, attributes and names", "{part}");
+        }
     }
 }

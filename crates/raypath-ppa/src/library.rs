@@ -2,10 +2,12 @@
 
 use crate::Error;
 use crate::function::truth_table;
+use crate::input;
 use crate::liberty::{self, Group};
-use flate2::read::GzDecoder;
+use crate::usable::{NUMBERS, is_used, no_number};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -45,24 +47,32 @@ pub struct Tie {
     pub zero: (String, String),
 }
 
-/// Cells that no synthesiser should take on its own, where the library does not say so itself (`dont_use : true`):
-/// sky130 has cells for power gating and for probes among the others.
-const NEVER_USED: [&str; 2] = ["__lpflow_", "__probe"];
+/// More text than any library of ours has; commercial ones with current sources come near it.
+const MOST_TEXT: u64 = 256 << 20;
 
 impl Library {
     /// Reads a Liberty file, plain or compressed by gzip.
     ///
     /// # Errors
-    /// A file that cannot be read or is no Liberty file; a library without a buffer, or without a NAND of two inputs.
+    /// A file that cannot be read, is no Liberty file, or is larger than 256 MiB when unpacked; a library without a buffer,
+    /// or without a NAND of two inputs; an area or a capacitance that is no number.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = read_text(path).map_err(|problem| match problem.kind() {
+        let refused = |problem: std::io::Error| match problem.kind() {
             std::io::ErrorKind::NotFound if path == Path::new(DEFAULT_LIBRARY) => Error::MissingTool {
                 program: format!("the cell library {DEFAULT_LIBRARY}"),
                 install: "apt-get install qflow-tech-osu018 (or name another Liberty file)",
             },
             _ => Error::file(path, "read", problem),
-        })?;
-        Self::of(text, path)
+        };
+        Self::read_from(File::open(path).map_err(refused)?, path)
+    }
+
+    /// Reads a stream as [`Library::read`] reads a file; `path` is for messages.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn read_from(stream: impl Read, path: &Path) -> Result<Self, Error> {
+        Self::of(input::text(stream, MOST_TEXT).map_err(|problem| Error::file(path, "read", problem))?, path)
     }
 
     /// A library from its text; `path` is for messages.
@@ -75,10 +85,30 @@ impl Library {
         })?;
         let (used, unused): (Vec<&Group<'_>>, Vec<&Group<'_>>) =
             library.of_kind("cell").partition(|cell| is_used(cell));
+        let wrong = |group: &Group<'_>, found: String, expected| {
+            let line = text[..group.place.start].matches('\n').count() + 1;
+            Error::Liberty { path: path.to_path_buf(), line, found, expected }
+        };
+        for cell in &used {
+            if let Some(found) = no_number(cell) {
+                return Err(wrong(cell, found, "a number from 0 to 1e12"));
+            }
+        }
         let lacks = |what: &str| Error::Lacks { path: path.to_path_buf(), what: what.to_string() };
-        let nand2 = nand2(&used).ok_or_else(|| lacks("NAND with two inputs"))?.name().to_string();
+        let nand2 = nand2(&used).ok_or_else(|| lacks("NAND with two inputs"))?;
+        if area(nand2) == 0.0 {
+            return Err(wrong(
+                nand2,
+                format!("{} without an area", nand2.name()),
+                "one above 0, the unit of gate counts",
+            ));
+        }
+        let nand2 = nand2.name().to_string();
         let buffer = buffer(&used).ok_or_else(|| lacks("buffer"))?;
         let load = (10.0 * femtofarads(&library) * input_capacitance(buffer)).round();
+        if !NUMBERS.contains(&load) {
+            return Err(wrong(buffer, format!("a load of {load} fF"), "a unit and a capacitance for one up to 1e12"));
+        }
         let buffer = buffer.name().to_string();
         let tie = tie(&used);
         let cells = used.iter().map(|cell| (cell.name().to_string(), Cell::of(cell))).collect();
@@ -149,21 +179,6 @@ impl Cell {
             outputs: pins(cell, "output").into_iter().map(|pin| pin.name().to_string()).collect(),
         }
     }
-}
-
-fn read_text(path: &Path) -> std::io::Result<String> {
-    let bytes = std::fs::read(path)?;
-    let mut text = String::new();
-    if bytes.starts_with(&[0x1f, 0x8b]) {
-        GzDecoder::new(bytes.as_slice()).read_to_string(&mut text)?;
-    } else {
-        bytes.as_slice().read_to_string(&mut text)?;
-    }
-    Ok(text)
-}
-
-fn is_used(cell: &Group<'_>) -> bool {
-    cell.attribute("dont_use") != Some("true") && !NEVER_USED.iter().any(|part| cell.name().contains(part))
 }
 
 fn area(cell: &Group<'_>) -> f64 {

@@ -36,7 +36,7 @@ impl RegisterNames {
                     let of = if net.bits.len() > 1 { format!("{name}[{place}]") } else { name.clone() };
                     result.registers.entry(*bit).or_insert(of);
                 }
-                result.nets.insert((name.clone(), place + net.offset), *bit);
+                result.nets.insert((name.clone(), net.offset.saturating_add(place)), *bit);
             }
         }
         result
@@ -79,5 +79,16 @@ mod tests {
         assert_eq!(names.register("valid_q"), Some("valid_q"));
         assert_eq!(names.register("u_stage_2.constant"), None);
         assert_eq!(names.register("elsewhere[1]"), None);
+    }
+
+    /// Positions are whatever the file says.
+    #[test]
+    fn no_position_is_too_large() {
+        let names =
+            format!(r#"{{"modules": {{"m": {{"netnames": {{"a": {{"bits": [1, 2], "offset": {}}}}}}}}}}}"#, usize::MAX);
+        let names: YosysNames = serde_json::from_str(&names).expect("names");
+        let kind = RegisterKind { group: 0, is_control: false };
+        let names = RegisterNames::new(names, "m", &BTreeMap::from([("a".to_string(), kind)]));
+        assert!(names.register(&format!("a[{}]", usize::MAX)).is_some());
     }
 }

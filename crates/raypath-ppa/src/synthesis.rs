@@ -1,8 +1,9 @@
 //! A piece of a design becomes cells of a library.
 
 use crate::Error;
-use crate::cache::Key;
+use crate::cache::{Key, MOST_BYTES};
 use crate::design::{Piece, RegisterKind};
+use crate::input::read_within;
 use crate::library::Library;
 use crate::names::RegisterNames;
 use crate::netlist::{Net, Netlist, YosysDesign};
@@ -45,26 +46,17 @@ impl Synthesis<'_> {
         write(folder, recipe::ABC_CONSTRAINTS, &recipe::constraints(self.library))?;
         self.yosys.run(folder, recipe::SCRIPT, &piece.module, stop)?;
 
-        let mut design: YosysDesign = read_json(&folder.join(recipe::NETLIST))?;
-        let (mut netlist, net_names) = design.take(&piece.module)?;
+        let bytes = |name: &str| {
+            let path = folder.join(name);
+            read_within(&path, MOST_BYTES).map_err(|problem| Error::file(&path, "read", problem))
+        };
         let names = match piece.is_unit {
             true => RegisterNames::default(),
-            false => RegisterNames::new(read_json(&folder.join(recipe::NAMES))?, &piece.module, registers),
+            false => RegisterNames::new(json(&bytes(recipe::NAMES)?)?, &piece.module, registers),
         };
-        let mut names_of: HashMap<Net, Vec<&str>> = HashMap::new();
-        for (name, net) in &net_names {
-            net.bits.iter().for_each(|bit| names_of.entry(*bit).or_default().push(name));
-        }
-        for instance in &mut netlist.cells {
-            let Some(cell) = self.library.cell(&instance.cell) else { continue };
-            let outputs = cell.outputs.iter().filter_map(|pin| instance.connections.get(pin)).flatten();
-            let mut driven = outputs.filter_map(|net| names_of.get(net)).flatten().copied();
-            instance.name = match cell.is_flip_flop {
-                true => driven.clone().find_map(|net| names.register(net)).or(driven.next()).unwrap_or("?").to_string(),
-                false => String::new(),
-            };
-        }
-        self.check(piece, &netlist, &fs::read_to_string(folder.join(recipe::STATISTICS)).unwrap_or_default())?;
+        let netlist = netlist(&bytes(recipe::NETLIST)?, &piece.module, &names, self.library)?;
+        let statistics = bytes(recipe::STATISTICS).unwrap_or_default();
+        self.check(piece, &netlist, &String::from_utf8_lossy(&statistics))?;
         Ok(netlist)
     }
 
@@ -98,8 +90,27 @@ impl Synthesis<'_> {
     }
 }
 
+/// The module in what Yosys wrote, its flip-flops under the names of their registers.
+pub fn netlist(written: &[u8], module: &str, names: &RegisterNames, library: &Library) -> Result<Netlist, Error> {
+    let (mut netlist, net_names) = json::<YosysDesign>(written)?.take(module)?;
+    let mut names_of: HashMap<Net, Vec<&str>> = HashMap::new();
+    for (name, net) in &net_names {
+        net.bits.iter().for_each(|bit| names_of.entry(*bit).or_default().push(name));
+    }
+    for instance in &mut netlist.cells {
+        let Some(cell) = library.cell(&instance.cell) else { continue };
+        let outputs = cell.outputs.iter().filter_map(|pin| instance.connections.get(pin)).flatten();
+        let mut driven = outputs.filter_map(|net| names_of.get(net)).flatten().copied();
+        instance.name = match cell.is_flip_flop {
+            true => driven.clone().find_map(|net| names.register(net)).or(driven.next()).unwrap_or("?").to_string(),
+            false => String::new(),
+        };
+    }
+    Ok(netlist)
+}
+
 /// The area in what Yosys's `stat` prints: without the units, which the library does not have.
-fn chip_area(statistics: &str) -> Option<f64> {
+pub fn chip_area(statistics: &str) -> Option<f64> {
     let (_, area) =
         statistics.lines().rev().find_map(|line| line.trim().strip_prefix("Chip area for ")?.split_once(": "))?;
     area.trim().parse().ok()
@@ -110,9 +121,8 @@ pub fn write(folder: &Path, name: &str, text: &str) -> Result<(), Error> {
     fs::write(&path, text).map_err(|problem| Error::file(&path, "write", problem))
 }
 
-fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
-    let bytes = fs::read(path).map_err(|problem| Error::file(path, "read", problem))?;
-    serde_json::from_slice(&bytes).map_err(|problem| Error::unexpected("yosys", problem.to_string(), "its JSON"))
+pub fn json<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Error> {
+    serde_json::from_slice(bytes).map_err(|problem| Error::unexpected("yosys", problem.to_string(), "its JSON"))
 }
 
 #[cfg(test)]

@@ -61,8 +61,8 @@ pub fn script(top: &str, library: &Library, period: f64, ends: &[Ends]) -> Strin
 /// The slowest path to each of `ends`, which [`script`] asked for; none where there is no path.
 pub fn paths(said: &str, ends: usize) -> Result<Vec<Option<RawPath>>, Error> {
     let last_lines = || {
-        let lines: Vec<&str> = said.lines().collect();
-        format!("\"{}\"", lines[lines.len().saturating_sub(5)..].join("\n"))
+        let lines: Vec<&str> = said.lines().rev().take(5).map(beginning).collect();
+        format!("\"{}\"", lines.into_iter().rev().collect::<Vec<_>>().join("\n"))
     };
     let mut found = Vec::new();
     for (number, part) in said.split(MARK).skip(1).enumerate() {
@@ -73,6 +73,11 @@ pub fn paths(said: &str, ends: usize) -> Result<Vec<Option<RawPath>>, Error> {
         return Err(Error::unexpected("sta", last_lines(), format!("paths to {ends} sets of ends")));
     }
     Ok(found)
+}
+
+/// As much of a line as a message has room for.
+fn beginning(line: &str) -> &str {
+    line.char_indices().nth(200).map_or(line, |(end, _)| &line[..end])
 }
 
 /// One report. Nothing where it cannot be read, `Some(None)` where it says that there is no path.
@@ -86,14 +91,19 @@ fn path(report: &str) -> Option<Option<RawPath>> {
         match words.as_slice() {
             // A pin before the arrival is on the path; those after it are on the clock's way.
             [_, time, "^" | "v", pin, cell] if arrival.is_none() && cell.starts_with('(') => {
-                points.push((pin.to_string(), time.parse().ok()?));
+                points.push((pin.to_string(), number(time)?));
             }
-            [time, "data", "arrival", "time"] if arrival.is_none() => arrival = Some(time.parse().ok()?),
-            [time, _, "library", "setup", "time"] => setup = -time.parse::<f64>().ok()?,
+            [time, "data", "arrival", "time"] if arrival.is_none() => arrival = Some(number(time)?),
+            [time, _, "library", "setup", "time"] => setup = -number(time)?,
             _ => {}
         }
     }
     arrival.filter(|_| !points.is_empty()).map(|arrival| Some(RawPath { points, arrival, setup }))
+}
+
+/// A time; `inf` and `nan` are none.
+fn number(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|time: &f64| time.is_finite())
 }
 
 #[cfg(test)]
@@ -130,5 +140,8 @@ mod tests {
         let cut = RECORDED.split("data arrival").next().unwrap_or_default();
         assert!(fails(cut, 1).contains("expected a path"));
         assert!(fails("raypath paths: 1\nNo paths found.\n", 1).contains("expected a path"));
+        for time in ["inf", "NaN", "1e999"] {
+            assert!(fails(&RECORDED.replace("0.2485", time), 4).contains("expected a path"), "{time}");
+        }
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::Error;
 use std::fmt;
-use std::fs::{self, File};
-use std::io::ErrorKind;
+use std::fs::File;
+use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -160,10 +160,21 @@ fn run(command: &mut Command, folder: &Path, log: &str, about: &str, stop: &Atom
     if status.success() {
         return Ok(());
     }
-    let said = fs::read(&path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default();
-    let lines: Vec<&str> = said.lines().collect();
-    let output = lines[lines.len().saturating_sub(20)..].join("\n");
+    let output = last_lines(&path).unwrap_or_default();
     Err(Error::Tool { program, about: Some(about.to_string()), output })
+}
+
+/// The end of what a program printed: 20 lines, but no more than a message has room for.
+fn last_lines(path: &Path) -> std::io::Result<String> {
+    const MOST_BYTES: u64 = 16 << 10;
+    let mut file = File::open(path)?;
+    let length = file.metadata()?.len();
+    file.seek(SeekFrom::Start(length.saturating_sub(MOST_BYTES)))?;
+    let mut bytes = Vec::new();
+    file.take(MOST_BYTES).read_to_end(&mut bytes)?;
+    let said = String::from_utf8_lossy(&bytes);
+    let lines: Vec<&str> = said.lines().collect();
+    Ok(lines[lines.len().saturating_sub(20)..].join("\n"))
 }
 
 /// Yosys has children of its own, which must end with it; and the terminal's Ctrl-C is ours to answer.
@@ -191,6 +202,7 @@ fn end(child: &mut Child) {
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn a_program_is_stopped_with_its_children() {

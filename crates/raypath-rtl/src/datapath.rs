@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::graph::Traced;
 use crate::library::Library;
 use crate::plan::{Plan, StepPlan};
+use crate::properties::Properties;
 use crate::stage::{self, notes};
 use crate::steps::Step;
 use crate::top::{self, Pipeline};
@@ -130,6 +131,11 @@ impl Datapath {
     /// The module `raypath`.
     pub fn top(&self) -> &Arc<Module> {
         &self.pipeline.top
+    }
+
+    /// Checkers of what the pipeline's control promises, and where they are bound.
+    pub fn properties(&self) -> Properties {
+        Properties::new(&self.plan, &self.pipeline)
     }
 
     /// The steps of the pipeline, each with the registers after it; the first is the input's registers alone. Where

@@ -29,6 +29,7 @@ mod output;
 mod place;
 mod plan;
 mod preset;
+mod properties;
 mod stage;
 mod steps;
 mod top;
@@ -41,6 +42,7 @@ pub use config::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
 pub use datapath::{Datapath, Operations, Registers, StageNote, StateLoop};
 pub use error::Error;
 pub use preset::{PRESETS, Preset};
+pub use properties::{Bind, Checker, Properties};
 pub use steps::Step;
 pub use units::{UnitKind, Units};
 

@@ -1,7 +1,7 @@
 //! The plan of a datapath: for every step its units, and for every boundary who lives where.
 
 use crate::binding::{self, Bindings};
-use crate::config::{Config, Encoding};
+use crate::config::{Config, Control, Encoding};
 use crate::demand::Demands;
 use crate::graph::{Kind, NodeId, Op, Traced};
 use crate::liveness::{self, Work};
@@ -63,6 +63,14 @@ impl Plan {
     /// Cycles from an accepted job to its outcome: one for each boundary.
     pub fn latency(&self) -> u32 {
         self.steps.len() as u32
+    }
+
+    /// Jobs that fit inside while the sink refuses.
+    pub fn capacity(&self) -> u64 {
+        match self.config.control {
+            Control::Skid => 2 * u64::from(self.latency()),
+            Control::Credit => u64::from(self.latency()) + 1,
+        }
     }
 
     /// What drives a value in a step.

@@ -184,7 +184,7 @@ impl<'m> States<'m> {
 }
 
 /// A state as a port, or as the stem of its register.
-fn port(traced: &Traced, state: &StateValue) -> String {
+pub fn port(traced: &Traced, state: &StateValue) -> String {
     format!("{}_{}_state", traced.name, state.name)
 }
 

@@ -3,13 +3,19 @@
 //!
 //! Whatever is verified takes a [`Request`] and gives a [`Verdict`].
 
-mod chain;
+pub mod bench;
+pub mod control;
+mod cores;
 pub mod equivalence;
+mod item;
 pub mod operands;
 pub mod proof;
 mod request;
+pub mod testfloat;
+pub mod unit_proofs;
+pub mod units;
 mod verdict;
 
-pub use chain::chain;
+pub use item::Item;
 pub use request::{Level, Request, Shard, ShardError, Step};
 pub use verdict::{Error, Verdict};

@@ -2,6 +2,7 @@
 //!
 //! The unit tests of `raypath-float` run them on the units; mutation runs the same ones on units with faults.
 
+use crate::bench::Answer;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_format::Format;
@@ -9,29 +10,16 @@ use raypath_format::Format;
 /// The bits of a binary32 fraction.
 const FRACTION: u32 = 0x007f_ffff;
 
-/// What the units must say of two numbers: results in IEEE 754's layout, with the canonical NaN.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Answer {
-    /// `a + b`.
-    pub sum: u64,
-    /// `a * b`.
-    pub product: u64,
-    /// `a < b`.
-    pub less: bool,
-    /// `a = b`.
-    pub equal: bool,
-    /// One of them is NaN.
-    pub unordered: bool,
-}
-
-/// What the host says of two binary32 numbers.
+/// What the host says of two binary32 numbers: results in IEEE 754's layout, with the canonical NaN.
 pub fn answer(x: f32, y: f32) -> Answer {
     Answer {
         sum: canonical(x + y),
+        difference: canonical(x - y),
         product: canonical(x * y),
         less: x < y,
         equal: x == y,
         unordered: x.is_nan() || y.is_nan(),
+        parts_differ: 0,
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod abc;
 mod aiger;
+pub(crate) mod pool;
 
 use crate::Error;
 use abc::Abc;
@@ -54,9 +55,18 @@ pub enum Answer {
     Stopped,
 }
 
-/// What makes and-gates of a module named `miter`, and nothing else.
-const TO_GATES: &[&str] =
-    &["hierarchy -check -top miter", "flatten", "opt -full", "techmap", "opt", "aigmap", "opt_clean"];
+/// What makes and-gates of a module named `miter`, and nothing else. What nothing drives becomes an input, which no
+/// problem has; optimisation would choose its value.
+const TO_GATES: &[&str] = &[
+    "hierarchy -check -top miter",
+    "flatten",
+    "setundef -undriven -anyseq",
+    "opt -full",
+    "techmap",
+    "opt",
+    "aigmap",
+    "opt_clean",
+];
 
 impl Prover {
     /// Finds the Python module `pyosys`, and the ABC that comes with it or Debian's.
@@ -86,23 +96,52 @@ impl Prover {
         graphs.iter().map(solve).collect()
     }
 
+    /// What wires of a problem's `miter` show for values of its inputs, by Yosys's own evaluation, which ABC has no part in.
+    ///
+    /// # Errors
+    /// Yosys fails, or a wire has no definite value.
+    pub fn evaluate(
+        &self,
+        problem: &Problem,
+        values: &BTreeMap<String, u64>,
+        wires: &[&str],
+    ) -> Result<Vec<u64>, Error> {
+        let folder = tempfile::tempdir().map_err(|problem| file(&std::env::temp_dir(), problem))?;
+        let mut script = written(problem, folder.path(), 0)?;
+        let width = |name: &str| problem.inputs.iter().find(|(input, _)| input == name).map_or(1, |(_, width)| *width);
+        let set: Vec<String> =
+            values.iter().map(|(name, value)| format!("-set {name} {}'d{value}", width(name))).collect();
+        let show: Vec<String> = wires.iter().map(|wire| format!("-show {wire}")).collect();
+        script += &format!("hierarchy -check -top miter\nflatten\neval {} {} miter\n", set.join(" "), show.join(" "));
+        let path = folder.path().join("script.ys");
+        fs::write(&path, script).map_err(|error| file(&path, error))?;
+        self.yosys.run(folder.path(), "script.ys", &problem.name, &AtomicBool::new(false))?;
+        let log = folder.path().join("yosys.log");
+        let said = fs::read_to_string(&log).map_err(|error| file(&log, error))?;
+        wires
+            .iter()
+            .map(|wire| {
+                // Eval result: \a = 16'0011110000000000.
+                let begin = format!("Eval result: \\{wire} = ");
+                let line = said.lines().find_map(|line| line.strip_prefix(&begin));
+                line.and_then(|line| evaluated(line.trim_end_matches('.'))).ok_or_else(|| Error::Program {
+                    program: "yosys".to_string(),
+                    problem: format!("{}: evaluated {wire} to {line:?}", problem.name),
+                    expected: "a definite value".to_string(),
+                })
+            })
+            .collect()
+    }
+
     /// The problems as graphs in a folder; nothing where it was stopped.
     fn graphs(&self, folder: &Path, problems: &[Problem], stop: &AtomicBool) -> Result<Option<Vec<Aiger>>, Error> {
         let mut script = String::new();
         for (number, problem) in problems.iter().enumerate() {
-            // Each has a folder of its own, so that file names may repeat.
-            let inside = folder.join(number.to_string());
-            fs::create_dir(&inside).map_err(|error| file(&inside, error))?;
-            for (name, text) in &problem.sources {
-                let path = inside.join(name);
-                fs::write(&path, text).map_err(|error| file(&path, error))?;
-            }
             let to_gates = TO_GATES.iter().map(ToString::to_string);
             let write = format!("write_aiger -symbols -map {number}.map {number}.aig");
-            script += "design -reset\n";
-            for command in problem.commands.iter().cloned().chain(to_gates).chain([write]) {
-                script += &command.replace(SOURCE, &format!("{number}/"));
-                script += "\n";
+            script += &written(problem, folder, number)?;
+            for command in to_gates.chain([write]) {
+                script += &(command + "\n");
             }
         }
         let path = folder.join("script.ys");
@@ -119,6 +158,26 @@ impl Prover {
 
 /// What stands before the name of a source in [`Problem::commands`].
 pub const SOURCE: &str = "@/";
+
+/// A value as Yosys prints it: binary behind its width, but as a signed number where it has 32 bits.
+fn evaluated(value: &str) -> Option<u64> {
+    match value.split_once('\'') {
+        Some((_, digits)) => u64::from_str_radix(digits, 2).ok(),
+        None => value.parse::<i32>().ok().map(|number| u64::from(number.cast_unsigned())),
+    }
+}
+
+/// Writes a problem's sources to a folder inside this one, so that file names may repeat, and gives its commands.
+fn written(problem: &Problem, folder: &Path, number: usize) -> Result<String, Error> {
+    let inside = folder.join(number.to_string());
+    fs::create_dir(&inside).map_err(|error| file(&inside, error))?;
+    for (name, text) in &problem.sources {
+        let path = inside.join(name);
+        fs::write(&path, text).map_err(|error| file(&path, error))?;
+    }
+    let commands = problem.commands.iter().map(|command| command.replace(SOURCE, &format!("{number}/")) + "\n");
+    Ok(std::iter::once("design -reset\n".to_string()).chain(commands).collect())
+}
 
 fn file(path: &Path, problem: std::io::Error) -> Error {
     Error::File { path: path.to_path_buf(), problem }

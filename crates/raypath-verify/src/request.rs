@@ -65,7 +65,7 @@ impl Shard {
 
     /// How many of the numbers below `total` belong to it.
     pub fn share(self, total: u64) -> u64 {
-        (total + self.of - 1 - self.number) / self.of
+        total / self.of + u64::from(total % self.of > self.number)
     }
 
     /// Its number, from 0: what tells its random numbers from those of other shards.
@@ -136,6 +136,9 @@ mod tests {
                 assert_eq!(shards.iter().map(|shard| shard.share(total)).sum::<u64>(), total);
             }
         }
+        // Sums of such numbers overflow.
+        let last: Shard = format!("{0}/{0}", u64::MAX).parse().expect("a shard");
+        assert_eq!((last.share(u64::MAX), last.share(u64::MAX - 1)), (1, 0));
         for text in ["", "1", "0/3", "4/3", "-1/3", "1/0", "1/2/3", "a/b"] {
             assert_eq!(text.parse::<Shard>(), Err(ShardError(text.to_string())));
         }

@@ -39,6 +39,9 @@ pub enum Error {
     /// The datapath cannot be elaborated.
     #[error(transparent)]
     Elaboration(#[from] raypath_rtl::Error),
+    /// There is no such number format.
+    #[error(transparent)]
+    Format(#[from] raypath_format::FormatError),
     /// A module cannot be built or compiled.
     #[error(transparent)]
     Netlist(#[from] raypath_hdl::Error),

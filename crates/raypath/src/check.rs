@@ -1,15 +1,17 @@
 //! Netlist and models side by side.
 
+mod canonical;
 mod everyday;
+mod side_by_side;
 
 pub use everyday::{Everyday, Failed};
+pub use side_by_side::{Difference, SideBySide};
 
-use crate::engine::{CycleEngine, Engine, NetlistEngine, Shown, drive};
+use crate::engine::{Engine, NetlistEngine, observe};
 use crate::traffic::Traffic;
 use raypath_model::{Model, OnPorts};
 use raypath_ops::JobKind;
 use std::cell::Cell;
-use std::collections::VecDeque;
 use std::fmt;
 
 /// What a comparison found.
@@ -57,79 +59,20 @@ pub fn lockstep<M: Model>(
     traffic: &mut Traffic,
     mut on_job: impl FnMut(usize) -> bool,
 ) -> Comparison {
+    let mut found = Comparison::default();
     let different = Cell::new(0);
-    let mut engines = SideBySide {
-        cycle_model: CycleEngine::new(model.clone(), netlist.shape()),
-        netlist,
-        functional: model,
-        in_flight: VecDeque::new(),
-        found: Comparison::default(),
-        different: &different,
-    };
-    drive(&mut engines, jobs, traffic, |index, _| different.get() < TOO_MANY && on_job(index + 1));
-    engines.found.different = different.get();
-    engines.found
-}
-
-/// Netlist and models as one engine, which shows what the netlist shows.
-struct SideBySide<'n, M: Model> {
-    netlist: &'n mut NetlistEngine<M>,
-    cycle_model: CycleEngine<M>,
-    functional: M,
-    /// What the functional model answers to the jobs presented, oldest first.
-    in_flight: VecDeque<M::Outcome>,
-    found: Comparison,
-    /// Seen from outside while the engines run.
-    different: &'n Cell<usize>,
-}
-
-impl<M: Model> Engine<M> for SideBySide<'_, M> {
-    fn present(&mut self, job: &M::Job) {
-        self.netlist.present(job);
-        self.cycle_model.present(job);
-        self.in_flight.push_back(self.functional.run(job));
-    }
-
-    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
-        let shown = self.netlist.cycle(input_valid, output_ready);
-        let modelled = self.cycle_model.cycle(input_valid, output_ready);
-        if shown != modelled {
-            self.differs(format!("the netlist shows {shown:?}, the cycle-exact model {modelled:?}"));
+    let mut engines = SideBySide::new(netlist, model, |_| different.set(different.get() + 1));
+    observe(&mut engines, jobs, traffic, |seen| {
+        found.cycles += 1;
+        found.stalled += u64::from(seen.cycle.offers && !seen.shown.input_ready);
+        if let Some(outcome) = seen.shown.output.filter(|_| seen.cycle.takes) {
+            found.by_kind[outcome.kind() as usize] += 1;
+            found.jobs += 1;
+            return different.get() < TOO_MANY && on_job(found.jobs);
         }
-        self.found.cycles += 1;
-        self.found.stalled += u64::from(input_valid && !shown.input_ready);
-        if let Some(outcome) = shown.output {
-            let improper = self.netlist.improper_outputs(&outcome);
-            if !improper.is_empty() {
-                self.differs(format!("the netlist shows {outcome:?}, but {}", improper.join(", ")));
-            }
-            if output_ready {
-                let expected = self.in_flight.pop_front();
-                if expected != Some(outcome) {
-                    self.differs(format!("the netlist answers {outcome:?}, the functional model {expected:?}"));
-                }
-                self.found.by_kind[outcome.kind() as usize] += 1;
-                self.found.jobs += 1;
-            }
-        }
-        shown
-    }
-
-    fn reset(&mut self) {
-        self.netlist.reset();
-        self.cycle_model.reset();
-        self.functional.reset();
-        self.in_flight.clear();
-    }
-}
-
-impl<M: Model> SideBySide<'_, M> {
-    fn differs(&mut self, what: String) {
-        self.different.set(self.different.get() + 1);
-        if self.found.differences.len() < DIFFERENCES_SHOWN {
-            self.found.differences.push(format!("cycle {}, job {}: {what}", self.found.cycles, self.found.jobs));
-        }
-    }
+        different.get() < TOO_MANY
+    });
+    Comparison { differences: engines.differences, different: different.get(), ..found }
 }
 
 /// Measures latency and initiation interval at an engine's ports, after a reset. `job` may be any; a beat of a distance

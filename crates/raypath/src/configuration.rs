@@ -1,7 +1,8 @@
 //! Configurations in files: TOML whose keys are the command line's options (`docs/configurations.md`).
 
 use raypath_rtl::{Config, Preset};
-use std::fs;
+use std::fs::File;
+use std::io::{Error, ErrorKind, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -67,11 +68,18 @@ const KEYS: &str = "preset, lanes, rules, format, io, registers, control, sharin
 /// ```
 ///
 /// # Errors
-/// A file that cannot be read or is no TOML, a key that is no parameter, a value that its parameter does not have.
+/// A file that cannot be read, is larger than 64 KiB or is no TOML, a key that is no parameter, a value that its parameter
+/// does not have.
 pub fn read(path: &Path) -> Result<Config, ConfigurationError> {
-    let text =
-        fs::read_to_string(path).map_err(|problem| ConfigurationError::File { path: path.to_path_buf(), problem })?;
-    File { path, text: &text }.config()
+    parse(&text(path)?, path)
+}
+
+/// Reads a configuration from text; `path` is for messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(text: &str, path: &Path) -> Result<Config, ConfigurationError> {
+    Document { path, text }.config()
 }
 
 /// Reads many configurations from a file of the same keys whose values may be lists: all combinations, each under a
@@ -84,14 +92,37 @@ pub fn read(path: &Path) -> Result<Config, ConfigurationError> {
 /// ```
 ///
 /// # Errors
-/// As [`read`]; an empty list.
+/// As [`read`]; an empty list; more than 10,000 combinations.
 pub fn sweep(path: &Path) -> Result<Vec<(String, Config)>, ConfigurationError> {
-    let text =
-        fs::read_to_string(path).map_err(|problem| ConfigurationError::File { path: path.to_path_buf(), problem })?;
-    File { path, text: &text }.sweep()
+    parse_sweep(&text(path)?, path)
 }
 
-struct File<'f> {
+/// Reads many configurations from text; `path` is for messages.
+///
+/// # Errors
+/// As [`sweep`].
+pub fn parse_sweep(text: &str, path: &Path) -> Result<Vec<(String, Config)>, ConfigurationError> {
+    Document { path, text }.sweep()
+}
+
+/// Bytes of a file at most.
+const MOST_TEXT: u64 = 64 << 10;
+/// Configurations of a sweep at most: all values of all parameters are some hundreds for each format.
+const MOST_CONFIGURATIONS: usize = 10_000;
+
+fn text(path: &Path) -> Result<String, ConfigurationError> {
+    let mut text = String::new();
+    // One byte more than there may be tells what is too large from what just fits.
+    let read = File::open(path).and_then(|file| file.take(MOST_TEXT + 1).read_to_string(&mut text));
+    let fits = read.and_then(|length| match length as u64 > MOST_TEXT {
+        true => Err(Error::new(ErrorKind::FileTooLarge, format!("more than {MOST_TEXT} bytes, expected at most that"))),
+        false => Ok(()),
+    });
+    fits.map_err(|problem| ConfigurationError::File { path: path.to_path_buf(), problem })?;
+    Ok(text)
+}
+
+struct Document<'f> {
     path: &'f Path,
     text: &'f str,
 }
@@ -104,15 +135,27 @@ struct Entry {
     line: usize,
 }
 
-impl File<'_> {
+impl Document<'_> {
     fn config(&self) -> Result<Config, ConfigurationError> {
         let entries: Vec<Entry> = self.entries(false)?.into_iter().flatten().collect();
         self.config_of(&entries)
     }
 
     fn sweep(&self) -> Result<Vec<(String, Config)>, ConfigurationError> {
+        let lists = self.entries(true)?;
+        // Each value by itself first: what is multiplied below are short names of parameters and values.
+        for entry in lists.iter().flatten() {
+            self.config_of(std::slice::from_ref(entry))?;
+        }
         let mut combinations: Vec<(Vec<String>, Vec<Entry>)> = vec![Default::default()];
-        for values in self.entries(true)? {
+        for values in lists {
+            if let [first, ..] = values.as_slice()
+                && combinations.len() * values.len() > MOST_CONFIGURATIONS
+            {
+                let problem = format!("makes more than {MOST_CONFIGURATIONS} configurations, expected at most that");
+                let (path, line, key) = (self.path.to_path_buf(), first.line, first.key.clone());
+                return Err(ConfigurationError::Value { path, line, key, problem });
+            }
             let differs = values.len() > 1;
             let with = |(words, entries): &(Vec<String>, Vec<Entry>), entry: &Entry| {
                 let word =
@@ -148,7 +191,7 @@ impl File<'_> {
                 "sharing" => config.sharing = self.value(entry)?,
                 "unit-latency" => config.unit_latency = self.value(entry)?,
                 _ => {
-                    let (path, line, key) = (self.path.to_path_buf(), entry.line, entry.key.clone());
+                    let (path, line, key) = (self.path.to_path_buf(), entry.line, beginning(&entry.key));
                     return Err(ConfigurationError::UnknownKey { path, line, key });
                 }
             }
@@ -160,7 +203,7 @@ impl File<'_> {
     fn entries(&self, lists: bool) -> Result<Vec<Vec<Entry>>, ConfigurationError> {
         let table = DeTable::parse(self.text).map_err(|error| {
             let line = self.line(error.span().unwrap_or_default());
-            let text = self.text.lines().nth(line - 1).unwrap_or_default().trim().to_string();
+            let text = beginning(self.text.lines().nth(line - 1).unwrap_or_default().trim());
             let problem = error.message().to_string();
             ConfigurationError::Syntax { path: self.path.to_path_buf(), line, text, problem }
         })?;
@@ -187,8 +230,8 @@ impl File<'_> {
     /// A string without its quotes; other values as they are written, of long ones the first line.
     fn in_words(&self, value: &DeValue<'_>, span: Range<usize>) -> String {
         match value {
-            DeValue::String(text) => text.to_string(),
-            _ => self.text.get(span).and_then(|text| text.lines().next()).unwrap_or_default().to_string(),
+            DeValue::String(text) => beginning(text),
+            _ => beginning(self.text.get(span).and_then(|text| text.lines().next()).unwrap_or_default()),
         }
     }
 
@@ -203,5 +246,13 @@ impl File<'_> {
 
     fn line(&self, span: Range<usize>) -> usize {
         1 + self.text.bytes().take(span.start).filter(|&byte| byte == b'\n').count()
+    }
+}
+
+/// As much of a text as a message has room for, and a mark where that is not all. No key and no value is as long.
+fn beginning(text: &str) -> String {
+    match text.char_indices().nth(80) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_string(),
     }
 }

@@ -1,13 +1,14 @@
 //! Engines that carry jobs through the datapath: the functional model, the cycle-exact one, and the netlist itself.
 //! All of them are generic over the model ([`crate::models`] finds it for a configuration).
 
+mod drive;
 mod encoding;
 mod netlist;
 
+pub use drive::{Seen, drive, observe};
 pub use encoding::PortEncoding;
-pub use netlist::NetlistEngine;
+pub use netlist::{Handshake, NetlistEngine};
 
-use crate::traffic::Traffic;
 use raypath_model::{Control, CycleModel, Functional, Loop, Model, OnPorts, Shape};
 use raypath_ops::{JobKind, Outcome};
 use raypath_rtl::{self as rtl, Config, Datapath};
@@ -39,6 +40,10 @@ pub struct Run {
     pub cycles: u64,
     /// Jobs that came out.
     pub jobs: usize,
+    /// Jobs that could not come out: withdrawn, or lost in a reset.
+    pub dropped: usize,
+    /// Outcomes that came out with no job inside.
+    pub spurious: usize,
 }
 
 /// When a configuration's datapath shows what: how its cycle-exact model is shaped.
@@ -52,48 +57,6 @@ pub fn shape(config: Config, datapath: &Datapath) -> Shape {
         Some(Loop { kind, first: found.first as usize, last: found.last as usize })
     });
     Shape { latency: datapath.latency() as usize, control, loops: loops.collect() }
-}
-
-/// Feeds `jobs` to an engine under `traffic`, each presented once, and shows each outcome as it leaves, with its job's
-/// position, until `on_outcome` answers false. Gives up when nothing has left for a long time: then fewer jobs come out
-/// than went in.
-pub fn drive<M: Model, J: Borrow<M::Job>>(
-    engine: &mut dyn Engine<M>,
-    jobs: impl Iterator<Item = J>,
-    traffic: &mut Traffic,
-    mut on_outcome: impl FnMut(usize, M::Outcome) -> bool,
-) -> Run {
-    /// More idle cycles than any traffic makes by chance.
-    const PATIENCE: u64 = 100_000;
-    let mut jobs = jobs.peekable();
-    let mut run = Run::default();
-    let mut accepted = 0;
-    let mut last_progress = 0;
-    if let Some(job) = jobs.peek() {
-        engine.present(job.borrow());
-    }
-    while (jobs.peek().is_some() || run.jobs < accepted) && run.cycles - last_progress < PATIENCE {
-        let (offers, output_ready) = traffic.next_cycle();
-        let input_valid = offers && jobs.peek().is_some();
-        let shown = engine.cycle(input_valid, output_ready);
-        run.cycles += 1;
-        if input_valid && shown.input_ready {
-            accepted += 1;
-            last_progress = run.cycles;
-            jobs.next();
-            if let Some(job) = jobs.peek() {
-                engine.present(job.borrow());
-            }
-        }
-        if let Some(outcome) = shown.output.filter(|_| output_ready) {
-            run.jobs += 1;
-            last_progress = run.cycles;
-            if !on_outcome(run.jobs - 1, outcome) {
-                break;
-            }
-        }
-    }
-    run
 }
 
 /// Answers jobs without time, until `on_outcome` answers false.

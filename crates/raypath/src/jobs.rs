@@ -31,7 +31,7 @@ struct Generator<M> {
 }
 
 /// Numbers at which rules decide.
-fn edges(format: Format) -> [u64; 16] {
+pub(crate) fn edges(format: Format) -> [u64; 16] {
     let last_place = 1;
     let power = |exponent: i64| (bias(format) + exponent).unsigned_abs() << format.fraction_width();
     let minus = 1 << (format.ieee_width() - 1);
@@ -85,15 +85,21 @@ impl<M: Model> Generator<M> {
         let [u, v, w]: [f32; 3] = std::array::from_fn(|_| self.rng.random_range(-0.1..1.0));
         let target: [f32; 3] = std::array::from_fn(|i| (u * a[i] + v * b[i] + w * c[i]) / (u + v + w));
         let target = if grid.is_some() { a } else { target };
-        let direction = std::array::from_fn(|i| target[i] - origin[i]);
+        let direction: [f32; 3] = std::array::from_fn(|i| target[i] - origin[i]);
         let extent = if self.rng.random_bool(0.8) { f32::INFINITY } else { self.rng.random_range(0.0..2.0) * size };
         // Only a direction of zero or a division by zero above is refused; any other scene will do instead.
         let Ok(ray) = Ray::new(origin, direction, extent) else { return self.scene(kind) };
         if kind == JobKind::Triangle {
             return Job::Triangle(RayTriangleInput { ray, triangle: Triangle::new(a, b, c) });
         }
+        // Half of the boxes stand on the ray: of four boxes anywhere more than two are hardly ever hit.
         let aabb = std::array::from_fn(|_| {
-            let (centre, half) = (snap(self.point(size)), snap(self.point(0.5 * size)).map(f32::abs));
+            let (mut centre, half) = (snap(self.point(size)), snap(self.point(0.5 * size)).map(f32::abs));
+            if grid.is_none() && self.rng.random_bool(0.7) {
+                let along = self.rng.random_range(0.2..2.0);
+                let off: [f32; 3] = self.point(0.5);
+                centre = std::array::from_fn(|i| origin[i] + along * direction[i] + half[i] * off[i]);
+            }
             Aabb::new(std::array::from_fn(|i| centre[i] - half[i]), std::array::from_fn(|i| centre[i] + half[i]))
         });
         Job::Quadbox(RayBoxInput { ray, aabb })
@@ -133,6 +139,8 @@ impl<M: Model> Generator<M> {
         model.job(kind, |port| match port {
             "ray_kx" | "ray_ky" | "ray_kz" => self.rng.random_range(0..4),
             "euclidean_mask" if self.rng.random_bool(0.5) => u64::MAX,
+            // A number would leave the lanes off that are beyond its width.
+            "euclidean_mask" => self.rng.random(),
             "euclidean_reset_accum" => self.rng.random_bool(0.1).into(),
             _ if self.rng.random_bool(edges) => self.edges[self.rng.random_range(0..self.edges.len())],
             _ if self.rng.random_bool(0.05) => self.rng.random(),

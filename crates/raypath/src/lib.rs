@@ -36,5 +36,6 @@ pub mod ppa;
 pub mod tables;
 pub mod traffic;
 mod transaction_format;
+mod transaction_lines;
 pub mod transactions;
 pub mod verify;

@@ -1,16 +1,43 @@
 //! When the source offers and the sink takes, and in which order jobs of different modes come.
 
+mod habit;
+mod recorded;
+
+pub use recorded::{RecordedError, read_recorded, recorded_text};
+
 use crate::transactions::Transaction;
+use habit::{Habit, Mood};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_model::{Model, OnPorts};
 use raypath_ops::JobKind;
 use std::collections::VecDeque;
 
+/// What happens around the datapath in one cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Cycle {
+    /// The source offers the job at the ports: `input_valid_i`.
+    pub offers: bool,
+    /// The sink takes what the output shows: `output_ready_i`.
+    pub takes: bool,
+    /// Before the cycle the source withdraws the job at the ports, offered or not, and shows the next.
+    pub withdraws: bool,
+    /// `rst_ni` is 0: source and sink go on as in the cycle before, and nothing passes.
+    pub resets: bool,
+}
+
 /// What source and sink do, cycle by cycle.
 #[derive(Debug, Clone)]
 pub struct Traffic {
-    random: Option<Moods>,
+    pattern: Pattern,
+}
+
+#[derive(Debug, Clone)]
+enum Pattern {
+    Always,
+    Moods(Moods),
+    Eventful(Eventful),
+    Recorded(VecDeque<Cycle>),
 }
 
 /// Source and sink change their minds: for some cycles each is eager, hesitant, rare, or does nothing at all.
@@ -21,45 +48,73 @@ struct Moods {
     sink: Mood,
 }
 
-#[derive(Debug, Clone, Copy, Default)]
-struct Mood {
-    probability: f64,
+/// A habit of the source and one of the sink, with resets and withdrawn jobs; for so many cycles.
+#[derive(Debug, Clone)]
+struct Eventful {
+    rng: ChaCha8Rng,
+    source: Habit,
+    sink: Habit,
+    resets: f64,
+    withdraws: f64,
     cycles_left: u32,
 }
 
-/// How likely source and sink are to act, by mood. Long stalls fill all places of the pipeline.
-const PROBABILITIES: [f64; 6] = [1.0, 0.9, 0.5, 0.1, 0.01, 0.0];
-const LONGEST_MOOD: u32 = 80;
+impl Cycle {
+    /// The source offers and the sink takes.
+    pub const BOTH: Self = Self { offers: true, takes: true, withdraws: false, resets: false };
+}
 
 impl Traffic {
     /// A source that always offers and a sink that always takes.
     pub fn always() -> Self {
-        Self { random: None }
+        Self { pattern: Pattern::Always }
     }
 
     /// Bubbles and stalls, reproducible by `seed`.
     pub fn random(seed: u64) -> Self {
         let rng = ChaCha8Rng::seed_from_u64(seed);
-        Self { random: Some(Moods { rng, source: Mood::default(), sink: Mood::default() }) }
+        Self { pattern: Pattern::Moods(Moods { rng, source: Mood::default(), sink: Mood::default() }) }
     }
 
-    /// Whether the source offers a job and the sink takes one, in the next cycle.
-    pub fn next_cycle(&mut self) -> (bool, bool) {
-        match &mut self.random {
-            None => (true, true),
-            Some(Moods { rng, source, sink }) => (source.acts(rng), sink.acts(rng)),
+    /// For so many cycles everything that may happen: source and sink each have a habit (always, seldom, bursts, long
+    /// stalls, moods), in most seeds there are resets at any moment, and in many the source withdraws jobs. Then always.
+    pub fn eventful(seed: u64, cycles: u32) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let (source, sink) = (Habit::random(&mut rng), Habit::random(&mut rng));
+        let mut one_of = |chances: [f64; 4]| chances[rng.random_range(0..chances.len())];
+        let (resets, withdraws) = (one_of([0.0, 0.003, 0.01, 0.03]), one_of([0.0, 0.0, 0.02, 0.2]));
+        Self { pattern: Pattern::Eventful(Eventful { rng, source, sink, resets, withdraws, cycles_left: cycles }) }
+    }
+
+    /// These cycles, then always.
+    pub fn recorded(cycles: Vec<Cycle>) -> Self {
+        Self { pattern: Pattern::Recorded(cycles.into()) }
+    }
+
+    /// What happens in the next cycle.
+    pub fn next_cycle(&mut self) -> Cycle {
+        match &mut self.pattern {
+            Pattern::Always => Cycle::BOTH,
+            Pattern::Moods(Moods { rng, source, sink }) => {
+                Cycle { offers: source.acts(rng), takes: sink.acts(rng), ..Cycle::default() }
+            }
+            Pattern::Recorded(cycles) => cycles.pop_front().unwrap_or(Cycle::BOTH),
+            Pattern::Eventful(Eventful { cycles_left: 0, .. }) => Cycle::BOTH,
+            Pattern::Eventful(eventful) => eventful.next_cycle(),
         }
     }
 }
 
-impl Mood {
-    fn acts(&mut self, rng: &mut ChaCha8Rng) -> bool {
-        if self.cycles_left == 0 {
-            self.probability = PROBABILITIES[rng.random_range(0..PROBABILITIES.len())];
-            self.cycles_left = rng.random_range(1..=LONGEST_MOOD);
-        }
+impl Eventful {
+    fn next_cycle(&mut self) -> Cycle {
         self.cycles_left -= 1;
-        rng.random_bool(self.probability)
+        let rng = &mut self.rng;
+        Cycle {
+            offers: self.source.acts(rng),
+            takes: self.sink.acts(rng),
+            withdraws: self.withdraws > 0.0 && rng.random_bool(self.withdraws),
+            resets: self.resets > 0.0 && rng.random_bool(self.resets),
+        }
     }
 }
 

@@ -1,13 +1,13 @@
 //! Files of transactions: jobs with the outcomes that were recorded for them.
 
 use crate::transaction_format::{Column, Columns, columns};
-use flate2::read::MultiGzDecoder;
-use raypath_model::{Functional, Model};
-use raypath_ops::JobKind;
+use crate::transaction_lines::Lines;
+use raypath_model::{Functional, Model, OnPorts};
+use raypath_ops::{JobKind, PortValue};
 use raypath_rtl::Config;
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -35,7 +35,7 @@ pub enum TransactionError {
         /// What the system said.
         problem: std::io::Error,
     },
-    /// A line cannot be read: the compressed data are damaged, or it is no text.
+    /// A line cannot be read: the compressed data are damaged, it is no text, or larger than text may be.
     #[error("{}:{line}: {problem}, expected text, plain or gzip", path.display())]
     Line {
         /// The file.
@@ -74,6 +74,14 @@ pub enum TransactionError {
         /// Lanes of its beats, where it has any.
         lanes: Option<usize>,
     },
+    /// More transactions than are held at a time.
+    #[error("{}:{line}: more than {MOST_TRANSACTIONS} transactions, expected at most that (divide the file)", path.display())]
+    TooMany {
+        /// The file.
+        path: PathBuf,
+        /// The line of the first that is too much, from 1.
+        line: usize,
+    },
     /// A field that is no number, or too large a one.
     #[error("{}:{line}: field {field} ({name}) is '{value}', expected {expected}", path.display())]
     Field {
@@ -85,12 +93,15 @@ pub enum TransactionError {
         field: usize,
         /// What it stands for.
         name: String,
-        /// What is there.
+        /// What is there, or its beginning.
         value: String,
         /// What should be.
         expected: String,
     },
 }
+
+/// All transactions of a file are held at once; so many take some gigabytes at most.
+const MOST_TRANSACTIONS: usize = 1 << 22;
 
 fn in_words(lanes: Option<usize>) -> String {
     lanes.map(|lanes| format!(" with {lanes} lanes")).unwrap_or_default()
@@ -100,8 +111,8 @@ fn in_words(lanes: Option<usize>) -> String {
 /// the file's name begins with. Empty lines and lines that begin with `#` are passed over.
 ///
 /// # Errors
-/// A file that cannot be read, a kind that the name does not tell or the configuration does not answer, and lines that
-/// do not fit the kind, the lanes or the format.
+/// A file that cannot be read, a kind that the name does not tell or the configuration does not answer, lines that do not
+/// fit the kind, the lanes or the format, and more than 4,194,304 transactions, 64 KiB in a line or 4 GiB of text.
 pub fn read<M: Model>(
     path: &Path,
     kind: impl Into<Option<JobKind>>,
@@ -109,19 +120,39 @@ pub fn read<M: Model>(
     config: Config,
 ) -> Result<Vec<Transaction<M>>, TransactionError> {
     // Before the name is looked at: a file that is not there is the greater fault than a name that says nothing.
-    let file = open(path).map_err(|problem| TransactionError::File { path: path.to_path_buf(), problem })?;
+    let file = File::open(path).map_err(|problem| TransactionError::File { path: path.to_path_buf(), problem })?;
+    read_from(file, path, kind, model, config)
+}
+
+/// Reads a stream as [`read`] reads a file; `path` is for messages, and for the kind where none is given.
+///
+/// # Errors
+/// As there.
+pub fn read_from<M: Model>(
+    stream: impl Read,
+    path: &Path,
+    kind: impl Into<Option<JobKind>>,
+    model: &M,
+    config: Config,
+) -> Result<Vec<Transaction<M>>, TransactionError> {
+    let mut lines =
+        Lines::new(stream).map_err(|problem| TransactionError::File { path: path.to_path_buf(), problem })?;
     let kind = kind.into().map_or_else(|| kind_of(path), Ok)?;
     if !config.kinds().contains(&kind) {
         return Err(TransactionError::Unsupported { path: path.to_path_buf(), kind, config });
     }
     let parser = Parser { path, kind, model, columns: columns(kind, config) };
     let mut transactions = Vec::new();
-    for (index, line) in file.lines().enumerate() {
-        let unreadable = |problem| TransactionError::Line { path: path.to_path_buf(), line: index + 1, problem };
-        let line = line.map_err(unreadable)?;
-        if !line.trim().is_empty() && !line.starts_with('#') {
-            transactions.push(parser.parse(index + 1, &line)?);
+    for line in 1.. {
+        let unreadable = |problem| TransactionError::Line { path: path.to_path_buf(), line, problem };
+        let Some(text) = lines.next().map_err(unreadable)? else { break };
+        if text.trim().is_empty() || text.starts_with('#') {
+            continue;
         }
+        if transactions.len() == MOST_TRANSACTIONS {
+            return Err(TransactionError::TooMany { path: path.to_path_buf(), line });
+        }
+        transactions.push(parser.parse(line, text)?);
     }
     Ok(transactions)
 }
@@ -131,13 +162,6 @@ fn kind_of(path: &Path) -> Result<JobKind, TransactionError> {
     let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
     let kind = JobKind::ALL.into_iter().find(|kind| name.starts_with(kind.name()));
     kind.ok_or_else(|| TransactionError::UnknownKind(path.to_path_buf()))
-}
-
-fn open(path: &Path) -> std::io::Result<Box<dyn BufRead>> {
-    let mut file = BufReader::new(File::open(path)?);
-    let is_gzip = file.fill_buf()?.starts_with(&[0x1f, 0x8b]);
-    let plain: Box<dyn Read> = if is_gzip { Box::new(MultiGzDecoder::new(file)) } else { Box::new(file) };
-    Ok(Box::new(BufReader::new(plain)))
 }
 
 struct Parser<'p, M> {
@@ -193,7 +217,7 @@ impl<M: Model> Parser<'_, M> {
             line,
             field: index + 1,
             name: name.to_string(),
-            value: text.to_string(),
+            value: text.chars().take(40).flat_map(char::escape_debug).collect(),
             expected: format!("hexadecimal digits, at most {:x}", u64::MAX >> (64 - width)),
         })
     }
@@ -204,4 +228,25 @@ pub fn merge<M: Model>(files: Vec<Vec<Transaction<M>>>) -> Vec<Transaction<M>> {
     let mut stream: Vec<Transaction<M>> = files.into_iter().flatten().collect();
     stream.sort_by_key(|transaction| transaction.seq);
     stream
+}
+
+/// Transactions of one kind as the text of a file.
+pub fn text<M: Model>(kind: JobKind, transactions: &[Transaction<M>], config: Config) -> String {
+    let columns = columns(kind, config);
+    let mut text = String::new();
+    for Transaction { seq, category, job, expected } in transactions {
+        let inputs = written(&columns.inputs, &job.ports());
+        let outputs = written(&columns.outputs, &expected.ports());
+        text += &format!("{seq:x} {category:x} {inputs} {outputs}\n");
+    }
+    text
+}
+
+fn written(columns: &[Column], ports: &[PortValue]) -> String {
+    let of_column = |column: &Column| {
+        let bits = ports.iter().find(|port| port.name == column.port).map_or(0, |port| port.bits);
+        let mask = u64::MAX >> (64 - column.width);
+        format!("{:x}", bits >> column.bit.unwrap_or(0) & mask)
+    };
+    columns.iter().map(of_column).collect::<Vec<_>>().join(" ")
 }

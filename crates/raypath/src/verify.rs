@@ -2,26 +2,38 @@
 //!
 //! `docs/verification.md` has the same items with their results.
 
+pub mod campaign;
+pub mod coverage;
+mod files;
+mod geometry;
+pub mod layout;
+pub mod models;
 mod mutation;
+pub mod oracle;
+mod parallel;
+pub mod parsers;
+pub mod shrink;
+pub mod stimuli;
 
-pub use raypath_verify::{Error, Level, Request, Shard, ShardError, Step, Verdict};
+pub use raypath_verify::{Error, Item, Level, Request, Shard, ShardError, Step, Verdict};
 
-/// A claim that can be verified.
-pub struct Item {
-    /// What it is called on the command line.
-    pub name: &'static str,
-    /// What is claimed.
-    pub claim: &'static str,
-    /// By what it is judged: something that shares no code with what is verified.
-    pub oracle: &'static str,
-    /// Verifies it.
-    pub run: fn(&mut Request<'_>) -> Result<Verdict, Error>,
-}
+use raypath_verify::{control, unit_proofs, units};
 
 /// All items, in the order of `docs/verification.md`.
-pub const ITEMS: &[Item] = &[Item {
-    name: "mutation",
-    claim: "the everyday tests kill at least 99 % of the faults in the netlist that are not proven equivalent",
-    oracle: "the checks that the everyday tests make: units against the host's f32, the datapath against its models",
-    run: mutation::run,
-}];
+pub const ITEMS: &[Item] = &[
+    units::TESTFLOAT,
+    units::CONVERSIONS,
+    units::SMALL_FORMATS,
+    unit_proofs::UNIT_PROOFS,
+    unit_proofs::ADDER_PROOF,
+    unit_proofs::MULTIPLIER_PROOF,
+    control::CONTROL,
+    geometry::WATERTIGHT,
+    geometry::BOXES,
+    geometry::TRIANGLE_DISTANCE,
+    geometry::SUMS,
+    models::ITEM,
+    campaign::ITEM,
+    mutation::ITEM,
+    parsers::ITEM,
+];

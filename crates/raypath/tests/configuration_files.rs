@@ -1,6 +1,6 @@
 //! Configurations in TOML: what a file says is what is built, and the table of presets is the only one.
 
-use raypath::configuration::{read, sweep};
+use raypath::configuration::{parse_sweep, read, sweep};
 use raypath::rtl::{Config, Control, Lanes, PRESETS, UnitLatency};
 use std::path::Path;
 
@@ -73,6 +73,40 @@ fn what_is_wrong_is_named() {
     std::fs::write(&path, [0xff, 0xfe]).expect("a file");
     let bytes = read(&path).expect_err("no text").to_string();
     assert!(bytes.contains("bytes.toml: ") && bytes.contains("UTF-8"), "{bytes}");
+}
+
+#[test]
+fn what_is_too_large_is_an_error() {
+    let comment = |bytes: usize| format!("#{}", "a".repeat(bytes - 1));
+    assert_eq!(parse(&comment(65536)), Ok(Config::DEFAULT));
+    let error = parse(&comment(65537)).expect_err("too large");
+    assert_eq!(error, "raypath.toml: more than 65536 bytes, expected at most that");
+    // A message has room for the beginning of a value or a key; and none is made valid by its end's missing.
+    for text in [format!("format = 'e5s{}11x'", "0".repeat(75)), format!("{} = 1", "k".repeat(10_000))] {
+        let error = parse(&text).expect_err("too long");
+        assert!(error.contains('…') && error.len() < 400, "{error}");
+    }
+}
+
+/// Values in values are calls in calls.
+#[test]
+fn depth_is_bounded() {
+    for (open, close) in [("[", "]"), ("{a=", "}"), ("a.", "")] {
+        let text = format!("lanes = {}2{}", open.repeat(15_000), close.repeat(15_000));
+        let text = if open == "a." { format!("{}a = 2", open.repeat(15_000)) } else { text };
+        assert!(parse(&text).is_err());
+    }
+}
+
+/// Seven lists of a few hundred values each were 10¹⁷ configurations.
+#[test]
+fn a_sweep_is_bounded() {
+    let path = Path::new("sweep.toml");
+    let list = |key: &str, value: &str, times| format!("{key} = [{}]\n", vec![value; times].join(","));
+    let hundred = list("lanes", "2", 100) + &list("unit-latency", "1", 100);
+    assert_eq!(parse_sweep(&hundred, path).expect("configurations").len(), 10_000);
+    let error = parse_sweep(&(hundred + &list("io", "'ieee'", 300)), path).expect_err("too many").to_string();
+    assert_eq!(error, "sweep.toml:3: io: makes more than 10000 configurations, expected at most that");
 }
 
 #[test]

@@ -130,8 +130,8 @@ impl Visitor for Check {
 
     fn visit<M: Model>(self, model: M) {
         let config = self.config;
-        let mut netlist =
-            NetlistEngine::new(model.clone(), config, |_| false).unwrap_or_else(|error| panic!("{config}: {error}"));
+        let mut netlist = NetlistEngine::new(model.clone(), config, Everyday::observes)
+            .unwrap_or_else(|error| panic!("{config}: {error}"));
         let checks = Everyday { config, seed: self.seed };
         checks
             .check(&mut netlist, &model)

@@ -1,7 +1,7 @@
 //! A second oracle, in integers, for formats beyond the reach of the first: a finite number is `factor * 2^exponent`.
 
 use raypath_float::Format;
-use raypath_verify::operands::Answer;
+use raypath_verify::bench::Answer;
 
 /// What the units must say of two IEEE 754 codes.
 pub fn answer(format: Format, a: u64, b: u64) -> Answer {
@@ -11,10 +11,12 @@ pub fn answer(format: Format, a: u64, b: u64) -> Answer {
             let (sum, difference) = (x.plus(y), x.plus(Finite { negative: !y.negative, ..y }));
             Answer {
                 sum: sum.code(format),
+                difference: difference.code(format),
                 product: x.times(y).code(format),
                 less: difference.factor != 0 && difference.negative,
                 equal: difference.factor == 0,
                 unordered: false,
+                parts_differ: 0,
             }
         }
         _ => {
@@ -22,10 +24,12 @@ pub fn answer(format: Format, a: u64, b: u64) -> Answer {
             let (x, y) = (x.representative(), y.representative());
             Answer {
                 sum: special_code(format, x + y),
+                difference: special_code(format, x - y),
                 product: special_code(format, x * y),
                 less: x < y,
                 equal: x == y,
                 unordered: x.is_nan() || y.is_nan(),
+                parts_differ: 0,
             }
         }
     }

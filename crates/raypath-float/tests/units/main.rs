@@ -1,9 +1,23 @@
 //! Tests of the units: netlists executed as they stand, and in Verilator, against oracles that share nothing with them.
 
-mod bench;
 mod binary32;
 mod exact;
 mod integer;
 mod other_formats;
 mod small_formats;
 mod verilator;
+
+use raypath_float::Format;
+use raypath_hdl::{Error, Module};
+use raypath_verify::bench::{Bench, Converter, Ports, Units};
+use std::sync::Arc;
+
+/// The units of a format in simulation.
+fn bench(format: Format, ports: Ports) -> Bench {
+    Units::of(format).and_then(|units| Bench::new(&units, ports)).expect("the bench runs")
+}
+
+/// A converter in simulation.
+fn converter(unit: Result<Arc<Module>, Error>) -> Converter {
+    unit.and_then(|unit| Converter::new(&unit)).expect("the converter runs")
+}

@@ -1,12 +1,13 @@
 //! Random operands in formats between the exhaustible ones and the largest, by both oracles where both reach.
 
-use crate::bench::{Bench, Ports};
+use crate::bench;
 use crate::binary32::cases;
 use crate::exact::Exact;
 use crate::{integer, small_formats};
 use rand::Rng;
 use raypath_float::Format;
-use raypath_verify::operands::{Answer, generator};
+use raypath_verify::bench::{Answer, Ports};
+use raypath_verify::operands::generator;
 
 #[test]
 fn binary16() {
@@ -60,7 +61,7 @@ fn by_integers(e: u32, s: u32) {
 /// Of each eight pairs, four are any, three of near exponents, and one of exponents whose product is near the subnormal
 /// range.
 fn random_operands(format: Format, expected: impl Fn(u64, u64) -> Answer) {
-    let mut bench = Bench::new(format, Ports::Ieee);
+    let mut bench = bench(format, Ports::Ieee);
     let mut random = generator(u64::from(format.exponent()) << 8 | u64::from(format.significand()));
     let (mask, fraction_width) = ((1 << format.ieee_width()) - 1, format.significand() - 1);
     let exponents = (1 << format.exponent()) - 1;

@@ -1,9 +1,9 @@
 //! Every operand of formats small enough, and every accepted recoded word.
 
-use crate::bench::{Bench, Converter, Ports};
 use crate::exact::{Exact, sum};
+use crate::{bench, converter};
 use raypath_float::{decode, encode};
-use raypath_verify::operands::Answer;
+use raypath_verify::bench::{Answer, Ports};
 
 /// Among them: the significand at its bound for the exponent (3, 5), subnormal ranges as wide as the normal one (3, 4),
 /// and widths of shifters at, above and below powers of two.
@@ -13,7 +13,7 @@ const FORMATS: [(u32, u32); 8] = [(3, 3), (3, 4), (3, 5), (4, 3), (4, 4), (4, 5)
 fn operands_in_ieee_layout() {
     for (e, s) in FORMATS {
         let exact = Exact::new(e, s);
-        let mut bench = Bench::new(exact.format, Ports::Ieee);
+        let mut bench = bench(exact.format, Ports::Ieee);
         for a in exact.ieee_codes() {
             for b in exact.ieee_codes() {
                 let (x, y) = (exact.ieee_value(a), exact.ieee_value(b));
@@ -29,7 +29,7 @@ fn recoded_operands_canonical_or_not() {
     for (e, s) in FORMATS {
         let exact = Exact::new(e, s);
         let words = exact.recoded_words();
-        let mut bench = Bench::new(exact.format, Ports::Recoded);
+        let mut bench = bench(exact.format, Ports::Recoded);
         for &(a, x) in &words {
             for &(b, y) in &words {
                 let expected = answer(x, y, |number| exact.recoded_word(exact.ieee_value(exact.ieee_code(number))));
@@ -44,14 +44,14 @@ fn conversions() {
     for (e, s) in FORMATS.into_iter().chain([(4, 7), (5, 11), (6, 4), (6, 14), (8, 8), (10, 5)]) {
         let exact = Exact::new(e, s);
         let format = exact.format;
-        let mut encoder = Converter::new(encode(format));
+        let mut encoder = converter(encode(format));
         for code in exact.ieee_codes() {
             let number = exact.ieee_value(code);
             let expected = exact.recoded_word(number);
             assert_eq!(encoder.run(code), expected, "{format}: encoding {code:#x} ({number})");
             assert_eq!(format.encode(code), expected, "{format}: encoding {code:#x} ({number}) in software");
         }
-        let mut decoder = Converter::new(decode(format));
+        let mut decoder = converter(decode(format));
         for (word, number) in exact.recoded_words() {
             let expected = exact.ieee_code(number);
             assert_eq!(decoder.run(word), expected, "{format}: decoding {word:#x} ({number})");
@@ -64,9 +64,11 @@ fn conversions() {
 pub fn answer(x: f64, y: f64, code: impl Fn(f64) -> u64) -> Answer {
     Answer {
         sum: code(sum(x, y)),
+        difference: code(sum(x, -y)),
         product: code(x * y),
         less: x < y,
         equal: x == y,
         unordered: x.is_nan() || y.is_nan(),
+        parts_differ: 0,
     }
 }

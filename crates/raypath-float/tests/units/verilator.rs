@@ -1,13 +1,13 @@
 //! The emitted SystemVerilog: in Verilator against the same oracles, and before the linters.
 
-use crate::bench::{self, OUTPUTS, Ports, answer_of};
 use crate::exact::Exact;
 use crate::small_formats;
 use rand::Rng;
 use raypath_cosim::{Sources, Verilated};
 use raypath_float::Format;
 use raypath_hdl::{Builder, Error, Module};
-use raypath_verify::operands::{Answer, answer, generator, number};
+use raypath_verify::bench::{Answer, OUTPUTS, Ports, Units};
+use raypath_verify::operands::{answer, generator, number};
 use std::sync::Arc;
 
 /// Operands of one bench, and what it must answer.
@@ -17,9 +17,9 @@ type Case = (u64, u64, Answer);
 fn every_small_operand_and_a_sample_of_binary32() -> Result<(), Box<dyn std::error::Error>> {
     let exact = Exact::new(3, 4);
     let benches = [
-        (bench::module(exact.format, Ports::Ieee)?, small_cases(&exact, Ports::Ieee)),
-        (bench::module(exact.format, Ports::Recoded)?, small_cases(&exact, Ports::Recoded)),
-        (bench::module(Format::BINARY32, Ports::Ieee)?, binary32_cases()),
+        (Units::of(exact.format)?.bench(Ports::Ieee)?, small_cases(&exact, Ports::Ieee)),
+        (Units::of(exact.format)?.bench(Ports::Recoded)?, small_cases(&exact, Ports::Recoded)),
+        (Units::of(Format::BINARY32)?.bench(Ports::Ieee)?, binary32_cases()),
     ];
     let modules = benches.each_ref().map(|(module, _)| module.clone());
     let folder = tempfile::tempdir()?;
@@ -31,7 +31,12 @@ fn every_small_operand_and_a_sample_of_binary32() -> Result<(), Box<dyn std::err
     let mut answered = 0;
     verilated.run(frames, |cycle, outputs| {
         for ((module, (a, b, expected)), seen) in in_cycle(cycle).zip(outputs.chunks_exact(OUTPUTS.len())) {
-            assert_eq!(answer_of(seen), expected, "{}: {a:#x}, {b:#x}", module.name());
+            assert_eq!(
+                Answer::of(seen.try_into().expect("all outputs of a bench")),
+                expected,
+                "{}: {a:#x}, {b:#x}",
+                module.name()
+            );
             answered += 1;
         }
     })?;
@@ -43,7 +48,7 @@ fn every_small_operand_and_a_sample_of_binary32() -> Result<(), Box<dyn std::err
 fn linters_are_silent() -> Result<(), Box<dyn std::error::Error>> {
     for (e, s) in [(8, 24), (3, 4), (5, 11), (8, 8), (3, 3), (11, 24)] {
         let folder = tempfile::tempdir()?;
-        Sources::write(&bench::module(Format::new(e, s)?, Ports::Ieee)?, folder.path())?.lint()?;
+        Sources::write(&Units::of(Format::new(e, s)?)?.bench(Ports::Ieee)?, folder.path())?.lint()?;
     }
     Ok(())
 }

@@ -1,14 +1,15 @@
 //! What the everyday tests ask of every configuration.
 
+use crate::check::canonical::{Watched, is_number_register};
 use crate::check::{Timing, lockstep, timing};
 use crate::engine::{CycleEngine, Engine, NetlistEngine, drive};
 use crate::jobs::random;
-use crate::traffic::Traffic;
+use crate::traffic::{Cycle, Traffic};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_model::Model;
 use raypath_ops::JobKind;
-use raypath_rtl::Config;
+use raypath_rtl::{Config, Encoding};
 
 /// The checks of one configuration, reproducible by `seed`.
 #[derive(Debug, Clone, Copy)]
@@ -29,6 +30,11 @@ pub struct Failed {
 }
 
 impl Everyday {
+    /// Which signals, by hierarchical name, the checks look at: the netlist must be compiled so that they can be observed.
+    pub fn observes(name: &str) -> bool {
+        is_number_register(name)
+    }
+
     /// All checks, until one fails. `model` is one for the configuration, its accumulators at zero; the netlist may be
     /// in any state.
     ///
@@ -38,6 +44,7 @@ impl Everyday {
         let named = |check| move |what| Failed { check, what };
         netlist.reset();
         self.answers_like_the_models(netlist, model).map_err(named("lockstep"))?;
+        self.holds_canonical_words(netlist, model).map_err(named("canonical words"))?;
         self.keeps_step_through_resets(netlist, model).map_err(named("resets"))?;
         self.is_as_fast_as_promised(netlist, model).map_err(named("timing"))
     }
@@ -60,6 +67,22 @@ impl Everyday {
         expect(found.stalled > 100, || format!("{} cycles stalled", found.stalled))
     }
 
+    /// Where registers are recoded, each holds a canonical word in every cycle, whatever the jobs.
+    fn holds_canonical_words<M: Model>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+        const JOBS: usize = 3000;
+        if self.config.registers != Encoding::Recoded {
+            return Ok(());
+        }
+        netlist.reset();
+        let mut watched = Watched::new(netlist, self.config.format);
+        let registers = watched.registers();
+        expect(registers > 10, || format!("{registers} number registers can be observed"))?;
+        let jobs = self.jobs(model, self.config.kinds()).take(JOBS);
+        let run = drive(&mut watched, jobs, &mut Traffic::random(self.seed), |_, _| true);
+        expect(run.jobs == JOBS, || format!("{} of {JOBS} jobs", run.jobs))?;
+        watched.found.map_or(Ok(()), Err)
+    }
+
     /// Resets at any moment, with jobs of all kinds in flight; the ports are full of other jobs while none is offered.
     fn keeps_step_through_resets<M: Model>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
@@ -75,7 +98,7 @@ impl Everyday {
             }
             netlist.present(&job);
             modelled.present(&job);
-            let (offers, output_ready) = traffic.next_cycle();
+            let Cycle { offers, takes: output_ready, .. } = traffic.next_cycle();
             let (shown, expected) = (netlist.cycle(offers, output_ready), modelled.cycle(offers, output_ready));
             expect(shown == expected, || {
                 format!("cycle {cycle}: shows {shown:?}, the cycle-exact model {expected:?}")

@@ -64,3 +64,9 @@ impl From<raypath::hdl::Error> for Failure {
         Self::Unusable(error.to_string())
     }
 }
+
+impl From<raypath::traffic::RecordedError> for Failure {
+    fn from(error: raypath::traffic::RecordedError) -> Self {
+        Self::Unusable(error.to_string())
+    }
+}

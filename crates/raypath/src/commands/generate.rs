@@ -47,13 +47,23 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     writeln!(
         out,
         "Wrote {} modules to {folder}/rtl, listed in {folder}/raypath.f, and all of them to",
-        files.len() - 3
+        files.len() - 4
     )?;
-    writeln!(out, "{folder}/raypath.sv; a picture of the pipeline to {folder}/pipeline.svg.\n")?;
+    writeln!(
+        out,
+        "{folder}/raypath.sv; assertions for simulators to {folder}/raypath_properties.sv; a picture of the pipeline"
+    )?;
+    writeln!(out, "to {folder}/pipeline.svg.\n")?;
     with_model(config, Check { datapath: &datapath, config, arguments, out })
 }
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// What the file of assertions says of itself.
+const PROPERTIES: &[&str] = &[
+    "What the pipeline's control promises, as assertions. Compile this file after raypath.sv, with assertions on",
+    "(verilator --assert); its last lines bind the checkers to the modules. `raypath verify control` proves them.",
+];
 
 /// Everything that is written, by path.
 fn files(datapath: &Datapath, config: Config, folder: &Path) -> Result<Vec<(PathBuf, String)>, Failure> {
@@ -69,13 +79,14 @@ fn files(datapath: &Datapath, config: Config, folder: &Path) -> Result<Vec<(Path
     }
     files.push((folder.join("raypath.f"), list));
     files.push((folder.join("raypath.sv"), all));
+    files.push((folder.join("raypath_properties.sv"), head(&banner, PROPERTIES) + &datapath.properties().to_string()));
     files.push((folder.join("pipeline.svg"), picture::pipeline(datapath, config)));
     Ok(files)
 }
 
 /// The comment at the head of the file that has all modules: what it came from, and Table VII.
-fn head(banner: &[String], doc: &[String]) -> String {
-    let lines = banner.iter().map(String::as_str).chain([""]).chain(doc.iter().map(String::as_str));
+fn head(banner: &[String], doc: &[impl AsRef<str>]) -> String {
+    let lines = banner.iter().map(String::as_str).chain([""]).chain(doc.iter().map(AsRef::as_ref));
     lines.map(|line| format!("// {line}").trim_end().to_string() + "\n").collect()
 }
 

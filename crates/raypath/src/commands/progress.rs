@@ -42,9 +42,9 @@ impl Progress {
             None if self.last_line.elapsed() > BETWEEN_LINES && self.last_done != Some(done) => {
                 // Progress that nobody can read is no reason to stop.
                 let rate = done as f64 / self.begin.elapsed().as_secs_f64();
-                let left = self.total.saturating_sub(done) as f64 / rate.max(f64::MIN_POSITIVE);
-                let pace = format!("{rate:.0}/s, {left:.0} s left");
-                let _ = writeln!(std::io::stderr(), "{done} of {} {}, {pace}", self.total, self.what);
+                let left = self.total.saturating_sub(done) as f64 / rate;
+                let pace = if done == 0 { String::new() } else { format!(", {rate:.0}/s, {left:.0} s left") };
+                let _ = writeln!(std::io::stderr(), "{done} of {} {}{pace}", self.total, self.what);
                 self.last_line = Instant::now();
                 self.last_done = Some(done);
             }

@@ -5,6 +5,7 @@ use crate::commands::configuration::ConfigArguments;
 use crate::commands::progress::Progress;
 use crate::commands::stream::StreamArguments;
 use clap::{Args, ValueEnum};
+use raypath::check::SideBySide;
 use raypath::engine::{CycleEngine, Engine, NetlistEngine, Run, drive, evaluate, shape};
 use raypath::format::Format;
 use raypath::model::{Model, OnPorts};
@@ -19,7 +20,7 @@ use std::time::Instant;
 pub struct Arguments {
     #[command(flatten)]
     stream: StreamArguments,
-    /// What runs the jobs: the functional model, the cycle-exact model, or the netlist
+    /// What runs the jobs: the functional model, the cycle-exact model, the netlist, or the latter two side by side
     #[arg(long, value_enum, default_value_t = EngineKind::Model)]
     engine: EngineKind,
     /// How many mismatches to show field by field
@@ -34,6 +35,8 @@ enum EngineKind {
     Model,
     Cycle,
     Netlist,
+    /// The netlist, with its ports compared in every cycle with the cycle-exact model's
+    Both,
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
@@ -55,32 +58,51 @@ impl Visitor for Replay<'_> {
         let begin = Instant::now();
         let mut progress = Progress::new("jobs", stream.len());
         let mut tally = Tally::new(&stream, self.config.format, self.arguments.show);
-        let run = self.carry(model, &stream, |index, outcome| {
+        let mut differences = Vec::new();
+        let run = self.carry(model, &stream, &mut differences, |index, outcome| {
             tally.compare(index, outcome);
             progress.at(index + 1)
         })?;
         let stopped = progress.finish(run.jobs);
         tally.report(&run, begin, self.out)?;
-        tally.verdict(&run, stopped)
+        differences.iter().try_for_each(|difference| writeln!(self.out, "\n{difference}"))?;
+        match differences.len() {
+            0 => tally.verdict(&run, stopped),
+            _ => Err(Failure::Mismatch("the netlist and the models differ".to_string())),
+        }
     }
 }
 
 impl Replay<'_> {
-    /// Runs the stream through the engine that was asked for, until `on_outcome` says stop.
+    /// Runs the stream through the engine that was asked for, until `on_outcome` says stop. `differences` gets the first
+    /// few between two engines.
     fn carry<M: Model>(
         &self,
         model: M,
         stream: &[Transaction<M>],
+        differences: &mut Vec<String>,
         on_outcome: impl FnMut(usize, M::Outcome) -> bool,
     ) -> Result<Run, Failure> {
         let config = self.config;
+        let mut traffic = self.arguments.stream.traffic()?;
+        if self.arguments.stream.is_recorded() && self.arguments.engine == EngineKind::Model {
+            let problem = "--engine model knows no cycles, expected cycle, netlist or both with recorded handshakes";
+            return Err(Failure::Unusable(problem.to_string()));
+        }
         let jobs = stream.iter().map(|transaction| &transaction.job);
         let mut engine: Box<dyn Engine<M>> = match self.arguments.engine {
             EngineKind::Model => return Ok(evaluate(model, jobs, on_outcome)),
             EngineKind::Cycle => Box::new(CycleEngine::new(model, &shape(config, &Datapath::new(config)?))),
             EngineKind::Netlist => Box::new(NetlistEngine::new(model, config, |_| false)?),
+            EngineKind::Both => {
+                let mut netlist = NetlistEngine::new(model.clone(), config, |_| false)?;
+                let mut both = SideBySide::new(&mut netlist, model, |_| {});
+                let run = drive(&mut both, jobs, &mut traffic, on_outcome);
+                *differences = both.differences;
+                return Ok(run);
+            }
         };
-        Ok(drive(engine.as_mut(), jobs, &mut self.arguments.stream.traffic(), on_outcome))
+        Ok(drive(engine.as_mut(), jobs, &mut traffic, on_outcome))
     }
 }
 
@@ -135,7 +157,10 @@ impl<'s, M: Model> Tally<'s, M> {
             return Err(Failure::Mismatch(problem));
         }
         stopped?;
-        match self.stream.len() - run.jobs {
+        if run.spurious > 0 {
+            return Err(Failure::Mismatch(format!("{} outcomes came out that belong to no job", run.spurious)));
+        }
+        match self.stream.len() - run.jobs - run.dropped {
             0 => Ok(()),
             lost => Err(Failure::Mismatch(format!("{lost} jobs never came out"))),
         }

@@ -1,11 +1,11 @@
 //! The options that say which transactions run, and how: shared by `replay` and `wave`.
 
 use crate::commands::Failure;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use raypath::model::Model;
 use raypath::ops::JobKind;
 use raypath::rtl::Config;
-use raypath::traffic::{Traffic, interleave};
+use raypath::traffic::{Traffic, interleave, read_recorded};
 use raypath::transactions::{Transaction, merge, read};
 use std::path::PathBuf;
 
@@ -18,8 +18,8 @@ pub struct StreamArguments {
     /// What kind of jobs the files hold, if their names do not begin with it
     #[arg(long, value_name = "triangle|quadbox|euclidean|angular")]
     kind: Option<JobKind>,
-    /// Offer and take in every cycle, or stall the sink and starve the source at random
-    #[arg(long, value_enum, default_value_t = Handshake::Always)]
+    /// Offer and take in every cycle, stall the sink and starve the source at random, or as a file says
+    #[arg(long, default_value = "always", value_name = "always|random|FILE")]
     handshake: Handshake,
     /// Mix the modes freely, while each keeps its own order
     #[arg(long)]
@@ -29,10 +29,21 @@ pub struct StreamArguments {
     seed: u64,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+#[derive(Debug, Clone)]
 enum Handshake {
     Always,
     Random,
+    Recorded(PathBuf),
+}
+
+impl From<&str> for Handshake {
+    fn from(text: &str) -> Self {
+        match text {
+            "always" => Self::Always,
+            "random" => Self::Random,
+            path => Self::Recorded(path.into()),
+        }
+    }
 }
 
 impl StreamArguments {
@@ -50,10 +61,16 @@ impl StreamArguments {
     }
 
     /// When source and sink act.
-    pub fn traffic(&self) -> Traffic {
-        match self.handshake {
+    pub fn traffic(&self) -> Result<Traffic, Failure> {
+        Ok(match &self.handshake {
             Handshake::Always => Traffic::always(),
             Handshake::Random => Traffic::random(self.seed),
-        }
+            Handshake::Recorded(path) => Traffic::recorded(read_recorded(path)?),
+        })
+    }
+
+    /// Whether the handshakes are those of a file, with resets perhaps.
+    pub fn is_recorded(&self) -> bool {
+        matches!(self.handshake, Handshake::Recorded(_))
     }
 }

@@ -52,7 +52,8 @@ impl Visitor for Wave<'_> {
         let total = arguments.jobs.map_or(stream.len(), |jobs| stream.len().min(jobs as usize));
         let mut progress = Progress::new("jobs", total);
         let jobs = stream[..total].iter().map(|transaction| &transaction.job);
-        let run = drive(&mut waving, jobs, &mut arguments.stream.traffic(), |index, _| progress.at(index + 1));
+        let mut traffic = arguments.stream.traffic()?;
+        let run = drive(&mut waving, jobs, &mut traffic, |index, _| progress.at(index + 1));
         progress.finish(run.jobs)?;
         if let Some(failed) = waving.failed {
             return Err(failed.into());
@@ -84,14 +85,21 @@ impl<M: Model> Engine<M> for Waving<M> {
 
     fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
         let shown = self.netlist.cycle(input_valid, output_ready);
-        if self.failed.is_none() {
-            self.failed = self.waves.sample(self.netlist.simulator(), self.cycle).err();
-        }
-        self.cycle += 1;
+        self.sample();
         shown
     }
 
     fn reset(&mut self) {
         self.netlist.reset();
+        self.sample();
+    }
+}
+
+impl<M: Model> Waving<M> {
+    fn sample(&mut self) {
+        if self.failed.is_none() {
+            self.failed = self.waves.sample(self.netlist.simulator(), self.cycle).err();
+        }
+        self.cycle += 1;
     }
 }

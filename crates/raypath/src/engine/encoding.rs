@@ -1,5 +1,5 @@
 use raypath_format::Format;
-use raypath_ops::{PortKind, PortValue};
+use raypath_ops::PortKind;
 use raypath_rtl::{Config, Encoding};
 
 /// How numbers stand at a datapath's ports, while jobs and outcomes have them in IEEE 754's layout.
@@ -16,14 +16,16 @@ impl PortEncoding {
     }
 
     /// The bits that stand at the port for a value. For a number of an outcome there are no others.
-    pub fn to_port(self, value: &PortValue) -> u64 {
-        match (value.kind, self.io) {
-            (PortKind::Number, Encoding::Recoded) => self.format.encode(value.bits),
-            (PortKind::Number, Encoding::Ieee) | (PortKind::Flags | PortKind::Word, _) => value.bits,
+    #[inline]
+    pub fn to_port(self, kind: PortKind, bits: u64) -> u64 {
+        match (kind, self.io) {
+            (PortKind::Number, Encoding::Recoded) => self.format.encode(bits),
+            (PortKind::Number, Encoding::Ieee) | (PortKind::Flags | PortKind::Word, _) => bits,
         }
     }
 
     /// The value for which these bits stand at a port.
+    #[inline]
     pub fn from_port(self, kind: PortKind, bits: u64) -> u64 {
         match (kind, self.io) {
             (PortKind::Number, Encoding::Recoded) => self.format.decode(bits),

@@ -1,9 +1,8 @@
 use crate::engine::{Engine, PortEncoding, Shown, shape};
 use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
 use raypath_model::{Functional, Model, OnPorts, Shape};
-use raypath_ops::{JobKind, PortKind};
+use raypath_ops::{JobKind, PortKind, PortValue};
 use raypath_rtl::{Config, Datapath};
-use std::collections::HashMap;
 use std::sync::Arc;
 
 /// The netlist, simulated, as an engine.
@@ -12,15 +11,32 @@ pub struct NetlistEngine<M: Model = Functional> {
     simulator: Simulator,
     encoding: PortEncoding,
     shape: Shape,
-    inputs: HashMap<String, InputPort>,
-    /// All output ports but the handshake's.
-    outputs: HashMap<String, OutputPort>,
-    handshake: Handshake,
-    /// The ports that each kind of outcome has.
-    owned: [HashMap<String, PortKind>; JobKind::ALL.len()],
+    /// The ports that each kind of job has, in the order of its words; those that the configuration lacks are `None`.
+    inputs: [Vec<Place<InputPort>>; JobKind::ALL.len()],
+    /// The same of outcomes.
+    outputs: [Vec<Place<OutputPort>>; JobKind::ALL.len()],
+    /// The output ports, but the handshake's, that each kind of outcome does not have.
+    foreign: [Vec<OutputPort>; JobKind::ALL.len()],
+    /// All of them, by name.
+    names: Vec<(String, OutputPort)>,
+    ports: HandshakePorts,
+    /// Room for a job's or an outcome's words.
+    words: Vec<u64>,
 }
 
-struct Handshake {
+/// What the handshake's ports showed in the last cycle, before its clock edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Handshake {
+    /// `input_ready_o`.
+    pub input_ready: bool,
+    /// `output_valid_o`.
+    pub output_valid: bool,
+}
+
+/// A port, if there is one, and what its bits mean.
+type Place<P> = (Option<P>, PortKind);
+
+struct HandshakePorts {
     input_valid: InputPort,
     output_ready: InputPort,
     opcode: InputPort,
@@ -49,32 +65,22 @@ impl<M: Model> NetlistEngine<M> {
         datapath: &Datapath,
         observed: impl Fn(&str) -> bool,
     ) -> Result<Self, raypath_rtl::Error> {
-        Self::over(model, config, shape(config, datapath), datapath.top(), observed)
+        Self::of_module(model, config, datapath.top(), shape(config, datapath), observed)
     }
 
-    /// Compiles any module that has the ports of a configuration's datapath and should behave as its cycle-exact model of
-    /// this shape: the datapath with a fault, for one.
+    /// Compiles a module that has a datapath's ports, and should behave as one of this shape does.
     ///
     /// # Errors
     /// A module that lacks one of the ports that all datapaths have.
-    pub fn over(
+    pub fn of_module(
         model: M,
         config: Config,
-        shape: Shape,
         top: &Arc<Module>,
+        shape: Shape,
         observed: impl Fn(&str) -> bool,
     ) -> Result<Self, raypath_rtl::Error> {
         let simulator = Simulator::observing(top, observed)?;
-        let mut inputs = HashMap::new();
-        for port in top.inputs() {
-            inputs.insert(port.stem().to_string(), simulator.input(&port.name)?);
-        }
-        let mut outputs = HashMap::new();
-        let not_handshake = |stem: &str| !["input_ready", "output_valid", "opcode"].contains(&stem);
-        for port in top.outputs().iter().filter(|port| not_handshake(port.stem())) {
-            outputs.insert(port.stem().to_string(), simulator.output(&port.name)?);
-        }
-        let handshake = Handshake {
+        let ports = HandshakePorts {
             input_valid: simulator.input("input_valid_i")?,
             output_ready: simulator.input("output_ready_i")?,
             opcode: simulator.input("opcode_i")?,
@@ -82,12 +88,26 @@ impl<M: Model> NetlistEngine<M> {
             output_valid: simulator.output("output_valid_o")?,
             opcode_out: simulator.output("opcode_o")?,
         };
-        let owned = JobKind::ALL.map(|kind| {
-            let ports = model.outcome(kind, |_| 0).ports().into_iter();
-            ports.map(|port| (port.name, port.kind)).collect::<HashMap<_, _>>()
+        let mut names = Vec::new();
+        let not_handshake = |stem: &str| !["input_ready", "output_valid", "opcode"].contains(&stem);
+        for port in top.outputs().iter().filter(|port| not_handshake(port.stem())) {
+            names.push((port.stem().to_string(), simulator.output(&port.name)?));
+        }
+        names.sort_by(|a, b| a.0.cmp(&b.0));
+        let output = |port: &PortValue| names.iter().find(|(name, _)| *name == port.name).map(|(_, output)| *output);
+        let outcomes = JobKind::ALL.map(|kind| model.outcome(kind, |_| 0).ports());
+        let outputs = outcomes.map(|ports| ports.iter().map(|port| (output(port), port.kind)).collect::<Vec<_>>());
+        let foreign = JobKind::ALL.map(|kind| {
+            let is_own = |output: &OutputPort| outputs[kind as usize].iter().any(|(own, _)| *own == Some(*output));
+            names.iter().map(|(_, output)| *output).filter(|output| !is_own(output)).collect()
         });
-        let encoding = PortEncoding::of(config);
-        let mut engine = Self { model, simulator, encoding, shape, inputs, outputs, handshake, owned };
+        let input = |port: &PortValue| simulator.input(&format!("{}_i", port.name)).ok();
+        let inputs = JobKind::ALL.map(|kind| {
+            let job_ports = model.job(kind, |_| 0).ports();
+            job_ports.iter().map(|port| (input(port), port.kind)).collect::<Vec<_>>()
+        });
+        let (encoding, words) = (PortEncoding::of(config), Vec::new());
+        let mut engine = Self { model, simulator, encoding, shape, inputs, outputs, foreign, names, ports, words };
         engine.reset();
         Ok(engine)
     }
@@ -102,51 +122,78 @@ impl<M: Model> NetlistEngine<M> {
         &self.shape
     }
 
+    /// Begins again as a new engine does: unlike [`reset`](Engine::reset) this forgets the data registers too.
+    pub fn restart(&mut self) {
+        self.simulator.restart();
+        self.reset();
+    }
+
+    /// What [`Engine::cycle`] does, without a look at the outcome: what [`shows`](Self::shows) is for.
+    pub fn clock(&mut self, input_valid: bool, output_ready: bool) -> Handshake {
+        self.simulator.set(self.ports.input_valid, input_valid.into());
+        self.simulator.set(self.ports.output_ready, output_ready.into());
+        self.simulator.cycle();
+        self.handshake()
+    }
+
+    /// What the handshake's ports showed in the last cycle, or in the last one of a reset.
+    pub fn handshake(&self) -> Handshake {
+        let is_set = |port| self.simulator.get(port) == 1;
+        Handshake { input_ready: is_set(self.ports.input_ready), output_valid: is_set(self.ports.output_valid) }
+    }
+
+    /// Whether the output ports, all of them, showed this outcome in the last cycle, as they should: ports of other modes
+    /// are zero, and a number has one encoding only.
+    pub fn shows(&mut self, outcome: &M::Outcome) -> bool {
+        let (kind, simulator, encoding) = (outcome.kind(), &self.simulator, self.encoding);
+        outcome.words(&mut self.words);
+        let places = self.outputs[kind as usize].iter().zip(&self.words);
+        simulator.get(self.ports.opcode_out) == kind.opcode()
+            && places
+                .into_iter()
+                .all(|(&(port, of), &bits)| port.is_none_or(|port| simulator.get(port) == encoding.to_port(of, bits)))
+            && self.foreign[kind as usize].iter().all(|&port| simulator.get(port) == 0)
+    }
+
     /// The output ports that do not show what they should if this was the outcome in the last cycle, in words: ports of
     /// other modes are zero, and a number has one encoding only. Whether the outcome is right it does not say.
     pub fn improper_outputs(&self, outcome: &M::Outcome) -> Vec<String> {
-        let values = outcome.ports().into_iter();
-        let proper: HashMap<String, u64> =
-            values.map(|value| (value.name.clone(), self.encoding.to_port(&value))).collect();
-        let shown = self.outputs.iter().map(|(name, &port)| (name, self.simulator.get(port)));
-        let mut improper: Vec<String> = shown
-            .map(|(name, bits)| (name, bits, proper.get(name).copied().unwrap_or(0)))
-            .filter(|(_, bits, proper)| bits != proper)
-            .map(|(name, bits, proper)| format!("{name}_o is {bits:x}, expected {proper:x}"))
-            .collect();
-        improper.sort();
-        improper
+        let values = outcome.ports();
+        let proper = |name: &str| {
+            let value = values.iter().find(|value| value.name == name);
+            value.map_or(0, |value| self.encoding.to_port(value.kind, value.bits))
+        };
+        let shown = self.names.iter().map(|(name, port)| (name, self.simulator.get(*port), proper(name)));
+        let improper = shown.filter(|(_, bits, proper)| bits != proper);
+        improper.map(|(name, bits, proper)| format!("{name}_o is {bits:x}, expected {proper:x}")).collect()
     }
 
-    /// What the output ports show.
-    fn outcome(&self) -> Option<M::Outcome> {
-        let opcode = self.simulator.get(self.handshake.opcode_out);
+    /// What the output ports showed in the last cycle; `None` where the opcode is none.
+    pub fn outcome(&self) -> Option<M::Outcome> {
+        let opcode = self.simulator.get(self.ports.opcode_out);
         let kind = JobKind::ALL.into_iter().find(|kind| kind.opcode() == opcode)?;
-        let owned = &self.owned[kind as usize];
-        Some(self.model.outcome(kind, |name| match (self.outputs.get(name), owned.get(name)) {
-            (Some(&port), Some(&kind)) => self.encoding.from_port(kind, self.simulator.get(port)),
-            _ => 0,
-        }))
+        let word = |&(port, kind): &Place<OutputPort>| {
+            port.map_or(0, |port| self.encoding.from_port(kind, self.simulator.get(port)))
+        };
+        let words: Vec<u64> = self.outputs[kind as usize].iter().map(word).collect();
+        Some(self.model.outcome_of_words(kind, &words))
     }
 }
 
 impl<M: Model> Engine<M> for NetlistEngine<M> {
     fn present(&mut self, job: &M::Job) {
-        self.simulator.set(self.handshake.opcode, job.kind().opcode());
-        for value in job.ports() {
-            if let Some(&input) = self.inputs.get(&value.name) {
-                self.simulator.set(input, self.encoding.to_port(&value));
+        self.simulator.set(self.ports.opcode, job.kind().opcode());
+        job.words(&mut self.words);
+        for (&(port, kind), &bits) in self.inputs[job.kind() as usize].iter().zip(&self.words) {
+            if let Some(port) = port {
+                self.simulator.set(port, self.encoding.to_port(kind, bits));
             }
         }
     }
 
     fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
-        self.simulator.set(self.handshake.input_valid, input_valid.into());
-        self.simulator.set(self.handshake.output_ready, output_ready.into());
-        self.simulator.cycle();
-        let valid = self.simulator.get(self.handshake.output_valid) == 1;
-        let input_ready = self.simulator.get(self.handshake.input_ready) == 1;
-        Shown { input_ready, output: if valid { self.outcome() } else { None } }
+        let Handshake { input_ready, output_valid } = self.clock(input_valid, output_ready);
+        Shown { input_ready, output: if output_valid { self.outcome() } else { None } }
     }
 
     fn reset(&mut self) {

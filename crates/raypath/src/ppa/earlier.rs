@@ -1,8 +1,11 @@
 //! Figures of an earlier measurement, or of somebody else's design.
 
-use raypath_ppa::Error;
+use raypath_ppa::{Error, read_within};
 use serde::Deserialize;
 use std::path::Path;
+
+/// More than any report has: some hundred kilobytes.
+const MOST_BYTES: u64 = 64 << 20;
 
 /// What a comparison needs of a `ppa.json`. Only the whole area, the flip-flops and the slowest path must be there, so
 /// that a design of other stages, or one that was measured otherwise, can be written down by hand.
@@ -52,14 +55,21 @@ impl Earlier {
     /// Reads `ppa.json` in a folder.
     ///
     /// # Errors
-    /// It cannot be read, or is no report.
+    /// It cannot be read, is larger than 64 MiB, or is no report.
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let path = folder.join("ppa.json");
-        let bytes = match std::fs::read(&path) {
-            Ok(bytes) => bytes,
-            Err(problem) => return Err(Error::File { path, doing: "read", problem }),
-        };
-        serde_json::from_slice(&bytes).map_err(|problem| Error::Unexpected {
+        match read_within(&path, MOST_BYTES) {
+            Ok(bytes) => Self::parse(&bytes, &path),
+            Err(problem) => Err(Error::File { path, doing: "read", problem }),
+        }
+    }
+
+    /// Reads the JSON of a report; `path` is for messages.
+    ///
+    /// # Errors
+    /// It is no report.
+    pub fn parse(json: &[u8], path: &Path) -> Result<Self, Error> {
+        serde_json::from_slice(json).map_err(|problem| Error::Unexpected {
             program: path.display().to_string(),
             found: problem.to_string(),
             expected: "a report as `raypath ppa` writes it".to_string(),

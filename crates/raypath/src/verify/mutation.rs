@@ -1,5 +1,6 @@
 //! Mutation: whether the everyday tests notice a fault in the netlist.
 
+mod explained;
 mod logic;
 mod passes;
 mod report;
@@ -7,16 +8,13 @@ mod sample;
 mod trial;
 mod units;
 
-use crate::verify::{Error, Level, Request, Verdict};
+use crate::verify::{Error, Item, Level, Request, Verdict, parallel};
 use raypath_hdl::mutate::{Fault, replace};
 use raypath_rtl::{Config, Control, Lanes, UnitLatency};
 use report::Report;
 use sample::{Subject, choose, subjects};
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::Duration;
 use trial::Trial;
 
 /// The datapaths whose modules get faults: the default, and small ones with the modules that it does not have.
@@ -30,9 +28,6 @@ const CONFIGS: [Config; 4] = [
 /// Where the fate of each mutant is written.
 const LIST: &str = "build/verify/mutants.txt";
 
-/// Bytes of a thread's stack: proofs descend from the outputs to the inputs.
-const STACK: usize = 64 << 20;
-
 /// What became of a mutant.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Fate {
@@ -44,12 +39,17 @@ enum Fate {
     Survived(&'static str),
 }
 
-/// The item `mutation`: faults of every module, each before the checks of the everyday tests.
-///
-/// # Errors
-/// A datapath that cannot be elaborated or compiled, and a list that cannot be written.
-pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let count = request.jobs.unwrap_or(request.level.pick(60, 2400, 10_000)) as usize;
+/// The item of `raypath verify`.
+pub const ITEM: Item = Item {
+    name: "mutation",
+    claim: "the everyday tests kill at least 99 % of the faults in the netlist that are not proven equivalent",
+    oracle: "the checks that the everyday tests make: units against the host's f32, the datapath against its models",
+    run,
+};
+
+/// Faults of every module, each before the checks of the everyday tests.
+fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
+    let count = request.jobs.unwrap_or(request.level.pick(40, 2400, 10_000)) as usize;
     let subjects = subjects(&CONFIGS)?;
     let mutants = choose(&subjects, count, request.seed);
     let proves_modules = request.level > Level::Everyday;
@@ -73,46 +73,22 @@ fn judge<'s>(
     request: &mut Request<'_>,
     judge: Judge<'_>,
 ) -> Result<Report<'s>, Error> {
-    let mine: Vec<&Mutant<'_>> =
-        mutants.iter().zip(0..).filter(|(_, n)| request.shard.takes(*n)).map(|(m, _)| m).collect();
-    let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let (send, receive) = channel();
-    let mut report = Report::new(subjects, mine.len());
-    std::thread::scope(|scope| {
-        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
-            let (send, next, stop, mine) = (send.clone(), &next, &stop, &mine);
-            let work = move || {
-                while !stop.load(Ordering::Relaxed)
-                    && let Some(mutant) = mine.get(next.fetch_add(1, Ordering::Relaxed))
-                {
-                    let fate = trial(mutant).and_then(|trial| judge(&trial));
-                    if send.send(fate.map(|fate| (*mutant, fate))).is_err() {
-                        return;
-                    }
-                }
-            };
-            let worker = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);
-            worker.map_err(|problem| Error::Program {
-                program: "raypath".to_string(),
-                problem: format!("no thread: {problem}"),
-                expected: "a system that gives threads".to_string(),
-            })?;
+    let total = mutants.len() as u64;
+    let (judged, _) = parallel::run(request, total, |queue| {
+        let mut judged = Vec::new();
+        while let Some(mutant) = queue.next().and_then(|number| mutants.get(number as usize)) {
+            let fate = trial(mutant).and_then(|trial| judge(&trial));
+            if fate.is_err() {
+                queue.end();
+            }
+            judged.push((mutant, fate));
         }
-        drop(send);
-        let found = loop {
-            match receive.recv_timeout(Duration::from_millis(100)) {
-                Ok(Ok((mutant, fate))) => report.add(mutant, fate),
-                Ok(Err(error)) => break Err(error),
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => break Ok(()),
-            }
-            if !(request.watch)(report.step()) {
-                stop.store(true, Ordering::Relaxed);
-            }
-        };
-        stop.store(true, Ordering::Relaxed);
-        found
-    })?;
+        judged
+    });
+    let mut report = Report::new(subjects, request.shard.share(total) as usize);
+    for (mutant, fate) in judged.into_iter().flatten() {
+        report.add(mutant, fate?);
+    }
     Ok(report)
 }
 

@@ -6,7 +6,7 @@ use rand::RngExt;
 use raypath::engine::{CycleEngine, Engine};
 use raypath::model::{Functional, Shape};
 use raypath::ops::Rules;
-use raypath::traffic::Traffic;
+use raypath::traffic::{Cycle, Traffic};
 
 /// Bubbles, stalls, all modes mixed, resets at any time; while nothing is offered the input ports change all the same.
 #[test]
@@ -28,7 +28,7 @@ fn netlist_and_cycle_model_agree_in_every_cycle() {
                         model.reset();
                         seen.resets += 1;
                     }
-                    let (offers, output_ready) = traffic.next_cycle();
+                    let Cycle { offers, takes: output_ready, .. } = traffic.next_cycle();
                     let job = if offers { &jobs[next] } else { &noise[rng.random_range(0..noise.len())] };
                     netlist.present(job);
                     model.present(job);

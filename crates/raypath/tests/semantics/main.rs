@@ -5,7 +5,6 @@
 
 mod answers;
 mod exact;
-mod oracle;
 mod random;
 #[path = "../recorded/mod.rs"]
 mod recorded;
@@ -31,3 +30,5 @@ mod original_faults;
 mod rounding;
 mod timing;
 mod unsupported_opcode;
+
+use raypath::verify::oracle;

@@ -5,7 +5,7 @@ use raypath::engine::PortEncoding;
 use raypath::hdl::Module;
 use raypath::model::{Elastic, Model, OnPorts, Shape};
 use raypath::ops::JobKind;
-use raypath::traffic::Traffic;
+use raypath::traffic::{self, Traffic};
 use std::collections::HashMap;
 
 /// What one cycle puts on the inputs, and what the outputs must show.
@@ -58,13 +58,13 @@ impl<M: Model> Stimulus<'_, M> {
                 self.answers.reset();
                 left = accepted;
             }
-            let (offers, output_ready) = self.traffic.next_cycle();
+            let traffic::Cycle { offers, takes: output_ready, .. } = self.traffic.next_cycle();
             let job = self.jobs.get(accepted);
             if let Some(job) = job {
                 inputs[places["opcode_i"]] = job.kind().opcode();
                 for port in job.ports() {
                     if let Some(&place) = places.get(format!("{}_i", port.name).as_str()) {
-                        inputs[place] = self.encoding.to_port(&port);
+                        inputs[place] = self.encoding.to_port(port.kind, port.bits);
                     }
                 }
             }
@@ -107,7 +107,7 @@ impl<O: OnPorts> Expected<O> {
     pub fn fault(&self, top: &Module, values: &[u64]) -> Option<String> {
         let ports = self.output.iter().flat_map(O::ports);
         let mut expected: HashMap<String, u64> =
-            ports.map(|port| (format!("{}_o", port.name), self.encoding.to_port(&port))).collect();
+            ports.map(|port| (format!("{}_o", port.name), self.encoding.to_port(port.kind, port.bits))).collect();
         expected.insert("input_ready_o".to_string(), self.input_ready.into());
         expected.insert("output_valid_o".to_string(), self.output.is_some().into());
         if let Some(outcome) = self.output {

@@ -71,7 +71,10 @@ fn what_generate_writes_is_clean() {
     let all = folder.path().join("raypath.sv");
     lint_verilator(std::slice::from_ref(&all), "raypath", &["-Wno-DECLFILENAME"]).expect("a clean file");
     lint_yosys(&all, "raypath").expect("a clean file");
-    lint_slang(&[all]).expect("a clean file");
+    lint_slang(std::slice::from_ref(&all)).expect("a clean file");
+    let bound = [all, folder.path().join("raypath_properties.sv")];
+    lint_verilator(&bound, "raypath", &["--assert", "-Wno-DECLFILENAME"]).expect("clean assertions");
+    lint_slang(&bound).expect("clean assertions");
 }
 
 /// The linters find what they are there for.

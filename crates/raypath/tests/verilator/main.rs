@@ -2,6 +2,7 @@
 
 mod frames;
 mod lint;
+mod properties;
 #[path = "../recorded/mod.rs"]
 mod recorded;
 mod replay;

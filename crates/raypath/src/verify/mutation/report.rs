@@ -1,11 +1,11 @@
 //! What became of the mutants, in numbers and in words.
 
+use super::explained::reason;
 use super::sample::Subject;
 use super::{Fate, Mutant};
-use crate::verify::{Error, Step, Verdict};
+use crate::verify::{Error, Verdict, files};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 
 /// The mutants judged so far.
@@ -60,10 +60,6 @@ impl<'s> Report<'s> {
         self.judged.sort_by(|a, b| (&a.config, &a.fault).cmp(&(&b.config, &b.fault)));
     }
 
-    pub fn step(&self) -> Step {
-        Step { done: self.judged.len() as u64, total: self.total as u64 }
-    }
-
     fn count<'j>(judged: impl Iterator<Item = &'j Judged>) -> Count {
         judged.fold(Count::default(), |count, judged| Count {
             faults: count.faults + 1,
@@ -114,20 +110,18 @@ impl<'s> Report<'s> {
 
     fn survivors(&self) -> impl Iterator<Item = String> {
         self.judged.iter().filter_map(|judged| match judged.fate {
-            Fate::Survived(why) => Some(format!("survivor: {} ({}); {why}", judged.fault, judged.config)),
+            Fate::Survived(why) => {
+                let reason = reason(&judged.module, &judged.fault);
+                let reason = reason.map_or(String::new(), |reason| format!("; explained: {reason}"));
+                Some(format!("survivor: {} ({}); {why}{reason}", judged.fault, judged.config))
+            }
             _ => None,
         })
     }
 
     /// Writes every mutant with its fate, by module, whole or not at all.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        let failed = |problem| Error::File { path: path.to_path_buf(), problem };
-        let folder = path.parent().unwrap_or(Path::new("."));
-        std::fs::create_dir_all(folder).map_err(failed)?;
-        let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
-        file.write_all(self.text().as_bytes()).map_err(failed)?;
-        file.persist(path).map_err(|problem| failed(problem.error))?;
-        Ok(())
+        files::write(path, &self.text())
     }
 
     fn text(&self) -> String {

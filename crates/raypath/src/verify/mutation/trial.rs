@@ -9,8 +9,15 @@ use crate::models::{Visitor, with_model};
 use crate::verify::Error;
 use raypath_hdl::Module;
 use raypath_model::Model;
-use raypath_verify::equivalence::{Equivalence, equivalent};
+use raypath_verify::equivalence::Equivalence;
+use raypath_verify::proof::Prover;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+use std::time::Duration;
+
+/// What a comparison of two modules may take, Yosys and ABC each.
+const LIMIT: Duration = Duration::from_secs(20);
 
 /// A mutant.
 pub struct Trial<'s> {
@@ -51,7 +58,7 @@ impl Trial<'_> {
         if original.name() == self.subject.datapath.top.name() {
             return Ok(Fate::Survived("not alike to every job"));
         }
-        match equivalent(original, &self.module) {
+        match compared(original, &self.module) {
             Ok(Equivalence::Proved) => Ok(Fate::Equivalent("alike as modules")),
             Ok(Equivalence::Different(_)) => Ok(Fate::Survived("different as modules")),
             Ok(Equivalence::Undecided(_)) => Ok(Fate::Survived("undecided as modules")),
@@ -59,6 +66,25 @@ impl Trial<'_> {
             Err(other) => Err(other),
         }
     }
+}
+
+/// Compares two modules, within [`LIMIT`].
+fn compared(original: &Arc<Module>, changed: &Arc<Module>) -> Result<Equivalence, Error> {
+    let prover = Prover::find()?;
+    let stop = AtomicBool::new(false);
+    let (done, is_done) = mpsc::channel::<()>();
+    std::thread::scope(|scope| {
+        let stop = &stop;
+        scope.spawn(move || {
+            // It is over when nobody holds `done` any more.
+            if is_done.recv_timeout(2 * LIMIT) == Err(mpsc::RecvTimeoutError::Timeout) {
+                stop.store(true, Ordering::Relaxed);
+            }
+        });
+        let found = prover.equivalent(&[(original, changed)], LIMIT, stop);
+        drop(done);
+        Ok(found?.remove(0))
+    })
 }
 
 /// The checks of a whole datapath.
@@ -72,7 +98,8 @@ impl Visitor for Whole<'_> {
 
     fn visit<M: Model>(self, model: M) -> Self::Answer {
         let Elaborated { config, shape, .. } = self.datapath;
-        let mut netlist = NetlistEngine::over(model.clone(), *config, shape.clone(), self.top, |_| false)?;
+        let mut netlist =
+            NetlistEngine::of_module(model.clone(), *config, self.top, shape.clone(), Everyday::observes)?;
         Ok(Everyday { config: *config, seed: 1 }.check(&mut netlist, &model))
     }
 }

@@ -1,7 +1,8 @@
 //! Bits and words of circuits whose values are known.
 
-/// What a [`Circuit`](raypath_ops::Circuit) implements for bits that are `bool` and words that are `u32`, and its
-/// multiplexers.
+/// What a [`Circuit`](crate::Circuit) implements for bits that are `bool` and words that are `u32`, and its multiplexers:
+/// the part that is the same for all circuits whose values are known, whatever their numbers are.
+#[macro_export]
 macro_rules! known_bits_and_words {
     () => {
         #[inline]
@@ -46,5 +47,3 @@ macro_rules! known_bits_and_words {
         }
     };
 }
-
-pub(crate) use known_bits_and_words;

@@ -1,28 +1,32 @@
-//! Table VII and the rules of `docs/semantics.md`, written once more, from the text: each operation in binary64 and rounded once.
+//! Table VII and the rules of `docs/semantics.md`, written once more, from the text: each operation in binary64 and
+//! rounded once. For rules `paper`, 16 lanes and binary32.
 //!
 //! Why one rounding: binary64 has 53 ≥ 2·24 + 2 bits, so that rounding a sum, difference or product of binary32 numbers
 //! first to 53 and then to 24 bits gives what rounding once gives. Where the result is subnormal the binary64 one is
 //! exact (products have 48 bits, and sums that small are multiples of 2^-149).
 
-use raypath::ops::{
+use raypath_ops::{
     AngularInput, AngularOutput, Beat, Binary32, EuclideanInput, EuclideanOutput, Flags, Job, Num, Outcome,
     RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Word,
 };
 
+/// The sum, rounded once.
 pub fn add(a: f32, b: f32) -> f32 {
     (f64::from(a) + f64::from(b)) as f32
 }
 
+/// The difference, rounded once.
 pub fn sub(a: f32, b: f32) -> f32 {
     (f64::from(a) - f64::from(b)) as f32
 }
 
+/// The product, rounded once.
 pub fn mul(a: f32, b: f32) -> f32 {
     (f64::from(a) * f64::from(b)) as f32
 }
 
 /// The datapath by rules `paper`, job by job.
-#[derive(Default)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Oracle {
     euclidean: f32,
     dot_product: f32,
@@ -30,6 +34,7 @@ pub struct Oracle {
 }
 
 impl Oracle {
+    /// What the datapath should answer; a beat leaves its sum for the next.
     pub fn run(&mut self, job: &Job) -> Outcome {
         match job {
             Job::Triangle(input) => {
@@ -49,7 +54,7 @@ impl Oracle {
     fn euclidean(&mut self, input: &EuclideanInput<Binary32, 16>) -> Outcome {
         let Beat { a, b, mask, reset_accum } = input.euclidean;
         let lane = |i: usize| if bool::from(mask.0[i]) { sub(a[i].into(), b[i].into()) } else { 0.0 };
-        let squares = (0..16).map(|i| mul(lane(i), lane(i))).collect();
+        let squares: [f32; 16] = std::array::from_fn(|i| mul(lane(i), lane(i)));
         let sum = add(self.euclidean, halving_tree(squares));
         self.euclidean = if reset_accum.into() { 0.0 } else { sum };
         Outcome::Euclidean(EuclideanOutput { euclidean_accumulator: sum.into(), euclidean_reset_accum: reset_accum })
@@ -58,8 +63,8 @@ impl Oracle {
     fn angular(&mut self, input: &AngularInput<Binary32, 8>) -> Outcome {
         let Beat { a, b, mask, reset_accum } = input.euclidean;
         let lane = |v: [Num<Binary32>; 8], i: usize| if bool::from(mask.0[i]) { f32::from(v[i]) } else { 0.0 };
-        let dots = (0..8).map(|i| mul(lane(a, i), lane(b, i))).collect();
-        let squares = (0..8).map(|i| mul(lane(b, i), lane(b, i))).collect();
+        let dots: [f32; 8] = std::array::from_fn(|i| mul(lane(a, i), lane(b, i)));
+        let squares: [f32; 8] = std::array::from_fn(|i| mul(lane(b, i), lane(b, i)));
         let (dot, norm) = (add(self.dot_product, halving_tree(dots)), add(self.norm, halving_tree(squares)));
         (self.dot_product, self.norm) = if reset_accum.into() { (0.0, 0.0) } else { (dot, norm) };
         Outcome::Angular(AngularOutput {
@@ -71,25 +76,34 @@ impl Oracle {
 }
 
 /// Lane i + lane i + w/2 until one is left.
-fn halving_tree(lanes: Vec<f32>) -> f32 {
-    if lanes.len() == 1 {
-        return lanes[0];
+fn halving_tree<const N: usize>(mut lanes: [f32; N]) -> f32 {
+    let mut width = N;
+    while width > 1 {
+        width /= 2;
+        for i in 0..width {
+            lanes[i] = add(lanes[i], lanes[i + width]);
+        }
     }
-    let (low, high) = lanes.split_at(lanes.len() / 2);
-    halving_tree(low.iter().zip(high).map(|(&a, &b)| add(a, b)).collect())
+    lanes[0]
 }
 
 /// The values of the triangle column that a rule reads.
 #[derive(Debug, Clone, Copy)]
 pub struct TriangleSteps {
+    /// Against edge BC.
     pub u: f32,
+    /// Against edge CA.
     pub v: f32,
+    /// Against edge AB.
     pub w: f32,
+    /// Numerator of the distance.
     pub t_num: f32,
+    /// Denominator of the distance.
     pub t_denom: f32,
 }
 
 impl TriangleSteps {
+    /// The column, from top to bottom.
     pub fn of(input: &RayTriangleInput<Binary32>) -> Self {
         let RayTriangleInput { ray, triangle } = input;
         let origin: [f32; 3] = ray.origin.into();
@@ -116,7 +130,7 @@ impl TriangleSteps {
         !any_nan && u >= 0.0 && v >= 0.0 && w >= 0.0 && t_denom != 0.0 && t_num > 0.0
     }
 
-    /// The original (NOTES.md, Triangle).
+    /// Ruling 6 by rules `chisel`.
     pub fn hit_by_chisel(self) -> bool {
         let Self { u, v, w, t_num, t_denom } = self;
         !(u < 0.0 || v < 0.0 || w < 0.0 || t_num < 0.0) && t_denom != 0.0
@@ -127,25 +141,25 @@ impl TriangleSteps {
 fn quadbox_by_paper(input: &RayBoxInput<Binary32>) -> Outcome {
     let origin: [f32; 3] = input.ray.origin.into();
     let inv: [f32; 3] = input.ray.inv.into();
-    let mut places: Vec<(bool, f32, usize)> = (0..4)
-        .map(|index| {
-            let aabb = input.aabb[index];
-            let (mut nears, mut fars) = (vec![0.0], vec![f32::from(input.ray.extent)]);
-            for (axis, slab) in [aabb.x, aabb.y, aabb.z].into_iter().enumerate() {
-                let distance = |bound: Num<Binary32>| mul(sub(bound.into(), origin[axis]), inv[axis]);
-                let (near, far) = (distance(slab.min), distance(slab.max));
-                let swap = inv[axis].is_sign_negative();
-                nears.push(if swap { far } else { near });
-                fars.push(if swap { near } else { far });
-            }
-            let is_number = |x: &f32| !x.is_nan();
-            let tmin = nears.into_iter().filter(is_number).fold(0.0, |a: f32, b| if b > a { b } else { a });
-            let tmax = fars.into_iter().filter(is_number).reduce(|a, b| if b < a { b } else { a });
-            let hit = tmax.is_some_and(|tmax| tmin <= tmax);
-            (hit, if hit { tmin } else { f32::INFINITY }, index)
-        })
-        .collect();
-    places.sort_by(|a, b| (!a.0, a.1, a.2).partial_cmp(&(!b.0, b.1, b.2)).expect("no distance is a NaN"));
+    let extent = f32::from(input.ray.extent);
+    let mut places: [(bool, f32, usize); 4] = std::array::from_fn(|index| {
+        let aabb = input.aabb[index];
+        let (mut nears, mut fars) = ([0.0; 4], [extent; 4]);
+        for (axis, slab) in [aabb.x, aabb.y, aabb.z].into_iter().enumerate() {
+            let distance = |bound: Num<Binary32>| mul(sub(bound.into(), origin[axis]), inv[axis]);
+            let (near, far) = (distance(slab.min), distance(slab.max));
+            let swap = inv[axis].is_sign_negative();
+            nears[axis] = if swap { far } else { near };
+            fars[axis] = if swap { near } else { far };
+        }
+        let is_number = |x: &f32| !x.is_nan();
+        let tmin = nears.into_iter().filter(is_number).fold(0.0, |a: f32, b| if b > a { b } else { a });
+        let tmax = fars.into_iter().filter(is_number).reduce(|a, b| if b < a { b } else { a });
+        let hit = tmax.is_some_and(|tmax| tmin <= tmax);
+        (hit, if hit { tmin } else { f32::INFINITY }, index)
+    });
+    // Hits first; no distance is a NaN, nor negative.
+    places.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
     Outcome::Quadbox(RayBoxOutput {
         is_intersect: Flags::new(std::array::from_fn(|i| places[i].0)),
         tmin: std::array::from_fn(|i| places[i].1.into()),

@@ -1,0 +1,87 @@
+//! Everything that this crate reads, as functions of bytes: what `raypath verify parsers` and the fuzz targets call. Each
+//! says whether it took the bytes, and panics where it took them for what they cannot be.
+
+use crate::cache::whole;
+use crate::design::RegisterKind;
+use crate::library::Library;
+use crate::names::RegisterNames;
+use crate::netlist::Netlist;
+use crate::place::Placed;
+use crate::report::Report;
+use crate::structural;
+use crate::synthesis::{chip_area, json, netlist};
+use crate::timing;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::LazyLock;
+
+/// A cell library in Liberty, plain or gzip.
+pub fn library(bytes: &[u8]) -> bool {
+    let Ok(library) = Library::read_from(bytes, Path::new("cells.lib")) else { return false };
+    assert!(library.nand2_area() > 0.0 && library.nand2_area().is_finite() && library.load().is_finite());
+    // What is handed to Yosys and OpenSTA is the library that was understood here.
+    let again = Library::read_from(library.text().as_bytes(), Path::new("again.lib")).expect("its own text");
+    assert_eq!((again.digest(), again.nand2(), again.buffer()), (library.digest(), library.nand2(), library.buffer()));
+    true
+}
+
+/// A synthesised module as Yosys writes it in JSON, with all that is made of it: places, areas, Verilog for OpenSTA.
+pub fn yosys_netlist(bytes: &[u8]) -> bool {
+    let registers = registers();
+    let names = json(bytes).map(|names| RegisterNames::new(names, "raypath", &registers)).unwrap_or_default();
+    let Ok(top) = netlist(bytes, "raypath", &names, &CELLS) else { return false };
+    let unit = netlist(bytes, "raypath_fp_add", &RegisterNames::default(), &CELLS).ok();
+    let units: BTreeMap<String, Netlist> = unit.into_iter().map(|unit| (unit.module.clone(), unit)).collect();
+    let groups = ["u_a", "u_b", "raypath"].map(str::to_string);
+    let placed = Placed::new(&top, &units, &CELLS, &groups, &registers);
+    assert_eq!(placed.areas(&units, &CELLS).len(), groups.len());
+    let text = structural::module(&top, |index| structural::cell_name(index, &placed.roles[index]));
+    assert!(text.ends_with("endmodule\n"));
+    true
+}
+
+/// What Yosys's `stat` prints.
+pub fn yosys_statistics(bytes: &[u8]) -> bool {
+    chip_area(&String::from_utf8_lossy(bytes)).is_some()
+}
+
+/// What OpenSTA prints.
+pub fn opensta_paths(bytes: &[u8]) -> bool {
+    let said = String::from_utf8_lossy(bytes);
+    let found = (0..5).filter_map(|ends| timing::paths(&said, ends).ok()).flatten().flatten();
+    let found: Vec<_> = found.collect();
+    for path in &found {
+        assert!(path.arrival.is_finite() && path.setup.is_finite() && !path.points.is_empty());
+    }
+    !found.is_empty()
+}
+
+/// A kept result: a netlist or a report, gzip or plain.
+pub fn kept_result(bytes: &[u8]) -> bool {
+    let netlist = whole::<Netlist>(bytes);
+    if let Some(netlist) = &netlist {
+        structural::module(netlist, |index| format!("x{index}"));
+    }
+    let report = whole::<Report>(bytes);
+    netlist.is_some() || report.is_some()
+}
+
+/// Cells for whatever netlists come.
+static CELLS: LazyLock<Library> = LazyLock::new(|| {
+    let gate = |name: &str, inputs: &str, function: &str| {
+        let pin = |pin: char| format!("pin ({pin}) {{ direction : input; capacitance : 1; }} ");
+        let inputs: String = inputs.chars().map(pin).collect();
+        format!("cell ({name}) {{ area : 2; {inputs}pin (Y) {{ direction : output; function : \"{function}\"; }} }}\n")
+    };
+    let gates = gate("INV", "A", "!A") + &gate("BUF", "A", "A") + &gate("NAND2", "AB", "!(A B)");
+    let dff = "cell (DFF) { area : 9; ff (I, J) { next_state : \"D\"; } pin (D) { direction : input; } \
+               pin (Q) { direction : output; function : \"I\"; } }";
+    Library::read_from(format!("library (cells) {{ {gates}{dff} }}").as_bytes(), Path::new("cells.lib"))
+        .expect("a library")
+});
+
+/// Registers that such a netlist may have.
+fn registers() -> BTreeMap<String, RegisterKind> {
+    let kinds = [("u_a.num_q", 0, false), ("u_a.valid_q", 0, true), ("u_b.num_q", 1, false)];
+    kinds.map(|(name, group, is_control)| (name.to_string(), RegisterKind { group, is_control })).into()
+}

@@ -1,0 +1,272 @@
+//! What the pipeline's control promises, as SystemVerilog that checks it: checkers, and where each of them is bound.
+//!
+//! The checkers are clocked processes with immediate assertions, which simulators and Yosys read alike, so that the text
+//! that users bind is the text that is proved.
+
+use crate::boundary::OPCODE_WIDTH;
+use crate::config::Control;
+use crate::graph::Traced;
+use crate::plan::Plan;
+use crate::stage;
+use crate::top::Pipeline;
+use raypath_hdl::{Driver, Module, RegisterInfo};
+use std::collections::BTreeSet;
+use std::fmt;
+
+/// Checkers, and where they are bound. Its `Display` is the file `raypath_properties.sv`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Properties {
+    binds: Vec<Bind>,
+}
+
+/// A checker in a module.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Bind {
+    /// The module that it looks into.
+    pub module: String,
+    /// What it checks.
+    pub checker: Checker,
+    /// Its parameters and their values.
+    pub parameters: Vec<(&'static str, u64)>,
+    /// Its ports and what of the module is connected to them; clock and reset are besides.
+    pub connections: Vec<(&'static str, String)>,
+    /// What tells its instance from others of the same checker in the module; may be empty.
+    pub about: String,
+}
+
+/// What can be checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Checker {
+    /// Nothing is lost, repeated or reordered.
+    Order,
+    /// What is offered and not taken stays as it is.
+    Stall,
+    /// An accumulator acts exactly once for each beat.
+    State,
+    /// A beat reads what the one before it has written.
+    Beats,
+    /// No more jobs are let in than there is room for.
+    Credit,
+}
+
+impl Properties {
+    pub(crate) fn new(plan: &Plan, pipeline: &Pipeline) -> Self {
+        let mut binds = vec![order_of_top(plan), stall_of_top(&pipeline.top)];
+        binds.extend(pipeline.credit.iter().map(|module| entrance(plan, module)));
+        for traced in plan.operations.iter().filter(|traced| traced.is_loop()) {
+            binds.push(beats(plan, traced));
+        }
+        for (step, module) in pipeline.steps.iter().enumerate() {
+            binds.push(order_of_step(plan, step, module));
+            binds.extend(states(plan, step, module));
+        }
+        Self { binds }
+    }
+
+    /// Every checker in its place.
+    pub fn binds(&self) -> &[Bind] {
+        &self.binds
+    }
+
+    /// The checkers that are bound somewhere.
+    pub fn checkers(&self) -> BTreeSet<Checker> {
+        self.binds.iter().map(|bind| bind.checker).collect()
+    }
+}
+
+impl Checker {
+    /// Its module.
+    pub fn module(self) -> String {
+        format!("raypath_{}_properties", self.name())
+    }
+
+    /// The text of its module.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Order => include_str!("properties/order.sv"),
+            Self::Stall => include_str!("properties/stall.sv"),
+            Self::State => include_str!("properties/state.sv"),
+            Self::Beats => include_str!("properties/beats.sv"),
+            Self::Credit => include_str!("properties/credit.sv"),
+        }
+    }
+
+    /// How many assertions it has.
+    pub fn assertions(self) -> usize {
+        self.text().matches("assert (").count()
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Order => "order",
+            Self::Stall => "stall",
+            Self::State => "state",
+            Self::Beats => "beats",
+            Self::Credit => "credit",
+        }
+    }
+}
+
+impl Bind {
+    fn new(module: &str, checker: Checker) -> Self {
+        Self {
+            module: module.to_string(),
+            checker,
+            parameters: Vec::new(),
+            connections: Vec::new(),
+            about: String::new(),
+        }
+    }
+
+    fn parameter(mut self, name: &'static str, value: u64) -> Self {
+        self.parameters.push((name, value));
+        self
+    }
+
+    fn connect(mut self, port: &'static str, net: impl Into<String>) -> Self {
+        self.connections.push((port, net.into()));
+        self
+    }
+
+    /// The checker as an instance, as it would stand in the module itself.
+    pub fn instance(&self) -> String {
+        let parameters: Vec<String> =
+            self.parameters.iter().map(|(name, value)| format!("    .{name} ({value})")).collect();
+        let parameters = match parameters.as_slice() {
+            [] => String::new(),
+            some => format!(" #(\n{}\n  )", some.join(",\n")),
+        };
+        let fixed = [("clk_i", "clk_i"), ("rst_ni", "rst_ni")];
+        let others = self.connections.iter().map(|(port, net)| (*port, net.as_str()));
+        let connections: Vec<String> =
+            fixed.into_iter().chain(others).map(|(port, net)| format!("    .{port} ({net})")).collect();
+        let about = if self.about.is_empty() { String::new() } else { format!("{}_", self.about) };
+        let name = format!("u_{about}{}_properties", self.checker.name());
+        format!("{}{parameters} {name} (\n{}\n  );", self.checker.module(), connections.join(",\n"))
+    }
+}
+
+/// Modules of checkers, then what binds them.
+impl fmt::Display for Properties {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for checker in self.checkers() {
+            writeln!(f, "\n{}", checker.text().trim_end())?;
+        }
+        self.binds.iter().try_for_each(|bind| write!(f, "\nbind {} {}\n", bind.module, bind.instance()))
+    }
+}
+
+/// Jobs from the source to the sink. The oldest one inside never waits for anything but the sink.
+fn order_of_top(plan: &Plan) -> Bind {
+    Bind::new("raypath", Checker::Order)
+        .parameter("Capacity", plan.capacity())
+        .parameter("Patience", plan.latency().into())
+        .connect("enter_valid_i", "input_valid_i")
+        .connect("enter_ready_i", "input_ready_o")
+        .connect("enter_opcode_i", "opcode_i")
+        .connect("leave_valid_i", "output_valid_o")
+        .connect("leave_ready_i", "output_ready_i")
+        .connect("leave_opcode_i", "opcode_o")
+}
+
+fn stall_of_top(top: &Module) -> Bind {
+    let handshake = ["input_ready_o", "output_valid_o"];
+    let data: Vec<_> = top.outputs().iter().filter(|port| !handshake.contains(&port.name.as_str())).collect();
+    let width = data.iter().map(|port| u64::from(top.signal(port.signal).width)).sum();
+    let names: Vec<&str> = data.iter().map(|port| port.name.as_str()).collect();
+    Bind::new("raypath", Checker::Stall)
+        .parameter("Width", width)
+        .connect("valid_i", "output_valid_o")
+        .connect("ready_i", "output_ready_i")
+        .connect("data_i", format!("{{\n      {}\n    }}", names.join(",\n      ")))
+}
+
+fn entrance(plan: &Plan, module: &Module) -> Bind {
+    Bind::new(module.name(), Checker::Credit)
+        .parameter("Capacity", plan.capacity())
+        .connect("enters_i", "valid_o")
+        .connect("returned_i", "returned_i")
+}
+
+/// Jobs through a step's registers: a place or two, or at the exit one for every job that was let in.
+fn order_of_step(plan: &Plan, step: usize, module: &Module) -> Bind {
+    let capacity = match plan.config.control {
+        Control::Skid => 2,
+        Control::Credit if step == plan.last() => plan.capacity(),
+        Control::Credit => 1,
+    };
+    Bind::new(module.name(), Checker::Order)
+        .parameter("Capacity", capacity)
+        .parameter("Patience", 1)
+        .connect("enter_valid_i", "valid_i")
+        .connect("enter_ready_i", port_or_one(module, "ready_o"))
+        .connect("enter_opcode_i", "opcode_i")
+        .connect("leave_valid_i", "valid_o")
+        .connect("leave_ready_i", port_or_one(module, "ready_i"))
+        .connect("leave_opcode_i", "opcode_o")
+}
+
+/// The port, or 1 where the module never stalls and has none.
+fn port_or_one(module: &Module, port: &str) -> String {
+    module.port_width(port).map_or("1'b1", |_| port).to_string()
+}
+
+/// The accumulators that a step writes.
+fn states(plan: &Plan, step: usize, module: &Module) -> Vec<Bind> {
+    let mut binds = Vec::new();
+    for traced in &plan.operations {
+        for state in traced.states.iter().filter(|state| state.written as usize == step) {
+            let stem = stage::port(traced, state);
+            let named = |register: &&RegisterInfo| module.signal(register.signal).name == Some(format!("{stem}_q"));
+            let Some(register) = module.registers().iter().find(named) else { continue };
+            let (reset, sum) = reset_and_sum(module, register);
+            let bind = Bind { about: stem.clone(), ..Bind::new(module.name(), Checker::State) };
+            binds.push(
+                bind.parameter("Width", module.signal(register.signal).width.into())
+                    .parameter("Opcode", traced.opcode)
+                    .connect("valid_i", "valid_i")
+                    .connect("ready_i", port_or_one(module, "ready_o"))
+                    .connect("opcode_i", "opcode_i")
+                    .connect("reset_i", reset)
+                    .connect("sum_i", sum)
+                    .connect("state_i", format!("{stem}_q")),
+            );
+        }
+    }
+    binds
+}
+
+/// A state's next value as two nets: zero where the first is 1, else the second.
+fn reset_and_sum(module: &Module, register: &RegisterInfo) -> (String, String) {
+    let name = |signal| module.signal(signal).name.clone();
+    let zero = |signal| module.signal(signal).driver == Driver::Constant(0);
+    let parts = match module.signal(register.next).driver {
+        Driver::Mux { select, if_true, if_false } if zero(if_true) => name(select).zip(name(if_false)),
+        _ => None,
+    };
+    // A state that no beat resets takes its next value whole.
+    parts.or_else(|| Some(("1'b0".to_string(), name(register.next)?))).unwrap_or_default()
+}
+
+/// Beats between the step that reads a state and the one that writes it.
+fn beats(plan: &Plan, traced: &Traced) -> Bind {
+    let read = traced.states.iter().map(|state| state.read).min().unwrap_or(0) as usize;
+    let written = traced.states.iter().map(|state| state.written).max().unwrap_or(0) as usize;
+    // What the top calls the wires around a step: after the instances that drive them.
+    let before = |step: usize| stage::name(plan.steps[step.saturating_sub(1)].step);
+    let ready = |step: usize| match plan.config.control {
+        Control::Skid => format!("{}_ready", stage::name(plan.steps[step].step)),
+        Control::Credit => "1'b1".to_string(),
+    };
+    Bind { about: traced.name.to_string(), ..Bind::new("raypath", Checker::Beats) }
+        .parameter("Opcode", traced.opcode)
+        .connect("read_valid_i", format!("{}_valid", before(read)))
+        .connect("read_ready_i", ready(read))
+        .connect("read_opcode_i", format!("{}_opcode", before(read)))
+        .connect("write_valid_i", format!("{}_valid", before(written)))
+        .connect("write_ready_i", ready(written))
+        .connect("write_opcode_i", format!("{}_opcode", before(written)))
+}
+
+// The checkers are text of their own.
+const _: () = assert!(OPCODE_WIDTH == 2, "checkers have opcodes of two bits");

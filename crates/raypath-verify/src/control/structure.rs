@@ -1,0 +1,189 @@
+//! What is seen in the netlist without a solver: steps in a row, and in each all data registers loaded as the opcode's.
+
+use raypath_hdl::{Driver, Module, RegisterInfo, SignalId, depends_combinationally};
+use raypath_rtl::{Config, Control, Datapath};
+
+/// What is wrong with the structure of a datapath; empty where all is well.
+///
+/// # Errors
+/// The netlist has a combinational loop.
+pub fn faults(datapath: &Datapath, config: Config) -> Result<Vec<String>, raypath_hdl::Error> {
+    let mut faults = row(datapath, config);
+    for step in 0..datapath.steps().count() {
+        if let Some(module) = datapath.module(step) {
+            faults.extend(together(module));
+        }
+    }
+    for output in ["input_ready_o", "output_valid_o", "opcode_o"] {
+        if depends_combinationally(datapath.top(), output, "output_ready_i")? {
+            faults.push(format!("{output} depends on output_ready_i in the same cycle"));
+        }
+    }
+    Ok(faults)
+}
+
+/// Every step takes valid, opcode and data from the one before, and its sink's ready from the one after.
+fn row(datapath: &Datapath, config: Config) -> Vec<String> {
+    let top = datapath.top();
+    let position = |name: &str| top.instances().iter().position(|instance| instance.module.name() == name);
+    let steps: Vec<&str> =
+        (0..datapath.steps().count()).filter_map(|step| datapath.module(step).map(|module| module.name())).collect();
+    let mut faults = Vec::new();
+    for (step, name) in steps.iter().enumerate() {
+        let Some(instance) = position(name).map(|position| &top.instances()[position]) else {
+            faults.push(format!("{name} is not in the pipeline"));
+            continue;
+        };
+        let before = step.checked_sub(1).and_then(|before| position(steps[before]));
+        let after = steps.get(step + 1).and_then(|after| position(after));
+        for (port, &wire) in instance.module.inputs().iter().zip(&instance.inputs) {
+            let expected = match (port.stem(), before) {
+                ("ready", _) => after.map(|after| (after, "ready")),
+                ("valid", None) if config.control == Control::Credit => {
+                    position("raypath_credit").map(|credit| (credit, "valid"))
+                }
+                (stem, _) if stem.ends_with("_state") || stem.ends_with("_written") => continue,
+                (stem, Some(before)) => Some((before, stem)),
+                (_, None) => None,
+            };
+            let source = source(top, wire);
+            let as_expected = match (expected, &top.signal(source).driver) {
+                (Some((position, stem)), &Driver::Instance { instance, output }) => {
+                    instance == position && top.instances()[instance].module.outputs()[output].stem() == stem
+                }
+                (None, Driver::Input) => true,
+                _ => false,
+            };
+            if !as_expected {
+                faults.push(format!("{name}: {} comes from elsewhere than its neighbour", port.name));
+            }
+        }
+    }
+    faults
+}
+
+/// The signal behind other names.
+fn source(module: &Module, mut signal: SignalId) -> SignalId {
+    while let Driver::Alias(other) = module.signal(signal).driver {
+        signal = other;
+    }
+    signal
+}
+
+/// Every data register has a counterpart among the opcode's, is loaded when that one is, and from the counterpart of what
+/// that one is loaded from. (Data registers are those without a reset.)
+fn together(module: &Module) -> Vec<String> {
+    let name = |register: &RegisterInfo| module.signal(register.signal).name.clone().unwrap_or_default();
+    let data: Vec<(&RegisterInfo, String)> = module
+        .registers()
+        .iter()
+        .filter(|register| register.reset.is_none())
+        .map(|register| (register, name(register)))
+        .collect();
+    let mut faults = Vec::new();
+    for (register, own) in &data {
+        let suffix = suffix(own);
+        let stem = own.strip_suffix(&suffix).unwrap_or(own);
+        let find = |name: String| data.iter().find(|(_, other)| *other == name).map(|(register, _)| *register);
+        let matches = find(format!("opcode{suffix}")).is_some_and(|opcode| {
+            let sibling = |other: &str| find(format!("{stem}{other}")).zip(find(format!("opcode{other}")));
+            bit(module, opcode.enable) == bit(module, register.enable) && same_load(module, register, opcode, &sibling)
+        });
+        if !matches {
+            faults.push(format!("{}: {own} is not loaded as the opcode is", module.name()));
+        }
+    }
+    faults
+}
+
+/// A signal of one bit, told from others by what it is cut from.
+fn bit(module: &Module, signal: Option<SignalId>) -> Option<(SignalId, u32)> {
+    let signal = source(module, signal?);
+    match module.signal(signal).driver {
+        Driver::Slice { source: whole, low } => Some((source(module, whole), low)),
+        _ => Some((signal, 0)),
+    }
+}
+
+/// `_spare_q`, `_store_3_q` or `_q`.
+fn suffix(name: &str) -> String {
+    if name.ends_with("_spare_q") {
+        return "_spare_q".to_string();
+    }
+    match name.rfind("_store_") {
+        Some(begin) => name[begin..].to_string(),
+        None => "_q".to_string(),
+    }
+}
+
+/// Whether two registers choose alike between what arrives and what waits.
+fn same_load<'m>(
+    module: &'m Module,
+    register: &RegisterInfo,
+    opcode: &RegisterInfo,
+    sibling: &dyn Fn(&str) -> Option<(&'m RegisterInfo, &'m RegisterInfo)>,
+) -> bool {
+    let driver = |signal| &module.signal(source(module, signal)).driver;
+    // What arrives is what the first register behind takes.
+    let arrives = |other: &str, wire: SignalId| {
+        sibling(other).is_some_and(|(own, _)| source(module, own.next) == source(module, wire))
+    };
+    let spare = sibling("_spare_q");
+    let store = sibling("_store_0_q");
+    let is_front = suffix(&module.signal(register.signal).name.clone().unwrap_or_default()) == "_q";
+    match (driver(register.next), driver(opcode.next)) {
+        (
+            Driver::Mux { select, if_true, if_false },
+            Driver::Mux { select: opcode_select, if_false: opcode_false, .. },
+        ) if is_front && (spare.is_some() || store.is_some()) => {
+            let chosen_alike = select == opcode_select;
+            match (spare, store) {
+                (Some((own, others)), _) => {
+                    chosen_alike
+                        && arrives("_spare_q", *if_true)
+                        && source(module, *if_false) == own.signal
+                        && source(module, *opcode_false) == others.signal
+                }
+                (None, _) => {
+                    chosen_alike && arrives("_store_0_q", *if_false) && same_oldest(module, *if_true, opcode.next)
+                }
+            }
+        }
+        // Behind the front, and where nothing waits, a register takes what arrives.
+        _ => !is_front || (spare.is_none() && store.is_none()),
+    }
+}
+
+/// Whether a word is the OR of stored words, each masked by the same bit as the opcode's.
+fn same_oldest(module: &Module, oldest: SignalId, opcode_next: SignalId) -> bool {
+    let Driver::Mux { if_true, .. } = module.signal(source(module, opcode_next)).driver else { return false };
+    let (own, opcode) = (masked(module, oldest), masked(module, if_true));
+    own.is_some() && own == opcode
+}
+
+/// The places of stored words and what masks each, in the order of places.
+fn masked(module: &Module, word: SignalId) -> Option<Vec<(String, SignalId, u32)>> {
+    let signal = source(module, word);
+    match &module.signal(signal).driver {
+        &Driver::Or(a, b) => {
+            let mut all = masked(module, a)?;
+            all.extend(masked(module, b)?);
+            all.sort();
+            Some(all)
+        }
+        &Driver::And(stored, mask) => {
+            let place = suffix(module.signal(source(module, stored)).name.as_deref()?);
+            let mut mask = source(module, mask);
+            if let Driver::Concat(parts) = &module.signal(mask).driver {
+                let first = *parts.first()?;
+                mask = source(module, first);
+                if parts.iter().any(|&part| part != first) {
+                    return None;
+                }
+            }
+            let Driver::Slice { source: pointer, low } = module.signal(mask).driver else { return None };
+            Some(vec![(place, source(module, pointer), low)])
+        }
+        _ => None,
+    }
+}

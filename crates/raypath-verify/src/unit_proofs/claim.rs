@@ -1,0 +1,294 @@
+//! What is claimed of a unit, and the circuit that would show it wrong.
+
+use crate::Error;
+use crate::equivalence::text;
+use crate::proof::{Problem, SOURCE};
+use raypath_float::{Format, add, add_parts, compare, decode, encode, mul, mul_parts};
+use raypath_hdl::{Builder, Module, Wire};
+use std::fmt;
+use std::sync::Arc;
+
+/// One thing that is proved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Claim {
+    /// Of what.
+    pub subject: Subject,
+    /// In which format.
+    pub format: Format,
+    /// For which operands.
+    pub operands: Operands,
+}
+
+/// Of what something is proved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Subject {
+    /// The adder, between encoders and decoder, adds.
+    Add,
+    /// The adder, its second operand's sign inverted as the datapath inverts it, subtracts.
+    Sub,
+    /// The multiplier, between encoders and decoder, multiplies.
+    Mul,
+    /// Comparison, behind encoders.
+    Compare,
+    /// What is encoded and decoded is as it was; of NaNs, the canonical one.
+    RoundTrip,
+    /// The adder in this many parts does what the whole one does, whatever the bits of its operands.
+    AddParts(u32),
+    /// The same of the multiplier.
+    MulParts(u32),
+}
+
+/// Which operands a claim is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Operands {
+    /// All.
+    All,
+    /// Those whose biased exponents differ by this: the first minus the second.
+    ExponentDifference(i64),
+    /// Those of which the second has this fraction.
+    Fraction(u64),
+}
+
+/// A deliberate fault: a piece of a unit's text, which must occur exactly once, and what stands there instead.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fault {
+    /// What the text says.
+    pub from: &'static str,
+    /// What it says when it is wrong.
+    pub to: &'static str,
+}
+
+impl Subject {
+    /// The fault that a proof about it must see. It shows in few cases, as real defects do: in a rounding, at a border, or
+    /// for a pair of zeros.
+    pub fn fault(self) -> Fault {
+        let (from, to) = match self {
+            Self::Add | Self::Sub | Self::AddParts(_) => ("~(half & quarter)", "~(half | quarter)"),
+            Self::Mul | Self::MulParts(_) => ("= exponent_sum < ", "= exponent_sum <= "),
+            Self::Compare => ("a_negative & ~both_zero", "a_negative"),
+            Self::RoundTrip => ("exponent < ", "exponent <= "),
+        };
+        Fault { from, to }
+    }
+}
+
+impl Claim {
+    /// A claim about all operands.
+    pub fn all(subject: Subject, format: Format) -> Self {
+        Self { subject, format, operands: Operands::All }
+    }
+
+    /// The circuit, whose output is 1 where the claim is wrong; with a fault, if one is given.
+    ///
+    /// # Errors
+    /// The unit cannot be built, or has no place for the fault.
+    pub fn problem(&self, fault: Option<Fault>) -> Result<Problem, Error> {
+        let (f, ieee) = (self.format, self.format.ieee_width());
+        let whole = |unit: Arc<Module>| -> Result<String, Error> { text(&unit) };
+        let conversions = || -> Result<String, Error> { Ok(text(&encode(f)?)? + &text(&decode(f)?)?) };
+        let (mut unit, rest, reference) = match self.subject {
+            Subject::Add => (whole(add(f)?)?, conversions()?, Some("-op add -rm RNE")),
+            Subject::Sub => (whole(add(f)?)?, conversions()?, Some("-op sub -rm RNE")),
+            Subject::Mul => (whole(mul(f)?)?, conversions()?, Some("-op mul -rm RNE")),
+            Subject::Compare => (whole(compare(f)?)?, conversions()?, Some("-compare")),
+            Subject::RoundTrip => (text(&decode(f)?)?, text(&encode(f)?)?, None),
+            Subject::AddParts(count) => (chain(add_parts(f, count)?, f)?, whole(add(f)?)?, None),
+            Subject::MulParts(count) => (chain(mul_parts(f, count)?, f)?, whole(mul(f)?)?, None),
+        };
+        if let Some(fault) = fault {
+            if unit.matches(fault.from).count() != 1 {
+                return Err(Error::Program {
+                    program: "raypath".to_string(),
+                    problem: format!("{self}: '{}' is not once in the unit's text", fault.from),
+                    expected: "one place for the deliberate fault".to_string(),
+                });
+            }
+            unit = unit.replace(fault.from, fault.to);
+        }
+        let mut commands = Vec::new();
+        if let Some(operation) = reference {
+            commands.push(format!("symfpu -eb {} -sb {} {operation}", f.exponent(), f.significand()));
+            // Assertions of its own, which would be outputs.
+            commands.push("chformal -remove".to_string());
+            commands.push(format!("select -assert-min {LEAST_CELLS} symfpu/c:*"));
+        }
+        commands.extend(["unit.sv", "rest.sv", "miter.sv"].map(|file| format!("read_verilog -sv {SOURCE}{file}")));
+        commands.extend(["hierarchy -check -top miter", "proc"].map(String::from));
+        if reference.is_some() {
+            commands.push("select -assert-count 1 miter/t:symfpu".to_string());
+        }
+        let inputs = self.inputs();
+        for side in ["ours", "expected"] {
+            for (input, _) in &inputs {
+                commands.push(format!("select -assert-min 1 miter/w:{side} %ci* miter/w:{input} %i"));
+            }
+        }
+        Ok(Problem {
+            name: self.to_string(),
+            sources: [("unit.sv", unit), ("rest.sv", rest), ("miter.sv", self.miter(ieee))]
+                .map(|(name, text)| (name.to_string(), text))
+                .into(),
+            commands,
+            inputs,
+        })
+    }
+
+    /// Whether both sides are ours, built from the same description.
+    pub fn is_between_likes(&self) -> bool {
+        matches!(self.subject, Subject::AddParts(_) | Subject::MulParts(_))
+    }
+
+    /// The free inputs.
+    fn inputs(&self) -> Vec<(String, u32)> {
+        let (f, width) = (self.format, self.format.ieee_width());
+        let ports: &[(&str, u32)] = match (self.subject, self.operands) {
+            (Subject::AddParts(_) | Subject::MulParts(_), _) => {
+                &[("free_a", f.recoded_width()), ("free_b", f.recoded_width())]
+            }
+            (Subject::RoundTrip, _) => &[("free_a", width)],
+            (_, Operands::All) => &[("free_a", width), ("free_b", width)],
+            (_, Operands::ExponentDifference(_)) => &[("free_a", f.significand()), ("free_b", width)],
+            (_, Operands::Fraction(_)) => &[("free_a", width), ("free_b", f.exponent() + 1)],
+        };
+        ports.iter().map(|&(name, width)| (name.to_string(), width)).collect()
+    }
+
+    /// The module `miter`. Its wires `a`, `b`, `ours` and `expected` are what a counterexample is told by.
+    fn miter(&self, ieee: u32) -> String {
+        let (f, e, s) = (self.format, self.format.exponent(), self.format.significand());
+        let recoded = f.recoded_width();
+        let inputs: Vec<String> =
+            self.inputs().iter().map(|(name, width)| format!("input [{}:0] {name}", width - 1)).collect();
+        let (unit_ports, width) = match self.subject {
+            Subject::AddParts(_) | Subject::MulParts(_) => (recoded, recoded),
+            Subject::Compare => (ieee, 3),
+            _ => (ieee, ieee),
+        };
+        let mut lines = vec![
+            format!("module miter ({}, output differ);", inputs.join(", ")),
+            format!("wire [{0}:0] a, b; wire [{1}:0] ours, expected; wire valid;", unit_ports - 1, width - 1),
+        ];
+        lines.push(match self.operands {
+            _ if self.subject == Subject::RoundTrip => "assign a = free_a; assign b = 0; assign valid = 1;".to_string(),
+            Operands::All => "assign a = free_a; assign b = free_b; assign valid = 1;".to_string(),
+            Operands::ExponentDifference(difference) => format!(
+                "wire [{top}:0] exponent = {{2'b00, free_b[{high}:{low}]}} + {value};\n\
+                 assign a = {{free_a[{low}], exponent[{}:0], free_a[{}:0]}}; assign b = free_b;\n\
+                 assign valid = exponent[{top}:{e}] == 0;",
+                e - 1,
+                s - 2,
+                top = e + 1,
+                high = e + s - 2,
+                low = s - 1,
+                value = format_args!("{}'d{}", e + 2, difference.rem_euclid(1 << (e + 2))),
+            ),
+            Operands::Fraction(fraction) => {
+                format!("assign a = free_a; assign b = {{free_b, {}'d{fraction}}}; assign valid = 1;", s - 1)
+            }
+        });
+        lines.push(self.sides(recoded));
+        let is_nan = |word: &str| format!("((&{word}[{}:{}]) && (|{word}[{}:0]))", e + s - 2, s - 1, s - 2);
+        let wanted = match self.subject {
+            // Any NaN of the reference, the canonical one of ours.
+            Subject::Add | Subject::Sub | Subject::Mul | Subject::RoundTrip => {
+                format!("{} ? {ieee}'d{} : expected", is_nan("expected"), f.nan())
+            }
+            Subject::Compare => {
+                lines.push(format!("assign expected[0] = {} || {};", is_nan("a"), is_nan("b")));
+                "expected".to_string()
+            }
+            _ => "expected".to_string(),
+        };
+        lines.push(format!("wire [{}:0] wanted = {wanted};", width - 1));
+        lines.push("assign differ = valid && (ours != wanted);\nendmodule\n".to_string());
+        lines.join("\n")
+    }
+
+    /// What drives `ours` and `expected`.
+    fn sides(&self, recoded: u32) -> String {
+        let f = self.format;
+        let encoders = format!(
+            "wire [{0}:0] recoded_a, recoded_b;\n\
+             raypath_fp_encode_{f} u_encode_a (.ieee_i(a), .recoded_o(recoded_a));\n\
+             raypath_fp_encode_{f} u_encode_b (.ieee_i(b), .recoded_o(recoded_b));\n",
+            recoded - 1
+        );
+        let arithmetic = |unit: &str, second: &str, output: &str| {
+            format!(
+                "{encoders}wire [{0}:0] recoded_result, second;\n\
+                 assign second = {second};\n\
+                 raypath_fp_{unit}_{f} u_unit (.a_i(recoded_a), .b_i(second), .{output}(recoded_result));\n\
+                 raypath_fp_decode_{f} u_decode (.recoded_i(recoded_result), .ieee_o(ours));\n\
+                 symfpu u_reference (.a(a), .b(b), .o(expected));",
+                recoded - 1
+            )
+        };
+        let parts = |unit: &str, output: &str| {
+            format!(
+                "chain u_unit (.a_i(a), .b_i(b), .result_o(ours));\n\
+                 raypath_fp_{unit}_{f} u_whole (.a_i(a), .b_i(b), .{output}(expected));"
+            )
+        };
+        match self.subject {
+            Subject::Add => arithmetic("add", "recoded_b", "sum_o"),
+            Subject::Sub => {
+                arithmetic("add", &format!("{{~recoded_b[{0}], recoded_b[{1}:0]}}", recoded - 1, recoded - 2), "sum_o")
+            }
+            Subject::Mul => arithmetic("mul", "recoded_b", "product_o"),
+            Subject::Compare => format!(
+                "{encoders}raypath_fp_compare_{f} u_unit (.a_i(recoded_a), .b_i(recoded_b), .less_o(ours[2]), \
+                 .equal_o(ours[1]), .unordered_o(ours[0]));\n\
+                 symfpu u_reference (.a(a), .b(b), .lessThan(expected[2]), .ieee754Equal(expected[1]));"
+            ),
+            Subject::RoundTrip => format!(
+                "wire [{0}:0] recoded_a;\n\
+                 raypath_fp_encode_{f} u_encode (.ieee_i(a), .recoded_o(recoded_a));\n\
+                 raypath_fp_decode_{f} u_decode (.recoded_i(recoded_a), .ieee_o(ours));\n\
+                 assign expected = a;",
+                recoded - 1
+            ),
+            Subject::AddParts(_) => parts("add", "sum_o"),
+            Subject::MulParts(_) => parts("mul", "product_o"),
+        }
+    }
+}
+
+/// The smallest reference, at (3,3), has several hundred cells; an empty one would prove anything.
+const LEAST_CELLS: u32 = 100;
+
+/// The parts of a unit in a row, as the module `chain` with the output `result_o`.
+fn chain(parts: Vec<Arc<Module>>, format: Format) -> Result<String, Error> {
+    let m = Builder::new("chain");
+    let width = format.recoded_width();
+    let mut values: Vec<(String, Wire<'_>)> =
+        ["a_i", "b_i"].map(|name| (name.to_string(), m.input(name, width))).into();
+    for (number, part) in parts.iter().enumerate() {
+        let inputs: Vec<(&str, Wire<'_>)> = values.iter().map(|(name, wire)| (name.as_str(), *wire)).collect();
+        let outputs = m.instance(&format!("u_part_{number}"), part, &inputs);
+        values = part.outputs().iter().map(|port| format!("{}_i", port.stem())).zip(outputs).collect();
+    }
+    if let [(_, result)] = values[..] {
+        m.output("result_o", result);
+    }
+    text(&m.finish()?)
+}
+
+impl fmt::Display for Claim {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (e, s) = (self.format.exponent(), self.format.significand());
+        match self.subject {
+            Subject::Add => write!(f, "addition at ({e},{s})"),
+            Subject::Sub => write!(f, "subtraction at ({e},{s})"),
+            Subject::Mul => write!(f, "multiplication at ({e},{s})"),
+            Subject::Compare => write!(f, "comparison at ({e},{s})"),
+            Subject::RoundTrip => write!(f, "encoding and decoding at ({e},{s})"),
+            Subject::AddParts(count) => write!(f, "the adder in {count} parts at ({e},{s})"),
+            Subject::MulParts(count) => write!(f, "the multiplier in {count} parts at ({e},{s})"),
+        }?;
+        match self.operands {
+            Operands::All => Ok(()),
+            Operands::ExponentDifference(difference) => write!(f, ", exponents {difference} apart"),
+            Operands::Fraction(fraction) => write!(f, ", second fraction {fraction:#x}"),
+        }
+    }
+}

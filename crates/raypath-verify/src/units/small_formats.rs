@@ -1,0 +1,120 @@
+//! All pairs of operands of formats with few of them, against LLVM's soft float.
+
+use crate::bench::{Answer, Bench, Ports, Units};
+use crate::cores::{Campaign, Phase, grouped};
+use crate::{Error, Level, Request, Verdict};
+use raypath_float::Format;
+use rustc_apfloat::Float;
+use rustc_apfloat::ieee::{HalfS, IeeeFloat, Semantics};
+use std::cmp::Ordering;
+
+/// A format, what LLVM says of two of its numbers, and the level at which it comes in.
+#[derive(Clone, Copy)]
+struct Size {
+    exponent: u32,
+    significand: u32,
+    oracle: fn(u64, u64) -> Answer,
+    from: Level,
+}
+
+/// Everyday the formats of 7 and 8 bits; at level `full` all others of up to 11; at `long` binary16 as well.
+const SIZES: &[Size] = &[
+    size::<3, 4>(Level::Everyday),
+    size::<4, 4>(Level::Everyday),
+    size::<5, 3>(Level::Everyday),
+    size::<3, 3>(Level::Full),
+    size::<3, 5>(Level::Full),
+    size::<4, 3>(Level::Full),
+    size::<4, 5>(Level::Full),
+    size::<4, 6>(Level::Full),
+    size::<4, 7>(Level::Full),
+    size::<5, 4>(Level::Full),
+    size::<5, 5>(Level::Full),
+    size::<5, 6>(Level::Full),
+    size::<6, 3>(Level::Full),
+    size::<6, 4>(Level::Full),
+    size::<6, 5>(Level::Full),
+    size::<7, 3>(Level::Full),
+    size::<7, 4>(Level::Full),
+    size::<8, 3>(Level::Full),
+    Size { exponent: 5, significand: 11, oracle: oracle::<HalfS>, from: Level::Long },
+];
+
+const fn size<const E: usize, const S: usize>(from: Level) -> Size {
+    Size { exponent: E as u32, significand: S as u32, oracle: oracle::<Widths<E, S>>, from }
+}
+
+/// A format of `E` exponent and `S` significand bits, as `rustc_apfloat` wants to be told.
+struct Widths<const E: usize, const S: usize>;
+
+impl<const E: usize, const S: usize> Semantics for Widths<E, S> {
+    const BITS: usize = E + S;
+    const EXP_BITS: usize = E;
+}
+
+/// Sums, differences, products and comparisons of all pairs of operands, through the netlists of the units, whole and in
+/// parts, between those that encode and decode.
+pub fn small_formats(request: &mut Request<'_>) -> Result<Verdict, Error> {
+    small_formats_of(&|format| Ok(Units::of(format)?), request)
+}
+
+/// The same of other units, such as faulty ones.
+pub fn small_formats_of(
+    units: &dyn Fn(Format) -> Result<Units, Error>,
+    request: &mut Request<'_>,
+) -> Result<Verdict, Error> {
+    let sizes: Vec<Size> = SIZES.iter().copied().filter(|size| size.from <= request.level).collect();
+    let phase = |size: &Size| Phase { cases: 1 << (2 * (size.exponent + size.significand)), piece: 1 << 12 };
+    let phases: Vec<Phase> = sizes.iter().map(phase).collect();
+    let mut campaign = Campaign::new(request, &phases);
+    for (size, phase) in sizes.iter().zip(phases) {
+        let format = Format::new(size.exponent, size.significand)?;
+        let (units, width) = (units(format)?, format.ieee_width());
+        campaign.run(
+            phase,
+            || Ok(Bench::new(&units, Ports::Ieee)?),
+            |bench, cases| {
+                cases.flat_map(|case| faults(bench, size, case >> width, case & ((1 << width) - 1))).collect()
+            },
+        )?;
+    }
+    let names: Vec<String> = sizes.iter().map(|size| format!("({}, {})", size.exponent, size.significand)).collect();
+    let covered = format!(
+        "{} pairs of operands of {} formats, each of addition, subtraction, multiplication and comparison: {}",
+        grouped(campaign.done()),
+        names.len(),
+        names.join(" ")
+    );
+    Ok(campaign.verdict(covered))
+}
+
+fn faults(bench: &mut Bench, size: &Size, a: u64, b: u64) -> Vec<String> {
+    let (answer, expected) = (bench.run(a, b), (size.oracle)(a, b));
+    if answer == expected {
+        return Vec::new();
+    }
+    answer.faults(expected, &format!("{a:#x} and {b:#x} of e{}s{}", size.exponent, size.significand))
+}
+
+fn oracle<S: Semantics>(a: u64, b: u64) -> Answer {
+    let (x, y) = (IeeeFloat::<S>::from_bits(a.into()), IeeeFloat::<S>::from_bits(b.into()));
+    let order = x.partial_cmp(&y);
+    Answer {
+        sum: code((x + y).value),
+        difference: code((x - y).value),
+        product: code((x * y).value),
+        less: order == Some(Ordering::Less),
+        equal: order == Some(Ordering::Equal),
+        unordered: order.is_none(),
+        parts_differ: 0,
+    }
+}
+
+/// The bits of a number; one NaN for all, as IEEE 754 recommends it: quiet, no sign, no payload.
+fn code<S: Semantics>(number: IeeeFloat<S>) -> u64 {
+    if !number.is_nan() {
+        return number.to_bits() as u64;
+    }
+    let fraction = S::BITS - S::EXP_BITS - 1;
+    ((1 << S::EXP_BITS) - 1) << fraction | 1 << (fraction - 1)
+}

@@ -1,0 +1,77 @@
+//! binary32 against Berkeley SoftFloat, on the cases of Berkeley TestFloat.
+
+use crate::bench::{Answer, Bench, Ports, Units};
+use crate::cores::{Campaign, Phase, grouped};
+use crate::testfloat::{BLOCK, Level, Pairs};
+use crate::{Error, Request, Verdict};
+use raypath_float::Format;
+use softfloat_wrapper::{F32, Float, RoundingMode};
+
+/// Sums, differences, products and comparisons of TestFloat's cases, through the netlists of the units, whole and in
+/// parts, between those that encode and decode. All cases of level 1; of level 2 every fifth, at level `full` all, and at
+/// `long` all a hundred times, each time with other random numbers.
+pub fn testfloat(request: &mut Request<'_>) -> Result<Verdict, Error> {
+    testfloat_of(&Units::of(Format::BINARY32)?, request)
+}
+
+/// The same of other units for binary32, such as faulty ones.
+pub fn testfloat_of(units: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
+    let seed = request.seed;
+    let (rounds, stride) = request.level.pick((1, 5), (1, 1), (100, 1));
+    let second = (0..rounds).map(|round| Pairs::new(Level::Two, seed, round).every(stride));
+    let lists: Vec<Pairs> = [Pairs::new(Level::One, seed, 0)].into_iter().chain(second).collect();
+    let phases: Vec<Phase> = lists.iter().map(|pairs| Phase { cases: pairs.count(), piece: BLOCK }).collect();
+    let mut campaign = Campaign::new(request, &phases);
+    let mut level_one = 0;
+    for (pairs, phase) in lists.iter().zip(phases) {
+        let begin = || Ok(Bench::new(units, Ports::Ieee)?);
+        campaign.run(phase, begin, |bench, cases| {
+            pairs.block(cases.start / BLOCK).flat_map(|(a, b)| faults(bench, a, b)).collect()
+        })?;
+        if pairs.level() == Level::One {
+            level_one = campaign.done();
+        }
+    }
+    let covered = format!(
+        "{} cases of level 1 and {} of level 2, each of addition, subtraction, multiplication and comparison",
+        grouped(level_one),
+        grouped(campaign.done() - level_one),
+    );
+    Ok(campaign.verdict(covered))
+}
+
+fn faults(bench: &mut Bench, a: u32, b: u32) -> Vec<String> {
+    let (answer, (expected, less_or_equal)) = (bench.run(a.into(), b.into()), oracle(a, b));
+    if answer == expected && (answer.less | answer.equal) == less_or_equal {
+        return Vec::new();
+    }
+    let operands = format!("{a:#010x} and {b:#010x}");
+    let mut faults = answer.faults(expected, &operands);
+    if (answer.less | answer.equal) != less_or_equal {
+        faults.push(format!("less or equal of {operands}: {}, expected {less_or_equal}", !less_or_equal));
+    }
+    faults
+}
+
+/// What SoftFloat says of two numbers, and whether the first is less or equal.
+fn oracle(a: u32, b: u32) -> (Answer, bool) {
+    let (x, y) = (F32::from_bits(a), F32::from_bits(b));
+    let nearest_even = RoundingMode::TiesToEven;
+    let answer = Answer {
+        sum: canonical(x.add(y, nearest_even)),
+        difference: canonical(x.sub(y, nearest_even)),
+        product: canonical(x.mul(y, nearest_even)),
+        less: x.lt_quiet(y),
+        equal: x.eq(y),
+        unordered: !x.le_quiet(y) && !y.le_quiet(x),
+        parts_differ: 0,
+    };
+    (answer, x.le_quiet(y))
+}
+
+/// The bits of a result. SoftFloat hands payloads of NaNs on, as the processors do whose specialisation it has; ours is
+/// one NaN for all.
+fn canonical(number: F32) -> u64 {
+    let bits = number.to_bits();
+    if bits & 0x7fff_ffff > 0x7f80_0000 { 0x7fc0_0000 } else { bits.into() }
+}

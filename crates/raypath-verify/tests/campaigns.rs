@@ -1,0 +1,136 @@
+//! The campaigns on the units as they are, a share of the everyday level; and on faulty ones, which they must find.
+
+use raypath_float::Format;
+use raypath_hdl::{Builder, Error, Module, Wire};
+use raypath_rtl::Config;
+use raypath_verify::bench::Units;
+use raypath_verify::units::{conversions_of, small_formats_of, testfloat_of};
+use raypath_verify::{Level, Request, Verdict};
+use std::sync::Arc;
+
+#[test]
+fn the_units_are_right() -> Result<(), Box<dyn std::error::Error>> {
+    let units = binary32()?;
+    let verdicts = [
+        everyday("2/8", |request| testfloat_of(&units, request)),
+        everyday("2/8", |request| conversions_of(&units, request)),
+        everyday("1/1", |request| small_formats_of(&|format| Ok(Units::of(format)?), request)),
+    ];
+    for verdict in verdicts {
+        assert_eq!((verdict.failures.as_slice(), verdict.is_stopped), ([].as_slice(), false), "{}", verdict.covered);
+    }
+    Ok(())
+}
+
+/// One wrong last place of one sum, which is also a difference; it is told with its operands, and nothing else is.
+#[test]
+fn one_wrong_sum_is_found() -> Result<(), Box<dyn std::error::Error>> {
+    let mut units = binary32()?;
+    let wrong = [0x3f80_0000, 0x4080_0001].map(|code| Format::BINARY32.encode(code));
+    units.add[0] = faulty(&units.add[0], |m, operands, outputs| {
+        let is_wrong = operands[0].is(wrong[0]) & operands[1].is(wrong[1]);
+        let place = m.concat(&[m.constant(outputs[0].width() - 1, 0), is_wrong]);
+        vec![outputs[0] ^ place]
+    })?;
+    let verdict = everyday("1/1", |request| testfloat_of(&units, request));
+    for expected in [
+        "sum of 0x3f800000 and 0x40800001: 0x40a00000, expected 0x40a00001",
+        "sum in two parts of 0x3f800000 and 0x40800001: not what the whole unit gives",
+        "difference of 0x3f800000 and 0xc0800001: 0x40a00000, expected 0x40a00001",
+    ] {
+        told(&verdict, expected);
+    }
+    let of_the_pair = |failure: &String| ["0x40800001", "0xc0800001"].iter().any(|b| failure.contains(b));
+    assert!(verdict.failures.iter().all(of_the_pair), "{verdict:?}");
+    Ok(())
+}
+
+/// Each unit with a fault that a designer might make; its campaign names the unit and the operands.
+#[test]
+fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
+    // What is wrong only in one form of a unit is found in that form.
+    let mut units = binary32()?;
+    units.mul[2] = faulty(&units.mul[2], |m, _, outputs| vec![outputs[0] & !m.constant(outputs[0].width(), 1)])?;
+    told(&everyday("1/1", |request| testfloat_of(&units, request)), "product in three parts of 0x");
+
+    let mut units = binary32()?;
+    units.compare = faulty(&units.compare, |m, operands, outputs| {
+        let unlike = operands[0].top() ^ operands[1].top();
+        vec![outputs[0], outputs[1] & !unlike, outputs[2] & m.constant(1, 1)]
+    })?;
+    told(
+        &everyday("1/1", |request| testfloat_of(&units, request)),
+        "equal of 0x00000000 and 0x80000000: false, expected true",
+    );
+
+    let mut units = binary32()?;
+    units.encode = faulty(&units.encode, |m, operands, outputs| {
+        let is_least = operands[0].lower(31).is(1);
+        vec![outputs[0] ^ m.concat(&[m.constant(32, 0), is_least])]
+    })?;
+    told(
+        &everyday("1/1", |request| conversions_of(&units, request)),
+        "encoding 0x00000001: 0x035800001, expected 0x035800000",
+    );
+
+    let mut units = binary32()?;
+    units.decode = faulty(&units.decode, |m, operands, outputs| {
+        let is_large = operands[0].lower(32).upper(3).is(0b110) & operands[0].bit(28);
+        vec![outputs[0] ^ m.concat(&[m.constant(31, 0), is_large])]
+    })?;
+    told(&everyday("1/1", |request| conversions_of(&units, request)), "decoding 0x");
+
+    let of_small = |format| {
+        let mut units = Units::of(format)?;
+        if format.exponent() == 5 {
+            units.add[1] = faulty(&units.add[1], |_, operands, outputs| {
+                vec![operands[0].equals(operands[1]).mux(operands[0], outputs[0])]
+            })?;
+        }
+        Ok(units)
+    };
+    told(&everyday("1/1", |request| small_formats_of(&of_small, request)), "of e5s3: not what the whole unit gives");
+    Ok(())
+}
+
+#[test]
+fn a_user_can_stop() -> Result<(), Box<dyn std::error::Error>> {
+    let units = binary32()?;
+    let mut watch = |_| false;
+    let verdict = testfloat_of(&units, &mut request(Level::Long, "1/1", &mut watch))?;
+    assert!(verdict.is_stopped && verdict.failures.is_empty(), "{verdict:?}");
+    Ok(())
+}
+
+fn binary32() -> Result<Units, Error> {
+    Units::of(Format::BINARY32)
+}
+
+fn everyday(shard: &str, run: impl FnOnce(&mut Request<'_>) -> Result<Verdict, raypath_verify::Error>) -> Verdict {
+    run(&mut request(Level::Everyday, shard, &mut |_| true)).expect("a verdict")
+}
+
+fn request<'a>(level: Level, shard: &str, watch: &'a mut dyn FnMut(raypath_verify::Step) -> bool) -> Request<'a> {
+    let shard = shard.parse().expect("a shard");
+    Request { config: Config::default(), level, jobs: None, seed: 1, shard, watch }
+}
+
+fn told(verdict: &Verdict, expected: &str) {
+    assert!(verdict.failures.iter().any(|failure| failure.contains(expected)), "{verdict:?}");
+}
+
+/// A unit around another of the same ports, whose outputs `fault` changes; it is given the inputs and the outputs.
+fn faulty(
+    unit: &Arc<Module>,
+    fault: impl for<'m> Fn(&'m Builder, &[Wire<'m>], &[Wire<'m>]) -> Vec<Wire<'m>>,
+) -> Result<Arc<Module>, Error> {
+    let m = Builder::new(&format!("faulty_{}", unit.name()));
+    let names = || unit.inputs().iter().map(|port| port.name.as_str());
+    let inputs: Vec<Wire<'_>> = names().map(|name| m.input(name, unit.port_width(name).unwrap_or_default())).collect();
+    let connected: Vec<(&str, Wire<'_>)> = names().zip(inputs.iter().copied()).collect();
+    let outputs = m.instance("u_unit", unit, &connected);
+    for (port, wire) in unit.outputs().iter().zip(fault(&m, &inputs, &outputs)) {
+        m.output(&port.name, wire);
+    }
+    m.finish()
+}

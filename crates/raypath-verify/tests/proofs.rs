@@ -1,0 +1,103 @@
+//! Everyday proofs of units: as claimed, and not so where the unit has a fault.
+
+use raypath_float::Format;
+use raypath_verify::proof::{Answer, Problem, Prover, SOURCE};
+use raypath_verify::unit_proofs::{Claim, Subject, judge, unit_proofs};
+use raypath_verify::{Level, Request, Shard};
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+const LIMIT: Duration = Duration::from_secs(300);
+
+fn circuit(text: &str, commands: &[&str]) -> Problem {
+    let mut all = vec![format!("read_verilog -sv {SOURCE}miter.sv"), "hierarchy -top miter".into(), "proc".into()];
+    all.extend(commands.iter().map(ToString::to_string));
+    Problem {
+        name: "test".to_string(),
+        sources: vec![("miter.sv".to_string(), text.to_string())],
+        commands: all,
+        inputs: vec![("a".to_string(), 8)],
+    }
+}
+
+fn solve(problem: Problem) -> Result<Vec<Answer>, raypath_verify::Error> {
+    Prover::find()?.solve(&[problem], LIMIT, &AtomicBool::new(false))
+}
+
+fn request<'a>(watch: &'a mut dyn FnMut(raypath_verify::Step) -> bool) -> Request<'a> {
+    let config = raypath_rtl::Config::default();
+    Request { config, level: Level::Everyday, jobs: None, seed: 1, shard: Shard::ALL, watch }
+}
+
+#[test]
+fn every_everyday_claim_is_proved_and_its_fault_seen() {
+    let mut steps = Vec::new();
+    let mut watch = |step: raypath_verify::Step| {
+        steps.push(step.done);
+        true
+    };
+    let verdict = unit_proofs(&mut request(&mut watch)).unwrap();
+    assert_eq!(verdict.failures, [""; 0]);
+    assert!(verdict.covered.starts_with("7 proofs, and as many faults refuted: "), "{}", verdict.covered);
+    // The programs' versions, and a fault for each proof.
+    assert_eq!(verdict.remarks.len(), 8, "{:#?}", verdict.remarks);
+    assert!(!verdict.is_stopped && steps.contains(&7));
+}
+
+#[test]
+fn a_stop_is_heeded() {
+    let mut watch = |_| false;
+    let verdict = unit_proofs(&mut request(&mut watch)).unwrap();
+    assert!(verdict.is_stopped && verdict.failures.is_empty());
+    assert_eq!(verdict.covered, "nothing proved");
+}
+
+/// A claim with the fault in its unit is a claim that fails, with operands.
+#[test]
+fn a_faulty_unit_fails_with_operands() {
+    let format = Format::new(3, 4).unwrap();
+    let claim = Claim::all(Subject::Mul, format);
+    let faulty = claim.problem(Some(Subject::Mul.fault())).unwrap();
+    let prover = Prover::find().unwrap();
+    let answers = prover.solve(std::slice::from_ref(&faulty), LIMIT, &AtomicBool::new(false)).unwrap();
+    let Answer::Refuted(values) = &answers[0] else { panic!("{answers:?}") };
+    let shown = prover.evaluate(&faulty, values, &["a", "b", "ours", "wanted"]).unwrap();
+    // The software's product of the same operands.
+    assert_eq!(shown[3], format.mul(shown[0], shown[1]));
+    assert_ne!(shown[2], shown[3]);
+}
+
+#[test]
+fn what_cannot_be_decided_in_time_is_not_proved() {
+    let claim = Claim::all(Subject::Mul, Format::BINARY16);
+    let limit = Duration::from_millis(1);
+    let judged = judge(&Prover::find().unwrap(), claim, false, limit, &AtomicBool::new(false)).unwrap().unwrap();
+    let why = judged.result.unwrap_err();
+    assert!(why.contains("undecided"), "{why}");
+}
+
+#[test]
+fn a_wire_that_nothing_drives_is_an_error() {
+    let text = "module miter (input [7:0] a, output differ); wire u; assign differ = u && (a == 0); endmodule";
+    let error = solve(circuit(text, &[])).unwrap_err().to_string();
+    assert!(error.contains("the inputs a (8)"), "{error}");
+}
+
+#[test]
+fn a_missing_module_or_side_is_an_error() {
+    let text = "module miter (input [7:0] a, output differ); absent u (.a(a), .o(differ)); endmodule";
+    assert!(solve(circuit(text, &[])).is_err());
+    let text = "module miter (input [7:0] a, output differ); wire s = 0; assign differ = s; endmodule";
+    assert_eq!(solve(circuit(text, &[])).unwrap(), [Answer::Proved { gates: 0 }]);
+    // What every problem of a unit has among its commands.
+    let guard = "select -assert-min 1 miter/w:s %ci* miter/w:a %i";
+    assert!(solve(circuit(text, &[guard])).is_err());
+}
+
+#[test]
+fn assertions_left_in_a_circuit_are_an_error() {
+    let text = "module miter (input [7:0] a, output differ);\n\
+                assign differ = 0; always @* assert (a != 3);\nendmodule";
+    assert!(solve(circuit(text, &[])).is_err());
+    assert!(solve(circuit(text, &["chformal -remove"])).is_ok());
+}

@@ -1,0 +1,80 @@
+use crate::engine::{CycleEngine, NetlistEngine, observe};
+use crate::traffic::{Traffic, recorded_text};
+use crate::transactions::{Transaction, text};
+use crate::verify::shrink::{Fault, Trace, shrink};
+use crate::verify::{Error, files};
+use raypath_model::{Model, OnPorts};
+use raypath_ops::JobKind;
+use raypath_rtl::Config;
+use std::path::Path;
+
+/// An episode in which something differed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failure {
+    /// Its number.
+    pub episode: u64,
+    /// What differed first.
+    pub what: String,
+}
+
+/// Shrinks a failing trace, leaves it as transaction files in `folder`, and says so, with the command that replays it.
+///
+/// # Errors
+/// Files that cannot be written.
+pub fn report<M: Model>(
+    netlist: &mut NetlistEngine<M>,
+    model: &M,
+    config: Config,
+    trace: Trace<M>,
+    failure: &Failure,
+    folder: &Path,
+) -> Result<String, Error> {
+    let (trace, fault) = shrink(netlist, model, config, trace);
+    let engine = match fault {
+        Fault::Answer => "netlist",
+        Fault::Ports => "both",
+    };
+    let stream = stream(netlist, model, &trace);
+    let mut command = String::from("raypath replay");
+    for kind in JobKind::ALL {
+        let of_kind: Vec<Transaction<M>> = stream.iter().filter(|t| t.job.kind() == kind).cloned().collect();
+        if !of_kind.is_empty() {
+            let path = folder.join(format!("{kind}.txt"));
+            files::write(&path, &text(kind, &of_kind, config))?;
+            command += &format!(" {}", path.display());
+        }
+    }
+    command += &format!(" --engine {engine}");
+    if !trace.cycles.is_empty() {
+        let path = folder.join("handshake.txt");
+        files::write(&path, &recorded_text(&trace.cycles))?;
+        command += &format!(" --handshake {}", path.display());
+    }
+    let options = config.options();
+    let command = [command.as_str(), &options].join(" ");
+    let Failure { episode, what } = failure;
+    let jobs = trace.jobs.len();
+    Ok(format!("episode {episode}: {what}\n           shrunk to {jobs} jobs; to see it: {}", command.trim_end()))
+}
+
+/// The jobs with what the functional model answers to those that come out.
+fn stream<M: Model>(netlist: &NetlistEngine<M>, model: &M, trace: &Trace<M>) -> Vec<Transaction<M>> {
+    let no_outcome = |job: &M::Job| model.outcome(job.kind(), |_| 0);
+    let numbered = trace.jobs.iter().enumerate();
+    let mut stream: Vec<Transaction<M>> = numbered
+        .map(|(seq, job)| Transaction { seq: seq as u64, category: 0, job: *job, expected: no_outcome(job) })
+        .collect();
+    let mut functional = model.clone();
+    let mut engine = CycleEngine::new(model.clone(), netlist.shape());
+    let mut traffic = Traffic::recorded(trace.cycles.clone());
+    observe(&mut engine, trace.jobs.iter(), &mut traffic, |seen| {
+        if seen.cycle.resets {
+            functional.reset();
+        }
+        if let Some(transaction) = seen.entered.and_then(|index| stream.get_mut(index)) {
+            transaction.expected = functional.run(&transaction.job);
+        }
+        true
+    });
+    stream
+}

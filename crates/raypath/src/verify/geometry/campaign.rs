@@ -1,0 +1,220 @@
+//! Random cases on all cores, the same whatever their number.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use raypath_verify::{Request, Step};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
+
+/// What cases leave behind, and can be joined.
+pub trait Tally: Default + Send {
+    /// Takes in what later cases left.
+    fn join(&mut self, later: Self);
+}
+
+/// Cases between two looks at the clock; each block has its own random numbers.
+const BLOCK: u64 = 512;
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Runs the shard's part of `cases` cases; `stream` tells this campaign's random numbers from others of the same seed.
+/// Gives what they left, and whether the user stopped it.
+pub fn run<T: Tally>(
+    request: &mut Request<'_>,
+    stream: u64,
+    cases: u64,
+    case: impl Fn(&mut ChaCha8Rng, &mut T) + Sync,
+) -> (T, bool) {
+    let (seed, shard) = (request.seed, request.shard);
+    let blocks: Vec<u64> = (0..cases.div_ceil(BLOCK)).filter(|&block| shard.takes(block)).collect();
+    let size = |block: u64| BLOCK.min(cases - block * BLOCK);
+    let total = blocks.iter().map(|&block| size(block)).sum();
+    let work = |block: u64| {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(stream << 40 | block);
+        let mut tally = T::default();
+        (0..size(block)).for_each(|_| case(&mut rng, &mut tally));
+        tally
+    };
+
+    let (next, is_stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let (sender, receiver) = mpsc::channel();
+    let worker = |sender: mpsc::Sender<(usize, T)>| {
+        while !is_stopped.load(Ordering::Relaxed) {
+            let place = next.fetch_add(1, Ordering::Relaxed);
+            let Some(&block) = blocks.get(place) else { return };
+            if sender.send((place, work(block))).is_err() {
+                return;
+            }
+        }
+    };
+    let mut tallies = InOrder::default();
+    let mut done = 0;
+    thread::scope(|scope| {
+        for _ in 0..thread::available_parallelism().map_or(1, usize::from) {
+            let (sender, worker) = (sender.clone(), &worker);
+            scope.spawn(move || worker(sender));
+        }
+        drop(sender);
+        loop {
+            match receiver.recv_timeout(LOOK) {
+                Ok((place, tally)) => {
+                    done += size(blocks[place]);
+                    tallies.put(place, tally);
+                }
+                Err(mpsc::RecvTimeoutError::Timeout) => {}
+                Err(mpsc::RecvTimeoutError::Disconnected) => break,
+            }
+            if !(request.watch)(Step { done, total }) {
+                is_stopped.store(true, Ordering::Relaxed);
+            }
+        }
+    });
+    (tallies.all(), is_stopped.into_inner())
+}
+
+/// Joins tallies in the order of their places, in which order ever they come.
+struct InOrder<T> {
+    joined: T,
+    next: usize,
+    waiting: BTreeMap<usize, T>,
+}
+
+impl<T: Tally> Default for InOrder<T> {
+    fn default() -> Self {
+        Self { joined: T::default(), next: 0, waiting: BTreeMap::new() }
+    }
+}
+
+impl<T: Tally> InOrder<T> {
+    fn put(&mut self, place: usize, tally: T) {
+        self.waiting.insert(place, tally);
+        while let Some(tally) = self.waiting.remove(&self.next) {
+            self.joined.join(tally);
+            self.next += 1;
+        }
+    }
+
+    fn all(mut self) -> T {
+        self.waiting.into_values().for_each(|tally| self.joined.join(tally));
+        self.joined
+    }
+}
+
+/// The first few of many messages.
+#[derive(Debug, Clone, Default)]
+pub struct Failures {
+    shown: Vec<String>,
+    count: u64,
+}
+
+impl Failures {
+    const SHOWN: usize = 5;
+
+    /// One more.
+    pub fn add(&mut self, message: impl FnOnce() -> String) {
+        if self.shown.len() < Self::SHOWN {
+            self.shown.push(message());
+        }
+        self.count += 1;
+    }
+
+    /// Those of later cases.
+    pub fn join(&mut self, later: Self) {
+        self.shown.extend(later.shown);
+        self.shown.truncate(Self::SHOWN);
+        self.count += later.count;
+    }
+
+    /// How many there were.
+    #[cfg(test)]
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// The first few, and how many there were besides.
+    pub fn lines(self) -> Vec<String> {
+        let more = self.count - self.shown.len() as u64;
+        let rest = (more > 0).then(|| format!("and {more} more"));
+        self.shown.into_iter().chain(rest).collect()
+    }
+}
+
+/// The largest of what was seen; 0 where nothing was.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Largest(pub f64);
+
+impl Largest {
+    /// One more.
+    pub fn add(&mut self, value: f64) {
+        self.0 = self.0.max(value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Failures, Tally, run};
+    use rand::RngExt;
+    use rand_chacha::ChaCha8Rng;
+    use raypath_verify::{Level, Request, Shard, Step};
+
+    #[derive(Default, PartialEq, Debug)]
+    struct Numbers(Vec<u32>);
+
+    impl Tally for Numbers {
+        fn join(&mut self, later: Self) {
+            self.0.extend(later.0);
+        }
+    }
+
+    fn numbers(seed: u64, shard: Shard, watch: &mut dyn FnMut(Step) -> bool) -> (Vec<u32>, bool) {
+        let config = Default::default();
+        let mut request = Request { config, level: Level::Everyday, jobs: None, seed, shard, watch };
+        let (numbers, is_stopped) =
+            run(&mut request, 7, 5000, |rng, numbers: &mut Numbers| numbers.0.push(rng.random()));
+        (numbers.0, is_stopped)
+    }
+
+    #[test]
+    fn cases_follow_from_the_seed_and_shards_divide_them() {
+        let mut last = None;
+        let (all, is_stopped) = numbers(1, Shard::ALL, &mut |step| {
+            last = Some(step);
+            true
+        });
+        assert_eq!((all.len(), is_stopped, last), (5000, false, Some(Step { done: 5000, total: 5000 })));
+        assert_eq!(numbers(1, Shard::ALL, &mut |_| true).0, all);
+        assert_ne!(numbers(2, Shard::ALL, &mut |_| true).0, all);
+
+        let shards = ["1/3", "2/3", "3/3"].map(|shard| shard.parse().expect("a shard"));
+        let mut parts: Vec<u32> = shards.iter().flat_map(|&shard| numbers(1, shard, &mut |_| true).0).collect();
+        let mut sorted = all;
+        parts.sort_unstable();
+        sorted.sort_unstable();
+        assert_eq!(parts, sorted);
+    }
+
+    #[test]
+    fn it_stops_when_told() {
+        let config = Default::default();
+        let watch = &mut |_| false;
+        let mut request = Request { config, level: Level::Everyday, jobs: None, seed: 1, shard: Shard::ALL, watch };
+        let case = |rng: &mut ChaCha8Rng, numbers: &mut Numbers| numbers.0.push(rng.random());
+        let (some, is_stopped) = run(&mut request, 7, 1_000_000_000, case);
+        assert!(is_stopped && some.0.len() < 1_000_000_000, "{}", some.0.len());
+    }
+
+    #[test]
+    fn the_first_failures_are_shown_and_all_are_counted() {
+        let mut failures = Failures::default();
+        for i in 0..4 {
+            let mut later = Failures::default();
+            (0..2).for_each(|j| later.add(|| format!("{i}{j}")));
+            failures.join(later);
+        }
+        assert_eq!(failures.count(), 8);
+        assert_eq!(failures.lines(), ["00", "01", "10", "11", "20", "and 3 more"]);
+    }
+}

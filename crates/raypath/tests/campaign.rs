@@ -1,0 +1,157 @@
+//! Campaigns: that they find what is wrong, make it small, leave what `replay` takes, say what they did not hit, and come
+//! out the same for the same seed.
+
+use raypath::engine::shape;
+use raypath::rtl::{Config, Control, Datapath};
+use raypath::verify::campaign::verify_module;
+use raypath::verify::{ITEMS, Level, Request, Step, Verdict, campaign, models};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use tempfile::TempDir;
+
+fn request<'a>(jobs: u64, seed: u64, watch: &'a mut dyn FnMut(Step) -> bool) -> Request<'a> {
+    let shard = raypath::verify::Shard::ALL;
+    Request { config: Config::DEFAULT, level: Level::Everyday, jobs: Some(jobs), seed, shard, watch }
+}
+
+/// The verdict on the netlist of one configuration by the models of the default one.
+fn verdict_on(netlist: Config, jobs: u64, seed: u64, folder: &Path) -> Verdict {
+    let expected = Datapath::new(Config::DEFAULT).expect("a datapath");
+    let tested = Datapath::new(netlist).expect("a datapath");
+    let shape = shape(Config::DEFAULT, &expected);
+    verify_module(&mut request(jobs, seed, &mut |_| true), tested.top(), &shape, folder).expect("a verdict")
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+/// The files of a failure, and the arguments of the command that replays them.
+fn replay_of(failure: &str) -> Vec<String> {
+    let command = failure.split_once("to see it: raypath ").expect("a command").1;
+    command.split(' ').map(String::from).collect()
+}
+
+fn transactions(arguments: &[String]) -> usize {
+    let files = arguments.iter().filter(|a| a.ends_with(".txt") && !a.ends_with("handshake.txt")).map(PathBuf::from);
+    files.map(|file| std::fs::read_to_string(file).expect("a file").lines().count()).sum()
+}
+
+fn raypath(arguments: &[String], more: &[&str]) -> (Option<i32>, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_raypath")).args(arguments).args(more).output().expect("raypath runs");
+    let text = [output.stdout, output.stderr].concat();
+    (output.status.code(), String::from_utf8_lossy(&text).into_owned())
+}
+
+#[test]
+fn the_datapath_is_as_claimed_and_a_seed_reproduces() {
+    let first = folder();
+    let second = folder();
+    let [a, b] = [&first, &second].map(|folder| verdict_on(Config::DEFAULT, 8192, 1, folder.path()));
+    assert_eq!(a.failures, [""; 0]);
+    assert_eq!(a.covered, b.covered);
+    let table = |folder: &TempDir| std::fs::read_to_string(folder.path().join("coverage.txt")).expect("a table");
+    assert_eq!(table(&first), table(&second));
+    let other = folder();
+    verdict_on(Config::DEFAULT, 8192, 2, other.path());
+    assert_ne!(table(&first), table(&other));
+}
+
+/// Wrong answers: a netlist with other rules shrinks to at most three jobs, which `replay` finds wrong, and right where
+/// the netlist is right.
+#[test]
+fn wrong_answers_shrink_to_files_that_replay() {
+    let chisel = Config { rules: raypath::ops::Rules::Chisel, ..Config::DEFAULT };
+    for seed in 1..=3 {
+        let folder = folder();
+        let verdict = verdict_on(chisel, 5120, seed, folder.path());
+        let [failure] = verdict.failures.as_slice() else { panic!("{:?}", verdict.failures) };
+        let command = replay_of(failure);
+        assert!(command.contains(&"netlist".to_string()) && transactions(&command) <= 3, "{failure}");
+        assert!(!command.contains(&"--handshake".to_string()), "{failure}");
+        let (code, text) = raypath(&command, &["--rules", "chisel"]);
+        assert_eq!(code, Some(1), "{text}");
+        assert!(text.contains("differ from the recorded ones"), "{text}");
+        let (code, text) = raypath(&command, &[]);
+        assert_eq!(code, Some(0), "{text}");
+    }
+}
+
+/// Wrong times: a netlist with another control answers rightly, but not when it should.
+#[test]
+fn wrong_times_shrink_to_files_and_handshakes_that_replay() {
+    let credit = Config { control: Control::Credit, ..Config::DEFAULT };
+    let folder = folder();
+    let verdict = verdict_on(credit, 5120, 1, folder.path());
+    let [failure] = verdict.failures.as_slice() else { panic!("{:?}", verdict.failures) };
+    let command = replay_of(failure);
+    assert!(command.contains(&"both".to_string()) && transactions(&command) <= 14, "{failure}");
+    // Only a sink that refuses tells one control from the other.
+    assert!(command.contains(&"--handshake".to_string()), "{failure}");
+    let (code, text) = raypath(&command, &[]);
+    assert_eq!(code, Some(0), "the netlist as it should be: {text}");
+    let wave = folder.path().join("trace.fst");
+    let not_engine = command[1..].iter().filter(|argument| !["--engine", "both"].contains(&argument.as_str()));
+    let arguments: Vec<String> = std::iter::once(&"wave".to_string()).chain(not_engine).cloned().collect();
+    let (code, text) = raypath(&arguments, &["--out", &wave.display().to_string()]);
+    assert_eq!(code, Some(0), "{text}");
+    assert!(wave.exists());
+}
+
+#[test]
+fn handshake_files_are_read_with_care() {
+    let folder = folder();
+    let (jobs, handshake) = (folder.path().join("euclidean.txt"), folder.path().join("handshake.txt"));
+    let beat =
+        |seq: u32, sum: &str| format!("{seq:x} 0 0 1 {} {} {sum} 0\n", ["40000000"; 16].join(" "), ["0"; 16].join(" "));
+    // The second is withdrawn, and the first of two that enter is lost in a reset: only the last comes out.
+    let lines = [beat(0, "40800000"), beat(1, "0"), beat(2, "40800000")].concat();
+    std::fs::write(&jobs, lines).expect("written");
+    let run = |pattern: &str, engine: &str| {
+        std::fs::write(&handshake, pattern).expect("written");
+        let arguments = ["replay", &jobs.display().to_string(), "--engine", engine, "--handshake"].map(String::from);
+        raypath(&arguments, &[&handshake.display().to_string()])
+    };
+    for engine in ["cycle", "netlist", "both"] {
+        let (code, text) = run("# a comment\nsk r\nw b", engine);
+        assert_eq!(code, Some(0), "{engine}: {text}");
+        assert!(text.lines().any(|line| line.split_whitespace().eq(["all", "1", "0"])), "{engine}: {text}");
+        // Without the reset the sum goes on.
+        let (code, text) = run("sk\nwb", engine);
+        assert_eq!(code, Some(1), "{engine}: {text}");
+    }
+    let (code, text) = run("sk\nwx", "netlist");
+    assert_eq!(code, Some(2));
+    assert!(text.contains("handshake.txt:2: 'x' is no cycle, expected b"), "{text}");
+    let (code, text) = run("sk", "model");
+    assert!(code == Some(2) && text.contains("--engine model knows no cycles"), "{text}");
+}
+
+#[test]
+fn whoever_watches_may_stop_it_and_sees_what_was_covered() {
+    let folder = folder();
+    for item in ITEMS.iter().filter(|item| ["campaign", "models"].contains(&item.name)) {
+        let mut looks = 0;
+        let mut watch = |step: Step| {
+            looks += 1;
+            assert!(step.done <= step.total);
+            looks < 3
+        };
+        let request = &mut request(1 << 40, 1, &mut watch);
+        let verdict = match item.name {
+            "models" => models::verify(request, folder.path()),
+            _ => campaign::verify(request, folder.path()),
+        };
+        let verdict = verdict.expect("a verdict");
+        assert!(verdict.is_stopped && verdict.failures.is_empty(), "{verdict:?}");
+        assert!(verdict.covered.contains("jobs") && verdict.remarks[0].contains("coverage"), "{verdict:?}");
+    }
+}
+
+#[test]
+fn the_models_answer_as_the_oracle_and_all_rules_are_exercised() {
+    let folder = folder();
+    let verdict = models::verify(&mut request(2_000_000, 3, &mut |_| true), folder.path()).expect("a verdict");
+    assert_eq!(verdict.failures, [""; 0]);
+    assert!(verdict.covered.starts_with("2097152 jobs"), "{}", verdict.covered);
+}

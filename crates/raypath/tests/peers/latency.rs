@@ -1,0 +1,78 @@
+//! One latency: measured at the netlist's ports, measured at the cycle-exact model's, and printed.
+//!
+//! Told in the field without a source: a model that answers after another number of cycles than the hardware, so that a
+//! system that was simulated fails when it is built. `configurations.rs` compares both in every cycle; here each is
+//! measured alone, by the same stop-watch, and held against what is printed in the design's head.
+//!
+//! Mutation: `latency + 1` in `raypath-model/src/shape.rs` or `raypath::engine::shape`; a number in `datapath.rs`'s text.
+
+use raypath::engine::{CycleEngine, Engine, NetlistEngine};
+use raypath::jobs::random;
+use raypath::model::Model;
+use raypath::models::{Visitor, with_model};
+use raypath::ops::JobKind;
+use raypath::rtl::{Config, Control, Datapath, PRESETS, UnitLatency};
+
+#[test]
+fn every_preset() {
+    for preset in PRESETS {
+        with_model(preset.config, StopWatch(preset.config));
+    }
+}
+
+#[test]
+fn every_control_and_unit_latency() {
+    for &control in Control::ALL {
+        for &unit_latency in UnitLatency::ALL {
+            let config = Config { control, unit_latency, ..Config::DEFAULT };
+            with_model(config, StopWatch(config));
+        }
+    }
+}
+
+struct StopWatch(Config);
+
+impl Visitor for StopWatch {
+    type Answer = ();
+
+    fn visit<M: Model>(self, model: M) {
+        let config = self.0;
+        let datapath = Datapath::new(config).expect("a datapath");
+        let mut netlist = NetlistEngine::of(model.clone(), config, &datapath, |_| false).expect("a netlist");
+        let mut modelled = CycleEngine::new(model.clone(), netlist.shape());
+        let printed = datapath.top().doc().join("\n");
+        for &kind in config.kinds() {
+            let job = random(&model, config.format, 5, &[kind]).next().expect("an endless stream");
+            let [hardware, software] = [&mut netlist as &mut dyn Engine<M>, &mut modelled].map(|engine| {
+                let alone = alone(engine, &job);
+                (alone, apart(engine, &job))
+            });
+            assert_eq!(hardware, software, "{config}, {kind}: latency and distance of jobs");
+            let (latency, apart) = hardware;
+            assert!(printed.contains(&format!("latency {latency},")), "{config}, {kind}: {latency} in {printed}");
+            let sums = matches!(kind, JobKind::Euclidean | JobKind::Angular);
+            let unit_latency = config.unit_latency.stages() as usize;
+            assert_eq!(apart, if sums { unit_latency } else { 1 }, "{config}, {kind}");
+            assert!(if unit_latency == 1 { latency == 12 } else { latency > 12 }, "{config}: {latency}");
+        }
+    }
+}
+
+/// Cycles from the one that accepts a job, in an empty pipeline, to the one that shows its outcome.
+fn alone<M: Model>(engine: &mut dyn Engine<M>, job: &M::Job) -> usize {
+    engine.reset();
+    engine.present(job);
+    let shown = engine.cycle(true, true);
+    assert!(shown.input_ready && shown.output.is_none());
+    (1..200).find(|_| engine.cycle(false, true).output.is_some()).expect("an outcome")
+}
+
+/// Cycles from one outcome to the next where the source always offers and the sink always takes.
+fn apart<M: Model>(engine: &mut dyn Engine<M>, job: &M::Job) -> usize {
+    engine.reset();
+    engine.present(job);
+    let shown: Vec<usize> = (0..300).filter(|_| engine.cycle(true, true).output.is_some()).collect();
+    let apart = shown[1] - shown[0];
+    assert!(shown.windows(2).all(|pair| pair[1] - pair[0] == apart), "always the same: {shown:?}");
+    apart
+}

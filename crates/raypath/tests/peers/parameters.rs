@@ -1,0 +1,59 @@
+//! Each value of each parameter makes another design.
+//!
+//! Told in the field without a source: a parameter that is declared, documented and swept over, and reaches nothing, so that
+//! all points of a sweep are one. Here the emitted SystemVerilog would be the same, but for its banner.
+//!
+//! Mutation: any one parameter not passed on in `raypath-rtl`, `sharing` taken as `Union` always, say.
+
+use raypath::hdl::verilog;
+use raypath::ops::Rules;
+use raypath::rtl::{Config, Control, Datapath, Encoding, Lanes, Sharing, UnitLatency};
+use std::collections::HashMap;
+
+/// All modules, without the comments: what they say of the configuration is no design.
+fn printed(config: Config) -> String {
+    let datapath = Datapath::new(config).expect("a datapath");
+    let modules = verilog::modules(datapath.top()).expect("modules");
+    let texts = modules.iter().map(|module| verilog::print_module(module, &[]).expect("a module"));
+    let text: String = texts.collect();
+    let code = text.lines().map(|line| line.split("//").next().unwrap_or_default().trim_end());
+    code.filter(|line| !line.is_empty()).collect::<Vec<_>>().join("\n")
+}
+
+/// Every value of one parameter, all others as in `base`, differs from every other.
+fn all_differ<T: Copy + std::fmt::Display>(base: Config, values: &[T], set: impl Fn(&mut Config, T)) {
+    let mut seen: HashMap<String, T> = HashMap::new();
+    for &value in values {
+        let mut config = base;
+        set(&mut config, value);
+        if let Some(other) = seen.insert(printed(config), value) {
+            panic!("{base}: {value} makes what {other} makes");
+        }
+    }
+    assert!(values.len() > 1);
+}
+
+#[test]
+fn every_value_of_every_parameter_changes_the_design() {
+    let graphics = Config { lanes: Lanes::None, ..Config::DEFAULT };
+    let small = Config { lanes: Lanes::Two, ..Config::DEFAULT };
+    for base in [graphics, small] {
+        all_differ(base, &[Rules::Paper, Rules::Chisel], |config, rules| config.rules = rules);
+        all_differ(base, Encoding::ALL, |config, io| config.io = io);
+        all_differ(base, Encoding::ALL, |config, registers| config.registers = registers);
+        all_differ(base, Control::ALL, |config, control| config.control = control);
+        all_differ(base, Sharing::ALL, |config, sharing| config.sharing = sharing);
+        all_differ(base, UnitLatency::ALL, |config, latency| config.unit_latency = latency);
+        all_differ(base, &["fp32", "tf32", "bf16", "fp16", "e3s3", "e8s23"], |config, name| {
+            config.format = name.parse().expect("a format");
+        });
+    }
+    all_differ(Config::DEFAULT, Lanes::ALL, |config, lanes| config.lanes = lanes);
+}
+
+/// The comparison is not one of comments, and it can find two alike.
+#[test]
+fn the_same_configuration_makes_the_same_design() {
+    let config = Config { lanes: Lanes::None, ..Config::DEFAULT };
+    assert!(printed(config) == printed(config) && printed(config).contains("endmodule"));
+}

@@ -1,0 +1,164 @@
+//! What random jobs are like: a generator whose jobs all have one shape finds nothing, and says that all is well.
+//!
+//! Peer: tests of CVFPU once drew all lanes of a vector alike, as this project's notes tell, and a fault between lanes stayed
+//! for years. Here a census of what [`random`] gives: whatever is not in it is not tested by campaigns either.
+//!
+//! Mutation: in `jobs.rs`, no edges (or edges alone), masks that are all ones, one kind after the other in turn.
+
+use raypath::format::Format;
+use raypath::jobs::random;
+use raypath::model::{Model, OnPorts};
+use raypath::models::{Visitor, with_model};
+use raypath::ops::{JobKind, PortKind};
+use raypath::rtl::{Config, Lanes};
+use std::collections::{BTreeMap, BTreeSet};
+
+const JOBS: usize = 20_000;
+
+/// What a code of a format is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Class {
+    Zero(bool),
+    Subnormal(bool),
+    Normal(bool),
+    Infinity(bool),
+    Nan,
+}
+
+fn class(format: Format, code: u64) -> Class {
+    let minus = code >> (format.ieee_width() - 1) & 1 == 1;
+    let magnitude = code & ((1 << (format.ieee_width() - 1)) - 1);
+    match magnitude {
+        0 => Class::Zero(minus),
+        _ if magnitude > format.infinity() => Class::Nan,
+        _ if magnitude == format.infinity() => Class::Infinity(minus),
+        _ if magnitude >> format.fraction_width() == 0 => Class::Subnormal(minus),
+        _ => Class::Normal(minus),
+    }
+}
+
+/// All nine.
+const CLASSES: usize = 9;
+
+#[derive(Default)]
+struct Census {
+    /// Of each number port, how often each class.
+    classes: BTreeMap<String, BTreeMap<Class, usize>>,
+    /// Of each other port, its values.
+    words: BTreeMap<String, BTreeSet<u64>>,
+    /// Kinds that followed each other.
+    pairs: BTreeSet<(usize, usize)>,
+    /// What came out of boxes: which were hit, and in which order they stood; of triangles whether they were hit.
+    hits: BTreeMap<String, BTreeMap<u64, usize>>,
+    /// Jobs whose numbers are all ordinary: nonzero, normal.
+    ordinary: usize,
+}
+
+fn take(config: Config) -> Census {
+    with_model(config, Take(config))
+}
+
+struct Take(Config);
+
+impl Visitor for Take {
+    type Answer = Census;
+
+    fn visit<M: Model>(self, mut model: M) -> Census {
+        let mut census = Census::default();
+        let mut last = None;
+        for job in random(&model.clone(), self.0.format, 1, self.0.kinds()).take(JOBS) {
+            census.pairs.extend(last.map(|last| (last, job.kind() as usize)));
+            last = Some(job.kind() as usize);
+            let mut is_ordinary = true;
+            for port in job.ports() {
+                // The same ports of different kinds are drawn apart.
+                let name = format!("{} {}", job.kind(), port.name);
+                if port.kind == PortKind::Number {
+                    let class = class(self.0.format, port.bits);
+                    is_ordinary &= matches!(class, Class::Normal(_));
+                    *census.classes.entry(name).or_default().entry(class).or_default() += 1;
+                } else {
+                    census.words.entry(name).or_default().insert(port.bits);
+                }
+            }
+            census.ordinary += usize::from(is_ordinary);
+            let outcome = model.run(&job);
+            for port in outcome.ports() {
+                if ["triangle_hit", "is_intersect"].contains(&port.name.as_str()) {
+                    *census.hits.entry(port.name).or_default().entry(port.bits).or_default() += 1;
+                }
+            }
+            if job.kind() == JobKind::Quadbox {
+                let places = outcome.ports().into_iter().filter(|port| port.name.starts_with("box_index"));
+                let order = places.fold(0, |order, port| order << 2 | port.bits);
+                *census.hits.entry("order".to_string()).or_default().entry(order).or_default() += 1;
+            }
+        }
+        census
+    }
+}
+
+#[test]
+fn every_port_sees_every_class_of_number_and_mostly_ordinary_ones() {
+    for format in [Format::BINARY32, Format::BINARY16] {
+        let census = take(Config { format, ..Config::DEFAULT });
+        assert!(census.classes.len() > 4 * 16);
+        for (port, classes) in &census.classes {
+            assert_eq!(classes.len(), CLASSES, "{format}, {port}: {classes:?}");
+            let all: usize = classes.values().sum();
+            let normal: usize = [false, true].iter().filter_map(|minus| classes.get(&Class::Normal(*minus))).sum();
+            assert!((all / 4..all).contains(&normal), "{format}, {port}: {normal} of {all} are normal");
+        }
+        // Jobs without any edge are there as well: an edge hides what comes behind it.
+        assert!((JOBS / 20..JOBS * 9 / 10).contains(&census.ordinary), "{format}: {} ordinary jobs", census.ordinary);
+    }
+}
+
+#[test]
+fn every_kind_follows_every_kind() {
+    assert_eq!(take(Config::DEFAULT).pairs.len(), 16);
+    assert_eq!(take(Config { lanes: Lanes::None, ..Config::DEFAULT }).pairs.len(), 4);
+}
+
+/// Masks are neither all ones nor all alike: every lane is on beside one that is off, and off beside one that is on.
+#[test]
+fn masks_axes_and_resets_take_all_values() {
+    let census = take(Config::DEFAULT);
+    for (port, values) in &census.words {
+        match port.split(' ').nth(1).unwrap_or_default() {
+            "euclidean_reset_accum" => assert_eq!(values.len(), 2, "{port}"),
+            "ray_kx" | "ray_ky" | "ray_kz" => assert_eq!(values.len(), 4, "{port}"),
+            "euclidean_mask" => assert!(values.len() > 200, "{port}: {} masks", values.len()),
+            other => panic!("{other}: a port that nobody thought of here"),
+        }
+    }
+}
+
+#[test]
+fn lanes_are_on_and_off_beside_each_other() {
+    for (lanes, format) in
+        [(Lanes::Two, "fp32"), (Lanes::Sixteen, "e3s3"), (Lanes::SixtyFour, "fp16"), (Lanes::SixtyFour, "fp32")]
+    {
+        let config = Config { lanes, format: format.parse().expect("a format"), ..Config::DEFAULT };
+        let masks = take(config).words.remove("euclidean euclidean_mask").expect("masks");
+        for lane in 0..lanes.count() - 1 {
+            let pairs: BTreeSet<u64> = masks.iter().map(|mask| mask >> lane & 3).collect();
+            assert_eq!(pairs.len(), 4, "lanes {lane} and {} of {lanes}, {format}: {pairs:?}", lane + 1);
+        }
+        // A random mask has about half of the lanes; one in ten thousand of 64 has fewer than a quarter.
+        let all = u64::MAX >> (64 - lanes.count());
+        let some: Vec<u64> = masks.iter().copied().filter(|mask| ![0, all].contains(mask)).collect();
+        let many = some.iter().filter(|mask| mask.count_ones() as usize * 4 >= lanes.count()).count();
+        assert!(many * 10 >= some.len() * 9, "{lanes} lanes, {format}: {many} of {} masks have many lanes", some.len());
+    }
+}
+
+#[test]
+fn boxes_and_triangles_are_hit_and_missed_in_every_order() {
+    let census = take(Config::DEFAULT);
+    let share = |name: &str, value: u64| census.hits[name].get(&value).copied().unwrap_or(0);
+    assert!(share("triangle_hit", 0) > JOBS / 40 && share("triangle_hit", 1) > JOBS / 40, "{:?}", census.hits);
+    assert_eq!(census.hits["is_intersect"].len(), 5, "0 to 4 boxes hit; hits stand first: {:?}", census.hits);
+    assert!(census.hits["is_intersect"].values().all(|&count| count > 50), "{:?}", census.hits["is_intersect"]);
+    assert_eq!(census.hits["order"].len(), 24, "all orders of four boxes");
+}

@@ -1,0 +1,41 @@
+//! The assertions that `generate` writes, in Verilator: silent on the design, not on one with a fault.
+
+use raypath::rtl::{Config, Datapath, Lanes};
+use raypath_cosim::{CosimError, Options, Sources, Verilated};
+
+/// 500 cycles with stalls and bubbles; data do not matter. With `fault`, a text of `raypath_skid` becomes another.
+fn simulate(fault: Option<(&str, &str)>) -> Result<(), CosimError> {
+    let config = Config { lanes: Lanes::None, format: "fp16".parse().expect("a format"), ..Config::DEFAULT };
+    let datapath = Datapath::new(config).expect("a datapath");
+    let top = datapath.top();
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut files = Sources::write(top, folder.path()).expect("sources").files;
+    if let Some((from, to)) = fault {
+        let skid = folder.path().join("raypath_skid.sv");
+        let text = std::fs::read_to_string(&skid).expect("text");
+        assert!(text.contains(from), "{from}");
+        std::fs::write(&skid, text.replace(from, to)).expect("a file");
+    }
+    let properties = folder.path().join("raypath_properties.sv");
+    std::fs::write(&properties, datapath.properties().to_string()).expect("a file");
+    files.push(properties);
+    let verilated = Verilated::build_sources(&files, top, folder.path(), &Options::default())?;
+    let mut state = 1u64;
+    let frames = (0..500).map(|_| {
+        let mut frame = vec![1];
+        for port in top.inputs() {
+            // Numbers of Knuth's 64-bit generator; its upper bits are the better ones.
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            frame.push((state >> 33) & (u64::MAX >> (64 - top.signal(port.signal).width)));
+        }
+        frame
+    });
+    let frames: Vec<_> = frames.collect();
+    verilated.run(frames, |_, _| ())
+}
+
+#[test]
+fn assertions_are_silent_on_the_design_and_not_on_a_fault() {
+    simulate(None).expect("no assertion fails");
+    assert!(simulate(Some(("= leaves & refill", "= refill"))).is_err(), "a front that is overwritten while it waits");
+}
