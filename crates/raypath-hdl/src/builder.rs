@@ -312,7 +312,8 @@ impl Builder {
     }
 }
 
-fn describe(module: &Module, id: SignalId) -> String {
+/// A signal's name, or its operator and number where it has none.
+pub(crate) fn describe(module: &Module, id: SignalId) -> String {
     let signal = &module.signals[id.index()];
     signal.name.clone().unwrap_or_else(|| {
         let driver = format!("{:?}", signal.driver);

@@ -28,6 +28,7 @@ mod expose;
 mod flatten;
 mod graph;
 mod jit;
+pub mod mutate;
 mod names;
 mod netlist;
 mod simulator;

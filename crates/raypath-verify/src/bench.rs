@@ -2,6 +2,8 @@
 
 mod chain;
 
+pub use chain::chain;
+
 use raypath_float::{Format, add_parts, compare, decode, encode, mul_parts};
 use raypath_hdl::{Builder, Error, InputPort, Module, OutputPort, Simulator, Wire};
 use std::sync::Arc;
@@ -101,7 +103,7 @@ impl Units {
     /// The units as the datapath has them.
     pub fn of(format: Format) -> Result<Self, Error> {
         let [add, mul] = [add_parts, mul_parts].map(|unit| {
-            let in_parts = |count| chain::chain(&unit(format, count)?);
+            let in_parts = |count| chain(&unit(format, count)?);
             Ok([unit(format, 1)?.remove(0), in_parts(2)?, in_parts(3)?])
         });
         let (encode, decode, compare) = (encode(format)?, decode(format)?, compare(format)?);

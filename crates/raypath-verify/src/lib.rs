@@ -8,6 +8,7 @@ pub mod control;
 mod cores;
 pub mod equivalence;
 mod item;
+pub mod operands;
 pub mod proof;
 mod request;
 pub mod testfloat;

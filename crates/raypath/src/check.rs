@@ -1,7 +1,10 @@
 //! Netlist and models side by side.
 
+mod canonical;
+mod everyday;
 mod side_by_side;
 
+pub use everyday::{Everyday, Failed};
 pub use side_by_side::{Difference, SideBySide};
 
 use crate::engine::{Engine, NetlistEngine, observe};

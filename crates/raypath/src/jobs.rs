@@ -7,9 +7,10 @@ use raypath_model::Model;
 use raypath_ops::{Aabb, Job, JobKind, PortKind, Ray, RayBoxInput, RayTriangleInput, Triangle};
 use std::collections::HashMap;
 
-/// An endless stream of jobs of these kinds for a model whose numbers have this format, reproducible by `seed`: of rays,
-/// three in four are from a scene, rounded into the format; other jobs have numbers from its edges (zeros, subnormals,
-/// infinities, NaN, raw bits) among ordinary ones. `kinds` must not be empty.
+/// An endless stream of jobs of these kinds for a model whose numbers have this format, reproducible by `seed`. Of rays,
+/// three in four are from a scene of any size, now and then on a grid, rounded into the format; half of these have a few
+/// numbers from the format's edges (zeros, subnormals, infinities, NaN). Other jobs have numbers from the edges and raw bits
+/// among ordinary ones. `kinds` must not be empty.
 pub fn random<M: Model>(
     model: &M,
     format: Format,
@@ -73,13 +74,19 @@ impl<M: Model> Generator<M> {
         }
     }
 
-    /// A ray aimed at one of the boxes, or at a place in or near the triangle.
+    /// A ray aimed at one of the boxes, or at a place in or near the triangle; some scenes are very small or very large.
+    /// On a grid rays run along axes, in faces and through corners: zeros of both signs, ties, zero times infinity.
     fn scene(&mut self, kind: JobKind) -> Job {
-        let (origin, a, b, c) = (self.point(4.0), self.point(1.0), self.point(1.0), self.point(1.0));
+        let size = if self.rng.random_bool(0.2) { self.rng.random_range(-70.0f32..60.0).round().exp2() } else { 1.0 };
+        let grid = self.rng.random_bool(0.25).then_some(0.5 * size);
+        let snap = |point: [f32; 3]| point.map(|x| grid.map_or(x, |grid| (x / grid).round() * grid));
+        let reach = if grid.is_some() { size } else { 4.0 * size };
+        let [origin, a, b, c] = [reach, size, size, size].map(|reach| snap(self.point(reach)));
         let [u, v, w]: [f32; 3] = std::array::from_fn(|_| self.rng.random_range(-0.1..1.0));
         let target: [f32; 3] = std::array::from_fn(|i| (u * a[i] + v * b[i] + w * c[i]) / (u + v + w));
+        let target = if grid.is_some() { a } else { target };
         let direction: [f32; 3] = std::array::from_fn(|i| target[i] - origin[i]);
-        let extent = if self.rng.random_bool(0.8) { f32::INFINITY } else { self.rng.random_range(0.0..2.0) };
+        let extent = if self.rng.random_bool(0.8) { f32::INFINITY } else { self.rng.random_range(0.0..2.0) * size };
         // Only a direction of zero or a division by zero above is refused; any other scene will do instead.
         let Ok(ray) = Ray::new(origin, direction, extent) else { return self.scene(kind) };
         if kind == JobKind::Triangle {
@@ -87,10 +94,11 @@ impl<M: Model> Generator<M> {
         }
         // Half of the boxes stand on the ray: of four boxes anywhere more than two are hardly ever hit.
         let aabb = std::array::from_fn(|_| {
-            let (mut centre, half) = (self.point(1.0), self.point(0.5).map(f32::abs));
-            if self.rng.random_bool(0.5) {
+            let (mut centre, half) = (snap(self.point(size)), snap(self.point(0.5 * size)).map(f32::abs));
+            if grid.is_none() && self.rng.random_bool(0.7) {
                 let along = self.rng.random_range(0.2..2.0);
-                centre = std::array::from_fn(|i| origin[i] + along * direction[i] + 0.5 * half[i] * centre[i]);
+                let off: [f32; 3] = self.point(0.5);
+                centre = std::array::from_fn(|i| origin[i] + along * direction[i] + half[i] * off[i]);
             }
             Aabb::new(std::array::from_fn(|i| centre[i] - half[i]), std::array::from_fn(|i| centre[i] + half[i]))
         });
@@ -98,19 +106,35 @@ impl<M: Model> Generator<M> {
     }
 
     /// A job in binary32 as one of the model's.
-    fn rounded(&self, job: &Job) -> M::Job {
+    fn rounded(&mut self, job: &Job) -> M::Job {
         let value = |kind, bits: u64| match kind {
             PortKind::Number => self.number(f32::from_bits(bits as u32)),
             PortKind::Flags | PortKind::Word => bits,
         };
-        let ports: HashMap<String, u64> =
-            job.ports().into_iter().map(|port| (port.name, value(port.kind, port.bits))).collect();
+        let mut ports = job.ports();
+        ports.iter_mut().for_each(|port| port.bits = value(port.kind, port.bits));
+        // The extent meets every box.
+        for port in ports.iter_mut().filter(|port| port.name == "ray_extent") {
+            if self.rng.random_bool(0.05) {
+                port.bits = self.format.nan();
+            }
+        }
+        // So that every unit meets each of them among ordinary numbers.
+        if self.rng.random_bool(0.5) {
+            for _ in 0..self.rng.random_range(1..=4) {
+                let place = self.rng.random_range(0..ports.len());
+                if ports[place].kind == PortKind::Number {
+                    ports[place].bits = self.edges[self.rng.random_range(0..self.edges.len())];
+                }
+            }
+        }
+        let ports: HashMap<String, u64> = ports.into_iter().map(|port| (port.name, port.bits)).collect();
         self.model.job(job.kind(), |name| ports.get(name).copied().unwrap_or(0))
     }
 
     /// A job whose ports are drawn one by one; in one of three many of its numbers are at the edges.
     fn ports(&mut self, kind: JobKind) -> M::Job {
-        let edges = if self.rng.random_bool(0.33) { 0.5 } else { 0.01 };
+        let edges = [0.5, 0.05, 0.01][self.rng.random_range(0..3)];
         let model = self.model.clone();
         model.job(kind, |port| match port {
             "ray_kx" | "ray_ky" | "ray_kz" => self.rng.random_range(0..4),

@@ -8,6 +8,7 @@ mod files;
 mod geometry;
 pub mod layout;
 pub mod models;
+mod mutation;
 pub mod oracle;
 mod parallel;
 pub mod parsers;
@@ -33,5 +34,6 @@ pub const ITEMS: &[Item] = &[
     geometry::SUMS,
     models::ITEM,
     campaign::ITEM,
+    mutation::ITEM,
     parsers::ITEM,
 ];

@@ -1,17 +1,13 @@
 //! Every configuration: its netlist in every cycle like the cycle-exact model, every outcome like the functional model,
 //! and as fast as is promised.
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use raypath::check::{Timing, lockstep, timing};
-use raypath::engine::{CycleEngine, Engine, NetlistEngine, drive};
+use raypath::check::Everyday;
+use raypath::engine::NetlistEngine;
 use raypath::format::Format;
-use raypath::jobs::random;
 use raypath::model::Model;
 use raypath::models::{Visitor, with_model};
-use raypath::ops::{JobKind, Rules};
+use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
-use raypath::traffic::{Cycle, Traffic};
 
 /// Configurations: every combination of these values.
 struct Space {
@@ -134,77 +130,12 @@ impl Visitor for Check {
 
     fn visit<M: Model>(self, model: M) {
         let config = self.config;
-        let mut netlist =
-            NetlistEngine::new(model.clone(), config, |_| false).unwrap_or_else(|error| panic!("{config}: {error}"));
-        self.answers_like_the_models(&mut netlist, &model);
-        self.keeps_step_through_resets(&mut netlist, &model);
-        self.is_as_fast_as_promised(&mut netlist, &model);
-    }
-}
-
-impl Check {
-    fn jobs<M: Model>(&self, model: &M, kinds: &[JobKind]) -> impl Iterator<Item = M::Job> + use<M> {
-        random(model, self.config.format, self.seed, kinds)
-    }
-
-    /// Random and edge jobs under random handshakes.
-    fn answers_like_the_models<M: Model>(&self, netlist: &mut NetlistEngine<M>, model: &M) {
-        const JOBS: usize = 3000;
-        let (config, kinds) = (self.config, self.config.kinds());
-        let jobs = self.jobs(model, kinds).take(JOBS);
-        let found = lockstep(netlist, model.clone(), jobs, &mut Traffic::random(self.seed), |_| true);
-        assert_eq!((found.jobs, found.different), (JOBS, 0), "{config}: {:#?}", found.differences);
-        assert!(kinds.iter().all(|&kind| found.by_kind[kind as usize] > JOBS / 6), "{config}: {:?}", found.by_kind);
-        assert!(found.stalled > 100, "{config}: {} cycles stalled", found.stalled);
-    }
-
-    /// Resets at any moment, with jobs of all kinds in flight; the ports are full of other jobs while none is offered.
-    fn keeps_step_through_resets<M: Model>(&self, netlist: &mut NetlistEngine<M>, model: &M) {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        let mut traffic = Traffic::random(self.seed);
-        let mut modelled = CycleEngine::new(model.clone(), netlist.shape());
-        let mut jobs = self.jobs(model, self.config.kinds());
-        let (mut resets, mut left) = (0, 0);
-        netlist.reset();
-        for cycle in 0..3000 {
-            if rng.random_bool(0.005) {
-                netlist.reset();
-                modelled.reset();
-                resets += 1;
-            }
-            let job = jobs.next().expect("an endless stream");
-            netlist.present(&job);
-            modelled.present(&job);
-            let Cycle { offers, takes: output_ready, .. } = traffic.next_cycle();
-            let shown = netlist.cycle(offers, output_ready);
-            assert_eq!(shown, modelled.cycle(offers, output_ready), "{}, cycle {cycle}", self.config);
-            left += usize::from(shown.output.is_some() && output_ready);
-        }
-        assert!(resets > 3 && left > 100, "{}: {resets} resets, {left} jobs", self.config);
-    }
-
-    /// Latency 12 where units take one step. One job a cycle, but for beats of one accumulator, which follow each other
-    /// as fast as an addition takes.
-    fn is_as_fast_as_promised<M: Model>(&self, netlist: &mut NetlistEngine<M>, model: &M) {
-        let (config, kinds) = (self.config, self.config.kinds());
-        let (latency, unit_latency) = (netlist.shape().latency as u64, config.unit_latency.stages());
-        assert!(if unit_latency == 1 { latency == 12 } else { latency > 12 }, "{config}: latency {latency}");
-        for &kind in kinds {
-            let sums = matches!(kind, JobKind::Euclidean | JobKind::Angular);
-            let initiation_interval = if sums { unit_latency.into() } else { 1 };
-            assert_eq!(netlist.shape().interval(kind) as u64, initiation_interval, "{config}, {kind}");
-            let job = self.jobs(model, &[kind]).next().expect("an endless stream");
-            let measured = timing(netlist, &job);
-            assert_eq!(measured, Some(Timing { latency, initiation_interval }), "{config}, {kind}");
-        }
-        // No kind comes again within as many cycles as an addition takes: nobody waits.
-        const ROUNDS: usize = 50;
-        let mut streams: Vec<_> = kinds.iter().map(|&kind| self.jobs(model, &[kind])).collect();
-        let round = |_| streams.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
-        let jobs: Vec<M::Job> = (0..ROUNDS).flat_map(round).collect();
-        netlist.reset();
-        let run = drive(netlist, jobs.iter(), &mut Traffic::always(), |_, _| true);
-        assert_eq!((run.jobs, run.cycles), (jobs.len(), jobs.len() as u64 + latency), "{config}: mixed jobs");
+        let mut netlist = NetlistEngine::new(model.clone(), config, Everyday::observes)
+            .unwrap_or_else(|error| panic!("{config}: {error}"));
+        let checks = Everyday { config, seed: self.seed };
+        checks
+            .check(&mut netlist, &model)
+            .unwrap_or_else(|failed| panic!("{config}, {}: {}", failed.check, failed.what));
     }
 }
 

@@ -1,12 +1,13 @@
 //! Random operands in formats between the exhaustible ones and the largest, by both oracles where both reach.
 
 use crate::bench;
-use crate::binary32::{cases, generator};
+use crate::binary32::cases;
 use crate::exact::Exact;
 use crate::{integer, small_formats};
 use rand::Rng;
 use raypath_float::Format;
 use raypath_verify::bench::{Answer, Ports};
+use raypath_verify::operands::generator;
 
 #[test]
 fn binary16() {

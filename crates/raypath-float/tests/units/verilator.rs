@@ -1,6 +1,5 @@
 //! The emitted SystemVerilog: in Verilator against the same oracles, and before the linters.
 
-use crate::binary32::{self, generator, number};
 use crate::exact::Exact;
 use crate::small_formats;
 use rand::Rng;
@@ -8,6 +7,7 @@ use raypath_cosim::{Sources, Verilated};
 use raypath_float::Format;
 use raypath_hdl::{Builder, Error, Module};
 use raypath_verify::bench::{Answer, OUTPUTS, Ports, Units};
+use raypath_verify::operands::{answer, generator, number};
 use std::sync::Arc;
 
 /// Operands of one bench, and what it must answer.
@@ -74,7 +74,7 @@ fn binary32_cases() -> Vec<Case> {
         let other = number(&mut random);
         let near = (a & 0x7f80_0000).saturating_sub(random.next_u32() & 0x0f80_0000) | other & 0x807f_ffff;
         let b = if random.next_u32() & 1 == 0 { near } else { other };
-        (a.into(), b.into(), binary32::answer(f32::from_bits(a), f32::from_bits(b)))
+        (a.into(), b.into(), answer(f32::from_bits(a), f32::from_bits(b)))
     };
     (0..200_000).map(|_| case()).collect()
 }

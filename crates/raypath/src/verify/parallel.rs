@@ -14,6 +14,8 @@ pub struct Queue {
     shard: raypath_verify::Shard,
 }
 
+/// Bytes of a worker's stack: proofs descend from a netlist's outputs to its inputs.
+const STACK: usize = 64 << 20;
 const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
 
 impl Queue {
@@ -52,7 +54,9 @@ pub fn run<T: Send>(request: &mut Request<'_>, total: u64, work: impl Fn(&Queue)
     let cores = thread::available_parallelism().map_or(1, usize::from).min(share.max(1) as usize);
     let mut is_stopped = false;
     let answers = thread::scope(|scope| {
-        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(|| work(&queue))).collect();
+        let worker = |_| thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || work(&queue));
+        let started = |worker: std::io::Result<_>| worker.unwrap_or_else(|error| panic!("no thread: {error}"));
+        let workers: Vec<thread::ScopedJoinHandle<'_, T>> = (0..cores).map(worker).map(started).collect();
         loop {
             let is_done = workers.iter().all(thread::ScopedJoinHandle::is_finished);
             let step = Step { done: queue.taken.load(Ordering::Relaxed), total: share };

@@ -1,0 +1,159 @@
+//! Faults in a netlist: what a slip of the hand or a broken gate makes of a module.
+//!
+//! Tests that pass on a module as well as on one with a fault say nothing about that fault. [`faults`] lists the faults
+//! of a module, [`Fault::apply`] makes the faulty module, and [`replace`] puts it where the good one was.
+
+mod edit;
+mod list;
+mod well_formed;
+
+use crate::Error;
+use crate::netlist::{Driver, Module, SignalId};
+use std::collections::HashMap;
+use std::fmt;
+use std::sync::Arc;
+
+/// One change to one module, which leaves its ports alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fault {
+    module: String,
+    /// What is changed, in words.
+    place: String,
+    change: Change,
+}
+
+/// What is changed. A name in `operand` or `with` is that of a signal of the module without the fault.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Change {
+    /// The signal has another driver, of the same width.
+    Driver { signal: SignalId, was: Driver, becomes: Driver, how: &'static str },
+    /// The signal has the complement of its value.
+    Inverted { signal: SignalId },
+    /// The signal reads the complement of an operand.
+    OperandInverted { signal: SignalId, operand: SignalId },
+    /// The signal reads zero instead of an operand.
+    OperandZero { signal: SignalId, operand: SignalId },
+    /// The register takes its next value in every cycle.
+    AlwaysLoads { register: usize },
+    /// The register never takes a next value.
+    NeverLoads { register: usize },
+    /// The register has another value after reset.
+    Reset { register: usize, was: u64, becomes: u64 },
+    /// An instance reads zero at an input port.
+    PortZero { instance: usize, input: usize },
+}
+
+/// The faults of a module itself, not of those that it instantiates, in the order of its signals. What nothing depends
+/// on, and what would not change the module's meaning by its form alone, is left out.
+///
+/// Faults are: `And` for `Or` and the reverse, `Or` for `Xor`, `Sub` for `Add` and the reverse; comparisons, `Any`, `All`
+/// and names inverted, `Less` with its operands exchanged, `Any` for `All` and the reverse; multiplexers with an inverted
+/// select, or stuck at one side; arms of a `Case` exchanged with the next, left out, or taken by default; constants one
+/// more, one less, or with one bit flipped; slices one bit higher or lower; the other shift; neighbours of a `Concat`
+/// exchanged where they are as wide as each other; `Not` left out; any operand replaced by zero; registers that load
+/// always or never, or have another reset value; ports of instances at zero.
+pub fn faults(module: &Module) -> Vec<Fault> {
+    list::faults(module)
+}
+
+impl Fault {
+    /// The name of the module that it is a fault of.
+    pub fn module(&self) -> &str {
+        &self.module
+    }
+
+    /// The module with this fault.
+    ///
+    /// # Errors
+    /// A module that this is no fault of: of another name, or changed since the fault was listed.
+    pub fn apply(&self, module: &Module) -> Result<Module, Error> {
+        if module.name() != self.module {
+            let problem = format!("is not the module of the fault '{self}'");
+            return Err(Error::Name { module: self.module.clone(), name: module.name().to_string(), problem });
+        }
+        let changed = edit::changed(module, &self.change).ok_or_else(|| Error::Drive {
+            module: self.module.clone(),
+            signal: self.place.clone(),
+            problem: "is not what it was when the fault was listed".to_string(),
+        })?;
+        well_formed::check(&changed)?;
+        Ok(changed)
+    }
+}
+
+/// The module, the place in it, and the change: `raypath_skid, spare_valid_q: resets to 1 instead of 0`.
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, {}: ", self.module, self.place)?;
+        match &self.change {
+            Change::Driver { how, .. } => f.write_str(how),
+            Change::Inverted { .. } => f.write_str("inverted"),
+            Change::OperandInverted { operand, .. } => write!(f, "operand {} inverted", operand.0),
+            Change::OperandZero { operand, .. } => write!(f, "operand {} replaced by zero", operand.0),
+            Change::AlwaysLoads { .. } => f.write_str("loads in every cycle"),
+            Change::NeverLoads { .. } => f.write_str("never loads"),
+            Change::Reset { was, becomes, .. } => write!(f, "resets to {becomes} instead of {was}"),
+            Change::PortZero { .. } => f.write_str("replaced by zero"),
+        }
+    }
+}
+
+/// `top` with `new` in the place of every module of its name. Modules that do not contain one stay shared.
+///
+/// # Errors
+/// Ports that are not those of the module that is replaced, or no module of this name.
+pub fn replace(top: &Arc<Module>, new: &Arc<Module>) -> Result<Arc<Module>, Error> {
+    let mut replacement = Replacement { new, done: HashMap::new(), is_found: false };
+    let replaced = replacement.visit(top)?;
+    if replacement.is_found {
+        Ok(replaced)
+    } else {
+        let problem = "is the name of no module in it".to_string();
+        Err(Error::Name { module: top.name().to_string(), name: new.name().to_string(), problem })
+    }
+}
+
+struct Replacement<'n> {
+    new: &'n Arc<Module>,
+    done: HashMap<*const Module, Arc<Module>>,
+    is_found: bool,
+}
+
+impl Replacement<'_> {
+    fn visit(&mut self, module: &Arc<Module>) -> Result<Arc<Module>, Error> {
+        if module.name() == self.new.name() {
+            self.is_found = true;
+            return same_ports(module, self.new).map(|()| self.new.clone());
+        }
+        if let Some(done) = self.done.get(&Arc::as_ptr(module)) {
+            return Ok(done.clone());
+        }
+        let inside = module.instances().iter().map(|instance| self.visit(&instance.module));
+        let inside = inside.collect::<Result<Vec<_>, Error>>()?;
+        let is_same = module.instances().iter().zip(&inside).all(|(instance, new)| Arc::ptr_eq(&instance.module, new));
+        let replaced = if is_same {
+            module.clone()
+        } else {
+            let mut changed = Module::clone(module);
+            for (instance, new) in changed.instances.iter_mut().zip(inside) {
+                instance.module = new;
+            }
+            Arc::new(changed)
+        };
+        self.done.insert(Arc::as_ptr(module), replaced.clone());
+        Ok(replaced)
+    }
+}
+
+fn same_ports(old: &Module, new: &Module) -> Result<(), Error> {
+    let ports = |module: &Module| {
+        let ports = module.inputs.iter().chain(&module.outputs);
+        ports.map(|port| (port.name.clone(), module.signal(port.signal).width)).collect::<Vec<_>>()
+    };
+    let clocks = |module: &Module| (module.is_clocked(), module.has_reset(), module.inputs.len());
+    if ports(old) == ports(new) && clocks(old) == clocks(new) {
+        return Ok(());
+    }
+    let problem = "has other ports than the module that it replaces".to_string();
+    Err(Error::Name { module: old.name().to_string(), name: new.name().to_string(), problem })
+}

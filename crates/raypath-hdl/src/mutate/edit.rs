@@ -1,0 +1,87 @@
+//! Applying a change.
+
+use super::Change;
+use crate::netlist::{Driver, Item, Module, Signal, SignalId};
+
+/// The module with the change; `None` where the module has nothing to change there.
+pub fn changed(module: &Module, change: &Change) -> Option<Module> {
+    let mut new = module.clone();
+    match change {
+        Change::Driver { signal, was, becomes, .. } => {
+            let changed = new.signals.get_mut(signal.index()).filter(|found| found.driver == *was)?;
+            changed.driver = becomes.clone();
+        }
+        Change::Inverted { signal } => {
+            let Signal { width, driver, .. } = new.signals.get(signal.index())?.clone();
+            let (inside, outside) = insert(&mut new, *signal, width, driver);
+            new.signals[outside.index()].driver = Driver::Not(inside);
+        }
+        Change::OperandInverted { signal, operand } => {
+            let width = module.signals.get(operand.index())?.width;
+            substitute(&mut new, *signal, *operand, width, Driver::Not(*operand))?;
+        }
+        Change::OperandZero { signal, operand } => {
+            let width = module.signals.get(operand.index())?.width;
+            substitute(&mut new, *signal, *operand, width, Driver::Constant(0))?;
+        }
+        Change::AlwaysLoads { register } => {
+            new.registers.get_mut(*register)?.enable.take()?;
+        }
+        Change::NeverLoads { register } => {
+            new.registers.get(*register)?;
+            let (zero, _) = insert(&mut new, SignalId(0), 1, Driver::Constant(0));
+            new.registers[*register].enable = Some(zero);
+        }
+        Change::Reset { register, was, becomes } => {
+            new.registers.get_mut(*register)?.reset.as_mut().filter(|reset| **reset == *was)?.clone_from(becomes);
+        }
+        Change::PortZero { instance, input } => {
+            let port = *new.instances.get(*instance)?.inputs.get(*input)?;
+            let width = new.signals[port.index()].width;
+            let (zero, _) = insert(&mut new, SignalId(0), width, Driver::Constant(0));
+            new.instances[*instance].inputs[*input] = zero;
+        }
+    }
+    Some(new)
+}
+
+/// Lets `signal` read something new, with this driver, where it reads `operand`.
+fn substitute(module: &mut Module, signal: SignalId, operand: SignalId, width: u32, driver: Driver) -> Option<()> {
+    module.signals.get(signal.index()).filter(|found| found.driver.operands().any(|id| id == operand))?;
+    let (new, reader) = insert(module, signal, width, driver);
+    let shifted = after(signal, operand);
+    module.signals[reader.index()].driver.renumber(|id| if id == shifted { new } else { id });
+    Some(())
+}
+
+/// Puts a nameless signal before another one, so that operands stay before their readers. Gives it and where the other
+/// one is now. The operands in `driver` are those before.
+fn insert(module: &mut Module, before: SignalId, width: u32, driver: Driver) -> (SignalId, SignalId) {
+    let shift = |id: &mut SignalId| *id = after(before, *id);
+    module.signals.insert(before.index(), Signal { name: None, width, driver, comment: None });
+    for signal in &mut module.signals {
+        signal.driver.renumber(|id| after(before, id));
+    }
+    module.inputs.iter_mut().chain(&mut module.outputs).for_each(|port| shift(&mut port.signal));
+    for register in &mut module.registers {
+        shift(&mut register.signal);
+        shift(&mut register.next);
+        register.enable.iter_mut().for_each(shift);
+    }
+    for instance in &mut module.instances {
+        instance.inputs.iter_mut().chain(&mut instance.outputs).for_each(shift);
+    }
+    for item in &mut module.items {
+        match item {
+            Item::Signal(id) => shift(id),
+            Item::Unused(_, ids) => ids.iter_mut().for_each(shift),
+            Item::Section(_) | Item::Instance(_) | Item::Register(_) => {}
+        }
+    }
+    (before, after(before, before))
+}
+
+/// Where a signal is once one has been put before `place`.
+fn after(place: SignalId, id: SignalId) -> SignalId {
+    SignalId(id.0 + u32::from(id >= place))
+}

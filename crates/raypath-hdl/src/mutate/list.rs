@@ -1,0 +1,236 @@
+//! Listing the faults of a module.
+
+use super::{Change, Fault};
+use crate::builder::describe;
+use crate::netlist::{Driver, Module, SignalId, mask};
+use std::collections::BTreeSet;
+
+/// See [`super::faults`].
+pub fn faults(module: &Module) -> Vec<Fault> {
+    let places = Places::new(module);
+    let mut faults = Vec::new();
+    let mut add = |place: String, change: Change| {
+        faults.push(Fault { module: module.name.clone(), place, change });
+    };
+    for (index, signal) in module.signals.iter().enumerate() {
+        let id = SignalId(index as u32);
+        if places.is_live(id) {
+            let mut changes = Changes { module, id, width: signal.width, found: Vec::new() };
+            changes.of(&signal.driver);
+            changes.found.into_iter().for_each(|change| add(places.name(id), change));
+        }
+    }
+    for (register, info) in module.registers.iter().enumerate() {
+        let place = || describe(module, info.signal);
+        if info.enable.is_some() {
+            add(place(), Change::AlwaysLoads { register });
+        }
+        add(place(), Change::NeverLoads { register });
+        if let Some(was) = info.reset {
+            let ones = mask(module.signal(info.signal).width);
+            for becomes in BTreeSet::from([was ^ 1, was ^ ones]) {
+                add(place(), Change::Reset { register, was, becomes });
+            }
+        }
+    }
+    for (instance, info) in module.instances.iter().enumerate() {
+        for (input, (port, id)) in info.module.inputs.iter().zip(&info.inputs).enumerate() {
+            if module.signal(*id).driver != Driver::Constant(0) {
+                add(format!("{}.{}", info.name, port.name), Change::PortZero { instance, input });
+            }
+        }
+    }
+    faults
+}
+
+/// The changes of one signal.
+struct Changes<'m> {
+    module: &'m Module,
+    id: SignalId,
+    width: u32,
+    found: Vec<Change>,
+}
+
+impl Changes<'_> {
+    fn of(&mut self, driver: &Driver) {
+        self.operator(driver);
+        let operands: BTreeSet<SignalId> = match driver {
+            // Stuck at one side, which is listed; either operand of a conjunction does the same.
+            Driver::Mux { if_true, if_false, .. } => [*if_true, *if_false].into(),
+            Driver::And(a, _) => [*a].into(),
+            _ => driver.operands().collect(),
+        };
+        // A constant has faults of its own.
+        let is_constant = |id: SignalId| matches!(self.module.signal(id).driver, Driver::Constant(_));
+        let operands: Vec<SignalId> = operands.into_iter().filter(|&id| !is_constant(id)).collect();
+        let signal = self.id;
+        self.found.extend(operands.into_iter().map(|operand| Change::OperandZero { signal, operand }));
+    }
+
+    fn operator(&mut self, driver: &Driver) {
+        match driver {
+            Driver::Input | Driver::Register(_) | Driver::Instance { .. } | Driver::Mul(..) => {}
+            Driver::Constant(value) => self.constant(*value),
+            Driver::Not(a) => self.becomes(driver, Driver::Alias(*a), "Not left out"),
+            Driver::And(a, b) => self.becomes(driver, Driver::Or(*a, *b), "And becomes Or"),
+            Driver::Or(a, b) => self.becomes(driver, Driver::And(*a, *b), "Or becomes And"),
+            Driver::Xor(a, b) => self.becomes(driver, Driver::Or(*a, *b), "Xor becomes Or"),
+            Driver::Add(a, b) => self.becomes(driver, Driver::Sub(*a, *b), "Add becomes Sub"),
+            Driver::Sub(a, b) => self.becomes(driver, Driver::Add(*a, *b), "Sub becomes Add"),
+            Driver::Equal(..) => self.inverted(),
+            Driver::Less(a, b) => {
+                self.becomes(driver, Driver::Less(*b, *a), "operands of Less exchanged");
+                self.inverted();
+            }
+            Driver::Any(a) => {
+                self.becomes(driver, Driver::All(*a), "Any becomes All");
+                self.inverted();
+            }
+            Driver::All(a) => {
+                self.becomes(driver, Driver::Any(*a), "All becomes Any");
+                self.inverted();
+            }
+            Driver::ShiftLeft(a, by) => self.becomes(driver, Driver::ShiftRight(*a, *by), "shifts right"),
+            Driver::ShiftRight(a, by) => self.becomes(driver, Driver::ShiftLeft(*a, *by), "shifts left"),
+            Driver::Mux { select, if_true, if_false } => {
+                if if_true != if_false {
+                    self.found.push(Change::OperandInverted { signal: self.id, operand: *select });
+                    self.becomes(driver, Driver::Alias(*if_true), "select stuck at 1");
+                    self.becomes(driver, Driver::Alias(*if_false), "select stuck at 0");
+                }
+            }
+            Driver::Case { .. } => self.case(driver),
+            Driver::Concat(parts) => self.concat(driver, parts),
+            Driver::Slice { source, low } => {
+                if *low > 0 {
+                    self.becomes(driver, Driver::Slice { source: *source, low: low - 1 }, "slice one bit lower");
+                }
+                if low + self.width < self.module.signal(*source).width {
+                    self.becomes(driver, Driver::Slice { source: *source, low: low + 1 }, "slice one bit higher");
+                }
+            }
+            Driver::Alias(_) => self.inverted(),
+        }
+    }
+
+    fn becomes(&mut self, was: &Driver, becomes: Driver, how: &'static str) {
+        let both = |operands: (SignalId, SignalId)| operands.0 == operands.1;
+        let is_same = match was {
+            Driver::And(a, b) | Driver::Or(a, b) | Driver::Xor(a, b) | Driver::Less(a, b) => both((*a, *b)),
+            _ => *was == becomes,
+        };
+        if !is_same {
+            self.found.push(Change::Driver { signal: self.id, was: was.clone(), becomes, how });
+        }
+    }
+
+    fn inverted(&mut self) {
+        self.found.push(Change::Inverted { signal: self.id });
+    }
+
+    fn constant(&mut self, value: u64) {
+        let ones = mask(self.width);
+        let values = [
+            (value.wrapping_add(1) & ones, "constant one more"),
+            (value.wrapping_sub(1) & ones, "constant one less"),
+            (value ^ 1 << (self.width - 1), "top bit of the constant flipped"),
+            (value ^ 1 << (self.width / 2), "middle bit of the constant flipped"),
+        ];
+        for (place, &(new, how)) in values.iter().enumerate() {
+            if values[..place].iter().all(|&(other, _)| other != new) {
+                self.becomes(&Driver::Constant(value), Driver::Constant(new), how);
+            }
+        }
+    }
+
+    fn case(&mut self, driver: &Driver) {
+        let Driver::Case { selector, arms, default } = driver else { return };
+        let with = |arms: Vec<crate::Arm>, default: SignalId| match arms.as_slice() {
+            [] => Driver::Alias(default),
+            _ => Driver::Case { selector: *selector, arms, default },
+        };
+        for index in 0..arms.len() {
+            if let Some(next) = arms.get(index + 1).filter(|next| next.value != arms[index].value) {
+                let mut exchanged = arms.clone();
+                (exchanged[index].value, exchanged[index + 1].value) = (next.value, arms[index].value);
+                self.becomes(driver, with(exchanged, *default), "an arm exchanged with the next");
+            }
+            if arms[index].value != *default {
+                let rest = [&arms[..index], &arms[index + 1..]].concat();
+                self.becomes(driver, with(rest, *default), "an arm left out");
+            }
+        }
+        // Where every selector has its arm, nothing is taken by default.
+        let labels = arms.len() as u128;
+        if let Some(first) =
+            arms.first().filter(|first| first.value != *default && labels < 1 << self.module.signal(*selector).width)
+        {
+            self.becomes(driver, with(arms.clone(), first.value), "the first arm taken by default");
+        }
+    }
+
+    fn concat(&mut self, driver: &Driver, parts: &[SignalId]) {
+        let signal = |id: SignalId| self.module.signal(id);
+        let mut exchanged = Vec::new();
+        for index in 1..parts.len() {
+            let (a, b) = (parts[index - 1], parts[index]);
+            let is_constant = |id| matches!(signal(id).driver, Driver::Constant(_));
+            let is_same = a == b || is_constant(a) && signal(a).driver == signal(b).driver;
+            if signal(a).width == signal(b).width && !is_same {
+                let mut parts = parts.to_vec();
+                parts.swap(index - 1, index);
+                exchanged.push(Driver::Concat(parts));
+            }
+        }
+        for becomes in exchanged {
+            self.becomes(driver, becomes, "two parts of Concat exchanged");
+        }
+    }
+}
+
+/// Where signals are, in words; and which of them matter.
+struct Places<'m> {
+    module: &'m Module,
+    /// Of each signal that matters: itself if it has a name, else something with a name that depends on it.
+    readers: Vec<Option<String>>,
+}
+
+impl<'m> Places<'m> {
+    fn new(module: &'m Module) -> Self {
+        let mut open: Vec<(SignalId, String)> = Vec::new();
+        for port in &module.outputs {
+            open.push((port.signal, port.name.clone()));
+        }
+        for register in &module.registers {
+            let name = describe(module, register.signal);
+            open.extend([Some(register.next), register.enable].into_iter().flatten().map(|id| (id, name.clone())));
+        }
+        for instance in &module.instances {
+            let ports = instance.module.inputs.iter().zip(&instance.inputs);
+            open.extend(ports.map(|(port, &id)| (id, format!("{}.{}", instance.name, port.name))));
+        }
+        let mut readers: Vec<Option<String>> = vec![None; module.signals.len()];
+        open.reverse();
+        while let Some((id, reader)) = open.pop() {
+            if readers[id.index()].is_some() {
+                continue;
+            }
+            let name = module.signal(id).name.clone().unwrap_or(reader);
+            open.extend(module.signal(id).driver.operands().map(|operand| (operand, name.clone())));
+            readers[id.index()] = Some(name);
+        }
+        Self { module, readers }
+    }
+
+    fn is_live(&self, id: SignalId) -> bool {
+        self.readers[id.index()].is_some()
+    }
+
+    fn name(&self, id: SignalId) -> String {
+        let own = describe(self.module, id);
+        match &self.readers[id.index()] {
+            Some(reader) if *reader != own => format!("{own} in {reader}"),
+            _ => own,
+        }
+    }
+}

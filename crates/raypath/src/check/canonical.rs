@@ -1,0 +1,79 @@
+use crate::engine::{Engine, NetlistEngine, Shown};
+use raypath_format::Format;
+use raypath_hdl::Probe;
+use raypath_model::Model;
+
+/// A netlist as an engine that looks into its number registers in every cycle: a recoded word there must be canonical,
+/// which no port tells, because all units accept any word with the meaning of a number.
+pub struct Watched<'n, M: Model> {
+    /// The first word that was not, in words.
+    pub found: Option<String>,
+    netlist: &'n mut NetlistEngine<M>,
+    format: Format,
+    registers: Vec<Register>,
+}
+
+struct Register {
+    name: String,
+    probe: Probe,
+    /// What it held when last looked at, canonical.
+    held: u64,
+}
+
+/// Whether a signal of this hierarchical name is a register for numbers.
+pub fn is_number_register(name: &str) -> bool {
+    let name = name.rsplit('.').next().unwrap_or(name);
+    name.starts_with("num_") && name.ends_with("_q")
+}
+
+impl<'n, M: Model> Watched<'n, M> {
+    /// The netlist as it is, compiled so that its number registers can be observed. Those as wide as recoded words of this
+    /// format hold such.
+    pub fn new(netlist: &'n mut NetlistEngine<M>, format: Format) -> Self {
+        let probes = netlist.simulator().probes();
+        let recoded = probes.filter(|(name, width, _)| is_number_register(name) && *width == format.recoded_width());
+        let zero = format.encode(0);
+        let registers =
+            recoded.map(|(name, _, probe)| Register { name: name.to_string(), probe, held: zero }).collect();
+        Self { found: None, netlist, format, registers }
+    }
+
+    /// How many registers it looks into.
+    pub fn registers(&self) -> usize {
+        self.registers.len()
+    }
+
+    fn look(&mut self) {
+        for register in &mut self.registers {
+            let word = self.netlist.simulator().peek(register.probe);
+            if word == register.held {
+                continue;
+            }
+            let canonical = self.format.encode(self.format.decode(word));
+            if word != canonical {
+                let name = &register.name;
+                self.found = Some(format!("{name} holds {word:#x}, which is not canonical, expected {canonical:#x}"));
+                return;
+            }
+            register.held = word;
+        }
+    }
+}
+
+impl<M: Model> Engine<M> for Watched<'_, M> {
+    fn present(&mut self, job: &M::Job) {
+        self.netlist.present(job);
+    }
+
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
+        let shown = self.netlist.cycle(input_valid, output_ready);
+        if self.found.is_none() {
+            self.look();
+        }
+        shown
+    }
+
+    fn reset(&mut self) {
+        self.netlist.reset();
+    }
+}

@@ -1,0 +1,116 @@
+//! Words as functions of variables, such that equal literals are equal functions.
+//!
+//! Conjunctions are shared by structure, and what is no bitwise logic is a function that nothing is known of but its
+//! name and its arguments. Different literals may still be equal functions; the reverse never holds.
+
+use std::collections::HashMap;
+
+/// A bit: a node, twice, and one more where it is inverted.
+pub type Literal = u32;
+/// Bits, the lowest first.
+pub type Word = Vec<Literal>;
+
+pub const FALSE: Literal = 0;
+pub const TRUE: Literal = 1;
+
+/// All functions so far.
+#[derive(Debug, Default)]
+pub struct Logic {
+    nodes: u32,
+    conjunctions: HashMap<(Literal, Literal), Literal>,
+    functions: HashMap<(String, Word), Word>,
+}
+
+impl Logic {
+    /// The bits of a constant.
+    pub fn constant(&self, width: u32, value: u64) -> Word {
+        (0..width).map(|bit| (value >> bit & 1) as Literal).collect()
+    }
+
+    /// The result of a function that nothing is known of; a variable, where it has no arguments.
+    pub fn function(&mut self, name: String, arguments: Word, width: u32) -> Word {
+        let nodes = &mut self.nodes;
+        let fresh = || {
+            let new = (0..width).map(|bit| 2 * (*nodes + 1 + bit)).collect();
+            *nodes += width;
+            new
+        };
+        self.functions.entry((name, arguments)).or_insert_with(fresh).clone()
+    }
+
+    pub fn and(&mut self, a: Literal, b: Literal) -> Literal {
+        let (a, b) = (a.min(b), a.max(b));
+        match (a, b) {
+            (FALSE, _) => FALSE,
+            (TRUE, b) => b,
+            (a, b) if a == b => a,
+            (a, b) if a == b ^ 1 => FALSE,
+            _ => {
+                let nodes = &mut self.nodes;
+                *self.conjunctions.entry((a, b)).or_insert_with(|| {
+                    *nodes += 1;
+                    2 * *nodes
+                })
+            }
+        }
+    }
+
+    pub fn or(&mut self, a: Literal, b: Literal) -> Literal {
+        self.and(a ^ 1, b ^ 1) ^ 1
+    }
+
+    pub fn xor(&mut self, a: Literal, b: Literal) -> Literal {
+        let (only_a, only_b) = (self.and(a, b ^ 1), self.and(a ^ 1, b));
+        self.or(only_a, only_b)
+    }
+
+    pub fn mux(&mut self, select: Literal, a: Literal, b: Literal) -> Literal {
+        if a == b {
+            return a;
+        }
+        let (a, b) = (self.and(select, a), self.and(select ^ 1, b));
+        self.or(a, b)
+    }
+
+    pub fn all(&mut self, word: &[Literal]) -> Literal {
+        word.iter().fold(TRUE, |all, &bit| self.and(all, bit))
+    }
+
+    pub fn equal(&mut self, a: &[Literal], b: &[Literal]) -> Literal {
+        a.iter().zip(b).fold(TRUE, |equal, (&a, &b)| {
+            let differ = self.xor(a, b);
+            self.and(equal, differ ^ 1)
+        })
+    }
+
+    /// Bit by bit.
+    pub fn bitwise(&mut self, a: &[Literal], b: &[Literal], f: fn(&mut Self, Literal, Literal) -> Literal) -> Word {
+        a.iter().zip(b).map(|(&a, &b)| f(self, a, b)).collect()
+    }
+
+    /// The whole of one word or the other.
+    pub fn choose(&mut self, select: Literal, a: &[Literal], b: &[Literal]) -> Word {
+        a.iter().zip(b).map(|(&a, &b)| self.mux(select, a, b)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_literals_are_equal_functions() {
+        let mut logic = Logic::default();
+        let [a, b] = ["a", "b"].map(|name| logic.function(name.to_string(), vec![], 1)[0]);
+        assert_ne!(a, b);
+        assert_eq!(logic.function("a".to_string(), vec![], 1), [a]);
+        assert_eq!((logic.and(a, b), logic.and(a, a), logic.and(a, a ^ 1)), (logic.and(b, a), a, FALSE));
+        assert_eq!((logic.or(a, FALSE), logic.xor(a, a), logic.xor(a, TRUE)), (a, FALSE, a ^ 1));
+        assert_eq!((logic.mux(TRUE, a, b), logic.mux(FALSE, a, b), logic.mux(a, b, b)), (a, b, b));
+        let one = logic.constant(4, 5);
+        assert_eq!((logic.equal(&one, &one), logic.equal(&one, &[1, 0, 0, 0])), (TRUE, FALSE));
+        assert_ne!(logic.function("f".to_string(), vec![a], 1), logic.function("f".to_string(), vec![b], 1));
+        let (and, or) = (logic.and(a, b), logic.or(a, b));
+        assert!(and != or && and != a && or != a);
+    }
+}
