@@ -8,7 +8,7 @@ mod files;
 mod geometry;
 pub mod layout;
 pub mod models;
-mod mutation;
+pub mod mutation;
 pub mod oracle;
 mod parallel;
 pub mod parsers;

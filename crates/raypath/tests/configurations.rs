@@ -8,6 +8,7 @@ use raypath::model::Model;
 use raypath::models::{Visitor, with_model};
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
+use raypath::verify::mutation::CONFIGS;
 
 /// Configurations: every combination of these values.
 struct Space {
@@ -35,6 +36,14 @@ const DEFAULT: Space = Space {
 
 const RULES: &[Rules] = &[Rules::Paper, Rules::Chisel];
 const FEW_AND_MANY_LANES: &[Lanes] = &[Lanes::None, Lanes::Two, Lanes::Sixteen, Lanes::SixtyFour];
+
+/// In these a fault anywhere must show: `raypath verify mutation` says how nearly that is so.
+#[test]
+fn datapaths_that_mutation_puts_faults_in() {
+    for config in CONFIGS {
+        with_model(config, Check { config, seed: 1, jobs: Everyday::THOROUGH });
+    }
+}
 
 #[test]
 fn lanes_and_rules() {
@@ -91,7 +100,7 @@ fn formats_with_every_control_and_unit_latency() {
 impl Space {
     fn check(self) {
         for (seed, config) in (1..).zip(self.configs()) {
-            with_model(config, Check { config, seed });
+            with_model(config, Check { config, seed, jobs: 2000 });
         }
     }
 
@@ -123,6 +132,7 @@ fn vary<T: Copy>(configs: &mut Vec<Config>, values: &[T], set: impl Fn(&mut Conf
 struct Check {
     config: Config,
     seed: u64,
+    jobs: usize,
 }
 
 impl Visitor for Check {
@@ -132,7 +142,7 @@ impl Visitor for Check {
         let config = self.config;
         let mut netlist = NetlistEngine::new(model.clone(), config, Everyday::observes)
             .unwrap_or_else(|error| panic!("{config}: {error}"));
-        let checks = Everyday { config, seed: self.seed };
+        let checks = Everyday { config, seed: self.seed, jobs: self.jobs };
         checks
             .check(&mut netlist, &model)
             .unwrap_or_else(|failed| panic!("{config}, {}: {}", failed.check, failed.what));

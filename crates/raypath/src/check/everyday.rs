@@ -18,6 +18,8 @@ pub struct Everyday {
     pub config: Config,
     /// Seed of jobs, traffic and resets.
     pub seed: u64,
+    /// How many jobs the longest stream has.
+    pub jobs: usize,
 }
 
 /// What was wrong.
@@ -30,6 +32,10 @@ pub struct Failed {
 }
 
 impl Everyday {
+    /// How many jobs show nearly every fault ([`crate::verify`]'s mutation runs so many, and the tests of the datapaths that
+    /// it mutates do).
+    pub const THOROUGH: usize = 6000;
+
     /// Which signals, by hierarchical name, the checks look at: the netlist must be compiled so that they can be observed.
     pub fn observes(name: &str) -> bool {
         is_number_register(name)
@@ -55,21 +61,20 @@ impl Everyday {
 
     /// Random and edge jobs under random handshakes.
     fn answers_like_the_models<M: Model>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
-        const JOBS: usize = 6000;
-        let kinds = self.config.kinds();
-        let jobs = self.jobs(model, kinds).take(JOBS);
+        let (kinds, count) = (self.config.kinds(), self.jobs);
+        let jobs = self.jobs(model, kinds).take(count);
         let found = lockstep(netlist, model.clone(), jobs, &mut Traffic::random(self.seed), |_| true);
-        expect((found.jobs, found.different) == (JOBS, 0), || {
+        expect((found.jobs, found.different) == (count, 0), || {
             format!("{} jobs: {:#?}", found.jobs, found.differences)
         })?;
-        let is_mixed = kinds.iter().all(|&kind| found.by_kind[kind as usize] > JOBS / 6);
+        let is_mixed = kinds.iter().all(|&kind| found.by_kind[kind as usize] > count / 6);
         expect(is_mixed, || format!("jobs by kind: {:?}", found.by_kind))?;
         expect(found.stalled > 100, || format!("{} cycles stalled", found.stalled))
     }
 
     /// Where registers are recoded, each holds a canonical word in every cycle, whatever the jobs.
     fn holds_canonical_words<M: Model>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
-        const JOBS: usize = 3000;
+        let count = self.jobs / 2;
         if self.config.registers != Encoding::Recoded {
             return Ok(());
         }
@@ -77,9 +82,9 @@ impl Everyday {
         let mut watched = Watched::new(netlist, self.config.format);
         let registers = watched.registers();
         expect(registers > 10, || format!("{registers} number registers can be observed"))?;
-        let jobs = self.jobs(model, self.config.kinds()).take(JOBS);
+        let jobs = self.jobs(model, self.config.kinds()).take(count);
         let run = drive(&mut watched, jobs, &mut Traffic::random(self.seed), |_, _| true);
-        expect(run.jobs == JOBS, || format!("{} of {JOBS} jobs", run.jobs))?;
+        expect(run.jobs == count, || format!("{} of {count} jobs", run.jobs))?;
         watched.found.map_or(Ok(()), Err)
     }
 

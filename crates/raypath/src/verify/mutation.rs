@@ -18,7 +18,8 @@ use std::sync::Arc;
 use trial::Trial;
 
 /// The datapaths whose modules get faults: the default, and small ones with the modules that it does not have.
-const CONFIGS: [Config; 4] = [
+/// `tests/configurations.rs` gives them as many jobs as they get here.
+pub const CONFIGS: [Config; 4] = [
     Config::DEFAULT,
     Config { lanes: Lanes::Two, control: Control::Credit, ..Config::DEFAULT },
     Config { lanes: Lanes::Two, unit_latency: UnitLatency::Two, ..Config::DEFAULT },

@@ -100,6 +100,6 @@ impl Visitor for Whole<'_> {
         let Elaborated { config, shape, .. } = self.datapath;
         let mut netlist =
             NetlistEngine::of_module(model.clone(), *config, self.top, shape.clone(), Everyday::observes)?;
-        Ok(Everyday { config: *config, seed: 1 }.check(&mut netlist, &model))
+        Ok(Everyday { config: *config, seed: 1, jobs: Everyday::THOROUGH }.check(&mut netlist, &model))
     }
 }
