@@ -37,11 +37,10 @@ pub const CONTROL: Item = Item {
 pub fn control(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let engine = Engine::find()?;
     let configs = request.level.pick(representatives(), all(), all());
-    let mut numbered = configs.into_iter().zip(0..);
     let mut work = Vec::new();
     let mut verdict = Verdict::default();
     let mut configurations = 0;
-    while let Some((config, number)) = numbered.next() {
+    for (config, number) in configs.into_iter().zip(0..) {
         if !request.shard.takes(number) {
             continue;
         }

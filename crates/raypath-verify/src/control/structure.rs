@@ -164,14 +164,14 @@ fn same_oldest(module: &Module, oldest: SignalId, opcode_next: SignalId) -> bool
 /// The places of stored words and what masks each, in the order of places.
 fn masked(module: &Module, word: SignalId) -> Option<Vec<(String, SignalId, u32)>> {
     let signal = source(module, word);
-    match &module.signal(signal).driver {
-        &Driver::Or(a, b) => {
+    match module.signal(signal).driver {
+        Driver::Or(a, b) => {
             let mut all = masked(module, a)?;
             all.extend(masked(module, b)?);
             all.sort();
             Some(all)
         }
-        &Driver::And(stored, mask) => {
+        Driver::And(stored, mask) => {
             let place = suffix(module.signal(source(module, stored)).name.as_deref()?);
             let mut mask = source(module, mask);
             if let Driver::Concat(parts) = &module.signal(mask).driver {
