@@ -15,14 +15,9 @@ pub fn read_within(path: &Path, most: u64) -> Result<Vec<u8>> {
 
 /// The same of a stream.
 pub(crate) fn unpacked(stream: impl Read, most: u64) -> Result<Vec<u8>> {
-    let mut stream = BufReader::new(stream);
     let mut bytes = Vec::new();
     // One byte more than there may be tells what is too large from what just fits.
-    if stream.fill_buf()?.starts_with(&[0x1f, 0x8b]) {
-        MultiGzDecoder::new(stream).take(most.saturating_add(1)).read_to_end(&mut bytes)?;
-    } else {
-        stream.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
-    }
+    plain_or_gzip(stream)?.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
         let problem = format!("more than {most} bytes (of gzip when unpacked), expected at most that");
         return Err(Error::new(ErrorKind::FileTooLarge, problem));
@@ -34,6 +29,16 @@ pub(crate) fn unpacked(stream: impl Read, most: u64) -> Result<Vec<u8>> {
 pub(crate) fn text(stream: impl Read, most: u64) -> Result<String> {
     let no_text = |_| Error::new(ErrorKind::InvalidData, "stream did not contain valid UTF-8");
     String::from_utf8(unpacked(stream, most)?).map_err(no_text)
+}
+
+/// A stream as it is, or unpacked: its first bytes say whether it is gzip. All parts of joined gzip count.
+///
+/// # Errors
+/// Those first bytes cannot be read.
+pub fn plain_or_gzip<'s>(stream: impl Read + 's) -> Result<Box<dyn BufRead + 's>> {
+    let mut stream = BufReader::new(stream);
+    let is_gzip = stream.fill_buf()?.starts_with(&[0x1f, 0x8b]);
+    Ok(if is_gzip { Box::new(BufReader::new(MultiGzDecoder::new(stream))) } else { Box::new(stream) })
 }
 
 #[cfg(test)]

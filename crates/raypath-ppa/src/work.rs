@@ -9,26 +9,40 @@ const BETWEEN_TICKS: Duration = Duration::from_millis(100);
 
 /// Does `work` for each item, on at most `threads` threads, and gives the results in order. `proceed` is told several
 /// times a second how many are done; where it says no, or an item fails, the rest is stopped.
-pub fn for_each<I: Sync, T: Send>(
+pub(crate) fn for_each<I: Sync, T: Send>(
     items: &[I],
     threads: usize,
     work: impl Fn(&I, &AtomicBool) -> Result<T, Error> + Sync,
-    mut proceed: impl FnMut(usize) -> bool,
+    proceed: impl FnMut(usize) -> bool,
 ) -> Result<Vec<T>, Error> {
+    let results = for_each_until_stopped(items, threads, |item, stop| work(item, stop).map(Some), proceed)?;
+    results.into_iter().collect::<Option<Vec<T>>>().ok_or(Error::Stopped)
+}
+
+/// The same for work of which a part is worth having: nothing for items that were not begun or gave nothing. Where
+/// `proceed` says no, the flag that `work` is given is set. So it is where an item fails; the first failure is returned.
+///
+/// # Errors
+/// An item failed.
+pub fn for_each_until_stopped<I: Sync, T: Send, E: Send>(
+    items: &[I],
+    threads: usize,
+    work: impl Fn(&I, &AtomicBool) -> Result<Option<T>, E> + Sync,
+    mut proceed: impl FnMut(usize) -> bool,
+) -> Result<Vec<Option<T>>, E> {
     // Whoever watches is ready to say stop before anything runs.
     let stop = AtomicBool::new(!proceed(0));
     let next = AtomicUsize::new(0);
     let mut results: Vec<Option<T>> = items.iter().map(|_| None).collect();
-    let mut failure: Option<Error> = None;
+    let mut failure: Option<E> = None;
     std::thread::scope(|scope| {
         let (sender, receiver) = mpsc::channel();
         for _ in 0..threads.clamp(1, items.len().max(1)) {
             let (sender, stop, next, work) = (sender.clone(), &stop, &next, &work);
             scope.spawn(move || {
-                while !stop.load(Ordering::Relaxed)
-                    && let Some((index, item)) =
-                        Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|index| Some((index, items.get(index)?)))
-                {
+                while !stop.load(Ordering::Relaxed) {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(item) = items.get(index) else { break };
                     // Nobody listens only when all is over.
                     let _ = sender.send((index, work(item, stop)));
                 }
@@ -39,8 +53,8 @@ pub fn for_each<I: Sync, T: Send>(
         loop {
             match receiver.recv_timeout(BETWEEN_TICKS) {
                 Ok((index, Ok(result))) => {
-                    results[index] = Some(result);
-                    done += 1;
+                    done += usize::from(result.is_some());
+                    results[index] = result;
                 }
                 Ok((_, Err(error))) => {
                     stop.store(true, Ordering::Relaxed);
@@ -55,10 +69,7 @@ pub fn for_each<I: Sync, T: Send>(
             }
         }
     });
-    match failure {
-        Some(error) => Err(error),
-        None => results.into_iter().collect::<Option<Vec<T>>>().ok_or(Error::Stopped),
-    }
+    failure.map_or(Ok(results), Err)
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! The lines of a transaction file, plain or gzip, one at a time and within bounds: gzip of a megabyte can unpack to a
 //! gigabyte, and a line need not end.
 
-use flate2::read::MultiGzDecoder;
-use std::io::{BufRead, BufReader, Error, ErrorKind, Read, Result};
+use raypath_ppa::plain_or_gzip;
+use std::io::{BufRead, Error, ErrorKind, Read, Result};
 
 /// What is read at most.
 #[derive(Debug, Clone, Copy)]
@@ -31,11 +31,7 @@ impl<'s> Lines<'s> {
     }
 
     fn within(stream: impl Read + 's, bounds: Bounds) -> Result<Self> {
-        let mut stream = BufReader::new(stream);
-        let is_gzip = stream.fill_buf()?.starts_with(&[0x1f, 0x8b]);
-        let stream: Box<dyn BufRead + 's> =
-            if is_gzip { Box::new(BufReader::new(MultiGzDecoder::new(stream))) } else { Box::new(stream) };
-        Ok(Self { stream, line: Vec::new(), bounds, left: bounds.text })
+        Ok(Self { stream: plain_or_gzip(stream)?, line: Vec::new(), bounds, left: bounds.text })
     }
 
     /// The next line without its end, or nothing behind the last.

@@ -1,64 +1,23 @@
-//! Many proofs on some threads, watched from this one.
+//! Many proofs, on all processors.
 
 use crate::Error;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError};
-use std::time::Duration;
+use std::sync::atomic::AtomicBool;
 
-const BETWEEN_TICKS: Duration = Duration::from_millis(100);
-
-/// Does `work` for each item, on as many threads as there are processors, and gives the results in order: nothing for
-/// those that were not begun or gave nothing. `proceed` is told several times a second how many are done; where it says
-/// no, the flag that `work` is given is set. So it is where an item fails; the first failure is returned.
+/// [`raypath_ppa::for_each_until_stopped`], on as many threads as there are processors.
 pub fn for_each<I: Sync, T: Send>(
     items: &[I],
     work: impl Fn(&I, &AtomicBool) -> Result<Option<T>, Error> + Sync,
-    mut proceed: impl FnMut(usize) -> bool,
+    proceed: impl FnMut(usize) -> bool,
 ) -> Result<Vec<Option<T>>, Error> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let stop = AtomicBool::new(!proceed(0));
-    let next = AtomicUsize::new(0);
-    let mut results: Vec<Option<T>> = items.iter().map(|_| None).collect();
-    let mut failure: Option<Error> = None;
-    std::thread::scope(|scope| {
-        let (sender, receiver) = mpsc::channel();
-        for _ in 0..threads.min(items.len()) {
-            let (sender, stop, next, work) = (sender.clone(), &stop, &next, &work);
-            scope.spawn(move || {
-                while !stop.load(Ordering::Relaxed) {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(item) = items.get(index) else { break };
-                    // Nobody listens only when all is over.
-                    let _ = sender.send((index, work(item, stop)));
-                }
-            });
-        }
-        drop(sender);
-        let mut done = 0;
-        loop {
-            match receiver.recv_timeout(BETWEEN_TICKS) {
-                Ok((index, Ok(result))) => {
-                    done += usize::from(result.is_some());
-                    results[index] = result;
-                }
-                Ok((_, Err(error))) => {
-                    stop.store(true, Ordering::Relaxed);
-                    failure.get_or_insert(error);
-                }
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => break,
-            }
-            if !proceed(done) {
-                stop.store(true, Ordering::Relaxed);
-            }
-        }
-    });
-    failure.map_or(Ok(results), Err)
+    raypath_ppa::for_each_until_stopped(items, threads, work, proceed)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::atomic::Ordering;
+    use std::time::Duration;
 
     #[test]
     fn results_keep_their_order_and_a_stop_leaves_the_rest_out() {

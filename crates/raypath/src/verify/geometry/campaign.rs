@@ -1,13 +1,10 @@
 //! Random cases on all cores, the same whatever their number.
 
+use crate::verify::parallel;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use raypath_verify::{Request, Step};
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
-use std::thread;
-use std::time::Duration;
 
 /// What cases leave behind, and can be joined.
 pub trait Tally: Default + Send {
@@ -15,9 +12,8 @@ pub trait Tally: Default + Send {
     fn join(&mut self, later: Self);
 }
 
-/// Cases between two looks at the clock; each block has its own random numbers.
+/// Cases with random numbers of their own.
 const BLOCK: u64 = 512;
-const LOOK: Duration = Duration::from_millis(100);
 
 /// Runs the shard's part of `cases` cases; `stream` tells this campaign's random numbers from others of the same seed.
 /// Gives what they left, and whether the user stopped it.
@@ -27,80 +23,28 @@ pub fn run<T: Tally>(
     cases: u64,
     case: impl Fn(&mut ChaCha8Rng, &mut T) + Sync,
 ) -> (T, bool) {
-    let (seed, shard) = (request.seed, request.shard);
-    let blocks: Vec<u64> = (0..cases.div_ceil(BLOCK)).filter(|&block| shard.takes(block)).collect();
+    let (seed, shard, watch) = (request.seed, request.shard, &mut request.watch);
+    let blocks = cases.div_ceil(BLOCK);
     let size = |block: u64| BLOCK.min(cases - block * BLOCK);
-    let total = blocks.iter().map(|&block| size(block)).sum();
-    let work = |block: u64| {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(stream << 40 | block);
-        let mut tally = T::default();
-        (0..size(block)).for_each(|_| case(&mut rng, &mut tally));
-        tally
-    };
-
-    let (next, is_stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let (sender, receiver) = mpsc::channel();
-    let worker = |sender: mpsc::Sender<(usize, T)>| {
-        while !is_stopped.load(Ordering::Relaxed) {
-            let place = next.fetch_add(1, Ordering::Relaxed);
-            let Some(&block) = blocks.get(place) else { return };
-            if sender.send((place, work(block))).is_err() {
-                return;
-            }
+    let total: u64 = (0..blocks).filter(|&block| shard.takes(block)).map(size).sum();
+    let mut in_cases = |step: Step| watch(Step { done: total.min(step.done * BLOCK), total });
+    let mut request = Request { watch: &mut in_cases, ..*request };
+    let (tallies, is_stopped) = parallel::run(&mut request, blocks, |queue| {
+        let mut tallies = Vec::new();
+        while let Some(block) = queue.next() {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_stream(stream << 40 | block);
+            let mut tally = T::default();
+            (0..size(block)).for_each(|_| case(&mut rng, &mut tally));
+            tallies.push((block, tally));
         }
-    };
-    let mut tallies = InOrder::default();
-    let mut done = 0;
-    thread::scope(|scope| {
-        for _ in 0..thread::available_parallelism().map_or(1, usize::from) {
-            let (sender, worker) = (sender.clone(), &worker);
-            scope.spawn(move || worker(sender));
-        }
-        drop(sender);
-        loop {
-            match receiver.recv_timeout(LOOK) {
-                Ok((place, tally)) => {
-                    done += size(blocks[place]);
-                    tallies.put(place, tally);
-                }
-                Err(mpsc::RecvTimeoutError::Timeout) => {}
-                Err(mpsc::RecvTimeoutError::Disconnected) => break,
-            }
-            if !(request.watch)(Step { done, total }) {
-                is_stopped.store(true, Ordering::Relaxed);
-            }
-        }
+        tallies
     });
-    (tallies.all(), is_stopped.into_inner())
-}
-
-/// Joins tallies in the order of their places, in which order ever they come.
-struct InOrder<T> {
-    joined: T,
-    next: usize,
-    waiting: BTreeMap<usize, T>,
-}
-
-impl<T: Tally> Default for InOrder<T> {
-    fn default() -> Self {
-        Self { joined: T::default(), next: 0, waiting: BTreeMap::new() }
-    }
-}
-
-impl<T: Tally> InOrder<T> {
-    fn put(&mut self, place: usize, tally: T) {
-        self.waiting.insert(place, tally);
-        while let Some(tally) = self.waiting.remove(&self.next) {
-            self.joined.join(tally);
-            self.next += 1;
-        }
-    }
-
-    fn all(mut self) -> T {
-        self.waiting.into_values().for_each(|tally| self.joined.join(tally));
-        self.joined
-    }
+    // The order in which threads are done is no order.
+    let in_order: BTreeMap<u64, T> = tallies.into_iter().flatten().collect();
+    let mut joined = T::default();
+    in_order.into_values().for_each(|tally| joined.join(tally));
+    (joined, is_stopped)
 }
 
 /// The first few of many messages.
