@@ -51,6 +51,22 @@ impl Prover {
     }
 }
 
+/// Yosys's `proc` but for `proc_rmdead`: of a `case` over all values of its selector that would remove the default arm, and
+/// leave a wire which nothing drives.
+const TO_LOGIC: &[&str] = &[
+    "proc_clean",
+    "proc_prune",
+    "proc_init",
+    "proc_arst",
+    "proc_rom",
+    "proc_mux",
+    "proc_dlatch",
+    "proc_dff",
+    "proc_memwr",
+    "proc_clean",
+    "opt_expr -keepdc",
+];
+
 fn problem(pair: &[Arc<Module>; 2]) -> Result<Problem, Error> {
     let [original, changed] = pair;
     for (kind, side) in [("inputs", Module::inputs as fn(&Module) -> &[Port]), ("outputs", Module::outputs)] {
@@ -69,14 +85,9 @@ fn problem(pair: &[Arc<Module>; 2]) -> Result<Problem, Error> {
     for (side, module) in [("original", original), ("changed", changed)] {
         sources.push((format!("{side}.sv"), text(module)?));
         let top = module.name();
-        commands.extend([
-            format!("read_verilog -sv {SOURCE}{side}.sv"),
-            format!("hierarchy -check -top {top}"),
-            "proc".to_string(),
-            "flatten".to_string(),
-            format!("rename {top} {side}"),
-            format!("design -stash {side}"),
-        ]);
+        commands.extend([format!("read_verilog -sv {SOURCE}{side}.sv"), format!("hierarchy -check -top {top}")]);
+        commands.extend(TO_LOGIC.iter().map(ToString::to_string));
+        commands.extend(["flatten".to_string(), format!("rename {top} {side}"), format!("design -stash {side}")]);
     }
     let copies = ["original", "changed"].map(|side| format!("design -copy-from {side} {side}"));
     commands.extend(copies);
