@@ -8,6 +8,7 @@ mod list;
 mod well_formed;
 
 use crate::Error;
+use crate::builder::describe;
 use crate::netlist::{Driver, Module, SignalId};
 use std::collections::HashMap;
 use std::fmt;
@@ -19,6 +20,8 @@ pub struct Fault {
     module: String,
     /// What is changed, in words.
     place: String,
+    /// How, in words.
+    how: String,
     change: Change,
 }
 
@@ -84,16 +87,22 @@ impl Fault {
 /// The module, the place in it, and the change: `raypath_skid, spare_valid_q: resets to 1 instead of 0`.
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}, {}: ", self.module, self.place)?;
-        match &self.change {
-            Change::Driver { how, .. } => f.write_str(how),
-            Change::Inverted { .. } => f.write_str("inverted"),
-            Change::OperandInverted { operand, .. } => write!(f, "operand {} inverted", operand.0),
-            Change::OperandZero { operand, .. } => write!(f, "operand {} replaced by zero", operand.0),
-            Change::AlwaysLoads { .. } => f.write_str("loads in every cycle"),
-            Change::NeverLoads { .. } => f.write_str("never loads"),
-            Change::Reset { was, becomes, .. } => write!(f, "resets to {becomes} instead of {was}"),
-            Change::PortZero { .. } => f.write_str("replaced by zero"),
+        write!(f, "{}, {}: {}", self.module, self.place, self.how)
+    }
+}
+
+impl Change {
+    /// The change in words, operands by the names that they have in `module`.
+    fn words(&self, module: &Module) -> String {
+        match self {
+            Self::Driver { how, .. } => how.to_string(),
+            Self::Inverted { .. } => "inverted".to_string(),
+            Self::OperandInverted { operand, .. } => format!("{} inverted", describe(module, *operand)),
+            Self::OperandZero { operand, .. } => format!("{} replaced by zero", describe(module, *operand)),
+            Self::AlwaysLoads { .. } => "loads in every cycle".to_string(),
+            Self::NeverLoads { .. } => "never loads".to_string(),
+            Self::Reset { was, becomes, .. } => format!("resets to {becomes} instead of {was}"),
+            Self::PortZero { .. } => "replaced by zero".to_string(),
         }
     }
 }

@@ -10,7 +10,7 @@ pub fn faults(module: &Module) -> Vec<Fault> {
     let places = Places::new(module);
     let mut faults = Vec::new();
     let mut add = |place: String, change: Change| {
-        faults.push(Fault { module: module.name.clone(), place, change });
+        faults.push(Fault { module: module.name.clone(), place, how: change.words(module), change });
     };
     for (index, signal) in module.signals.iter().enumerate() {
         let id = SignalId(index as u32);
