@@ -8,9 +8,10 @@ use raypath_ops::{Aabb, Job, JobKind, PortKind, Ray, RayBoxInput, RayTriangleInp
 use std::collections::HashMap;
 
 /// An endless stream of jobs of these kinds for a model whose numbers have this format, reproducible by `seed`. Of rays,
-/// three in four are from a scene of any size, now and then on a grid, rounded into the format; half of these have a few
-/// numbers from the format's edges (zeros, subnormals, infinities, NaN). Other jobs have numbers from the edges and raw bits
-/// among ordinary ones. `kinds` must not be empty.
+/// three in four are from a scene of any size, now and then on a grid, rounded into the format; in half of these a few
+/// numbers give way to NaN, to numbers from the format's edges (zeros, subnormals, infinities), and to other numbers of the
+/// job, so that differences are zero. Other jobs have small whole numbers, or numbers from the edges and raw bits among
+/// ordinary ones. `kinds` must not be empty.
 pub fn random<M: Model>(
     model: &M,
     format: Format,
@@ -119,12 +120,23 @@ impl<M: Model> Generator<M> {
                 port.bits = self.format.nan();
             }
         }
-        // So that every unit meets each of them among ordinary numbers.
+        // Boxes are hit at infinity, as far away as those that are missed.
+        if self.rng.random_bool(0.05) {
+            let minus = 1 << (self.format.ieee_width() - 1);
+            for port in ports.iter_mut().filter(|port| port.name.starts_with("ray_inv_")) {
+                port.bits = (port.bits & minus) | self.format.infinity();
+            }
+        }
+        // So that every unit meets each of them among ordinary numbers, and its answer to it is the one that decides.
         if self.rng.random_bool(0.5) {
-            for _ in 0..self.rng.random_range(1..=4) {
-                let place = self.rng.random_range(0..ports.len());
-                if ports[place].kind == PortKind::Number {
-                    ports[place].bits = self.edges[self.rng.random_range(0..self.edges.len())];
+            for _ in 0..self.rng.random_range(1..=ports.len().div_ceil(5)) {
+                let [place, other] = [(); 2].map(|()| self.rng.random_range(0..ports.len()));
+                if ports[place].kind == PortKind::Number && ports[other].kind == PortKind::Number {
+                    ports[place].bits = match self.rng.random_range(0..4) {
+                        0 => self.format.nan(),
+                        1 => ports[other].bits,
+                        _ => self.edges[self.rng.random_range(0..self.edges.len())],
+                    };
                 }
             }
         }
@@ -132,9 +144,10 @@ impl<M: Model> Generator<M> {
         self.model.job(job.kind(), |name| ports.get(name).copied().unwrap_or(0))
     }
 
-    /// A job whose ports are drawn one by one; in one of three many of its numbers are at the edges.
+    /// A job whose ports are drawn one by one; in one of four many of its numbers are at the edges, in one most are small
+    /// whole numbers, of which many are equal.
     fn ports(&mut self, kind: JobKind) -> M::Job {
-        let edges = [0.5, 0.05, 0.01][self.rng.random_range(0..3)];
+        let (edges, are_whole) = [(0.5, false), (0.05, false), (0.01, false), (0.1, true)][self.rng.random_range(0..4)];
         let model = self.model.clone();
         model.job(kind, |port| match port {
             "ray_kx" | "ray_ky" | "ray_kz" => self.rng.random_range(0..4),
@@ -143,6 +156,10 @@ impl<M: Model> Generator<M> {
             "euclidean_mask" => self.rng.random(),
             "euclidean_reset_accum" => self.rng.random_bool(0.1).into(),
             _ if self.rng.random_bool(edges) => self.edges[self.rng.random_range(0..self.edges.len())],
+            _ if are_whole => {
+                let number = self.rng.random_range(-2i8..=2);
+                self.number(number.into())
+            }
             _ if self.rng.random_bool(0.05) => self.rng.random(),
             _ => {
                 let number = self.rng.random_range(-1.0f32..1.0);

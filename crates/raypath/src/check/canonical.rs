@@ -20,10 +20,10 @@ struct Register {
     held: u64,
 }
 
-/// Whether a signal of this hierarchical name is a register for numbers.
+/// Whether a signal of this hierarchical name is a register for numbers, or an accumulator.
 pub fn is_number_register(name: &str) -> bool {
     let name = name.rsplit('.').next().unwrap_or(name);
-    name.starts_with("num_") && name.ends_with("_q")
+    name.starts_with("num_") && name.ends_with("_q") || name.ends_with("_state_q")
 }
 
 impl<'n, M: Model> Watched<'n, M> {

@@ -34,7 +34,7 @@ pub struct Failed {
 impl Everyday {
     /// How many jobs show nearly every fault ([`crate::verify`]'s mutation runs so many, and the tests of the datapaths that
     /// it mutates do).
-    pub const THOROUGH: usize = 6000;
+    pub const THOROUGH: usize = 20_000;
 
     /// Which signals, by hierarchical name, the checks look at: the netlist must be compiled so that they can be observed.
     pub fn observes(name: &str) -> bool {
@@ -74,7 +74,7 @@ impl Everyday {
 
     /// Where registers are recoded, each holds a canonical word in every cycle, whatever the jobs.
     fn holds_canonical_words<M: Model>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
-        let count = self.jobs / 2;
+        let count = self.jobs;
         if self.config.registers != Encoding::Recoded {
             return Ok(());
         }

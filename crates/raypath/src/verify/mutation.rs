@@ -37,7 +37,7 @@ enum Fate {
     /// No check did, and rightly: this proof says that the fault changes nothing.
     Equivalent(&'static str),
     /// No check did, and this is what a proof came to.
-    Survived(&'static str),
+    Survived(String),
 }
 
 /// The item of `raypath verify`.

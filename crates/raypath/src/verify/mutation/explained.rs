@@ -9,6 +9,8 @@ struct Explanation {
     reason: &'static str,
 }
 
+const SQUARES: &str = "this adder adds sums of squares only, which are never negative";
+
 const EXPLANATIONS: &[Explanation] = &[
     Explanation {
         module: "raypath_stage_",
@@ -16,10 +18,22 @@ const EXPLANATIONS: &[Explanation] = &[
         reason: "if it concerns NaN only: t_denom is a sum of u, v and w, so it is NaN too, and then there is no hit",
     },
     Explanation {
-        module: "raypath_stage_10_",
-        fault: &["add_0_sign"],
-        reason: "this adder adds sums of squares only, which are never negative",
+        module: "raypath_stage_10",
+        fault: &["triangle_t_denom_is_nan"],
+        reason: "a sum of u, v and w that are none of them negative or NaN is not NaN",
     },
+    Explanation {
+        module: "raypath_stage_",
+        fault: &["quadbox_near_", "_z0_is_nan"],
+        reason: "z0 is the greater of a distance and 0, where NaN drops out",
+    },
+    Explanation {
+        module: "raypath_stage_2",
+        fault: &["Constant", "in euclidean_difference_", "top bit"],
+        reason: "a lane that is masked off becomes -0 instead of +0, and its square is +0 all the same",
+    },
+    Explanation { module: "raypath", fault: &["stage_10_", "add_0_sign"], reason: SQUARES },
+    Explanation { module: "raypath", fault: &["stage_10_", "add_0_subtract"], reason: SQUARES },
 ];
 
 /// Why a fault survives, if that is known.

@@ -109,7 +109,7 @@ impl<'s> Report<'s> {
     }
 
     fn survivors(&self) -> impl Iterator<Item = String> {
-        self.judged.iter().filter_map(|judged| match judged.fate {
+        self.judged.iter().filter_map(|judged| match &judged.fate {
             Fate::Survived(why) => {
                 let reason = reason(&judged.module, &judged.fault);
                 let reason = reason.map_or(String::new(), |reason| format!("; explained: {reason}"));

@@ -12,7 +12,8 @@ fn without_checks_nothing_is_killed() {
     let subjects = subjects(&[Config { lanes: Lanes::None, ..Config::DEFAULT }]).expect("modules");
     let mutants = choose(&subjects, 100, 1);
     let mut watch = |_| true;
-    let report = judge(&subjects, &mutants, &mut request(&mut watch), &|_| Ok(Fate::Survived(""))).expect("a report");
+    let report =
+        judge(&subjects, &mutants, &mut request(&mut watch), &|_| Ok(Fate::Survived(String::new()))).expect("a report");
     let all = report.all();
     assert_eq!((all.killed, all.equivalent, all.survivors(), all.score()), (0, 0, mutants.len(), 0));
     let verdict = report.verdict();

@@ -52,20 +52,24 @@ impl Trial<'_> {
         }
         let is_small = self.subject.unit.is_some() || original.instances().is_empty();
         if !is_small && !proves_modules {
-            return Ok(Fate::Survived("not alike to every job"));
+            return Ok(survived("not alike to every job"));
         }
         // The top's modules are compared where the top is not the module: its proof would take minutes.
         if original.name() == self.subject.datapath.top.name() {
-            return Ok(Fate::Survived("not alike to every job"));
+            return Ok(survived("not alike to every job"));
         }
         match compared(original, &self.module) {
             Ok(Equivalence::Proved) => Ok(Fate::Equivalent("alike as modules")),
-            Ok(Equivalence::Different(_)) => Ok(Fate::Survived("different as modules")),
-            Ok(Equivalence::Undecided(_)) => Ok(Fate::Survived("undecided as modules")),
-            Err(Error::Program { .. }) => Ok(Fate::Survived("not compared as modules: a program is missing or fails")),
+            Ok(Equivalence::Different(_)) => Ok(survived("different as modules")),
+            Ok(Equivalence::Undecided(why)) => Ok(survived(&format!("undecided as modules: {why}"))),
+            Err(problem @ Error::Program { .. }) => Ok(survived(&format!("not compared as modules: {problem}"))),
             Err(other) => Err(other),
         }
     }
+}
+
+fn survived(what: &str) -> Fate {
+    Fate::Survived(what.to_string())
 }
 
 /// Compares two modules, within [`LIMIT`].
