@@ -69,9 +69,9 @@ RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --locked --quiet
 step 'Tests'
 cargo test --workspace --release --locked
 
-if "$is_long"; then
-  step 'Verification'
-  cargo run --release --locked -- verify --level full
-fi
+step 'Verification'
+level=everyday
+if "$is_long"; then level=full; fi
+cargo run --release --locked -- verify --level "$level"
 
 step 'Done'
