@@ -210,7 +210,7 @@ fn wrong_input_is_named() {
     let empty = file("angular_empty.txt", b"");
     let nameless = file("jobs.txt", beat.as_bytes());
     let lanes = file("small.toml", b"rules = \"paper\"\nlanes = 5\n");
-    let cases: [(&[&str], &[&str]); 24] = [
+    let cases: [(&[&str], &[&str]); 30] = [
         (&["replay", "/nonexistent/triangle.txt"], &["/nonexistent/triangle.txt", "No such file"]),
         (&["replay", &wrong_digit], &["angular_digit.txt:1", "field 5", "euclidean_a_0", "4000000g", "hexadecimal"]),
         (&["replay", &too_wide], &["angular_wide.txt:2", "field 4", "euclidean_mask", "1ff", "at most ff"]),
@@ -235,7 +235,13 @@ fn wrong_input_is_named() {
         (&["replay", "--lanes", "none", &empty], &["angular_empty.txt: angular jobs", "no distance modes"]),
         (&["replay", "--lanes", "8", &short], &["angular_short.txt:1: 4 fields, expected 15 for angular with 4 lanes"]),
         (&["generate", "--out", &nameless], &["jobs.txt"]),
-        (&["generate", "--jobs", "0"], &["'0'", "1..="]),
+        (&["generate", "--jobs", "0"], &["'0'", "--jobs", "expected a whole number from 1 to 4294967295"]),
+        (&["generate", "--seed", "1e6"], &["'1e6'", "--seed", "expected a whole number from 0"]),
+        (&["verify", "--jobs", "4g"], &["'4g'", "--jobs", "expected a whole number from 1"]),
+        (&["verify", "nothing"], &["'nothing'", "ITEM", "expected one of testfloat, "]),
+        (&["verify", "--level", "some"], &["'some' is no level", "everyday, full or long"]),
+        (&["verify", "--shard", "3/2"], &["'3/2' is no shard", "1 ≤ i ≤ n"]),
+        (&["verify", "--shard", "half"], &["'half' is no shard", "such as 2/5"]),
         (&["ray", "--origin", "1", "2", "3", "--direction", "0", "-0", "0"], &["direction (0, -0, 0) is zero"]),
         (&["ray", "--origin", "1", "2", "3", "--direction", "0", "1", "0", "--extent", "-1"], &["extent -1"]),
     ];

@@ -1,6 +1,7 @@
 //! `raypath accuracy`: what a format costs, against binary64.
 
 use crate::commands::Failure;
+use crate::commands::numbers::whole;
 use crate::commands::progress::Progress;
 use clap::Args;
 use raypath::accuracy::{Accuracy, DIMENSIONS, RAYS, SCALES, table};
@@ -14,10 +15,10 @@ pub struct Arguments {
     #[arg(long, value_delimiter = ',', default_value = "fp32,tf32,bf16,fp16", value_name = "FORMAT,...")]
     format: Vec<Format>,
     /// Random jobs of each kind, at most a million
-    #[arg(long, default_value_t = 20_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, default_value_t = 20_000, value_name = "N", value_parser = whole(1..=1_000_000u32))]
     jobs: u32,
     /// Seed of the random jobs
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
     /// The rules on the edges: paper (this project's rulings) or chisel (the original hardware's)
     #[arg(long, default_value_t = Rules::Paper, value_name = "paper|chisel")]

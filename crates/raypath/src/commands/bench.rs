@@ -1,6 +1,7 @@
 //! What `ppa` and `explore` measure with.
 
 use crate::commands::Failure;
+use crate::commands::numbers::whole;
 use crate::commands::progress::Progress;
 use clap::{Args, ValueEnum};
 use raypath::ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, OpenSta, Report, Yosys, YosysKind};
@@ -15,7 +16,7 @@ pub struct BenchArguments {
     #[arg(long, default_value_t = 12.0, value_parser = period, value_name = "NS")]
     period: f64,
     /// How many programs may run at a time [default: as many as there are cores]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_parser = whole(1..=u16::MAX))]
     jobs: Option<u16>,
     /// Where results are kept, so that nothing is done twice
     #[arg(long, default_value = "build/ppa-cache", value_name = "DIR")]

@@ -2,6 +2,7 @@
 
 use crate::commands::Failure;
 use crate::commands::configuration::ConfigArguments;
+use crate::commands::numbers::whole;
 use crate::commands::output::write_all;
 use crate::commands::progress::Progress;
 use clap::Args;
@@ -24,10 +25,10 @@ pub struct Arguments {
     #[arg(long, default_value = "build")]
     out: PathBuf,
     /// How many random jobs to check the netlist with
-    #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 10_000, value_parser = whole(1..=u32::MAX))]
     jobs: u32,
     /// Seed of the random jobs, stalls and bubbles
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
     #[command(flatten)]
     config: ConfigArguments,

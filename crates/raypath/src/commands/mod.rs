@@ -7,6 +7,7 @@ mod configuration;
 mod explore;
 mod failure;
 mod generate;
+mod numbers;
 mod output;
 mod ppa;
 mod progress;

@@ -1,6 +1,7 @@
 //! The options that say which transactions run, and how: shared by `replay` and `wave`.
 
 use crate::commands::Failure;
+use crate::commands::numbers::whole;
 use clap::Args;
 use raypath::model::Model;
 use raypath::ops::JobKind;
@@ -25,7 +26,7 @@ pub struct StreamArguments {
     #[arg(long)]
     interleave: bool,
     /// Seed of all that is random
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
 }
 

@@ -2,6 +2,7 @@
 
 use crate::commands::Failure;
 use crate::commands::configuration::ConfigArguments;
+use crate::commands::numbers::whole;
 use crate::commands::progress::Progress;
 use clap::Args;
 use raypath::rtl::Config;
@@ -21,10 +22,10 @@ pub struct Arguments {
     #[arg(long, default_value = "everyday", value_name = "everyday|full|long")]
     level: Level,
     /// How many jobs, where an item has jobs [default: by the level]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=u64::MAX))]
     jobs: Option<u64>,
     /// Seed of whatever is random
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
     /// The part of the work to do, so that machines can divide it: 2/5 is the second of five
     #[arg(long, default_value = "1/1", value_name = "I/N")]
@@ -50,10 +51,8 @@ fn item(name: &str) -> Result<Named, String> {
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let config = arguments.config.config()?;
-    let chosen: Vec<&Item> = match arguments.items.as_slice() {
-        [] => ITEMS.iter().collect(),
-        named => named.iter().map(|named| named.0).collect(),
-    };
+    let is_named = |item: &Item| arguments.items.iter().any(|named| named.0.name == item.name);
+    let chosen: Vec<&Item> = ITEMS.iter().filter(|item| arguments.items.is_empty() || is_named(item)).collect();
     if arguments.list {
         return chosen.into_iter().try_for_each(|item| describe(item, out)).map_err(Failure::from);
     }

@@ -2,6 +2,7 @@
 
 use crate::commands::Failure;
 use crate::commands::configuration::ConfigArguments;
+use crate::commands::numbers::whole;
 use crate::commands::progress::Progress;
 use crate::commands::stream::StreamArguments;
 use clap::Args;
@@ -21,7 +22,7 @@ pub struct Arguments {
     #[arg(long, default_value = "trace.fst")]
     out: PathBuf,
     /// Stop after this many jobs
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=u32::MAX))]
     jobs: Option<u32>,
     #[command(flatten)]
     config: ConfigArguments,
