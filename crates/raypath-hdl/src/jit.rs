@@ -18,10 +18,17 @@ use cranelift_module::{FuncId, Module, default_libcall_names};
 pub struct Code {
     /// Present until dropped; owns the memory that `cycle` points into.
     module: Option<JITModule>,
-    cycle: extern "C" fn(*const u64, *mut u64, *mut u64),
+    cycle: Cycle,
     registers: usize,
     io: usize,
+    memory: usize,
 }
+
+type Cycle = extern "C" fn(*const u64, *mut u64, *mut u64, *mut u64);
+
+/// Operations from which on a function's last arguments and results are remembered at each of its calls, so that it is
+/// called again only where an argument has changed: hardware that waits or idles costs next to nothing.
+const WORTH_REMEMBERING: usize = 64;
 
 impl Code {
     /// Compiles a netlist and the functions that it calls.
@@ -32,22 +39,44 @@ impl Code {
             let parameters = flat.calls.iter().find(|(f, _)| *f == place).map_or(0, |(_, call)| call.inputs.len());
             functions.push(compiler.define(function, &[], Frame::Function { inputs: parameters })?);
         }
-        let id = compiler.define(flat, &functions, Frame::Cycle { inputs })?;
+        let (remembered, memory) = remembered(flat);
+        let id = compiler.define(flat, &functions, Frame::Cycle { inputs, remembered: &remembered })?;
         compiler.module.finalize_definitions().map_err(codegen)?;
         let address = compiler.module.get_finalized_function(id);
-        // SAFETY: `define` gave this function three pointer parameters, no result, and the host's C convention.
-        let cycle = unsafe { std::mem::transmute::<*const u8, extern "C" fn(*const u64, *mut u64, *mut u64)>(address) };
+        // SAFETY: `define` gave this function four pointer parameters, no result, and the host's C convention.
+        let cycle = unsafe { std::mem::transmute::<*const u8, Cycle>(address) };
         let io = inputs + flat.outputs.len() + flat.observed.len();
-        Ok(Self { module: Some(compiler.module), cycle, registers: flat.registers.len(), io })
+        Ok(Self { module: Some(compiler.module), cycle, registers: flat.registers.len(), io, memory })
+    }
+
+    /// Words of memory between cycles that [`run`](Self::run) needs, all 0 at first.
+    pub fn memory(&self) -> usize {
+        self.memory
     }
 
     /// Evaluates one cycle: reads `current` registers and the inputs in `io`; writes `next` registers and the outputs
-    /// and observed signals in `io`, which follow the inputs.
-    pub fn run(&self, current: &[u64], next: &mut [u64], io: &mut [u64]) {
+    /// and observed signals in `io`, which follow the inputs. `memory` is only for the code itself.
+    pub fn run(&self, current: &[u64], next: &mut [u64], io: &mut [u64], memory: &mut [u64]) {
         assert_eq!((current.len(), next.len(), io.len()), (self.registers, self.registers, self.io));
-        // The code touches the words that the three lengths cover and no others; the slices do not overlap.
-        (self.cycle)(current.as_ptr(), next.as_mut_ptr(), io.as_mut_ptr());
+        assert_eq!(memory.len(), self.memory);
+        // The code touches the words that the four lengths cover and no others; the slices do not overlap.
+        (self.cycle)(current.as_ptr(), next.as_mut_ptr(), io.as_mut_ptr(), memory.as_mut_ptr());
     }
+}
+
+/// For each call that is remembered, where: one word that is 1 after the first time, the arguments, the results. And how
+/// many words that takes.
+fn remembered(flat: &Flat) -> (Vec<Option<usize>>, usize) {
+    let mut words = 0;
+    let places = flat.calls.iter().map(|(function, call)| {
+        let function = &flat.functions[*function];
+        (function.nodes.len() >= WORTH_REMEMBERING).then(|| {
+            let place = words;
+            words += 1 + call.inputs.len() + function.outputs.len();
+            place
+        })
+    });
+    (places.collect(), words)
 }
 
 impl Drop for Code {
@@ -61,9 +90,9 @@ impl Drop for Code {
 
 /// How a function receives and returns values.
 #[derive(Clone, Copy)]
-enum Frame {
-    /// `(current, next, io)`; inputs come first in `io`.
-    Cycle { inputs: usize },
+enum Frame<'f> {
+    /// `(current, next, io, memory)`; inputs come first in `io`. Where in `memory` each call is remembered.
+    Cycle { inputs: usize, remembered: &'f [Option<usize>] },
     /// Each input a parameter; the last parameter points to where the outputs go.
     Function { inputs: usize },
 }
@@ -86,9 +115,9 @@ impl Compiler {
         Ok(Self { module, context, builder: FunctionBuilderContext::new() })
     }
 
-    fn define(&mut self, flat: &Flat, functions: &[FuncId], frame: Frame) -> Result<FuncId, Error> {
+    fn define(&mut self, flat: &Flat, functions: &[FuncId], frame: Frame<'_>) -> Result<FuncId, Error> {
         let parameters = match frame {
-            Frame::Cycle { .. } => 3,
+            Frame::Cycle { .. } => 4,
             Frame::Function { inputs } => inputs + 1,
         };
         let mut signature = self.module.make_signature();
@@ -127,13 +156,20 @@ enum Store {
 struct Body<'a> {
     builder: FunctionBuilder<'a>,
     flat: &'a Flat,
-    frame: Frame,
+    frame: Frame<'a>,
     parameters: Vec<Value>,
     callees: Vec<FuncRef>,
     /// By node.
     values: Vec<Value>,
     /// By call that has been made: where its outputs are.
-    results: Vec<Option<StackSlot>>,
+    results: Vec<Option<Results>>,
+}
+
+/// Where the outputs of a call are.
+#[derive(Clone, Copy)]
+enum Results {
+    Stack(StackSlot),
+    Memory(usize),
 }
 
 impl Body<'_> {
@@ -182,13 +218,13 @@ impl Body<'_> {
                 }
                 self.store(value, self.parameters[1], place);
             }
-            (Store::Output(place), Frame::Cycle { inputs }) => {
+            (Store::Output(place), Frame::Cycle { inputs, .. }) => {
                 self.store(self.value(self.flat.outputs[place]), self.parameters[2], inputs + place);
             }
             (Store::Output(place), Frame::Function { inputs }) => {
                 self.store(self.value(self.flat.outputs[place]), self.parameters[inputs], place);
             }
-            (Store::Observed(place), Frame::Cycle { inputs }) => {
+            (Store::Observed(place), Frame::Cycle { inputs, .. }) => {
                 let slot = inputs + self.flat.outputs.len() + place;
                 self.store(self.value(self.flat.observed[place]), self.parameters[2], slot);
             }
@@ -218,23 +254,62 @@ impl Body<'_> {
     }
 
     fn result(&mut self, call: usize, output: usize) -> Value {
-        let slot = match self.results[call] {
-            Some(slot) => slot,
+        let results = match self.results[call] {
+            Some(results) => results,
             None => self.call(call),
         };
-        let base = self.builder.ins().stack_addr(I64, slot, 0);
-        self.load(base, output)
+        self.results[call] = Some(results);
+        match results {
+            Results::Stack(slot) => {
+                let base = self.builder.ins().stack_addr(I64, slot, 0);
+                self.load(base, output)
+            }
+            Results::Memory(place) => self.load(self.parameters[3], place + output),
+        }
     }
 
-    fn call(&mut self, call: usize) -> StackSlot {
+    fn call(&mut self, call: usize) -> Results {
         let (function, inputs) = (self.flat.calls[call].0, &self.flat.calls[call].1.inputs);
+        let arguments: Vec<Value> = inputs.iter().map(|&id| self.value(id)).collect();
+        if let Frame::Cycle { remembered, .. } = self.frame
+            && let Some(place) = remembered[call]
+        {
+            return self.call_where_changed(function, &arguments, place);
+        }
         let bytes = self.flat.functions[function].outputs.len() as u32 * 8;
         let slot = self.builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, bytes, 3));
         let outputs = self.builder.ins().stack_addr(I64, slot, 0);
-        let arguments: Vec<Value> = inputs.iter().map(|&id| self.value(id)).chain([outputs]).collect();
-        self.builder.ins().call(self.callees[function], &arguments);
-        self.results[call] = Some(slot);
-        slot
+        self.builder.ins().call(self.callees[function], &[arguments, vec![outputs]].concat());
+        Results::Stack(slot)
+    }
+
+    /// A call that is made only where its arguments are not those of the last time.
+    fn call_where_changed(&mut self, function: usize, arguments: &[Value], place: usize) -> Results {
+        let memory = self.parameters[3];
+        let one = self.constant(1);
+        let now: Vec<Value> = std::iter::once(one).chain(arguments.iter().copied()).collect();
+        let mut changed = self.constant(0);
+        for (word, &value) in now.iter().enumerate() {
+            let before = self.load(memory, place + word);
+            let difference = self.builder.ins().bxor(value, before);
+            changed = self.builder.ins().bor(changed, difference);
+        }
+        let (call, done) = (self.builder.create_block(), self.builder.create_block());
+        self.builder.ins().brif(changed, call, &[], done, &[]);
+
+        self.builder.switch_to_block(call);
+        self.builder.seal_block(call);
+        for (word, &value) in now.iter().enumerate() {
+            self.store(value, memory, place + word);
+        }
+        let results = place + now.len();
+        let outputs = self.builder.ins().iadd_imm_u(memory, (results * 8) as i64);
+        self.builder.ins().call(self.callees[function], &[arguments, &[outputs]].concat());
+        self.builder.ins().jump(done, &[]);
+
+        self.builder.switch_to_block(done);
+        self.builder.seal_block(done);
+        Results::Memory(results)
     }
 
     fn operator(&mut self, driver: &Driver, width: u32) -> Value {

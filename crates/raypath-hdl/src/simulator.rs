@@ -18,6 +18,8 @@ pub struct Simulator {
     next: Vec<u64>,
     /// Inputs, outputs, observed signals.
     io: Vec<u64>,
+    /// What `code` remembers from one evaluation to the next.
+    memory: Vec<u64>,
     /// Registers that have a reset value.
     resets: Vec<(usize, u64)>,
     reset: bool,
@@ -62,6 +64,7 @@ impl Simulator {
         let resets = flat.registers.iter().enumerate();
         let mut simulator = Self {
             module: module.clone(),
+            memory: vec![0; code.memory()],
             code,
             current: vec![0; flat.registers.len()],
             next: vec![0; flat.registers.len()],
@@ -112,7 +115,7 @@ impl Simulator {
 
     /// Evaluates with the inputs as set, without an edge.
     pub fn settle(&mut self) {
-        self.code.run(&self.current, &mut self.next, &mut self.io);
+        self.code.run(&self.current, &mut self.next, &mut self.io, &mut self.memory);
     }
 
     /// Drives `rst_ni`: low where `asserted`. The reset is asynchronous: registers that have a reset value take it at
