@@ -143,7 +143,7 @@ fn wrong_input_is_named() {
         (&["--format", "e4s8"], &["'e4s8'", "significand of 8 bits, expected 3 to 7 where the exponent has 4"]),
         (&["--scale", "0"], &["'0'", "expected a number from 1e-30 to 1e30"]),
         (&["--scale", "much"], &["'much'", "expected a number from 1e-30 to 1e30"]),
-        (&["--jobs", "0"], &["'0'", "1..="]),
+        (&["--jobs", "0"], &["'0'", "--jobs", "expected a whole number from 1 to 1000000"]),
     ];
     for (arguments, words) in cases {
         let output = raypath(&[&["accuracy"], arguments].concat());

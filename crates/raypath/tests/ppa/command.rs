@@ -83,7 +83,7 @@ fn wrong_input_is_named_before_any_work() {
         (&["ppa", "--against", "nowhere"], &["nowhere/ppa.json: cannot read: No such file"]),
         (&["ppa", "--against", "earlier"], &["earlier/ppa.json: missing field `area`", "expected a report"]),
         (&["ppa", "--period", "0"], &["expected nanoseconds"]),
-        (&["ppa", "--jobs", "0"], &["1.."]),
+        (&["ppa", "--jobs", "0"], &["expected a whole number from 1 to 65535"]),
         (&["explore", "--preset", "big"], &["'big' is no preset, expected paper,"]),
         (&["explore", "--sweep", "lanes.toml"], &["lanes.toml:2: lanes: '3' is no number of lanes"]),
         (&["explore", "--sweep", "key.toml"], &["key.toml:1: 'lane' is no parameter"]),
