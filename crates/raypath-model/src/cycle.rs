@@ -1,6 +1,7 @@
 use crate::elastic::{Elastic, Transfer};
 use crate::functional::Functional;
 use crate::model::{Model, OnPorts};
+use crate::places::Place;
 use crate::shape::Shape;
 use raypath_ops::JobKind;
 
@@ -22,20 +23,36 @@ impl<M: Model> CycleModel<M> {
 
     /// `input_ready_o`: whether a job of this kind, offered in this cycle, will be accepted. The kind is that on the
     /// port `opcode_i`, offered or not.
+    #[inline]
     pub fn input_ready(&self, kind: JobKind) -> bool {
         self.pipeline.input_ready(kind)
     }
 
     /// The outcome at the output where `output_valid_o` is 1.
+    #[inline]
     pub fn output(&self) -> Option<&M::Outcome> {
         self.pipeline.output()
     }
 
     /// One clock cycle. `job` is what the source offers (`input_valid_i` = 1), accepted if `input_ready` was true for
     /// its kind.
+    #[inline]
     pub fn cycle(&mut self, job: Option<&M::Job>, output_ready: bool) -> Transfer<M::Outcome> {
         let accepted = job.filter(|job| self.input_ready(job.kind()));
         self.pipeline.cycle(accepted.map(|job| (job.kind(), self.model.run(job))), output_ready)
+    }
+
+    /// Lets up to `limit` cycles pass in which the source offers nothing, and stops in the first that has an output.
+    /// Answers how many have passed. The same as so many calls of [`cycle`](Self::cycle), in next to no time: what a
+    /// simulator calls that knows when its next job comes.
+    #[inline]
+    pub fn idle(&mut self, limit: u64) -> u64 {
+        self.pipeline.idle(limit)
+    }
+
+    /// Where the jobs inside are, oldest first.
+    pub fn places(&self) -> impl Iterator<Item = Place> + '_ {
+        self.pipeline.places()
     }
 
     /// A cycle in which `rst_ni` is 0: everything in flight is lost, the accumulators are zero.

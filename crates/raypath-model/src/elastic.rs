@@ -1,6 +1,7 @@
 //! An elastic pipeline: ready and valid at both ends, nothing lost, repeated or reordered in between.
 
 use crate::credit::Credits;
+use crate::places::Place;
 use crate::shape::{Control, Shape};
 use crate::skid::SkidRow;
 use raypath_ops::JobKind;
@@ -72,6 +73,25 @@ impl<T> Elastic<T> {
         let output = if taken { self.inside.pop_front() } else { None };
         self.inside.extend(input.map(|(_, item)| item));
         Transfer { accepted: entering.is_some(), output }
+    }
+
+    /// Lets up to `limit` cycles pass in which the source offers nothing, and stops in the first that has an output.
+    /// Answers how many have passed. The same as so many calls of [`cycle`](Self::cycle), in next to no time.
+    #[inline]
+    pub fn idle(&mut self, limit: u64) -> u64 {
+        match &mut self.flow {
+            Flow::Skid(row) => row.idle(limit),
+            Flow::Credit(credits) => credits.idle(limit),
+        }
+    }
+
+    /// Where the items inside are, oldest first.
+    pub fn places(&self) -> impl Iterator<Item = Place> + '_ {
+        let (row, credits) = match &self.flow {
+            Flow::Skid(row) => (Some(row.places()), None),
+            Flow::Credit(credits) => (None, Some(credits.places())),
+        };
+        row.into_iter().flatten().chain(credits.into_iter().flatten())
     }
 
     /// A hardware reset: everything in flight is lost.

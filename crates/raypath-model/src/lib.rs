@@ -29,6 +29,7 @@ mod cycle;
 mod elastic;
 mod functional;
 mod model;
+mod places;
 mod shape;
 mod skid;
 mod soft;
@@ -38,6 +39,7 @@ pub use cycle::CycleModel;
 pub use elastic::{Elastic, Transfer};
 pub use functional::Functional;
 pub use model::{Model, OnPorts};
+pub use places::Place;
 pub use shape::{Control, Loop, Shape};
 pub use soft::{Soft, SoftNumber};
 

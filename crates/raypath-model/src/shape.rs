@@ -1,11 +1,12 @@
 use crate::LATENCY;
+use crate::places::Row;
 use raypath_ops::JobKind;
 
 /// What time depends on, beside the handshakes: how long a pipeline is, what controls it, and who must wait for whom.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shape {
-    /// Cycles from the one in which a job is accepted to the one that shows its outcome, in an empty pipeline; 0
-    /// counts as 1.
+    /// Cycles from the one in which a job is accepted to the one that shows its outcome, in an empty pipeline: 1 to 128.
+    /// What is less counts as 1, what is more as 128.
     pub latency: usize,
     /// What keeps jobs while the sink refuses.
     pub control: Control,
@@ -47,8 +48,8 @@ impl Shape {
     /// How many jobs fit while the sink refuses, if no loop keeps them apart.
     pub fn capacity(&self) -> usize {
         match self.control {
-            Control::Skid => 2 * self.latency.max(1),
-            Control::Credit => self.latency.max(1) + 1,
+            Control::Skid => 2 * self.places(),
+            Control::Credit => self.places() + 1,
         }
     }
 
@@ -58,9 +59,14 @@ impl Shape {
         own.map(|Loop { first, last, .. }| last - first + 1).max().unwrap_or(1)
     }
 
+    /// The latency, in its bounds.
+    pub(crate) fn places(&self) -> usize {
+        self.latency.clamp(1, Row::BITS as usize)
+    }
+
     /// The loops that hold somebody back.
     pub(crate) fn loops(&self) -> impl Iterator<Item = Loop> {
-        let fits = |a_loop: &Loop| 1 <= a_loop.first && a_loop.first < a_loop.last && a_loop.last < self.latency;
+        let fits = |a_loop: &Loop| 1 <= a_loop.first && a_loop.first < a_loop.last && a_loop.last < self.places();
         self.loops.iter().copied().filter(fits)
     }
 }

@@ -2,7 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_model::{Control, Elastic, Loop, Shape, Transfer};
+use raypath_model::{Control, Elastic, Loop, Place, Shape, Transfer};
 use raypath_ops::JobKind;
 use std::collections::HashMap;
 
@@ -93,6 +93,15 @@ impl Reference {
             && !self.loops(item.kind).any(|l| l.first == next && between(l))
     }
 
+    fn places(&self) -> Vec<Place> {
+        let stage = |item: &Item| match self.shape.control {
+            Control::Skid => item.place + 1,
+            Control::Credit => self.shape.latency.min((self.now - item.since) as usize),
+        };
+        let is_behind = |index: usize| index > 0 && stage(&self.items[index]) == stage(&self.items[index - 1]);
+        self.items.iter().enumerate().map(|(i, item)| Place { stage: stage(item), waits: is_behind(i) }).collect()
+    }
+
     fn cycle(&mut self, input: Option<(JobKind, u64)>, output_ready: bool) {
         let accepted = input.filter(|(kind, _)| self.input_ready(*kind));
         let moving: Vec<u64> = (0..self.shape.latency)
@@ -146,6 +155,8 @@ fn every_shape_does_what_is_promised() {
                 }
                 let shown = pipeline.output().copied();
                 assert_eq!(shown, reference.output(), "{shape:?}, seed {seed}, cycle {cycle}");
+                let places: Vec<Place> = pipeline.places().collect();
+                assert_eq!(places, reference.places(), "{shape:?}, seed {seed}, cycle {cycle}");
                 let ready = pipeline.input_ready(kind);
                 let Transfer { accepted, output } = pipeline.cycle(input, output_ready);
                 reference.cycle(input, output_ready);
@@ -166,6 +177,36 @@ fn every_shape_does_what_is_promised() {
             assert!(fullest == shape.capacity() as u64 || shape.loops.len() > 2, "{shape:?}: {fullest}");
         }
     }
+}
+
+/// Cycles without input, skipped: as many as walking takes until there is an output, and what follows is the same.
+#[test]
+fn idle_cycles_skipped_are_idle_cycles_walked() {
+    let mut at_once = 0;
+    for shape in shapes().into_iter().chain([shape(128, Control::Skid, &[]), shape(128, Control::Credit, &[])]) {
+        for seed in 0..20 {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let (mut skips, mut walks) = (Elastic::<u64>::new(&shape), Elastic::<u64>::new(&shape));
+            for item in 0..300 {
+                let input = rng.random_bool(0.6).then_some((JobKind::ALL[rng.random_range(0..4)], item));
+                let output_ready = rng.random_bool(0.7);
+                assert_eq!(skips.cycle(input, output_ready), walks.cycle(input, output_ready));
+                if rng.random_bool(0.2) {
+                    let limit = rng.random_range(0..200);
+                    let mut passed = 0;
+                    while passed < limit && walks.output().is_none() {
+                        walks.cycle(None, true);
+                        passed += 1;
+                    }
+                    assert_eq!(skips.idle(limit), passed, "{shape:?}, seed {seed}, item {item}, limit {limit}");
+                    at_once += u64::from(passed > 10);
+                }
+                assert!(skips.places().eq(walks.places()), "{shape:?}, seed {seed}, item {item}");
+                assert!(JobKind::ALL.iter().all(|&kind| skips.input_ready(kind) == walks.input_ready(kind)));
+            }
+        }
+    }
+    assert!(at_once > 1000, "{at_once}");
 }
 
 /// Cycles in which items of one kind leave, while the source always offers one and the sink always takes.
