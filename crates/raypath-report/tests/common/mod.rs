@@ -1,0 +1,154 @@
+//! A run with everything in it that can be seen: four kinds of jobs, fetches, stalls, a loop.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use raypath_model::{Control, CycleModel, Functional, Loop, Shape};
+use raypath_ops::{Job, JobKind, Outcome, Rules};
+use raypath_report::{Image, Recorder, Recording, StageUse, Table, UnitUse};
+use raypath_timing::{Agent, Machine, Sink, Step, Timing, simulate};
+
+/// A ray that visits some nodes, or a query of some vectors.
+pub struct Walk {
+    rng: ChaCha8Rng,
+    left: u32,
+    distances: bool,
+    beats: u32,
+    waits: bool,
+    fetched: bool,
+}
+
+impl Walk {
+    pub fn new(seed: u64, visits: u32) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let distances = rng.random_bool(0.3);
+        Self { rng, left: visits, distances, beats: 0, waits: false, fetched: false }
+    }
+}
+
+impl Agent<Functional> for Walk {
+    fn step(&mut self) -> Step<Job> {
+        if self.waits {
+            return Step::Wait;
+        }
+        if self.left == 0 {
+            return Step::Done;
+        }
+        if !self.fetched {
+            self.fetched = true;
+            self.beats = if self.distances { 3 } else { 1 };
+            return Step::Fetch;
+        }
+        self.beats -= 1;
+        self.waits = self.beats == 0;
+        let kind = match (self.distances, self.rng.random_bool(0.7)) {
+            (true, _) => JobKind::Euclidean,
+            (false, true) => JobKind::Quadbox,
+            (false, false) => JobKind::Triangle,
+        };
+        Step::Issue { job: Job::from_ports(kind, |_| 0), holds: self.beats > 0 }
+    }
+    fn answer(&mut self, _: &Outcome) {
+        if self.waits {
+            (self.waits, self.fetched) = (false, false);
+            self.left -= 1;
+        }
+    }
+}
+
+pub fn shape(control: Control) -> Shape {
+    Shape { latency: 12, control, loops: vec![Loop { kind: JobKind::Euclidean, first: 9, last: 10 }] }
+}
+
+/// A run whose window has so many jobs from cycle `from` on.
+pub fn run(control: Control, from: u64, jobs: usize, stalls: f64) -> (Timing, Recorder) {
+    let agents = (0..400).map(|seed| Walk::new(seed, 1 + jobs as u32 / 100));
+    let sink = if stalls > 0.0 { Sink::Stalls { probability: stalls, seed: 1 } } else { Sink::Always };
+    let machine = Machine { in_flight: 24, memory_latency: 40, sink };
+    let shape = shape(control);
+    let model = CycleModel::new(Functional::<16, 8>::new(Rules::Paper), &shape);
+    let mut recorder = Recorder::new("ray", shape.latency, from, jobs);
+    let timing = simulate(agents, &machine, model, &mut recorder, &|_| true).expect("runs");
+    (timing, recorder)
+}
+
+/// A recording with every part.
+pub fn recording(control: Control, jobs: usize, stalls: f64) -> Recording {
+    let (timing, recorder) = run(control, 0, jobs, stalls);
+    let what =
+        ["", "each vertex - origin", "every box bound - origin", "a - b, zero where masked off", "sums i + (i + half)"];
+    let utilisation = (1..=12).map(|number| StageUse {
+        number,
+        titles: (0..4).map(|opcode| what[(number + opcode) % what.len()].to_string()).collect(),
+        units: [("adder", 24), ("multiplier", 16), ("comparator", 40)]
+            .into_iter()
+            .enumerate()
+            .filter(|(index, _)| (number + index) % 3 != 0)
+            .map(|(index, (name, count))| {
+                let by_operation: Vec<f64> =
+                    (0..4).map(|op| f64::from((number as u32 * 7 + op * 5) % 11) / 40.0).collect();
+                UnitUse { name: name.to_string(), count: count + index, total: by_operation.iter().sum(), by_operation }
+            })
+            .collect(),
+    });
+    Recording {
+        title: "A cornell box & 24 rays <in flight>".to_string(),
+        configuration: vec![
+            ("preset".to_string(), "paper".to_string()),
+            ("control".to_string(), format!("{control:?}").to_lowercase()),
+            ("memory latency".to_string(), "40 cycles".to_string()),
+            ("in flight".to_string(), "24 rays".to_string()),
+        ],
+        counts: vec![
+            ("cycles".to_string(), timing.cycles.to_string()),
+            ("jobs".to_string(), timing.all_jobs().to_string()),
+            ("jobs a cycle".to_string(), format!("{:.4}", timing.jobs_per_cycle())),
+            ("rays a second at 500 MHz".to_string(), format!("{:.2} million", timing.at(500.0).agents / 1e6)),
+        ],
+        operations: JobKind::ALL.map(|kind| kind.name().to_string()).to_vec(),
+        utilisation: utilisation.collect(),
+        window: recorder.window(),
+        image: Some(Image { title: "What the rays saw".to_string(), png: picture() }),
+        sweep: None,
+        tables: vec![Table {
+            title: "Recall".to_string(),
+            head: vec!["k".to_string(), "recall".to_string()],
+            rows: vec![vec!["1".to_string(), "0.981".to_string()], vec!["10".to_string(), "0.954".to_string()]],
+        }],
+    }
+}
+
+/// A PNG of 5 × 3 pixels, written by hand: stored zlib blocks need no compressor.
+pub fn picture() -> Vec<u8> {
+    const WIDTH: u32 = 5;
+    const HEIGHT: u32 = 3;
+    let rows = (0..HEIGHT).flat_map(|y| {
+        let pixels = (0..WIDTH).flat_map(move |x| [50 * x as u8, 80 * y as u8, 128]);
+        std::iter::once(0).chain(pixels)
+    });
+    let raw: Vec<u8> = rows.collect();
+    let (mut a, mut b) = (1_u32, 0_u32);
+    for byte in &raw {
+        a = (a + u32::from(*byte)) % 65521;
+        b = (b + a) % 65521;
+    }
+    let length = raw.len() as u16;
+    let mut zlib = vec![0x78, 0x01, 1];
+    zlib.extend(length.to_le_bytes().into_iter().chain((!length).to_le_bytes()).chain(raw));
+    zlib.extend((b << 16 | a).to_be_bytes());
+    let mut header = Vec::new();
+    header.extend(WIDTH.to_be_bytes().into_iter().chain(HEIGHT.to_be_bytes()).chain([8, 2, 0, 0, 0]));
+    let mut png = b"\x89PNG\r\n\x1a\n".to_vec();
+    for (kind, data) in [(b"IHDR", header), (b"IDAT", zlib), (b"IEND", Vec::new())] {
+        let checked: Vec<u8> = kind.iter().copied().chain(data).collect();
+        png.extend((checked.len() as u32 - 4).to_be_bytes());
+        png.extend(&checked);
+        png.extend(crc(&checked).to_be_bytes());
+    }
+    png
+}
+
+fn crc(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 })
+    })
+}
