@@ -36,11 +36,15 @@
 mod agent;
 mod machine;
 mod observer;
+mod plot;
 mod simulation;
+mod sweep;
 mod timing;
 
 pub use agent::{Agent, Step};
 pub use machine::{Machine, Sink};
 pub use observer::{Cycle, Observer};
+pub use plot::plot;
 pub use simulation::{SimulationError, Watch, simulate};
+pub use sweep::{Point, Sweep, sweep};
 pub use timing::{Rates, Starved, Timing};

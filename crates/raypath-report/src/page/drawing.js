@@ -194,7 +194,7 @@ const drawing = (() => {
     step = Math.max(1, Math.round(step));
     context.strokeStyle = colours.line;
     context.beginPath();
-    for (let cycle = Math.ceil(view.left / step) * step; cycle < end; cycle += step) {
+    for (let cycle = Math.max(0, Math.ceil(view.left / step) * step); cycle < end; cycle += step) {
       context.fillText(cycle.toLocaleString("en"), x(cycle) + 3, 14);
       context.moveTo(x(cycle) + 0.5, 0);
       context.lineTo(x(cycle) + 0.5, RULER);
@@ -208,8 +208,10 @@ const drawing = (() => {
 
   function overview(canvas, view, width) {
     const [context, wide, tall] = prepare(canvas);
-    const cycles = Math.max(1, model.end - model.first), bins = Math.max(1, Math.floor(wide));
-    const per = cycles / bins, counts = Array.from({ length: bins }, () => [0, 0, 0, 0, 0]);
+    const cycles = Math.max(1, model.end - model.first);
+    // A bar stands for several cycles, so that it has a height.
+    const bar = Math.max(1, Math.ceil((8 * wide) / cycles)), bins = Math.max(1, Math.ceil(wide / bar));
+    const per = (cycles * bar) / wide, counts = Array.from({ length: bins }, () => [0, 0, 0, 0, 0]);
     for (const job of model.jobs) counts[Math.min(bins - 1, Math.floor((job.accepted - model.first) / per))][job.operation % 4]++;
     for (const [from, length] of model.refused) {
       for (let bin = Math.floor((from - model.first) / per); bin <= Math.min(bins - 1, (from + length - 1 - model.first) / per); bin++) {
@@ -217,14 +219,12 @@ const drawing = (() => {
         counts[bin][4] += Math.max(0, Math.min(over, from + length) - Math.max(begin, from));
       }
     }
-    // With bins of less than a cycle a job fills one and leaves the others of its cycle empty; so draw it as wide.
-    const bar = Math.max(1, 1 / per);
     counts.forEach((count, bin) => {
       let y = tall;
       for (let kind = 0; kind < 5; kind++) {
-        const part = Math.min(1, count[kind] / Math.max(per, 1)) * tall;
+        const part = Math.min(1, count[kind] / per) * tall;
         context.fillStyle = kind === 4 ? colours.refused : colours["op" + kind];
-        context.fillRect(bin, y - part, bar, part);
+        context.fillRect(bin * bar, y - part, bar, part);
         y -= part;
       }
     });

@@ -14,7 +14,9 @@
   function clamp() {
     view.cycle = Math.min(80, Math.max(Math.min(18, wide() / cycles()), view.cycle));
     view.row = Math.min(36, Math.max(Math.min(18, tall() / model.jobs.length), view.row));
-    view.left = Math.min(Math.max(view.left, model.first - 2), Math.max(model.first, model.end + 2 - wide() / view.cycle));
+    const shown = wide() / view.cycle, fits = shown >= cycles() - 1e-6;
+    const [lowest, highest] = fits ? [model.end - shown, model.first] : [model.first - 2, model.end + 2 - shown];
+    view.left = Math.min(Math.max(view.left, lowest), highest);
     view.top = Math.min(Math.max(view.top, 0), Math.max(0, model.jobs.length + 1 - tall() / view.row));
   }
   function show() {
@@ -31,7 +33,7 @@
     view.top = model.firstInside(Math.max(model.first, Math.ceil(view.left))) - 1;
   }
   function reset() {
-    Object.assign(view, { left: model.first - 1, top: 0, cycle: 18, row: 18 });
+    Object.assign(view, { left: model.jobs[0].accepted - 1, top: 0, cycle: 18, row: 18 });
     show();
   }
   function all() {
@@ -43,8 +45,9 @@
     view.cycle *= factor;
     view.row *= factor;
     clamp();
-    view.left = cycle - (x - MARGIN) / view.cycle;
-    view.top = row - (y - HEAD) / view.row;
+    // Rounded, so that zooming in and out again ends where it began.
+    view.left = Math.round((cycle - (x - MARGIN) / view.cycle) * 1e6) / 1e6;
+    view.top = Math.round((row - (y - HEAD) / view.row) * 1e6) / 1e6;
     show();
   }
   function middle(factor) { zoom(factor, MARGIN + wide() / 2, HEAD + tall() / 2); }

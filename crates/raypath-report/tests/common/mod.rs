@@ -1,5 +1,7 @@
 //! A run with everything in it that can be seen: four kinds of jobs, fetches, stalls, a loop.
 
+#![allow(dead_code)] // not every test uses all of it
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_model::{Control, CycleModel, Functional, Loop, Shape};
@@ -18,6 +20,11 @@ pub struct Walk {
 }
 
 impl Walk {
+    /// Whether it is a query.
+    pub fn distances(&self) -> bool {
+        self.distances
+    }
+
     pub fn new(seed: u64, visits: u32) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let distances = rng.random_bool(0.3);

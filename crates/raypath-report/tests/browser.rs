@@ -1,0 +1,294 @@
+//! The page in a real browser: that it loads, shows the recording's numbers, zooms, and runs nothing from outside.
+
+mod common;
+
+use headless_chrome::protocol::cdp::types::Event;
+use headless_chrome::{Browser, LaunchOptions, Tab};
+use raypath_model::Control;
+use raypath_report::{Recording, html};
+use std::ffi::OsStr;
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+const CHROMIUM: &str = "/usr/bin/chromium";
+const FLAGS: [&str; 6] = [
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--force-device-scale-factor=1",
+];
+
+/// A page in a browser of its own, and what its console has said of errors.
+struct Page {
+    tab: Arc<Tab>,
+    complaints: Arc<Mutex<Vec<String>>>,
+    _browser: Browser,
+    _folder: tempfile::TempDir,
+}
+
+impl Page {
+    fn open(recording: &Recording) -> Self {
+        let page = html(recording);
+        assert!(
+            Path::new(CHROMIUM).exists(),
+            "{CHROMIUM} is missing, with which the page is tested: install Debian's package chromium"
+        );
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("page.html");
+        std::fs::write(&file, page).expect("a page");
+        let options = LaunchOptions::default_builder()
+            .path(Some(CHROMIUM.into()))
+            .headless(true)
+            .sandbox(false)
+            .enable_gpu(false)
+            .window_size(Some((1400, 1500)))
+            .user_data_dir(Some(folder.path().join("profile")))
+            .args(FLAGS.iter().map(OsStr::new).collect())
+            .idle_browser_timeout(Duration::from_secs(120))
+            .build()
+            .expect("options");
+        let browser = Browser::new(options).expect("Chromium starts");
+        let tab = browser.new_tab().expect("a tab");
+        let complaints = Arc::new(Mutex::new(Vec::new()));
+        tab.enable_runtime().expect("runtime").enable_log().expect("log");
+        let heard = Arc::clone(&complaints);
+        let listener = move |event: &Event| {
+            let complaint = match event {
+                Event::LogEntryAdded(entry) => format!("{:?}", entry.params.entry),
+                Event::RuntimeConsoleAPICalled(call) => format!("{:?}", call.params.args),
+                Event::RuntimeExceptionThrown(thrown) => format!("{:?}", thrown.params.exception_details),
+                _ => return,
+            };
+            heard.lock().expect("no panic").push(complaint);
+        };
+        tab.add_event_listener(Arc::new(listener)).expect("a listener");
+        tab.navigate_to(&format!("file://{}", file.display()))
+            .expect("the page")
+            .wait_until_navigated()
+            .expect("loads");
+        Self { tab, complaints, _browser: browser, _folder: folder }
+    }
+
+    /// What an expression is, as text.
+    fn value(&self, expression: &str) -> String {
+        let value =
+            self.tab.evaluate(&format!("(async () => String(await ({expression})))()"), true).expect(expression).value;
+        value
+            .and_then(|value| value.as_str().map(str::to_string))
+            .unwrap_or_else(|| panic!("{expression} has no value"))
+    }
+
+    /// The first and last cycle in view.
+    fn range(&self) -> (u64, u64) {
+        let text = self.value("document.getElementById('range').textContent");
+        let numbers: Vec<u64> = text.split(' ').filter_map(|word| word.parse().ok()).collect();
+        (numbers[0], numbers[1])
+    }
+
+    /// A hash of what the canvas shows, once it is drawn.
+    fn pixels(&self) -> String {
+        self.value(
+            "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => { let h = 0; \
+             for (const x of document.getElementById('canvas').toDataURL()) h = (h * 31 + x.charCodeAt(0)) | 0; done(h); })))",
+        )
+    }
+
+    fn at_canvas(&self, event: &str) {
+        self.value(&format!(
+            "(() => {{ const c = document.getElementById('canvas'), b = c.getBoundingClientRect(); \
+             const at = (x, y) => ({{ clientX: b.left + x, clientY: b.top + y, bubbles: true, cancelable: true, pointerId: 1 }}); \
+             c.setPointerCapture = () => {{}}; {event} }})()"
+        ));
+    }
+
+    fn said_nothing(&self) {
+        assert_eq!(*self.complaints.lock().expect("no panic"), Vec::<String>::new());
+    }
+}
+
+#[test]
+fn the_page_shows_the_recordings_numbers() {
+    for control in [Control::Skid, Control::Credit] {
+        let recording = Recording { sweep: Some(SWEEP.to_string()), ..common::recording(control, 2000, 0.15) };
+        let page = Page::open(&recording);
+        assert_eq!(page.value("document.title"), recording.title);
+        for (id, pairs) in [("counts", &recording.counts), ("configuration", &recording.configuration)] {
+            let rows = page.value(&format!(
+                "JSON.stringify([...document.querySelectorAll('#{id} tr')].map(r => [...r.children].map(c => c.textContent)))"
+            ));
+            assert_eq!(serde_json::from_str::<Vec<(String, String)>>(&rows).expect("rows"), *pairs);
+        }
+        let shown = page.value(
+            "JSON.stringify([...document.querySelectorAll('#heat td[data-total]')].map(c => c.querySelector('b').textContent))",
+        );
+        let percents = |part: &dyn Fn(&raypath_report::UnitUse) -> f64| -> Vec<String> {
+            let of = |kind: &str| -> Vec<String> {
+                let units = recording.utilisation.iter().flat_map(|stage| &stage.units);
+                units.filter(|unit| unit.name == kind).map(|unit| format!("{:.1}%", 100.0 * part(unit))).collect()
+            };
+            // In the order in which kinds are met first.
+            let mut kinds = Vec::new();
+            for unit in recording.utilisation.iter().flat_map(|stage| &stage.units) {
+                if !kinds.contains(&unit.name) {
+                    kinds.push(unit.name.clone());
+                }
+            }
+            kinds.iter().flat_map(|kind| of(kind)).collect()
+        };
+        assert_eq!(serde_json::from_str::<Vec<String>>(&shown).expect("cells"), percents(&|unit| unit.total));
+        page.value("document.querySelector('button[data-heat=\"2\"]').click()");
+        let shown = page.value(
+            "JSON.stringify([...document.querySelectorAll('#heat td[data-total]')].map(c => c.querySelector('b').textContent))",
+        );
+        assert_eq!(serde_json::from_str::<Vec<String>>(&shown).expect("cells"), percents(&|unit| unit.by_operation[2]));
+        // The script's stages of every job.
+        let jobs = page.value(
+            "JSON.stringify(model.jobs.map(j => ({ operation: j.operation, owner: j.owner, accepted: j.accepted, \
+             entered: j.enters.slice(0, -1), left: j.left ? j.gone - 1 : null })))",
+        );
+        let jobs: Vec<raypath_report::JobTrace> = serde_json::from_str(&jobs).expect("jobs");
+        assert!(jobs == recording.window.jobs);
+        let size = "i => i.complete && [i.naturalWidth, i.naturalHeight].join()";
+        assert_eq!(page.value(&format!("({size})(document.querySelector('#image img'))")), "5,3");
+        assert_eq!(page.value(&format!("({size})(document.querySelector('#sweep img'))")), "40,30");
+        assert_eq!(page.value("document.querySelectorAll('section.table tbody tr').length"), "2");
+        page.said_nothing();
+    }
+}
+
+#[test]
+fn the_timeline_zooms_moves_and_tells() {
+    let recording = common::recording(Control::Skid, 2000, 0.15);
+    let page = Page::open(&recording);
+    let (start, drawn) = (page.range(), page.pixels());
+    let wheel = |delta: i32| {
+        page.at_canvas(&format!("c.dispatchEvent(new WheelEvent('wheel', {{ ...at(400, 200), deltaY: {delta} }}))"));
+        page.range()
+    };
+    let closer = wheel(-300);
+    assert!(closer.1 - closer.0 < start.1 - start.0, "{start:?} {closer:?}");
+    assert_ne!(page.pixels(), drawn);
+    // The cycle below the pointer stays there: out again is where it was.
+    assert_eq!(wheel(300), start);
+    assert_eq!(page.pixels(), drawn);
+    for _ in 0..30 {
+        wheel(300);
+    }
+    let (first, end) = (recording.window.first, recording.window.end);
+    assert_eq!(page.range(), (first, end));
+
+    page.at_canvas("c.dispatchEvent(new MouseEvent('dblclick', at(400, 200)))");
+    assert_eq!((page.range(), page.pixels()), (start, drawn.clone()));
+    page.at_canvas(
+        "c.dispatchEvent(new PointerEvent('pointerdown', at(600, 200))); \
+         c.dispatchEvent(new PointerEvent('pointermove', at(240, 200))); c.dispatchEvent(new PointerEvent('pointerup', at(240, 200)))",
+    );
+    // 360 pixels are 20 cycles at 18 a cycle.
+    assert_eq!(page.range().0, start.0 + 20);
+    for (key, forward) in [("ArrowRight", true), ("ArrowLeft", false)] {
+        let before = page.range().0;
+        page.at_canvas(&format!("c.dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}', bubbles: true }}))"));
+        assert_eq!(page.range().0 > before, forward, "{key}");
+    }
+    page.value("document.getElementById('reset').click()");
+    page.value("document.getElementById('zoom-in').click()");
+    assert!(page.range().1 < start.1);
+    page.value("document.getElementById('all').click()");
+    assert_eq!(page.range(), (first, end));
+    page.value("document.getElementById('reset').click()");
+
+    // The first row, in the cycle after the first job was accepted: one cycle is left of it, 132 pixels are labels.
+    let job = &recording.window.jobs[0];
+    page.at_canvas("c.dispatchEvent(new PointerEvent('pointermove', at(132 + 18 * 2 + 9, 35 + 22)))");
+    let tip = page.value("document.getElementById('tip').innerText");
+    let name = &recording.operations[job.operation];
+    assert!(tip.starts_with(&format!("{name}, ray {}\n", job.owner)), "{tip}");
+    assert!(tip.contains(&format!("accepted in cycle {}", job.accepted)), "{tip}");
+    assert!(tip.contains(&format!("▸ stage 1: cycle {}", job.entered[0])), "{tip}");
+    assert!(tip.contains(&format!("left in cycle {}", job.left.expect("it left"))), "{tip}");
+
+    let by_job = page.pixels();
+    page.value("document.getElementById('by-stage').click()");
+    assert_ne!(page.pixels(), by_job);
+    page.said_nothing();
+}
+
+#[test]
+fn windows_of_all_sizes_are_drawn() {
+    for (jobs, most_ms) in [(1, 200.0), (100, 200.0), (20_000, 1000.0)] {
+        let recording = common::recording(Control::Skid, jobs, 0.15);
+        assert_eq!(recording.window.jobs.len(), jobs);
+        let page = Page::open(&recording);
+        for button in ["all", "reset", "by-stage", "all", "later", "stall", "by-job"] {
+            let time = page.value(&format!(
+                "new Promise(done => {{ const t = performance.now(); document.getElementById('{button}').click(); \
+                 requestAnimationFrame(() => requestAnimationFrame(() => done(performance.now() - t))); }})"
+            ));
+            let ms: f64 = time.parse().expect("milliseconds");
+            assert!(ms < most_ms, "{button} with {jobs} jobs took {ms} ms");
+        }
+        page.said_nothing();
+    }
+}
+
+#[test]
+fn text_from_outside_does_not_run() {
+    let hostile = |place: &str| {
+        format!(
+            "</script><!--<script>window.ran='{place}'</script><img src=x onerror=\"window.ran='{place}'\">'\"&amp;"
+        )
+    };
+    let mut recording = common::recording(Control::Skid, 100, 0.15);
+    recording.title = hostile("title");
+    recording.configuration = vec![(hostile("name"), hostile("value"))];
+    recording.counts = vec![(hostile("label"), hostile("count"))];
+    recording.operations = (0..4).map(|_| hostile("operation")).collect();
+    recording.window.owner = hostile("owner");
+    recording.utilisation[0].titles[0] = hostile("does");
+    recording.utilisation[0].units[0].name = hostile("unit");
+    recording.sweep =
+        Some(format!("<svg xmlns=\"http://www.w3.org/2000/svg\"><script>window.ran='svg'</script>{SWEEP}</svg>"));
+    recording.tables[0].title = hostile("table");
+    recording.tables[0].rows[0][0] = hostile("cell");
+    if let Some(image) = &mut recording.image {
+        image.title = hostile("image");
+    }
+    let page = Page::open(&recording);
+    page.at_canvas("c.dispatchEvent(new PointerEvent('pointermove', at(132 + 18 * 2 + 9, 35 + 22)))");
+    assert!(page.value("document.getElementById('tip').innerText").starts_with("</script><!--"));
+    assert_eq!(page.value("window.ran"), "undefined");
+    assert_eq!(page.value("document.querySelector('h1').textContent"), recording.title);
+    assert_eq!(page.value("document.querySelectorAll('script').length"), "5");
+    assert_eq!(page.value("document.querySelectorAll('#configuration td')[0].textContent"), hostile("value"));
+    assert_eq!(page.value("model.owner"), recording.window.owner);
+    page.said_nothing();
+}
+
+/// A page asks nobody for anything: without a window it has no timeline, and still says nothing.
+#[test]
+fn an_empty_recording_is_a_page() {
+    let page = Page::open(&Recording { title: "Nothing".to_string(), ..Recording::default() });
+    assert_eq!(page.value("document.querySelectorAll('section').length"), "0");
+    assert_eq!(
+        page.value("performance.getEntriesByType('resource').filter(e => !e.name.startsWith('data:')).length"),
+        "0"
+    );
+    page.said_nothing();
+}
+
+/// That the console is heard at all.
+#[test]
+fn complaints_are_heard() {
+    let page = Page::open(&Recording::default());
+    page.value("console.error('a complaint')");
+    page.value("setTimeout(() => nothing.here, 0)");
+    page.value("new Promise(done => setTimeout(done, 200))");
+    let complaints = page.complaints.lock().expect("no panic").join("\n");
+    assert!(complaints.contains("a complaint") && complaints.contains("nothing is not defined"), "{complaints}");
+}
+
+const SWEEP: &str =
+    "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"40\" height=\"30\"><rect width=\"9\" height=\"9\"/></svg>";
