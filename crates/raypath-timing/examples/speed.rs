@@ -2,15 +2,19 @@
 //!
 //! `cargo run --release -p raypath-timing --example speed`
 
-use raypath_model::{CycleModel, Functional, Shape};
-use raypath_ops::{Aabb, Job, Outcome, Ray, RayBoxInput, Rules};
-use raypath_timing::{Agent, Machine, Sink, Step, simulate};
+#[allow(dead_code)] // of the tests' helpers only the model is used
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use raypath_model::{CycleModel, Functional, Model, Shape};
+use raypath_ops::{Aabb, Job, JobKind, Ray, RayBoxInput, Rules};
+use raypath_timing::{Agent, Machine, SimulationError, Sink, Step, simulate};
 use std::hint::black_box;
 use std::time::Instant;
 
 /// Visits so many nodes.
-struct Walk {
-    job: Job,
+struct Walk<J> {
+    job: J,
     visits: u32,
     next: Next,
 }
@@ -21,8 +25,8 @@ enum Next {
     Wait,
 }
 
-impl Agent<Functional> for Walk {
-    fn step(&mut self) -> Step<Job> {
+impl<M: Model> Agent<M> for Walk<M::Job> {
+    fn step(&mut self) -> Step<M::Job> {
         match self.next {
             Next::Fetch if self.visits == 0 => Step::Done,
             Next::Fetch => {
@@ -36,7 +40,7 @@ impl Agent<Functional> for Walk {
             Next::Wait => Step::Wait,
         }
     }
-    fn answer(&mut self, _: &Outcome) {
+    fn answer(&mut self, _: &M::Outcome) {
         self.visits -= 1;
         self.next = Next::Fetch;
     }
@@ -49,11 +53,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let start = Instant::now();
     (0..3_000_000).for_each(|_| _ = black_box(alone.run(black_box(&job))));
     println!("The model's arithmetic alone: {:.1} M jobs/s", 3.0 / start.elapsed().as_secs_f64());
+    println!("Four boxes:");
+    measure(Functional::<16, 8>::new(Rules::Paper), job)?;
+    println!("Jobs that come out as they went in, which leaves the harness alone:");
+    measure(common::Echo, common::Tag(JobKind::Quadbox, 0))?;
+    Ok(())
+}
+
+fn measure<M: Model>(model: M, job: M::Job) -> Result<(), SimulationError> {
     for (in_flight, probability) in [(1, 0.0), (8, 0.0), (32, 0.0), (128, 0.0), (1024, 0.0), (128, 0.3)] {
         let agents = (0..100_000).map(|_| Walk { job, visits: 30, next: Next::Fetch });
         let sink = if probability > 0.0 { Sink::Stalls { probability, seed: 1 } } else { Sink::Always };
         let machine = Machine { in_flight, memory_latency: 100, sink };
-        let model = CycleModel::new(Functional::<16, 8>::new(Rules::Paper), &Shape::default());
+        let model = CycleModel::new(model.clone(), &Shape::default());
         let start = Instant::now();
         let timing = simulate(agents, &machine, model, &mut (), &|_| true)?;
         let seconds = start.elapsed().as_secs_f64();
