@@ -23,6 +23,7 @@
 //! # Ok::<(), raypath_ops::RayError>(())
 //! ```
 
+mod batch;
 mod binary64;
 mod credit;
 mod cycle;
@@ -34,9 +35,11 @@ mod shape;
 mod skid;
 mod soft;
 
+pub use batch::{Batch, blank, levels, pack, unpack};
 pub use binary64::{Binary64, Double};
 pub use cycle::CycleModel;
 pub use elastic::{Elastic, Transfer};
+pub use fearless_simd::Level;
 pub use functional::Functional;
 pub use model::{Model, OnPorts};
 pub use places::Place;

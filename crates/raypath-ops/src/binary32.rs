@@ -1,5 +1,6 @@
 //! Operations over the machine's own binary32: the functional model.
 
+use crate::alike::{Alike, Of, side_by_side};
 use crate::circuit::{Bit, Circuit, Flags, Num, Relation, Test, Word};
 use crate::concrete::Concrete;
 use std::fmt;
@@ -14,7 +15,7 @@ pub struct Single(pub f32);
 
 impl Single {
     /// Its bits. This is the one place that makes NaN canonical: the machine's payloads and signs end here.
-    #[inline]
+    #[inline(always)]
     pub fn to_bits(self) -> u32 {
         if self.0.is_nan() { 0x7fc0_0000 } else { self.0.to_bits() }
     }
@@ -38,31 +39,31 @@ impl Circuit for Binary32 {
     type Word = u32;
     type Order = (Single, Single);
 
-    #[inline]
+    #[inline(always)]
     fn constant(self, value: f32) -> Single {
         Single(value)
     }
-    #[inline]
+    #[inline(always)]
     fn add(self, a: Single, b: Single) -> Single {
         Single(a.0 + b.0)
     }
-    #[inline]
+    #[inline(always)]
     fn subtract(self, a: Single, b: Single) -> Single {
         Single(a.0 - b.0)
     }
-    #[inline]
+    #[inline(always)]
     fn multiply(self, a: Single, b: Single) -> Single {
         Single(a.0 * b.0)
     }
-    #[inline]
+    #[inline(always)]
     fn negate(self, a: Single) -> Single {
         Single(-a.0)
     }
-    #[inline]
+    #[inline(always)]
     fn compare(self, a: Single, b: Single) -> (Single, Single) {
         (a, b)
     }
-    #[inline]
+    #[inline(always)]
     fn relation(self, (a, b): (Single, Single), relation: Relation) -> bool {
         match relation {
             Relation::Less => a.0 < b.0,
@@ -72,7 +73,7 @@ impl Circuit for Binary32 {
             Relation::Greater => a.0 > b.0,
         }
     }
-    #[inline]
+    #[inline(always)]
     fn test(self, test: Test, a: Single) -> bool {
         match test {
             Test::SignBit => a.0.is_sign_negative(),
@@ -83,19 +84,29 @@ impl Circuit for Binary32 {
         }
     }
 
+    #[inline(always)]
+    fn alike<A: Alike, const N: usize>(
+        self,
+        part: &A,
+        shared: &Of<A::Shared, Self>,
+        each: &[Of<A::Each, Self>; N],
+    ) -> [Of<A::Answer, Self>; N] {
+        side_by_side(part, shared, each)
+    }
+
     crate::known_bits_and_words!();
 }
 
 impl Concrete for Binary32 {
-    #[inline]
+    #[inline(always)]
     fn number(self, ieee_bits: u64) -> Single {
         Single(f32::from_bits(ieee_bits as u32))
     }
-    #[inline]
+    #[inline(always)]
     fn bits(self, number: Single) -> u64 {
         number.to_bits().into()
     }
-    #[inline]
+    #[inline(always)]
     fn raw_bits(self, number: Single) -> u64 {
         number.0.to_bits().into()
     }

@@ -164,6 +164,44 @@ macro_rules! bundle {
             $($(#[$field_attribute])* pub $field: $type,)*
         }
 
+        impl$(<const $n: usize>)? $crate::Family for $name<$crate::Binary32 $(, $n)?> {
+            type Of<D: $crate::Circuit> = $name<D $(, $n)?>;
+
+            #[inline(always)]
+            fn gather<A: $crate::Circuit, B: $crate::Circuit, const K: usize>(
+                things: [&$name<A $(, $n)?>; K],
+                lanes: &impl $crate::Gather<A, B, K>,
+            ) -> $name<B $(, $n)?> {
+                type C = $crate::Binary32;
+                $name {
+                    $($field: <$type as $crate::Family>::gather(
+                        $crate::array_of!(k => &things[k].$field),
+                        lanes,
+                    ),)*
+                }
+            }
+
+            #[inline(always)]
+            fn put<A: $crate::Circuit, B: $crate::Circuit>(
+                thing: &$name<A $(, $n)?>,
+                place: &mut $name<B $(, $n)?>,
+                lanes: &impl $crate::Put<A, B>,
+            ) {
+                type C = $crate::Binary32;
+                $(<$type as $crate::Family>::put(&thing.$field, &mut place.$field, lanes);)*
+            }
+
+            #[inline(always)]
+            fn scatter<A: $crate::Circuit, B: $crate::Circuit, const K: usize>(
+                thing: $name<A $(, $n)?>,
+                lanes: &impl $crate::Scatter<A, B, K>,
+            ) -> [$name<B $(, $n)?>; K] {
+                type C = $crate::Binary32;
+                $(let $field = <$type as $crate::Family>::scatter(thing.$field, lanes);)*
+                $crate::array_of!(k => $name { $($field: $field[k],)* })
+            }
+        }
+
         impl<C: $crate::Circuit $(, const $n: usize)?> $crate::Bundle<C> for $name<C $(, $n)?> {
             fn build<S: $crate::Source<C> + ?Sized>(path: &mut $crate::Path, source: &mut S) -> Self {
                 Self { $($field: path.with(stringify!($field), |path| <$type>::build(path, source)),)* }

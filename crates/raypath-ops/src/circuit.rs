@@ -3,6 +3,7 @@
 //! A new interpretation of all operations is one implementation of [`Circuit`]. Handles carry their circuit, so that
 //! arithmetic reads as arithmetic: `(bound - origin) * inv`.
 
+use crate::alike::{Alike, Of};
 use crate::bundle::Bundle;
 use std::fmt::{Arguments, Debug};
 use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
@@ -66,6 +67,29 @@ pub trait Circuit: Copy + Debug + PartialEq {
     fn select_bit(self, condition: Self::Bit, if_true: Self::Bit, if_false: Self::Bit) -> Self::Bit;
     /// `if_true` where `condition` holds, else `if_false`.
     fn select_word(self, condition: Self::Bit, if_true: Self::Word, if_false: Self::Word) -> Self::Word;
+
+    /// The larger of two numbers; the other where one is NaN; `b` where they are equal.
+    #[inline(always)]
+    fn larger(self, a: Self::Num, b: Self::Num) -> Self::Num {
+        let greater = self.relation(self.compare(a, b), Relation::Greater);
+        self.select_num(self.or(greater, self.test(Test::Nan, b)), a, b)
+    }
+    /// The smaller of two numbers; the other where one is NaN; `b` where they are equal.
+    #[inline(always)]
+    fn smaller(self, a: Self::Num, b: Self::Num) -> Self::Num {
+        let less = self.relation(self.compare(a, b), Relation::Less);
+        self.select_num(self.or(less, self.test(Test::Nan, b)), a, b)
+    }
+    /// A part of an operation that is the same for each of several things.
+    #[inline(always)]
+    fn alike<A: Alike, const N: usize>(
+        self,
+        part: &A,
+        shared: &Of<A::Shared, Self>,
+        each: &[Of<A::Each, Self>; N],
+    ) -> [Of<A::Answer, Self>; N] {
+        part.run(self, shared, each)
+    }
 
     /// +0.0.
     fn zero(self) -> Num<Self> {
@@ -165,42 +189,54 @@ impl<C: Circuit> Num<C> {
     }
 
     /// Compares with `other`: one comparator, however many relations are read from it.
-    #[inline]
+    #[inline(always)]
     pub fn compare(self, other: Self) -> Order<C> {
         Order { circuit: self.circuit, value: self.circuit.compare(self.value, other.value) }
     }
 
+    /// The larger of the two; the other where one is NaN; `other` where they are equal.
+    #[inline(always)]
+    pub fn larger(self, other: Self) -> Self {
+        Self::new(self.circuit, self.circuit.larger(self.value, other.value))
+    }
+
+    /// The smaller of the two; the other where one is NaN; `other` where they are equal.
+    #[inline(always)]
+    pub fn smaller(self, other: Self) -> Self {
+        Self::new(self.circuit, self.circuit.smaller(self.value, other.value))
+    }
+
     /// The sign bit; unspecified for a NaN.
-    #[inline]
+    #[inline(always)]
     pub fn sign_bit(self) -> Bit<C> {
         self.test(Test::SignBit)
     }
 
     /// Whether it is +0 or −0.
-    #[inline]
+    #[inline(always)]
     pub fn is_zero(self) -> Bit<C> {
         self.test(Test::Zero)
     }
 
     /// Whether it is a NaN.
-    #[inline]
+    #[inline(always)]
     pub fn is_nan(self) -> Bit<C> {
         self.test(Test::Nan)
     }
 
     /// Whether it is ≥ 0 (a NaN is not).
-    #[inline]
+    #[inline(always)]
     pub fn is_at_least_zero(self) -> Bit<C> {
         self.test(Test::AtLeastZero)
     }
 
     /// Whether it is > 0 (a NaN is not).
-    #[inline]
+    #[inline(always)]
     pub fn is_above_zero(self) -> Bit<C> {
         self.test(Test::AboveZero)
     }
 
-    #[inline]
+    #[inline(always)]
     fn test(self, test: Test) -> Bit<C> {
         Bit::new(self.circuit, self.circuit.test(test, self.value))
     }
@@ -208,36 +244,36 @@ impl<C: Circuit> Num<C> {
 
 impl<C: Circuit> Order<C> {
     /// a < b
-    #[inline]
+    #[inline(always)]
     pub fn less(self) -> Bit<C> {
         self.relation(Relation::Less)
     }
 
     /// a ≤ b
-    #[inline]
+    #[inline(always)]
     pub fn less_or_equal(self) -> Bit<C> {
         self.relation(Relation::LessOrEqual)
     }
 
     /// a = b
-    #[inline]
+    #[inline(always)]
     pub fn equal(self) -> Bit<C> {
         self.relation(Relation::Equal)
     }
 
     /// a ≥ b
-    #[inline]
+    #[inline(always)]
     pub fn greater_or_equal(self) -> Bit<C> {
         self.relation(Relation::GreaterOrEqual)
     }
 
     /// a > b
-    #[inline]
+    #[inline(always)]
     pub fn greater(self) -> Bit<C> {
         self.relation(Relation::Greater)
     }
 
-    #[inline]
+    #[inline(always)]
     fn relation(self, relation: Relation) -> Bit<C> {
         Bit::new(self.circuit, self.circuit.relation(self.value, relation))
     }
@@ -255,13 +291,13 @@ impl<C: Circuit> Bit<C> {
     }
 
     /// `if_true` where it holds, else `if_false`.
-    #[inline]
+    #[inline(always)]
     pub fn select<T: Select<C>>(self, if_true: T, if_false: T) -> T {
         T::select(self, if_true, if_false)
     }
 
     /// Both or neither.
-    #[inline]
+    #[inline(always)]
     pub fn same_as(self, other: Self) -> Self {
         self.select(other, !other)
     }
@@ -279,13 +315,13 @@ impl<C: Circuit, const W: u32> Word<C, W> {
     }
 
     /// Whether it equals a constant.
-    #[inline]
+    #[inline(always)]
     pub fn is(self, value: u32) -> Bit<C> {
         Bit::new(self.circuit, self.circuit.word_equal(self.value, self.circuit.constant_word(W, value)))
     }
 
     /// Whether it is less than `other`, unsigned.
-    #[inline]
+    #[inline(always)]
     pub fn less(self, other: Self) -> Bit<C> {
         Bit::new(self.circuit, self.circuit.word_less(self.value, other.value))
     }
@@ -293,7 +329,7 @@ impl<C: Circuit, const W: u32> Word<C, W> {
 
 impl<C: Circuit> Add for Num<C> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         Self::new(self.circuit, self.circuit.add(self.value, other.value))
     }
@@ -301,7 +337,7 @@ impl<C: Circuit> Add for Num<C> {
 
 impl<C: Circuit> Sub for Num<C> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         Self::new(self.circuit, self.circuit.subtract(self.value, other.value))
     }
@@ -309,7 +345,7 @@ impl<C: Circuit> Sub for Num<C> {
 
 impl<C: Circuit> Mul for Num<C> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
         Self::new(self.circuit, self.circuit.multiply(self.value, other.value))
     }
@@ -317,7 +353,7 @@ impl<C: Circuit> Mul for Num<C> {
 
 impl<C: Circuit> Neg for Num<C> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
         Self::new(self.circuit, self.circuit.negate(self.value))
     }
@@ -325,7 +361,7 @@ impl<C: Circuit> Neg for Num<C> {
 
 impl<C: Circuit> BitAnd for Bit<C> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn bitand(self, other: Self) -> Self {
         Self::new(self.circuit, self.circuit.and(self.value, other.value))
     }
@@ -333,7 +369,7 @@ impl<C: Circuit> BitAnd for Bit<C> {
 
 impl<C: Circuit> BitOr for Bit<C> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn bitor(self, other: Self) -> Self {
         Self::new(self.circuit, self.circuit.or(self.value, other.value))
     }
@@ -341,14 +377,14 @@ impl<C: Circuit> BitOr for Bit<C> {
 
 impl<C: Circuit> Not for Bit<C> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn not(self) -> Self {
         Self::new(self.circuit, self.circuit.not(self.value))
     }
 }
 
 impl<C: Circuit> Select<C> for Num<C> {
-    #[inline]
+    #[inline(always)]
     fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
         let c = condition.circuit;
         Self::new(c, c.select_num(condition.value, if_true.value, if_false.value))
@@ -356,7 +392,7 @@ impl<C: Circuit> Select<C> for Num<C> {
 }
 
 impl<C: Circuit> Select<C> for Bit<C> {
-    #[inline]
+    #[inline(always)]
     fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
         let c = condition.circuit;
         Self::new(c, c.select_bit(condition.value, if_true.value, if_false.value))
@@ -364,7 +400,7 @@ impl<C: Circuit> Select<C> for Bit<C> {
 }
 
 impl<C: Circuit, const W: u32> Select<C> for Word<C, W> {
-    #[inline]
+    #[inline(always)]
     fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
         let c = condition.circuit;
         Self::new(c, c.select_word(condition.value, if_true.value, if_false.value))

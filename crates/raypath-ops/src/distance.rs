@@ -1,6 +1,8 @@
 //! Distances between vectors, a beat of lanes at a time, accumulated over beats (Table VII, columns Euclidean and
 //! Angular).
 
+use crate::alike::Alike;
+use crate::binary32::Binary32;
 use crate::bundle::bundle;
 use crate::circuit::{Bit, Circuit, Flags, Num};
 use crate::operation::Operation;
@@ -96,31 +98,24 @@ impl<const N: usize> Operation for Euclidean<N> {
     type Output<C: Circuit> = EuclideanOutput<C>;
     type State<C: Circuit> = EuclideanState<C>;
 
-    #[inline]
+    #[inline(always)]
     fn run<C: Circuit>(
         &self,
         c: C,
         input: EuclideanInput<C, N>,
         state: EuclideanState<C>,
     ) -> (EuclideanOutput<C>, EuclideanState<C>) {
-        let Beat { a, b, mask, reset_accum } = input.euclidean;
-
-        c.stage(2, "a - b, zero where masked off");
-        let difference: [Num<C>; N] = std::array::from_fn(|i| mask.0[i].select(a[i] - b[i], c.zero()));
-        c.label(format_args!("difference"), &difference);
-
-        c.stage(3, "squares");
-        let mut lanes = difference.map(|d| d * d);
-        c.label(format_args!("square"), &lanes);
+        let beat = &input.euclidean;
+        let reset_accum = beat.reset_accum;
+        let each = lanes_of(beat);
+        let squares = c.alike(&SquaredDifference, &(), &each);
+        c.label(format_args!("square"), &squares);
 
         const { assert!(N.is_power_of_two() && N <= 64, "lanes are a power of two, 64 at most") };
-        for (level, stage) in tree(&EUCLIDEAN_TREE, N) {
-            c.stage(stage, TREE_TITLE);
-            fold(c, "sum", &mut lanes, level);
-        }
+        let [sum] = tree(c, &EUCLIDEAN_TREE, ["sum"], [squares]);
 
         c.stage(10, "accumulated");
-        let accumulator = state.accumulator + lanes[0];
+        let accumulator = state.accumulator + sum;
         c.label(format_args!("accumulator"), &accumulator);
         let next = EuclideanState { accumulator: reset_accum.select(c.zero(), accumulator) };
         (EuclideanOutput { euclidean_accumulator: accumulator, euclidean_reset_accum: reset_accum }, next)
@@ -133,36 +128,27 @@ impl<const N: usize> Operation for Angular<N> {
     type Output<C: Circuit> = AngularOutput<C>;
     type State<C: Circuit> = AngularState<C>;
 
-    #[inline]
+    #[inline(always)]
     fn run<C: Circuit>(
         &self,
         c: C,
         input: AngularInput<C, N>,
         state: AngularState<C>,
     ) -> (AngularOutput<C>, AngularState<C>) {
-        let Beat { a, b, mask, reset_accum } = input.euclidean;
-
-        c.stage(2, "masked lanes to zero");
-        let unmask = |v: [Num<C>; N]| std::array::from_fn(|i| mask.0[i].select(v[i], c.zero()));
-        let (query, candidate): ([Num<C>; N], [Num<C>; N]) = (unmask(a), unmask(b));
-        c.label(format_args!("query"), &query);
-        c.label(format_args!("candidate"), &candidate);
-
-        c.stage(3, "a b and b b");
-        let mut dots: [Num<C>; N] = std::array::from_fn(|i| query[i] * candidate[i]);
-        let mut norms = candidate.map(|x| x * x);
+        let beat = &input.euclidean;
+        let reset_accum = beat.reset_accum;
+        let each = lanes_of(beat);
+        let products = c.alike(&Products, &(), &each);
+        let dots: [Num<C>; N] = array_of!(i => products[i][0]);
+        let norms: [Num<C>; N] = array_of!(i => products[i][1]);
         c.label(format_args!("dot"), &dots);
         c.label(format_args!("norm"), &norms);
 
         const { assert!(N.is_power_of_two() && N <= 32, "lanes are a power of two, 32 at most") };
-        for (level, stage) in tree(&ANGULAR_TREE, N) {
-            c.stage(stage, TREE_TITLE);
-            fold(c, "dot_sum", &mut dots, level);
-            fold(c, "norm_sum", &mut norms, level);
-        }
+        let [dot_sum, norm_sum] = tree(c, &ANGULAR_TREE, ["dot_sum", "norm_sum"], [dots, norms]);
 
         c.stage(9, "both accumulated");
-        let (dot_product, norm) = (state.dot_product + dots[0], state.norm + norms[0]);
+        let (dot_product, norm) = (state.dot_product + dot_sum, state.norm + norm_sum);
         c.label(format_args!("dot_product"), &dot_product);
         c.label(format_args!("norm"), &norm);
         let next = AngularState {
@@ -175,19 +161,127 @@ impl<const N: usize> Operation for Angular<N> {
     }
 }
 
-/// The levels of a halving tree over `lanes` lanes: the lanes that each leaves, and its stage.
-#[inline]
-fn tree(preference: &[u32], lanes: usize) -> impl Iterator<Item = (usize, u32)> {
-    let chosen = &preference[..lanes.ilog2() as usize];
-    let in_order = (1..=10).filter(move |stage| chosen.contains(stage));
-    in_order.enumerate().map(move |(level, stage)| (lanes >> (level + 1), stage))
+bundle! {
+    /// One dimension of two vectors.
+    pub struct Lane<C> {
+        /// The query's coordinate.
+        pub a: Num<C>,
+        /// The candidate's.
+        pub b: Num<C>,
+        /// Whether it counts.
+        pub counts: Bit<C>,
+    }
 }
 
-/// One level of the halving tree: lane i takes in lane i + half.
-#[inline]
-fn fold<C: Circuit>(c: C, name: &str, lanes: &mut [Num<C>], half: usize) {
-    for i in 0..half {
-        lanes[i] = lanes[i] + lanes[i + half];
-        c.label(format_args!("{name}_{half}_{i}"), &lanes[i]);
+/// A beat, lane by lane.
+#[inline(always)]
+fn lanes_of<C: Circuit, const N: usize>(beat: &Beat<C, N>) -> [Lane<C>; N] {
+    // Not `array_of!`: compilers keep the array that it makes of so much in memory, which costs SIMD most of its speed.
+    std::array::from_fn(|i| Lane { a: beat.a[i], b: beat.b[i], counts: beat.mask.0[i] })
+}
+
+struct SquaredDifference;
+
+impl Alike for SquaredDifference {
+    type Shared = ();
+    type Each = Lane<Binary32>;
+    type Answer = Num<Binary32>;
+
+    #[inline(always)]
+    fn run<C: Circuit, const N: usize>(&self, c: C, _: &(), each: &[Lane<C>; N]) -> [Num<C>; N] {
+        c.stage(2, "a - b, zero where masked off");
+        let difference: [Num<C>; N] = array_of!(i => each[i].counts.select(each[i].a - each[i].b, c.zero()));
+        c.label(format_args!("difference"), &difference);
+
+        c.stage(3, "squares");
+        array_of!(i => difference[i] * difference[i])
+    }
+}
+
+/// Of the query's coordinate with the candidate's, and of the candidate's with itself.
+struct Products;
+
+impl Alike for Products {
+    type Shared = ();
+    type Each = Lane<Binary32>;
+    type Answer = [Num<Binary32>; 2];
+
+    #[inline(always)]
+    fn run<C: Circuit, const N: usize>(&self, c: C, _: &(), each: &[Lane<C>; N]) -> [[Num<C>; 2]; N] {
+        c.stage(2, "masked lanes to zero");
+        let query: [Num<C>; N] = array_of!(i => each[i].counts.select(each[i].a, c.zero()));
+        let candidate: [Num<C>; N] = array_of!(i => each[i].counts.select(each[i].b, c.zero()));
+        c.label(format_args!("query"), &query);
+        c.label(format_args!("candidate"), &candidate);
+
+        c.stage(3, "a b and b b");
+        let dots: [Num<C>; N] = array_of!(i => query[i] * candidate[i]);
+        let norms: [Num<C>; N] = array_of!(i => candidate[i] * candidate[i]);
+        array_of!(i => [dots[i], norms[i]])
+    }
+}
+
+/// Sums of `K` times `N` lanes: lane i takes in lane i + half, until there is one.
+#[inline(always)]
+fn tree<C: Circuit, const K: usize, const N: usize>(
+    c: C,
+    preference: &[u32],
+    names: [&'static str; K],
+    mut lanes: [[Num<C>; N]; K],
+) -> [Num<C>; K] {
+    level::<C, K, N, 32>(c, preference, names, &mut lanes);
+    level::<C, K, N, 16>(c, preference, names, &mut lanes);
+    level::<C, K, N, 8>(c, preference, names, &mut lanes);
+    level::<C, K, N, 4>(c, preference, names, &mut lanes);
+    level::<C, K, N, 2>(c, preference, names, &mut lanes);
+    level::<C, K, N, 1>(c, preference, names, &mut lanes);
+    array_of!(k => lanes[k][0])
+}
+
+/// The level of the tree that leaves `HALF` lanes, if it has one.
+#[inline(always)]
+fn level<C: Circuit, const K: usize, const N: usize, const HALF: usize>(
+    c: C,
+    preference: &[u32],
+    names: [&'static str; K],
+    lanes: &mut [[Num<C>; N]; K],
+) {
+    if HALF >= N {
+        return;
+    }
+    c.stage(stage(preference, N, HALF), TREE_TITLE);
+    for (name, lanes) in names.into_iter().zip(lanes) {
+        let pairs: [[Num<C>; 2]; HALF] = array_of!(i => [lanes[i], lanes[i + HALF]]);
+        lanes[..HALF].copy_from_slice(&c.alike(&Sum { name }, &(), &pairs));
+    }
+}
+
+/// The stage of the level that leaves `half` of `lanes` lanes: levels are in the order of their stages.
+#[inline(always)]
+fn stage(preference: &[u32], lanes: usize, half: usize) -> u32 {
+    let (levels, before) = (lanes.ilog2() as usize, (lanes / half).ilog2() as usize - 1);
+    let chosen = preference.iter().take(levels);
+    let comes_now = |stage: &&u32| chosen.clone().filter(|other| other < stage).count() == before;
+    chosen.clone().find(comes_now).copied().unwrap_or_default()
+}
+
+/// Of lane i and lane i + half.
+struct Sum {
+    name: &'static str,
+}
+
+impl Alike for Sum {
+    type Shared = ();
+    type Each = [Num<Binary32>; 2];
+    type Answer = Num<Binary32>;
+
+    #[inline(always)]
+    fn run<C: Circuit, const N: usize>(&self, c: C, _: &(), each: &[[Num<C>; 2]; N]) -> [Num<C>; N] {
+        let name = self.name;
+        array_of!(i => {
+            let sum = each[i][0] + each[i][1];
+            c.label(format_args!("{name}_{N}_{i}"), &sum);
+            sum
+        })
     }
 }

@@ -3,7 +3,7 @@
 use crate::binary32::Binary32;
 use crate::bundle::bundle;
 use crate::circuit::{Circuit, Num, Word};
-use std::ops::Sub;
+use std::ops::{Mul, Sub};
 
 bundle! {
     /// Three coordinates.
@@ -53,33 +53,61 @@ bundle! {
 
 impl<C: Circuit> Vec3<C> {
     /// The coordinate along axis `k`: 0 is x, 1 is y; 2, and 3 as well, is z.
-    #[inline]
+    #[inline(always)]
     pub fn along(self, k: Word<C, 2>) -> Num<C> {
         k.is(0).select(self.x, k.is(1).select(self.y, self.z))
     }
 }
 
+impl<C: Circuit> Mul<Num<C>> for Vec3<C> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, by: Num<C>) -> Self {
+        Self { x: self.x * by, y: self.y * by, z: self.z * by }
+    }
+}
+
 impl<C: Circuit> Sub for Vec3<C> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
     }
 }
 
-impl<C: Circuit> Slab<C> {
-    /// Applies `f` to both bounds.
-    #[inline]
-    pub fn map(self, f: impl Fn(Num<C>) -> Num<C>) -> Self {
-        Self { min: f(self.min), max: f(self.max) }
+impl<C: Circuit> Sub<Num<C>> for Slab<C> {
+    type Output = Self;
+    /// Both bounds, as seen from a coordinate.
+    #[inline(always)]
+    fn sub(self, from: Num<C>) -> Self {
+        Self { min: self.min - from, max: self.max - from }
     }
 }
 
-impl<C: Circuit> Aabb<C> {
-    /// Applies `f` to each slab and the coordinate along the same axis.
-    #[inline]
-    pub fn zip(self, v: Vec3<C>, f: impl Fn(Slab<C>, Num<C>) -> Slab<C>) -> Self {
-        Self { x: f(self.x, v.x), y: f(self.y, v.y), z: f(self.z, v.z) }
+impl<C: Circuit> Mul<Num<C>> for Slab<C> {
+    type Output = Self;
+    /// Both bounds times a number.
+    #[inline(always)]
+    fn mul(self, by: Num<C>) -> Self {
+        Self { min: self.min * by, max: self.max * by }
+    }
+}
+
+impl<C: Circuit> Sub<Vec3<C>> for Aabb<C> {
+    type Output = Self;
+    /// The box, as seen from a point.
+    #[inline(always)]
+    fn sub(self, from: Vec3<C>) -> Self {
+        Self { x: self.x - from.x, y: self.y - from.y, z: self.z - from.z }
+    }
+}
+
+impl<C: Circuit> Mul<Vec3<C>> for Aabb<C> {
+    type Output = Self;
+    /// Each slab times the coordinate along its axis.
+    #[inline(always)]
+    fn mul(self, by: Vec3<C>) -> Self {
+        Self { x: self.x * by.x, y: self.y * by.y, z: self.z * by.z }
     }
 }
 

@@ -5,43 +5,43 @@
 #[macro_export]
 macro_rules! known_bits_and_words {
     () => {
-        #[inline]
+        #[inline(always)]
         fn constant_bit(self, value: bool) -> bool {
             value
         }
-        #[inline]
+        #[inline(always)]
         fn and(self, a: bool, b: bool) -> bool {
             a & b
         }
-        #[inline]
+        #[inline(always)]
         fn or(self, a: bool, b: bool) -> bool {
             a | b
         }
-        #[inline]
+        #[inline(always)]
         fn not(self, a: bool) -> bool {
             !a
         }
-        #[inline]
+        #[inline(always)]
         fn constant_word(self, _width: u32, value: u32) -> u32 {
             value
         }
-        #[inline]
+        #[inline(always)]
         fn word_equal(self, a: u32, b: u32) -> bool {
             a == b
         }
-        #[inline]
+        #[inline(always)]
         fn word_less(self, a: u32, b: u32) -> bool {
             a < b
         }
-        #[inline]
+        #[inline(always)]
         fn select_num(self, condition: bool, if_true: Self::Num, if_false: Self::Num) -> Self::Num {
             if condition { if_true } else { if_false }
         }
-        #[inline]
+        #[inline(always)]
         fn select_bit(self, condition: bool, if_true: bool, if_false: bool) -> bool {
             if condition { if_true } else { if_false }
         }
-        #[inline]
+        #[inline(always)]
         fn select_word(self, condition: bool, if_true: u32, if_false: u32) -> u32 {
             if condition { if_true } else { if_false }
         }

@@ -20,21 +20,31 @@
 //! # Ok::<(), raypath_ops::RayError>(())
 //! ```
 
+#[macro_use]
+mod array;
+
+mod alike;
 mod binary32;
 mod bundle;
 mod circuit;
 mod concrete;
 mod distance;
+mod family;
 mod geometry;
 mod job;
 mod known;
+mod lanes;
 mod operation;
+mod packed;
 mod ray;
 mod ray_box;
 mod ray_triangle;
 mod rules;
 mod vectors;
 
+pub use alike::{Alike, Of};
+#[doc(hidden)]
+pub use array::array_from;
 pub use binary32::{Binary32, Single};
 pub use bundle::{Bundle, Field, Path, Sink, Source};
 pub use circuit::{Bit, Circuit, Flags, Num, Order, Relation, Select, Test, Word};
@@ -43,9 +53,12 @@ pub use distance::{
     Angular, AngularInput, AngularOutput, AngularState, Beat, Euclidean, EuclideanInput, EuclideanOutput,
     EuclideanState,
 };
+pub use family::{Family, Gather, Put, Scatter};
 pub use geometry::{Aabb, Slab, Triangle, Vec3};
 pub use job::{Job, JobKind, Outcome, ParseJobKindError, PortKind, PortValue};
+pub use lanes::{Four, Lanes, Native, Row, Width};
 pub use operation::Operation;
+pub use packed::{BLOCK, Packed, Part, Sixteen};
 pub use ray::{Ray, RayError};
 pub use ray_box::{RayBox, RayBoxInput, RayBoxOutput};
 pub use ray_triangle::{RayTriangle, RayTriangleInput, RayTriangleOutput};

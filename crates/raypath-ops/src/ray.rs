@@ -2,7 +2,7 @@
 
 use crate::binary32::Binary32;
 use crate::bundle::bundle;
-use crate::circuit::{Num, Word};
+use crate::circuit::{Circuit, Num, Word};
 use crate::geometry::Vec3;
 use thiserror::Error;
 
@@ -46,6 +46,14 @@ pub enum RayError {
     /// The extent is negative or NaN.
     #[error("extent {0} is no distance, expected a number of at least 0 (infinity reaches everything)")]
     Extent(f32),
+}
+
+impl<C: Circuit> Ray<C> {
+    /// A vector with its axes permuted so that the ray looks along z.
+    #[inline(always)]
+    pub(crate) fn turned(&self, v: Vec3<C>) -> Vec3<C> {
+        Vec3 { x: v.along(self.kx), y: v.along(self.ky), z: v.along(self.kz) }
+    }
 }
 
 impl Ray<Binary32> {

@@ -1,7 +1,9 @@
 //! Ray against four boxes: the slab method (Table VII, column Quadbox).
 
+use crate::alike::Alike;
+use crate::binary32::Binary32;
 use crate::bundle::bundle;
-use crate::circuit::{Circuit, Flags, Num, Word};
+use crate::circuit::{Bit, Circuit, Flags, Num, Word};
 use crate::geometry::Aabb;
 use crate::operation::Operation;
 use crate::ray::Ray;
@@ -42,41 +44,13 @@ impl Operation for RayBox {
     type Output<C: Circuit> = RayBoxOutput<C>;
     type State<C: Circuit> = ();
 
-    #[inline]
+    #[inline(always)]
     fn run<C: Circuit>(&self, c: C, input: RayBoxInput<C>, _state: ()) -> (RayBoxOutput<C>, ()) {
         let RayBoxInput { ray, aabb } = input;
 
-        c.stage(2, "every box bound - origin");
-        let relative = aabb.map(|b| b.zip(ray.origin, |slab, origin| slab.map(|bound| bound - origin)));
-        c.label(format_args!("relative"), &relative);
-
-        c.stage(3, "times inv: slab distances");
-        let distance = relative.map(|b| b.zip(ray.inv, |slab, inv| slab.map(|bound| bound * inv)));
-        c.label(format_args!("distance"), &distance);
-
-        c.stage(4, "near and far by sign; tmin = max(near, 0), tmax = min(far, extent)");
-        let inside: [Interval<C>; 4] = std::array::from_fn(|i| {
-            let Aabb { x, y, z } = distance[i];
-            let slabs = [(x, ray.dir.x, ray.inv.x), (y, ray.dir.y, ray.inv.y), (z, ray.dir.z, ray.inv.z)];
-            let backwards = slabs.map(|(_, dir, inv)| self.rules.runs_backwards(c, dir, inv));
-            let near: [Num<C>; 3] = std::array::from_fn(|k| backwards[k].select(slabs[k].0.max, slabs[k].0.min));
-            let far: [Num<C>; 3] = std::array::from_fn(|k| backwards[k].select(slabs[k].0.min, slabs[k].0.max));
-            for (k, axis) in ["x", "y", "z"].iter().enumerate() {
-                c.label(format_args!("near_{i}_{axis}"), &near[k]);
-                c.label(format_args!("far_{i}_{axis}"), &far[k]);
-            }
-            Interval {
-                tmin: self.rules.entry(c, format_args!("near_{i}"), near),
-                tmax: self.rules.exit(c, format_args!("far_{i}"), far, ray.extent),
-            }
-        });
-        c.label(format_args!("inside"), &inside);
-
-        c.stage(5, "hit = tmin against tmax");
-        let unsorted: [Place<C>; 4] = std::array::from_fn(|i| {
-            let hit = self.rules.box_hit(inside[i]);
-            Place { hit, tmin: hit.select(inside[i].tmin, c.infinity()), index: c.word(i as u32) }
-        });
+        let hits = c.alike(&Slabs { rules: self.rules }, &ray, &aabb);
+        let unsorted: [Place<C>; 4] = array_of!(i => Place { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) },
+        );
         c.label(format_args!("unsorted"), &unsorted);
 
         c.stage(10, "sort the four by tmin, values and indices");
@@ -84,10 +58,67 @@ impl Operation for RayBox {
         c.label(format_args!("sorted"), &sorted);
 
         let output = RayBoxOutput {
-            is_intersect: Flags(sorted.map(|p| p.hit)),
-            tmin: sorted.map(|p| p.tmin),
-            box_index: sorted.map(|p| p.index),
+            is_intersect: Flags(array_of!(i => sorted[i].hit)),
+            tmin: array_of!(i => sorted[i].tmin),
+            box_index: array_of!(i => sorted[i].index),
         };
         (output, ())
+    }
+}
+
+/// The slab method, for each box alike.
+struct Slabs {
+    rules: Rules,
+}
+
+bundle! {
+    /// Whether and where a ray enters a box.
+    pub struct Entry<C> {
+        /// Whether it does.
+        pub hit: Bit<C>,
+        /// Where; +∞ if it does not.
+        pub tmin: Num<C>,
+    }
+}
+
+impl Alike for Slabs {
+    type Shared = Ray<Binary32>;
+    type Each = Aabb<Binary32>;
+    type Answer = Entry<Binary32>;
+
+    #[inline(always)]
+    fn run<C: Circuit, const N: usize>(&self, c: C, ray: &Ray<C>, aabb: &[Aabb<C>; N]) -> [Entry<C>; N] {
+        c.stage(2, "every box bound - origin");
+        let relative: [Aabb<C>; N] = array_of!(i => aabb[i] - ray.origin);
+        c.label(format_args!("relative"), &relative);
+
+        c.stage(3, "times inv: slab distances");
+        let distance: [Aabb<C>; N] = array_of!(i => relative[i] * ray.inv);
+        c.label(format_args!("distance"), &distance);
+
+        c.stage(4, "near and far by sign; tmin = max(near, 0), tmax = min(far, extent)");
+        let inside: [Interval<C>; N] = array_of!(i => {
+                let Aabb { x, y, z } = distance[i];
+                let slabs = [(x, ray.dir.x, ray.inv.x), (y, ray.dir.y, ray.inv.y), (z, ray.dir.z, ray.inv.z)];
+                let backwards: [Bit<C>; 3] = array_of!(k => self.rules.runs_backwards(c, slabs[k].1, slabs[k].2));
+                let near: [Num<C>; 3] = array_of!(k => backwards[k].select(slabs[k].0.max, slabs[k].0.min));
+                let far: [Num<C>; 3] = array_of!(k => backwards[k].select(slabs[k].0.min, slabs[k].0.max));
+                for (k, axis) in ["x", "y", "z"].iter().enumerate() {
+                    c.label(format_args!("near_{i}_{axis}"), &near[k]);
+                    c.label(format_args!("far_{i}_{axis}"), &far[k]);
+                }
+                Interval {
+                    tmin: self.rules.entry(c, format_args!("near_{i}"), near),
+                    tmax: self.rules.exit(c, format_args!("far_{i}"), far, ray.extent),
+                }
+            },
+        );
+        c.label(format_args!("inside"), &inside);
+
+        c.stage(5, "hit = tmin against tmax");
+        array_of!(i => {
+            let hit = self.rules.box_hit(inside[i]);
+            Entry { hit, tmin: hit.select(inside[i].tmin, c.infinity()) }
+        })
     }
 }

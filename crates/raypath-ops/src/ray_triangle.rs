@@ -1,5 +1,7 @@
 //! Ray against a triangle, watertight (Woop, Benthin and Wald; Table VII, column Triangle).
 
+use crate::alike::Alike;
+use crate::binary32::Binary32;
 use crate::bundle::bundle;
 use crate::circuit::{Bit, Circuit, Num};
 use crate::geometry::{Triangle, Vec3};
@@ -54,32 +56,11 @@ impl Operation for RayTriangle {
     type Output<C: Circuit> = RayTriangleOutput<C>;
     type State<C: Circuit> = ();
 
-    #[inline]
+    #[inline(always)]
     fn run<C: Circuit>(&self, circuit: C, input: RayTriangleInput<C>, _state: ()) -> (RayTriangleOutput<C>, ()) {
         let RayTriangleInput { ray, triangle } = input;
 
-        // Table VII turns the differences. Turning what they are made of gives the same numbers, early in a stage that
-        // has time for it.
-        circuit.stage(1, "axes permuted so that the ray looks along z");
-        let turn = |v: Vec3<C>| Vec3 { x: v.along(ray.kx), y: v.along(ray.ky), z: v.along(ray.kz) };
-        let (origin, vertices) = (turn(ray.origin), [triangle.a, triangle.b, triangle.c].map(turn));
-        circuit.label(format_args!("turned_origin"), &origin);
-        circuit.label(format_args!("turned"), &vertices);
-
-        circuit.stage(2, "each vertex - origin");
-        let relative = vertices.map(|vertex| vertex - origin);
-        circuit.label(format_args!("relative"), &relative);
-
-        circuit.stage(3, "Sx, Sy, Sz times each vertex's kz coordinate");
-        let shift = relative.map(|v| Vec3 { x: ray.shear.x * v.z, y: ray.shear.y * v.z, z: ray.shear.z * v.z });
-        circuit.label(format_args!("shift"), &shift);
-
-        circuit.stage(4, "shear: x and y of each vertex");
-        let [a, b, c]: [Vec3<C>; 3] = std::array::from_fn(|i| Vec3 {
-            x: relative[i].x - shift[i].x,
-            y: relative[i].y - shift[i].y,
-            z: shift[i].z,
-        });
+        let [a, b, c] = circuit.alike(&Shear, &ray, &[triangle.a, triangle.b, triangle.c]);
         circuit.label(format_args!("sheared"), &[a, b, c]);
 
         circuit.stage(5, "products of U, V, W");
@@ -90,7 +71,7 @@ impl Operation for RayTriangle {
         }
 
         circuit.stage(6, "U, V, W");
-        let [u, v, w] = products.map(|(plus, minus)| plus - minus);
+        let [u, v, w]: [Num<C>; 3] = array_of!(i => products[i].0 - products[i].1);
         let edges = Edges { u, v, w };
         circuit.label(format_args!("edge"), &edges);
 
@@ -113,5 +94,37 @@ impl Operation for RayTriangle {
         circuit.label(format_args!("triangle_hit"), &triangle_hit);
 
         (RayTriangleOutput { t_num, t_denom, triangle_hit }, ())
+    }
+}
+
+/// Vertices as the ray sees them, which comes to run along z.
+struct Shear;
+
+impl Alike for Shear {
+    type Shared = Ray<Binary32>;
+    type Each = Vec3<Binary32>;
+    type Answer = Vec3<Binary32>;
+
+    #[inline(always)]
+    fn run<C: Circuit, const N: usize>(&self, circuit: C, ray: &Ray<C>, vertices: &[Vec3<C>; N]) -> [Vec3<C>; N] {
+        // Table VII turns the differences. Turning what they are made of gives the same numbers, early in a stage that
+        // has time for it.
+        circuit.stage(1, "axes permuted so that the ray looks along z");
+        let origin = ray.turned(ray.origin);
+        let vertices: [Vec3<C>; N] = array_of!(i => ray.turned(vertices[i]));
+        circuit.label(format_args!("turned_origin"), &origin);
+        circuit.label(format_args!("turned"), &vertices);
+
+        circuit.stage(2, "each vertex - origin");
+        let relative: [Vec3<C>; N] = array_of!(i => vertices[i] - origin);
+        circuit.label(format_args!("relative"), &relative);
+
+        circuit.stage(3, "Sx, Sy, Sz times each vertex's kz coordinate");
+        let shift: [Vec3<C>; N] = array_of!(i => ray.shear * relative[i].z);
+        circuit.label(format_args!("shift"), &shift);
+
+        circuit.stage(4, "shear: x and y of each vertex");
+        array_of!(i => Vec3 { x: relative[i].x - shift[i].x, y: relative[i].y - shift[i].y, z: shift[i].z },
+        )
     }
 }

@@ -41,7 +41,7 @@ bundle! {
 
 impl Rules {
     /// Whether the ray runs against an axis, so that a slab's `max` is the nearer bound.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn runs_backwards<C: Circuit>(self, c: C, dir: Num<C>, inv: Num<C>) -> Bit<C> {
         match self {
             Rules::Paper => inv.sign_bit(),
@@ -50,36 +50,36 @@ impl Rules {
     }
 
     /// The greatest of the three near distances and zero: where the ray is inside all slabs. `name` is whose it is.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn entry<C: Circuit>(self, c: C, name: Arguments<'_>, [x, y, z]: [Num<C>; 3]) -> Num<C> {
         match self {
             // Zero comes last, and ties take the second: so a zero is +0.
             Rules::Paper => {
-                let (xy, z0) = (larger(x, y), larger(z, c.zero()));
+                let (xy, z0) = (x.larger(y), z.larger(c.zero()));
                 c.label(format_args!("{name}_xy"), &xy);
                 c.label(format_args!("{name}_z0"), &z0);
-                larger(xy, z0)
+                xy.larger(z0)
             }
             Rules::Chisel => sort_four(c, name, [x, y, z, c.zero()], swaps_descending)[0],
         }
     }
 
     /// The least of the three far distances and the extent: where the ray leaves a slab, or ends.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn exit<C: Circuit>(self, c: C, name: Arguments<'_>, [x, y, z]: [Num<C>; 3], extent: Num<C>) -> Num<C> {
         match self {
             Rules::Paper => {
-                let (xy, z_extent) = (smaller(x, y), smaller(z, extent));
+                let (xy, z_extent) = (x.smaller(y), z.smaller(extent));
                 c.label(format_args!("{name}_xy"), &xy);
                 c.label(format_args!("{name}_z_extent"), &z_extent);
-                smaller(xy, z_extent)
+                xy.smaller(z_extent)
             }
             Rules::Chisel => sort_four(c, name, [x, y, z, extent], swaps_descending)[3],
         }
     }
 
     /// Whether an interval is a hit. With a NaN it is none.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn box_hit<C: Circuit>(self, interval: Interval<C>) -> Bit<C> {
         let order = interval.tmin.compare(interval.tmax);
         match self {
@@ -89,20 +89,19 @@ impl Rules {
     }
 
     /// Nearest hit first, misses last.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn sort<C: Circuit>(self, c: C, boxes: [Place<C>; 4]) -> [Place<C>; 4] {
         match self {
-            Rules::Paper => sort_four(c, "sort", boxes, |a, b| precedes(b, a)),
+            Rules::Paper => sort_four(c, "sort", boxes, follows),
             Rules::Chisel => {
-                let swaps = |a: Place<C>, b: Place<C>| swaps_descending(a.tmin, b.tmin);
-                let [first, second, third, last] = sort_four(c, "sort", boxes, swaps);
+                let [first, second, third, last] = sort_four(c, "sort", boxes, is_no_farther);
                 [last, third, second, first]
             }
         }
     }
 
     /// Whether the ray hits the triangle's front.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn triangle_hit<C: Circuit>(self, c: C, edges: Edges<C>, t_num: Num<C>, t_denom: Num<C>) -> Bit<C> {
         let Edges { u, v, w } = edges;
         match self {
@@ -119,20 +118,8 @@ impl Rules {
     }
 }
 
-/// The larger of two; the other where one is NaN; `b` where they are equal.
-#[inline]
-fn larger<C: Circuit>(a: Num<C>, b: Num<C>) -> Num<C> {
-    (a.compare(b).greater() | b.is_nan()).select(a, b)
-}
-
-/// The smaller of two; the other where one is NaN; `b` where they are equal.
-#[inline]
-fn smaller<C: Circuit>(a: Num<C>, b: Num<C>) -> Num<C> {
-    (a.compare(b).less() | b.is_nan()).select(a, b)
-}
-
 /// Nearer before farther; at the same distance hits before misses, then by index.
-#[inline]
+#[inline(always)]
 fn precedes<C: Circuit>(a: Place<C>, b: Place<C>) -> Bit<C> {
     let distance = a.tmin.compare(b.tmin);
     let only_a_hits = a.hit & !b.hit;
@@ -140,14 +127,26 @@ fn precedes<C: Circuit>(a: Place<C>, b: Place<C>) -> Bit<C> {
     distance.less() | (distance.equal() & tie)
 }
 
+/// The same the other way round.
+#[inline(always)]
+fn follows<C: Circuit>(a: Place<C>, b: Place<C>) -> Bit<C> {
+    precedes(b, a)
+}
+
+/// The original's order of boxes, farthest first.
+#[inline(always)]
+fn is_no_farther<C: Circuit>(a: Place<C>, b: Place<C>) -> Bit<C> {
+    swaps_descending(a.tmin, b.tmin)
+}
+
 /// The original's order: what is not greater or equal changes places, so that unordered numbers do.
-#[inline]
+#[inline(always)]
 fn swaps_descending<C: Circuit>(a: Num<C>, b: Num<C>) -> Bit<C> {
     !a.compare(b).greater_or_equal()
 }
 
 /// Five compare-and-swaps, (0,2) (1,3) (0,1) (2,3) (1,2): `swaps(a, b)` says that `b` must come before `a`.
-#[inline]
+#[inline(always)]
 fn sort_four<C: Circuit, T: Select<C> + Bundle<C>>(
     c: C,
     name: impl Display + Copy,
@@ -165,7 +164,7 @@ fn sort_four<C: Circuit, T: Select<C> + Bundle<C>>(
 }
 
 impl<C: Circuit> Select<C> for Place<C> {
-    #[inline]
+    #[inline(always)]
     fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
         Self {
             hit: condition.select(if_true.hit, if_false.hit),

@@ -1,0 +1,175 @@
+//! Batches of jobs of one kind, in SIMD lanes.
+
+use fearless_simd::{Level, Simd, dispatch};
+use raypath_ops::{
+    Angular, AngularInput, AngularOutput, AngularState, BLOCK, Binary32, Bit, Bundle, Circuit, Euclidean,
+    EuclideanInput, EuclideanOutput, EuclideanState, Family, Field, Lanes, Num, Of, Operation, Packed, Part, Path,
+    RayBox, RayBoxInput, RayBoxOutput, RayTriangle, RayTriangleInput, RayTriangleOutput, Rules, Sixteen, Source,
+    array_of,
+};
+
+/// Sixteen datapaths over binary32 side by side: what each answers is what a [`Functional`](crate::Functional) answers,
+/// bit for bit but for the signs and payloads of NaNs. Jobs come in blocks of sixteen, one for each datapath; see
+/// [`pack`] and [`unpack`].
+///
+/// ```
+/// use raypath_model::{Batch, blank, pack, unpack};
+/// use raypath_ops::{Aabb, Binary32, Packed, Ray, RayBoxInput, RayBoxOutput, Rules};
+///
+/// let ray = Ray::new([0.0, 0.0, -5.0], [0.0, 0.0, 1.0], f32::INFINITY)?;
+/// let job = |x| RayBoxInput { ray, aabb: [Aabb::new([x, -1.0, -1.0], [x + 1.0, 1.0, 1.0]); 4] };
+/// let jobs = [0.0, 1.5].map(job);
+///
+/// let blocks = pack::<RayBoxInput<Binary32>>(&jobs);
+/// let mut answers = vec![blank::<RayBoxOutput<Binary32>>(); blocks.len()];
+/// Batch::<16, 8>::new(Rules::Paper).quadbox(&blocks, &mut answers);
+/// let answers = unpack::<RayBoxOutput<Binary32>>(&answers, jobs.len());
+/// let hits: Vec<bool> = answers.map(|answer| answer.is_intersect.to_array()[0]).collect();
+/// assert_eq!(hits, [true, false]);
+/// # Ok::<(), raypath_ops::RayError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Batch<const E: usize = 16, const A: usize = 8> {
+    rules: Rules,
+    level: Level,
+    euclidean: EuclideanState<Packed>,
+    angular: AngularState<Packed>,
+}
+
+impl<const E: usize, const A: usize> Batch<E, A> {
+    /// Sixteen datapaths whose accumulators are zero, in the widest registers that this machine has.
+    pub fn new(rules: Rules) -> Self {
+        Self::at(Level::new(), rules)
+    }
+
+    /// The same with given instructions.
+    pub fn at(level: Level, rules: Rules) -> Self {
+        let zero = Packed.zero();
+        Self {
+            rules,
+            level,
+            euclidean: EuclideanState { accumulator: zero },
+            angular: AngularState { dot_product: zero, norm: zero },
+        }
+    }
+
+    /// Answers blocks of jobs, as many as there are places for answers.
+    pub fn quadbox(&self, jobs: &[RayBoxInput<Packed>], answers: &mut [RayBoxOutput<Packed>]) {
+        let op = RayBox { rules: self.rules };
+        dispatch!(self.level, simd => run(simd, &op, jobs, answers, &mut ()));
+    }
+
+    /// Answers blocks of jobs, as many as there are places for answers.
+    pub fn triangle(&self, jobs: &[RayTriangleInput<Packed>], answers: &mut [RayTriangleOutput<Packed>]) {
+        let op = RayTriangle { rules: self.rules };
+        dispatch!(self.level, simd => run(simd, &op, jobs, answers, &mut ()));
+    }
+
+    /// Answers blocks of beats in order, as many as there are places for answers; the sums stay for the next.
+    pub fn euclidean(&mut self, beats: &[EuclideanInput<Packed, E>], answers: &mut [EuclideanOutput<Packed>]) {
+        let state = &mut self.euclidean;
+        dispatch!(self.level, simd => run(simd, &Euclidean::<E>, beats, answers, state));
+    }
+
+    /// Answers blocks of beats in order, as many as there are places for answers; the sums stay for the next.
+    pub fn angular(&mut self, beats: &[AngularInput<Packed, A>], answers: &mut [AngularOutput<Packed>]) {
+        let state = &mut self.angular;
+        dispatch!(self.level, simd => run(simd, &Angular::<A>, beats, answers, state));
+    }
+}
+
+/// All instruction sets with which this machine can run a [`Batch`], the widest first.
+pub fn levels() -> Vec<Level> {
+    let best = Level::new();
+    #[cfg(target_arch = "x86_64")]
+    let levels = [
+        best.as_avx512().map(Simd::level),
+        best.as_avx2().map(Simd::level),
+        best.as_sse4_2().map(Simd::level),
+        best.as_sse2().map(Simd::level),
+    ];
+    #[cfg(not(target_arch = "x86_64"))]
+    let levels = [Some(best)];
+    levels.into_iter().flatten().collect()
+}
+
+/// Jobs in blocks of sixteen; the last is filled up with its last job. Zeros make no ray, so an empty batch has no block.
+pub fn pack<F: Family>(jobs: &[Of<F, Binary32>]) -> Vec<Of<F, Packed>> {
+    let block = |jobs: &[Of<F, Binary32>]| F::gather(array_of!(i => &jobs[i.min(jobs.len() - 1)]), &Packed);
+    jobs.chunks(BLOCK).map(block).collect()
+}
+
+/// The first `count` of what is in blocks, one by one; fewer where there are fewer.
+pub fn unpack<F: Family>(blocks: &[Of<F, Packed>], count: usize) -> impl Iterator<Item = Of<F, Binary32>> {
+    let jobs = |block: &Of<F, Packed>| -> [Of<F, Binary32>; BLOCK] { F::scatter(*block, &Packed) };
+    blocks.iter().flat_map(jobs).take(count)
+}
+
+/// A block of zeros, for answers to be written to.
+pub fn blank<F: Family>() -> Of<F, Packed> {
+    <Of<F, Packed> as Bundle<Packed>>::build(&mut Path::unnamed(), &mut Zeros)
+}
+
+struct Zeros;
+
+impl Source<Packed> for Zeros {
+    fn num(&mut self, _: Field<'_>) -> Num<Packed> {
+        Packed.zero()
+    }
+    fn bit(&mut self, _: Field<'_>) -> Bit<Packed> {
+        Packed.bit(false)
+    }
+    fn word(&mut self, _: Field<'_>, width: u32) -> (Packed, Sixteen<u32>) {
+        (Packed, Packed.constant_word(width, 0))
+    }
+}
+
+/// Runs an operation on blocks of jobs, each of a block's lanes with a state of its own.
+#[inline(always)]
+fn run<S: Simd, O: Operation>(
+    simd: S,
+    op: &O,
+    jobs: &[O::Input<Packed>],
+    answers: &mut [O::Output<Packed>],
+    state: &mut O::State<Packed>,
+) where
+    O::Input<Binary32>: Family<Of<Packed> = O::Input<Packed>, Of<Lanes<S>> = O::Input<Lanes<S>>>,
+    O::Output<Binary32>: Family<Of<Packed> = O::Output<Packed>, Of<Lanes<S>> = O::Output<Lanes<S>>>,
+    O::State<Binary32>: Family<Of<Packed> = O::State<Packed>, Of<Lanes<S>> = O::State<Lanes<S>>>,
+{
+    // Unrolled, so that every place is known when this is compiled.
+    const { assert!(BLOCK <= 4 * Lanes::<S>::COUNT) };
+    run_part::<S, O, 0>(simd, op, jobs, answers, state);
+    run_part::<S, O, 1>(simd, op, jobs, answers, state);
+    run_part::<S, O, 2>(simd, op, jobs, answers, state);
+    run_part::<S, O, 3>(simd, op, jobs, answers, state);
+}
+
+/// The same for the lanes of a block that make up its register `PART`, if it has so many.
+#[inline(always)]
+fn run_part<S: Simd, O: Operation, const PART: usize>(
+    simd: S,
+    op: &O,
+    jobs: &[O::Input<Packed>],
+    answers: &mut [O::Output<Packed>],
+    state: &mut O::State<Packed>,
+) where
+    O::Input<Binary32>: Family<Of<Packed> = O::Input<Packed>, Of<Lanes<S>> = O::Input<Lanes<S>>>,
+    O::Output<Binary32>: Family<Of<Packed> = O::Output<Packed>, Of<Lanes<S>> = O::Output<Lanes<S>>>,
+    O::State<Binary32>: Family<Of<Packed> = O::State<Packed>, Of<Lanes<S>> = O::State<Lanes<S>>>,
+{
+    let first = PART * Lanes::<S>::COUNT;
+    if first >= BLOCK {
+        return;
+    }
+    let lanes = Lanes::new(simd);
+    let part = Part { lanes, first };
+    let mut now = <O::State<Binary32> as Family>::gather([&*state], &part);
+    for (job, answer) in jobs.iter().zip(answers) {
+        let input = <O::Input<Binary32> as Family>::gather([job], &part);
+        let (output, next) = op.run(lanes, input, now);
+        <O::Output<Binary32> as Family>::put(&output, answer, &part);
+        now = next;
+    }
+    <O::State<Binary32> as Family>::put(&now, state, &part);
+}

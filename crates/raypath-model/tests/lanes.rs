@@ -1,0 +1,173 @@
+//! Jobs side by side in SIMD lanes, with every instruction set that this machine has, against the same jobs one by one
+//! in software arithmetic.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use raypath_format::Format;
+use raypath_model::{Batch, Functional, Soft, blank, levels, pack, unpack};
+use raypath_ops::{
+    AngularInput, AngularOutput, Binary32, EuclideanInput, EuclideanOutput, Family, Job, JobKind, Of, Operation,
+    Outcome, Packed, RayBox, RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules,
+};
+
+const JOBS: usize = 16 * 200;
+
+/// Numbers at which something is decided: zeros, subnormals, infinities, NaN of both signs, neighbours of one.
+const EDGES: [u32; 14] = [
+    0,
+    1 << 31,
+    1,
+    0x8000_0001,
+    0x007f_ffff,
+    0x0080_0000,
+    0x3f80_0000,
+    0x3f80_0001,
+    0xbf80_0000,
+    0x7f7f_ffff,
+    0x7f80_0000,
+    0xff80_0000,
+    0x7fc0_0000,
+    0xffc1_2345,
+];
+
+/// Words of random jobs: ordinary numbers of both signs, many edges among them, and equal ones.
+fn words(kind: JobKind, seed: u64) -> Vec<Vec<u64>> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut words = Vec::new();
+    Job::<16, 8>::from_words_in(Binary32, kind, &[]).words(&mut words);
+    let count = words.len();
+    (0..JOBS)
+        .map(|_| {
+            let edges = [0.0, 0.02, 0.3][rng.random_range(0..3)];
+            let mut job: Vec<u64> = (0..count)
+                .map(|_| match rng.random_bool(edges) {
+                    true => EDGES[rng.random_range(0..EDGES.len())].into(),
+                    false => rng.random_range(-2.0f32..2.0).to_bits().into(),
+                })
+                .collect();
+            if let JobKind::Euclidean | JobKind::Angular = kind {
+                // The last two words are the mask and the end of a vector.
+                job[count - 2] = if rng.random_bool(0.5) { u64::MAX } else { rng.random() };
+                job[count - 1] = rng.random_bool(0.2).into();
+            } else if rng.random_bool(0.3) {
+                let from = rng.random_range(0..count);
+                job[rng.random_range(0..count)] = job[from];
+            }
+            job
+        })
+        .collect()
+}
+
+/// What software arithmetic answers, one job after another, in canonical words. Of distances every sixteenth job is of
+/// the same datapath.
+fn answers(kind: JobKind, rules: Rules, jobs: &[Vec<u64>]) -> Vec<Vec<u64>> {
+    let soft = Soft { format: Format::BINARY32 };
+    let mut datapaths = vec![Functional::<16, 8, Soft>::over(soft, rules); 16];
+    let answer = |(i, words): (usize, &Vec<u64>)| {
+        let mut answered = Vec::new();
+        datapaths[i % 16].run(&Job::from_words_in(soft, kind, words)).words(&mut answered);
+        answered
+    };
+    jobs.iter().enumerate().map(answer).collect()
+}
+
+fn check<I, O>(
+    kind: JobKind,
+    jobs: &[Vec<u64>],
+    input: impl Fn(Job) -> Of<I, Binary32>,
+    run: impl Fn(&mut Batch, &[Of<I, Packed>], &mut [Of<O, Packed>]),
+    output: impl Fn(Of<O, Binary32>) -> Outcome,
+) where
+    I: Family,
+    O: Family,
+{
+    let inputs: Vec<Of<I, Binary32>> =
+        jobs.iter().map(|words| input(Job::from_words_in(Binary32, kind, words))).collect();
+    let blocks = pack::<I>(&inputs);
+    for rules in [Rules::Paper, Rules::Chisel] {
+        let expected = answers(kind, rules, jobs);
+        for level in levels() {
+            let mut batch = Batch::at(level, rules);
+            let mut outputs = vec![blank::<O>(); blocks.len()];
+            // In two calls, so that sums stay between them.
+            let (first, rest) = outputs.split_at_mut(7);
+            run(&mut batch, &blocks[..7], first);
+            run(&mut batch, &blocks[7..], rest);
+            for (i, (answer, expected)) in unpack::<O>(&outputs, JOBS).zip(&expected).enumerate() {
+                let mut words = Vec::new();
+                output(answer).words(&mut words);
+                assert_eq!(words, *expected, "{kind} job {i}, {rules}, {level:?}: {:x?}", jobs[i]);
+            }
+        }
+    }
+}
+
+#[test]
+fn boxes_side_by_side() {
+    let input = |job| if let Job::Quadbox(input) = job { input } else { unreachable!() };
+    check::<RayBoxInput<Binary32>, RayBoxOutput<Binary32>>(
+        JobKind::Quadbox,
+        &words(JobKind::Quadbox, 1),
+        input,
+        |batch, jobs, answers| batch.quadbox(jobs, answers),
+        Outcome::Quadbox,
+    );
+}
+
+#[test]
+fn triangles_side_by_side() {
+    let input = |job| if let Job::Triangle(input) = job { input } else { unreachable!() };
+    check::<RayTriangleInput<Binary32>, RayTriangleOutput<Binary32>>(
+        JobKind::Triangle,
+        &words(JobKind::Triangle, 2),
+        input,
+        |batch, jobs, answers| batch.triangle(jobs, answers),
+        Outcome::Triangle,
+    );
+}
+
+#[test]
+fn euclidean_beats_side_by_side() {
+    let input = |job| if let Job::Euclidean(input) = job { input } else { unreachable!() };
+    check::<EuclideanInput<Binary32, 16>, EuclideanOutput<Binary32>>(
+        JobKind::Euclidean,
+        &words(JobKind::Euclidean, 3),
+        input,
+        |batch, jobs, answers| batch.euclidean(jobs, answers),
+        Outcome::Euclidean,
+    );
+}
+
+#[test]
+fn angular_beats_side_by_side() {
+    let input = |job| if let Job::Angular(input) = job { input } else { unreachable!() };
+    check::<AngularInput<Binary32, 8>, AngularOutput<Binary32>>(
+        JobKind::Angular,
+        &words(JobKind::Angular, 4),
+        input,
+        |batch, jobs, answers| batch.angular(jobs, answers),
+        Outcome::Angular,
+    );
+}
+
+/// Blocks can be computed over directly, too.
+#[test]
+fn blocks_compute_as_jobs_do() {
+    let jobs: Vec<Vec<u64>> = words(JobKind::Quadbox, 5);
+    let inputs: Vec<_> = jobs
+        .iter()
+        .map(|words| match Job::<16, 8>::from_words_in(Binary32, JobKind::Quadbox, words) {
+            Job::Quadbox(input) => input,
+            _ => unreachable!(),
+        })
+        .collect();
+    let run = |block: &RayBoxInput<Packed>| RayBox { rules: Rules::Paper }.run(Packed, *block, ()).0;
+    let blocks: Vec<_> = pack::<RayBoxInput<Binary32>>(&inputs).iter().map(run).collect();
+    for (answer, expected) in
+        unpack::<RayBoxOutput<Binary32>>(&blocks, JOBS).zip(answers(JobKind::Quadbox, Rules::Paper, &jobs))
+    {
+        let mut words = Vec::new();
+        Outcome::Quadbox(answer).words(&mut words);
+        assert_eq!(words, expected);
+    }
+}

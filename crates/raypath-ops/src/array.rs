@@ -1,0 +1,21 @@
+/// An array of things, at least one, each made from its number: `array_of!(i => a[i] + b[i])`. Unlike
+/// [`std::array::from_fn`] it is always inlined, which operations need to run in SIMD lanes.
+#[macro_export]
+macro_rules! array_of {
+    ($i:pat => $thing:expr $(,)?) => {
+        $crate::array_from(
+            #[inline(always)]
+            |$i| $thing,
+        )
+    };
+}
+
+#[doc(hidden)]
+#[inline(always)]
+pub fn array_from<T: Copy, const N: usize>(make: impl Fn(usize) -> T) -> [T; N] {
+    let mut things = [make(0); N];
+    for (i, thing) in things.iter_mut().enumerate().skip(1) {
+        *thing = make(i);
+    }
+    things
+}

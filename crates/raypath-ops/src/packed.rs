@@ -1,0 +1,186 @@
+//! Jobs in blocks of sixteen, field by field: how batches stand in memory.
+
+use crate::binary32::{Binary32, Single};
+use crate::circuit::{Bit, Circuit, Num, Relation, Test, Word};
+use crate::family::{Gather, Put, Scatter};
+use crate::lanes::{Lanes, Native, Row, Width};
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+
+/// Sixteen jobs side by side, each value of all of them in one cache line: a `RayBoxInput<Packed>` is sixteen jobs as a
+/// structure of arrays. Made to be stored, and computed in [`Lanes`]; computing over it directly is right, and slow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Packed;
+
+/// How many jobs are in a block.
+pub const BLOCK: usize = 16;
+
+/// A value of sixteen jobs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(align(64))]
+pub struct Sixteen<T>(pub [T; BLOCK]);
+
+/// Where a block's lanes go into registers of [`Lanes`]: from this job on.
+#[derive(Clone, Copy)]
+pub struct Part<S> {
+    /// The circuit that computes.
+    pub lanes: Lanes<S>,
+    /// The first job: a multiple of the lanes' number.
+    pub first: usize,
+}
+
+impl<T: Copy> Sixteen<T> {
+    fn map<U: Copy>(self, f: impl Fn(T) -> U) -> Sixteen<U> {
+        Sixteen(self.0.map(f))
+    }
+
+    fn zip<O: Copy, U: Copy>(self, other: Sixteen<O>, f: impl Fn(T, O) -> U) -> Sixteen<U> {
+        Sixteen(array_of!(i => f(self.0[i], other.0[i])))
+    }
+}
+
+impl Circuit for Packed {
+    type Num = Sixteen<f32>;
+    /// All ones where it holds, zero where it does not.
+    type Bit = Sixteen<i32>;
+    type Word = Sixteen<u32>;
+    type Order = (Sixteen<f32>, Sixteen<f32>);
+
+    fn constant(self, value: f32) -> Self::Num {
+        Sixteen([value; BLOCK])
+    }
+    fn add(self, a: Self::Num, b: Self::Num) -> Self::Num {
+        a.zip(b, |a, b| a + b)
+    }
+    fn subtract(self, a: Self::Num, b: Self::Num) -> Self::Num {
+        a.zip(b, |a, b| a - b)
+    }
+    fn multiply(self, a: Self::Num, b: Self::Num) -> Self::Num {
+        a.zip(b, |a, b| a * b)
+    }
+    fn negate(self, a: Self::Num) -> Self::Num {
+        a.map(|a| -a)
+    }
+    fn compare(self, a: Self::Num, b: Self::Num) -> Self::Order {
+        (a, b)
+    }
+    fn relation(self, (a, b): Self::Order, relation: Relation) -> Self::Bit {
+        a.zip(b, |a, b| mask(Binary32.relation((Single(a), Single(b)), relation)))
+    }
+    fn test(self, test: Test, a: Self::Num) -> Self::Bit {
+        a.map(|a| mask(Binary32.test(test, Single(a))))
+    }
+    fn constant_bit(self, value: bool) -> Self::Bit {
+        Sixteen([mask(value); BLOCK])
+    }
+    fn and(self, a: Self::Bit, b: Self::Bit) -> Self::Bit {
+        a.zip(b, |a, b| a & b)
+    }
+    fn or(self, a: Self::Bit, b: Self::Bit) -> Self::Bit {
+        a.zip(b, |a, b| a | b)
+    }
+    fn not(self, a: Self::Bit) -> Self::Bit {
+        a.map(|a| !a)
+    }
+    fn constant_word(self, _width: u32, value: u32) -> Self::Word {
+        Sixteen([value; BLOCK])
+    }
+    fn word_equal(self, a: Self::Word, b: Self::Word) -> Self::Bit {
+        a.zip(b, |a, b| mask(a == b))
+    }
+    fn word_less(self, a: Self::Word, b: Self::Word) -> Self::Bit {
+        a.zip(b, |a, b| mask(a < b))
+    }
+    fn select_num(self, condition: Self::Bit, if_true: Self::Num, if_false: Self::Num) -> Self::Num {
+        choose(condition, if_true, if_false)
+    }
+    fn select_bit(self, condition: Self::Bit, if_true: Self::Bit, if_false: Self::Bit) -> Self::Bit {
+        choose(condition, if_true, if_false)
+    }
+    fn select_word(self, condition: Self::Bit, if_true: Self::Word, if_false: Self::Word) -> Self::Word {
+        choose(condition, if_true, if_false)
+    }
+}
+
+fn mask(bit: bool) -> i32 {
+    -i32::from(bit)
+}
+
+fn choose<T: Copy>(condition: Sixteen<i32>, if_true: Sixteen<T>, if_false: Sixteen<T>) -> Sixteen<T> {
+    Sixteen(array_of!(i => if condition.0[i] == 0 { if_false.0[i] } else { if_true.0[i] }))
+}
+
+/// Sixteen jobs into a block.
+impl Gather<Binary32, Packed, BLOCK> for Packed {
+    #[inline]
+    fn num(&self, values: [&Num<Binary32>; BLOCK]) -> Num<Packed> {
+        Num::new(Packed, Sixteen(values.map(|num| num.value.0)))
+    }
+    #[inline]
+    fn bit(&self, values: [&Bit<Binary32>; BLOCK]) -> Bit<Packed> {
+        Bit::new(Packed, Sixteen(values.map(|bit| mask(bit.value))))
+    }
+    #[inline]
+    fn word<const W: u32>(&self, values: [&Word<Binary32, W>; BLOCK]) -> Word<Packed, W> {
+        Word::new(Packed, Sixteen(values.map(|word| word.value)))
+    }
+}
+
+/// A block into sixteen jobs.
+impl Scatter<Packed, Binary32, BLOCK> for Packed {
+    #[inline]
+    fn num(&self, value: Num<Packed>) -> [Num<Binary32>; BLOCK] {
+        value.value.0.map(|num| Num::new(Binary32, Single(num)))
+    }
+    #[inline]
+    fn bit(&self, value: Bit<Packed>) -> [Bit<Binary32>; BLOCK] {
+        value.value.0.map(|ones| Bit::new(Binary32, ones != 0))
+    }
+    #[inline]
+    fn word<const W: u32>(&self, value: Word<Packed, W>) -> [Word<Binary32, W>; BLOCK] {
+        value.value.0.map(|word| Word::new(Binary32, word))
+    }
+}
+
+type Nums<S> = <Native as Width<S>>::Nums;
+type Words<S> = <Native as Width<S>>::Words;
+type Bits<S> = <Native as Width<S>>::Bits;
+type Ints<S> = <Bits<S> as SimdMask<S>>::Ints;
+
+/// Some jobs of a block into registers.
+impl<S: Simd> Gather<Packed, Lanes<S>, 1> for Part<S> {
+    #[inline(always)]
+    fn num(&self, [value]: [&Num<Packed>; 1]) -> Num<Lanes<S>> {
+        let (first, count) = (self.first, Lanes::<S>::COUNT);
+        let numbers = Nums::<S>::from_slice(self.lanes.simd(), &value.value.0[first..first + count]);
+        Num::new(self.lanes, Row(numbers))
+    }
+    #[inline(always)]
+    fn bit(&self, [value]: [&Bit<Packed>; 1]) -> Bit<Lanes<S>> {
+        let (first, count) = (self.first, Lanes::<S>::COUNT);
+        let ones = Ints::<S>::from_slice(self.lanes.simd(), &value.value.0[first..first + count]);
+        Bit::new(self.lanes, Row(Bits::<S>::from_vector(ones)))
+    }
+    #[inline(always)]
+    fn word<const W: u32>(&self, [value]: [&Word<Packed, W>; 1]) -> Word<Lanes<S>, W> {
+        let (first, count) = (self.first, Lanes::<S>::COUNT);
+        let words = Words::<S>::from_slice(self.lanes.simd(), &value.value.0[first..first + count]);
+        Word::new(self.lanes, Row(words))
+    }
+}
+
+/// Registers into some jobs of a block.
+impl<S: Simd> Put<Lanes<S>, Packed> for Part<S> {
+    #[inline(always)]
+    fn num(&self, value: &Num<Lanes<S>>, place: &mut Num<Packed>) {
+        value.value.0.store_slice(&mut place.value.0[self.first..self.first + Lanes::<S>::COUNT]);
+    }
+    #[inline(always)]
+    fn bit(&self, value: &Bit<Lanes<S>>, place: &mut Bit<Packed>) {
+        value.value.0.to_vector().store_slice(&mut place.value.0[self.first..self.first + Lanes::<S>::COUNT]);
+    }
+    #[inline(always)]
+    fn word<const W: u32>(&self, value: &Word<Lanes<S>, W>, place: &mut Word<Packed, W>) {
+        value.value.0.store_slice(&mut place.value.0[self.first..self.first + Lanes::<S>::COUNT]);
+    }
+}
