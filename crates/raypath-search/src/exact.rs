@@ -129,8 +129,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
             }
         };
         // Candidates come by rising index, so one as far as the farthest does not displace it.
-        let bound = query.nearest.bound();
-        if keys.iter().any(|&key| !(key >= bound)) {
+        if query.nearest.bound().is_none_or(|bound| keys.iter().any(|&key| key < bound)) {
             for (index, &key) in (first..).zip(&keys[..there]) {
                 query.nearest.offer(Candidate { key, index: index as u32 });
             }

@@ -19,14 +19,18 @@ mod answers;
 mod distance;
 mod error;
 mod exact;
+mod files;
 mod kernel;
 mod metric;
 mod nearest;
+mod neighbours;
 mod vectors;
 
 pub use answers::{Answers, Neighbour, Work};
 pub use distance::{Angle, Datapath};
 pub use error::SearchError;
 pub use exact::Exact;
+pub use files::{Dataset, FileError, read_neighbours, read_vectors, write_fvecs, write_ivecs};
 pub use metric::{Metric, ParseMetricError, cosine_distance, euclidean_distance};
+pub use neighbours::{Neighbours, NeighboursError};
 pub use vectors::{MAX_DIMENSIONS, Vectors, VectorsError};

@@ -23,10 +23,10 @@ impl Nearest {
         Self { heap: BinaryHeap::with_capacity(count), count }
     }
 
-    /// A candidate matters only if its key is below this, or equal and its index lower. A NaN as long as all matter.
+    /// The key of the farthest, which a candidate must not exceed; `None` as long as there is room for any.
     #[inline]
-    pub(crate) fn bound(&self) -> f64 {
-        if self.heap.len() < self.count { f64::NAN } else { self.heap.peek().map_or(f64::NAN, |worst| worst.key) }
+    pub(crate) fn bound(&self) -> Option<f64> {
+        if self.heap.len() < self.count { None } else { self.heap.peek().map(|worst| worst.key) }
     }
 
     /// Takes a candidate in if it is nearer than the farthest.

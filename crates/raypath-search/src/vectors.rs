@@ -61,7 +61,7 @@ impl Vectors {
         if data.is_empty() {
             return Err(VectorsError::Empty);
         }
-        if data.len() % dimensions != 0 {
+        if !data.len().is_multiple_of(dimensions) {
             return Err(VectorsError::Ragged { found: data.len(), dimensions });
         }
         if data.len() / dimensions > u32::MAX as usize {
