@@ -1,15 +1,19 @@
-//! How fast exact search is: `cargo run --release -p raypath-search --example speed`.
-use raypath_search::{Exact, Metric, Vectors};
+//! How fast exact search is, on one core and on all: `cargo run --release -p raypath-search --example speed`.
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let base = Vectors::new(128, (0..128 * 20000).map(|i| ((i * 7919) % 1009) as f32).collect())?;
-    let queries = Vectors::new(128, (0..128 * 200).map(|i| ((i * 104729) % 1013) as f32).collect())?;
-    for threads in [1, 2] {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-        for metric in Metric::ALL {
-            let exact = Exact::<16, 8>::new(&base, metric);
-            let answers = pool.install(|| exact.search(&queries, 10, &|_| true))?;
-            println!("{threads} {metric}: {:.1} million/s", answers.work.evaluations as f64 / answers.seconds / 1e6);
+use raypath_search::{Clusters, Metric, SearchError, speed};
+
+fn main() -> Result<(), SearchError> {
+    let data = Clusters { vectors: 20_000, queries: 500, ..Clusters::default() }.generate()?;
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    for metric in Metric::ALL {
+        for threads in [1, all] {
+            let speed = speed::<16, 8>(&data.base, &data.queries, metric, threads)?;
+            println!(
+                "{metric}, {} dimensions, {threads} threads: {:.1} million distances/s, {:.1} million beats/s",
+                data.base.dimensions(),
+                speed.distances_per_second / 1e6,
+                speed.beats_per_second / 1e6,
+            );
         }
     }
     Ok(())

@@ -1,5 +1,4 @@
 use crate::answers::{Answers, Neighbour, Work};
-use crate::distance::Datapath;
 use crate::error::SearchError;
 use crate::kernel::{self, Blocks, WIDTH};
 use crate::metric::{Metric, cosine_distance, euclidean_distance};
@@ -9,7 +8,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
-/// Exact search: every query against every vector of the base, with the bits of [`Datapath`].
+/// Exact search: every query against every vector of the base, with the bits of [`Datapath`](crate::Datapath).
 ///
 /// It holds a copy of the base, in the order in which it computes.
 #[derive(Debug, Clone)]
@@ -34,7 +33,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
     pub fn new(base: &Vectors, metric: Metric) -> Self {
         let (lanes, norms) = match metric {
             Metric::Euclidean => (E, Vec::new()),
-            Metric::Angular => (A, norms::<E, A>(base)),
+            Metric::Angular => (A, norms::<A>(base)),
         };
         Self { metric, dimensions: base.dimensions(), len: base.len(), blocks: Blocks::new(base, lanes), norms }
     }
@@ -107,7 +106,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
     fn query(&self, query: &[f32], count: usize) -> Query {
         let norm = match self.metric {
             Metric::Euclidean => 0.0,
-            Metric::Angular => Datapath::<E, A>::new().angle(query, query).map_or(0.0, |angle| angle.norm),
+            Metric::Angular => kernel::pair::<A>(query, query, kernel::product),
         };
         let mut padded = query.to_vec();
         padded.resize(self.blocks.padded(), 0.0);
@@ -119,10 +118,10 @@ impl<const E: usize, const A: usize> Exact<E, A> {
     fn block(&self, query: &mut Query, first: usize, block: &[kernel::Lane]) {
         let there = WIDTH.min(self.len - first);
         let keys: [f64; WIDTH] = match self.metric {
-            Metric::Euclidean => kernel::squared::<E>(&query.padded, block).map(f64::from),
+            Metric::Euclidean => kernel::block::<E>(&query.padded, block, kernel::squared).map(f64::from),
             Metric::Angular => {
                 let norms = &self.norms[first..first + there];
-                let dots = kernel::dot_products::<A>(&query.padded, block);
+                let dots = kernel::block::<A>(&query.padded, block, kernel::product);
                 std::array::from_fn(|i| {
                     cosine_distance(dots[i], query.norm, norms.get(i).copied().unwrap_or(f32::INFINITY))
                 })
@@ -169,8 +168,7 @@ pub(crate) fn check(dimensions: usize, len: usize, queries: &Vectors, count: usi
 }
 
 /// The squared norm of each vector, as the datapath gives it.
-pub(crate) fn norms<const E: usize, const A: usize>(vectors: &Vectors) -> Vec<f32> {
+pub(crate) fn norms<const A: usize>(vectors: &Vectors) -> Vec<f32> {
     let rows = vectors.data().par_chunks(vectors.dimensions());
-    rows.map_init(Datapath::<E, A>::new, |datapath, row| datapath.angle(row, row).map_or(0.0, |angle| angle.norm))
-        .collect()
+    rows.map(|row| kernel::pair::<A>(row, row, kernel::product)).collect()
 }

@@ -1,5 +1,6 @@
-//! The operations over sixteen candidates at once. All that knows how candidates lie in memory and what computes on
-//! them is here: [`Blocks`] and the two functions that take one of them.
+//! The operations, fast: over one candidate ([`pair`]), and over sixteen at once ([`block`]). All that knows how candidates
+//! lie in memory and what computes on them is here. The order of the sums is that of `raypath_ops::Euclidean` and
+//! `raypath_ops::Angular`: in a beat lane i takes in lane i + half, then the accumulator takes in the beat.
 
 use crate::vectors::Vectors;
 
@@ -44,32 +45,55 @@ impl Blocks {
     }
 }
 
-/// Squared distances of a query and the candidates of a block, both of a multiple of `E` coordinates.
-#[inline]
-pub(crate) fn squared<const E: usize>(query: &[f32], block: &[Lane]) -> Lane {
-    sums::<E>(query, block, |a, b| (a - b) * (a - b))
+/// The term of a squared Euclidean distance.
+#[inline(always)]
+pub(crate) fn squared(a: f32, b: f32) -> f32 {
+    (a - b) * (a - b)
 }
 
-/// Dot products of a query and the candidates of a block, both of a multiple of `A` coordinates. The norms, which do not
-/// depend on the query, are left out.
-#[inline]
-pub(crate) fn dot_products<const A: usize>(query: &[f32], block: &[Lane]) -> Lane {
-    sums::<A>(query, block, |a, b| a * b)
+/// The term of a dot product.
+#[inline(always)]
+pub(crate) fn product(a: f32, b: f32) -> f32 {
+    a * b
+}
+
+/// The sum over a query and one candidate of as many coordinates, `N` a beat.
+#[inline(always)]
+pub(crate) fn pair<const N: usize>(query: &[f32], candidate: &[f32], term: impl Fn(f32, f32) -> f32) -> f32 {
+    let beat = |a: &[f32; N], b: &[f32; N]| {
+        let mut tree: [f32; N] = std::array::from_fn(|i| term(a[i], b[i]));
+        let mut half = N / 2;
+        while half > 0 {
+            for i in 0..half {
+                tree[i] += tree[i + half];
+            }
+            half /= 2;
+        }
+        tree[0]
+    };
+    let (queries, query_rest) = query.as_chunks::<N>();
+    let (candidates, candidate_rest) = candidate.as_chunks::<N>();
+    let sum = queries.iter().zip(candidates).fold(0.0, |sum, (a, b)| sum + beat(a, b));
+    if query_rest.is_empty() { sum } else { sum + beat(&padded(query_rest), &padded(candidate_rest)) }
+}
+
+fn padded<const N: usize>(rest: &[f32]) -> [f32; N] {
+    std::array::from_fn(|i| rest.get(i).copied().unwrap_or(0.0))
 }
 
 /// Candidates at a time. Of 4, 8 and 16, this made the fastest code for the registers that every x86-64 has.
 const SUB: usize = 8;
 
+/// The sums over a query and the candidates of a block, both of a multiple of `N` coordinates, `N` a beat.
 #[inline(always)]
-fn sums<const N: usize>(query: &[f32], block: &[Lane], term: impl Fn(f32, f32) -> f32) -> Lane {
+pub(crate) fn block<const N: usize>(query: &[f32], block: &[Lane], term: impl Fn(f32, f32) -> f32) -> Lane {
     let mut sums = [0.0; WIDTH];
     for (part, sums) in sums.as_chunks_mut::<SUB>().0.iter_mut().enumerate() {
         for (query, lanes) in query.as_chunks::<N>().0.iter().zip(block.as_chunks::<N>().0) {
-            let term = |i: usize| -> [f32; SUB] {
+            let mut tree: [[f32; SUB]; N] = std::array::from_fn(|i| {
                 let lane = &lanes[i].as_chunks::<SUB>().0[part];
                 std::array::from_fn(|j| term(query[i], lane[j]))
-            };
-            let mut tree: [_; N] = std::array::from_fn(term);
+            });
             let mut half = N / 2;
             while half > 0 {
                 for i in 0..half {
