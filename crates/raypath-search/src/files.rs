@@ -31,7 +31,7 @@ pub struct Dataset {
 
 impl Dataset {
     /// Reads what a search needs: all from one `.hdf5` file as ann-benchmarks has them, or from a file each. `queries` and
-    /// `truth` take the place of what is in an `.hdf5` file.
+    /// `truth` take the place of what is in an `.hdf5` file, whose truth is not about other queries than its own.
     ///
     /// # Errors
     /// A file that cannot be read or does not hold what it should ([`FileError`]); queries of another dimension than the

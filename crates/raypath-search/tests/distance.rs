@@ -4,6 +4,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use raypath_search::{Datapath, Exact, Metric, SearchError, Vectors, cosine_distance, euclidean_distance};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 const U: f64 = 1.0 / 16_777_216.0;
 /// The least subnormal, 2^-149.
@@ -159,6 +160,21 @@ fn a_search_is_the_same_on_any_number_of_threads() {
     });
     assert_eq!(rows[0], rows[1]);
     assert_eq!(rows[0], rows[2]);
+}
+
+#[test]
+fn progress_is_told_in_queries() {
+    let mut generator = ChaCha8Rng::seed_from_u64(5);
+    let base = Vectors::new(64, random(&mut generator, 64 * 9000, 1.0)).expect("vectors");
+    let queries = Vectors::new(64, random(&mut generator, 64 * 77, 1.0)).expect("vectors");
+    let (calls, most) = (AtomicU64::new(0), AtomicU64::new(0));
+    let watch = |done: u64| {
+        calls.fetch_add(1, Ordering::Relaxed);
+        most.fetch_max(done, Ordering::Relaxed) <= 77
+    };
+    Exact::<16, 8>::new(&base, Metric::Euclidean).search(&queries, 1, &watch).expect("answers");
+    assert_eq!(most.into_inner(), 77);
+    assert!(calls.into_inner() > 30, "also within a group of queries");
 }
 
 #[test]
