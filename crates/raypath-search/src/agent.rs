@@ -43,7 +43,7 @@ impl Pace {
 }
 
 /// One query's way through the datapath, for simulations of time: which job it offers when, and what it takes from the
-/// answers. It fetches candidates, issues their beats back to back, and waits as its [`Pace`] says. Angular the first beats
+/// answers. The query is there from the start; it fetches candidates, issues their beats back to back, and waits as its [`Pace`] says. Angular the first beats
 /// are the query's own, for its norm.
 #[derive(Debug, Clone)]
 pub struct Walk<'v, const E: usize = 16, const A: usize = 8> {
