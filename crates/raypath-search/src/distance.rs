@@ -1,0 +1,85 @@
+use crate::metric::{Metric, cosine_distance, euclidean_distance};
+use raypath_model::Functional;
+use raypath_ops::{AngularInput, Beat, EuclideanInput, Job, Outcome, Rules, VectorError};
+
+/// A datapath that is given vectors, beat by beat, by one caller: the plain way to a distance, job by job through the
+/// functional model. Searches compute the same bits faster.
+///
+/// `E` Euclidean lanes are a power of two from 2 to 64, and `A` angular ones half as many.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Datapath<const E: usize = 16, const A: usize = 8> {
+    model: Functional<E, A>,
+    beats: u64,
+}
+
+/// What the datapath accumulates over the angular beats of two vectors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Angle {
+    /// Dot product of query and candidate.
+    pub dot_product: f32,
+    /// Squared norm of the candidate. That of the query comes from a run with the query as its own candidate.
+    pub norm: f32,
+}
+
+impl<const E: usize, const A: usize> Datapath<E, A> {
+    /// A datapath whose accumulators are zero.
+    pub fn new() -> Self {
+        const { assert!(E == 2 * A, "half as many angular lanes as Euclidean ones") };
+        Self { model: Functional::new(Rules::Paper), beats: 0 }
+    }
+
+    /// Squared Euclidean distance, in binary32 and the datapath's order.
+    ///
+    /// # Errors
+    /// Vectors of different dimensions, or of none.
+    pub fn squared(&mut self, query: &[f32], candidate: &[f32]) -> Result<f32, VectorError> {
+        let mut sum = 0.0;
+        for euclidean in Beat::of(query, candidate)? {
+            self.beats += 1;
+            if let Outcome::Euclidean(output) = self.model.run(&Job::Euclidean(EuclideanInput { euclidean })) {
+                sum = output.euclidean_accumulator.into();
+            }
+        }
+        Ok(sum)
+    }
+
+    /// Dot product and norm of the candidate, in binary32 and the datapath's order.
+    ///
+    /// # Errors
+    /// Vectors of different dimensions, or of none.
+    pub fn angle(&mut self, query: &[f32], candidate: &[f32]) -> Result<Angle, VectorError> {
+        let mut angle = Angle { dot_product: 0.0, norm: 0.0 };
+        for euclidean in Beat::of(query, candidate)? {
+            self.beats += 1;
+            if let Outcome::Angular(output) = self.model.run(&Job::Angular(AngularInput { euclidean })) {
+                angle = Angle { dot_product: output.angular_dot_product.into(), norm: output.angular_norm.into() };
+            }
+        }
+        Ok(angle)
+    }
+
+    /// The distance; angular in twice the beats, for the query's norm takes a run of its own.
+    ///
+    /// # Errors
+    /// Vectors of different dimensions, or of none.
+    pub fn distance(&mut self, metric: Metric, query: &[f32], candidate: &[f32]) -> Result<f64, VectorError> {
+        Ok(match metric {
+            Metric::Euclidean => euclidean_distance(self.squared(query, candidate)?),
+            Metric::Angular => {
+                let Angle { dot_product, norm } = self.angle(query, candidate)?;
+                cosine_distance(dot_product, self.angle(query, query)?.norm, norm)
+            }
+        })
+    }
+
+    /// Beats that it has taken since it was made.
+    pub fn beats(&self) -> u64 {
+        self.beats
+    }
+}
+
+impl<const E: usize, const A: usize> Default for Datapath<E, A> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,123 @@
+//! HDF5 as ann-benchmarks has it: base, queries and truth in one file, as the datasets `train`, `test`, `neighbors` and
+//! `distances` of two axes, and an attribute `distance` that names the metric.
+
+use super::{FileError, neighbours as checked};
+use crate::metric::Metric;
+use crate::neighbours::Neighbours;
+use crate::vectors::Vectors;
+use hdf5_pure::{DType, Dataset, Error, File};
+use std::path::Path;
+
+/// What the file has of a data set.
+pub(super) struct Parts {
+    pub(super) base: Vectors,
+    pub(super) queries: Option<Vectors>,
+    pub(super) truth: Option<Neighbours>,
+    pub(super) distances: Option<Vectors>,
+    pub(super) metric: Option<Metric>,
+}
+
+/// The base; the queries and the truth, if asked for.
+pub(super) fn dataset(file: &Path, queries: bool, truth: bool) -> Result<Parts, FileError> {
+    let hdf5 = open(file)?;
+    let base = vectors(file, &hdf5, "train")?;
+    let queries = if queries { Some(vectors(file, &hdf5, "test")?) } else { None };
+    let names = hdf5.root().datasets().map_err(|error| wrong(file, "file", &error))?;
+    let here = |name: &str| truth && names.iter().any(|there| there == name);
+    let distances = if here("distances") { Some(vectors(file, &hdf5, "distances")?) } else { None };
+    let truth = if here("neighbors") {
+        let (count, indices) = indices(file, &hdf5)?;
+        Some(checked(file, count, &indices, base.len())?)
+    } else {
+        None
+    };
+    Ok(Parts { base, queries, truth, distances, metric: metric(file, &hdf5)? })
+}
+
+/// The number of neighbours of each query, and all their indices.
+pub(super) fn neighbours(file: &Path) -> Result<(usize, Vec<i64>), FileError> {
+    indices(file, &open(file)?)
+}
+
+fn open(file: &Path) -> Result<File, FileError> {
+    std::fs::File::open(file).map_err(FileError::read(file))?;
+    File::open_streaming(file).map_err(|error| wrong(file, "file", &error))
+}
+
+fn vectors(file: &Path, hdf5: &File, name: &str) -> Result<Vectors, FileError> {
+    let (dataset, columns) = table(file, hdf5, name, "numbers", |kind| matches!(kind, DType::F32 | DType::F64))?;
+    let data = dataset.read_f32().map_err(|error| wrong(file, name, &error))?;
+    Vectors::new(columns, data).map_err(|source| FileError::Vectors { file: file.to_owned(), source })
+}
+
+fn indices(file: &Path, hdf5: &File) -> Result<(usize, Vec<i64>), FileError> {
+    let name = "neighbors";
+    let (dataset, columns) = table(file, hdf5, name, "integers", |_| false)?;
+    Ok((columns, dataset.read_i64().map_err(|error| wrong(file, name, &error))?))
+}
+
+/// The most bytes that deflate makes of one.
+const INFLATION: u64 = 1032;
+
+/// A dataset of two axes and of integers, or of what else is `allowed`, that is not greater than its file can hold; and its
+/// columns.
+fn table(
+    file: &Path,
+    hdf5: &File,
+    name: &str,
+    expected: &str,
+    allowed: impl Fn(&DType) -> bool,
+) -> Result<(Dataset, usize), FileError> {
+    let fail = |error: Error| wrong(file, name, &error);
+    let dataset = hdf5.dataset(name).map_err(fail)?;
+    let shape = dataset.shape().map_err(fail)?;
+    let &[rows, columns] = shape.as_slice() else {
+        return Err(FileError::content(file, name, format_args!("shape {shape:?}"), "two axes: vectors, coordinates"));
+    };
+    let kind = dataset.dtype().map_err(fail)?;
+    let integer = matches!(
+        kind,
+        DType::I8 | DType::I16 | DType::I32 | DType::I64 | DType::U8 | DType::U16 | DType::U32 | DType::U64
+    );
+    if !(integer || allowed(&kind)) {
+        return Err(FileError::content(file, name, format_args!("type {kind}"), expected));
+    }
+    let length = std::fs::metadata(file).map_err(FileError::read(file))?.len();
+    let room = room(&dataset, rows, columns, length).map_err(fail)?;
+    let size = dataset.element_size().map_err(fail)?;
+    if rows.checked_mul(columns).and_then(|count| count.checked_mul(size)).is_none_or(|bytes| bytes > room) {
+        let found = format!("{rows} x {columns} of type {kind}");
+        return Err(FileError::content(file, name, found, format_args!("what is stored in a file of {length} bytes")));
+    }
+    Ok((dataset, usize::try_from(columns).unwrap_or(usize::MAX)))
+}
+
+/// The most bytes that are stored of a dataset of this shape, before they were compressed; 0 where chunks are missing.
+fn room(dataset: &Dataset, rows: u64, columns: u64, length: u64) -> Result<u64, Error> {
+    let Some(chunk) = dataset.chunk_shape()? else { return Ok(length) };
+    let chunks = dataset.chunks()?;
+    let along = |size: u64, axis: usize| chunk.get(axis).filter(|&&chunk| chunk > 0).map(|&chunk| size.div_ceil(chunk));
+    let expected = along(rows, 0).zip(along(columns, 1)).and_then(|(down, across)| down.checked_mul(across));
+    if expected != Some(chunks.len() as u64) {
+        return Ok(0);
+    }
+    let stored = chunks.iter().fold(0u64, |sum, chunk| sum.saturating_add(chunk.storage_size)).min(length);
+    Ok(if dataset.filters().is_empty() { stored } else { stored.saturating_mul(INFLATION) })
+}
+
+fn metric(file: &Path, hdf5: &File) -> Result<Option<Metric>, FileError> {
+    let place = "attribute distance";
+    let attributes = hdf5.root().attrs().map_err(|error| wrong(file, place, &error))?;
+    let Some(value) = attributes.get("distance") else { return Ok(None) };
+    let Some(name) = value.as_str() else {
+        return Err(FileError::content(file, place, format_args!("{value:?}"), "a string"));
+    };
+    let metric = name.parse().map_err(|_| FileError::content(file, place, format_args!("`{name}`"), NAMES))?;
+    Ok(Some(metric))
+}
+
+const NAMES: &str = "euclidean or angular";
+
+fn wrong(file: &Path, place: &str, error: &Error) -> FileError {
+    FileError::content(file, place, format_args!("`{error}`"), "HDF5 as ann-benchmarks has it")
+}

@@ -1,0 +1,78 @@
+//! `.fvecs`, `.bvecs` and `.ivecs`: before each vector its dimension, four bytes, little-endian.
+
+use super::FileError;
+use crate::vectors::MAX_DIMENSIONS;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+/// The dimension, and all coordinates, of `S` bytes each.
+pub(super) fn read<const S: usize, T>(
+    file: &Path,
+    decode: impl Fn([u8; S]) -> T,
+) -> Result<(usize, Vec<T>), FileError> {
+    let io = FileError::read(file);
+    let source = File::open(file).map_err(&io)?;
+    let length = source.metadata().map_err(&io)?.len();
+    let mut source = Bytes { file, source: BufReader::new(source), at: 0, length };
+
+    let dimensions = source.dimension(0)?;
+    let expected = format!("1 to {MAX_DIMENSIONS}");
+    let dimensions = usize::try_from(dimensions)
+        .ok()
+        .filter(|dimensions| (1..=MAX_DIMENSIONS).contains(dimensions))
+        .ok_or_else(|| FileError::content(file, "dimension of vector 0", dimensions, &expected))?;
+
+    let record = 4 + dimensions * S;
+    let mut data = Vec::with_capacity((length / record as u64) as usize * dimensions);
+    let mut bytes = vec![0; dimensions * S];
+    for vector in 0.. {
+        if vector > 0 {
+            if source.is_at_end() {
+                break;
+            }
+            let found = source.dimension(vector)?;
+            if usize::try_from(found) != Ok(dimensions) {
+                let expected = format!("{dimensions} as that of vector 0");
+                return Err(FileError::content(file, format_args!("dimension of vector {vector}"), found, expected));
+            }
+        }
+        source.fill(&mut bytes, vector)?;
+        data.extend(bytes.as_chunks::<S>().0.iter().map(|&bytes| decode(bytes)));
+    }
+    Ok((dimensions, data))
+}
+
+struct Bytes<'f> {
+    file: &'f Path,
+    source: BufReader<File>,
+    at: u64,
+    length: u64,
+}
+
+impl Bytes<'_> {
+    fn is_at_end(&self) -> bool {
+        self.at == self.length
+    }
+
+    fn dimension(&mut self, vector: usize) -> Result<i32, FileError> {
+        let mut bytes = [0; 4];
+        self.fill(&mut bytes, vector)?;
+        Ok(i32::from_le_bytes(bytes))
+    }
+
+    fn fill(&mut self, bytes: &mut [u8], vector: usize) -> Result<(), FileError> {
+        let left = self.length.saturating_sub(self.at);
+        if left < bytes.len() as u64 {
+            let expected = format!("{} more of vector {vector}", bytes.len());
+            return Err(FileError::content(self.file, format_args!("byte {}", self.at), left_over(left), expected));
+        }
+        self.source.read_exact(bytes).map_err(FileError::read(self.file))?;
+        self.at += bytes.len() as u64;
+        Ok(())
+    }
+}
+
+fn left_over(bytes: u64) -> String {
+    if bytes == 0 { "the end of the file".to_owned() } else { format!("the last {bytes} bytes") }
+}

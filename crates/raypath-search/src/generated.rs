@@ -1,0 +1,73 @@
+use crate::error::SearchError;
+use crate::files::Dataset;
+use crate::vectors::{MAX_DIMENSIONS, Vectors};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Vectors around random centres, for when there are no files. Base and queries come from the same clusters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clusters {
+    /// Vectors of the base: at least 1, and with their coordinates no more than 2³² numbers.
+    pub vectors: usize,
+    /// Queries: at least 1.
+    pub queries: usize,
+    /// Dimensions of each: 1 to [`MAX_DIMENSIONS`].
+    pub dimensions: usize,
+    /// Clusters: at least 1. Centres are normally distributed in every coordinate, with deviation 1.
+    pub clusters: usize,
+    /// Deviation of a vector's coordinates from its centre's: 0 to 1,000.
+    pub spread: f32,
+    /// What everything follows from.
+    pub seed: u64,
+}
+
+impl Default for Clusters {
+    /// 10,000 vectors of 128 dimensions in 100 clusters of spread 0.5, and 100 queries.
+    fn default() -> Self {
+        Self { vectors: 10_000, queries: 100, dimensions: 128, clusters: 100, spread: 0.5, seed: 1 }
+    }
+}
+
+impl Clusters {
+    /// Makes them: the same ones for the same fields.
+    ///
+    /// # Errors
+    /// A field out of its range.
+    pub fn generate(&self) -> Result<Dataset, SearchError> {
+        let sizes = [("vectors", self.vectors), ("queries", self.queries), ("clusters", self.clusters)];
+        for (name, found) in sizes {
+            if found == 0 || found.checked_mul(self.dimensions).is_none_or(|numbers| numbers > 1 << 32) {
+                return Err(SearchError::Parameter {
+                    name,
+                    found,
+                    expected: "at least 1, and 2^32 coordinates at most",
+                });
+            }
+        }
+        if !(1..=MAX_DIMENSIONS).contains(&self.dimensions) {
+            let (name, found) = ("dimensions", self.dimensions);
+            return Err(SearchError::Parameter { name, found, expected: "1 to 65536" });
+        }
+        if !(0.0..=1000.0).contains(&self.spread) {
+            return Err(SearchError::Number { name: "spread", found: self.spread, expected: "0 to 1000" });
+        }
+        let random = &mut ChaCha8Rng::seed_from_u64(self.seed);
+        let centres: Vec<f32> = (0..self.clusters * self.dimensions).map(|_| StandardNormal.sample(random)).collect();
+        let base = self.around(&centres, self.vectors, random)?;
+        let queries = self.around(&centres, self.queries, random)?;
+        Ok(Dataset { base, queries, truth: None, distances: None, metric: None })
+    }
+
+    fn around(&self, centres: &[f32], count: usize, random: &mut ChaCha8Rng) -> Result<Vectors, SearchError> {
+        let mut data = Vec::with_capacity(count * self.dimensions);
+        for _ in 0..count {
+            let centre = random.random_range(0..self.clusters) * self.dimensions;
+            for x in &centres[centre..centre + self.dimensions] {
+                let deviation: f32 = StandardNormal.sample(random);
+                data.push(x + self.spread * deviation);
+            }
+        }
+        Ok(Vectors::new(self.dimensions, data)?)
+    }
+}

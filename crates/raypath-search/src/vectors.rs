@@ -1,0 +1,103 @@
+use thiserror::Error;
+
+/// The greatest dimension that a set may have.
+pub const MAX_DIMENSIONS: usize = 1 << 16;
+
+/// A set of vectors of one dimension: at least one vector, every coordinate finite.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vectors {
+    dimensions: usize,
+    data: Vec<f32>,
+}
+
+/// Why numbers are not a set of vectors.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum VectorsError {
+    /// The dimension is 0 or too great.
+    #[error("vectors of {found} dimensions, expected 1 to {MAX_DIMENSIONS}")]
+    Dimensions {
+        /// The dimension.
+        found: usize,
+    },
+    /// There is no vector.
+    #[error("0 vectors, expected at least 1")]
+    Empty,
+    /// There are more vectors than indices.
+    #[error("{found} vectors, expected at most 4294967295")]
+    TooMany {
+        /// How many.
+        found: usize,
+    },
+    /// The numbers do not fill the last vector.
+    #[error("{found} coordinates, expected a multiple of the dimension {dimensions}")]
+    Ragged {
+        /// How many numbers.
+        found: usize,
+        /// The dimension.
+        dimensions: usize,
+    },
+    /// A coordinate is infinite or not a number.
+    #[error("vector {vector}, coordinate {coordinate}: found {value}, expected a number that is finite in binary32")]
+    NotFinite {
+        /// The vector, from 0.
+        vector: usize,
+        /// The coordinate, from 0.
+        coordinate: usize,
+        /// What stands there.
+        value: f32,
+    },
+}
+
+impl Vectors {
+    /// Vectors of `dimensions` coordinates, one after another in `data`.
+    ///
+    /// # Errors
+    /// A dimension that is not 1 to [`MAX_DIMENSIONS`]; no vector, a part of one, more than 2³² − 1; a coordinate that is
+    /// not finite.
+    pub fn new(dimensions: usize, data: Vec<f32>) -> Result<Self, VectorsError> {
+        if !(1..=MAX_DIMENSIONS).contains(&dimensions) {
+            return Err(VectorsError::Dimensions { found: dimensions });
+        }
+        if data.is_empty() {
+            return Err(VectorsError::Empty);
+        }
+        if !data.len().is_multiple_of(dimensions) {
+            return Err(VectorsError::Ragged { found: data.len(), dimensions });
+        }
+        if data.len() / dimensions > u32::MAX as usize {
+            return Err(VectorsError::TooMany { found: data.len() / dimensions });
+        }
+        if let Some(place) = data.iter().position(|x| !x.is_finite()) {
+            let (vector, coordinate) = (place / dimensions, place % dimensions);
+            return Err(VectorsError::NotFinite { vector, coordinate, value: data[place] });
+        }
+        Ok(Self { dimensions, data })
+    }
+
+    /// How many vectors: at least 1.
+    #[allow(clippy::len_without_is_empty)] // it never is
+    pub fn len(&self) -> usize {
+        self.data.len() / self.dimensions
+    }
+
+    /// Coordinates of each: at least 1.
+    pub fn dimensions(&self) -> usize {
+        self.dimensions
+    }
+
+    /// All coordinates, vector after vector.
+    pub fn data(&self) -> &[f32] {
+        &self.data
+    }
+
+    /// The vector of this index, where there is one.
+    pub fn get(&self, index: usize) -> Option<&[f32]> {
+        let start = index.checked_mul(self.dimensions)?;
+        self.data.get(start..start.checked_add(self.dimensions)?)
+    }
+
+    /// All vectors in order.
+    pub fn iter(&self) -> std::slice::ChunksExact<'_, f32> {
+        self.data.chunks_exact(self.dimensions)
+    }
+}

@@ -1,0 +1,92 @@
+//! Exact search on a real data set, against integers and scikit-learn. The digits' pixels are integers from 0 to 16, so
+//! every sum is an integer that binary32 holds, and ties can be decided exactly.
+
+mod common;
+
+use common::{PIXELS, digits, unzip, vectors};
+use raypath_search::{Exact, Metric};
+use std::cmp::Ordering;
+
+const COUNT: usize = 10;
+
+/// Every ninth digit is a query, as in the oracle.
+fn queries() -> impl Iterator<Item = usize> {
+    (0..digits().len()).step_by(9)
+}
+
+/// For each query the indices that exact search finds.
+fn found(metric: Metric) -> Vec<Vec<usize>> {
+    let digits = digits();
+    let queries = vectors(queries().map(|query| &digits[query]));
+    let answers = Exact::<16, 8>::new(&vectors(&digits), metric).search(&queries, COUNT, &|_| true).expect("answers");
+    answers.rows.iter().map(|row| row.iter().map(|near| near.index as usize).collect()).collect()
+}
+
+/// For each query the indices that scikit-learn finds.
+fn oracle(metric: &str) -> Vec<Vec<usize>> {
+    let text = unzip(include_bytes!("data/digits_neighbours.txt.gz"));
+    let lines = text.lines().filter_map(|line| line.strip_prefix(metric));
+    let rows: Vec<Vec<usize>> =
+        lines.map(|line| line.split_whitespace().map(|number| number.parse().expect("an index")).collect()).collect();
+    assert!(rows.iter().map(|row| row[0]).eq(queries()));
+    rows.into_iter().map(|row| row[1..].to_vec()).collect()
+}
+
+fn squared(a: &[u8; PIXELS], b: &[u8; PIXELS]) -> i64 {
+    a.iter().zip(b).map(|(&a, &b)| (i64::from(a) - i64::from(b)).pow(2)).sum()
+}
+
+fn dot(a: &[u8; PIXELS], b: &[u8; PIXELS]) -> u128 {
+    a.iter().zip(b).map(|(&a, &b)| u128::from(a) * u128::from(b)).sum()
+}
+
+/// Which of two candidates has the lesser cosine distance from `query`, exactly: dot products of digits are not negative,
+/// so the squares of the cosines decide, as fractions.
+fn by_cosine(query: &[u8; PIXELS], a: &[u8; PIXELS], b: &[u8; PIXELS]) -> Ordering {
+    (dot(query, b).pow(2) * dot(a, a)).cmp(&(dot(query, a).pow(2) * dot(b, b)))
+}
+
+#[test]
+fn euclidean_neighbours_are_those_of_integers() {
+    let digits = digits();
+    for (query, row) in queries().zip(found(Metric::Euclidean)) {
+        let mut all: Vec<usize> = (0..digits.len()).collect();
+        all.sort_by_key(|&index| (squared(&digits[query], &digits[index]), index));
+        assert_eq!(row, all[..COUNT], "query {query}");
+    }
+}
+
+#[test]
+fn angular_neighbours_are_those_of_integers() {
+    let digits = digits();
+    for (query, row) in queries().zip(found(Metric::Angular)) {
+        let mut all: Vec<usize> = (0..digits.len()).collect();
+        all.sort_by(|&a, &b| by_cosine(&digits[query], &digits[a], &digits[b]).then(a.cmp(&b)));
+        assert_eq!(row, all[..COUNT], "query {query}");
+    }
+}
+
+#[test]
+fn neighbours_are_those_of_scikit_learn_but_for_ties() {
+    let digits = digits();
+    let euclidean = |query: usize, a: usize, b: usize| {
+        squared(&digits[query], &digits[a]).cmp(&squared(&digits[query], &digits[b]))
+    };
+    let angular = |query: usize, a: usize, b: usize| by_cosine(&digits[query], &digits[a], &digits[b]);
+    compare("euclidean", Metric::Euclidean, euclidean);
+    compare("cosine", Metric::Angular, angular);
+}
+
+/// At every rank both have a vector that is equally far; and apart from such ties the same one.
+fn compare(name: &str, metric: Metric, by_distance: impl Fn(usize, usize, usize) -> Ordering) {
+    let mut same = 0;
+    for ((query, ours), theirs) in queries().zip(found(metric)).zip(oracle(name)) {
+        assert_eq!((ours.len(), theirs.len()), (COUNT, COUNT));
+        assert_eq!(ours[0], query, "a digit is its own nearest");
+        for (&a, &b) in ours.iter().zip(&theirs) {
+            assert_eq!(by_distance(query, a, b), Ordering::Equal, "{name}, query {query}: {ours:?} and {theirs:?}");
+            same += usize::from(a == b);
+        }
+    }
+    assert!(same > 1900, "{name}: only {same} of 2000 are the same vector");
+}

@@ -1,0 +1,63 @@
+use flate2::read::GzDecoder;
+use raypath_search::{Dataset, FileError, Neighbours, Vectors, read_neighbours, read_vectors};
+use std::io::Read;
+use std::path::PathBuf;
+use tempfile::TempDir;
+
+/// A directory with a file in it.
+pub struct Written {
+    pub directory: TempDir,
+    pub path: PathBuf,
+}
+
+impl Written {
+    pub fn new(name: &str, bytes: &[u8]) -> Self {
+        let directory = tempfile::tempdir().expect("a directory");
+        let path = directory.path().join(name);
+        std::fs::write(&path, bytes).expect("written");
+        Self { directory, path }
+    }
+
+    pub fn rewrite(&self, bytes: &[u8]) {
+        std::fs::write(&self.path, bytes).expect("written");
+    }
+
+    pub fn vectors(&self) -> Result<Vectors, FileError> {
+        read_vectors(&self.path)
+    }
+
+    pub fn neighbours(&self, base: usize) -> Result<Neighbours, FileError> {
+        read_neighbours(&self.path, base)
+    }
+
+    pub fn dataset(&self) -> Result<Dataset, FileError> {
+        Dataset::read(&self.path, None, None)
+    }
+}
+
+/// The message names the file, and says all of this.
+pub fn says<T: std::fmt::Debug>(name: &str, result: Result<T, FileError>, parts: &[&str]) {
+    let message = result.expect_err("refused").to_string();
+    for part in parts.iter().chain(&[name]) {
+        assert!(message.contains(part), "`{message}` does not say `{part}`");
+    }
+}
+
+pub fn vectors_say(name: &str, bytes: &[u8], parts: &[&str]) {
+    says(name, Written::new(name, bytes).vectors(), parts);
+}
+
+pub fn neighbours_say(name: &str, bytes: &[u8], base: usize, parts: &[&str]) {
+    says(name, Written::new(name, bytes).neighbours(base), parts);
+}
+
+pub fn unzip(bytes: &[u8]) -> Vec<u8> {
+    let mut data = Vec::new();
+    GzDecoder::new(bytes).read_to_end(&mut data).expect("gzip");
+    data
+}
+
+/// The vectors that `tests/data/files.py` writes.
+pub fn base() -> Vec<f32> {
+    (0..35).map(|i| (i * 7 % 23 - 11) as f32 / 4.0).collect()
+}
