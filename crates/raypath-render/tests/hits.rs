@@ -21,8 +21,7 @@ fn every_hit_is_that_of_exact_geometry_but_for_bounded_rounding() {
         for two_sided in [false, true] {
             let (judge, tracing) = (Judge::new(&mesh, two_sided), Tracing { two_sided, ..Tracing::default() });
             let scene = Scene::new(mesh.clone()).unwrap();
-            // The built-in scene has so many triangles that brute force takes its time.
-            let count = if name == "builtin" { ray_count() / 4 } else { ray_count() } / 2;
+            let count = ray_count() / 2;
             for kind in Kind::ALL {
                 let rays = rays(&mesh, kind, count, 1);
                 assert!(rays.iter().all(|ray| scene.reaches(ray.origin.into())));
