@@ -7,17 +7,23 @@
 
 pub mod builtin;
 pub mod bvh;
+pub mod camera;
 pub mod mesh;
+pub mod picture;
 mod progress;
 pub mod read;
+pub mod render;
 mod scene;
 pub mod trace;
 mod vector;
 
 pub use builtin::builtin;
 pub use bvh::Bvh4;
+pub use camera::{Camera, CameraError};
 pub use mesh::{Bounds, Mesh, MeshError};
+pub use picture::{Picture, heatmap};
 pub use progress::Stopped;
 pub use read::{Format, ReadError, parse_mesh, read_mesh};
+pub use render::{RenderError, Rendering, Shading, render};
 pub use scene::Scene;
 pub use trace::{Counts, Goal, Hit, Step, Tracer, Tracing, Traversal, trace_any, trace_closest};
