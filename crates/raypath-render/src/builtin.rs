@@ -5,7 +5,7 @@ use crate::vector::{Vector, add, cross, dot, scale, single, subtract, unit};
 use std::collections::HashMap;
 use std::f64::consts::{GOLDEN_RATIO, TAU};
 
-/// A torus knot over rippled ground, with spheres that spiral around it: 92,288 triangles, y up, about 8 wide. Each body
+/// A torus knot over rippled ground, with spheres that spiral around it: 92,288 triangles, y up, about 7 wide. Each body
 /// is closed: every edge is shared by two triangles that run along it in opposite directions, and neighbours share their
 /// vertices.
 ///
@@ -13,17 +13,17 @@ use std::f64::consts::{GOLDEN_RATIO, TAU};
 /// None that can happen: the shapes are a mesh.
 pub fn builtin() -> Result<Mesh, MeshError> {
     let mut bodies = Bodies::default();
-    bodies.ground(4.2, 96, 192);
+    bodies.ground(3.3, 96, 192);
     bodies.knot(640, 32);
     for step in 0..28 {
         let part = f64::from(step) / 27.0;
         let angle = TAU * (0.12 + 1.35 * part);
-        let (distance, radius) = (3.3 - 0.55 * part, 0.34 - 0.22 * part);
+        let (distance, radius) = (2.75 - 0.45 * part, 0.34 - 0.22 * part);
         let height = 0.22 + radius + 3.1 * part * part;
-        bodies.sphere([distance * angle.cos(), height, distance * angle.sin()], radius, 2, |_| 1.0);
+        bodies.sphere([distance * angle.cos(), height, distance * angle.sin()], radius, 3, |_| 1.0);
     }
     let bumps = |[x, y, z]: Vector| 1.0 + 0.07 * ((9.0 * x).sin() * (9.0 * y + 1.0).sin() * (9.0 * z + 2.0).sin());
-    bodies.sphere([0.0, 1.55, 0.0], 0.62, 4, bumps);
+    bodies.sphere([0.0, 1.95, 0.0], 0.5, 4, bumps);
     Mesh::new(bodies.positions, bodies.triangles)
 }
 
@@ -106,14 +106,14 @@ impl Bodies {
 
 /// The ground's height at a distance from the middle.
 fn ripple(r: f64) -> f64 {
-    0.07 * (5.5 * r).cos() * (-0.25 * r).exp()
+    0.11 * (8.0 * r).cos() * (-0.35 * r).exp()
 }
 
 /// The knot's middle line, which winds twice around the long way and three times around the short way.
 fn knot(angle: f64) -> Vector {
     let ((s2, c2), (s3, c3)) = ((2.0 * angle).sin_cos(), (3.0 * angle).sin_cos());
     let r = 1.25 + 0.55 * c3;
-    [r * c2, 1.95 + r * s2, 0.55 * s3]
+    [r * c2, 2.0 + r * s2, 0.55 * s3]
 }
 
 /// Two directions across the middle line: away from the middle of the torus's tube, and beside it.

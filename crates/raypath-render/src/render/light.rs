@@ -11,11 +11,11 @@ use std::f64::consts::TAU;
 
 type Colour = [f64; 3];
 
-const SUN: Colour = [2.9, 2.55, 2.05];
-const ZENITH: Colour = [0.30, 0.50, 0.92];
-const HORIZON: Colour = [0.86, 0.90, 0.96];
+const SUN: Colour = [2.7, 2.35, 1.85];
+const ZENITH: Colour = [0.16, 0.34, 0.78];
+const HORIZON: Colour = [0.70, 0.80, 0.95];
 const GROUND: Colour = [0.36, 0.32, 0.29];
-const CLAY: Colour = [0.66, 0.60, 0.54];
+const CLAY: Colour = [0.68, 0.46, 0.34];
 
 /// The light of a scene, as seen by a camera: the sun stands above, to the left and behind it.
 pub(super) struct Light {
@@ -47,7 +47,7 @@ pub(super) fn plus(a: Colour, b: Colour) -> Colour {
 /// Light as bytes of sRGB; what is too bright fades to white.
 pub(super) fn developed(light: Colour) -> [u8; 3] {
     light.map(|x| {
-        let x = 0.80 * x;
+        let x = 0.72 * x;
         // Narkowicz's fit of the film curve ACES.
         let film = (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).clamp(0.0, 1.0);
         let encoded = if film <= 0.003_130_8 { 12.92 * film } else { 1.055 * film.powf(1.0 / 2.4) - 0.055 };
@@ -100,7 +100,7 @@ impl Light {
         if height < 0.0 {
             mixed(HORIZON, GROUND, (-height * 4.0).min(1.0))
         } else {
-            mixed(HORIZON, ZENITH, height.powf(0.55))
+            mixed(HORIZON, ZENITH, height.powf(0.45))
         }
     }
 
