@@ -10,7 +10,7 @@ use std::error::Error;
 fn main() -> Result<(), Box<dyn Error>> {
     let runs = std::env::args().nth(1).map_or(Ok(5), |runs| runs.parse())?;
     let scene = Scene::new(builtin()?)?;
-    let view = Camera::framing(scene.bounds(), 4.0 / 3.0).view(640, 480);
+    let view = Camera::framing(scene.mesh(), 4.0 / 3.0).view(640, 480);
     let pixels = (0..480).flat_map(|y| (0..640).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
     let primary = pixels.map(|(x, y)| view.ray(x, y)).collect::<Result<Vec<_>, _>>()?;
     let mut random = ChaCha8Rng::seed_from_u64(1);

@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         _ => return Err("expected: picture [MESH] OUT.png".into()),
     };
     let (width, height) = (960, 720);
-    let camera = Camera::framing(mesh.bounds(), width as f32 / height as f32);
+    let camera = Camera::framing(&mesh, width as f32 / height as f32);
     let scene = Scene::for_origins(mesh, [camera.eye()])?;
     let tracing = Tracing { two_sided: arguments.len() == 2, ..Tracing::default() };
     let shading = Shading { tracing, shadows: true, ambient_occlusion: 8, samples: 2, ..Shading::default() };

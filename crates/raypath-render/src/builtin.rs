@@ -5,7 +5,7 @@ use crate::vector::{Vector, add, cross, dot, scale, single, subtract, unit};
 use std::collections::HashMap;
 use std::f64::consts::{GOLDEN_RATIO, TAU};
 
-/// A torus knot over rippled ground, with spheres that spiral around it: 92,288 triangles, y up, about 7 wide. Each body
+/// A torus knot over rippled ground, with spheres that spiral around it: 119,168 triangles, y up, about 7 wide. Each body
 /// is closed: every edge is shared by two triangles that run along it in opposite directions, and neighbours share their
 /// vertices.
 ///

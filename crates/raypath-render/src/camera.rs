@@ -1,6 +1,6 @@
 //! Where a picture is seen from.
 
-use crate::mesh::Bounds;
+use crate::mesh::Mesh;
 use crate::vector::{Vector, add, cross, dot, length, scale, single, subtract, unit, vector};
 use raypath_ops::{Binary32, Ray, RayError};
 use thiserror::Error;
@@ -64,28 +64,28 @@ impl Camera {
         Ok(Self { eye, target, up, field_of_view })
     }
 
-    /// A camera from which all of `bounds` is seen, from the front, the right and above, in a picture of `aspect` times
-    /// its height's width. Up is +y.
-    pub fn framing(bounds: Bounds, aspect: f32) -> Self {
-        let target = bounds.centre();
-        let (min, max) = (vector(bounds.min), vector(bounds.max));
+    /// A camera from which all of a mesh is seen, from the front, the right and above, in a picture that is `aspect` times
+    /// as wide as high. Up is +y.
+    pub fn framing(mesh: &Mesh, aspect: f32) -> Self {
+        let target = mesh.bounds().centre();
         let towards = unit([0.45, 0.42, 1.0]);
-        let frame = Frame::new(scale(-1.0, towards), [0.0, 1.0, 0.0]);
-        let vertical = f64::from(Self::FIELD_OF_VIEW).to_radians() / 2.0;
-        let horizontal = vertical.tan() * f64::from(aspect.max(0.01));
+        let up = [0.0, 1.0, 0.0];
+        let frame = Frame::new(scale(-1.0, towards), vector(up));
+        let vertical = (f64::from(Self::FIELD_OF_VIEW).to_radians() / 2.0).tan();
+        let horizontal = vertical * f64::from(aspect.max(0.01));
         // Far enough away that each corner is inside both pairs of edges.
-        let corner =
-            |index: usize| -> Vector { std::array::from_fn(|k| if index >> k & 1 == 1 { max[k] } else { min[k] }) };
-        let away = (0..8).map(|index| {
-            let r = subtract(corner(index), vector(target));
-            let (x, y) = (dot(r, frame.right).abs() / horizontal, dot(r, frame.up).abs() / vertical.tan());
+        let away = |corner: [f32; 3]| {
+            let r = subtract(vector(corner), vector(target));
+            let (x, y) = (dot(r, frame.right).abs() / horizontal, dot(r, frame.up).abs() / vertical);
             x.max(y) + dot(r, towards)
-        });
-        let distance = 1.04 * away.fold(0.0, f64::max);
-        // A mesh that is a point has no size; any distance shows it.
-        let distance = if distance > 0.0 { distance } else { 1.0 };
+        };
+        let corners = (0..mesh.triangles().len() as u32).flat_map(|index| mesh.corners(index));
+        let distance = 1.08 * corners.map(away).fold(0.0, f64::max);
         let eye = single(add(vector(target), scale(distance, towards)));
-        Self { eye, target, up: [0.0, 1.0, 0.0], field_of_view: Self::FIELD_OF_VIEW }
+        // A mesh that is a point has no size; any distance shows it.
+        let away =
+            if eye == target { single(add(vector(target), scale(1.0 + length(vector(target)), towards))) } else { eye };
+        Self { eye: away, target, up, field_of_view: Self::FIELD_OF_VIEW }
     }
 
     /// Where it is: the origin of all its rays.

@@ -5,4 +5,5 @@
 pub mod exact;
 pub mod judge;
 pub mod meshes;
+pub mod patches;
 pub mod rays;
