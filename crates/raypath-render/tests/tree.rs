@@ -4,10 +4,8 @@ mod common;
 
 use common::meshes;
 use common::rays::{Kind, rays};
-use raypath_ops::{
-    Aabb, Binary32, Operation, Ray, RayBox, RayBoxInput, RayBoxOutput, RayTriangle, RayTriangleInput,
-    RayTriangleOutput, Rules,
-};
+use raypath_model::Functional;
+use raypath_ops::{Aabb, Binary32, Ray, Rules};
 use raypath_render::bvh::{Reference, Target};
 use raypath_render::{Bvh4, Goal, Mesh, Scene, Step, Stopped, Tracer, Tracing, Traversal, trace_closest};
 use std::collections::VecDeque;
@@ -143,29 +141,16 @@ fn late_answers_change_nothing() {
     }
 }
 
-enum Answer {
-    Boxes(RayBoxOutput<Binary32>),
-    Triangle(RayTriangleOutput<Binary32>),
-}
-
-/// Runs a machine to its end, and counts what it fetches.
+/// Runs a machine to its end with the functional model, and counts what it fetches.
 fn run_late(machine: &mut Traversal, rules: Rules) -> u64 {
-    let (mut pending, mut fetches) = (VecDeque::new(), 0);
+    let (mut datapath, mut pending, mut fetches) = (Functional::<16, 8>::new(rules), VecDeque::new(), 0);
     loop {
-        match machine.step() {
+        let step = machine.step();
+        pending.extend(machine.job(&step));
+        match step {
             Step::Fetch(_) => fetches += 1,
-            Step::Boxes(boxes) => {
-                let input = RayBoxInput { ray: *machine.ray(), aabb: *boxes };
-                pending.push_back(Answer::Boxes(RayBox { rules }.run(Binary32, input, ()).0));
-            }
-            Step::Triangle(triangle) => {
-                let input = RayTriangleInput { ray: *machine.ray(), triangle };
-                pending.push_back(Answer::Triangle(RayTriangle { rules }.run(Binary32, input, ()).0));
-            }
-            Step::Wait => match pending.pop_front().unwrap() {
-                Answer::Boxes(answer) => machine.boxes(&answer),
-                Answer::Triangle(answer) => machine.triangle(&answer),
-            },
+            Step::Boxes(_) | Step::Triangle(_) => {}
+            Step::Wait => machine.answer(&datapath.run(&pending.pop_front().unwrap())),
             Step::Done => {
                 assert!(pending.is_empty());
                 return fetches;

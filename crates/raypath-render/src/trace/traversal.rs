@@ -1,6 +1,8 @@
 use super::{Counts, Goal, Hit, Tracing};
 use crate::bvh::{Bvh4, Reference, Target};
-use raypath_ops::{Aabb, Binary32, Ray, RayBoxOutput, RayTriangleOutput, Triangle, Word};
+use raypath_ops::{
+    Aabb, Binary32, Job, Outcome, Ray, RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Triangle, Word,
+};
 
 /// The external circuit for one ray: it says what it needs next, and takes what the datapath answers.
 ///
@@ -149,6 +151,26 @@ impl<'s> Traversal<'s> {
         leaf.awaited += self.tracing.job_stride();
         if bool::from(answer.triangle_hit) {
             self.take(job, answer.t_num.into(), answer.t_denom.into());
+        }
+    }
+
+    /// A step as a job of the datapath, if it is one: for who carries jobs somewhere else. To be asked for before the next
+    /// step, for a job has the ray as it is now.
+    pub fn job<const E: usize, const A: usize>(&self, step: &Step) -> Option<Job<E, A>> {
+        let ray = self.ray;
+        match *step {
+            Step::Boxes(aabb) => Some(Job::Quadbox(RayBoxInput { ray, aabb: *aabb })),
+            Step::Triangle(triangle) => Some(Job::Triangle(RayTriangleInput { ray, triangle })),
+            Step::Fetch(_) | Step::Wait | Step::Done => None,
+        }
+    }
+
+    /// The answer to a job, in the order of jobs. Distances between vectors are no answer to any, and do nothing.
+    pub fn answer(&mut self, outcome: &Outcome) {
+        match outcome {
+            Outcome::Quadbox(answer) => self.boxes(answer),
+            Outcome::Triangle(answer) => self.triangle(answer),
+            Outcome::Euclidean(_) | Outcome::Angular(_) => {}
         }
     }
 
