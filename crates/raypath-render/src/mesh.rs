@@ -57,7 +57,7 @@ impl Mesh {
         }
         for (vertex, position) in positions.iter().enumerate() {
             for (axis, &value) in ['x', 'y', 'z'].into_iter().zip(position) {
-                if !(value.abs() <= Self::GREATEST) {
+                if value.is_nan() || value.abs() > Self::GREATEST {
                     return Err(MeshError::Coordinate { vertex, axis, value });
                 }
             }

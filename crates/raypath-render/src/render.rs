@@ -208,7 +208,7 @@ impl Painter<'_> {
                 None => self.light.sky(ray.dir.into()),
                 Some(hit) => {
                     let point = light::Point::new(self.scene, &ray, &hit);
-                    let sun = self.light.towards_sun(&point);
+                    let sun = self.light.sun_ray(&point);
                     let in_sun = sun.is_some_and(|sun| {
                         let shadowed = self.shading.shadows && tracer.trace(&sun, Goal::Any).is_some();
                         if self.shading.shadows {
@@ -218,7 +218,7 @@ impl Painter<'_> {
                     });
                     let mut sky = [0.0; 3];
                     for _ in 0..self.shading.ambient_occlusion {
-                        let Some((ray, light)) = self.light.into_sky(&point, &mut random) else { continue };
+                        let Some((ray, light)) = self.light.sky_ray(&point, &mut random) else { continue };
                         let occluded = tracer.trace(&ray, Goal::Any).is_some();
                         spent.occlusion.add(tracer, occluded);
                         if !occluded {

@@ -1,6 +1,9 @@
 //! The tracer's hits against brute force over all triangles, exact where it must be.
 //!
-//! `RAYPATH_RAYS` says how many rays of each kind a mesh gets, by default 5,000. The campaign is 250,000, a million a mesh.
+//! `RAYPATH_RAYS` says how many rays of each kind a mesh gets, by default 5,000, half of them two-sided. The campaign is
+//! 250,000, a million a mesh:
+//! `RAYPATH_RAYS=250000 cargo test --release -p raypath-render --test hits --test watertight -- --nocapture`. `RAYPATH_MESH`
+//! picks one mesh.
 
 mod common;
 

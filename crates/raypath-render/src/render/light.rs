@@ -105,13 +105,13 @@ impl Light {
     }
 
     /// A ray towards the sun, if the point looks there.
-    pub(super) fn towards_sun(&self, point: &Point) -> Option<Ray<Binary32>> {
+    pub(super) fn sun_ray(&self, point: &Point) -> Option<Ray<Binary32>> {
         (dot(point.normal, self.sun) > 0.0).then(|| Ray::new(point.origin, single(self.sun), f32::INFINITY).ok())?
     }
 
     /// A ray into the half space before a point, and what light it brings if nothing is in the way. Directions are
     /// distributed by the cosine of their angle with the normal, so all count alike.
-    pub(super) fn into_sky(&self, point: &Point, random: &mut ChaCha8Rng) -> Option<(Ray<Binary32>, Colour)> {
+    pub(super) fn sky_ray(&self, point: &Point, random: &mut ChaCha8Rng) -> Option<(Ray<Binary32>, Colour)> {
         let (angle, square) = (TAU * random.random::<f64>(), random.random::<f64>());
         let (across, out) = (square.sqrt(), (1.0 - square).sqrt());
         // Two directions across the normal, from the axis that is least along it.

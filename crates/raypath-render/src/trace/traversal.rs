@@ -200,7 +200,7 @@ impl<'s> Traversal<'s> {
         if job < leaf.end && !satisfied {
             self.state = State::Leaf(Leaf { next: job + self.tracing.job_stride(), ..leaf });
             let &Triangle { a, b, c } = self.bvh.triangle((job / 2) as u32);
-            if job % 2 == 0 {
+            if job.is_multiple_of(2) {
                 self.counts.triangle += 1;
                 return Step::Triangle(Triangle { a, b, c });
             }

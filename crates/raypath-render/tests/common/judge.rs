@@ -50,16 +50,17 @@ struct Candidate {
 
 impl<'m> Judge<'m> {
     pub fn new(mesh: &'m Mesh, two_sided: bool) -> Self {
-        // Sorted along a curve through eight times eight times eight cells, for small spheres.
+        // Sorted along a curve that stays in a cube until all of it is done (Morton's), for small spheres.
         let bounds = mesh.bounds();
+        let spread = |x: u32| (0..7).fold(0, |code, bit| code | (x >> bit & 1) << (3 * bit));
         let cell = |index: u32| {
             let [a, b, c] = mesh.corners(index);
             let place = |k: usize| {
-                let part = ((a[k] + b[k] + c[k]) / 3.0 - bounds.min[k])
-                    / (bounds.max[k] - bounds.min[k]).max(f32::MIN_POSITIVE);
-                (part * 16.0).clamp(0.0, 15.0) as u32
+                let side = (bounds.max[k] - bounds.min[k]).max(f32::MIN_POSITIVE);
+                let part = ((a[k] + b[k] + c[k]) / 3.0 - bounds.min[k]) / side;
+                spread((part * 128.0).clamp(0.0, 127.0) as u32)
             };
-            place(0) << 8 | place(1) << 4 | place(2)
+            place(0) << 2 | place(1) << 1 | place(2)
         };
         let mut order: Vec<u32> = (0..mesh.triangles().len() as u32).collect();
         order.sort_by_key(|&index| cell(index));

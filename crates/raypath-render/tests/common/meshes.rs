@@ -10,7 +10,13 @@ pub struct Named {
     pub mesh: Mesh,
 }
 
+/// All of them, or the one that `RAYPATH_MESH` names.
 pub fn all() -> Vec<Named> {
+    let wanted = std::env::var("RAYPATH_MESH").ok();
+    everything().into_iter().filter(|mesh| wanted.as_ref().is_none_or(|name| name == mesh.name)).collect()
+}
+
+fn everything() -> Vec<Named> {
     vec![real("bunny"), real("teapot"), real("dragon"), Named { name: "builtin", mesh: builtin().unwrap() }]
 }
 
