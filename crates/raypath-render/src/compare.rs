@@ -67,7 +67,8 @@ pub fn compare(
         for (ray, peer_hit) in peer_rays.iter().zip(&mut peer_hit) {
             let mut closest = RayHit::none();
             tree.ray_traverse(*ray, &mut closest, |ray, place| triangles[place].intersect(ray));
-            *peer_hit = closest.t.is_finite();
+            // Its distance is the extent where nothing was hit.
+            *peer_hit = closest.primitive_id != RayHit::none().primitive_id;
         }
         obvhs = obvhs.min(start.elapsed());
         if !watch(run.into()) {

@@ -46,7 +46,7 @@ fn costs_add_up() {
     assert!(plain.primary.hits > 200);
 }
 
-/// The sphere of `halvings`, at a place: convex, so no ray from its outside surface hits it again.
+/// A sphere of radius 1 at a place on the diagonal: convex, so no ray from its outside hits it again.
 fn sphere(place: f32) -> Mesh {
     let (rings, sectors) = (40_u32, 80_u32);
     let mut positions = vec![[place, place + 1.0, place], [place, place - 1.0, place]];
@@ -87,7 +87,7 @@ fn a_convex_body_does_not_shade_itself() {
     }
 }
 
-/// What is behind something is in its shadow: a wall between the ground and the sun.
+/// A body with folds has some points in its own shadow, and not most of them.
 #[test]
 fn shadows_fall() {
     let scene = meshes::real("dragon").mesh;

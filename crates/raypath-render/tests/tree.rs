@@ -20,13 +20,15 @@ fn check(mesh: &Mesh) {
     let tree = Bvh4::build(mesh, reach).unwrap();
     let mut met = vec![0; mesh.triangles().len()];
     let mut nodes = 0;
-    let mut waiting = vec![(Reference::ROOT, [[f32::NEG_INFINITY, f32::INFINITY]; 3])];
-    while let Some((reference, around)) = waiting.pop() {
+    let mut deepest = 0;
+    let mut waiting = vec![(Reference::ROOT, [[f32::NEG_INFINITY, f32::INFINITY]; 3], 0)];
+    while let Some((reference, around, kept)) = waiting.pop() {
         match reference.target() {
             Target::Node(node) => {
                 nodes += 1;
                 let node = tree.nodes()[node as usize];
                 let mut children = 0;
+                let before = waiting.len();
                 for (aabb, child) in node.boxes.map(numbers).into_iter().zip(node.children) {
                     if aabb == [[f32::INFINITY, f32::NEG_INFINITY]; 3] {
                         continue;
@@ -35,8 +37,11 @@ fn check(mesh: &Mesh) {
                     for axis in 0..3 {
                         assert!(around[axis][0] <= aabb[axis][0] && aabb[axis][1] <= around[axis][1]);
                     }
-                    waiting.push((child, aabb));
+                    waiting.push((child, aabb, 0));
                 }
+                // Where all are hit, all but one wait while that one is opened.
+                deepest = deepest.max(kept + children);
+                waiting[before..].iter_mut().for_each(|below| below.2 = kept + children - 1);
                 assert!(children > 0);
             }
             Target::Leaf { first, count } => {
@@ -67,6 +72,7 @@ fn check(mesh: &Mesh) {
     }
     assert!(met.iter().all(|&times| times == 1));
     assert_eq!(nodes, tree.nodes().len());
+    assert_eq!(deepest, tree.stack_size());
 }
 
 #[test]
