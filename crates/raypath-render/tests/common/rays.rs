@@ -3,7 +3,7 @@
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray};
-use raypath_render::Mesh;
+use raypath_render::{Bounds, Mesh};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
@@ -24,11 +24,11 @@ impl Kind {
 /// `count` rays of a kind at a mesh.
 pub fn rays(mesh: &Mesh, kind: Kind, count: usize, seed: u64) -> Vec<Ray<Binary32>> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    (0..count).map(|index| ray(mesh, kind, index, count, &mut random)).collect()
+    let bounds = mesh.bounds();
+    (0..count).map(|index| ray(mesh, bounds, kind, index, count, &mut random)).collect()
 }
 
-fn ray(mesh: &Mesh, kind: Kind, index: usize, count: usize, random: &mut ChaCha8Rng) -> Ray<Binary32> {
-    let bounds = mesh.bounds();
+fn ray(mesh: &Mesh, bounds: Bounds, kind: Kind, index: usize, count: usize, random: &mut ChaCha8Rng) -> Ray<Binary32> {
     let (centre, size) = (bounds.centre(), bounds.longest_side());
     loop {
         let (origin, target, extent) = match kind {
