@@ -1,0 +1,32 @@
+//! Rendering through the datapath's operations.
+//!
+//! Every test of a ray against boxes or a triangle is a job of the datapath: [`RayBox`](raypath_ops::RayBox) and
+//! [`RayTriangle`](raypath_ops::RayTriangle). What stands around them is the external circuit of *A Hardware Ray Tracer
+//! Datapath with Generalized Features*: the stack, the division t_num / t_denom, and shading. [`Traversal`] is that
+//! circuit for one ray, step by step, for whoever carries its jobs; [`trace_closest`] and [`trace_any`] carry them at once.
+
+pub mod builtin;
+pub mod bvh;
+pub mod camera;
+pub mod compare;
+pub mod mesh;
+pub mod picture;
+mod progress;
+pub mod rays;
+pub mod read;
+pub mod render;
+mod scene;
+pub mod trace;
+mod vector;
+
+pub use builtin::builtin;
+pub use bvh::Bvh4;
+pub use camera::{Camera, CameraError};
+pub use mesh::{Bounds, Mesh, MeshError};
+pub use picture::{Picture, heatmap};
+pub use progress::Stopped;
+pub use rays::{RaysError, parse_rays, read_rays, write_hits};
+pub use read::{Format, ReadError, parse_mesh, read_mesh};
+pub use render::{RenderError, Rendering, Shading, render};
+pub use scene::Scene;
+pub use trace::{Counts, Goal, Hit, Step, Tracer, Tracing, Traversal, trace_any, trace_closest};

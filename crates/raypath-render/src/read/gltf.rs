@@ -1,0 +1,228 @@
+use super::{Parsed, Soup};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use gltf::accessor::{DataType, Dimensions};
+use gltf::buffer::Source;
+use gltf::mesh::Mode;
+use gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
+use percent_encoding::percent_decode_str;
+use std::path::Path;
+
+/// Meshes can be placed many times; a file that asks for more triangles than this is after something else.
+const MOST_TRIANGLES: usize = 1 << 26;
+
+/// By `gltf`. Its accessors trust what a file says of offsets and strides, so they are read here.
+pub(super) fn parse(bytes: &[u8], path: &Path) -> Parsed {
+    check_binary_header(bytes)?;
+    let not_gltf = |problem| format!("not glTF 2: {problem}");
+    check_positions(&Gltf::from_slice_without_validation(bytes).map_err(not_gltf)?.document)?;
+    let Gltf { document, blob } = Gltf::from_slice(bytes).map_err(not_gltf)?;
+    let buffers = buffers(&document, blob, path)?;
+    let mut scene = Placing { buffers, soup: Soup::default() };
+    let scenes = document.default_scene().or_else(|| document.scenes().next());
+    let roots: Vec<Node> = match scenes {
+        Some(scene) => scene.nodes().collect(),
+        None => return Err("no scene, expected one with nodes".to_string()),
+    };
+    // A node has one parent at most. One that is met twice is in a circle.
+    let mut met = vec![false; document.nodes().len()];
+    let mut waiting: Vec<(Node, Matrix)> = roots.into_iter().map(|node| (node, IDENTITY)).collect();
+    while let Some((node, parent)) = waiting.pop() {
+        let index = node.index();
+        if std::mem::replace(&mut met[index], true) {
+            return Err(format!("node {index} has two parents, expected a tree of nodes"));
+        }
+        let matrix = product(&parent, &node.transform().matrix().map(|column| column.map(f64::from)));
+        for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
+            let place = format!("node {index}, primitive {}", primitive.index());
+            scene.place(&primitive, &matrix).map_err(|problem| format!("{place}: {problem}"))?;
+        }
+        waiting.extend(node.children().map(|child| (child, matrix)));
+    }
+    Ok(scene.soup)
+}
+
+/// Four columns.
+type Matrix = [[f64; 4]; 4];
+
+const IDENTITY: Matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+
+fn product(a: &Matrix, b: &Matrix) -> Matrix {
+    std::array::from_fn(|column| std::array::from_fn(|row| (0..4).map(|k| a[k][row] * b[column][k]).sum()))
+}
+
+fn transformed(matrix: &Matrix, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    let [x, y, z] = [x, y, z].map(f64::from);
+    std::array::from_fn(|row| (matrix[0][row] * x + matrix[1][row] * y + matrix[2][row] * z + matrix[3][row]) as f32)
+}
+
+/// Whether it is a mirror image that comes out.
+fn mirrors([a, b, c, _]: &Matrix) -> bool {
+    let minor = |i: usize, j: usize| b[i] * c[j] - b[j] * c[i];
+    a[0] * minor(1, 2) + a[1] * minor(2, 0) + a[2] * minor(0, 1) < 0.0
+}
+
+/// `gltf` subtracts its header's size from the length that the file claims.
+fn check_binary_header(bytes: &[u8]) -> Result<(), String> {
+    if !bytes.starts_with(b"glTF") {
+        return Ok(());
+    }
+    let claimed = bytes.get(8..).and_then(<[u8]>::first_chunk).map(|length| u32::from_le_bytes(*length) as usize);
+    match claimed {
+        Some(claimed) if (12..=bytes.len()).contains(&claimed) => Ok(()),
+        Some(claimed) => Err(format!("{} bytes, expected {claimed} by its header", bytes.len())),
+        None => Err(format!("{} bytes, expected a header of 12", bytes.len())),
+    }
+}
+
+/// `gltf` validates a primitive by its accessor of positions, before it has validated that there is one.
+fn check_positions(document: &Document) -> Result<(), String> {
+    let json = document.as_json();
+    let accessors = json.accessors.len();
+    for (mesh, primitive) in
+        json.meshes.iter().enumerate().flat_map(|(m, mesh)| mesh.primitives.iter().map(move |p| (m, p)))
+    {
+        for index in primitive.attributes.values().map(|accessor| accessor.value()) {
+            if index >= accessors {
+                return Err(format!(
+                    "mesh {mesh} names accessor {index}, expected less than {accessors}, their number"
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The content of each buffer, at least as long as the file says.
+fn buffers(document: &Document, mut blob: Option<Vec<u8>>, path: &Path) -> Result<Vec<Vec<u8>>, String> {
+    let content = |buffer: gltf::Buffer| {
+        let content = match buffer.source() {
+            Source::Bin => blob.take().ok_or_else(|| "no binary chunk, expected one".to_string()),
+            Source::Uri(uri) => resource(uri, path),
+        };
+        let content = content.and_then(|content| match content.len() {
+            found if found < buffer.length() => Err(format!("{found} bytes, expected {}", buffer.length())),
+            _ => Ok(content),
+        });
+        content.map_err(|problem| format!("buffer {}: {problem}", buffer.index()))
+    };
+    document.buffers().map(content).collect()
+}
+
+fn resource(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        let (_, encoded) = data.split_once(";base64,").ok_or("data URI without ';base64,', expected it")?;
+        return BASE64.decode(encoded).map_err(|problem| format!("data URI is not base64: {problem}"));
+    }
+    if uri.contains("://") {
+        return Err(format!("'{uri}', expected a data URI or a file beside this one"));
+    }
+    let name = percent_decode_str(uri).decode_utf8().map_err(|_| format!("'{uri}', expected UTF-8 when decoded"))?;
+    let file = path.parent().unwrap_or(Path::new("")).join(&*name);
+    std::fs::read(&file).map_err(|problem| format!("{}: cannot read: {problem}", file.display()))
+}
+
+/// The mesh in the making.
+struct Placing {
+    buffers: Vec<Vec<u8>>,
+    soup: Soup,
+}
+
+impl Placing {
+    /// Appends the triangles of a primitive; one of points or lines has none.
+    fn place(&mut self, primitive: &Primitive, matrix: &Matrix) -> Result<(), String> {
+        if !matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            return Ok(());
+        }
+        let positions = primitive.get(&Semantic::Positions).ok_or("no POSITION, expected it")?;
+        let positions = self.positions(&positions).map_err(|problem| format!("POSITION: {problem}"))?;
+        let indices = match primitive.indices() {
+            Some(indices) => self.indices(&indices).map_err(|problem| format!("indices: {problem}"))?,
+            None => (0..positions.len() as u32).collect(),
+        };
+        if let Some(index) = indices.iter().find(|&&index| index as usize >= positions.len()) {
+            return Err(format!("index {index}, expected less than {}, the number of vertices", positions.len()));
+        }
+        let triangles = triangles(primitive.mode(), &indices);
+        if self.soup.triangles.len() + triangles.len() > MOST_TRIANGLES {
+            return Err(format!("more than {MOST_TRIANGLES} triangles with it, expected no more"));
+        }
+        let first = u32::try_from(self.soup.positions.len()).map_err(|_| "more than 2^32 vertices".to_string())?;
+        let mirrored = mirrors(matrix);
+        self.soup.positions.extend(positions.into_iter().map(|position| transformed(matrix, position)));
+        // Mirroring turns faces over; exchanging two corners turns them back.
+        self.soup.triangles.extend(triangles.into_iter().map(|[a, b, c]| {
+            if mirrored { [a, c, b].map(|index| first + index) } else { [a, b, c].map(|index| first + index) }
+        }));
+        Ok(())
+    }
+
+    fn positions(&self, accessor: &Accessor) -> Result<Vec<[f32; 3]>, String> {
+        if (accessor.data_type(), accessor.dimensions()) != (DataType::F32, Dimensions::Vec3) {
+            return Err(format!("{:?} of {:?}, expected Vec3 of F32", accessor.dimensions(), accessor.data_type()));
+        }
+        let number = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        Ok(self.items(accessor)?.map(|item| [number(&item[0..4]), number(&item[4..8]), number(&item[8..12])]).collect())
+    }
+
+    fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>, String> {
+        let index: fn(&[u8]) -> u32 = match (accessor.data_type(), accessor.dimensions()) {
+            (DataType::U8, Dimensions::Scalar) => |item| item[0].into(),
+            (DataType::U16, Dimensions::Scalar) => |item| u16::from_le_bytes([item[0], item[1]]).into(),
+            (DataType::U32, Dimensions::Scalar) => |item| u32::from_le_bytes([item[0], item[1], item[2], item[3]]),
+            (kind, dimensions) => return Err(format!("{dimensions:?} of {kind:?}, expected Scalar of U8, U16 or U32")),
+        };
+        Ok(self.items(accessor)?.map(index).collect())
+    }
+
+    /// The bytes of each item of an accessor, as many as an item has.
+    fn items(&self, accessor: &Accessor) -> Result<impl Iterator<Item = &[u8]>, String> {
+        if accessor.sparse().is_some() {
+            return Err("a sparse accessor, expected a plain one".to_string());
+        }
+        let view = accessor.view().ok_or("no buffer view, expected one")?;
+        let buffer = &self.buffers[view.buffer().index()];
+        let end = view.offset().checked_add(view.length());
+        let view_bytes = end.and_then(|end| buffer.get(view.offset()..end)).ok_or_else(|| {
+            let (offset, length, found) = (view.offset(), view.length(), buffer.len());
+            format!(
+                "a view of {length} bytes at {offset}, expected them within the {found} of buffer {}",
+                view.buffer().index()
+            )
+        })?;
+        let (size, count) = (accessor.size(), accessor.count());
+        let stride = view.stride().unwrap_or(size);
+        if stride < size {
+            return Err(format!("a stride of {stride}, expected at least {size}, the size of an item"));
+        }
+        let bytes = view_bytes.get(accessor.offset()..).unwrap_or_default();
+        let needed =
+            count.checked_sub(1).map(|steps| steps.checked_mul(stride).and_then(|before| before.checked_add(size)));
+        match needed {
+            None => Err("0 items, expected at least 1".to_string()),
+            Some(Some(needed)) if needed <= bytes.len() => {
+                Ok(bytes.chunks(stride).take(count).map(move |item| &item[..size]))
+            }
+            Some(_) => {
+                Err(format!("{count} items of {stride} bytes, expected no more than its {} bytes hold", bytes.len()))
+            }
+        }
+    }
+}
+
+fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        Mode::TriangleStrip => {
+            let turned = |(place, corners): (usize, &[u32])| match place % 2 {
+                0 => [corners[0], corners[1], corners[2]],
+                _ => [corners[1], corners[0], corners[2]],
+            };
+            indices.windows(3).enumerate().map(turned).collect()
+        }
+        Mode::TriangleFan => {
+            let Some((first, others)) = indices.split_first() else { return Vec::new() };
+            others.windows(2).map(|pair| [*first, pair[0], pair[1]]).collect()
+        }
+        _ => indices.as_chunks().0.to_vec(),
+    }
+}

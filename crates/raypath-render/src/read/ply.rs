@@ -1,0 +1,134 @@
+use super::{Parsed, Soup};
+use ply_rs_bw::parser::{Parser, Reader};
+use ply_rs_bw::ply::{Header, Property, PropertyAccess, PropertyAccessResult};
+use std::fmt::Display;
+use std::io::Cursor;
+
+/// By `ply-rs-bw`, after a look at what the header claims.
+pub(super) fn parse(bytes: &[u8]) -> Parsed {
+    let mut reader = Reader::new(Cursor::new(bytes));
+    let header = Parser::<Vertex>::new()
+        .read_header(&mut reader)
+        .map_err(|problem| format!("not PLY: {}", one_line(problem)))?;
+    check(&header, bytes.len())?;
+    let mut soup = Soup::default();
+    for (name, element) in &header.elements {
+        let wrong = |problem| format!("element {name}: {}", one_line(problem));
+        match name.as_str() {
+            "vertex" => {
+                let vertices = Parser::<Vertex>::new().read_payload_for_element(&mut reader, element, &header);
+                soup.positions.extend(vertices.map_err(wrong)?.into_iter().map(|vertex| vertex.0));
+            }
+            "face" => {
+                let faces =
+                    Parser::<Face>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
+                for (number, face) in faces.iter().enumerate() {
+                    face.fan(&mut soup.triangles).map_err(|problem| format!("face {number}: {problem}"))?;
+                }
+            }
+            _ => {
+                Parser::<Other>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
+            }
+        }
+    }
+    Ok(soup)
+}
+
+/// The library's messages run over several lines, and say each thing twice.
+fn one_line(problem: impl Display) -> String {
+    problem.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// The header has vertices with coordinates and faces with indices, and claims no more than can be there.
+fn check(header: &Header, length: usize) -> Result<(), String> {
+    for (name, element) in &header.elements {
+        if element.count > length {
+            return Err(format!(
+                "{} of element {name}, expected no more than the {length} bytes of the file",
+                element.count
+            ));
+        }
+    }
+    let has = |element: &str, properties: &[&str]| {
+        let known = header.elements.get(element);
+        known.is_some_and(|known| properties.iter().any(|property| known.properties.contains_key(*property)))
+    };
+    for axis in ["x", "y", "z"] {
+        if !has("vertex", &[axis]) {
+            return Err(format!("no property {axis} of element vertex, expected x, y and z"));
+        }
+    }
+    if !has("face", &FACE_INDICES) {
+        return Err(format!("no list {} of element face, expected one", FACE_INDICES.join(" or ")));
+    }
+    Ok(())
+}
+
+const FACE_INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+/// Coordinates that a vertex does not give stay NaN, which no mesh takes.
+struct Vertex([f32; 3]);
+
+/// The indices of a polygon.
+struct Face(Vec<i64>);
+
+/// An element that is of no interest.
+struct Other;
+
+impl PropertyAccess for Vertex {
+    fn new() -> Self {
+        Self([f32::NAN; 3])
+    }
+    fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
+        let axis = ["x", "y", "z"].into_iter().position(|axis| axis == name);
+        if let (Some(axis), Some(value)) = (axis, value.to_f32_lossy()) {
+            self.0[axis] = value;
+        }
+        PropertyAccessResult::Set
+    }
+}
+
+impl PropertyAccess for Face {
+    fn new() -> Self {
+        Self(Vec::new())
+    }
+    fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
+        if FACE_INDICES.contains(&name) {
+            self.0 = match value {
+                Property::ListChar(list) => list.into_iter().map(i64::from).collect(),
+                Property::ListUChar(list) => list.into_iter().map(i64::from).collect(),
+                Property::ListShort(list) => list.into_iter().map(i64::from).collect(),
+                Property::ListUShort(list) => list.into_iter().map(i64::from).collect(),
+                Property::ListInt(list) => list.into_iter().map(i64::from).collect(),
+                Property::ListUInt(list) => list.into_iter().map(i64::from).collect(),
+                _ => Vec::new(),
+            };
+        }
+        PropertyAccessResult::Set
+    }
+}
+
+impl PropertyAccess for Other {
+    fn new() -> Self {
+        Self
+    }
+    fn set_property(&mut self, _name: &str, _value: Property) -> PropertyAccessResult {
+        PropertyAccessResult::Set
+    }
+}
+
+impl Face {
+    /// The polygon's triangles, all of which have its first corner.
+    fn fan(&self, triangles: &mut Vec<[u32; 3]>) -> Result<(), String> {
+        let index = |&index: &i64| u32::try_from(index).map_err(|_| format!("index {index}, expected 0 or more"));
+        let corners: Vec<u32> = self.0.iter().map(index).collect::<Result<_, _>>()?;
+        let [first, others @ ..] = corners.as_slice() else {
+            return Err("0 corners, expected at least 3".to_string());
+        };
+        if others.len() < 2 {
+            return Err(format!("{} corners, expected at least 3", corners.len()));
+        }
+        triangles.extend(others.windows(2).map(|pair| [*first, pair[0], pair[1]]));
+        Ok(())
+    }
+}

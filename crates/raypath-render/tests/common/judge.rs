@@ -1,0 +1,229 @@
+//! What rays hit, by brute force over all triangles: exact, and what rounding allows the datapath to answer.
+//!
+//! The bounds are those of `docs/error-bounds.md`, in binary64, whose own error is 2⁻²⁹ of them; hence the 1.001.
+
+use super::exact;
+use raypath_ops::{Binary32, Ray};
+use raypath_render::{Hit, Mesh};
+
+const U: f64 = 1.001 / (1_u64 << 24) as f64;
+
+/// How the tracer's answer for a ray stands to exact geometry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// A miss where there is nothing, or one of the triangles that are exactly nearest.
+    Same,
+    /// Within the bounds of rounding, but another triangle than the nearest.
+    Other,
+    /// Within the bounds of rounding, a hit where exactly there is none.
+    HitNotMiss,
+    /// Within the bounds of rounding, a miss where exactly there is a hit.
+    MissNotHit,
+}
+
+/// All triangles of a mesh, in runs with spheres around them that tell most rays to pass by.
+pub struct Judge<'m> {
+    mesh: &'m Mesh,
+    runs: Vec<Run>,
+    two_sided: bool,
+}
+
+struct Run {
+    triangles: Vec<u32>,
+    centre: [f64; 3],
+    radius: f64,
+}
+
+/// A triangle that the ray may hit.
+struct Candidate {
+    index: u32,
+    /// The ray exactly passes through it.
+    exact: bool,
+    /// No rounding can make it a miss.
+    certain: bool,
+    /// The exact distance, where it is exactly hit.
+    t: f64,
+    /// Where the computed distance lies, if it is a hit.
+    least: f64,
+    greatest: f64,
+}
+
+impl<'m> Judge<'m> {
+    pub fn new(mesh: &'m Mesh, two_sided: bool) -> Self {
+        // Sorted along a curve that stays in a cube until all of it is done (Morton's), for small spheres.
+        let bounds = mesh.bounds();
+        let spread = |x: u32| (0..7).fold(0, |code, bit| code | (x >> bit & 1) << (3 * bit));
+        let cell = |index: u32| {
+            let [a, b, c] = mesh.corners(index);
+            let place = |k: usize| {
+                let side = (bounds.max[k] - bounds.min[k]).max(f32::MIN_POSITIVE);
+                let part = ((a[k] + b[k] + c[k]) / 3.0 - bounds.min[k]) / side;
+                spread((part * 128.0).clamp(0.0, 127.0) as u32)
+            };
+            place(0) << 2 | place(1) << 1 | place(2)
+        };
+        let mut order: Vec<u32> = (0..mesh.triangles().len() as u32).collect();
+        order.sort_by_key(|&index| cell(index));
+        let runs = order.chunks(24).map(|triangles| Run::new(mesh, triangles.to_vec())).collect();
+        Self { mesh, runs, two_sided }
+    }
+
+    /// Judges an answer; `Err` says what is wrong with one that rounding does not explain.
+    pub fn judge(&self, ray: &Ray<Binary32>, hit: Option<Hit>) -> Result<Verdict, String> {
+        let extent = f64::from(f32::from(ray.extent));
+        let candidates = self.candidates(ray);
+        let nearest = candidates.iter().filter(|c| c.exact && c.t <= extent).map(|c| c.t).fold(f64::INFINITY, f64::min);
+        let Some(hit) = hit else {
+            if let Some(missed) = candidates.iter().find(|c| c.certain && c.greatest <= extent) {
+                return Err(format!(
+                    "a miss, but triangle {} is certainly hit, at {} at most",
+                    missed.index, missed.greatest
+                ));
+            }
+            return Ok(if nearest.is_finite() { Verdict::MissNotHit } else { Verdict::Same });
+        };
+        let t = f64::from(hit.t);
+        let Some(found) = candidates.iter().find(|c| c.index == hit.triangle) else {
+            return Err(format!("{hit:?}, but the ray passes by that triangle"));
+        };
+        if !(found.least <= t && t <= found.greatest) {
+            return Err(format!("{hit:?}, expected a distance from {} to {}", found.least, found.greatest));
+        }
+        if t > extent {
+            return Err(format!("{hit:?} beyond the extent of {extent}"));
+        }
+        if let Some(nearer) = candidates.iter().find(|c| c.certain && c.greatest < t) {
+            return Err(format!(
+                "{hit:?}, but triangle {} is certainly nearer, at {} at most",
+                nearer.index, nearer.greatest
+            ));
+        }
+        Ok(match nearest {
+            _ if found.exact && found.t <= nearest * (1.0 + 1e-12) => Verdict::Same,
+            f64::INFINITY => Verdict::HitNotMiss,
+            _ => Verdict::Other,
+        })
+    }
+
+    fn candidates(&self, ray: &Ray<Binary32>) -> Vec<Candidate> {
+        let view = View::new(ray);
+        let runs = self.runs.iter().filter(|run| view.may_reach(run));
+        let mut candidates = Vec::new();
+        for &index in runs.flat_map(|run| &run.triangles) {
+            let [a, b, c] = self.mesh.corners(index);
+            candidates.extend(view.candidate(index, [a, b, c]));
+            if self.two_sided {
+                candidates.extend(view.candidate(index, [a, c, b]));
+            }
+        }
+        candidates
+    }
+}
+
+impl Run {
+    fn new(mesh: &Mesh, triangles: Vec<u32>) -> Self {
+        let corners: Vec<[f64; 3]> =
+            triangles.iter().flat_map(|&i| mesh.corners(i)).map(|c| c.map(f64::from)).collect();
+        let centre = std::array::from_fn(|k| corners.iter().map(|c| c[k]).sum::<f64>() / corners.len() as f64);
+        let distance = |c: &[f64; 3]| (0..3).map(|k| (c[k] - centre[k]).powi(2)).sum::<f64>().sqrt();
+        let radius = corners.iter().map(distance).fold(0.0, f64::max);
+        Self { triangles, centre, radius }
+    }
+}
+
+/// The exact ray, along its greatest axis.
+struct View {
+    o32: [f32; 3],
+    d32: [f32; 3],
+    o: [f64; 3],
+    d: [f64; 3],
+    k: [usize; 3],
+    sx: f64,
+    sy: f64,
+}
+
+/// A vertex as the ray sees it, with the magnitudes of which its coordinates are differences.
+#[derive(Clone, Copy)]
+struct Seen {
+    x: f64,
+    y: f64,
+    z: f64,
+    mx: f64,
+    my: f64,
+}
+
+impl View {
+    fn new(ray: &Ray<Binary32>) -> Self {
+        let (o32, d32): ([f32; 3], [f32; 3]) = (ray.origin.into(), ray.dir.into());
+        let (o, d) = (o32.map(f64::from), d32.map(f64::from));
+        let kz = (0..3).rev().max_by(|&i, &j| d[i].abs().total_cmp(&d[j].abs())).unwrap();
+        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
+        let k = if d[kz] < 0.0 { [ky, kx, kz] } else { [kx, ky, kz] };
+        Self { o32, d32, o, d, k, sx: d[k[0]] / d[kz], sy: d[k[1]] / d[kz] }
+    }
+
+    /// Whether the line comes near the sphere, by far more than rounding.
+    fn may_reach(&self, run: &Run) -> bool {
+        let r: [f64; 3] = std::array::from_fn(|k| run.centre[k] - self.o[k]);
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let (rr, rd, dd) = (dot(r, r), dot(r, self.d), dot(self.d, self.d));
+        let radius = run.radius + 1e-4 * (rr.sqrt() + run.radius);
+        rr - rd * rd / dd <= radius * radius
+    }
+
+    fn see(&self, p: [f32; 3]) -> Seen {
+        let [kx, ky, kz] = self.k;
+        let r: [f64; 3] = std::array::from_fn(|k| f64::from(p[k]) - self.o[k]);
+        let (ax, ay) = (self.sx * r[kz], self.sy * r[kz]);
+        Seen {
+            x: r[kx] - ax,
+            y: r[ky] - ay,
+            z: r[kz] / self.d[kz],
+            mx: r[kx].abs() + ax.abs(),
+            my: r[ky].abs() + ay.abs(),
+        }
+    }
+
+    /// A triangle whose front the ray may hit.
+    fn candidate(&self, index: u32, corners: [[f32; 3]; 3]) -> Option<Candidate> {
+        let seen = corners.map(|p| self.see(p));
+        let (mut edges, mut magnitudes) = ([0.0; 3], [0.0; 3]);
+        for i in 0..3 {
+            // U is opposite of A: from C and B.
+            let (p, q) = (seen[(i + 2) % 3], seen[(i + 1) % 3]);
+            edges[i] = p.x * q.y - p.y * q.x;
+            magnitudes[i] = p.mx * q.my + p.my * q.mx;
+            if edges[i] < -10.0 * U * magnitudes[i] {
+                return None;
+            }
+        }
+        let depths = seen.map(|p| p.z);
+        let (low, high) =
+            (depths.iter().copied().fold(f64::INFINITY, f64::min), depths.iter().copied().fold(0.0, f64::max));
+        if high <= 0.0 {
+            return None;
+        }
+        let sum: f64 = edges.iter().sum();
+        let magnitude: f64 = magnitudes.iter().sum();
+        let signs: [i32; 3] = std::array::from_fn(|i| {
+            if edges[i].abs() > 1e-13 * magnitudes[i] {
+                return if edges[i] > 0.0 { 1 } else { -1 };
+            }
+            exact::side(self.o32, self.d32, corners[(i + 1) % 3], corners[(i + 2) % 3])
+        });
+        let t = (0..3).map(|i| edges[i] * depths[i]).sum::<f64>() / sum;
+        let exact = signs.iter().all(|&sign| sign >= 0) && signs.iter().any(|&sign| sign > 0) && t > 0.0;
+        let in_front = low > 0.0;
+        let certain = in_front && (0..3).all(|i| edges[i] > 10.0 * U * magnitudes[i]);
+        // Where a vertex is behind the origin the mean's terms have both signs, and 19 roundings are of the greatest.
+        let slack = 19.0 * U * depths.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
+        let (mut least, mut greatest) = (low - slack, high + slack);
+        let denominator = sum - 12.0 * U * magnitude;
+        if exact && denominator > 0.0 {
+            let spread = depths.iter().map(|z| (z - t).abs()).fold(0.0, f64::max);
+            let bound = slack + 11.0 * U * magnitude / denominator * spread;
+            (least, greatest) = (least.max(t - bound), greatest.min(t + bound));
+        }
+        Some(Candidate { index, exact, certain, t, least, greatest })
+    }
+}

@@ -1,0 +1,178 @@
+//! The tree's structure, and the machine that descends it.
+
+mod common;
+
+use common::meshes;
+use common::rays::{Kind, rays};
+use raypath_model::Functional;
+use raypath_ops::{Aabb, Binary32, Ray, Rules};
+use raypath_render::bvh::{Reference, Target};
+use raypath_render::{Bvh4, Goal, Mesh, Scene, Step, Stopped, Tracer, Tracing, Traversal, trace_closest};
+use std::collections::VecDeque;
+
+fn numbers(aabb: Aabb<Binary32>) -> [[f32; 2]; 3] {
+    [aabb.x, aabb.y, aabb.z].map(|slab| [slab.min.into(), slab.max.into()])
+}
+
+/// Every triangle is in one leaf; every box holds all below it, by at least the pad but not by much more.
+fn check(mesh: &Mesh) {
+    let reach = 16.0 * mesh.bounds().longest_side();
+    let tree = Bvh4::build(mesh, reach).unwrap();
+    let mut met = vec![0; mesh.triangles().len()];
+    let mut nodes = 0;
+    let mut deepest = 0;
+    let mut waiting = vec![(Reference::ROOT, [[f32::NEG_INFINITY, f32::INFINITY]; 3], 0)];
+    while let Some((reference, around, kept)) = waiting.pop() {
+        match reference.target() {
+            Target::Node(node) => {
+                nodes += 1;
+                let node = tree.nodes()[node as usize];
+                let mut children = 0;
+                let before = waiting.len();
+                for (aabb, child) in node.boxes.map(numbers).into_iter().zip(node.children) {
+                    if aabb == [[f32::INFINITY, f32::NEG_INFINITY]; 3] {
+                        continue;
+                    }
+                    children += 1;
+                    for axis in 0..3 {
+                        assert!(around[axis][0] <= aabb[axis][0] && aabb[axis][1] <= around[axis][1]);
+                    }
+                    waiting.push((child, aabb, 0));
+                }
+                // Where all are hit, all but one wait while that one is opened.
+                deepest = deepest.max(kept + children);
+                waiting[before..].iter_mut().for_each(|below| below.2 = kept + children - 1);
+                assert!(children > 0);
+            }
+            Target::Leaf { first, count } => {
+                assert!((1..=8).contains(&count));
+                let mut exact = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+                for place in first..first + count {
+                    let index = tree.index(place);
+                    met[index as usize] += 1;
+                    for corner in mesh.corners(index) {
+                        for axis in 0..3 {
+                            let [min, max] = &mut exact[axis];
+                            (*min, *max) = (min.min(corner[axis].into()), max.max(corner[axis].into()));
+                        }
+                    }
+                }
+                let pad = 12.0 * f64::from(reach) / f64::from(1 << 24);
+                for axis in 0..3 {
+                    let outside =
+                        [exact[axis][0] - f64::from(around[axis][0]), f64::from(around[axis][1]) - exact[axis][1]];
+                    let ulp = 2.0 * f64::from(f32::EPSILON) * (pad + exact[axis][0].abs().max(exact[axis][1].abs()));
+                    assert!(
+                        outside.iter().all(|&beyond| (pad..=pad + ulp).contains(&beyond)),
+                        "{outside:?} {pad} {ulp}"
+                    );
+                }
+            }
+        }
+    }
+    assert!(met.iter().all(|&times| times == 1));
+    assert_eq!(nodes, tree.nodes().len());
+    assert_eq!(deepest, tree.stack_size());
+}
+
+#[test]
+fn trees_are_whole() {
+    for meshes::Named { mesh, .. } in meshes::all() {
+        check(&mesh);
+    }
+}
+
+#[test]
+fn degenerate_meshes_have_trees() {
+    let one = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    for copies in [1, 2, 3, 5, 9, 100, 5_000] {
+        check(&Mesh::new(one.clone(), vec![[0, 1, 2]; copies]).unwrap());
+        check(&Mesh::new(one.clone(), vec![[0, 0, 0]; copies]).unwrap());
+    }
+    // Flat, and in a line.
+    let grid: Vec<[f32; 3]> = (0..1_000).map(|i| [(i % 40) as f32, (i / 40) as f32, 0.0]).collect();
+    let line: Vec<[f32; 3]> = (0..1_000).map(|i| [i as f32, 0.0, 0.0]).collect();
+    let triangles: Vec<[u32; 3]> = (0..950).map(|i| [i, i + 1, i + 40]).collect();
+    check(&Mesh::new(grid, triangles.clone()).unwrap());
+    check(&Mesh::new(line, triangles).unwrap());
+    // Sizes that grow without end make deep trees.
+    let growing: Vec<[f32; 3]> =
+        (0..234).map(|i| [(1.3_f32).powi(i / 3 - 40), (i % 3) as f32, (i % 2) as f32]).collect();
+    check(&Mesh::new(growing, (0..78).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap());
+}
+
+#[test]
+fn equal_triangles_are_hit_by_lowest_index() {
+    let one = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let scene = Scene::new(Mesh::new(one, vec![[0, 1, 2]; 1_000]).unwrap()).unwrap();
+    let front = Ray::new([0.25, 0.25, 5.0], [0.0, 0.0, -1.0], 5.0).unwrap();
+    let behind = Ray::new([0.25, 0.25, -5.0], [0.0, 0.0, 1.0], f32::INFINITY).unwrap();
+    let short = Ray::new([0.25, 0.25, 5.0], [0.0, 0.0, -1.0], 5.0_f32.next_down()).unwrap();
+    let trace =
+        |ray, two_sided| Tracer::new(&scene, Tracing { two_sided, rules: Rules::Paper }).trace(&ray, Goal::Closest);
+    let hit = trace(front, false).unwrap();
+    assert_eq!((hit.triangle, hit.t, hit.from_behind), (0, 5.0, false));
+    assert_eq!(trace(short, true), None);
+    assert_eq!(trace(behind, false), None);
+    let hit = trace(behind, true).unwrap();
+    assert_eq!((hit.triangle, hit.t, hit.from_behind), (0, 5.0, true));
+}
+
+/// Answers that come late change nothing: a machine whose jobs are answered only when it waits ends like one whose jobs
+/// are answered at once.
+#[test]
+fn late_answers_change_nothing() {
+    let mesh = meshes::real("bunny").mesh;
+    let scene = Scene::new(mesh).unwrap();
+    for two_sided in [false, true] {
+        for rules in [Rules::Paper, Rules::Chisel] {
+            let tracing = Tracing { two_sided, rules };
+            let (mut at_once, mut late) = (Tracer::new(&scene, tracing), Traversal::new(scene.bvh(), tracing));
+            assert!(matches!(late.step(), Step::Done));
+            for ray in rays(scene.mesh(), Kind::Random, 2_000, 6) {
+                for goal in [Goal::Closest, Goal::Any] {
+                    let expected = at_once.trace(&ray, goal);
+                    late.start(ray, goal);
+                    let fetches = run_late(&mut late, rules);
+                    assert_eq!(late.hit().is_some(), expected.is_some());
+                    let counts = late.counts();
+                    assert_eq!(fetches, counts.nodes + counts.leaves);
+                    assert_eq!(counts.nodes, counts.quadbox);
+                    if goal == Goal::Closest {
+                        assert_eq!((late.hit(), counts), (expected, at_once.counts()));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Runs a machine to its end with the functional model, and counts what it fetches.
+fn run_late(machine: &mut Traversal, rules: Rules) -> u64 {
+    let (mut datapath, mut pending, mut fetches) = (Functional::<16, 8>::new(rules), VecDeque::new(), 0);
+    loop {
+        let step = machine.step();
+        pending.extend(machine.job(&step));
+        match step {
+            Step::Fetch(_) => fetches += 1,
+            Step::Boxes(_) | Step::Triangle(_) => {}
+            Step::Wait => machine.answer(&datapath.run(&pending.pop_front().unwrap())),
+            Step::Done => {
+                assert!(pending.is_empty());
+                return fetches;
+            }
+        }
+    }
+}
+
+#[test]
+fn results_do_not_depend_on_threads_and_stop_when_told() {
+    let scene = Scene::new(meshes::real("teapot").mesh).unwrap();
+    let rays = rays(scene.mesh(), Kind::Random, 20_000, 7);
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| trace_closest(&scene, &rays, Tracing::default(), &|_| true).unwrap())
+    };
+    assert_eq!(with(1), with(3));
+    assert_eq!(trace_closest(&scene, &rays, Tracing::default(), &|done| done > 100_000), Err(Stopped));
+}
