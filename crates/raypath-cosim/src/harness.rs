@@ -4,6 +4,9 @@ use raypath_hdl::Module;
 
 /// Reads a frame of inputs from standard input for each cycle, and writes a frame of outputs. Words are 64 bits in the
 /// machine's byte order, which is little-endian wherever Verilator is at home.
+///
+/// With a number as argument it first reads all frames, then runs them so many times and writes the seconds that each
+/// time took, a line each: how fast the model is without pipes.
 pub fn main_file(top: &Module) -> String {
     let mut drive = String::new();
     let mut words = 0;
@@ -29,18 +32,35 @@ pub fn main_file(top: &Module) -> String {
     };
     let (inputs, outputs) = (input_words(top).max(1), top.outputs().len().max(1));
     format!(
-        r#"#include <cstdint>
+        r#"#include <chrono>
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
+#include <vector>
 
 #include "Vtop.h"
 #include "verilated.h"
 
-int main() {{
+int main(int argc, char** argv) {{
   VerilatedContext context;
   Vtop top{{&context}};
   static uint64_t in[{inputs}];
   static uint64_t out[{outputs}];
-{reset}  while (std::fread(in, sizeof in, 1, stdin) == 1) {{
+{reset}  if (argc > 1) {{
+    std::vector<uint64_t> frames;
+    while (std::fread(in, sizeof in, 1, stdin) == 1) frames.insert(frames.end(), in, in + {inputs});
+    for (long times = std::strtol(argv[1], nullptr, 10); times > 0; --times) {{
+      auto begin = std::chrono::steady_clock::now();
+      for (const uint64_t* in = frames.data(); in != frames.data() + frames.size(); in += {inputs}) {{
+{fall}{drive}    top.eval();
+{rise}      }}
+      std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+      std::printf("%.9f\n", seconds.count());
+    }}
+    top.final();
+    return std::fflush(stdout) == 0 ? 0 : 1;
+  }}
+  while (std::fread(in, sizeof in, 1, stdin) == 1) {{
 {fall}{drive}    top.eval();
 {sample}    if (std::fwrite(out, sizeof out, 1, stdout) != 1) return 1;
 {rise}  }}

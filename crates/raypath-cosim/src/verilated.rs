@@ -18,13 +18,15 @@ const BUFFER: usize = 1 << 16;
 pub struct Options {
     /// The `-O` with which the C++ is compiled: 1 is built quickly, 3 runs long campaigns faster.
     pub c_optimisation: u32,
+    /// Whether the C++ may use all instructions of this machine (`-march=native`).
+    pub native: bool,
     /// Compilers at a time.
     pub jobs: usize,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { c_optimisation: 1, jobs: std::thread::available_parallelism().map_or(1, usize::from) }
+        Self { c_optimisation: 1, native: false, jobs: std::thread::available_parallelism().map_or(1, usize::from) }
     }
 }
 
@@ -76,7 +78,13 @@ impl Verilated {
             "--prefix",
             "Vtop",
         ]);
-        command.args(["-CFLAGS", &format!("-O{}", options.c_optimisation), "-j", &options.jobs.max(1).to_string()]);
+        let native = if options.native { " -march=native" } else { "" };
+        command.args([
+            "-CFLAGS",
+            &format!("-O{}{native}", options.c_optimisation),
+            "-j",
+            &options.jobs.max(1).to_string(),
+        ]);
         command.args(["--top-module", top.name(), "-Mdir"]).arg(&objects).args(files).arg(&main);
         tool::run(&mut command, VERILATOR)?;
         Ok(Self { program: objects.join("Vtop"), inputs: harness::input_words(top), outputs: top.outputs().len() })
@@ -113,6 +121,28 @@ impl Verilated {
             return Err(CosimError::Tool { tool: self.program.display().to_string(), output });
         }
         Ok(())
+    }
+
+    /// How long the model takes for these frames, in seconds, without the pipes: each of `times` runs through all of them.
+    pub fn time(&self, frames: impl Iterator<Item = Vec<u64>>, times: usize) -> Result<Vec<f64>, CosimError> {
+        let failed = |problem| failed(&self.program, problem);
+        let mut command = Command::new(&self.program);
+        command.arg(times.to_string()).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut process = Process(command.spawn().map_err(failed)?);
+        let (Some(input), Some(mut output)) = (process.0.stdin.take(), process.0.stdout.take()) else {
+            return Err(failed(io::Error::from(ErrorKind::BrokenPipe)));
+        };
+        // Nothing is written before all is read, so one pipe after the other.
+        self.send(frames, input)?;
+        let mut text = String::new();
+        output.read_to_string(&mut text).map_err(failed)?;
+        let status = process.0.wait().map_err(failed)?;
+        let seconds: Vec<f64> = text.lines().map_while(|line| line.parse().ok()).collect();
+        if !status.success() || seconds.len() != times {
+            let output = format!("{status} after {} of {times} runs", seconds.len());
+            return Err(CosimError::Tool { tool: self.program.display().to_string(), output });
+        }
+        Ok(seconds)
     }
 
     /// Gives the number of frames sent. A reader that has gone away is no error here: its status tells more.

@@ -3,7 +3,8 @@
 //! From one function for each operation come synthesizable SystemVerilog ([`rtl`]), a bit-exact functional model and a
 //! cycle-exact one ([`model`]). This crate joins them, and adds what surrounds them: files of transactions
 //! ([`transactions`]), traffic with bubbles and stalls ([`traffic`]), and engines that carry jobs through any of the
-//! three ([`engine`]), for every configuration ([`models`]).
+//! three ([`engine`]), for every configuration ([`models`]). Real work goes through the datapath in [`render`] and
+//! [`search`]; [`timing`] says how long it takes, [`utilisation`] how busy the units are, and [`report`] draws it.
 //!
 //! ```
 //! use raypath::ops::{Aabb, Job, Outcome, Ray, RayBoxInput, Rules};
@@ -22,7 +23,11 @@ pub use raypath_format as format;
 pub use raypath_hdl as hdl;
 pub use raypath_model as model;
 pub use raypath_ops as ops;
+pub use raypath_render as render;
+pub use raypath_report as report;
 pub use raypath_rtl as rtl;
+pub use raypath_search as search;
+pub use raypath_timing as timing;
 
 pub mod accuracy;
 pub mod check;
@@ -38,4 +43,5 @@ pub mod traffic;
 mod transaction_format;
 mod transaction_lines;
 pub mod transactions;
+pub mod utilisation;
 pub mod verify;

@@ -1,7 +1,7 @@
 //! `raypath explore`: many configurations beside each other.
 
 use crate::commands::Failure;
-use crate::commands::bench::BenchArguments;
+use crate::commands::measuring::BenchArguments;
 use crate::commands::output::write_all;
 use crate::commands::ppa::{self, design};
 use clap::Args;

@@ -7,6 +7,7 @@ mod configuration;
 mod explore;
 mod failure;
 mod generate;
+mod measuring;
 mod numbers;
 mod output;
 mod ppa;
@@ -52,6 +53,8 @@ enum Command {
     Ppa(ppa::Arguments),
     /// Measure many configurations and draw area against clock and throughput
     Explore(explore::Arguments),
+    /// Measure how fast the models are, beside Verilator and other libraries
+    Bench(bench::Arguments),
     /// Hold the datapath's claims against independent oracles: proofs, campaigns, mutations
     Verify(verify::Arguments),
 }
@@ -68,6 +71,7 @@ impl CommandLine {
             Command::Accuracy(arguments) => accuracy::run(&arguments, out),
             Command::Ppa(arguments) => ppa::run(&arguments, out),
             Command::Explore(arguments) => explore::run(&arguments, out),
+            Command::Bench(arguments) => bench::run(&arguments, out),
             Command::Verify(arguments) => verify::run(&arguments, out),
         }
     }

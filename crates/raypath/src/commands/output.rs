@@ -8,19 +8,19 @@ use tempfile::NamedTempFile;
 
 /// Writes all of these files, or none: each is written beside its place first, and moved when every one is there.
 /// Folders that are made for them go again where that fails.
-pub fn write_all(files: &[(PathBuf, String)]) -> Result<(), Failure> {
+pub fn write_all<T: AsRef<[u8]>>(files: &[(PathBuf, T)]) -> Result<(), Failure> {
     let mut targets = Vec::new();
-    for (path, text) in files {
-        targets.push((target(path)?, text));
+    for (path, bytes) in files {
+        targets.push((target(path)?, bytes));
     }
     let mut folders = NewFolders(Vec::new());
     let mut written = Vec::new();
-    for (path, text) in &targets {
+    for (path, bytes) in &targets {
         let folder = path.parent().unwrap_or(Path::new("."));
         folders.create(folder)?;
         let mut file =
             NamedTempFile::new_in(folder).map_err(|problem| Failure::file(folder, "write in the folder", problem))?;
-        file.write_all(text.as_bytes()).map_err(|problem| Failure::file(path, "write", problem))?;
+        file.write_all(bytes.as_ref()).map_err(|problem| Failure::file(path, "write", problem))?;
         make_readable(&file).map_err(|problem| Failure::file(path, "set its permissions", problem))?;
         written.push((path, file));
     }

@@ -1,8 +1,8 @@
 //! `raypath ppa`: area and timing of the datapath in a cell library.
 
 use crate::commands::Failure;
-use crate::commands::bench::BenchArguments;
 use crate::commands::configuration::ConfigArguments;
+use crate::commands::measuring::BenchArguments;
 use crate::commands::output::write_all;
 use clap::Args;
 use raypath::ppa::{self, Design, Earlier, Report};

@@ -1,0 +1,80 @@
+//! What `ppa` and `explore` measure with.
+
+use crate::commands::Failure;
+use crate::commands::numbers::whole;
+use crate::commands::progress::Progress;
+use clap::{Args, ValueEnum};
+use raypath::ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, OpenSta, Report, Yosys, YosysKind};
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub struct BenchArguments {
+    /// The cell library: a Liberty file, plain or gzip
+    #[arg(long, default_value = DEFAULT_LIBRARY, value_name = "FILE")]
+    liberty: PathBuf,
+    /// The clock period that gates are chosen for, in nanoseconds; not a limit
+    #[arg(long, default_value_t = 12.0, value_parser = period, value_name = "NS")]
+    period: f64,
+    /// How many programs may run at a time [default: as many as there are cores]
+    #[arg(long, value_parser = whole(1..=u16::MAX))]
+    jobs: Option<u16>,
+    /// Where results are kept, so that nothing is done twice
+    #[arg(long, default_value = "build/ppa-cache", value_name = "DIR")]
+    cache: PathBuf,
+    /// Which Yosys: the program, or Python's module [default: the module if it is installed]
+    #[arg(long)]
+    yosys: Option<WhichYosys>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum WhichYosys {
+    Program,
+    Pyosys,
+}
+
+impl BenchArguments {
+    /// Finds the library and the tools, and measures designs with a progress bar.
+    pub fn measure(&self, designs: &[Design]) -> Result<Vec<Report>, Failure> {
+        let kind = self.yosys.map(|which| match which {
+            WhichYosys::Program => YosysKind::Program,
+            WhichYosys::Pyosys => YosysKind::Python,
+        });
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        let bench = Bench {
+            library: Library::read(&self.liberty)?,
+            yosys: Yosys::find(kind)?,
+            sta: OpenSta::find()?,
+            period: self.period,
+            jobs: self.jobs.map_or_else(cores, usize::from),
+            cache: self.cache.clone(),
+        };
+        let mut progress: Option<Progress> = None;
+        let mut reached = (0, 0);
+        let result = bench.measure(designs, |steps| {
+            reached = (steps.done, steps.total);
+            // With all in the cache there is nothing to show.
+            steps.total == 0 || progress.get_or_insert_with(|| Progress::new("steps", steps.total)).at(steps.done)
+        });
+        // A stop is told below, with what it means.
+        let _ = progress.map(|progress| progress.finish(reached.0));
+        match result {
+            Err(Error::Stopped) => {
+                let (done, total) = reached;
+                let kept = "what is done is kept, and the same command goes on from there";
+                Err(Failure::Interrupted(format!("after {done} of {total} steps; {kept}")))
+            }
+            other => Ok(other?),
+        }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Unusable(error.to_string())
+    }
+}
+
+fn period(text: &str) -> Result<f64, String> {
+    let period = text.parse().ok().filter(|period: &f64| (0.001..=1e6).contains(period));
+    period.ok_or_else(|| "expected nanoseconds, 0.001 to 1000000".to_string())
+}
