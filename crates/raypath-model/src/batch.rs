@@ -55,8 +55,15 @@ impl<const E: usize, const A: usize> Batch<E, A> {
 
     /// Answers blocks of jobs, as many as there are places for answers.
     pub fn quadbox(&self, jobs: &[RayBoxInput<Packed>], answers: &mut [RayBoxOutput<Packed>]) {
-        let op = RayBox { rules: self.rules };
-        dispatch!(self.level, simd => run(simd, &op, jobs, answers, &mut ()));
+        // Apart, so that the rules are known when this is compiled.
+        match self.rules {
+            Rules::Paper => {
+                dispatch!(self.level, simd => run(simd, &RayBox { rules: Rules::Paper }, jobs, answers, &mut ()));
+            }
+            Rules::Chisel => {
+                dispatch!(self.level, simd => run(simd, &RayBox { rules: Rules::Chisel }, jobs, answers, &mut ()));
+            }
+        }
     }
 
     /// Answers blocks of jobs, as many as there are places for answers.

@@ -5,6 +5,7 @@
 
 use crate::alike::{Alike, Of};
 use crate::bundle::Bundle;
+use crate::rules;
 use std::fmt::{Arguments, Debug};
 use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 
@@ -79,6 +80,31 @@ pub trait Circuit: Copy + Debug + PartialEq {
     fn smaller(self, a: Self::Num, b: Self::Num) -> Self::Num {
         let less = self.relation(self.compare(a, b), Relation::Less);
         self.select_num(self.or(less, self.test(Test::Nan, b)), a, b)
+    }
+    /// The largest of three numbers and zero, NaNs left out, a zero being +0; `name` is whose it is.
+    #[inline(always)]
+    fn largest_or_zero(self, name: Arguments<'_>, numbers: [Num<Self>; 3]) -> Num<Self> {
+        rules::largest_or_zero(self, name, numbers)
+    }
+    /// The smallest of three numbers and the extent, NaNs left out, of zeros any; NaN where there is nothing else.
+    #[inline(always)]
+    fn smallest_or_extent(self, name: Arguments<'_>, numbers: [Num<Self>; 3], extent: Num<Self>) -> Num<Self> {
+        rules::smallest_or_extent(self, name, numbers, extent)
+    }
+    /// The numbers, exchanged where `condition` holds.
+    #[inline(always)]
+    fn exchange_num(self, condition: Self::Bit, a: Self::Num, b: Self::Num) -> (Self::Num, Self::Num) {
+        (self.select_num(condition, b, a), self.select_num(condition, a, b))
+    }
+    /// The truth values, exchanged where `condition` holds.
+    #[inline(always)]
+    fn exchange_bit(self, condition: Self::Bit, a: Self::Bit, b: Self::Bit) -> (Self::Bit, Self::Bit) {
+        (self.select_bit(condition, b, a), self.select_bit(condition, a, b))
+    }
+    /// The words, exchanged where `condition` holds.
+    #[inline(always)]
+    fn exchange_word(self, condition: Self::Bit, a: Self::Word, b: Self::Word) -> (Self::Word, Self::Word) {
+        (self.select_word(condition, b, a), self.select_word(condition, a, b))
     }
     /// A part of an operation that is the same for each of several things.
     #[inline(always)]
@@ -175,6 +201,9 @@ pub struct Order<C: Circuit> {
 pub trait Select<C: Circuit>: Copy {
     /// `if_true` where `condition` holds, else `if_false`.
     fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self;
+
+    /// The two, exchanged where `condition` holds.
+    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self);
 }
 
 impl<C: Circuit> Num<C> {
@@ -296,6 +325,12 @@ impl<C: Circuit> Bit<C> {
         T::select(self, if_true, if_false)
     }
 
+    /// The two, exchanged where it holds.
+    #[inline(always)]
+    pub fn exchange<T: Select<C>>(self, a: T, b: T) -> (T, T) {
+        T::exchange(self, a, b)
+    }
+
     /// Both or neither.
     #[inline(always)]
     pub fn same_as(self, other: Self) -> Self {
@@ -389,6 +424,13 @@ impl<C: Circuit> Select<C> for Num<C> {
         let c = condition.circuit;
         Self::new(c, c.select_num(condition.value, if_true.value, if_false.value))
     }
+
+    #[inline(always)]
+    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self) {
+        let c = condition.circuit;
+        let (a, b) = c.exchange_num(condition.value, a.value, b.value);
+        (Self::new(c, a), Self::new(c, b))
+    }
 }
 
 impl<C: Circuit> Select<C> for Bit<C> {
@@ -397,6 +439,13 @@ impl<C: Circuit> Select<C> for Bit<C> {
         let c = condition.circuit;
         Self::new(c, c.select_bit(condition.value, if_true.value, if_false.value))
     }
+
+    #[inline(always)]
+    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self) {
+        let c = condition.circuit;
+        let (a, b) = c.exchange_bit(condition.value, a.value, b.value);
+        (Self::new(c, a), Self::new(c, b))
+    }
 }
 
 impl<C: Circuit, const W: u32> Select<C> for Word<C, W> {
@@ -404,5 +453,12 @@ impl<C: Circuit, const W: u32> Select<C> for Word<C, W> {
     fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
         let c = condition.circuit;
         Self::new(c, c.select_word(condition.value, if_true.value, if_false.value))
+    }
+
+    #[inline(always)]
+    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self) {
+        let c = condition.circuit;
+        let (a, b) = c.exchange_word(condition.value, a.value, b.value);
+        (Self::new(c, a), Self::new(c, b))
     }
 }

@@ -1,9 +1,10 @@
 //! Operations over SIMD lanes: one instruction computes the same number of several jobs.
 
-use crate::circuit::{Circuit, Relation, Test};
+use crate::circuit::{Circuit, Num, Relation, Test};
+use crate::rules;
 use fearless_simd::prelude::*;
-use fearless_simd::{Select, Simd, f32x4, mask32x4, u32x4};
-use std::fmt;
+use fearless_simd::{Select, Simd, f32x4, i32x4, mask32x4, u8x16, u32x4};
+use std::fmt::{self, Arguments};
 use std::marker::PhantomData;
 
 /// Binary32 numbers side by side in SIMD registers: what a job computes over [`Binary32`](crate::Binary32), each lane
@@ -21,11 +22,15 @@ pub struct Lanes<S, W = Native> {
 /// How many lanes there are.
 pub trait Width<S: Simd>: 'static {
     /// A register of numbers.
-    type Nums: SimdFloat<S, Element = f32, Mask = Self::Bits>;
+    type Nums: SimdFloat<S, Element = f32, Mask = Self::Bits, ByteVector = Self::Bytes>;
     /// A register of words.
-    type Words: SimdInt<S, Element = u32, Mask = Self::Bits>;
+    type Words: SimdInt<S, Element = u32, Mask = Self::Bits, ByteVector = Self::Bytes>;
+    /// A register of truth values as words, zeros or ones.
+    type Ints: SimdInt<S, Element = i32, Mask = Self::Bits, ByteVector = Self::Bytes>;
     /// A register of truth values.
-    type Bits: SimdMask<S> + Select<Self::Nums> + Select<Self::Words>;
+    type Bits: SimdMask<S, Ints = Self::Ints> + Select<Self::Nums> + Select<Self::Words>;
+    /// A register as bytes.
+    type Bytes: SimdBase<S, Element = u8, ByteVector = Self::Bytes>;
 }
 
 /// As many lanes as the machine's registers have.
@@ -43,13 +48,17 @@ pub struct Row<T>(pub T);
 impl<S: Simd> Width<S> for Native {
     type Nums = S::f32s;
     type Words = S::u32s;
+    type Ints = S::i32s;
     type Bits = S::mask32s;
+    type Bytes = S::u8s;
 }
 
 impl<S: Simd> Width<S> for Four {
     type Nums = f32x4<S>;
     type Words = u32x4<S>;
+    type Ints = i32x4<S>;
     type Bits = mask32x4<S>;
+    type Bytes = u8x16<S>;
 }
 
 impl<S: Simd, W: Width<S>> Lanes<S, W> {
@@ -67,7 +76,38 @@ impl<S: Simd, W: Width<S>> Lanes<S, W> {
     pub fn simd(self) -> S {
         self.simd
     }
+
+    /// `a` where it is greater, else `b`: `b` too where either is NaN, and where they are equal.
+    #[inline(always)]
+    fn greater(self, a: W::Nums, b: W::Nums) -> W::Nums {
+        // That is what x86's MAXPS answers, and no other machine's maximum.
+        if X86 { a.max(b) } else { a.simd_gt(b).select(a, b) }
+    }
+
+    /// `a` where it is less, else `b`: `b` too where either is NaN, and where they are equal.
+    #[inline(always)]
+    fn lesser(self, a: W::Nums, b: W::Nums) -> W::Nums {
+        if X86 { a.min(b) } else { a.simd_lt(b).select(a, b) }
+    }
+
+    /// Two registers, exchanged where `condition` holds.
+    #[inline(always)]
+    fn exchange<T: Copy + Bytes<Bytes = W::Bytes>>(self, condition: W::Bits, a: T, b: T) -> (T, T)
+    where
+        W::Bits: Select<T>,
+    {
+        // Before AVX-512, x86's choices take up to three instructions each; these are four for both.
+        if X86 && self.simd.level().as_avx512().is_none() {
+            let (a, b, ones) = (a.bitcast::<W::Ints>(), b.bitcast::<W::Ints>(), condition.to_vector());
+            let change = (a ^ b) & ones;
+            ((a ^ change).bitcast(), (b ^ change).bitcast())
+        } else {
+            (condition.select(b, a), condition.select(a, b))
+        }
+    }
 }
+
+const X86: bool = cfg!(any(target_arch = "x86", target_arch = "x86_64"));
 
 impl<S: Simd, W: Width<S>> Circuit for Lanes<S, W>
 where
@@ -160,11 +200,42 @@ where
     }
     #[inline(always)]
     fn select_bit(self, condition: Self::Bit, if_true: Self::Bit, if_false: Self::Bit) -> Self::Bit {
-        Row((condition.0 & if_true.0) | (!condition.0 & if_false.0))
+        Row(if_false.0 ^ (condition.0 & (if_true.0 ^ if_false.0)))
     }
     #[inline(always)]
     fn select_word(self, condition: Self::Bit, if_true: Self::Word, if_false: Self::Word) -> Self::Word {
         Row(condition.0.select(if_true.0, if_false.0))
+    }
+
+    #[inline(always)]
+    fn largest_or_zero(self, _name: Arguments<'_>, [x, y, z]: [Num<Self>; 3]) -> Num<Self> {
+        // What is second is never NaN, and a zero's place is taken by no other.
+        let z0 = self.greater(z.value.0, self.constant(0.0).0);
+        Num::new(self, Row(self.greater(x.value.0, self.greater(y.value.0, z0))))
+    }
+    #[inline(always)]
+    fn smallest_or_extent(self, name: Arguments<'_>, numbers: [Num<Self>; 3], extent: Num<Self>) -> Num<Self> {
+        if extent.value.0.is_nan().any_true() {
+            return rules::smallest_or_extent(self, name, numbers, extent);
+        }
+        let [x, y, z] = numbers;
+        let z_extent = self.lesser(z.value.0, extent.value.0);
+        Num::new(self, Row(self.lesser(x.value.0, self.lesser(y.value.0, z_extent))))
+    }
+    #[inline(always)]
+    fn exchange_num(self, condition: Self::Bit, a: Self::Num, b: Self::Num) -> (Self::Num, Self::Num) {
+        let (a, b) = self.exchange(condition.0, a.0, b.0);
+        (Row(a), Row(b))
+    }
+    #[inline(always)]
+    fn exchange_bit(self, condition: Self::Bit, a: Self::Bit, b: Self::Bit) -> (Self::Bit, Self::Bit) {
+        let change = (a.0 ^ b.0) & condition.0;
+        (Row(a.0 ^ change), Row(b.0 ^ change))
+    }
+    #[inline(always)]
+    fn exchange_word(self, condition: Self::Bit, a: Self::Word, b: Self::Word) -> (Self::Word, Self::Word) {
+        let (a, b) = self.exchange(condition.0, a.0, b.0);
+        (Row(a), Row(b))
     }
 }
 

@@ -101,8 +101,9 @@ impl Alike for Slabs {
                 let Aabb { x, y, z } = distance[i];
                 let slabs = [(x, ray.dir.x, ray.inv.x), (y, ray.dir.y, ray.inv.y), (z, ray.dir.z, ray.inv.z)];
                 let backwards: [Bit<C>; 3] = array_of!(k => self.rules.runs_backwards(c, slabs[k].1, slabs[k].2));
-                let near: [Num<C>; 3] = array_of!(k => backwards[k].select(slabs[k].0.max, slabs[k].0.min));
-                let far: [Num<C>; 3] = array_of!(k => backwards[k].select(slabs[k].0.min, slabs[k].0.max));
+                let ends: [(Num<C>, Num<C>); 3] =
+                    array_of!(k => backwards[k].exchange(slabs[k].0.min, slabs[k].0.max));
+                let (near, far): ([Num<C>; 3], [Num<C>; 3]) = (array_of!(k => ends[k].0), array_of!(k => ends[k].1));
                 for (k, axis) in ["x", "y", "z"].iter().enumerate() {
                     c.label(format_args!("near_{i}_{axis}"), &near[k]);
                     c.label(format_args!("far_{i}_{axis}"), &far[k]);

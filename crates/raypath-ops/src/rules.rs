@@ -53,14 +53,8 @@ impl Rules {
     #[inline(always)]
     pub(crate) fn entry<C: Circuit>(self, c: C, name: Arguments<'_>, [x, y, z]: [Num<C>; 3]) -> Num<C> {
         match self {
-            // Zero comes last, and ties take the second: so a zero is +0.
-            Rules::Paper => {
-                let (xy, z0) = (x.larger(y), z.larger(c.zero()));
-                c.label(format_args!("{name}_xy"), &xy);
-                c.label(format_args!("{name}_z0"), &z0);
-                xy.larger(z0)
-            }
-            Rules::Chisel => sort_four(c, name, [x, y, z, c.zero()], swaps_descending)[0],
+            Rules::Paper => c.largest_or_zero(name, [x, y, z]),
+            Rules::Chisel => self.sort_four(c, name, [x, y, z, c.zero()])[0],
         }
     }
 
@@ -68,13 +62,9 @@ impl Rules {
     #[inline(always)]
     pub(crate) fn exit<C: Circuit>(self, c: C, name: Arguments<'_>, [x, y, z]: [Num<C>; 3], extent: Num<C>) -> Num<C> {
         match self {
-            Rules::Paper => {
-                let (xy, z_extent) = (x.smaller(y), z.smaller(extent));
-                c.label(format_args!("{name}_xy"), &xy);
-                c.label(format_args!("{name}_z_extent"), &z_extent);
-                xy.smaller(z_extent)
-            }
-            Rules::Chisel => sort_four(c, name, [x, y, z, extent], swaps_descending)[3],
+            // It is only compared, so a zero's sign does not matter.
+            Rules::Paper => c.smallest_or_extent(name, [x, y, z], extent),
+            Rules::Chisel => self.sort_four(c, name, [x, y, z, extent])[3],
         }
     }
 
@@ -91,13 +81,42 @@ impl Rules {
     /// Nearest hit first, misses last.
     #[inline(always)]
     pub(crate) fn sort<C: Circuit>(self, c: C, boxes: [Place<C>; 4]) -> [Place<C>; 4] {
+        let sorted = self.sort_four(c, "sort", boxes);
         match self {
-            Rules::Paper => sort_four(c, "sort", boxes, follows),
+            Rules::Paper => sorted,
             Rules::Chisel => {
-                let [first, second, third, last] = sort_four(c, "sort", boxes, is_no_farther);
+                let [first, second, third, last] = sorted;
                 [last, third, second, first]
             }
         }
+    }
+
+    /// Five compare-and-swaps, (0,2) (1,3) (0,1) (2,3) (1,2).
+    #[inline(always)]
+    fn sort_four<C: Circuit, T: Sort<C>>(self, c: C, name: impl Display + Copy, mut items: [T; 4]) -> [T; 4] {
+        // One by one, so that every place is known when this is compiled.
+        self.compare_and_swap(c, name, &mut items, [0, 0, 2]);
+        self.compare_and_swap(c, name, &mut items, [1, 1, 3]);
+        self.compare_and_swap(c, name, &mut items, [2, 0, 1]);
+        self.compare_and_swap(c, name, &mut items, [3, 2, 3]);
+        self.compare_and_swap(c, name, &mut items, [4, 1, 2]);
+        items
+    }
+
+    /// Step number `step`: the items in places `i` and `j`.
+    #[inline(always)]
+    fn compare_and_swap<C: Circuit, T: Sort<C>>(
+        self,
+        c: C,
+        name: impl Display,
+        items: &mut [T; 4],
+        [step, i, j]: [usize; 3],
+    ) {
+        let swap = T::swaps(self, items[i], items[j]);
+        (items[i], items[j]) = swap.exchange(items[i], items[j]);
+        c.label(format_args!("{name}_swap_{step}"), &swap);
+        c.label(format_args!("{name}_{step}_first"), &items[i]);
+        c.label(format_args!("{name}_{step}_second"), &items[j]);
     }
 
     /// Whether the ray hits the triangle's front.
@@ -118,6 +137,53 @@ impl Rules {
     }
 }
 
+/// The largest of three numbers and zero, NaNs left out. Zero comes last, and ties take the second: so a zero is +0.
+#[inline(always)]
+pub(crate) fn largest_or_zero<C: Circuit>(c: C, name: Arguments<'_>, [x, y, z]: [Num<C>; 3]) -> Num<C> {
+    let (xy, z0) = (x.larger(y), z.larger(c.zero()));
+    c.label(format_args!("{name}_xy"), &xy);
+    c.label(format_args!("{name}_z0"), &z0);
+    xy.larger(z0)
+}
+
+/// The smallest of three numbers and the extent, NaNs left out; NaN where there is nothing else.
+#[inline(always)]
+pub(crate) fn smallest_or_extent<C: Circuit>(
+    c: C,
+    name: Arguments<'_>,
+    [x, y, z]: [Num<C>; 3],
+    extent: Num<C>,
+) -> Num<C> {
+    let (xy, z_extent) = (x.smaller(y), z.smaller(extent));
+    c.label(format_args!("{name}_xy"), &xy);
+    c.label(format_args!("{name}_z_extent"), &z_extent);
+    xy.smaller(z_extent)
+}
+
+/// What a sorting network sorts.
+trait Sort<C: Circuit>: Select<C> + Bundle<C> {
+    /// Whether `b` must come before `a`.
+    fn swaps(rules: Rules, a: Self, b: Self) -> Bit<C>;
+}
+
+impl<C: Circuit> Sort<C> for Place<C> {
+    #[inline(always)]
+    fn swaps(rules: Rules, a: Self, b: Self) -> Bit<C> {
+        match rules {
+            Rules::Paper => precedes(b, a),
+            Rules::Chisel => Num::swaps(rules, a.tmin, b.tmin),
+        }
+    }
+}
+
+impl<C: Circuit> Sort<C> for Num<C> {
+    /// The original's order, descending: what is not greater or equal changes places, so that unordered numbers do.
+    #[inline(always)]
+    fn swaps(_rules: Rules, a: Self, b: Self) -> Bit<C> {
+        !a.compare(b).greater_or_equal()
+    }
+}
+
 /// Nearer before farther; at the same distance hits before misses, then by index.
 #[inline(always)]
 fn precedes<C: Circuit>(a: Place<C>, b: Place<C>) -> Bit<C> {
@@ -125,42 +191,6 @@ fn precedes<C: Circuit>(a: Place<C>, b: Place<C>) -> Bit<C> {
     let only_a_hits = a.hit & !b.hit;
     let tie = only_a_hits | (a.hit.same_as(b.hit) & a.index.less(b.index));
     distance.less() | (distance.equal() & tie)
-}
-
-/// The same the other way round.
-#[inline(always)]
-fn follows<C: Circuit>(a: Place<C>, b: Place<C>) -> Bit<C> {
-    precedes(b, a)
-}
-
-/// The original's order of boxes, farthest first.
-#[inline(always)]
-fn is_no_farther<C: Circuit>(a: Place<C>, b: Place<C>) -> Bit<C> {
-    swaps_descending(a.tmin, b.tmin)
-}
-
-/// The original's order: what is not greater or equal changes places, so that unordered numbers do.
-#[inline(always)]
-fn swaps_descending<C: Circuit>(a: Num<C>, b: Num<C>) -> Bit<C> {
-    !a.compare(b).greater_or_equal()
-}
-
-/// Five compare-and-swaps, (0,2) (1,3) (0,1) (2,3) (1,2): `swaps(a, b)` says that `b` must come before `a`.
-#[inline(always)]
-fn sort_four<C: Circuit, T: Select<C> + Bundle<C>>(
-    c: C,
-    name: impl Display + Copy,
-    mut items: [T; 4],
-    swaps: impl Fn(T, T) -> Bit<C>,
-) -> [T; 4] {
-    for (step, (i, j)) in [(0, 2), (1, 3), (0, 1), (2, 3), (1, 2)].into_iter().enumerate() {
-        let swap = swaps(items[i], items[j]);
-        (items[i], items[j]) = (swap.select(items[j], items[i]), swap.select(items[i], items[j]));
-        c.label(format_args!("{name}_swap_{step}"), &swap);
-        c.label(format_args!("{name}_{step}_first"), &items[i]);
-        c.label(format_args!("{name}_{step}_second"), &items[j]);
-    }
-    items
 }
 
 impl<C: Circuit> Select<C> for Place<C> {
@@ -171,6 +201,13 @@ impl<C: Circuit> Select<C> for Place<C> {
             tmin: condition.select(if_true.tmin, if_false.tmin),
             index: condition.select(if_true.index, if_false.index),
         }
+    }
+
+    #[inline(always)]
+    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self) {
+        let (hit, tmin) = (condition.exchange(a.hit, b.hit), condition.exchange(a.tmin, b.tmin));
+        let index = condition.exchange(a.index, b.index);
+        (Self { hit: hit.0, tmin: tmin.0, index: index.0 }, Self { hit: hit.1, tmin: tmin.1, index: index.1 })
     }
 }
 
