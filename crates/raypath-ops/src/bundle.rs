@@ -2,7 +2,7 @@
 //! structure and are listed nowhere else.
 
 use crate::circuit::{Bit, Circuit, Flags, Num, Word};
-use std::fmt::Write;
+use std::fmt::{Arguments, Write};
 
 /// A structure of values of circuit `C`. Implemented for [`Num`], [`Bit`], [`Word`], [`Flags`], arrays, `()` and,
 /// by the macro `bundle!`, for structures of them.
@@ -61,20 +61,34 @@ impl Path {
         Self { name: String::new(), is_unnamed: true }
     }
 
-    /// Runs `f` with `segment` appended.
-    pub fn with<T>(&mut self, segment: impl std::fmt::Display, f: impl FnOnce(&mut Self) -> T) -> T {
-        if self.is_unnamed {
-            return f(self);
-        }
+    /// Appends a segment, until [`leave`](Self::leave) is told what this answers.
+    // Not a function around another: there are thousands of these, and each would be one more to compile.
+    #[inline]
+    pub fn enter(&mut self, segment: &str) -> usize {
+        if self.is_unnamed { 0 } else { self.append(format_args!("{segment}")) }
+    }
+
+    /// Appends a number likewise.
+    #[inline]
+    pub fn enter_number(&mut self, segment: usize) -> usize {
+        if self.is_unnamed { 0 } else { self.append(format_args!("{segment}")) }
+    }
+
+    /// Takes the segment away that was appended last.
+    #[inline]
+    pub fn leave(&mut self, entered: usize) {
+        self.name.truncate(entered);
+    }
+
+    #[inline(never)]
+    fn append(&mut self, segment: Arguments<'_>) -> usize {
         let length = self.name.len();
         if length > 0 {
             self.name.push('_');
         }
         // Writing to a String cannot fail.
         let _ = write!(self.name, "{segment}");
-        let result = f(self);
-        self.name.truncate(length);
-        result
+        length
     }
 
     fn field(&self) -> Field<'_> {
@@ -123,11 +137,18 @@ impl<C: Circuit, const N: usize> Bundle<C> for Flags<C, N> {
 
 impl<C: Circuit, B: Bundle<C>, const N: usize> Bundle<C> for [B; N] {
     fn build<S: Source<C> + ?Sized>(path: &mut Path, source: &mut S) -> Self {
-        std::array::from_fn(|i| path.with(i, |path| B::build(path, source)))
+        std::array::from_fn(|i| {
+            let entered = path.enter_number(i);
+            let element = B::build(path, source);
+            path.leave(entered);
+            element
+        })
     }
     fn each<S: Sink<C> + ?Sized>(&self, path: &mut Path, sink: &mut S) {
         for (i, element) in self.iter().enumerate() {
-            path.with(i, |path| element.each(path, sink));
+            let entered = path.enter_number(i);
+            element.each(path, sink);
+            path.leave(entered);
         }
     }
 }
@@ -204,10 +225,19 @@ macro_rules! bundle {
 
         impl<C: $crate::Circuit $(, const $n: usize)?> $crate::Bundle<C> for $name<C $(, $n)?> {
             fn build<S: $crate::Source<C> + ?Sized>(path: &mut $crate::Path, source: &mut S) -> Self {
-                Self { $($field: path.with(stringify!($field), |path| <$type>::build(path, source)),)* }
+                $(
+                    let entered = path.enter(stringify!($field));
+                    let $field = <$type>::build(path, source);
+                    path.leave(entered);
+                )*
+                Self { $($field),* }
             }
             fn each<S: $crate::Sink<C> + ?Sized>(&self, path: &mut $crate::Path, sink: &mut S) {
-                $(path.with(stringify!($field), |path| self.$field.each(path, sink));)*
+                $(
+                    let entered = path.enter(stringify!($field));
+                    self.$field.each(path, sink);
+                    path.leave(entered);
+                )*
             }
         }
     };
