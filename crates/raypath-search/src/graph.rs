@@ -208,7 +208,7 @@ impl<'v, const E: usize, const A: usize> Beats<'v, E, A> {
     fn query(&self, vector: &[f32], log: Option<Mutex<Vec<u32>>>) -> Query {
         let (norm, evaluations) = match self.metric {
             Metric::Euclidean => (0.0, 0),
-            Metric::Angular => (kernel::pair::<A>(vector, vector, kernel::product), 1),
+            Metric::Angular => (kernel::norm::<A>(vector), 1),
         };
         Query { vector: vector.to_vec(), norm, evaluations: AtomicU64::new(evaluations), log }
     }
@@ -222,10 +222,8 @@ impl<'v, const E: usize, const A: usize> Beats<'v, E, A> {
     fn exactly(&self, query: &Query, index: u32) -> f64 {
         let (candidate, norm) = self.vector(index);
         match self.metric {
-            Metric::Euclidean => euclidean_distance(kernel::pair::<E>(&query.vector, candidate, kernel::squared)),
-            Metric::Angular => {
-                cosine_distance(kernel::pair::<A>(&query.vector, candidate, kernel::product), query.norm, norm)
-            }
+            Metric::Euclidean => euclidean_distance(kernel::squared::<E>(&query.vector, candidate)),
+            Metric::Angular => cosine_distance(kernel::dot_product::<A>(&query.vector, candidate), query.norm, norm),
         }
     }
 
@@ -253,10 +251,8 @@ impl<const E: usize, const A: usize> Distance<Item> for Beats<'_, E, A> {
         };
         let (candidate, norm) = self.vector(*candidate);
         match self.metric {
-            Metric::Euclidean => kernel::pair::<E>(query, candidate, kernel::squared),
-            Metric::Angular => {
-                cosine_distance(kernel::pair::<A>(query, candidate, kernel::product), query_norm, norm) as f32
-            }
+            Metric::Euclidean => kernel::squared::<E>(query, candidate),
+            Metric::Angular => cosine_distance(kernel::dot_product::<A>(query, candidate), query_norm, norm) as f32,
         }
     }
 }
