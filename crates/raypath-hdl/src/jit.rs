@@ -1,11 +1,12 @@
-//! Native code for a flat netlist. All use of Cranelift, and all that is `unsafe`, is in this file.
+//! Native code for a flat netlist. All use of Cranelift is in here and below, and all that is `unsafe` in this file.
 #![allow(unsafe_code)]
+
+mod operators;
 
 use crate::Error;
 use crate::flatten::Flat;
 use crate::graph::Operation;
-use crate::netlist::{Driver, SignalId, mask};
-use cranelift_codegen::ir::condcodes::IntCC;
+use crate::netlist::{Driver, SignalId};
 use cranelift_codegen::ir::types::I64;
 use cranelift_codegen::ir::{
     AbiParam, FuncRef, InstBuilder, MemFlagsData, StackSlot, StackSlotData, StackSlotKind, Value,
@@ -13,6 +14,7 @@ use cranelift_codegen::ir::{
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Module, default_libcall_names};
+use operators::Word;
 
 /// A compiled netlist.
 pub struct Code {
@@ -152,7 +154,7 @@ enum Store {
     Observed(usize),
 }
 
-/// The body of one function. Every value is 64 bits wide, those above the signal's width zero.
+/// The body of one function.
 struct Body<'a> {
     builder: FunctionBuilder<'a>,
     flat: &'a Flat,
@@ -160,7 +162,7 @@ struct Body<'a> {
     parameters: Vec<Value>,
     callees: Vec<FuncRef>,
     /// By node.
-    values: Vec<Value>,
+    values: Vec<Word>,
     /// By call that has been made: where its outputs are.
     results: Vec<Option<Results>>,
 }
@@ -176,13 +178,15 @@ impl Body<'_> {
     fn emit(mut self, target: cranelift_codegen::isa::TargetFrontendConfig) {
         let mut stores = self.stores().into_iter().peekable();
         for (place, node) in self.flat.nodes.iter().enumerate() {
-            let value = match &node.operation {
-                Operation::Input(input) => self.input(*input),
-                Operation::Register(register) => self.load(self.parameters[0], *register),
-                Operation::Result { call, output } => self.result(*call, *output),
+            // What comes from memory or from outside has zeros above its width.
+            let outside = |value| Word { value, bits: node.width };
+            let word = match &node.operation {
+                Operation::Input(input) => outside(self.input(*input)),
+                Operation::Register(register) => outside(self.load(self.parameters[0], *register)),
+                Operation::Result { call, output } => outside(self.result(*call, *output)),
                 Operation::Operator(driver) => self.operator(driver, node.width),
             };
-            self.values.push(value);
+            self.values.push(word);
             while let Some((_, store)) = stores.next_if(|(ready, _)| *ready == place) {
                 self.emit_store(store);
             }
@@ -211,22 +215,25 @@ impl Body<'_> {
         match (store, self.frame) {
             (Store::Register(place), Frame::Cycle { .. }) => {
                 let register = &self.flat.registers[place];
-                let mut value = self.value(register.next);
+                let mut value = self.clean(register.next);
                 if let Some(enable) = register.enable {
-                    let (enable, current) = (self.value(enable), self.value(register.signal));
+                    let (enable, current) = (self.clean(enable), self.clean(register.signal));
                     value = self.builder.ins().select(enable, value, current);
                 }
                 self.store(value, self.parameters[1], place);
             }
             (Store::Output(place), Frame::Cycle { inputs, .. }) => {
-                self.store(self.value(self.flat.outputs[place]), self.parameters[2], inputs + place);
+                let value = self.clean(self.flat.outputs[place]);
+                self.store(value, self.parameters[2], inputs + place);
             }
             (Store::Output(place), Frame::Function { inputs }) => {
-                self.store(self.value(self.flat.outputs[place]), self.parameters[inputs], place);
+                let value = self.clean(self.flat.outputs[place]);
+                self.store(value, self.parameters[inputs], place);
             }
             (Store::Observed(place), Frame::Cycle { inputs, .. }) => {
                 let slot = inputs + self.flat.outputs.len() + place;
-                self.store(self.value(self.flat.observed[place]), self.parameters[2], slot);
+                let value = self.clean(self.flat.observed[place]);
+                self.store(value, self.parameters[2], slot);
             }
             (Store::Register(_) | Store::Observed(_), Frame::Function { .. }) => {
                 unreachable!("functions have no registers and observe nothing")
@@ -234,8 +241,20 @@ impl Body<'_> {
         }
     }
 
-    fn value(&self, id: SignalId) -> Value {
+    fn word(&self, id: SignalId) -> Word {
         self.values[id.index()]
+    }
+
+    fn width(&self, id: SignalId) -> u32 {
+        self.flat.nodes[id.index()].width
+    }
+
+    /// The operator that makes a signal, if it is one.
+    fn driver(&self, id: SignalId) -> Option<&Driver> {
+        match &self.flat.nodes[id.index()].operation {
+            Operation::Operator(driver) => Some(driver),
+            _ => None,
+        }
     }
 
     fn input(&mut self, input: usize) -> Value {
@@ -269,8 +288,9 @@ impl Body<'_> {
     }
 
     fn call(&mut self, call: usize) -> Results {
-        let (function, inputs) = (self.flat.calls[call].0, &self.flat.calls[call].1.inputs);
-        let arguments: Vec<Value> = inputs.iter().map(|&id| self.value(id)).collect();
+        let flat = self.flat;
+        let (function, inputs) = (flat.calls[call].0, &flat.calls[call].1.inputs);
+        let arguments: Vec<Value> = inputs.iter().map(|&id| self.clean(id)).collect();
         if let Frame::Cycle { remembered, .. } = self.frame
             && let Some(place) = remembered[call]
         {
@@ -312,136 +332,7 @@ impl Body<'_> {
         Results::Memory(results)
     }
 
-    fn operator(&mut self, driver: &Driver, width: u32) -> Value {
-        let v = |id: &SignalId| self.values[id.index()];
-        let width_of = |id: &SignalId| self.flat.nodes[id.index()].width;
-        match driver {
-            Driver::Constant(value) => self.constant(*value),
-            Driver::Not(a) => {
-                let (a, ones) = (v(a), self.constant(mask(width)));
-                self.builder.ins().bxor(a, ones)
-            }
-            Driver::And(a, b) => {
-                let (a, b) = (v(a), v(b));
-                self.builder.ins().band(a, b)
-            }
-            Driver::Or(a, b) => {
-                let (a, b) = (v(a), v(b));
-                self.builder.ins().bor(a, b)
-            }
-            Driver::Xor(a, b) => {
-                let (a, b) = (v(a), v(b));
-                self.builder.ins().bxor(a, b)
-            }
-            Driver::Add(a, b) => {
-                let (a, b) = (v(a), v(b));
-                let sum = self.builder.ins().iadd(a, b);
-                self.masked(sum, width)
-            }
-            Driver::Sub(a, b) => {
-                let (a, b) = (v(a), v(b));
-                let difference = self.builder.ins().isub(a, b);
-                self.masked(difference, width)
-            }
-            Driver::Mul(a, b) => {
-                let (a, b) = (v(a), v(b));
-                self.builder.ins().imul(a, b)
-            }
-            Driver::Equal(a, b) => self.compare(IntCC::Equal, v(a), v(b)),
-            Driver::Less(a, b) => self.compare(IntCC::UnsignedLessThan, v(a), v(b)),
-            Driver::Any(a) => {
-                let (a, zero) = (v(a), self.constant(0));
-                self.compare(IntCC::NotEqual, a, zero)
-            }
-            Driver::All(a) => {
-                let (a, ones) = (v(a), self.constant(mask(width_of(a))));
-                self.compare(IntCC::Equal, a, ones)
-            }
-            Driver::ShiftLeft(a, amount) => {
-                let (value, by, wide) = (v(a), v(amount), width_of(amount) > 6);
-                let shifted = self.builder.ins().ishl(value, by);
-                let shifted = self.masked(shifted, width);
-                self.unless_too_far(shifted, by, wide)
-            }
-            Driver::ShiftRight(a, amount) => {
-                let (value, by, wide) = (v(a), v(amount), width_of(amount) > 6);
-                let shifted = self.builder.ins().ushr(value, by);
-                self.unless_too_far(shifted, by, wide)
-            }
-            Driver::Mux { select, if_true, if_false } => {
-                let (select, if_true, if_false) = (v(select), v(if_true), v(if_false));
-                self.builder.ins().select(select, if_true, if_false)
-            }
-            Driver::Case { selector, arms, default } => {
-                let selector = v(selector);
-                let mut value = v(default);
-                for arm in arms {
-                    let label = self.constant(arm.label.value);
-                    let matches = self.builder.ins().icmp(IntCC::Equal, selector, label);
-                    value = self.builder.ins().select(matches, self.values[arm.value.index()], value);
-                }
-                value
-            }
-            Driver::Concat(parts) => self.concat(parts),
-            Driver::Slice { source, low } => {
-                let (value, rest) = (v(source), width_of(source) - low);
-                let value = if *low == 0 {
-                    value
-                } else {
-                    let low = self.constant(u64::from(*low));
-                    self.builder.ins().ushr(value, low)
-                };
-                if rest == width { value } else { self.masked(value, width) }
-            }
-            Driver::Alias(a) => v(a),
-            Driver::Input | Driver::Register(_) | Driver::Instance { .. } => {
-                unreachable!("the graph makes operations of their own of these")
-            }
-        }
-    }
-
     fn constant(&mut self, value: u64) -> Value {
         self.builder.ins().iconst(I64, value as i64)
-    }
-
-    fn masked(&mut self, value: Value, width: u32) -> Value {
-        if width == 64 {
-            return value;
-        }
-        let mask = self.constant(mask(width));
-        self.builder.ins().band(value, mask)
-    }
-
-    fn compare(&mut self, condition: IntCC, a: Value, b: Value) -> Value {
-        let bit = self.builder.ins().icmp(condition, a, b);
-        self.builder.ins().uextend(I64, bit)
-    }
-
-    /// The machine shifts by `amount` modulo 64: an amount that can be more needs a test.
-    fn unless_too_far(&mut self, shifted: Value, amount: Value, amount_is_wide: bool) -> Value {
-        if !amount_is_wide {
-            return shifted;
-        }
-        let (limit, zero) = (self.constant(64), self.constant(0));
-        let near = self.builder.ins().icmp(IntCC::UnsignedLessThan, amount, limit);
-        self.builder.ins().select(near, shifted, zero)
-    }
-
-    fn concat(&mut self, parts: &[SignalId]) -> Value {
-        let mut position = 0;
-        let mut whole = None;
-        for id in parts.iter().rev() {
-            let mut part = self.values[id.index()];
-            if position > 0 {
-                let by = self.constant(position);
-                part = self.builder.ins().ishl(part, by);
-            }
-            whole = Some(match whole {
-                Some(rest) => self.builder.ins().bor(rest, part),
-                None => part,
-            });
-            position += u64::from(self.flat.nodes[id.index()].width);
-        }
-        whole.unwrap_or_else(|| self.constant(0))
     }
 }

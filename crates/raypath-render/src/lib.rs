@@ -3,7 +3,8 @@
 //! Every test of a ray against boxes or a triangle is a job of the datapath: [`RayBox`](raypath_ops::RayBox) and
 //! [`RayTriangle`](raypath_ops::RayTriangle). What stands around them is the external circuit of *A Hardware Ray Tracer
 //! Datapath with Generalized Features*: the stack, the division t_num / t_denom, and shading. [`Traversal`] is that
-//! circuit for one ray, step by step, for whoever carries its jobs; [`trace_closest`] and [`trace_any`] carry them at once.
+//! circuit for one ray, an agent that says which jobs it needs: [`trace_closest`] and [`trace_any`] answer them at once, and
+//! [`time_picture`] and [`time_rays`] by a cycle-exact model of the datapath, to see how long that takes.
 
 pub mod builtin;
 pub mod bvh;
@@ -16,6 +17,7 @@ pub mod rays;
 pub mod read;
 pub mod render;
 mod scene;
+mod timing;
 pub mod trace;
 mod vector;
 
@@ -29,4 +31,5 @@ pub use rays::{RaysError, parse_rays, read_rays, write_hits};
 pub use read::{Format, ReadError, parse_mesh, read_mesh};
 pub use render::{RenderError, Rendering, Shading, render};
 pub use scene::Scene;
-pub use trace::{Counts, Goal, Hit, Step, Tracer, Tracing, Traversal, trace_any, trace_closest};
+pub use timing::{Bundle, Hardware, PictureError, Sample, Still, sweep_picture, sweep_rays, time_picture, time_rays};
+pub use trace::{Counts, Goal, Hit, Tracer, Tracing, Traversal, trace_any, trace_closest};

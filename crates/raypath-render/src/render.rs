@@ -1,13 +1,16 @@
 //! From a scene and a camera to a picture.
 
+mod brush;
 mod light;
 
-use crate::camera::{Camera, View};
+pub(crate) use brush::{Aim, Brush, Painter};
+
+use crate::camera::Camera;
 use crate::picture::{Picture, heatmap};
 use crate::progress::{Progress, Stopped};
 use crate::scene::Scene;
-use crate::trace::{Counts, Goal, Tracer, Tracing};
-use light::Light;
+use crate::trace::{Counts, Tracer, Tracing};
+use brush::Kind;
 use rayon::prelude::*;
 use raypath_ops::RayError;
 use thiserror::Error;
@@ -98,20 +101,14 @@ pub const MOST_SIDE: u32 = 1 << 16;
 pub fn render(
     scene: &Scene,
     camera: &Camera,
-    (width, height): (u32, u32),
+    size: (u32, u32),
     shading: &Shading,
     watch: &(dyn Fn(u64) -> bool + Sync),
 ) -> Result<Rendering, RenderError> {
-    let pixels = u64::from(width) * u64::from(height);
-    if pixels == 0 || pixels > MOST_PIXELS || width.max(height) > MOST_SIDE {
-        return Err(RenderError::Size { width, height });
-    }
-    if !(1..=64).contains(&shading.samples) {
-        return Err(RenderError::Samples(shading.samples));
-    }
-    let painter = Painter { scene, view: camera.view(width, height), light: Light::new(scene, camera), shading };
+    let painter = Painter::new(scene, camera, size, shading)?;
+    let (width, height) = size;
     let progress = Progress::new(watch);
-    let mut canvas = vec![Pixel::default(); pixels as usize];
+    let mut canvas = vec![Pixel::default(); painter.pixels()];
     let rows = canvas.par_chunks_mut(width as usize).enumerate().map(|(row, pixels)| {
         let mut spent = Spent::default();
         if progress.is_stopped() {
@@ -120,7 +117,13 @@ pub fn render(
         let mut tracer = Tracer::new(scene, shading.tracing);
         for (column, pixel) in pixels.iter_mut().enumerate() {
             let before = spent.jobs();
-            pixel.colour = painter.pixel(&mut tracer, (column as u32, row as u32), width, &mut spent)?;
+            let mut brush = painter.brush(row * width as usize + column);
+            let mut hit = None;
+            while let Some(Aim { ray, kind }) = brush.next(hit)? {
+                hit = tracer.trace(&ray, kind.goal());
+                spent.of(kind).add(&tracer, hit.is_some());
+            }
+            pixel.colour = brush.colour();
             pixel.jobs = u32::try_from(spent.jobs() - before).unwrap_or(u32::MAX);
         }
         progress.add(width.into());
@@ -155,6 +158,14 @@ struct Spent {
 }
 
 impl Spent {
+    fn of(&mut self, kind: Kind) -> &mut Costs {
+        match kind {
+            Kind::Primary => &mut self.primary,
+            Kind::Shadow => &mut self.shadow,
+            Kind::Occlusion => &mut self.occlusion,
+        }
+    }
+
     fn jobs(&self) -> u64 {
         [self.primary, self.shadow, self.occlusion].iter().map(|costs| costs.counts.jobs()).sum()
     }
@@ -176,64 +187,5 @@ impl Costs {
     /// Takes in the ray that was traced last.
     fn add(&mut self, tracer: &Tracer, hit: bool) {
         *self = self.and(Self { rays: 1, hits: hit.into(), counts: tracer.counts() });
-    }
-}
-
-struct Painter<'s> {
-    scene: &'s Scene,
-    view: View,
-    light: Light,
-    shading: &'s Shading,
-}
-
-impl Painter<'_> {
-    fn pixel(
-        &self,
-        tracer: &mut Tracer,
-        (x, y): (u32, u32),
-        width: u32,
-        spent: &mut Spent,
-    ) -> Result<[u8; 3], RayError> {
-        let samples = self.shading.samples;
-        let number = u64::from(y) * u64::from(width) + u64::from(x);
-        let mut random = light::random(self.shading.seed, number);
-        let mut sum = [0.0; 3];
-        for sample in 0..samples * samples {
-            let within = |step: u32| (f64::from(step) + 0.5) / f64::from(samples);
-            let (dx, dy) = (within(sample % samples), within(sample / samples));
-            let ray = self.view.ray(f64::from(x) + dx, f64::from(y) + dy)?;
-            let hit = tracer.trace(&ray, Goal::Closest);
-            spent.primary.add(tracer, hit.is_some());
-            let colour = match hit {
-                None => self.light.sky(ray.dir.into()),
-                Some(hit) => {
-                    let point = light::Point::new(self.scene, &ray, &hit);
-                    let sun = self.light.sun_ray(&point);
-                    let in_sun = sun.is_some_and(|sun| {
-                        let shadowed = self.shading.shadows && tracer.trace(&sun, Goal::Any).is_some();
-                        if self.shading.shadows {
-                            spent.shadow.add(tracer, shadowed);
-                        }
-                        !shadowed
-                    });
-                    let mut sky = [0.0; 3];
-                    for _ in 0..self.shading.ambient_occlusion {
-                        let Some((ray, light)) = self.light.sky_ray(&point, &mut random) else { continue };
-                        let occluded = tracer.trace(&ray, Goal::Any).is_some();
-                        spent.occlusion.add(tracer, occluded);
-                        if !occluded {
-                            sky = light::plus(sky, light);
-                        }
-                    }
-                    let sky = match self.shading.ambient_occlusion {
-                        0 => self.light.open_sky(&point),
-                        rays => sky.map(|light| light / f64::from(rays)),
-                    };
-                    self.light.reflected(&point, in_sun, sky)
-                }
-            };
-            sum = light::plus(sum, colour);
-        }
-        Ok(light::developed(sum.map(|light| light / f64::from(samples * samples))))
     }
 }

@@ -4,7 +4,7 @@ mod batch;
 mod traversal;
 
 pub use batch::{Tracer, trace_any, trace_closest};
-pub use traversal::{Step, Traversal};
+pub use traversal::Traversal;
 
 use raypath_ops::Rules;
 use std::iter::Sum;
@@ -25,7 +25,7 @@ pub struct Tracing {
 pub enum Goal {
     /// The closest hit; of several at the same distance, that of the triangle with the lowest index.
     Closest,
-    /// Any hit: whether something is in the way.
+    /// Any hit: whether something is in the way. The ray ends with the first leaf in which it hits something.
     Any,
 }
 

@@ -21,7 +21,7 @@ fn rendered(mesh: &Mesh, size: (u32, u32), shading: &Shading) -> Rendering {
 
 #[test]
 fn pictures_follow_from_their_arguments_alone() {
-    let mesh = meshes::real("bunny").mesh;
+    let mesh = meshes::real("truck").mesh;
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| rendered(&mesh, (60, 40), &shaded(2)))
@@ -90,7 +90,7 @@ fn a_convex_body_does_not_shade_itself() {
 /// A body with folds has some points in its own shadow, and not most of them.
 #[test]
 fn shadows_fall() {
-    let scene = meshes::real("dragon").mesh;
+    let scene = meshes::real("suzanne").mesh;
     let shadowed = rendered(&scene, (60, 60), &shaded(1));
     assert!(shadowed.shadow.hits > shadowed.shadow.rays / 20 && shadowed.shadow.hits < shadowed.shadow.rays / 2);
     assert!(shadowed.occlusion.hits > shadowed.occlusion.rays / 20);

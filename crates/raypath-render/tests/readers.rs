@@ -65,9 +65,9 @@ fn good_files_are_the_tetrahedron() {
 #[test]
 fn real_files_are_what_simpler_readers_see() {
     for (name, format, compressed) in [
-        ("bunny", Format::Obj, include_bytes!("data/bunny.obj.gz").as_slice()),
+        ("truck", Format::Obj, include_bytes!("data/truck.obj.gz").as_slice()),
         ("teapot", Format::Obj, include_bytes!("data/teapot.obj.gz")),
-        ("dragon", Format::Ply, include_bytes!("data/dragon.ply.gz")),
+        ("suzanne", Format::Ply, include_bytes!("data/suzanne.ply.gz")),
     ] {
         let mut bytes = Vec::new();
         GzDecoder::new(compressed).read_to_end(&mut bytes).unwrap();

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray};
 use std::f64::consts::TAU;
 
-type Colour = [f64; 3];
+pub(super) type Colour = [f64; 3];
 
 const SUN: Colour = [2.7, 2.35, 1.85];
 const ZENITH: Colour = [0.16, 0.34, 0.78];

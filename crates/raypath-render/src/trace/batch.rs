@@ -1,4 +1,5 @@
-use super::{Counts, Goal, Hit, Step, Tracing, Traversal};
+use super::traversal::Need;
+use super::{Counts, Goal, Hit, Tracing, Traversal};
 use crate::progress::{Progress, Stopped};
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -100,20 +101,20 @@ impl<'s> Tracer<'s> {
 #[inline]
 fn run(traversal: &mut Traversal, rules: Rules) {
     loop {
-        match traversal.step() {
-            Step::Fetch(_) => {}
-            Step::Boxes(boxes) => {
+        match traversal.need() {
+            Need::Fetch => {}
+            Need::Boxes(boxes) => {
                 let input = RayBoxInput { ray: *traversal.ray(), aabb: *boxes };
                 let (answer, ()) = RayBox { rules }.run(Binary32, input, ());
                 traversal.boxes(&answer);
             }
-            Step::Triangle(triangle) => {
+            Need::Triangle(triangle) => {
                 let input = RayTriangleInput { ray: *traversal.ray(), triangle };
                 let (answer, ()) = RayTriangle { rules }.run(Binary32, input, ());
                 traversal.triangle(&answer);
             }
             // Every job has been answered, so there is nothing to wait for.
-            Step::Wait | Step::Done => return,
+            Need::Wait | Need::Done => return,
         }
     }
 }

@@ -1,14 +1,15 @@
 use super::{Counts, Goal, Hit, Tracing};
 use crate::bvh::{Bvh4, Reference, Target};
+use raypath_model::Functional;
 use raypath_ops::{
     Aabb, Binary32, Job, Outcome, Ray, RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Triangle, Word,
 };
+use raypath_timing::{Agent, Step};
 
-/// The external circuit for one ray: it says what it needs next, and takes what the datapath answers.
+/// The external circuit for one ray: an [`Agent`] that says what it needs next, and takes what the datapath answers.
 ///
-/// [`step`](Self::step) until it says [`Step::Done`]. Jobs are answered in the order in which they were given, by
-/// [`boxes`](Self::boxes) and [`triangle`](Self::triangle); they may be answered late: a leaf gives all its jobs before
-/// it says [`Step::Wait`]. Whether they are answered at once or late, hits and counts of a closest hit are the same.
+/// A leaf gives all its jobs before it waits, whatever is sought. So it makes no difference to hits and counts whether
+/// jobs are answered at once or late.
 ///
 /// The ray is shortened as hits are found, so that boxes beyond the closest are missed. A box at exactly that distance is
 /// opened, for there may be a triangle of a lower index in it.
@@ -24,11 +25,11 @@ pub struct Traversal<'s> {
     counts: Counts,
 }
 
-/// What a ray needs next.
+/// What a ray needs next: a [`Step`] with jobs that are not yet copied together.
 #[derive(Debug, Clone, Copy)]
-pub enum Step<'s> {
-    /// A node or a leaf from memory. The next step needs it.
-    Fetch(Reference),
+pub(super) enum Need<'s> {
+    /// A node or a leaf from memory.
+    Fetch,
     /// These boxes tested against [`Traversal::ray`].
     Boxes(&'s [Aabb<Binary32>; 4]),
     /// This triangle tested against [`Traversal::ray`].
@@ -108,29 +109,29 @@ impl<'s> Traversal<'s> {
 
     /// What the ray needs next.
     #[inline]
-    pub fn step(&mut self) -> Step<'s> {
+    pub(super) fn need(&mut self) -> Need<'s> {
         match self.state {
             State::Choose => self.choose(),
             State::Fetched(reference) => match reference.target() {
                 Target::Node(node) => {
                     self.state = State::Node(node);
                     self.counts.quadbox += 1;
-                    Step::Boxes(&self.bvh.nodes()[node as usize].boxes)
+                    Need::Boxes(&self.bvh.nodes()[node as usize].boxes)
                 }
                 Target::Leaf { first, count } => {
                     let (first, end) = (2 * u64::from(first), 2 * u64::from(first + count));
                     self.leaf(Leaf { next: first, awaited: first, end })
                 }
             },
-            State::Node(_) => Step::Wait,
+            State::Node(_) => Need::Wait,
             State::Leaf(leaf) => self.leaf(leaf),
-            State::Done => Step::Done,
+            State::Done => Need::Done,
         }
     }
 
-    /// The answer to [`Step::Boxes`].
+    /// The answer to [`Need::Boxes`].
     #[inline]
-    pub fn boxes(&mut self, answer: &RayBoxOutput<Binary32>) {
+    pub(super) fn boxes(&mut self, answer: &RayBoxOutput<Binary32>) {
         let State::Node(node) = self.state else { return };
         let children = &self.bvh.nodes()[node as usize].children;
         // The nearest comes last, to be opened first.
@@ -143,9 +144,9 @@ impl<'s> Traversal<'s> {
         self.state = State::Choose;
     }
 
-    /// The answer to [`Step::Triangle`].
+    /// The answer to [`Need::Triangle`].
     #[inline]
-    pub fn triangle(&mut self, answer: &RayTriangleOutput<Binary32>) {
+    pub(super) fn triangle(&mut self, answer: &RayTriangleOutput<Binary32>) {
         let State::Leaf(leaf) = &mut self.state else { return };
         let job = leaf.awaited;
         leaf.awaited += self.tracing.job_stride();
@@ -154,29 +155,9 @@ impl<'s> Traversal<'s> {
         }
     }
 
-    /// A step as a job of the datapath, if it is one: for who carries jobs somewhere else. To be asked for before the next
-    /// step, for a job has the ray as it is now.
-    pub fn job<const E: usize, const A: usize>(&self, step: &Step) -> Option<Job<E, A>> {
-        let ray = self.ray;
-        match *step {
-            Step::Boxes(aabb) => Some(Job::Quadbox(RayBoxInput { ray, aabb: *aabb })),
-            Step::Triangle(triangle) => Some(Job::Triangle(RayTriangleInput { ray, triangle })),
-            Step::Fetch(_) | Step::Wait | Step::Done => None,
-        }
-    }
-
-    /// The answer to a job, in the order of jobs. Distances between vectors are no answer to any, and do nothing.
-    pub fn answer(&mut self, outcome: &Outcome) {
-        match outcome {
-            Outcome::Quadbox(answer) => self.boxes(answer),
-            Outcome::Triangle(answer) => self.triangle(answer),
-            Outcome::Euclidean(_) | Outcome::Angular(_) => {}
-        }
-    }
-
     /// The next child whose box is no farther than the closest hit.
     #[inline]
-    fn choose(&mut self) -> Step<'s> {
+    fn choose(&mut self) -> Need<'s> {
         let extent: f32 = self.ray.extent.into();
         while let Some(Later { reference, tmin }) = self.stack.pop() {
             if tmin <= extent {
@@ -185,34 +166,33 @@ impl<'s> Traversal<'s> {
                     Target::Node(_) => self.counts.nodes += 1,
                     Target::Leaf { .. } => self.counts.leaves += 1,
                 }
-                return Step::Fetch(reference);
+                return Need::Fetch;
             }
         }
         self.state = State::Done;
-        Step::Done
+        Need::Done
     }
 
     /// The next job of a leaf.
     #[inline]
-    fn leaf(&mut self, leaf: Leaf) -> Step<'s> {
-        let satisfied = self.goal == Goal::Any && self.best.is_some();
+    fn leaf(&mut self, leaf: Leaf) -> Need<'s> {
         let job = leaf.next;
-        if job < leaf.end && !satisfied {
+        if job < leaf.end {
             self.state = State::Leaf(Leaf { next: job + self.tracing.job_stride(), ..leaf });
             let &Triangle { a, b, c } = self.bvh.triangle((job / 2) as u32);
             if job.is_multiple_of(2) {
                 self.counts.triangle += 1;
-                return Step::Triangle(Triangle { a, b, c });
+                return Need::Triangle(Triangle { a, b, c });
             }
             self.counts.behind += 1;
-            return Step::Triangle(Triangle { a, b: c, c: b });
+            return Need::Triangle(Triangle { a, b: c, c: b });
         }
         if leaf.awaited < job {
-            return Step::Wait;
+            return Need::Wait;
         }
-        if satisfied {
+        if self.goal == Goal::Any && self.best.is_some() {
             self.state = State::Done;
-            return Step::Done;
+            return Need::Done;
         }
         self.choose()
     }
@@ -229,6 +209,32 @@ impl<'s> Traversal<'s> {
         if closer {
             self.best = Some(Hit { triangle, from_behind: job % 2 == 1, t_num, t_denom, t });
             self.ray.extent = t.into();
+        }
+    }
+}
+
+impl<const E: usize, const A: usize> Agent<Functional<E, A>> for Traversal<'_> {
+    #[inline]
+    fn step(&mut self) -> Step<Job<E, A>> {
+        let need = self.need();
+        let ray = self.ray;
+        let job = match need {
+            Need::Boxes(aabb) => Job::Quadbox(RayBoxInput { ray, aabb: *aabb }),
+            Need::Triangle(triangle) => Job::Triangle(RayTriangleInput { ray, triangle }),
+            Need::Fetch => return Step::Fetch,
+            Need::Wait => return Step::Wait,
+            Need::Done => return Step::Done,
+        };
+        Step::Issue { job, holds: false }
+    }
+
+    /// Distances between vectors are no answer to any of its jobs, and do nothing.
+    #[inline]
+    fn answer(&mut self, outcome: &Outcome) {
+        match outcome {
+            Outcome::Quadbox(answer) => self.boxes(answer),
+            Outcome::Triangle(answer) => self.triangle(answer),
+            Outcome::Euclidean(_) | Outcome::Angular(_) => {}
         }
     }
 }

@@ -17,14 +17,14 @@ pub fn all() -> Vec<Named> {
 }
 
 fn everything() -> Vec<Named> {
-    vec![real("bunny"), real("teapot"), real("dragon"), Named { name: "builtin", mesh: builtin().unwrap() }]
+    vec![real("truck"), real("teapot"), real("suzanne"), Named { name: "builtin", mesh: builtin().unwrap() }]
 }
 
 pub fn real(name: &'static str) -> Named {
     let mesh = match name {
-        "bunny" => obj(include_bytes!("../data/bunny.obj.gz")),
+        "truck" => obj(include_bytes!("../data/truck.obj.gz")),
         "teapot" => obj(include_bytes!("../data/teapot.obj.gz")),
-        _ => ply(include_bytes!("../data/dragon.ply.gz")),
+        _ => ply(include_bytes!("../data/suzanne.ply.gz")),
     };
     Named { name, mesh }
 }
@@ -51,8 +51,8 @@ fn ply(compressed: &[u8]) -> Mesh {
     let text = text(compressed);
     let (_, body) = text.split_once("end_header\n").unwrap();
     let lines: Vec<&str> = body.lines().collect();
-    let positions = lines[..5205].iter().map(|line| numbers(line)).collect();
-    let triangles = lines[5205..].iter().map(|line| numbers(line.trim().strip_prefix("3 ").unwrap())).collect();
+    let positions = lines[..7503].iter().map(|line| numbers(line)).collect();
+    let triangles = lines[7503..].iter().map(|line| numbers(line.trim().strip_prefix("3 ").unwrap())).collect();
     Mesh::new(positions, triangles).unwrap()
 }
 
