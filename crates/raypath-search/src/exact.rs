@@ -63,7 +63,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
         count: usize,
         watch: &(dyn Fn(u64) -> bool + Sync),
     ) -> Result<Answers, SearchError> {
-        check(self.dimensions, self.len, queries, count)?;
+        check(self.dimensions, self.len, queries.dimensions(), count)?;
         let began = Instant::now();
         let (done, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
         let go_on = |more: usize| {
@@ -89,7 +89,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
     pub fn work(&self, queries: usize) -> Work {
         let candidates = self.len as u64 + u64::from(self.metric == Metric::Angular);
         let evaluations = queries as u64 * candidates;
-        Work { evaluations, beats: evaluations * self.metric.beats::<E, A>(self.dimensions) }
+        Work::of::<E, A>(evaluations, self.metric, self.dimensions)
     }
 
     /// A few queries, tile by tile, as long as `go_on` says so.
@@ -186,10 +186,10 @@ struct Query {
     nearest: Nearest,
 }
 
-/// Whether these queries can be asked for so many neighbours.
-pub(crate) fn check(dimensions: usize, len: usize, queries: &Vectors, count: usize) -> Result<(), SearchError> {
-    if queries.dimensions() != dimensions {
-        return Err(SearchError::Dimensions { base: dimensions, queries: queries.dimensions() });
+/// Whether queries of so many dimensions can be asked for so many neighbours.
+pub(crate) fn check(dimensions: usize, len: usize, queries: usize, count: usize) -> Result<(), SearchError> {
+    if queries != dimensions {
+        return Err(SearchError::Dimensions { base: dimensions, queries });
     }
     if !(1..=len).contains(&count) {
         return Err(SearchError::Neighbours { asked: count, there: len });
