@@ -129,7 +129,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
                         let squared = kernel::block(
                             simd,
                             &Euclidean::<E>,
-                            |sums| sums.euclidean_accumulator,
+                            |sums| sums.accumulator,
                             &query.padded,
                             block,
                             self.dimensions,
@@ -142,7 +142,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
                         let dots = kernel::block(
                             simd,
                             &Angular::<A>,
-                            |sums| sums.angular_dot_product,
+                            |sums| sums.dot_product,
                             &query.padded,
                             block,
                             self.dimensions,

@@ -80,83 +80,63 @@ impl<const N: usize> Distance<N> for Angular<N> {
 /// The squared Euclidean distance of a query and one candidate.
 #[inline(always)]
 pub(crate) fn squared<const E: usize>(query: &[f32], candidate: &[f32]) -> f32 {
-    pair(&Euclidean::<E>, query, candidate).euclidean_accumulator.into()
+    pair(&Euclidean::<E>, query, candidate).accumulator.into()
 }
 
 /// The dot product of a query and one candidate.
 #[inline(always)]
 pub(crate) fn dot_product<const A: usize>(query: &[f32], candidate: &[f32]) -> f32 {
-    pair(&Angular::<A>, query, candidate).angular_dot_product.into()
+    pair(&Angular::<A>, query, candidate).dot_product.into()
 }
 
 /// The squared norm of a vector.
 #[inline(always)]
 pub(crate) fn norm<const A: usize>(vector: &[f32]) -> f32 {
-    pair(&Angular::<A>, vector, vector).angular_norm.into()
+    pair(&Angular::<A>, vector, vector).norm.into()
 }
 
-/// What a query and one candidate, of as many coordinates, answer: the sums after their last beat.
+/// The sums of a query and one candidate, of as many coordinates.
 #[inline(always)]
-fn pair<O: Distance<N>, const N: usize>(op: &O, query: &[f32], candidate: &[f32]) -> O::Output<Binary32> {
-    let split = query.len().saturating_sub(1) / N * N;
-    let ((query, query_last), (candidate, candidate_last)) = (query.split_at(split), candidate.split_at(split));
-    let whole = query.as_chunks::<N>().0.iter().zip(candidate.as_chunks::<N>().0);
-    let whole = whole.map(
+fn pair<O: Distance<N>, const N: usize>(op: &O, query: &[f32], candidate: &[f32]) -> O::State<Binary32> {
+    let ((query, query_end), (candidate, candidate_end)) = (query.as_chunks::<N>(), candidate.as_chunks::<N>());
+    let whole = query.iter().zip(candidate).map(
         #[inline(always)]
         |(a, b)| [array_of!(i => a[i].into()), array_of!(i => b[i].into())],
     );
     let coordinate = |of: &[f32], i: usize| of.get(i).copied().unwrap_or(0.0).into();
-    let last = [array_of!(i => coordinate(query_last, i)), array_of!(i => coordinate(candidate_last, i))];
-    run(Binary32, op, whole, last, query_last.len())
+    let end = [array_of!(i => coordinate(query_end, i)), array_of!(i => coordinate(candidate_end, i))];
+    run(Binary32, op, whole, Some(end).filter(|_| !query_end.is_empty()), query_end.len())
 }
 
-/// The sums that `sum` takes from what a query and the candidates of a block answer. Both have coordinates up to a
-/// multiple of `N`, of which the first `dimensions` count.
+/// What `sum` takes from the sums of a query and the candidates of a block. Both have coordinates up to a multiple of
+/// `N`, of which the first `dimensions` count.
 #[inline(always)]
 pub(crate) fn block<S: Simd, O: Distance<N>, const N: usize>(
     simd: S,
     op: &O,
-    sum: impl Fn(O::Output<Lanes<S>>) -> Num<Lanes<S>>,
+    sum: impl Fn(O::State<Lanes<S>>) -> Num<Lanes<S>>,
     query: &[f32],
     block: &[Lane],
     dimensions: usize,
 ) -> [f32; BLOCK] {
-    // Unrolled, so that every place is known when this is compiled.
-    const { assert!(BLOCK <= 4 * Lanes::<S>::COUNT) };
-    let mut sums = Packed.zero();
-    block_part::<S, O, N, 0>(simd, op, &sum, query, block, dimensions, &mut sums);
-    block_part::<S, O, N, 1>(simd, op, &sum, query, block, dimensions, &mut sums);
-    block_part::<S, O, N, 2>(simd, op, &sum, query, block, dimensions, &mut sums);
-    block_part::<S, O, N, 3>(simd, op, &sum, query, block, dimensions, &mut sums);
-    sums.value().0
-}
-
-/// The same for the candidates of a block that make up its register `PART`, if it has so many.
-#[inline(always)]
-fn block_part<S: Simd, O: Distance<N>, const N: usize, const PART: usize>(
-    simd: S,
-    op: &O,
-    sum: &impl Fn(O::Output<Lanes<S>>) -> Num<Lanes<S>>,
-    query: &[f32],
-    block: &[Lane],
-    dimensions: usize,
-    sums: &mut Lane,
-) {
-    let first = PART * Lanes::<S>::COUNT;
-    if first >= BLOCK {
-        return;
-    }
-    let part = Part { lanes: Lanes::new(simd), first };
     let (queries, candidates) = (query.as_chunks::<N>().0, block.as_chunks::<N>().0);
-    if let (Some((a, queries)), Some((b, candidates))) = (queries.split_last(), candidates.split_last()) {
+    let whole = (dimensions / N).min(queries.len()).min(candidates.len());
+    let ((queries, query_end), (candidates, candidate_end)) = (queries.split_at(whole), candidates.split_at(whole));
+    let mut sums = Packed.zero();
+    for first in (0..BLOCK).step_by(Lanes::<S>::COUNT) {
+        let part = Part { lanes: Lanes::new(simd), first };
         let whole = queries.iter().zip(candidates).map(
             #[inline(always)]
             |(a, b)| registers(&part, a, b),
         );
-        let width = dimensions - queries.len() * N;
-        let answer = run(part.lanes, op, whole, registers(&part, a, b), width);
-        Num::<Binary32>::put(&sum(answer), sums, &part);
+        let end = match (query_end, candidate_end) {
+            ([a, ..], [b, ..]) => Some(registers(&part, a, b)),
+            _ => None,
+        };
+        let state = run(part.lanes, op, whole, end, dimensions % N);
+        Num::<Binary32>::put(&sum(state), &mut sums, &part);
     }
+    sums.value().0
 }
 
 /// A query's coordinates, each in all lanes, and those of a part of the candidates.
@@ -166,26 +146,24 @@ fn registers<S: Simd, const N: usize>(part: &Part<S>, a: &[f32; N], b: &[Lane; N
     [array_of!(i => Num::new(lanes, lanes.constant(a[i]))), <[Num<Binary32>; N]>::gather([b], part)]
 }
 
-/// Runs the beats of two vectors, coordinates first of the one and then of the other. All but the last are whole, of
-/// the last `width` lanes count.
+/// Runs the beats of two vectors, coordinates first of the one and then of the other: whole ones, then one of which the
+/// first `width` lanes count, if there is such an `end`. No beat resets, so the sums are what the last one answers.
 #[inline(always)]
 fn run<C: Circuit, O: Distance<N>, const N: usize>(
     c: C,
     op: &O,
     whole: impl Iterator<Item = [[Num<C>; N]; 2]>,
-    last: [[Num<C>; N]; 2],
+    end: Option<[[Num<C>; N]; 2]>,
     width: usize,
-) -> O::Output<C> {
-    let all = Flags(array_of!(_ => c.bit(true)));
+) -> O::State<C> {
+    let (all, reset_accum) = (Flags(array_of!(_ => c.bit(true))), c.bit(false));
     let mut state = O::begin(c);
     for [a, b] in whole {
-        state = op.run(c, O::input(Beat { a, b, mask: all, reset_accum: c.bit(false) }), state).1;
+        state = op.run(c, O::input(Beat { a, b, mask: all, reset_accum }), state).1;
     }
-    let ([a, b], reset_accum) = (last, c.bit(true));
-    if width == N {
-        // The usual case, apart so that the mask is known when this is compiled.
-        return op.run(c, O::input(Beat { a, b, mask: all, reset_accum }), state).0;
+    if let Some([a, b]) = end {
+        let mask = Flags(array_of!(i => c.bit(i < width)));
+        state = op.run(c, O::input(Beat { a, b, mask, reset_accum }), state).1;
     }
-    let mask = Flags(array_of!(i => c.bit(i < width)));
-    op.run(c, O::input(Beat { a, b, mask, reset_accum }), state).0
+    state
 }
