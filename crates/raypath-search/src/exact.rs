@@ -200,5 +200,5 @@ pub(crate) fn check(dimensions: usize, len: usize, queries: usize, count: usize)
 /// The squared norm of each vector, as the datapath gives it.
 pub(crate) fn norms<const A: usize>(vectors: &Vectors) -> Vec<f32> {
     let rows = vectors.data().par_chunks(vectors.dimensions());
-    rows.map(|row| kernel::norm::<A>(row)).collect()
+    rows.map(kernel::norm::<A>).collect()
 }

@@ -105,7 +105,7 @@ fn pair<O: Distance<N>, const N: usize>(op: &O, query: &[f32], candidate: &[f32]
     );
     let coordinate = |of: &[f32], i: usize| of.get(i).copied().unwrap_or(0.0).into();
     let end = [array_of!(i => coordinate(query_end, i)), array_of!(i => coordinate(candidate_end, i))];
-    run(Binary32, op, whole, Some(end).filter(|_| !query_end.is_empty()), query_end.len())
+    run(Binary32, op, whole, (!query_end.is_empty()).then_some(end), query_end.len())
 }
 
 /// What `sum` takes from the sums of a query and the candidates of a block. Both have coordinates up to a multiple of
