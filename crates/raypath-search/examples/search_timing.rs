@@ -1,4 +1,4 @@
-//! Times exact search and a graph's, and says how fast that went: `timing [VECTORS] [IN_FLIGHT]`.
+//! Times exact search and a graph's, and says how fast that went: `search_timing [VECTORS] [IN_FLIGHT]`.
 
 use raypath_search::{Candidates, Clusters, Exact, Graph, GraphParameters, Metric, Subject, sweep_search, time_search};
 use raypath_timing::{Hardware, Machine, Sample};

@@ -1,4 +1,4 @@
-//! How fast exact search is, on one core and on all: `cargo run --release -p raypath-search --example speed`.
+//! How fast exact search is, on one core and on all: `cargo run --release -p raypath-search --example search_speed`.
 
 use raypath_search::{Clusters, Metric, SearchError, Speed, speed};
 
