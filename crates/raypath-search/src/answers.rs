@@ -1,3 +1,5 @@
+use crate::metric::Metric;
+
 /// What a search found, and what it took.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answers {
@@ -26,6 +28,13 @@ pub struct Work {
     pub evaluations: u64,
     /// The beats that carry them.
     pub beats: u64,
+}
+
+impl Work {
+    /// Of so many pairs of vectors of so many dimensions.
+    pub(crate) fn of<const E: usize, const A: usize>(evaluations: u64, metric: Metric, dimensions: usize) -> Self {
+        Self { evaluations, beats: evaluations.saturating_mul(metric.beats::<E, A>(dimensions)) }
+    }
 }
 
 impl Answers {

@@ -1,10 +1,12 @@
 use crate::answers::{Answers, Neighbour, Work};
 use crate::error::SearchError;
-use crate::kernel::{self, Blocks, WIDTH};
+use crate::kernel::{self, Blocks, Lane};
 use crate::metric::{Metric, cosine_distance, euclidean_distance};
 use crate::nearest::{Candidate, Nearest};
 use crate::vectors::Vectors;
+use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
+use raypath_ops::{Angular, BLOCK, Euclidean, array_of};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -14,6 +16,7 @@ use std::time::Instant;
 #[derive(Debug, Clone)]
 pub struct Exact<const E: usize = 16, const A: usize = 8> {
     metric: Metric,
+    level: Level,
     dimensions: usize,
     len: usize,
     blocks: Blocks,
@@ -29,13 +32,22 @@ const TILE: usize = 256 << 10;
 const GROUP: usize = 32;
 
 impl<const E: usize, const A: usize> Exact<E, A> {
-    /// Arranges the base for search.
+    /// Arranges the base for search, in the widest registers that this machine has.
     pub fn new(base: &Vectors, metric: Metric) -> Self {
+        Self::at(Level::new(), base, metric)
+    }
+
+    /// The same with given instructions. They change the speed alone.
+    pub fn at(level: Level, base: &Vectors, metric: Metric) -> Self {
         let (lanes, norms) = match metric {
             Metric::Euclidean => (E, Vec::new()),
-            Metric::Angular => (A, norms::<A>(base)),
+            Metric::Angular => {
+                let mut norms = norms::<A>(base);
+                norms.resize(base.len().next_multiple_of(BLOCK), 0.0);
+                (A, norms)
+            }
         };
-        Self { metric, dimensions: base.dimensions(), len: base.len(), blocks: Blocks::new(base, lanes), norms }
+        Self { metric, level, dimensions: base.dimensions(), len: base.len(), blocks: Blocks::new(base, lanes), norms }
     }
 
     /// The `count` nearest of each query, on all of rayon's threads, whose number does not change the answer.
@@ -51,7 +63,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
         count: usize,
         watch: &(dyn Fn(u64) -> bool + Sync),
     ) -> Result<Answers, SearchError> {
-        check(self.dimensions, self.len, queries, count)?;
+        check(self.dimensions, self.len, queries.dimensions(), count)?;
         let began = Instant::now();
         let (done, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
         let go_on = |more: usize| {
@@ -77,24 +89,16 @@ impl<const E: usize, const A: usize> Exact<E, A> {
     pub fn work(&self, queries: usize) -> Work {
         let candidates = self.len as u64 + u64::from(self.metric == Metric::Angular);
         let evaluations = queries as u64 * candidates;
-        Work { evaluations, beats: evaluations * self.metric.beats::<E, A>(self.dimensions) }
+        Work::of::<E, A>(evaluations, self.metric, self.dimensions)
     }
 
     /// A few queries, tile by tile, as long as `go_on` says so.
     fn group(&self, queries: &[f32], count: usize, go_on: &impl Fn(usize) -> bool) -> Vec<Vec<Neighbour>> {
         let mut queries: Vec<Query> =
             queries.chunks_exact(self.dimensions).map(|query| self.query(query, count)).collect();
-        let tile = (TILE / (self.blocks.padded() * size_of::<kernel::Lane>())).max(1);
-        let mut first = 0;
-        let mut blocks = self.blocks.iter().peekable();
-        while blocks.peek().is_some() {
-            let tile = blocks.by_ref().take(tile).collect::<Vec<_>>();
-            for query in &mut queries {
-                for (index, block) in tile.iter().enumerate() {
-                    self.block(query, first + index * WIDTH, block);
-                }
-            }
-            first += tile.len() * WIDTH;
+        let tile = (TILE / (self.blocks.padded() * size_of::<Lane>())).max(1);
+        for (number, blocks) in self.blocks.tiles(tile).enumerate() {
+            dispatch!(self.level, simd => self.tile(simd, &mut queries, number * tile * BLOCK, blocks));
             if !go_on(0) {
                 return Vec::new();
             }
@@ -106,30 +110,56 @@ impl<const E: usize, const A: usize> Exact<E, A> {
     fn query(&self, query: &[f32], count: usize) -> Query {
         let norm = match self.metric {
             Metric::Euclidean => 0.0,
-            Metric::Angular => kernel::pair::<A>(query, query, kernel::product),
+            Metric::Angular => kernel::norm::<A>(query),
         };
         let mut padded = query.to_vec();
         padded.resize(self.blocks.padded(), 0.0);
         Query { padded, norm, nearest: Nearest::new(count) }
     }
 
-    /// One query against one block, whose first candidate is number `first`.
-    #[inline]
-    fn block(&self, query: &mut Query, first: usize, block: &[kernel::Lane]) {
-        let there = WIDTH.min(self.len - first);
-        let keys: [f64; WIDTH] = match self.metric {
-            Metric::Euclidean => kernel::block::<E>(&query.padded, block, kernel::squared).map(f64::from),
-            Metric::Angular => {
-                let norms = &self.norms[first..first + there];
-                let dots = kernel::block::<A>(&query.padded, block, kernel::product);
-                std::array::from_fn(|i| {
-                    cosine_distance(dots[i], query.norm, norms.get(i).copied().unwrap_or(f32::INFINITY))
-                })
+    /// Each query against each of some blocks, whose first candidate is number `first`.
+    #[inline(always)]
+    fn tile<S: Simd>(&self, simd: S, queries: &mut [Query], first: usize, blocks: &[Lane]) {
+        let firsts = || (first..).step_by(BLOCK);
+        for query in queries {
+            let blocks = firsts().zip(blocks.chunks_exact(self.blocks.padded()));
+            match self.metric {
+                Metric::Euclidean => {
+                    for (first, block) in blocks {
+                        let squared = kernel::block(
+                            simd,
+                            &Euclidean::<E>,
+                            |sums| sums.accumulator,
+                            &query.padded,
+                            block,
+                            self.dimensions,
+                        );
+                        self.offer(query, first, squared.map(f64::from));
+                    }
+                }
+                Metric::Angular => {
+                    for ((first, block), norms) in blocks.zip(self.norms[first..].as_chunks::<BLOCK>().0) {
+                        let dots = kernel::block(
+                            simd,
+                            &Angular::<A>,
+                            |sums| sums.dot_product,
+                            &query.padded,
+                            block,
+                            self.dimensions,
+                        );
+                        let keys = array_of!(i => cosine_distance(dots[i], query.norm, norms[i]));
+                        self.offer(query, first, keys);
+                    }
+                }
             }
-        };
+        }
+    }
+
+    #[inline(always)]
+    fn offer(&self, query: &mut Query, first: usize, keys: [f64; BLOCK]) {
         // Candidates come by rising index, so one as far as the farthest does not displace it.
         if query.nearest.bound().is_none_or(|bound| keys.iter().any(|&key| key < bound)) {
-            for (index, &key) in (first..).zip(&keys[..there]) {
+            for (index, &key) in (first..self.len).zip(&keys) {
                 query.nearest.offer(Candidate { key, index: index as u32 });
             }
         }
@@ -156,10 +186,10 @@ struct Query {
     nearest: Nearest,
 }
 
-/// Whether these queries can be asked for so many neighbours.
-pub(crate) fn check(dimensions: usize, len: usize, queries: &Vectors, count: usize) -> Result<(), SearchError> {
-    if queries.dimensions() != dimensions {
-        return Err(SearchError::Dimensions { base: dimensions, queries: queries.dimensions() });
+/// Whether queries of so many dimensions can be asked for so many neighbours.
+pub(crate) fn check(dimensions: usize, len: usize, queries: usize, count: usize) -> Result<(), SearchError> {
+    if queries != dimensions {
+        return Err(SearchError::Dimensions { base: dimensions, queries });
     }
     if !(1..=len).contains(&count) {
         return Err(SearchError::Neighbours { asked: count, there: len });
@@ -170,5 +200,5 @@ pub(crate) fn check(dimensions: usize, len: usize, queries: &Vectors, count: usi
 /// The squared norm of each vector, as the datapath gives it.
 pub(crate) fn norms<const A: usize>(vectors: &Vectors) -> Vec<f32> {
     let rows = vectors.data().par_chunks(vectors.dimensions());
-    rows.map(|row| kernel::pair::<A>(row, row, kernel::product)).collect()
+    rows.map(kernel::norm::<A>).collect()
 }

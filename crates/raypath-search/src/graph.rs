@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 /// Approximate search through a hierarchical navigable small world (Malkov and Yashunin, *Efficient and robust approximate
@@ -22,6 +22,25 @@ use std::time::Instant;
 pub struct Graph<'v, const E: usize = 16, const A: usize = 8> {
     index: Hnsw<'static, Item, Beats<'v, E, A>>,
     built: Work,
+}
+
+/// What a search through a graph did for one query: what a [`Walk`](crate::Walk) replays.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Log {
+    /// The vectors of the base that it asked the datapath about, in order. One may come again, as the layers of the graph
+    /// do not know of each other.
+    pub candidates: Vec<u32>,
+    /// Those of them that it answered, nearest first. They are not always the nearest of all candidates: what is seen in
+    /// a higher layer counts for finding the way only.
+    pub found: Vec<u32>,
+}
+
+impl Log {
+    /// What it costs with vectors of so many dimensions; angular the query's own norm is part of it.
+    pub fn work<const E: usize, const A: usize>(&self, metric: Metric, dimensions: usize) -> Work {
+        let norms = u64::from(metric == Metric::Angular);
+        Work::of::<E, A>(self.candidates.len() as u64 + norms, metric, dimensions)
+    }
 }
 
 /// What a graph is built with.
@@ -100,8 +119,8 @@ impl<'v, const E: usize, const A: usize> Graph<'v, E, A> {
         watch: &(dyn Fn(u64) -> bool + Sync),
     ) -> Result<Answers, SearchError> {
         let base = self.distance().base;
-        check(base.dimensions(), base.len(), queries, count)?;
-        in_range("ef", ef, count..=EF_MAX, "as many as neighbours asked for, to 65536")?;
+        check(base.dimensions(), base.len(), queries.dimensions(), count)?;
+        in_ef_range(ef, count)?;
         let began = Instant::now();
         let (done, stopped, evaluations) = (AtomicU64::new(0), AtomicBool::new(false), AtomicU64::new(0));
         let one = |query: &[f32]| {
@@ -124,20 +143,48 @@ impl<'v, const E: usize, const A: usize> Graph<'v, E, A> {
         Ok(Answers { rows, work, seconds: began.elapsed().as_secs_f64() })
     }
 
-    /// The vectors of the base that a search for one query's `count` nearest asks the datapath about, in that order: what
-    /// [`Walk`](crate::Walk) replays. One may come again, as the layers of the graph do not know of each other.
+    /// What a search for one query's `count` nearest does.
+    ///
+    /// # Errors
+    /// As those of [`search`](Self::search); a query that is no vector.
+    pub fn log(&self, query: &[f32], count: usize, ef: usize) -> Result<Log, SearchError> {
+        let query = Vectors::new(query.len(), query.to_vec())?;
+        let mut logs = self.logs(&query, count, ef, u64::MAX, &|_| true)?;
+        Ok(logs.pop().unwrap_or_default())
+    }
+
+    /// The logs of the first queries: as many as have, together, at most `beats` beats. `watch` is told how many there
+    /// are; where it answers false, the work stops.
     ///
     /// # Errors
     /// As those of [`search`](Self::search).
-    pub fn log(&self, query: &[f32], count: usize, ef: usize) -> Result<Vec<u32>, SearchError> {
-        let base = self.distance().base;
-        check(base.dimensions(), base.len(), &Vectors::new(query.len(), query.to_vec())?, count)?;
-        in_range("ef", ef, count..=EF_MAX, "as many as neighbours asked for, to 65536")?;
-        let query = Arc::new(self.distance().query(query, Some(Mutex::default())));
-        self.row(&query, count, ef);
-        let log =
-            query.log.as_ref().map(|log| std::mem::take(&mut *log.lock().unwrap_or_else(PoisonError::into_inner)));
-        Ok(log.unwrap_or_default())
+    pub fn logs(
+        &self,
+        queries: &Vectors,
+        count: usize,
+        ef: usize,
+        beats: u64,
+        watch: &(dyn Fn(u64) -> bool + Sync),
+    ) -> Result<Vec<Log>, SearchError> {
+        let Beats { base, metric, .. } = *self.distance();
+        check(base.dimensions(), base.len(), queries.dimensions(), count)?;
+        in_ef_range(ef, count)?;
+        let (mut logs, mut left) = (Vec::new(), beats);
+        for query in queries.iter() {
+            let query = Arc::new(self.distance().query(query, Some(Mutex::default())));
+            let found = self.row(&query, count, ef).iter().map(|near| near.index).collect();
+            let candidates = query.log.as_ref().map(|log| std::mem::take(&mut *candidates_of(log)));
+            let log = Log { candidates: candidates.unwrap_or_default(), found };
+            match left.checked_sub(log.work::<E, A>(metric, base.dimensions()).beats) {
+                Some(rest) => left = rest,
+                None => break,
+            }
+            logs.push(log);
+            if !watch(logs.len() as u64) {
+                return Err(SearchError::Stopped);
+            }
+        }
+        Ok(logs)
     }
 
     fn row(&self, query: &Arc<Query>, count: usize, ef: usize) -> Vec<Neighbour> {
@@ -162,6 +209,10 @@ impl<const E: usize, const A: usize> fmt::Debug for Graph<'_, E, A> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Graph").field("built", &self.built).finish_non_exhaustive()
     }
+}
+
+fn in_ef_range(ef: usize, count: usize) -> Result<(), SearchError> {
+    in_range("ef", ef, count..=EF_MAX, "as many as neighbours asked for, to 65536")
 }
 
 fn in_range(
@@ -208,7 +259,7 @@ impl<'v, const E: usize, const A: usize> Beats<'v, E, A> {
     fn query(&self, vector: &[f32], log: Option<Mutex<Vec<u32>>>) -> Query {
         let (norm, evaluations) = match self.metric {
             Metric::Euclidean => (0.0, 0),
-            Metric::Angular => (kernel::pair::<A>(vector, vector, kernel::product), 1),
+            Metric::Angular => (kernel::norm::<A>(vector), 1),
         };
         Query { vector: vector.to_vec(), norm, evaluations: AtomicU64::new(evaluations), log }
     }
@@ -222,15 +273,13 @@ impl<'v, const E: usize, const A: usize> Beats<'v, E, A> {
     fn exactly(&self, query: &Query, index: u32) -> f64 {
         let (candidate, norm) = self.vector(index);
         match self.metric {
-            Metric::Euclidean => euclidean_distance(kernel::pair::<E>(&query.vector, candidate, kernel::squared)),
-            Metric::Angular => {
-                cosine_distance(kernel::pair::<A>(&query.vector, candidate, kernel::product), query.norm, norm)
-            }
+            Metric::Euclidean => euclidean_distance(kernel::squared::<E>(&query.vector, candidate)),
+            Metric::Angular => cosine_distance(kernel::dot_product::<A>(&query.vector, candidate), query.norm, norm),
         }
     }
 
     fn work(&self, evaluations: u64) -> Work {
-        Work { evaluations, beats: evaluations * self.metric.beats::<E, A>(self.base.dimensions()) }
+        Work::of::<E, A>(evaluations, self.metric, self.base.dimensions())
     }
 }
 
@@ -246,17 +295,19 @@ impl<const E: usize, const A: usize> Distance<Item> for Beats<'_, E, A> {
             Item::Query(query) => {
                 query.evaluations.fetch_add(1, Ordering::Relaxed);
                 if let Some(log) = &query.log {
-                    log.lock().unwrap_or_else(PoisonError::into_inner).push(*candidate);
+                    candidates_of(log).push(*candidate);
                 }
                 (&query.vector[..], query.norm)
             }
         };
         let (candidate, norm) = self.vector(*candidate);
         match self.metric {
-            Metric::Euclidean => kernel::pair::<E>(query, candidate, kernel::squared),
-            Metric::Angular => {
-                cosine_distance(kernel::pair::<A>(query, candidate, kernel::product), query_norm, norm) as f32
-            }
+            Metric::Euclidean => kernel::squared::<E>(query, candidate),
+            Metric::Angular => cosine_distance(kernel::dot_product::<A>(query, candidate), query_norm, norm) as f32,
         }
     }
+}
+
+fn candidates_of(log: &Mutex<Vec<u32>>) -> MutexGuard<'_, Vec<u32>> {
+    log.lock().unwrap_or_else(PoisonError::into_inner)
 }

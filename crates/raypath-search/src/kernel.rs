@@ -1,17 +1,18 @@
-//! The operations, fast: over one candidate ([`pair`]), and over sixteen at once ([`block`]). All that knows how candidates
-//! lie in memory and what computes on them is here. The order of the sums is that of `raypath_ops::Euclidean` and
-//! `raypath_ops::Angular`: in a beat lane i takes in lane i + half, then the accumulator takes in the beat.
+//! The operations on vectors: one candidate over [`Binary32`] ([`pair`]), sixteen side by side over [`Lanes`] ([`block`]).
+//! How candidates lie in memory is decided here; what is computed is `raypath_ops`'.
 
 use crate::vectors::Vectors;
-
-/// Candidates in a block.
-pub(crate) const WIDTH: usize = 16;
+use fearless_simd::Simd;
+use raypath_ops::{
+    Angular, AngularInput, AngularState, BLOCK, Beat, Binary32, Circuit, Euclidean, EuclideanInput, EuclideanState,
+    Family, Flags, Lanes, Num, Operation, Packed, Part, Sixteen, array_of,
+};
 
 /// A coordinate of each candidate in a block.
-pub(crate) type Lane = [f32; WIDTH];
+pub(crate) type Lane = Num<Packed>;
 
-/// Vectors in blocks of [`WIDTH`], coordinate by coordinate. Coordinates beyond a vector's end, up to a multiple of the
-/// lanes, are zero in base and query: they contribute +0.0, as lanes that are masked off do.
+/// Vectors in blocks of sixteen, coordinate by coordinate. The coordinates beyond a vector's end, up to a multiple of
+/// the lanes, are there and masked off.
 #[derive(Debug, Clone)]
 pub(crate) struct Blocks {
     lanes: Vec<Lane>,
@@ -22,21 +23,22 @@ impl Blocks {
     /// The vectors, with coordinates up to a multiple of `lanes`.
     pub(crate) fn new(vectors: &Vectors, lanes: usize) -> Self {
         let padded = vectors.dimensions().next_multiple_of(lanes);
-        let mut blocks = vec![[0.0; WIDTH]; vectors.len().div_ceil(WIDTH) * padded];
-        let rows = vectors.data().chunks(WIDTH * vectors.dimensions());
-        for (block, rows) in blocks.chunks_exact_mut(padded).zip(rows) {
-            for (candidate, row) in rows.chunks_exact(vectors.dimensions()).enumerate() {
-                for (lane, &x) in block.iter_mut().zip(row) {
-                    lane[candidate] = x;
+        let mut blocks = Vec::with_capacity(vectors.len().div_ceil(BLOCK) * padded);
+        for rows in vectors.data().chunks(BLOCK * vectors.dimensions()) {
+            blocks.extend((0..padded).map(|coordinate| {
+                let mut lane = [0.0; BLOCK];
+                for (x, row) in lane.iter_mut().zip(rows.chunks_exact(vectors.dimensions())) {
+                    *x = row.get(coordinate).copied().unwrap_or(0.0);
                 }
-            }
+                Num::new(Packed, Sixteen(lane))
+            }));
         }
         Self { lanes: blocks, padded }
     }
 
-    /// Block after block.
-    pub(crate) fn iter(&self) -> std::slice::ChunksExact<'_, Lane> {
-        self.lanes.chunks_exact(self.padded)
+    /// Runs of `count` blocks; the last may be shorter.
+    pub(crate) fn tiles(&self, count: usize) -> std::slice::Chunks<'_, Lane> {
+        self.lanes.chunks(count * self.padded)
     }
 
     /// Coordinates of a vector with those beyond its end.
@@ -45,69 +47,123 @@ impl Blocks {
     }
 }
 
-/// The term of a squared Euclidean distance.
-#[inline(always)]
-pub(crate) fn squared(a: f32, b: f32) -> f32 {
-    (a - b) * (a - b)
+/// A distance operation, `N` dimensions a beat.
+pub(crate) trait Distance<const N: usize>: Operation {
+    /// A beat as its input.
+    fn input<C: Circuit>(beat: Beat<C, N>) -> Self::Input<C>;
+    /// Sums of zero.
+    fn begin<C: Circuit>(c: C) -> Self::State<C>;
 }
 
-/// The term of a dot product.
-#[inline(always)]
-pub(crate) fn product(a: f32, b: f32) -> f32 {
-    a * b
-}
-
-/// The sum over a query and one candidate of as many coordinates, `N` a beat.
-#[inline(always)]
-pub(crate) fn pair<const N: usize>(query: &[f32], candidate: &[f32], term: impl Fn(f32, f32) -> f32) -> f32 {
-    let beat = |a: &[f32; N], b: &[f32; N]| {
-        let mut tree: [f32; N] = std::array::from_fn(|i| term(a[i], b[i]));
-        let mut half = N / 2;
-        while half > 0 {
-            for i in 0..half {
-                tree[i] += tree[i + half];
-            }
-            half /= 2;
-        }
-        tree[0]
-    };
-    let (queries, query_rest) = query.as_chunks::<N>();
-    let (candidates, candidate_rest) = candidate.as_chunks::<N>();
-    let sum = queries.iter().zip(candidates).fold(0.0, |sum, (a, b)| sum + beat(a, b));
-    if query_rest.is_empty() { sum } else { sum + beat(&padded(query_rest), &padded(candidate_rest)) }
-}
-
-fn padded<const N: usize>(rest: &[f32]) -> [f32; N] {
-    std::array::from_fn(|i| rest.get(i).copied().unwrap_or(0.0))
-}
-
-/// Candidates at a time. Of 4, 8 and 16, this made the fastest code for the registers that every x86-64 has.
-const SUB: usize = 8;
-
-/// The sums over a query and the candidates of a block, both of a multiple of `N` coordinates, `N` a beat.
-#[inline(always)]
-pub(crate) fn block<const N: usize>(query: &[f32], block: &[Lane], term: impl Fn(f32, f32) -> f32) -> Lane {
-    let mut sums = [0.0; WIDTH];
-    for (part, sums) in sums.as_chunks_mut::<SUB>().0.iter_mut().enumerate() {
-        for (query, lanes) in query.as_chunks::<N>().0.iter().zip(block.as_chunks::<N>().0) {
-            let mut tree: [[f32; SUB]; N] = std::array::from_fn(|i| {
-                let lane = &lanes[i].as_chunks::<SUB>().0[part];
-                std::array::from_fn(|j| term(query[i], lane[j]))
-            });
-            let mut half = N / 2;
-            while half > 0 {
-                for i in 0..half {
-                    tree[i] = plus(tree[i], tree[i + half]);
-                }
-                half /= 2;
-            }
-            *sums = plus(*sums, tree[0]);
-        }
+impl<const N: usize> Distance<N> for Euclidean<N> {
+    #[inline(always)]
+    fn input<C: Circuit>(euclidean: Beat<C, N>) -> EuclideanInput<C, N> {
+        EuclideanInput { euclidean }
     }
-    sums
+    #[inline(always)]
+    fn begin<C: Circuit>(c: C) -> EuclideanState<C> {
+        EuclideanState { accumulator: c.zero() }
+    }
 }
 
+impl<const N: usize> Distance<N> for Angular<N> {
+    #[inline(always)]
+    fn input<C: Circuit>(euclidean: Beat<C, N>) -> AngularInput<C, N> {
+        AngularInput { euclidean }
+    }
+    #[inline(always)]
+    fn begin<C: Circuit>(c: C) -> AngularState<C> {
+        AngularState { dot_product: c.zero(), norm: c.zero() }
+    }
+}
+
+/// The squared Euclidean distance of a query and one candidate.
 #[inline(always)]
-fn plus(a: [f32; SUB], b: [f32; SUB]) -> [f32; SUB] {
-    std::array::from_fn(|i| a[i] + b[i])
+pub(crate) fn squared<const E: usize>(query: &[f32], candidate: &[f32]) -> f32 {
+    pair(&Euclidean::<E>, query, candidate).accumulator.into()
+}
+
+/// The dot product of a query and one candidate.
+#[inline(always)]
+pub(crate) fn dot_product<const A: usize>(query: &[f32], candidate: &[f32]) -> f32 {
+    pair(&Angular::<A>, query, candidate).dot_product.into()
+}
+
+/// The squared norm of a vector.
+#[inline(always)]
+pub(crate) fn norm<const A: usize>(vector: &[f32]) -> f32 {
+    pair(&Angular::<A>, vector, vector).norm.into()
+}
+
+/// The sums of a query and one candidate, of as many coordinates.
+#[inline(always)]
+fn pair<O: Distance<N>, const N: usize>(op: &O, query: &[f32], candidate: &[f32]) -> O::State<Binary32> {
+    let ((query, query_end), (candidate, candidate_end)) = (query.as_chunks::<N>(), candidate.as_chunks::<N>());
+    let whole = query.iter().zip(candidate).map(
+        #[inline(always)]
+        |(a, b)| [array_of!(i => a[i].into()), array_of!(i => b[i].into())],
+    );
+    let coordinate = |of: &[f32], i: usize| of.get(i).copied().unwrap_or(0.0).into();
+    let end = [array_of!(i => coordinate(query_end, i)), array_of!(i => coordinate(candidate_end, i))];
+    run(Binary32, op, whole, (!query_end.is_empty()).then_some(end), query_end.len())
+}
+
+/// What `sum` takes from the sums of a query and the candidates of a block. Both have coordinates up to a multiple of
+/// `N`, of which the first `dimensions` count.
+#[inline(always)]
+pub(crate) fn block<S: Simd, O: Distance<N>, const N: usize>(
+    simd: S,
+    op: &O,
+    sum: impl Fn(O::State<Lanes<S>>) -> Num<Lanes<S>>,
+    query: &[f32],
+    block: &[Lane],
+    dimensions: usize,
+) -> [f32; BLOCK] {
+    let (queries, candidates) = (query.as_chunks::<N>().0, block.as_chunks::<N>().0);
+    let whole = (dimensions / N).min(queries.len()).min(candidates.len());
+    let ((queries, query_end), (candidates, candidate_end)) = (queries.split_at(whole), candidates.split_at(whole));
+    let mut sums = Packed.zero();
+    for first in (0..BLOCK).step_by(Lanes::<S>::COUNT) {
+        let part = Part { lanes: Lanes::new(simd), first };
+        let whole = queries.iter().zip(candidates).map(
+            #[inline(always)]
+            |(a, b)| registers(&part, a, b),
+        );
+        let end = match (query_end, candidate_end) {
+            ([a, ..], [b, ..]) => Some(registers(&part, a, b)),
+            _ => None,
+        };
+        let state = run(part.lanes, op, whole, end, dimensions % N);
+        Num::<Binary32>::put(&sum(state), &mut sums, &part);
+    }
+    sums.value().0
+}
+
+/// A query's coordinates, each in all lanes, and those of a part of the candidates.
+#[inline(always)]
+fn registers<S: Simd, const N: usize>(part: &Part<S>, a: &[f32; N], b: &[Lane; N]) -> [[Num<Lanes<S>>; N]; 2] {
+    let lanes = part.lanes;
+    [array_of!(i => Num::new(lanes, lanes.constant(a[i]))), <[Num<Binary32>; N]>::gather([b], part)]
+}
+
+/// Runs the beats of two vectors, coordinates first of the one and then of the other: whole ones, then one of which the
+/// first `width` lanes count, if there is such an `end`. No beat resets, so the sums are what the last one answers.
+#[inline(always)]
+fn run<C: Circuit, O: Distance<N>, const N: usize>(
+    c: C,
+    op: &O,
+    whole: impl Iterator<Item = [[Num<C>; N]; 2]>,
+    end: Option<[[Num<C>; N]; 2]>,
+    width: usize,
+) -> O::State<C> {
+    let (all, reset_accum) = (Flags(array_of!(_ => c.bit(true))), c.bit(false));
+    let mut state = O::begin(c);
+    for [a, b] in whole {
+        state = op.run(c, O::input(Beat { a, b, mask: all, reset_accum }), state).1;
+    }
+    if let Some([a, b]) = end {
+        let mask = Flags(array_of!(i => c.bit(i < width)));
+        state = op.run(c, O::input(Beat { a, b, mask, reset_accum }), state).1;
+    }
+    state
 }

@@ -2,7 +2,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// The nearest candidates so far, of those that have been offered.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Nearest {
     heap: BinaryHeap<Candidate>,
     count: usize,

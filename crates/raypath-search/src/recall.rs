@@ -24,7 +24,7 @@ pub fn recall<const E: usize, const A: usize>(
     metric: Metric,
     count: usize,
 ) -> Result<f64, SearchError> {
-    crate::exact::check(base.dimensions(), base.len(), queries, count)?;
+    crate::exact::check(base.dimensions(), base.len(), queries.dimensions(), count)?;
     for found in [truth.queries(), answers.rows.len()] {
         if found != queries.len() {
             return Err(SearchError::Truth { what: "queries", found, expected: queries.len() });

@@ -3,6 +3,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use raypath_model::levels;
 use raypath_search::{Datapath, Exact, Metric, SearchError, Vectors, cosine_distance, euclidean_distance};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -108,8 +109,12 @@ fn same_bits<const E: usize, const A: usize>() {
             let base = Vectors::new(dimensions, wild(&mut generator, BASE * dimensions, large)).expect("vectors");
             let queries = Vectors::new(dimensions, wild(&mut generator, 3 * dimensions, large)).expect("vectors");
             for metric in Metric::ALL {
-                let answers = Exact::<E, A>::new(&base, metric).search(&queries, BASE, &|_| true).expect("answers");
-                for (query, row) in queries.iter().zip(&answers.rows) {
+                let search = |level| {
+                    let exact = Exact::<E, A>::at(level, &base, metric);
+                    exact.search(&queries, BASE, &|_| true).expect("answers").rows
+                };
+                let rows = levels().into_iter().map(search).collect::<Vec<_>>();
+                for (row, query) in rows.iter().flat_map(|rows| rows.iter().zip(queries.iter())) {
                     let mut expected: Vec<(f64, u32)> = base
                         .iter()
                         .zip(0..)

@@ -95,8 +95,9 @@ fn a_log_has_what_is_counted() {
         let mut evaluations = 0;
         for (query, row) in queries.iter().zip(&answers.rows) {
             let log = graph.log(query, COUNT, EF).expect("a log");
-            evaluations += log.len() as u64 + norms;
-            assert!(row.iter().all(|near| log.contains(&near.index)), "what is found was looked at");
+            evaluations += log.candidates.len() as u64 + norms;
+            assert!(row.iter().all(|near| log.candidates.contains(&near.index)), "what is found was looked at");
+            assert_eq!(log.found, row.iter().map(|near| near.index).collect::<Vec<_>>());
         }
         assert_eq!(answers.work.evaluations, evaluations);
     }

@@ -34,17 +34,21 @@
 //! ```
 
 mod agent;
+mod hardware;
 mod machine;
 mod observer;
 mod plot;
+mod sample;
 mod simulation;
 mod sweep;
 mod timing;
 
 pub use agent::{Agent, Step};
+pub use hardware::Hardware;
 pub use machine::{Machine, Sink};
 pub use observer::{Cycle, Observer};
 pub use plot::plot;
+pub use sample::Sample;
 pub use simulation::{SimulationError, Watch, simulate};
 pub use sweep::{Point, Sweep, sweep};
 pub use timing::{Rates, Starved, Timing};
