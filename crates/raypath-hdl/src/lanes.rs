@@ -6,6 +6,7 @@
 mod network;
 mod operators;
 mod program;
+mod schedule;
 mod transpose;
 
 use crate::Error;
@@ -14,9 +15,10 @@ use crate::graph::Operation;
 use crate::netlist::Module;
 use crate::simulator::{InputPort, OutputPort};
 use fearless_simd::{Level, Simd, dispatch};
-use network::{Kind, Network};
-use operators::{Bits, operator, select_bits};
+use network::{Bit, Kind, Network};
+use operators::{Bits, operator};
 use program::{Function, Program};
+use std::collections::HashSet;
 use std::sync::Arc;
 use transpose::{Slice, from_slices, to_slices};
 
@@ -85,31 +87,34 @@ impl LaneSimulator {
         let mut network = Network::new();
         let values = values(&mut network, &flat, &inputs, &registers);
 
-        let mut kept: Bits = Vec::new();
-        let mut resets = Vec::new();
-        for (register, &first) in flat.registers.iter().zip(&registers) {
-            let mut next = values[register.next.index()].clone();
-            if let Some(enable) = register.enable {
-                let enable = values[enable.index()][0];
-                next = select_bits(&mut network, enable, &next, &values[register.signal.index()]);
-            }
-            for (place, bit) in next.into_iter().enumerate() {
-                let value = register.reset.map(|reset| if reset >> place & 1 == 1 { Slice::ONES } else { Slice::ZEROS });
-                resets.extend(value.map(|value| (first + place as u32, value)));
-                kept.push(network.kept(bit));
-            }
-        }
-        let widths: Vec<usize> = flat.outputs.iter().map(|output| values[output.index()].len()).collect();
-        for output in &flat.outputs {
-            kept.extend(values[output.index()].iter().map(|&bit| network.kept(bit)));
-        }
-        let (mut nexts, end) = evaluation.add(&network, &functions, &kept, end);
-        let mut shown = nexts.split_off(kept.len() - widths.iter().sum::<usize>());
-        let outputs = widths.into_iter().map(|width| shown.drain(..width).collect()).collect();
+        let resets = flat.registers.iter().zip(&registers).flat_map(|(register, &first)| {
+            let width = flat.nodes[register.signal.index()].width;
+            let value = move |place| slice(register.reset.unwrap_or_default(), place);
+            let places = if register.reset.is_some() { 0..width } else { 0..0 };
+            places.map(move |place| (first + place, value(place)))
+        });
+        let resets = resets.collect();
+        let takes = takes(&mut network, &flat, &values, &registers);
+        let shown: Vec<Bits> = flat.outputs.iter().map(|output| values[output.index()].clone()).collect();
+        let shown: Vec<Bits> =
+            shown.into_iter().map(|bits| bits.into_iter().map(|bit| network.kept(bit)).collect()).collect();
+        let kept: Bits =
+            takes.iter().flat_map(|take| [take.enable, take.next]).chain(shown.iter().flatten().copied()).collect();
+        let (places, end) = evaluation.add(&network, &functions, &kept, end);
+        let (of_takes, mut of_outputs) = places.split_at(takes.len() * 2);
         let mut edge = Program::default();
-        for (next, register) in nexts.into_iter().zip(registers[0]..) {
-            edge.gate(Kind::Copy, &[next, register]);
+        for (take, places) in takes.iter().zip(of_takes.as_chunks::<2>().0) {
+            match take.enable {
+                Bit::ONE => edge.gate(Kind::Copy, &[places[1], take.place]),
+                _ => edge.gate(Kind::Mux, &[places[0], places[1], take.place, take.place]),
+            }
         }
+        let outputs = shown.iter().map(|bits| {
+            let (here, rest) = of_outputs.split_at(bits.len());
+            of_outputs = rest;
+            here.to_vec()
+        });
+        let outputs = outputs.collect();
         let memory = vec![Slice::ZEROS; end as usize];
         let (module, level) = (module.clone(), Level::new());
         let mut simulator = Self { module, level, evaluation, edge, memory, inputs, outputs, resets, reset: false };
@@ -142,7 +147,7 @@ impl LaneSimulator {
     pub fn set_all(&mut self, input: InputPort, value: u64) {
         let slices = &mut self.memory[self.inputs[input.slot] as usize..self.inputs[input.slot + 1] as usize];
         for (place, slice) in slices.iter_mut().enumerate() {
-            *slice = if value >> place & 1 == 1 { Slice::ONES } else { Slice::ZEROS };
+            *slice = self::slice(value, place as u32);
         }
     }
 
@@ -202,6 +207,41 @@ impl LaneSimulator {
             self.memory[place as usize] = value;
         }
     }
+}
+
+/// What a register bit takes at the edge, where it is enabled.
+struct Take {
+    enable: Bit,
+    next: Bit,
+    /// The register bit's.
+    place: u32,
+}
+
+/// What registers take, in an order in which what is taken has not been overwritten: registers that read others mostly
+/// come after them in the netlist, and so before them here. Where they do not, copies are made first.
+fn takes(network: &mut Network, flat: &Flat, values: &[Bits], registers: &[u32]) -> Vec<Take> {
+    let mut takes = Vec::new();
+    let mut written = HashSet::new();
+    for (register, &first) in flat.registers.iter().zip(registers).rev() {
+        let mut as_before = |bit: Bit| if written.contains(&bit) { network.kept(bit) } else { bit };
+        let enable = register.enable.map_or(Bit::ONE, |enable| as_before(values[enable.index()][0]));
+        let current = &values[register.signal.index()];
+        let next: Bits = values[register.next.index()].iter().map(|&bit| as_before(bit)).collect();
+        let own: HashSet<Bit> = current.iter().copied().collect();
+        for (place, (bit, current)) in next.into_iter().zip(current).enumerate() {
+            // Bits of a register that change places among themselves.
+            let (enable, next) =
+                [enable, bit].map(|bit| if own.contains(&bit) { network.kept(bit) } else { bit }).into();
+            takes.push(Take { enable, next, place: first + place as u32 });
+            written.insert(*current);
+        }
+    }
+    takes
+}
+
+/// A bit of a value that is the same in all lanes.
+fn slice(value: u64, bit: u32) -> Slice {
+    if value >> bit & 1 == 1 { Slice::ONES } else { Slice::ZEROS }
 }
 
 /// The places of the constants; [`Network::new`] has them in the same order.

@@ -32,20 +32,39 @@ pub enum Kind {
     Copy,
     /// `!a`
     Not,
+    /// This of `a` and `b`.
+    Two(Two),
+    /// The second of the first of `a` and `b`, and `c`.
+    Pair(Two, Two),
+    /// `a ? b : c`
+    Mux,
+    /// Two or three of `a`, `b` and `c`.
+    Majority,
+}
+
+/// What a gate does with two operands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Two {
     /// `a & b`
     And,
     /// `a & !b`
     AndNot,
+    /// `!a & b`
+    NotAnd,
     /// `a | b`
     Or,
     /// `a ^ b`
     Xor,
-    /// `a ? b : c`
-    Mux,
-    /// `a ^ b ^ c`
-    Xor3,
-    /// Two or three of `a`, `b` and `c`.
-    Majority,
+}
+
+impl Kind {
+    pub fn operands(self) -> usize {
+        match self {
+            Self::Copy | Self::Not => 1,
+            Self::Two(_) => 2,
+            Self::Pair(..) | Self::Mux | Self::Majority => 3,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -95,10 +114,20 @@ impl Network {
         self.gate(Gate::Result(call, bit))
     }
 
-    /// A bit that stays what it is now when the registers and inputs change.
+    /// What a gate, which may be one of its own, depends on.
+    pub fn operands<'a>(&'a self, gate: &'a Gate) -> &'a [Bit] {
+        match gate {
+            Gate::Source(_) => &[],
+            Gate::Call(call) => &self.calls[*call as usize].arguments,
+            Gate::Result(call, _) => std::slice::from_ref(call),
+            Gate::Operation(kind, operands) => &operands[..kind.operands()],
+        }
+    }
+
+    /// A bit that has a place of its own, and stays there what it is now when the registers and inputs change.
     pub fn kept(&mut self, a: Bit) -> Bit {
         match self.gates[a.index()] {
-            Gate::Source(_) if a.constant().is_none() => self.operation(Kind::Copy, [a, Bit::ZERO, Bit::ZERO]),
+            Gate::Source(_) if a != Bit::ZERO => self.operation(Kind::Copy, [a, Bit::ZERO, Bit::ZERO]),
             _ => a,
         }
     }
@@ -119,7 +148,7 @@ impl Network {
             _ => match (self.complemented(a), self.complemented(b)) {
                 (_, Some(b)) => self.and_not(a, b),
                 (Some(a), _) => self.and_not(b, a),
-                _ => self.symmetric(Kind::And, a, b),
+                _ => self.symmetric(Two::And, a, b),
             },
         }
     }
@@ -133,7 +162,7 @@ impl Network {
             _ if a == b => Bit::ZERO,
             _ => match self.complemented(b) {
                 Some(b) => self.and(a, b),
-                None => self.operation(Kind::AndNot, [a, b, Bit::ZERO]),
+                None => self.operation(Kind::Two(Two::AndNot), [a, b, Bit::ZERO]),
             },
         }
     }
@@ -143,7 +172,7 @@ impl Network {
             (Some(true), _) | (_, Some(false)) => a,
             (_, Some(true)) | (Some(false), _) => b,
             _ if a == b => a,
-            _ => self.symmetric(Kind::Or, a, b),
+            _ => self.disjunction(a, b),
         }
     }
 
@@ -154,7 +183,11 @@ impl Network {
             (Some(true), _) => self.not(b),
             (_, Some(true)) => self.not(a),
             _ if a == b => Bit::ZERO,
-            _ => self.symmetric(Kind::Xor, a, b),
+            _ => match (self.pair(Two::Xor, a), self.pair(Two::Xor, b)) {
+                (Some([x, y]), _) => self.xor3(x, y, b),
+                (_, Some([x, y])) => self.xor3(x, y, a),
+                _ => self.symmetric(Two::Xor, a, b),
+            },
         }
     }
 
@@ -172,9 +205,11 @@ impl Network {
                 let neither = self.and_not(select, if_true);
                 self.not(neither)
             }
-            _ => match self.complemented(select) {
-                Some(select) => self.operation(Kind::Mux, [select, if_false, if_true]),
-                None => self.operation(Kind::Mux, [select, if_true, if_false]),
+            _ => match (self.complemented(select), self.pair(Two::Xor, select)) {
+                (Some(select), _) => self.mux(select, if_false, if_true),
+                // How full adders are often written.
+                (_, Some([a, b])) if if_false == a || if_false == b => self.majority(a, b, if_true),
+                _ => self.operation(Kind::Mux, [select, if_true, if_false]),
             },
         }
     }
@@ -183,11 +218,14 @@ impl Network {
     pub fn xor3(&mut self, a: Bit, b: Bit, c: Bit) -> Bit {
         let operands = sorted([a, b, c]);
         let [a, b, c] = operands;
-        if a.constant().is_some() || a == b || b == c {
+        if a == b || b == c {
+            return if a == b { c } else { a };
+        }
+        if a.constant().is_some() {
             let pair = self.xor(b, c);
             return self.xor(a, pair);
         }
-        self.operation(Kind::Xor3, operands)
+        self.operation(Kind::Pair(Two::Xor, Two::Xor), operands)
     }
 
     /// The carry of a full adder.
@@ -228,8 +266,29 @@ impl Network {
         }
     }
 
-    fn symmetric(&mut self, kind: Kind, a: Bit, b: Bit) -> Bit {
-        self.operation(kind, [a.min(b), a.max(b), Bit::ZERO])
+    /// The operands of `a`, where it is this of two.
+    fn pair(&self, two: Two, a: Bit) -> Option<[Bit; 2]> {
+        match self.gates[a.index()] {
+            Gate::Operation(kind, [a, b, _]) if kind == Kind::Two(two) => Some([a, b]),
+            _ => None,
+        }
+    }
+
+    /// `a | b`, which may be a selection.
+    fn disjunction(&mut self, a: Bit, b: Bit) -> Bit {
+        for (chosen, other) in [(a, b), (b, a)] {
+            if let (Some([x, y]), Some([if_false, select])) =
+                (self.pair(Two::And, chosen), self.pair(Two::AndNot, other))
+                && (x == select || y == select)
+            {
+                return self.mux(select, if x == select { y } else { x }, if_false);
+            }
+        }
+        self.symmetric(Two::Or, a, b)
+    }
+
+    fn symmetric(&mut self, two: Two, a: Bit, b: Bit) -> Bit {
+        self.operation(Kind::Two(two), [a.min(b), a.max(b), Bit::ZERO])
     }
 
     fn operation(&mut self, kind: Kind, operands: [Bit; 3]) -> Bit {

@@ -53,8 +53,7 @@ pub fn operator(network: &mut Network, values: &[Bits], driver: &Driver, width: 
     }
 }
 
-/// Bits of two values, selected by one bit.
-pub fn select_bits(network: &mut Network, select: Bit, if_true: &[Bit], if_false: &[Bit]) -> Bits {
+fn select_bits(network: &mut Network, select: Bit, if_true: &[Bit], if_false: &[Bit]) -> Bits {
     each(if_true, if_false, |if_true, if_false| network.mux(select, if_true, if_false))
 }
 
@@ -98,15 +97,13 @@ fn product(network: &mut Network, a: &[Bit], b: &[Bit]) -> Bits {
 }
 
 fn equal(network: &mut Network, a: &[Bit], b: &[Bit]) -> Bit {
-    let alike: Bits = a
-        .iter()
-        .zip(b)
-        .map(|(&a, &b)| {
-            let differ = network.xor(a, b);
-            network.not(differ)
-        })
-        .collect();
-    network.all(&alike)
+    let (mut differ, mut alike) = (Vec::new(), Vec::new());
+    for (&a, &b) in a.iter().zip(b) {
+        let bit = network.xor(a, b);
+        if b <= Bit::ONE { alike.push(network.not(bit)) } else { differ.push(bit) }
+    }
+    let (differ, alike) = (network.any(&differ), network.all(&alike));
+    network.and_not(alike, differ)
 }
 
 /// A barrel shifter; an amount of the width or more gives zero.

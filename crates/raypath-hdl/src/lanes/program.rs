@@ -1,6 +1,7 @@
 //! A network as a list of steps, each many gates of one kind, and their execution over slices.
 
-use super::network::{Bit, Gate, Kind, Network};
+use super::network::{Bit, Gate, Kind, Network, Two};
+use super::schedule::Schedule;
 use super::transpose::Slice;
 
 /// Gates in the order of evaluation. The places of their operands and results are positions in the memory.
@@ -35,15 +36,12 @@ impl Program {
     /// Adds the gates that `kept` depends on. Places from `first` on are free for them. Says where what is kept is until
     /// the next evaluation, and after which place all are free.
     pub fn add(&mut self, network: &Network, functions: &[Function], kept: &[Bit], first: u32) -> (Vec<u32>, u32) {
-        let gates = &network.gates;
-        let last_readers = last_readers(network, kept);
+        let Schedule { gates, order } = Schedule::new(network, kept);
+        let last_readers = last_readers(network, &gates, &order, kept);
         let mut room = Room { free: Vec::new(), end: first };
         let mut places = vec![u32::MAX; gates.len()];
-        for (gate, last_reader) in last_readers.iter().enumerate() {
-            if last_reader.is_none() {
-                continue;
-            }
-            // A result may go where an operand was that nobody else reads.
+        for gate in order {
+            // A result may go where an operand was that nobody reads later.
             let mut release = |operands: &[Bit], places: &[u32]| {
                 for (position, &bit) in operands.iter().enumerate() {
                     let is_last = last_readers[bit.index()] == Some(gate) && !operands[..position].contains(&bit);
@@ -71,9 +69,9 @@ impl Program {
                 }
                 Gate::Operation(kind, operands) => {
                     let operands = &operands[..kind.operands()];
+                    let mut all: Vec<u32> = operands.iter().map(|bit| places[bit.index()]).collect();
                     release(operands, &places);
                     places[gate] = room.take();
-                    let mut all: Vec<u32> = operands.iter().map(|bit| places[bit.index()]).collect();
                     all.push(places[gate]);
                     self.gate(kind, &all);
                 }
@@ -108,25 +106,31 @@ impl Program {
             match step.kind {
                 Kind::Copy => one(memory, places, |a| a),
                 Kind::Not => one(memory, places, |a| !a),
-                Kind::And => two(memory, places, |a, b| a & b),
-                Kind::AndNot => two(memory, places, |a, b| a & !b),
-                Kind::Or => two(memory, places, |a, b| a | b),
-                Kind::Xor => two(memory, places, |a, b| a ^ b),
+                Kind::Two(Two::And) => two(memory, places, |a, b| a & b),
+                Kind::Two(Two::AndNot) => two(memory, places, |a, b| a & !b),
+                Kind::Two(Two::NotAnd) => two(memory, places, |a, b| !a & b),
+                Kind::Two(Two::Or) => two(memory, places, |a, b| a | b),
+                Kind::Two(Two::Xor) => two(memory, places, |a, b| a ^ b),
+                Kind::Pair(Two::And, second) => pair(memory, places, |a, b| a & b, second),
+                Kind::Pair(Two::AndNot, second) => pair(memory, places, |a, b| a & !b, second),
+                Kind::Pair(Two::NotAnd, second) => pair(memory, places, |a, b| !a & b, second),
+                Kind::Pair(Two::Or, second) => pair(memory, places, |a, b| a | b, second),
+                Kind::Pair(Two::Xor, second) => pair(memory, places, |a, b| a ^ b, second),
                 Kind::Mux => three(memory, places, |a, b, c| a & b | !a & c),
-                Kind::Xor3 => three(memory, places, |a, b, c| a ^ b ^ c),
                 Kind::Majority => three(memory, places, |a, b, c| a & b | c & (a | b)),
             }
         }
     }
 }
 
-impl Kind {
-    fn operands(self) -> usize {
-        match self {
-            Self::Copy | Self::Not => 1,
-            Self::And | Self::AndNot | Self::Or | Self::Xor => 2,
-            Self::Mux | Self::Xor3 | Self::Majority => 3,
-        }
+#[inline(always)]
+fn pair(memory: &mut [Slice], places: &[u32], first: impl Fn(u32, u32) -> u32, second: Two) {
+    match second {
+        Two::And => three(memory, places, |a, b, c| first(a, b) & c),
+        Two::AndNot => three(memory, places, |a, b, c| first(a, b) & !c),
+        Two::NotAnd => three(memory, places, |a, b, c| !first(a, b) & c),
+        Two::Or => three(memory, places, |a, b, c| first(a, b) | c),
+        Two::Xor => three(memory, places, |a, b, c| first(a, b) ^ c),
     }
 }
 
@@ -170,24 +174,15 @@ impl Room {
 }
 
 /// The gate that reads each gate last: `usize::MAX` where it is kept, none where nothing depends on it.
-fn last_readers(network: &Network, kept: &[Bit]) -> Vec<Option<usize>> {
-    let mut last = vec![None; network.gates.len()];
+fn last_readers(network: &Network, gates: &[Gate], order: &[usize], kept: &[Bit]) -> Vec<Option<usize>> {
+    let mut last = vec![None; gates.len()];
+    for &gate in order {
+        for operand in network.operands(&gates[gate]) {
+            last[operand.index()] = Some(gate);
+        }
+    }
     for bit in kept {
         last[bit.index()] = Some(usize::MAX);
-    }
-    for (reader, gate) in network.gates.iter().enumerate().rev() {
-        if last[reader].is_none() {
-            continue;
-        }
-        let operands: &[Bit] = match gate {
-            Gate::Source(_) => &[],
-            Gate::Call(call) => &network.calls[*call as usize].arguments,
-            Gate::Result(call, _) => std::slice::from_ref(call),
-            Gate::Operation(kind, operands) => &operands[..kind.operands()],
-        };
-        for operand in operands {
-            last[operand.index()].get_or_insert(reader);
-        }
     }
     last
 }
