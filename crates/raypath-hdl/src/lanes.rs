@@ -1,7 +1,7 @@
 //! Executing a netlist for many stimuli at once: every bit is a slice, and each stimulus has a bit of it.
 //!
-//! No native code is made for this: the machine's widest registers do a gate for all stimuli in an instruction, so
-//! that reading what to do next costs little.
+//! No native code is made for this: the machine's widest registers do a gate for all stimuli in one instruction or a
+//! few, so that reading what to do next costs little, and the same list of gates serves every machine.
 
 mod network;
 mod operators;
@@ -12,7 +12,7 @@ mod transpose;
 use crate::Error;
 use crate::flatten::Flat;
 use crate::graph::Operation;
-use crate::netlist::Module;
+use crate::netlist::{Module, SignalId};
 use crate::simulator::{InputPort, OutputPort};
 use fearless_simd::{Level, Simd, dispatch};
 use network::{Bit, Kind, Network};
@@ -26,7 +26,7 @@ use transpose::{Slice, from_slices, to_slices};
 const WORD: usize = 32;
 const WORDS: usize = LANES / WORD;
 
-/// The stimuli that a [`LaneSimulator`] has at once.
+/// The stimuli that a [`LaneSimulator`] has at once. A slice is then a cache line and the widest register there is.
 pub const LANES: usize = 512;
 
 /// A module in simulation in [`LANES`] lanes, each as a [`Simulator`](crate::Simulator) of its own would be, but for the
@@ -87,17 +87,14 @@ impl LaneSimulator {
         let mut network = Network::new();
         let values = values(&mut network, &flat, &inputs, &registers);
 
-        let resets = flat.registers.iter().zip(&registers).flat_map(|(register, &first)| {
-            let width = flat.nodes[register.signal.index()].width;
-            let value = move |place| slice(register.reset.unwrap_or_default(), place);
-            let places = if register.reset.is_some() { 0..width } else { 0..0 };
-            places.map(move |place| (first + place, value(place)))
-        });
-        let resets = resets.collect();
+        let mut resets = Vec::new();
+        for (register, places) in flat.registers.iter().zip(registers.windows(2)) {
+            let Some(value) = register.reset else { continue };
+            resets.extend((places[0]..places[1]).zip(0..).map(|(place, bit)| (place, slice(value, bit))));
+        }
         let takes = takes(&mut network, &flat, &values, &registers);
-        let shown: Vec<Bits> = flat.outputs.iter().map(|output| values[output.index()].clone()).collect();
-        let shown: Vec<Bits> =
-            shown.into_iter().map(|bits| bits.into_iter().map(|bit| network.kept(bit)).collect()).collect();
+        let mut kept = |output: &SignalId| values[output.index()].iter().map(|&bit| network.kept(bit)).collect();
+        let shown: Vec<Bits> = flat.outputs.iter().map(&mut kept).collect();
         let kept: Bits =
             takes.iter().flat_map(|take| [take.enable, take.next]).chain(shown.iter().flatten().copied()).collect();
         let (places, end) = evaluation.add(&network, &functions, &kept, end);

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use raypath_hdl::{Builder, LANES, LaneSimulator, Module, Simulator};
 use std::sync::Arc;
 
-/// Registers with and without reset and enable, a swap of two, a sum, and a register of a constant.
+/// Registers with and without reset and enable, a swap of two and one within one, a sum, and a register of a constant.
 fn registers() -> Arc<Module> {
     let m = Builder::new("registers");
     let (d, en) = (m.input("d_i", 33), m.input("en_i", 1));
@@ -20,6 +20,11 @@ fn registers() -> Arc<Module> {
     a.next(b.wire());
     b.next_when(en, a.wire());
     constant.next(m.constant(33, 5));
+    // Its halves change places, and its lowest bit is its own enable.
+    let halves = m.register("halves_q", 34).reset_to(0x2_1234_5679);
+    let turned = m.concat(&[halves.wire().bits(16, 0), halves.wire().bits(33, 17)]);
+    halves.next_when(halves.wire().bit(0) | en, turned);
+    m.output("halves_o", halves.wire());
     for (name, register) in
         [("plain_o", plain), ("held_o", held), ("reset_o", reset), ("a_o", a), ("b_o", b), ("constant_o", constant)]
     {
@@ -37,7 +42,7 @@ fn random_lanes(random: &mut ChaCha8Rng) -> [u64; LANES] {
 /// What is done to both simulators, in the same order.
 #[derive(Clone)]
 enum Action {
-    Set([u64; LANES], [u64; LANES]),
+    Set(Box<[[u64; LANES]; 2]>),
     SetAll(u64),
     Cycle,
     Settle,
@@ -47,7 +52,7 @@ enum Action {
 
 fn random_action(random: &mut ChaCha8Rng) -> Action {
     match random.random_range(0..20) {
-        0..8 => Action::Set(random_lanes(random), random_lanes(random)),
+        0..8 => Action::Set(Box::new([random_lanes(random), random_lanes(random)])),
         8 => Action::SetAll(random.random()),
         9..16 => Action::Cycle,
         16 => Action::Settle,
@@ -68,9 +73,9 @@ fn every_lane_is_a_simulator_whatever_is_done() {
     let outputs: Vec<_> = module.outputs().iter().map(|port| lanes.output(&port.name).unwrap()).collect();
     for (step, action) in actions.iter().enumerate() {
         match action {
-            Action::Set(values, enables) => {
-                lanes.set(d, values);
-                lanes.set(en, enables);
+            Action::Set(values) => {
+                lanes.set(d, &values[0]);
+                lanes.set(en, &values[1]);
             }
             Action::SetAll(value) => lanes.set_all(d, *value),
             Action::Cycle => lanes.cycle(),
@@ -80,9 +85,9 @@ fn every_lane_is_a_simulator_whatever_is_done() {
         }
         for (place, single) in single.iter_mut().enumerate() {
             match action {
-                Action::Set(values, enables) => {
-                    single.set(d, values[place * 31]);
-                    single.set(en, enables[place * 31]);
+                Action::Set(values) => {
+                    single.set(d, values[0][place * 31]);
+                    single.set(en, values[1][place * 31]);
                 }
                 Action::SetAll(value) => single.set(d, *value),
                 Action::Cycle => single.cycle(),

@@ -67,11 +67,11 @@ fn transpose(block: &mut Block, size: usize) {
         // The bits whose position lacks the bit `step`.
         let mask = u32::MAX / ((1 << step) + 1);
         for row in (0..size).filter(|row| row & step == 0) {
-            for word in 0..WORDS {
-                let (low, high) = (block[row][word], block[row + step][word]);
-                let differ = ((low >> step) ^ high) & mask;
-                block[row][word] = low ^ differ << step;
-                block[row + step][word] = high ^ differ;
+            let (above, below) = block.split_at_mut(row + step);
+            for (low, high) in above[row].iter_mut().zip(&mut below[0]) {
+                let differ = ((*low >> step) ^ *high) & mask;
+                *low ^= differ << step;
+                *high ^= differ;
             }
         }
         step /= 2;
