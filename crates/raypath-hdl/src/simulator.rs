@@ -30,20 +30,33 @@ pub struct Simulator {
 /// An input of a [`Simulator`]; valid for others of the same module too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct InputPort {
-    slot: usize,
+    pub(crate) slot: usize,
     mask: u64,
 }
 
 /// An output of a [`Simulator`]; valid for others of the same module too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OutputPort {
-    slot: usize,
+    pub(crate) slot: usize,
 }
 
 /// An observed signal of the [`Simulator`] that gave it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Probe {
     slot: usize,
+}
+
+impl InputPort {
+    pub(crate) fn of(module: &Module, name: &str) -> Result<Self, Error> {
+        let slot = module.input_position(name)?;
+        Ok(Self { slot, mask: mask(module.signal(module.inputs[slot].signal).width) })
+    }
+}
+
+impl OutputPort {
+    pub(crate) fn of(module: &Module, name: &str) -> Result<Self, Error> {
+        Ok(Self { slot: module.inputs.len() + module.output_position(name)? })
+    }
 }
 
 impl Simulator {
@@ -84,14 +97,12 @@ impl Simulator {
 
     /// The input port of this name.
     pub fn input(&self, name: &str) -> Result<InputPort, Error> {
-        let slot = self.module.input_position(name)?;
-        let width = self.module.signal(self.module.inputs[slot].signal).width;
-        Ok(InputPort { slot, mask: mask(width) })
+        InputPort::of(&self.module, name)
     }
 
     /// The output port of this name.
     pub fn output(&self, name: &str) -> Result<OutputPort, Error> {
-        Ok(OutputPort { slot: self.module.inputs.len() + self.module.output_position(name)? })
+        OutputPort::of(&self.module, name)
     }
 
     /// Sets an input, until it is set again. Bits above its width are ignored.

@@ -2,7 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_hdl::{Builder, Label, Module, Simulator};
+use raypath_hdl::{Builder, InputPort, LANES, Label, LaneSimulator, Module, OutputPort, Simulator};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -134,10 +134,10 @@ fn operands(width: u32) -> Vec<Operands> {
 
 fn compare(module: &Arc<Module>, expected: &[(String, Expected)], width: u32) {
     let mut simulator = Simulator::new(module).unwrap();
-    let [a, b, c, far] = ["a_i", "b_i", "c_i", "far_i"].map(|name| simulator.input(name).unwrap());
+    let inputs = ["a_i", "b_i", "c_i", "far_i"].map(|name| simulator.input(name).unwrap());
     let outputs: Vec<_> = expected.iter().map(|(name, _)| simulator.output(name).unwrap()).collect();
     for o in operands(width) {
-        for (port, value) in [(a, o.a), (b, o.b), (c, o.c), (far, o.far)] {
+        for (port, value) in inputs.into_iter().zip([o.a, o.b, o.c, o.far]) {
             simulator.set(port, value as u64);
         }
         simulator.settle();
@@ -145,9 +145,36 @@ fn compare(module: &Arc<Module>, expected: &[(String, Expected)], width: u32) {
             assert_eq!(u128::from(simulator.get(output)), expected(o), "{name} at width {width} of {o:?}");
         }
     }
+    compare_lanes(module, expected, width, inputs, &outputs);
 }
 
-const WIDTHS: [u32; 8] = [1, 2, 7, 8, 32, 33, 63, 64];
+/// The same, other operands in every lane.
+fn compare_lanes(
+    module: &Arc<Module>,
+    expected: &[(String, Expected)],
+    width: u32,
+    inputs: [InputPort; 4],
+    outputs: &[OutputPort],
+) {
+    let mut simulator = LaneSimulator::new(module).unwrap();
+    for lanes in operands(width).chunks(LANES) {
+        let of_lanes =
+            |part: fn(Operands) -> u128| std::array::from_fn(|lane| lanes.get(lane).map_or(0, |o| part(*o) as u64));
+        simulator.set(inputs[0], &of_lanes(|o| o.a));
+        simulator.set(inputs[1], &of_lanes(|o| o.b));
+        simulator.set(inputs[2], &of_lanes(|o| o.c));
+        simulator.set(inputs[3], &of_lanes(|o| o.far));
+        simulator.settle();
+        for ((name, expected), &output) in expected.iter().zip(outputs) {
+            let shown = simulator.get(output);
+            for (lane, (&o, shown)) in lanes.iter().zip(shown).enumerate() {
+                assert_eq!(u128::from(shown), expected(o), "{name} at width {width} of {o:?} in lane {lane}");
+            }
+        }
+    }
+}
+
+const WIDTHS: [u32; 9] = [1, 2, 7, 8, 31, 32, 33, 63, 64];
 
 #[test]
 fn operators_agree_with_wide_arithmetic() {

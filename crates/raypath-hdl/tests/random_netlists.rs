@@ -2,7 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_hdl::{Builder, Driver, Label, Module, SignalId, Simulator, Wire};
+use raypath_hdl::{Builder, Driver, LANES, Label, LaneSimulator, Module, SignalId, Simulator, Wire};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -266,6 +266,60 @@ fn compare(module: &Arc<Module>, random: &mut ChaCha8Rng, seed: u64) {
     }
 }
 
+/// Other inputs in every lane, the same reset: each lane against a simulator that has only its inputs, a few against the
+/// interpreter too.
+fn compare_lanes(module: &Arc<Module>, random: &mut ChaCha8Rng, seed: u64) {
+    let mut lanes = LaneSimulator::new(module).unwrap();
+    let mut single = Simulator::new(module).unwrap();
+    let inputs: Vec<_> = module.inputs().iter().map(|port| lanes.input(&port.name).unwrap()).collect();
+    let outputs: Vec<_> = module.outputs().iter().map(|port| lanes.output(&port.name).unwrap()).collect();
+    let mut cycles = Vec::new();
+    for _ in 0..20 {
+        let reset = random.random_range(0..10) == 0;
+        lanes.set_reset(reset);
+        let mut values = || -> [u64; LANES] {
+            std::array::from_fn(|_| match random.random_range(0..4) {
+                0 => 0,
+                1 => u64::MAX,
+                _ => random.random::<u64>(),
+            })
+        };
+        let given: Vec<_> = inputs.iter().map(|_| values()).collect();
+        for (&port, values) in inputs.iter().zip(&given) {
+            lanes.set(port, values);
+        }
+        lanes.cycle();
+        let shown: Vec<_> = outputs.iter().map(|&port| lanes.get(port)).collect();
+        cycles.push((reset, given, shown));
+    }
+    for lane in 0..LANES {
+        single.restart();
+        let mut scope = (lane % 101 == 0).then(|| Scope::new(module));
+        for (cycle, (reset, given, shown)) in cycles.iter().enumerate() {
+            single.set_reset(*reset);
+            inputs.iter().zip(given).for_each(|(&port, values)| single.set(port, values[lane]));
+            single.cycle();
+            if let Some(scope) = &mut scope {
+                scope.begin_cycle(*reset);
+                for ((input, info), values) in scope.inputs.iter_mut().zip(module.inputs()).zip(given) {
+                    *input = Some(u128::from(values[lane]) % (1 << module.signal(info.signal).width));
+                }
+                scope.evaluate();
+            }
+            for ((port, &output), shown) in module.outputs().iter().zip(&outputs).zip(shown) {
+                let place = format!("{} of lane {lane} in cycle {cycle} of seed {seed}", port.name);
+                assert_eq!(shown[lane], single.get(output), "{place}");
+                if let Some(scope) = &mut scope {
+                    assert_eq!(u128::from(shown[lane]), scope.value(port.signal), "{place}, interpreted");
+                }
+            }
+            if let Some(scope) = &mut scope {
+                scope.edge(*reset);
+            }
+        }
+    }
+}
+
 /// Every named signal and every output port of a scope and those inside it.
 fn compare_observed(simulator: &Simulator, scope: &mut Scope<'_>, prefix: &str, place: &str) {
     let module = scope.module;
@@ -291,6 +345,7 @@ fn random_netlists_agree_with_the_interpreter() {
         let clocked = random_module("clocked", &mut random, 30, 5, &[large.clone(), small.clone()]);
         let top = random_module("top", &mut random, 40, 6, &[large.clone(), clocked.clone(), large, clocked, small]);
         compare(&top, &mut random, seed);
+        compare_lanes(&top, &mut random, seed);
         drivers.extend(top.signals().iter().map(|signal| {
             let driver = format!("{:?}", signal.driver);
             driver.split(['(', ' ']).next().unwrap_or_default().to_string()

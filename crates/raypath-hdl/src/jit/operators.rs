@@ -213,7 +213,7 @@ impl Body<'_> {
             Some(&Driver::Slice { source, low }) => {
                 let source = self.word(source).value;
                 let highest = self.shifted_left(source, 63 - low);
-                self.builder.ins().sshr_imm(highest, 63)
+                self.builder.ins().sshr_imm_u(highest, 63)
             }
             _ => {
                 let bit = self.clean(bit);
@@ -249,11 +249,11 @@ impl Body<'_> {
     }
 
     fn shifted_left(&mut self, value: Value, by: u32) -> Value {
-        if by == 0 { value } else { self.builder.ins().ishl_imm(value, i64::from(by)) }
+        if by == 0 { value } else { self.builder.ins().ishl_imm_u(value, i64::from(by)) }
     }
 
     fn shifted_right(&mut self, value: Value, by: u32) -> Value {
-        if by == 0 { value } else { self.builder.ins().ushr_imm(value, i64::from(by)) }
+        if by == 0 { value } else { self.builder.ins().ushr_imm_u(value, i64::from(by)) }
     }
 }
 

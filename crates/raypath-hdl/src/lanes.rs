@@ -1,0 +1,301 @@
+//! Executing a netlist for many stimuli at once: every bit is a slice, and each stimulus has a bit of it.
+//!
+//! No native code is made for this: the machine's widest registers do a gate for all stimuli in one instruction or a
+//! few, so that reading what to do next costs little, and the same list of gates serves every machine.
+
+mod network;
+mod operators;
+mod program;
+mod schedule;
+mod transpose;
+
+use crate::Error;
+use crate::flatten::Flat;
+use crate::graph::Operation;
+use crate::netlist::{Module, SignalId};
+use crate::simulator::{InputPort, OutputPort};
+use fearless_simd::{Level, Simd, dispatch};
+use network::{Bit, Kind, Network};
+use operators::{Bits, operator};
+use program::{Function, Program};
+use std::collections::HashSet;
+use std::sync::Arc;
+use transpose::{Slice, from_slices, to_slices};
+
+/// Bits of a word, and words of a slice.
+const WORD: usize = 32;
+const WORDS: usize = LANES / WORD;
+
+/// The stimuli that a [`LaneSimulator`] has at once. A slice is then a cache line and the widest register there is.
+pub const LANES: usize = 512;
+
+/// A module in simulation in [`LANES`] lanes, each as a [`Simulator`](crate::Simulator) of its own would be, but for the
+/// reset, which they share. Ports are the same as a `Simulator`'s.
+///
+/// ```
+/// use raypath_hdl::{Builder, LANES, LaneSimulator};
+///
+/// let m = Builder::new("sum");
+/// let (sum, step) = (m.register("sum_q", 8).reset_to(0), m.input("step_i", 8));
+/// sum.next(sum.wire() + step);
+/// m.output("sum_o", sum.wire());
+/// let module = m.finish()?;
+///
+/// let mut simulator = LaneSimulator::new(&module)?;
+/// let (step, sum) = (simulator.input("step_i")?, simulator.output("sum_o")?);
+/// simulator.set(step, &std::array::from_fn(|lane| lane as u64 % 10));
+/// simulator.cycle();
+/// simulator.cycle();
+/// assert_eq!(simulator.get(sum)[..12], [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1]);
+/// assert_eq!(simulator.get(sum).len(), LANES);
+/// # Ok::<(), raypath_hdl::Error>(())
+/// ```
+pub struct LaneSimulator {
+    module: Arc<Module>,
+    level: Level,
+    evaluation: Program,
+    /// What registers take, to where they are.
+    edge: Program,
+    memory: Vec<Slice>,
+    /// The place of each input's lowest bit, and of the end.
+    inputs: Vec<u32>,
+    /// The places of each output's bits.
+    outputs: Vec<Vec<u32>>,
+    /// Register bits that have a reset value.
+    resets: Vec<(u32, Slice)>,
+    reset: bool,
+}
+
+impl LaneSimulator {
+    /// Prepares `module`, for the widest registers that this machine has. What no output depends on, not even through
+    /// registers, is left out.
+    pub fn new(module: &Arc<Module>) -> Result<Self, Error> {
+        let flat = Flat::new(module, &|_| false)?;
+        let mut evaluation = Program::default();
+        let mut functions: Vec<Function> = Vec::new();
+        for (function, call) in &flat.calls {
+            // Functions are in the order of their first calls.
+            if *function == functions.len() {
+                functions.push(translated(&mut evaluation, &flat.functions[*function], &call.module));
+            }
+        }
+        let mut end = functions.iter().fold(AFTER_CONSTANTS, |end, function| end.max(function.end));
+
+        let inputs = laid_out(input_widths(module), &mut end);
+        let widths = flat.registers.iter().map(|register| flat.nodes[register.signal.index()].width);
+        let registers = laid_out(widths, &mut end);
+        let mut network = Network::new();
+        let values = values(&mut network, &flat, &inputs, &registers);
+
+        let mut resets = Vec::new();
+        for (register, places) in flat.registers.iter().zip(registers.windows(2)) {
+            let Some(value) = register.reset else { continue };
+            resets.extend((places[0]..places[1]).zip(0..).map(|(place, bit)| (place, slice(value, bit))));
+        }
+        let takes = takes(&mut network, &flat, &values, &registers);
+        let mut kept = |output: &SignalId| values[output.index()].iter().map(|&bit| network.kept(bit)).collect();
+        let shown: Vec<Bits> = flat.outputs.iter().map(&mut kept).collect();
+        let kept: Bits =
+            takes.iter().flat_map(|take| [take.enable, take.next]).chain(shown.iter().flatten().copied()).collect();
+        let (places, end) = evaluation.add(&network, &functions, &kept, end);
+        let (of_takes, mut of_outputs) = places.split_at(takes.len() * 2);
+        let mut edge = Program::default();
+        for (take, places) in takes.iter().zip(of_takes.as_chunks::<2>().0) {
+            match take.enable {
+                Bit::ONE => edge.gate(Kind::Copy, &[places[1], take.place]),
+                _ => edge.gate(Kind::Mux, &[places[0], places[1], take.place, take.place]),
+            }
+        }
+        let outputs = shown.iter().map(|bits| {
+            let (here, rest) = of_outputs.split_at(bits.len());
+            of_outputs = rest;
+            here.to_vec()
+        });
+        let outputs = outputs.collect();
+        let memory = vec![Slice::ZEROS; end as usize];
+        let (module, level) = (module.clone(), Level::new());
+        let mut simulator = Self { module, level, evaluation, edge, memory, inputs, outputs, resets, reset: false };
+        simulator.restart();
+        Ok(simulator)
+    }
+
+    /// The module that it executes.
+    pub fn module(&self) -> &Arc<Module> {
+        &self.module
+    }
+
+    /// The input port of this name.
+    pub fn input(&self, name: &str) -> Result<InputPort, Error> {
+        InputPort::of(&self.module, name)
+    }
+
+    /// The output port of this name.
+    pub fn output(&self, name: &str) -> Result<OutputPort, Error> {
+        OutputPort::of(&self.module, name)
+    }
+
+    /// Sets an input in each lane, until it is set again. Bits above its width are ignored.
+    pub fn set(&mut self, input: InputPort, values: &[u64; LANES]) {
+        let slices = &mut self.memory[self.inputs[input.slot] as usize..self.inputs[input.slot + 1] as usize];
+        dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || to_slices(values, slices)));
+    }
+
+    /// Sets an input to the same in all lanes, until it is set again. Bits above its width are ignored.
+    pub fn set_all(&mut self, input: InputPort, value: u64) {
+        let slices = &mut self.memory[self.inputs[input.slot] as usize..self.inputs[input.slot + 1] as usize];
+        for (place, slice) in slices.iter_mut().enumerate() {
+            *slice = self::slice(value, place as u32);
+        }
+    }
+
+    /// What an output showed in each lane when last evaluated: in the last cycle before its clock edge, or when last
+    /// settled.
+    pub fn get(&self, output: OutputPort) -> [u64; LANES] {
+        let places = &self.outputs[output.slot - self.module.inputs.len()];
+        let mut slices = [Slice::ZEROS; u64::BITS as usize];
+        for (slice, &place) in slices.iter_mut().zip(places) {
+            *slice = self.memory[place as usize];
+        }
+        let slices = &slices[..places.len()];
+        dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || from_slices(slices)))
+    }
+
+    /// One clock cycle in every lane: evaluates with the inputs as set, then the rising edge.
+    pub fn cycle(&mut self) {
+        self.settle();
+        let (edge, memory) = (&self.edge, &mut self.memory);
+        dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || edge.run(memory)));
+        if self.reset {
+            self.apply_reset();
+        }
+    }
+
+    /// Evaluates with the inputs as set, without an edge.
+    pub fn settle(&mut self) {
+        let (evaluation, memory) = (&self.evaluation, &mut self.memory);
+        dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || evaluation.run(memory)));
+    }
+
+    /// Drives `rst_ni` in all lanes: low where `asserted`. What that does is what
+    /// [`Simulator::set_reset`](crate::Simulator::set_reset) does.
+    pub fn set_reset(&mut self, asserted: bool) {
+        self.reset = asserted;
+        if asserted {
+            self.apply_reset();
+        }
+    }
+
+    /// Begins again as a new simulator of the module does: all registers, those without a reset value too, are as they
+    /// were at first. Inputs are 0.
+    pub fn restart(&mut self) {
+        self.reset = false;
+        self.memory.fill(Slice::ZEROS);
+        self.memory[ONE] = Slice::ONES;
+        self.apply_reset();
+    }
+
+    /// Whether the reset is asserted.
+    pub fn is_reset(&self) -> bool {
+        self.reset
+    }
+
+    fn apply_reset(&mut self) {
+        for &(place, value) in &self.resets {
+            self.memory[place as usize] = value;
+        }
+    }
+}
+
+/// What a register bit takes at the edge, where it is enabled.
+struct Take {
+    enable: Bit,
+    next: Bit,
+    /// The register bit's.
+    place: u32,
+}
+
+/// What registers take, in an order in which what is taken has not been overwritten: registers that read others mostly
+/// come after them in the netlist, and so before them here. Where they do not, copies are made first.
+fn takes(network: &mut Network, flat: &Flat, values: &[Bits], registers: &[u32]) -> Vec<Take> {
+    let mut takes = Vec::new();
+    let mut written = HashSet::new();
+    for (register, &first) in flat.registers.iter().zip(registers).rev() {
+        let mut as_before = |bit: Bit| if written.contains(&bit) { network.kept(bit) } else { bit };
+        let enable = register.enable.map_or(Bit::ONE, |enable| as_before(values[enable.index()][0]));
+        let current = &values[register.signal.index()];
+        let next: Bits = values[register.next.index()].iter().map(|&bit| as_before(bit)).collect();
+        let own: HashSet<Bit> = current.iter().copied().collect();
+        for (place, (bit, current)) in next.into_iter().zip(current).enumerate() {
+            // Bits of a register that change places among themselves.
+            let (enable, next) =
+                [enable, bit].map(|bit| if own.contains(&bit) { network.kept(bit) } else { bit }).into();
+            takes.push(Take { enable, next, place: first + place as u32 });
+            written.insert(*current);
+        }
+    }
+    takes
+}
+
+/// A bit of a value that is the same in all lanes.
+fn slice(value: u64, bit: u32) -> Slice {
+    if value >> bit & 1 == 1 { Slice::ONES } else { Slice::ZEROS }
+}
+
+/// The places of the constants; [`Network::new`] has them in the same order.
+const ONE: usize = 1;
+const AFTER_CONSTANTS: u32 = 2;
+
+fn input_widths(module: &Module) -> impl Iterator<Item = u32> {
+    module.inputs.iter().map(|port| module.signal(port.signal).width)
+}
+
+/// The places of the lowest bits of words of these widths, one after the other from `end` on, and of the end.
+fn laid_out(widths: impl Iterator<Item = u32>, end: &mut u32) -> Vec<u32> {
+    let mut places = vec![*end];
+    for width in widths {
+        *end += width;
+        places.push(*end);
+    }
+    places
+}
+
+/// Adds a function to a program. All functions use the same places: none calls another.
+fn translated(program: &mut Program, flat: &Flat, module: &Module) -> Function {
+    let mut end = AFTER_CONSTANTS;
+    let inputs = laid_out(input_widths(module), &mut end);
+    let mut network = Network::new();
+    let values = values(&mut network, flat, &inputs, &[]);
+    let outputs: Bits = flat.outputs.iter().flat_map(|output| &values[output.index()]).copied().collect();
+    program.function(&network, end - AFTER_CONSTANTS, &outputs, AFTER_CONSTANTS)
+}
+
+/// The bits of every node.
+fn values(network: &mut Network, flat: &Flat, inputs: &[u32], registers: &[u32]) -> Vec<Bits> {
+    let mut values: Vec<Bits> = Vec::with_capacity(flat.nodes.len());
+    // What each call that has been made answers, by output.
+    let mut answers: Vec<Option<Vec<Bits>>> = vec![None; flat.calls.len()];
+    for node in &flat.nodes {
+        let mut sources = |first: u32| (first..first + node.width).map(|place| network.source(place)).collect();
+        let bits = match &node.operation {
+            Operation::Input(input) => sources(inputs[*input]),
+            Operation::Register(register) => sources(registers[*register]),
+            Operation::Result { call, output } => {
+                answers[*call].get_or_insert_with(|| called(network, flat, *call, &values))[*output].clone()
+            }
+            Operation::Operator(driver) => operator(network, &values, driver, node.width),
+        };
+        values.push(bits);
+    }
+    values
+}
+
+/// Makes a call and takes all that it answers: the next call has its answers in the same places.
+fn called(network: &mut Network, flat: &Flat, call: usize, values: &[Bits]) -> Vec<Bits> {
+    let (function, call) = &flat.calls[call];
+    let arguments = call.inputs.iter().flat_map(|input| &values[input.index()]).copied().collect();
+    let made = network.call(*function, arguments);
+    let function = &flat.functions[*function];
+    let mut bits = (0..).map(|bit| network.result(made, bit));
+    let widths = function.outputs.iter().map(|output| function.nodes[output.index()].width as usize);
+    widths.map(|width| bits.by_ref().take(width).collect()).collect()
+}

@@ -1,0 +1,208 @@
+//! What a simulation in lanes adds: lanes that do not see each other, and values that find their lanes.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use raypath_hdl::{Builder, LANES, LaneSimulator, Module, Simulator};
+use std::sync::Arc;
+
+/// Registers with and without reset and enable, a swap of two and one within one, a sum, and a register of a constant.
+fn registers() -> Arc<Module> {
+    let m = Builder::new("registers");
+    let (d, en) = (m.input("d_i", 33), m.input("en_i", 1));
+    let plain = m.register("plain_q", 33);
+    let held = m.register("held_q", 33);
+    let reset = m.register("reset_q", 33).reset_to(9);
+    let (a, b) = (m.register("a_q", 33).reset_to(0x1_5555_5555), m.register("b_q", 33));
+    let constant = m.register("constant_q", 33);
+    plain.next(d);
+    held.next_when(en, d);
+    reset.next_when(en, plain.wire() + d);
+    a.next(b.wire());
+    b.next_when(en, a.wire());
+    constant.next(m.constant(33, 5));
+    // Its halves change places, and its lowest bit is its own enable.
+    let halves = m.register("halves_q", 34).reset_to(0x2_1234_5679);
+    let turned = m.concat(&[halves.wire().bits(16, 0), halves.wire().bits(33, 17)]);
+    halves.next_when(halves.wire().bit(0) | en, turned);
+    m.output("halves_o", halves.wire());
+    for (name, register) in
+        [("plain_o", plain), ("held_o", held), ("reset_o", reset), ("a_o", a), ("b_o", b), ("constant_o", constant)]
+    {
+        m.output(name, register.wire());
+    }
+    m.output("through_o", d);
+    m.output("seven_o", m.constant(3, 7));
+    m.finish().unwrap()
+}
+
+fn random_lanes(random: &mut ChaCha8Rng) -> [u64; LANES] {
+    std::array::from_fn(|_| random.random())
+}
+
+/// What is done to both simulators, in the same order.
+#[derive(Clone)]
+enum Action {
+    Set(Box<[[u64; LANES]; 2]>),
+    SetAll(u64),
+    Cycle,
+    Settle,
+    Reset(bool),
+    Restart,
+}
+
+fn random_action(random: &mut ChaCha8Rng) -> Action {
+    match random.random_range(0..20) {
+        0..8 => Action::Set(Box::new([random_lanes(random), random_lanes(random)])),
+        8 => Action::SetAll(random.random()),
+        9..16 => Action::Cycle,
+        16 => Action::Settle,
+        17 => Action::Reset(true),
+        18 => Action::Reset(false),
+        _ => Action::Restart,
+    }
+}
+
+#[test]
+fn every_lane_is_a_simulator_whatever_is_done() {
+    let module = registers();
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let actions: Vec<Action> = (0..300).map(|_| random_action(&mut random)).collect();
+    let mut lanes = LaneSimulator::new(&module).unwrap();
+    let mut single: Vec<Simulator> = (0..LANES).step_by(31).map(|_| Simulator::new(&module).unwrap()).collect();
+    let (d, en) = (lanes.input("d_i").unwrap(), lanes.input("en_i").unwrap());
+    let outputs: Vec<_> = module.outputs().iter().map(|port| lanes.output(&port.name).unwrap()).collect();
+    for (step, action) in actions.iter().enumerate() {
+        match action {
+            Action::Set(values) => {
+                lanes.set(d, &values[0]);
+                lanes.set(en, &values[1]);
+            }
+            Action::SetAll(value) => lanes.set_all(d, *value),
+            Action::Cycle => lanes.cycle(),
+            Action::Settle => lanes.settle(),
+            Action::Reset(asserted) => lanes.set_reset(*asserted),
+            Action::Restart => lanes.restart(),
+        }
+        for (place, single) in single.iter_mut().enumerate() {
+            match action {
+                Action::Set(values) => {
+                    single.set(d, values[0][place * 31]);
+                    single.set(en, values[1][place * 31]);
+                }
+                Action::SetAll(value) => single.set(d, *value),
+                Action::Cycle => single.cycle(),
+                Action::Settle => single.settle(),
+                Action::Reset(asserted) => single.set_reset(*asserted),
+                Action::Restart => single.restart(),
+            }
+            assert_eq!(single.is_reset(), lanes.is_reset());
+        }
+        for (port, &output) in module.outputs().iter().zip(&outputs) {
+            let shown = lanes.get(output);
+            for (place, single) in single.iter().enumerate() {
+                assert_eq!(shown[place * 31], single.get(output), "{} after step {step}", port.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_lane_does_not_depend_on_the_others() {
+    let module = registers();
+    let mut random = ChaCha8Rng::seed_from_u64(2);
+    for kept in [0, 1, 15, 16, 31, 32, 255, LANES - 1] {
+        let (mut one, mut other) = (LaneSimulator::new(&module).unwrap(), LaneSimulator::new(&module).unwrap());
+        let inputs = ["d_i", "en_i"].map(|name| one.input(name).unwrap());
+        for _ in 0..30 {
+            for input in inputs {
+                let values = random_lanes(&mut random);
+                let mut changed = values.map(|value| !value);
+                changed[kept] = values[kept];
+                one.set(input, &values);
+                other.set(input, &changed);
+            }
+            one.cycle();
+            other.cycle();
+            for port in module.outputs() {
+                let output = one.output(&port.name).unwrap();
+                assert_eq!(one.get(output)[kept], other.get(output)[kept], "{} of lane {kept}", port.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn values_find_their_lanes_at_every_width() {
+    let m = Builder::new("through");
+    for width in 1..=64 {
+        m.output(&format!("o{width}_o"), m.input(&format!("i{width}_i"), width));
+    }
+    let mut simulator = LaneSimulator::new(&m.finish().unwrap()).unwrap();
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    for width in 1..=64 {
+        let input = simulator.input(&format!("i{width}_i")).unwrap();
+        let output = simulator.output(&format!("o{width}_o")).unwrap();
+        let values = random_lanes(&mut random);
+        simulator.set(input, &values);
+        simulator.settle();
+        let mask = u64::MAX >> (64 - width);
+        assert_eq!(simulator.get(output), values.map(|value| value & mask), "width {width}");
+        simulator.set_all(input, values[5]);
+        assert_eq!(simulator.get(output), values.map(|value| value & mask), "not before it settles");
+        simulator.settle();
+        assert_eq!(simulator.get(output), [values[5] & mask; LANES], "width {width}");
+    }
+}
+
+/// Registers, inputs and constants pass through a called function unchanged, and calls do not disturb each other.
+#[test]
+fn calls_of_one_function_are_independent() {
+    let m = Builder::new("inner");
+    let (a, b) = (m.input("a_i", 16), m.input("b_i", 16));
+    let mut sum = a;
+    for _ in 0..20 {
+        sum = (sum + b) ^ a;
+    }
+    m.output("sum_o", sum);
+    m.output("a_o", a);
+    m.output("three_o", m.constant(2, 3));
+    let inner = m.finish().unwrap();
+
+    let m = Builder::new("outer");
+    let (x, y) = (m.input("x_i", 16), m.input("y_i", 16));
+    let first = m.instance("u_first", &inner, &[("a_i", x), ("b_i", y)]);
+    let second = m.instance("u_second", &inner, &[("a_i", y), ("b_i", x)]);
+    let third = m.instance("u_third", &inner, &[("a_i", first[0]), ("b_i", second[0])]);
+    m.output("first_o", first[0]);
+    m.output("second_o", second[0]);
+    m.output("third_o", third[0]);
+    m.output("a_o", m.concat(&[first[1], second[1], third[1], first[2]]));
+    let mut simulator = LaneSimulator::new(&m.finish().unwrap()).unwrap();
+    let [x, y] = ["x_i", "y_i"].map(|name| simulator.input(name).unwrap());
+    let mut random = ChaCha8Rng::seed_from_u64(4);
+    let (xs, ys) = (random_lanes(&mut random), random_lanes(&mut random));
+    simulator.set(x, &xs);
+    simulator.set(y, &ys);
+    simulator.settle();
+    let inner = |a: u16, b: u16| (0..20).fold(a, |sum, _| sum.wrapping_add(b) ^ a);
+    let [first_o, second_o, third_o, a_o] =
+        ["first_o", "second_o", "third_o", "a_o"].map(|name| simulator.get(simulator.output(name).unwrap()));
+    for lane in 0..LANES {
+        let (x, y) = (xs[lane] as u16, ys[lane] as u16);
+        let (first, second) = (inner(x, y), inner(y, x));
+        let third = inner(first, second);
+        assert_eq!([first_o[lane], second_o[lane], third_o[lane]], [first, second, third].map(u64::from));
+        let parts = [x, y, first].map(u64::from);
+        assert_eq!(a_o[lane], parts[0] << 34 | parts[1] << 18 | parts[2] << 2 | 3);
+    }
+}
+
+#[test]
+fn ports_are_a_simulators_and_so_are_its_errors() {
+    let module = registers();
+    let (lanes, single) = (LaneSimulator::new(&module).unwrap(), Simulator::new(&module).unwrap());
+    assert_eq!(lanes.input("d_i").unwrap(), single.input("d_i").unwrap());
+    assert_eq!(lanes.output("a_o").unwrap(), single.output("a_o").unwrap());
+    assert_eq!(lanes.input("a_o").unwrap_err().to_string(), single.input("a_o").unwrap_err().to_string());
+    assert_eq!(lanes.output("none").unwrap_err().to_string(), single.output("none").unwrap_err().to_string());
+}
