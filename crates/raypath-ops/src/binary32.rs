@@ -3,6 +3,7 @@
 use crate::alike::{Alike, Of, side_by_side};
 use crate::circuit::{Bit, Circuit, Flags, Num, Relation, Test, Word};
 use crate::concrete::Concrete;
+use crate::rules::Place;
 use std::fmt;
 
 /// IEEE 754 binary32, computed natively.
@@ -82,6 +83,24 @@ impl Circuit for Binary32 {
             Test::AtLeastZero => a.0 >= 0.0,
             Test::AboveZero => a.0 > 0.0,
         }
+    }
+
+    #[inline(always)]
+    fn sort(self, boxes: [Place<Self>; 4]) -> [Place<Self>; 4] {
+        // Numbers that are not negative are ordered as their bits are, so one word says all that decides.
+        let key = |place: Place<Self>| {
+            let [tmin, hit, index] = [place.tmin.value.0.to_bits(), place.hit.value.into(), place.index.value];
+            u64::from(tmin) << 3 | u64::from(!hit & 1) << 2 | u64::from(index)
+        };
+        let mut keys = boxes.map(key);
+        for (i, j) in [(0, 2), (1, 3), (0, 1), (2, 3), (1, 2)] {
+            (keys[i], keys[j]) = (keys[i].min(keys[j]), keys[i].max(keys[j]));
+        }
+        keys.map(|key| Place {
+            hit: Bit::new(self, key & 4 == 0),
+            tmin: Num::new(self, Single(f32::from_bits((key >> 3) as u32))),
+            index: Word::new(self, (key & 3) as u32),
+        })
     }
 
     #[inline(always)]

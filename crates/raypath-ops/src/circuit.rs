@@ -5,7 +5,7 @@
 
 use crate::alike::{Alike, Of};
 use crate::bundle::Bundle;
-use crate::rules;
+use crate::rules::{self, Place};
 use std::fmt::{Arguments, Debug};
 use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 
@@ -90,6 +90,11 @@ pub trait Circuit: Copy + Debug + PartialEq {
     #[inline(always)]
     fn smallest_or_extent(self, name: Arguments<'_>, numbers: [Num<Self>; 3], extent: Num<Self>) -> Num<Self> {
         rules::smallest_or_extent(self, name, numbers, extent)
+    }
+    /// Boxes, nearest hit first and misses last; no distance is negative or NaN, none is −0.
+    #[inline(always)]
+    fn sort(self, boxes: [Place<Self>; 4]) -> [Place<Self>; 4] {
+        rules::sort(self, boxes)
     }
     /// The numbers, exchanged where `condition` holds.
     #[inline(always)]

@@ -62,5 +62,5 @@ pub use packed::{BLOCK, Packed, Part, Sixteen};
 pub use ray::{Ray, RayError};
 pub use ray_box::{RayBox, RayBoxInput, RayBoxOutput};
 pub use ray_triangle::{RayTriangle, RayTriangleInput, RayTriangleOutput};
-pub use rules::{ParseRulesError, Rules};
+pub use rules::{ParseRulesError, Place, Rules};
 pub use vectors::VectorError;

@@ -81,11 +81,10 @@ impl Rules {
     /// Nearest hit first, misses last.
     #[inline(always)]
     pub(crate) fn sort<C: Circuit>(self, c: C, boxes: [Place<C>; 4]) -> [Place<C>; 4] {
-        let sorted = self.sort_four(c, "sort", boxes);
         match self {
-            Rules::Paper => sorted,
+            Rules::Paper => c.sort(boxes),
             Rules::Chisel => {
-                let [first, second, third, last] = sorted;
+                let [first, second, third, last] = self.sort_four(c, "sort", boxes);
                 [last, third, second, first]
             }
         }
@@ -158,6 +157,12 @@ pub(crate) fn smallest_or_extent<C: Circuit>(
     c.label(format_args!("{name}_xy"), &xy);
     c.label(format_args!("{name}_z_extent"), &z_extent);
     xy.smaller(z_extent)
+}
+
+/// Nearest hit first, misses last, by a sorting network.
+#[inline(always)]
+pub(crate) fn sort<C: Circuit>(c: C, boxes: [Place<C>; 4]) -> [Place<C>; 4] {
+    Rules::Paper.sort_four(c, "sort", boxes)
 }
 
 /// What a sorting network sorts.
