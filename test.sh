@@ -51,6 +51,7 @@ ensure_debian make make
 ensure_debian verilator verilator
 ensure_debian yosys yosys
 ensure_debian sta opensta
+ensure_debian chromium chromium
 ensure_debian /usr/share/qflow/tech/osu018/osu018_stdcells.lib qflow-tech-osu018
 ensure_debian python3 python3
 python3 -m pip --version >/dev/null 2>&1 || ensure_debian pip3 python3-pip

@@ -17,7 +17,7 @@ pub mod rays;
 pub mod read;
 pub mod render;
 mod scene;
-mod timing;
+pub mod timing;
 pub mod trace;
 mod vector;
 
@@ -31,5 +31,5 @@ pub use rays::{RaysError, parse_rays, read_rays, write_hits};
 pub use read::{Format, ReadError, parse_mesh, read_mesh};
 pub use render::{RenderError, Rendering, Shading, render};
 pub use scene::Scene;
-pub use timing::{Bundle, Hardware, PictureError, Sample, Still, sweep_picture, sweep_rays, time_picture, time_rays};
+pub use timing::{Bundle, PictureError, Still, sweep_picture, sweep_rays, time_picture, time_rays};
 pub use trace::{Counts, Goal, Hit, Tracer, Tracing, Traversal, trace_any, trace_closest};

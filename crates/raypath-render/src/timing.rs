@@ -12,10 +12,9 @@ use crate::render::{Painter, RenderError, Shading};
 use crate::scene::Scene;
 use crate::trace::{Hit, Tracing};
 use errand::{Desk, Single};
-use raypath_model::{CycleModel, Functional, Shape};
+use raypath_model::{CycleModel, Functional};
 use raypath_ops::{Binary32, Ray, Rules};
-use raypath_timing::{Machine, Observer, SimulationError, Sweep, Timing, Watch, simulate, sweep};
-use std::num::NonZeroUsize;
+use raypath_timing::{Hardware, Observer, Sample, SimulationError, Sweep, Timing, Watch, simulate, sweep};
 use thiserror::Error;
 
 /// A picture to be made, by the arguments of [`render`](crate::render()).
@@ -40,25 +39,6 @@ pub struct Bundle<'s> {
     pub rays: &'s [Ray<Binary32>],
     /// How they are traced.
     pub tracing: Tracing,
-}
-
-/// The datapath and what surrounds it.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Hardware {
-    /// How many agents are in flight, how long memory takes, and who takes the answers.
-    pub machine: Machine,
-    /// The pipeline.
-    pub shape: Shape,
-}
-
-/// Which pixels or rays are timed: those numbered 0, `every`, 2 · `every` and so on. The agent that begins as number n,
-/// counted from 0, is number n · `every`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Sample {
-    /// From one to the next.
-    pub every: NonZeroUsize,
-    /// How many at most.
-    pub most: usize,
 }
 
 /// Why a picture is not timed.
@@ -86,11 +66,11 @@ pub fn time_picture(
     watch: Watch,
 ) -> Result<(Timing, Picture), PictureError> {
     let painter = still.painter()?;
-    let numbers = sample.of(painter.pixels());
+    let numbers = sample.numbers(painter.pixels());
     let desk = Desk::new(numbers.len());
     let agents =
         desk.clone().agents(painter.scene(), still.shading.tracing, numbers.clone(), |pixel| painter.brush(pixel));
-    let model = hardware.model(still.shading.tracing.rules);
+    let model = model(hardware, still.shading.tracing.rules);
     let timing = simulate(agents, &hardware.machine, model, observer, watch)?;
     let mut canvas = vec![[0; 3]; painter.pixels()];
     for (number, colour) in numbers.zip(desk.found().map_err(RenderError::Camera)?) {
@@ -115,10 +95,10 @@ pub fn sweep_picture(
     let painter = still.painter()?;
     let tracing = still.shading.tracing;
     let agents = || {
-        let numbers = sample.of(painter.pixels());
+        let numbers = sample.numbers(painter.pixels());
         Desk::new(numbers.len()).agents(painter.scene(), tracing, numbers, |pixel| painter.brush(pixel))
     };
-    Ok(sweep(in_flight, latencies, &hardware.machine, &hardware.model(tracing.rules), agents, watch)?)
+    Ok(sweep(in_flight, latencies, &hardware.machine, &model(hardware, tracing.rules), agents, watch)?)
 }
 
 /// Traces the closest hits of rays with every job on its way through the datapath. Answers them in the order of the rays
@@ -135,10 +115,10 @@ pub fn time_rays(
     watch: Watch,
 ) -> Result<(Timing, Vec<Option<Hit>>), SimulationError> {
     let Bundle { scene, rays, tracing } = *bundle;
-    let numbers = sample.of(rays.len());
+    let numbers = sample.numbers(rays.len());
     let desk = Desk::new(numbers.len());
     let agents = desk.clone().agents(scene, tracing, numbers, |number| Single::new(rays[number]));
-    let timing = simulate(agents, &hardware.machine, hardware.model(tracing.rules), observer, watch)?;
+    let timing = simulate(agents, &hardware.machine, model(hardware, tracing.rules), observer, watch)?;
     // Rays that exist cannot fail to be made.
     Ok((timing, desk.found().unwrap_or_default()))
 }
@@ -158,25 +138,10 @@ pub fn sweep_rays(
 ) -> Result<Sweep, SimulationError> {
     let Bundle { scene, rays, tracing } = *bundle;
     let agents = || {
-        let numbers = sample.of(rays.len());
+        let numbers = sample.numbers(rays.len());
         Desk::new(numbers.len()).agents(scene, tracing, numbers, |number| Single::new(rays[number]))
     };
-    sweep(in_flight, latencies, &hardware.machine, &hardware.model(tracing.rules), agents, watch)
-}
-
-impl Sample {
-    /// All of them.
-    pub const ALL: Self = Self { every: NonZeroUsize::MIN, most: usize::MAX };
-
-    /// At most about `most` of `count`, evenly spread.
-    pub fn spread(count: usize, most: usize) -> Self {
-        Self { every: NonZeroUsize::new(count.div_ceil(most.max(1))).unwrap_or(NonZeroUsize::MIN), most: usize::MAX }
-    }
-
-    /// The numbers of the sample below `count`.
-    fn of(self, count: usize) -> impl ExactSizeIterator<Item = usize> + Clone + use<> {
-        (0..count).step_by(self.every.get()).take(self.most)
-    }
+    sweep(in_flight, latencies, &hardware.machine, &model(hardware, tracing.rules), agents, watch)
 }
 
 impl Still<'_> {
@@ -185,9 +150,7 @@ impl Still<'_> {
     }
 }
 
-impl Hardware {
-    /// Rays' jobs are the same with any number of lanes.
-    fn model(&self, rules: Rules) -> CycleModel<Functional> {
-        CycleModel::new(Functional::new(rules), &self.shape)
-    }
+/// Rays' jobs are the same with any number of lanes.
+fn model(hardware: &Hardware, rules: Rules) -> CycleModel<Functional> {
+    hardware.model(Functional::new(rules))
 }

@@ -56,6 +56,11 @@ impl Recorder {
         Self { from, most: jobs, window, inside: VecDeque::new(), left: 0, begun: false }
     }
 
+    /// The pipeline was reset: the jobs inside never leave.
+    pub fn reset(&mut self) {
+        self.left += self.inside.drain(..).flatten().count();
+    }
+
     /// What was recorded. Jobs that were inside when the last cycle passed have not left.
     pub fn window(self) -> Window {
         self.window

@@ -96,6 +96,12 @@ impl Vectors {
         self.data.get(start..start.checked_add(self.dimensions)?)
     }
 
+    /// The first `count`, as far as they are there; one at least.
+    pub fn first(&self, count: usize) -> Self {
+        let count = count.clamp(1, self.len());
+        Self { dimensions: self.dimensions, data: self.data[..count * self.dimensions].to_vec() }
+    }
+
     /// All vectors in order.
     pub fn iter(&self) -> std::slice::ChunksExact<'_, f32> {
         self.data.chunks_exact(self.dimensions)

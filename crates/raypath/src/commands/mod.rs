@@ -13,9 +13,13 @@ mod output;
 mod ppa;
 mod progress;
 mod ray;
+mod render;
 mod replay;
+mod search;
 mod stream;
+mod timed;
 mod verify;
+mod view;
 mod wave;
 
 use clap::{Parser, Subcommand};
@@ -41,6 +45,10 @@ enum Command {
     Generate(generate::Arguments),
     /// List the configurations that have names
     Configs,
+    /// Render a mesh through the datapath, and see how busy it was
+    Render(render::Arguments),
+    /// Search nearest neighbours through the datapath, and see how busy it was
+    Search(search::Arguments),
     /// Run recorded transactions through a model or the netlist and compare the results
     Replay(replay::Arguments),
     /// Derive what the hardware expects of a ray (inverse, axes, shear) from its origin and direction
@@ -65,6 +73,8 @@ impl CommandLine {
         match self.command {
             Command::Generate(arguments) => generate::run(&arguments, out),
             Command::Configs => configs::run(out),
+            Command::Render(arguments) => render::run(&arguments, out),
+            Command::Search(arguments) => search::run(&arguments, out),
             Command::Replay(arguments) => replay::run(&arguments, out),
             Command::Ray(arguments) => ray::run(&arguments, out),
             Command::Wave(arguments) => wave::run(&arguments, out),

@@ -3,7 +3,8 @@
 use crate::commands::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How far a long piece of work has come.
@@ -63,4 +64,27 @@ impl Progress {
         }
         Ok(())
     }
+}
+
+/// Does work that says how many items are done, on any thread, with progress shown; what it failed with, or that the user
+/// stopped it.
+pub fn watched<T, E: std::fmt::Display>(
+    what: &'static str,
+    total: usize,
+    work: impl FnOnce(&(dyn Fn(u64) -> bool + Sync)) -> Result<T, E>,
+) -> Result<T, Failure> {
+    let progress = Mutex::new(Progress::new(what, total));
+    let reached = AtomicU64::new(0);
+    let watch = |done: u64| {
+        reached.fetch_max(done, Ordering::Relaxed);
+        // Whoever finds it in use has nothing to add.
+        match progress.try_lock() {
+            Ok(mut progress) => progress.at(done as usize),
+            Err(_) => !STOPPED.load(Ordering::Relaxed),
+        }
+    };
+    let result = work(&watch);
+    let progress = progress.into_inner().unwrap_or_else(PoisonError::into_inner);
+    progress.finish(reached.into_inner() as usize)?;
+    result.map_err(|problem| Failure::Unusable(problem.to_string()))
 }

@@ -2,16 +2,20 @@
 
 use crate::commands::Failure;
 use crate::commands::configuration::ConfigArguments;
+use crate::commands::output::write_all;
 use crate::commands::progress::Progress;
 use crate::commands::stream::StreamArguments;
+use crate::commands::view::{ViewArguments, print, recording};
 use clap::{Args, ValueEnum};
 use raypath::check::SideBySide;
-use raypath::engine::{CycleEngine, Engine, NetlistEngine, Run, drive, evaluate, shape};
+use raypath::engine::{CycleEngine, Engine, NetlistEngine, Run, Seen, evaluate, observe, shape};
 use raypath::format::Format;
-use raypath::model::{Model, OnPorts};
+use raypath::model::{Elastic, Model, OnPorts};
 use raypath::models::{Visitor, with_model};
 use raypath::ops::{JobKind, PortKind, PortValue};
+use raypath::report::{Recorder, Recording};
 use raypath::rtl::{Config, Datapath};
+use raypath::timing::{self, Observer};
 use raypath::transactions::Transaction;
 use std::io::Write;
 use std::time::Instant;
@@ -26,6 +30,8 @@ pub struct Arguments {
     /// How many mismatches to show field by field
     #[arg(long, default_value_t = 3)]
     show: usize,
+    #[command(flatten)]
+    view: ViewArguments,
     #[command(flatten)]
     config: ConfigArguments,
 }
@@ -59,12 +65,22 @@ impl Visitor for Replay<'_> {
         let mut progress = Progress::new("jobs", stream.len());
         let mut tally = Tally::new(&stream, self.config.format, self.arguments.show);
         let mut differences = Vec::new();
-        let run = self.carry(model, &stream, &mut differences, |index, outcome| {
+        let datapath = Datapath::new(self.config)?;
+        let mut watcher = Watcher::new(&self.arguments.view, self.config, &datapath);
+        let run = self.carry(model, &stream, &datapath, &mut watcher, &mut differences, |index, outcome| {
             tally.compare(index, outcome);
             progress.at(index + 1)
         })?;
         let stopped = progress.finish(run.jobs);
         tally.report(&run, begin, self.out)?;
+        if self.arguments.view.is_wanted() {
+            let recording = watcher.recording(self.config, &datapath, &run, &tally);
+            writeln!(self.out)?;
+            print(&recording, self.out)?;
+            let files = self.arguments.view.files(&recording);
+            write_all(&files)?;
+            files.iter().try_for_each(|(path, _)| writeln!(self.out, "wrote {}", path.display()))?;
+        }
         differences.iter().try_for_each(|difference| writeln!(self.out, "\n{difference}"))?;
         match differences.len() {
             0 => tally.verdict(&run, stopped),
@@ -80,29 +96,87 @@ impl Replay<'_> {
         &self,
         model: M,
         stream: &[Transaction<M>],
+        datapath: &Datapath,
+        watcher: &mut Watcher,
         differences: &mut Vec<String>,
-        on_outcome: impl FnMut(usize, M::Outcome) -> bool,
+        mut on_outcome: impl FnMut(usize, M::Outcome) -> bool,
     ) -> Result<Run, Failure> {
         let config = self.config;
         let mut traffic = self.arguments.stream.traffic()?;
+        if self.arguments.view.is_wanted() && self.arguments.engine == EngineKind::Model {
+            let problem = "--engine model knows no cycles, expected cycle, netlist or both with --report or --konata";
+            return Err(Failure::Unusable(problem.to_string()));
+        }
         if self.arguments.stream.is_recorded() && self.arguments.engine == EngineKind::Model {
             let problem = "--engine model knows no cycles, expected cycle, netlist or both with recorded handshakes";
             return Err(Failure::Unusable(problem.to_string()));
         }
         let jobs = stream.iter().map(|transaction| &transaction.job);
+        let mut on_cycle = |seen: &Seen<M::Outcome>| {
+            watcher.look(seen, |index| stream[index].job.kind());
+            match (seen.left, seen.shown.output) {
+                (Some(index), Some(outcome)) => on_outcome(index, outcome),
+                _ => true,
+            }
+        };
         let mut engine: Box<dyn Engine<M>> = match self.arguments.engine {
             EngineKind::Model => return Ok(evaluate(model, jobs, on_outcome)),
-            EngineKind::Cycle => Box::new(CycleEngine::new(model, &shape(config, &Datapath::new(config)?))),
-            EngineKind::Netlist => Box::new(NetlistEngine::new(model, config, |_| false)?),
+            EngineKind::Cycle => Box::new(CycleEngine::new(model, &shape(config, datapath))),
+            EngineKind::Netlist => Box::new(NetlistEngine::of(model, config, datapath, |_| false)?),
             EngineKind::Both => {
-                let mut netlist = NetlistEngine::new(model.clone(), config, |_| false)?;
+                let mut netlist = NetlistEngine::of(model.clone(), config, datapath, |_| false)?;
                 let mut both = SideBySide::new(&mut netlist, model, |_| {});
-                let run = drive(&mut both, jobs, &mut traffic, on_outcome);
+                let run = observe(&mut both, jobs, &mut traffic, on_cycle);
                 *differences = both.differences;
                 return Ok(run);
             }
         };
-        Ok(drive(engine.as_mut(), jobs, &mut traffic, on_outcome))
+        Ok(observe(engine.as_mut(), jobs, &mut traffic, &mut on_cycle))
+    }
+}
+
+/// Writes down where jobs are. What engines show says it: a pipeline of the same shape goes along with them.
+struct Watcher {
+    recorder: Recorder,
+    pipeline: Elastic<()>,
+    number: u64,
+}
+
+impl Watcher {
+    fn new(view: &ViewArguments, config: Config, datapath: &Datapath) -> Self {
+        let pipeline = Elastic::new(&shape(config, datapath));
+        Self { recorder: view.recorder("transaction", datapath), pipeline, number: 0 }
+    }
+
+    fn look<O>(&mut self, seen: &Seen<O>, kind: impl Fn(usize) -> JobKind) {
+        let number = self.number;
+        self.number += 1;
+        if seen.cycle.resets {
+            self.recorder.reset();
+            return self.pipeline.reset();
+        }
+        let shown = seen.shown.output.is_some();
+        let entering = seen.entered.map(kind);
+        // Of what was offered in vain only this is of interest, that it was.
+        let offered =
+            seen.cycle.offers.then(|| (entering.unwrap_or(JobKind::Triangle), seen.entered.unwrap_or(0) as u64));
+        let accepted = entering.is_some();
+        let cycle = timing::Cycle { number, offered, accepted, shown, taken: shown && seen.cycle.takes };
+        self.recorder.cycle(&cycle, self.pipeline.places());
+        self.pipeline.cycle(entering.map(|kind| (kind, ())), seen.cycle.takes);
+    }
+
+    fn recording<M: Model>(self, config: Config, datapath: &Datapath, run: &Run, tally: &Tally<'_, M>) -> Recording {
+        let jobs = tally.jobs.map(|count| count as u64);
+        let mut recording = recording("Recorded transactions".to_string(), config, datapath, run.cycles, jobs);
+        recording.counts = vec![
+            ("cycles".to_string(), run.cycles.to_string()),
+            ("jobs".to_string(), run.jobs.to_string()),
+            ("mismatches".to_string(), tally.mismatches.iter().sum::<usize>().to_string()),
+            ("jobs per cycle".to_string(), format!("{:.3}", run.jobs as f64 / run.cycles.max(1) as f64)),
+        ];
+        recording.window = self.recorder.window();
+        recording
     }
 }
 

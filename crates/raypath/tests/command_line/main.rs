@@ -1,5 +1,11 @@
 //! The program as a user meets it: what it writes, what it says, how it ends.
 
+mod bench;
+mod page;
+mod render;
+mod replay;
+mod search;
+
 use std::path::Path;
 use std::process::{Command, Output};
 

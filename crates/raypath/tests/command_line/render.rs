@@ -1,0 +1,278 @@
+//! `raypath render`.
+
+use crate::{ends_with, folder, page, raypath, said, text};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// A square in the plane z = 0, of two triangles that face +z, and a triangle behind it that looks the other way.
+const SQUARE: &str =
+    "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv -1 -1 -1\nv 1 -1 -1\nv 0 1 -1\nf 1 2 3\nf 1 3 4\nf 5 7 6\n";
+
+fn file(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) -> String {
+    let path = folder.join(name);
+    std::fs::write(&path, bytes).expect("a file");
+    text(&path)
+}
+
+/// Width and height of a PNG file, as its header says.
+fn size(png: &Path) -> (u32, u32) {
+    let bytes = std::fs::read(png).expect("a picture");
+    assert_eq!(bytes[..8], *b"\x89PNG\r\n\x1a\n");
+    let word = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().expect("four"));
+    (word(16), word(20))
+}
+
+/// The value that was printed beside a label.
+fn printed<'t>(said: &'t str, label: &str) -> &'t str {
+    let line = said.lines().find_map(|line| line.trim().strip_prefix(label)).expect(label);
+    line.trim()
+}
+
+#[test]
+fn pictures_and_what_they_cost() {
+    let folder = folder();
+    let below = |name: &str| folder.path().join(name);
+    let scene = file(folder.path(), "square.obj", SQUARE);
+    let output = raypath(&[
+        "render",
+        &scene,
+        "--size",
+        "48x32",
+        "--shadows",
+        "--ao",
+        "2",
+        "--camera",
+        "0",
+        "0",
+        "4",
+        "0",
+        "0",
+        "0",
+        "--out",
+        &text(&below("image.png")),
+        "--heatmap",
+        &text(&below("heat.png")),
+        "--hits",
+        &text(&below("hits.txt")),
+        "--sweep",
+        &text(&below("sweep.svg")),
+        "--report",
+        &text(&below("report.html")),
+        "--konata",
+        &text(&below("log.txt")),
+        "--rays-in-flight",
+        "8",
+        "--memory-latency",
+        "30",
+        "--clock",
+        "500",
+    ]);
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert_eq!(size(&below("image.png")), (48, 32));
+    assert_eq!(size(&below("heat.png")).0, 48);
+    for name in ["image.png", "heat.png", "hits.txt", "sweep.svg", "report.html", "log.txt"] {
+        assert!(said.contains(&format!("wrote {}", text(&below(name)))), "{name}: {said}");
+    }
+    assert!(std::fs::read_to_string(below("log.txt")).expect("a log").starts_with("Kanata\t0004\n"));
+    assert!(std::fs::read_to_string(below("sweep.svg")).expect("a plot").contains("<svg"));
+
+    // The camera looks at the middle of the square: a ray through a pixel's centre hits it where geometry says.
+    let hits = std::fs::read_to_string(below("hits.txt")).expect("hits");
+    let hits: Vec<&str> = hits.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(hits.len(), 48 * 32);
+    let reach = (18.0f64).to_radians().tan() * 4.0;
+    let mut hit = 0;
+    for (pixel, line) in hits.iter().enumerate() {
+        let centre = |place: usize, all: f64| (place as f64 + 0.5) / all * 2.0 - 1.0;
+        let (x, y) = (centre(pixel % 48, 48.0) * reach * 1.5, -centre(pixel / 48, 32.0) * reach);
+        if x.abs() > 1.0 || y.abs() > 1.0 {
+            assert_eq!(*line, "miss");
+            continue;
+        }
+        hit += 1;
+        let triangle = if x > y { "0" } else { "1" };
+        assert_eq!(line.split(' ').next(), Some(triangle), "pixel {pixel}, ({x}, {y})");
+    }
+    // A ray from the eye for each pixel, and from each hit one to the sun and two to the sky, of which nothing is hit.
+    let row = |name: &str| -> Vec<u64> {
+        printed(&said, name).split_whitespace().map(|number| number.parse().expect("a number")).collect()
+    };
+    assert_eq!(row("from the eye")[..2], [48 * 32, hit]);
+    assert_eq!(row("to the sun")[..2], [hit, 0]);
+    assert_eq!(row("to the sky")[..2], [2 * hit, 0]);
+    let jobs: u64 = ["from the eye", "to the sun", "to the sky"].iter().map(|name| row(name)[2] + row(name)[3]).sum();
+    assert_eq!(printed(&said, "jobs "), jobs.to_string());
+    assert_eq!(printed(&said, "pixels timed"), "1536 of 1536");
+    let cycles: f64 = printed(&said, "cycles ").parse().expect("cycles");
+    let pixels_per_second: f64 = printed(&said, "pixels per second at 500 MHz").parse().expect("a rate");
+    assert!((pixels_per_second / (1536.0 * 500e6 / cycles) - 1.0).abs() < 1e-3);
+    page::agrees(&below("report.html"), &said);
+}
+
+#[test]
+fn rays_are_traced_from_files() {
+    let folder = folder();
+    let scene = file(folder.path(), "square.obj", SQUARE);
+    let rays = "# through the square, past it, stopped before it, from behind\n\
+                0.5 -0.25 3 0 0 -2 inf\n3 0 3 0 0 -1 inf\n0 0 3 0 0 -1 2.5\n0.25 0.5 -0.5 0 0 1 inf\n";
+    let rays = file(folder.path(), "rays.txt", rays);
+    let lines = |arguments: &[&str]| -> Vec<String> {
+        let output = raypath(&[&["render", &scene, "--rays", &rays], arguments].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+        let text = String::from_utf8(output.stdout).expect("text");
+        text.lines().filter(|line| !line.starts_with('#')).map(str::to_string).collect()
+    };
+    let hits = lines(&[]);
+    // t is in units of the direction's length; t_num / t_denom is t, and the bits say the same once more.
+    let first: Vec<&str> = hits[0].split(' ').collect();
+    assert_eq!((first[0], first[1], first[4]), ("0", "1.5e0", "3fc00000"));
+    let number = |text: &str| text.parse::<f32>().expect("a number");
+    assert_eq!(number(first[2]) / number(first[3]), 1.5);
+    assert_eq!(hits[1..], ["miss", "miss", "miss"]);
+    // Seen from both sides the last hits the square's back.
+    let hits = lines(&["--two-sided"]);
+    assert!(hits[3].starts_with("1b 5e-1 "), "{}", hits[3]);
+
+    let out = folder.path().join("hits.txt");
+    let output = raypath(&["render", &scene, "--rays", &rays, "--hits", &text(&out)]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert!(said(&output).contains("4 rays, 1 hits") && said(&output).contains("rays timed"), "{}", said(&output));
+    assert_eq!(std::fs::read_to_string(&out).expect("hits").lines().filter(|line| *line == "miss").count(), 3);
+}
+
+/// Every format, in its plain and its binary form, by the same four triangles.
+#[test]
+fn every_format_is_read() {
+    let folder = folder();
+    let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let faces = [[0usize, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+    let line = |numbers: &[f32]| numbers.iter().map(f32::to_string).collect::<Vec<_>>().join(" ");
+    let mut obj = String::new();
+    let mut ply = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+                   element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+        .to_string();
+    let mut stl = vec![0u8; 80];
+    stl.extend(4u32.to_le_bytes());
+    corners.iter().for_each(|corner| obj += &format!("v {}\n", line(corner)));
+    corners.iter().for_each(|corner| ply += &format!("{}\n", line(corner)));
+    for [a, b, c] in faces {
+        obj += &format!("f {} {} {}\n", a + 1, b + 1, c + 1);
+        ply += &format!("3 {a} {b} {c}\n");
+        stl.extend([0u8; 12]);
+        stl.extend([a, b, c].iter().flat_map(|&corner| corners[corner]).flat_map(f32::to_le_bytes));
+        stl.extend([0u8; 2]);
+    }
+    let mut buffer: Vec<u8> = corners.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    buffer.extend(faces.iter().flatten().flat_map(|&corner| (corner as u16).to_le_bytes()));
+    let gltf = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"scene":0,"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
+        "buffers":[{"uri":"buffer.bin","byteLength":72}],
+        "bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":24}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,1]},
+                     {"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}]}"#;
+    file(folder.path(), "buffer.bin", &buffer);
+    let mut json = gltf.replace("\"uri\":\"buffer.bin\",", "").into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut glb = b"glTF\x02\0\0\0".to_vec();
+    glb.extend((12 + 8 + json.len() as u32 + 8 + 72).to_le_bytes());
+    glb.extend((json.len() as u32).to_le_bytes());
+    glb.extend(b"JSON");
+    glb.extend(&json);
+    glb.extend(72u32.to_le_bytes());
+    glb.extend(b"BIN\0");
+    glb.extend(&buffer);
+
+    let rays = file(folder.path(), "rays.txt", "0.25 0.25 -2 0 0 1 inf\n2 2 2 -1 -1 -1 inf\n2 2 2 1 1 1 inf\n");
+    let files = [
+        file(folder.path(), "mesh.obj", obj),
+        file(folder.path(), "mesh.ply", ply),
+        file(folder.path(), "mesh.stl", &stl),
+        file(folder.path(), "mesh.gltf", gltf),
+        file(folder.path(), "mesh.glb", &glb),
+    ];
+    for mesh in &files {
+        let output = raypath(&["render", mesh, "--rays", &rays]);
+        let said = said(&output);
+        assert_eq!(output.status.code(), Some(0), "{mesh}: {said}");
+        let hits: Vec<&str> = said.lines().filter(|line| !line.starts_with('#')).collect();
+        assert!(hits[0].starts_with("0 2e0 ") && hits[1].starts_with("2 ") && hits[2] == "miss", "{mesh}: {said}");
+        // The same file cut short, or with a coordinate that is no number, says so and writes nothing.
+        let whole = std::fs::read(mesh).expect("the mesh");
+        let extension = mesh.rsplit('.').next().expect("an extension");
+        let cut = file(folder.path(), &format!("cut.{extension}"), &whole[..whole.len() * 2 / 3]);
+        let out = folder.path().join("none.png");
+        ends_with(&["render", &cut, "--out", &text(&out)], 2, &[&format!("cut.{extension}")]);
+        assert!(!out.exists());
+    }
+}
+
+#[test]
+fn wrong_input_is_named() {
+    let folder = folder();
+    let out = text(&folder.path().join("image.png"));
+    let mesh = |name: &str, text: &str| file(folder.path(), name, text);
+    let square = mesh("square.obj", SQUARE);
+    let faceless = mesh("faceless.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    let outside = mesh("outside.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
+    let nan = mesh("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let lies = mesh(
+        "lies.ply",
+        "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\n\
+         property float z\nelement face 4000000000\nproperty list uchar int vertex_indices\nend_header\n",
+    );
+    let stl = file(folder.path(), "lies.stl", [vec![0u8; 80], vec![0xff; 4], vec![0u8; 50]].concat());
+    let no_mesh = mesh("mesh.xyz", "1 2 3\n");
+    let short_ray = mesh("short.txt", "0 0 5 0 0 -1 inf\n0 0 5 0 0 -1\n");
+    let no_ray = mesh("zero.txt", "0 0 5 0 0 0 inf\n");
+    let cases: [(&[&str], &[&str]); 17] = [
+        (&["/nonexistent/scene.obj"], &["/nonexistent/scene.obj", "No such file"]),
+        (&[&no_mesh], &["mesh.xyz", "expected one of"]),
+        (&[&faceless], &["faceless.obj", "0 triangles, expected at least 1"]),
+        (&[&outside], &["outside.obj"]),
+        (&[&nan], &["nan.obj", "z = NaN"]),
+        (&[&lies], &["lies.ply"]),
+        (&[&stl], &["lies.stl"]),
+        (&[&square, "--size", "640"], &["'640'", "--size", "like 640x480"]),
+        (&[&square, "--size", "0x10"], &["'0x10'", "1 to 16384"]),
+        (&[&square, "--ao", "-1"], &["--ao"]),
+        (&[&square, "--camera", "0", "0", "4", "0", "0", "4"], &["--camera", "looks at itself"]),
+        (&[&square, "--camera", "0", "0", "4", "0", "0", "0", "180"], &["--camera", "180 degrees"]),
+        (&[&square, "--clock", "0"], &["--clock", "expected MHz"]),
+        (&[&square, "--rays-in-flight", "0"], &["--rays-in-flight", "from 1 to"]),
+        (&[&square, "--format", "bf16"], &["bf16", "fp32 only"]),
+        (&[&square, "--rays", &short_ray], &["short.txt:2", "6 numbers, expected 7"]),
+        (&[&square, "--rays", &no_ray], &["zero.txt:1", "direction (0, 0, 0) is zero"]),
+    ];
+    for (arguments, words) in cases {
+        let out: &[&str] = if arguments.contains(&"--rays") { &[] } else { &["--out", &out] };
+        ends_with(&[&["render"], arguments, out].concat(), 2, words);
+    }
+    assert!(!folder.path().join("image.png").exists());
+    ends_with(&["render", &square, "--no-timing", "--report", "r.html"], 2, &["cannot be used with"]);
+}
+
+/// Ctrl-C ends a long run soon, says how far it came, and leaves no file.
+#[cfg(unix)]
+#[test]
+fn long_runs_stop_cleanly() {
+    let folder = folder();
+    let out = folder.path().join("image.png");
+    let child = Command::new(env!("CARGO_BIN_EXE_raypath"))
+        .args(["render", "--size", "8000x8000", "--ao", "64", "--shadows", "--out", &text(&out)])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program");
+    std::thread::sleep(Duration::from_secs(3));
+    let asked = Instant::now();
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(kill.success());
+    let output = child.wait_with_output().expect("an end");
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(said.contains("of 64000000 pixels"), "{said}");
+    assert!(asked.elapsed() < Duration::from_secs(60), "it took {:?} to stop", asked.elapsed());
+    assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0);
+}

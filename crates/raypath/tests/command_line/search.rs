@@ -1,0 +1,160 @@
+//! `raypath search`.
+
+use crate::{ends_with, folder, page, raypath, said, text};
+use std::path::Path;
+
+fn fvecs(folder: &Path, name: &str, rows: &[&[f32]]) -> String {
+    let row = |row: &&[f32]| -> Vec<u8> {
+        let numbers = row.iter().flat_map(|x| x.to_le_bytes());
+        (row.len() as u32).to_le_bytes().into_iter().chain(numbers).collect()
+    };
+    file(folder, name, rows.iter().flat_map(row).collect::<Vec<u8>>())
+}
+
+fn ivecs(rows: &[&[u32]]) -> Vec<u8> {
+    rows.iter().flat_map(|row| [&[row.len() as u32], *row].concat()).flat_map(u32::to_le_bytes).collect()
+}
+
+fn file(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) -> String {
+    let path = folder.join(name);
+    std::fs::write(&path, bytes).expect("a file");
+    text(&path)
+}
+
+/// The value that was printed beside a label.
+fn printed<'t>(said: &'t str, label: &str) -> &'t str {
+    let line = said.lines().find_map(|line| line.trim().strip_prefix(label)).expect(label);
+    line.trim()
+}
+
+/// Five points in three dimensions, and two queries, whose neighbours are known by hand.
+const BASE: [&[f32]; 5] = [&[0.0, 0.0, 9.0], &[1.0, 0.0, 0.0], &[0.0, 2.0, 0.0], &[3.0, 3.0, 0.0], &[-5.0, 0.0, 0.0]];
+const QUERIES: [&[f32]; 2] = [&[1.0, 0.0, 1.0], &[0.0, 4.0, 0.5]];
+
+#[test]
+fn neighbours_are_found() {
+    let folder = folder();
+    let (base, queries) = (fvecs(folder.path(), "base.fvecs", &BASE), fvecs(folder.path(), "queries.fvecs", &QUERIES));
+    let out = folder.path().join("found.ivecs");
+    // Squared distances of the first: 65, 1, 6, 14, 37; of the second: 88.25, 17.25, 4.25, 10.25, 41.25. Cosines of the
+    // first: .707, .707 (less by a rounding or not), 0, .5, -.707; of the second: .124, 0, .992, .702, 0.
+    let truth = file(folder.path(), "truth.ivecs", ivecs(&[&[1, 2, 3], &[2, 3, 1]]));
+    for lanes in ["2", "4", "8", "16", "32", "64"] {
+        for index in [&[][..], &["--index", "hnsw"]] {
+            let arguments = ["search", &base, &queries, "-k", "3", "--truth", &truth, "--lanes", lanes];
+            let output = raypath(&[&arguments, index, &["--out", &text(&out)]].concat());
+            let said = said(&output);
+            assert_eq!(output.status.code(), Some(0), "{said}");
+            assert_eq!(std::fs::read(&out).expect("neighbours"), ivecs(&[&[1, 2, 3], &[2, 3, 1]]), "{lanes} {index:?}");
+            assert_eq!(printed(&said, "recall at 3 against the file's truth"), "1.0000");
+            assert!(said.contains("5 vectors of 3 dimensions, 2 queries, euclidean distance"), "{said}");
+            if index.is_empty() {
+                let beats = if lanes == "2" { 2 } else { 1 };
+                assert_eq!(printed(&said, "distances "), "10");
+                assert_eq!(printed(&said, "beats "), (10 * beats).to_string());
+                assert_eq!(printed(&said, "jobs "), (10 * beats).to_string());
+                assert_eq!(printed(&said, "fetches"), "10");
+            }
+        }
+    }
+    // Angular: three of the second query; -k 2 leaves the ties out.
+    let output = raypath(&["search", &base, &queries, "-k", "2", "--metric", "angular", "--out", &text(&out)]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert_eq!(std::fs::read(&out).expect("neighbours")[12..], ivecs(&[&[0, 1], &[2, 3]])[12..]);
+}
+
+#[test]
+fn the_report_says_what_was_printed() {
+    let folder = folder();
+    let (base, queries) = (fvecs(folder.path(), "base.fvecs", &BASE), fvecs(folder.path(), "queries.fvecs", &QUERIES));
+    let below = |name: &str| folder.path().join(name);
+    for index in [&["--exact"][..], &["--index", "hnsw"]] {
+        let arguments = ["search", &base, &queries, "-k", "2", "--metric", "angular", "--queries-in-flight", "2"];
+        let files = [
+            "--report",
+            &text(&below("r.html")),
+            "--konata",
+            &text(&below("k.txt")),
+            "--sweep",
+            &text(&below("s.svg")),
+        ];
+        let output = raypath(&[&arguments, index, &files].concat());
+        let said = said(&output);
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        for name in ["r.html", "k.txt", "s.svg"] {
+            assert!(said.contains(&format!("wrote {}", text(&below(name)))), "{name}: {said}");
+        }
+        assert_eq!(printed(&said, "queries timed"), "2 of 2");
+        page::agrees(&below("r.html"), &said);
+        let html = std::fs::read_to_string(below("r.html")).expect("a page");
+        assert!(html.contains("distances of a query") && html.contains("angular query 0"), "the search in the report");
+    }
+}
+
+#[test]
+fn wrong_input_is_named() {
+    let folder = folder();
+    let at = folder.path();
+    let (base, queries) = (fvecs(at, "base.fvecs", &BASE), fvecs(at, "queries.fvecs", &QUERIES));
+    let flat = fvecs(at, "flat.fvecs", &[&[1.0, 2.0]]);
+    let nan = fvecs(at, "nan.fvecs", &[&[1.0, f32::NAN, 0.0]]);
+    let empty = file(at, "empty.fvecs", b"");
+    let cut = file(at, "cut.fvecs", &std::fs::read(&base).expect("base")[..30]);
+    let lies = file(at, "lies.fvecs", [0xff, 0xff, 0xff, 0x7f, 0, 0, 0, 0]);
+    let npy = file(
+        at,
+        "lies.npy",
+        b"\x93NUMPY\x01\x00\x46\x00{'descr': '<f4', 'fortran_order': False, 'shape': (4000000000, 4000000000)}  \n",
+    );
+    let hdf5 = file(at, "wrong.hdf5", b"\x89HDF\r\n\x1a\nnothing");
+    let unknown = file(at, "base.csv", "1,2,3\n");
+    let far = file(at, "far.ivecs", ivecs(&[&[1], &[5]]));
+    let short = file(at, "short.ivecs", ivecs(&[&[1]]));
+    let out = text(&at.join("found.ivecs"));
+    let cases: [(&[&str], &[&str]); 18] = [
+        (&["/nonexistent/base.fvecs", &queries], &["/nonexistent/base.fvecs", "No such file"]),
+        (&[&base], &["base.fvecs", "queries", "no file of queries"]),
+        (&[&base, &flat], &["flat.fvecs", "dimensions", "found 2", "expected 3"]),
+        (&[&nan, &queries], &["nan.fvecs", "vector 0, coordinate 1", "found NaN"]),
+        (&[&empty, &queries], &["empty.fvecs"]),
+        (&[&cut, &queries], &["cut.fvecs"]),
+        (&[&lies, &queries], &["lies.fvecs"]),
+        (&[&npy, &queries], &["lies.npy"]),
+        (&[&hdf5], &["wrong.hdf5"]),
+        (&[&unknown, &queries], &["base.csv"]),
+        (&[&base, &queries, "-k", "6"], &["6 neighbours asked for, expected 1 to 5"]),
+        (&[&base, &queries, "-k", "0"], &["'0'", "expected a whole number from 1"]),
+        (&[&base, &queries, "--metric", "manhattan"], &["manhattan", "euclidean or angular"]),
+        (&[&base, &queries, "-k", "1", "--truth", &far], &["far.ivecs", "found index 5, expected 0 to 4"]),
+        (
+            &[&base, &queries, "-k", "1", "--truth", &short],
+            &["short.ivecs", "rows of neighbours: found 1", "expected 2"],
+        ),
+        (&["--truth", &far], &["--truth", "expected BASE and QUERIES"]),
+        (&[&base, &queries, "-k", "1", "--lanes", "none"], &["--lanes none", "expected 2 to 64"]),
+        (&[&base, &queries, "-k", "1", "--format", "fp16"], &["fp32 only"]),
+    ];
+    for (arguments, words) in cases {
+        ends_with(&[&["search"], arguments, &["--out", &out]].concat(), 2, words);
+    }
+    assert!(!at.join("found.ivecs").exists());
+}
+
+/// Without files there is a set of its own, the same each time.
+#[test]
+fn a_set_is_generated() {
+    let folder = folder();
+    let found = |name: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let arguments = ["search", "-k", "5", "--no-timing", "--out", &text(&out)];
+        let output = raypath(&[&arguments, more].concat());
+        let said = said(&output);
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        assert!(said.contains("10000 vectors of 128 dimensions, 100 queries"), "{said}");
+        std::fs::read(out).expect("neighbours")
+    };
+    let first = found("first", &[]);
+    assert_eq!(first.len(), 100 * 4 * 6);
+    assert_eq!(first, found("second", &["--exact"]));
+    assert_ne!(first, found("third", &["--seed", "2"]));
+}
