@@ -75,9 +75,9 @@ fn packing(bencher: Bencher) {
 #[divan::bench]
 fn unpacking(bencher: Bencher) {
     let blocks = pack::<EuclideanInput<Binary32, 16>>(&beats());
-    bencher
-        .counter(ItemsCount::new(BATCH))
-        .bench_local(|| unpack::<EuclideanInput<Binary32, 16>>(black_box(&blocks), BATCH).for_each(|beat| drop(black_box(beat))));
+    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| {
+        unpack::<EuclideanInput<Binary32, 16>>(black_box(&blocks), BATCH).for_each(|beat| drop(black_box(beat)))
+    });
 }
 
 /// A cycle that accepts a job, in a pipeline that is full.

@@ -36,6 +36,19 @@ fn text(path: &Path) -> String {
     path.to_str().expect("a plain path").to_string()
 }
 
+/// A file with these bytes.
+fn file(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) -> String {
+    let path = folder.join(name);
+    std::fs::write(&path, bytes).expect("a file");
+    text(&path)
+}
+
+/// The value that was printed beside a label.
+fn printed<'t>(said: &'t str, label: &str) -> &'t str {
+    let line = said.lines().find_map(|line| line.trim().strip_prefix(label)).expect(label);
+    line.trim()
+}
+
 /// All files below a folder, with their contents.
 fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut open = vec![folder.to_path_buf()];
@@ -201,11 +214,7 @@ fn configs_lists_the_presets() {
 #[test]
 fn wrong_input_is_named() {
     let folder = folder();
-    let file = |name: &str, bytes: &[u8]| {
-        let path = folder.path().join(name);
-        std::fs::write(&path, bytes).expect("a file");
-        text(&path)
-    };
+    let file = |name: &str, bytes: &[u8]| file(folder.path(), name, bytes);
     let beat = "0 0 1 ff".to_string() + &" 40000000".repeat(16) + " 0 0 1";
     let wrong_digit = file("angular_digit.txt", beat.replacen("40000000", "4000000g", 1).as_bytes());
     let too_wide = file("angular_wide.txt", format!("\n{}", beat.replace(" ff ", " 1ff ")).as_bytes());

@@ -1,6 +1,6 @@
 //! `raypath render`.
 
-use crate::{ends_with, folder, page, raypath, said, text};
+use crate::{ends_with, file, folder, page, printed, raypath, said, text};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -9,24 +9,12 @@ use std::time::{Duration, Instant};
 const SQUARE: &str =
     "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv -1 -1 -1\nv 1 -1 -1\nv 0 1 -1\nf 1 2 3\nf 1 3 4\nf 5 7 6\n";
 
-fn file(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) -> String {
-    let path = folder.join(name);
-    std::fs::write(&path, bytes).expect("a file");
-    text(&path)
-}
-
 /// Width and height of a PNG file, as its header says.
 fn size(png: &Path) -> (u32, u32) {
     let bytes = std::fs::read(png).expect("a picture");
     assert_eq!(bytes[..8], *b"\x89PNG\r\n\x1a\n");
     let word = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().expect("four"));
     (word(16), word(20))
-}
-
-/// The value that was printed beside a label.
-fn printed<'t>(said: &'t str, label: &str) -> &'t str {
-    let line = said.lines().find_map(|line| line.trim().strip_prefix(label)).expect(label);
-    line.trim()
 }
 
 #[test]

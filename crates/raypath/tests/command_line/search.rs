@@ -1,6 +1,6 @@
 //! `raypath search`.
 
-use crate::{ends_with, folder, page, raypath, said, text};
+use crate::{ends_with, file, folder, page, printed, raypath, said, text};
 use std::path::Path;
 
 fn fvecs(folder: &Path, name: &str, rows: &[&[f32]]) -> String {
@@ -13,18 +13,6 @@ fn fvecs(folder: &Path, name: &str, rows: &[&[f32]]) -> String {
 
 fn ivecs(rows: &[&[u32]]) -> Vec<u8> {
     rows.iter().flat_map(|row| [&[row.len() as u32], *row].concat()).flat_map(u32::to_le_bytes).collect()
-}
-
-fn file(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) -> String {
-    let path = folder.join(name);
-    std::fs::write(&path, bytes).expect("a file");
-    text(&path)
-}
-
-/// The value that was printed beside a label.
-fn printed<'t>(said: &'t str, label: &str) -> &'t str {
-    let line = said.lines().find_map(|line| line.trim().strip_prefix(label)).expect(label);
-    line.trim()
 }
 
 /// Five points in three dimensions, and two queries, whose neighbours are known by hand.

@@ -3,11 +3,13 @@
 use crate::commands::Failure;
 use crate::commands::progress::watched;
 use crate::commands::timed::Subject;
+use raypath::model::Place;
 use raypath::ops::{Binary32, Ray};
-use raypath::render::{Bundle, Still, Tracing, sweep_picture, sweep_rays, time_picture, time_rays};
-use raypath::render::{Camera, Scene, Shading};
+use raypath::render::{
+    Bundle, Camera, Scene, Shading, Still, Tracing, sweep_picture, sweep_rays, time_picture, time_rays,
+};
 use raypath::report::Recorder;
-use raypath::timing::{Hardware, Sample, Sweep, Timing};
+use raypath::timing::{Cycle, Hardware, Observer, Sample, Sweep, Timing};
 
 /// How many pixels or rays each point of a sweep simulates.
 const SWEPT: usize = 4096;
@@ -59,7 +61,8 @@ impl Subject for Pixels<'_> {
     fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<(Timing, usize), Failure> {
         let sample = Sample::spread(self.pixels(), self.most);
         let timing = watched("pixels timed", sample.numbers(self.pixels()).len(), |watch| {
-            time_picture(&self.still(), sample, hardware, recorder, watch).map(|(timing, _)| timing)
+            time_picture(&self.still(), sample, hardware, &mut Owners { recorder, sample }, watch)
+                .map(|(timing, _)| timing)
         })?;
         Ok((timing, self.pixels()))
     }
@@ -95,7 +98,8 @@ impl Subject for Rays<'_> {
     fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<(Timing, usize), Failure> {
         let sample = Sample::spread(self.rays.len(), self.most);
         let timing = watched("rays timed", sample.numbers(self.rays.len()).len(), |watch| {
-            time_rays(&self.bundle(), sample, hardware, recorder, watch).map(|(timing, _)| timing)
+            time_rays(&self.bundle(), sample, hardware, &mut Owners { recorder, sample }, watch)
+                .map(|(timing, _)| timing)
         })?;
         Ok((timing, self.rays.len()))
     }
@@ -121,4 +125,21 @@ impl Rays<'_> {
 /// How many agents a sweep simulates at all its points.
 fn swept(sample: Sample, all: usize) -> usize {
     sample.numbers(all).len() * IN_FLIGHT.len() * LATENCIES.len()
+}
+
+/// Writes down whose jobs are whose by the numbers of pixels and rays, which are not those of a sample's agents.
+struct Owners<'r> {
+    recorder: &'r mut Recorder,
+    sample: Sample,
+}
+
+impl Observer for Owners<'_> {
+    fn wants(&self, cycle: u64) -> Option<u64> {
+        self.recorder.wants(cycle)
+    }
+
+    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = Place>) {
+        let offered = cycle.offered.map(|(kind, agent)| (kind, agent * self.sample.every.get() as u64));
+        self.recorder.cycle(&Cycle { offered, ..*cycle }, places);
+    }
 }
