@@ -38,8 +38,11 @@ impl<M: Model> CycleModel<M> {
     /// its kind.
     #[inline]
     pub fn cycle(&mut self, job: Option<&M::Job>, output_ready: bool) -> Transfer<M::Outcome> {
-        let accepted = job.filter(|job| self.input_ready(job.kind()));
-        self.pipeline.cycle(accepted.map(|job| (job.kind(), self.model.run(job))), output_ready)
+        let Self { model, pipeline } = self;
+        match job {
+            Some(job) => pipeline.cycle_with(Some(job.kind()), || model.run(job), output_ready),
+            None => pipeline.cycle_with(None, || unreachable!("nothing is offered"), output_ready),
+        }
     }
 
     /// Lets up to `limit` cycles pass in which the source offers nothing, and stops in the first that has an output.

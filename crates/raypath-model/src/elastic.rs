@@ -63,15 +63,31 @@ impl<T> Elastic<T> {
     /// One clock cycle in which the source offers `input` and the sink takes the output if `output_ready`.
     #[inline]
     pub fn cycle(&mut self, input: Option<(JobKind, T)>, output_ready: bool) -> Transfer<T> {
+        match input {
+            Some((kind, item)) => self.cycle_with(Some(kind), || item, output_ready),
+            None => self.cycle_with(None, || unreachable!("nothing is offered"), output_ready),
+        }
+    }
+
+    /// The same with an item that is made if it is accepted.
+    // Made where it stays: on its way it would be read in other pieces than it was written in, which processors wait for.
+    #[inline]
+    pub(crate) fn cycle_with(
+        &mut self,
+        offered: Option<JobKind>,
+        item: impl FnOnce() -> T,
+        output_ready: bool,
+    ) -> Transfer<T> {
         let taken = output_ready && self.output().is_some();
-        let input = input.filter(|(kind, _)| self.input_ready(*kind));
-        let entering = input.as_ref().map(|(kind, _)| *kind);
+        let entering = offered.filter(|kind| self.input_ready(*kind));
         match &mut self.flow {
             Flow::Skid(row) => row.cycle(entering, taken),
             Flow::Credit(credits) => credits.cycle(entering, taken),
         }
         let output = if taken { self.inside.pop_front() } else { None };
-        self.inside.extend(input.map(|(_, item)| item));
+        if entering.is_some() {
+            self.inside.push_back(item());
+        }
         Transfer { accepted: entering.is_some(), output }
     }
 

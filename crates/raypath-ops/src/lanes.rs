@@ -1,7 +1,7 @@
 //! Operations over SIMD lanes: one instruction computes the same number of several jobs.
 
-use crate::circuit::{Circuit, Num, Relation, Test};
-use crate::rules;
+use crate::circuit::{Bit, Circuit, Num, Relation, Test, Word};
+use crate::rules::{self, Place};
 use fearless_simd::prelude::*;
 use fearless_simd::{Select, Simd, f32x4, i32x4, mask32x4, u8x16, u32x4};
 use std::fmt::{self, Arguments};
@@ -28,7 +28,7 @@ pub trait Width<S: Simd>: 'static {
     /// A register of truth values as words, zeros or ones.
     type Ints: SimdInt<S, Element = i32, Mask = Self::Bits, ByteVector = Self::Bytes>;
     /// A register of truth values.
-    type Bits: SimdMask<S, Ints = Self::Ints> + Select<Self::Nums> + Select<Self::Words>;
+    type Bits: SimdMask<S, Ints = Self::Ints> + Select<Self::Nums> + Select<Self::Words> + Select<Self::Ints>;
     /// A register as bytes.
     type Bytes: SimdBase<S, Element = u8, ByteVector = Self::Bytes>;
 }
@@ -90,9 +90,18 @@ impl<S: Simd, W: Width<S>> Lanes<S, W> {
         if X86 { a.min(b) } else { a.simd_lt(b).select(a, b) }
     }
 
+    /// Distances and keys in two places, exchanged where the second comes before the first.
+    #[inline(always)]
+    fn compare_and_swap(&self, boxes: &mut [(W::Nums, W::Ints); 4], i: usize, j: usize) {
+        let ((a, a_key), (b, b_key)) = (boxes[i], boxes[j]);
+        let swap = b.simd_lt(a) | (b.simd_eq(a) & b_key.simd_lt(a_key));
+        let ((a, b), (a_key, b_key)) = (self.exchange(swap, a, b), self.exchange(swap, a_key, b_key));
+        (boxes[i], boxes[j]) = ((a, a_key), (b, b_key));
+    }
+
     /// Two registers, exchanged where `condition` holds.
     #[inline(always)]
-    fn exchange<T: Copy + Bytes<Bytes = W::Bytes>>(self, condition: W::Bits, a: T, b: T) -> (T, T)
+    fn exchange<T: Copy + Bytes<Bytes = W::Bytes>>(&self, condition: W::Bits, a: T, b: T) -> (T, T)
     where
         W::Bits: Select<T>,
     {
@@ -106,6 +115,9 @@ impl<S: Simd, W: Width<S>> Lanes<S, W> {
         }
     }
 }
+
+/// Set in the key of a box that is missed, above its index.
+const MISSES: i32 = 4;
 
 const X86: bool = cfg!(any(target_arch = "x86", target_arch = "x86_64"));
 
@@ -221,6 +233,27 @@ where
         let [x, y, z] = numbers;
         let z_extent = self.lesser(z.value.0, extent.value.0);
         Num::new(self, Row(self.lesser(x.value.0, self.lesser(y.value.0, z_extent))))
+    }
+    #[inline(always)]
+    fn sort(self, boxes: [Place<Self>; 4]) -> [Place<Self>; 4] {
+        // Misses and index make one word, which decides ties and moves as one.
+        let mut sorted: [(W::Nums, W::Ints); 4] = array_of!(i => {
+            let misses = !boxes[i].hit.value.0.to_vector() & MISSES;
+            (boxes[i].tmin.value.0, misses | boxes[i].index.value.0.bitcast::<W::Ints>())
+        });
+        self.compare_and_swap(&mut sorted, 0, 2);
+        self.compare_and_swap(&mut sorted, 1, 3);
+        self.compare_and_swap(&mut sorted, 0, 1);
+        self.compare_and_swap(&mut sorted, 2, 3);
+        self.compare_and_swap(&mut sorted, 1, 2);
+        array_of!(i => {
+            let (tmin, key) = sorted[i];
+            Place {
+                hit: Bit::new(self, Row(key.simd_lt(MISSES))),
+                tmin: Num::new(self, Row(tmin)),
+                index: Word::new(self, Row((key & (MISSES - 1)).bitcast())),
+            }
+        })
     }
     #[inline(always)]
     fn exchange_num(self, condition: Self::Bit, a: Self::Num, b: Self::Num) -> (Self::Num, Self::Num) {
