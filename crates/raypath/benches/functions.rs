@@ -76,7 +76,9 @@ fn packing(bencher: Bencher) {
 fn unpacking(bencher: Bencher) {
     let blocks = pack::<EuclideanInput<Binary32, 16>>(&beats());
     bencher.counter(ItemsCount::new(BATCH)).bench_local(|| {
-        unpack::<EuclideanInput<Binary32, 16>>(black_box(&blocks), BATCH).for_each(|beat| drop(black_box(beat)))
+        unpack::<EuclideanInput<Binary32, 16>>(black_box(&blocks), BATCH).for_each(|beat| {
+            black_box(beat);
+        })
     });
 }
 

@@ -214,19 +214,20 @@ fn wrong_input_is_named() {
     let no_mesh = mesh("mesh.xyz", "1 2 3\n");
     let short_ray = mesh("short.txt", "0 0 5 0 0 -1 inf\n0 0 5 0 0 -1\n");
     let no_ray = mesh("zero.txt", "0 0 5 0 0 0 inf\n");
-    let cases: [(&[&str], &[&str]); 17] = [
+    let cases: [(&[&str], &[&str]); 18] = [
         (&["/nonexistent/scene.obj"], &["/nonexistent/scene.obj", "No such file"]),
         (&[&no_mesh], &["mesh.xyz", "expected one of"]),
         (&[&faceless], &["faceless.obj", "0 triangles, expected at least 1"]),
         (&[&outside], &["outside.obj"]),
-        (&[&nan], &["nan.obj", "z = NaN"]),
+        (&[&nan], &["nan.obj", "line 1: z = 'nan'", "expected a finite number"]),
         (&[&lies], &["lies.ply"]),
         (&[&stl], &["lies.stl"]),
         (&[&square, "--size", "640"], &["'640'", "--size", "like 640x480"]),
         (&[&square, "--size", "0x10"], &["'0x10'", "1 to 16384"]),
         (&[&square, "--ao", "-1"], &["--ao"]),
         (&[&square, "--camera", "0", "0", "4", "0", "0", "4"], &["--camera", "looks at itself"]),
-        (&[&square, "--camera", "0", "0", "4", "0", "0", "0", "180"], &["--camera", "180 degrees"]),
+        (&[&square, "--camera", "0", "0", "4", "0", "0", "0", "--fov", "180"], &["--camera", "180 degrees"]),
+        (&[&square, "--camera", "0", "0", "4", "0", "0"], &["--camera", "6 values"]),
         (&[&square, "--clock", "0"], &["--clock", "expected MHz"]),
         (&[&square, "--rays-in-flight", "0"], &["--rays-in-flight", "from 1 to"]),
         (&[&square, "--format", "bf16"], &["bf16", "fp32 only"]),

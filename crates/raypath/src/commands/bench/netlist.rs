@@ -11,11 +11,15 @@ use raypath_cosim::{CosimError, Options, Verilated};
 use std::hint::black_box;
 use std::sync::Arc;
 
-/// Cycles of one measurement.
-const CYCLES: usize = 512;
+/// Cycles of one run: few, so that some of many runs are not interrupted.
+const CYCLES: usize = 128;
+
+/// Runs for each of other measurements.
+const RUNS: usize = 8;
 
 /// A mixed job in every cycle, none refused.
 pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> Result<(), Failure> {
+    let repetitions = RUNS * repetitions;
     let datapath = Datapath::new(Config::DEFAULT)?;
     let jobs = Workload::new().mixed(CYCLES);
     let mut simulator = Simulator::new(datapath.top())?;
@@ -40,7 +44,7 @@ pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> R
     results.rate(
         format!("netlist in lanes, a mixed job each cycle in each of {LANES}"),
         "cycles",
-        lanes(datapath.top(), repetitions)?,
+        lanes(datapath.top(), repetitions / RUNS)?,
         None,
     );
     if with_verilator {

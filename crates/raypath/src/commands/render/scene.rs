@@ -10,15 +10,17 @@ use std::str::FromStr;
 
 #[derive(Debug, Args)]
 pub struct CameraArguments {
-    /// Where the eye is and what it looks at, and how many degrees it sees from the lower to the upper edge; up is +y
-    /// [default: all of the mesh is seen, 36 degrees]
+    /// Where the eye is, and what it looks at; up is +y [default: where all of the mesh is seen]
     #[arg(
         long,
-        num_args = 6..=7,
-        allow_hyphen_values = true,
-        value_names = ["EX", "EY", "EZ", "TX", "TY", "TZ", "DEGREES"]
+        num_args = 6,
+        allow_negative_numbers = true,
+        value_names = ["EX", "EY", "EZ", "TX", "TY", "TZ"]
     )]
     camera: Option<Vec<f32>>,
+    /// How many degrees that eye sees from the lower to the upper edge
+    #[arg(long, default_value_t = Camera::FIELD_OF_VIEW, requires = "camera", value_name = "DEGREES")]
+    fov: f32,
 }
 
 impl CameraArguments {
@@ -26,12 +28,11 @@ impl CameraArguments {
     pub fn camera(&self, mesh: &Mesh, aspect: f32) -> Result<Camera, Failure> {
         match self.camera.as_deref() {
             None => Ok(Camera::framing(mesh, aspect)),
-            Some(&[ex, ey, ez, tx, ty, tz, ref rest @ ..]) => {
-                let field_of_view = rest.first().copied().unwrap_or(Camera::FIELD_OF_VIEW);
-                let camera = Camera::new([ex, ey, ez], [tx, ty, tz], [0.0, 1.0, 0.0], field_of_view);
+            Some(&[ex, ey, ez, tx, ty, tz]) => {
+                let camera = Camera::new([ex, ey, ez], [tx, ty, tz], [0.0, 1.0, 0.0], self.fov);
                 camera.map_err(|problem| Failure::Unusable(format!("--camera: {problem}")))
             }
-            Some(_) => Err(Failure::Unusable("--camera: expected six or seven numbers".to_string())),
+            Some(_) => Err(Failure::Unusable("--camera: expected six numbers".to_string())),
         }
     }
 }
