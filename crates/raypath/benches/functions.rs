@@ -30,7 +30,7 @@ fn functional(bencher: Bencher, kind: JobKind) {
     let mut model = Functional::<16, 8>::new(Rules::Paper);
     bencher.counter(ItemsCount::new(JOBS)).bench_local(|| {
         for job in &jobs {
-            black_box(model.run(black_box(job)));
+            black_box(&model.run(black_box(job)));
         }
     });
 }
