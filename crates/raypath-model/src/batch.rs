@@ -144,39 +144,16 @@ fn run<S: Simd, O: Operation>(
     O::Output<Binary32>: Family<Of<Packed> = O::Output<Packed>, Of<Lanes<S>> = O::Output<Lanes<S>>>,
     O::State<Binary32>: Family<Of<Packed> = O::State<Packed>, Of<Lanes<S>> = O::State<Lanes<S>>>,
 {
-    // Unrolled, so that every place is known when this is compiled.
-    const { assert!(BLOCK <= 4 * Lanes::<S>::COUNT) };
-    run_part::<S, O, 0>(simd, op, jobs, answers, state);
-    run_part::<S, O, 1>(simd, op, jobs, answers, state);
-    run_part::<S, O, 2>(simd, op, jobs, answers, state);
-    run_part::<S, O, 3>(simd, op, jobs, answers, state);
-}
-
-/// The same for the lanes of a block that make up its register `PART`, if it has so many.
-#[inline(always)]
-fn run_part<S: Simd, O: Operation, const PART: usize>(
-    simd: S,
-    op: &O,
-    jobs: &[O::Input<Packed>],
-    answers: &mut [O::Output<Packed>],
-    state: &mut O::State<Packed>,
-) where
-    O::Input<Binary32>: Family<Of<Packed> = O::Input<Packed>, Of<Lanes<S>> = O::Input<Lanes<S>>>,
-    O::Output<Binary32>: Family<Of<Packed> = O::Output<Packed>, Of<Lanes<S>> = O::Output<Lanes<S>>>,
-    O::State<Binary32>: Family<Of<Packed> = O::State<Packed>, Of<Lanes<S>> = O::State<Lanes<S>>>,
-{
-    let first = PART * Lanes::<S>::COUNT;
-    if first >= BLOCK {
-        return;
+    for first in (0..BLOCK).step_by(Lanes::<S>::COUNT) {
+        let lanes = Lanes::new(simd);
+        let part = Part { lanes, first };
+        let mut now = <O::State<Binary32> as Family>::gather([&*state], &part);
+        for (job, answer) in jobs.iter().zip(&mut *answers) {
+            let input = <O::Input<Binary32> as Family>::gather([job], &part);
+            let (output, next) = op.run(lanes, input, now);
+            <O::Output<Binary32> as Family>::put(&output, answer, &part);
+            now = next;
+        }
+        <O::State<Binary32> as Family>::put(&now, state, &part);
     }
-    let lanes = Lanes::new(simd);
-    let part = Part { lanes, first };
-    let mut now = <O::State<Binary32> as Family>::gather([&*state], &part);
-    for (job, answer) in jobs.iter().zip(answers) {
-        let input = <O::Input<Binary32> as Family>::gather([job], &part);
-        let (output, next) = op.run(lanes, input, now);
-        <O::Output<Binary32> as Family>::put(&output, answer, &part);
-        now = next;
-    }
-    <O::State<Binary32> as Family>::put(&now, state, &part);
 }
