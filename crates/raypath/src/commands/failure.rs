@@ -1,5 +1,6 @@
 use raypath::configuration::ConfigurationError;
 use raypath::transactions::TransactionError;
+use std::fmt::Display;
 use std::io::ErrorKind;
 use std::path::Path;
 use std::process::ExitCode;
@@ -26,9 +27,14 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// Input or output cannot be used, for this reason.
+    pub fn unusable(problem: impl Display) -> Self {
+        Self::Unusable(problem.to_string())
+    }
+
     /// The operating system refused something about a file.
-    pub fn file(path: &Path, doing: &str, problem: impl std::fmt::Display) -> Self {
-        Self::Unusable(format!("{}: cannot {doing}: {problem}", path.display()))
+    pub fn file(path: &Path, doing: &str, problem: impl Display) -> Self {
+        Self::unusable(format!("{}: cannot {doing}: {problem}", path.display()))
     }
 
     /// Whether the reader of standard output has gone, as `head` does: no fault, and nothing to say.
@@ -49,24 +55,24 @@ impl Failure {
 
 impl From<TransactionError> for Failure {
     fn from(error: TransactionError) -> Self {
-        Self::Unusable(error.to_string())
+        Self::unusable(error)
     }
 }
 
 impl From<ConfigurationError> for Failure {
     fn from(error: ConfigurationError) -> Self {
-        Self::Unusable(error.to_string())
+        Self::unusable(error)
     }
 }
 
 impl From<raypath::hdl::Error> for Failure {
     fn from(error: raypath::hdl::Error) -> Self {
-        Self::Unusable(error.to_string())
+        Self::unusable(error)
     }
 }
 
 impl From<raypath::traffic::RecordedError> for Failure {
     fn from(error: raypath::traffic::RecordedError) -> Self {
-        Self::Unusable(error.to_string())
+        Self::unusable(error)
     }
 }

@@ -70,7 +70,7 @@ impl BenchArguments {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
-        Self::Unusable(error.to_string())
+        Self::unusable(error)
     }
 }
 

@@ -68,5 +68,5 @@ pub fn files(report: &Report, folder: &std::path::Path) -> Result<Vec<(PathBuf, 
 
 /// A report, or many, as JSON.
 pub fn json(report: &impl serde::Serialize) -> Result<String, Failure> {
-    serde_json::to_string_pretty(report).map_err(|problem| Failure::Unusable(format!("JSON: {problem}")))
+    serde_json::to_string_pretty(report).map_err(|problem| Failure::unusable(format!("JSON: {problem}")))
 }

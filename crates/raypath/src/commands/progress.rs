@@ -86,5 +86,5 @@ pub fn watched<T, E: std::fmt::Display>(
     let result = work(&watch);
     let progress = progress.into_inner().unwrap_or_else(PoisonError::into_inner);
     progress.finish(reached.into_inner() as usize)?;
-    result.map_err(|problem| Failure::Unusable(problem.to_string()))
+    result.map_err(Failure::unusable)
 }

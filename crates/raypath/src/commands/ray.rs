@@ -21,7 +21,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let vector = |given: &[f32]| std::array::from_fn(|axis| given.get(axis).copied().unwrap_or(f32::NAN));
     let ray = Ray::new(vector(&arguments.origin), vector(&arguments.direction), arguments.extent)
-        .map_err(|error| Failure::Unusable(error.to_string()))?;
+        .map_err(Failure::unusable)?;
     let job: Job = Job::Quadbox(RayBoxInput { ray, aabb: [Aabb::new([0.0; 3], [0.0; 3]); 4] });
     for port in job.ports().into_iter().filter(|port| port.name.starts_with("ray_")) {
         match port.kind {

@@ -78,11 +78,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let config = arguments.config.config()?;
     if config.format != Format::BINARY32 {
         let problem = format!("--format {}: scenes are traced in fp32 only", config.format);
-        return Err(Failure::Unusable(problem));
+        return Err(Failure::unusable(problem));
     }
     let tracing = Tracing { rules: config.rules, two_sided: arguments.two_sided };
     match &arguments.rays {
-        Some(path) => rays(arguments, config, tracing, read_rays(path).map_err(unusable)?, out),
+        Some(path) => rays(arguments, config, tracing, read_rays(path).map_err(Failure::unusable)?, out),
         None => picture(arguments, config, tracing, out),
     }
 }
@@ -91,7 +91,7 @@ fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dy
     let mesh = scene::mesh(arguments.scene.as_deref())?;
     let Size(width, height) = arguments.size;
     let camera = arguments.camera.camera(&mesh, width as f32 / height as f32)?;
-    let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(unusable)?;
+    let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(Failure::unusable)?;
     scene::describe(arguments.scene.as_deref(), &scene, out)?;
     let shading = Shading {
         tracing,
@@ -104,10 +104,10 @@ fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dy
     let begin = Instant::now();
     let rendering = watched("pixels", pixels, |watch| render(&scene, &camera, (width, height), &shading, watch))?;
     costs(&rendering, begin, out)?;
-    let png = rendering.picture.to_png().map_err(unusable)?;
+    let png = rendering.picture.to_png().map_err(Failure::unusable)?;
     let mut files = vec![(arguments.out.clone(), png.clone())];
     if let Some(path) = &arguments.heatmap {
-        files.push((path.clone(), heatmap(width, height, &rendering.jobs).to_png().map_err(unusable)?));
+        files.push((path.clone(), heatmap(width, height, &rendering.jobs).to_png().map_err(Failure::unusable)?));
     }
     if let Some(path) = &arguments.hits {
         files.push((path.clone(), text(&trace(&scene, &centres(&camera, width, height)?, tracing)?)?));
@@ -135,7 +135,7 @@ fn rays(
     out: &mut dyn Write,
 ) -> Result<(), Failure> {
     let mesh = scene::mesh(arguments.scene.as_deref())?;
-    let scene = Scene::for_origins(mesh, rays.iter().map(|ray| ray.origin.into())).map_err(unusable)?;
+    let scene = Scene::for_origins(mesh, rays.iter().map(|ray| ray.origin.into())).map_err(Failure::unusable)?;
     let begin = Instant::now();
     let hits = trace(&scene, &rays, tracing)?;
     let seconds = begin.elapsed().as_secs_f64();
@@ -189,7 +189,7 @@ fn trace(scene: &Scene, rays: &[Ray<Binary32>], tracing: Tracing) -> Result<Vec<
 fn centres(camera: &Camera, width: u32, height: u32) -> Result<Vec<Ray<Binary32>>, Failure> {
     let view = camera.view(width, height);
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
-    pixels.map(|(x, y)| view.ray(x, y)).collect::<Result<_, _>>().map_err(unusable)
+    pixels.map(|(x, y)| view.ray(x, y)).collect::<Result<_, _>>().map_err(Failure::unusable)
 }
 
 fn text(hits: &[Option<Hit>]) -> Result<Vec<u8>, Failure> {
@@ -230,8 +230,4 @@ fn costs(rendering: &Rendering, begin: Instant, out: &mut dyn Write) -> Result<(
 fn written(files: &[(PathBuf, Vec<u8>)], out: &mut dyn Write) -> Result<(), Failure> {
     files.iter().try_for_each(|(path, _)| writeln!(out, "wrote {}", path.display()))?;
     Ok(())
-}
-
-fn unusable(problem: impl std::fmt::Display) -> Failure {
-    Failure::Unusable(problem.to_string())
 }

@@ -105,11 +105,11 @@ impl Replay<'_> {
         let mut traffic = self.arguments.stream.traffic()?;
         if self.arguments.view.is_wanted() && self.arguments.engine == EngineKind::Model {
             let problem = "--engine model knows no cycles, expected cycle, netlist or both with --report or --konata";
-            return Err(Failure::Unusable(problem.to_string()));
+            return Err(Failure::unusable(problem));
         }
         if self.arguments.stream.is_recorded() && self.arguments.engine == EngineKind::Model {
             let problem = "--engine model knows no cycles, expected cycle, netlist or both with recorded handshakes";
-            return Err(Failure::Unusable(problem.to_string()));
+            return Err(Failure::unusable(problem));
         }
         let jobs = stream.iter().map(|transaction| &transaction.job);
         let mut on_cycle = |seen: &Seen<M::Outcome>| {

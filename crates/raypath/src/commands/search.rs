@@ -79,13 +79,13 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let config = arguments.config.config()?;
     if config.format != Format::BINARY32 {
         let problem = format!("--format {}: vectors are searched in fp32 only", config.format);
-        return Err(Failure::Unusable(problem));
+        return Err(Failure::unusable(problem));
     }
     let search = Search { arguments, config, out };
     match config.lanes {
         Lanes::None => {
             let problem = "--lanes none: a datapath without distances cannot search, expected 2 to 64";
-            Err(Failure::Unusable(problem.to_string()))
+            Err(Failure::unusable(problem))
         }
         Lanes::Two => search.run::<2, 1>(),
         Lanes::Four => search.run::<4, 2>(),
@@ -123,7 +123,8 @@ impl Search<'_> {
         };
         let mut rows = describe::<E, A>(&answers, base.dimensions());
         if let Some((source, truth)) = arguments.truth::<E, A>(&dataset, metric)? {
-            let recall = recall::<E, A>(&answers, &truth, base, queries, metric, arguments.k).map_err(unusable)?;
+            let recall =
+                recall::<E, A>(&answers, &truth, base, queries, metric, arguments.k).map_err(Failure::unusable)?;
             rows.push((format!("recall at {} against {source}", arguments.k), format!("{recall:.4}")));
         }
         writeln!(out)?;
@@ -171,12 +172,14 @@ impl Arguments {
 
     fn dataset(&self) -> Result<Dataset, Failure> {
         match &self.base {
-            Some(base) => Dataset::read(base, self.queries.as_deref(), self.truth.as_deref()).map_err(unusable),
+            Some(base) => {
+                Dataset::read(base, self.queries.as_deref(), self.truth.as_deref()).map_err(Failure::unusable)
+            }
             None if self.truth.is_some() => {
                 let problem = "--truth: generated vectors have no file of true neighbours, expected BASE and QUERIES";
-                Err(Failure::Unusable(problem.to_string()))
+                Err(Failure::unusable(problem))
             }
-            None => Clusters { seed: self.seed, ..Clusters::default() }.generate().map_err(unusable),
+            None => Clusters { seed: self.seed, ..Clusters::default() }.generate().map_err(Failure::unusable),
         }
     }
 
@@ -212,7 +215,7 @@ impl Arguments {
             _ if self.index.is_some() => {
                 let answers = self.exact::<E, A>(dataset, metric)?;
                 let indices: Vec<i64> = answers.rows.iter().flatten().map(|near| i64::from(near.index)).collect();
-                let neighbours = Neighbours::new(self.k, &indices, dataset.base.len()).map_err(unusable)?;
+                let neighbours = Neighbours::new(self.k, &indices, dataset.base.len()).map_err(Failure::unusable)?;
                 Ok(Some(("exact search", neighbours)))
             }
             _ => Ok(None),
@@ -231,8 +234,4 @@ fn describe<const E: usize, const A: usize>(answers: &Answers, dimensions: usize
         (format!("beats of a vector, euclidean ({E} lanes)"), report.euclidean_beats.to_string()),
         (format!("beats of a vector, angular ({A} lanes)"), report.angular_beats.to_string()),
     ]
-}
-
-fn unusable(problem: impl std::fmt::Display) -> Failure {
-    Failure::Unusable(problem.to_string())
 }

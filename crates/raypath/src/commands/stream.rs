@@ -56,7 +56,7 @@ impl StreamArguments {
         }
         let stream = merge(files);
         if stream.is_empty() {
-            return Err(Failure::Unusable("the files hold no transactions, expected at least one".to_string()));
+            return Err(Failure::unusable("the files hold no transactions, expected at least one"));
         }
         Ok(if self.interleave { interleave(stream, self.seed) } else { stream })
     }

@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     }
     match (wrong.is_empty(), not_run.is_empty()) {
         (false, _) => Err(Failure::Mismatch(format!("wrong: {}", wrong.join(", ")))),
-        (true, false) => Err(Failure::Unusable(format!("not run: {}", not_run.join("; ")))),
+        (true, false) => Err(Failure::unusable(format!("not run: {}", not_run.join("; ")))),
         (true, true) => Ok(writeln!(out, "All is well.")?),
     }
 }

@@ -21,11 +21,11 @@ pub fn run(results: &mut Results, repetitions: usize) -> Result<(), Failure> {
         points([1_000, 10_000, 100_000], |count| seconds(repetitions, || each(&mut model, &jobs[..count]))),
     );
 
-    let scene = Scene::new(builtin().map_err(unusable)?).map_err(unusable)?;
+    let scene = Scene::new(builtin().map_err(Failure::unusable)?).map_err(Failure::unusable)?;
     let view = Camera::framing(scene.mesh(), 1.0).view(400, 250);
     let pixels = (0..100_000u32).map(|i| (f64::from(i % 400), f64::from(i / 400)));
     let mut rays: Vec<_> =
-        pixels.map(|(x, y)| view.ray(x + 0.5, y + 0.5)).collect::<Result<_, _>>().map_err(unusable)?;
+        pixels.map(|(x, y)| view.ray(x + 0.5, y + 0.5)).collect::<Result<_, _>>().map_err(Failure::unusable)?;
     // In steps through the picture, so that the first thousand are like all of them.
     let len = rays.len();
     rays = (0..len).map(|i| rays[i * 7919 % len]).collect();
@@ -40,11 +40,11 @@ pub fn run(results: &mut Results, repetitions: usize) -> Result<(), Failure> {
     );
 
     let clusters = Clusters { vectors: 100_000, queries: 16, dimensions: 64, ..Clusters::default() };
-    let set = clusters.generate().map_err(unusable)?;
+    let set = clusters.generate().map_err(Failure::unusable)?;
     let mut growth = Vec::new();
     for count in [1_000usize, 10_000, 100_000] {
         let data = set.base.data()[..count * set.base.dimensions()].to_vec();
-        let base = raypath::search::Vectors::new(set.base.dimensions(), data).map_err(unusable)?;
+        let base = raypath::search::Vectors::new(set.base.dimensions(), data).map_err(Failure::unusable)?;
         let exact = Exact::<16, 8>::new(&base, Metric::Euclidean);
         let time = seconds(repetitions, || {
             stopped |= exact.search(&set.queries, 10, &|_| true).map(black_box).is_err();
@@ -52,14 +52,10 @@ pub fn run(results: &mut Results, repetitions: usize) -> Result<(), Failure> {
         growth.push((count as u64, 1e9 * time / (count * set.queries.len()) as f64));
     }
     results.growth("vectors in exact search, 64 dimensions, Euclidean, all cores", growth);
-    if stopped { Err(Failure::Unusable("work was stopped that nobody stops".to_string())) } else { Ok(()) }
+    if stopped { Err(Failure::unusable("work was stopped that nobody stops")) } else { Ok(()) }
 }
 
 /// Nanoseconds an item for so many items.
 fn points(counts: [usize; 3], mut time: impl FnMut(usize) -> f64) -> Vec<(u64, f64)> {
     counts.into_iter().map(|count| (count as u64, 1e9 * time(count) / count as f64)).collect()
-}
-
-fn unusable(problem: impl std::fmt::Display) -> Failure {
-    Failure::Unusable(problem.to_string())
 }

@@ -8,14 +8,15 @@ use raypath::search::{Clusters, Metric, speed};
 
 /// Closest hits of the built-in scene on one core, beside obvhs' own traversal of the tree that ours is made of.
 pub fn rays(results: &mut Results, repetitions: usize) -> Result<(), Failure> {
-    let scene = Scene::new(builtin().map_err(unusable)?).map_err(unusable)?;
+    let scene = Scene::new(builtin().map_err(Failure::unusable)?).map_err(Failure::unusable)?;
     const SIZE: (u32, u32) = (256, 192);
     let view = Camera::framing(scene.mesh(), SIZE.0 as f32 / SIZE.1 as f32).view(SIZE.0, SIZE.1);
     let pixels = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
-    let rays: Vec<_> = pixels.map(|(x, y)| view.ray(x, y)).collect::<Result<_, _>>().map_err(unusable)?;
+    let rays: Vec<_> = pixels.map(|(x, y)| view.ray(x, y)).collect::<Result<_, _>>().map_err(Failure::unusable)?;
     for two_sided in [false, true] {
         let tracing = Tracing { two_sided, ..Tracing::default() };
-        let compared = compare(&scene, &rays, tracing, repetitions.div_ceil(4) as u32, &|_| true).map_err(unusable)?;
+        let compared =
+            compare(&scene, &rays, tracing, repetitions.div_ceil(4) as u32, &|_| true).map_err(Failure::unusable)?;
         let per_second = compared.nanoseconds().map(|nanoseconds| 1e9 / nanoseconds);
         let (what, unit) = if two_sided { ("two-sided", "rays both sides") } else { ("one-sided", "rays") };
         // obvhs tests both sides at no cost; a third of its rate is the goal.
@@ -33,13 +34,13 @@ pub fn rays(results: &mut Results, repetitions: usize) -> Result<(), Failure> {
 /// Exact search, on one core and on all.
 pub fn distances(results: &mut Results, repetitions: usize) -> Result<(), Failure> {
     let clusters = Clusters { vectors: 20_000, queries: 256, dimensions: 128, ..Clusters::default() };
-    let set = clusters.generate().map_err(unusable)?;
+    let set = clusters.generate().map_err(Failure::unusable)?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     for metric in Metric::ALL {
         for threads in [1, cores] {
             let mut best = 0.0f64;
             for _ in 0..repetitions.div_ceil(8) {
-                let measured = speed::<16, 8>(&set.base, &set.queries, metric, threads).map_err(unusable)?;
+                let measured = speed::<16, 8>(&set.base, &set.queries, metric, threads).map_err(Failure::unusable)?;
                 best = best.max(measured.distances_per_second);
             }
             let what = format!("exact search, 128 dimensions, {}, {threads} threads", metric.name());
@@ -47,8 +48,4 @@ pub fn distances(results: &mut Results, repetitions: usize) -> Result<(), Failur
         }
     }
     Ok(())
-}
-
-fn unusable(problem: impl std::fmt::Display) -> Failure {
-    Failure::Unusable(problem.to_string())
 }

@@ -62,7 +62,7 @@ impl Results {
     }
 
     pub fn json(&self) -> Result<String, Failure> {
-        serde_json::to_string_pretty(self).map_err(|problem| Failure::Unusable(problem.to_string()))
+        serde_json::to_string_pretty(self).map_err(Failure::unusable)
     }
 }
 

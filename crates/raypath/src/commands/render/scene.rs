@@ -1,7 +1,6 @@
 //! What is seen, and from where.
 
 use crate::commands::Failure;
-use crate::commands::render::unusable;
 use clap::Args;
 use raypath::render::{Camera, Mesh, Scene, builtin, read_mesh};
 use std::io::Write;
@@ -30,9 +29,9 @@ impl CameraArguments {
             None => Ok(Camera::framing(mesh, aspect)),
             Some(&[ex, ey, ez, tx, ty, tz]) => {
                 let camera = Camera::new([ex, ey, ez], [tx, ty, tz], [0.0, 1.0, 0.0], self.fov);
-                camera.map_err(|problem| Failure::Unusable(format!("--camera: {problem}")))
+                camera.map_err(|problem| Failure::unusable(format!("--camera: {problem}")))
             }
-            Some(_) => Err(Failure::Unusable("--camera: expected six numbers".to_string())),
+            Some(_) => Err(Failure::unusable("--camera: expected six numbers")),
         }
     }
 }
@@ -55,8 +54,8 @@ impl FromStr for Size {
 /// The mesh in a file, or the built-in one.
 pub fn mesh(path: Option<&Path>) -> Result<Mesh, Failure> {
     match path {
-        Some(path) => read_mesh(path).map_err(unusable),
-        None => builtin().map_err(unusable),
+        Some(path) => read_mesh(path).map_err(Failure::unusable),
+        None => builtin().map_err(Failure::unusable),
     }
 }
 

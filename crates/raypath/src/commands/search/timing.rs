@@ -2,7 +2,6 @@
 
 use crate::commands::Failure;
 use crate::commands::progress::watched;
-use crate::commands::search::unusable;
 use crate::commands::timed::Subject;
 use raypath::report::Recorder;
 use raypath::search::{Candidates, Dataset, Graph, Log, Metric, Subject as Searched, sweep_search, time_search};
@@ -43,7 +42,7 @@ impl<const E: usize, const A: usize> Queries<'_, E, A> {
         })?;
         if logs.is_empty() {
             let query = queries.get(0).unwrap_or_default();
-            logs.push(graph.log(query, self.count, self.ef).map_err(unusable)?);
+            logs.push(graph.log(query, self.count, self.ef).map_err(Failure::unusable)?);
         }
         Ok(logs)
     }
