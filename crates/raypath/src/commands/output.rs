@@ -31,6 +31,13 @@ pub fn write_all<T: AsRef<[u8]>>(files: &[(PathBuf, T)]) -> Result<(), Failure> 
     Ok(())
 }
 
+/// Writes all of these files, or none, and says where they are.
+pub fn write_and_name<T: AsRef<[u8]>>(files: &[(PathBuf, T)], out: &mut dyn Write) -> Result<(), Failure> {
+    write_all(files)?;
+    files.iter().try_for_each(|(path, _)| writeln!(out, "wrote {}", path.display()))?;
+    Ok(())
+}
+
 /// Where a file really goes: a link's end. What is there may be replaced only if it is a file.
 fn target(path: &Path) -> Result<PathBuf, Failure> {
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());

@@ -6,7 +6,7 @@ mod timing;
 use crate::commands::Failure;
 use crate::commands::configuration::ConfigArguments;
 use crate::commands::numbers::whole;
-use crate::commands::output::write_all;
+use crate::commands::output::write_and_name;
 use crate::commands::progress::watched;
 use crate::commands::timed::{Subject, Timed, TimingArguments};
 use crate::commands::view::ViewArguments;
@@ -123,8 +123,7 @@ fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dy
         most: arguments.timed,
     };
     time(arguments, config, &pixels, Some(png), &mut files, out)?;
-    write_all(&files)?;
-    written(&files, out)
+    write_and_name(&files, out)
 }
 
 fn rays(
@@ -159,8 +158,7 @@ fn rays(
         most: arguments.timed,
     };
     time(arguments, config, &subject, None, &mut files, out)?;
-    write_all(&files)?;
-    written(&files, out)
+    write_and_name(&files, out)
 }
 
 /// Simulates and prints; the files that were asked for join the others.
@@ -224,10 +222,5 @@ fn costs(rendering: &Rendering, begin: Instant, out: &mut dyn Write) -> Result<(
         jobs as f64 / seconds,
         jobs as f64 / rays.max(1) as f64
     )?;
-    Ok(())
-}
-
-fn written(files: &[(PathBuf, Vec<u8>)], out: &mut dyn Write) -> Result<(), Failure> {
-    files.iter().try_for_each(|(path, _)| writeln!(out, "wrote {}", path.display()))?;
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use crate::commands::Failure;
 use crate::commands::configuration::ConfigArguments;
-use crate::commands::output::write_all;
+use crate::commands::output::write_and_name;
 use crate::commands::progress::Progress;
 use crate::commands::stream::StreamArguments;
 use crate::commands::view::{ViewArguments, print, recording};
@@ -77,9 +77,7 @@ impl Visitor for Replay<'_> {
             let recording = watcher.recording(self.config, &datapath, &run, &tally);
             writeln!(self.out)?;
             print(&recording, self.out)?;
-            let files = self.arguments.view.files(&recording);
-            write_all(&files)?;
-            files.iter().try_for_each(|(path, _)| writeln!(self.out, "wrote {}", path.display()))?;
+            write_and_name(&self.arguments.view.files(&recording), self.out)?;
         }
         differences.iter().try_for_each(|difference| writeln!(self.out, "\n{difference}"))?;
         match differences.len() {

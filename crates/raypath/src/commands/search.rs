@@ -5,7 +5,7 @@ mod timing;
 use crate::commands::Failure;
 use crate::commands::configuration::ConfigArguments;
 use crate::commands::numbers::whole;
-use crate::commands::output::write_all;
+use crate::commands::output::write_and_name;
 use crate::commands::progress::watched;
 use crate::commands::timed::{Timed, TimingArguments};
 use crate::commands::view::{ViewArguments, print_rows};
@@ -154,9 +154,7 @@ impl Search<'_> {
             files.extend(more);
             files.extend(arguments.view.files(&recording));
         }
-        write_all(&files)?;
-        files.iter().try_for_each(|(path, _)| writeln!(out, "wrote {}", path.display()))?;
-        Ok(())
+        write_and_name(&files, out)
     }
 }
 
