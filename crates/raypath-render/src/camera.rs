@@ -105,6 +105,16 @@ impl Camera {
         let corner = add(forward, add(scale(-step * f64::from(width) / 2.0, right), scale(half, up)));
         View { eye: self.eye, corner, right: scale(step, right), down: scale(-step, up) }
     }
+
+    /// The rays of a [`view`](Self::view) through its pixels' centres, row by row from the upper left.
+    ///
+    /// # Errors
+    /// A picture whose shape makes a direction that is not finite.
+    pub fn rays(&self, width: u32, height: u32) -> Result<Vec<Ray<Binary32>>, RayError> {
+        let view = self.view(width, height);
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
+        pixels.map(|(x, y)| view.ray(x, y)).collect()
+    }
 }
 
 /// Three directions at right angles.

@@ -144,6 +144,15 @@ fn pixels_are_where_they_should_be() {
     assert!(near(along(2.0, 0.0), [0.0, half, -half]));
     assert!(near(along(0.0, 1.0), [-2.0 / 5.0_f32.sqrt(), 0.0, -1.0 / 5.0_f32.sqrt()]));
     assert_eq!(view.ray(0.5, 0.5).unwrap().extent, Ray::new([0.0; 3], [1.0; 3], f32::INFINITY).unwrap().extent);
+    // The picture is two high at a distance of one: its pixels' sides are 1.
+    let places = [-0.5, 0.5].map(|down| [-1.5, -0.5, 0.5, 1.5].map(|aside| [aside, -down, -1.0]));
+    let rays = camera.rays(4, 2).unwrap();
+    assert_eq!(rays.len(), 8);
+    for (ray, place) in rays.iter().zip(places.as_flattened()) {
+        let length = place.iter().map(|x: &f32| x * x).sum::<f32>().sqrt();
+        assert_eq!(<[f32; 3]>::from(ray.origin), camera.eye());
+        assert!(near(ray.dir.into(), place.map(|x| x / length)), "{place:?}");
+    }
 }
 
 #[test]

@@ -14,7 +14,7 @@ use clap::Args;
 use raypath::format::Format;
 use raypath::ops::{Binary32, Ray};
 use raypath::render::{
-    Camera, Counts, Hit, Rendering, Scene, Shading, Tracing, heatmap, read_rays, render, trace_closest, write_hits,
+    Counts, Hit, Rendering, Scene, Shading, Tracing, heatmap, read_rays, render, trace_closest, write_hits,
 };
 use raypath::report::Image;
 use raypath::rtl::Config;
@@ -110,7 +110,8 @@ fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dy
         files.push((path.clone(), heatmap(width, height, &rendering.jobs).to_png().map_err(Failure::unusable)?));
     }
     if let Some(path) = &arguments.hits {
-        files.push((path.clone(), text(&trace(&scene, &centres(&camera, width, height)?, tracing)?)?));
+        let rays = camera.rays(width, height).map_err(Failure::unusable)?;
+        files.push((path.clone(), text(&trace(&scene, &rays, tracing)?)?));
     }
     let rays = [rendering.primary, rendering.shadow, rendering.occlusion].iter().map(|costs| costs.rays).sum();
     let pixels = timing::Pixels {
@@ -181,13 +182,6 @@ fn time(
 
 fn trace(scene: &Scene, rays: &[Ray<Binary32>], tracing: Tracing) -> Result<Vec<Option<Hit>>, Failure> {
     watched("rays", rays.len(), |watch| trace_closest(scene, rays, tracing, watch)).map(|(hits, _)| hits)
-}
-
-/// Rays through the centres of pixels, row by row.
-fn centres(camera: &Camera, width: u32, height: u32) -> Result<Vec<Ray<Binary32>>, Failure> {
-    let view = camera.view(width, height);
-    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
-    pixels.map(|(x, y)| view.ray(x, y)).collect::<Result<_, _>>().map_err(Failure::unusable)
 }
 
 fn text(hits: &[Option<Hit>]) -> Result<Vec<u8>, Failure> {

@@ -22,13 +22,9 @@ pub fn run(results: &mut Results, repetitions: usize) -> Result<(), Failure> {
     );
 
     let scene = Scene::new(builtin().map_err(Failure::unusable)?).map_err(Failure::unusable)?;
-    let view = Camera::framing(scene.mesh(), 1.0).view(400, 250);
-    let pixels = (0..100_000u32).map(|i| (f64::from(i % 400), f64::from(i / 400)));
-    let mut rays: Vec<_> =
-        pixels.map(|(x, y)| view.ray(x + 0.5, y + 0.5)).collect::<Result<_, _>>().map_err(Failure::unusable)?;
+    let in_rows = Camera::framing(scene.mesh(), 1.0).rays(400, 250).map_err(Failure::unusable)?;
     // In steps through the picture, so that the first thousand are like all of them.
-    let len = rays.len();
-    rays = (0..len).map(|i| rays[i * 7919 % len]).collect();
+    let rays: Vec<_> = (0..in_rows.len()).map(|i| in_rows[i * 7919 % in_rows.len()]).collect();
     let mut stopped = false;
     results.growth(
         "rays from the eye, built-in scene, all cores",

@@ -10,9 +10,8 @@ use raypath::search::{Clusters, Metric, speed};
 pub fn rays(results: &mut Results, repetitions: usize) -> Result<(), Failure> {
     let scene = Scene::new(builtin().map_err(Failure::unusable)?).map_err(Failure::unusable)?;
     const SIZE: (u32, u32) = (256, 192);
-    let view = Camera::framing(scene.mesh(), SIZE.0 as f32 / SIZE.1 as f32).view(SIZE.0, SIZE.1);
-    let pixels = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
-    let rays: Vec<_> = pixels.map(|(x, y)| view.ray(x, y)).collect::<Result<_, _>>().map_err(Failure::unusable)?;
+    let camera = Camera::framing(scene.mesh(), SIZE.0 as f32 / SIZE.1 as f32);
+    let rays = camera.rays(SIZE.0, SIZE.1).map_err(Failure::unusable)?;
     for two_sided in [false, true] {
         let tracing = Tracing { two_sided, ..Tracing::default() };
         let compared =
