@@ -56,8 +56,8 @@ pub struct Arguments {
     /// Trace these rays, not a camera's, and make no picture: a line each with origin, direction and extent
     #[arg(long, value_name = "FILE", conflicts_with_all = ["camera", "size", "shadows", "ao", "samples", "out"])]
     rays: Option<PathBuf>,
-    /// Write what each ray hits, those of --rays or those through the pixels' centres: triangle, t_num, t_denom, t; without
-    /// it, the hits of --rays are printed
+    /// Write what each ray hits, those of --rays or those through the pixels' centres: triangle, t, t_num, t_denom, and the
+    /// bits of the three; without it, the hits of --rays are printed
     #[arg(long, value_name = "FILE")]
     hits: Option<PathBuf>,
     /// Rays under way at a time in the timing; a pixel's rays follow one another
