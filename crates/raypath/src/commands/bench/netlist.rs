@@ -4,7 +4,7 @@ use crate::commands::Failure;
 use crate::commands::bench::result::Results;
 use crate::commands::bench::stopwatch::seconds;
 use crate::commands::bench::workload::Workload;
-use raypath::hdl::{LANES, LaneSimulator, Module, Simulator};
+use raypath::hdl::{InputPort, LANES, LaneSimulator, Module, OutputPort, Simulator};
 use raypath::ops::Job;
 use raypath::rtl::{Config, Datapath};
 use raypath_cosim::{CosimError, Options, Verilated};
@@ -14,41 +14,23 @@ use std::sync::Arc;
 /// Cycles of one run: few, so that some of many runs are not interrupted.
 const CYCLES: usize = 128;
 
-/// Runs for each of other measurements.
+/// So many of these runs for each run of what takes longer.
 const RUNS: usize = 8;
 
 /// A mixed job in every cycle, none refused.
 pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> Result<(), Failure> {
-    let repetitions = RUNS * repetitions;
     let datapath = Datapath::new(Config::DEFAULT)?;
+    let top = datapath.top();
     let jobs = Workload::new().mixed(CYCLES);
-    let mut simulator = Simulator::new(datapath.top())?;
-    let ports = datapath.top().inputs().iter();
-    let inputs = ports.map(|port| simulator.input(&port.name)).collect::<Result<Vec<_>, _>>()?;
-    let ports = datapath.top().outputs().iter();
-    let outputs = ports.map(|port| simulator.output(&port.name)).collect::<Result<Vec<_>, _>>()?;
-    let frames: Vec<Vec<u64>> = jobs.iter().map(|job| frame(datapath.top(), job)).collect();
-    let time = seconds(repetitions, || {
-        for frame in &frames {
-            // The first of a frame is the reset.
-            for (input, value) in inputs.iter().zip(&frame[1..]) {
-                simulator.set(*input, black_box(*value));
-            }
-            simulator.cycle();
-            for output in &outputs {
-                black_box(simulator.get(*output));
-            }
-        }
-    });
-    results.rate("netlist, compiled, a mixed job each cycle", "cycles", CYCLES as f64 / time, None);
-    results.rate(
-        format!("netlist in lanes, a mixed job each cycle in each of {LANES}"),
-        "cycles",
-        lanes(datapath.top(), repetitions / RUNS)?,
-        None,
-    );
+    let mut simulator = Simulator::new(top)?;
+    let ports = Ports::of(&simulator)?;
+    let per_second = compiled(&mut simulator, &ports, &jobs, RUNS * repetitions);
+    results.rate("netlist, compiled, a mixed job each cycle", "cycles", per_second, None);
+    let per_second = lanes(&mut LaneSimulator::new(top)?, &ports, repetitions);
+    let name = format!("netlist in lanes, a mixed job each cycle in each of {LANES}");
+    results.rate(name, "cycles", per_second, None);
     if with_verilator {
-        match verilator(datapath.top(), &jobs, repetitions) {
+        match verilator(top, &jobs, RUNS * repetitions) {
             Ok(per_second) => results.beside("cycles", "Verilator", per_second),
             Err(problem) => results.missing(format!("Verilator: {problem}")),
         }
@@ -56,39 +38,69 @@ pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> R
     Ok(())
 }
 
-/// Cycles a second of all lanes together, each with jobs of its own; setting and reading all ports included.
-fn lanes(top: &Arc<Module>, repetitions: usize) -> Result<f64, Failure> {
-    // A few cycles, for there are many lanes.
-    const CYCLES: usize = 8;
-    let mut simulator = LaneSimulator::new(top)?;
-    let inputs = top.inputs().iter().map(|port| simulator.input(&port.name)).collect::<Result<Vec<_>, _>>()?;
-    let outputs = top.outputs().iter().map(|port| simulator.output(&port.name)).collect::<Result<Vec<_>, _>>()?;
-    let jobs = Workload::new().mixed(CYCLES * LANES);
-    let stimuli: Vec<Vec<[u64; LANES]>> = jobs
-        .chunks(LANES)
-        .map(|jobs| {
-            let mut ports = vec![[0; LANES]; inputs.len()];
-            for (lane, job) in jobs.iter().enumerate() {
-                // The first of a frame is the reset.
-                for (port, value) in ports.iter_mut().zip(&frame(top, job)[1..]) {
-                    port[lane] = *value;
-                }
-            }
-            ports
-        })
-        .collect();
+/// All ports of the module, in order of declaration, for both simulators.
+struct Ports {
+    inputs: Vec<InputPort>,
+    outputs: Vec<OutputPort>,
+}
+
+impl Ports {
+    fn of(simulator: &Simulator) -> Result<Self, raypath::hdl::Error> {
+        let top = simulator.module();
+        let inputs = top.inputs().iter().map(|port| simulator.input(&port.name)).collect::<Result<_, _>>()?;
+        let outputs = top.outputs().iter().map(|port| simulator.output(&port.name)).collect::<Result<_, _>>()?;
+        Ok(Self { inputs, outputs })
+    }
+}
+
+/// Cycles a second; setting and reading all ports included.
+fn compiled(simulator: &mut Simulator, ports: &Ports, jobs: &[Job], repetitions: usize) -> f64 {
+    let top = simulator.module();
+    let stimuli: Vec<Vec<u64>> = jobs.iter().map(|job| stimulus(top, job)).collect();
     let time = seconds(repetitions, || {
-        for ports in &stimuli {
-            for (input, values) in inputs.iter().zip(ports) {
-                simulator.set(*input, black_box(values));
+        for values in &stimuli {
+            for (input, value) in ports.inputs.iter().zip(values) {
+                simulator.set(*input, black_box(*value));
             }
             simulator.cycle();
-            for output in &outputs {
+            for output in &ports.outputs {
                 black_box(simulator.get(*output));
             }
         }
     });
-    Ok((CYCLES * LANES) as f64 / time)
+    jobs.len() as f64 / time
+}
+
+/// The same of all lanes together, each with jobs of its own.
+fn lanes(simulator: &mut LaneSimulator, ports: &Ports, repetitions: usize) -> f64 {
+    // A few cycles, for there are many lanes.
+    const CYCLES: usize = 8;
+    let top = simulator.module();
+    let jobs = Workload::new().mixed(CYCLES * LANES);
+    let stimuli: Vec<Vec<[u64; LANES]>> = jobs
+        .chunks(LANES)
+        .map(|jobs| {
+            let mut values = vec![[0; LANES]; ports.inputs.len()];
+            for (lane, job) in jobs.iter().enumerate() {
+                for (of_port, value) in values.iter_mut().zip(stimulus(top, job)) {
+                    of_port[lane] = value;
+                }
+            }
+            values
+        })
+        .collect();
+    let time = seconds(repetitions, || {
+        for values in &stimuli {
+            for (input, values) in ports.inputs.iter().zip(values) {
+                simulator.set(*input, black_box(values));
+            }
+            simulator.cycle();
+            for output in &ports.outputs {
+                black_box(simulator.get(*output));
+            }
+        }
+    });
+    jobs.len() as f64 / time
 }
 
 /// Cycles a second of Verilator, one thread, all of its and the compiler's optimisation.
@@ -96,18 +108,19 @@ fn verilator(top: &Arc<Module>, jobs: &[Job], repetitions: usize) -> Result<f64,
     let folder = tempfile::tempdir().map_err(|problem| CosimError::File { path: std::env::temp_dir(), problem })?;
     let options = Options { c_optimisation: 3, native: true, ..Options::default() };
     let verilated = Verilated::build_with(top, folder.path(), &options)?;
-    let frames = jobs.iter().map(|job| frame(top, job));
+    // The first of a frame is the reset, which is low when active.
+    let frames = jobs.iter().map(|job| [vec![1], stimulus(top, job)].concat());
     let times = verilated.time(frames, repetitions)?;
     Ok(jobs.len() as f64 / times.into_iter().fold(f64::INFINITY, f64::min))
 }
 
-/// What the ports get in a cycle that offers a job: no reset, valid, and the sink is ready.
-fn frame(top: &Module, job: &Job) -> Vec<u64> {
+/// What the inputs get in a cycle that offers a job: valid, and the sink is ready.
+fn stimulus(top: &Module, job: &Job) -> Vec<u64> {
     let ports = job.ports();
     let value = |name: &str| match name {
         "input_valid_i" | "output_ready_i" => 1,
         "opcode_i" => job.kind().opcode(),
         _ => ports.iter().find(|port| name.strip_suffix("_i") == Some(&port.name)).map_or(0, |port| port.bits),
     };
-    std::iter::once(1).chain(top.inputs().iter().map(|port| value(&port.name))).collect()
+    top.inputs().iter().map(|port| value(&port.name)).collect()
 }
