@@ -13,9 +13,7 @@ use crate::commands::view::ViewArguments;
 use clap::Args;
 use raypath::format::Format;
 use raypath::ops::{Binary32, Ray};
-use raypath::render::{
-    Counts, Hit, Rendering, Scene, Shading, Tracing, heatmap, read_rays, render, trace_closest, write_hits,
-};
+use raypath::render::{Counts, Hit, Rendering, Scene, Shading, Tracing, read_rays, render, trace_closest, write_hits};
 use raypath::report::Image;
 use raypath::rtl::Config;
 use scene::{CameraArguments, Size};
@@ -107,7 +105,7 @@ fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dy
     let png = rendering.picture.to_png().map_err(Failure::unusable)?;
     let mut files = vec![(arguments.out.clone(), png.clone())];
     if let Some(path) = &arguments.heatmap {
-        files.push((path.clone(), heatmap(width, height, &rendering.jobs).to_png().map_err(Failure::unusable)?));
+        files.push((path.clone(), rendering.heatmap().to_png().map_err(Failure::unusable)?));
     }
     if let Some(path) = &arguments.hits {
         let rays = camera.rays(width, height).map_err(Failure::unusable)?;
