@@ -141,7 +141,7 @@ impl Search<'_> {
             name: arguments.name(),
             dataset: &dataset,
             metric,
-            count: arguments.k,
+            neighbours: arguments.k,
             ef: arguments.ef(),
             graph: graph.as_ref(),
             most: arguments.timed,

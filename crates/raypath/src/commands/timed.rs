@@ -35,8 +35,10 @@ pub trait Subject {
     fn title(&self) -> String;
     /// What its agents are called, in plural and singular.
     fn names(&self) -> (&'static str, &'static str);
-    /// Simulates it. How many agents there are to simulate, of all that there are.
-    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<(Timing, usize), Failure>;
+    /// How many agents it has in all.
+    fn count(&self) -> usize;
+    /// Simulates those of them that are wanted.
+    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<Timing, Failure>;
     /// Simulates a sample of it on many machines.
     fn sweep(&self, hardware: &Hardware) -> Result<Sweep, Failure>;
     /// What else there is to say about it at a clock of so many MHz.
@@ -72,11 +74,11 @@ impl TimingArguments {
         let hardware = Hardware { machine, shape: shape(config, &datapath) };
         let (agents, agent) = subject.names();
         let mut recorder = view.recorder(agent, &datapath);
-        let (timing, all) = subject.time(&hardware, &mut recorder)?;
+        let timing = subject.time(&hardware, &mut recorder)?;
 
         let mut recording = recording(subject.title(), config, &datapath, timing.cycles, timing.jobs);
         recording.counts = vec![
-            (format!("{agents} timed"), format!("{} of {all}", timing.agents)),
+            (format!("{agents} timed"), format!("{} of {}", timing.agents, subject.count())),
             (format!("{agents} in flight"), in_flight.to_string()),
             ("memory latency".to_string(), format!("{} cycles", self.memory_latency)),
         ];

@@ -40,10 +40,6 @@ pub struct Rays<'s> {
 }
 
 impl Pixels<'_> {
-    fn pixels(&self) -> usize {
-        self.size.0 as usize * self.size.1 as usize
-    }
-
     fn still(&self) -> Still<'_> {
         Still { scene: self.scene, camera: self.camera, size: self.size, shading: self.shading }
     }
@@ -58,24 +54,27 @@ impl Subject for Pixels<'_> {
         ("pixels", "pixel")
     }
 
-    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<(Timing, usize), Failure> {
-        let sample = Sample::spread(self.pixels(), self.most);
-        let timing = watched("pixels timed", sample.numbers(self.pixels()).len(), |watch| {
+    fn count(&self) -> usize {
+        self.size.0 as usize * self.size.1 as usize
+    }
+
+    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<Timing, Failure> {
+        let sample = Sample::spread(self.count(), self.most);
+        watched("pixels timed", sample.numbers(self.count()).len(), |watch| {
             time_picture(&self.still(), sample, hardware, &mut Owners { recorder, sample }, watch)
                 .map(|(timing, _)| timing)
-        })?;
-        Ok((timing, self.pixels()))
+        })
     }
 
     fn sweep(&self, hardware: &Hardware) -> Result<Sweep, Failure> {
-        let sample = Sample::spread(self.pixels(), SWEPT);
-        watched("pixels swept", swept(sample, self.pixels()), |watch| {
+        let sample = Sample::spread(self.count(), SWEPT);
+        watched("pixels swept", swept(sample, self.count()), |watch| {
             sweep_picture(&self.still(), sample, &IN_FLIGHT, &LATENCIES, hardware, watch)
         })
     }
 
     fn rows(&self, timing: &Timing, clock_mhz: f64) -> Vec<(String, String)> {
-        let rays_per_pixel = self.rays as f64 / self.pixels() as f64;
+        let rays_per_pixel = self.rays as f64 / self.count() as f64;
         vec![
             ("rays a pixel, in the whole picture".to_string(), format!("{rays_per_pixel:.3}")),
             (
@@ -95,18 +94,21 @@ impl Subject for Rays<'_> {
         ("rays", "ray")
     }
 
-    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<(Timing, usize), Failure> {
-        let sample = Sample::spread(self.rays.len(), self.most);
-        let timing = watched("rays timed", sample.numbers(self.rays.len()).len(), |watch| {
+    fn count(&self) -> usize {
+        self.rays.len()
+    }
+
+    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<Timing, Failure> {
+        let sample = Sample::spread(self.count(), self.most);
+        watched("rays timed", sample.numbers(self.count()).len(), |watch| {
             time_rays(&self.bundle(), sample, hardware, &mut Owners { recorder, sample }, watch)
                 .map(|(timing, _)| timing)
-        })?;
-        Ok((timing, self.rays.len()))
+        })
     }
 
     fn sweep(&self, hardware: &Hardware) -> Result<Sweep, Failure> {
-        let sample = Sample::spread(self.rays.len(), SWEPT);
-        watched("rays swept", swept(sample, self.rays.len()), |watch| {
+        let sample = Sample::spread(self.count(), SWEPT);
+        watched("rays swept", swept(sample, self.count()), |watch| {
             sweep_rays(&self.bundle(), sample, &IN_FLIGHT, &LATENCIES, hardware, watch)
         })
     }

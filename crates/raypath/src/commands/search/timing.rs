@@ -12,8 +12,9 @@ pub struct Queries<'d, const E: usize, const A: usize> {
     pub name: String,
     pub dataset: &'d Dataset,
     pub metric: Metric,
-    /// Neighbours, and candidates kept in a graph.
-    pub count: usize,
+    /// How many are searched for.
+    pub neighbours: usize,
+    /// Candidates kept in a graph.
     pub ef: usize,
     /// What leads to few of the vectors; without it all are looked at.
     pub graph: Option<&'d Graph<'d, E, A>>,
@@ -38,11 +39,11 @@ impl<const E: usize, const A: usize> Queries<'_, E, A> {
         let first = queries.first(most.unwrap_or(usize::MAX));
         let beats = if most.is_some() { u64::MAX } else { BEATS };
         let mut logs = watched("queries looked through", first.len(), |watch| {
-            graph.logs(&first, self.count, self.ef, beats, watch)
+            graph.logs(&first, self.neighbours, self.ef, beats, watch)
         })?;
         if logs.is_empty() {
             let query = queries.get(0).unwrap_or_default();
-            logs.push(graph.log(query, self.count, self.ef).map_err(Failure::unusable)?);
+            logs.push(graph.log(query, self.neighbours, self.ef).map_err(Failure::unusable)?);
         }
         Ok(logs)
     }
@@ -51,7 +52,7 @@ impl<const E: usize, const A: usize> Queries<'_, E, A> {
 impl<const E: usize, const A: usize> Subject for Queries<'_, E, A> {
     fn title(&self) -> String {
         let how = if self.graph.is_some() { "through a graph" } else { "exact" };
-        let (base, metric, k) = (&self.dataset.base, self.metric, self.count);
+        let (base, metric, k) = (&self.dataset.base, self.metric, self.neighbours);
         format!("{}: {k} nearest of {} x {}, {metric}, {how}", self.name, base.len(), base.dimensions())
     }
 
@@ -59,22 +60,25 @@ impl<const E: usize, const A: usize> Subject for Queries<'_, E, A> {
         ("queries", "query")
     }
 
-    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<(Timing, usize), Failure> {
+    fn count(&self) -> usize {
+        self.dataset.queries.len()
+    }
+
+    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<Timing, Failure> {
         let Dataset { base, queries, .. } = self.dataset;
         let logs = self.graph.map(|graph| self.logs(graph, self.most)).transpose()?;
         let candidates = match &logs {
             Some(logs) => Candidates::Logged(logs),
-            None => Candidates::All { count: self.count },
+            None => Candidates::All { count: self.neighbours },
         };
         let subject = Searched { base, queries, metric: self.metric, candidates };
         let sample = match self.most {
             Some(most) => Sample::first(most),
             None => Sample::first(subject.within::<E, A>(BEATS).most.max(1)),
         };
-        let timing = watched("queries timed", sample.numbers(subject.len()).len(), |watch| {
+        watched("queries timed", sample.numbers(subject.len()).len(), |watch| {
             time_search::<E, A>(&subject, sample, hardware, recorder, watch).map(|(timing, _)| timing)
-        })?;
-        Ok((timing, queries.len()))
+        })
     }
 
     fn sweep(&self, hardware: &Hardware) -> Result<Sweep, Failure> {
@@ -83,7 +87,7 @@ impl<const E: usize, const A: usize> Subject for Queries<'_, E, A> {
         let few = base.first(SWEPT_VECTORS);
         let (base, candidates) = match &logs {
             Some(logs) => (base, Candidates::Logged(logs)),
-            None => (&few, Candidates::All { count: self.count.min(few.len()) }),
+            None => (&few, Candidates::All { count: self.neighbours.min(few.len()) }),
         };
         let subject = Searched { base, queries, metric: self.metric, candidates };
         let sample = Sample::first(SWEPT);
