@@ -2,7 +2,6 @@
 
 use crate::places::{Place, Row, highest};
 use crate::shape::{Loop, Shape};
-use raypath_ops::JobKind;
 
 /// The control of such a pipeline: who is let in, and when what was let in has arrived.
 #[derive(Debug, Clone)]
@@ -19,11 +18,11 @@ pub struct Credits {
     capacity: usize,
 }
 
-/// Keeps jobs of a kind apart at the entrance.
+/// Keeps jobs of an operation apart at the entrance.
 #[derive(Debug, Clone)]
 struct Gate {
     around: Loop,
-    /// A register: for how many cycles no job of the kind may enter.
+    /// A register: for how many cycles no job of the operation may enter.
     closed_for: u64,
 }
 
@@ -35,8 +34,8 @@ impl Credits {
     }
 
     #[inline]
-    pub fn input_ready(&self, kind: JobKind) -> bool {
-        self.credits > 0 && !self.gates.iter().any(|gate| gate.around.kind == kind && gate.closed_for > 0)
+    pub fn input_ready(&self, opcode: u64) -> bool {
+        self.credits > 0 && !self.gates.iter().any(|gate| gate.around.opcode == opcode && gate.closed_for > 0)
     }
 
     #[inline]
@@ -46,14 +45,14 @@ impl Credits {
 
     /// The clock edge. `entering` was accepted; what the output showed leaves if `taken`.
     #[inline]
-    pub fn cycle(&mut self, entering: Option<JobKind>, taken: bool) {
+    pub fn cycle(&mut self, entering: Option<u64>, taken: bool) {
         let moved = (self.moving << 1) | Row::from(entering.is_some());
         let arrives = moved & self.exit != 0;
         self.moving = moved & !self.exit;
         self.arrived = self.arrived + usize::from(arrives) - usize::from(taken);
         self.credits = self.credits + usize::from(taken) - usize::from(entering.is_some());
         for Gate { around, closed_for } in &mut self.gates {
-            let closes = entering == Some(around.kind);
+            let closes = entering == Some(around.opcode);
             *closed_for = if closes { (around.last - around.first) as u64 } else { closed_for.saturating_sub(1) };
         }
     }

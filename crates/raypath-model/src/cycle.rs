@@ -1,9 +1,8 @@
 use crate::elastic::{Elastic, Transfer};
 use crate::functional::Functional;
-use crate::model::{Model, OnPorts};
+use crate::model::{Kind, Model, OnPorts};
 use crate::places::Place;
 use crate::shape::Shape;
-use raypath_ops::JobKind;
 
 /// What the datapath shows at its ports in every cycle: the same handshakes and outcomes as the netlist.
 ///
@@ -21,11 +20,10 @@ impl<M: Model> CycleModel<M> {
         Self { model, pipeline: Elastic::new(shape) }
     }
 
-    /// `input_ready_o`: whether a job of this kind, offered in this cycle, will be accepted. The kind is that on the
-    /// port `opcode_i`, offered or not.
+    /// `input_ready_o` with this on the port `opcode_i`: whether a job, offered in this cycle, will be accepted.
     #[inline]
-    pub fn input_ready(&self, kind: JobKind) -> bool {
-        self.pipeline.input_ready(kind)
+    pub fn input_ready(&self, opcode: u64) -> bool {
+        self.pipeline.input_ready(opcode)
     }
 
     /// The outcome at the output where `output_valid_o` is 1.
@@ -35,12 +33,12 @@ impl<M: Model> CycleModel<M> {
     }
 
     /// One clock cycle. `job` is what the source offers (`input_valid_i` = 1), accepted if `input_ready` was true for
-    /// its kind.
+    /// its opcode.
     #[inline]
     pub fn cycle(&mut self, job: Option<&M::Job>, output_ready: bool) -> Transfer<M::Outcome> {
         let Self { model, pipeline } = self;
         match job {
-            Some(job) => pipeline.cycle_with(Some(job.kind()), || model.run(job), output_ready),
+            Some(job) => pipeline.cycle_with(Some(job.kind().opcode()), || model.run(job), output_ready),
             None => pipeline.cycle_with(None, || unreachable!("nothing is offered"), output_ready),
         }
     }

@@ -4,7 +4,6 @@ use crate::credit::Credits;
 use crate::places::Place;
 use crate::shape::{Control, Shape};
 use crate::skid::SkidRow;
-use raypath_ops::JobKind;
 use std::collections::VecDeque;
 
 /// A pipeline of some [`Shape`], cycle by cycle, whatever its items are.
@@ -24,7 +23,7 @@ pub struct Transfer<T> {
     pub output: Option<T>,
 }
 
-/// How far items have come. Order is kept, so kinds say all that there is to know about them.
+/// How far items have come. Order is kept, so opcodes say all that there is to know about them.
 #[derive(Debug, Clone)]
 enum Flow {
     Skid(SkidRow),
@@ -41,12 +40,12 @@ impl<T> Elastic<T> {
         Self { flow, inside: VecDeque::with_capacity(shape.capacity()) }
     }
 
-    /// Whether an item of this kind, offered in this cycle, will be accepted.
+    /// Whether an item of the operation with this opcode, offered in this cycle, will be accepted.
     #[inline]
-    pub fn input_ready(&self, kind: JobKind) -> bool {
+    pub fn input_ready(&self, opcode: u64) -> bool {
         match &self.flow {
             Flow::Skid(row) => row.input_ready(),
-            Flow::Credit(credits) => credits.input_ready(kind),
+            Flow::Credit(credits) => credits.input_ready(opcode),
         }
     }
 
@@ -60,11 +59,11 @@ impl<T> Elastic<T> {
         if valid { self.inside.front() } else { None }
     }
 
-    /// One clock cycle in which the source offers `input` and the sink takes the output if `output_ready`.
+    /// One clock cycle in which the source offers `input`, an opcode and an item, and the sink takes the output if `output_ready`.
     #[inline]
-    pub fn cycle(&mut self, input: Option<(JobKind, T)>, output_ready: bool) -> Transfer<T> {
+    pub fn cycle(&mut self, input: Option<(u64, T)>, output_ready: bool) -> Transfer<T> {
         match input {
-            Some((kind, item)) => self.cycle_with(Some(kind), || item, output_ready),
+            Some((opcode, item)) => self.cycle_with(Some(opcode), || item, output_ready),
             None => self.cycle_with(None, || unreachable!("nothing is offered"), output_ready),
         }
     }
@@ -74,12 +73,12 @@ impl<T> Elastic<T> {
     #[inline]
     pub(crate) fn cycle_with(
         &mut self,
-        offered: Option<JobKind>,
+        offered: Option<u64>,
         item: impl FnOnce() -> T,
         output_ready: bool,
     ) -> Transfer<T> {
         let taken = output_ready && self.output().is_some();
-        let entering = offered.filter(|kind| self.input_ready(*kind));
+        let entering = offered.filter(|opcode| self.input_ready(*opcode));
         match &mut self.flow {
             Flow::Skid(row) => row.cycle(entering, taken),
             Flow::Credit(credits) => credits.cycle(entering, taken),

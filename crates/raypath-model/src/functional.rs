@@ -60,8 +60,13 @@ impl<const E: usize, const A: usize, C: Concrete> Functional<E, A, C> {
 }
 
 impl<const E: usize, const A: usize, C: Concrete> Model for Functional<E, A, C> {
+    type Kind = JobKind;
     type Job = Job<E, A, C>;
     type Outcome = Outcome<C>;
+
+    fn kinds(&self) -> Vec<JobKind> {
+        JobKind::ALL.to_vec()
+    }
 
     /// Not inlined: a program that offers all configurations has this function for each of them.
     #[inline(never)]

@@ -41,7 +41,7 @@ pub use cycle::CycleModel;
 pub use elastic::{Elastic, Transfer};
 pub use fearless_simd::Level;
 pub use functional::Functional;
-pub use model::{Model, OnPorts};
+pub use model::{Kind, Model, OnPorts};
 pub use places::Place;
 pub use shape::{Control, Loop, Shape};
 pub use soft::{Soft, SoftNumber};

@@ -1,6 +1,5 @@
 use crate::LATENCY;
 use crate::places::Row;
-use raypath_ops::JobKind;
 
 /// What time depends on, beside the handshakes: how long a pipeline is, what controls it, and who must wait for whom.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,12 +24,12 @@ pub enum Control {
     Credit,
 }
 
-/// An accumulator between the step that reads it and the one that writes it: while a job of its kind is between them,
-/// no other of that kind may follow.
+/// An accumulator between the step that reads it and the one that writes it: while a job of its operation is between
+/// them, no other of that operation may follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Loop {
-    /// Whose accumulator it is.
-    pub kind: JobKind,
+    /// Whose accumulator it is: the opcode of its operation.
+    pub opcode: u64,
     /// The step that reads it.
     pub first: usize,
     /// The step that writes it, as it hands the job on.
@@ -53,9 +52,9 @@ impl Shape {
         }
     }
 
-    /// Cycles from one job of a kind to the next while the source offers nothing else and the sink always takes.
-    pub fn interval(&self, kind: JobKind) -> usize {
-        let own = self.loops().filter(|a_loop| a_loop.kind == kind);
+    /// Cycles from one job with this opcode to the next while the source offers nothing else and the sink always takes.
+    pub fn interval(&self, opcode: u64) -> usize {
+        let own = self.loops().filter(|a_loop| a_loop.opcode == opcode);
         own.map(|Loop { first, last, .. }| last - first + 1).max().unwrap_or(1)
     }
 

@@ -2,7 +2,6 @@
 
 use crate::places::{Place, Row, highest};
 use crate::shape::{Loop, Shape};
-use raypath_ops::JobKind;
 
 /// A row of skid buffers. Each holds two items, passes one a cycle, and says from a register whether it is ready:
 /// nothing that the sink does is seen by the source in the same cycle.
@@ -23,7 +22,7 @@ pub struct SkidRow {
 #[derive(Debug, Clone)]
 struct Gate {
     around: Loop,
-    /// Buffers whose front is a job of the loop's kind.
+    /// Buffers whose front is a job of the loop's operation.
     front: Row,
     /// Buffers whose spare is one.
     spare: Row,
@@ -49,7 +48,7 @@ impl SkidRow {
 
     /// The clock edge. `entering` was accepted, so the row was ready; what the output showed leaves if `taken`.
     #[inline]
-    pub fn cycle(&mut self, entering: Option<JobKind>, taken: bool) {
+    pub fn cycle(&mut self, entering: Option<u64>, taken: bool) {
         // A buffer that gives away its front is ready only if it was so when the cycle began.
         let next_is_ready = !self.spare >> 1;
         let held = self.gates.iter().fold(0, |held, gate| held | gate.held());
@@ -58,7 +57,7 @@ impl SkidRow {
         let staying = self.front & !moving;
         let arriving = ((moving & !self.last) << 1) | Row::from(entering.is_some());
         for gate in &mut self.gates {
-            gate.cycle(moving, staying, Row::from(entering == Some(gate.around.kind)));
+            gate.cycle(moving, staying, Row::from(entering == Some(gate.around.opcode)));
         }
         self.front = staying | self.spare | arriving;
         self.spare = staying & (self.spare | arriving);
@@ -101,13 +100,13 @@ impl SkidRow {
 }
 
 impl Gate {
-    /// The buffer whose front must not move, if it is a job of the loop's kind.
+    /// The buffer whose front must not move, if it is a job of the loop's operation.
     #[inline]
     fn held(&self) -> Row {
         if self.pending { self.front & self.before(self.around.first) } else { 0 }
     }
 
-    /// The clock edge. `moving` and `staying` are the fronts that do; `entering` is 1 for a job of the loop's kind.
+    /// The clock edge. `moving` and `staying` are the fronts that do; `entering` is 1 for a job of the loop's operation.
     #[inline]
     fn cycle(&mut self, moving: Row, staying: Row, entering: Row) {
         let moving = self.front & moving;

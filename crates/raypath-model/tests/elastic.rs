@@ -3,14 +3,17 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_model::{Control, Elastic, Loop, Place, Shape, Transfer};
-use raypath_ops::JobKind;
 use std::collections::HashMap;
 
-const EUCLIDEAN: JobKind = JobKind::Euclidean;
-const TRIANGLE: JobKind = JobKind::Triangle;
+/// Opcodes.
+const OPCODES: [u64; 4] = [TRIANGLE, QUADBOX, EUCLIDEAN, ANGULAR];
+const TRIANGLE: u64 = 0;
+const QUADBOX: u64 = 1;
+const EUCLIDEAN: u64 = 2;
+const ANGULAR: u64 = 3;
 
-fn shape(latency: usize, control: Control, loops: &[(JobKind, usize, usize)]) -> Shape {
-    let loops = loops.iter().map(|&(kind, first, last)| Loop { kind, first, last }).collect();
+fn shape(latency: usize, control: Control, loops: &[(u64, usize, usize)]) -> Shape {
+    let loops = loops.iter().map(|&(opcode, first, last)| Loop { opcode, first, last }).collect();
     Shape { latency, control, loops }
 }
 
@@ -20,8 +23,8 @@ fn shapes() -> Vec<Shape> {
     for control in [Control::Skid, Control::Credit] {
         shapes.extend([1, 2, 3, 12].map(|latency| shape(latency, control, &[])));
         shapes.push(shape(4, control, &[(EUCLIDEAN, 1, 3)]));
-        shapes.push(shape(21, control, &[(EUCLIDEAN, 18, 19), (JobKind::Angular, 16, 17)]));
-        shapes.push(shape(29, control, &[(EUCLIDEAN, 24, 26), (JobKind::Angular, 21, 23)]));
+        shapes.push(shape(21, control, &[(EUCLIDEAN, 18, 19), (ANGULAR, 16, 17)]));
+        shapes.push(shape(29, control, &[(EUCLIDEAN, 24, 26), (ANGULAR, 21, 23)]));
         // Loops of one kind that overlap, follow each other, or hold nobody back.
         shapes.push(shape(9, control, &[(TRIANGLE, 2, 5), (TRIANGLE, 4, 6), (EUCLIDEAN, 1, 2), (EUCLIDEAN, 2, 8)]));
         shapes.push(shape(5, control, &[(TRIANGLE, 0, 2), (TRIANGLE, 3, 3), (EUCLIDEAN, 2, 5)]));
@@ -36,13 +39,13 @@ struct Reference {
     /// Items inside, oldest first.
     items: Vec<Item>,
     /// When an item of a kind last entered.
-    entered: HashMap<JobKind, u64>,
+    entered: HashMap<u64, u64>,
 }
 
 #[derive(Clone, Copy)]
 struct Item {
     id: u64,
-    kind: JobKind,
+    kind: u64,
     /// In which buffer it is; 0 is the input's.
     place: usize,
     since: u64,
@@ -53,12 +56,12 @@ impl Reference {
         Self { shape: shape.clone(), now: 0, items: vec![], entered: HashMap::new() }
     }
 
-    fn loops(&self, kind: JobKind) -> impl Iterator<Item = &Loop> {
+    fn loops(&self, kind: u64) -> impl Iterator<Item = &Loop> {
         let inside = |l: &&Loop| l.first >= 1 && l.last < self.shape.latency && l.last > l.first;
-        self.shape.loops.iter().filter(move |l| l.kind == kind).filter(inside)
+        self.shape.loops.iter().filter(move |l| l.opcode == kind).filter(inside)
     }
 
-    fn input_ready(&self, kind: JobKind) -> bool {
+    fn input_ready(&self, kind: u64) -> bool {
         match self.shape.control {
             Control::Skid => self.at(0).len() < 2,
             Control::Credit => {
@@ -87,7 +90,7 @@ impl Reference {
     /// Whether the item, first in its buffer, moves to the next in this cycle.
     fn moves(&self, item: &Item) -> bool {
         let next = item.place + 1;
-        let between = |l: &Loop| self.items.iter().any(|i| i.kind == l.kind && (l.first..l.last).contains(&i.place));
+        let between = |l: &Loop| self.items.iter().any(|i| i.kind == l.opcode && (l.first..l.last).contains(&i.place));
         next < self.shape.latency
             && self.at(next).len() < 2
             && !self.loops(item.kind).any(|l| l.first == next && between(l))
@@ -102,7 +105,7 @@ impl Reference {
         self.items.iter().enumerate().map(|(i, item)| Place { stage: stage(item), waits: is_behind(i) }).collect()
     }
 
-    fn cycle(&mut self, input: Option<(JobKind, u64)>, output_ready: bool) {
+    fn cycle(&mut self, input: Option<(u64, u64)>, output_ready: bool) {
         let accepted = input.filter(|(kind, _)| self.input_ready(*kind));
         let moving: Vec<u64> = (0..self.shape.latency)
             .filter_map(|place| self.at(place).first().copied())
@@ -144,14 +147,14 @@ fn every_shape_does_what_is_promised() {
                     expected = next;
                 }
                 if rng.random_bool(1.0 - repeats) {
-                    kind = JobKind::ALL[rng.random_range(0..4)];
+                    kind = OPCODES[rng.random_range(0..4)];
                 }
                 let input = rng.random_bool(source_mood).then_some((kind, next));
                 let output_ready = rng.random_bool(sink_mood);
-                for kind in JobKind::ALL {
+                for kind in OPCODES {
                     let ready = pipeline.input_ready(kind);
                     assert_eq!(ready, reference.input_ready(kind), "{shape:?}, seed {seed}, cycle {cycle}, {kind}");
-                    kept_apart += usize::from(ready != pipeline.input_ready(JobKind::Quadbox));
+                    kept_apart += usize::from(ready != pipeline.input_ready(QUADBOX));
                 }
                 let shown = pipeline.output().copied();
                 assert_eq!(shown, reference.output(), "{shape:?}, seed {seed}, cycle {cycle}");
@@ -171,7 +174,7 @@ fn every_shape_does_what_is_promised() {
             }
             assert!(next > 300 && was_empty > 0, "{shape:?}, seed {seed}: {next} {was_empty}");
             let closes_the_entrance =
-                shape.control == Control::Credit && JobKind::ALL.iter().any(|&k| shape.interval(k) > 1);
+                shape.control == Control::Credit && OPCODES.iter().any(|&k| shape.interval(k) > 1);
             assert_eq!(kept_apart > 0, closes_the_entrance, "{shape:?}");
             assert!(fullest <= shape.capacity() as u64);
             assert!(fullest == shape.capacity() as u64 || shape.loops.len() > 2, "{shape:?}: {fullest}");
@@ -188,7 +191,7 @@ fn idle_cycles_skipped_are_idle_cycles_walked() {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let (mut skips, mut walks) = (Elastic::<u64>::new(&shape), Elastic::<u64>::new(&shape));
             for item in 0..300 {
-                let input = rng.random_bool(0.6).then_some((JobKind::ALL[rng.random_range(0..4)], item));
+                let input = rng.random_bool(0.6).then_some((OPCODES[rng.random_range(0..4)], item));
                 let output_ready = rng.random_bool(0.7);
                 assert_eq!(skips.cycle(input, output_ready), walks.cycle(input, output_ready));
                 if rng.random_bool(0.2) {
@@ -202,7 +205,7 @@ fn idle_cycles_skipped_are_idle_cycles_walked() {
                     at_once += u64::from(passed > 10);
                 }
                 assert!(skips.places().eq(walks.places()), "{shape:?}, seed {seed}, item {item}");
-                assert!(JobKind::ALL.iter().all(|&kind| skips.input_ready(kind) == walks.input_ready(kind)));
+                assert!(OPCODES.iter().all(|&kind| skips.input_ready(kind) == walks.input_ready(kind)));
             }
         }
     }
@@ -210,7 +213,7 @@ fn idle_cycles_skipped_are_idle_cycles_walked() {
 }
 
 /// Cycles in which items of one kind leave, while the source always offers one and the sink always takes.
-fn departures(shape: &Shape, kind: JobKind) -> Vec<usize> {
+fn departures(shape: &Shape, kind: u64) -> Vec<usize> {
     let mut pipeline = Elastic::new(shape);
     (0..400).filter(|_| pipeline.cycle(Some((kind, ())), true).output.is_some()).collect()
 }
@@ -219,7 +222,7 @@ fn departures(shape: &Shape, kind: JobKind) -> Vec<usize> {
 fn an_item_takes_the_latency_and_the_next_follows_at_once() {
     for shape in shapes() {
         let expected: Vec<usize> = (shape.latency..400).collect();
-        assert_eq!(departures(&shape, JobKind::Quadbox), expected, "{shape:?}");
+        assert_eq!(departures(&shape, QUADBOX), expected, "{shape:?}");
     }
 }
 

@@ -73,7 +73,7 @@ fn a_reset_zeroes_the_sums() {
         let mut cycle = CycleModel::new(Functional::new(Rules::Paper), &Shape::default());
         (0..30).for_each(|_| _ = cycle.cycle(Some(&job), true));
         cycle.reset();
-        assert!(cycle.input_ready(kind) && cycle.output().is_none());
+        assert!(cycle.input_ready(kind.opcode()) && cycle.output().is_none());
         cycle.cycle(Some(&job), true);
         let outcome = (0..LATENCY + 5).find_map(|_| cycle.cycle(None, true).output).unwrap();
         assert_eq!(sums(&outcome), expected);
@@ -85,8 +85,8 @@ fn a_reset_zeroes_the_sums() {
 #[test]
 fn the_cycle_model_gives_the_functional_models_outcomes() {
     let loops = vec![
-        Loop { kind: JobKind::Euclidean, first: 18, last: 19 },
-        Loop { kind: JobKind::Angular, first: 16, last: 17 },
+        Loop { opcode: JobKind::Euclidean.opcode(), first: 18, last: 19 },
+        Loop { opcode: JobKind::Angular.opcode(), first: 16, last: 17 },
     ];
     let shapes = [Control::Skid, Control::Credit].map(|control| Shape { latency: 21, control, loops: loops.clone() });
     for shape in [Shape::default()].iter().chain(&shapes) {

@@ -24,7 +24,7 @@ use std::collections::VecDeque;
 ///     let cycle = Cycle {
 ///         number,
 ///         offered: offer.map(|job| (job.kind(), number)),
-///         accepted: offer.is_some_and(|job| model.input_ready(job.kind())),
+///         accepted: offer.is_some_and(|job| model.input_ready(job.kind().opcode())),
 ///         shown,
 ///         taken: shown,
 ///     };

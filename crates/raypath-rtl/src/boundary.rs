@@ -10,9 +10,6 @@ use crate::plan::Plan;
 use crate::units::Unit;
 use raypath_hdl::{Builder, Label, Wire};
 
-/// Bits of the opcode.
-pub const OPCODE_WIDTH: u32 = 2;
-
 /// The name of a number register at a port.
 pub fn number(place: usize) -> String {
     format!("num_{place}")

@@ -1,4 +1,3 @@
-use crate::boundary::OPCODE_WIDTH;
 use crate::config::{Config, Lanes};
 use crate::error::Error;
 use crate::graph::Traced;
@@ -21,6 +20,9 @@ pub struct Datapath {
     pipeline: Pipeline,
 }
 
+/// Operations of a datapath at most: more than share anything.
+pub const MOST_OPERATIONS: u64 = 64;
+
 /// The operations of a datapath, each with its opcode. Their order is that of ports, tables and comments.
 #[derive(Debug, Default)]
 pub struct Operations {
@@ -33,15 +35,19 @@ impl Operations {
         Self::default()
     }
 
-    /// Adds an operation under an opcode of two bits.
+    /// Adds an operation under an opcode of its own, below [`MOST_OPERATIONS`]; the port is as wide as the largest needs.
     ///
     /// # Errors
     /// An operation that does not fit the pipeline: a stage that is not there, a value that is read before it is made,
-    /// state that is read elsewhere than its next value is made; an opcode that is taken or too large.
+    /// state that is read elsewhere than its next value is made; an opcode that is taken or too large; a name that is
+    /// taken or no identifier.
     pub fn with<O: Operation>(mut self, operation: &O, opcode: u64) -> Result<Self, Error> {
         let taken = self.traced.iter().find(|traced| traced.opcode == opcode).map(|traced| traced.name);
-        if taken.is_some() || opcode >> OPCODE_WIDTH != 0 {
+        if taken.is_some() || opcode >= MOST_OPERATIONS {
             return Err(Error::Opcode { operation: O::NAME, opcode, taken });
+        }
+        if !is_identifier(O::NAME) || self.traced.iter().any(|traced| traced.name == O::NAME) {
+            return Err(Error::Name { operation: O::NAME });
         }
         self.traced.push(Traced::new(operation, opcode)?);
         Ok(self)
@@ -207,7 +213,7 @@ impl Datapath {
         let layout = &plan.layout;
         let cuts = layout.cuts.iter().flat_map(|&unit| self.library.cut(unit)).map(|(_, width)| u64::from(width));
         let numbers = layout.numbers as u64 * u64::from(self.plan.number_width(step));
-        let live = u64::from(OPCODE_WIDTH) + numbers + u64::from(layout.flags) + cuts.sum::<u64>();
+        let live = u64::from(self.plan.opcode_width()) + numbers + u64::from(layout.flags) + cuts.sum::<u64>();
         let states =
             self.plan.operations.iter().flat_map(|traced| traced.states.iter().map(move |state| (traced, state)));
         let here = states.filter(|(_, state)| state.written as usize == step);
@@ -217,6 +223,11 @@ impl Datapath {
         let control = own(true) - state + below + entrance.sum::<u64>();
         Registers { live, data: own(false), control, state }
     }
+}
+
+/// Whether a name can be part of labels, states and ports as it is.
+fn is_identifier(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
 fn with_distances<const E: usize, const A: usize>(operations: Operations) -> Result<Operations, Error> {

@@ -1,3 +1,4 @@
+use crate::datapath::MOST_OPERATIONS;
 use thiserror::Error;
 
 /// Why operations do not make a datapath.
@@ -49,8 +50,8 @@ pub enum Error {
         /// The value.
         value: String,
     },
-    /// An opcode that is taken, or has more than two bits.
-    #[error("operation {operation}: opcode {opcode} {}", .taken.map_or("is too large, expected 0 to 3".to_string(), |by| format!("is that of {by}")))]
+    /// An opcode that is taken or too large.
+    #[error("operation {operation}: opcode {opcode} {}", .taken.map_or(format!("is too large, expected 0 to {}", MOST_OPERATIONS - 1), |by| format!("is that of {by}")))]
     Opcode {
         /// The operation.
         operation: &'static str,
@@ -58,6 +59,14 @@ pub enum Error {
         opcode: u64,
         /// The operation that has it.
         taken: Option<&'static str>,
+    },
+    /// A name that another operation has, or that is no identifier.
+    #[error(
+        "operation {operation}: its name is another's as well, or no identifier; expected letters, digits and _, in snake_case"
+    )]
+    Name {
+        /// The name.
+        operation: &'static str,
     },
     /// Two operations whose shared units would feed each other in a circle.
     #[error("stage {stage}: the operations use its units in orders that make a loop")]

@@ -1,6 +1,6 @@
 //! The input's registers: ports of all operations, one job's worth of registers.
 
-use crate::boundary::{self, OPCODE_WIDTH, Wires};
+use crate::boundary::{self, Wires};
 use crate::config::Control;
 use crate::elastic;
 use crate::error::Error;
@@ -49,7 +49,7 @@ pub fn ports(plan: &Plan) -> Vec<Port> {
 pub fn input(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_input");
     m.doc("The input's registers: each operation's ports, chosen by opcode, in registers that the operations share.");
-    let opcode = m.input("opcode_i", OPCODE_WIDTH);
+    let opcode = m.input("opcode_i", plan.opcode_width());
     let wires: BTreeMap<String, Wire<'_>> = ports(plan)
         .into_iter()
         .filter(|port| port.read)

@@ -39,7 +39,7 @@ mod values;
 
 pub use choice::ParseChoiceError;
 pub use config::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
-pub use datapath::{Datapath, Operations, Registers, StageNote, StateLoop};
+pub use datapath::{Datapath, MOST_OPERATIONS, Operations, Registers, StageNote, StateLoop};
 pub use error::Error;
 pub use preset::{PRESETS, Preset};
 pub use properties::{Bind, Checker, Properties};

@@ -1,6 +1,6 @@
 //! From the last registers to the ports: an operation's outputs, zero while another's job is there.
 
-use crate::boundary::{OPCODE_WIDTH, label};
+use crate::boundary::label;
 use crate::error::Error;
 use crate::graph::NodeId;
 use crate::library::Library;
@@ -20,7 +20,7 @@ pub fn output(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_output");
     m.doc("From the last registers to the ports. What does not belong to the job's opcode is zero.");
     let layout = &plan.steps[plan.last()].layout;
-    let opcode = m.input("opcode_i", OPCODE_WIDTH);
+    let opcode = m.input("opcode_i", plan.opcode_width());
     let before = Before::ports(&m, plan, library, plan.steps.len());
 
     let read = |op: usize, id: NodeId| {

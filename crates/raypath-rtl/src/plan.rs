@@ -10,6 +10,9 @@ use crate::steps::{self, Step};
 use crate::units::{Unit, Units};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Bits of the paper's opcode. Datapaths that have fewer operations keep the port.
+const PAPER_OPCODE_WIDTH: u32 = 2;
+
 /// Everything that the netlist follows from.
 #[derive(Debug)]
 pub struct Plan {
@@ -53,6 +56,12 @@ impl Plan {
             plans.push(StepPlan { step, bindings, made, layout });
         }
         Self { config, operations, steps: plans }
+    }
+
+    /// Bits of the opcode: what the largest one needs, but no fewer than the paper has.
+    pub fn opcode_width(&self) -> u32 {
+        let largest = self.operations.iter().map(|traced| traced.opcode).max().unwrap_or(0);
+        (u64::BITS - largest.leading_zeros()).max(PAPER_OPCODE_WIDTH)
     }
 
     /// The last step.

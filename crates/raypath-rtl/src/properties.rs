@@ -3,7 +3,6 @@
 //! The checkers are clocked processes with immediate assertions, which simulators and Yosys read alike, so that the text
 //! that users bind is the text that is proved.
 
-use crate::boundary::OPCODE_WIDTH;
 use crate::config::Control;
 use crate::graph::Traced;
 use crate::plan::Plan;
@@ -118,6 +117,11 @@ impl Bind {
         }
     }
 
+    /// A checker that sees opcodes, as wide as the plan has them.
+    fn of_opcodes(plan: &Plan, module: &str, checker: Checker) -> Self {
+        Self::new(module, checker).parameter("OpcodeWidth", plan.opcode_width().into())
+    }
+
     fn parameter(mut self, name: &'static str, value: u64) -> Self {
         self.parameters.push((name, value));
         self
@@ -158,7 +162,7 @@ impl fmt::Display for Properties {
 
 /// Jobs from the source to the sink. The oldest one inside never waits for anything but the sink.
 fn order_of_top(plan: &Plan) -> Bind {
-    Bind::new("raypath", Checker::Order)
+    Bind::of_opcodes(plan, "raypath", Checker::Order)
         .parameter("Capacity", plan.capacity())
         .parameter("Patience", plan.latency().into())
         .connect("enter_valid_i", "input_valid_i")
@@ -195,7 +199,7 @@ fn order_of_step(plan: &Plan, step: usize, module: &Module) -> Bind {
         Control::Credit if step == plan.last() => plan.capacity(),
         Control::Credit => 1,
     };
-    Bind::new(module.name(), Checker::Order)
+    Bind::of_opcodes(plan, module.name(), Checker::Order)
         .parameter("Capacity", capacity)
         .parameter("Patience", 1)
         .connect("enter_valid_i", "valid_i")
@@ -220,7 +224,7 @@ fn states(plan: &Plan, step: usize, module: &Module) -> Vec<Bind> {
             let named = |register: &&RegisterInfo| module.signal(register.signal).name == Some(format!("{stem}_q"));
             let Some(register) = module.registers().iter().find(named) else { continue };
             let (reset, sum) = reset_and_sum(module, register);
-            let bind = Bind { about: stem.clone(), ..Bind::new(module.name(), Checker::State) };
+            let bind = Bind { about: stem.clone(), ..Bind::of_opcodes(plan, module.name(), Checker::State) };
             binds.push(
                 bind.parameter("Width", module.signal(register.signal).width.into())
                     .parameter("Opcode", traced.opcode)
@@ -258,7 +262,7 @@ fn beats(plan: &Plan, traced: &Traced) -> Bind {
         Control::Skid => format!("{}_ready", stage::name(plan.steps[step].step)),
         Control::Credit => "1'b1".to_string(),
     };
-    Bind { about: traced.name.to_string(), ..Bind::new("raypath", Checker::Beats) }
+    Bind { about: traced.name.to_string(), ..Bind::of_opcodes(plan, "raypath", Checker::Beats) }
         .parameter("Opcode", traced.opcode)
         .connect("read_valid_i", format!("{}_valid", before(read)))
         .connect("read_ready_i", ready(read))
@@ -267,6 +271,3 @@ fn beats(plan: &Plan, traced: &Traced) -> Bind {
         .connect("write_ready_i", ready(written))
         .connect("write_opcode_i", format!("{}_opcode", before(written)))
 }
-
-// The checkers are text of their own.
-const _: () = assert!(OPCODE_WIDTH == 2, "checkers have opcodes of two bits");

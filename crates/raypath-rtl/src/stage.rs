@@ -1,6 +1,6 @@
 //! One step as a module: the values of its registers under the algorithm's names, its units, its registers.
 
-use crate::boundary::{self, OPCODE_WIDTH};
+use crate::boundary;
 use crate::config::{Control, Encoding};
 use crate::elastic;
 use crate::error::Error;
@@ -42,7 +42,7 @@ fn build(
     step: usize,
     names: &[(usize, NodeId)],
 ) -> Result<Vec<(usize, NodeId)>, Error> {
-    let opcode = m.input("opcode_i", OPCODE_WIDTH);
+    let opcode = m.input("opcode_i", plan.opcode_width());
     let mut before = Before::ports(m, plan, library, step);
     let states = States::new(m, plan, library, step);
     before.states = states.wires.clone();

@@ -1,6 +1,6 @@
 //! The top module: input registers, stages, output, in a row.
 
-use crate::boundary::{OPCODE_WIDTH, label};
+use crate::boundary::label;
 use crate::config::Control;
 use crate::control::{self, Spacing};
 use crate::error::Error;
@@ -31,7 +31,7 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
     let mut wires: BTreeMap<String, Wire<'_>> = BTreeMap::new();
     let input_valid = m.input("input_valid_i", 1);
     wires.insert("valid".to_string(), input_valid);
-    wires.insert("opcode".to_string(), m.input("opcode_i", OPCODE_WIDTH));
+    wires.insert("opcode".to_string(), m.input("opcode_i", plan.opcode_width()));
     let output_ready = m.input("output_ready_i", 1);
     let mut unread = Vec::new();
     for port in input::ports(plan) {
@@ -55,7 +55,7 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
     let mut leaves = None;
     if plan.config.control == Control::Credit {
         m.section("A job enters while the exit has a place for it");
-        let module = control::credit(plan.latency() + 1, &spacings(plan))?;
+        let module = control::credit(plan.latency() + 1, plan.opcode_width(), &spacings(plan))?;
         let returned = m.forward("job_leaves", 1);
         wires.insert("returned".to_string(), returned.wire());
         let outputs = instance(&m, "credit", &module, &wires);

@@ -290,8 +290,8 @@ fn what_does_not_fit_is_refused() {
 
     let error = Operations::new().with(&Mixed, 1).and_then(|set| set.with(&Straight, 1)).expect_err("taken");
     assert_eq!(error.to_string(), "operation Straight: opcode 1 is that of Mixed");
-    let error = Operations::new().with(&Mixed, 4).expect_err("too large");
-    assert_eq!(error.to_string(), "operation Mixed: opcode 4 is too large, expected 0 to 3");
+    let error = Operations::new().with(&Mixed, 64).expect_err("too large");
+    assert_eq!(error.to_string(), "operation Mixed: opcode 64 is too large, expected 0 to 63");
 }
 
 /// Each alone is well; together the stage's adder would feed its multiplier and the other way round.

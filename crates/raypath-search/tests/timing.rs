@@ -12,8 +12,10 @@ use std::num::NonZeroUsize;
 fn machines() -> [Hardware; 5] {
     let machine = |in_flight, memory_latency, sink| Machine { in_flight, memory_latency, sink };
     let stalls = Sink::Stalls { probability: 0.3, seed: 1 };
-    let slow_sums =
-        vec![Loop { kind: JobKind::Euclidean, first: 6, last: 9 }, Loop { kind: JobKind::Angular, first: 6, last: 8 }];
+    let slow_sums = vec![
+        Loop { opcode: JobKind::Euclidean.opcode(), first: 6, last: 9 },
+        Loop { opcode: JobKind::Angular.opcode(), first: 6, last: 8 },
+    ];
     [
         Hardware::default(),
         Hardware { machine: machine(1, 0, Sink::Always), ..Hardware::default() },

@@ -35,7 +35,7 @@ impl<M: Model> Agent<M> for Walk<M::Job> {
             }
             Next::Test => {
                 self.next = Next::Wait;
-                Step::Issue { job: self.job, holds: false }
+                Step::Issue { job: self.job.clone(), holds: false }
             }
             Next::Wait => Step::Wait,
         }
@@ -60,9 +60,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-fn measure<M: Model>(model: M, job: M::Job) -> Result<(), SimulationError> {
+fn measure<M: Model<Kind = JobKind>>(model: M, job: M::Job) -> Result<(), SimulationError> {
     for (in_flight, probability) in [(1, 0.0), (8, 0.0), (32, 0.0), (128, 0.0), (1024, 0.0), (128, 0.3)] {
-        let agents = (0..100_000).map(|_| Walk { job, visits: 30, next: Next::Fetch });
+        let agents = (0..100_000).map(|_| Walk { job: job.clone(), visits: 30, next: Next::Fetch });
         let sink = if probability > 0.0 { Sink::Stalls { probability, seed: 1 } } else { Sink::Always };
         let machine = Machine { in_flight, memory_latency: 100, sink };
         let model = CycleModel::new(model.clone(), &Shape::default());

@@ -56,7 +56,7 @@ pub enum SimulationError {
 /// # Errors
 /// No place for agents, a sink that never takes, an agent that waits for nothing or leaves while it holds the datapath,
 /// and a watch that stops the run. Agents that fetch for ever are not found out: only the watch ends them.
-pub fn simulate<M: Model, A: Agent<M>>(
+pub fn simulate<M: Model<Kind = JobKind>, A: Agent<M>>(
     agents: impl IntoIterator<Item = A>,
     machine: &Machine,
     model: CycleModel<M>,
@@ -150,7 +150,7 @@ struct Woken {
     accepted: Option<usize>,
 }
 
-impl<M: Model, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_, M, A, I> {
+impl<M: Model<Kind = JobKind>, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_, M, A, I> {
     fn run(mut self, in_flight: usize, observer: &mut impl Observer) -> Result<Timing, SimulationError> {
         self.fill(in_flight)?;
         let mut woken = Woken::default();
@@ -265,7 +265,7 @@ impl<M: Model, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_, M, A, I> {
         let offer = offering.and_then(|seat| self.seats[seat].job.as_ref().map(|(job, ..)| (seat, job)));
         if observer.wants(self.now) == Some(self.now) {
             let offered = offer.map(|(seat, job)| (job.kind(), self.seats[seat].number));
-            let accepted = offered.is_some_and(|(kind, _)| self.model.input_ready(kind));
+            let accepted = offered.is_some_and(|(kind, _)| self.model.input_ready(kind.opcode()));
             let cycle = Cycle { number: self.now, offered, accepted, shown, taken: shown && !refused };
             observer.cycle(&cycle, self.model.places());
         }

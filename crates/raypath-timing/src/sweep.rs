@@ -4,6 +4,7 @@ use crate::simulation::{SimulationError, Watch, simulate};
 use crate::timing::Timing;
 use rayon::prelude::*;
 use raypath_model::{CycleModel, Model};
+use raypath_ops::JobKind;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The same agents on many machines.
@@ -37,7 +38,7 @@ pub fn sweep<M, A, I>(
     watch: Watch,
 ) -> Result<Sweep, SimulationError>
 where
-    M: Model,
+    M: Model<Kind = JobKind>,
     CycleModel<M>: Sync,
     A: Agent<M>,
     I: IntoIterator<Item = A>,

@@ -213,7 +213,7 @@ fn beats_that_hold_never_interleave() {
             }
         }
     }
-    let loops = vec![Loop { kind: JobKind::Euclidean, first: 9, last: 10 }];
+    let loops = vec![Loop { opcode: JobKind::Euclidean.opcode(), first: 9, last: 10 }];
     for control in [Control::Skid, Control::Credit] {
         let rng = &mut ChaCha8Rng::seed_from_u64(7);
         let (mut queries, mut expected) = (Vec::new(), Vec::new());

@@ -110,7 +110,7 @@ fn what_an_agent_does_last_counts() {
 #[test]
 fn a_loop_in_the_pipeline_refuses_beats() {
     for control in [Control::Skid, Control::Credit] {
-        let loops = vec![Loop { kind: Euclidean, first: 6, last: 9 }];
+        let loops = vec![Loop { opcode: Euclidean.opcode(), first: 6, last: 9 }];
         let shape = Shape { latency: 12, control, loops };
         let beats = |kind| vec![(0..100).map(|n| issue(kind, n)).collect::<Vec<_>>()];
         let timing = run(beats(Euclidean), &machine(1, 0), &shape).expect("runs");

@@ -63,7 +63,7 @@ impl Agent<Functional> for Walk {
 }
 
 pub fn shape(control: Control) -> Shape {
-    Shape { latency: 12, control, loops: vec![Loop { kind: JobKind::Euclidean, first: 9, last: 10 }] }
+    Shape { latency: 12, control, loops: vec![Loop { opcode: JobKind::Euclidean.opcode(), first: 9, last: 10 }] }
 }
 
 /// A run whose window has so many jobs from cycle `from` on.

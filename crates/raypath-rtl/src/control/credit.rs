@@ -1,6 +1,5 @@
 //! Credits: how many more jobs may enter a pipeline that cannot stall.
 
-use crate::boundary::OPCODE_WIDTH;
 use raypath_hdl::{Builder, Label, Module};
 use std::sync::Arc;
 
@@ -16,13 +15,13 @@ pub struct Spacing {
 }
 
 /// `raypath_credit`: lets a job in while the exit has a place for it. `credits` is how many places there are.
-pub fn credit(credits: u32, spacings: &[Spacing]) -> Result<Arc<Module>, raypath_hdl::Error> {
+pub fn credit(credits: u32, opcode_width: u32, spacings: &[Spacing]) -> Result<Arc<Module>, raypath_hdl::Error> {
     let m = Builder::new("raypath_credit");
     m.doc(format!("Lets a job in while one of {credits} credits is left; a job that leaves gives its credit back."));
     m.doc("ready comes from a flip-flop, so nothing of the sink reaches the source in the same cycle.");
     let valid = m.input("valid_i", 1);
     let returned = m.input("returned_i", 1).comment("a job leaves");
-    let opcode = (!spacings.is_empty()).then(|| m.input("opcode_i", OPCODE_WIDTH));
+    let opcode = (!spacings.is_empty()).then(|| m.input("opcode_i", opcode_width));
 
     let width = u32::BITS - credits.leading_zeros();
     let count = m.register("count_q", width).reset_to(credits.into());

@@ -1,24 +1,25 @@
 // An accumulator that is read in one step and written in a later one: between the two is one beat at most, so that each
 // reads what the one before it has written.
 module raypath_beats_properties #(
-  parameter int unsigned Opcode = 0  // of the operation
+  parameter int unsigned OpcodeWidth = 2,
+  parameter int unsigned Opcode      = 0  // of the operation
 ) (
-  input logic       clk_i,
-  input logic       rst_ni,
-  input logic       read_valid_i,
-  input logic       read_ready_i,
-  input logic [1:0] read_opcode_i,
-  input logic       write_valid_i,
-  input logic       write_ready_i,
-  input logic [1:0] write_opcode_i
+  input logic                   clk_i,
+  input logic                   rst_ni,
+  input logic                   read_valid_i,
+  input logic                   read_ready_i,
+  input logic [OpcodeWidth-1:0] read_opcode_i,
+  input logic                   write_valid_i,
+  input logic                   write_ready_i,
+  input logic [OpcodeWidth-1:0] write_opcode_i
 );
 
   logic between_q;
   logic reads;
   logic writes;
 
-  assign reads  = read_valid_i && read_ready_i && read_opcode_i == Opcode[1:0];
-  assign writes = write_valid_i && write_ready_i && write_opcode_i == Opcode[1:0];
+  assign reads  = read_valid_i && read_ready_i && read_opcode_i == Opcode[OpcodeWidth-1:0];
+  assign writes = write_valid_i && write_ready_i && write_opcode_i == Opcode[OpcodeWidth-1:0];
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin

@@ -1,38 +1,40 @@
 // Jobs leave in the order in which they came, each once, and none stays inside. The checker keeps the opcodes of the jobs
 // inside, the oldest in the lowest bits. Of a full FIFO one may leave as another one enters.
 module raypath_order_properties #(
-  parameter int unsigned Capacity = 2,  // jobs that fit inside
-  parameter int unsigned Patience = 1   // cycles in which the sink waits in vain for a job that is inside
+  parameter int unsigned OpcodeWidth = 2,
+  parameter int unsigned Capacity    = 2,  // jobs that fit inside
+  parameter int unsigned Patience    = 1   // cycles in which the sink waits in vain for a job that is inside
 ) (
-  input logic       clk_i,
-  input logic       rst_ni,
-  input logic       enter_valid_i,
-  input logic       enter_ready_i,
-  input logic [1:0] enter_opcode_i,
-  input logic       leave_valid_i,
-  input logic       leave_ready_i,
-  input logic [1:0] leave_opcode_i
+  input logic                   clk_i,
+  input logic                   rst_ni,
+  input logic                   enter_valid_i,
+  input logic                   enter_ready_i,
+  input logic [OpcodeWidth-1:0] enter_opcode_i,
+  input logic                   leave_valid_i,
+  input logic                   leave_ready_i,
+  input logic [OpcodeWidth-1:0] leave_opcode_i
 );
 
-  localparam int unsigned CountWidth = $clog2(Capacity + 2);
-  localparam int unsigned WaitsWidth = $clog2(Patience + 2);
+  localparam int unsigned CountWidth  = $clog2(Capacity + 2);
+  localparam int unsigned WaitsWidth  = $clog2(Patience + 2);
+  localparam int unsigned InsideWidth = OpcodeWidth * (Capacity + 1);
 
-  logic [CountWidth-1:0] count_q;
-  logic [2*Capacity+1:0] inside_q;
-  logic [WaitsWidth-1:0] waits_q;
-  logic                  enters;
-  logic                  leaves;
-  logic                  waiting;
-  logic [CountWidth-1:0] staying;
-  logic [2*Capacity+1:0] left;
-  logic [2*Capacity+1:0] entering;
+  logic [CountWidth-1:0]  count_q;
+  logic [InsideWidth-1:0] inside_q;
+  logic [WaitsWidth-1:0]  waits_q;
+  logic                   enters;
+  logic                   leaves;
+  logic                   waiting;
+  logic [CountWidth-1:0]  staying;
+  logic [InsideWidth-1:0] left;
+  logic [InsideWidth-1:0] entering;
 
   assign enters   = enter_valid_i & enter_ready_i;
   assign leaves   = leave_valid_i & leave_ready_i;
   assign waiting  = leave_ready_i && !leave_valid_i && count_q != '0;
   assign staying  = count_q - {{CountWidth-1{1'b0}}, leaves};
-  assign left     = leaves ? inside_q >> 2 : inside_q;
-  assign entering = {{2*Capacity{1'b0}}, enter_opcode_i} << {staying, 1'b0};
+  assign left     = leaves ? inside_q >> OpcodeWidth : inside_q;
+  assign entering = {{OpcodeWidth*Capacity{1'b0}}, enter_opcode_i} << (OpcodeWidth * staying);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -49,7 +51,7 @@ module raypath_order_properties #(
   always_ff @(posedge clk_i) begin
     no_more_than_fit: assert (!enters || staying < Capacity[CountWidth-1:0]);
     none_repeated:    assert (!leave_valid_i || count_q != '0);
-    none_reordered:   assert (!leave_valid_i || leave_opcode_i == inside_q[1:0]);
+    none_reordered:   assert (!leave_valid_i || leave_opcode_i == inside_q[OpcodeWidth-1:0]);
     none_lost:        assert (waits_q < Patience[WaitsWidth-1:0]);
   end
 

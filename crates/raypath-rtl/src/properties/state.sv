@@ -1,17 +1,18 @@
 // An accumulator takes its next value when a beat of its operation is handed on, zero where the beat resets it, and keeps
 // its value in every other cycle: it acts exactly once for each beat.
 module raypath_state_properties #(
-  parameter int unsigned Width  = 1,  // bits of the accumulator
-  parameter int unsigned Opcode = 0   // of the operation
+  parameter int unsigned OpcodeWidth = 2,
+  parameter int unsigned Width       = 1,  // bits of the accumulator
+  parameter int unsigned Opcode      = 0   // of the operation
 ) (
-  input logic             clk_i,
-  input logic             rst_ni,
-  input logic             valid_i,
-  input logic             ready_i,
-  input logic [1:0]       opcode_i,
-  input logic             reset_i,
-  input logic [Width-1:0] sum_i,
-  input logic [Width-1:0] state_i
+  input logic                   clk_i,
+  input logic                   rst_ni,
+  input logic                   valid_i,
+  input logic                   ready_i,
+  input logic [OpcodeWidth-1:0] opcode_i,
+  input logic                   reset_i,
+  input logic [Width-1:0]       sum_i,
+  input logic [Width-1:0]       state_i
 );
 
   logic [Width-1:0] state_q;
@@ -19,7 +20,7 @@ module raypath_state_properties #(
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       state_q <= '0;
-    end else if (valid_i && ready_i && opcode_i == Opcode[1:0]) begin
+    end else if (valid_i && ready_i && opcode_i == Opcode[OpcodeWidth-1:0]) begin
       state_q <= reset_i ? '0 : sum_i;
     end
   end

@@ -12,6 +12,8 @@ pub struct Tag(pub JobKind, pub u64);
 pub struct Echo;
 
 impl OnPorts for Tag {
+    type Kind = JobKind;
+
     fn kind(&self) -> JobKind {
         self.0
     }
@@ -24,8 +26,13 @@ impl OnPorts for Tag {
 }
 
 impl Model for Echo {
+    type Kind = JobKind;
     type Job = Tag;
     type Outcome = Tag;
+
+    fn kinds(&self) -> Vec<JobKind> {
+        JobKind::ALL.to_vec()
+    }
 
     fn run(&mut self, job: &Tag) -> Tag {
         *job
@@ -67,7 +74,7 @@ impl<M: Model> Agent<M> for Script<M> {
         self.steps.pop_front().unwrap_or(Step::Done)
     }
     fn answer(&mut self, outcome: &M::Outcome) {
-        self.answers.push(*outcome);
+        self.answers.push(outcome.clone());
     }
 }
 
