@@ -1,9 +1,9 @@
 //! Random jobs that are worth running: scenes where rays are aimed at things, and numbers from the edges of the format.
 
+use crate::models::PaperModel;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_format::Format;
-use raypath_model::Model;
 use raypath_ops::{Aabb, Job, JobKind, PortKind, Ray, RayBoxInput, RayTriangleInput, Triangle};
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ use std::collections::HashMap;
 /// numbers give way to NaN, to numbers from the format's edges (zeros, subnormals, infinities), and to other numbers of the
 /// job, so that differences are zero. Other jobs have small whole numbers, or numbers from the edges and raw bits among
 /// ordinary ones. `kinds` must not be empty.
-pub fn random<M: Model>(
+pub fn random<M: PaperModel>(
     model: &M,
     format: Format,
     seed: u64,
@@ -63,7 +63,7 @@ fn bias(format: Format) -> i64 {
     (1 << (format.exponent() - 1)) - 1
 }
 
-impl<M: Model> Generator<M> {
+impl<M: PaperModel> Generator<M> {
     fn job(&mut self) -> M::Job {
         let kind = self.kinds[self.rng.random_range(0..self.kinds.len())];
         match kind {

@@ -21,6 +21,8 @@
 pub use raypath_float as float;
 pub use raypath_format as format;
 pub use raypath_hdl as hdl;
+pub use raypath_lab as lab;
+pub use raypath_lab::{engine, picture, tables, traffic};
 pub use raypath_model as model;
 pub use raypath_ops as ops;
 pub use raypath_render as render;
@@ -29,17 +31,14 @@ pub use raypath_rtl as rtl;
 pub use raypath_search as search;
 pub use raypath_timing as timing;
 
+use raypath_lab::drawing;
+
 pub mod accuracy;
 pub mod check;
 pub mod configuration;
-mod drawing;
-pub mod engine;
 pub mod jobs;
 pub mod models;
-pub mod picture;
 pub mod ppa;
-pub mod tables;
-pub mod traffic;
 mod transaction_format;
 mod transaction_lines;
 pub mod transactions;

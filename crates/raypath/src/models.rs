@@ -2,8 +2,13 @@
 
 use raypath_format::Format;
 use raypath_model::{Functional, Model, Soft};
-use raypath_ops::{Binary32, Concrete};
+use raypath_ops::{Binary32, Concrete, JobKind};
 use raypath_rtl::{Config, Lanes};
+
+/// A model of the operations of the paper, whose jobs are plain values.
+pub trait PaperModel: Model<Kind = JobKind, Job: Copy, Outcome: Copy> {}
+
+impl<M: Model<Kind = JobKind, Job: Copy, Outcome: Copy>> PaperModel for M {}
 
 /// Work that is the same for every model.
 pub trait Visitor {
@@ -11,7 +16,7 @@ pub trait Visitor {
     type Answer;
 
     /// Does it. The model is that of a configuration, its accumulators at zero.
-    fn visit<M: Model>(self, model: M) -> Self::Answer;
+    fn visit<M: PaperModel>(self, model: M) -> Self::Answer;
 }
 
 /// Does work with the model of a configuration: its rules, its lanes, its numbers. Without distance modes the model

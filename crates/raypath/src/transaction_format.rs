@@ -120,8 +120,8 @@ impl List {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::{Visitor, with_model};
-    use raypath_model::{Model, OnPorts};
+    use crate::models::{PaperModel, Visitor, with_model};
+    use raypath_model::OnPorts;
     use raypath_ops::{PortKind, PortValue};
     use raypath_rtl::Lanes;
     use std::collections::BTreeMap;
@@ -139,7 +139,7 @@ mod tests {
 
     impl Visitor for ColumnsArePorts {
         type Answer = ();
-        fn visit<M: Model>(self, model: M) {
+        fn visit<M: PaperModel>(self, model: M) {
             for &kind in self.0.kinds() {
                 let Columns { inputs, outputs, .. } = columns(kind, self.0);
                 let ones = model.job(kind, |_| u64::MAX).ports();

@@ -1,8 +1,9 @@
 //! Files of transactions: jobs with the outcomes that were recorded for them.
 
+use crate::models::PaperModel;
 use crate::transaction_format::{Column, Columns, columns};
 use crate::transaction_lines::Lines;
-use raypath_model::{Functional, Model, OnPorts};
+use raypath_model::{Functional, OnPorts};
 use raypath_ops::{JobKind, PortValue};
 use raypath_rtl::Config;
 use std::collections::HashMap;
@@ -13,7 +14,7 @@ use thiserror::Error;
 
 /// A job, where it stood in its stream, and what was answered.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Transaction<M: Model = Functional> {
+pub struct Transaction<M: PaperModel = Functional> {
     /// Its position in the stream that the files share.
     pub seq: u64,
     /// The generator's category.
@@ -113,7 +114,7 @@ fn in_words(lanes: Option<usize>) -> String {
 /// # Errors
 /// A file that cannot be read, a kind that the name does not tell or the configuration does not answer, lines that do not
 /// fit the kind, the lanes or the format, and more than 4,194,304 transactions, 64 KiB in a line or 4 GiB of text.
-pub fn read<M: Model>(
+pub fn read<M: PaperModel>(
     path: &Path,
     kind: impl Into<Option<JobKind>>,
     model: &M,
@@ -128,7 +129,7 @@ pub fn read<M: Model>(
 ///
 /// # Errors
 /// As there.
-pub fn read_from<M: Model>(
+pub fn read_from<M: PaperModel>(
     stream: impl Read,
     path: &Path,
     kind: impl Into<Option<JobKind>>,
@@ -171,7 +172,7 @@ struct Parser<'p, M> {
     columns: Columns,
 }
 
-impl<M: Model> Parser<'_, M> {
+impl<M: PaperModel> Parser<'_, M> {
     fn parse(&self, line: usize, text: &str) -> Result<Transaction<M>, TransactionError> {
         let Columns { inputs, outputs, lanes } = &self.columns;
         let fields: Vec<&str> = text.split_ascii_whitespace().collect();
@@ -224,14 +225,14 @@ impl<M: Model> Parser<'_, M> {
 }
 
 /// One stream of all files, in the order of `seq`.
-pub fn merge<M: Model>(files: Vec<Vec<Transaction<M>>>) -> Vec<Transaction<M>> {
+pub fn merge<M: PaperModel>(files: Vec<Vec<Transaction<M>>>) -> Vec<Transaction<M>> {
     let mut stream: Vec<Transaction<M>> = files.into_iter().flatten().collect();
     stream.sort_by_key(|transaction| transaction.seq);
     stream
 }
 
 /// Transactions of one kind as the text of a file.
-pub fn text<M: Model>(kind: JobKind, transactions: &[Transaction<M>], config: Config) -> String {
+pub fn text<M: PaperModel>(kind: JobKind, transactions: &[Transaction<M>], config: Config) -> String {
     let columns = columns(kind, config);
     let mut text = String::new();
     for Transaction { seq, category, job, expected } in transactions {

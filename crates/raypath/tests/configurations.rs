@@ -4,8 +4,7 @@
 use raypath::check::Everyday;
 use raypath::engine::NetlistEngine;
 use raypath::format::Format;
-use raypath::model::Model;
-use raypath::models::{Visitor, with_model};
+use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
 use raypath::verify::mutation::CONFIGS;
@@ -138,7 +137,7 @@ struct Check {
 impl Visitor for Check {
     type Answer = ();
 
-    fn visit<M: Model>(self, model: M) {
+    fn visit<M: PaperModel>(self, model: M) {
         let config = self.config;
         let mut netlist = NetlistEngine::new(model.clone(), config, Everyday::observes)
             .unwrap_or_else(|error| panic!("{config}: {error}"));

@@ -15,7 +15,7 @@ const CHISEL: Config = Config { rules: Rules::Chisel, ..Config::DEFAULT };
 /// The stream as recorded, and with the modes mixed between the beats of each other's vectors.
 fn orders() -> [(&'static str, Vec<Transaction>); 2] {
     let recorded = golden();
-    let mixed = interleave(recorded.clone(), 5);
+    let mixed = interleave(recorded.clone(), |transaction| transaction.job.kind().opcode(), 5);
     assert_ne!(recorded, mixed);
     [("recorded", recorded), ("interleaved", mixed)]
 }

@@ -4,10 +4,10 @@ use crate::check::canonical::{Watched, is_number_register};
 use crate::check::{Timing, lockstep, timing};
 use crate::engine::{CycleEngine, Engine, NetlistEngine, drive};
 use crate::jobs::random;
+use crate::models::PaperModel;
 use crate::traffic::{Cycle, Traffic};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_model::Model;
 use raypath_ops::JobKind;
 use raypath_rtl::{Config, Encoding};
 
@@ -46,7 +46,7 @@ impl Everyday {
     ///
     /// # Errors
     /// What was wrong.
-    pub fn check<M: Model>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), Failed> {
+    pub fn check<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), Failed> {
         let named = |check| move |what| Failed { check, what };
         netlist.reset();
         self.answers_like_the_models(netlist, model).map_err(named("lockstep"))?;
@@ -55,25 +55,25 @@ impl Everyday {
         self.is_as_fast_as_promised(netlist, model).map_err(named("timing"))
     }
 
-    fn jobs<M: Model>(self, model: &M, kinds: &[JobKind]) -> impl Iterator<Item = M::Job> + use<M> {
+    fn jobs<M: PaperModel>(self, model: &M, kinds: &[JobKind]) -> impl Iterator<Item = M::Job> + use<M> {
         random(model, self.config.format, self.seed, kinds)
     }
 
     /// Random and edge jobs under random handshakes.
-    fn answers_like_the_models<M: Model>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+    fn answers_like_the_models<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
         let (kinds, count) = (self.config.kinds(), self.jobs);
         let jobs = self.jobs(model, kinds).take(count);
         let found = lockstep(netlist, model.clone(), jobs, &mut Traffic::random(self.seed), |_| true);
         expect((found.jobs, found.different) == (count, 0), || {
             format!("{} jobs: {:#?}", found.jobs, found.differences)
         })?;
-        let is_mixed = kinds.iter().all(|&kind| found.by_kind[kind as usize] > count / 6);
-        expect(is_mixed, || format!("jobs by kind: {:?}", found.by_kind))?;
+        let is_mixed = kinds.iter().all(|&kind| found.jobs_of(kind) > count / 6);
+        expect(is_mixed, || format!("jobs by opcode: {:?}", found.by_opcode))?;
         expect(found.stalled > 100, || format!("{} cycles stalled", found.stalled))
     }
 
     /// Where registers are recoded, each holds a canonical word in every cycle, whatever the jobs.
-    fn holds_canonical_words<M: Model>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+    fn holds_canonical_words<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
         let count = self.jobs;
         if self.config.registers != Encoding::Recoded {
             return Ok(());
@@ -89,7 +89,7 @@ impl Everyday {
     }
 
     /// Resets at any moment, with jobs of all kinds in flight; the ports are full of other jobs while none is offered.
-    fn keeps_step_through_resets<M: Model>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+    fn keeps_step_through_resets<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let mut traffic = Traffic::random(self.seed);
         let mut modelled = CycleEngine::new(model.clone(), netlist.shape());
@@ -115,7 +115,7 @@ impl Everyday {
 
     /// Latency 12 where units take one step. One job a cycle, but for beats of one accumulator, which follow each other
     /// as fast as an addition takes.
-    fn is_as_fast_as_promised<M: Model>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+    fn is_as_fast_as_promised<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
         let (kinds, unit_latency) = (self.config.kinds(), self.config.unit_latency.stages());
         let latency = netlist.shape().latency as u64;
         let is_promised = if unit_latency == 1 { latency == 12 } else { latency > 12 };
@@ -123,7 +123,7 @@ impl Everyday {
         for &kind in kinds {
             let sums = matches!(kind, JobKind::Euclidean | JobKind::Angular);
             let initiation_interval = if sums { unit_latency.into() } else { 1 };
-            let shaped = netlist.shape().interval(kind) as u64;
+            let shaped = netlist.shape().interval(kind.opcode()) as u64;
             expect(shaped == initiation_interval, || format!("{kind}: an interval of {shaped}"))?;
             let (measured, promised) = match self.jobs(model, &[kind]).next() {
                 Some(job) => (timing(netlist, &job), Timing { latency, initiation_interval }),

@@ -9,8 +9,8 @@ use clap::Args;
 use raypath::check::{Comparison, Timing, lockstep, timing};
 use raypath::engine::NetlistEngine;
 use raypath::hdl::verilog;
-use raypath::model::{Model, Shape};
-use raypath::models::{Visitor, with_model};
+use raypath::model::Shape;
+use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::JobKind;
 use raypath::rtl::{Config, Datapath};
 use raypath::traffic::Traffic;
@@ -102,7 +102,7 @@ struct Check<'a> {
 impl Visitor for Check<'_> {
     type Answer = Result<(), Failure>;
 
-    fn visit<M: Model>(self, model: M) -> Result<(), Failure> {
+    fn visit<M: PaperModel>(self, model: M) -> Result<(), Failure> {
         let Self { datapath, config, arguments, out } = self;
         let begin = Instant::now();
         let (seed, total) = (arguments.seed, arguments.jobs as usize);
@@ -135,14 +135,15 @@ fn report_timing(measured: &[(JobKind, Option<Timing>)], shape: &Shape, out: &mu
         let Some(timing) = timing else {
             return Err(Failure::Mismatch(format!("the netlist answered no {kind} job in an empty pipeline")));
         };
-        let expected = Timing { latency: shape.latency as u64, initiation_interval: shape.interval(kind) as u64 };
+        let expected =
+            Timing { latency: shape.latency as u64, initiation_interval: shape.interval(kind.opcode()) as u64 };
         if timing != expected {
             return Err(Failure::Mismatch(format!("{kind} jobs have {timing}, expected {expected}")));
         }
     }
-    let slower = measured.iter().filter(|(kind, _)| shape.interval(*kind) > 1);
+    let slower = measured.iter().filter(|(kind, _)| shape.interval(kind.opcode()) > 1);
     let slower: Vec<String> =
-        slower.map(|(kind, _)| format!("{} between {kind} jobs", shape.interval(*kind))).collect();
+        slower.map(|(kind, _)| format!("{} between {kind} jobs", shape.interval(kind.opcode()))).collect();
     let exceptions = if slower.is_empty() { String::new() } else { format!("; {}", slower.join(", ")) };
     let usual = Timing { latency: shape.latency as u64, initiation_interval: 1 };
     writeln!(out, "Measured at the ports: {usual}{exceptions}.")?;
@@ -150,8 +151,7 @@ fn report_timing(measured: &[(JobKind, Option<Timing>)], shape: &Shape, out: &mu
 }
 
 fn report(found: &Comparison, config: Config, begin: Instant, out: &mut dyn Write) -> std::io::Result<()> {
-    let by_kind: Vec<String> =
-        config.kinds().iter().map(|kind| format!("{} {kind}", found.by_kind[*kind as usize])).collect();
+    let by_kind: Vec<String> = config.kinds().iter().map(|kind| format!("{} {kind}", found.jobs_of(*kind))).collect();
     let (jobs, cycles, stalled, different) = (found.jobs, found.cycles, found.stalled, found.different);
     writeln!(out, "Checked {jobs} random jobs ({}) in {cycles} cycles with stalls and bubbles", by_kind.join(", "))?;
     writeln!(

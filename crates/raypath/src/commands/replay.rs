@@ -10,8 +10,8 @@ use clap::{Args, ValueEnum};
 use raypath::check::SideBySide;
 use raypath::engine::{CycleEngine, Engine, NetlistEngine, Run, Seen, evaluate, observe, shape};
 use raypath::format::Format;
-use raypath::model::{Elastic, Model, OnPorts};
-use raypath::models::{Visitor, with_model};
+use raypath::model::{Elastic, OnPorts};
+use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::{JobKind, PortKind, PortValue};
 use raypath::report::{Recorder, Recording};
 use raypath::rtl::{Config, Datapath};
@@ -59,7 +59,7 @@ struct Replay<'a> {
 impl Visitor for Replay<'_> {
     type Answer = Result<(), Failure>;
 
-    fn visit<M: Model>(self, model: M) -> Result<(), Failure> {
+    fn visit<M: PaperModel>(self, model: M) -> Result<(), Failure> {
         let stream = self.arguments.stream.read(&model, self.config)?;
         let begin = Instant::now();
         let mut progress = Progress::new("jobs", stream.len());
@@ -90,7 +90,7 @@ impl Visitor for Replay<'_> {
 impl Replay<'_> {
     /// Runs the stream through the engine that was asked for, until `on_outcome` says stop. `differences` gets the first
     /// few between two engines.
-    fn carry<M: Model>(
+    fn carry<M: PaperModel>(
         &self,
         model: M,
         stream: &[Transaction<M>],
@@ -161,10 +161,16 @@ impl Watcher {
         let accepted = entering.is_some();
         let cycle = timing::Cycle { number, offered, accepted, shown, taken: shown && seen.cycle.takes };
         self.recorder.cycle(&cycle, self.pipeline.places());
-        self.pipeline.cycle(entering.map(|kind| (kind, ())), seen.cycle.takes);
+        self.pipeline.cycle(entering.map(|kind| (kind.opcode(), ())), seen.cycle.takes);
     }
 
-    fn recording<M: Model>(self, config: Config, datapath: &Datapath, run: &Run, tally: &Tally<'_, M>) -> Recording {
+    fn recording<M: PaperModel>(
+        self,
+        config: Config,
+        datapath: &Datapath,
+        run: &Run,
+        tally: &Tally<'_, M>,
+    ) -> Recording {
         let jobs = tally.jobs.map(|count| count as u64);
         let mut recording = recording("Recorded transactions".to_string(), config, datapath, run.cycles, jobs);
         recording.counts = vec![
@@ -179,7 +185,7 @@ impl Watcher {
 }
 
 /// Outcomes compared with the recorded ones.
-struct Tally<'s, M: Model> {
+struct Tally<'s, M: PaperModel> {
     stream: &'s [Transaction<M>],
     format: Format,
     show: usize,
@@ -188,7 +194,7 @@ struct Tally<'s, M: Model> {
     shown: Vec<String>,
 }
 
-impl<'s, M: Model> Tally<'s, M> {
+impl<'s, M: PaperModel> Tally<'s, M> {
     fn new(stream: &'s [Transaction<M>], format: Format, show: usize) -> Self {
         Self { stream, format, show, jobs: Default::default(), mismatches: Default::default(), shown: Vec::new() }
     }
@@ -240,7 +246,7 @@ impl<'s, M: Model> Tally<'s, M> {
 }
 
 /// A mismatch, with every field that was answered and recorded.
-fn field_by_field<M: Model>(transaction: &Transaction<M>, outcome: &M::Outcome, format: Format) -> String {
+fn field_by_field<M: PaperModel>(transaction: &Transaction<M>, outcome: &M::Outcome, format: Format) -> String {
     let kind = transaction.job.kind();
     let mut text = format!("mismatch: {kind} job, seq {:06x}, cat {:x}", transaction.seq, transaction.category);
     text += &format!("\n    {:<24} {:<27} {:<27}", "field", "answered", "recorded");

@@ -3,7 +3,8 @@
 use crate::commands::Failure;
 use crate::commands::numbers::whole;
 use clap::Args;
-use raypath::model::Model;
+use raypath::model::OnPorts;
+use raypath::models::PaperModel;
 use raypath::ops::JobKind;
 use raypath::rtl::Config;
 use raypath::traffic::{Traffic, interleave, read_recorded};
@@ -49,7 +50,7 @@ impl From<&str> for Handshake {
 
 impl StreamArguments {
     /// Reads all files into one stream for a configuration and its model.
-    pub fn read<M: Model>(&self, model: &M, config: Config) -> Result<Vec<Transaction<M>>, Failure> {
+    pub fn read<M: PaperModel>(&self, model: &M, config: Config) -> Result<Vec<Transaction<M>>, Failure> {
         let mut files = Vec::new();
         for path in &self.files {
             files.push(read(path, self.kind, model, config)?);
@@ -58,7 +59,11 @@ impl StreamArguments {
         if stream.is_empty() {
             return Err(Failure::unusable("the files hold no transactions, expected at least one"));
         }
-        Ok(if self.interleave { interleave(stream, self.seed) } else { stream })
+        Ok(if self.interleave {
+            interleave(stream, |transaction| transaction.job.kind().opcode(), self.seed)
+        } else {
+            stream
+        })
     }
 
     /// When source and sink act.

@@ -8,8 +8,7 @@ use crate::commands::stream::StreamArguments;
 use clap::Args;
 use raypath::engine::{Engine, NetlistEngine, Shown, drive};
 use raypath::hdl::WaveWriter;
-use raypath::model::Model;
-use raypath::models::{Visitor, with_model};
+use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::rtl::{Config, UnitKind};
 use std::io::Write;
 use std::path::PathBuf;
@@ -42,7 +41,7 @@ struct Wave<'a> {
 impl Visitor for Wave<'_> {
     type Answer = Result<(), Failure>;
 
-    fn visit<M: Model>(self, model: M) -> Result<(), Failure> {
+    fn visit<M: PaperModel>(self, model: M) -> Result<(), Failure> {
         let Self { arguments, config, out } = self;
         let stream = arguments.stream.read(&model, config)?;
         let units = UnitKind::ALL.map(|kind| format!("u_{}_", kind.stem()));
@@ -72,14 +71,14 @@ fn is_of_interest(name: &str, units: &[String]) -> bool {
 }
 
 /// The netlist, sampled in every cycle.
-struct Waving<M: Model> {
+struct Waving<M: PaperModel> {
     netlist: NetlistEngine<M>,
     waves: WaveWriter,
     cycle: u64,
     failed: Option<raypath::hdl::Error>,
 }
 
-impl<M: Model> Engine<M> for Waving<M> {
+impl<M: PaperModel> Engine<M> for Waving<M> {
     fn present(&mut self, job: &M::Job) {
         self.netlist.present(job);
     }
@@ -96,7 +95,7 @@ impl<M: Model> Engine<M> for Waving<M> {
     }
 }
 
-impl<M: Model> Waving<M> {
+impl<M: PaperModel> Waving<M> {
     fn sample(&mut self) {
         if self.failed.is_none() {
             self.failed = self.waves.sample(self.netlist.simulator(), self.cycle).err();

@@ -9,13 +9,13 @@ pub use episode::{Episode, Found, JOBS_PER_EPISODE};
 pub use failure::{Failure, report};
 
 use crate::engine::{NetlistEngine, shape};
-use crate::models::{Visitor, with_model};
+use crate::models::{PaperModel, Visitor, with_model};
 use crate::verify::coverage::{Atlas, Coverage};
 use crate::verify::layout::Layout;
 use crate::verify::parallel::{self, Queue};
 use crate::verify::{Error, Item, Request, Verdict, files};
 use raypath_hdl::Module;
-use raypath_model::{Model, Shape};
+use raypath_model::Shape;
 use raypath_rtl::{Config, Datapath};
 use std::path::Path;
 use std::sync::Arc;
@@ -114,7 +114,7 @@ struct Worker<'w> {
 impl Visitor for Worker<'_> {
     type Answer = Result<(Atlas, Tally<Coverage>), Error>;
 
-    fn visit<M: Model>(self, model: M) -> Self::Answer {
+    fn visit<M: PaperModel>(self, model: M) -> Self::Answer {
         let Self { config, seed, top, shape, queue } = self;
         let layout = Layout::of(&model);
         let atlas = Atlas::new(config, shape, layout.clone());
@@ -146,7 +146,7 @@ struct Reporter<'r> {
 impl Visitor for Reporter<'_> {
     type Answer = Result<String, Error>;
 
-    fn visit<M: Model>(self, model: M) -> Self::Answer {
+    fn visit<M: PaperModel>(self, model: M) -> Self::Answer {
         let Self { config, seed, top, shape, folder, failure } = self;
         let mut netlist = NetlistEngine::of_module(model.clone(), config, top, shape.clone(), |_| false)?;
         let layout = Layout::of(&model);

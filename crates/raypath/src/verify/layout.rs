@@ -1,6 +1,7 @@
 //! What each word of a job stands for.
 
-use raypath_model::{Model, OnPorts};
+use crate::models::PaperModel;
+use raypath_model::OnPorts;
 use raypath_ops::JobKind;
 
 /// The fields of each kind of job, in the order of its words.
@@ -57,7 +58,7 @@ pub enum Field {
 
 impl Layout {
     /// That of a model's jobs.
-    pub fn of<M: Model>(model: &M) -> Self {
+    pub fn of<M: PaperModel>(model: &M) -> Self {
         let fields = |kind| model.job(kind, |_| 0).ports().iter().map(|port| Field::of(&port.name)).collect();
         Self { fields: JobKind::ALL.map(fields) }
     }

@@ -3,16 +3,17 @@
 
 use crate::check::{Difference, SideBySide};
 use crate::engine::{NetlistEngine, observe};
+use crate::models::PaperModel;
 use crate::traffic::{Cycle, Traffic};
 use crate::verify::layout::Layout;
-use raypath_model::{Model, OnPorts};
+use raypath_model::OnPorts;
 use raypath_rtl::Config;
 use std::cell::Cell;
 
 /// Jobs, and what source, sink and reset do from the state on that a new netlist has; after the last cycle source and
 /// sink always act.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Trace<M: Model> {
+pub struct Trace<M: PaperModel> {
     /// The jobs.
     pub jobs: Vec<M::Job>,
     /// The cycles.
@@ -30,7 +31,7 @@ pub enum Fault {
 
 /// Makes a failing trace small, and says what is wrong in it: if outcomes are, that is kept, else that ports differ.
 /// Gives the trace as it is if it does not fail.
-pub fn shrink<M: Model>(
+pub fn shrink<M: PaperModel>(
     netlist: &mut NetlistEngine<M>,
     model: &M,
     config: Config,
@@ -64,7 +65,7 @@ pub fn shrink<M: Model>(
 }
 
 /// Whether the netlist has the fault in a trace.
-pub fn fails<M: Model>(netlist: &mut NetlistEngine<M>, model: &M, trace: &Trace<M>, fault: Fault) -> bool {
+pub fn fails<M: PaperModel>(netlist: &mut NetlistEngine<M>, model: &M, trace: &Trace<M>, fault: Fault) -> bool {
     /// More cycles than a job takes, after the last that is recorded.
     const CYCLES_A_JOB: u64 = 64;
     netlist.restart();
@@ -125,7 +126,7 @@ fn reduced<T: Clone>(mut items: Vec<T>, mut fails: impl FnMut(&[T]) -> bool) -> 
 }
 
 /// Operands that are 0 where it still fails, else 1.
-fn simplify_operands<M: Model>(
+fn simplify_operands<M: PaperModel>(
     model: &M,
     config: Config,
     trace: &mut Trace<M>,

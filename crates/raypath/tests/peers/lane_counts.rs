@@ -7,8 +7,8 @@
 
 use raypath::configuration::{parse, parse_sweep};
 use raypath::engine::{NetlistEngine, drive};
-use raypath::model::{Model, OnPorts};
-use raypath::models::{Visitor, with_model};
+use raypath::model::OnPorts;
+use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::JobKind;
 use raypath::rtl::{Config, Lanes};
 use raypath::traffic::Traffic;
@@ -48,7 +48,7 @@ struct EachLane(Config);
 impl Visitor for EachLane {
     type Answer = ();
 
-    fn visit<M: Model>(self, model: M) {
+    fn visit<M: PaperModel>(self, model: M) {
         let lanes = self.0.lanes.count();
         let mut netlist = NetlistEngine::new(model.clone(), self.0, |_| false).expect("a netlist");
         for (kind, lanes, each) in [(JobKind::Euclidean, lanes, [1.0, 1.0]), (JobKind::Angular, lanes / 2, [2.0, 1.0])]

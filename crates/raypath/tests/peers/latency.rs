@@ -8,8 +8,7 @@
 
 use raypath::engine::{CycleEngine, Engine, NetlistEngine};
 use raypath::jobs::random;
-use raypath::model::Model;
-use raypath::models::{Visitor, with_model};
+use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::JobKind;
 use raypath::rtl::{Config, Control, Datapath, PRESETS, UnitLatency};
 
@@ -35,7 +34,7 @@ struct StopWatch(Config);
 impl Visitor for StopWatch {
     type Answer = ();
 
-    fn visit<M: Model>(self, model: M) {
+    fn visit<M: PaperModel>(self, model: M) {
         let config = self.0;
         let datapath = Datapath::new(config).expect("a datapath");
         let mut netlist = NetlistEngine::of(model.clone(), config, &datapath, |_| false).expect("a netlist");
@@ -59,7 +58,7 @@ impl Visitor for StopWatch {
 }
 
 /// Cycles from the one that accepts a job, in an empty pipeline, to the one that shows its outcome.
-fn alone<M: Model>(engine: &mut dyn Engine<M>, job: &M::Job) -> usize {
+fn alone<M: PaperModel>(engine: &mut dyn Engine<M>, job: &M::Job) -> usize {
     engine.reset();
     engine.present(job);
     let shown = engine.cycle(true, true);
@@ -68,7 +67,7 @@ fn alone<M: Model>(engine: &mut dyn Engine<M>, job: &M::Job) -> usize {
 }
 
 /// Cycles from one outcome to the next where the source always offers and the sink always takes.
-fn apart<M: Model>(engine: &mut dyn Engine<M>, job: &M::Job) -> usize {
+fn apart<M: PaperModel>(engine: &mut dyn Engine<M>, job: &M::Job) -> usize {
     engine.reset();
     engine.present(job);
     let shown: Vec<usize> = (0..300).filter(|_| engine.cycle(true, true).output.is_some()).collect();

@@ -7,8 +7,8 @@
 
 use raypath::format::Format;
 use raypath::jobs::random;
-use raypath::model::{Model, OnPorts};
-use raypath::models::{Visitor, with_model};
+use raypath::model::OnPorts;
+use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::{JobKind, PortKind};
 use raypath::rtl::{Config, Lanes};
 use std::collections::{BTreeMap, BTreeSet};
@@ -63,7 +63,7 @@ struct Take(Config);
 impl Visitor for Take {
     type Answer = Census;
 
-    fn visit<M: Model>(self, mut model: M) -> Census {
+    fn visit<M: PaperModel>(self, mut model: M) -> Census {
         let mut census = Census::default();
         let mut last = None;
         for job in random(&model.clone(), self.0.format, 1, self.0.kinds()).take(JOBS) {

@@ -3,8 +3,8 @@
 
 use raypath::engine::PortEncoding;
 use raypath::hdl::Module;
-use raypath::model::{Elastic, Model, OnPorts, Shape};
-use raypath::ops::JobKind;
+use raypath::model::{Elastic, Kind, OnPorts, Shape};
+use raypath::models::PaperModel;
 use raypath::traffic::{self, Traffic};
 use std::collections::HashMap;
 
@@ -23,7 +23,7 @@ pub struct Expected<O> {
 }
 
 /// When the source, the sink and the reset act.
-pub struct Stimulus<'j, M: Model> {
+pub struct Stimulus<'j, M: PaperModel> {
     pub shape: Shape,
     pub encoding: PortEncoding,
     pub jobs: &'j [M::Job],
@@ -34,14 +34,14 @@ pub struct Stimulus<'j, M: Model> {
 }
 
 /// Where the expected outcomes come from.
-pub enum Answers<'j, M: Model> {
+pub enum Answers<'j, M: PaperModel> {
     /// A record, job by job. It knows of no resets.
     Recorded(&'j [M::Outcome]),
     /// The functional model.
     Model(M),
 }
 
-impl<M: Model> Stimulus<'_, M> {
+impl<M: PaperModel> Stimulus<'_, M> {
     /// Every cycle from power-on until the last job has left.
     pub fn cycles(mut self, top: &Module) -> Vec<Cycle<M::Outcome>> {
         let places: HashMap<&str, usize> =
@@ -72,12 +72,12 @@ impl<M: Model> Stimulus<'_, M> {
             inputs[0] = (!reset).into();
             inputs[places["input_valid_i"]] = offered.is_some().into();
             inputs[places["output_ready_i"]] = output_ready.into();
-            let input_ready = pipeline.input_ready(job.map_or(JobKind::Triangle, M::Job::kind));
+            let input_ready = pipeline.input_ready(job.map_or(0, |job| job.kind().opcode()));
             let expected = Expected { input_ready, output: pipeline.output().copied(), encoding: self.encoding };
             cycles.push(Cycle { inputs: inputs.clone(), expected: Some(expected) });
             if !reset {
                 let entering = offered.filter(|_| input_ready);
-                let item = entering.map(|job| (job.kind(), self.answers.next(accepted, job)));
+                let item = entering.map(|job| (job.kind().opcode(), self.answers.next(accepted, job)));
                 let transfer = pipeline.cycle(item, output_ready);
                 accepted += usize::from(transfer.accepted);
                 left += usize::from(transfer.output.is_some());
@@ -87,7 +87,7 @@ impl<M: Model> Stimulus<'_, M> {
     }
 }
 
-impl<M: Model> Answers<'_, M> {
+impl<M: PaperModel> Answers<'_, M> {
     fn next(&mut self, index: usize, job: &M::Job) -> M::Outcome {
         match self {
             Self::Recorded(outcomes) => outcomes[index],
@@ -110,12 +110,12 @@ impl<O: OnPorts> Expected<O> {
             ports.map(|port| (format!("{}_o", port.name), self.encoding.to_port(port.kind, port.bits))).collect();
         expected.insert("input_ready_o".to_string(), self.input_ready.into());
         expected.insert("output_valid_o".to_string(), self.output.is_some().into());
-        if let Some(outcome) = self.output {
+        if let Some(outcome) = &self.output {
             expected.insert("opcode_o".to_string(), outcome.kind().opcode());
         }
         top.outputs().iter().zip(values).find_map(|(port, &value)| {
             // Where the output is not valid its data mean nothing; where it is, other modes' outputs are zero.
-            let right = match (expected.get(&port.name), self.output) {
+            let right = match (expected.get(&port.name), &self.output) {
                 (Some(&right), _) => right,
                 (None, Some(_)) => 0,
                 (None, None) => return None,

@@ -6,8 +6,8 @@ use crate::representatives::REPRESENTATIVES;
 use raypath::engine::{PortEncoding, shape};
 use raypath::hdl::Module;
 use raypath::jobs::random;
-use raypath::model::{Functional, Model, OnPorts};
-use raypath::models::{Visitor, with_model};
+use raypath::model::{Functional, OnPorts};
+use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::{Job, Outcome, Rules};
 use raypath::rtl::{Config, Datapath, Lanes};
 use raypath::traffic::{Traffic, interleave};
@@ -46,7 +46,7 @@ fn golden_vectors() {
     let config = Config { rules: Rules::Chisel, ..Config::DEFAULT };
     let (_folder, datapath, verilated) = build(config);
     let recorded = golden();
-    let mixed = interleave(recorded.clone(), 11);
+    let mixed = interleave(recorded.clone(), |transaction| transaction.job.kind().opcode(), 11);
     let faults_of = |jobs: &[Job], outcomes: &[Outcome], traffic: Traffic| {
         let (shape, encoding) = (shape(config, &datapath), PortEncoding::of(config));
         let answers: Answers<'_, Functional> = Answers::Recorded(outcomes);
@@ -105,7 +105,7 @@ struct Campaign<'d> {
 impl Visitor for Campaign<'_> {
     type Answer = ();
 
-    fn visit<M: Model>(self, model: M) {
+    fn visit<M: PaperModel>(self, model: M) {
         let Self { config, datapath, verilated } = self;
         let jobs: Vec<M::Job> = random(&model, config.format, 21, config.kinds()).take(20_000).collect();
         for seed in 0..2 {

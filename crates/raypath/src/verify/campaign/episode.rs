@@ -1,11 +1,12 @@
 use crate::check::{Difference, SideBySide};
 use crate::engine::{NetlistEngine, observe};
+use crate::models::PaperModel;
 use crate::traffic::{Cycle, Traffic};
 use crate::verify::coverage::{Atlas, Coverage, Features, Tracker};
 use crate::verify::layout::Layout;
 use crate::verify::shrink::Trace;
 use crate::verify::stimuli::Stimuli;
-use raypath_model::{Model, OnPorts};
+use raypath_model::OnPorts;
 use raypath_rtl::Config;
 
 /// How many jobs an episode presents.
@@ -15,7 +16,7 @@ const EVENTFUL_CYCLES: u32 = 1200;
 
 /// Some jobs and what happens around them, from the state on that a new netlist has: so that an episode fails alone as it
 /// fails among others.
-pub struct Episode<M: Model> {
+pub struct Episode<M: PaperModel> {
     jobs: Vec<M::Job>,
     traffic: Traffic,
 }
@@ -29,7 +30,7 @@ pub struct Found {
     pub differences: Vec<String>,
 }
 
-impl<M: Model> Episode<M> {
+impl<M: PaperModel> Episode<M> {
     /// The episode with this number in a campaign.
     pub fn new(model: &M, layout: &Layout, config: Config, seed: u64, number: u64) -> Self {
         let own = mixed(mixed(seed) ^ number);

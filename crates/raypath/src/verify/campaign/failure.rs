@@ -1,9 +1,10 @@
 use crate::engine::{CycleEngine, NetlistEngine, observe};
+use crate::models::PaperModel;
 use crate::traffic::{Traffic, recorded_text};
 use crate::transactions::{Transaction, text};
 use crate::verify::shrink::{Fault, Trace, shrink};
 use crate::verify::{Error, files};
-use raypath_model::{Model, OnPorts};
+use raypath_model::OnPorts;
 use raypath_ops::JobKind;
 use raypath_rtl::Config;
 use std::path::Path;
@@ -21,7 +22,7 @@ pub struct Failure {
 ///
 /// # Errors
 /// Files that cannot be written.
-pub fn report<M: Model>(
+pub fn report<M: PaperModel>(
     netlist: &mut NetlistEngine<M>,
     model: &M,
     config: Config,
@@ -58,7 +59,7 @@ pub fn report<M: Model>(
 }
 
 /// The jobs with what the functional model answers to those that come out.
-fn stream<M: Model>(netlist: &NetlistEngine<M>, model: &M, trace: &Trace<M>) -> Vec<Transaction<M>> {
+fn stream<M: PaperModel>(netlist: &NetlistEngine<M>, model: &M, trace: &Trace<M>) -> Vec<Transaction<M>> {
     let no_outcome = |job: &M::Job| model.outcome(job.kind(), |_| 0);
     let numbered = trace.jobs.iter().enumerate();
     let mut stream: Vec<Transaction<M>> = numbered

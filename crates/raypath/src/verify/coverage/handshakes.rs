@@ -109,7 +109,9 @@ impl Handshakes {
 
 /// With credits a gate at the entrance keeps beats of a sum that takes several steps apart.
 fn keeps_apart(atlas: &Atlas, before: JobKind, kind: JobKind) -> bool {
-    let is_loop = |kind| atlas.shape.loops.iter().any(|a_loop| a_loop.kind == kind && a_loop.last > a_loop.first);
+    let is_loop = |kind: JobKind| {
+        atlas.shape.loops.iter().any(|a_loop| a_loop.opcode == kind.opcode() && a_loop.last > a_loop.first)
+    };
     atlas.shape.control == Control::Credit && before == kind && is_loop(kind)
 }
 

@@ -46,8 +46,8 @@ impl<'t> Tracker<'t> {
         let (offers, takes) = (seen.cycle.offers, seen.cycle.takes);
         let is_shown = seen.shown.output.is_some();
         self.coverage.handshakes.cycle((offers, seen.shown.input_ready), (takes, is_shown), seen.inside);
-        if let (Some(_), Some(outcome)) = (seen.left, seen.shown.output) {
-            self.leaves(&outcome);
+        if let (Some(_), Some(outcome)) = (seen.left, &seen.shown.output) {
+            self.leaves(outcome);
         }
         self.held = is_shown && !takes;
         match seen.entered.and_then(|index| Some((index, self.jobs.get(index)?))) {

@@ -5,10 +5,9 @@ use super::passes::passes_alike;
 use super::sample::{Elaborated, Subject};
 use crate::check::{Everyday, Failed};
 use crate::engine::NetlistEngine;
-use crate::models::{Visitor, with_model};
+use crate::models::{PaperModel, Visitor, with_model};
 use crate::verify::Error;
 use raypath_hdl::Module;
-use raypath_model::Model;
 use raypath_verify::equivalence::Equivalence;
 use raypath_verify::proof::Prover;
 use std::sync::Arc;
@@ -100,7 +99,7 @@ struct Whole<'t> {
 impl Visitor for Whole<'_> {
     type Answer = Result<Result<(), Failed>, Error>;
 
-    fn visit<M: Model>(self, model: M) -> Self::Answer {
+    fn visit<M: PaperModel>(self, model: M) -> Self::Answer {
         let Elaborated { config, shape, .. } = self.datapath;
         let mut netlist =
             NetlistEngine::of_module(model.clone(), *config, self.top, shape.clone(), Everyday::observes)?;

@@ -1,12 +1,11 @@
 //! Each format that raypath reads, as a function of bytes.
 
 use crate::configuration::{parse, parse_sweep};
-use crate::models::{Visitor, with_model};
+use crate::models::{PaperModel, Visitor, with_model};
 use crate::ppa::{Earlier, parsers};
 use crate::transactions::read_from;
 use crate::verify::{Level, Shard};
 use raypath_format::Format;
-use raypath_model::Model;
 use raypath_ops::{JobKind, Ray, Rules};
 use raypath_rtl::{Config, Control, Encoding, Lanes, Preset, Sharing, UnitLatency};
 use std::fmt::Display;
@@ -55,7 +54,7 @@ struct Transactions<'b> {
 impl Visitor for Transactions<'_> {
     type Answer = bool;
 
-    fn visit<M: Model>(self, model: M) -> bool {
+    fn visit<M: PaperModel>(self, model: M) -> bool {
         let read = |&kind: &JobKind| read_from(self.bytes, Path::new("jobs.txt"), kind, &model, self.config);
         // Whoever reads a job runs it.
         let run = |jobs: Vec<crate::transactions::Transaction<M>>| {

@@ -1,7 +1,7 @@
 use crate::engine::{Engine, PortEncoding, Shown, shape};
 use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
-use raypath_model::{Functional, Model, OnPorts, Shape};
-use raypath_ops::{JobKind, PortKind, PortValue};
+use raypath_model::{Functional, Kind, Model, OnPorts, Shape};
+use raypath_ops::{PortKind, PortValue};
 use raypath_rtl::{Config, Datapath};
 use std::sync::Arc;
 
@@ -11,12 +11,8 @@ pub struct NetlistEngine<M: Model = Functional> {
     simulator: Simulator,
     encoding: PortEncoding,
     shape: Shape,
-    /// The ports that each kind of job has, in the order of its words; those that the configuration lacks are `None`.
-    inputs: [Vec<Place<InputPort>>; JobKind::ALL.len()],
-    /// The same of outcomes.
-    outputs: [Vec<Place<OutputPort>>; JobKind::ALL.len()],
-    /// The output ports, but the handshake's, that each kind of outcome does not have.
-    foreign: [Vec<OutputPort>; JobKind::ALL.len()],
+    /// The ports of each operation, by opcode.
+    operations: Vec<Option<OperationPorts<M::Kind>>>,
     /// All of them, by name.
     names: Vec<(String, OutputPort)>,
     ports: HandshakePorts,
@@ -35,6 +31,17 @@ pub struct Handshake {
 
 /// A port, if there is one, and what its bits mean.
 type Place<P> = (Option<P>, PortKind);
+
+/// The ports of one operation.
+struct OperationPorts<K> {
+    kind: K,
+    /// Those of its jobs, in the order of their words; those that the configuration lacks are `None`.
+    inputs: Vec<Place<InputPort>>,
+    /// The same of outcomes.
+    outputs: Vec<Place<OutputPort>>,
+    /// The output ports, but the handshake's, that its outcomes do not have.
+    foreign: Vec<OutputPort>,
+}
 
 struct HandshakePorts {
     input_valid: InputPort,
@@ -95,19 +102,20 @@ impl<M: Model> NetlistEngine<M> {
         }
         names.sort_by(|a, b| a.0.cmp(&b.0));
         let output = |port: &PortValue| names.iter().find(|(name, _)| *name == port.name).map(|(_, output)| *output);
-        let outcomes = JobKind::ALL.map(|kind| model.outcome(kind, |_| 0).ports());
-        let outputs = outcomes.map(|ports| ports.iter().map(|port| (output(port), port.kind)).collect::<Vec<_>>());
-        let foreign = JobKind::ALL.map(|kind| {
-            let is_own = |output: &OutputPort| outputs[kind as usize].iter().any(|(own, _)| *own == Some(*output));
-            names.iter().map(|(_, output)| *output).filter(|output| !is_own(output)).collect()
-        });
         let input = |port: &PortValue| simulator.input(&format!("{}_i", port.name)).ok();
-        let inputs = JobKind::ALL.map(|kind| {
-            let job_ports = model.job(kind, |_| 0).ports();
-            job_ports.iter().map(|port| (input(port), port.kind)).collect::<Vec<_>>()
-        });
+        let mut operations = Vec::new();
+        for kind in model.kinds() {
+            let (job, outcome) = (model.job(kind, |_| 0).ports(), model.outcome(kind, |_| 0).ports());
+            let inputs = job.iter().map(|port| (input(port), port.kind)).collect();
+            let outputs: Vec<Place<OutputPort>> = outcome.iter().map(|port| (output(port), port.kind)).collect();
+            let is_own = |output: &OutputPort| outputs.iter().any(|(own, _)| *own == Some(*output));
+            let foreign = names.iter().map(|(_, output)| *output).filter(|output| !is_own(output)).collect();
+            let opcode = kind.opcode() as usize;
+            operations.resize_with(operations.len().max(opcode + 1), || None);
+            operations[opcode] = Some(OperationPorts { kind, inputs, outputs, foreign });
+        }
         let (encoding, words) = (PortEncoding::of(config), Vec::new());
-        let mut engine = Self { model, simulator, encoding, shape, inputs, outputs, foreign, names, ports, words };
+        let mut engine = Self { model, simulator, encoding, shape, operations, names, ports, words };
         engine.reset();
         Ok(engine)
     }
@@ -145,14 +153,15 @@ impl<M: Model> NetlistEngine<M> {
     /// Whether the output ports, all of them, showed this outcome in the last cycle, as they should: ports of other modes
     /// are zero, and a number has one encoding only.
     pub fn shows(&mut self, outcome: &M::Outcome) -> bool {
-        let (kind, simulator, encoding) = (outcome.kind(), &self.simulator, self.encoding);
+        let (opcode, simulator, encoding) = (outcome.kind().opcode(), &self.simulator, self.encoding);
         outcome.words(&mut self.words);
-        let places = self.outputs[kind as usize].iter().zip(&self.words);
-        simulator.get(self.ports.opcode_out) == kind.opcode()
+        let Some(Some(operation)) = self.operations.get(opcode as usize) else { return false };
+        let places = operation.outputs.iter().zip(&self.words);
+        simulator.get(self.ports.opcode_out) == opcode
             && places
                 .into_iter()
                 .all(|(&(port, of), &bits)| port.is_none_or(|port| simulator.get(port) == encoding.to_port(of, bits)))
-            && self.foreign[kind as usize].iter().all(|&port| simulator.get(port) == 0)
+            && operation.foreign.iter().all(|&port| simulator.get(port) == 0)
     }
 
     /// The output ports that do not show what they should if this was the outcome in the last cycle, in words: ports of
@@ -171,20 +180,22 @@ impl<M: Model> NetlistEngine<M> {
     /// What the output ports showed in the last cycle; `None` where the opcode is none.
     pub fn outcome(&self) -> Option<M::Outcome> {
         let opcode = self.simulator.get(self.ports.opcode_out);
-        let kind = JobKind::ALL.into_iter().find(|kind| kind.opcode() == opcode)?;
+        let operation = self.operations.get(opcode as usize)?.as_ref()?;
         let word = |&(port, kind): &Place<OutputPort>| {
             port.map_or(0, |port| self.encoding.from_port(kind, self.simulator.get(port)))
         };
-        let words: Vec<u64> = self.outputs[kind as usize].iter().map(word).collect();
-        Some(self.model.outcome_of_words(kind, &words))
+        let words: Vec<u64> = operation.outputs.iter().map(word).collect();
+        Some(self.model.outcome_of_words(operation.kind, &words))
     }
 }
 
 impl<M: Model> Engine<M> for NetlistEngine<M> {
     fn present(&mut self, job: &M::Job) {
-        self.simulator.set(self.ports.opcode, job.kind().opcode());
+        let opcode = job.kind().opcode();
+        self.simulator.set(self.ports.opcode, opcode);
         job.words(&mut self.words);
-        for (&(port, kind), &bits) in self.inputs[job.kind() as usize].iter().zip(&self.words) {
+        let Some(Some(operation)) = self.operations.get(opcode as usize) else { return };
+        for (&(port, kind), &bits) in operation.inputs.iter().zip(&self.words) {
             if let Some(port) = port {
                 self.simulator.set(port, self.encoding.to_port(kind, bits));
             }

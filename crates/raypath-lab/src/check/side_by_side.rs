@@ -1,7 +1,6 @@
 use crate::check::DIFFERENCES_SHOWN;
 use crate::engine::{Engine, Handshake, NetlistEngine, Shown};
-use raypath_model::{CycleModel, Model, OnPorts};
-use raypath_ops::JobKind;
+use raypath_model::{CycleModel, Kind, Model, OnPorts};
 use std::collections::VecDeque;
 
 /// How netlist and models differ in a cycle.
@@ -58,8 +57,8 @@ impl<'n, M: Model, F: FnMut(Difference)> SideBySide<'n, M, F> {
             let words = || format!("the netlist shows {shown:?}, the cycle-exact model {modelled:?}");
             self.differs(Difference::Ports, words);
         }
-        if let Some(outcome) = shown.output {
-            let improper = self.netlist.improper_outputs(&outcome);
+        if let Some(outcome) = &shown.output {
+            let improper = self.netlist.improper_outputs(outcome);
             if !improper.is_empty() {
                 let words = || format!("the netlist shows {outcome:?}, but {}", improper.join(", "));
                 self.differs(Difference::Ports, words);
@@ -71,27 +70,27 @@ impl<'n, M: Model, F: FnMut(Difference)> SideBySide<'n, M, F> {
 impl<M: Model, F: FnMut(Difference)> Engine<M> for SideBySide<'_, M, F> {
     fn present(&mut self, job: &M::Job) {
         self.netlist.present(job);
-        self.presented = Some(*job);
+        self.presented = Some(job.clone());
     }
 
     fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
         let Handshake { input_ready, output_valid } = self.netlist.clock(input_valid, output_ready);
         // Before any job is there the port for the opcode is 0.
-        let kind = self.presented.map_or(JobKind::Triangle, |job| job.kind());
+        let opcode = self.presented.as_ref().map_or(0, |job| job.kind().opcode());
         let modelled =
-            Shown { input_ready: self.cycle_model.input_ready(kind), output: self.cycle_model.output().copied() };
+            Shown { input_ready: self.cycle_model.input_ready(opcode), output: self.cycle_model.output().cloned() };
         let same = modelled.input_ready == input_ready
             && modelled.output.is_some() == output_valid
-            && modelled.output.is_none_or(|outcome| self.netlist.shows(&outcome));
-        let mut shown = modelled;
+            && modelled.output.as_ref().is_none_or(|outcome| self.netlist.shows(outcome));
+        let mut shown = modelled.clone();
         if !same {
             shown = Shown { input_ready, output: if output_valid { self.netlist.outcome() } else { None } };
             self.compare_ports(&shown, &modelled);
         }
         self.cycle_model.cycle(self.presented.as_ref().filter(|_| input_valid), output_ready);
-        if let Some(outcome) = shown.output.filter(|_| output_ready) {
+        if let Some(outcome) = shown.output.as_ref().filter(|_| output_ready) {
             let expected = self.in_flight.pop_front();
-            if expected != Some(outcome) {
+            if expected.as_ref() != Some(outcome) {
                 let words = || format!("the netlist answers {outcome:?}, the functional model {expected:?}");
                 self.differs(Difference::Answer, words);
             }

@@ -30,8 +30,8 @@ pub fn drive<M: Model, J: Borrow<M::Job>>(
     traffic: &mut Traffic,
     mut on_outcome: impl FnMut(usize, M::Outcome) -> bool,
 ) -> Run {
-    observe(engine, jobs, traffic, |seen| match (seen.left, seen.shown.output) {
-        (Some(index), Some(outcome)) => on_outcome(index, outcome),
+    observe(engine, jobs, traffic, |seen| match (seen.left, &seen.shown.output) {
+        (Some(index), Some(outcome)) => on_outcome(index, outcome.clone()),
         _ => true,
     })
 }

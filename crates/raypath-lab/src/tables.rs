@@ -152,7 +152,8 @@ fn sum(a: Units, b: Units) -> Units {
     }
 }
 
-pub(crate) fn new_table() -> Table {
+/// An empty table as all of ours are: Markdown that fits the terminal.
+pub fn new_table() -> Table {
     let mut table = Table::new();
     table.load_preset(ASCII_MARKDOWN).set_content_arrangement(ContentArrangement::Dynamic);
     if table.width().is_none() {

@@ -5,13 +5,10 @@ mod recorded;
 
 pub use recorded::{RecordedError, read_recorded, recorded_text};
 
-use crate::transactions::Transaction;
 use habit::{Habit, Mood};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_model::{Model, OnPorts};
-use raypath_ops::JobKind;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 /// What happens around the datapath in one cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -119,19 +116,20 @@ impl Eventful {
 }
 
 /// Mixes the modes freely while each keeps its own order, so that other jobs come between the beats of a distance.
-pub fn interleave<M: Model>(stream: Vec<Transaction<M>>, seed: u64) -> Vec<Transaction<M>> {
+/// `opcode` tells modes apart.
+pub fn interleave<T>(stream: Vec<T>, opcode: impl Fn(&T) -> u64, seed: u64) -> Vec<T> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let total = stream.len();
-    let mut queues = JobKind::ALL.map(|_| VecDeque::new());
-    for transaction in stream {
-        queues[transaction.job.kind() as usize].push_back(transaction);
+    let mut queues: BTreeMap<u64, VecDeque<T>> = BTreeMap::new();
+    for item in stream {
+        queues.entry(opcode(&item)).or_default().push_back(item);
     }
     let mut mixed = Vec::with_capacity(total);
     let mut left = total;
     while left > 0 {
         // Weighted by what is left, so that all modes last to the end.
         let mut chosen = rng.random_range(0..left);
-        for queue in &mut queues {
+        for queue in queues.values_mut() {
             if chosen < queue.len() {
                 mixed.extend(queue.pop_front());
                 break;

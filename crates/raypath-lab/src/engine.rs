@@ -1,5 +1,5 @@
 //! Engines that carry jobs through the datapath: the functional model, the cycle-exact one, and the netlist itself.
-//! All of them are generic over the model ([`crate::models`] finds it for a configuration).
+//! All of them are generic over the model.
 
 mod drive;
 mod encoding;
@@ -9,8 +9,8 @@ pub use drive::{Seen, drive, observe};
 pub use encoding::PortEncoding;
 pub use netlist::{Handshake, NetlistEngine};
 
-use raypath_model::{Control, CycleModel, Functional, Loop, Model, OnPorts, Shape};
-use raypath_ops::{JobKind, Outcome};
+use raypath_model::{Control, CycleModel, Functional, Kind, Loop, Model, OnPorts, Shape};
+use raypath_ops::Outcome;
 use raypath_rtl::{self as rtl, Config, Datapath};
 use std::borrow::Borrow;
 
@@ -52,9 +52,10 @@ pub fn shape(config: Config, datapath: &Datapath) -> Shape {
         rtl::Control::Skid => Control::Skid,
         rtl::Control::Credit => Control::Credit,
     };
-    let loops = datapath.loops().into_iter().filter_map(|found| {
-        let kind = JobKind::ALL.into_iter().find(|kind| kind.opcode() == found.opcode)?;
-        Some(Loop { kind, first: found.first as usize, last: found.last as usize })
+    let loops = datapath.loops().into_iter().map(|found| Loop {
+        opcode: found.opcode,
+        first: found.first as usize,
+        last: found.last as usize,
     });
     Shape { latency: datapath.latency() as usize, control, loops: loops.collect() }
 }
@@ -91,13 +92,13 @@ impl<M: Model> CycleEngine<M> {
 
 impl<M: Model> Engine<M> for CycleEngine<M> {
     fn present(&mut self, job: &M::Job) {
-        self.presented = Some(*job);
+        self.presented = Some(job.clone());
     }
 
     fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
         // Before any job is there the port for the opcode is 0.
-        let kind = self.presented.map_or(JobKind::Triangle, |job| job.kind());
-        let shown = Shown { input_ready: self.model.input_ready(kind), output: self.model.output().copied() };
+        let opcode = self.presented.as_ref().map_or(0, |job| job.kind().opcode());
+        let shown = Shown { input_ready: self.model.input_ready(opcode), output: self.model.output().cloned() };
         self.model.cycle(self.presented.as_ref().filter(|_| input_valid), output_ready);
         shown
     }
