@@ -1,0 +1,227 @@
+//! Bundles as the values of ports: with names for who looks, in order and without names for who is in a hurry.
+
+use crate::binary32::Binary32;
+use crate::bundle::{Bundle, Field, Path, Sink, Source};
+use crate::circuit::{Bit, Num};
+use crate::concrete::Concrete;
+use std::slice;
+
+/// The value of one port, in the bits that it has there.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PortValue {
+    /// The port without its direction suffix: `ray_origin_x`.
+    pub name: String,
+    /// What its bits mean.
+    pub kind: PortKind,
+    /// Its bits.
+    pub bits: u64,
+}
+
+/// What a port's bits mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PortKind {
+    /// A number, in IEEE 754's layout.
+    Number,
+    /// One bit, or one bit for each of several places.
+    Flags,
+    /// An unsigned word.
+    Word,
+}
+
+/// A port as such: what it is called, what its bits mean, and how many they are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Port {
+    /// The port without its direction suffix: `ray_origin_x`.
+    pub name: String,
+    /// What its bits mean.
+    pub kind: PortKind,
+    /// Its bits; `None` for a number, which has as many as the format.
+    pub width: Option<u32>,
+}
+
+/// The ports that a bundle's values stand at.
+///
+/// ```
+/// use raypath_ops::{Binary32, RayTriangleOutput, ports_of};
+///
+/// let ports = ports_of::<RayTriangleOutput<Binary32>>();
+/// assert_eq!(ports[2].name, "triangle_hit");
+/// assert_eq!((ports[0].width, ports[2].width), (None, Some(1)));
+/// ```
+pub fn ports_of<B: Bundle<Binary32>>() -> Vec<Port> {
+    let mut source = Shapes(Vec::new());
+    B::build(&mut Path::default(), &mut source);
+    source.0
+}
+
+/// The words of a bundle whose numbers keep their bits, NaN payloads included; one a port, in the ports' order, in place
+/// of what `words` held.
+pub fn to_words<C: Concrete>(bundle: &impl Bundle<C>, words: &mut Vec<u64>) {
+    words.clear();
+    bundle.each(&mut Path::unnamed(), &mut ToWords::new(words, C::raw_bits));
+}
+
+/// The same of an answer, whose NaNs are the canonical one.
+pub fn to_canonical_words<C: Concrete>(bundle: &impl Bundle<C>, words: &mut Vec<u64>) {
+    words.clear();
+    bundle.each(&mut Path::unnamed(), &mut ToWords::new(words, C::bits));
+}
+
+/// The bundle whose [`to_words`] are these; what is missing is 0, and bits beyond a port's width are ignored.
+pub fn from_words<C: Concrete, B: Bundle<C>>(circuit: C, words: &[u64]) -> B {
+    B::build(&mut Path::unnamed(), &mut FromWords::new(circuit, words, C::number))
+}
+
+struct Shapes(Vec<Port>);
+
+impl Shapes {
+    fn push(&mut self, field: &Field<'_>, kind: PortKind, width: Option<u32>) {
+        self.0.push(Port { name: field.name.to_string(), kind, width });
+    }
+}
+
+impl Source<Binary32> for Shapes {
+    fn num(&mut self, field: Field<'_>) -> Num<Binary32> {
+        self.push(&field, PortKind::Number, None);
+        0.0.into()
+    }
+    fn bit(&mut self, field: Field<'_>) -> Bit<Binary32> {
+        match field.bit {
+            Some((index, _)) if index > 0 => {}
+            of => self.push(&field, PortKind::Flags, Some(of.map_or(1, |(_, width)| width))),
+        }
+        false.into()
+    }
+    fn word(&mut self, field: Field<'_>, width: u32) -> (Binary32, u32) {
+        self.push(&field, PortKind::Word, Some(width));
+        (Binary32, 0)
+    }
+}
+
+pub(crate) fn canonical<C: Concrete>(circuit: C, bits: u64) -> C::Num {
+    circuit.number(circuit.bits(circuit.number(bits)))
+}
+
+pub(crate) fn ports_as<C: Concrete>(bundle: &impl Bundle<C>, bits: fn(C, C::Num) -> u64) -> Vec<PortValue> {
+    let mut sink = ToPorts { ports: Vec::new(), bits };
+    bundle.each(&mut Path::default(), &mut sink);
+    sink.ports
+}
+
+struct ToPorts<C: Concrete> {
+    ports: Vec<PortValue>,
+    bits: fn(C, C::Num) -> u64,
+}
+
+impl<C: Concrete> ToPorts<C> {
+    fn push(&mut self, field: Field<'_>, kind: PortKind, bits: u64) {
+        self.ports.push(PortValue { name: field.name.to_string(), kind, bits });
+    }
+}
+
+impl<C: Concrete> Sink<C> for ToPorts<C> {
+    fn num(&mut self, field: Field<'_>, value: Num<C>) {
+        self.push(field, PortKind::Number, (self.bits)(value.circuit, value.value));
+    }
+    fn bit(&mut self, field: Field<'_>, value: Bit<C>) {
+        let bit = u64::from(value.value);
+        match (field.bit, self.ports.last_mut()) {
+            (Some((index, _)), Some(port)) if index > 0 => port.bits |= bit << index,
+            _ => self.push(field, PortKind::Flags, bit),
+        }
+    }
+    fn word(&mut self, field: Field<'_>, _width: u32, value: u32) {
+        self.push(field, PortKind::Word, value.into());
+    }
+}
+
+pub(crate) struct FromPorts<C: Concrete, F> {
+    pub circuit: C,
+    pub port: F,
+    pub number: fn(C, u64) -> C::Num,
+}
+
+impl<C: Concrete, F: FnMut(&str) -> u64> Source<C> for FromPorts<C, F> {
+    fn num(&mut self, field: Field<'_>) -> Num<C> {
+        Num::new(self.circuit, (self.number)(self.circuit, (self.port)(field.name)))
+    }
+    fn bit(&mut self, field: Field<'_>) -> Bit<C> {
+        let index = field.bit.map_or(0, |(index, _)| index);
+        Bit::new(self.circuit, (self.port)(field.name) >> index & 1 == 1)
+    }
+    fn word(&mut self, field: Field<'_>, width: u32) -> (C, u32) {
+        (self.circuit, (self.port)(field.name) as u32 & (u32::MAX >> (32 - width)))
+    }
+}
+
+/// Leaves in order, without names.
+pub(crate) struct ToWords<'w, C: Concrete> {
+    words: &'w mut Vec<u64>,
+    bits: fn(C, C::Num) -> u64,
+}
+
+impl<'w, C: Concrete> ToWords<'w, C> {
+    #[inline]
+    pub fn new(words: &'w mut Vec<u64>, bits: fn(C, C::Num) -> u64) -> Self {
+        Self { words, bits }
+    }
+}
+
+impl<C: Concrete> Sink<C> for ToWords<'_, C> {
+    #[inline]
+    fn num(&mut self, _: Field<'_>, value: Num<C>) {
+        self.words.push((self.bits)(value.circuit, value.value));
+    }
+    #[inline]
+    fn bit(&mut self, field: Field<'_>, value: Bit<C>) {
+        let bit = u64::from(value.value);
+        match (field.bit, self.words.last_mut()) {
+            (Some((index, _)), Some(word)) if index > 0 => *word |= bit << index,
+            _ => self.words.push(bit),
+        }
+    }
+    #[inline]
+    fn word(&mut self, _: Field<'_>, _width: u32, value: u32) {
+        self.words.push(value.into());
+    }
+}
+
+pub(crate) struct FromWords<'w, C: Concrete> {
+    circuit: C,
+    words: slice::Iter<'w, u64>,
+    /// The word whose bits are being read.
+    last: u64,
+    number: fn(C, u64) -> C::Num,
+}
+
+impl<'w, C: Concrete> FromWords<'w, C> {
+    #[inline]
+    pub fn new(circuit: C, words: &'w [u64], number: fn(C, u64) -> C::Num) -> Self {
+        Self { circuit, words: words.iter(), last: 0, number }
+    }
+
+    #[inline]
+    fn next(&mut self) -> u64 {
+        self.words.next().copied().unwrap_or(0)
+    }
+}
+
+impl<C: Concrete> Source<C> for FromWords<'_, C> {
+    #[inline]
+    fn num(&mut self, _: Field<'_>) -> Num<C> {
+        let bits = self.next();
+        Num::new(self.circuit, (self.number)(self.circuit, bits))
+    }
+    #[inline]
+    fn bit(&mut self, field: Field<'_>) -> Bit<C> {
+        let index = field.bit.map_or(0, |(index, _)| index);
+        if index == 0 {
+            self.last = self.next();
+        }
+        Bit::new(self.circuit, self.last >> index & 1 == 1)
+    }
+    #[inline]
+    fn word(&mut self, _: Field<'_>, width: u32) -> (C, u32) {
+        (self.circuit, self.next() as u32 & (u32::MAX >> (32 - width)))
+    }
+}
