@@ -10,10 +10,12 @@ use crate::units::{UnitKind, Units, part as unit};
 /// Less is better, the first thing first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Cost {
-    /// Units beyond those that are allowed, over all stages.
-    excess: usize,
-    /// Where a budget allows what is allowed: how often it has to be widened.
-    shortages: usize,
+    /// Units beyond a budget, over all stages, and how often it has to be widened.
+    over_budget: (usize, usize),
+    /// Stages between the first state and the last: a job must wait so long for the one before it.
+    apart: u32,
+    /// Where there is no budget, units beyond those that others have.
+    new_units: usize,
     /// Bits in the registers that it shares with the others of its set, over all boundaries.
     shared: u64,
     /// Bits in registers of its own, over all boundaries.
@@ -53,6 +55,8 @@ pub struct Costs<'a> {
     units: Vec<(UnitKind, usize)>,
     /// Groups that are one unit's neighbours.
     strings: Vec<(usize, usize)>,
+    /// The groups of states.
+    states: Vec<usize>,
 }
 
 /// A value, and what liveness asks of it.
@@ -104,7 +108,7 @@ impl<'a> Costs<'a> {
                 tests: tests(id),
             })
             .collect();
-        Self { given, values, units, strings }
+        Self { given, values, units, strings, states: problem.states.iter().flatten().copied().collect() }
     }
 
     /// The cost of a schedule, by the stage of each group.
@@ -117,12 +121,16 @@ impl<'a> Costs<'a> {
             let allowed = self.given.allowed.units(stage as u32);
             KINDS.map(|kind| used.of(kind).saturating_sub(allowed.of(kind)))
         });
+        let excess = (over.clone().sum(), over.filter(|&over| over > 0).count());
+        let states = self.states.iter().map(|&group| stages[group]);
+        let (first, last) = (states.clone().min(), states.max());
         let number_width = self.given.number_width.into();
         let mut load = Load::default();
         self.values.iter().for_each(|value| value.put(stages, &mut load));
         Cost {
-            excess: over.clone().sum(),
-            shortages: over.filter(|&over| over > 0 && self.given.is_budget).count(),
+            over_budget: if self.given.is_budget { excess } else { (0, 0) },
+            apart: last.unwrap_or(0).saturating_sub(first.unwrap_or(0)),
+            new_units: if self.given.is_budget { 0 } else { excess.0 },
             shared: load.clone().or(&self.given.others).bits(number_width),
             bits: load.bits(number_width),
             strung: self.strings.iter().filter(|&&(a, b)| stages[a] == stages[b]).count(),

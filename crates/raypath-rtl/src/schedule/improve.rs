@@ -37,7 +37,7 @@ pub fn improve(problem: &Problem<'_>, sides: &Sides, costs: &Costs<'_>, start: V
     stages
 }
 
-/// Groups that are moved together: each alone, and the readers of each value.
+/// Groups that are moved together: each alone, the readers of each value, and those with state.
 fn sets(problem: &Problem<'_>) -> Vec<Vec<usize>> {
     let mut sets: Vec<Vec<usize>> = (0..problem.groups.len()).map(|group| vec![group]).collect();
     let mut readers: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); problem.traced.nodes.len()];
@@ -48,6 +48,7 @@ fn sets(problem: &Problem<'_>) -> Vec<Vec<usize>> {
     }
     let several = readers.into_iter().filter(|readers| readers.len() > 1).collect::<BTreeSet<_>>();
     sets.extend(several.into_iter().map(|readers| readers.into_iter().collect()));
+    sets.push(problem.states.iter().flatten().copied().collect());
     sets
 }
 

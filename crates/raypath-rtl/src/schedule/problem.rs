@@ -12,8 +12,8 @@ pub struct Problem<'t> {
     pub groups: Vec<Vec<NodeId>>,
     /// The group of each value that has a stage to be found.
     pub group_of: Vec<Option<usize>>,
-    /// Who shares a stage with whom, constants that state begins with again included.
-    fellows: Fellows,
+    /// The group that reads and writes each state; none where that needs no stage.
+    pub states: Vec<Option<usize>>,
 }
 
 impl<'t> Problem<'t> {
@@ -24,8 +24,15 @@ impl<'t> Problem<'t> {
             .map(|id| live[id.index()] && is_made(traced, id) && (!traced.floats(id) || nexts.contains(&id)))
             .collect();
         let fellows = fellows(traced, &placed);
-        let mut problem = Self { traced, groups: Vec::new(), group_of: vec![None; traced.nodes.len()], fellows };
-        problem.sort(&placed);
+        let mut problem =
+            Self { traced, groups: Vec::new(), group_of: vec![None; traced.nodes.len()], states: Vec::new() };
+        problem.sort(&placed, &fellows);
+        // A constant that becomes state has no group, but fellows that read that state.
+        let of_next = |next: NodeId| {
+            let mut fellows = ids(traced).filter(|&id| fellows.first(id) == fellows.first(next));
+            fellows.find_map(|id| problem.group_of[id.index()])
+        };
+        problem.states = traced.states.iter().map(|state| of_next(state.next)).collect();
         problem
     }
 
@@ -57,13 +64,9 @@ impl<'t> Problem<'t> {
             };
         }
         // State that becomes a constant does so where it is read.
-        for state in &self.traced.states {
-            let next = state.next;
-            let mut fellows = ids(self.traced).filter(|&id| self.fellows.first(id) == self.fellows.first(next));
-            if let (true, Some(group)) =
-                (self.traced.is_everywhere(next), fellows.find_map(|id| self.group_of[id.index()]))
-            {
-                of_nodes[next.index()] = stages[group];
+        for (state, group) in self.traced.states.iter().zip(&self.states) {
+            if let (true, &Some(group)) = (self.traced.is_everywhere(state.next), group) {
+                of_nodes[state.next.index()] = stages[group];
             }
         }
         of_nodes
@@ -89,10 +92,10 @@ impl<'t> Problem<'t> {
     }
 
     /// Puts groups into an order in which each comes after those that it reads, otherwise as recorded.
-    fn sort(&mut self, placed: &[bool]) {
+    fn sort(&mut self, placed: &[bool], fellows: &Fellows) {
         let mut members: BTreeMap<NodeId, Vec<NodeId>> = BTreeMap::new();
         for id in ids(self.traced).filter(|id| placed[id.index()]) {
-            members.entry(self.fellows.first(id)).or_default().push(id);
+            members.entry(fellows.first(id)).or_default().push(id);
         }
         let keys: Vec<NodeId> = members.keys().copied().collect();
         for (number, members) in members.values().enumerate() {

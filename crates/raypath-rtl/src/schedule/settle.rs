@@ -136,12 +136,13 @@ impl Side {
 
     /// Works out the levels of a group in its stage, and whether it fits there.
     fn enter(&self, group: usize, stages: &[u32], levels: &mut [Level]) -> bool {
-        let mut fits = true;
+        let (mut fits, mut is_apart) = (true, true);
         for &id in &self.members[group] {
             let mut level = Level::default();
             for near in &self.near[id.index()] {
                 if stages[self.group_of[near.index()]] == stages[group] {
                     let Level { unit, compares } = levels[near.index()];
+                    is_apart &= self.group_of[near.index()] == group || levels[near.index()] == Level::default();
                     level = Level { unit: level.unit | unit, compares: level.compares.max(compares) };
                 }
             }
@@ -158,6 +159,7 @@ impl Side {
             }
             levels[id.index()] = level;
         }
-        fits || self.chains[group]
+        // What has to be chained has no other units beside it.
+        if self.chains[group] { is_apart } else { fits }
     }
 }
