@@ -26,6 +26,10 @@ pub trait Circuit: Copy + Debug + PartialEq {
     /// What follows belongs to pipeline stage `number` (1 is the first); `what` says it in the schedule.
     fn stage(self, _number: u32, _what: &'static str) {}
 
+    /// Asks whoever makes hardware of it to find the pipeline stages. An operation that says so, before its first
+    /// operator, marks none itself.
+    fn auto(self) {}
+
     /// Names values for those who read the hardware.
     fn label<B: Bundle<Self>>(self, _name: Arguments<'_>, _value: &B) {}
 

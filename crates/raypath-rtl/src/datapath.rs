@@ -1,12 +1,15 @@
-use crate::config::{Config, Lanes};
+use crate::budget::Budget;
+use crate::config::{Config, Encoding, Lanes};
 use crate::error::Error;
 use crate::graph::Traced;
 use crate::library::Library;
 use crate::plan::{Plan, StepPlan};
 use crate::properties::Properties;
+use crate::schedule::{self, Target};
 use crate::stage::{self, notes};
 use crate::steps::Step;
 use crate::top::{self, Pipeline};
+use crate::tracer::Marks;
 use crate::units::Units;
 use raypath_hdl::Module;
 use raypath_ops::{Angular, Euclidean, JobKind, Operation, RayBox, RayTriangle};
@@ -27,6 +30,8 @@ pub const MOST_OPERATIONS: u64 = 64;
 #[derive(Debug, Default)]
 pub struct Operations {
     traced: Vec<Traced>,
+    marks: Marks,
+    budget: Option<Budget>,
 }
 
 impl Operations {
@@ -49,8 +54,33 @@ impl Operations {
         if !is_identifier(O::NAME) || self.traced.iter().any(|traced| traced.name == O::NAME) {
             return Err(Error::Name { operation: O::NAME });
         }
-        self.traced.push(Traced::new(operation, opcode)?);
+        self.traced.push(Traced::new(operation, opcode, self.marks)?);
         Ok(self)
+    }
+
+    /// Stages the operations that are added from here on automatically, whatever stages they mark
+    /// (`docs/staging.md`).
+    pub fn auto(mut self) -> Self {
+        self.marks = Marks::Ignored;
+        self
+    }
+
+    /// Allows no operation more units in a stage than `budget` does. Whoever marks stages must keep to it; what is
+    /// staged automatically is staged so. Without a budget, what is staged automatically uses the units that other
+    /// operations have, and as few others as possible.
+    pub fn within(mut self, budget: Budget) -> Self {
+        self.budget = Some(budget);
+        self
+    }
+
+    /// Their records, with all stages known.
+    fn staged(self, config: Config) -> Result<Vec<Traced>, Error> {
+        let number_width = match config.registers {
+            Encoding::Ieee => config.format.ieee_width(),
+            Encoding::Recoded => config.format.recoded_width(),
+        };
+        let Config { sharing, .. } = config;
+        schedule::assign(self.traced, &Target { budget: self.budget, number_width, sharing })
     }
 }
 
@@ -128,7 +158,7 @@ impl Datapath {
     /// # Errors
     /// Those of [`Datapath::of`].
     pub fn build(operations: Operations, config: Config) -> Result<Self, Error> {
-        let plan = Plan::new(&operations.traced, config);
+        let plan = Plan::new(&operations.staged(config)?, config);
         let library = Library::new(config)?;
         let pipeline = top::pipeline(&plan, &library, &description(&plan))?;
         Ok(Self { plan, library, pipeline })

@@ -1,3 +1,4 @@
+use crate::budget::Shortage;
 use crate::datapath::MOST_OPERATIONS;
 use thiserror::Error;
 
@@ -41,6 +42,44 @@ pub enum Error {
         read: u32,
         /// Where its next value is made.
         made: u32,
+    },
+    /// An operation that asks for automatic staging and marks stages as well.
+    #[error(
+        "operation {operation}: it asks for automatic staging and marks stage {stage}, expected one or the other: mark \
+         every stage or none"
+    )]
+    StagesMixed {
+        /// The operation.
+        operation: &'static str,
+        /// The first stage that it marks.
+        stage: u32,
+    },
+    /// An operation whose longest chain of units has more stages than the pipeline, however it is staged.
+    #[error(
+        "operation {operation}: its longest chain needs {needed} stages, and there are {last}: {}; an adder or a \
+         multiplier takes a stage to itself, three comparators share one",
+        .chain.join(" -> ")
+    )]
+    TooLong {
+        /// The operation.
+        operation: &'static str,
+        /// The units of the chain, by the values that they make, first to last.
+        chain: Vec<String>,
+        /// The stages that it needs.
+        needed: u32,
+        /// The last stage that operations may use.
+        last: u32,
+    },
+    /// More units in a stage than the budget allows.
+    #[error(
+        "operation {operation}: it needs more units than the budget allows: {}; widen the budget to that, or have the operation do less",
+        .shortages.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+    )]
+    TooManyUnits {
+        /// The operation.
+        operation: &'static str,
+        /// Where, and of what kind; of an operation that is staged automatically, the least that was found.
+        shortages: Vec<Shortage>,
     },
     /// A value that no register brings to where it is read; a defect of ours.
     #[error("operation {operation}: {value} is read in a stage that no register brings it to")]

@@ -2,9 +2,11 @@
 
 use crate::STAGES;
 use crate::error::Error;
-use crate::tracer;
+use crate::schedule;
+use crate::tracer::{self, Marks};
 use crate::units::UnitKind;
 use raypath_ops::{Operation, Relation, Test};
+use std::borrow::Cow;
 
 /// A value, by position in its operation's [`Traced::nodes`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -107,14 +109,20 @@ pub struct Traced {
     pub outputs: Vec<OutputValue>,
     pub states: Vec<StateValue>,
     /// What its stages say they do.
-    pub notes: Vec<(u32, &'static str)>,
+    pub notes: Vec<(u32, Cow<'static, str>)>,
+    /// The stages are for the scheduler to find; until then they say nothing.
+    pub is_auto: bool,
 }
 
 impl Traced {
     /// Runs `operation` over a recording circuit and checks the record.
-    pub fn new<O: Operation>(operation: &O, opcode: u64) -> Result<Self, Error> {
-        let mut traced = tracer::record(operation, opcode);
-        traced.check()?;
+    pub fn new<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> Result<Self, Error> {
+        let mut traced = tracer::record(operation, opcode, marks);
+        if traced.is_auto {
+            schedule::check(&traced)?;
+        } else {
+            traced.check()?;
+        }
         traced.name_tests();
         Ok(traced)
     }
@@ -197,7 +205,7 @@ impl Traced {
     }
 
     /// Stages in range, nothing read before it is made, state read where it is written.
-    fn check(&self) -> Result<(), Error> {
+    pub fn check(&self) -> Result<(), Error> {
         for index in 0..self.nodes.len() {
             let id = NodeId(index as u32);
             let stage = self.node(id).stage;

@@ -14,6 +14,7 @@
 
 mod binding;
 mod boundary;
+mod budget;
 mod choice;
 mod config;
 mod control;
@@ -30,6 +31,7 @@ mod place;
 mod plan;
 mod preset;
 mod properties;
+mod schedule;
 mod stage;
 mod steps;
 mod top;
@@ -37,6 +39,7 @@ mod tracer;
 mod units;
 mod values;
 
+pub use budget::{Budget, Shortage};
 pub use choice::ParseChoiceError;
 pub use config::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
 pub use datapath::{Datapath, MOST_OPERATIONS, Operations, Registers, StageNote, StateLoop};

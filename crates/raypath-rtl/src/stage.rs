@@ -104,7 +104,7 @@ fn describe(m: &Builder, plan: &Plan, step: usize) {
 /// What an operation says that it does in a step's stage, and what the stage does with all numbers.
 pub fn notes(plan: &Plan, traced: &Traced, index: usize) -> String {
     let step = plan.steps[index].step;
-    let own = traced.notes.iter().filter(|(at, _)| *at == step.stage).map(|(_, what)| *what);
+    let own = traced.notes.iter().filter(|(at, _)| *at == step.stage).map(|(_, what)| what.as_ref());
     let ieee = if plan.config.format == Format::BINARY32 { "binary32" } else { "IEEE 754" };
     let conversion = match index.checked_sub(1).map(|before| (plan.encoding(before), plan.encoding(index))) {
         Some((Encoding::Ieee, Encoding::Recoded)) => Some(format!("{ieee} to recoded")),

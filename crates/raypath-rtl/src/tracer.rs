@@ -2,12 +2,23 @@
 
 use crate::graph::{Kind, Node, NodeId, Op, OutputValue, PortBit, StateValue, Traced};
 use raypath_ops::{Binary32, Bit, Bundle, Circuit, Field, Num, Operation, Path, Relation, Single, Sink, Source, Test};
+use std::borrow::Cow;
 use std::cell::{Cell, RefCell};
 use std::fmt;
 
+/// What the stages that an operation marks are to the recorder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Marks {
+    /// Where its values are made, unless it asks for automatic staging.
+    #[default]
+    Heeded,
+    /// Nothing: it is staged automatically.
+    Ignored,
+}
+
 /// Runs `operation` once and gives what it did, unchecked.
-pub fn record<O: Operation>(operation: &O, opcode: u64) -> Traced {
-    let graph = Graph::default();
+pub fn record<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> Traced {
+    let graph = Graph { marks, auto: Cell::new(marks == Marks::Ignored), ..Graph::default() };
     let c = Tracer { graph: &graph };
     let mut inputs = InputSource { c, inputs: Vec::new() };
     let input = O::Input::build(&mut Path::default(), &mut inputs);
@@ -35,6 +46,7 @@ pub fn record<O: Operation>(operation: &O, opcode: u64) -> Traced {
             .map(|(name, next)| StateValue { name, next, written: stage_of(next), read: stage_of(next) })
             .collect(),
         notes: graph.notes.take(),
+        is_auto: graph.auto.get(),
         nodes: graph.nodes.take(),
     }
 }
@@ -42,8 +54,10 @@ pub fn record<O: Operation>(operation: &O, opcode: u64) -> Traced {
 #[derive(Default)]
 struct Graph {
     nodes: RefCell<Vec<Node>>,
-    notes: RefCell<Vec<(u32, &'static str)>>,
+    notes: RefCell<Vec<(u32, Cow<'static, str>)>>,
     stage: Cell<u32>,
+    marks: Marks,
+    auto: Cell<bool>,
 }
 
 /// The circuit that records.
@@ -109,11 +123,19 @@ impl Circuit for Tracer<'_> {
     type Order = NodeId;
 
     fn stage(self, number: u32, what: &'static str) {
+        if self.graph.marks == Marks::Ignored {
+            return;
+        }
         self.graph.stage.set(number);
         let mut notes = self.graph.notes.borrow_mut();
-        if !notes.contains(&(number, what)) {
-            notes.push((number, what));
+        let note = (number, Cow::Borrowed(what));
+        if !notes.contains(&note) {
+            notes.push(note);
         }
+    }
+
+    fn auto(self) {
+        self.graph.auto.set(true);
     }
 
     fn label<B: Bundle<Self>>(self, name: fmt::Arguments<'_>, value: &B) {

@@ -1,0 +1,500 @@
+//! Automatic staging: the paper's operations with their marks ignored, against those staged by hand, and what cannot be
+//! staged.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use raypath_hdl::Simulator;
+use raypath_ops::{
+    Angular, Binary32, Bit, Bundle, Circuit, Euclidean, Field, Num, Operation, Path, RayBox, RayTriangle, Rules,
+    Single, Sink, Source, bundle,
+};
+use raypath_rtl::{
+    Budget, Config, Control, Datapath, Error, Operations, STAGES, Sharing, UnitKind, UnitLatency, Units,
+};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+/// Adds the operations with these numbers: boxes, triangles, Euclidean and angular distances.
+fn with<const E: usize, const A: usize>(set: Operations, which: &[u64], rules: Rules) -> Result<Operations, Error> {
+    which.iter().try_fold(set, |set, &which| match which {
+        0 => set.with(&RayBox { rules }, which),
+        1 => set.with(&RayTriangle { rules }, which),
+        2 => set.with(&Euclidean::<E>, which),
+        _ => set.with(&Angular::<A>, which),
+    })
+}
+
+fn build<const E: usize, const A: usize>(set: Operations, which: &[u64], rules: Rules) -> Datapath {
+    with::<E, A>(set, which, rules).and_then(Datapath::of).expect("a datapath")
+}
+
+const ALL: [u64; 4] = [0, 1, 2, 3];
+const SETS: [(&str, &[u64]); 5] =
+    [("quadbox", &[0]), ("triangle", &[1]), ("euclidean", &[2]), ("angular", &[3]), ("all four", &ALL)];
+
+fn budget_of(datapath: &Datapath) -> Budget {
+    Budget::by_stage(|stage| datapath.units(stage as usize))
+}
+
+fn live(datapath: &Datapath) -> u64 {
+    (0..=STAGES as usize).map(|step| datapath.registers(step).live).sum()
+}
+
+fn assert_within(datapath: &Datapath, budget: &Budget) {
+    for stage in 1..=STAGES {
+        let (units, allowed) = (datapath.units(stage as usize), budget.units(stage));
+        for kind in [UnitKind::Add, UnitKind::Multiply, UnitKind::Compare] {
+            assert!(units.of(kind) <= allowed.of(kind), "stage {stage}: {units:?}, allowed {allowed:?}");
+        }
+    }
+}
+
+/// Prints the table of `docs/staging.md`.
+#[test]
+fn registers_are_no_more_than_by_hand() {
+    println!("| rules | operations | by hand | the same units | Table VIII | any units |");
+    println!("| --- | --- | --- | --- | --- | --- |");
+    for rules in [Rules::Paper, Rules::Chisel] {
+        let same = budget_of(&build::<16, 8>(Operations::new(), &ALL, rules));
+        for (name, which) in SETS {
+            let hand = build::<16, 8>(Operations::new(), which, rules);
+            let cell = |datapath: &Datapath| format!("{} ({})", datapath.top().register_bits(), live(datapath));
+            let mut row = vec![rules.to_string(), name.to_string(), cell(&hand)];
+            for budget in [same, Budget::TABLE_VIII, Budget::UNLIMITED] {
+                let auto = build::<16, 8>(Operations::new().auto().within(budget), which, rules);
+                assert_eq!(auto.latency(), 12);
+                assert!(auto.loops().is_empty(), "one job a cycle");
+                assert_within(&auto, &budget);
+                assert!(auto.top().register_bits() <= hand.top().register_bits(), "{rules}, {name}");
+                assert!(live(&auto) <= live(&hand), "{rules}, {name}");
+                row.push(cell(&auto));
+            }
+            println!("| {} |", row.join(" | "));
+        }
+    }
+}
+
+#[test]
+fn other_lanes_need_no_more_either() {
+    fn check<const E: usize, const A: usize>() {
+        let hand = build::<E, A>(Operations::new(), &ALL, Rules::Paper);
+        let budget = budget_of(&hand);
+        let auto = build::<E, A>(Operations::new().auto().within(budget), &ALL, Rules::Paper);
+        println!("{E} lanes: {} by hand, {} automatically", hand.top().register_bits(), auto.top().register_bits());
+        assert_within(&auto, &budget);
+        assert!(auto.top().register_bits() <= hand.top().register_bits(), "{E}");
+    }
+    check::<2, 1>();
+    check::<4, 2>();
+    check::<8, 4>();
+    check::<32, 16>();
+    check::<64, 32>();
+}
+
+/// Beside boxes and triangles that are staged by hand, distances of few lanes find all units that they need.
+#[test]
+fn without_a_budget_others_units_are_used() {
+    let hand = build::<4, 2>(Operations::new(), &[0, 1], Rules::Paper);
+    let mixed = with::<4, 2>(Operations::new(), &[0, 1], Rules::Paper).map(Operations::auto);
+    let mixed = mixed.and_then(|set| with::<4, 2>(set, &[2, 3], Rules::Paper)).and_then(Datapath::of);
+    let mixed = mixed.expect("a datapath");
+    assert!(mixed.loops().is_empty());
+    assert_within(&mixed, &budget_of(&hand));
+    // By hand, Euclidean distances accumulate with an adder of their own.
+    let by_hand = build::<4, 2>(Operations::new(), &ALL, Rules::Paper);
+    assert_eq!((by_hand.units(10).add, mixed.units(10).add), (1, 0));
+}
+
+#[test]
+fn schedules_are_always_the_same() {
+    let notes = || {
+        let auto = build::<16, 8>(Operations::new().auto(), &ALL, Rules::Paper);
+        (0..=STAGES as usize).map(|step| auto.schedule(step)).collect::<Vec<_>>()
+    };
+    assert_eq!(notes(), notes());
+}
+
+#[test]
+fn stages_say_what_they_do() {
+    let auto = build::<16, 8>(Operations::new().auto().within(Budget::TABLE_VIII), &ALL, Rules::Paper);
+    let what = |stage: usize| auto.schedule(stage).into_iter().map(|note| note.what).collect::<Vec<_>>();
+    assert_eq!(what(2), ["relative", "relative", "difference", ""]);
+    assert_eq!(what(5)[1], "u_plus, u_minus, v_plus, v_minus, w_plus, 1 more");
+    assert_eq!(what(9)[2], "sum");
+}
+
+/// A job's ports and what it must answer.
+struct Job {
+    opcode: u64,
+    inputs: BTreeMap<String, u64>,
+    outputs: BTreeMap<String, u64>,
+}
+
+/// An operation over binary32, job after job.
+struct Reference<O: Operation> {
+    operation: O,
+    state: O::State<Binary32>,
+}
+
+impl<O: Operation> Reference<O> {
+    fn new(operation: O) -> Self {
+        Self { operation, state: O::State::build(&mut Path::default(), &mut Zeros) }
+    }
+
+    fn job(&mut self, opcode: u64, rng: &mut ChaCha8Rng) -> Job {
+        let input = O::Input::<Binary32>::build(&mut Path::default(), &mut Random(rng));
+        let (mut inputs, mut outputs) = (Ports::default(), Ports::default());
+        input.each(&mut Path::default(), &mut inputs);
+        let (output, next) = self.operation.run(Binary32, input, self.state);
+        self.state = next;
+        output.each(&mut Path::default(), &mut outputs);
+        Job { opcode, inputs: inputs.0, outputs: outputs.0 }
+    }
+}
+
+/// Numbers of which many are alike, special ones among them.
+struct Random<'r>(&'r mut ChaCha8Rng);
+
+const SPECIAL: [f32; 8] = [0.0, -0.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 1e-40, f32::MAX, -1e-20];
+
+impl Source<Binary32> for Random<'_> {
+    fn num(&mut self, _: Field<'_>) -> Num<Binary32> {
+        let value = match self.0.random_range(0..40) {
+            0 => SPECIAL[self.0.random_range(0..SPECIAL.len())],
+            1 => f32::from_bits(self.0.random()),
+            2..20 => self.0.random_range(-4i8..=4).into(),
+            _ => self.0.random_range(-8.0..8.0),
+        };
+        Num::new(Binary32, Single(value))
+    }
+    fn bit(&mut self, _: Field<'_>) -> Bit<Binary32> {
+        Bit::new(Binary32, self.0.random())
+    }
+    fn word(&mut self, _: Field<'_>, width: u32) -> (Binary32, u32) {
+        (Binary32, self.0.random_range(0..1 << width))
+    }
+}
+
+struct Zeros;
+
+impl Source<Binary32> for Zeros {
+    fn num(&mut self, _: Field<'_>) -> Num<Binary32> {
+        Binary32.zero()
+    }
+    fn bit(&mut self, _: Field<'_>) -> Bit<Binary32> {
+        Binary32.bit(false)
+    }
+    fn word(&mut self, _: Field<'_>, _: u32) -> (Binary32, u32) {
+        (Binary32, 0)
+    }
+}
+
+/// What stands at each port, by name without its direction.
+#[derive(Default)]
+struct Ports(BTreeMap<String, u64>);
+
+impl Sink<Binary32> for Ports {
+    fn num(&mut self, field: Field<'_>, value: Num<Binary32>) {
+        self.0.insert(field.name.to_string(), value.value().to_bits().into());
+    }
+    fn bit(&mut self, field: Field<'_>, value: Bit<Binary32>) {
+        let place = field.bit.map_or(0, |(bit, _)| bit);
+        *self.0.entry(field.name.to_string()).or_default() |= u64::from(value.value()) << place;
+    }
+    fn word(&mut self, field: Field<'_>, _: u32, value: u32) {
+        self.0.insert(field.name.to_string(), value.into());
+    }
+}
+
+fn random_jobs(rules: Rules, count: usize, rng: &mut ChaCha8Rng) -> Vec<Job> {
+    let (mut boxes, mut triangles) = (Reference::new(RayBox { rules }), Reference::new(RayTriangle { rules }));
+    let (mut euclidean, mut angular) = (Reference::new(Euclidean::<16>), Reference::new(Angular::<8>));
+    let jobs = (0..count).map(|_| match rng.random_range(0..4) {
+        0 => boxes.job(0, rng),
+        1 => triangles.job(1, rng),
+        2 => euclidean.job(2, rng),
+        _ => angular.job(3, rng),
+    });
+    jobs.collect()
+}
+
+/// Sends jobs through a datapath, source and sink stalling now and then, and compares every answer bit for bit.
+fn run(datapath: &Datapath, jobs: Vec<Job>, rng: &mut ChaCha8Rng) {
+    let mut simulator = Simulator::new(datapath.top()).expect("a netlist");
+    let input = |simulator: &Simulator, name: &str| simulator.input(name).expect(name);
+    let output = |simulator: &Simulator, name: &str| simulator.output(name).expect(name);
+    let (valid, ready) = (input(&simulator, "input_valid_i"), input(&simulator, "output_ready_i"));
+    let opcode = input(&simulator, "opcode_i");
+    let (accepts, shown) = (output(&simulator, "input_ready_o"), output(&simulator, "output_valid_o"));
+    let (mut waiting, mut inside, mut answered) = (VecDeque::from(jobs), VecDeque::<Job>::new(), 0);
+    let (count, mut bound) = (waiting.len(), 40 * waiting.len() + 1000);
+    while answered < count {
+        bound = bound.checked_sub(1).unwrap_or_else(|| panic!("{answered} answered of {count}"));
+        let offers = !waiting.is_empty() && rng.random_range(0..8) > 0;
+        let takes = rng.random_range(0..8) > 0;
+        simulator.set(valid, offers.into());
+        simulator.set(ready, takes.into());
+        if let Some(job) = waiting.front() {
+            simulator.set(opcode, job.opcode);
+            for (name, &value) in &job.inputs {
+                // What an operation does not read is no port.
+                if let Ok(port) = simulator.input(&format!("{name}_i")) {
+                    simulator.set(port, value);
+                }
+            }
+        }
+        simulator.cycle();
+        if offers && simulator.get(accepts) == 1 {
+            inside.extend(waiting.pop_front());
+        }
+        if takes && simulator.get(shown) == 1 {
+            let job = inside.pop_front().expect("an answer belongs to a job");
+            for (name, &expected) in &job.outputs {
+                let found = simulator.get(output(&simulator, &format!("{name}_o")));
+                assert_eq!(found, expected, "{name} of job {answered}, opcode {}", job.opcode);
+            }
+            answered += 1;
+        }
+    }
+}
+
+#[test]
+fn answers_are_those_of_the_operations() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let default = Config::DEFAULT;
+    let configs = [
+        (default, 4000),
+        (Config { unit_latency: UnitLatency::Two, ..default }, 500),
+        (Config { control: Control::Credit, unit_latency: UnitLatency::Three, ..default }, 500),
+        (Config { sharing: Sharing::Segregated, ..default }, 500),
+    ];
+    let mut seen: BTreeMap<String, BTreeSet<u64>> = BTreeMap::new();
+    for rules in [Rules::Paper, Rules::Chisel] {
+        for budget in [Budget::TABLE_VIII, Budget::UNLIMITED] {
+            for (config, count) in configs {
+                let jobs = random_jobs(rules, count, &mut rng);
+                for (name, &value) in jobs.iter().flat_map(|job| &job.outputs) {
+                    seen.entry(name.clone()).or_default().insert(value);
+                }
+                let set = with::<16, 8>(Operations::new().auto().within(budget), &ALL, rules).expect("operations");
+                run(&Datapath::build(set, config).expect("a datapath"), jobs, &mut rng);
+            }
+        }
+    }
+    // Boxes and triangles are hit and missed, and boxes come in every place.
+    assert!(seen["is_intersect"].len() >= 4 && seen["triangle_hit"].len() == 2);
+    assert!((0..4).all(|place| seen[&format!("box_index_{place}")].len() == 4));
+}
+
+bundle! {
+    /// A few numbers and a flag.
+    pub struct Input<C> {
+        /// The numbers.
+        pub n: [Num<C>; 4],
+        /// The flag.
+        pub flag: Bit<C>,
+    }
+}
+
+bundle! {
+    /// One number.
+    pub struct Output<C> {
+        /// The number.
+        pub number: Num<C>,
+    }
+}
+
+bundle! {
+    /// One number from job to job, and a flag.
+    pub struct State<C> {
+        /// The number.
+        pub kept: Num<C>,
+        /// The flag.
+        pub was: Bit<C>,
+    }
+}
+
+/// An operation without state that asks for automatic staging, unless it marks stages.
+macro_rules! operation {
+    ($name:ident, |$c:ident, $n:ident| $body:expr) => {
+        struct $name;
+        impl Operation for $name {
+            const NAME: &'static str = stringify!($name);
+            type Input<C: Circuit> = Input<C>;
+            type Output<C: Circuit> = Output<C>;
+            type State<C: Circuit> = ();
+            fn run<C: Circuit>(&self, $c: C, input: Input<C>, _: ()) -> (Output<C>, ()) {
+                let $n = input.n;
+                (Output { number: $body }, ())
+            }
+        }
+    };
+}
+
+fn of<O: Operation>(operation: &O) -> Datapath {
+    Operations::new().with(operation, 0).and_then(Datapath::of).expect("a datapath")
+}
+
+fn arithmetic(datapath: &Datapath) -> Vec<(usize, usize, usize)> {
+    let stages = (1..=STAGES as usize).map(|stage| datapath.units(stage));
+    stages.map(|units| (units.add, units.multiply, units.compare)).collect()
+}
+
+fn units(add: usize, multiply: usize, compare: usize) -> Units {
+    Units { add, multiply, compare, ..Units::default() }
+}
+
+operation!(Chained, |c, n| {
+    c.auto();
+    let sum = n[0] + n[1];
+    let largest = n.iter().fold(sum, |largest, n| largest.larger(*n));
+    largest * n[2]
+});
+
+/// An adder is in no stage with another unit before or behind it, and only three comparators follow each other.
+#[test]
+fn units_are_chained_as_the_rules_say() {
+    let used = arithmetic(&of(&Chained));
+    let first = used.iter().position(|units| units.0 == 1).expect("an adder");
+    assert_eq!(used[first], (1, 0, 0));
+    let compares: Vec<(usize, usize, usize)> = used.into_iter().filter(|units| units.2 > 0).collect();
+    assert_eq!(compares.iter().map(|units| units.2).sum::<usize>(), 4);
+    assert!(compares.len() >= 2 && compares.iter().all(|units| (units.0, units.1) == (0, 0)), "{compares:?}");
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let mut reference = Reference::new(Chained);
+    run(&of(&Chained), (0..500).map(|_| reference.job(0, &mut rng)).collect(), &mut rng);
+}
+
+/// State that goes through two units, a flag that becomes a constant, and units before and behind.
+struct Filter;
+
+impl Operation for Filter {
+    const NAME: &'static str = "filter";
+    type Input<C: Circuit> = Input<C>;
+    type Output<C: Circuit> = Output<C>;
+    type State<C: Circuit> = State<C>;
+    fn run<C: Circuit>(&self, c: C, input: Input<C>, state: State<C>) -> (Output<C>, State<C>) {
+        c.auto();
+        let [a, b, d, _] = input.n;
+        let first = state.was.select(a, b);
+        let kept = state.kept * d + (first + a) * b;
+        let number = input.flag.select(state.kept, first * first);
+        (Output { number }, State { kept: input.flag.select(c.zero(), kept), was: c.bit(true) })
+    }
+}
+
+#[test]
+fn state_is_read_where_it_is_written() {
+    for unit_latency in UnitLatency::ALL.iter().copied() {
+        let set = Operations::new().with(&Filter, 0).expect("an operation");
+        let datapath = Datapath::build(set, Config { unit_latency, ..Config::DEFAULT }).expect("a datapath");
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut reference = Reference::new(Filter);
+        let jobs = (0..300).map(|_| reference.job(0, &mut rng)).collect();
+        run(&datapath, jobs, &mut rng);
+    }
+}
+
+/// Stages 9 and 10 have an adder each, which would do for the two sums; but then a job would have to wait.
+#[test]
+fn states_stay_together() {
+    let set = with::<16, 8>(Operations::new(), &[2], Rules::Paper).map(Operations::auto);
+    let beside = set.and_then(|set| with::<16, 8>(set, &[3], Rules::Paper)).and_then(Datapath::of);
+    assert!(beside.expect("a datapath").loops().is_empty());
+}
+
+#[test]
+fn stages_are_marked_or_not() {
+    operation!(Mixed, |c, n| {
+        c.auto();
+        let sum = n[0] + n[1];
+        c.stage(4, "product");
+        sum * n[2]
+    });
+    let error = Operations::new().with(&Mixed, 0).expect_err("both");
+    assert!(matches!(error, Error::StagesMixed { stage: 4, .. }), "{error}");
+    assert!(
+        error.to_string().contains("marks stage 4") && error.to_string().contains("every stage or none"),
+        "{error}"
+    );
+    // Where marks are ignored there is nothing to mix.
+    assert!(Operations::new().auto().with(&Mixed, 0).and_then(Datapath::of).is_ok());
+}
+
+#[test]
+fn too_long_a_chain_is_named() {
+    operation!(Long, |c, n| {
+        c.auto();
+        let mut power = n[0] - n[1];
+        for exponent in 2..13 {
+            power = power * n[0];
+            c.label(format_args!("power_{exponent}"), &power);
+        }
+        power + n[2]
+    });
+    let error = Operations::new().with(&Long, 0).expect_err("13 units in 10 stages");
+    let Error::TooLong { chain, needed: 13, last: 10, .. } = &error else { panic!("{error}") };
+    assert_eq!((chain.len(), chain[1].as_str(), chain[11].as_str()), (13, "power_2", "power_12"));
+    assert!(error.to_string().contains("needs 13 stages, and there are 10: "), "{error}");
+    assert!(error.to_string().contains("power_2 -> power_3"), "{error}");
+}
+
+#[test]
+fn too_many_units_are_counted_where_they_are() {
+    operation!(Sums, |c, n| {
+        c.stage(2, "sums");
+        let (a, b) = (n[0] + n[1], n[2] + n[3]);
+        c.stage(3, "their product");
+        a * b
+    });
+    let one = Budget::by_stage(|_| units(1, 1, 1));
+    let marked = |budget| Operations::new().within(budget).with(&Sums, 0).and_then(Datapath::of);
+    let error = marked(one).expect_err("two adders in stage 2");
+    let Error::TooManyUnits { operation: "Sums", shortages } = &error else { panic!("{error}") };
+    let found: Vec<_> = shortages.iter().map(|s| (s.stage, s.kind, s.needed, s.allowed)).collect();
+    assert_eq!(found, [(2, UnitKind::Add, 2, 1)]);
+    assert!(error.to_string().contains("stage 2 needs 2 adders, 1 allowed; widen the budget to that"), "{error}");
+    // Automatically it fits, and widened it fits by hand.
+    let auto = Operations::new().auto().within(one).with(&Sums, 0).and_then(Datapath::of).expect("a datapath");
+    assert_within(&auto, &one);
+    let wider = Budget::by_stage(|stage| if stage == 2 { units(2, 1, 1) } else { one.units(stage) });
+    assert!(marked(wider).is_ok());
+
+    // Nowhere are there two multipliers.
+    let few = Budget::by_stage(|stage| if stage == 2 { units(2, 0, 0) } else { Units::default() });
+    let error = Operations::new().auto().within(few).with(&Sums, 0).and_then(Datapath::of).expect_err("no multiplier");
+    let Error::TooManyUnits { shortages, .. } = &error else { panic!("{error}") };
+    let found: Vec<_> = shortages.iter().map(|s| (s.kind, s.needed, s.allowed)).collect();
+    assert_eq!(found, [(UnitKind::Multiply, 1, 0)]);
+    assert!(error.to_string().contains("needs 1 multiplier, 0 allowed"), "{error}");
+    // What the message says is enough.
+    let offered = Budget::by_stage(|stage| {
+        let more = shortages.iter().filter(|shortage| shortage.stage == stage).map(|shortage| shortage.needed).sum();
+        Units { multiply: more, ..few.units(stage) }
+    });
+    let auto = Operations::new().auto().within(offered).with(&Sums, 0).and_then(Datapath::of).expect("a datapath");
+    assert_within(&auto, &offered);
+}
+
+/// What Table VIII is short of for 64 lanes; as much more is enough.
+#[test]
+fn what_is_offered_is_enough() {
+    let wide = |budget| {
+        let set = Operations::new().auto().within(budget).with(&Euclidean::<64>, 2);
+        set.and_then(Datapath::of)
+    };
+    let error = wide(Budget::TABLE_VIII).expect_err("64 lanes");
+    let Error::TooManyUnits { shortages, .. } = error else { panic!("{error}") };
+    assert!(shortages.iter().any(|s| (s.stage, s.kind, s.needed, s.allowed) == (3, UnitKind::Multiply, 64, 24)));
+    let offered = Budget::by_stage(|stage| {
+        let mut units = Budget::TABLE_VIII.units(stage);
+        for shortage in shortages.iter().filter(|shortage| shortage.stage == stage) {
+            match shortage.kind {
+                UnitKind::Add => units.add = shortage.needed,
+                UnitKind::Multiply => units.multiply = shortage.needed,
+                _ => units.compare = shortage.needed,
+            }
+        }
+        units
+    });
+    assert_within(&wide(offered).expect("a datapath"), &offered);
+}
