@@ -4,6 +4,7 @@ use crate::models::PaperModel;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_format::Format;
+use raypath_lab::numbers::edges;
 use raypath_ops::{Aabb, Job, JobKind, PortKind, Ray, RayBoxInput, RayTriangleInput, Triangle};
 use std::collections::HashMap;
 
@@ -29,38 +30,6 @@ struct Generator<M> {
     edges: [u64; 16],
     rng: ChaCha8Rng,
     kinds: Vec<JobKind>,
-}
-
-/// Numbers at which rules decide.
-pub(crate) fn edges(format: Format) -> [u64; 16] {
-    let last_place = 1;
-    let power = |exponent: i64| (bias(format) + exponent).unsigned_abs() << format.fraction_width();
-    let minus = 1 << (format.ieee_width() - 1);
-    let least_normal = power(1 - bias(format));
-    let largest = format.infinity() - last_place;
-    [
-        0,
-        minus,
-        last_place, // the smallest subnormal
-        minus | (least_normal - last_place),
-        least_normal,
-        power(0),
-        minus | power(0),
-        power(0) + last_place,
-        power(-1),
-        power(1),
-        power((1 - bias(format)) / 2) - last_place, // a square of it is subnormal
-        power(bias(format) / 2),                    // a square of it is near the largest
-        largest,
-        format.infinity(),
-        minus | format.infinity(),
-        format.nan(),
-    ]
-}
-
-/// What an exponent field has more than the exponent.
-fn bias(format: Format) -> i64 {
-    (1 << (format.exponent() - 1)) - 1
 }
 
 impl<M: PaperModel> Generator<M> {
@@ -175,39 +144,5 @@ impl<M: PaperModel> Generator<M> {
 
     fn point(&mut self, reach: f32) -> [f32; 3] {
         std::array::from_fn(|_| self.rng.random_range(-reach..reach))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// In binary32 and binary16, written down by hand.
-    #[test]
-    fn edges_are_those_of_the_format() {
-        let binary32 = [
-            0x0000_0000,
-            0x8000_0000,
-            0x0000_0001,
-            0x807f_ffff,
-            0x0080_0000,
-            0x3f80_0000,
-            0xbf80_0000,
-            0x3f80_0001,
-            0x3f00_0000,
-            0x4000_0000,
-            0x1fff_ffff,
-            0x5f00_0000,
-            0x7f7f_ffff,
-            0x7f80_0000,
-            0xff80_0000,
-            0x7fc0_0000,
-        ];
-        assert_eq!(edges(Format::BINARY32), binary32);
-        let binary16 = [
-            0x0000, 0x8000, 0x0001, 0x83ff, 0x0400, 0x3c00, 0xbc00, 0x3c01, 0x3800, 0x4000, 0x1fff, 0x5800, 0x7bff,
-            0x7c00, 0xfc00, 0x7e00,
-        ];
-        assert_eq!(edges(Format::BINARY16), binary16);
     }
 }

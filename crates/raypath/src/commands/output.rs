@@ -1,34 +1,13 @@
 //! Files that appear whole or not at all.
 
 use crate::commands::Failure;
-use std::fs;
+use raypath::lab::files::{self, FileError};
 use std::io::Write;
-use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
+use std::path::PathBuf;
 
-/// Writes all of these files, or none: each is written beside its place first, and moved when every one is there.
-/// Folders that are made for them go again where that fails.
+/// Writes all of these files, or none.
 pub fn write_all<T: AsRef<[u8]>>(files: &[(PathBuf, T)]) -> Result<(), Failure> {
-    let mut targets = Vec::new();
-    for (path, bytes) in files {
-        targets.push((target(path)?, bytes));
-    }
-    let mut folders = NewFolders(Vec::new());
-    let mut written = Vec::new();
-    for (path, bytes) in &targets {
-        let folder = path.parent().unwrap_or(Path::new("."));
-        folders.create(folder)?;
-        let mut file =
-            NamedTempFile::new_in(folder).map_err(|problem| Failure::file(folder, "write in the folder", problem))?;
-        file.write_all(bytes.as_ref()).map_err(|problem| Failure::file(path, "write", problem))?;
-        make_readable(&file).map_err(|problem| Failure::file(path, "set its permissions", problem))?;
-        written.push((path, file));
-    }
-    for (path, file) in written {
-        file.persist(path).map_err(|problem| Failure::file(path, "write", problem.error))?;
-    }
-    folders.0.clear();
-    Ok(())
+    Ok(files::write_all(files)?)
 }
 
 /// Writes all of these files, or none, and says where they are.
@@ -38,48 +17,8 @@ pub fn write_and_name<T: AsRef<[u8]>>(files: &[(PathBuf, T)], out: &mut dyn Writ
     Ok(())
 }
 
-/// Where a file really goes: a link's end. What is there may be replaced only if it is a file.
-fn target(path: &Path) -> Result<PathBuf, Failure> {
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    match fs::metadata(&target) {
-        Ok(found) if !found.is_file() => {
-            Err(Failure::file(path, "write", "something else is there, expected a file or nothing"))
-        }
-        _ => Ok(target),
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        Self::unusable(error)
     }
-}
-
-/// Folders that were not there before; removed when dropped, if they are still empty.
-struct NewFolders(Vec<PathBuf>);
-
-impl NewFolders {
-    fn create(&mut self, folder: &Path) -> Result<(), Failure> {
-        let missing: Vec<&Path> = folder.ancestors().take_while(|above| !above.exists()).collect();
-        for above in missing.into_iter().rev().filter(|above| !above.as_os_str().is_empty()) {
-            fs::create_dir(above).map_err(|problem| Failure::file(above, "create the folder", problem))?;
-            self.0.push(above.to_path_buf());
-        }
-        Ok(())
-    }
-}
-
-impl Drop for NewFolders {
-    fn drop(&mut self) {
-        for folder in self.0.iter().rev() {
-            // One that is not empty belongs to somebody by now.
-            let _ = fs::remove_dir(folder);
-        }
-    }
-}
-
-/// Temporary files are private; these are for everybody, as far as the folder is.
-#[cfg(unix)]
-fn make_readable(file: &NamedTempFile) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.as_file().set_permissions(fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn make_readable(_: &NamedTempFile) -> std::io::Result<()> {
-    Ok(())
 }

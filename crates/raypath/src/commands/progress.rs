@@ -1,68 +1,14 @@
-//! Progress: a bar on a terminal, plain lines elsewhere. Ctrl-C asks the work to stop.
+//! Work that says how far it has come, on any thread.
 
 use crate::commands::Failure;
-use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{IsTerminal, Write};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+pub use raypath::lab::progress::Progress;
+use raypath::lab::progress::{Stopped, is_stopped};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
 
-/// How far a long piece of work has come.
-pub struct Progress {
-    what: &'static str,
-    total: usize,
-    bar: Option<ProgressBar>,
-    /// Elsewhere than on a terminal: when the last line was printed, and what it counted.
-    last_line: Instant,
-    last_done: Option<usize>,
-    begin: Instant,
-}
-
-/// Whether the user has asked to stop. One for the program, as Ctrl-C is.
-static STOPPED: AtomicBool = AtomicBool::new(false);
-
-const BETWEEN_LINES: Duration = Duration::from_secs(5);
-
-impl Progress {
-    /// Begins. `what` names the items counted: "jobs".
-    pub fn new(what: &'static str, total: usize) -> Self {
-        // A second piece of work finds the handler of the first, which is refused another and does the same.
-        let _ = ctrlc::set_handler(|| STOPPED.store(true, Ordering::Relaxed));
-        let bar = std::io::stderr().is_terminal().then(|| {
-            let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {msg}  {per_sec}  {eta} left");
-            let bar = ProgressBar::new(total as u64).with_message(what);
-            bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-        });
-        Self { what, total, bar, last_line: Instant::now(), last_done: None, begin: Instant::now() }
-    }
-
-    /// `done` items are done. False where the user wants to stop.
-    pub fn at(&mut self, done: usize) -> bool {
-        match &self.bar {
-            Some(bar) => bar.set_position(done as u64),
-            None if self.last_line.elapsed() > BETWEEN_LINES && self.last_done != Some(done) => {
-                // Progress that nobody can read is no reason to stop.
-                let rate = done as f64 / self.begin.elapsed().as_secs_f64();
-                let left = self.total.saturating_sub(done) as f64 / rate;
-                let pace = if done == 0 { String::new() } else { format!(", {rate:.0}/s, {left:.0} s left") };
-                let _ = writeln!(std::io::stderr(), "{done} of {} {}{pace}", self.total, self.what);
-                self.last_line = Instant::now();
-                self.last_done = Some(done);
-            }
-            None => {}
-        }
-        !STOPPED.load(Ordering::Relaxed)
-    }
-
-    /// Ends; an error where the user stopped the work after `done` items.
-    pub fn finish(self, done: usize) -> Result<(), Failure> {
-        if let Some(bar) = self.bar {
-            bar.finish_and_clear();
-        }
-        if STOPPED.load(Ordering::Relaxed) {
-            return Err(Failure::Interrupted(format!("after {done} of {} {}", self.total, self.what)));
-        }
-        Ok(())
+impl From<Stopped> for Failure {
+    fn from(stopped: Stopped) -> Self {
+        Self::Interrupted(stopped.to_string())
     }
 }
 
@@ -80,7 +26,7 @@ pub fn watched<T, E: std::fmt::Display>(
         // Whoever finds it in use has nothing to add.
         match progress.try_lock() {
             Ok(mut progress) => progress.at(done as usize),
-            Err(_) => !STOPPED.load(Ordering::Relaxed),
+            Err(_) => !is_stopped(),
         }
     };
     let result = work(&watch);

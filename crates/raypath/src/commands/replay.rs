@@ -71,7 +71,7 @@ impl Visitor for Replay<'_> {
             tally.compare(index, outcome);
             progress.at(index + 1)
         })?;
-        let stopped = progress.finish(run.jobs);
+        let stopped = progress.finish(run.jobs).map_err(Failure::from);
         tally.report(&run, begin, self.out)?;
         if self.arguments.view.is_wanted() {
             let recording = watcher.recording(self.config, &datapath, &run, &tally);

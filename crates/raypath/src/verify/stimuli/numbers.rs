@@ -1,7 +1,7 @@
-use crate::jobs::edges;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use raypath_format::Format;
+use raypath_lab::numbers::edges;
 
 /// Numbers of a format, by sort.
 #[derive(Debug, Clone)]

@@ -1,0 +1,97 @@
+//! Files that appear whole or not at all.
+
+use std::fs;
+use std::io::{Error, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+use thiserror::Error as ThisError;
+
+/// The operating system refused something about a file.
+#[derive(Debug, ThisError)]
+#[error("{}: cannot {doing}: {problem}", path.display())]
+pub struct FileError {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// What was to be done.
+    pub doing: &'static str,
+    /// What was said.
+    pub problem: Error,
+}
+
+/// Writes all of these files, or none: each is written beside its place first, and moved when every one is there.
+/// Folders that are made for them go again where that fails.
+///
+/// # Errors
+/// A folder or a file that cannot be written.
+pub fn write_all<T: AsRef<[u8]>>(files: &[(PathBuf, T)]) -> Result<(), FileError> {
+    let mut targets = Vec::new();
+    for (path, bytes) in files {
+        targets.push((target(path)?, bytes));
+    }
+    let mut folders = NewFolders(Vec::new());
+    let mut written = Vec::new();
+    for (path, bytes) in &targets {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        folders.create(folder)?;
+        let mut file =
+            NamedTempFile::new_in(folder).map_err(|problem| failed(folder, "write in the folder", problem))?;
+        file.write_all(bytes.as_ref()).map_err(|problem| failed(path, "write", problem))?;
+        make_readable(&file).map_err(|problem| failed(path, "set its permissions", problem))?;
+        written.push((path, file));
+    }
+    for (path, file) in written {
+        file.persist(path).map_err(|problem| failed(path, "write", problem.error))?;
+    }
+    folders.0.clear();
+    Ok(())
+}
+
+/// Where a file really goes: a link's end. What is there may be replaced only if it is a file.
+fn target(path: &Path) -> Result<PathBuf, FileError> {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    match fs::metadata(&target) {
+        Ok(found) if !found.is_file() => {
+            Err(failed(path, "write", Error::other("something else is there, expected a file or nothing")))
+        }
+        _ => Ok(target),
+    }
+}
+
+/// Folders that were not there before; removed when dropped, if they are still empty.
+struct NewFolders(Vec<PathBuf>);
+
+impl NewFolders {
+    fn create(&mut self, folder: &Path) -> Result<(), FileError> {
+        let missing: Vec<&Path> = folder.ancestors().take_while(|above| !above.exists()).collect();
+        for above in missing.into_iter().rev().filter(|above| !above.as_os_str().is_empty()) {
+            fs::create_dir(above).map_err(|problem| failed(above, "create the folder", problem))?;
+            self.0.push(above.to_path_buf());
+        }
+        Ok(())
+    }
+}
+
+impl Drop for NewFolders {
+    fn drop(&mut self) {
+        for folder in self.0.iter().rev() {
+            // One that is not empty belongs to somebody by now.
+            let _ = fs::remove_dir(folder);
+        }
+    }
+}
+
+/// Temporary files are private; these are for everybody, as far as the folder is.
+#[cfg(unix)]
+fn make_readable(file: &NamedTempFile) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.as_file().set_permissions(fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn make_readable(_: &NamedTempFile) -> std::io::Result<()> {
+    Ok(())
+}
+
+fn failed(path: &Path, doing: &'static str, problem: Error) -> FileError {
+    FileError { path: path.to_path_buf(), doing, problem }
+}

@@ -1,0 +1,215 @@
+//! The functional model of any set of operations.
+
+use crate::operation::AnyOperation;
+use raypath_format::Format;
+use raypath_model::{Kind, Model, OnPorts};
+use raypath_ops::{Binary32, Operation, Port, PortKind, PortValue, from_words, to_words};
+use std::fmt;
+use std::sync::Arc;
+
+/// What a datapath of any operations answers, job by job. [`CycleModel`](raypath_model::CycleModel) makes it
+/// cycle-exact, and [`NetlistEngine`](crate::engine::NetlistEngine) holds the netlist against it.
+#[derive(Clone)]
+pub struct AnyModel {
+    format: Format,
+    /// By opcode.
+    operations: Arc<[Option<Known>]>,
+    /// What the last job of each operation left.
+    states: Vec<Vec<u64>>,
+}
+
+/// An operation of an [`AnyModel`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct AnyKind {
+    opcode: u64,
+    name: &'static str,
+}
+
+/// A job or an outcome of an [`AnyModel`]: a word for each port, numbers in IEEE 754's layout.
+#[derive(Clone, PartialEq)]
+pub struct Words {
+    kind: AnyKind,
+    ports: Ports,
+    words: Arc<[u64]>,
+}
+
+struct Known {
+    kind: AnyKind,
+    operation: Arc<dyn AnyOperation>,
+    inputs: Ports,
+    outputs: Ports,
+}
+
+/// What the words of one operation stand at.
+type Ports = Arc<[Port]>;
+
+impl AnyModel {
+    /// The model of these operations, each under its opcode, in numbers of `format`.
+    pub(crate) fn new(operations: &[(u64, Arc<dyn AnyOperation>)], format: Format) -> Self {
+        let mut known: Vec<Option<Known>> = Vec::new();
+        for (opcode, operation) in operations {
+            let kind = AnyKind { opcode: *opcode, name: operation.name() };
+            let (inputs, outputs) = (operation.inputs().into(), operation.outputs().into());
+            let place = *opcode as usize;
+            known.resize_with(known.len().max(place + 1), || None);
+            known[place] = Some(Known { kind, operation: operation.clone(), inputs, outputs });
+        }
+        Self { format, states: vec![Vec::new(); known.len()], operations: known.into() }
+    }
+
+    /// The format of its numbers.
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    /// The operation with this name.
+    pub fn kind(&self, name: &str) -> Option<AnyKind> {
+        self.known().map(|known| known.kind).find(|kind| kind.name == name)
+    }
+
+    /// The ports of an operation's jobs; none of an operation that it does not have.
+    pub fn inputs(&self, kind: AnyKind) -> &[Port] {
+        self.of(kind).map_or(&[], |known| &known.inputs)
+    }
+
+    /// A job of an operation; its numbers are rounded where the format is narrower. `None` where the operation is none
+    /// of the model's.
+    pub fn job_of<O: Operation>(&self, input: &O::Input<Binary32>) -> Option<Words> {
+        let kind = self.kind(O::NAME)?;
+        let mut words = Vec::new();
+        to_words(input, &mut words);
+        if self.format != Format::BINARY32 {
+            let numbers = self.inputs(kind).iter().zip(&mut words).filter(|(port, _)| port.kind == PortKind::Number);
+            numbers.for_each(|(_, word)| *word = self.format.from_f32(f32::from_bits(*word as u32)));
+        }
+        Some(self.job_of_words(kind, &words))
+    }
+
+    /// An outcome as the operation's output. `None` where it is another operation's, or not in binary32.
+    pub fn output_of<O: Operation>(&self, outcome: &Words) -> Option<O::Output<Binary32>> {
+        (outcome.kind.name == O::NAME && self.format == Format::BINARY32)
+            .then(|| from_words(Binary32, outcome.as_words()))
+    }
+
+    fn known(&self) -> impl Iterator<Item = &Known> {
+        self.operations.iter().flatten()
+    }
+
+    fn of(&self, kind: AnyKind) -> Option<&Known> {
+        self.operations.get(kind.opcode as usize)?.as_ref()
+    }
+
+    /// Words on ports: what is missing is 0, and bits beyond a port's width are ignored.
+    fn words(&self, kind: AnyKind, ports: Option<&Ports>, mut word: impl FnMut(usize, &Port) -> u64) -> Words {
+        let ports = ports.cloned().unwrap_or_else(|| [].into());
+        let mask = |port: &Port| u64::MAX >> (64 - port.width.unwrap_or(self.format.ieee_width()));
+        let words = ports.iter().enumerate().map(|(place, port)| word(place, port) & mask(port)).collect();
+        Words { kind, ports, words }
+    }
+}
+
+impl Words {
+    /// The words themselves, in the order of the ports.
+    pub fn as_words(&self) -> &[u64] {
+        &self.words
+    }
+}
+
+impl Model for AnyModel {
+    type Kind = AnyKind;
+    type Job = Words;
+    type Outcome = Words;
+
+    fn kinds(&self) -> Vec<AnyKind> {
+        self.known().map(|known| known.kind).collect()
+    }
+
+    /// Answers a job; one of an operation that the model does not have has an outcome without ports.
+    fn run(&mut self, job: &Words) -> Words {
+        let place = job.kind.opcode as usize;
+        let answer = match (self.operations.get(place), self.states.get_mut(place)) {
+            (Some(Some(known)), Some(state)) => known.operation.answer(self.format, &job.words, state),
+            _ => Vec::new(),
+        };
+        self.outcome_of_words(job.kind, &answer)
+    }
+
+    fn reset(&mut self) {
+        self.states.iter_mut().for_each(Vec::clear);
+    }
+
+    fn job(&self, kind: AnyKind, mut port: impl FnMut(&str) -> u64) -> Words {
+        self.words(kind, self.of(kind).map(|known| &known.inputs), |_, of| port(&of.name))
+    }
+
+    fn outcome(&self, kind: AnyKind, mut port: impl FnMut(&str) -> u64) -> Words {
+        self.words(kind, self.of(kind).map(|known| &known.outputs), |_, of| port(&of.name))
+    }
+
+    fn job_of_words(&self, kind: AnyKind, words: &[u64]) -> Words {
+        self.words(kind, self.of(kind).map(|known| &known.inputs), |place, _| words.get(place).copied().unwrap_or(0))
+    }
+
+    fn outcome_of_words(&self, kind: AnyKind, words: &[u64]) -> Words {
+        self.words(kind, self.of(kind).map(|known| &known.outputs), |place, _| words.get(place).copied().unwrap_or(0))
+    }
+}
+
+impl PartialEq for AnyModel {
+    /// The same operations in the same state.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.operations, &other.operations) && self.format == other.format && self.states == other.states
+    }
+}
+
+impl fmt::Debug for AnyModel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<&str> = self.known().map(|known| known.kind.name).collect();
+        f.debug_struct("AnyModel").field("operations", &names).field("states", &self.states).finish()
+    }
+}
+
+impl AnyKind {
+    /// The operation's name.
+    pub fn name(self) -> &'static str {
+        self.name
+    }
+}
+
+impl Kind for AnyKind {
+    fn opcode(self) -> u64 {
+        self.opcode
+    }
+}
+
+impl fmt::Display for AnyKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+impl OnPorts for Words {
+    type Kind = AnyKind;
+
+    fn kind(&self) -> AnyKind {
+        self.kind
+    }
+
+    fn ports(&self) -> Vec<PortValue> {
+        let values = self.ports.iter().zip(self.words.iter());
+        values.map(|(port, &bits)| PortValue { name: port.name.clone(), kind: port.kind, bits }).collect()
+    }
+
+    fn words(&self, words: &mut Vec<u64>) {
+        words.clear();
+        words.extend_from_slice(&self.words);
+    }
+}
+
+/// `sphere: ray_origin_x=3f800000 ...`
+impl fmt::Debug for Words {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:", self.kind)?;
+        self.ports.iter().zip(self.words.iter()).try_for_each(|(port, word)| write!(f, " {}={word:x}", port.name))
+    }
+}

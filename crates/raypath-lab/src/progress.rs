@@ -1,0 +1,83 @@
+//! Progress: a bar on a terminal, plain lines elsewhere. Ctrl-C asks the work to stop.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use thiserror::Error;
+
+/// How far a long piece of work has come.
+pub struct Progress {
+    what: &'static str,
+    total: usize,
+    bar: Option<ProgressBar>,
+    /// Elsewhere than on a terminal: when the last line was printed, and what it counted.
+    last_line: Instant,
+    last_done: Option<usize>,
+    begin: Instant,
+}
+
+/// The user stopped the work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("after {done} of {total} {what}")]
+pub struct Stopped {
+    /// Items that were done.
+    pub done: usize,
+    /// All of them.
+    pub total: usize,
+    /// What they are.
+    pub what: &'static str,
+}
+
+/// Whether the user has asked to stop. One for the program, as Ctrl-C is.
+static STOPPED: AtomicBool = AtomicBool::new(false);
+
+const BETWEEN_LINES: Duration = Duration::from_secs(5);
+
+impl Progress {
+    /// Begins. `what` names the items counted: "jobs".
+    pub fn new(what: &'static str, total: usize) -> Self {
+        // A second piece of work finds the handler of the first, which is refused another and does the same.
+        let _ = ctrlc::set_handler(|| STOPPED.store(true, Ordering::Relaxed));
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {msg}  {per_sec}  {eta} left");
+            let bar = ProgressBar::new(total as u64).with_message(what);
+            bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        });
+        Self { what, total, bar, last_line: Instant::now(), last_done: None, begin: Instant::now() }
+    }
+
+    /// `done` items are done. False where the user wants to stop.
+    pub fn at(&mut self, done: usize) -> bool {
+        match &self.bar {
+            Some(bar) => bar.set_position(done as u64),
+            None if self.last_line.elapsed() > BETWEEN_LINES && self.last_done != Some(done) => {
+                // Progress that nobody can read is no reason to stop.
+                let rate = done as f64 / self.begin.elapsed().as_secs_f64();
+                let left = self.total.saturating_sub(done) as f64 / rate;
+                let pace = if done == 0 { String::new() } else { format!(", {rate:.0}/s, {left:.0} s left") };
+                let _ = writeln!(std::io::stderr(), "{done} of {} {}{pace}", self.total, self.what);
+                self.last_line = Instant::now();
+                self.last_done = Some(done);
+            }
+            None => {}
+        }
+        !is_stopped()
+    }
+
+    /// Ends.
+    ///
+    /// # Errors
+    /// The user stopped the work after `done` items.
+    pub fn finish(self, done: usize) -> Result<(), Stopped> {
+        if let Some(bar) = self.bar {
+            bar.finish_and_clear();
+        }
+        if is_stopped() { Err(Stopped { done, total: self.total, what: self.what }) } else { Ok(()) }
+    }
+}
+
+/// Whether the user has asked to stop.
+pub fn is_stopped() -> bool {
+    STOPPED.load(Ordering::Relaxed)
+}
