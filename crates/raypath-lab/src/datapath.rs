@@ -92,6 +92,11 @@ impl Datapath {
         self.operations.iter().any(|(_, operation)| operation.name() == name)
     }
 
+    /// Whether it has no operation.
+    pub fn is_empty(&self) -> bool {
+        self.operations.is_empty()
+    }
+
     /// The same without the operation of this name; others keep their opcodes.
     pub fn without(mut self, name: &str) -> Self {
         self.operations.retain(|(_, operation)| operation.name() != name);

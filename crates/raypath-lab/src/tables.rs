@@ -38,6 +38,18 @@ pub fn schedule(datapath: &Datapath) -> String {
     table.to_string()
 }
 
+/// What one operation does in each step, and which units the step has for all of them.
+pub fn schedule_of(datapath: &Datapath, operation: &str) -> String {
+    let mut table = new_table();
+    table.set_header(["stage", operation, "units that are there"]);
+    for (index, step) in datapath.steps().enumerate().skip(1) {
+        let notes = datapath.schedule(index);
+        let own = notes.iter().find(|note| note.operation == operation).map(cell).unwrap_or_default();
+        table.add_row([step.to_string(), own, list(datapath.units(index))]);
+    }
+    table.to_string()
+}
+
 fn cell(note: &StageNote) -> String {
     let units = list(note.units);
     match (units.is_empty(), note.what.is_empty()) {
@@ -70,13 +82,13 @@ pub fn units_and_registers(datapath: &Datapath, config: Config) -> String {
     for (index, step) in datapath.steps().enumerate() {
         let registers = datapath.registers(index);
         let units = datapath.units(index);
-        all = sum(all, units);
+        all = all + units;
         live += registers.live;
         flip_flops += registers.flip_flops();
         let why = difference(datapath, config, index).join("; ");
         table.add_row(row(&step.to_string(), units, paper_units(step), registers.live, registers.flip_flops(), &why));
     }
-    let paper = PAPER_UNITS.into_iter().fold(Units::default(), sum);
+    let paper = PAPER_UNITS.into_iter().sum();
     table.add_row(row("all", all, paper, live, flip_flops, ""));
     table.to_string()
 }
@@ -140,16 +152,6 @@ pub fn list(units: Units) -> String {
     let present: Vec<String> =
         named.filter(|(number, _)| *number > 0).map(|(number, stem)| format!("{number} {stem}")).collect();
     present.join(", ")
-}
-
-fn sum(a: Units, b: Units) -> Units {
-    Units {
-        encode: a.encode + b.encode,
-        add: a.add + b.add,
-        multiply: a.multiply + b.multiply,
-        compare: a.compare + b.compare,
-        decode: a.decode + b.decode,
-    }
 }
 
 /// An empty table as all of ours are: Markdown that fits the terminal.

@@ -2,6 +2,8 @@
 
 use crate::graph::{Kind, NodeId, Op, Traced};
 use std::fmt;
+use std::iter::Sum;
+use std::ops::Add;
 
 /// The floating-point units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -99,6 +101,25 @@ impl Units {
             UnitKind::Compare => &mut self.compare,
             UnitKind::Decode => &mut self.decode,
         }
+    }
+}
+
+impl Add for Units {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self {
+            encode: self.encode + other.encode,
+            add: self.add + other.add,
+            multiply: self.multiply + other.multiply,
+            compare: self.compare + other.compare,
+            decode: self.decode + other.decode,
+        }
+    }
+}
+
+impl Sum for Units {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), Add::add)
     }
 }
 

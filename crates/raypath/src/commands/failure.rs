@@ -2,7 +2,6 @@ use raypath::configuration::ConfigurationError;
 use raypath::transactions::TransactionError;
 use std::fmt::Display;
 use std::io::ErrorKind;
-use std::path::Path;
 use std::process::ExitCode;
 use thiserror::Error;
 
@@ -30,11 +29,6 @@ impl Failure {
     /// Input or output cannot be used, for this reason.
     pub fn unusable(problem: impl Display) -> Self {
         Self::Unusable(problem.to_string())
-    }
-
-    /// The operating system refused something about a file.
-    pub fn file(path: &Path, doing: &str, problem: impl Display) -> Self {
-        Self::unusable(format!("{}: cannot {doing}: {problem}", path.display()))
     }
 
     /// Whether the reader of standard output has gone, as `head` does: no fault, and nothing to say.

@@ -1,6 +1,5 @@
 //! What is printed, held against independent tools: Verilator simulates it, and three front ends read it.
 
-mod frames;
 mod lint;
 mod properties;
 #[path = "../recorded/mod.rs"]

@@ -1,11 +1,11 @@
 //! The printed datapath, in Verilator, in every cycle like the cycle-exact model; so the golden vectors hold there too.
 
-use crate::frames::{Answers, Cycle, Stimulus};
 use crate::recorded::golden;
 use crate::representatives::REPRESENTATIVES;
 use raypath::engine::{PortEncoding, shape};
 use raypath::hdl::Module;
 use raypath::jobs::random;
+use raypath::lab::frames::{Answers, Cycle, Stimulus};
 use raypath::model::{Functional, OnPorts};
 use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::{Job, Outcome, Rules};

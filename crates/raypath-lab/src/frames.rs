@@ -1,11 +1,10 @@
 //! Stimuli for an open-loop simulation: a model of the pipeline says beforehand when each job will be accepted, and what
 //! every port must show in every cycle.
 
-use raypath::engine::PortEncoding;
-use raypath::hdl::Module;
-use raypath::model::{Elastic, Kind, OnPorts, Shape};
-use raypath::models::PaperModel;
-use raypath::traffic::{self, Traffic};
+use crate::engine::PortEncoding;
+use crate::traffic::{self, Traffic};
+use raypath_hdl::Module;
+use raypath_model::{Elastic, Kind, Model, OnPorts, Shape};
 use std::collections::HashMap;
 
 /// What one cycle puts on the inputs, and what the outputs must show.
@@ -16,32 +15,40 @@ pub struct Cycle<O> {
     pub expected: Option<Expected<O>>,
 }
 
+/// What the outputs must show in a cycle.
 pub struct Expected<O> {
+    /// `input_ready_o`.
     pub input_ready: bool,
+    /// The outcome, where `output_valid_o` is 1.
     pub output: Option<O>,
     encoding: PortEncoding,
 }
 
 /// When the source, the sink and the reset act.
-pub struct Stimulus<'j, M: PaperModel> {
+pub struct Stimulus<'j, M: Model> {
+    /// When the datapath shows what.
     pub shape: Shape,
+    /// How numbers stand at its ports.
     pub encoding: PortEncoding,
+    /// What goes in, in order.
     pub jobs: &'j [M::Job],
+    /// What should come out.
     pub answers: Answers<'j, M>,
+    /// When the source offers and the sink takes.
     pub traffic: Traffic,
     /// Cycles in which `rst_ni` falls; jobs in flight are lost. None for a run in which every job comes out.
     pub resets: Vec<usize>,
 }
 
 /// Where the expected outcomes come from.
-pub enum Answers<'j, M: PaperModel> {
+pub enum Answers<'j, M: Model> {
     /// A record, job by job. It knows of no resets.
     Recorded(&'j [M::Outcome]),
     /// The functional model.
     Model(M),
 }
 
-impl<M: PaperModel> Stimulus<'_, M> {
+impl<M: Model> Stimulus<'_, M> {
     /// Every cycle from power-on until the last job has left.
     pub fn cycles(mut self, top: &Module) -> Vec<Cycle<M::Outcome>> {
         let places: HashMap<&str, usize> =
@@ -73,7 +80,7 @@ impl<M: PaperModel> Stimulus<'_, M> {
             inputs[places["input_valid_i"]] = offered.is_some().into();
             inputs[places["output_ready_i"]] = output_ready.into();
             let input_ready = pipeline.input_ready(job.map_or(0, |job| job.kind().opcode()));
-            let expected = Expected { input_ready, output: pipeline.output().copied(), encoding: self.encoding };
+            let expected = Expected { input_ready, output: pipeline.output().cloned(), encoding: self.encoding };
             cycles.push(Cycle { inputs: inputs.clone(), expected: Some(expected) });
             if !reset {
                 let entering = offered.filter(|_| input_ready);
@@ -87,10 +94,10 @@ impl<M: PaperModel> Stimulus<'_, M> {
     }
 }
 
-impl<M: PaperModel> Answers<'_, M> {
+impl<M: Model> Answers<'_, M> {
     fn next(&mut self, index: usize, job: &M::Job) -> M::Outcome {
         match self {
-            Self::Recorded(outcomes) => outcomes[index],
+            Self::Recorded(outcomes) => outcomes[index].clone(),
             Self::Model(model) => model.run(job),
         }
     }

@@ -1,0 +1,50 @@
+use crate::files::FileError;
+use crate::progress::Stopped;
+use std::process::ExitCode;
+use thiserror::Error;
+
+/// Why an operation could not be studied.
+#[derive(Debug, Error)]
+pub enum LabError {
+    /// It does not fit the datapath.
+    #[error(transparent)]
+    Elaboration(#[from] raypath_rtl::Error),
+    /// A tool is missing, or has something to say about the emitted text.
+    #[error(transparent)]
+    Cosimulation(#[from] raypath_cosim::CosimError),
+    /// It could not be measured.
+    #[error(transparent)]
+    Measurement(#[from] raypath_ppa::Error),
+    /// A file cannot be written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// What is said cannot be written.
+    #[error("standard output: {0}")]
+    Output(#[from] std::io::Error),
+    /// Answers are wrong, or differ from the models'.
+    #[error("{0}")]
+    Mismatch(String),
+    /// The user stopped it.
+    #[error("stopped {0}")]
+    Stopped(#[from] Stopped),
+}
+
+impl LabError {
+    /// 1 for a mismatch, 2 for what cannot be used, 130 after Ctrl-C.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Mismatch(_) => ExitCode::from(1),
+            Self::Stopped(_) | Self::Measurement(raypath_ppa::Error::Stopped) => ExitCode::from(130),
+            _ => ExitCode::from(2),
+        }
+    }
+
+    /// Whether a tool is not installed, which need not end a study.
+    pub fn is_missing_tool(&self) -> bool {
+        matches!(
+            self,
+            Self::Cosimulation(raypath_cosim::CosimError::MissingTool { .. })
+                | Self::Measurement(raypath_ppa::Error::MissingTool { .. })
+        )
+    }
+}
