@@ -60,7 +60,7 @@ pub use lanes::{Four, Lanes, Native, Row, Width};
 pub use operation::Operation;
 pub use packed::{BLOCK, Packed, Part, Sixteen};
 pub use ray::{Ray, RayError};
-pub use ray_box::{RayBox, RayBoxInput, RayBoxOutput};
+pub use ray_box::{Entry, RayBox, RayBoxInput, RayBoxOutput, Slabs};
 pub use ray_triangle::{RayTriangle, RayTriangleInput, RayTriangleOutput};
 pub use rules::{ParseRulesError, Place, Rules};
 pub use vectors::VectorError;
