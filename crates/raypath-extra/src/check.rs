@@ -47,12 +47,8 @@ impl Scatter<Soft, Binary32, 1> for ToSoft {
 
 /// Answers blocks of jobs in SIMD lanes.
 #[inline(always)]
-pub fn in_lanes<S: Simd, O: Operation>(
-    simd: S,
-    operation: &O,
-    jobs: &[O::Input<Packed>],
-    answers: &mut [O::Output<Packed>],
-) where
+pub fn in_lanes<S: Simd, O>(simd: S, operation: &O, jobs: &[O::Input<Packed>], answers: &mut [O::Output<Packed>])
+where
     O: Operation<State<Lanes<S>> = ()>,
     O::Input<Binary32>: Family<Of<Packed> = O::Input<Packed>, Of<Lanes<S>> = O::Input<Lanes<S>>>,
     O::Output<Binary32>: Family<Of<Packed> = O::Output<Packed>, Of<Lanes<S>> = O::Output<Lanes<S>>>,

@@ -1,4 +1,5 @@
-//! A ray against eight boxes a job, as wide as RDNA 4's nodes ("Oct node", AMD RDNA 4 instruction set architecture, 2025).
+//! A ray against eight boxes a job, as wide as RDNA 4's nodes (AMD, "RDNA4 Instruction Set Architecture",
+//! IMAGE_BVH8_INTERSECT_RAY).
 //!
 //! The slab method is that of the four boxes. Adds, where those are, 24 adders in stage 2, 24 multipliers in stage 3 and
 //! comparators: 24 in stage 4, 4 in stage 5, 10 in stage 9 and 4 in stage 10.

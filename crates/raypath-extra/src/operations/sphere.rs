@@ -330,6 +330,11 @@ mod tests {
         }
     }
 
+    fn number_of(equation: &mut Quadratic<Binary32>, i: usize) -> &mut Num<Binary32> {
+        let Quadratic { a, b, c, discriminant, .. } = equation;
+        [a, b, c, discriminant].into_iter().nth(i).expect("one of four")
+    }
+
     #[test]
     fn wrong_answers_are_refused() {
         let (mut negated, mut hits) = (0, 0);
@@ -340,16 +345,16 @@ mod tests {
             wrong.sphere.hit = !wrong.sphere.hit;
             assert!(judge(&job, &wrong).is_err());
             let Some(exact) = Exact::of(&job) else { continue };
-            let fields: [fn(&mut Quadratic<Binary32>) -> &mut Num<Binary32>; 4] =
-                [|q| &mut q.a, |q| &mut q.b, |q| &mut q.c, |q| &mut q.discriminant];
-            for (field, [number, bound]) in fields.iter().zip([exact.a, exact.b, exact.c, exact.discriminant]) {
+            let numbers = [exact.a, exact.b, exact.c, exact.discriminant];
+            for (i, [number, bound]) in numbers.into_iter().enumerate() {
                 let mut wrong = right;
-                *field(&mut wrong.sphere) = f32::NAN.into();
+                *number_of(&mut wrong.sphere, i) = f32::NAN.into();
                 assert!(judge(&job, &wrong).is_err());
                 if exact::absolute(&number) > bound {
                     negated += 1;
                     let mut wrong = right;
-                    *field(&mut wrong.sphere) = -*field(&mut wrong.sphere);
+                    let number = number_of(&mut wrong.sphere, i);
+                    *number = -*number;
                     assert!(judge(&job, &wrong).is_err());
                 }
             }
