@@ -17,12 +17,12 @@ use thiserror::Error;
 ///
 /// Rules as for boxes by `paper` (`docs/semantics.md`): near and far change places where the sign bit of inv is set; along
 /// an axis in which the direction is ±0 a slab says nothing but that the ray is beside it; a NaN distance drops out; hit
-/// where tmin ≤ tmax; hits first, nearer first, ties by index. Unused boxes have a min of 255 and a max of 0.
+/// where tmin ≤ tmax; hits first, nearer first, ties by index. A box whose min exceeds its max is taken as it stands.
 ///
 /// **How far it is not conservative.** With D = node.origin - ray.origin and P = offset · scale, a slab distance is within
 /// 5 u (|D| + |P|) / |dir| of the exact one, u = 2⁻²⁴, where nothing over- or underflows. A box whose slabs the ray is in
-/// together for less than twice that may be missed. This is for the ray's distance from the node, in which nodes are seen,
-/// what rounding the inverse does for boxes that are not quantised.
+/// together for less than twice that may be missed, and one that it misses by less may be hit. Unlike those of other
+/// boxes, planes close to the ray's origin are not known better than those far from it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct QuantisedBox;
 
@@ -36,6 +36,8 @@ bundle! {
         pub scale: Vec3<C>,
         /// The children's boxes.
         pub child: [OffsetBox<C>; 4],
+        /// Which children there are; one that is not there is missed, whatever its box.
+        pub used: Flags<C, 4>,
     }
 }
 
@@ -80,9 +82,9 @@ impl Operation for QuantisedBox {
     #[inline(always)]
     fn run<C: Circuit>(&self, c: C, input: QuantisedBoxInput<C>, _state: ()) -> (RayBoxOutput<C>, ()) {
         let QuantisedBoxInput { ray, node } = input;
-        let [parallel, backwards] = [each(ray.dir, Num::is_zero), each(ray.inv, Num::sign_bit)];
 
         c.stage(2, "node - ray origin ; scale times inv");
+        let [parallel, backwards] = [each(ray.dir, Num::is_zero), each(ray.inv, Num::sign_bit)];
         let relative = coordinates(node.origin - ray.origin);
         let (inv, scale) = (coordinates(ray.inv), coordinates(node.scale));
         // Where the ray runs along a slab, distances across it instead: inv is infinite.
@@ -118,7 +120,7 @@ impl Operation for QuantisedBox {
 
         c.stage(6, "hit = tmin against tmax");
         let unsorted: [Place<C, 2>; 4] = array_of!(i => {
-            let hit = inside[i].min.compare(inside[i].max).less_or_equal();
+            let hit = node.used.0[i] & inside[i].min.compare(inside[i].max).less_or_equal();
             Place { hit, tmin: hit.select(inside[i].min, c.infinity()), index: c.word(i as u32) }
         });
         c.label(format_args!("unsorted"), &unsorted);
@@ -193,7 +195,7 @@ impl QuantisedNode<Binary32> {
             boxes.iter().map(slab).map(|slab| [slab.min, slab.max].map(f32::from)).enumerate()
         };
         let (mut origin, mut scale) = ([0.0_f32; 3], [0.0_f32; 3]);
-        let mut offsets = [[[255, 0]; 3]; 4];
+        let mut offsets = [[[0, 0]; 3]; 4];
         for axis in 0..3 {
             let (mut least, mut greatest) = (f32::MAX, f32::MIN);
             for (child, [min, max]) in slabs(axis) {
@@ -213,7 +215,8 @@ impl QuantisedNode<Binary32> {
         }
         let slab = |[min, max]: [u32; 2]| OffsetSlab { min: Word::truncate(min), max: Word::truncate(max) };
         let child = offsets.map(|[x, y, z]| OffsetBox { x: slab(x), y: slab(y), z: slab(z) });
-        Ok(Self { origin: origin.into(), scale: scale.into(), child })
+        let used = Flags::new(std::array::from_fn(|i| i < boxes.len()));
+        Ok(Self { origin: origin.into(), scale: scale.into(), child, used })
     }
 }
 
@@ -256,6 +259,7 @@ pub fn stimulus(rng: &mut impl Rng) -> QuantisedBoxInput<Binary32> {
             });
             OffsetBox { x, y, z }
         }),
+        used: Flags::from_mask(rng.random_range(0..16)),
     };
     let node = if rng.random_bool(0.2) { Err(()) } else { QuantisedNode::encode(&boxes[..count]).map_err(|_| ()) };
     let mut node = node.unwrap_or(any);
@@ -287,6 +291,12 @@ pub fn judge(job: &QuantisedBoxInput<Binary32>, answer: &RayBoxOutput<Binary32>)
         let infinite = f32::INFINITY.to_bits();
         if tmin > infinite || (miss && tmin != infinite) {
             return Err(format!("box {index}: tmin has the bits {tmin:08x}, expected a distance, +∞ of a miss"));
+        }
+        if !job.node.used.to_array()[index] {
+            if miss {
+                continue;
+            }
+            return Err(format!("box {index} is hit, but is not there"));
         }
         let Some(exact) = Exact::of(job, index) else { continue };
         let place = exact::value(Num::from_bits(tmin));
@@ -423,6 +433,15 @@ mod tests {
         assert_eq!(answer.tmin.map(f32::from), [0.5, 4.5, f32::INFINITY, f32::INFINITY]);
     }
 
+    /// From so far away that all planes of the node are at the same distance.
+    #[test]
+    fn children_that_are_not_there_are_missed() {
+        let ray = Ray::new([0.5, 0.5, -1e12], [0.0, 0.0, 1.0], f32::INFINITY).expect("a ray");
+        let answer = run(ray, &[Aabb::new([0.0; 3], [1.0; 3])]);
+        assert_eq!(answer.is_intersect.to_array(), [true, false, false, false]);
+        assert_eq!(answer.box_index.map(u32::from), [0, 1, 2, 3]);
+    }
+
     /// A ray along an axis, or in a plane: beside a box, in its face, inside.
     #[test]
     fn along_slabs() {
@@ -500,7 +519,8 @@ mod tests {
                 let mut wrong = right;
                 wrong.box_index[place] = right.box_index[(place + 1) % 4];
                 assert!(judge(&job, &wrong).is_err(), "a box in two places");
-                if Exact::of(&job, index).is_some_and(|exact| exact.hit().is_some()) {
+                let used = job.node.used.to_array()[index];
+                if !used || Exact::of(&job, index).is_some_and(|exact| exact.hit().is_some()) {
                     certain += 1;
                     hits += i32::from(hit);
                     let mut wrong = right;
