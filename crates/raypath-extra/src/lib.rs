@@ -6,7 +6,7 @@
 //! | [`key_compare`] | a key against 36 separators: nodes of B-trees | 12 comparators |
 //! | [`octbox`] | a ray against eight boxes a job | 24 adders, 24 multipliers, 42 comparators |
 //! | [`point_in_box`] | a point against four boxes: range search, point location | no units |
-//! | [`quantised_box`] | a ray against four boxes of 8 bits a bound: compressed wide nodes | 16 adders, 6 multipliers, 28 comparators |
+//! | [`quantised_box`] | a ray against four boxes of 8 bits a bound: compressed wide nodes | 16 adders, 6 multipliers, 24 comparators |
 //! | [`sphere`] | a ray against a sphere: particles, curves' ends, bounding spheres | no units |
 //!
 //! Beside its operation each file has what verification needs: `stimulus` draws a random job that matters, and `judge`

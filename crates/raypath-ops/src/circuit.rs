@@ -44,7 +44,7 @@ pub trait Circuit: Copy + Debug + PartialEq {
     /// Reads a relation from a comparison.
     fn relation(self, order: Self::Order, relation: Relation) -> Self::Bit;
     /// A word of `width` bits, at most 16, as a number; costs no adder. It is exact in the circuit's format, which must
-    /// have every value of such a word: 8 bits take 8 bits of significand and 4 of exponent.
+    /// have every value of such a word: as many bits of significand, and exponents for them.
     fn number_of(self, width: u32, word: Self::Word) -> Self::Num;
     /// Reads a number's sign and class; costs no comparator.
     fn test(self, test: Test, a: Self::Num) -> Self::Bit;

@@ -2,8 +2,8 @@
 //! Traversal on GPUs Through Compressed Wide BVHs", HPG 2017; Vortex and RDNA 4 have such nodes as well).
 //!
 //! A plane at `origin + offset · scale` is at the distance `(origin - ray.origin) · inv + offset · (scale · inv)`, so that the
-//! 24 multiplications of stage 3 suffice. Adds 3 multipliers in stage 2 and 3 in stage 3, 16 adders in stage 4, 24 comparators
-//! (less what else stage 5 has) in stage 5 and 4 in stage 6; the sort is that of the four boxes.
+//! 24 multiplications of stage 3 suffice. Adds 3 multipliers in stage 2 and 3 in stage 3, 16 adders in stage 4, 20 comparators
+//! in stage 5 and 4 in stage 6; the sort is that of the four boxes.
 
 use crate::{draw, exact};
 use num_rational::BigRational;
