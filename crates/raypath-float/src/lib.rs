@@ -29,6 +29,7 @@ mod encode;
 mod lookahead;
 mod mul;
 mod normalise;
+mod number;
 mod parts;
 mod recoded;
 
@@ -37,4 +38,5 @@ pub use compare::compare;
 pub use decode::decode;
 pub use encode::encode;
 pub use mul::{mul, mul_parts};
+pub use number::number;
 pub use raypath_format::{Format, FormatError};

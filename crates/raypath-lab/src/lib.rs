@@ -30,4 +30,4 @@ pub use datapath::Datapath;
 pub use error::LabError;
 pub use model::{AnyKind, AnyModel, Words};
 pub use operation::AnyOperation;
-pub use study::{AnyStudy, Study};
+pub use study::{AnyStudy, Registered, Study, registered};

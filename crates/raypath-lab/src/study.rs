@@ -95,6 +95,19 @@ impl<O> From<Study<O>> for AnyStudy {
     }
 }
 
+/// An operation that a crate offers to every program that it is linked into: `inventory::submit! { Registered(...) }` in
+/// the operation's own file is all that there is to do.
+pub struct Registered(pub fn() -> AnyStudy);
+
+inventory::collect!(Registered);
+
+/// All operations that are registered, by name.
+pub fn registered() -> Vec<AnyStudy> {
+    let mut all: Vec<AnyStudy> = inventory::iter::<Registered>.into_iter().map(|Registered(study)| study()).collect();
+    all.sort_by_key(AnyStudy::name);
+    all
+}
+
 impl AnyStudy {
     /// The operation's name.
     pub fn name(&self) -> &'static str {

@@ -63,6 +63,10 @@ impl Circuit for Binary64 {
         }
     }
     #[inline]
+    fn number_of(self, _width: u32, word: u32) -> Double {
+        Double(word.into())
+    }
+    #[inline]
     fn test(self, test: Test, a: Double) -> bool {
         match test {
             Test::SignBit => a.0.is_sign_negative(),

@@ -56,6 +56,10 @@ impl Circuit for Soft {
         })
     }
     #[inline]
+    fn number_of(self, _width: u32, word: u32) -> SoftNumber {
+        SoftNumber(self.format.from_f64(word.into()))
+    }
+    #[inline]
     fn test(self, test: Test, a: SoftNumber) -> bool {
         let against_zero = |relation| self.relation(self.compare(a, SoftNumber(0)), relation);
         match test {

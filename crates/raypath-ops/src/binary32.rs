@@ -75,6 +75,10 @@ impl Circuit for Binary32 {
         }
     }
     #[inline(always)]
+    fn number_of(self, _width: u32, word: u32) -> Single {
+        Single(word as f32)
+    }
+    #[inline(always)]
     fn test(self, test: Test, a: Single) -> bool {
         match test {
             Test::SignBit => a.0.is_sign_negative(),
@@ -86,9 +90,9 @@ impl Circuit for Binary32 {
     }
 
     #[inline(always)]
-    fn sort(self, boxes: [Place<Self>; 4]) -> [Place<Self>; 4] {
+    fn sort(self, boxes: [Place<Self, 2>; 4]) -> [Place<Self, 2>; 4] {
         // Numbers that are not negative are ordered as their bits are, so one word says all that decides.
-        let key = |place: Place<Self>| {
+        let key = |place: Place<Self, 2>| {
             let [tmin, hit, index] = [place.tmin.value.0.to_bits(), place.hit.value.into(), place.index.value];
             u64::from(tmin) << 3 | u64::from(!hit & 1) << 2 | u64::from(index)
         };

@@ -158,7 +158,8 @@ impl<C: Circuit> Bundle<C> for () {
     fn each<S: Sink<C> + ?Sized>(&self, _: &mut Path, _: &mut S) {}
 }
 
-/// Declares a structure over a circuit `C` and makes it a [`Bundle`]: its fields are named once, and ports follow.
+/// Declares a structure over a circuit `C` and makes it a [`Bundle`]: its fields are named once, and ports follow. It may
+/// have one more parameter, a constant such as a number of lanes or a word's width.
 ///
 /// ```
 /// raypath_ops::bundle! {
@@ -175,17 +176,17 @@ impl<C: Circuit> Bundle<C> for () {
 macro_rules! bundle {
     (
         $(#[$attribute:meta])*
-        pub struct $name:ident<C $(, const $n:ident: usize)?> {
+        pub struct $name:ident<C $(, const $n:ident: $kind:ident)?> {
             $($(#[$field_attribute:meta])* pub $field:ident: $type:ty,)*
         }
     ) => {
         $(#[$attribute])*
         #[derive(Debug, Clone, Copy, PartialEq)]
-        pub struct $name<C: $crate::Circuit $(, const $n: usize)?> {
+        pub struct $name<C: $crate::Circuit $(, const $n: $kind)?> {
             $($(#[$field_attribute])* pub $field: $type,)*
         }
 
-        impl$(<const $n: usize>)? $crate::Family for $name<$crate::Binary32 $(, $n)?> {
+        impl$(<const $n: $kind>)? $crate::Family for $name<$crate::Binary32 $(, $n)?> {
             type Of<D: $crate::Circuit> = $name<D $(, $n)?>;
 
             #[inline(always)]
@@ -223,7 +224,7 @@ macro_rules! bundle {
             }
         }
 
-        impl<C: $crate::Circuit $(, const $n: usize)?> $crate::Bundle<C> for $name<C $(, $n)?> {
+        impl<C: $crate::Circuit $(, const $n: $kind)?> $crate::Bundle<C> for $name<C $(, $n)?> {
             fn build<S: $crate::Source<C> + ?Sized>(path: &mut $crate::Path, source: &mut S) -> Self {
                 $(
                     let entered = path.enter(stringify!($field));

@@ -47,6 +47,9 @@ pub trait Circuit: Copy + Debug + PartialEq {
     fn compare(self, a: Self::Num, b: Self::Num) -> Self::Order;
     /// Reads a relation from a comparison.
     fn relation(self, order: Self::Order, relation: Relation) -> Self::Bit;
+    /// A word of `width` bits, at most 16, as a number; costs no adder. It is exact in the circuit's format, which must
+    /// have every value of such a word: as many bits of significand, and exponents for them.
+    fn number_of(self, width: u32, word: Self::Word) -> Self::Num;
     /// Reads a number's sign and class; costs no comparator.
     fn test(self, test: Test, a: Self::Num) -> Self::Bit;
 
@@ -97,7 +100,7 @@ pub trait Circuit: Copy + Debug + PartialEq {
     }
     /// Boxes, nearest hit first and misses last; no distance is negative or NaN, none is −0.
     #[inline(always)]
-    fn sort(self, boxes: [Place<Self>; 4]) -> [Place<Self>; 4] {
+    fn sort(self, boxes: [Place<Self, 2>; 4]) -> [Place<Self, 2>; 4] {
         rules::sort(self, boxes)
     }
     /// The numbers, exchanged where `condition` holds.
@@ -356,6 +359,13 @@ impl<C: Circuit, const W: u32> Word<C, W> {
     /// What the circuit knows it by.
     pub fn value(self) -> C::Word {
         self.value
+    }
+
+    /// Its value as a number, exact: the circuit's format must have every value of a word of `W` bits, 16 at most.
+    #[inline(always)]
+    pub fn number(self) -> Num<C> {
+        const { assert!(W <= 16, "a word of at most 16 bits becomes a number") };
+        Num::new(self.circuit, self.circuit.number_of(W, self.value))
     }
 
     /// Whether it equals a constant.

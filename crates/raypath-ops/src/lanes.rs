@@ -119,6 +119,8 @@ impl<S: Simd, W: Width<S>> Lanes<S, W> {
 /// Set in the key of a box that is missed, above its index.
 const MISSES: i32 = 4;
 
+const TWO_TO_23: f32 = 8_388_608.0;
+
 const X86: bool = cfg!(any(target_arch = "x86", target_arch = "x86_64"));
 
 impl<S: Simd, W: Width<S>> Circuit for Lanes<S, W>
@@ -163,6 +165,12 @@ where
             Relation::GreaterOrEqual => a.0.simd_ge(b.0),
             Relation::Greater => a.0.simd_gt(b.0),
         })
+    }
+    #[inline(always)]
+    fn number_of(self, _width: u32, word: Self::Word) -> Self::Num {
+        // Among the numbers from 2^23 on, of which the last fraction bit is worth 1.
+        let above = (word.0 | self.constant_word(32, TWO_TO_23.to_bits()).0).bitcast::<W::Nums>();
+        Row(above - self.constant(TWO_TO_23).0)
     }
     #[inline(always)]
     fn test(self, test: Test, a: Self::Num) -> Self::Bit {
@@ -235,7 +243,7 @@ where
         Num::new(self, Row(self.lesser(x.value.0, self.lesser(y.value.0, z_extent))))
     }
     #[inline(always)]
-    fn sort(self, boxes: [Place<Self>; 4]) -> [Place<Self>; 4] {
+    fn sort(self, boxes: [Place<Self, 2>; 4]) -> [Place<Self, 2>; 4] {
         // Misses and index make one word, which decides ties and moves as one.
         let mut sorted: [(W::Nums, W::Ints); 4] = array_of!(i => {
             let misses = !boxes[i].hit.value.0.to_vector() & MISSES;

@@ -62,7 +62,7 @@ pub use operation::Operation;
 pub use packed::{BLOCK, Packed, Part, Sixteen};
 pub use ports::{Port, PortKind, PortValue, from_words, ports_of, to_canonical_words, to_words};
 pub use ray::{Ray, RayError};
-pub use ray_box::{RayBox, RayBoxInput, RayBoxOutput};
+pub use ray_box::{Entry, RayBox, RayBoxInput, RayBoxOutput, Slabs};
 pub use ray_triangle::{RayTriangle, RayTriangleInput, RayTriangleOutput};
 pub use rules::{ParseRulesError, Place, Rules};
 pub use vectors::VectorError;

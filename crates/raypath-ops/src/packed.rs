@@ -67,6 +67,9 @@ impl Circuit for Packed {
     fn relation(self, (a, b): Self::Order, relation: Relation) -> Self::Bit {
         a.zip(b, |a, b| mask(Binary32.relation((Single(a), Single(b)), relation)))
     }
+    fn number_of(self, _width: u32, word: Self::Word) -> Self::Num {
+        word.map(|word| word as f32)
+    }
     fn test(self, test: Test, a: Self::Num) -> Self::Bit {
         a.map(|a| mask(Binary32.test(test, Single(a))))
     }

@@ -49,7 +49,7 @@ impl Operation for RayBox {
         let RayBoxInput { ray, aabb } = input;
 
         let hits = c.alike(&Slabs { rules: self.rules }, &ray, &aabb);
-        let unsorted: [Place<C>; 4] = array_of!(i => Place { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) },
+        let unsorted: [Place<C, 2>; 4] = array_of!(i => Place { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) },
         );
         c.label(format_args!("unsorted"), &unsorted);
 
@@ -66,9 +66,12 @@ impl Operation for RayBox {
     }
 }
 
-/// The slab method, for each box alike.
-struct Slabs {
-    rules: Rules,
+/// The slab method, for each box alike, in stages 2 to 5: 6 adders, 6 multipliers, 6 comparators and one more for each
+/// box (by the rules `paper`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Slabs {
+    /// The rules on the edges.
+    pub rules: Rules,
 }
 
 bundle! {

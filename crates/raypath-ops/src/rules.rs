@@ -28,14 +28,14 @@ bundle! {
 }
 
 bundle! {
-    /// A box on its way through the sorting network.
-    pub struct Place<C> {
+    /// A box on its way through a sorting network.
+    pub struct Place<C, const W: u32> {
         /// Whether the ray hits it.
         pub hit: Bit<C>,
         /// Where; +∞ if it does not.
         pub tmin: Num<C>,
         /// Which of the job's boxes it is.
-        pub index: Word<C, 2>,
+        pub index: Word<C, W>,
     }
 }
 
@@ -80,7 +80,7 @@ impl Rules {
 
     /// Nearest hit first, misses last.
     #[inline(always)]
-    pub(crate) fn sort<C: Circuit>(self, c: C, boxes: [Place<C>; 4]) -> [Place<C>; 4] {
+    pub(crate) fn sort<C: Circuit>(self, c: C, boxes: [Place<C, 2>; 4]) -> [Place<C, 2>; 4] {
         match self {
             Rules::Paper => c.sort(boxes),
             Rules::Chisel => {
@@ -161,7 +161,7 @@ pub(crate) fn smallest_or_extent<C: Circuit>(
 
 /// Nearest hit first, misses last, by a sorting network.
 #[inline(always)]
-pub(crate) fn sort<C: Circuit>(c: C, boxes: [Place<C>; 4]) -> [Place<C>; 4] {
+pub(crate) fn sort<C: Circuit>(c: C, boxes: [Place<C, 2>; 4]) -> [Place<C, 2>; 4] {
     Rules::Paper.sort_four(c, "sort", boxes)
 }
 
@@ -171,11 +171,11 @@ trait Sort<C: Circuit>: Select<C> + Bundle<C> {
     fn swaps(rules: Rules, a: Self, b: Self) -> Bit<C>;
 }
 
-impl<C: Circuit> Sort<C> for Place<C> {
+impl<C: Circuit, const W: u32> Sort<C> for Place<C, W> {
     #[inline(always)]
     fn swaps(rules: Rules, a: Self, b: Self) -> Bit<C> {
         match rules {
-            Rules::Paper => precedes(b, a),
+            Rules::Paper => b.precedes(a),
             Rules::Chisel => Num::swaps(rules, a.tmin, b.tmin),
         }
     }
@@ -189,16 +189,18 @@ impl<C: Circuit> Sort<C> for Num<C> {
     }
 }
 
-/// Nearer before farther; at the same distance hits before misses, then by index.
-#[inline(always)]
-fn precedes<C: Circuit>(a: Place<C>, b: Place<C>) -> Bit<C> {
-    let distance = a.tmin.compare(b.tmin);
-    let only_a_hits = a.hit & !b.hit;
-    let tie = only_a_hits | (a.hit.same_as(b.hit) & a.index.less(b.index));
-    distance.less() | (distance.equal() & tie)
+impl<C: Circuit, const W: u32> Place<C, W> {
+    /// Nearer before farther; at the same distance hits before misses, then by index.
+    #[inline(always)]
+    pub fn precedes(self, other: Self) -> Bit<C> {
+        let distance = self.tmin.compare(other.tmin);
+        let only_this_hits = self.hit & !other.hit;
+        let tie = only_this_hits | (self.hit.same_as(other.hit) & self.index.less(other.index));
+        distance.less() | (distance.equal() & tie)
+    }
 }
 
-impl<C: Circuit> Select<C> for Place<C> {
+impl<C: Circuit, const W: u32> Select<C> for Place<C, W> {
     #[inline(always)]
     fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
         Self {

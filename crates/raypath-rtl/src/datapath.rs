@@ -159,7 +159,7 @@ impl Datapath {
     /// Those of [`Datapath::of`].
     pub fn build(operations: Operations, config: Config) -> Result<Self, Error> {
         let plan = Plan::new(&operations.staged(config)?, config);
-        let library = Library::new(config)?;
+        let library = Library::new(&plan)?;
         let pipeline = top::pipeline(&plan, &library, &description(&plan))?;
         Ok(Self { plan, library, pipeline })
     }

@@ -38,6 +38,8 @@ pub enum Op {
     Multiply(NodeId, NodeId),
     Compare(NodeId, NodeId),
     Negate(NodeId),
+    /// A word as a number.
+    NumberOf(NodeId),
     /// Floats: it costs next to nothing, so it is made where it saves registers, not where it was written.
     Test(Test, NodeId),
     Relation(NodeId, Relation),
@@ -168,7 +170,9 @@ impl Traced {
     pub fn operands(&self, id: NodeId) -> Vec<NodeId> {
         match self.node(id).op {
             Op::Input(_) | Op::State(_) | Op::Number(_) | Op::Bit(_) | Op::Word(_) => vec![],
-            Op::Continue(a) | Op::Negate(a) | Op::Test(_, a) | Op::Relation(a, _) | Op::Not(a) => vec![a],
+            Op::Continue(a) | Op::Negate(a) | Op::NumberOf(a) | Op::Test(_, a) | Op::Relation(a, _) | Op::Not(a) => {
+                vec![a]
+            }
             Op::Add(a, b)
             | Op::Subtract(a, b)
             | Op::Multiply(a, b)

@@ -1,8 +1,10 @@
-use crate::config::Config;
 use crate::control;
+use crate::graph::{Kind, Op, Traced};
+use crate::plan::Plan;
 use crate::units::{Unit, UnitKind};
 use raypath_float::Format;
 use raypath_hdl::{Error, Module};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The modules that steps are made of, each built once.
@@ -16,11 +18,18 @@ pub struct Library {
     add: Vec<Arc<Module>>,
     multiply: Vec<Arc<Module>>,
     compare: Arc<Module>,
+    /// What makes numbers of words, by the words' width.
+    numbers: BTreeMap<u32, Arc<Module>>,
 }
 
 impl Library {
-    pub fn new(config: Config) -> Result<Self, Error> {
-        let (format, parts) = (config.format, config.unit_latency.stages());
+    /// The modules of a plan.
+    pub fn new(plan: &Plan) -> Result<Self, Error> {
+        let (format, parts) = (plan.config.format, plan.config.unit_latency.stages());
+        let mut numbers = BTreeMap::new();
+        for width in plan.operations.iter().flat_map(word_widths) {
+            numbers.insert(width, raypath_float::number(format, width)?);
+        }
         Ok(Self {
             format,
             skid: control::skid()?,
@@ -29,6 +38,7 @@ impl Library {
             add: raypath_float::add_parts(format, parts)?,
             multiply: raypath_float::mul_parts(format, parts)?,
             compare: raypath_float::compare(format)?,
+            numbers,
         })
     }
 
@@ -42,6 +52,11 @@ impl Library {
             UnitKind::Compare => &self.compare,
             UnitKind::Decode => &self.decode,
         }
+    }
+
+    /// What makes a number of a word of `width` bits, of those that the plan has.
+    pub fn number(&self, width: u32) -> Option<&Arc<Module>> {
+        self.numbers.get(&width)
     }
 
     /// The kind of unit that a module is, or is a part of.
@@ -61,4 +76,15 @@ impl Library {
         let module = self.unit(unit);
         module.outputs().iter().map(|port| (port.stem(), module.signal(port.signal).width))
     }
+}
+
+/// The widths of the words that an operation makes numbers of.
+fn word_widths(traced: &Traced) -> impl Iterator<Item = u32> {
+    traced.nodes.iter().filter_map(|node| match node.op {
+        Op::NumberOf(word) => match traced.node(word).kind {
+            Kind::Word(width) => Some(width),
+            _ => None,
+        },
+        _ => None,
+    })
 }

@@ -165,6 +165,12 @@ impl Circuit for Tracer<'_> {
         let stage = self.graph.nodes.borrow()[order.index()].stage;
         self.push_at(stage, BIT, Op::Relation(order, relation))
     }
+    fn number_of(self, _width: u32, word: NodeId) -> NodeId {
+        match self.known_word(word) {
+            Some(value) => self.constant(value as f32),
+            None => self.push(Kind::Number, Op::NumberOf(word)),
+        }
+    }
     fn test(self, test: Test, a: NodeId) -> NodeId {
         match self.known_number(a) {
             Some(number) => self.constant_bit(Binary32.test(test, Single(number))),

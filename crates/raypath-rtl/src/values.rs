@@ -217,6 +217,12 @@ impl<'m, 'p> Values<'m, 'p> {
                 relate(results[0], results[1], results[2], relation)
             }
             Op::Negate(a) => negate(self.get(op, a)?),
+            Op::NumberOf(a) => {
+                let word = self.get(op, a)?;
+                let name = self.free_name(&format!("u_number_{}_{}", traced.name, traced.name_of(id)));
+                let unit = self.library.number(word.width()).ok_or_else(|| self.unplaced(op, a))?;
+                m.instance(&name, unit, &[("word_i", word)])[0]
+            }
             Op::Test(test, a) => self.test(test, op, a)?,
             Op::And(a, b) => self.get(op, a)? & self.get(op, b)?,
             Op::Or(a, b) => self.get(op, a)? | self.get(op, b)?,

@@ -177,6 +177,51 @@ fn constants_cost_no_registers() {
     assert_eq!(flip_flops(&Constants), flip_flops(&ConstantBit));
 }
 
+operation!(Scaled, |c, i| {
+    c.stage(2, "the word's value times a");
+    let value = i.word.number();
+    let product = value * i.a;
+    c.stage(6, "of a constant, and of a word late");
+    let late = c.word::<3>(5).number() + i.word.number();
+    Output { number: product, is_so: late.compare(i.b).equal(), code: i.word }
+});
+
+#[test]
+fn words_may_be_numbers() {
+    let jobs: [(f32, f32, bool, u64); 8] = std::array::from_fn(|i| (-1.5, 9.0, false, i as u64));
+    let expected: Vec<_> = (0..8).map(|i| (-1.5 * i as f32, i == 4, i as u64)).collect();
+    let found = answers(&Scaled, &jobs);
+    assert_eq!(found, expected);
+    assert!(found[0].0.is_sign_negative(), "0 times a negative number");
+}
+
+#[test]
+fn words_that_the_format_does_not_have_are_refused() {
+    operation!(Wide, |c, i| {
+        c.stage(2, "the word's value");
+        Output { number: i.word.number() * i.a, is_so: i.flag, code: i.word }
+    });
+    let config = |s| Config { format: Format::new(3, s).expect("a format"), ..Config::DEFAULT };
+    let build = |s| Datapath::build(Operations::new().with(&Wide, 0).expect("an operation"), config(s));
+    assert!(build(3).is_ok());
+
+    struct Nine;
+    impl Operation for Nine {
+        const NAME: &'static str = "nine";
+        type Input<C: Circuit> = Word<C, 9>;
+        type Output<C: Circuit> = Num<C>;
+        type State<C: Circuit> = ();
+        fn run<C: Circuit>(&self, c: C, word: Word<C, 9>, _: ()) -> (Num<C>, ()) {
+            c.stage(2, "the word's value");
+            (word.number(), ())
+        }
+    }
+    let nine = || Operations::new().with(&Nine, 0).expect("an operation");
+    let error = Datapath::build(nine(), Config { format: Format::new(8, 8).expect("a format"), ..Config::DEFAULT });
+    let said = error.expect_err("bfloat16 has no 257").to_string();
+    assert!(said.contains("has 9 bits, expected 1 to 8"), "{said}");
+}
+
 /// Keeps the largest number so far, and begins again where it was negative or the flag is set.
 struct Largest;
 

@@ -6,6 +6,7 @@ mod integer;
 mod other_formats;
 mod small_formats;
 mod verilator;
+mod words;
 
 use raypath_float::Format;
 use raypath_hdl::{Error, Module};

@@ -1,0 +1,194 @@
+//! A ray against eight boxes a job, as wide as RDNA 4's nodes (AMD, "RDNA4 Instruction Set Architecture",
+//! IMAGE_BVH8_INTERSECT_RAY).
+//!
+//! The slab method is that of the four boxes. Adds, where those are, 24 adders in stage 2, 24 multipliers in stage 3 and
+//! comparators: 24 in stage 4, 4 in stage 5, 10 in stage 9 and 4 in stage 10.
+
+use raypath_lab::{Registered, Study};
+use crate::draw;
+use rand::{Rng, RngExt};
+use raypath_ops::{
+    Aabb, Binary32, Circuit, Entry, Flags, Num, Operation, Place, Ray, RayBox, RayBoxInput, Rules, Slabs, Word,
+    array_of, bundle,
+};
+
+/// Which of eight boxes a ray hits, nearest first.
+///
+/// By the rules `paper` (`docs/semantics.md`): boxes are hit and missed as by [`RayBox`], hits stand before misses, nearer
+/// before farther, and equal distances by index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Octbox;
+
+bundle! {
+    /// A ray and eight boxes; the first four are on the ports of the four boxes.
+    pub struct OctboxInput<C> {
+        /// The ray.
+        pub ray: Ray<C>,
+        /// The boxes.
+        pub aabb: [Aabb<C>; 8],
+    }
+}
+
+bundle! {
+    /// The eight boxes by distance.
+    pub struct OctboxOutput<C> {
+        /// Whether the box in each place is hit.
+        pub octbox_is_intersect: Flags<C, 8>,
+        /// Where the ray enters it, in units of the direction's length; +∞ for a miss.
+        pub octbox_tmin: [Num<C>; 8],
+        /// Which of the job's boxes it is.
+        pub octbox_box_index: [Word<C, 3>; 8],
+    }
+}
+
+/// Batcher's odd-even merge sort: 19 exchanges, six deep. These sort each half.
+const SORT_HALVES: [(usize, usize); 10] =
+    [(0, 1), (2, 3), (4, 5), (6, 7), (0, 2), (1, 3), (4, 6), (5, 7), (1, 2), (5, 6)];
+/// And these merge the halves.
+const MERGE: [(usize, usize); 9] = [(0, 4), (1, 5), (2, 6), (3, 7), (2, 4), (3, 5), (1, 2), (3, 4), (5, 6)];
+
+impl Operation for Octbox {
+    const NAME: &'static str = "octbox";
+    type Input<C: Circuit> = OctboxInput<C>;
+    type Output<C: Circuit> = OctboxOutput<C>;
+    type State<C: Circuit> = ();
+
+    #[inline(always)]
+    fn run<C: Circuit>(&self, c: C, input: OctboxInput<C>, _state: ()) -> (OctboxOutput<C>, ()) {
+        let OctboxInput { ray, aabb } = input;
+
+        let hits: [Entry<C>; 8] = c.alike(&Slabs { rules: Rules::Paper }, &ray, &aabb);
+        let mut places: [Place<C, 3>; 8] =
+            array_of!(i => Place { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) });
+        c.label(format_args!("unsorted"), &places);
+
+        c.stage(9, "sort each half by tmin, values and indices");
+        exchange(c, "half", &mut places, &SORT_HALVES);
+
+        c.stage(10, "merge the halves");
+        exchange(c, "merge", &mut places, &MERGE);
+        c.label(format_args!("sorted"), &places);
+
+        let output = OctboxOutput {
+            octbox_is_intersect: Flags(array_of!(i => places[i].hit)),
+            octbox_tmin: array_of!(i => places[i].tmin),
+            octbox_box_index: array_of!(i => places[i].index),
+        };
+        (output, ())
+    }
+}
+
+/// Each pair in order, one after another.
+#[inline(always)]
+fn exchange<C: Circuit>(c: C, name: &str, places: &mut [Place<C, 3>; 8], pairs: &[(usize, usize)]) {
+    for (step, &(i, j)) in pairs.iter().enumerate() {
+        let swap = places[j].precedes(places[i]);
+        (places[i], places[j]) = swap.exchange(places[i], places[j]);
+        c.label(format_args!("{name}_swap_{step}"), &swap);
+        c.label(format_args!("{name}_{step}_first"), &places[i]);
+        c.label(format_args!("{name}_{step}_second"), &places[j]);
+    }
+}
+
+inventory::submit! {
+    Registered(|| Study::of(Octbox).purpose("a ray against eight boxes a job").stimulus(stimulus).oracle("two quadboxes and a sort", judge).into())
+}
+
+/// Eight boxes and a ray towards a point of one; boxes that are equal, inside out or at the edges of the format among them.
+pub fn stimulus(rng: &mut impl Rng) -> OctboxInput<Binary32> {
+    let mut aabb = [(); 8].map(|()| draw::aabb(rng));
+    let aimed_at = aabb[rng.random_range(0..8)];
+    let target = draw::point_of(rng, aimed_at);
+    let mut ray = draw::ray_at(rng, target);
+    if rng.random_bool(0.3) {
+        for _ in 0..4 {
+            aabb[rng.random_range(0..8)] = aabb[rng.random_range(0..8)];
+        }
+    }
+    if rng.random_bool(0.1) {
+        let slab = &mut aabb[rng.random_range(0..8)].y;
+        (slab.min, slab.max) = (draw::edge(rng).into(), draw::edge(rng).into());
+    }
+    if rng.random_bool(0.03) {
+        let field = [&mut ray.origin.x, &mut ray.inv.y, &mut ray.inv.z, &mut ray.extent];
+        *field[rng.random_range(0..4)] = draw::edge(rng).into();
+    }
+    OctboxInput { ray, aabb }
+}
+
+/// Takes the boxes four and four to [`RayBox`], which golden vectors and exact arithmetic hold, and sorts what comes by the
+/// standard library.
+///
+/// # Errors
+/// The first place that does not have the box that belongs there.
+pub fn judge(job: &OctboxInput<Binary32>, answer: &OctboxOutput<Binary32>) -> Result<(), String> {
+    let mut expected = Vec::new();
+    for (first, half) in [(0, [0, 1, 2, 3]), (4, [4, 5, 6, 7])] {
+        let four = RayBoxInput { ray: job.ray, aabb: half.map(|i| job.aabb[i]) };
+        let (four, ()) = RayBox { rules: Rules::Paper }.run(Binary32, four, ());
+        for place in 0..4 {
+            let (hit, index) = (four.is_intersect.to_array()[place], first + u32::from(four.box_index[place]));
+            expected.push((hit, four.tmin[place].to_bits(), index));
+        }
+    }
+    // Distances are not negative, and so in the order of their bits.
+    expected.sort_by_key(|&(hit, tmin, index)| (tmin, !hit, index));
+    for (place, expected) in expected.into_iter().enumerate() {
+        let hit = answer.octbox_is_intersect.to_array()[place];
+        let found = (hit, answer.octbox_tmin[place].to_bits(), u32::from(answer.octbox_box_index[place]));
+        if found != expected {
+            return Err(format!("place {place} has (hit, tmin, index) {found:x?}, expected {expected:x?}"));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::{check, jobs};
+
+    check!(Octbox, OctboxInput, OctboxOutput);
+
+    /// A network sorts everything if it sorts all zeros and ones.
+    #[test]
+    fn the_network_sorts() {
+        for word in 0..256_u32 {
+            let mut bits: [u32; 8] = std::array::from_fn(|i| word >> i & 1);
+            for (i, j) in SORT_HALVES.into_iter().chain(MERGE) {
+                (bits[i], bits[j]) = (bits[i].min(bits[j]), bits[i].max(bits[j]));
+            }
+            assert!(bits.is_sorted(), "{word:08b}: {bits:?}");
+        }
+    }
+
+    #[test]
+    fn boxes_in_a_row() {
+        let unit = |z: f32| Aabb::new([-1.0, -1.0, z], [1.0, 1.0, z + 1.0]);
+        let ray = Ray::new([0.0; 3], [0.0, 0.0, 2.0], f32::INFINITY).expect("a ray");
+        let job = OctboxInput { ray, aabb: [9.0, 5.0, -5.0, 5.0, -0.5, 1.0, -9.0, 3.0].map(unit) };
+        let (answer, ()) = Octbox.run(Binary32, job, ());
+        judge(&job, &answer).expect("a right answer");
+        assert_eq!(answer.octbox_box_index.map(u32::from), [4, 5, 7, 1, 3, 0, 2, 6]);
+        let inf = f32::INFINITY;
+        assert_eq!(answer.octbox_tmin.map(f32::from), [0.0, 0.5, 1.5, 2.5, 2.5, 4.5, inf, inf]);
+        assert_eq!(answer.octbox_is_intersect.to_array(), [true, true, true, true, true, true, false, false]);
+    }
+
+    #[test]
+    fn wrong_answers_are_refused() {
+        let mut hits = [0; 9];
+        for job in jobs(stimulus, 1000) {
+            let (right, ()) = Octbox.run(Binary32, job, ());
+            hits[right.octbox_is_intersect.to_array().into_iter().filter(|&hit| hit).count()] += 1;
+            for i in 0..8 {
+                let (mut hit, mut tmin, mut index) = (right, right, right);
+                hit.octbox_is_intersect.0[i] = !hit.octbox_is_intersect.0[i];
+                tmin.octbox_tmin[i] = Num::from_bits(right.octbox_tmin[i].to_bits() ^ 1);
+                index.octbox_box_index[i] = Word::truncate(u32::from(right.octbox_box_index[i]) ^ 4);
+                assert!([hit, tmin, index].iter().all(|wrong| judge(&job, wrong).is_err()));
+            }
+        }
+        assert!(hits[..5].iter().all(|&jobs| jobs > 50), "jobs by how many boxes are hit: {hits:?}");
+    }
+}
