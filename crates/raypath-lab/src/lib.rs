@@ -16,6 +16,7 @@ mod model;
 pub mod numbers;
 mod operation;
 pub mod picture;
+pub mod prelude;
 #[doc(hidden)]
 pub mod progress;
 mod stimuli;
