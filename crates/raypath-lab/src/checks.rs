@@ -4,13 +4,14 @@ use crate::check::{Comparison, lockstep};
 use crate::datapath::Datapath;
 use crate::engine::{PortEncoding, shape};
 use crate::frames::{Answers, Stimulus};
-use crate::model::{AnyKind, AnyModel, Words};
+use crate::model::{AnyKind, Words};
 use crate::stimuli::any_job;
 use crate::study::AnyStudy;
 use crate::traffic::Traffic;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_cosim::{CosimError, Sources, Verilated};
+use raypath_format::Format;
 use raypath_model::{Model, OnPorts};
 use raypath_rtl as rtl;
 use std::path::Path;
@@ -66,7 +67,7 @@ impl Checks<'_> {
         let kind = model.kind(self.study.name())?;
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         for _ in 0..self.jobs {
-            let job = self.own_job(&model, kind, &mut rng);
+            let job = self.study.job(&model, kind, &mut rng);
             let outcome = model.run(&job);
             judge.hold(&job, &outcome);
         }
@@ -132,18 +133,9 @@ impl Checks<'_> {
     }
 
     fn judge(&self) -> Option<Judge> {
-        let is_binary32 = self.datapath.config().format == raypath_format::Format::BINARY32;
+        let is_binary32 = self.datapath.config().format == Format::BINARY32;
         let oracle = self.study.oracle.as_ref().filter(|_| is_binary32)?;
         Some(Judge { judge: (oracle.judge)(), judged: Judged::default() })
-    }
-
-    fn own_job(&self, model: &AnyModel, kind: AnyKind, rng: &mut ChaCha8Rng) -> Words {
-        match &self.study.stimulus {
-            Some(stimulus) if model.format() == raypath_format::Format::BINARY32 => {
-                model.job_of_words(kind, &stimulus(rng))
-            }
-            _ => any_job(model, kind, rng),
-        }
     }
 
     /// Jobs of all operations, half of them the operation's own.
@@ -157,7 +149,7 @@ impl Checks<'_> {
             let take_own = others.is_empty() || rng.random_bool(OWN);
             let from = if take_own { &own } else { &others };
             let kind = from.get(rng.random_range(0..from.len().max(1))).copied()?;
-            Some(if take_own { self.own_job(&model, kind, &mut rng) } else { any_job(&model, kind, &mut rng) })
+            Some(if take_own { self.study.job(&model, kind, &mut rng) } else { any_job(&model, kind, &mut rng) })
         };
         (0..self.jobs).filter_map(|_| job()).collect()
     }

@@ -86,7 +86,7 @@ impl Cost {
         table.set_header(["", "without it", "with it", "added"]);
         let (without, with) = (self.without, self.with);
         let flip_flops = with.flip_flops as i64 - without.flip_flops as i64;
-        table.add_row(["units".to_string(), list(without.units), list(with.units), list(self.added_units())]);
+        table.add_row(["units".to_string(), list(without.units), list(with.units), or_none(list(self.added_units()))]);
         let counted = [without.flip_flops, with.flip_flops].map(|count| count.to_string());
         let [a, b] = counted;
         table.add_row(["flip-flops".to_string(), a, b, format!("{flip_flops:+}")]);
@@ -108,6 +108,10 @@ impl Cost {
             .count();
         table.to_string()
     }
+}
+
+fn or_none(units: String) -> String {
+    if units.is_empty() { "none".to_string() } else { units }
 }
 
 fn figures(datapath: &Datapath) -> Result<Figures, rtl::Error> {

@@ -24,6 +24,9 @@ mod study;
 pub mod tables;
 pub mod traffic;
 
+pub use raypath_ops as ops;
+pub use raypath_rtl as rtl;
+
 pub use checks::{Checks, Judged, Simulated};
 pub use command::{Arguments, main, run};
 pub use cost::{Cost, Figures};
@@ -31,4 +34,5 @@ pub use datapath::Datapath;
 pub use error::LabError;
 pub use model::{AnyKind, AnyModel, Words};
 pub use operation::AnyOperation;
+pub use stimuli::any_job;
 pub use study::{AnyStudy, Registered, Study, registered};

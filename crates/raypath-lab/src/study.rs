@@ -1,7 +1,11 @@
 //! An operation, and what is needed to study it: which jobs are worth running, and what their answers should be.
 
+use crate::model::{AnyKind, AnyModel, Words};
 use crate::operation::AnyOperation;
+use crate::stimuli::any_job;
 use rand_chacha::ChaCha8Rng;
+use raypath_format::Format;
+use raypath_model::Model;
 use raypath_ops::{Binary32, Operation, from_words, to_words};
 use std::fmt;
 use std::marker::PhantomData;
@@ -122,6 +126,15 @@ impl AnyStudy {
     /// Whom its answers are held against, in a few words.
     pub fn verified_by(&self) -> Option<&'static str> {
         self.oracle.as_ref().map(|oracle| oracle.name)
+    }
+
+    /// A random job for a model that has the operation as `kind`: the study's own where it has jobs and the model is in
+    /// binary32.
+    pub fn job(&self, model: &AnyModel, kind: AnyKind, rng: &mut ChaCha8Rng) -> Words {
+        match &self.stimulus {
+            Some(stimulus) if model.format() == Format::BINARY32 => model.job_of_words(kind, &stimulus(rng)),
+            _ => any_job(model, kind, rng),
+        }
     }
 
     /// The operation itself.

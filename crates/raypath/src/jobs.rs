@@ -1,11 +1,14 @@
 //! Random jobs that are worth running: scenes where rays are aimed at things, and numbers from the edges of the format.
 
-use crate::models::PaperModel;
+use crate::models::{PaperModel, Visitor, with_model};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_format::Format;
 use raypath_lab::numbers::edges;
-use raypath_ops::{Aabb, Job, JobKind, PortKind, Ray, RayBoxInput, RayTriangleInput, Triangle};
+use raypath_lab::{AnyKind, AnyStudy, Datapath, Words, any_job};
+use raypath_model::{Model, OnPorts};
+use raypath_ops::{Aabb, Job, JobKind, PortKind, PortValue, Ray, RayBoxInput, RayTriangleInput, Triangle};
+use raypath_rtl::Config;
 use std::collections::HashMap;
 
 /// An endless stream of jobs of these kinds for a model whose numbers have this format, reproducible by `seed`. Of rays,
@@ -22,6 +25,67 @@ pub fn random<M: PaperModel>(
     let rng = ChaCha8Rng::seed_from_u64(seed);
     let mut generator = Generator { model: model.clone(), format, edges: edges(format), rng, kinds: kinds.to_vec() };
     std::iter::repeat_with(move || generator.job())
+}
+
+/// An endless stream of jobs for any datapath: the paper's operations as [`random`] has them, those of `studies` as they
+/// say themselves, and of ports that are neither's any value. `kinds` must not be empty.
+pub fn of_any(
+    datapath: &Datapath,
+    studies: &[AnyStudy],
+    seed: u64,
+    kinds: &[AnyKind],
+) -> impl Iterator<Item = Words> + use<> {
+    let (model, config) = (datapath.model(), datapath.config());
+    let mut sources: Vec<(AnyKind, Source)> = Vec::new();
+    for (&kind, seed) in kinds.iter().zip(seed..) {
+        let paper = config.kinds().iter().find(|paper| paper.name() == kind.name());
+        let study = studies.iter().find(|study| study.name() == kind.name());
+        sources.push((
+            kind,
+            match (paper, study) {
+                (_, Some(study)) => Source::Study(study.clone()),
+                (Some(&paper), None) => with_model(config, Ports { config, seed, kind: paper }),
+                (None, None) => Source::Any,
+            },
+        ));
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    std::iter::repeat_with(move || {
+        let chosen = rng.random_range(0..sources.len());
+        let (kind, source) = &mut sources[chosen];
+        match source {
+            Source::Study(study) => study.job(&model, *kind, &mut rng),
+            Source::Any => any_job(&model, *kind, &mut rng),
+            Source::Paper(ports) => {
+                let (given, other) = (ports(), any_job(&model, *kind, &mut rng).ports());
+                let value = |name: &str, values: &[PortValue]| values.iter().find(|v| v.name == name).map(|v| v.bits);
+                model.job(*kind, |name| value(name, &given).or(value(name, &other)).unwrap_or(0))
+            }
+        }
+    })
+}
+
+/// Where the jobs of an operation come from.
+enum Source {
+    Study(AnyStudy),
+    Paper(Box<dyn FnMut() -> Vec<PortValue>>),
+    Any,
+}
+
+/// Makes the ports of one of the paper's operations.
+struct Ports {
+    config: Config,
+    seed: u64,
+    kind: JobKind,
+}
+
+impl Visitor for Ports {
+    type Answer = Source;
+
+    fn visit<M: PaperModel>(self, model: M) -> Source {
+        let mut jobs = random(&model, self.config.format, self.seed, &[self.kind]);
+        Source::Paper(Box::new(move || jobs.next().map(|job| job.ports()).unwrap_or_default()))
+    }
 }
 
 struct Generator<M> {

@@ -18,6 +18,7 @@
 //! # Ok::<(), raypath::ops::RayError>(())
 //! ```
 
+pub use raypath_extra as extra;
 pub use raypath_float as float;
 pub use raypath_format as format;
 pub use raypath_hdl as hdl;

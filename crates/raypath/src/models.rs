@@ -6,9 +6,9 @@ use raypath_ops::{Binary32, Concrete, JobKind};
 use raypath_rtl::{Config, Lanes};
 
 /// A model of the operations of the paper, whose jobs are plain values.
-pub trait PaperModel: Model<Kind = JobKind, Job: Copy, Outcome: Copy> {}
+pub trait PaperModel: Model<Kind = JobKind, Job: Copy, Outcome: Copy> + 'static {}
 
-impl<M: Model<Kind = JobKind, Job: Copy, Outcome: Copy>> PaperModel for M {}
+impl<M: Model<Kind = JobKind, Job: Copy, Outcome: Copy> + 'static> PaperModel for M {}
 
 /// Work that is the same for every model.
 pub trait Visitor {
@@ -29,7 +29,7 @@ pub fn with_model<V: Visitor>(config: Config, visitor: V) -> V::Answer {
     }
 }
 
-fn with_lanes<C: Concrete, V: Visitor>(circuit: C, config: Config, visitor: V) -> V::Answer {
+fn with_lanes<C: Concrete + 'static, V: Visitor>(circuit: C, config: Config, visitor: V) -> V::Answer {
     let rules = config.rules;
     match config.lanes {
         Lanes::Two => visitor.visit(Functional::<2, 1, C>::over(circuit, rules)),

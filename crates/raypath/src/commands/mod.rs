@@ -1,6 +1,7 @@
 //! The command line.
 
 mod accuracy;
+mod additions;
 mod bench;
 mod configs;
 mod configuration;
@@ -9,6 +10,7 @@ mod failure;
 mod generate;
 mod measuring;
 mod numbers;
+mod operations;
 mod output;
 mod ppa;
 mod progress;
@@ -45,6 +47,8 @@ enum Command {
     Generate(generate::Arguments),
     /// List the configurations that have names
     Configs,
+    /// List the operations that a datapath can have, and what each costs
+    Operations(operations::Arguments),
     /// Render a mesh through the datapath, and see how busy it was
     Render(render::Arguments),
     /// Search nearest neighbours through the datapath, and see how busy it was
@@ -73,6 +77,7 @@ impl CommandLine {
         match self.command {
             Command::Generate(arguments) => generate::run(&arguments, out),
             Command::Configs => configs::run(out),
+            Command::Operations(arguments) => operations::run(&arguments, out),
             Command::Render(arguments) => render::run(&arguments, out),
             Command::Search(arguments) => search::run(&arguments, out),
             Command::Replay(arguments) => replay::run(&arguments, out),

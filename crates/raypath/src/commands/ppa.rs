@@ -1,6 +1,7 @@
 //! `raypath ppa`: area and timing of the datapath in a cell library.
 
 use crate::commands::Failure;
+use crate::commands::additions::Additions;
 use crate::commands::configuration::ConfigArguments;
 use crate::commands::measuring::BenchArguments;
 use crate::commands::output::write_all;
@@ -12,6 +13,8 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
+    #[command(flatten)]
+    additions: Additions,
     #[command(flatten)]
     configuration: ConfigArguments,
     #[command(flatten)]
@@ -30,7 +33,8 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     // What cannot be compared with is found out before minutes of work.
     let earlier = arguments.against.as_deref().map(Earlier::read).transpose()?;
-    let design = design(arguments.configuration.config()?)?;
+    let (config, additions) = (arguments.configuration.config()?, &arguments.additions);
+    let design = Design::new(additions.name(config), additions.datapath(config).elaborate()?.top());
     let reports = arguments.bench.measure(&[design])?;
     for report in reports {
         write_all(&files(&report, &arguments.out)?)?;

@@ -1,0 +1,124 @@
+//! `raypath operations`: what can be part of a datapath, and what each costs.
+
+use crate::commands::Failure;
+use clap::Args;
+use comfy_table::CellAlignment;
+use raypath::lab::{AnyStudy, Cost, Datapath, LabError};
+use raypath::rtl::{Config, Units};
+use raypath::tables::{list, new_table};
+use raypath::{lab, ops};
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Measure areas as well, with Yosys and OpenSTA: a few minutes for each operation that was not measured before
+    #[arg(long)]
+    area: bool,
+    /// Where measurements are kept, so that nothing is done twice
+    #[arg(long, default_value = "build/ppa-cache", value_name = "DIR")]
+    cache: PathBuf,
+}
+
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
+    let config = Config::DEFAULT;
+    let mut table = new_table();
+    let mut head = vec!["operation", "for", "latency", "units added", "flip-flops added"];
+    if arguments.area {
+        head.push("area added");
+    }
+    head.push("verified by");
+    table.set_header(head);
+    for entry in paper(config).into_iter().chain(extra()) {
+        let datapath = entry.datapath(config);
+        let mut cost = Cost::of(&datapath, entry.name)?;
+        if arguments.area {
+            cost = cost.measured(&datapath, entry.name, &arguments.cache)?;
+        }
+        table.add_row(row(&entry, &cost));
+    }
+    for column in [2, 4, 5].into_iter().filter(|&column| arguments.area || column < 5) {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    writeln!(out, "{table}\n")?;
+    writeln!(
+        out,
+        "Beside the paper's other operations with 16 lanes in binary32, whose units are shared; without a unit of"
+    )?;
+    writeln!(
+        out,
+        "its own an operation adds multiplexers and registers. `generate --with NAME` adds one to the datapath."
+    )?;
+    Ok(())
+}
+
+/// An operation and whom its answers are held against.
+struct Entry {
+    name: &'static str,
+    purpose: &'static str,
+    verified: &'static str,
+    /// Where it is none of the paper's.
+    study: Option<AnyStudy>,
+}
+
+impl Entry {
+    /// The paper's operations and this one.
+    fn datapath(&self, config: Config) -> Datapath {
+        let paper = Datapath::paper(config);
+        match &self.study {
+            Some(study) => paper.with_any(study.operation()),
+            None => paper,
+        }
+    }
+}
+
+fn paper(config: Config) -> Vec<Entry> {
+    let of = |kind: &ops::JobKind| {
+        let (purpose, verified) = match kind {
+            ops::JobKind::Triangle => ("a ray against a triangle", "golden vectors, exact rationals, proofs"),
+            ops::JobKind::Quadbox => ("a ray against four boxes", "golden vectors, exact rationals, proofs"),
+            ops::JobKind::Euclidean => ("squared distance, 16 dimensions a beat", "golden vectors, exact sums, proofs"),
+            ops::JobKind::Angular => {
+                ("dot product and norm, 8 dimensions a beat", "golden vectors, exact sums, proofs")
+            }
+        };
+        Entry { name: kind.name(), purpose, verified, study: None }
+    };
+    config.kinds().iter().map(of).collect()
+}
+
+fn extra() -> impl Iterator<Item = Entry> {
+    lab::registered().into_iter().map(|study| Entry {
+        name: study.name(),
+        purpose: study.for_what(),
+        verified: study.verified_by().unwrap_or("models alone"),
+        study: Some(study),
+    })
+}
+
+fn row(entry: &Entry, cost: &Cost) -> Vec<String> {
+    let added = cost.added_units();
+    let units = if added == Units::default() { "none".to_string() } else { list(added) };
+    let flip_flops = cost.with.flip_flops as i64 - cost.without.flip_flops as i64;
+    let mut row = vec![entry.name.to_string(), entry.purpose.to_string(), cost.with.latency.to_string(), units];
+    row.push(format!("{flip_flops:+}"));
+    if let (Some(added), Some((whole, _))) = (cost.added_area(), cost.without.area) {
+        row.push(format!("{added:+.0} µm² ({:+.1} %)", 100.0 * added / whole));
+    }
+    row.push(entry.verified.to_string());
+    row
+}
+
+impl From<LabError> for Failure {
+    fn from(error: LabError) -> Self {
+        match error {
+            LabError::Elaboration(error) => error.into(),
+            LabError::Mismatch(found) => Self::Mismatch(found),
+            LabError::Output(error) => error.into(),
+            LabError::Stopped(stopped) => stopped.into(),
+            other => Self::unusable(other),
+        }
+    }
+}

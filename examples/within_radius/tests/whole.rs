@@ -1,0 +1,82 @@
+//! What a user gets from this crate: text that tools accept, answers that the oracle finds right, and a price.
+
+use raypath_lab::prelude::*;
+use raypath_lab::{AnyStudy, Arguments, Checks, Cost, run};
+use within_radius::{WithinRadius, study};
+
+const NAME: &str = "within_radius";
+
+fn arguments(folder: &std::path::Path, more: &[&str]) -> Arguments {
+    let out = folder.display().to_string();
+    let line = ["within_radius", "--quick", "--out", &out].into_iter().chain(more.iter().copied());
+    clap::Parser::parse_from(line)
+}
+
+#[test]
+fn the_function_has_at_most_50_lines() {
+    let text = include_str!("../src/lib.rs");
+    let operation = text.split("// ANCHOR: operation").nth(1).and_then(|rest| rest.split("// ANCHOR_END").next());
+    let lines = operation.expect("the operation is between its anchors").trim().lines().count();
+    assert!(lines <= 50, "{lines} lines");
+}
+
+/// In the paper's datapath it shares every unit: nothing but multiplexers and registers is added.
+#[test]
+fn it_adds_no_unit() {
+    let datapath = Datapath::paper(Default::default()).with(WithinRadius);
+    let cost = Cost::of(&datapath, NAME).expect("it fits");
+    assert_eq!(cost.added_units(), Default::default());
+    assert_eq!((cost.without.latency, cost.with.latency), (12, 12));
+    assert!(cost.with.flip_flops > cost.without.flip_flops);
+}
+
+/// Lint, Verilator against the cycle-exact model, and the oracle for what Verilator shows.
+#[test]
+fn verilator_answers_like_the_oracle() {
+    let datapath = Datapath::paper(Default::default()).with(WithinRadius);
+    let netlist = datapath.elaborate().expect("it fits");
+    let study = AnyStudy::from(study());
+    let checks = Checks { datapath: &datapath, netlist: &netlist, study: &study, seed: 3, jobs: 5000 };
+    let folder = tempfile::tempdir().expect("a folder");
+    let found = checks.in_verilator(folder.path()).expect("the tools are there and content");
+    assert_eq!((found.different, found.judged.wrong), (0, 0), "{found:?}");
+    assert!(found.judged.jobs > 2000, "{found:?}");
+}
+
+/// An oracle that expects something else finds every answer wrong, and the command fails.
+#[test]
+fn a_wrong_answer_is_found() {
+    let study = Study::of(WithinRadius).oracle("an oracle that is never content", |_, _| Err("no".to_string()));
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut out = Vec::new();
+    let error = run(&study.into(), &arguments(folder.path(), &["--jobs", "100"]), &mut out).expect_err("wrong answers");
+    assert_eq!(error.to_string(), "100 of 100 answers are wrong");
+}
+
+/// In binary16, whose units are small, so that the price is there in a minute.
+#[test]
+fn it_has_a_price() {
+    let half: raypath_lab::rtl::Preset = "half".parse().expect("a preset");
+    let datapath = Datapath::paper(half.config).with(WithinRadius);
+    let cache = std::env::temp_dir().join("raypath-within-radius");
+    let cost = Cost::of(&datapath, NAME).expect("it fits").measured(&datapath, NAME, &cache).expect("a measurement");
+    let added = cost.added_area().expect("an area");
+    let share = added / cost.without.area.expect("an area").0;
+    assert!((0.001..0.2).contains(&share), "{}", cost.table());
+}
+
+#[test]
+fn the_command_writes_and_says_what_it_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut out = Vec::new();
+    run(&study().into(), &arguments(folder.path(), &["--jobs", "500"]), &mut out).expect("all is well");
+    let out = String::from_utf8(out).expect("text");
+    assert!(out.contains("Oracle (f64): 0 of 500 random jobs answered wrongly."), "{out}");
+    assert!(out.contains("500 jobs of all operations") && out.contains(" 0 mismatches"), "{out}");
+    for file in ["raypath.sv", "raypath.f", "pipeline.svg", "rtl/raypath_stage_2.sv"] {
+        assert!(folder.path().join(file).is_file(), "{file}");
+    }
+    let text = std::fs::read_to_string(folder.path().join("raypath.sv")).expect("a file");
+    assert!(text.contains("input  logic [2:0]  opcode_i") || text.contains("[2:0]"), "five operations need three bits");
+    assert!(text.contains("point_3_z_i") && text.contains("squared_distance_0_o"));
+}
