@@ -2,7 +2,7 @@
 
 use comfy_table::presets::ASCII_MARKDOWN;
 use comfy_table::{ContentArrangement, Table};
-use raypath_ops::Rules;
+use raypath_ops::{JobKind, Rules};
 use raypath_rtl::{Config, Datapath, Lanes, PRESETS, STAGES, StageNote, Step, UnitKind, UnitLatency, Units};
 
 /// Table VIII of the paper, for stages 1 to 11 with 16 lanes; the two quad-sorters of stage 10 count five comparators
@@ -116,6 +116,10 @@ pub fn difference(datapath: &Datapath, config: Config, index: usize) -> Vec<&'st
     let mut causes = Vec::new();
     if step.parts > 1 {
         causes.push("the stage takes several steps");
+    }
+    let is_paper = |name: &str| JobKind::ALL.iter().any(|kind| kind.name() == name);
+    if datapath.schedule(index).iter().any(|note| !is_paper(note.operation)) && ours != paper {
+        causes.push("operations beside the paper's");
     }
     if ours.encode + ours.decode > 0 {
         causes.push("conversion, which Table VIII leaves out");
