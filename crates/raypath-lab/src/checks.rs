@@ -1,4 +1,4 @@
-//! What is asked of an operation in a datapath: the oracle, the models, and the emitted text in Verilator.
+//! What is asked of operations in a datapath: the oracle, the models, and the emitted text in Verilator.
 
 use crate::check::{Comparison, lockstep};
 use crate::datapath::Datapath;
@@ -16,14 +16,14 @@ use raypath_model::{Model, OnPorts};
 use raypath_rtl as rtl;
 use std::path::Path;
 
-/// The checks of one operation in a datapath, reproducible by `seed`.
+/// The checks of some of a datapath's operations, reproducible by `seed`.
 pub struct Checks<'d> {
-    /// The datapath, which has the operation.
+    /// The datapath, which has these operations.
     pub datapath: &'d Datapath,
     /// The same, elaborated.
     pub netlist: &'d rtl::Datapath,
-    /// The operation, with its jobs and its oracle.
-    pub study: &'d AnyStudy,
+    /// The operations, with their jobs and oracles.
+    pub studies: &'d [AnyStudy],
     /// Seed of jobs and traffic.
     pub seed: u64,
     /// How many jobs.
@@ -50,28 +50,29 @@ pub struct Simulated {
     pub different: usize,
     /// The first few of them, in words.
     pub faults: Vec<String>,
-    /// Answers of the operation that Verilator showed, held against the oracle.
-    pub judged: Judged,
+    /// Answers that Verilator showed, held against the oracles: for each study that has one.
+    pub judged: Vec<Judged>,
 }
 
 const SHOWN: usize = 5;
-/// Part of the jobs that are the operation's; the others are of the rest of the datapath.
+/// Part of the jobs that are of the studied operations; the others are of the rest of the datapath.
 const OWN: f64 = 0.5;
 
 impl Checks<'_> {
-    /// The operation's answers to its jobs. `None` where the study has no oracle, or the datapath is not in binary32,
-    /// which oracles speak of.
-    pub fn against_the_oracle(&self) -> Option<Judged> {
-        let mut model = self.datapath.model();
-        let mut judge = self.judge()?;
-        let kind = model.kind(self.study.name())?;
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        for _ in 0..self.jobs {
-            let job = self.study.job(&model, kind, &mut rng);
-            let outcome = model.run(&job);
-            judge.hold(&job, &outcome);
-        }
-        Some(judge.judged)
+    /// The operations' answers to their jobs: for each study that has an oracle, as many jobs. None where the datapath is
+    /// not in binary32, which oracles speak of.
+    pub fn against_the_oracles(&self) -> Vec<Judged> {
+        let judged = self.judges().into_iter().map(|mut judge| {
+            let mut model = self.datapath.model();
+            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+            for _ in 0..self.jobs {
+                let job = judge.study.job(&model, judge.kind, &mut rng);
+                let outcome = model.run(&job);
+                judge.hold(&job, &outcome);
+            }
+            judge.judged
+        });
+        judged.collect()
     }
 
     /// Netlist, cycle-exact and functional model side by side: jobs of all operations, bubbles and stalls. `on_job` is told
@@ -86,7 +87,7 @@ impl Checks<'_> {
     }
 
     /// The emitted text: past Verilator, Yosys and slang without a word, then in Verilator, in every cycle like the
-    /// cycle-exact model, and each answer of the operation before the oracle.
+    /// cycle-exact model, and each answer of these operations before its oracle.
     ///
     /// # Errors
     /// A tool that is not installed, or that has something to say.
@@ -109,9 +110,8 @@ impl Checks<'_> {
             stimulus.cycles(top).into_iter().map(|cycle| (cycle.inputs, cycle.expected)).unzip();
         let mut found = Simulated { cycles: inputs.len(), ..Simulated::default() };
         let is_taken = output_ready(top, &inputs);
-        let mut judge = self.judge();
-        let own = |words: &&Words| words.kind().name() == self.study.name();
-        let mut waiting = jobs.iter();
+        // Each with the jobs of its operation that have not left yet.
+        let mut judges: Vec<(Judge<'_>, _)> = self.judges().into_iter().map(|judge| (judge, jobs.iter())).collect();
         verilated.run(inputs, |cycle, values| {
             let Some(expected) = expected.get(cycle).and_then(Option::as_ref) else { return };
             if let Some(fault) = expected.fault(top, values) {
@@ -122,46 +122,57 @@ impl Checks<'_> {
             }
             // What the ports show is this outcome, or else a fault was found above.
             let outcome = expected.output.as_ref().filter(|_| is_taken.get(cycle).copied().unwrap_or(false));
-            if let (Some(outcome), Some(judge)) = (outcome.filter(own), &mut judge)
-                && let Some(job) = waiting.find(own)
-            {
-                judge.hold(job, outcome);
+            for (judge, waiting) in &mut judges {
+                let kind = judge.kind;
+                if let Some(outcome) = outcome.filter(|outcome| outcome.kind() == kind)
+                    && let Some(job) = waiting.find(|job| job.kind() == kind)
+                {
+                    judge.hold(job, outcome);
+                }
             }
         })?;
-        found.judged = judge.map(|judge| judge.judged).unwrap_or_default();
+        found.judged = judges.into_iter().map(|(judge, _)| judge.judged).collect();
         Ok(found)
     }
 
-    fn judge(&self) -> Option<Judge> {
-        let is_binary32 = self.datapath.config().format == Format::BINARY32;
-        let oracle = self.study.oracle.as_ref().filter(|_| is_binary32)?;
-        Some(Judge { judge: (oracle.judge)(), judged: Judged::default() })
+    fn judges(&self) -> Vec<Judge<'_>> {
+        let model = self.datapath.model();
+        let judges = self.studies.iter().filter(|_| model.format() == Format::BINARY32).filter_map(|study| {
+            let (oracle, kind) = (study.oracle.as_ref()?, model.kind(study.name())?);
+            Some(Judge { study, kind, judge: (oracle.judge)(), judged: Judged::default() })
+        });
+        judges.collect()
     }
 
-    /// Jobs of all operations, half of them the operation's own.
+    /// Jobs of all operations, half of them of those that are studied.
     fn mixed_jobs(&self) -> Vec<Words> {
         let model = self.datapath.model();
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        let kinds = model.kinds();
-        let (own, others): (Vec<AnyKind>, Vec<AnyKind>) =
-            kinds.iter().copied().partition(|kind| kind.name() == self.study.name());
+        let own: Vec<(AnyKind, &AnyStudy)> =
+            self.studies.iter().filter_map(|study| Some((model.kind(study.name())?, study))).collect();
+        let is_other = |kind: &AnyKind| own.iter().all(|(own, _)| own != kind);
+        let others: Vec<AnyKind> = model.kinds().into_iter().filter(is_other).collect();
         let mut job = || {
-            let take_own = others.is_empty() || rng.random_bool(OWN);
-            let from = if take_own { &own } else { &others };
-            let kind = from.get(rng.random_range(0..from.len().max(1))).copied()?;
-            Some(if take_own { self.study.job(&model, kind, &mut rng) } else { any_job(&model, kind, &mut rng) })
+            let take_own = others.is_empty() || !own.is_empty() && rng.random_bool(OWN);
+            let place = rng.random_range(0..if take_own { own.len().max(1) } else { others.len() });
+            Some(match (take_own, own.get(place)) {
+                (true, Some((kind, study))) => study.job(&model, *kind, &mut rng),
+                _ => any_job(&model, *others.get(place)?, &mut rng),
+            })
         };
         (0..self.jobs).filter_map(|_| job()).collect()
     }
 }
 
 /// An oracle at work.
-struct Judge {
+struct Judge<'s> {
+    study: &'s AnyStudy,
+    kind: AnyKind,
     judge: crate::study::Judge,
     judged: Judged,
 }
 
-impl Judge {
+impl Judge<'_> {
     fn hold(&mut self, job: &Words, outcome: &Words) {
         self.judged.jobs += 1;
         if let Err(fault) = (self.judge)(job.as_words(), outcome.as_words()) {

@@ -35,12 +35,12 @@ fn it_adds_no_unit() {
 fn verilator_answers_like_the_oracle() {
     let datapath = Datapath::paper(Default::default()).with(WithinRadius);
     let netlist = datapath.elaborate().expect("it fits");
-    let study = AnyStudy::from(study());
-    let checks = Checks { datapath: &datapath, netlist: &netlist, study: &study, seed: 3, jobs: 5000 };
+    let studies = [AnyStudy::from(study())];
+    let checks = Checks { datapath: &datapath, netlist: &netlist, studies: &studies, seed: 3, jobs: 5000 };
     let folder = tempfile::tempdir().expect("a folder");
     let found = checks.in_verilator(folder.path()).expect("the tools are there and content");
-    assert_eq!((found.different, found.judged.wrong), (0, 0), "{found:?}");
-    assert!(found.judged.jobs > 2000, "{found:?}");
+    assert_eq!((found.different, found.judged[0].wrong), (0, 0), "{found:?}");
+    assert!(found.judged[0].jobs > 2000, "{found:?}");
 }
 
 /// An oracle that expects something else finds every answer wrong, and the command fails.
