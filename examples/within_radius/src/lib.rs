@@ -1,8 +1,11 @@
 //! Fixed-radius neighbour search in a ray-tracing unit: which of four points lie within a radius of a query point.
 
+pub mod first_cut;
+
 // ANCHOR: operation
 use raypath_lab::prelude::*;
 
+// ANCHOR: structures
 bundle! {
     /// A query, and four points that may be near it.
     pub struct Points<C> {
@@ -24,6 +27,7 @@ bundle! {
         pub squared_distance: [Num<C>; 4],
     }
 }
+// ANCHOR_END: structures
 
 /// Which of four points lie within a radius of another.
 pub struct WithinRadius;
@@ -34,6 +38,7 @@ impl Operation for WithinRadius {
     type Output<C: Circuit> = Near<C>;
     type State<C: Circuit> = ();
 
+    // ANCHOR: function
     fn run<C: Circuit>(&self, c: C, Points { query, radius, point }: Points<C>, _: ()) -> (Near<C>, ()) {
         c.stage(2, "point - query");
         let away = point.map(|point| point - query);
@@ -48,6 +53,7 @@ impl Operation for WithinRadius {
         let is_near = Flags(squared_distance.map(|square| square.compare(limit).less_or_equal()));
         (Near { is_near, squared_distance }, ())
     }
+    // ANCHOR_END: function
 }
 // ANCHOR_END: operation
 
