@@ -29,6 +29,7 @@ mod bundle;
 mod circuit;
 mod concrete;
 mod distance;
+mod distance_many;
 mod family;
 mod geometry;
 mod job;
@@ -40,6 +41,7 @@ mod ports;
 mod ray;
 mod ray_box;
 mod ray_triangle;
+mod ray_triangle_extended;
 mod rules;
 mod vectors;
 
@@ -54,6 +56,9 @@ pub use distance::{
     Angular, AngularInput, AngularOutput, AngularState, Beat, Euclidean, EuclideanInput, EuclideanOutput,
     EuclideanState,
 };
+pub use distance_many::{
+    AngularMany, AngularManyInput, AngularManyState, EuclideanMany, EuclideanManyInput, EuclideanManyState,
+};
 pub use family::{Family, Gather, Put, Scatter};
 pub use geometry::{Aabb, Slab, Triangle, Vec3};
 pub use job::{Job, JobKind, Outcome, ParseJobKindError};
@@ -62,7 +67,10 @@ pub use operation::Operation;
 pub use packed::{BLOCK, Packed, Part, Sixteen};
 pub use ports::{Port, PortKind, PortValue, from_words, ports_of, to_canonical_words, to_words};
 pub use ray::{Ray, RayError};
-pub use ray_box::{RayBox, RayBoxInput, RayBoxOutput};
-pub use ray_triangle::{RayTriangle, RayTriangleInput, RayTriangleOutput};
+pub use ray_box::{RayBox, RayBoxConservative, RayBoxInput, RayBoxOutput, WIDENING_ULPS};
+pub use ray_triangle::{Edges, RayTriangle, RayTriangleInput, RayTriangleOutput};
+pub use ray_triangle_extended::{
+    Culling, ParseCullingError, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,
+};
 pub use rules::{ParseRulesError, Place, Rules};
 pub use vectors::VectorError;

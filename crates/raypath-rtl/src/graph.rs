@@ -27,6 +27,8 @@ pub enum Op {
     State(usize),
     /// A constant, as the bits of a binary32 number.
     Number(u32),
+    /// The constant that lies so many places above 1 in the datapath's format.
+    OnePlusUlps(u32),
     /// A constant truth value.
     Bit(bool),
     /// A constant word.
@@ -127,6 +129,22 @@ impl Traced {
         Ok(traced)
     }
 
+    /// Adds a word that each job brings at the port `tag` and takes along.
+    pub fn add_tag(&mut self, width: u32) -> Result<(), Error> {
+        let port = PortBit { port: "tag".to_string(), bit: None };
+        let is_input = |&id: &NodeId| matches!(&self.node(id).op, Op::Input(taken) if taken.port == port.port);
+        if self.inputs.iter().any(is_input) || self.outputs.iter().any(|output| output.port.port == port.port) {
+            let problem = format!("operation {} has a port of that name already", self.name);
+            return Err(Error::Feature { feature: "tag", problem });
+        }
+        let node = NodeId(self.nodes.len() as u32);
+        let (op, name) = (Op::Input(port.clone()), Some(port.port.clone()));
+        self.nodes.push(Node { op, kind: Kind::Word(width), stage: 0, name });
+        self.inputs.push(node);
+        self.outputs.push(OutputValue { port, node });
+        Ok(())
+    }
+
     /// A test is called after what it tests.
     fn name_tests(&mut self) {
         for index in 0..self.nodes.len() {
@@ -167,7 +185,7 @@ impl Traced {
     /// The values that a value is made of.
     pub fn operands(&self, id: NodeId) -> Vec<NodeId> {
         match self.node(id).op {
-            Op::Input(_) | Op::State(_) | Op::Number(_) | Op::Bit(_) | Op::Word(_) => vec![],
+            Op::Input(_) | Op::State(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_) => vec![],
             Op::Continue(a) | Op::Negate(a) | Op::Test(_, a) | Op::Relation(a, _) | Op::Not(a) => vec![a],
             Op::Add(a, b)
             | Op::Subtract(a, b)
@@ -195,7 +213,7 @@ impl Traced {
 
     /// Whether it is made in no particular stage.
     pub fn is_everywhere(&self, id: NodeId) -> bool {
-        matches!(self.node(id).op, Op::State(_) | Op::Number(_) | Op::Bit(_) | Op::Word(_))
+        matches!(self.node(id).op, Op::State(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_))
     }
 
     /// Whether it may be made in any stage that has its operand. State is at hand in one stage only; a test of a constant

@@ -202,6 +202,10 @@ impl<'m, 'p> Values<'m, 'p> {
                 let format = self.library.format;
                 m.constant(format.recoded_width(), format.encode(format.from_f32(f32::from_bits(bits))))
             }
+            Op::OnePlusUlps(ulps) => {
+                let format = self.library.format;
+                m.constant(format.recoded_width(), format.encode(format.from_f32(1.0) + u64::from(ulps)))
+            }
             Op::Bit(value) => m.constant(1, value.into()),
             Op::Word(value) => {
                 let Kind::Word(width) = node.kind else { unreachable!("a word constant has a word's kind") };
