@@ -19,13 +19,16 @@ struct Collected<C> {
     all: Vec<Runner>,
 }
 
+/// Words of an input to those of the answer.
+type Run = dyn FnMut(&[u64]) -> Vec<u64>;
+
 /// An operation that remembers its state.
 struct Runner {
     opcode: u64,
     /// All that it may take and answer; what is not there in this configuration is `false`.
     inputs: Vec<(Port, bool)>,
     outputs: Vec<(Port, bool)>,
-    run: Box<dyn FnMut(&[u64]) -> Vec<u64>>,
+    run: Box<Run>,
 }
 
 impl<C: Concrete + 'static> OperationVisitor for Collected<C> {
