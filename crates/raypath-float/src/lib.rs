@@ -26,15 +26,16 @@ mod compare;
 mod compress;
 mod decode;
 mod encode;
+pub mod flags;
 mod lookahead;
 mod mul;
 mod normalise;
 mod parts;
 mod recoded;
 
-pub use add::{add, add_parts};
+pub use add::{add, add_parts, add_parts_with_flags};
 pub use compare::compare;
 pub use decode::decode;
 pub use encode::encode;
-pub use mul::{mul, mul_parts};
+pub use mul::{mul, mul_parts, mul_parts_with_flags};
 pub use raypath_format::{Format, FormatError};

@@ -31,6 +31,7 @@ mod concrete;
 mod distance;
 mod distance_many;
 mod family;
+mod flagged;
 mod geometry;
 mod job;
 mod known;
@@ -60,6 +61,7 @@ pub use distance_many::{
     AngularMany, AngularManyInput, AngularManyState, EuclideanMany, EuclideanManyInput, EuclideanManyState,
 };
 pub use family::{Family, Gather, Put, Scatter};
+pub use flagged::Flagged;
 pub use geometry::{Aabb, Slab, Triangle, Vec3};
 pub use job::{Job, JobKind, Outcome, ParseJobKindError};
 pub use lanes::{Four, Lanes, Native, Row, Width};

@@ -35,6 +35,7 @@ pub struct Operations {
     marks: Marks,
     budget: Option<Budget>,
     tag: u32,
+    exception_flags: bool,
 }
 
 impl Operations {
@@ -68,6 +69,13 @@ impl Operations {
         self
     }
 
+    /// Has every operation answer the exceptions of all its additions and multiplications, at the port
+    /// `exception_flags_o`: the bits of [`raypath_float::flags`].
+    pub fn exception_flags(mut self, are_there: bool) -> Self {
+        self.exception_flags = are_there;
+        self
+    }
+
     /// Stages the operations that are added from here on automatically, whatever stages they mark
     /// (`docs/staging.md`).
     pub fn auto(mut self) -> Self {
@@ -94,7 +102,11 @@ impl Operations {
             Encoding::Recoded => config.format.recoded_width(),
         };
         let Config { sharing, .. } = config;
-        schedule::assign(self.traced, &Target { budget: self.budget, number_width, sharing })
+        let mut staged = schedule::assign(self.traced, &Target { budget: self.budget, number_width, sharing })?;
+        if self.exception_flags {
+            staged.iter_mut().try_for_each(Traced::add_exception_flags)?;
+        }
+        Ok(staged)
     }
 }
 
@@ -152,7 +164,8 @@ impl Datapath {
     /// Features that cannot be had as they are asked for ([`Config::check`]). These operations fit.
     pub fn new(config: Config) -> Result<Self, Error> {
         config.check()?;
-        let mut operations = Operations::new().tag(config.features.tag);
+        let mut operations =
+            Operations::new().tag(config.features.tag).exception_flags(config.features.exception_flags);
         config.operations(&mut operations)?;
         Self::build(operations, config)
     }
@@ -171,8 +184,9 @@ impl Datapath {
     /// # Errors
     /// Those of [`Datapath::of`].
     pub fn build(operations: Operations, config: Config) -> Result<Self, Error> {
+        let with_flags = operations.exception_flags;
         let plan = Plan::new(&operations.staged(config)?, config);
-        let library = Library::new(config)?;
+        let library = Library::new(config, with_flags)?;
         let pipeline = top::pipeline(&plan, &library, &description(&plan))?;
         Ok(Self { plan, library, pipeline })
     }

@@ -21,6 +21,8 @@ pub struct Features {
     pub conservative: bool,
     /// How many vectors' distances are summed at a time, interleaved.
     pub accumulators: Accumulators,
+    /// The exceptions of all of a job's additions and multiplications, at an output port.
+    pub exception_flags: bool,
 }
 
 choices! {
@@ -71,6 +73,7 @@ impl Features {
         range: false,
         conservative: false,
         accumulators: Accumulators::One,
+        exception_flags: false,
     };
 
     /// Whether triangles have more to do than the paper says.
@@ -79,7 +82,7 @@ impl Features {
     }
 
     /// Names and values, in order.
-    pub(crate) fn values(self) -> [(&'static str, String); 7] {
+    pub(crate) fn values(self) -> [(&'static str, String); 8] {
         [
             ("tag", self.tag.to_string()),
             ("barycentrics", self.barycentrics.to_string()),
@@ -88,6 +91,7 @@ impl Features {
             ("range", self.range.to_string()),
             ("conservative", self.conservative.to_string()),
             ("accumulators", self.accumulators.to_string()),
+            ("exception-flags", self.exception_flags.to_string()),
         ]
     }
 

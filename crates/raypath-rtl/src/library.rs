@@ -19,15 +19,21 @@ pub struct Library {
 }
 
 impl Library {
-    pub fn new(config: Config) -> Result<Self, Error> {
+    /// The modules of a configuration, whose adders and multipliers report exceptions if `with_flags`.
+    pub fn new(config: Config, with_flags: bool) -> Result<Self, Error> {
         let (format, parts) = (config.format, config.unit_latency.stages());
+        let (add, multiply) = if with_flags {
+            (raypath_float::add_parts_with_flags(format, parts)?, raypath_float::mul_parts_with_flags(format, parts)?)
+        } else {
+            (raypath_float::add_parts(format, parts)?, raypath_float::mul_parts(format, parts)?)
+        };
         Ok(Self {
             format,
             skid: control::skid()?,
             encode: raypath_float::encode(format)?,
             decode: raypath_float::decode(format)?,
-            add: raypath_float::add_parts(format, parts)?,
-            multiply: raypath_float::mul_parts(format, parts)?,
+            add,
+            multiply,
             compare: raypath_float::compare(format)?,
         })
     }

@@ -220,10 +220,14 @@ impl<'m, 'p> Values<'m, 'p> {
                 let results = self.unit(unit)?;
                 relate(results[0], results[1], results[2], relation)
             }
+            Op::Flags(a) => {
+                let unit = self.plan.steps[self.step].bindings[op][&a].unit;
+                self.unit(unit)?[1]
+            }
             Op::Negate(a) => negate(self.get(op, a)?),
             Op::Test(test, a) => self.test(test, op, a)?,
             Op::And(a, b) => self.get(op, a)? & self.get(op, b)?,
-            Op::Or(a, b) => self.get(op, a)? | self.get(op, b)?,
+            Op::Or(a, b) | Op::WordOr(a, b) => self.get(op, a)? | self.get(op, b)?,
             Op::Not(a) => !self.get(op, a)?,
             Op::WordEqual(a, b) => self.get(op, a)?.equals(self.get(op, b)?),
             Op::WordLess(a, b) => self.get(op, a)?.less(self.get(op, b)?),

@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use raypath_hdl::Simulator;
 use raypath_ops::{Concrete, Operation, Port, PortKind, from_words, ports_of, to_canonical_words};
 use raypath_rtl::{Config, Datapath, Encoding, OperationVisitor};
+use std::cell::Cell;
 use std::collections::{BTreeMap, VecDeque};
 use std::convert::Infallible;
 
@@ -12,6 +13,8 @@ use std::convert::Infallible;
 pub struct Driver<C: Concrete> {
     config: Config,
     operations: Collected<C>,
+    /// Where the circuit leaves its exceptions.
+    raised: Option<&'static Cell<u64>>,
 }
 
 struct Collected<C> {
@@ -63,7 +66,12 @@ impl<C: Concrete + 'static> Driver<C> {
     pub fn new(circuit: C, config: Config) -> Self {
         let mut operations = Collected { circuit, all: Vec::new() };
         let Ok(()) = config.operations(&mut operations);
-        Self { config, operations }
+        Self { config, operations, raised: None }
+    }
+
+    /// With a circuit that leaves its exceptions in a cell: holds them against the port `exception_flags_o`.
+    pub fn raising(self, raised: &'static Cell<u64>) -> Self {
+        Self { raised: Some(raised), ..self }
     }
 
     /// Sends so many jobs through it, with a source and a sink that pause now and then.
@@ -76,6 +84,8 @@ impl<C: Concrete + 'static> Driver<C> {
         let [valid, sink_ready, opcode] = ["input_valid_i", "output_ready_i", "opcode_i"].map(input);
         let [ready, shown, shown_opcode] = ["input_ready_o", "output_valid_o", "opcode_o"].map(output);
         let tag = (config.features.tag > 0).then(|| (input("tag_i"), output("tag_o")));
+        let flags_port = self.raised.map(|_| output("exception_flags_o"));
+        assert_eq!(simulator.output("exception_flags_o").is_ok(), config.features.exception_flags);
         let mut ins = BTreeMap::new();
         let mut outs = BTreeMap::new();
         for runner in &self.operations.all {
@@ -95,7 +105,7 @@ impl<C: Concrete + 'static> Driver<C> {
                 outs.extend(wire.ok().map(|wire| (port.name.clone(), (wire, port.kind))));
             }
         }
-        let mut expected: VecDeque<(u64, u64, BTreeMap<String, u64>)> = VecDeque::new();
+        let mut expected: VecDeque<(u64, [u64; 2], BTreeMap<String, u64>)> = VecDeque::new();
         let (mut sent, mut seen) = (0, 0);
         // Which bits of flags were 1 and which were 0, so that none is only ever right by being constant.
         let mut flags: BTreeMap<String, [u64; 2]> = BTreeMap::new();
@@ -125,9 +135,12 @@ impl<C: Concrete + 'static> Driver<C> {
             let leaves = simulator.get(shown) == 1;
             let takes = simulator.get(ready) == 1;
             if leaves {
-                let Some((opcode, word, values)) = expected.front() else { panic!("{name}: a job too many") };
+                let Some((opcode, [word, raised], values)) = expected.front() else { panic!("{name}: a job too many") };
                 assert_eq!(simulator.get(shown_opcode), *opcode, "{name}: job {seen}");
                 assert!(tag.is_none_or(|(_, port)| simulator.get(port) == *word), "{name}: tag of job {seen}");
+                if let Some(port) = flags_port {
+                    assert_eq!(simulator.get(port), *raised, "{name}: exceptions of job {seen} (opcode {opcode})");
+                }
                 for (port, &(wire, kind)) in &outs {
                     let found = self.of_port(kind, simulator.get(wire));
                     let expected = values.get(port).copied();
@@ -153,7 +166,8 @@ impl<C: Concrete + 'static> Driver<C> {
                 let answer = (runner.run)(&words);
                 let there = runner.outputs.iter().zip(answer).filter(|((_, is_there), _)| *is_there);
                 let values = there.map(|((port, _), bits)| (port.name.clone(), bits)).collect();
-                expected.push_back((runner.opcode, word, values));
+                let raised = self.raised.map_or(0, Cell::take);
+                expected.push_back((runner.opcode, [word, raised], values));
                 sent += 1;
             }
             simulator.cycle();
