@@ -1,8 +1,6 @@
 //! Exceptions: of the units against exact arithmetic, and of whole jobs against a circuit that collects them.
 
-mod driver;
-
-use driver::Driver;
+use crate::driver::Driver;
 use raypath_float::{Format, add_parts_with_flags, flags, mul_parts_with_flags};
 use raypath_hdl::{Module, Simulator};
 use raypath_ops::{Flagged, Rules};

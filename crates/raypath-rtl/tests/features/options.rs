@@ -1,9 +1,7 @@
 //! Features of the paper's operations: the netlist against the operations, bit for bit, and what is off against hardware
 //! that has never heard of it.
 
-mod driver;
-
-use driver::Driver;
+use crate::driver::Driver;
 use raypath_float::Format;
 use raypath_hdl::verilog;
 use raypath_model::{Soft, SoftNumber};
@@ -73,7 +71,7 @@ fn what_is_off_leaves_nothing_behind() {
 
 #[test]
 fn each_feature_is_as_its_operation_says() {
-    // Exceptions are a circuit's that collects them: `exception_flags.rs`.
+    // Exceptions are a circuit's that collects them: `exceptions.rs`.
     for (name, features) in every_feature() {
         let features = Features { exception_flags: false, ..features };
         let driver = Driver::new(Binary32, Config { features, ..SMALL });
