@@ -14,6 +14,7 @@
 
 use crate::Format;
 use crate::align::shift_right_sticky;
+use crate::flags;
 use crate::normalise::Normalised;
 use crate::parts::Parts;
 use crate::recoded::Magnitude;
@@ -32,10 +33,20 @@ pub fn add(format: Format) -> Result<Arc<Module>, Error> {
 /// Another number of parts.
 pub fn add_parts(format: Format, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
     let doc = "Sum of two recoded numbers, rounded to nearest even.";
-    Parts::build(&format!("raypath_fp_add_{format}"), doc, parts, |parts| describe(format, parts))
+    Parts::build(&format!("raypath_fp_add_{format}"), doc, parts, |parts| describe(format, parts, false))
 }
 
-fn describe(format: Format, parts: &mut Parts<'_>) {
+/// The same with a second output, `flags_o`, in the last part: the exceptions of [`flags`](crate::flags) that the sum
+/// raises.
+///
+/// # Errors
+/// Another number of parts.
+pub fn add_parts_with_flags(format: Format, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
+    let doc = "Sum of two recoded numbers, rounded to nearest even, and its exceptions.";
+    Parts::build(&format!("raypath_fp_add_flags_{format}"), doc, parts, |parts| describe(format, parts, true))
+}
+
+fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let (e, s) = (format.exponent(), format.significand());
     let m = parts.builder();
     let a_i = m.input("a_i", format.recoded_width());
@@ -56,6 +67,11 @@ fn describe(format: Format, parts: &mut Parts<'_>) {
     let nan = (exponent.upper(3).all() | (both_special & subtract)).named("nan");
     let both_zero = (a.is_zero() & b.is_zero()).named("both_zero");
     let nan_or_zero = (nan | both_zero).named("nan_or_zero");
+
+    if with_flags {
+        let infinite = a.is_infinite() & b.is_infinite();
+        parts.take_along("invalid", (infinite & subtract).named("invalid"));
+    }
 
     m.section("Align; guard, round and sticky bit on the right");
     // Of operands that are swapped, the distance is the complement plus one. The one is in the wiring.
@@ -129,6 +145,13 @@ fn describe(format: Format, parts: &mut Parts<'_>) {
     let sum = m.concat(&[carried, rounded, below]).named("sum");
 
     let overflow = (carried & exponent.is((0b110 << (e - 2)) - 1)).named("overflow");
+    if with_flags {
+        // What the normalising shift brings back is not lost, and what it pushes out is.
+        let lost = carry_out.mux(inexact | (last & !subtract), below_one.mux(below_guard, inexact));
+        let inexact = ((lost & !special & !nan_or_zero) | overflow).named("inexact_sum");
+        parts.take_along("overflow", overflow);
+        parts.take_along("inexact", inexact);
+    }
     let cancelled = (subtract & reach.top() & !inexact).named("cancelled");
     let special = (special | overflow).named("special_sum");
     let sign = ((sign ^ (subtract & carry_out)) & !((cancelled | nan_or_zero) & subtract)).named("sum_sign");
@@ -152,4 +175,9 @@ fn describe(format: Format, parts: &mut Parts<'_>) {
     let exponent = ((exponent & ordinary.replicate(e + 1)) | class).named("result_exponent");
     let fraction = normalised.fraction(s - 1, ordinary) | m.concat(&[nan, m.constant(s - 2, 0)]);
     m.output("sum_o", m.concat(&[sign & !nan, exponent, fraction.named("result_fraction")]));
+    if with_flags {
+        // A sum below the normal range is exact.
+        let [invalid, overflow, inexact] = ["invalid", "overflow", "inexact"].map(|stem| parts.along(stem));
+        flags::output(m, [invalid, overflow, None, inexact]);
+    }
 }

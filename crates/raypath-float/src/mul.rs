@@ -14,6 +14,7 @@
 use crate::Format;
 use crate::booth;
 use crate::compress::{Row, compress};
+use crate::flags;
 use crate::lookahead;
 use crate::parts::Parts;
 use crate::recoded::Magnitude;
@@ -32,10 +33,20 @@ pub fn mul(format: Format) -> Result<Arc<Module>, Error> {
 /// Another number of parts.
 pub fn mul_parts(format: Format, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
     let doc = "Product of two recoded numbers, rounded to nearest even.";
-    Parts::build(&format!("raypath_fp_mul_{format}"), doc, parts, |parts| describe(format, parts))
+    Parts::build(&format!("raypath_fp_mul_{format}"), doc, parts, |parts| describe(format, parts, false))
 }
 
-fn describe(format: Format, parts: &mut Parts<'_>) {
+/// The same with a second output, `flags_o`, in the last part: the exceptions of [`flags`](crate::flags) that the
+/// product raises.
+///
+/// # Errors
+/// Another number of parts.
+pub fn mul_parts_with_flags(format: Format, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
+    let doc = "Product of two recoded numbers, rounded to nearest even, and its exceptions.";
+    Parts::build(&format!("raypath_fp_mul_flags_{format}"), doc, parts, |parts| describe(format, parts, true))
+}
+
+fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let (e, s) = (format.exponent(), format.significand());
     let m = parts.builder();
     let a_i = m.input("a_i", format.recoded_width());
@@ -56,6 +67,12 @@ fn describe(format: Format, parts: &mut Parts<'_>) {
     let biased = exponent_sum.lower(e + 1) - m.constant(e + 1, 1 << e);
     let exponent = settled.mux(class, biased).named("exponent");
     let sign = ((a_i.top() ^ b_i.top()) & !nan).named("sign");
+
+    if with_flags {
+        parts.take_along("invalid", zero_times_infinity.named("invalid"));
+        let special = a.exponent().upper(2).all() | b.exponent().upper(2).all();
+        parts.take_along("ordinary", (!special & !a.is_zero() & !b.is_zero()).named("ordinary"));
+    }
 
     m.section("Multiples");
     let multiplicand = m.concat(&[m.constant(1, 1), a.fraction()]).named("multiplicand");
@@ -127,4 +144,14 @@ fn describe(format: Format, parts: &mut Parts<'_>) {
     let fraction = fraction & (!(largest & carried)).replicate(s - 1);
     let quiet = m.concat(&[exponent.upper(3).all(), m.constant(s - 2, 0)]);
     m.output("product_o", m.concat(&[sign, result_exponent, fraction | quiet]));
+    if with_flags {
+        m.section("Exceptions");
+        let [invalid, ordinary] = ["invalid", "ordinary"].map(|stem| parts.along(stem).unwrap_or(zero));
+        let overflow = (ordinary & result_exponent.upper(2).all()).named("overflow");
+        let inexact = (overflow | (ordinary & ((word & lost).any() | sticky))).named("inexact");
+        // Below the normal range before it is rounded: by one place, which a product of 2 or more makes up for, or further.
+        let tiny = (subnormal.bit(0) & (!carried | subnormal.bit(1))).named("tiny");
+        let underflow = (inexact & tiny & !overflow).named("underflow");
+        flags::output(m, [Some(invalid), Some(overflow), Some(underflow), Some(inexact)]);
+    }
 }

@@ -13,6 +13,8 @@ pub(crate) struct Parts<'m> {
     builders: &'m [Builder],
     /// The place of the part that is described now.
     current: usize,
+    /// Bits that go along through all parts, besides what cuts hand over.
+    along: Vec<(&'static str, Wire<'m>)>,
 }
 
 impl<'m> Parts<'m> {
@@ -34,7 +36,7 @@ impl<'m> Parts<'m> {
         if builders.is_empty() {
             return Err(undivided());
         }
-        let mut parts = Parts { builders: &builders, current: 0 };
+        let mut parts = Parts { builders: &builders, current: 0, along: Vec::new() };
         describe(&mut parts);
         if parts.current + 1 != builders.len() {
             return Err(undivided());
@@ -52,6 +54,16 @@ impl<'m> Parts<'m> {
         &self.builders[self.current]
     }
 
+    /// Takes a value along through all cuts that follow.
+    pub fn take_along(&mut self, stem: &'static str, wire: Wire<'m>) {
+        self.along.push((stem, wire));
+    }
+
+    /// A value that was taken along, as the part that is described now has it.
+    pub fn along(&self, stem: &str) -> Option<Wire<'m>> {
+        self.along.iter().find(|(known, _)| *known == stem).map(|(_, wire)| *wire)
+    }
+
     /// Ends part `part` of `of`, if there are to be that many, and begins the next: a value of stem `x` leaves by the
     /// port `x_o` and enters by `x_i`. Gives the values as the description is to go on with.
     pub fn cut<const N: usize>(&mut self, part: usize, of: usize, values: [(&str, Wire<'m>); N]) -> [Wire<'m>; N] {
@@ -60,10 +72,15 @@ impl<'m> Parts<'m> {
         }
         let (from, to) = (&self.builders[self.current], &self.builders[part]);
         self.current = part;
-        values.map(|(stem, wire)| {
+        let over = |stem: &str, wire: Wire<'m>| {
             from.output(&format!("{stem}_o"), wire);
             to.input(&format!("{stem}_i"), wire.width())
-        })
+        };
+        let values = values.map(|(stem, wire)| over(stem, wire));
+        for (stem, wire) in &mut self.along {
+            *wire = over(stem, *wire);
+        }
+        values
     }
 
     /// One place that serves several divisions: at most one of the `cuts`, each a part and of how many, takes place.

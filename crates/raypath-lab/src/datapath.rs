@@ -4,8 +4,9 @@ use crate::engine::{NetlistEngine, shape};
 use crate::model::AnyModel;
 use crate::operation::AnyOperation;
 use raypath_model::{CycleModel, Shape};
-use raypath_ops::{Angular, Euclidean, JobKind, Operation, RayBox, RayTriangle};
-use raypath_rtl::{self as rtl, Budget, Config, Error, Lanes, Operations};
+use raypath_ops::Operation;
+use raypath_rtl::{self as rtl, Budget, Config, Error, Features, OperationVisitor, Operations};
+use std::convert::Infallible;
 use std::fmt;
 use std::sync::Arc;
 
@@ -34,20 +35,11 @@ impl Datapath {
         Self { config: Config::DEFAULT, budget: None, operations: Vec::new() }
     }
 
-    /// The operations that a configuration has, under the paper's opcodes.
+    /// The operations that a configuration has, with its features, under the paper's opcodes.
     pub fn paper(config: Config) -> Self {
-        let rules = config.rules;
-        let datapath = Self { config, ..Self::new() }
-            .with_opcode(JobKind::Quadbox.opcode(), RayBox { rules })
-            .with_opcode(JobKind::Triangle.opcode(), RayTriangle { rules });
-        match config.lanes {
-            Lanes::None => datapath,
-            Lanes::Two => datapath.with_distances::<2, 1>(),
-            Lanes::Four => datapath.with_distances::<4, 2>(),
-            Lanes::Eight => datapath.with_distances::<8, 4>(),
-            Lanes::Sixteen => datapath.with_distances::<16, 8>(),
-            Lanes::ThirtyTwo => datapath.with_distances::<32, 16>(),
-            Lanes::SixtyFour => datapath.with_distances::<64, 32>(),
+        let mut datapath = Self { config, ..Self::new() };
+        match config.operations(&mut datapath) {
+            Ok(()) => datapath,
         }
     }
 
@@ -70,7 +62,8 @@ impl Datapath {
         self
     }
 
-    /// Builds them otherwise than by default. Rules and lanes are the operations' own.
+    /// Builds them otherwise than by default. Rules, lanes and what triangles, boxes and sums can do are the operations'
+    /// own; a tag and exception flags are for all of them.
     pub fn built_as(mut self, config: Config) -> Self {
         self.config = config;
         self
@@ -110,7 +103,9 @@ impl Datapath {
     /// before it is made, more units in a stage than the budget allows, a chain that is too long for the latency; two
     /// operations whose shared units would feed each other.
     pub fn elaborate(&self) -> Result<rtl::Datapath, Error> {
-        let mut operations = Operations::new();
+        self.config.check()?;
+        let Features { tag, exception_flags, .. } = self.config.features;
+        let mut operations = Operations::new().tag(tag).exception_flags(exception_flags);
         if let Some(budget) = self.budget {
             operations = operations.within(budget);
         }
@@ -122,7 +117,7 @@ impl Datapath {
 
     /// What it answers, job by job.
     pub fn model(&self) -> AnyModel {
-        AnyModel::new(&self.operations, self.config.format)
+        AnyModel::new(&self.operations, self.config)
     }
 
     /// What it shows in every cycle.
@@ -144,10 +139,14 @@ impl Datapath {
     fn shape(&self) -> Result<Shape, Error> {
         Ok(shape(self.config, &self.elaborate()?))
     }
+}
 
-    fn with_distances<const E: usize, const A: usize>(self) -> Self {
-        self.with_opcode(JobKind::Euclidean.opcode(), Euclidean::<E>)
-            .with_opcode(JobKind::Angular.opcode(), Angular::<A>)
+impl OperationVisitor for Datapath {
+    type Error = Infallible;
+
+    fn visit<O: Operation + Send + Sync + 'static>(&mut self, operation: O, opcode: u64) -> Result<(), Infallible> {
+        self.operations.push((opcode, Arc::new(operation)));
+        Ok(())
     }
 }
 

@@ -4,6 +4,8 @@ use crate::operation::AnyOperation;
 use raypath_format::Format;
 use raypath_model::{Kind, Model, OnPorts};
 use raypath_ops::{Binary32, Operation, Port, PortKind, PortValue, from_words, to_words};
+use raypath_rtl::{Config, Features};
+use std::cell::Cell;
 use std::fmt;
 use std::sync::Arc;
 
@@ -12,6 +14,7 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub struct AnyModel {
     format: Format,
+    features: Features,
     /// By opcode.
     operations: Arc<[Option<Known>]>,
     /// What the last job of each operation left.
@@ -38,23 +41,41 @@ struct Known {
     operation: Arc<dyn AnyOperation>,
     inputs: Ports,
     outputs: Ports,
+    /// Of all outputs that the operation may have, which are there.
+    is_there: Vec<bool>,
 }
 
 /// What the words of one operation stand at.
 type Ports = Arc<[Port]>;
 
+/// The port of a word that jobs take along.
+const TAG: &str = "tag";
+/// Bits of the exceptions' port.
+const FLAGS: u32 = 4;
+
+fn port(name: &str, kind: PortKind, width: u32) -> Port {
+    Port { name: name.to_string(), kind, width: Some(width) }
+}
+
 impl AnyModel {
-    /// The model of these operations, each under its opcode, in numbers of `format`.
-    pub(crate) fn new(operations: &[(u64, Arc<dyn AnyOperation>)], format: Format) -> Self {
+    /// The model of these operations, each under its opcode, built as `config` says.
+    pub(crate) fn new(operations: &[(u64, Arc<dyn AnyOperation>)], config: Config) -> Self {
+        let Config { format, features, .. } = config;
+        let taken_along = (features.tag > 0).then(|| port(TAG, PortKind::Word, features.tag));
+        let raised = features.exception_flags.then(|| port("exception_flags", PortKind::Word, FLAGS));
         let mut known: Vec<Option<Known>> = Vec::new();
         for (opcode, operation) in operations {
             let kind = AnyKind { opcode: *opcode, name: operation.name() };
-            let (inputs, outputs) = (operation.inputs().into(), operation.outputs().into());
+            let inputs = operation.inputs().into_iter().chain(taken_along.clone()).collect();
+            let all = operation.outputs();
+            let is_there: Vec<bool> = all.iter().map(|port| operation.has_output(&port.name)).collect();
+            let own = all.into_iter().zip(&is_there).filter_map(|(port, is_there)| is_there.then_some(port));
+            let outputs = own.chain(raised.clone()).chain(taken_along.clone()).collect();
             let place = *opcode as usize;
             known.resize_with(known.len().max(place + 1), || None);
-            known[place] = Some(Known { kind, operation: operation.clone(), inputs, outputs });
+            known[place] = Some(Known { kind, operation: operation.clone(), inputs, outputs, is_there });
         }
-        Self { format, states: vec![Vec::new(); known.len()], operations: known.into() }
+        Self { format, features, states: vec![Vec::new(); known.len()], operations: known.into() }
     }
 
     /// The format of its numbers.
@@ -85,10 +106,15 @@ impl AnyModel {
         Some(self.job_of_words(kind, &words))
     }
 
-    /// An outcome as the operation's output. `None` where it is another operation's, or not in binary32.
+    /// An outcome as the operation's output; ports that are not there are 0. `None` where it is another operation's, or not
+    /// in binary32.
     pub fn output_of<O: Operation>(&self, outcome: &Words) -> Option<O::Output<Binary32>> {
-        (outcome.kind.name == O::NAME && self.format == Format::BINARY32)
-            .then(|| from_words(Binary32, outcome.as_words()))
+        let known =
+            self.of(outcome.kind).filter(|_| outcome.kind.name == O::NAME && self.format == Format::BINARY32)?;
+        let mut words = outcome.words.iter();
+        let word = |&is_there: &bool| if is_there { words.next().copied().unwrap_or(0) } else { 0 };
+        let all: Vec<u64> = known.is_there.iter().map(word).collect();
+        Some(from_words(Binary32, &all))
     }
 
     fn known(&self) -> impl Iterator<Item = &Known> {
@@ -128,7 +154,13 @@ impl Model for AnyModel {
     fn run(&mut self, job: &Words) -> Words {
         let place = job.kind.opcode as usize;
         let answer = match (self.operations.get(place), self.states.get_mut(place)) {
-            (Some(Some(known)), Some(state)) => known.operation.answer(self.format, &job.words, state),
+            (Some(Some(known)), Some(state)) => {
+                let raised = self.features.exception_flags.then(Cell::default);
+                let all = known.operation.answer(self.format, &job.words, state, raised.as_ref());
+                let own = all.iter().zip(&known.is_there).filter_map(|(word, is_there)| is_there.then_some(*word));
+                let tag = (self.features.tag > 0).then(|| job.words.last().copied().unwrap_or(0));
+                own.chain(raised.map(Cell::into_inner)).chain(tag).collect()
+            }
             _ => Vec::new(),
         };
         self.outcome_of_words(job.kind, &answer)

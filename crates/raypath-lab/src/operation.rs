@@ -2,8 +2,9 @@
 
 use raypath_format::Format;
 use raypath_model::Soft;
-use raypath_ops::{Binary32, Concrete, Operation, Port, from_words, ports_of, to_canonical_words, to_words};
+use raypath_ops::{Binary32, Concrete, Flagged, Operation, Port, from_words, ports_of, to_canonical_words, to_words};
 use raypath_rtl::{Error, Operations};
+use std::cell::Cell;
 
 /// An operation as words in and words out, and as a part of a datapath.
 pub trait AnyOperation: Send + Sync {
@@ -13,11 +14,15 @@ pub trait AnyOperation: Send + Sync {
     /// The ports of its jobs, read or not.
     fn inputs(&self) -> Vec<Port>;
 
-    /// The ports of its answers.
+    /// The ports of its answers, there or not.
     fn outputs(&self) -> Vec<Port>;
 
-    /// Answers a job in numbers of `format`. `state` is what the job before left, empty at first; this leaves another.
-    fn answer(&self, format: Format, job: &[u64], state: &mut Vec<u64>) -> Vec<u64>;
+    /// Whether an output port is there: [`Operation::has_output`].
+    fn has_output(&self, port: &str) -> bool;
+
+    /// Answers a job in numbers of `format`, on all outputs, there or not. `state` is what the job before left, empty at
+    /// first; this leaves another. In binary32 `raised` gets the exceptions of additions and multiplications.
+    fn answer(&self, format: Format, job: &[u64], state: &mut Vec<u64>, raised: Option<&Cell<u64>>) -> Vec<u64>;
 
     /// Adds it to the operations of a datapath.
     ///
@@ -39,11 +44,15 @@ impl<O: Operation + Send + Sync> AnyOperation for O {
         ports_of::<O::Output<Binary32>>()
     }
 
-    fn answer(&self, format: Format, job: &[u64], state: &mut Vec<u64>) -> Vec<u64> {
-        if format == Format::BINARY32 {
-            answer_over(self, Binary32, job, state)
-        } else {
-            answer_over(self, Soft { format }, job, state)
+    fn has_output(&self, port: &str) -> bool {
+        Operation::has_output(self, port)
+    }
+
+    fn answer(&self, format: Format, job: &[u64], state: &mut Vec<u64>, raised: Option<&Cell<u64>>) -> Vec<u64> {
+        match raised {
+            _ if format != Format::BINARY32 => answer_over(self, Soft { format }, job, state),
+            Some(raised) => answer_over(self, Flagged { raised }, job, state),
+            None => answer_over(self, Binary32, job, state),
         }
     }
 

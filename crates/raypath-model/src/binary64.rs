@@ -33,6 +33,10 @@ impl Circuit for Binary64 {
         Double(value.into())
     }
     #[inline]
+    fn one_plus_ulps(self, ulps: u32) -> Double {
+        Double(1.0 + f64::from(ulps) * f64::EPSILON)
+    }
+    #[inline]
     fn add(self, a: Double, b: Double) -> Double {
         Double(a.0 + b.0)
     }

@@ -26,6 +26,11 @@ impl Circuit for Soft {
         SoftNumber(self.format.from_f32(value))
     }
     #[inline]
+    fn one_plus_ulps(self, ulps: u32) -> SoftNumber {
+        // In IEEE 754's layout the next larger number has the next code.
+        SoftNumber(self.format.from_f32(1.0) + u64::from(ulps))
+    }
+    #[inline]
     fn add(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {
         SoftNumber(self.format.add(a.0, b.0))
     }

@@ -45,6 +45,10 @@ impl Circuit for Binary32 {
         Single(value)
     }
     #[inline(always)]
+    fn one_plus_ulps(self, ulps: u32) -> Single {
+        Single(1.0 + ulps as f32 * f32::EPSILON)
+    }
+    #[inline(always)]
     fn add(self, a: Single, b: Single) -> Single {
         Single(a.0 + b.0)
     }

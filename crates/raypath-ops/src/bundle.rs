@@ -176,24 +176,24 @@ impl<C: Circuit> Bundle<C> for () {
 macro_rules! bundle {
     (
         $(#[$attribute:meta])*
-        pub struct $name:ident<C $(, const $n:ident: $kind:ident)?> {
+        pub struct $name:ident<C $(, const $n:ident: $kind:ident)*> {
             $($(#[$field_attribute:meta])* pub $field:ident: $type:ty,)*
         }
     ) => {
         $(#[$attribute])*
         #[derive(Debug, Clone, Copy, PartialEq)]
-        pub struct $name<C: $crate::Circuit $(, const $n: $kind)?> {
+        pub struct $name<C: $crate::Circuit $(, const $n: $kind)*> {
             $($(#[$field_attribute])* pub $field: $type,)*
         }
 
-        impl$(<const $n: $kind>)? $crate::Family for $name<$crate::Binary32 $(, $n)?> {
-            type Of<D: $crate::Circuit> = $name<D $(, $n)?>;
+        impl<$(const $n: $kind),*> $crate::Family for $name<$crate::Binary32 $(, $n)*> {
+            type Of<D: $crate::Circuit> = $name<D $(, $n)*>;
 
             #[inline(always)]
             fn gather<A: $crate::Circuit, B: $crate::Circuit, const K: usize>(
-                things: [&$name<A $(, $n)?>; K],
+                things: [&$name<A $(, $n)*>; K],
                 lanes: &impl $crate::Gather<A, B, K>,
-            ) -> $name<B $(, $n)?> {
+            ) -> $name<B $(, $n)*> {
                 type C = $crate::Binary32;
                 $name {
                     $($field: <$type as $crate::Family>::gather(
@@ -205,8 +205,8 @@ macro_rules! bundle {
 
             #[inline(always)]
             fn put<A: $crate::Circuit, B: $crate::Circuit>(
-                thing: &$name<A $(, $n)?>,
-                place: &mut $name<B $(, $n)?>,
+                thing: &$name<A $(, $n)*>,
+                place: &mut $name<B $(, $n)*>,
                 lanes: &impl $crate::Put<A, B>,
             ) {
                 type C = $crate::Binary32;
@@ -215,16 +215,16 @@ macro_rules! bundle {
 
             #[inline(always)]
             fn scatter<A: $crate::Circuit, B: $crate::Circuit, const K: usize>(
-                thing: $name<A $(, $n)?>,
+                thing: $name<A $(, $n)*>,
                 lanes: &impl $crate::Scatter<A, B, K>,
-            ) -> [$name<B $(, $n)?>; K] {
+            ) -> [$name<B $(, $n)*>; K] {
                 type C = $crate::Binary32;
                 $(let $field = <$type as $crate::Family>::scatter(thing.$field, lanes);)*
                 $crate::array_of!(k => $name { $($field: $field[k],)* })
             }
         }
 
-        impl<C: $crate::Circuit $(, const $n: $kind)?> $crate::Bundle<C> for $name<C $(, $n)?> {
+        impl<C: $crate::Circuit $(, const $n: $kind)*> $crate::Bundle<C> for $name<C $(, $n)*> {
             fn build<S: $crate::Source<C> + ?Sized>(path: &mut $crate::Path, source: &mut S) -> Self {
                 $(
                     let entered = path.enter(stringify!($field));

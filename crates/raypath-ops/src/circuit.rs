@@ -35,6 +35,9 @@ pub trait Circuit: Copy + Debug + PartialEq {
 
     /// A number that is exact in the circuit's format.
     fn constant(self, value: f32) -> Self::Num;
+    /// The number of the circuit's format that lies `ulps` places above 1; `ulps` is less than 2 to the power of the
+    /// fraction's bits.
+    fn one_plus_ulps(self, ulps: u32) -> Self::Num;
     /// Sum.
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num;
     /// Difference.

@@ -105,14 +105,8 @@ impl<const N: usize> Operation for Euclidean<N> {
         input: EuclideanInput<C, N>,
         state: EuclideanState<C>,
     ) -> (EuclideanOutput<C>, EuclideanState<C>) {
-        let beat = &input.euclidean;
-        let reset_accum = beat.reset_accum;
-        let each = lanes_of(beat);
-        let squares = c.alike(&SquaredDifference, &(), &each);
-        c.label(format_args!("square"), &squares);
-
-        const { assert!(N.is_power_of_two() && N <= 64, "lanes are a power of two, 64 at most") };
-        let [sum] = tree(c, &EUCLIDEAN_TREE, ["sum"], [squares]);
+        let reset_accum = input.euclidean.reset_accum;
+        let sum = squares_of(c, &input.euclidean);
 
         c.stage(10, "accumulated");
         let accumulator = state.accumulator + sum;
@@ -135,17 +129,8 @@ impl<const N: usize> Operation for Angular<N> {
         input: AngularInput<C, N>,
         state: AngularState<C>,
     ) -> (AngularOutput<C>, AngularState<C>) {
-        let beat = &input.euclidean;
-        let reset_accum = beat.reset_accum;
-        let each = lanes_of(beat);
-        let products = c.alike(&Products, &(), &each);
-        let dots: [Num<C>; N] = array_of!(i => products[i][0]);
-        let norms: [Num<C>; N] = array_of!(i => products[i][1]);
-        c.label(format_args!("dot"), &dots);
-        c.label(format_args!("norm"), &norms);
-
-        const { assert!(N.is_power_of_two() && N <= 32, "lanes are a power of two, 32 at most") };
-        let [dot_sum, norm_sum] = tree(c, &ANGULAR_TREE, ["dot_sum", "norm_sum"], [dots, norms]);
+        let reset_accum = input.euclidean.reset_accum;
+        let [dot_sum, norm_sum] = products_of(c, &input.euclidean);
 
         c.stage(9, "both accumulated");
         let (dot_product, norm) = (state.dot_product + dot_sum, state.norm + norm_sum);
@@ -178,6 +163,32 @@ bundle! {
 fn lanes_of<C: Circuit, const N: usize>(beat: &Beat<C, N>) -> [Lane<C>; N] {
     // Not `array_of!`: compilers keep the array that it makes of so much in memory, which costs SIMD most of its speed.
     std::array::from_fn(|i| Lane { a: beat.a[i], b: beat.b[i], counts: beat.mask.0[i] })
+}
+
+/// The sum of a beat's squared differences.
+#[inline(always)]
+pub(crate) fn squares_of<C: Circuit, const N: usize>(c: C, beat: &Beat<C, N>) -> Num<C> {
+    let each = lanes_of(beat);
+    let squares = c.alike(&SquaredDifference, &(), &each);
+    c.label(format_args!("square"), &squares);
+
+    const { assert!(N.is_power_of_two() && N <= 64, "lanes are a power of two, 64 at most") };
+    let [sum] = tree(c, &EUCLIDEAN_TREE, ["sum"], [squares]);
+    sum
+}
+
+/// The sums of a beat's products, a b and b b.
+#[inline(always)]
+pub(crate) fn products_of<C: Circuit, const N: usize>(c: C, beat: &Beat<C, N>) -> [Num<C>; 2] {
+    let each = lanes_of(beat);
+    let products = c.alike(&Products, &(), &each);
+    let dots: [Num<C>; N] = array_of!(i => products[i][0]);
+    let norms: [Num<C>; N] = array_of!(i => products[i][1]);
+    c.label(format_args!("dot"), &dots);
+    c.label(format_args!("norm"), &norms);
+
+    const { assert!(N.is_power_of_two() && N <= 32, "lanes are a power of two, 32 at most") };
+    tree(c, &ANGULAR_TREE, ["dot_sum", "norm_sum"], [dots, norms])
 }
 
 struct SquaredDifference;

@@ -1,5 +1,6 @@
 //! Operations over SIMD lanes: one instruction computes the same number of several jobs.
 
+use crate::binary32::Binary32;
 use crate::circuit::{Bit, Circuit, Num, Relation, Test, Word};
 use crate::rules::{self, Place};
 use fearless_simd::prelude::*;
@@ -135,6 +136,10 @@ where
     #[inline(always)]
     fn constant(self, value: f32) -> Self::Num {
         Row(W::Nums::simd_from(self.simd, value))
+    }
+    #[inline(always)]
+    fn one_plus_ulps(self, ulps: u32) -> Self::Num {
+        self.constant(Binary32.one_plus_ulps(ulps).0)
     }
     #[inline(always)]
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num {

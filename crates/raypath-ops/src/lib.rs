@@ -29,7 +29,9 @@ mod bundle;
 mod circuit;
 mod concrete;
 mod distance;
+mod distance_many;
 mod family;
+mod flagged;
 mod geometry;
 mod job;
 mod known;
@@ -40,6 +42,7 @@ mod ports;
 mod ray;
 mod ray_box;
 mod ray_triangle;
+mod ray_triangle_extended;
 mod rules;
 mod vectors;
 
@@ -54,7 +57,11 @@ pub use distance::{
     Angular, AngularInput, AngularOutput, AngularState, Beat, Euclidean, EuclideanInput, EuclideanOutput,
     EuclideanState,
 };
+pub use distance_many::{
+    AngularMany, AngularManyInput, AngularManyState, EuclideanMany, EuclideanManyInput, EuclideanManyState,
+};
 pub use family::{Family, Gather, Put, Scatter};
+pub use flagged::Flagged;
 pub use geometry::{Aabb, Slab, Triangle, Vec3};
 pub use job::{Job, JobKind, Outcome, ParseJobKindError};
 pub use lanes::{Four, Lanes, Native, Row, Width};
@@ -62,7 +69,10 @@ pub use operation::Operation;
 pub use packed::{BLOCK, Packed, Part, Sixteen};
 pub use ports::{Port, PortKind, PortValue, from_words, ports_of, to_canonical_words, to_words};
 pub use ray::{Ray, RayError};
-pub use ray_box::{Entry, RayBox, RayBoxInput, RayBoxOutput, Slabs};
-pub use ray_triangle::{RayTriangle, RayTriangleInput, RayTriangleOutput};
+pub use ray_box::{Entry, RayBox, RayBoxConservative, RayBoxInput, RayBoxOutput, Slabs, WIDENING_ULPS};
+pub use ray_triangle::{Edges, RayTriangle, RayTriangleInput, RayTriangleOutput};
+pub use ray_triangle_extended::{
+    Culling, ParseCullingError, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,
+};
 pub use rules::{ParseRulesError, Place, Rules};
 pub use vectors::VectorError;

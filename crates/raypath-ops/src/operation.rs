@@ -16,6 +16,16 @@ pub trait Operation {
     /// What a job leaves for the next one of the same operation; all zeros at first and after a reset. `()` for none.
     type State<C: Circuit>: Bundle<C>;
 
+    /// Whether an input port of this name is there in this configuration. What is not there must not be read.
+    fn has_input(&self, _port: &str) -> bool {
+        true
+    }
+
+    /// Whether an output port of this name is there in this configuration; what is not there is not made.
+    fn has_output(&self, _port: &str) -> bool {
+        true
+    }
+
     /// One job, stage by stage. Gives the answer and the state for the next job. The state must be read in the stage
     /// that makes its next value, and in no other.
     fn run<C: Circuit>(&self, c: C, input: Self::Input<C>, state: Self::State<C>) -> (Self::Output<C>, Self::State<C>);

@@ -16,6 +16,19 @@ pub struct RayBox {
     pub rules: Rules,
 }
 
+/// The same under the rules `paper`, missing no box for a rounding: `tmax` is made larger by [`WIDENING_ULPS`] before it
+/// is compared. `docs/semantics.md` says what that promises.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RayBoxConservative;
+
+/// By how many units in the last place of 1 the factor of [`RayBoxConservative`] exceeds 1.
+///
+/// A slab distance is three roundings away from the exact one: of the inverse, of the difference, of the product. Two
+/// distances that are equal may so come to differ by a factor of (1 + 2u)^3, where u is half a unit in the last place of
+/// 1: by three units and next to nothing. Two units (Ize, "Robust BVH Ray Traversal", JCGT 2013) are enough where the
+/// inverse counts as exact.
+pub const WIDENING_ULPS: u32 = 3;
+
 bundle! {
     /// A ray and four boxes.
     pub struct RayBoxInput<C> {
@@ -46,23 +59,39 @@ impl Operation for RayBox {
 
     #[inline(always)]
     fn run<C: Circuit>(&self, c: C, input: RayBoxInput<C>, _state: ()) -> (RayBoxOutput<C>, ()) {
-        let RayBoxInput { ray, aabb } = input;
+        (nearest_first(c, input, Slabs { rules: self.rules, is_conservative: false }), ())
+    }
+}
 
-        let hits = c.alike(&Slabs { rules: self.rules }, &ray, &aabb);
-        let unsorted: [Place<C, 2>; 4] = array_of!(i => Place { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) },
-        );
-        c.label(format_args!("unsorted"), &unsorted);
+impl Operation for RayBoxConservative {
+    const NAME: &'static str = RayBox::NAME;
+    type Input<C: Circuit> = RayBoxInput<C>;
+    type Output<C: Circuit> = RayBoxOutput<C>;
+    type State<C: Circuit> = ();
 
-        c.stage(10, "sort the four by tmin, values and indices");
-        let sorted = self.rules.sort(c, unsorted);
-        c.label(format_args!("sorted"), &sorted);
+    #[inline(always)]
+    fn run<C: Circuit>(&self, c: C, input: RayBoxInput<C>, _state: ()) -> (RayBoxOutput<C>, ()) {
+        (nearest_first(c, input, Slabs { rules: Rules::Paper, is_conservative: true }), ())
+    }
+}
 
-        let output = RayBoxOutput {
-            is_intersect: Flags(array_of!(i => sorted[i].hit)),
-            tmin: array_of!(i => sorted[i].tmin),
-            box_index: array_of!(i => sorted[i].index),
-        };
-        (output, ())
+#[inline(always)]
+fn nearest_first<C: Circuit>(c: C, input: RayBoxInput<C>, slabs: Slabs) -> RayBoxOutput<C> {
+    let RayBoxInput { ray, aabb } = input;
+
+    let hits = c.alike(&slabs, &ray, &aabb);
+    let unsorted: [Place<C, 2>; 4] = array_of!(i => Place { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) },
+    );
+    c.label(format_args!("unsorted"), &unsorted);
+
+    c.stage(10, "sort the four by tmin, values and indices");
+    let sorted = slabs.rules.sort(c, unsorted);
+    c.label(format_args!("sorted"), &sorted);
+
+    RayBoxOutput {
+        is_intersect: Flags(array_of!(i => sorted[i].hit)),
+        tmin: array_of!(i => sorted[i].tmin),
+        box_index: array_of!(i => sorted[i].index),
     }
 }
 
@@ -72,6 +101,8 @@ impl Operation for RayBox {
 pub struct Slabs {
     /// The rules on the edges.
     pub rules: Rules,
+    /// Boxes are widened as [`RayBoxConservative`] has it, with a multiplier a box in stage 5, and compared in stage 6.
+    pub is_conservative: bool,
 }
 
 bundle! {
@@ -119,7 +150,18 @@ impl Alike for Slabs {
         );
         c.label(format_args!("inside"), &inside);
 
-        c.stage(5, "hit = tmin against tmax");
+        let inside = if self.is_conservative {
+            c.stage(5, "tmax widened");
+            let factor = Num::new(c, c.one_plus_ulps(WIDENING_ULPS));
+            let widened: [Interval<C>; N] =
+                array_of!(i => Interval { tmin: inside[i].tmin, tmax: inside[i].tmax * factor });
+            c.label(format_args!("widened"), &widened);
+            c.stage(6, "hit = tmin against tmax");
+            widened
+        } else {
+            c.stage(5, "hit = tmin against tmax");
+            inside
+        };
         array_of!(i => {
             let hit = self.rules.box_hit(inside[i]);
             Entry { hit, tmin: hit.select(inside[i].tmin, c.infinity()) }

@@ -59,35 +59,7 @@ impl Operation for RayTriangle {
     #[inline(always)]
     fn run<C: Circuit>(&self, circuit: C, input: RayTriangleInput<C>, _state: ()) -> (RayTriangleOutput<C>, ()) {
         let RayTriangleInput { ray, triangle } = input;
-
-        let [a, b, c] = circuit.alike(&Shear, &ray, &[triangle.a, triangle.b, triangle.c]);
-        circuit.label(format_args!("sheared"), &[a, b, c]);
-
-        circuit.stage(5, "products of U, V, W");
-        let products = [(c.x * b.y, c.y * b.x), (a.x * c.y, a.y * c.x), (b.x * a.y, b.y * a.x)];
-        for ((plus, minus), edge) in products.iter().zip(["u", "v", "w"]) {
-            circuit.label(format_args!("{edge}_plus"), plus);
-            circuit.label(format_args!("{edge}_minus"), minus);
-        }
-
-        circuit.stage(6, "U, V, W");
-        let [u, v, w]: [Num<C>; 3] = array_of!(i => products[i].0 - products[i].1);
-        let edges = Edges { u, v, w };
-        circuit.label(format_args!("edge"), &edges);
-
-        circuit.stage(7, "U Az, V Bz, W Cz");
-        let (uaz, vbz, wcz) = (u * a.z, v * b.z, w * c.z);
-        circuit.label(format_args!("edge_depth"), &[uaz, vbz, wcz]);
-
-        circuit.stage(8, "U + V ; U Az + V Bz");
-        let (uv, uv_depth) = (u + v, uaz + vbz);
-        circuit.label(format_args!("uv"), &uv);
-        circuit.label(format_args!("uv_depth"), &uv_depth);
-
-        circuit.stage(9, "+ W = t_denom ; + W Cz = t_num");
-        let (t_denom, t_num) = (uv + w, uv_depth + wcz);
-        circuit.label(format_args!("t_denom"), &t_denom);
-        circuit.label(format_args!("t_num"), &t_num);
+        let Distance { edges, t_num, t_denom } = distance(circuit, &ray, triangle, &Self::SUMS);
 
         circuit.stage(10, "hit test");
         let triangle_hit = self.rules.triangle_hit(circuit, edges, t_num, t_denom);
@@ -95,6 +67,77 @@ impl Operation for RayTriangle {
 
         (RayTriangleOutput { t_num, t_denom, triangle_hit }, ())
     }
+}
+
+/// Where a ray meets a triangle's plane, and on which side of its edges.
+pub(crate) struct Distance<C: Circuit> {
+    pub edges: Edges<C>,
+    pub t_num: Num<C>,
+    pub t_denom: Num<C>,
+}
+
+/// The stages in which U, V and W become sums, and what schedules call them.
+pub(crate) struct Sums {
+    /// U + V
+    pub uv: (u32, &'static str),
+    /// U Az + V Bz
+    pub uv_depth: (u32, &'static str),
+    /// + W
+    pub t_denom: (u32, &'static str),
+    /// + W Cz
+    pub t_num: (u32, &'static str),
+}
+
+impl RayTriangle {
+    /// As Table VII has them.
+    pub(crate) const SUMS: Sums = Sums {
+        uv: (8, "U + V ; U Az + V Bz"),
+        uv_depth: (8, "U + V ; U Az + V Bz"),
+        t_denom: (9, "+ W = t_denom ; + W Cz = t_num"),
+        t_num: (9, "+ W = t_denom ; + W Cz = t_num"),
+    };
+}
+
+/// The stage that makes U, V and W.
+pub(crate) const EDGES: (u32, &str) = (6, "U, V, W");
+
+/// All arithmetic of a triangle, up to the hit test.
+#[inline(always)]
+pub(crate) fn distance<C: Circuit>(circuit: C, ray: &Ray<C>, triangle: Triangle<C>, sums: &Sums) -> Distance<C> {
+    let [a, b, c] = circuit.alike(&Shear, ray, &[triangle.a, triangle.b, triangle.c]);
+    circuit.label(format_args!("sheared"), &[a, b, c]);
+
+    circuit.stage(5, "products of U, V, W");
+    let products = [(c.x * b.y, c.y * b.x), (a.x * c.y, a.y * c.x), (b.x * a.y, b.y * a.x)];
+    for ((plus, minus), edge) in products.iter().zip(["u", "v", "w"]) {
+        circuit.label(format_args!("{edge}_plus"), plus);
+        circuit.label(format_args!("{edge}_minus"), minus);
+    }
+
+    circuit.stage(EDGES.0, EDGES.1);
+    let [u, v, w]: [Num<C>; 3] = array_of!(i => products[i].0 - products[i].1);
+    let edges = Edges { u, v, w };
+    circuit.label(format_args!("edge"), &edges);
+
+    circuit.stage(7, "U Az, V Bz, W Cz");
+    let (uaz, vbz, wcz) = (u * a.z, v * b.z, w * c.z);
+    circuit.label(format_args!("edge_depth"), &[uaz, vbz, wcz]);
+
+    circuit.stage(sums.uv.0, sums.uv.1);
+    let uv = u + v;
+    circuit.stage(sums.uv_depth.0, sums.uv_depth.1);
+    let uv_depth = uaz + vbz;
+    circuit.label(format_args!("uv"), &uv);
+    circuit.label(format_args!("uv_depth"), &uv_depth);
+
+    circuit.stage(sums.t_denom.0, sums.t_denom.1);
+    let t_denom = uv + w;
+    circuit.stage(sums.t_num.0, sums.t_num.1);
+    let t_num = uv_depth + wcz;
+    circuit.label(format_args!("t_denom"), &t_denom);
+    circuit.label(format_args!("t_num"), &t_num);
+
+    Distance { edges, t_num, t_denom }
 }
 
 /// Vertices as the ray sees them, which comes to run along z.

@@ -1,7 +1,7 @@
 //! The rules on the edges (`docs/semantics.md`), in the two sets that exist. Everything else the two share.
 
 use crate::bundle::{Bundle, bundle};
-use crate::circuit::{Bit, Circuit, Num, Select, Word};
+use crate::circuit::{Bit, Circuit, Num, Order, Select, Word};
 use crate::ray_triangle::Edges;
 use std::fmt::{self, Arguments, Display};
 use std::str::FromStr;
@@ -132,6 +132,18 @@ impl Rules {
                 let outside = negative(u) | negative(v) | negative(w) | negative(t_num);
                 !outside & !t_denom.compare(c.zero()).equal()
             }
+        }
+    }
+
+    /// Whether a distance lies between a ray's ends, given the near end's order with it and its order with the far end,
+    /// all of them times a denominator; that of a back face is below zero and turns the orders round.
+    #[inline(always)]
+    pub(crate) fn within<C: Circuit>(self, [near, far]: [Order<C>; 2], is_front: bool) -> Bit<C> {
+        match (self, is_front) {
+            (Rules::Paper, true) => near.less_or_equal() & far.less_or_equal(),
+            (Rules::Paper, false) => near.greater_or_equal() & far.greater_or_equal(),
+            (Rules::Chisel, true) => !near.greater() & !far.greater(),
+            (Rules::Chisel, false) => !near.less() & !far.less(),
         }
     }
 }

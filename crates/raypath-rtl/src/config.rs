@@ -1,4 +1,5 @@
 use crate::choice::choices;
+use crate::features::Features;
 use raypath_float::Format;
 use raypath_ops::{JobKind, Rules};
 use std::fmt;
@@ -23,6 +24,8 @@ pub struct Config {
     pub sharing: Sharing,
     /// Stages that an adder or a multiplier takes.
     pub unit_latency: UnitLatency,
+    /// What the paper's operations do not have; nothing by default.
+    pub features: Features,
 }
 
 choices! {
@@ -119,6 +122,7 @@ impl Config {
         control: Control::Skid,
         sharing: Sharing::Union,
         unit_latency: UnitLatency::One,
+        features: Features::OFF,
     };
 
     /// The jobs that it answers.
@@ -164,15 +168,17 @@ impl Config {
     }
 
     /// Parameters but lanes and rules: name, value, default.
-    fn others(self) -> [(&'static str, String, String); 6] {
+    fn others(self) -> impl Iterator<Item = (&'static str, String, String)> {
         let default = Self::DEFAULT;
-        [
+        let building = [
             ("format", self.format.name(), default.format.name()),
             ("io", self.io.to_string(), default.io.to_string()),
             ("registers", self.registers.to_string(), default.registers.to_string()),
             ("control", self.control.to_string(), default.control.to_string()),
             ("sharing", self.sharing.to_string(), default.sharing.to_string()),
             ("unit-latency", self.unit_latency.to_string(), default.unit_latency.to_string()),
-        ]
+        ];
+        let features = self.features.values().into_iter().zip(default.features.values());
+        building.into_iter().chain(features.map(|((name, value), (_, default))| (name, value, default)))
     }
 }

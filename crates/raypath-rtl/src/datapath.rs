@@ -1,8 +1,10 @@
 use crate::budget::Budget;
-use crate::config::{Config, Encoding, Lanes};
+use crate::config::{Config, Encoding};
 use crate::error::Error;
+use crate::features::Features;
 use crate::graph::Traced;
 use crate::library::Library;
+use crate::operations::OperationVisitor;
 use crate::plan::{Plan, StepPlan};
 use crate::properties::Properties;
 use crate::schedule::{self, Target};
@@ -12,7 +14,7 @@ use crate::top::{self, Pipeline};
 use crate::tracer::Marks;
 use crate::units::Units;
 use raypath_hdl::Module;
-use raypath_ops::{Angular, Euclidean, JobKind, Operation, RayBox, RayTriangle};
+use raypath_ops::Operation;
 use std::sync::Arc;
 
 /// A datapath, elaborated: its netlist, and what can be said of it.
@@ -32,6 +34,8 @@ pub struct Operations {
     traced: Vec<Traced>,
     marks: Marks,
     budget: Option<Budget>,
+    tag: u32,
+    exception_flags: bool,
 }
 
 impl Operations {
@@ -58,6 +62,20 @@ impl Operations {
         Ok(self)
     }
 
+    /// Has every operation take a word of `width` bits along, from the port `tag_i` to the port `tag_o`, unchanged: 1 to
+    /// [`Features::MOST_TAG`]; 0 for none.
+    pub fn tag(mut self, width: u32) -> Self {
+        self.tag = width;
+        self
+    }
+
+    /// Has every operation answer the exceptions of all its additions and multiplications, at the port
+    /// `exception_flags_o`: the bits of [`raypath_float::flags`].
+    pub fn exception_flags(mut self, are_there: bool) -> Self {
+        self.exception_flags = are_there;
+        self
+    }
+
     /// Stages the operations that are added from here on automatically, whatever stages they mark
     /// (`docs/staging.md`).
     pub fn auto(mut self) -> Self {
@@ -74,13 +92,30 @@ impl Operations {
     }
 
     /// Their records, with all stages known.
-    fn staged(self, config: Config) -> Result<Vec<Traced>, Error> {
+    fn staged(mut self, config: Config) -> Result<Vec<Traced>, Error> {
+        Features { tag: self.tag, ..Features::OFF }.check(config.rules)?;
+        if self.tag > 0 {
+            self.traced.iter_mut().try_for_each(|traced| traced.add_tag(self.tag))?;
+        }
         let number_width = match config.registers {
             Encoding::Ieee => config.format.ieee_width(),
             Encoding::Recoded => config.format.recoded_width(),
         };
         let Config { sharing, .. } = config;
-        schedule::assign(self.traced, &Target { budget: self.budget, number_width, sharing })
+        let mut staged = schedule::assign(self.traced, &Target { budget: self.budget, number_width, sharing })?;
+        if self.exception_flags {
+            staged.iter_mut().try_for_each(Traced::add_exception_flags)?;
+        }
+        Ok(staged)
+    }
+}
+
+impl OperationVisitor for Operations {
+    type Error = Error;
+
+    fn visit<O: Operation + Send + Sync + 'static>(&mut self, operation: O, opcode: u64) -> Result<(), Error> {
+        *self = std::mem::take(self).with(&operation, opcode)?;
+        Ok(())
     }
 }
 
@@ -126,21 +161,12 @@ impl Datapath {
     /// Elaborates a configuration of the paper's operations.
     ///
     /// # Errors
-    /// None that a user can cause: these operations fit.
+    /// Features that cannot be had as they are asked for ([`Config::check`]). These operations fit.
     pub fn new(config: Config) -> Result<Self, Error> {
-        let rules = config.rules;
-        let operations = Operations::new()
-            .with(&RayBox { rules }, JobKind::Quadbox.opcode())?
-            .with(&RayTriangle { rules }, JobKind::Triangle.opcode())?;
-        let operations = match config.lanes {
-            Lanes::None => operations,
-            Lanes::Two => with_distances::<2, 1>(operations)?,
-            Lanes::Four => with_distances::<4, 2>(operations)?,
-            Lanes::Eight => with_distances::<8, 4>(operations)?,
-            Lanes::Sixteen => with_distances::<16, 8>(operations)?,
-            Lanes::ThirtyTwo => with_distances::<32, 16>(operations)?,
-            Lanes::SixtyFour => with_distances::<64, 32>(operations)?,
-        };
+        config.check()?;
+        let mut operations =
+            Operations::new().tag(config.features.tag).exception_flags(config.features.exception_flags);
+        config.operations(&mut operations)?;
         Self::build(operations, config)
     }
 
@@ -152,14 +178,15 @@ impl Datapath {
         Self::build(operations, Config::DEFAULT)
     }
 
-    /// Elaborates any set of operations, built as `config` says. Its rules and lanes say nothing here: they are the
-    /// operations' own.
+    /// Elaborates any set of operations, built as `config` says. Its rules, lanes and features say nothing here:
+    /// they are the operations' own.
     ///
     /// # Errors
     /// Those of [`Datapath::of`].
     pub fn build(operations: Operations, config: Config) -> Result<Self, Error> {
+        let with_flags = operations.exception_flags;
         let plan = Plan::new(&operations.staged(config)?, config);
-        let library = Library::new(&plan)?;
+        let library = Library::new(&plan, with_flags)?;
         let pipeline = top::pipeline(&plan, &library, &description(&plan))?;
         Ok(Self { plan, library, pipeline })
     }
@@ -258,10 +285,6 @@ impl Datapath {
 /// Whether a name can be part of labels, states and ports as it is.
 fn is_identifier(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-}
-
-fn with_distances<const E: usize, const A: usize>(operations: Operations) -> Result<Operations, Error> {
-    operations.with(&Euclidean::<E>, JobKind::Euclidean.opcode())?.with(&Angular::<A>, JobKind::Angular.opcode())
 }
 
 impl Registers {

@@ -107,6 +107,14 @@ pub enum Error {
         /// The name.
         operation: &'static str,
     },
+    /// A feature that cannot be had as it is asked for.
+    #[error("{feature}: {problem}")]
+    Feature {
+        /// The feature, as [`Features`](crate::Features) has it.
+        feature: &'static str,
+        /// What is in its way, and what was expected.
+        problem: String,
+    },
     /// Two operations whose shared units would feed each other in a circle.
     #[error("stage {stage}: the operations use its units in orders that make a loop")]
     UnitLoop {

@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::schedule;
 use crate::tracer::{self, Marks};
 use crate::units::UnitKind;
+use raypath_float::flags;
 use raypath_ops::{Operation, Relation, Test};
 use std::borrow::Cow;
 
@@ -27,6 +28,8 @@ pub enum Op {
     State(usize),
     /// A constant, as the bits of a binary32 number.
     Number(u32),
+    /// The constant that lies so many places above 1 in the datapath's format.
+    OnePlusUlps(u32),
     /// A constant truth value.
     Bit(bool),
     /// A constant word.
@@ -43,11 +46,15 @@ pub enum Op {
     /// Floats: it costs next to nothing, so it is made where it saves registers, not where it was written.
     Test(Test, NodeId),
     Relation(NodeId, Relation),
+    /// The exceptions that a unit raises for a sum or a product.
+    Flags(NodeId),
     And(NodeId, NodeId),
     Or(NodeId, NodeId),
     Not(NodeId),
     WordEqual(NodeId, NodeId),
     WordLess(NodeId, NodeId),
+    /// Bit by bit.
+    WordOr(NodeId, NodeId),
     Select(NodeId, NodeId, NodeId),
 }
 
@@ -129,6 +136,66 @@ impl Traced {
         Ok(traced)
     }
 
+    /// Adds a word that each job brings at the port `tag` and takes along.
+    pub fn add_tag(&mut self, width: u32) -> Result<(), Error> {
+        let port = self.new_port("tag")?;
+        let node = self.push(Op::Input(port.clone()), Kind::Word(width), 0, Some(port.port.clone()));
+        self.inputs.push(node);
+        self.outputs.push(OutputValue { port, node });
+        Ok(())
+    }
+
+    /// Adds an output `exception_flags`: what any sum or product raises. The stages must be known: each adds what its units
+    /// raise, so that one word crosses the registers.
+    pub fn add_exception_flags(&mut self) -> Result<(), Error> {
+        let port = self.new_port("exception_flags")?;
+        let kind = Kind::Word(flags::COUNT);
+        let mut so_far: Option<NodeId> = None;
+        for stage in 1..STAGES {
+            let here = (0..self.nodes.len() as u32).map(NodeId).filter(|&id| self.node(id).stage == stage);
+            let raises = |id: &NodeId| matches!(self.node(*id).op, Op::Add(..) | Op::Subtract(..) | Op::Multiply(..));
+            let units: Vec<NodeId> = here.filter(raises).collect();
+            let mut raised: Vec<NodeId> =
+                units.into_iter().map(|id| self.push(Op::Flags(id), kind, stage, None)).collect();
+            if raised.is_empty() {
+                continue;
+            }
+            raised.extend(so_far);
+            // By pairs, so that few gates are in a row.
+            while let [_, _, ..] = raised.as_slice() {
+                raised = raised
+                    .chunks(2)
+                    .map(|pair| match *pair {
+                        [a, b] => self.push(Op::WordOr(a, b), kind, stage, None),
+                        _ => pair[0],
+                    })
+                    .collect();
+            }
+            so_far = raised.pop();
+            if let Some(NodeId(id)) = so_far {
+                self.nodes[id as usize].name = Some(port.port.clone());
+            }
+        }
+        let node = so_far.unwrap_or_else(|| self.push(Op::Word(0), kind, 1, None));
+        self.outputs.push(OutputValue { port, node });
+        Ok(())
+    }
+
+    fn push(&mut self, op: Op, kind: Kind, stage: u32, name: Option<String>) -> NodeId {
+        self.nodes.push(Node { op, kind, stage, name });
+        NodeId(self.nodes.len() as u32 - 1)
+    }
+
+    /// A port for a feature of that name, which the operation must not have itself.
+    fn new_port(&self, feature: &'static str) -> Result<PortBit, Error> {
+        let is_input = |&id: &NodeId| matches!(&self.node(id).op, Op::Input(taken) if taken.port == feature);
+        if self.inputs.iter().any(is_input) || self.outputs.iter().any(|output| output.port.port == feature) {
+            let problem = format!("operation {} has a port of that name already", self.name);
+            return Err(Error::Feature { feature, problem });
+        }
+        Ok(PortBit { port: feature.to_string(), bit: None })
+    }
+
     /// A test is called after what it tests.
     fn name_tests(&mut self) {
         for index in 0..self.nodes.len() {
@@ -169,8 +236,14 @@ impl Traced {
     /// The values that a value is made of.
     pub fn operands(&self, id: NodeId) -> Vec<NodeId> {
         match self.node(id).op {
-            Op::Input(_) | Op::State(_) | Op::Number(_) | Op::Bit(_) | Op::Word(_) => vec![],
-            Op::Continue(a) | Op::Negate(a) | Op::NumberOf(a) | Op::Test(_, a) | Op::Relation(a, _) | Op::Not(a) => {
+            Op::Input(_) | Op::State(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_) => vec![],
+            Op::Continue(a)
+            | Op::Negate(a)
+            | Op::NumberOf(a)
+            | Op::Test(_, a)
+            | Op::Relation(a, _)
+            | Op::Flags(a)
+            | Op::Not(a) => {
                 vec![a]
             }
             Op::Add(a, b)
@@ -180,7 +253,8 @@ impl Traced {
             | Op::And(a, b)
             | Op::Or(a, b)
             | Op::WordEqual(a, b)
-            | Op::WordLess(a, b) => vec![a, b],
+            | Op::WordLess(a, b)
+            | Op::WordOr(a, b) => vec![a, b],
             Op::Select(condition, a, b) => vec![condition, a, b],
         }
     }
@@ -199,7 +273,7 @@ impl Traced {
 
     /// Whether it is made in no particular stage.
     pub fn is_everywhere(&self, id: NodeId) -> bool {
-        matches!(self.node(id).op, Op::State(_) | Op::Number(_) | Op::Bit(_) | Op::Word(_))
+        matches!(self.node(id).op, Op::State(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_))
     }
 
     /// Whether it may be made in any stage that has its operand. State is at hand in one stage only; a test of a constant

@@ -23,20 +23,25 @@ pub struct Library {
 }
 
 impl Library {
-    /// The modules of a plan.
-    pub fn new(plan: &Plan) -> Result<Self, Error> {
+    /// The modules of a plan, whose adders and multipliers report exceptions if `with_flags`.
+    pub fn new(plan: &Plan, with_flags: bool) -> Result<Self, Error> {
         let (format, parts) = (plan.config.format, plan.config.unit_latency.stages());
         let mut numbers = BTreeMap::new();
         for width in plan.operations.iter().flat_map(word_widths) {
             numbers.insert(width, raypath_float::number(format, width)?);
         }
+        let (add, multiply) = if with_flags {
+            (raypath_float::add_parts_with_flags(format, parts)?, raypath_float::mul_parts_with_flags(format, parts)?)
+        } else {
+            (raypath_float::add_parts(format, parts)?, raypath_float::mul_parts(format, parts)?)
+        };
         Ok(Self {
             format,
             skid: control::skid()?,
             encode: raypath_float::encode(format)?,
             decode: raypath_float::decode(format)?,
-            add: raypath_float::add_parts(format, parts)?,
-            multiply: raypath_float::mul_parts(format, parts)?,
+            add,
+            multiply,
             compare: raypath_float::compare(format)?,
             numbers,
         })

@@ -20,7 +20,7 @@ pub enum Marks {
 pub fn record<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> Traced {
     let graph = Graph { marks, auto: Cell::new(marks == Marks::Ignored), ..Graph::default() };
     let c = Tracer { graph: &graph };
-    let mut inputs = InputSource { c, inputs: Vec::new() };
+    let mut inputs = InputSource { c, operation, inputs: Vec::new() };
     let input = O::Input::build(&mut Path::default(), &mut inputs);
     let inputs = inputs.inputs;
     let mut states = StateSource { c, names: Vec::new() };
@@ -29,7 +29,7 @@ pub fn record<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> Traced 
 
     let (output, next) = operation.run(c, input, state);
 
-    let mut outputs = OutputSink::default();
+    let mut outputs = OutputSink { operation, outputs: Vec::new() };
     output.each(&mut Path::default(), &mut outputs);
     let outputs = outputs.outputs;
     let mut next_nodes = Leaves(Vec::new());
@@ -108,7 +108,7 @@ impl Tracer<'_> {
     fn name(self, id: NodeId, name: &str) {
         let mut nodes = self.graph.nodes.borrow_mut();
         let node = &mut nodes[id.index()];
-        if !matches!(node.op, Op::Input(_) | Op::Number(_) | Op::Bit(_) | Op::Word(_)) {
+        if !matches!(node.op, Op::Input(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_)) {
             node.name = Some(name.to_string());
         }
     }
@@ -144,6 +144,9 @@ impl Circuit for Tracer<'_> {
 
     fn constant(self, value: f32) -> NodeId {
         self.once(Kind::Number, Op::Number(value.to_bits()))
+    }
+    fn one_plus_ulps(self, ulps: u32) -> NodeId {
+        self.once(Kind::Number, Op::OnePlusUlps(ulps))
     }
     fn add(self, a: NodeId, b: NodeId) -> NodeId {
         self.push(Kind::Number, Op::Add(a, b))
@@ -236,30 +239,33 @@ impl fmt::Debug for Tracer<'_> {
     }
 }
 
-fn port_bit(field: Field<'_>) -> PortBit {
+fn port_bit(field: &Field<'_>) -> PortBit {
     PortBit { port: field.name.to_string(), bit: field.bit }
 }
 
 /// Values that arrive at ports.
-struct InputSource<'g> {
+struct InputSource<'g, O> {
     c: Tracer<'g>,
+    operation: &'g O,
     inputs: Vec<NodeId>,
 }
 
-impl InputSource<'_> {
+impl<O: Operation> InputSource<'_, O> {
     fn push(&mut self, kind: Kind, field: Field<'_>) -> NodeId {
         let name = match field.bit {
             Some((bit, _)) => format!("{}_{bit}", field.name),
             None => field.name.to_string(),
         };
-        let id = self.c.push_at(0, kind, Op::Input(port_bit(field)));
+        let id = self.c.push_at(0, kind, Op::Input(port_bit(&field)));
         self.c.graph.nodes.borrow_mut()[id.index()].name = Some(name);
-        self.inputs.push(id);
+        if self.operation.has_input(field.name) {
+            self.inputs.push(id);
+        }
         id
     }
 }
 
-impl<'g> Source<Tracer<'g>> for InputSource<'g> {
+impl<'g, O: Operation> Source<Tracer<'g>> for InputSource<'g, O> {
     fn num(&mut self, field: Field<'_>) -> Num<Tracer<'g>> {
         Num::new(self.c, self.push(Kind::Number, field))
     }
@@ -298,20 +304,28 @@ impl<'g> Source<Tracer<'g>> for StateSource<'g> {
 }
 
 /// Values that leave at ports.
-#[derive(Default)]
-struct OutputSink {
+struct OutputSink<'o, O> {
+    operation: &'o O,
     outputs: Vec<OutputValue>,
 }
 
-impl<'g> Sink<Tracer<'g>> for OutputSink {
+impl<O: Operation> OutputSink<'_, O> {
+    fn push(&mut self, field: Field<'_>, node: NodeId) {
+        if self.operation.has_output(field.name) {
+            self.outputs.push(OutputValue { port: port_bit(&field), node });
+        }
+    }
+}
+
+impl<'g, O: Operation> Sink<Tracer<'g>> for OutputSink<'_, O> {
     fn num(&mut self, field: Field<'_>, value: Num<Tracer<'g>>) {
-        self.outputs.push(OutputValue { port: port_bit(field), node: value.value() });
+        self.push(field, value.value());
     }
     fn bit(&mut self, field: Field<'_>, value: Bit<Tracer<'g>>) {
-        self.outputs.push(OutputValue { port: port_bit(field), node: value.value() });
+        self.push(field, value.value());
     }
     fn word(&mut self, field: Field<'_>, _width: u32, value: NodeId) {
-        self.outputs.push(OutputValue { port: port_bit(field), node: value });
+        self.push(field, value);
     }
 }
 

@@ -202,6 +202,10 @@ impl<'m, 'p> Values<'m, 'p> {
                 let format = self.library.format;
                 m.constant(format.recoded_width(), format.encode(format.from_f32(f32::from_bits(bits))))
             }
+            Op::OnePlusUlps(ulps) => {
+                let format = self.library.format;
+                m.constant(format.recoded_width(), format.encode(format.from_f32(1.0) + u64::from(ulps)))
+            }
             Op::Bit(value) => m.constant(1, value.into()),
             Op::Word(value) => {
                 let Kind::Word(width) = node.kind else { unreachable!("a word constant has a word's kind") };
@@ -216,6 +220,10 @@ impl<'m, 'p> Values<'m, 'p> {
                 let results = self.unit(unit)?;
                 relate(results[0], results[1], results[2], relation)
             }
+            Op::Flags(a) => {
+                let unit = self.plan.steps[self.step].bindings[op][&a].unit;
+                self.unit(unit)?[1]
+            }
             Op::Negate(a) => negate(self.get(op, a)?),
             Op::NumberOf(a) => {
                 let word = self.get(op, a)?;
@@ -225,7 +233,7 @@ impl<'m, 'p> Values<'m, 'p> {
             }
             Op::Test(test, a) => self.test(test, op, a)?,
             Op::And(a, b) => self.get(op, a)? & self.get(op, b)?,
-            Op::Or(a, b) => self.get(op, a)? | self.get(op, b)?,
+            Op::Or(a, b) | Op::WordOr(a, b) => self.get(op, a)? | self.get(op, b)?,
             Op::Not(a) => !self.get(op, a)?,
             Op::WordEqual(a, b) => self.get(op, a)?.equals(self.get(op, b)?),
             Op::WordLess(a, b) => self.get(op, a)?.less(self.get(op, b)?),

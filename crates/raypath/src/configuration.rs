@@ -57,7 +57,8 @@ pub enum ConfigurationError {
     },
 }
 
-const KEYS: &str = "preset, lanes, rules, format, io, registers, control, sharing or unit-latency";
+const KEYS: &str = "preset, lanes, rules, format, io, registers, control, sharing, unit-latency, tag, barycentrics, \
+                    culling, facing, range, conservative, accumulators or exception-flags";
 
 /// Reads a configuration from a file. What the file does not say is as in its `preset`, or as in the default.
 ///
@@ -190,6 +191,14 @@ impl Document<'_> {
                 "control" => config.control = self.value(entry)?,
                 "sharing" => config.sharing = self.value(entry)?,
                 "unit-latency" => config.unit_latency = self.value(entry)?,
+                "tag" => config.features.tag = self.value(entry)?,
+                "barycentrics" => config.features.barycentrics = self.value(entry)?,
+                "culling" => config.features.culling = self.value(entry)?,
+                "facing" => config.features.facing = self.value(entry)?,
+                "range" => config.features.range = self.value(entry)?,
+                "conservative" => config.features.conservative = self.value(entry)?,
+                "accumulators" => config.features.accumulators = self.value(entry)?,
+                "exception-flags" => config.features.exception_flags = self.value(entry)?,
                 _ => {
                     let (path, line, key) = (self.path.to_path_buf(), entry.line, beginning(&entry.key));
                     return Err(ConfigurationError::UnknownKey { path, line, key });

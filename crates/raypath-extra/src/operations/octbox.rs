@@ -57,7 +57,7 @@ impl Operation for Octbox {
     fn run<C: Circuit>(&self, c: C, input: OctboxInput<C>, _state: ()) -> (OctboxOutput<C>, ()) {
         let OctboxInput { ray, aabb } = input;
 
-        let hits: [Entry<C>; 8] = c.alike(&Slabs { rules: Rules::Paper }, &ray, &aabb);
+        let hits: [Entry<C>; 8] = c.alike(&Slabs { rules: Rules::Paper, is_conservative: false }, &ray, &aabb);
         let mut places: [Place<C, 3>; 8] =
             array_of!(i => Place { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) });
         c.label(format_args!("unsorted"), &places);

@@ -4,8 +4,8 @@ use crate::commands::Failure;
 use clap::Args;
 use raypath::configuration;
 use raypath::format::Format;
-use raypath::ops::Rules;
-use raypath::rtl::{Config, Control, Encoding, Lanes, Preset, Sharing, UnitLatency};
+use raypath::ops::{Culling, Rules};
+use raypath::rtl::{Accumulators, Config, Control, Encoding, Features, Lanes, Preset, Sharing, UnitLatency};
 use std::path::PathBuf;
 
 /// A preset or a file, and what is to differ from it.
@@ -42,9 +42,51 @@ pub struct ConfigArguments {
     /// Stages that an adder or a multiplier takes
     #[arg(long, value_name = "1|2|3")]
     unit_latency: Option<UnitLatency>,
+    #[command(flatten)]
+    features: FeatureArguments,
+}
+
+/// What the paper's operations do not have; off where nothing is said (`docs/features.md`).
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Features that the paper's operations do not have")]
+struct FeatureArguments {
+    /// Bits of a word that every job takes along, from tag_i to tag_o
+    #[arg(long, value_name = "0..32")]
+    tag: Option<u32>,
+    /// A triangle's U, V and W at output ports
+    #[arg(long, value_name = "true|false", num_args = 0..=1, default_missing_value = "true")]
+    barycentrics: Option<bool>,
+    /// The faces of triangles that are not hit
+    #[arg(long, value_name = "back|front|none")]
+    culling: Option<Culling>,
+    /// Which face of a triangle a ray meets, at an output port
+    #[arg(long, value_name = "true|false", num_args = 0..=1, default_missing_value = "true")]
+    facing: Option<bool>,
+    /// Triangles are hit only between the input t_min and the ray's extent
+    #[arg(long, value_name = "true|false", num_args = 0..=1, default_missing_value = "true")]
+    range: Option<bool>,
+    /// No box that a ray touches is missed for a rounding (rules paper)
+    #[arg(long, value_name = "true|false", num_args = 0..=1, default_missing_value = "true")]
+    conservative: Option<bool>,
+    /// How many vectors' distances are summed at a time, interleaved
+    #[arg(long, value_name = "1|2|4|8|16")]
+    accumulators: Option<Accumulators>,
+    /// What a job's additions and multiplications raised, at an output port
+    #[arg(long, value_name = "true|false", num_args = 0..=1, default_missing_value = "true")]
+    exception_flags: Option<bool>,
 }
 
 impl ConfigArguments {
+    /// The configuration that is meant, of the paper's operations as they are: for commands that know their jobs.
+    pub fn paper(&self) -> Result<Config, Failure> {
+        let config = self.config()?;
+        if config.features == Features::OFF {
+            return Ok(config);
+        }
+        let problem = "features are for generate, ppa, explore and replay; expected none of them here";
+        Err(Failure::unusable(format!("{config}: {problem}")))
+    }
+
     /// The configuration that is meant.
     pub fn config(&self) -> Result<Config, Failure> {
         let base = match (&self.config, self.preset) {
@@ -52,7 +94,7 @@ impl ConfigArguments {
             (None, Some(preset)) => preset.config,
             (None, None) => Config::DEFAULT,
         };
-        Ok(Config {
+        let config = Config {
             lanes: self.lanes.unwrap_or(base.lanes),
             rules: self.rules.unwrap_or(base.rules),
             format: self.format.unwrap_or(base.format),
@@ -61,6 +103,24 @@ impl ConfigArguments {
             control: self.control.unwrap_or(base.control),
             sharing: self.sharing.unwrap_or(base.sharing),
             unit_latency: self.unit_latency.unwrap_or(base.unit_latency),
-        })
+            features: self.features.over(base.features),
+        };
+        config.check()?;
+        Ok(config)
+    }
+}
+
+impl FeatureArguments {
+    fn over(&self, base: Features) -> Features {
+        Features {
+            tag: self.tag.unwrap_or(base.tag),
+            barycentrics: self.barycentrics.unwrap_or(base.barycentrics),
+            culling: self.culling.unwrap_or(base.culling),
+            facing: self.facing.unwrap_or(base.facing),
+            range: self.range.unwrap_or(base.range),
+            conservative: self.conservative.unwrap_or(base.conservative),
+            accumulators: self.accumulators.unwrap_or(base.accumulators),
+            exception_flags: self.exception_flags.unwrap_or(base.exception_flags),
+        }
     }
 }

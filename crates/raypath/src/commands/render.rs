@@ -73,7 +73,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
-    let config = arguments.config.config()?;
+    let config = arguments.config.paper()?;
     if config.format != Format::BINARY32 {
         let problem = format!("--format {}: scenes are traced in fp32 only", config.format);
         return Err(Failure::unusable(problem));

@@ -76,7 +76,7 @@ enum Index {
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
-    let config = arguments.config.config()?;
+    let config = arguments.config.paper()?;
     if config.format != Format::BINARY32 {
         let problem = format!("--format {}: vectors are searched in fp32 only", config.format);
         return Err(Failure::unusable(problem));

@@ -50,7 +50,7 @@ fn item(name: &str) -> Result<Named, String> {
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
-    let config = arguments.config.config()?;
+    let config = arguments.config.paper()?;
     let is_named = |item: &Item| arguments.items.iter().any(|named| named.0.name == item.name);
     let chosen: Vec<&Item> = ITEMS.iter().filter(|item| arguments.items.is_empty() || is_named(item)).collect();
     if arguments.list {

@@ -1,0 +1,136 @@
+//! Distances of several vectors at a time: the beats of each have an accumulator of their own.
+
+use crate::bundle::bundle;
+use crate::circuit::{Circuit, Num, Word};
+use crate::distance::{Angular, AngularOutput, Beat, Euclidean, EuclideanOutput, products_of, squares_of};
+use crate::operation::Operation;
+
+/// [`Euclidean`] with `M` accumulators, which a word of `W` bits chooses from: `M` is 2 to the power of `W`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct EuclideanMany<const N: usize, const M: usize, const W: u32>;
+
+/// [`Angular`] with `M` pairs of accumulators, which a word of `W` bits chooses from: `M` is 2 to the power of `W`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AngularMany<const N: usize, const M: usize, const W: u32>;
+
+bundle! {
+    /// One beat.
+    pub struct EuclideanManyInput<C, const N: usize, const W: u32> {
+        /// The beat.
+        pub euclidean: Beat<C, N>,
+        /// Which vector it is of: the accumulator that takes it in, and that its reset clears.
+        pub accumulator: Word<C, W>,
+    }
+}
+
+bundle! {
+    /// What Euclidean beats leave for the next.
+    pub struct EuclideanManyState<C, const M: usize> {
+        /// Sums of squared differences, each since its last reset.
+        pub accumulator: [Num<C>; M],
+    }
+}
+
+bundle! {
+    /// One beat, on the same ports as a Euclidean one.
+    pub struct AngularManyInput<C, const N: usize, const W: u32> {
+        /// The beat.
+        pub euclidean: Beat<C, N>,
+        /// Which vector it is of: the accumulators that take it in, and that its reset clears.
+        pub accumulator: Word<C, W>,
+    }
+}
+
+bundle! {
+    /// What angular beats leave for the next.
+    pub struct AngularManyState<C, const M: usize> {
+        /// Sums of a·b, each since its last reset.
+        pub dot_product: [Num<C>; M],
+        /// Sums of b·b since the same.
+        pub norm: [Num<C>; M],
+    }
+}
+
+impl<const N: usize, const M: usize, const W: u32> Operation for EuclideanMany<N, M, W> {
+    const NAME: &'static str = Euclidean::<N>::NAME;
+    type Input<C: Circuit> = EuclideanManyInput<C, N, W>;
+    type Output<C: Circuit> = EuclideanOutput<C>;
+    type State<C: Circuit> = EuclideanManyState<C, M>;
+
+    #[inline(always)]
+    fn run<C: Circuit>(
+        &self,
+        c: C,
+        input: EuclideanManyInput<C, N, W>,
+        state: EuclideanManyState<C, M>,
+    ) -> (EuclideanOutput<C>, EuclideanManyState<C, M>) {
+        let reset_accum = input.euclidean.reset_accum;
+        let sum = squares_of(c, &input.euclidean);
+
+        c.stage(10, "accumulated");
+        let accumulator = chosen(c, input.accumulator, &state.accumulator) + sum;
+        c.label(format_args!("accumulator"), &accumulator);
+        let next = reset_accum.select(c.zero(), accumulator);
+        let next = EuclideanManyState { accumulator: replaced(input.accumulator, &state.accumulator, next) };
+        c.label(format_args!("next"), &next);
+        (EuclideanOutput { euclidean_accumulator: accumulator, euclidean_reset_accum: reset_accum }, next)
+    }
+}
+
+impl<const N: usize, const M: usize, const W: u32> Operation for AngularMany<N, M, W> {
+    const NAME: &'static str = Angular::<N>::NAME;
+    type Input<C: Circuit> = AngularManyInput<C, N, W>;
+    type Output<C: Circuit> = AngularOutput<C>;
+    type State<C: Circuit> = AngularManyState<C, M>;
+
+    #[inline(always)]
+    fn run<C: Circuit>(
+        &self,
+        c: C,
+        input: AngularManyInput<C, N, W>,
+        state: AngularManyState<C, M>,
+    ) -> (AngularOutput<C>, AngularManyState<C, M>) {
+        let (reset_accum, which) = (input.euclidean.reset_accum, input.accumulator);
+        let [dot_sum, norm_sum] = products_of(c, &input.euclidean);
+
+        c.stage(9, "both accumulated");
+        let dot_product = chosen(c, which, &state.dot_product) + dot_sum;
+        let norm = chosen(c, which, &state.norm) + norm_sum;
+        c.label(format_args!("dot_product"), &dot_product);
+        c.label(format_args!("norm"), &norm);
+        let next = AngularManyState {
+            dot_product: replaced(which, &state.dot_product, reset_accum.select(c.zero(), dot_product)),
+            norm: replaced(which, &state.norm, reset_accum.select(c.zero(), norm)),
+        };
+        c.label(format_args!("next"), &next);
+        let output =
+            AngularOutput { angular_dot_product: dot_product, angular_norm: norm, angular_reset_accum: reset_accum };
+        (output, next)
+    }
+}
+
+/// The number in the place that `which` says, by halves: as few choices in a row as can be.
+#[inline(always)]
+fn chosen<C: Circuit, const M: usize, const W: u32>(c: C, which: Word<C, W>, numbers: &[Num<C>; M]) -> Num<C> {
+    const { assert!(M == 1 << W, "as many accumulators as the word has values") };
+    let mut left = *numbers;
+    let mut apart = 1;
+    while apart < M {
+        for first in (0..M).step_by(2 * apart) {
+            let second = first + apart;
+            left[first] = which.less(c.word(second as u32)).select(left[first], left[second]);
+        }
+        apart *= 2;
+    }
+    left[0]
+}
+
+/// The numbers with another one in the place that `which` says.
+#[inline(always)]
+fn replaced<C: Circuit, const M: usize, const W: u32>(
+    which: Word<C, W>,
+    numbers: &[Num<C>; M],
+    by: Num<C>,
+) -> [Num<C>; M] {
+    array_of!(i => which.is(i as u32).select(by, numbers[i]))
+}

@@ -1,0 +1,118 @@
+//! Operations over binary32 with an eye on exceptions.
+
+use crate::binary32::{Binary32, Single};
+use crate::circuit::{Circuit, Relation, Test};
+use crate::concrete::Concrete;
+use std::cell::Cell;
+
+/// IEEE 754 binary32 whose additions, subtractions and multiplications leave their exceptions in a cell: what a datapath
+/// with exception flags answers for a job, where the cell was 0 before it.
+///
+/// Tininess counts before rounding, and underflow only with inexact. No NaN signals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flagged<'f> {
+    /// What was raised so far, as the sum of the constants below.
+    pub raised: &'f Cell<u64>,
+}
+
+impl Flagged<'_> {
+    /// A result was rounded.
+    pub const INEXACT: u64 = 1;
+    /// A result below the normal range was rounded.
+    pub const UNDERFLOW: u64 = 2;
+    /// A rounded result is beyond the largest number.
+    pub const OVERFLOW: u64 = 4;
+    /// Infinity minus infinity, or zero times infinity.
+    pub const INVALID: u64 = 8;
+
+    /// Notes the exceptions of a result that is `exact` and, because that may be rounded itself, so much more.
+    #[inline]
+    fn note(self, [a, b]: [Single; 2], result: Single, exact: f64, more: f64) -> Single {
+        let rounded = f64::from(result.0);
+        let flags = if rounded.is_nan() {
+            if a.0.is_nan() || b.0.is_nan() { 0 } else { Self::INVALID }
+        } else if a.0.is_infinite() || b.0.is_infinite() {
+            0
+        } else if rounded.is_infinite() {
+            Self::OVERFLOW | Self::INEXACT
+        } else if rounded == exact && more == 0.0 {
+            0
+        } else if exact.abs() < f64::from(f32::MIN_POSITIVE) {
+            Self::UNDERFLOW | Self::INEXACT
+        } else {
+            Self::INEXACT
+        };
+        self.raised.set(self.raised.get() | flags);
+        result
+    }
+}
+
+impl Circuit for Flagged<'_> {
+    type Num = Single;
+    type Bit = bool;
+    type Word = u32;
+    type Order = (Single, Single);
+
+    #[inline]
+    fn constant(self, value: f32) -> Single {
+        Single(value)
+    }
+    #[inline]
+    fn one_plus_ulps(self, ulps: u32) -> Single {
+        Binary32.one_plus_ulps(ulps)
+    }
+    #[inline]
+    fn add(self, a: Single, b: Single) -> Single {
+        let (x, y) = (f64::from(a.0), f64::from(b.0));
+        let sum = x + y;
+        // What the sum in binary64 has lost, exactly (Knuth's two-sum).
+        let most = sum - x;
+        let lost = (x - (sum - most)) + (y - most);
+        self.note([a, b], Single(a.0 + b.0), sum, lost)
+    }
+    #[inline]
+    fn subtract(self, a: Single, b: Single) -> Single {
+        self.add(a, Single(-b.0))
+    }
+    #[inline]
+    fn multiply(self, a: Single, b: Single) -> Single {
+        self.note([a, b], Single(a.0 * b.0), f64::from(a.0) * f64::from(b.0), 0.0)
+    }
+    #[inline]
+    fn negate(self, a: Single) -> Single {
+        Single(-a.0)
+    }
+    #[inline]
+    fn compare(self, a: Single, b: Single) -> (Single, Single) {
+        (a, b)
+    }
+    #[inline]
+    fn relation(self, order: (Single, Single), relation: Relation) -> bool {
+        Binary32.relation(order, relation)
+    }
+    #[inline]
+    fn number_of(self, width: u32, word: u32) -> Single {
+        Binary32.number_of(width, word)
+    }
+    #[inline]
+    fn test(self, test: Test, a: Single) -> bool {
+        Binary32.test(test, a)
+    }
+
+    crate::known_bits_and_words!();
+}
+
+impl Concrete for Flagged<'_> {
+    #[inline]
+    fn number(self, ieee_bits: u64) -> Single {
+        Binary32.number(ieee_bits)
+    }
+    #[inline]
+    fn bits(self, number: Single) -> u64 {
+        Binary32.bits(number)
+    }
+    #[inline]
+    fn raw_bits(self, number: Single) -> u64 {
+        Binary32.raw_bits(number)
+    }
+}

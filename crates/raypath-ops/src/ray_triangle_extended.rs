@@ -1,0 +1,198 @@
+//! Ray against a triangle, with what the paper's operation leaves out.
+
+use crate::bundle::bundle;
+use crate::circuit::{Bit, Circuit, Num};
+use crate::geometry::Triangle;
+use crate::operation::Operation;
+use crate::ray::Ray;
+use crate::ray_triangle::{Distance, EDGES, Edges, RayTriangle, Sums, distance};
+use crate::rules::Rules;
+use std::fmt;
+use std::str::FromStr;
+use thiserror::Error;
+
+/// [`RayTriangle`] with options, in its place. All of them off, it answers the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RayTriangleExtended {
+    /// The rules on the edges.
+    pub rules: Rules,
+    /// Which faces are not hit.
+    pub culling: Culling,
+    /// Says which face was met: output `facing`.
+    pub facing: bool,
+    /// Gives U, V and W: outputs `barycentric_u`, `barycentric_v`, `barycentric_w`.
+    pub barycentrics: bool,
+    /// Hits only between `t_min`, an input, and the ray's extent.
+    pub range: bool,
+}
+
+/// The faces that a ray passes through.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Culling {
+    /// Back faces, as the paper has it: vertices that are met clockwise.
+    #[default]
+    Back,
+    /// Front faces.
+    Front,
+    /// None: both are hit.
+    None,
+}
+
+bundle! {
+    /// A ray, a triangle, and where hits begin.
+    pub struct RayTriangleExtendedInput<C> {
+        /// The ray. Its extent is read where the range is tested.
+        pub ray: Ray<C>,
+        /// The triangle.
+        pub triangle: Triangle<C>,
+        /// The least distance of a hit, in units of the direction's length; read where the range is tested.
+        pub t_min: Num<C>,
+    }
+}
+
+bundle! {
+    /// What [`RayTriangleOutput`](crate::RayTriangleOutput) has, and more. All but the hit is given whether or not it is
+    /// one.
+    pub struct RayTriangleExtendedOutput<C> {
+        /// Numerator of the distance, in units of the direction's length times `t_denom`.
+        pub t_num: Num<C>,
+        /// Denominator of the distance: U + V + W. Below zero for a back face.
+        pub t_denom: Num<C>,
+        /// Whether the ray hits.
+        pub triangle_hit: Bit<C>,
+        /// U, V and W as they are computed; divided by `t_denom` they are the barycentric coordinates.
+        pub barycentric: Edges<C>,
+        /// The ray meets the front: `t_denom` is above zero.
+        pub facing: Bit<C>,
+    }
+}
+
+/// A stage earlier than in Table VII, so that there is time for products with the denominator.
+const EARLY: Sums = Sums {
+    uv: (7, "U + V"),
+    uv_depth: (8, "U Az + V Bz"),
+    t_denom: (8, "+ W = t_denom"),
+    t_num: (9, "+ W Cz = t_num"),
+};
+
+impl Operation for RayTriangleExtended {
+    const NAME: &'static str = RayTriangle::NAME;
+    type Input<C: Circuit> = RayTriangleExtendedInput<C>;
+    type Output<C: Circuit> = RayTriangleExtendedOutput<C>;
+    type State<C: Circuit> = ();
+
+    fn has_input(&self, port: &str) -> bool {
+        self.range || port != "t_min"
+    }
+
+    fn has_output(&self, port: &str) -> bool {
+        match port {
+            "facing" => self.facing,
+            _ => self.barycentrics || !port.starts_with("barycentric"),
+        }
+    }
+
+    #[inline(always)]
+    fn run<C: Circuit>(
+        &self,
+        c: C,
+        input: RayTriangleExtendedInput<C>,
+        _state: (),
+    ) -> (RayTriangleExtendedOutput<C>, ()) {
+        let RayTriangleExtendedInput { ray, triangle, t_min } = input;
+        let sums = if self.range { &EARLY } else { &RayTriangle::SUMS };
+        let met = distance(c, &ray, triangle, sums);
+        let Distance { edges, t_num, t_denom } = met;
+
+        let bounds = self.range.then(|| {
+            c.stage(9, "t_min and extent times t_denom");
+            let bounds = Bounds { near: t_min * t_denom, far: ray.extent * t_denom };
+            c.label(format_args!("bound"), &bounds);
+            bounds
+        });
+
+        let mirrored = match self.culling {
+            Culling::Back => None,
+            Culling::Front | Culling::None => Some(self.mirrored(c, &met)),
+        };
+
+        c.stage(10, "hit test");
+        let orders = bounds.map(|bounds| bounds.orders(t_num));
+        let hit = |seen: &Distance<C>, is_front: bool| {
+            let hit = self.rules.triangle_hit(c, seen.edges, seen.t_num, seen.t_denom);
+            orders.map_or(hit, |orders| hit & self.rules.within(orders, is_front))
+        };
+        let triangle_hit = match (self.culling, mirrored) {
+            (Culling::Front, Some(mirrored)) => hit(&mirrored, false),
+            (_, Some(mirrored)) => hit(&met, true) | hit(&mirrored, false),
+            (_, None) => hit(&met, true),
+        };
+        c.label(format_args!("triangle_hit"), &triangle_hit);
+
+        let facing = t_denom.is_above_zero();
+        (RayTriangleExtendedOutput { t_num, t_denom, triangle_hit, barycentric: edges, facing }, ())
+    }
+}
+
+impl RayTriangleExtended {
+    /// The same triangle with its vertices in the other order: the rule for its front is the one for the back.
+    #[inline(always)]
+    fn mirrored<C: Circuit>(&self, c: C, met: &Distance<C>) -> Distance<C> {
+        // Where only signs are read, one bit of each crosses the registers if the inversion is made where its number is.
+        // Comparators read the numbers themselves, which are in the last stage as they are.
+        let at = |(stage, what): (u32, &'static str)| match self.rules {
+            Rules::Paper => c.stage(stage, what),
+            Rules::Chisel => c.stage(10, "hit test"),
+        };
+        at(EDGES);
+        let Edges { u, v, w } = met.edges;
+        let edges = Edges { u: -u, v: -v, w: -w };
+        c.label(format_args!("mirrored_edge"), &edges);
+        at(if self.range { EARLY.t_num } else { RayTriangle::SUMS.t_num });
+        let t_num = -met.t_num;
+        c.label(format_args!("mirrored_t_num"), &t_num);
+        // Of the denominator only zero and NaN are of interest, which have no sign.
+        Distance { edges, t_num, t_denom: met.t_denom }
+    }
+}
+
+bundle! {
+    /// The ends of a ray, times the denominator of a distance on it.
+    pub struct Bounds<C> {
+        /// Where hits begin.
+        pub near: Num<C>,
+        /// Where they end.
+        pub far: Num<C>,
+    }
+}
+
+impl<C: Circuit> Bounds<C> {
+    /// The near end against a numerator, and that against the far end.
+    #[inline(always)]
+    fn orders(self, t_num: Num<C>) -> [crate::circuit::Order<C>; 2] {
+        [self.near.compare(t_num), t_num.compare(self.far)]
+    }
+}
+
+impl fmt::Display for Culling {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Culling::Back => "back",
+            Culling::Front => "front",
+            Culling::None => "none",
+        })
+    }
+}
+
+/// A name that is no culling.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("'{0}' is no culling, expected back, front or none")]
+pub struct ParseCullingError(String);
+
+impl FromStr for Culling {
+    type Err = ParseCullingError;
+    fn from_str(name: &str) -> Result<Self, ParseCullingError> {
+        let all = [Culling::Back, Culling::Front, Culling::None];
+        all.into_iter().find(|one| one.to_string() == name).ok_or_else(|| ParseCullingError(name.to_string()))
+    }
+}

@@ -1,0 +1,78 @@
+//! The operations of a configuration: one list, from which both hardware and models are made.
+
+use crate::config::{Config, Lanes};
+use crate::features::Accumulators;
+use raypath_ops::{
+    Angular, AngularMany, Euclidean, EuclideanMany, JobKind, Operation, RayBox, RayBoxConservative, RayTriangle,
+    RayTriangleExtended,
+};
+
+/// Takes the operations of a configuration, one after another.
+pub trait OperationVisitor {
+    /// Why it stops.
+    type Error;
+
+    /// Takes an operation and its opcode.
+    ///
+    /// # Errors
+    /// The visitor's own; no operation is shown to it after one.
+    fn visit<O: Operation + Send + Sync + 'static>(&mut self, operation: O, opcode: u64) -> Result<(), Self::Error>;
+}
+
+impl Config {
+    /// Shows a visitor the configuration's operations, in the order of ports, tables and comments. A tag is not among what
+    /// they do: whoever runs them takes it along.
+    ///
+    /// # Errors
+    /// Those of the visitor.
+    pub fn operations<V: OperationVisitor>(self, visitor: &mut V) -> Result<(), V::Error> {
+        let (rules, features) = (self.rules, self.features);
+        if features.conservative {
+            visitor.visit(RayBoxConservative, JobKind::Quadbox.opcode())?;
+        } else {
+            visitor.visit(RayBox { rules }, JobKind::Quadbox.opcode())?;
+        }
+        if features.extend_triangles() {
+            let (culling, facing) = (features.culling, features.facing);
+            let (barycentrics, range) = (features.barycentrics, features.range);
+            let extended = RayTriangleExtended { rules, culling, facing, barycentrics, range };
+            visitor.visit(extended, JobKind::Triangle.opcode())?;
+        } else {
+            visitor.visit(RayTriangle { rules }, JobKind::Triangle.opcode())?;
+        }
+        match self.lanes {
+            Lanes::None => Ok(()),
+            Lanes::Two => distances::<2, 1, V>(features.accumulators, visitor),
+            Lanes::Four => distances::<4, 2, V>(features.accumulators, visitor),
+            Lanes::Eight => distances::<8, 4, V>(features.accumulators, visitor),
+            Lanes::Sixteen => distances::<16, 8, V>(features.accumulators, visitor),
+            Lanes::ThirtyTwo => distances::<32, 16, V>(features.accumulators, visitor),
+            Lanes::SixtyFour => distances::<64, 32, V>(features.accumulators, visitor),
+        }
+    }
+}
+
+/// Of `E` and `A` lanes.
+fn distances<const E: usize, const A: usize, V: OperationVisitor>(
+    accumulators: Accumulators,
+    visitor: &mut V,
+) -> Result<(), V::Error> {
+    match accumulators {
+        Accumulators::One => {
+            visitor.visit(Euclidean::<E>, JobKind::Euclidean.opcode())?;
+            visitor.visit(Angular::<A>, JobKind::Angular.opcode())
+        }
+        Accumulators::Two => several::<E, A, 2, 1, V>(visitor),
+        Accumulators::Four => several::<E, A, 4, 2, V>(visitor),
+        Accumulators::Eight => several::<E, A, 8, 3, V>(visitor),
+        Accumulators::Sixteen => several::<E, A, 16, 4, V>(visitor),
+    }
+}
+
+/// With `K` accumulators each, which a word of `W` bits chooses from.
+fn several<const E: usize, const A: usize, const K: usize, const W: u32, V: OperationVisitor>(
+    visitor: &mut V,
+) -> Result<(), V::Error> {
+    visitor.visit(EuclideanMany::<E, K, W>, JobKind::Euclidean.opcode())?;
+    visitor.visit(AngularMany::<A, K, W>, JobKind::Angular.opcode())
+}

@@ -1,0 +1,116 @@
+//! Exceptions: of the units against exact arithmetic, and of whole jobs against a circuit that collects them.
+
+use crate::driver::Driver;
+use raypath_float::{Format, add_parts_with_flags, flags, mul_parts_with_flags};
+use raypath_hdl::{Module, Simulator};
+use raypath_ops::{Flagged, Rules};
+use raypath_rtl::{Accumulators, Config, Control, Features, Lanes, UnitLatency};
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The exceptions of a result, given the exact one: a sum or a product of numbers of few bits, which binary64 has.
+fn expected(format: Format, operands: [f64; 2], exact: f64, rounded: u64) -> u64 {
+    if operands.iter().any(|operand| operand.is_nan()) {
+        return 0;
+    }
+    if exact.is_nan() {
+        return flags::INVALID;
+    }
+    if operands.iter().any(|operand| operand.is_infinite()) {
+        return 0;
+    }
+    let rounded = format.to_f64(rounded);
+    let least_normal = format.to_f64(1 << (format.significand() - 1));
+    if rounded.is_infinite() {
+        flags::OVERFLOW | flags::INEXACT
+    } else if rounded == exact {
+        0
+    } else if exact.abs() < least_normal {
+        flags::UNDERFLOW | flags::INEXACT
+    } else {
+        flags::INEXACT
+    }
+}
+
+/// A unit in parts, one after the other, as what they are together.
+struct Chain(Vec<Simulator>);
+
+impl Chain {
+    fn new(parts: &[Arc<Module>]) -> Self {
+        Self(parts.iter().map(|part| Simulator::new(part).expect("a part")).collect())
+    }
+
+    /// The result and the flags.
+    fn run(&mut self, a: u64, b: u64) -> [u64; 2] {
+        let mut values = BTreeMap::from([("a".to_string(), a), ("b".to_string(), b)]);
+        for part in &mut self.0 {
+            let module = Arc::clone(part.module());
+            for port in module.inputs() {
+                let wire = part.input(&port.name).expect("a port");
+                part.set(wire, values[port.stem()]);
+            }
+            part.settle();
+            let outputs = module.outputs().iter();
+            values = outputs
+                .map(|port| (port.stem().to_string(), part.get(part.output(&port.name).expect("a port"))))
+                .collect();
+        }
+        let result = values.get("sum").or_else(|| values.get("product")).expect("a result");
+        [*result, values["flags"]]
+    }
+}
+
+#[test]
+fn units_raise_what_exact_arithmetic_says() {
+    for (e, s) in [(3, 3), (3, 4), (4, 3), (4, 4)] {
+        let format = Format::new(e, s).expect("a format");
+        for parts in 1..=3 {
+            let mut add = Chain::new(&add_parts_with_flags(format, parts).expect("an adder"));
+            let mut multiply = Chain::new(&mul_parts_with_flags(format, parts).expect("a multiplier"));
+            let mut seen = 0;
+            for a in 0..1_u64 << format.ieee_width() {
+                for b in 0..1_u64 << format.ieee_width() {
+                    let operands = [a, b].map(|code| format.to_f64(code));
+                    let [x, y] = operands;
+                    let [p, q] = [a, b].map(|code| format.encode(code));
+                    for (unit, exact, rounded) in
+                        [(&mut add, x + y, format.add(a, b)), (&mut multiply, x * y, format.mul(a, b))]
+                    {
+                        let [result, found] = unit.run(p, q);
+                        assert_eq!(format.decode(result), format.canonical(rounded), "{format}: {x}, {y}: {exact}");
+                        let expected = expected(format, operands, exact, rounded);
+                        assert_eq!(found, expected, "{format} in {parts}: {x}, {y}: {exact}, {result:x}");
+                        seen |= found;
+                    }
+                }
+            }
+            assert_eq!(seen, 15);
+        }
+    }
+}
+
+/// Of whole jobs, in the features that change the arithmetic and in units of one to three parts.
+#[test]
+fn jobs_raise_what_a_circuit_that_collects_does() {
+    let alone = Features { exception_flags: true, ..Features::OFF };
+    let more = Features { range: true, conservative: true, accumulators: Accumulators::Two, ..alone };
+    let small = Config { lanes: Lanes::Four, ..Config::DEFAULT };
+    let configs = [
+        Config { features: alone, ..small },
+        Config { features: more, ..small },
+        Config { features: alone, rules: Rules::Chisel, ..small },
+        Config { features: more, unit_latency: UnitLatency::Two, ..small },
+        Config { features: more, unit_latency: UnitLatency::Three, control: Control::Credit, ..small },
+    ];
+    for config in configs {
+        let raised: &'static Cell<u64> = Box::leak(Box::default());
+        Driver::new(Flagged { raised }, config).raising(raised).run(&config.to_string(), 1_500);
+    }
+}
+
+#[test]
+fn both_sides_name_the_bits_alike() {
+    let hardware = [flags::INEXACT, flags::UNDERFLOW, flags::OVERFLOW, flags::INVALID];
+    assert_eq!(hardware, [Flagged::INEXACT, Flagged::UNDERFLOW, Flagged::OVERFLOW, Flagged::INVALID]);
+}

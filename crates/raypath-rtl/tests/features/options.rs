@@ -1,0 +1,253 @@
+//! Features of the paper's operations: the netlist against the operations, bit for bit, and what is off against hardware
+//! that has never heard of it.
+
+use crate::driver::Driver;
+use raypath_float::Format;
+use raypath_hdl::verilog;
+use raypath_model::{Soft, SoftNumber};
+use raypath_ops::{
+    Angular, Binary32, Circuit, Culling, Euclidean, JobKind, Operation, RayBox, RayTriangle, Relation, Rules,
+    WIDENING_ULPS,
+};
+use raypath_rtl::{
+    Accumulators, Config, Control, Datapath, Encoding, Error, Features, Lanes, OperationVisitor, Operations, Sharing,
+    UnitLatency,
+};
+
+/// Each feature by itself, and all of them.
+fn every_feature() -> Vec<(&'static str, Features)> {
+    let off = Features::OFF;
+    vec![
+        ("tag", Features { tag: 8, ..off }),
+        ("barycentrics", Features { barycentrics: true, ..off }),
+        ("culling front", Features { culling: Culling::Front, ..off }),
+        ("culling none", Features { culling: Culling::None, ..off }),
+        ("facing", Features { facing: true, ..off }),
+        ("range", Features { range: true, ..off }),
+        ("conservative", Features { conservative: true, ..off }),
+        ("2 accumulators", Features { accumulators: Accumulators::Two, ..off }),
+        ("4 accumulators", Features { accumulators: Accumulators::Four, ..off }),
+        ("8 accumulators", Features { accumulators: Accumulators::Eight, ..off }),
+        ("16 accumulators", Features { accumulators: Accumulators::Sixteen, ..off }),
+        ("exception flags", Features { exception_flags: true, ..off }),
+        ("all", Features { exception_flags: true, ..ALL }),
+    ]
+}
+
+const ALL: Features = Features {
+    tag: 32,
+    barycentrics: true,
+    culling: Culling::None,
+    facing: true,
+    range: true,
+    conservative: true,
+    accumulators: Accumulators::Four,
+    exception_flags: false,
+};
+
+const SMALL: Config = Config { lanes: Lanes::Two, ..Config::DEFAULT };
+
+/// All modules as text.
+fn text(datapath: &Datapath) -> String {
+    let modules = verilog::modules(datapath.top()).expect("modules");
+    modules.iter().map(|module| verilog::print_module(module, &[]).expect("text")).collect()
+}
+
+#[test]
+fn what_is_off_leaves_nothing_behind() {
+    for rules in [Rules::Paper, Rules::Chisel] {
+        let plain = Operations::new()
+            .with(&RayBox { rules }, JobKind::Quadbox.opcode())
+            .and_then(|set| set.with(&RayTriangle { rules }, JobKind::Triangle.opcode()))
+            .and_then(|set| set.with(&Euclidean::<16>, JobKind::Euclidean.opcode()))
+            .and_then(|set| set.with(&Angular::<8>, JobKind::Angular.opcode()))
+            .expect("operations");
+        let config = Config { rules, features: Features::default(), ..Config::DEFAULT };
+        let (plain, off) = (Datapath::build(plain, config), Datapath::new(config));
+        assert!(text(&plain.expect("a datapath")) == text(&off.expect("a datapath")));
+    }
+    assert_eq!(Config::DEFAULT.features, Features::default());
+}
+
+#[test]
+fn each_feature_is_as_its_operation_says() {
+    // Exceptions are a circuit's that collects them: `exceptions.rs`.
+    for (name, features) in every_feature() {
+        let features = Features { exception_flags: false, ..features };
+        let driver = Driver::new(Binary32, Config { features, ..SMALL });
+        driver.run(name, 1_500);
+    }
+}
+
+#[test]
+fn features_are_the_same_however_they_are_built() {
+    let all = Config { features: ALL, ..SMALL };
+    let mut configs = Vec::new();
+    for control in [Control::Skid, Control::Credit] {
+        for unit_latency in [UnitLatency::One, UnitLatency::Two, UnitLatency::Three] {
+            configs.push(Config { control, unit_latency, ..all });
+        }
+    }
+    configs.push(Config { io: Encoding::Recoded, ..all });
+    configs.push(Config { registers: Encoding::Ieee, sharing: Sharing::Segregated, ..all });
+    configs.push(Config { lanes: Lanes::None, ..all });
+    let features = Features { conservative: false, ..ALL };
+    configs.push(Config { rules: Rules::Chisel, features, ..all });
+    for culling in [Culling::Front, Culling::Back] {
+        configs.push(Config { rules: Rules::Chisel, features: Features { culling, ..features }, ..all });
+    }
+    for config in configs {
+        Driver::new(Binary32, config).run(&config.to_string(), 1_000);
+    }
+}
+
+/// The constant above 1 is the format's.
+#[test]
+fn features_are_the_same_in_other_formats() {
+    for format in [Format::BINARY16, Format::BFLOAT16] {
+        let config = Config { format, features: ALL, ..SMALL };
+        Driver::new(Soft { format }, config).run(&config.to_string(), 1_000);
+    }
+}
+
+/// As `docs/semantics.md` promises it for formats of at least 5 significand bits: all pairs of distances about 1.
+#[test]
+fn conservative_boxes_miss_nothing_in_small_formats() {
+    let missed = |significand: u32, conservative: bool| {
+        let format = Format::new(8, significand).expect("a format");
+        let c = Soft { format };
+        let one = format.from_f32(1.0);
+        let number = |code: u64| SoftNumber(code);
+        // All slab distances of about one binade: bounds beyond an origin that the difference loses or not.
+        let places = 1 << (significand - 1);
+        let mut distances = Vec::new();
+        for bound in 0..places {
+            for origin in (0..places).flat_map(|place| {
+                let small = format.from_f32(0.25) + place;
+                [small, format.neg(small)]
+            }) {
+                for direction in 0..places {
+                    let [bound, direction] = [one + bound, one + direction];
+                    let exact = (format.to_f64(bound) - format.to_f64(origin)) / format.to_f64(direction);
+                    let inverse = format.from_f32((1.0 / format.to_f64(direction)) as f32);
+                    let computed = c.multiply(c.subtract(number(bound), number(origin)), number(inverse));
+                    distances.push((exact, computed));
+                }
+            }
+        }
+        distances.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let factor = if conservative { c.one_plus_ulps(WIDENING_ULPS) } else { number(one) };
+        // The greatest that any distance up to here came out as has to be less than each that follows, widened.
+        let mut greatest = number(0);
+        let mut missed = 0;
+        for (_, computed) in distances {
+            greatest = c.larger(greatest, computed);
+            missed +=
+                usize::from(!c.relation(c.compare(greatest, c.multiply(computed, factor)), Relation::LessOrEqual));
+        }
+        missed
+    };
+    assert!(missed(5, false) > 0 && missed(8, false) > 0);
+    assert_eq!((missed(5, true), missed(6, true), missed(8, true)), (0, 0, 0));
+}
+
+/// What is on is said, what is off is not.
+#[test]
+fn configurations_name_their_features() {
+    assert_eq!(Config::DEFAULT.options(), "");
+    let features = Features { tag: 8, culling: Culling::None, facing: true, ..Features::OFF };
+    let config = Config { features, ..Config::DEFAULT };
+    assert_eq!(config.options(), "--tag 8 --culling none --facing true");
+    assert_eq!(config.to_string(), "lanes 16, rules paper, tag 8, culling none, facing true");
+    let features = Features { accumulators: Accumulators::Sixteen, range: true, ..Features::OFF };
+    let config = Config { features, control: Control::Credit, ..Config::DEFAULT };
+    assert_eq!(config.options(), "--control credit --range true --accumulators 16");
+}
+
+#[test]
+fn what_cannot_be_had_is_refused() {
+    let refused = |features, rules| {
+        let config = Config { features, rules, ..SMALL };
+        let error = Datapath::new(config).expect_err("a feature that cannot be had");
+        assert_eq!(config.check(), Err(error.clone()));
+        error.to_string()
+    };
+    let tag = refused(Features { tag: 33, ..Features::OFF }, Rules::Paper);
+    assert_eq!(tag, "tag: 33 bits, expected 1 to 32, or 0 for none");
+    let conservative = refused(Features { conservative: true, ..Features::OFF }, Rules::Chisel);
+    assert_eq!(conservative, "conservative: the rules chisel miss what a ray only touches, expected the rules paper");
+    let operations = Operations::new().with(&Tagged, 0).expect("an operation").tag(4);
+    assert!(matches!(Datapath::of(operations), Err(Error::Feature { feature: "tag", .. })));
+}
+
+raypath_ops::bundle! {
+    /// A word at a port that the feature wants.
+    pub struct Tag<C> {
+        /// The word.
+        pub tag: raypath_ops::Word<C, 3>,
+    }
+}
+
+struct Tagged;
+
+impl Operation for Tagged {
+    const NAME: &'static str = "tagged";
+    type Input<C: Circuit> = Tag<C>;
+    type Output<C: Circuit> = Tag<C>;
+    type State<C: Circuit> = ();
+    fn run<C: Circuit>(&self, _: C, input: Tag<C>, _: ()) -> (Tag<C>, ()) {
+        (input, ())
+    }
+}
+
+/// The same list for everyone, in the same order.
+#[test]
+fn a_visitor_sees_what_the_hardware_has() {
+    struct Names(Vec<(&'static str, u64)>);
+    impl OperationVisitor for Names {
+        type Error = std::convert::Infallible;
+        fn visit<O: Operation + Send + Sync + 'static>(&mut self, _: O, opcode: u64) -> Result<(), Self::Error> {
+            self.0.push((O::NAME, opcode));
+            Ok(())
+        }
+    }
+    for features in [Features::OFF, ALL] {
+        let mut names = Names(Vec::new());
+        let Ok(()) = Config { features, ..SMALL }.operations(&mut names);
+        assert_eq!(names.0, [("quadbox", 1), ("triangle", 0), ("euclidean", 2), ("angular", 3)]);
+    }
+}
+
+/// Prints what each feature costs, for `docs/features.md`: `cargo test --release -p raypath-rtl --test features costs --
+/// --nocapture`.
+#[test]
+fn costs() {
+    let of = |features| {
+        let datapath = Datapath::new(Config { features, ..Config::DEFAULT }).expect("a datapath");
+        let mut units = [0_usize; 3];
+        for step in 0..datapath.steps().count() {
+            let here = datapath.units(step);
+            for (sum, here) in units.iter_mut().zip([here.add, here.multiply, here.compare]) {
+                *sum += here;
+            }
+        }
+        let (mut live, mut data, mut state) = (0, 0, 0);
+        for step in 0..datapath.steps().count() {
+            let registers = datapath.registers(step);
+            (live, data, state) = (live + registers.live, data + registers.data, state + registers.state);
+        }
+        (units, [live, data, state])
+    };
+    let (units_off, bits_off) = of(Features::OFF);
+    println!("| off | {units_off:?} | {bits_off:?} |");
+    println!("| feature | adders | multipliers | comparators | live bits | data registers | accumulators |");
+    for (name, features) in every_feature() {
+        let (units, bits) = of(features);
+        let more = units.iter().zip(units_off).map(|(&on, off)| on as i64 - off as i64);
+        let more = more.chain(bits.iter().zip(bits_off).map(|(&on, off)| on as i64 - off as i64));
+        let cells: Vec<String> = more.map(|more| format!("{more:+}")).collect();
+        println!("| {name} | {} |", cells.join(" | "));
+        // Comparators of all kinds are there already, and an adder is all that a triangle ever lacks.
+        assert!(units[2] == units_off[2] && units[0] <= units_off[0] + 1, "{name}: {units:?}");
+    }
+}
