@@ -11,7 +11,7 @@
 //! let files = raypath_package::files(&datapath, &[])?;
 //! let (path, text) = &files[0];
 //! assert_eq!(path.to_str(), Some("rtl/raypath_pkg.sv"));
-//! assert!(text.contains("    OpQuadbox  = 1'd1\n  } opcode_e;"));
+//! assert!(text.contains("    OpQuadbox  = 2'd1\n  } opcode_e;"));
 //! assert!(text.contains("    logic [31:0] extent;\n"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -5,6 +5,9 @@ use crate::text::head;
 /// The version that manifests name.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
+/// What manifests say that it is.
+const DESCRIPTION: &str = "A ray-tracer datapath";
+
 /// The files of a datapath, in the order in which they are compiled, by their paths beside the manifests.
 #[derive(Debug)]
 pub struct Sources<'a> {
@@ -34,12 +37,19 @@ impl Sources<'_> {
             fileset("wrapper", &self.wrapper),
             fileset("properties", &[self.properties()]),
         ];
+        let targets = [
+            format!("  default:\n    filesets: [rtl, wrapper]\n    toplevel: {name}_wrapper\n"),
+            format!(
+                "  lint:\n    filesets: [rtl, wrapper, properties]\n    toplevel: {name}_wrapper\n    flow: lint\n"
+            ),
+            // Verilator wants one module a file; the assertions are several in one.
+            "    flow_options:\n      tool: verilator\n      verilator_options: [-Wall, --assert, -Wno-DECLFILENAME]\n"
+                .to_string(),
+        ];
         format!(
-            "CAPI=2:\n{comment}name: ::{name}:{VERSION}\ndescription: A ray-tracer datapath\n\nfilesets:\n{}\ntargets:\n  \
-             default:\n    filesets: [rtl, wrapper]\n    toplevel: {name}_wrapper\n  lint:\n    default_tool: verilator\n    \
-             filesets: [rtl, wrapper, properties]\n    toplevel: {name}_wrapper\n    tools:\n      verilator:\n        mode: \
-             lint-only\n        verilator_options: [-Wall, --assert]\n",
+            "CAPI=2:\n{comment}name: ::{name}:{VERSION}\ndescription: {DESCRIPTION}\n\nfilesets:\n{}\ntargets:\n{}",
             filesets.concat(),
+            targets.concat(),
         )
     }
 
@@ -48,7 +58,7 @@ impl Sources<'_> {
         let Self { name, .. } = self;
         let files: Vec<String> = self.modules.iter().chain(&self.wrapper).cloned().collect();
         format!(
-            "{}package:\n  name: {name}\n  description: A ray-tracer datapath\n\nsources:\n{}  - target: simulation\n    \
+            "{}package:\n  name: {name}\n  description: {DESCRIPTION}\n\nsources:\n{}  - target: simulation\n    \
              files:\n{}",
             head("#", banner, &[]),
             items("  ", &files),

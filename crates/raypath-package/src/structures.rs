@@ -6,14 +6,14 @@ use crate::text::packed;
 /// The enumeration of opcodes.
 pub const OPCODE_TYPE: &str = "opcode_e";
 
-/// A job or an outcome.
+/// A job.
 pub const JOB_TYPE: &str = "job_t";
 
 /// An outcome.
 pub const OUTCOME_TYPE: &str = "outcome_t";
 
 /// A structure that has few short fields is called after them, up to so many letters: `xyz_t`, `min_max_t`.
-const SHORT: usize = 8;
+const SHORT: usize = 9;
 
 /// The types of job and outcome, those that others contain first.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 /// A comment at the head of a file: the lines of `banner`, then those of `doc`. `mark` begins a comment.
 pub fn head(mark: &str, banner: &[String], doc: &[String]) -> String {
-    let gap = if banner.is_empty() { None } else { Some(String::new()) };
+    let gap = (!banner.is_empty() && !doc.is_empty()).then(String::new);
     let lines = banner.iter().cloned().chain(gap).chain(doc.iter().cloned());
     lines.map(|line| format!("{mark} {}", line.replace(['\n', '\r'], " ")).trim_end().to_string() + "\n").collect()
 }

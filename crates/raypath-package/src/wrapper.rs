@@ -9,14 +9,20 @@ use raypath_rtl::Datapath;
 pub fn package(datapath: &Datapath, structures: &Structures, banner: &[String]) -> String {
     let name = datapath.top().name();
     let doc = [
-        format!("What goes into {name}_wrapper and what comes out. The fields are the ports of the module {name}, by the"),
+        format!(
+            "What goes into {name}_wrapper and what comes out. The fields are the ports of the module {name}, by the"
+        ),
         "words of their names; numbers stand in them as at the ports.".to_string(),
     ];
     let mut text = head("//", banner, &doc) + &format!("\npackage {name}_pkg;\n");
     text += &opcodes(datapath);
     for structure in structures.iter() {
         let fields: Vec<_> = structure.fields.iter().map(|(kind, name)| (kind.clone(), format!("{name};"))).collect();
-        text += &format!("\n  typedef struct packed {{\n{}\n  }} {};\n", columns("    ", &fields).join("\n"), structure.name);
+        text += &format!(
+            "\n  typedef struct packed {{\n{}\n  }} {};\n",
+            columns("    ", &fields).join("\n"),
+            structure.name
+        );
     }
     text + &format!("\nendpackage : {name}_pkg\n")
 }
@@ -34,20 +40,27 @@ pub fn module(datapath: &Datapath, job: &[Field], outcome: &[Field], banner: &[S
     let top = datapath.top();
     let name = top.name();
     let doc = [
-        format!("The module {name} with job and outcome as structures; nothing is added. Latency {}.", datapath.latency()),
-        "A job enters where input_valid_i and input_ready_o are 1; an outcome leaves where output_valid_o and".to_string(),
+        format!(
+            "The module {name} with job and outcome as structures; nothing is added. Latency {}.",
+            datapath.latency()
+        ),
+        "A job enters where input_valid_i and input_ready_o are 1; an outcome leaves where output_valid_o and"
+            .to_string(),
         "output_ready_i are 1, and stays as it is until then.".to_string(),
     ];
-    let ports = columns("  ", &[
-        port("input  logic", "clk_i,"),
-        port("input  logic", "rst_ni,"),
-        port("input  logic", "input_valid_i,"),
-        port("output logic", "input_ready_o,"),
-        port(&format!("input  {name}_pkg::{JOB_TYPE}"), "job_i,"),
-        port("output logic", "output_valid_o,"),
-        port("input  logic", "output_ready_i,"),
-        port(&format!("output {name}_pkg::{OUTCOME_TYPE}"), "outcome_o"),
-    ]);
+    let ports = columns(
+        "  ",
+        &[
+            port("input  logic", "clk_i,"),
+            port("input  logic", "rst_ni,"),
+            port("input  logic", "input_valid_i,"),
+            port("output logic", "input_ready_o,"),
+            port(&format!("input  {name}_pkg::{JOB_TYPE}"), "job_i,"),
+            port("output logic", "output_valid_o,"),
+            port("input  logic", "output_ready_i,"),
+            port(&format!("output {name}_pkg::{OUTCOME_TYPE}"), "outcome_o"),
+        ],
+    );
     let own = ["clk_i", "rst_ni", "input_valid_i", "input_ready_o", "output_valid_o", "output_ready_i"];
     let mut wires: Vec<(String, String)> = own.map(|name| (name.to_string(), name.to_string())).into();
     connect(job, "job_i", &mut wires);
