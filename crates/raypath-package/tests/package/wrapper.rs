@@ -3,12 +3,13 @@
 use crate::folder::{PRESETS, Written, preset, write};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_cosim::{Options, Verilated, lint_slang, lint_verilator, lint_yosys};
+use raypath_cosim::{CosimError, Options, Verilated, lint_slang, lint_verilator, lint_yosys};
 use raypath_hdl::{Builder, Module, Simulator};
 use raypath_ops::{Circuit, Num, Operation, bundle};
 use raypath_rtl::{Datapath, Operations};
 use std::fmt::Write;
 use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const FRAMES: usize = 600;
@@ -20,18 +21,33 @@ fn all_three_front_ends_accept_it() {
     }
 }
 
-/// Verilator and slang for the files as they are listed; Yosys, which takes one, for their text in that order.
-fn lint(written: &Written) -> Result<(), raypath_cosim::CosimError> {
+/// The example that the book shows.
+#[test]
+fn the_example_is_clean() {
+    let written = write(&preset("graphics"));
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/wrapper/nearest_box.sv");
+    let mut files = written.listed();
+    files.push(example);
+    lint_files(&files, &written, "nearest_box").unwrap_or_else(|fault| panic!("{fault}"));
+}
+
+/// The wrapper, and the datapath alone in the same list.
+fn lint(written: &Written) -> Result<(), CosimError> {
     let listed = written.listed();
-    let texts = listed.iter().map(|file| fs::read_to_string(file).expect("text"));
+    lint_verilator(&listed, "raypath", &[])?;
+    lint_files(&listed, written, "raypath_wrapper")
+}
+
+/// Verilator and slang for the files as they are listed; Yosys, which takes one, for their text in that order.
+fn lint_files(files: &[PathBuf], written: &Written, top: &str) -> Result<(), CosimError> {
+    let texts = files.iter().map(|file| fs::read_to_string(file).expect("text"));
     let all = texts.collect::<String>();
     assert!(!all.contains("lint_off") && !all.contains("verilator"), "a waiver");
     let one = written.path().join("all.sv");
     fs::write(&one, all).expect("a file");
-    lint_verilator(&listed, "raypath_wrapper", &[])?;
-    lint_verilator(&listed, "raypath", &[])?;
-    lint_yosys(&one, "raypath_wrapper")?;
-    lint_slang(&listed)
+    lint_verilator(files, top, &[])?;
+    lint_yosys(&one, top)?;
+    lint_slang(files)
 }
 
 /// The linters look into the wrapper: a field of the wrong width does not pass.
