@@ -54,6 +54,7 @@ class Bench:
         dut.rst_ni.value = 1
         return self
 
+    # ANCHOR: cycle
     async def cycle(self, job, ready):
         """Offers a job or none; gives whether it was accepted, and the outcome shown, if any."""
         dut = self.dut
@@ -65,6 +66,7 @@ class Bench:
         await Timer(1, "ns")
         accepted = job is not None and bool(dut.input_ready_o.value)
         return accepted, self.outcome() if dut.output_valid_o.value else None
+    # ANCHOR_END: cycle
 
     def outcome(self):
         """Distances, hits and indices, in the order of a transaction."""
