@@ -8,9 +8,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (query, candidate) = ([1.0; 40], [3.0; 40]);
     let mut datapath = Functional::<16, 8>::new(Rules::Paper);
     for beat in Beat::of(&query, &candidate)? {
-        if let Outcome::Euclidean(sum) = datapath.run(&Job::Euclidean(EuclideanInput { euclidean: beat })) {
-            let is_last = bool::from(sum.euclidean_reset_accum);
-            println!("sum {}, last beat: {is_last}", f32::from(sum.euclidean_accumulator));
+        let job = Job::Euclidean(EuclideanInput { euclidean: beat });
+        if let Outcome::Euclidean(output) = datapath.run(&job) {
+            let sum = f32::from(output.euclidean_accumulator);
+            let is_last = bool::from(output.euclidean_reset_accum);
+            println!("sum {sum}, last beat: {is_last}");
         }
     }
     // ANCHOR_END: beats

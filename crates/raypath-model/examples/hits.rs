@@ -15,7 +15,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if let Outcome::Quadbox(hits) = datapath.run(&job) {
         for place in 0..4 {
             if hits.is_intersect.to_array()[place] {
-                println!("box {} at {}", u32::from(hits.box_index[place]), f32::from(hits.tmin[place]));
+                let (index, tmin) = (hits.box_index[place], hits.tmin[place]);
+                println!("box {} at {}", u32::from(index), f32::from(tmin));
             }
         }
     }
@@ -23,7 +24,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // ANCHOR: triangle
     let triangle = Triangle::new([-1.0, -1.0, 0.0], [0.0, 1.0, 0.0], [1.0, -1.0, 0.0]);
-    if let Outcome::Triangle(hit) = datapath.run(&Job::Triangle(RayTriangleInput { ray, triangle })) {
+    let job = Job::Triangle(RayTriangleInput { ray, triangle });
+    if let Outcome::Triangle(hit) = datapath.run(&job) {
         let distance = f32::from(hit.t_num) / f32::from(hit.t_denom);
         println!("triangle at {distance}: {}", bool::from(hit.triangle_hit));
     }
