@@ -57,6 +57,8 @@ ensure_debian python3 python3
 python3 -m pip --version >/dev/null 2>&1 || ensure_debian pip3 python3-pip
 ensure_python pyslang pyslang
 ensure_python pyosys pyosys
+ensure_python fusesoc fusesoc
+ensure_python cocotb 'cocotb<2'
 
 step 'Format'
 cargo fmt --all --check

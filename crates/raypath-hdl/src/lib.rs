@@ -41,6 +41,7 @@ pub use error::Error;
 pub use expose::expose_registers;
 pub use flatten::depends_combinationally;
 pub use lanes::{LANES, LaneSimulator};
+pub use names::problem as name_problem;
 pub use netlist::{Arm, Driver, Instance, Item, Label, Module, Port, RegisterInfo, Signal, SignalId};
 pub use simulator::{InputPort, OutputPort, Probe, Simulator};
 pub use wave::WaveWriter;

@@ -31,7 +31,7 @@ const CPP_KEYWORDS: &str = "
     try typeid typename using volatile wchar_t xor_eq
 ";
 
-/// What is wrong with `name` as an identifier, if anything.
+/// What is wrong with `name` as an identifier in SystemVerilog that is to go through Verilator, if anything.
 pub fn problem(name: &str) -> Option<&'static str> {
     let mut characters = name.chars();
     let first_fits = characters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_');

@@ -1,4 +1,4 @@
-//! What is written for a datapath: SystemVerilog, checkers, a picture.
+//! What is written for a datapath: SystemVerilog, checkers, a picture, and what integrates it.
 
 use crate::picture;
 use raypath_hdl::verilog;
@@ -12,7 +12,7 @@ const PROPERTIES: &[&str] = &[
 ];
 
 /// Everything that is written, by path: each module in `rtl/`, listed in `raypath.f`, and all of them in `raypath.sv`;
-/// `raypath_properties.sv`; `pipeline.svg`. `banner` is the comment at the head of each file.
+/// `raypath_properties.sv`; `pipeline.svg`; a wrapper with its package, and manifests ([`raypath_package::files`]). `banner` is the comment at the head of each file.
 ///
 /// # Errors
 /// Names that cannot be printed.
@@ -35,6 +35,8 @@ pub fn files(
     files.push((folder.join("raypath.sv"), all));
     files.push((folder.join("raypath_properties.sv"), head(banner, PROPERTIES) + &datapath.properties().to_string()));
     files.push((folder.join("pipeline.svg"), picture::pipeline(datapath, config)));
+    let package = raypath_package::files(datapath, banner)?.into_iter();
+    files.extend(package.map(|(path, text)| (folder.join(path), text)));
     Ok(files)
 }
 

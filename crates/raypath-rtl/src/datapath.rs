@@ -1,3 +1,4 @@
+use crate::boundary::label;
 use crate::budget::Budget;
 use crate::config::{Config, Encoding};
 use crate::error::Error;
@@ -13,7 +14,7 @@ use crate::steps::Step;
 use crate::top::{self, Pipeline};
 use crate::tracer::Marks;
 use crate::units::Units;
-use raypath_hdl::Module;
+use raypath_hdl::{Label, Module};
 use raypath_ops::Operation;
 use std::sync::Arc;
 
@@ -194,6 +195,13 @@ impl Datapath {
     /// The module `raypath`.
     pub fn top(&self) -> &Arc<Module> {
         &self.pipeline.top
+    }
+
+    /// The opcodes by the names that the printed modules have for them (`OpQuadbox`), in rising order.
+    pub fn opcodes(&self) -> Vec<Label> {
+        let mut labels: Vec<Label> = self.plan.operations.iter().map(label).collect();
+        labels.sort_by_key(|label| label.value);
+        labels
     }
 
     /// Checkers of what the pipeline's control promises, and where they are bound.

@@ -8,6 +8,8 @@ use crate::commands::output::write_all;
 use crate::commands::progress::Progress;
 use clap::Args;
 use raypath::check::{Comparison, Timing, lockstep, timing};
+use raypath::format::Format;
+use raypath::hdl::verilog;
 use raypath::lab::{self, AnyKind, emit};
 use raypath::model::{Kind, Model, Shape};
 use raypath::rtl::Datapath;
@@ -36,6 +38,10 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let config = arguments.config.config()?;
+    if config.features.exception_flags && config.format != Format::BINARY32 {
+        let problem = "no model has exception flags in this format, so nothing could be checked; expected format fp32";
+        return Err(Failure::unusable(format!("{config}: {problem}")));
+    }
     let whole = arguments.additions.datapath(config);
     let datapath = whole.elaborate()?;
     let name = arguments.additions.name(config);
@@ -48,16 +54,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     writeln!(out, "Units (Table VIII) and registers, counted in the netlist\n")?;
     writeln!(out, "{}\n", tables::units_and_registers(&datapath, config))?;
     let folder = arguments.out.display();
-    writeln!(
-        out,
-        "Wrote {} modules to {folder}/rtl, listed in {folder}/raypath.f, and all of them to",
-        files.len() - 4
-    )?;
-    writeln!(
-        out,
-        "{folder}/raypath.sv; assertions for simulators to {folder}/raypath_properties.sv; a picture of the pipeline"
-    )?;
-    writeln!(out, "to {folder}/pipeline.svg.\n")?;
+    let modules = verilog::modules(datapath.top())?.len();
+    writeln!(out, "Wrote {modules} modules to {folder}/rtl, listed in {folder}/raypath.f, and all of them to")?;
+    writeln!(out, "{folder}/raypath.sv; assertions for simulators to {folder}/raypath_properties.sv; a wrapper whose")?;
+    writeln!(out, "ports are structures to {folder}/rtl/raypath_wrapper.sv; {folder}/raypath.core (FuseSoC) and")?;
+    writeln!(out, "{folder}/Bender.yml; a picture of the pipeline to {folder}/pipeline.svg.\n")?;
     check(&whole, &datapath, arguments, out)
 }
 

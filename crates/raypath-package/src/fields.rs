@@ -1,0 +1,174 @@
+//! Ports as the fields of nested structures: `ray_origin_x_i` becomes `ray.origin.x`.
+
+use raypath_hdl::{Module, name_problem};
+
+/// A field of a structure.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Field {
+    /// A port.
+    Port {
+        /// The field's name.
+        name: String,
+        /// The port's name.
+        port: String,
+        /// The port's width.
+        width: u32,
+    },
+    /// Two ports or more whose names begin alike.
+    Group {
+        /// What they have in common.
+        name: String,
+        /// The rest.
+        fields: Vec<Field>,
+    },
+}
+
+/// Which ports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// What makes a job.
+    Input,
+    /// What makes an outcome.
+    Output,
+}
+
+/// The handshakes, which are in no structure.
+const HANDSHAKES: [&str; 4] = ["input_valid_i", "input_ready_o", "output_valid_o", "output_ready_i"];
+
+/// The port that says which operation a job or an outcome is of; its field is the first.
+pub const OPCODE: &str = "opcode";
+
+impl Field {
+    /// The ports of one direction, handshakes left out, the opcode first.
+    pub fn of(top: &Module, direction: Direction) -> Vec<Self> {
+        let ports = match direction {
+            Direction::Input => top.inputs(),
+            Direction::Output => top.outputs(),
+        };
+        let ports = ports.iter().filter(|port| !HANDSHAKES.contains(&port.name.as_str()));
+        let mut leaves: Vec<Leaf<'_>> = ports
+            .map(|port| {
+                // A stem that is a keyword is none with its suffix.
+                let name = if name_problem(port.stem()).is_none() { port.stem() } else { &port.name };
+                Leaf { name, port: &port.name, width: top.signal(port.signal).width }
+            })
+            .collect();
+        leaves.sort_by_key(|leaf| leaf.name != OPCODE);
+        nest(&leaves)
+    }
+
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Port { name, .. } | Self::Group { name, .. } => name,
+        }
+    }
+}
+
+/// A port, with what is left of its name inside the groups around it.
+#[derive(Debug, Clone, Copy)]
+struct Leaf<'a> {
+    name: &'a str,
+    port: &'a str,
+    width: u32,
+}
+
+/// Groups what begins alike, in the order in which each beginning is first seen.
+fn nest(leaves: &[Leaf<'_>]) -> Vec<Field> {
+    let mut fields = Vec::new();
+    let mut seen: Vec<&str> = Vec::new();
+    for leaf in leaves {
+        let (head, _) = split(leaf.name);
+        if seen.contains(&head) {
+            continue;
+        }
+        seen.push(head);
+        let members: Vec<Leaf<'_>> = leaves.iter().copied().filter(|leaf| split(leaf.name).0 == head).collect();
+        match group(&members) {
+            Some(inner) => fields.push(Field::Group { name: head.to_string(), fields: inner }),
+            None => fields.extend(members.iter().map(Leaf::field)),
+        }
+    }
+    fields
+}
+
+/// What members with a common head are without it; nothing where that is not worth a structure, or none: one port alone,
+/// one whose name is the head and no more, one that would be a keyword.
+fn group(members: &[Leaf<'_>]) -> Option<Vec<Field>> {
+    let inner: Option<Vec<Leaf<'_>>> =
+        members.iter().map(|leaf| Some(Leaf { name: split(leaf.name).1?, ..*leaf })).collect();
+    let fields = nest(&inner.filter(|inner| inner.len() > 1)?);
+    fields.iter().all(|field| name_problem(field.name()).is_none()).then_some(fields)
+}
+
+/// The first word of a name, with the numbers that follow it, and the rest: `aabb_0` and `x_min`.
+fn split(name: &str) -> (&str, Option<&str>) {
+    let mut ends = name.match_indices('_').map(|(at, _)| at);
+    let begins_a_word = |at: &usize| !name[at + 1..].starts_with(|c: char| c.is_ascii_digit());
+    match ends.find(begins_a_word) {
+        Some(at) if at > 0 && at + 1 < name.len() => (&name[..at], Some(&name[at + 1..])),
+        _ => (name, None),
+    }
+}
+
+impl Leaf<'_> {
+    fn field(&self) -> Field {
+        Field::Port { name: self.name.to_string(), port: self.port.to_string(), width: self.width }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every port by the path of its field.
+    fn paths(ports: &[&str]) -> Vec<String> {
+        fn walk(fields: &[Field], before: &str, paths: &mut Vec<String>) {
+            for field in fields {
+                match field {
+                    Field::Port { name, .. } => paths.push(format!("{before}{name}")),
+                    Field::Group { name, fields } => walk(fields, &format!("{before}{name}."), paths),
+                }
+            }
+        }
+        let leaves: Vec<Leaf<'_>> = ports.iter().map(|name| Leaf { name, port: name, width: 1 }).collect();
+        let mut paths = Vec::new();
+        walk(&nest(&leaves), "", &mut paths);
+        paths
+    }
+
+    #[test]
+    fn what_begins_alike_is_a_group() {
+        let ports = ["ray_origin_x", "ray_origin_y", "ray_kx", "aabb_0_x_min", "aabb_0_x_max", "mask"];
+        let expected = ["ray.origin.x", "ray.origin.y", "ray.kx", "aabb_0.x_min", "aabb_0.x_max", "mask"];
+        assert_eq!(paths(&ports)[..3], expected[..3]);
+        assert_eq!(paths(&ports)[3..], ["aabb_0.x.min", "aabb_0.x.max", "mask"]);
+    }
+
+    #[test]
+    fn one_port_alone_keeps_its_name() {
+        assert_eq!(paths(&["triangle_hit", "t_num", "t_denom"]), ["triangle_hit", "t.num", "t.denom"]);
+        assert_eq!(paths(&["tmin_0", "tmin_1"]), ["tmin_0", "tmin_1"]);
+    }
+
+    #[test]
+    fn a_port_that_is_the_beginning_of_others_stands_beside_them() {
+        assert_eq!(paths(&["ray", "ray_x", "ray_y_a", "ray_y_b"]), ["ray", "ray_x", "ray_y_a", "ray_y_b"]);
+    }
+
+    #[test]
+    fn no_field_is_a_keyword() {
+        assert_eq!(paths(&["range_begin", "range_end"]), ["range_begin", "range_end"]);
+        assert_eq!(paths(&["a_reg_x", "a_reg_y", "a_q"]), ["a_reg_x", "a_reg_y", "a_q"]);
+        assert_eq!(paths(&["a_wire_1", "a_q"]), ["a.wire_1", "a.q"]);
+    }
+
+    #[test]
+    fn groups_need_not_stand_together() {
+        assert_eq!(paths(&["a_x", "b", "a_y"]), ["a.x", "a.y", "b"]);
+    }
+
+    #[test]
+    fn odd_underscores_are_no_boundaries() {
+        assert_eq!(paths(&["_a", "_b", "c_", "c_d"]), ["_a", "_b", "c_", "c_d"]);
+    }
+}

@@ -1,0 +1,61 @@
+//! Files for those who put the datapath into something larger: a wrapper whose ports are structures, their package,
+//! a list of files, and manifests for FuseSoC and Bender.
+//!
+//! All of it follows from the ports of the elaborated top module and from its opcodes, so a datapath of any operations
+//! has it.
+//!
+//! ```
+//! use raypath_rtl::{Config, Datapath, Lanes};
+//!
+//! let datapath = Datapath::new(Config { lanes: Lanes::None, ..Config::default() })?;
+//! let files = raypath_package::files(&datapath, &[])?;
+//! let (path, text) = &files[0];
+//! assert_eq!(path.to_str(), Some("rtl/raypath_pkg.sv"));
+//! assert!(text.contains("    OpQuadbox  = 2'd1\n  } opcode_e;"));
+//! assert!(text.contains("    logic [31:0] extent;\n"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod fields;
+mod manifest;
+mod structures;
+mod text;
+mod wrapper;
+
+use fields::{Direction, Field};
+use manifest::Sources;
+use raypath_hdl::{Error, Module, verilog};
+use raypath_rtl::Datapath;
+use std::path::PathBuf;
+use structures::Structures;
+
+/// The files, each with its path in the folder where `raypath generate` writes its own: `rtl/raypath_pkg.sv`,
+/// `rtl/raypath_wrapper.sv`, `raypath_wrapper.f`, `raypath.core` and `Bender.yml`. They name the modules' files in
+/// `rtl` and `raypath_properties.sv`, which are not among them. The lines of `banner` begin each file as a comment.
+///
+/// # Errors
+/// A datapath that cannot be printed: different modules of one name.
+pub fn files(datapath: &Datapath, banner: &[String]) -> Result<Vec<(PathBuf, String)>, Error> {
+    let top = datapath.top();
+    let job = Field::of(top, Direction::Input);
+    let outcome = Field::of(top, Direction::Output);
+    let structures = Structures::new(&job, &outcome);
+
+    let name = top.name();
+    let package = format!("rtl/{name}_pkg.sv");
+    let wrapper = format!("rtl/{name}_wrapper.sv");
+    let modules = verilog::modules(top)?.iter().map(|module| module_file(module)).collect();
+    let sources = Sources { name, modules, wrapper: vec![package.clone(), wrapper.clone()] };
+    Ok(vec![
+        (package.into(), wrapper::package(datapath, &structures, banner)),
+        (wrapper.into(), wrapper::module(datapath, &job, &outcome, banner)),
+        (format!("{name}_wrapper.f").into(), sources.list()),
+        (format!("{name}.core").into(), sources.fusesoc(banner)),
+        ("Bender.yml".into(), sources.bender(banner)),
+    ])
+}
+
+/// Where `raypath generate` writes a module.
+fn module_file(module: &Module) -> String {
+    format!("rtl/{}.sv", module.name())
+}

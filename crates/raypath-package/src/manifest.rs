@@ -1,0 +1,78 @@
+//! Which files there are, for simulators and for package managers.
+
+use crate::text::head;
+
+/// The version that manifests name.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// What manifests say that it is.
+const DESCRIPTION: &str = "A ray-tracer datapath";
+
+/// The files of a datapath, in the order in which they are compiled, by their paths beside the manifests.
+#[derive(Debug)]
+pub struct Sources<'a> {
+    /// The name of the top module.
+    pub name: &'a str,
+    /// The top module and all below it.
+    pub modules: Vec<String>,
+    /// Package and wrapper.
+    pub wrapper: Vec<String>,
+}
+
+impl Sources<'_> {
+    /// A list for `-f`: modules, package and wrapper.
+    pub fn list(&self) -> String {
+        self.modules.iter().chain(&self.wrapper).map(|file| format!("{file}\n")).collect()
+    }
+
+    /// A core file for FuseSoC. What depends on it gets modules, package and wrapper.
+    pub fn fusesoc(&self, banner: &[String]) -> String {
+        let Self { name, .. } = self;
+        let fileset = |name: &str, files: &[String]| {
+            format!("  {name}:\n    files:\n{}    file_type: systemVerilogSource\n", items("      ", files))
+        };
+        let comment = head("#", banner, &[]);
+        let filesets = [
+            fileset("rtl", &self.modules),
+            fileset("wrapper", &self.wrapper),
+            fileset("properties", &[self.properties()]),
+        ];
+        let targets = [
+            format!("  default:\n    filesets: [rtl, wrapper]\n    toplevel: {name}_wrapper\n"),
+            format!(
+                "  lint:\n    filesets: [rtl, wrapper, properties]\n    toplevel: {name}_wrapper\n    flow: lint\n"
+            ),
+            // Verilator wants one module a file; the assertions are several in one.
+            "    flow_options:\n      tool: verilator\n      verilator_options: [-Wall, --assert, -Wno-DECLFILENAME]\n"
+                .to_string(),
+        ];
+        format!(
+            "CAPI=2:\n{comment}name: ::{name}:{VERSION}\ndescription: {DESCRIPTION}\n\nfilesets:\n{}\ntargets:\n{}",
+            filesets.concat(),
+            targets.concat(),
+        )
+    }
+
+    /// A manifest for Bender. The assertions are for its target `simulation`.
+    pub fn bender(&self, banner: &[String]) -> String {
+        let Self { name, .. } = self;
+        let files: Vec<String> = self.modules.iter().chain(&self.wrapper).cloned().collect();
+        format!(
+            "{}package:\n  name: {name}\n  description: {DESCRIPTION}\n\nsources:\n{}  - target: simulation\n    \
+             files:\n{}",
+            head("#", banner, &[]),
+            items("  ", &files),
+            items("      ", &[self.properties()]),
+        )
+    }
+
+    /// The assertions, which `raypath generate` writes beside the manifests.
+    fn properties(&self) -> String {
+        format!("{}_properties.sv", self.name)
+    }
+}
+
+/// A YAML list. Paths are made of identifiers, so nothing needs quotes.
+fn items(indent: &str, files: &[String]) -> String {
+    files.iter().map(|file| format!("{indent}- {file}\n")).collect()
+}

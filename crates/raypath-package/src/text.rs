@@ -1,0 +1,19 @@
+//! Lines of SystemVerilog.
+
+/// A comment at the head of a file: the lines of `banner`, then those of `doc`. `mark` begins a comment.
+pub fn head(mark: &str, banner: &[String], doc: &[String]) -> String {
+    let gap = (!banner.is_empty() && !doc.is_empty()).then(String::new);
+    let lines = banner.iter().cloned().chain(gap).chain(doc.iter().cloned());
+    lines.map(|line| format!("{mark} {}", line.replace(['\n', '\r'], " ")).trim_end().to_string() + "\n").collect()
+}
+
+/// The type of a word of so many bits.
+pub fn packed(width: u32) -> String {
+    if width == 1 { "logic".to_string() } else { format!("logic [{}:0]", width - 1) }
+}
+
+/// Rows of two columns, the second ones under each other.
+pub fn columns(indent: &str, rows: &[(String, String)]) -> Vec<String> {
+    let width = rows.iter().map(|(first, _)| first.len()).max().unwrap_or(0);
+    rows.iter().map(|(first, second)| format!("{indent}{first:width$} {second}")).collect()
+}

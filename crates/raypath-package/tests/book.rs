@@ -1,0 +1,140 @@
+//! The book without mdBook: its chapters, what they include, where they link to, and what they say that examples print.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A chapter's file and text.
+struct Chapter {
+    file: PathBuf,
+    text: String,
+}
+
+impl Chapter {
+    /// A path that the chapter names.
+    fn resolve(&self, path: &str) -> PathBuf {
+        self.file.parent().expect("a folder").join(path)
+    }
+}
+
+fn book() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/book/src")
+}
+
+fn chapter(file: PathBuf) -> Chapter {
+    let text = fs::read_to_string(&file).unwrap_or_else(|problem| panic!("{}: {problem}", file.display()));
+    Chapter { file, text }
+}
+
+/// The chapters that the summary lists.
+fn chapters() -> Vec<Chapter> {
+    let summary = chapter(book().join("SUMMARY.md"));
+    links(&summary.text).into_iter().map(|link| chapter(summary.resolve(&link))).collect()
+}
+
+/// The targets of links, code left out.
+fn links(text: &str) -> Vec<String> {
+    let prose = text.split("```").step_by(2).collect::<String>();
+    let prose = prose.split('`').step_by(2).collect::<String>();
+    let targets = prose.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
+    targets.map(|(target, _)| target.to_string()).collect()
+}
+
+/// What is between the braces of `{{#include ...}}`: a path, and an anchor if there is one.
+fn includes(text: &str) -> Vec<(String, Option<String>)> {
+    let found = text.split("{{#include ").skip(1).filter_map(|rest| rest.split_once("}}"));
+    found
+        .map(|(target, _)| match target.trim().split_once(':') {
+            Some((path, anchor)) => (path.to_string(), Some(anchor.to_string())),
+            None => (target.trim().to_string(), None),
+        })
+        .collect()
+}
+
+#[test]
+fn every_chapter_is_listed_and_there() {
+    let listed: BTreeSet<_> = chapters().into_iter().map(|chapter| chapter.file).collect();
+    let mut there = BTreeSet::new();
+    for entry in fs::read_dir(book()).expect("the book") {
+        there.insert(entry.expect("a file").path());
+    }
+    there.remove(&book().join("SUMMARY.md"));
+    assert_eq!(listed, there);
+}
+
+/// Each included anchor begins and ends once in its file, with something between.
+#[test]
+fn every_include_resolves() {
+    let mut seen = 0;
+    for chapter in chapters() {
+        for (path, anchor) in includes(&chapter.text) {
+            let place = format!("{}: {path}:{anchor:?}", chapter.file.display());
+            let included = fs::read_to_string(chapter.resolve(&path)).unwrap_or_else(|e| panic!("{place}: {e}"));
+            let anchor = anchor.unwrap_or_else(|| panic!("{place}: no anchor"));
+            assert!(anchored(&included, &anchor).is_some_and(|lines| !lines.is_empty()), "{place}: no such anchor");
+            seen += 1;
+        }
+    }
+    assert!(seen >= 7, "{seen} includes");
+}
+
+/// The lines between a pair of anchors.
+fn anchored<'t>(text: &'t str, anchor: &str) -> Option<Vec<&'t str>> {
+    let at = |mark: String| {
+        let mut found = text.lines().enumerate().filter(|(_, line)| line.trim_start().ends_with(&mark));
+        let first = found.next();
+        first.filter(|_| found.next().is_none()).map(|(number, _)| number)
+    };
+    let (begin, end) = (at(format!(" ANCHOR: {anchor}"))?, at(format!(" ANCHOR_END: {anchor}"))?);
+    let between = text.lines().take(end).skip(begin + 1);
+    Some(between.filter(|line| !line.trim().is_empty()).collect())
+}
+
+#[test]
+fn anchors_are_told_apart() {
+    let text = "// ANCHOR: a\none\n// ANCHOR_END: a\n# ANCHOR: b\n# ANCHOR_END: b\n// ANCHOR: c\n";
+    assert_eq!(anchored(text, "a"), Some(vec!["one"]));
+    assert_eq!(anchored(text, "b"), Some(vec![]));
+    assert_eq!(anchored(text, "c"), None);
+}
+
+/// Links lead to files of the repository, or out of it.
+#[test]
+fn every_link_leads_somewhere() {
+    let mut seen = 0;
+    for chapter in chapters() {
+        for link in links(&chapter.text).into_iter().filter(|link| !link.starts_with("http")) {
+            let (path, _) = link.split_once('#').unwrap_or((&link, ""));
+            assert!(chapter.resolve(path).exists(), "{}: {link}", chapter.file.display());
+            seen += 1;
+        }
+    }
+    assert!(seen > 20, "{seen} links");
+}
+
+/// What a chapter quotes after the anchors of an example is all that the example prints.
+#[test]
+fn examples_print_what_is_quoted() {
+    let mut seen = 0;
+    for chapter in chapters() {
+        let mut rest = chapter.text.as_str();
+        while let Some((before, after)) = rest.split_once("```text\n") {
+            let (quoted, next) = after.split_once("```").expect("an end of the quotation");
+            let (path, _) = includes(before).pop().expect("an example before the quotation");
+            let example = Path::new(&path).file_stem().and_then(|stem| stem.to_str()).expect("an example").to_string();
+            assert_eq!(printed(&example), quoted, "{}: {example}", chapter.file.display());
+            (rest, seen) = (next, seen + 1);
+        }
+    }
+    assert_eq!(seen, 3);
+}
+
+/// The output of an example of `raypath-model`.
+fn printed(example: &str) -> String {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["run", "--quiet", "--release", "--locked", "--package", "raypath-model", "--example", example]);
+    let output = cargo.current_dir(env!("CARGO_MANIFEST_DIR")).output().expect("cargo");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}

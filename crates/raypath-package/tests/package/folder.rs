@@ -1,0 +1,57 @@
+//! What `raypath generate` and this crate write, in a folder.
+
+use raypath_hdl::verilog;
+use raypath_rtl::{Datapath, Preset};
+use std::path::{Path, PathBuf};
+
+/// The configurations that these tests look at: all operations and some, other widths, the other control.
+pub const PRESETS: [&str; 4] = ["paper", "graphics", "half", "credit"];
+
+pub fn preset(name: &str) -> Datapath {
+    let preset: Preset = name.parse().expect("a preset");
+    Datapath::new(preset.config).expect("a datapath")
+}
+
+/// A folder with all files; those that this crate makes, by their paths.
+#[derive(Debug)]
+pub struct Written {
+    pub folder: tempfile::TempDir,
+    pub files: Vec<(PathBuf, String)>,
+}
+
+pub fn write(datapath: &Datapath) -> Written {
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = raypath_package::files(datapath, &["Made by a test.".to_string()]).expect("files");
+    let module = |name: &str, text: String| put(&folder.path().join(format!("rtl/{name}.sv")), &text);
+    for each in verilog::modules(datapath.top()).expect("modules") {
+        module(each.name(), verilog::print_module(&each, &[]).expect("text"));
+    }
+    let properties = format!("{}_properties.sv", datapath.top().name());
+    put(&folder.path().join(properties), &datapath.properties().to_string());
+    for (path, text) in &files {
+        put(&folder.path().join(path), text);
+    }
+    Written { folder, files }
+}
+
+impl Written {
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The text of a file of this crate.
+    pub fn text(&self, name: &str) -> &str {
+        let found = self.files.iter().find(|(path, _)| path.as_path() == Path::new(name));
+        &found.unwrap_or_else(|| panic!("no {name}")).1
+    }
+
+    /// The files that `raypath_wrapper.f` names, in its order.
+    pub fn listed(&self) -> Vec<PathBuf> {
+        self.text("raypath_wrapper.f").lines().map(|file| self.path().join(file)).collect()
+    }
+}
+
+fn put(path: &Path, text: &str) {
+    std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+    std::fs::write(path, text).expect("a file");
+}

@@ -1,0 +1,256 @@
+//! The wrapper before the linters, and beside the bare datapath.
+
+use crate::folder::{PRESETS, Written, preset, write};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use raypath_cosim::{CosimError, Options, Verilated, lint_slang, lint_verilator, lint_yosys};
+use raypath_hdl::{Builder, Module, Simulator};
+use raypath_ops::{Circuit, Num, Operation, bundle};
+use raypath_rtl::{Datapath, Operations};
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+const FRAMES: usize = 600;
+
+#[test]
+fn all_three_front_ends_accept_it() {
+    for name in PRESETS {
+        lint(&write(&preset(name))).unwrap_or_else(|fault| panic!("{name}: {fault}"));
+    }
+}
+
+/// The example that the book shows.
+#[test]
+fn the_example_is_clean() {
+    let written = write(&preset("graphics"));
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/wrapper/nearest_box.sv");
+    let mut files = written.listed();
+    files.push(example);
+    lint_files(&files, &written, "nearest_box").unwrap_or_else(|fault| panic!("{fault}"));
+}
+
+/// The wrapper, and the datapath alone in the same list.
+fn lint(written: &Written) -> Result<(), CosimError> {
+    let listed = written.listed();
+    lint_verilator(&listed, "raypath", &[])?;
+    lint_files(&listed, written, "raypath_wrapper")
+}
+
+/// Verilator and slang for the files as they are listed; Yosys, which takes one, for their text in that order.
+fn lint_files(files: &[PathBuf], written: &Written, top: &str) -> Result<(), CosimError> {
+    let texts = files.iter().map(|file| fs::read_to_string(file).expect("text"));
+    let all = texts.collect::<String>();
+    assert!(!all.contains("lint_off") && !all.contains("verilator"), "a waiver");
+    let one = written.path().join("all.sv");
+    fs::write(&one, all).expect("a file");
+    lint_verilator(files, top, &[])?;
+    lint_yosys(&one, top)?;
+    lint_slang(files)
+}
+
+/// The linters look into the wrapper: a field of the wrong width does not pass.
+#[test]
+fn a_fault_in_the_wrapper_is_found() {
+    let written = write(&preset("graphics"));
+    let package = written.path().join("rtl/raypath_pkg.sv");
+    let text = fs::read_to_string(&package).expect("text");
+    fs::write(&package, text.replace("logic [31:0] extent", "logic [30:0] extent")).expect("a file");
+    lint_verilator(&written.listed(), "raypath_wrapper", &[]).expect_err("Verilator");
+    lint_slang(&written.listed()).expect_err("slang");
+}
+
+/// Random words, jobs or not, at the ports of both, in every cycle, with random handshakes and resets.
+#[test]
+fn it_equals_the_bare_datapath() {
+    for name in PRESETS {
+        let datapath = preset(name);
+        let top = datapath.top();
+        let written = write(&datapath);
+        let flat = written.path().join("flat.sv");
+        fs::write(&flat, flattened(top)).expect("a file");
+        let mut files = written.listed();
+        files.push(flat);
+
+        let frames = frames(top, &mut ChaCha8Rng::seed_from_u64(1));
+        let expected = simulate(top, &frames);
+        let options = Options { c_optimisation: 0, ..Options::default() };
+        let verilated = Verilated::build_sources(&files, &ports_of(top), written.path(), &options);
+        let (mut seen, mut shown) = (0, 0);
+        verilated
+            .unwrap_or_else(|fault| panic!("{name}: {fault}"))
+            .run(frames.iter().cloned(), |cycle, outputs| {
+                for ((port, found), right) in top.outputs().iter().zip(outputs).zip(&expected[cycle]) {
+                    assert_eq!(found, right, "{name}: {} in cycle {cycle}", port.name);
+                    shown += usize::from(port.name == "output_valid_o") * *found as usize;
+                }
+                seen += 1;
+            })
+            .expect("a run");
+        assert_eq!(seen, FRAMES);
+        assert!(shown > FRAMES / 4, "{name}: {shown} cycles with an outcome");
+    }
+}
+
+/// Where each port is in the structures, written by hand: the beginnings of ports, and what the fields have instead.
+const FIELDS: &[(&str, &str)] = &[
+    ("ray_origin_", "ray.origin."),
+    ("ray_dir_", "ray.dir."),
+    ("ray_inv_", "ray.inv."),
+    ("ray_shear_", "ray.shear."),
+    ("ray_", "ray."),
+    ("triangle_a_", "triangle.a."),
+    ("triangle_b_", "triangle.b."),
+    ("triangle_c_", "triangle.c."),
+    ("euclidean_", "euclidean."),
+    ("angular_", "angular."),
+    ("box_index_", "box.index_"),
+    ("t_num", "t.num"),
+    ("t_denom", "t.denom"),
+];
+
+fn field(stem: &str) -> String {
+    if let Some(bound) = stem.strip_prefix("aabb_") {
+        let words: Vec<&str> = bound.split('_').collect();
+        return format!("aabb_{}", words.join("."));
+    }
+    let found = FIELDS.iter().find_map(|(port, field)| Some(format!("{field}{}", stem.strip_prefix(port)?)));
+    found.unwrap_or_else(|| stem.to_string())
+}
+
+const HANDSHAKES: [&str; 4] = ["input_valid_i", "output_ready_i", "input_ready_o", "output_valid_o"];
+
+/// A module `flat` with the ports of the datapath, around the wrapper.
+fn flattened(top: &Module) -> String {
+    let mut ports = vec!["  input logic clk_i".to_string(), "  input logic rst_ni".to_string()];
+    let mut wires = String::new();
+    for (direction, list) in [("input", top.inputs()), ("output", top.outputs())] {
+        for port in list {
+            let width = top.signal(port.signal).width;
+            ports.push(format!("  {direction} logic [{}:0] {}", width - 1, port.name));
+            if HANDSHAKES.contains(&port.name.as_str()) {
+                continue;
+            }
+            let (stem, name) = (port.stem(), &port.name);
+            let wire = match (direction, stem) {
+                ("input", "opcode") => format!("job.opcode = raypath_pkg::opcode_e'({name})"),
+                ("input", _) => format!("job.{} = {name}", field(stem)),
+                _ => format!("{name} = outcome.{}", field(stem)),
+            };
+            writeln!(wires, "  assign {wire};").expect("text");
+        }
+    }
+    let handshakes = HANDSHAKES.map(|name| format!(".{name}({name})")).join(", ");
+    format!(
+        "module flat (\n{}\n);\n  raypath_pkg::job_t job;\n  raypath_pkg::outcome_t outcome;\n{wires}  raypath_wrapper \
+         u_wrapper (.clk_i(clk_i), .rst_ni(rst_ni), {handshakes}, .job_i(job), .outcome_o(outcome));\nendmodule\n",
+        ports.join(",\n")
+    )
+}
+
+/// A module `flat` that has these ports and nothing else of interest: what the test bench is made after.
+fn ports_of(top: &Module) -> Arc<Module> {
+    let m = Builder::new("flat");
+    let inputs: Vec<_> = top.inputs().iter().map(|port| m.input(&port.name, top.signal(port.signal).width)).collect();
+    m.unused("unused_inputs", &inputs);
+    for port in top.outputs() {
+        let register = m.register(&format!("{}_q", port.name), top.signal(port.signal).width).reset_to(0);
+        register.next(register.wire());
+        m.output(&port.name, register.wire());
+    }
+    m.finish().expect("a module")
+}
+
+/// `rst_ni`, then the inputs in their order.
+fn frames(top: &Module, random: &mut ChaCha8Rng) -> Vec<Vec<u64>> {
+    let mut word = |name: &str, width: u32| match name {
+        "input_valid_i" | "output_ready_i" => u64::from(random.random_bool(0.8)),
+        "rst_ni" => u64::from(!random.random_bool(0.01)),
+        _ => random.random::<u64>() & (u64::MAX >> (64 - width)),
+    };
+    let mut frame = || {
+        let reset = word("rst_ni", 1);
+        let inputs = top.inputs().iter().map(|port| word(&port.name, top.signal(port.signal).width));
+        [reset].into_iter().chain(inputs).collect()
+    };
+    (0..FRAMES).map(|_| frame()).collect()
+}
+
+/// What the netlist of the bare datapath shows in every cycle.
+fn simulate(top: &Arc<Module>, frames: &[Vec<u64>]) -> Vec<Vec<u64>> {
+    let mut simulator = Simulator::new(top).expect("a simulator");
+    let inputs: Vec<_> = top.inputs().iter().map(|port| simulator.input(&port.name).expect("an input")).collect();
+    let outputs: Vec<_> = top.outputs().iter().map(|port| simulator.output(&port.name).expect("an output")).collect();
+    let mut cycle = |frame: &Vec<u64>| {
+        simulator.set_reset(frame[0] == 0);
+        inputs.iter().zip(&frame[1..]).for_each(|(input, word)| simulator.set(*input, *word));
+        simulator.cycle();
+        outputs.iter().map(|output| simulator.get(*output)).collect()
+    };
+    frames.iter().map(&mut cycle).collect()
+}
+
+bundle! {
+    /// Names that do not nest well: a port that is the beginning of others, and words of the language.
+    pub struct Awkward<C> {
+        /// A number.
+        pub ray: Num<C>,
+        /// Begins like it.
+        pub ray_end: Num<C>,
+        /// Would be a field `begin`.
+        pub range_begin: Num<C>,
+        /// Would be a field `end`.
+        pub range_end: Num<C>,
+        /// Is a word by itself.
+        pub wire: Num<C>,
+        /// In a group.
+        pub point_x: Num<C>,
+        /// In a group.
+        pub point_y: Num<C>,
+    }
+}
+
+bundle! {
+    /// One number.
+    pub struct Total<C> {
+        /// A sum.
+        pub total: Num<C>,
+    }
+}
+
+struct Sum;
+
+impl Operation for Sum {
+    const NAME: &'static str = "sum_of_all";
+    type Input<C: Circuit> = Awkward<C>;
+    type Output<C: Circuit> = Total<C>;
+    type State<C: Circuit> = ();
+
+    fn run<C: Circuit>(&self, c: C, input: Awkward<C>, (): ()) -> (Total<C>, ()) {
+        c.stage(2, "first sums");
+        let (ends, ray) = (input.range_begin + input.range_end, input.ray + input.ray_end);
+        let point = input.point_x + input.point_y;
+        let wire = input.wire;
+        c.stage(3, "second sums");
+        let (both, point) = (ends + ray, point + wire);
+        c.stage(4, "the last sum");
+        (Total { total: both + point }, ())
+    }
+}
+
+/// Operations of others have a wrapper too, whatever their ports are called.
+#[test]
+fn any_operation_is_wrapped() {
+    let operations = Operations::new().with(&Sum, 5).expect("an operation");
+    let written = write(&Datapath::of(operations).expect("a datapath"));
+    lint(&written).unwrap_or_else(|fault| panic!("{fault}"));
+    let package = written.text("rtl/raypath_pkg.sv");
+    assert!(package.contains("OpSumOfAll = 3'd5"), "{package}");
+    let wrapper = written.text("rtl/raypath_wrapper.sv");
+    for port in
+        ["job_i.ray)", "job_i.ray_end)", "job_i.range_end)", "job_i.point.x)", "job_i.wire_i)", "outcome_o.total)"]
+    {
+        assert!(wrapper.contains(port), "{port} in {wrapper}");
+    }
+}
