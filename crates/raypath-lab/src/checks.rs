@@ -4,10 +4,11 @@ use crate::check::{Comparison, lockstep};
 use crate::datapath::Datapath;
 use crate::engine::{PortEncoding, shape};
 use crate::frames::{Answers, Stimulus};
-use crate::model::{AnyKind, Words};
+use crate::model::{AnyKind, AnyModel, Words};
 use crate::stimuli::any_job;
 use crate::study::AnyStudy;
 use crate::traffic::Traffic;
+use crate::transactions::Transaction;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_cosim::{CosimError, Sources, Verilated};
@@ -63,16 +64,30 @@ impl Checks<'_> {
     /// not in binary32, which oracles speak of.
     pub fn against_the_oracles(&self) -> Vec<Judged> {
         let judged = self.judges().into_iter().map(|mut judge| {
-            let mut model = self.datapath.model();
-            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-            for _ in 0..self.jobs {
-                let job = judge.study.job(&model, judge.kind, &mut rng);
-                let outcome = model.run(&job);
-                judge.hold(&job, &outcome);
-            }
+            self.answered(judge.study, judge.kind).for_each(|(job, outcome)| judge.hold(&job, &outcome));
             judge.judged
         });
         judged.collect()
+    }
+
+    /// The same jobs of one of the operations with the answers, for benches of one's own. None where the datapath does not
+    /// have it.
+    pub fn transactions(&self, study: &AnyStudy) -> Vec<Transaction<AnyModel>> {
+        let kind = self.datapath.model().kind(study.name());
+        let answered = kind.into_iter().flat_map(|kind| self.answered(study, kind));
+        let numbered = answered.zip(0..);
+        numbered.map(|((job, expected), seq)| Transaction { seq, category: 0, job, expected }).collect()
+    }
+
+    /// An operation's own jobs, and what the functional model answers.
+    fn answered(&self, study: &AnyStudy, kind: AnyKind) -> impl Iterator<Item = (Words, Words)> {
+        let mut model = self.datapath.model();
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        (0..self.jobs).map(move |_| {
+            let job = study.job(&model, kind, &mut rng);
+            let outcome = model.run(&job);
+            (job, outcome)
+        })
     }
 
     /// Netlist, cycle-exact and functional model side by side: jobs of all operations, bubbles and stalls. `on_job` is told

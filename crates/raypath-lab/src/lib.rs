@@ -107,6 +107,7 @@ mod stimuli;
 mod study;
 pub mod tables;
 pub mod traffic;
+pub mod transactions;
 
 pub use raypath_ops as ops;
 pub use raypath_rtl as rtl;

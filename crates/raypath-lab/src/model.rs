@@ -117,6 +117,11 @@ impl AnyModel {
         Some(from_words(Binary32, &all))
     }
 
+    /// The ports of an operation's outcomes; none of an operation that it does not have.
+    pub fn outputs(&self, kind: AnyKind) -> &[Port] {
+        self.of(kind).map_or(&[], |known| &known.outputs)
+    }
+
     fn known(&self) -> impl Iterator<Item = &Known> {
         self.operations.iter().flatten()
     }
@@ -125,7 +130,20 @@ impl AnyModel {
         self.operations.get(kind.opcode as usize)?.as_ref()
     }
 
-    /// Words on ports: what is missing is 0, and bits beyond a port's width are ignored.
+    /// A job's words: what is missing is 0, and bits beyond a port's width are ignored.
+    fn job_by(&self, kind: AnyKind, word: impl FnMut(usize, &Port) -> u64) -> Words {
+        self.words(kind, self.of(kind).map(|known| &known.inputs), word)
+    }
+
+    /// An outcome's: NaN is the canonical one besides, as the datapath answers it.
+    fn outcome_by(&self, kind: AnyKind, mut word: impl FnMut(usize, &Port) -> u64) -> Words {
+        let (infinity, magnitude) = (self.format.infinity(), u64::MAX >> (65 - self.format.ieee_width()));
+        self.words(kind, self.of(kind).map(|known| &known.outputs), |place, port| match word(place, port) {
+            bits if port.kind == PortKind::Number && bits & magnitude > infinity => self.format.nan(),
+            bits => bits,
+        })
+    }
+
     fn words(&self, kind: AnyKind, ports: Option<&Ports>, mut word: impl FnMut(usize, &Port) -> u64) -> Words {
         let ports = ports.cloned().unwrap_or_else(|| [].into());
         let mask = |port: &Port| u64::MAX >> (64 - port.width.unwrap_or(self.format.ieee_width()));
@@ -171,19 +189,19 @@ impl Model for AnyModel {
     }
 
     fn job(&self, kind: AnyKind, mut port: impl FnMut(&str) -> u64) -> Words {
-        self.words(kind, self.of(kind).map(|known| &known.inputs), |_, of| port(&of.name))
+        self.job_by(kind, |_, of| port(&of.name))
     }
 
     fn outcome(&self, kind: AnyKind, mut port: impl FnMut(&str) -> u64) -> Words {
-        self.words(kind, self.of(kind).map(|known| &known.outputs), |_, of| port(&of.name))
+        self.outcome_by(kind, |_, of| port(&of.name))
     }
 
     fn job_of_words(&self, kind: AnyKind, words: &[u64]) -> Words {
-        self.words(kind, self.of(kind).map(|known| &known.inputs), |place, _| words.get(place).copied().unwrap_or(0))
+        self.job_by(kind, |place, _| words.get(place).copied().unwrap_or(0))
     }
 
     fn outcome_of_words(&self, kind: AnyKind, words: &[u64]) -> Words {
-        self.words(kind, self.of(kind).map(|known| &known.outputs), |place, _| words.get(place).copied().unwrap_or(0))
+        self.outcome_by(kind, |place, _| words.get(place).copied().unwrap_or(0))
     }
 }
 

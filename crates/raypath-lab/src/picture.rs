@@ -10,8 +10,17 @@ const COLUMN: i32 = 88;
 const HEAD: i32 = 64;
 const ROW: i32 = 46;
 const GAP: i32 = 6;
-/// One colour an operation, told apart by colour-blind readers too (Okabe and Ito).
-const COLOURS: [&str; 4] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
+/// One colour an operation, told apart by colour-blind readers too (Okabe and Ito), and the class of words on it.
+const COLOURS: [(&str, &str); 8] = [
+    ("#0072b2", "small on"),
+    ("#d55e00", "small on"),
+    ("#009e73", "small on"),
+    ("#cc79a7", "small on"),
+    ("#e69f00", "small"),
+    ("#56b4e9", "small"),
+    ("#f0e442", "small"),
+    ("#000000", "small on"),
+];
 
 /// The pipeline of a datapath as SVG: a column a stage with its registers, a row an operation with its units, the units
 /// that they share, and the bits that cross each boundary.
@@ -66,7 +75,7 @@ fn caption(datapath: &Datapath, config: Config) -> String {
 }
 
 /// What an operation does in a stage: its units on its colour, or a thin line where it only passes.
-fn cell(x: i32, y: i32, note: &StageNote, step: usize, colour: &str) -> Group {
+fn cell(x: i32, y: i32, note: &StageNote, step: usize, (colour, class): (&str, &str)) -> Group {
     let units = list(note.units);
     let works = step > 0 && (!units.is_empty() || !note.what.is_empty());
     if !works {
@@ -76,7 +85,7 @@ fn cell(x: i32, y: i32, note: &StageNote, step: usize, colour: &str) -> Group {
     Group::new().add(Title::new(note.what.clone())).add(rectangle(x, y, COLUMN - 14, ROW, colour)).add(lines(
         x + 6,
         y + 18,
-        "small on",
+        class,
         &shown,
     ))
 }

@@ -1,5 +1,6 @@
 //! Utilisation as a table: a column a stage, a row a kind of unit.
 
+use crate::COLOURS;
 use crate::recording::{Recording, StageUse, UnitUse};
 use maud::{Markup, html};
 
@@ -15,17 +16,17 @@ pub fn table(recording: &Recording) -> Markup {
     html! {
         div.choice role="group" aria-label="Utilisation of" {
             button type="button" data-heat="-1" aria-pressed="true" { "all operations" }
-            @for (opcode, operation) in recording.operations.iter().enumerate() {
-                button type="button" data-heat=(opcode) aria-pressed="false" { i.key.{ "op" (opcode % 4) } {} (operation) }
+            @for (opcode, operation) in recording.named_operations() {
+                button type="button" data-heat=(opcode) aria-pressed="false" { i.key.{ "op" (opcode % COLOURS) } {} (operation) }
             }
         }
         div.scroll {
             table.heat #heat {
                 thead { tr { th { "stage" } @for stage in stages { th scope="col" { (stage.number) } } } }
                 tbody {
-                    @for (opcode, operation) in recording.operations.iter().enumerate() {
+                    @for (opcode, operation) in recording.named_operations() {
                         tr.does {
-                            th scope="row" { i.key.{ "op" (opcode % 4) } {} (operation) }
+                            th scope="row" { i.key.{ "op" (opcode % COLOURS) } {} (operation) }
                             @for stage in stages { td { (stage.titles.get(opcode).map_or("", |title| title)) } }
                         }
                     }
@@ -52,7 +53,8 @@ fn cell(recording: &Recording, stage: &StageUse, kind: &str) -> Markup {
 
 fn words(recording: &Recording, stage: &StageUse, unit: &UnitUse) -> String {
     let UnitUse { name, count, total, by_operation } = unit;
-    let by = recording.operations.iter().zip(by_operation).map(|(name, part)| format!("\n{name}: {}", percent(*part)));
+    let part = |opcode: usize| percent(by_operation.get(opcode).copied().unwrap_or(0.0));
+    let by = recording.named_operations().map(|(opcode, name)| format!("\n{name}: {}", part(opcode)));
     format!("stage {}, {name} × {count}: {} of their cycles{}", stage.number, percent(*total), by.collect::<String>())
 }
 

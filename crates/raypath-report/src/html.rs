@@ -1,6 +1,6 @@
-use crate::heat;
 use crate::recording::{Recording, Table, Window};
 use crate::timeline;
+use crate::{COLOURS, heat};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -104,8 +104,8 @@ fn view(recording: &Recording, window: &Window) -> Markup {
             output #range aria-live="polite" {}
         }
         ul.legend {
-            @for (opcode, operation) in recording.operations.iter().enumerate() {
-                li { i.key.{ "op" (opcode % 4) } {} (operation) }
+            @for (opcode, operation) in recording.named_operations() {
+                li { i.key.{ "op" (opcode % COLOURS) } {} (operation) }
             }
             li { i.key.stalled {} "stalled: does not move at the end of the cycle" }
             li { i.key.refused {} "offered, not accepted" }

@@ -8,6 +8,9 @@ mod recorder;
 mod recording;
 mod timeline;
 
+/// So many operations have a colour of their own: `--op0` and so on in `page.css`.
+const COLOURS: usize = 8;
+
 pub use html::html;
 pub use konata::konata;
 pub use recorder::Recorder;

@@ -23,7 +23,7 @@ use std::collections::VecDeque;
 ///     let shown = model.output().is_some();
 ///     let cycle = Cycle {
 ///         number,
-///         offered: offer.map(|job| (job.kind(), number)),
+///         offered: offer.map(|job| (job.kind().opcode(), number)),
 ///         accepted: offer.is_some_and(|job| model.input_ready(job.kind().opcode())),
 ///         shown,
 ///         taken: shown,
@@ -97,14 +97,14 @@ impl Observer for Recorder {
             self.window.jobs[job].left = Some(cycle.number);
             self.left += 1;
         }
-        if let Some((kind, owner)) = cycle.offered
+        if let Some((opcode, owner)) = cycle.offered
             && cycle.accepted
         {
             let recorded = self.window.jobs.len() < self.most;
             self.inside.push_back(recorded.then_some(self.window.jobs.len()));
             if recorded {
                 let entered = Vec::with_capacity(self.window.stages);
-                let operation = kind as usize;
+                let operation = opcode as usize;
                 self.window.jobs.push(JobTrace { operation, owner, accepted: cycle.number, entered, left: None });
             }
         }

@@ -12,7 +12,7 @@ pub struct Recording {
     pub configuration: Vec<(String, String)>,
     /// Counts and rates, as labels and printed values.
     pub counts: Vec<(String, String)>,
-    /// The operations' names, by opcode.
+    /// The operations' names, by opcode; empty where there is none of that opcode.
     pub operations: Vec<String>,
     /// How busy the units were, stage by stage; none is shown of an empty one.
     pub utilisation: Vec<StageUse>,
@@ -112,6 +112,13 @@ pub struct Table {
     pub head: Vec<String>,
     /// Its rows, printed.
     pub rows: Vec<Vec<String>>,
+}
+
+impl Recording {
+    /// The operations that there are, with their opcodes.
+    pub(crate) fn named_operations(&self) -> impl Iterator<Item = (usize, &String)> {
+        self.operations.iter().enumerate().filter(|(_, name)| !name.is_empty())
+    }
 }
 
 impl JobTrace {

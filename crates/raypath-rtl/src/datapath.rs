@@ -225,6 +225,11 @@ impl Datapath {
         self.plan.latency()
     }
 
+    /// Its operations and their opcodes, in the order of [`schedule`](Self::schedule).
+    pub fn operations(&self) -> Vec<(&'static str, u64)> {
+        self.plan.operations.iter().map(|traced| (traced.name, traced.opcode)).collect()
+    }
+
     /// Operations whose jobs may not follow each other at once, because their state goes through a unit of several
     /// steps.
     pub fn loops(&self) -> Vec<StateLoop> {

@@ -1,5 +1,4 @@
 use raypath_model::Place;
-use raypath_ops::JobKind;
 
 /// Looks on, cycle by cycle, in the cycles that it wants to see. `()` wants none.
 pub trait Observer {
@@ -17,8 +16,8 @@ pub trait Observer {
 pub struct Cycle {
     /// Which cycle, the first being 0.
     pub number: u64,
-    /// What the source offers: its kind, and whose it is (agents are numbered from 0 in the order in which they begin).
-    pub offered: Option<(JobKind, u64)>,
+    /// What the source offers: its opcode, and whose it is (agents are numbered from 0 in the order in which they begin).
+    pub offered: Option<(u64, u64)>,
     /// What is offered is accepted.
     pub accepted: bool,
     /// The output shows an answer.

@@ -264,8 +264,8 @@ impl<M: Model<Kind = JobKind>, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_
         let refused = shown && self.stalls.as_mut().is_some_and(|(rng, probability)| rng.random_bool(*probability));
         let offer = offering.and_then(|seat| self.seats[seat].job.as_ref().map(|(job, ..)| (seat, job)));
         if observer.wants(self.now) == Some(self.now) {
-            let offered = offer.map(|(seat, job)| (job.kind(), self.seats[seat].number));
-            let accepted = offered.is_some_and(|(kind, _)| self.model.input_ready(kind.opcode()));
+            let offered = offer.map(|(seat, job)| (job.kind().opcode(), self.seats[seat].number));
+            let accepted = offered.is_some_and(|(opcode, _)| self.model.input_ready(opcode));
             let cycle = Cycle { number: self.now, offered, accepted, shown, taken: shown && !refused };
             observer.cycle(&cycle, self.model.places());
         }

@@ -1,6 +1,7 @@
 //! What a user gets from this crate: text that tools accept, answers that the oracle finds right, and a price.
 
 use raypath_lab::prelude::*;
+use raypath_lab::transactions::read;
 use raypath_lab::{AnyStudy, Arguments, Checks, Cost, run};
 use within_radius::{WithinRadius, study};
 
@@ -74,12 +75,20 @@ fn the_command_writes_and_says_what_it_found() {
     let out = String::from_utf8(out).expect("text");
     assert!(out.contains("Oracle (f64): 0 of 500 random jobs answered wrongly."), "{out}");
     assert!(out.contains("500 jobs of all operations") && out.contains(" 0 mismatches"), "{out}");
-    for file in ["raypath.sv", "raypath.f", "pipeline.svg", "rtl/raypath_stage_2.sv"] {
+    for file in ["raypath.sv", "raypath.f", "pipeline.svg", "rtl/raypath_stage_2.sv", "within_radius.txt"] {
         assert!(folder.path().join(file).is_file(), "{file}");
     }
     let text = std::fs::read_to_string(folder.path().join("raypath.sv")).expect("a file");
     assert!(text.contains("input  logic [2:0]  opcode_i") || text.contains("[2:0]"), "five operations need three bits");
     assert!(text.contains("point_3_z_i") && text.contains("squared_distance_0_o"));
+    // Its jobs are those that the oracle has judged.
+    let datapath = Datapath::paper(Default::default()).with(WithinRadius);
+    let (netlist, studies) = (datapath.elaborate().expect("it fits"), [AnyStudy::from(study())]);
+    let checks = Checks { datapath: &datapath, netlist: &netlist, studies: &studies, seed: 1, jobs: 500 };
+    let path = folder.path().join("within_radius.txt");
+    let recorded = read(&path, None, &datapath.model(), Default::default()).expect("transactions");
+    assert_eq!(recorded, checks.transactions(&studies[0]));
+    assert_eq!(recorded.len(), 500);
 }
 
 /// The first cut, without a stage marked, answers the same, with no more registers than the one by hand.

@@ -4,14 +4,17 @@
 const drawing = (() => {
   const RULER = 22, LANE = 9, MARGIN = 132;
   const HEAD = RULER + 2 * LANE + 4;
+  const operations = ["op0", "op1", "op2", "op3", "op4", "op5", "op6", "op7"];
   let colours = {};
 
   function readColours() {
     const style = getComputedStyle(document.documentElement);
-    for (const name of ["ink", "quiet", "line", "card", "row", "stall", "refused", "unsunk", "accent", "on", "op0", "op1", "op2", "op3"])
+    for (const name of ["ink", "quiet", "line", "card", "row", "stall", "refused", "unsunk", "accent", "on", "on-bright", ...operations])
       colours[name] = style.getPropertyValue("--" + name).trim();
   }
-  const colourOf = (job) => colours["op" + (job.operation % 4)];
+  const colourOf = (job) => colours[operations[job.operation % operations.length]];
+  // Letters on a job: three of the colours are too bright for white ones.
+  const inkOn = (job) => colours[[4, 5, 6].includes(job.operation % operations.length) ? "on-bright" : "on"];
 
   function prepare(canvas) {
     const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
@@ -85,7 +88,7 @@ const drawing = (() => {
         if (at > width || at + wide < MARGIN) continue;
         stay(context, job, i + 1, at, y, wide, tall, view.cycle);
         if (view.cycle >= 15 && view.row >= 12) {
-          context.fillStyle = colours.on;
+          context.fillStyle = inkOn(job);
           context.fillText(String(i + 1), x(job.enters[i + 1] - 1) + view.cycle / 2 - (i < 9 ? 3.5 : 6.5), y + view.row / 2 + 4);
         }
       }
@@ -148,7 +151,7 @@ const drawing = (() => {
           context.lineWidth = 1;
         }
         if (view.cycle >= 34 && stage > 0) {
-          context.fillStyle = colours.on;
+          context.fillStyle = inkOn(job);
           context.fillText(String(job.owner), x(until - 1) + 4, y + 12, view.cycle - 8);
         }
       }
@@ -207,23 +210,23 @@ const drawing = (() => {
   }
 
   function overview(canvas, view, width) {
-    const [context, wide, tall] = prepare(canvas);
+    const [context, wide, tall] = prepare(canvas), refused = operations.length;
     const cycles = Math.max(1, model.end - model.first);
     // A bar stands for several cycles, so that it has a height.
     const bar = Math.max(1, Math.ceil((8 * wide) / cycles)), bins = Math.max(1, Math.ceil(wide / bar));
-    const per = (cycles * bar) / wide, counts = Array.from({ length: bins }, () => [0, 0, 0, 0, 0]);
-    for (const job of model.jobs) counts[Math.min(bins - 1, Math.floor((job.accepted - model.first) / per))][job.operation % 4]++;
+    const per = (cycles * bar) / wide, counts = Array.from({ length: bins }, () => new Array(refused + 1).fill(0));
+    for (const job of model.jobs) counts[Math.min(bins - 1, Math.floor((job.accepted - model.first) / per))][job.operation % refused]++;
     for (const [from, length] of model.refused) {
       for (let bin = Math.floor((from - model.first) / per); bin <= Math.min(bins - 1, (from + length - 1 - model.first) / per); bin++) {
         const [begin, over] = [model.first + bin * per, model.first + (bin + 1) * per];
-        counts[bin][4] += Math.max(0, Math.min(over, from + length) - Math.max(begin, from));
+        counts[bin][refused] += Math.max(0, Math.min(over, from + length) - Math.max(begin, from));
       }
     }
     counts.forEach((count, bin) => {
       let y = tall;
-      for (let kind = 0; kind < 5; kind++) {
+      for (let kind = 0; kind <= refused; kind++) {
         const part = Math.min(1, count[kind] / per) * tall;
-        context.fillStyle = kind === 4 ? colours.refused : colours["op" + kind];
+        context.fillStyle = kind === refused ? colours.refused : colours[operations[kind]];
         context.fillRect(bin * bar, y - part, bar, part);
         y -= part;
       }

@@ -1,6 +1,7 @@
 //! `raypath replay`: recorded transactions through an engine, compared with what was recorded.
 
 use crate::commands::Failure;
+use crate::commands::additions::Additions;
 use crate::commands::configuration::ConfigArguments;
 use crate::commands::output::write_and_name;
 use crate::commands::progress::Progress;
@@ -10,9 +11,9 @@ use clap::{Args, ValueEnum};
 use raypath::check::SideBySide;
 use raypath::engine::{CycleEngine, Engine, NetlistEngine, Run, Seen, evaluate, observe, shape};
 use raypath::format::Format;
-use raypath::model::{Elastic, OnPorts};
-use raypath::models::{PaperModel, Visitor, with_model};
-use raypath::ops::{JobKind, PortKind, PortValue};
+use raypath::lab::{AnyKind, AnyModel, Words};
+use raypath::model::{Elastic, Kind, Model, OnPorts};
+use raypath::ops::{PortKind, PortValue};
 use raypath::report::{Recorder, Recording};
 use raypath::rtl::{Config, Datapath};
 use raypath::timing::{self, Observer};
@@ -33,6 +34,8 @@ pub struct Arguments {
     #[command(flatten)]
     view: ViewArguments,
     #[command(flatten)]
+    additions: Additions,
+    #[command(flatten)]
     config: ConfigArguments,
 }
 
@@ -47,90 +50,83 @@ enum EngineKind {
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let config = arguments.config.config()?;
-    with_model(config, Replay { arguments, config, out })
+    let whole = arguments.additions.datapath(config);
+    let model = whole.model();
+    let stream = arguments.stream.read(&model, config)?;
+    let begin = Instant::now();
+    let mut progress = Progress::new("jobs", stream.len());
+    let mut tally = Tally::new(&model, &stream, arguments.show);
+    let mut differences = Vec::new();
+    let datapath = whole.elaborate()?;
+    let mut watcher = Watcher::new(&arguments.view, config, &datapath);
+    let hardware = Hardware { model, config, datapath: &datapath };
+    let run = carry(arguments, hardware, &stream, &mut watcher, &mut differences, |index, outcome| {
+        tally.compare(index, outcome);
+        progress.at(index + 1)
+    })?;
+    let stopped = progress.finish(run.jobs).map_err(Failure::from);
+    tally.report(&run, begin, out)?;
+    if arguments.view.is_wanted() {
+        let recording = watcher.recording(config, &datapath, &run, &tally);
+        writeln!(out)?;
+        print(&recording, out)?;
+        write_and_name(&arguments.view.files(&recording), out)?;
+    }
+    differences.iter().try_for_each(|difference| writeln!(out, "\n{difference}"))?;
+    match differences.len() {
+        0 => tally.verdict(&run, stopped),
+        _ => Err(Failure::Mismatch("the netlist and the models differ".to_string())),
+    }
 }
 
-struct Replay<'a> {
-    arguments: &'a Arguments,
+/// What jobs run on.
+struct Hardware<'d> {
+    model: AnyModel,
     config: Config,
-    out: &'a mut dyn Write,
+    datapath: &'d Datapath,
 }
 
-impl Visitor for Replay<'_> {
-    type Answer = Result<(), Failure>;
-
-    fn visit<M: PaperModel>(self, model: M) -> Result<(), Failure> {
-        let stream = self.arguments.stream.read(&model, self.config)?;
-        let begin = Instant::now();
-        let mut progress = Progress::new("jobs", stream.len());
-        let mut tally = Tally::new(&stream, self.config.format, self.arguments.show);
-        let mut differences = Vec::new();
-        let datapath = Datapath::new(self.config)?;
-        let mut watcher = Watcher::new(&self.arguments.view, self.config, &datapath);
-        let run = self.carry(model, &stream, &datapath, &mut watcher, &mut differences, |index, outcome| {
-            tally.compare(index, outcome);
-            progress.at(index + 1)
-        })?;
-        let stopped = progress.finish(run.jobs).map_err(Failure::from);
-        tally.report(&run, begin, self.out)?;
-        if self.arguments.view.is_wanted() {
-            let recording = watcher.recording(self.config, &datapath, &run, &tally);
-            writeln!(self.out)?;
-            print(&recording, self.out)?;
-            write_and_name(&self.arguments.view.files(&recording), self.out)?;
-        }
-        differences.iter().try_for_each(|difference| writeln!(self.out, "\n{difference}"))?;
-        match differences.len() {
-            0 => tally.verdict(&run, stopped),
-            _ => Err(Failure::Mismatch("the netlist and the models differ".to_string())),
-        }
+/// Runs the stream through the engine that was asked for, until `on_outcome` says stop. `differences` gets the first
+/// few between two engines.
+fn carry(
+    arguments: &Arguments,
+    hardware: Hardware<'_>,
+    stream: &[Transaction<AnyModel>],
+    watcher: &mut Watcher,
+    differences: &mut Vec<String>,
+    mut on_outcome: impl FnMut(usize, &Words) -> bool,
+) -> Result<Run, Failure> {
+    let mut traffic = arguments.stream.traffic()?;
+    if arguments.view.is_wanted() && arguments.engine == EngineKind::Model {
+        let problem = "--engine model knows no cycles, expected cycle, netlist or both with --report or --konata";
+        return Err(Failure::unusable(problem));
     }
-}
-
-impl Replay<'_> {
-    /// Runs the stream through the engine that was asked for, until `on_outcome` says stop. `differences` gets the first
-    /// few between two engines.
-    fn carry<M: PaperModel>(
-        &self,
-        model: M,
-        stream: &[Transaction<M>],
-        datapath: &Datapath,
-        watcher: &mut Watcher,
-        differences: &mut Vec<String>,
-        mut on_outcome: impl FnMut(usize, M::Outcome) -> bool,
-    ) -> Result<Run, Failure> {
-        let config = self.config;
-        let mut traffic = self.arguments.stream.traffic()?;
-        if self.arguments.view.is_wanted() && self.arguments.engine == EngineKind::Model {
-            let problem = "--engine model knows no cycles, expected cycle, netlist or both with --report or --konata";
-            return Err(Failure::unusable(problem));
-        }
-        if self.arguments.stream.is_recorded() && self.arguments.engine == EngineKind::Model {
-            let problem = "--engine model knows no cycles, expected cycle, netlist or both with recorded handshakes";
-            return Err(Failure::unusable(problem));
-        }
-        let jobs = stream.iter().map(|transaction| &transaction.job);
-        let mut on_cycle = |seen: &Seen<M::Outcome>| {
-            watcher.look(seen, |index| stream[index].job.kind());
-            match (seen.left, seen.shown.output) {
-                (Some(index), Some(outcome)) => on_outcome(index, outcome),
-                _ => true,
-            }
-        };
-        let mut engine: Box<dyn Engine<M>> = match self.arguments.engine {
-            EngineKind::Model => return Ok(evaluate(model, jobs, on_outcome)),
-            EngineKind::Cycle => Box::new(CycleEngine::new(model, &shape(config, datapath))),
-            EngineKind::Netlist => Box::new(NetlistEngine::of(model, config, datapath, |_| false)?),
-            EngineKind::Both => {
-                let mut netlist = NetlistEngine::of(model.clone(), config, datapath, |_| false)?;
-                let mut both = SideBySide::new(&mut netlist, model, |_| {});
-                let run = observe(&mut both, jobs, &mut traffic, on_cycle);
-                *differences = both.differences;
-                return Ok(run);
-            }
-        };
-        Ok(observe(engine.as_mut(), jobs, &mut traffic, &mut on_cycle))
+    if arguments.stream.is_recorded() && arguments.engine == EngineKind::Model {
+        let problem = "--engine model knows no cycles, expected cycle, netlist or both with recorded handshakes";
+        return Err(Failure::unusable(problem));
     }
+    let Hardware { model, config, datapath } = hardware;
+    let jobs = stream.iter().map(|transaction| &transaction.job);
+    let mut on_cycle = |seen: &Seen<Words>| {
+        watcher.look(seen, |index| stream[index].job.kind().opcode());
+        match (seen.left, &seen.shown.output) {
+            (Some(index), Some(outcome)) => on_outcome(index, outcome),
+            _ => true,
+        }
+    };
+    let mut engine: Box<dyn Engine<AnyModel>> = match arguments.engine {
+        EngineKind::Model => return Ok(evaluate(model, jobs, |index, outcome| on_outcome(index, &outcome))),
+        EngineKind::Cycle => Box::new(CycleEngine::new(model, &shape(config, datapath))),
+        EngineKind::Netlist => Box::new(NetlistEngine::of(model, config, datapath, |_| false)?),
+        EngineKind::Both => {
+            let mut netlist = NetlistEngine::of(model.clone(), config, datapath, |_| false)?;
+            let mut both = SideBySide::new(&mut netlist, model, |_| {});
+            let run = observe(&mut both, jobs, &mut traffic, on_cycle);
+            *differences = both.differences;
+            return Ok(run);
+        }
+    };
+    Ok(observe(engine.as_mut(), jobs, &mut traffic, &mut on_cycle))
 }
 
 /// Writes down where jobs are. What engines show says it: a pipeline of the same shape goes along with them.
@@ -146,7 +142,7 @@ impl Watcher {
         Self { recorder: view.recorder("transaction", datapath), pipeline, number: 0 }
     }
 
-    fn look<O>(&mut self, seen: &Seen<O>, kind: impl Fn(usize) -> JobKind) {
+    fn look<O>(&mut self, seen: &Seen<O>, opcode: impl Fn(usize) -> u64) {
         let number = self.number;
         self.number += 1;
         if seen.cycle.resets {
@@ -154,29 +150,21 @@ impl Watcher {
             return self.pipeline.reset();
         }
         let shown = seen.shown.output.is_some();
-        let entering = seen.entered.map(kind);
+        let entering = seen.entered.map(opcode);
         // Of what was offered in vain only this is of interest, that it was.
-        let offered =
-            seen.cycle.offers.then(|| (entering.unwrap_or(JobKind::Triangle), seen.entered.unwrap_or(0) as u64));
+        let offered = seen.cycle.offers.then(|| (entering.unwrap_or(0), seen.entered.unwrap_or(0) as u64));
         let accepted = entering.is_some();
         let cycle = timing::Cycle { number, offered, accepted, shown, taken: shown && seen.cycle.takes };
         self.recorder.cycle(&cycle, self.pipeline.places());
-        self.pipeline.cycle(entering.map(|kind| (kind.opcode(), ())), seen.cycle.takes);
+        self.pipeline.cycle(entering.map(|opcode| (opcode, ())), seen.cycle.takes);
     }
 
-    fn recording<M: PaperModel>(
-        self,
-        config: Config,
-        datapath: &Datapath,
-        run: &Run,
-        tally: &Tally<'_, M>,
-    ) -> Recording {
-        let jobs = tally.jobs.map(|count| count as u64);
-        let mut recording = recording("Recorded transactions".to_string(), config, datapath, run.cycles, jobs);
+    fn recording(self, config: Config, datapath: &Datapath, run: &Run, tally: &Tally<'_>) -> Recording {
+        let mut recording = recording("Recorded transactions".to_string(), config, datapath, run.cycles, &tally.jobs);
         recording.counts = vec![
             ("cycles".to_string(), run.cycles.to_string()),
             ("jobs".to_string(), run.jobs.to_string()),
-            ("mismatches".to_string(), tally.mismatches.iter().sum::<usize>().to_string()),
+            ("mismatches".to_string(), tally.mismatches().to_string()),
             ("jobs per cycle".to_string(), format!("{:.3}", run.jobs as f64 / run.cycles.max(1) as f64)),
         ];
         recording.window = self.recorder.window();
@@ -185,41 +173,52 @@ impl Watcher {
 }
 
 /// Outcomes compared with the recorded ones.
-struct Tally<'s, M: PaperModel> {
-    stream: &'s [Transaction<M>],
+struct Tally<'s> {
+    stream: &'s [Transaction<AnyModel>],
+    kinds: Vec<AnyKind>,
     format: Format,
     show: usize,
-    jobs: [usize; JobKind::ALL.len()],
-    mismatches: [usize; JobKind::ALL.len()],
+    /// By opcode.
+    jobs: Vec<u64>,
+    /// By opcode.
+    mismatches: Vec<u64>,
     shown: Vec<String>,
 }
 
-impl<'s, M: PaperModel> Tally<'s, M> {
-    fn new(stream: &'s [Transaction<M>], format: Format, show: usize) -> Self {
-        Self { stream, format, show, jobs: Default::default(), mismatches: Default::default(), shown: Vec::new() }
+impl<'s> Tally<'s> {
+    fn new(model: &AnyModel, stream: &'s [Transaction<AnyModel>], show: usize) -> Self {
+        let kinds = model.kinds();
+        let none = vec![0; kinds.iter().map(|kind| kind.opcode() as usize + 1).max().unwrap_or(0)];
+        Self { stream, kinds, format: model.format(), show, jobs: none.clone(), mismatches: none, shown: Vec::new() }
     }
 
-    fn compare(&mut self, index: usize, outcome: M::Outcome) {
+    fn compare(&mut self, index: usize, outcome: &Words) {
         let transaction = &self.stream[index];
-        let kind = transaction.job.kind() as usize;
-        self.jobs[kind] += 1;
-        if outcome != transaction.expected {
-            self.mismatches[kind] += 1;
+        let opcode = transaction.job.kind().opcode() as usize;
+        self.jobs[opcode] += 1;
+        if *outcome != transaction.expected {
+            self.mismatches[opcode] += 1;
             if self.shown.len() < self.show {
-                self.shown.push(field_by_field(transaction, &outcome, self.format));
+                self.shown.push(field_by_field(transaction, outcome, self.format));
             }
         }
+    }
+
+    fn mismatches(&self) -> u64 {
+        self.mismatches.iter().sum()
     }
 
     fn report(&self, run: &Run, begin: Instant, out: &mut dyn Write) -> std::io::Result<()> {
-        writeln!(out, "{:<10} {:>9} {:>11}", "operation", "jobs", "mismatches")?;
-        for kind in JobKind::ALL {
-            let (jobs, mismatches) = (self.jobs[kind as usize], self.mismatches[kind as usize]);
+        let wide = self.kinds.iter().map(|kind| kind.name().len()).max().unwrap_or(0).max(10);
+        writeln!(out, "{:<wide$} {:>9} {:>11}", "operation", "jobs", "mismatches")?;
+        for kind in &self.kinds {
+            let opcode = kind.opcode() as usize;
+            let (jobs, mismatches) = (self.jobs[opcode], self.mismatches[opcode]);
             if jobs > 0 {
-                writeln!(out, "{:<10} {jobs:>9} {mismatches:>11}", kind.name())?;
+                writeln!(out, "{:<wide$} {jobs:>9} {mismatches:>11}", kind.name())?;
             }
         }
-        writeln!(out, "{:<10} {:>9} {:>11}", "all", run.jobs, self.mismatches.iter().sum::<usize>())?;
+        writeln!(out, "{:<wide$} {:>9} {:>11}", "all", run.jobs, self.mismatches())?;
         if run.cycles > 0 {
             write!(out, "{} cycles, ", run.cycles)?;
         }
@@ -229,7 +228,7 @@ impl<'s, M: PaperModel> Tally<'s, M> {
 
     /// What was found weighs more than that the user stopped the search.
     fn verdict(&self, run: &Run, stopped: Result<(), Failure>) -> Result<(), Failure> {
-        let mismatches: usize = self.mismatches.iter().sum();
+        let mismatches = self.mismatches();
         if mismatches > 0 {
             let problem = format!("{mismatches} of {} outcomes differ from the recorded ones", run.jobs);
             return Err(Failure::Mismatch(problem));
@@ -246,7 +245,7 @@ impl<'s, M: PaperModel> Tally<'s, M> {
 }
 
 /// A mismatch, with every field that was answered and recorded.
-fn field_by_field<M: PaperModel>(transaction: &Transaction<M>, outcome: &M::Outcome, format: Format) -> String {
+fn field_by_field(transaction: &Transaction<AnyModel>, outcome: &Words, format: Format) -> String {
     let kind = transaction.job.kind();
     let mut text = format!("mismatch: {kind} job, seq {:06x}, cat {:x}", transaction.seq, transaction.category);
     text += &format!("\n    {:<24} {:<27} {:<27}", "field", "answered", "recorded");

@@ -3,12 +3,11 @@
 use crate::commands::Failure;
 use crate::commands::numbers::whole;
 use clap::Args;
-use raypath::model::OnPorts;
-use raypath::models::PaperModel;
-use raypath::ops::JobKind;
+use raypath::lab::AnyModel;
+use raypath::model::{Kind, OnPorts};
 use raypath::rtl::Config;
 use raypath::traffic::{Traffic, interleave, read_recorded};
-use raypath::transactions::{Transaction, merge, read};
+use raypath::transactions::{Transaction, kind_named, merge, read};
 use std::path::PathBuf;
 
 /// Which transactions, and how.
@@ -18,8 +17,8 @@ pub struct StreamArguments {
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// What kind of jobs the files hold, if their names do not begin with it
-    #[arg(long, value_name = "triangle|quadbox|euclidean|angular")]
-    kind: Option<JobKind>,
+    #[arg(long, value_name = "triangle|quadbox|euclidean|angular|NAME")]
+    kind: Option<String>,
     /// Offer and take in every cycle, stall the sink and starve the source at random, or as a file says
     #[arg(long, default_value = "always", value_name = "always|random|FILE")]
     handshake: Handshake,
@@ -50,10 +49,11 @@ impl From<&str> for Handshake {
 
 impl StreamArguments {
     /// Reads all files into one stream for a configuration and its model.
-    pub fn read<M: PaperModel>(&self, model: &M, config: Config) -> Result<Vec<Transaction<M>>, Failure> {
+    pub fn read(&self, model: &AnyModel, config: Config) -> Result<Vec<Transaction<AnyModel>>, Failure> {
+        let kind = self.kind.as_ref().map(|name| kind_named(name, model)).transpose()?;
         let mut files = Vec::new();
         for path in &self.files {
-            files.push(read(path, self.kind, model, config)?);
+            files.push(read(path, kind, model, config)?);
         }
         let stream = merge(files);
         if stream.is_empty() {

@@ -76,7 +76,7 @@ impl TimingArguments {
         let mut recorder = view.recorder(agent, &datapath);
         let timing = subject.time(&hardware, &mut recorder)?;
 
-        let mut recording = recording(subject.title(), config, &datapath, timing.cycles, timing.jobs);
+        let mut recording = recording(subject.title(), config, &datapath, timing.cycles, &timing.jobs);
         recording.counts = vec![
             (format!("{agents} timed"), format!("{} of {}", timing.agents, subject.count())),
             (format!("{agents} in flight"), in_flight.to_string()),

@@ -3,10 +3,9 @@
 use crate::commands::Failure;
 use crate::commands::numbers::whole;
 use clap::Args;
-use raypath::ops::JobKind;
 use raypath::report::{Recorder, Recording, html, konata};
 use raypath::rtl::{Config, Datapath};
-use raypath::utilisation::{table, utilisation};
+use raypath::utilisation::{operations, table, utilisation};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -53,8 +52,8 @@ impl ViewArguments {
     }
 }
 
-/// A recording that knows the configuration and how busy its units were; counts, window and the rest are to be filled in.
-pub fn recording(title: String, config: Config, datapath: &Datapath, cycles: u64, jobs: [u64; 4]) -> Recording {
+/// A recording that knows the configuration and how busy its units were with so many jobs by opcode; counts, window and the rest are to be filled in.
+pub fn recording(title: String, config: Config, datapath: &Datapath, cycles: u64, jobs: &[u64]) -> Recording {
     let pair = |name: &str, value: String| (name.to_string(), value);
     let flip_flops: u64 = (0..datapath.steps().count()).map(|step| datapath.registers(step).flip_flops()).sum();
     Recording {
@@ -68,7 +67,7 @@ pub fn recording(title: String, config: Config, datapath: &Datapath, cycles: u64
             pair("latency", format!("{} cycles", datapath.latency())),
             pair("flip-flops", flip_flops.to_string()),
         ],
-        operations: JobKind::ALL.map(|kind| kind.to_string()).to_vec(),
+        operations: operations(datapath),
         utilisation: utilisation(datapath, cycles, jobs),
         ..Recording::default()
     }
@@ -77,7 +76,11 @@ pub fn recording(title: String, config: Config, datapath: &Datapath, cycles: u64
 /// Prints what was counted, and how busy each stage's units were.
 pub fn print(recording: &Recording, out: &mut dyn Write) -> Result<(), Failure> {
     print_rows(&recording.counts, out)?;
-    writeln!(out, "\nHow busy the units of each stage were:\n{}\n", table(&recording.utilisation))?;
+    writeln!(
+        out,
+        "\nHow busy the units of each stage were:\n{}\n",
+        table(&recording.utilisation, &recording.operations)
+    )?;
     Ok(())
 }
 

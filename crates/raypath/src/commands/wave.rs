@@ -1,6 +1,7 @@
 //! `raypath wave`: recorded transactions through the netlist, with a waveform.
 
 use crate::commands::Failure;
+use crate::commands::additions::Additions;
 use crate::commands::configuration::ConfigArguments;
 use crate::commands::numbers::whole;
 use crate::commands::progress::Progress;
@@ -8,8 +9,8 @@ use crate::commands::stream::StreamArguments;
 use clap::Args;
 use raypath::engine::{Engine, NetlistEngine, Shown, drive};
 use raypath::hdl::WaveWriter;
-use raypath::models::{PaperModel, Visitor, with_model};
-use raypath::rtl::{Config, UnitKind};
+use raypath::lab::{AnyModel, Words};
+use raypath::rtl::UnitKind;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -24,44 +25,33 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = whole(1..=u32::MAX))]
     jobs: Option<u32>,
     #[command(flatten)]
+    additions: Additions,
+    #[command(flatten)]
     config: ConfigArguments,
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let config = arguments.config.config()?;
-    with_model(config, Wave { arguments, config, out })
-}
+    let whole = arguments.additions.datapath(config);
+    let (model, datapath) = (whole.model(), whole.elaborate()?);
+    let stream = arguments.stream.read(&model, config)?;
+    let units = UnitKind::ALL.map(|kind| format!("u_{}_", kind.stem()));
+    let netlist = NetlistEngine::of(model, config, &datapath, |name| is_of_interest(name, &units))?;
+    let waves = WaveWriter::create(&arguments.out, netlist.simulator())?;
+    let mut waving = Waving { netlist, waves, cycle: 0, failed: None };
 
-struct Wave<'a> {
-    arguments: &'a Arguments,
-    config: Config,
-    out: &'a mut dyn Write,
-}
-
-impl Visitor for Wave<'_> {
-    type Answer = Result<(), Failure>;
-
-    fn visit<M: PaperModel>(self, model: M) -> Result<(), Failure> {
-        let Self { arguments, config, out } = self;
-        let stream = arguments.stream.read(&model, config)?;
-        let units = UnitKind::ALL.map(|kind| format!("u_{}_", kind.stem()));
-        let netlist = NetlistEngine::new(model, config, |name| is_of_interest(name, &units))?;
-        let waves = WaveWriter::create(&arguments.out, netlist.simulator())?;
-        let mut waving = Waving { netlist, waves, cycle: 0, failed: None };
-
-        let total = arguments.jobs.map_or(stream.len(), |jobs| stream.len().min(jobs as usize));
-        let mut progress = Progress::new("jobs", total);
-        let jobs = stream[..total].iter().map(|transaction| &transaction.job);
-        let mut traffic = arguments.stream.traffic()?;
-        let run = drive(&mut waving, jobs, &mut traffic, |index, _| progress.at(index + 1));
-        progress.finish(run.jobs)?;
-        if let Some(failed) = waving.failed {
-            return Err(failed.into());
-        }
-        waving.waves.finish()?;
-        writeln!(out, "Wrote {} jobs in {} cycles to {}", run.jobs, run.cycles, arguments.out.display())?;
-        Ok(())
+    let total = arguments.jobs.map_or(stream.len(), |jobs| stream.len().min(jobs as usize));
+    let mut progress = Progress::new("jobs", total);
+    let jobs = stream[..total].iter().map(|transaction| &transaction.job);
+    let mut traffic = arguments.stream.traffic()?;
+    let run = drive(&mut waving, jobs, &mut traffic, |index, _| progress.at(index + 1));
+    progress.finish(run.jobs)?;
+    if let Some(failed) = waving.failed {
+        return Err(failed.into());
     }
+    waving.waves.finish()?;
+    writeln!(out, "Wrote {} jobs in {} cycles to {}", run.jobs, run.cycles, arguments.out.display())?;
+    Ok(())
 }
 
 /// Ports, handshakes, and stage registers under the algorithm's names; not the insides of instances that begin like
@@ -71,19 +61,19 @@ fn is_of_interest(name: &str, units: &[String]) -> bool {
 }
 
 /// The netlist, sampled in every cycle.
-struct Waving<M: PaperModel> {
-    netlist: NetlistEngine<M>,
+struct Waving {
+    netlist: NetlistEngine<AnyModel>,
     waves: WaveWriter,
     cycle: u64,
     failed: Option<raypath::hdl::Error>,
 }
 
-impl<M: PaperModel> Engine<M> for Waving<M> {
-    fn present(&mut self, job: &M::Job) {
+impl Engine<AnyModel> for Waving {
+    fn present(&mut self, job: &Words) {
         self.netlist.present(job);
     }
 
-    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<Words> {
         let shown = self.netlist.cycle(input_valid, output_ready);
         self.sample();
         shown
@@ -95,7 +85,7 @@ impl<M: PaperModel> Engine<M> for Waving<M> {
     }
 }
 
-impl<M: PaperModel> Waving<M> {
+impl Waving {
     fn sample(&mut self) {
         if self.failed.is_none() {
             self.failed = self.waves.sample(self.netlist.simulator(), self.cycle).err();

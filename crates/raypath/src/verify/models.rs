@@ -99,7 +99,7 @@ fn report(layout: &Layout, seed: u64, wrong: &Wrong, folder: &Path) -> Result<St
         .map(|(seq, job)| Transaction { seq: seq as u64, category: 0, job: *job, expected: oracle.run(job) })
         .collect();
     let path = folder.join(format!("failure-models-{seed}-{chunk}")).join(format!("{kind}.txt"));
-    files::write(&path, &text(kind, &stream, CONFIG))?;
+    files::write(&path, &text(&Functional::new(Rules::Paper), kind, &stream, CONFIG))?;
     let command = format!("raypath replay {} --engine model", path.display());
     Ok(format!("chunk {chunk}, job {job}: {what}\n           shrunk to {} jobs; to see it: {command}", stream.len()))
 }

@@ -1,6 +1,11 @@
-//! `raypath replay --report`.
+//! `raypath replay` of any operations, and `--report`.
 
-use crate::{GOLDEN, ends_with, folder, page, raypath, said, text};
+use crate::{GOLDEN, ends_with, file, folder, page, printed, raypath, said, text};
+use raypath::jobs;
+use raypath::lab::{AnyModel, Datapath, registered};
+use raypath::model::{Model, OnPorts};
+use raypath::rtl::Config;
+use raypath::transactions::{Transaction, read, text as as_text};
 
 #[test]
 fn recorded_jobs_in_a_report() {
@@ -32,4 +37,89 @@ fn recorded_jobs_in_a_report() {
         2,
         &["--engine model knows no cycles"],
     );
+}
+
+/// The datapath of the paper with an operation besides, and so many of the operation's jobs with the model's answers.
+fn added(name: &str, seed: u64, count: usize) -> (AnyModel, Vec<Transaction<AnyModel>>) {
+    let studies = registered();
+    let study = studies.iter().find(|study| study.name() == name).expect("an operation");
+    let datapath = Datapath::paper(Config::DEFAULT).with_any(study.operation());
+    let mut model = datapath.model();
+    let kind = model.kind(name).expect("an operation");
+    let jobs = jobs::of_any(&datapath, &studies, seed, &[kind]).take(count).enumerate();
+    let stream = jobs.map(|(seq, job)| Transaction { seq: seq as u64, category: 1, expected: model.run(&job), job });
+    let stream = stream.collect();
+    model.reset();
+    (model, stream)
+}
+
+/// Every operation that can be added: written, read and written again.
+#[test]
+fn transactions_of_any_operation_survive_a_file() {
+    let (folder, all) = (folder(), registered());
+    assert!(all.len() >= 5);
+    for study in &all {
+        let (model, stream) = added(study.name(), 7, 300);
+        let kind = model.kind(study.name()).expect("an operation");
+        let written = as_text(&model, kind, &stream, Config::DEFAULT);
+        let path = file(folder.path(), &format!("{kind}.txt"), &written);
+        let again = read(path.as_ref(), None, &model, Config::DEFAULT).expect("transactions");
+        assert_eq!(again, stream, "{kind}");
+        let fields = 2 + model.inputs(kind).len() + model.outputs(kind).len();
+        assert!(written.lines().all(|line| line.split(' ').count() == fields), "{kind}");
+        let with = ["replay", "--with", study.name(), &path, "--handshake", "random", "--engine", "both"];
+        ends_with(&with, 0, &[study.name(), "300           0"]);
+    }
+}
+
+#[test]
+fn an_added_operation_is_replayed_and_shown() {
+    let folder = folder();
+    let (model, stream) = added("sphere", 3, 2000);
+    let kind = model.kind("sphere").expect("an operation");
+    let written = as_text(&model, kind, &stream, Config::DEFAULT);
+    let spheres = file(folder.path(), "sphere.txt", &written);
+    let (boxes, report) = (format!("{GOLDEN}/quadbox.txt.gz"), text(&folder.path().join("report.html")));
+    for engine in ["model", "cycle", "netlist"] {
+        let common =
+            ["replay", "--rules", "chisel", "--with", "sphere", "--engine", engine, "--interleave", "--handshake"];
+        let shown = ["random", "--report", &report, &spheres, &boxes];
+        let arguments = match engine {
+            "model" => [&common[..], &["random", &spheres, &boxes]].concat(),
+            _ => [&common[..], &shown].concat(),
+        };
+        let output = raypath(&arguments);
+        let said = said(&output);
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        assert_eq!(printed(&said, "sphere").split_whitespace().collect::<Vec<_>>(), ["2000", "0"], "{said}");
+    }
+    // The page has it in the legend, in the choice of utilisation and as a row; and the table for the terminal in its head.
+    let page = std::fs::read_to_string(&report).expect("a page");
+    assert_eq!(page.matches("<i class=\"key op4\"></i>sphere").count(), 3);
+    assert!(page.contains("\"operations\":[\"triangle\",\"quadbox\",\"euclidean\",\"angular\",\"sphere\"]"));
+    page::counts(report.as_ref());
+
+    // One changed digit of an answer is found, and the field is named.
+    let mut lines: Vec<String> = written.lines().map(str::to_string).collect();
+    let digit = lines[1000].len() - 1;
+    let other = if lines[1000].ends_with('0') { "1" } else { "0" };
+    lines[1000].replace_range(digit.., other);
+    let wrong = file(folder.path(), "sphere_wrong.txt", lines.join("\n"));
+    for engine in ["model", "netlist"] {
+        let words = ["mismatch: sphere job, seq 0003e8, cat 1", "* sphere_hit", "1 of 2000 outcomes differ"];
+        ends_with(&["replay", "--with", "sphere", "--engine", engine, &wrong], 1, &words);
+    }
+
+    let wave = text(&folder.path().join("trace.fst"));
+    ends_with(&["wave", "--with", "sphere", "--jobs", "50", "--out", &wave, &spheres], 0, &["50 jobs in 62 cycles"]);
+
+    let other = file(folder.path(), "jobs.txt", &written);
+    ends_with(&["replay", "--with", "sphere", "--kind", "sphere", &other], 0, &["2000"]);
+    let all = "expected triangle, quadbox, euclidean or angular";
+    ends_with(&["replay", &spheres], 2, &["sphere.txt: sphere jobs", "(without --with sphere)", all]);
+    ends_with(&["replay", "--kind", "sphere", &other], 2, &["'sphere' is no kind of job (without --with sphere)", all]);
+    let all = "expected triangle, quadbox, euclidean, angular or sphere";
+    ends_with(&["replay", "--with", "sphere", &other], 2, &["jobs.txt: the name begins with no kind of job", all]);
+    let lanes = ["replay", "--with", "sphere", "--lanes", "none", "--kind", "angular", &other];
+    ends_with(&lanes, 2, &["'angular' is no kind of job (no distance modes), expected triangle, quadbox or sphere"]);
 }

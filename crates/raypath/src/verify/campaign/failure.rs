@@ -41,7 +41,7 @@ pub fn report<M: PaperModel>(
         let of_kind: Vec<Transaction<M>> = stream.iter().filter(|t| t.job.kind() == kind).cloned().collect();
         if !of_kind.is_empty() {
             let path = folder.join(format!("{kind}.txt"));
-            files::write(&path, &text(kind, &of_kind, config))?;
+            files::write(&path, &text(model, kind, &of_kind, config))?;
             command += &format!(" {}", path.display());
         }
     }

@@ -1,9 +1,12 @@
-//! Files of transactions: jobs with the outcomes that were recorded for them.
+//! Files of transactions (`docs/transactions.md`): jobs of any operation, with the outcomes that were recorded for them.
 
-use crate::models::PaperModel;
-use crate::transaction_format::{Column, Columns, columns};
-use crate::transaction_lines::Lines;
-use raypath_model::{Functional, OnPorts};
+mod format;
+mod lines;
+
+use crate::study::{AnyStudy, registered};
+use format::{Column, Columns, columns};
+use lines::Lines;
+use raypath_model::{Functional, Model, OnPorts};
 use raypath_ops::{JobKind, PortValue};
 use raypath_rtl::Config;
 use std::collections::HashMap;
@@ -14,7 +17,7 @@ use thiserror::Error;
 
 /// A job, where it stood in its stream, and what was answered.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Transaction<M: PaperModel = Functional> {
+pub struct Transaction<M: Model = Functional> {
     /// Its position in the stream that the files share.
     pub seq: u64,
     /// The generator's category.
@@ -47,17 +50,32 @@ pub enum TransactionError {
         problem: std::io::Error,
     },
     /// The name does not say what kind of jobs it has.
-    #[error("{}: the name begins with no kind of job, expected triangle, quadbox, euclidean or angular (or give --kind)", .0.display())]
-    UnknownKind(PathBuf),
-    /// Jobs that the configuration has no mode for.
-    #[error("{}: {kind} jobs, but the configuration ({config}) has no distance modes, expected triangle or quadbox", path.display())]
+    #[error("{}: the name begins with no kind of job, expected {kinds} (or give --kind)", path.display())]
+    UnknownKind {
+        /// The file.
+        path: PathBuf,
+        /// The kinds that there are.
+        kinds: String,
+    },
+    /// A name that is no kind of job.
+    #[error("'{name}' is no kind of job{}, expected {kinds}", lacking(.name))]
+    NoKind {
+        /// The name.
+        name: String,
+        /// The kinds that there are.
+        kinds: String,
+    },
+    /// Jobs of an operation that the datapath does not have.
+    #[error("{}: {kind} jobs, but the datapath ({config}) cannot answer them{}, expected {kinds}", path.display(), lacking(.kind))]
     Unsupported {
         /// The file.
         path: PathBuf,
-        /// The kind.
-        kind: JobKind,
+        /// The operation.
+        kind: String,
         /// What it would run on.
         config: Config,
+        /// The kinds that there are.
+        kinds: String,
     },
     /// A line with too few or too many fields.
     #[error("{}:{line}: {found} fields, expected {expected} for {kind}{}", path.display(), in_words(*.lanes))]
@@ -71,7 +89,7 @@ pub enum TransactionError {
         /// How many a line of this kind has.
         expected: usize,
         /// The kind.
-        kind: JobKind,
+        kind: String,
         /// Lanes of its beats, where it has any.
         lanes: Option<usize>,
     },
@@ -108,15 +126,26 @@ fn in_words(lanes: Option<usize>) -> String {
     lanes.map(|lanes| format!(" with {lanes} lanes")).unwrap_or_default()
 }
 
+/// Why an operation may be missing: what could be done about it.
+fn lacking(kind: &str) -> String {
+    if matches!(kind.parse(), Ok(JobKind::Euclidean | JobKind::Angular)) {
+        " (no distance modes)".to_string()
+    } else if registered().iter().any(|study| study.name() == kind) {
+        format!(" (without --with {kind})")
+    } else {
+        String::new()
+    }
+}
+
 /// Reads a file, plain or gzip, with jobs of one kind for a configuration, whose model is `model`: `kind`, or that which
 /// the file's name begins with. Empty lines and lines that begin with `#` are passed over.
 ///
 /// # Errors
-/// A file that cannot be read, a kind that the name does not tell or the configuration does not answer, lines that do not
-/// fit the kind, the lanes or the format, and more than 4,194,304 transactions, 64 KiB in a line or 4 GiB of text.
-pub fn read<M: PaperModel>(
+/// A file that cannot be read, a kind that the name does not tell or the model does not answer, lines that do not
+/// fit the kind's ports or the format, and more than 4,194,304 transactions, 64 KiB in a line or 4 GiB of text.
+pub fn read<M: Model>(
     path: &Path,
-    kind: impl Into<Option<JobKind>>,
+    kind: impl Into<Option<M::Kind>>,
     model: &M,
     config: Config,
 ) -> Result<Vec<Transaction<M>>, TransactionError> {
@@ -129,20 +158,17 @@ pub fn read<M: PaperModel>(
 ///
 /// # Errors
 /// As there.
-pub fn read_from<M: PaperModel>(
+pub fn read_from<M: Model>(
     stream: impl Read,
     path: &Path,
-    kind: impl Into<Option<JobKind>>,
+    kind: impl Into<Option<M::Kind>>,
     model: &M,
     config: Config,
 ) -> Result<Vec<Transaction<M>>, TransactionError> {
     let mut lines =
         Lines::new(stream).map_err(|problem| TransactionError::File { path: path.to_path_buf(), problem })?;
-    let kind = kind.into().map_or_else(|| kind_of(path), Ok)?;
-    if !config.kinds().contains(&kind) {
-        return Err(TransactionError::Unsupported { path: path.to_path_buf(), kind, config });
-    }
-    let parser = Parser { path, kind, model, columns: columns(kind, config) };
+    let kind = kind.into().map_or_else(|| kind_of(path, model, config), Ok)?;
+    let parser = Parser { path, kind, model, columns: columns(model, kind, config.format) };
     let mut transactions = Vec::new();
     for line in 1.. {
         let unreadable = |problem| TransactionError::Line { path: path.to_path_buf(), line, problem };
@@ -158,28 +184,59 @@ pub fn read_from<M: PaperModel>(
     Ok(transactions)
 }
 
-/// The kind of job that a file's name begins with: `triangle.txt.gz` has triangles.
-fn kind_of(path: &Path) -> Result<JobKind, TransactionError> {
-    let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let kind = JobKind::ALL.into_iter().find(|kind| name.starts_with(kind.name()));
-    kind.ok_or_else(|| TransactionError::UnknownKind(path.to_path_buf()))
+/// The kind of job that has this name.
+///
+/// # Errors
+/// A name that none of the model's has.
+pub fn kind_named<M: Model>(name: &str, model: &M) -> Result<M::Kind, TransactionError> {
+    let kind = model.kinds().into_iter().find(|kind| kind.to_string() == name);
+    kind.ok_or_else(|| TransactionError::NoKind { name: name.to_string(), kinds: in_a_list(model) })
 }
 
-struct Parser<'p, M> {
+/// The kind of job that a file's name begins with: `triangle.txt.gz` has triangles. Where it begins with several names
+/// the longest is meant, of the model's operations and of others that are known.
+fn kind_of<M: Model>(path: &Path, model: &M, config: Config) -> Result<M::Kind, TransactionError> {
+    let file = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let known = registered();
+    let known = JobKind::ALL.iter().map(|kind| kind.name()).chain(known.iter().map(AnyStudy::name));
+    let own = model.kinds().into_iter().map(|kind| (kind.to_string(), Some(kind)));
+    let all = known.map(|name| (name.to_string(), None)).chain(own);
+    let meant = all.filter(|(name, _)| file.starts_with(&name.to_lowercase()));
+    // Of equal ones the last: the model's own.
+    match meant.max_by_key(|(name, _)| name.len()) {
+        Some((_, Some(kind))) => Ok(kind),
+        Some((kind, None)) => {
+            Err(TransactionError::Unsupported { path: path.to_path_buf(), kind, config, kinds: in_a_list(model) })
+        }
+        None => Err(TransactionError::UnknownKind { path: path.to_path_buf(), kinds: in_a_list(model) }),
+    }
+}
+
+/// `triangle, quadbox or sphere`.
+fn in_a_list<M: Model>(model: &M) -> String {
+    let names: Vec<String> = model.kinds().iter().map(ToString::to_string).collect();
+    match names.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => "none".to_string(),
+    }
+}
+
+struct Parser<'p, M: Model> {
     path: &'p Path,
-    kind: JobKind,
+    kind: M::Kind,
     model: &'p M,
     columns: Columns,
 }
 
-impl<M: PaperModel> Parser<'_, M> {
+impl<M: Model> Parser<'_, M> {
     fn parse(&self, line: usize, text: &str) -> Result<Transaction<M>, TransactionError> {
         let Columns { inputs, outputs, lanes } = &self.columns;
         let fields: Vec<&str> = text.split_ascii_whitespace().collect();
         let first_output = 2 + inputs.len();
         let expected = first_output + outputs.len();
         if fields.len() != expected {
-            let (path, kind, found) = (self.path.to_path_buf(), self.kind, fields.len());
+            let (path, kind, found) = (self.path.to_path_buf(), self.kind.to_string(), fields.len());
             return Err(TransactionError::Fields { path, line, found, expected, kind, lanes: *lanes });
         }
         let seq = self.number(line, 0, "seq", 64, fields[0])?;
@@ -225,29 +282,30 @@ impl<M: PaperModel> Parser<'_, M> {
 }
 
 /// One stream of all files, in the order of `seq`.
-pub fn merge<M: PaperModel>(files: Vec<Vec<Transaction<M>>>) -> Vec<Transaction<M>> {
+pub fn merge<M: Model>(files: Vec<Vec<Transaction<M>>>) -> Vec<Transaction<M>> {
     let mut stream: Vec<Transaction<M>> = files.into_iter().flatten().collect();
     stream.sort_by_key(|transaction| transaction.seq);
     stream
 }
 
-/// Transactions of one kind as the text of a file.
-pub fn text<M: PaperModel>(kind: JobKind, transactions: &[Transaction<M>], config: Config) -> String {
-    let columns = columns(kind, config);
+/// Transactions of one of a model's kinds as the text of a file.
+pub fn text<M: Model>(model: &M, kind: M::Kind, transactions: &[Transaction<M>], config: Config) -> String {
+    let columns = columns(model, kind, config.format);
     let mut text = String::new();
     for Transaction { seq, category, job, expected } in transactions {
-        let inputs = written(&columns.inputs, &job.ports());
-        let outputs = written(&columns.outputs, &expected.ports());
-        text += &format!("{seq:x} {category:x} {inputs} {outputs}\n");
+        let fields = [seq, category].map(|number| format!("{number:x}")).into_iter();
+        let fields =
+            fields.chain(written(&columns.inputs, job.ports())).chain(written(&columns.outputs, expected.ports()));
+        text += &fields.collect::<Vec<_>>().join(" ");
+        text += "\n";
     }
     text
 }
 
-fn written(columns: &[Column], ports: &[PortValue]) -> String {
-    let of_column = |column: &Column| {
+fn written(columns: &[Column], ports: Vec<PortValue>) -> impl Iterator<Item = String> {
+    columns.iter().map(move |column| {
         let bits = ports.iter().find(|port| port.name == column.port).map_or(0, |port| port.bits);
         let mask = u64::MAX >> (64 - column.width);
         format!("{:x}", bits >> column.bit.unwrap_or(0) & mask)
-    };
-    columns.iter().map(of_column).collect::<Vec<_>>().join(" ")
+    })
 }
