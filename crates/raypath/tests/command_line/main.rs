@@ -1,6 +1,7 @@
 //! The program as a user meets it: what it writes, what it says, how it ends.
 
 mod bench;
+mod operations;
 mod page;
 mod render;
 mod replay;

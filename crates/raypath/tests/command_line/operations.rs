@@ -1,0 +1,65 @@
+//! Operations beside the paper's, and features of the paper's, as a user meets them.
+
+use crate::{ends_with, file, folder, raypath, said, text};
+use raypath::lab::{AnyStudy, registered};
+use std::fs::read_to_string;
+
+#[test]
+fn operations_are_listed_with_what_they_cost() {
+    let output = raypath(&["operations"]);
+    assert!(output.status.success());
+    let table = said(&output);
+    let paper = ["triangle", "quadbox", "euclidean", "angular"];
+    for name in registered().iter().map(AnyStudy::name).chain(paper) {
+        let row = table.lines().find(|line| line.starts_with(&format!("| {name} "))).expect(name);
+        assert!(row.contains(" 12 ") && row.matches('|').count() == 7, "{row}");
+    }
+}
+
+#[test]
+fn an_operation_is_added_by_its_name() {
+    let folder = folder();
+    let out = text(&folder.path().join("with"));
+    let words = ["with sphere, point_in_box", ": 0 mismatches"];
+    ends_with(&["generate", "--with", "sphere,point_in_box", "--jobs", "600", "--out", &out], 0, &words);
+    let written = read_to_string(folder.path().join("with/raypath.sv")).expect("a file");
+    assert!(written.contains("sphere_discriminant_o") && written.contains("is_inside_o"));
+    assert!(folder.path().join("with/rtl/raypath_wrapper.sv").is_file());
+
+    let words = ["'spheer'", "key_compare, octbox, point_in_box, quantised_box, sphere"];
+    ends_with(&["generate", "--with", "spheer", "--out", &out], 2, &words);
+}
+
+#[test]
+fn features_are_options() {
+    let folder = folder();
+    let out = text(folder.path());
+    let features = ["--tag", "8", "--barycentrics", "--culling", "none", "--facing", "--range", "--conservative"];
+    let more = ["--accumulators", "4", "--exception-flags", "--jobs", "600", "--out", &out];
+    ends_with(&[&["generate"], features.as_slice(), &more].concat(), 0, &[": 0 mismatches"]);
+    let written = read_to_string(folder.path().join("raypath.sv")).expect("a file");
+    for port in ["tag_o", "barycentric_u_o", "facing_o", "t_min_i", "accumulator_i", "exception_flags_o"] {
+        assert!(written.contains(port), "{port}");
+    }
+
+    // From a file the same.
+    let features =
+        file(folder.path(), "features.toml", "lanes = \"none\"\ntag = 8\nrange = true\nculling = \"none\"\n");
+    ends_with(&["generate", "--config", &features, "--jobs", "100", "--out", &out], 0, &["tag 8", ": 0 mismatches"]);
+}
+
+#[test]
+fn features_that_cannot_be_had_are_refused() {
+    let folder = folder();
+    let out = text(&folder.path().join("none"));
+    for (arguments, words) in [
+        (vec!["generate", "--tag", "33", "--out", &out], "33 bits, expected 1 to 32"),
+        (vec!["generate", "--conservative", "--rules", "chisel", "--out", &out], "expected the rules paper"),
+        (vec!["generate", "--exception-flags", "--format", "fp16", "--out", &out], "expected format fp32"),
+        (vec!["render", "--tag", "8"], "features are for generate"),
+        (vec!["generate", "--culling", "sides", "--out", &out], "sides"),
+    ] {
+        ends_with(&arguments, 2, &[words]);
+        assert!(!folder.path().join("none").exists(), "{arguments:?} wrote something");
+    }
+}
