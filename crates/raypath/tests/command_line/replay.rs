@@ -3,7 +3,7 @@
 use crate::{GOLDEN, ends_with, file, folder, page, printed, raypath, said, text};
 use raypath::jobs;
 use raypath::lab::{AnyModel, Datapath, registered};
-use raypath::model::{Model, OnPorts};
+use raypath::model::Model;
 use raypath::rtl::Config;
 use raypath::transactions::{Transaction, read, text as as_text};
 
