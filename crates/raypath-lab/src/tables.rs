@@ -3,27 +3,7 @@
 use comfy_table::presets::ASCII_MARKDOWN;
 use comfy_table::{ContentArrangement, Table};
 use raypath_ops::{JobKind, Rules};
-use raypath_rtl::{Config, Datapath, Lanes, PRESETS, STAGES, StageNote, Step, UnitKind, UnitLatency, Units};
-
-/// Table VIII of the paper, for stages 1 to 11 with 16 lanes; the two quad-sorters of stage 10 count five comparators
-/// each. Conversions stand outside it.
-pub const PAPER_UNITS: [Units; STAGES as usize] = [
-    units(0, 0, 0),
-    units(24, 0, 0),
-    units(0, 24, 0),
-    units(8, 0, 36),
-    units(0, 6, 4),
-    units(4, 0, 0),
-    units(0, 3, 0),
-    units(2, 0, 0),
-    units(2, 0, 0),
-    units(1, 0, 15),
-    units(0, 0, 0),
-];
-
-const fn units(add: usize, multiply: usize, compare: usize) -> Units {
-    Units { encode: 0, add, multiply, compare, decode: 0 }
-}
+use raypath_rtl::{Budget, Config, Datapath, Lanes, PRESETS, STAGES, StageNote, Step, UnitKind, UnitLatency, Units};
 
 /// Table VII: what each operation does in each step.
 pub fn schedule(datapath: &Datapath) -> String {
@@ -88,7 +68,7 @@ pub fn units_and_registers(datapath: &Datapath, config: Config) -> String {
         let why = difference(datapath, config, index).join("; ");
         table.add_row(row(&step.to_string(), units, paper_units(step), registers.live, registers.flip_flops(), &why));
     }
-    let paper = PAPER_UNITS.into_iter().sum();
+    let paper = (1..=STAGES).map(|stage| Budget::TABLE_VIII.units(stage)).sum();
     table.add_row(row("all", all, paper, live, flip_flops, ""));
     table.to_string()
 }
@@ -147,7 +127,7 @@ pub fn difference(datapath: &Datapath, config: Config, index: usize) -> Vec<&'st
 }
 
 fn paper_units(step: Step) -> Units {
-    step.stage.checked_sub(1).and_then(|index| PAPER_UNITS.get(index as usize).copied()).unwrap_or_default()
+    Budget::TABLE_VIII.units(step.stage)
 }
 
 /// Units in words, `24 add, 4 compare`; empty where there are none.

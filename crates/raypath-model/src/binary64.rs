@@ -78,6 +78,8 @@ impl Circuit for Binary64 {
             Test::Nan => a.0.is_nan(),
             Test::AtLeastZero => a.0 >= 0.0,
             Test::AboveZero => a.0 > 0.0,
+            Test::AtMostZero => a.0 <= 0.0,
+            Test::BelowZero => a.0 < 0.0,
         }
     }
 

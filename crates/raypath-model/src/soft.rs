@@ -73,6 +73,8 @@ impl Circuit for Soft {
             Test::Nan => self.format.is_nan(a.0),
             Test::AtLeastZero => against_zero(Relation::GreaterOrEqual),
             Test::AboveZero => against_zero(Relation::Greater),
+            Test::AtMostZero => against_zero(Relation::LessOrEqual),
+            Test::BelowZero => against_zero(Relation::Less),
         }
     }
 

@@ -40,7 +40,8 @@ fn agree<C: Concrete>(circuit: C, code: impl Fn(f32) -> u64) {
     let host = Binary32;
     let relations =
         [Relation::Less, Relation::LessOrEqual, Relation::Equal, Relation::GreaterOrEqual, Relation::Greater];
-    let tests = [Test::SignBit, Test::Zero, Test::Nan, Test::AtLeastZero, Test::AboveZero];
+    let tests =
+        [Test::SignBit, Test::Zero, Test::Nan, Test::AtLeastZero, Test::AboveZero, Test::AtMostZero, Test::BelowZero];
     for a in EDGES {
         let (x, a) = (f32::from_bits(a), host.number(a.into()));
         let own = circuit.number(code(x));

@@ -178,6 +178,10 @@ pub enum Test {
     AtLeastZero,
     /// > 0: a zero and a NaN do not count.
     AboveZero,
+    /// ≤ 0: either zero counts, a NaN does not.
+    AtMostZero,
+    /// < 0: a zero and a NaN do not count.
+    BelowZero,
 }
 
 /// A number of a circuit.
@@ -278,6 +282,18 @@ impl<C: Circuit> Num<C> {
     #[inline(always)]
     pub fn is_above_zero(self) -> Bit<C> {
         self.test(Test::AboveZero)
+    }
+
+    /// Whether it is ≤ 0 (a NaN is not).
+    #[inline(always)]
+    pub fn is_at_most_zero(self) -> Bit<C> {
+        self.test(Test::AtMostZero)
+    }
+
+    /// Whether it is < 0 (a NaN is not).
+    #[inline(always)]
+    pub fn is_below_zero(self) -> Bit<C> {
+        self.test(Test::BelowZero)
     }
 
     #[inline(always)]

@@ -186,6 +186,8 @@ where
             Test::Nan => a.0.is_nan(),
             Test::AtLeastZero => a.0.simd_ge(zero),
             Test::AboveZero => a.0.simd_gt(zero),
+            Test::AtMostZero => a.0.simd_le(zero),
+            Test::BelowZero => a.0.simd_lt(zero),
         })
     }
 

@@ -98,9 +98,6 @@ impl RayTriangle {
     };
 }
 
-/// The stage that makes U, V and W.
-pub(crate) const EDGES: (u32, &str) = (6, "U, V, W");
-
 /// All arithmetic of a triangle, up to the hit test.
 #[inline(always)]
 pub(crate) fn distance<C: Circuit>(circuit: C, ray: &Ray<C>, triangle: Triangle<C>, sums: &Sums) -> Distance<C> {
@@ -114,7 +111,7 @@ pub(crate) fn distance<C: Circuit>(circuit: C, ray: &Ray<C>, triangle: Triangle<
         circuit.label(format_args!("{edge}_minus"), minus);
     }
 
-    circuit.stage(EDGES.0, EDGES.1);
+    circuit.stage(6, "U, V, W");
     let [u, v, w]: [Num<C>; 3] = array_of!(i => products[i].0 - products[i].1);
     let edges = Edges { u, v, w };
     circuit.label(format_args!("edge"), &edges);

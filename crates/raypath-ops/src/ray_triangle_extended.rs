@@ -5,7 +5,7 @@ use crate::circuit::{Bit, Circuit, Num};
 use crate::geometry::Triangle;
 use crate::operation::Operation;
 use crate::ray::Ray;
-use crate::ray_triangle::{Distance, EDGES, Edges, RayTriangle, Sums, distance};
+use crate::ray_triangle::{Distance, Edges, RayTriangle, Sums, distance};
 use crate::rules::Rules;
 use std::fmt;
 use std::str::FromStr;
@@ -111,12 +111,11 @@ impl Operation for RayTriangleExtended {
             bounds
         });
 
+        c.stage(10, "hit test");
         let mirrored = match self.culling {
             Culling::Back => None,
-            Culling::Front | Culling::None => Some(self.mirrored(c, &met)),
+            Culling::Front | Culling::None => Some(mirrored(c, &met)),
         };
-
-        c.stage(10, "hit test");
         let orders = bounds.map(|bounds| bounds.orders(t_num));
         let hit = |seen: &Distance<C>, is_front: bool| {
             let hit = self.rules.triangle_hit(c, seen.edges, seen.t_num, seen.t_denom);
@@ -134,26 +133,16 @@ impl Operation for RayTriangleExtended {
     }
 }
 
-impl RayTriangleExtended {
-    /// The same triangle with its vertices in the other order: the rule for its front is the one for the back.
-    #[inline(always)]
-    fn mirrored<C: Circuit>(&self, c: C, met: &Distance<C>) -> Distance<C> {
-        // Where only signs are read, one bit of each crosses the registers if the inversion is made where its number is.
-        // Comparators read the numbers themselves, which are in the last stage as they are.
-        let at = |(stage, what): (u32, &'static str)| match self.rules {
-            Rules::Paper => c.stage(stage, what),
-            Rules::Chisel => c.stage(10, "hit test"),
-        };
-        at(EDGES);
-        let Edges { u, v, w } = met.edges;
-        let edges = Edges { u: -u, v: -v, w: -w };
-        c.label(format_args!("mirrored_edge"), &edges);
-        at(if self.range { EARLY.t_num } else { RayTriangle::SUMS.t_num });
-        let t_num = -met.t_num;
-        c.label(format_args!("mirrored_t_num"), &t_num);
-        // Of the denominator only zero and NaN are of interest, which have no sign.
-        Distance { edges, t_num, t_denom: met.t_denom }
-    }
+/// The same triangle with its vertices in the other order: the rule for its front is the one for the back.
+#[inline(always)]
+fn mirrored<C: Circuit>(c: C, met: &Distance<C>) -> Distance<C> {
+    let Edges { u, v, w } = met.edges;
+    let edges = Edges { u: -u, v: -v, w: -w };
+    c.label(format_args!("mirrored_edge"), &edges);
+    let t_num = -met.t_num;
+    c.label(format_args!("mirrored_t_num"), &t_num);
+    // Of the denominator only zero and NaN are of interest, which have no sign.
+    Distance { edges, t_num, t_denom: met.t_denom }
 }
 
 bundle! {

@@ -208,6 +208,8 @@ impl Traced {
                     Test::Nan => "is_nan",
                     Test::AtLeastZero => "at_least_zero",
                     Test::AboveZero => "above_zero",
+                    Test::AtMostZero => "at_most_zero",
+                    Test::BelowZero => "below_zero",
                 };
                 self.nodes[index].name = Some(format!("{operand}_{what}"));
             }

@@ -91,13 +91,6 @@ impl Tracer<'_> {
         }
     }
 
-    fn known_number(self, id: NodeId) -> Option<f32> {
-        match self.graph.nodes.borrow()[id.index()].op {
-            Op::Number(bits) => Some(f32::from_bits(bits)),
-            _ => None,
-        }
-    }
-
     fn known_word(self, id: NodeId) -> Option<u32> {
         match self.graph.nodes.borrow()[id.index()].op {
             Op::Word(value) => Some(value),
@@ -175,9 +168,17 @@ impl Circuit for Tracer<'_> {
         }
     }
     fn test(self, test: Test, a: NodeId) -> NodeId {
-        match self.known_number(a) {
-            Some(number) => self.constant_bit(Binary32.test(test, Single(number))),
-            None => self.once(BIT, Op::Test(test, a)),
+        let op = self.graph.nodes.borrow()[a.index()].op.clone();
+        match (op, test) {
+            (Op::Number(bits), _) => self.constant_bit(Binary32.test(test, Single(f32::from_bits(bits)))),
+            // Of a negated number its original is asked, so that no number is made for its sign's sake.
+            (Op::Negate(a), Test::SignBit) => self.not(self.test(Test::SignBit, a)),
+            (Op::Negate(a), Test::Zero | Test::Nan) => self.test(test, a),
+            (Op::Negate(a), Test::AtLeastZero) => self.test(Test::AtMostZero, a),
+            (Op::Negate(a), Test::AboveZero) => self.test(Test::BelowZero, a),
+            (Op::Negate(a), Test::AtMostZero) => self.test(Test::AtLeastZero, a),
+            (Op::Negate(a), Test::BelowZero) => self.test(Test::AboveZero, a),
+            _ => self.once(BIT, Op::Test(test, a)),
         }
     }
     fn constant_bit(self, value: bool) -> NodeId {

@@ -332,6 +332,8 @@ fn test_ieee<'m>(test: Test, a: Wire<'m>, format: Format) -> Wire<'m> {
         Test::Nan => nan(),
         Test::AtLeastZero => (!sign & !nan()) | zero(),
         Test::AboveZero => !sign & !nan() & !zero(),
+        Test::AtMostZero => (sign & !nan()) | zero(),
+        Test::BelowZero => sign & !nan() & !zero(),
     }
 }
 
@@ -345,5 +347,7 @@ fn test_class(test: Test, a: Wire<'_>) -> Wire<'_> {
         Test::Nan => class.is(0b111),
         Test::AtLeastZero => (!sign & !class.is(0b111)) | class.is(0b000),
         Test::AboveZero => !sign & !class.is(0b111) & !class.is(0b000),
+        Test::AtMostZero => (sign & !class.is(0b111)) | class.is(0b000),
+        Test::BelowZero => sign & !class.is(0b111) & !class.is(0b000),
     }
 }
