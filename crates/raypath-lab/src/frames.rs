@@ -79,7 +79,8 @@ impl<M: Model> Stimulus<'_, M> {
             inputs[0] = (!reset).into();
             inputs[places["input_valid_i"]] = offered.is_some().into();
             inputs[places["output_ready_i"]] = output_ready.into();
-            let input_ready = pipeline.input_ready(job.map_or(0, |job| job.kind().opcode()));
+            // After the last job its opcode is still at the port.
+            let input_ready = pipeline.input_ready(inputs[places["opcode_i"]]);
             let expected = Expected { input_ready, output: pipeline.output().cloned(), encoding: self.encoding };
             cycles.push(Cycle { inputs: inputs.clone(), expected: Some(expected) });
             if !reset {

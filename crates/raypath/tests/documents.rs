@@ -1,5 +1,8 @@
 //! Documents that must keep up with the code.
 
+use raypath::lab::{Cost, Datapath, registered};
+use raypath::rtl::Config;
+use raypath::tables::list;
 use raypath::verify::ITEMS;
 use std::collections::BTreeSet;
 use std::fs;
@@ -54,5 +57,29 @@ fn every_item_of_verify_has_its_row() {
     for row in rows {
         let command = row[4].trim_matches('`');
         assert!(command.starts_with(&format!("verify {}", row[0].trim_matches(['|', ' ', '`']))), "{command}");
+    }
+}
+
+/// README's table of operations says what is counted in the netlists: latency, units and flip-flops that each adds.
+#[test]
+fn the_table_of_operations_is_what_is_counted() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let document = fs::read_to_string(root.join("README.md")).expect("the document");
+    let table =
+        document.split("| operation | for |").nth(1).and_then(|rest| rest.split("\n\n").next()).expect("the table");
+    let rows: Vec<Vec<&str>> = table.lines().skip(2).map(|row| row.split('|').map(str::trim).collect()).collect();
+    assert!(rows.len() >= 9, "{rows:?}");
+    for row in rows {
+        let name = row[1].trim_matches('`');
+        let paper = Datapath::paper(Config::DEFAULT);
+        let added = registered().into_iter().find(|study| study.name() == name);
+        let datapath = added.into_iter().fold(paper, |datapath, study| datapath.with_any(study.operation()));
+        assert!(datapath.has(name), "{name} is no operation");
+        let cost = Cost::of(&datapath, name).expect("it fits");
+        let flip_flops = cost.with.flip_flops as i64 - cost.without.flip_flops as i64;
+        let units = list(cost.added_units());
+        let units = if units.is_empty() { "none" } else { &units };
+        let counted = [cost.with.latency.to_string(), units.to_string(), format!("{flip_flops:+}")];
+        assert_eq!(row[3..6], counted, "{name}");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::commands::Failure;
 use clap::Args;
-use comfy_table::CellAlignment;
+use comfy_table::{CellAlignment, ContentArrangement};
 use raypath::lab::{AnyStudy, Cost, Datapath, LabError};
 use raypath::rtl::{Config, Units};
 use raypath::tables::{list, new_table};
@@ -22,7 +22,9 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let config = Config::DEFAULT;
+    // A row a line, so that a document can take it as it is.
     let mut table = new_table();
+    table.set_content_arrangement(ContentArrangement::Disabled);
     let mut head = vec!["operation", "for", "latency", "units added", "flip-flops added"];
     if arguments.area {
         head.push("area added");
