@@ -64,7 +64,8 @@ fn a_fault_in_the_wrapper_is_found() {
 /// Random words, jobs or not, at the ports of both, in every cycle, with random handshakes and resets.
 #[test]
 fn it_equals_the_bare_datapath() {
-    for name in PRESETS {
+    // All ports and the narrow ones; the others differ from these in nothing that a wrapper sees, and are linted above.
+    for name in ["half", "credit"] {
         let datapath = preset(name);
         let top = datapath.top();
         let written = write(&datapath);
