@@ -75,6 +75,17 @@ impl Cost {
         }
     }
 
+    /// The same in words; `none` where there are none.
+    pub fn added_units_in_words(&self) -> String {
+        let units = list(self.added_units());
+        if units.is_empty() { "none".to_string() } else { units }
+    }
+
+    /// Flip-flops that it adds; fewer than 0 where sharing saves some.
+    pub fn added_flip_flops(&self) -> i64 {
+        self.with.flip_flops as i64 - self.without.flip_flops as i64
+    }
+
     /// Area that it adds, in µm².
     pub fn added_area(&self) -> Option<f64> {
         Some(self.with.area?.0 - self.without.area?.0)
@@ -85,11 +96,9 @@ impl Cost {
         let mut table = new_table();
         table.set_header(["", "without it", "with it", "added"]);
         let (without, with) = (self.without, self.with);
-        let flip_flops = with.flip_flops as i64 - without.flip_flops as i64;
-        table.add_row(["units".to_string(), list(without.units), list(with.units), or_none(list(self.added_units()))]);
-        let counted = [without.flip_flops, with.flip_flops].map(|count| count.to_string());
-        let [a, b] = counted;
-        table.add_row(["flip-flops".to_string(), a, b, format!("{flip_flops:+}")]);
+        table.add_row(["units".to_string(), list(without.units), list(with.units), self.added_units_in_words()]);
+        let [a, b] = [without.flip_flops, with.flip_flops].map(|count| count.to_string());
+        table.add_row(["flip-flops".to_string(), a, b, format!("{:+}", self.added_flip_flops())]);
         if let (Some(without), Some(with)) = (without.area, with.area) {
             let share = if without.0 > 0.0 {
                 format!(" ({:+.1} %)", 100.0 * (with.0 / without.0 - 1.0))
@@ -103,15 +112,11 @@ impl Cost {
             let [a, b, c] = [without.1, with.1, with.1 - without.1].map(|ns| format!("{ns:.2}"));
             table.add_row(["slowest path, ns".to_string(), a, b, c]);
         }
-        (1..4)
-            .filter_map(|column| table.column_mut(column).map(|column| column.set_cell_alignment(CellAlignment::Right)))
-            .count();
+        for column in table.column_iter_mut().skip(1) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
         table.to_string()
     }
-}
-
-fn or_none(units: String) -> String {
-    if units.is_empty() { "none".to_string() } else { units }
 }
 
 fn figures(datapath: &Datapath) -> Result<Figures, rtl::Error> {

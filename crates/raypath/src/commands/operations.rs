@@ -4,8 +4,8 @@ use crate::commands::Failure;
 use clap::Args;
 use comfy_table::{CellAlignment, ContentArrangement};
 use raypath::lab::{AnyStudy, Cost, Datapath, LabError};
-use raypath::rtl::{Config, Units};
-use raypath::tables::{list, new_table};
+use raypath::rtl::Config;
+use raypath::tables::new_table;
 use raypath::{lab, ops};
 use std::io::Write;
 use std::path::PathBuf;
@@ -101,11 +101,8 @@ fn extra() -> impl Iterator<Item = Entry> {
 }
 
 fn row(entry: &Entry, cost: &Cost) -> Vec<String> {
-    let added = cost.added_units();
-    let units = if added == Units::default() { "none".to_string() } else { list(added) };
-    let flip_flops = cost.with.flip_flops as i64 - cost.without.flip_flops as i64;
-    let mut row = vec![entry.name.to_string(), entry.purpose.to_string(), cost.with.latency.to_string(), units];
-    row.push(format!("{flip_flops:+}"));
+    let mut row = vec![entry.name.to_string(), entry.purpose.to_string(), cost.with.latency.to_string()];
+    row.extend([cost.added_units_in_words(), format!("{:+}", cost.added_flip_flops())]);
     if let (Some(added), Some((whole, _))) = (cost.added_area(), cost.without.area) {
         row.push(format!("{added:+.0} µm² ({:+.1} %)", 100.0 * added / whole));
     }
