@@ -11,7 +11,7 @@ fn long_streams_without_a_clock() {
     let top = m.finish().expect("a module");
     let folder = tempfile::tempdir().expect("a folder");
     let sources = Sources::write(&top, folder.path()).expect("sources");
-    let options = Options { c_optimisation: 0, jobs: 1, ..Options::default() };
+    let options = Options { jobs: 1, ..Options::default() };
     let verilated = Verilated::build_sources(&[sources.all], &top, folder.path(), &options).expect("a build");
 
     // Far more than the pipes hold; the inputs' upper bits are cut off.

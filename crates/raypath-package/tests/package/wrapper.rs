@@ -76,8 +76,7 @@ fn it_equals_the_bare_datapath() {
 
         let frames = frames(top, &mut ChaCha8Rng::seed_from_u64(1));
         let expected = simulate(top, &frames);
-        let options = Options { c_optimisation: 0, ..Options::default() };
-        let verilated = Verilated::build_sources(&files, &ports_of(top), written.path(), &options);
+        let verilated = Verilated::build_sources(&files, &ports_of(top), written.path(), &Options::default());
         let (mut seen, mut shown) = (0, 0);
         verilated
             .unwrap_or_else(|fault| panic!("{name}: {fault}"))
