@@ -12,7 +12,7 @@ here = pathlib.Path(__file__).parent
 folder = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "build/original").resolve()
 listed = (folder / "raypath.f").read_text().split()
 simulator = os.environ.get("SIM", "verilator")
-fast = ["-O1", "-CFLAGS", "-O0", "--x-assign", "0", "-Wno-SYMRSVDWORD"] if simulator == "verilator" else ["-g2012"]
+fast = ["-O1", "-CFLAGS", "-O0", "--x-assign", "0"] if simulator == "verilator" else ["-g2012"]
 
 sys.path.insert(0, str(here))
 os.environ["PYTHONPATH"] = os.pathsep.join(sys.path)

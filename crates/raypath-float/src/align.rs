@@ -9,8 +9,8 @@ pub(crate) fn shift_right_sticky<'m>(word: Wire<'m>, amount: Wire<'m>, zero: Wir
     let m = word.builder();
     let width = word.width();
     let layers = width.next_power_of_two().ilog2();
-    let far = amount.bits(amount.width() - 1, layers).any().named("far");
-    let vanishes = (far | zero).named("vanishes");
+    let beyond = amount.bits(amount.width() - 1, layers).any().named("beyond");
+    let vanishes = (beyond | zero).named("vanishes");
     let layer = |(word, lost): (Wire<'m>, Wire<'m>), layer: u32| {
         let step = 1 << layer;
         let select = amount.bit(layer);
@@ -23,6 +23,6 @@ pub(crate) fn shift_right_sticky<'m>(word: Wire<'m>, amount: Wire<'m>, zero: Wir
         let lost = lost | (select & word.lower(step).any());
         (aligned.named(&format!("aligned_{step}")), lost.named(&format!("lost_{step}")))
     };
-    let (aligned, lost) = (0..layers).rev().fold((word, far), layer);
+    let (aligned, lost) = (0..layers).rev().fold((word, beyond), layer);
     aligned | (lost & !zero).extend(width)
 }

@@ -31,6 +31,12 @@ const CPP_KEYWORDS: &str = "
     try typeid typename using volatile wchar_t xor_eq
 ";
 
+/// Words that Verilator 5.006 was seen to warn about where signals are public, as cocotb makes them (`SYMRSVDWORD`).
+const CPP_COMMON_WORDS: &str = "
+    atomic_cancel atomic_commit atomic_noexcept cdecl deque far huge iterator list map near pascal queue sc_in sc_signal
+    set stack synchronized transaction_safe transaction_safe_dynamic uint32_t uint8_t vector
+";
+
 /// What is wrong with `name` as an identifier in SystemVerilog that is to go through Verilator, if anything.
 pub fn problem(name: &str) -> Option<&'static str> {
     let mut characters = name.chars();
@@ -45,6 +51,8 @@ pub fn problem(name: &str) -> Option<&'static str> {
         Some("is a keyword of SystemVerilog")
     } else if is_among(CPP_KEYWORDS) {
         Some("is a keyword of C++, which Verilator refuses")
+    } else if is_among(CPP_COMMON_WORDS) {
+        Some("is a common word of C++, which Verilator warns about")
     } else {
         None
     }

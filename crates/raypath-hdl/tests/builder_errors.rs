@@ -280,6 +280,7 @@ fn names_that_cannot_be() {
         ("wire", "is a keyword of SystemVerilog"),
         ("double", "is a keyword of C++, which Verilator refuses"),
         ("switch", "is a keyword of C++, which Verilator refuses"),
+        ("far", "is a common word of C++, which Verilator warns about"),
         ("sum__out", "has two underscores in a row, which Verilator keeps for itself"),
         ("clk_i", "is taken"),
         ("rst_ni", "is taken"),
