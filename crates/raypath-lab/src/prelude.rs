@@ -3,6 +3,7 @@
 pub use crate::{Datapath, Study};
 pub use rand::RngExt;
 pub use rand_chacha::ChaCha8Rng;
+pub use raypath_model::Model;
 pub use raypath_ops::{
     Aabb, Binary32, Bit, Circuit, Flags, Num, Operation, Ray, Select, Slab, Triangle, Vec3, Word, bundle,
 };

@@ -1,9 +1,10 @@
 //! What a user gets from this crate: text that tools accept, answers that the oracle finds right, and a price.
 
+use raypath_lab::ops::{RayBox, RayTriangle, Rules};
 use raypath_lab::prelude::*;
 use raypath_lab::transactions::read;
 use raypath_lab::{AnyStudy, Arguments, Checks, Cost, run};
-use within_radius::{WithinRadius, study};
+use within_radius::{Points, WithinRadius, study};
 
 const NAME: &str = "within_radius";
 
@@ -110,4 +111,34 @@ fn a_first_cut_needs_no_stages() {
     let checks = Checks { datapath: &auto, netlist: &netlist, studies: &studies, seed: 7, jobs: 3000 };
     assert_eq!(checks.against_the_oracles()[0].wrong, 0);
     assert_eq!(checks.against_the_models(|_| true).expect("a netlist").different, 0);
+}
+
+/// The models from Rust, beside boxes and triangles: as the book shows them.
+#[test]
+fn the_models_are_a_few_lines() {
+    let rules = Rules::Paper;
+    // ANCHOR: models
+    // Hardware: SystemVerilog, schedule, units, registers.
+    let datapath = Datapath::new().with(RayBox { rules }).with(RayTriangle { rules }).with(WithinRadius);
+    let netlist = datapath.elaborate().expect("it fits");
+
+    // The function itself, at native speed: the points 1 to 4 away along x, which of them within 2.5?
+    let point = [1.0, 2.0, 3.0, 4.0].map(|x| [x, 0.0, 0.0].into());
+    let points = Points { query: [0.0; 3].into(), radius: 2.5.into(), point };
+    let (near, ()) = WithinRadius.run(Binary32, points, ());
+    assert_eq!(near.is_near.to_array(), [true, true, false, false]);
+
+    // The functional model: jobs of any operation, answered one by one.
+    let mut functional = datapath.model();
+    let job = functional.job_of::<WithinRadius>(&points).expect("one of its operations");
+    let outcome = functional.run(&job);
+    assert_eq!(functional.output_of::<WithinRadius>(&outcome), Some(near));
+
+    // The cycle-exact model: the same answers, and when.
+    let mut cycles = datapath.cycle_model().expect("it fits");
+    assert!(cycles.cycle(Some(&job), true).accepted);
+    assert_eq!(1 + cycles.idle(100), u64::from(netlist.latency()));
+    assert_eq!(cycles.output(), Some(&outcome));
+    // ANCHOR_END: models
+    assert_eq!(netlist.latency(), 12);
 }
