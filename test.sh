@@ -62,6 +62,8 @@ ensure_python cocotb 'cocotb<2'
 
 step 'Format'
 cargo fmt --all --check
+# Modules that `automod` names are not found by the line above.
+rustfmt --check --edition 2024 crates/raypath-extra/src/operations/*.rs
 
 step 'Clippy'
 cargo clippy --workspace --all-targets --locked -- -D warnings

@@ -1,4 +1,4 @@
-//! Operations that the field asks for beside the paper's, each in one file, written only against what `raypath-ops`
+//! Operations that the field asks for beside the paper's, each in its own file, written only against what `raypath-ops`
 //! shows. A datapath has those that it is given, and none of these by default.
 //!
 //! `raypath operations` lists them, with what each adds to a datapath that has the paper's four.
@@ -19,6 +19,7 @@
 
 mod draw;
 mod exact;
+mod slabs;
 
 #[cfg(test)]
 mod check;

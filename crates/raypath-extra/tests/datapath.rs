@@ -13,9 +13,9 @@ fn with_all(config: Config, studies: &[AnyStudy]) -> Datapath {
 #[test]
 fn every_operation_has_registered_itself_with_an_oracle() {
     let all = registered();
-    let files = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src/operations")).expect("a folder");
-    let mut files: Vec<String> =
-        files.map(|file| file.expect("a file").file_name().to_string_lossy().replace(".rs", "")).collect();
+    let entries = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src/operations")).expect("a folder");
+    let names = entries.map(|entry| entry.expect("a file").file_name().to_string_lossy().into_owned());
+    let mut files: Vec<String> = names.filter_map(|name| name.strip_suffix(".rs").map(String::from)).collect();
     files.sort();
     assert_eq!(all.iter().map(AnyStudy::name).collect::<Vec<_>>(), files);
     assert!(all.iter().all(|study| study.verified_by().is_some() && !study.for_what().is_empty()));

@@ -4,9 +4,9 @@
 //! Adds 36 comparators in stage 4, where the rules `paper` need 24 for boxes and `chisel` as many, and no other unit.
 //! Sorted separators answer the key like a thermometer: so the index comes out of choices alone, and nothing is counted.
 
-use raypath_lab::{Registered, Study};
 use crate::{draw, exact};
 use rand::{Rng, RngExt};
+use raypath_lab::{Registered, Study};
 use raypath_ops::{Binary32, Bit, Circuit, Num, Operation, Word, array_of, bundle};
 
 /// Separators of a node, so that it has one more child.
@@ -65,9 +65,11 @@ impl Operation for KeyCompare {
     }
 }
 
-inventory::submit! {
-    Registered(|| Study::of(KeyCompare).purpose("a key against 36 separators: nodes of B-trees").stimulus(stimulus).oracle("counting", judge).into())
-}
+inventory::submit!(Registered(|| Study::of(KeyCompare)
+    .purpose("a key against 36 separators: nodes of B-trees")
+    .stimulus(stimulus)
+    .oracle("counting", judge)
+    .into()));
 
 /// A node of any number of children, its separators close together, spread out or equal, and a key at or between them.
 pub fn stimulus(rng: &mut impl Rng) -> KeyCompareInput<Binary32> {

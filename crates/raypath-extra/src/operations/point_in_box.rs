@@ -2,9 +2,9 @@
 //!
 //! Adds nothing: its 24 comparators in stage 4 are those that the slab method has for four boxes.
 
-use raypath_lab::{Registered, Study};
 use crate::{draw, exact};
 use rand::{Rng, RngExt};
+use raypath_lab::{Registered, Study};
 use raypath_ops::{Aabb, Binary32, Bit, Circuit, Flags, Num, Operation, Slab, Vec3, array_of, bundle};
 
 /// Which of four boxes a point is in.
@@ -58,9 +58,11 @@ fn within<C: Circuit>(coordinate: Num<C>, slab: Slab<C>) -> Bit<C> {
     coordinate.compare(slab.min).greater_or_equal() & coordinate.compare(slab.max).less_or_equal()
 }
 
-inventory::submit! {
-    Registered(|| Study::of(PointInBox).purpose("a point against four boxes: range search, point location").stimulus(stimulus).oracle("ordered integers", judge).into())
-}
+inventory::submit!(Registered(|| Study::of(PointInBox)
+    .purpose("a point against four boxes: range search, point location")
+    .stimulus(stimulus)
+    .oracle("ordered integers", judge)
+    .into()));
 
 /// Four boxes, and a point of one of them or beside it by one place.
 pub fn stimulus(rng: &mut impl Rng) -> PointInBoxInput<Binary32> {

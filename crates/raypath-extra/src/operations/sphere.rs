@@ -4,11 +4,11 @@
 //! Adds nothing: 3 adders in stage 2, 16 multipliers in 3, 6 adders in 4, 3 multipliers in 5, 4 adders in 6, a multiplier in 7,
 //! 2 adders in 8 and one in 9 are there for the paper's operations.
 
-use raypath_lab::{Registered, Study};
 use crate::{draw, exact};
 use num_rational::BigRational;
 use rand::{Rng, RngExt};
-use raypath_ops::{Bit, Binary32, Circuit, Num, Operation, Ray, Vec3, array_of, bundle};
+use raypath_lab::{Registered, Study};
+use raypath_ops::{Binary32, Bit, Circuit, Num, Operation, Ray, Vec3, array_of, bundle};
 
 /// The quadratic equation of a ray and a sphere: whether it has a solution before the ray, and what to divide and to take
 /// the root of.
@@ -134,9 +134,11 @@ fn products<C: Circuit>(u: Vec3<C>, v: Vec3<C>) -> [Num<C>; 3] {
     [u.x * v.x, u.y * v.y, u.z * v.z]
 }
 
-inventory::submit! {
-    Registered(|| Study::of(Sphere).purpose("a ray against a sphere: particles, hair, bounding spheres").stimulus(stimulus).oracle("exact rationals", judge).into())
-}
+inventory::submit!(Registered(|| Study::of(Sphere)
+    .purpose("a ray against a sphere: particles, hair, bounding spheres")
+    .stimulus(stimulus)
+    .oracle("exact rationals", judge)
+    .into()));
 
 /// A ray that passes a sphere at a known share of its radius: through it, beside it, or grazing; small spheres far away, large
 /// ones that the ray begins in, spheres behind; numbers at the edges of the format now and then.

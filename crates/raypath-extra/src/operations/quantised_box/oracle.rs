@@ -1,0 +1,78 @@
+//! What a node's children are to a ray, in exact rationals.
+
+use super::{OffsetBox, QuantisedBoxInput};
+use crate::exact;
+use crate::slabs::{self, Passage, Place, Plane};
+use num_rational::BigRational;
+use raypath_ops::{Binary32, RayBoxOutput};
+
+/// Slab distances in rationals, and order. Which box stands where follows from what is answered.
+///
+/// # Errors
+/// The first box about which the answer is wrong, or the places if they are out of order.
+pub fn judge(job: &QuantisedBoxInput<Binary32>, answer: &RayBoxOutput<Binary32>) -> Result<(), String> {
+    let used = job.node.used.to_array();
+    let places = [0, 1, 2, 3].map(|place| Place {
+        hit: answer.is_intersect.to_array()[place],
+        tmin: answer.tmin[place],
+        index: answer.box_index[place].into(),
+    });
+    let absent = places.iter().find(|place| place.hit && !used[place.index as usize]);
+    if let Some(Place { index, .. }) = absent {
+        return Err(format!("box {index} is hit, but is not there"));
+    }
+    slabs::judge(places, |index| if used[index] { passage(job, index) } else { None })
+}
+
+/// The ray's way through a child's box, offsets and scale taken at their word.
+fn passage(job: &QuantisedBoxInput<Binary32>, index: usize) -> Option<Passage> {
+    let QuantisedBoxInput { ray, node } = job;
+    let (from, to) = (exact::values(ray.origin)?, exact::values(node.origin)?);
+    let scale = exact::values(node.scale)?;
+    let OffsetBox { x, y, z } = node.child[index];
+    let five_ulps = exact::power(-24) * BigRational::from_integer(5.into());
+    let planes = std::array::from_fn(|k| {
+        let (slab, relative) = ([x, y, z][k], &to[k] - &from[k]);
+        [slab.min, slab.max].map(|offset| {
+            let steps = BigRational::from_integer(u32::from(offset).into()) * &scale[k];
+            let bound = &five_ulps * (exact::absolute(&relative) + exact::absolute(&steps));
+            Plane { at: &relative + steps, bound }
+        })
+    });
+    Passage::new(ray, planes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{QuantisedBox, stimulus};
+    use super::*;
+    use crate::check::jobs;
+    use raypath_ops::Operation;
+
+    #[test]
+    fn wrong_answers_are_refused() {
+        let (mut certain, mut hits) = (0, 0);
+        for job in jobs(stimulus, 1000) {
+            let (right, ()) = QuantisedBox.run(Binary32, job, ());
+            for place in 0..4 {
+                let hit = right.is_intersect.to_array()[place];
+                let index = u32::from(right.box_index[place]) as usize;
+                let mut wrong = right;
+                wrong.box_index[place] = right.box_index[(place + 1) % 4];
+                assert!(judge(&job, &wrong).is_err(), "a box in two places");
+                let used = job.node.used.to_array()[index];
+                if !used || passage(&job, index).is_some_and(|passage| passage.hit().is_some()) {
+                    certain += 1;
+                    hits += i32::from(hit);
+                    let mut wrong = right;
+                    wrong.is_intersect.0[place] = (!hit).into();
+                    assert!(judge(&job, &wrong).is_err(), "{job:?} {wrong:?}");
+                    let mut wrong = right;
+                    wrong.tmin[place] = (f32::from(right.tmin[place]) * 1.01 + 0.1).into();
+                    assert!(!hit || judge(&job, &wrong).is_err(), "{job:?} {wrong:?}");
+                }
+            }
+        }
+        assert!(certain > 3500 && (500..2500).contains(&hits), "{certain} of 4000 certain, {hits} hits");
+    }
+}
