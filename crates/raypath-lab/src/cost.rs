@@ -3,7 +3,7 @@
 
 use crate::datapath::Datapath;
 use crate::error::LabError;
-use crate::progress::{Progress, Stopped};
+use crate::measure::measure;
 use crate::tables::{list, new_table};
 use comfy_table::CellAlignment;
 use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, OpenSta, Report, Yosys};
@@ -56,7 +56,7 @@ impl Cost {
         if !is_alone {
             designs.push(design(&without, format!("without {name}"))?);
         }
-        let reports = measure(&designs, cache)?;
+        let reports = measure(&bench(cache)?, &designs)?;
         let area = |report: &Report| (report.area.total, report.slowest.ns);
         let [with, without] = [0, 1].map(|place| reports.get(place).map(area));
         let without = without.or(is_alone.then_some((0.0, 0.0)));
@@ -128,26 +128,16 @@ fn figures(datapath: &Datapath) -> Result<Figures, rtl::Error> {
     Ok(Figures { units, flip_flops: netlist.top().register_bits(), latency: netlist.latency(), area: None })
 }
 
-/// Measures designs with a progress bar.
-fn measure(designs: &[Design], cache: &Path) -> Result<Vec<Report>, Error> {
-    let bench = Bench {
+/// The default library and tools.
+fn bench(cache: &Path) -> Result<Bench, Error> {
+    Ok(Bench {
         library: Library::read(Path::new(DEFAULT_LIBRARY))?,
         yosys: Yosys::find(None)?,
         sta: OpenSta::find()?,
         period: PERIOD,
         jobs: std::thread::available_parallelism().map_or(1, usize::from),
         cache: cache.to_path_buf(),
-    };
-    let mut progress: Option<Progress> = None;
-    let mut reached = 0;
-    let result = bench.measure(designs, |steps| {
-        reached = steps.done;
-        steps.total == 0 || progress.get_or_insert_with(|| Progress::new("steps", steps.total)).at(steps.done)
-    });
-    match progress.map(|progress| progress.finish(reached)) {
-        Some(Err(Stopped { .. })) => Err(Error::Stopped),
-        _ => result,
-    }
+    })
 }
 
 /// The clock period that gates are chosen for, as `raypath ppa` has it by default.

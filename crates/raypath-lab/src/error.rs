@@ -34,7 +34,7 @@ impl LabError {
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Self::Mismatch(_) => ExitCode::from(1),
-            Self::Stopped(_) | Self::Measurement(raypath_ppa::Error::Stopped) => ExitCode::from(130),
+            Self::Stopped(_) => ExitCode::from(130),
             _ => ExitCode::from(2),
         }
     }

@@ -55,7 +55,11 @@ impl Progress {
                 // Progress that nobody can read is no reason to stop.
                 let rate = done as f64 / self.begin.elapsed().as_secs_f64();
                 let left = self.total.saturating_sub(done) as f64 / rate;
-                let pace = if done == 0 { String::new() } else { format!(", {rate:.0}/s, {left:.0} s left") };
+                let pace = match done {
+                    0 => String::new(),
+                    _ if rate < 1.0 => format!(", {:.1} a minute, {left:.0} s left", 60.0 * rate),
+                    _ => format!(", {rate:.0} a second, {left:.0} s left"),
+                };
                 let _ = writeln!(std::io::stderr(), "{done} of {} {}{pace}", self.total, self.what);
                 self.last_line = Instant::now();
                 self.last_done = Some(done);

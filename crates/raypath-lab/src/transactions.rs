@@ -8,7 +8,7 @@ use format::{Column, Columns, columns};
 use lines::Lines;
 use raypath_model::{Functional, Model, OnPorts};
 use raypath_ops::{JobKind, PortValue};
-use raypath_rtl::Config;
+use raypath_rtl::{Config, alternatives};
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::Read;
@@ -190,7 +190,7 @@ pub fn read_from<M: Model>(
 /// A name that none of the model's has.
 pub fn kind_named<M: Model>(name: &str, model: &M) -> Result<M::Kind, TransactionError> {
     let kind = model.kinds().into_iter().find(|kind| kind.to_string() == name);
-    kind.ok_or_else(|| TransactionError::NoKind { name: name.to_string(), kinds: in_a_list(model) })
+    kind.ok_or_else(|| TransactionError::NoKind { name: name.to_string(), kinds: alternatives(&model.kinds()) })
 }
 
 /// The kind of job that a file's name begins with: `triangle.txt.gz` has triangles. Where it begins with several names
@@ -205,20 +205,13 @@ fn kind_of<M: Model>(path: &Path, model: &M, config: Config) -> Result<M::Kind, 
     // Of equal ones the last: the model's own.
     match meant.max_by_key(|(name, _)| name.len()) {
         Some((_, Some(kind))) => Ok(kind),
-        Some((kind, None)) => {
-            Err(TransactionError::Unsupported { path: path.to_path_buf(), kind, config, kinds: in_a_list(model) })
-        }
-        None => Err(TransactionError::UnknownKind { path: path.to_path_buf(), kinds: in_a_list(model) }),
-    }
-}
-
-/// `triangle, quadbox or sphere`.
-fn in_a_list<M: Model>(model: &M) -> String {
-    let names: Vec<String> = model.kinds().iter().map(ToString::to_string).collect();
-    match names.split_last() {
-        Some((last, [])) => last.clone(),
-        Some((last, others)) => format!("{} or {last}", others.join(", ")),
-        None => "none".to_string(),
+        Some((kind, None)) => Err(TransactionError::Unsupported {
+            path: path.to_path_buf(),
+            kind,
+            config,
+            kinds: alternatives(&model.kinds()),
+        }),
+        None => Err(TransactionError::UnknownKind { path: path.to_path_buf(), kinds: alternatives(&model.kinds()) }),
     }
 }
 

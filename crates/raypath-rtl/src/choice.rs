@@ -14,13 +14,17 @@ pub struct ParseChoiceError {
 
 impl ParseChoiceError {
     pub(crate) fn new(given: &str, what: &'static str, values: &[impl fmt::Display]) -> Self {
-        let names: Vec<String> = values.iter().map(ToString::to_string).collect();
-        let expected = match names.as_slice() {
-            [] => String::new(),
-            [one] => one.clone(),
-            [rest @ .., last] => format!("{} or {last}", rest.join(", ")),
-        };
-        Self { given: given.to_string(), what, expected }
+        Self { given: given.to_string(), what, expected: alternatives(values) }
+    }
+}
+
+/// `a, b or c`: what could stand instead; `none` where nothing could.
+pub fn alternatives(values: &[impl fmt::Display]) -> String {
+    let names: Vec<String> = values.iter().map(ToString::to_string).collect();
+    match names.as_slice() {
+        [] => "none".to_string(),
+        [one] => one.clone(),
+        [rest @ .., last] => format!("{} or {last}", rest.join(", ")),
     }
 }
 

@@ -42,7 +42,7 @@ mod units;
 mod values;
 
 pub use budget::{Budget, Shortage};
-pub use choice::ParseChoiceError;
+pub use choice::{ParseChoiceError, alternatives};
 pub use config::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
 pub use datapath::{Datapath, MOST_OPERATIONS, Operations, Registers, StageNote, StateLoop};
 pub use error::Error;

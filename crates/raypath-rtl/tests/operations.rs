@@ -1,5 +1,8 @@
 //! Operations that are none of the paper's: what the elaborator makes of them, and what it refuses.
 
+#[macro_use]
+mod common;
+
 use raypath_float::Format;
 use raypath_hdl::Simulator;
 use raypath_ops::{Bit, Circuit, Num, Operation, Word, bundle};
@@ -37,23 +40,6 @@ bundle! {
         /// The number.
         pub kept: Num<C>,
     }
-}
-
-/// An operation that is a function; its outputs are called as [`Output`] has them.
-macro_rules! operation {
-    ($name:ident, |$c:ident, $input:ident| $body:expr) => {
-        struct $name;
-        impl Operation for $name {
-            const NAME: &'static str = stringify!($name);
-            type Input<C: Circuit> = Input<C>;
-            type Output<C: Circuit> = Output<C>;
-            type State<C: Circuit> = ();
-            fn run<C: Circuit>(&self, circuit: C, $input: Input<C>, _: ()) -> (Output<C>, ()) {
-                let $c = circuit;
-                ($body, ())
-            }
-        }
-    };
 }
 
 /// Configurations that build the same operations differently.

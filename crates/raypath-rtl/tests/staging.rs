@@ -1,6 +1,9 @@
 //! Automatic staging: the paper's operations with their marks ignored, against those staged by hand, and what cannot be
 //! staged.
 
+#[macro_use]
+mod common;
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_hdl::Simulator;
@@ -313,23 +316,6 @@ bundle! {
     }
 }
 
-/// An operation without state that asks for automatic staging, unless it marks stages.
-macro_rules! operation {
-    ($name:ident, |$c:ident, $n:ident| $body:expr) => {
-        struct $name;
-        impl Operation for $name {
-            const NAME: &'static str = stringify!($name);
-            type Input<C: Circuit> = Input<C>;
-            type Output<C: Circuit> = Output<C>;
-            type State<C: Circuit> = ();
-            fn run<C: Circuit>(&self, $c: C, input: Input<C>, _: ()) -> (Output<C>, ()) {
-                let $n = input.n;
-                (Output { number: $body }, ())
-            }
-        }
-    };
-}
-
 fn of<O: Operation>(operation: &O) -> Datapath {
     Operations::new().with(operation, 0).and_then(Datapath::of).expect("a datapath")
 }
@@ -343,11 +329,12 @@ fn units(add: usize, multiply: usize, compare: usize) -> Units {
     Units { add, multiply, compare, ..Units::default() }
 }
 
-operation!(Chained, |c, n| {
+operation!(Chained, |c, i| {
     c.auto();
+    let n = i.n;
     let sum = n[0] + n[1];
     let largest = n.iter().fold(sum, |largest, n| largest.larger(*n));
-    largest * n[2]
+    Output { number: largest * n[2] }
 });
 
 /// An adder is in no stage with another unit before or behind it, and only three comparators follow each other.
@@ -404,11 +391,11 @@ fn states_stay_together() {
 
 #[test]
 fn stages_are_marked_or_not() {
-    operation!(Mixed, |c, n| {
+    operation!(Mixed, |c, i| {
         c.auto();
-        let sum = n[0] + n[1];
+        let sum = i.n[0] + i.n[1];
         c.stage(4, "product");
-        sum * n[2]
+        Output { number: sum * i.n[2] }
     });
     let error = Operations::new().with(&Mixed, 0).expect_err("both");
     assert!(matches!(error, Error::StagesMixed { stage: 4, .. }), "{error}");
@@ -422,14 +409,15 @@ fn stages_are_marked_or_not() {
 
 #[test]
 fn too_long_a_chain_is_named() {
-    operation!(Long, |c, n| {
+    operation!(Long, |c, i| {
         c.auto();
+        let n = i.n;
         let mut power = n[0] - n[1];
         for exponent in 2..13 {
             power = power * n[0];
             c.label(format_args!("power_{exponent}"), &power);
         }
-        power + n[2]
+        Output { number: power + n[2] }
     });
     let error = Operations::new().with(&Long, 0).expect_err("13 units in 10 stages");
     let Error::TooLong { chain, needed: 13, last: 10, .. } = &error else { panic!("{error}") };
@@ -440,11 +428,11 @@ fn too_long_a_chain_is_named() {
 
 #[test]
 fn too_many_units_are_counted_where_they_are() {
-    operation!(Sums, |c, n| {
+    operation!(Sums, |c, i| {
         c.stage(2, "sums");
-        let (a, b) = (n[0] + n[1], n[2] + n[3]);
+        let (a, b) = (i.n[0] + i.n[1], i.n[2] + i.n[3]);
         c.stage(3, "their product");
-        a * b
+        Output { number: a * b }
     });
     let one = Budget::by_stage(|_| units(1, 1, 1));
     let marked = |budget| Operations::new().within(budget).with(&Sums, 0).and_then(Datapath::of);

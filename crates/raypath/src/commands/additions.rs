@@ -2,7 +2,7 @@
 
 use clap::Args;
 use raypath::lab::{AnyStudy, Datapath, registered};
-use raypath::rtl::Config;
+use raypath::rtl::{Config, alternatives};
 
 /// Operations beside the paper's.
 #[derive(Debug, Args)]
@@ -28,6 +28,6 @@ impl Additions {
 fn find(name: &str) -> Result<AnyStudy, String> {
     let all = registered();
     let names: Vec<&str> = all.iter().map(AnyStudy::name).collect();
-    let expected = format!("expected one of {}", names.join(", "));
+    let expected = format!("expected {}", alternatives(&names));
     all.into_iter().find(|study| study.name() == name).ok_or(expected)
 }

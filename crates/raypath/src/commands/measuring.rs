@@ -2,8 +2,8 @@
 
 use crate::commands::Failure;
 use crate::commands::numbers::whole;
-use crate::commands::progress::Progress;
 use clap::{Args, ValueEnum};
+use raypath::lab::{self, LabError};
 use raypath::ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, OpenSta, Report, Yosys, YosysKind};
 use std::path::PathBuf;
 
@@ -48,23 +48,13 @@ impl BenchArguments {
             jobs: self.jobs.map_or_else(cores, usize::from),
             cache: self.cache.clone(),
         };
-        let mut progress: Option<Progress> = None;
-        let mut reached = (0, 0);
-        let result = bench.measure(designs, |steps| {
-            reached = (steps.done, steps.total);
-            // With all in the cache there is nothing to show.
-            steps.total == 0 || progress.get_or_insert_with(|| Progress::new("steps", steps.total)).at(steps.done)
-        });
-        // A stop is told below, with what it means.
-        let _ = progress.map(|progress| progress.finish(reached.0));
-        match result {
-            Err(Error::Stopped) => {
-                let (done, total) = reached;
+        lab::measure(&bench, designs).map_err(|error| match error {
+            LabError::Stopped(stopped) => {
                 let kept = "what is done is kept, and the same command goes on from there";
-                Err(Failure::Interrupted(format!("after {done} of {total} steps; {kept}")))
+                Failure::Interrupted(format!("{stopped}; {kept}"))
             }
-            other => Ok(other?),
-        }
+            other => other.into(),
+        })
     }
 }
 

@@ -27,7 +27,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     table.set_content_arrangement(ContentArrangement::Disabled);
     let mut head = vec!["operation", "for", "latency", "units added", "flip-flops added"];
     if arguments.area {
-        head.push("area added");
+        head.extend(["area added", "slowest path"]);
     }
     head.push("verified by");
     table.set_header(head);
@@ -39,7 +39,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         }
         table.add_row(row(&entry, &cost));
     }
-    for column in [2, 4, 5].into_iter().filter(|&column| arguments.area || column < 5) {
+    for column in [2, 4, 5, 6].into_iter().filter(|&column| arguments.area || column < 5) {
         if let Some(column) = table.column_mut(column) {
             column.set_cell_alignment(CellAlignment::Right);
         }
@@ -103,8 +103,9 @@ fn extra() -> impl Iterator<Item = Entry> {
 fn row(entry: &Entry, cost: &Cost) -> Vec<String> {
     let mut row = vec![entry.name.to_string(), entry.purpose.to_string(), cost.with.latency.to_string()];
     row.extend([cost.added_units_in_words(), format!("{:+}", cost.added_flip_flops())]);
-    if let (Some(added), Some((whole, _))) = (cost.added_area(), cost.without.area) {
-        row.push(format!("{added:+.0} µm² ({:+.1} %)", 100.0 * added / whole));
+    if let (Some(with), Some(without)) = (cost.with.area, cost.without.area) {
+        let (added, ns) = (with.0 - without.0, with.1 - without.1);
+        row.extend([format!("{added:+.0} µm² ({:+.1} %)", 100.0 * added / without.0), format!("{ns:+.2} ns")]);
     }
     row.push(entry.verified.to_string());
     row

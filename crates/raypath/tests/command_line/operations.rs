@@ -29,7 +29,7 @@ fn an_operation_is_added_by_its_name() {
     assert!(written.contains(&format!("4 {last}, 5 {first}")), "opcodes in the head comment");
     assert!(folder.path().join("with/rtl/raypath_wrapper.sv").is_file());
 
-    let words = ["'spheer'", &names.join(", ")];
+    let words: Vec<&str> = std::iter::once("'spheer'").chain(names.iter().copied()).collect();
     ends_with(&["generate", "--with", "spheer", "--out", &out], 2, &words);
 }
 
