@@ -116,6 +116,7 @@ impl<C: Circuit> Bundle<C> for Bit<C> {
 
 impl<C: Circuit, const W: u32> Bundle<C> for Word<C, W> {
     fn build<S: Source<C> + ?Sized>(path: &mut Path, source: &mut S) -> Self {
+        const { assert!(W >= 1 && W <= 32, "a word has 1 to 32 bits") };
         let (circuit, value) = source.word(path.field(), W);
         Self::new(circuit, value)
     }
@@ -126,6 +127,7 @@ impl<C: Circuit, const W: u32> Bundle<C> for Word<C, W> {
 
 impl<C: Circuit, const N: usize> Bundle<C> for Flags<C, N> {
     fn build<S: Source<C> + ?Sized>(path: &mut Path, source: &mut S) -> Self {
+        const { assert!(N >= 1 && N <= 64, "a port of flags has 1 to 64 bits") };
         Self(std::array::from_fn(|i| source.bit(Field { name: &path.name, bit: Some((i as u32, N as u32)) })))
     }
     fn each<S: Sink<C> + ?Sized>(&self, path: &mut Path, sink: &mut S) {

@@ -205,7 +205,7 @@ pub struct Word<C: Circuit, const W: u32> {
     pub(crate) value: C::Word,
 }
 
-/// `N` truth values that travel as one port of `N` bits; element `i` is bit `i`.
+/// `N` truth values (1 to 64) that travel as one port of `N` bits; element `i` is bit `i`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flags<C: Circuit, const N: usize>(pub [Bit<C>; N]);
 

@@ -83,7 +83,8 @@ fn nest(leaves: &[Leaf<'_>]) -> Vec<Field> {
         }
         seen.push(head);
         let members: Vec<Leaf<'_>> = leaves.iter().copied().filter(|leaf| split(leaf.name).0 == head).collect();
-        match group(&members) {
+        // A name that is none for a field is none for what holds fields.
+        match group(&members).filter(|_| name_problem(head).is_none()) {
             Some(inner) => fields.push(Field::Group { name: head.to_string(), fields: inner }),
             None => fields.extend(members.iter().map(Leaf::field)),
         }
@@ -160,6 +161,7 @@ mod tests {
         assert_eq!(paths(&["range_begin", "range_end"]), ["range_begin", "range_end"]);
         assert_eq!(paths(&["a_reg_x", "a_reg_y", "a_q"]), ["a_reg_x", "a_reg_y", "a_q"]);
         assert_eq!(paths(&["a_wire_1", "a_q"]), ["a.wire_1", "a.q"]);
+        assert_eq!(paths(&["edge_x", "edge_y", "near_x", "near_y"]), ["edge_x", "edge_y", "near_x", "near_y"]);
     }
 
     #[test]

@@ -34,8 +34,8 @@ impl Budget {
     /// No units at all.
     pub(crate) const NOTHING: Self = Self([units(0, 0, 0); STAGES as usize + 1]);
 
-    /// What `limits` says of each stage from 1 on; `Budget::by_stage(|stage| datapath.units(stage as usize))` is what
-    /// another datapath has.
+    /// What `limits` says of each stage from 1 on; where units take one step,
+    /// `Budget::by_stage(|stage| datapath.units(stage as usize))` is what another datapath has.
     pub fn by_stage(limits: impl Fn(u32) -> Units) -> Self {
         let mut budget = Self::NOTHING;
         for stage in 1..=STAGES {

@@ -164,7 +164,11 @@ impl Config {
             ("rules", self.rules.to_string(), default.rules.to_string()),
         ];
         let differing = all.into_iter().chain(self.others()).filter(|(_, value, default)| value != default);
-        differing.map(|(name, value, _)| format!("--{name} {value}")).collect::<Vec<_>>().join(" ")
+        let option = |(name, value, _): (&str, String, String)| match value.as_str() {
+            "true" => format!("--{name}"),
+            _ => format!("--{name} {value}"),
+        };
+        differing.map(option).collect::<Vec<_>>().join(" ")
     }
 
     /// Parameters but lanes and rules: name, value, default.

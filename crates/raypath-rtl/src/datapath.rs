@@ -15,7 +15,7 @@ use crate::top::{self, Pipeline};
 use crate::tracer::Marks;
 use crate::units::Units;
 use raypath_hdl::{Label, Module};
-use raypath_ops::Operation;
+use raypath_ops::{Binary32, Operation, ports_of};
 use std::sync::Arc;
 
 /// A datapath, elaborated: its netlist, and what can be said of it.
@@ -37,6 +37,25 @@ pub struct Operations {
     budget: Option<Budget>,
     tag: u32,
     exception_flags: bool,
+    ports: Vec<Claim>,
+}
+
+/// A port that an operation has.
+#[derive(Debug)]
+struct Claim {
+    name: String,
+    /// None for a number.
+    width: Option<u32>,
+    operation: &'static str,
+}
+
+/// A port's width: `a number`, `1 bit`, `4 bits`.
+fn in_words(width: Option<u32>) -> String {
+    match width {
+        None => "a number".to_string(),
+        Some(1) => "1 bit".to_string(),
+        Some(width) => format!("{width} bits"),
+    }
 }
 
 impl Operations {
@@ -49,8 +68,9 @@ impl Operations {
     ///
     /// # Errors
     /// An operation that does not fit the pipeline: a stage that is not there, a value that is read before it is made,
-    /// state that is read elsewhere than its next value is made; an opcode that is taken or too large; a name that is
-    /// taken or no identifier.
+    /// state that is read elsewhere than its next value is made; stages that are marked beside
+    /// [`auto`](raypath_ops::Circuit::auto), or a chain of units that is too long for it; an opcode that is taken or too
+    /// large; a name that is taken or no identifier; a port that another has in another width.
     pub fn with<O: Operation>(mut self, operation: &O, opcode: u64) -> Result<Self, Error> {
         let taken = self.traced.iter().find(|traced| traced.opcode == opcode).map(|traced| traced.name);
         if taken.is_some() || opcode >= MOST_OPERATIONS {
@@ -59,6 +79,7 @@ impl Operations {
         if !is_identifier(O::NAME) || self.traced.iter().any(|traced| traced.name == O::NAME) {
             return Err(Error::Name { operation: O::NAME });
         }
+        self.claim_ports(operation)?;
         self.traced.push(Traced::new(operation, opcode, self.marks)?);
         Ok(self)
     }
@@ -92,9 +113,31 @@ impl Operations {
         self
     }
 
+    /// Ports of one name are one port: they must be alike, and an operation must not have one twice.
+    fn claim_ports<O: Operation>(&mut self, operation: &O) -> Result<(), Error> {
+        let inputs = ports_of::<O::Input<Binary32>>().into_iter().filter(|port| operation.has_input(&port.name));
+        let outputs = ports_of::<O::Output<Binary32>>().into_iter().filter(|port| operation.has_output(&port.name));
+        let sides = [("_i", inputs.collect::<Vec<_>>()), ("_o", outputs.collect())];
+        for (suffix, port) in
+            sides.into_iter().flat_map(|(suffix, ports)| ports.into_iter().map(move |port| (suffix, port)))
+        {
+            let claim = Claim { name: format!("{}{suffix}", port.name), width: port.width, operation: O::NAME };
+            let clashes = |other: &&Claim| {
+                other.name == claim.name && (other.width != claim.width || other.operation == claim.operation)
+            };
+            if let Some(other) = self.ports.iter().find(clashes) {
+                let [ours, theirs] = [claim.width, other.width].map(in_words);
+                let (operation, port, other) = (claim.operation, claim.name, other.operation);
+                return Err(Error::Port { operation, port, ours, other, theirs });
+            }
+            self.ports.push(claim);
+        }
+        Ok(())
+    }
+
     /// Their records, with all stages known.
     fn staged(mut self, config: Config) -> Result<Vec<Traced>, Error> {
-        Features { tag: self.tag, ..Features::OFF }.check(config.rules)?;
+        Features { tag: self.tag, ..Features::OFF }.check(config)?;
         if self.tag > 0 {
             self.traced.iter_mut().try_for_each(|traced| traced.add_tag(self.tag))?;
         }
@@ -174,7 +217,9 @@ impl Datapath {
     /// Elaborates any set of operations, built as by default.
     ///
     /// # Errors
-    /// Operations that use the units of a stage in orders that make a loop, or whose names cannot be printed.
+    /// More units in a stage than the budget allows; operations that use the units of a stage in orders that make a loop,
+    /// or whose names cannot be printed; an automatic schedule that reads state elsewhere than its next value is made; a
+    /// value that nothing brings to where it is read; a tag that is too wide, or whose port an operation has.
     pub fn of(operations: Operations) -> Result<Self, Error> {
         Self::build(operations, Config::DEFAULT)
     }

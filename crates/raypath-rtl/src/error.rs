@@ -20,7 +20,10 @@ pub enum Error {
         made: u32,
     },
     /// A stage that the pipeline does not have.
-    #[error("operation {operation}: {value} is in stage {stage}, expected 1 to {last}")]
+    #[error(
+        "operation {operation}: {value} is in stage {stage}, expected 1 to {last}; stages begin with c.stage(number, what), or \
+         c.auto() finds them"
+    )]
     NoSuchStage {
         /// The operation.
         operation: &'static str,
@@ -81,8 +84,11 @@ pub enum Error {
         /// Where, and of what kind; of an operation that is staged automatically, the least that was found.
         shortages: Vec<Shortage>,
     },
-    /// A value that no register brings to where it is read; a defect of ours.
-    #[error("operation {operation}: {value} is read in a stage that no register brings it to")]
+    /// A value that nothing brings to where it is read.
+    #[error(
+        "operation {operation}: {value} is read in a stage that nothing brings it to: state is there up to the stage that \
+         makes its next value, and an input only where has_input says so"
+    )]
     Unplaced {
         /// The operation.
         operation: &'static str,
@@ -106,6 +112,23 @@ pub enum Error {
     Name {
         /// The name.
         operation: &'static str,
+    },
+    /// A port that another operation has otherwise, or the operation itself.
+    #[error(
+        "operation {operation}: its port {port} is {ours}, and that of {other} {theirs}; ports of one name are one port, \
+         expected the same width or another name"
+    )]
+    Port {
+        /// The operation.
+        operation: &'static str,
+        /// The port.
+        port: String,
+        /// How wide it is, in words.
+        ours: String,
+        /// The operation that has it already; the same where it has it twice.
+        other: &'static str,
+        /// How wide that is.
+        theirs: String,
     },
     /// A feature that cannot be had as it is asked for.
     #[error("{feature}: {problem}")]

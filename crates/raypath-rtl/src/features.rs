@@ -1,6 +1,7 @@
 use crate::choice::choices;
 use crate::config::Config;
 use crate::error::Error;
+use raypath_float::Format;
 use raypath_ops::{Culling, Rules};
 
 /// What the paper's operations do not have (`docs/features.md`). What is off leaves nothing behind in the hardware.
@@ -95,7 +96,7 @@ impl Features {
         ]
     }
 
-    pub(crate) fn check(self, rules: Rules) -> Result<(), Error> {
+    pub(crate) fn check(self, Config { rules, format, .. }: Config) -> Result<(), Error> {
         if self.tag > Self::MOST_TAG {
             let problem = format!("{} bits, expected 1 to {}, or 0 for none", self.tag, Self::MOST_TAG);
             return Err(Error::Feature { feature: "tag", problem });
@@ -103,6 +104,11 @@ impl Features {
         if self.conservative && rules == Rules::Chisel {
             let problem = "the rules chisel miss what a ray only touches, expected the rules paper".to_string();
             return Err(Error::Feature { feature: "conservative", problem });
+        }
+        if self.exception_flags && format != Format::BINARY32 {
+            let problem =
+                format!("no model has them in format {format}, to hold hardware against; expected format fp32");
+            return Err(Error::Feature { feature: "exception flags", problem });
         }
         Ok(())
     }
@@ -112,8 +118,9 @@ impl Config {
     /// That its features can be had.
     ///
     /// # Errors
-    /// A tag of more than [`Features::MOST_TAG`] bits; conservative boxes under the rules `chisel`.
+    /// A tag of more than [`Features::MOST_TAG`] bits; conservative boxes under the rules `chisel`; exception flags in
+    /// another format than binary32.
     pub fn check(self) -> Result<(), Error> {
-        self.features.check(self.rules)
+        self.features.check(self)
     }
 }

@@ -133,6 +133,7 @@ impl Traced {
             traced.check()?;
         }
         traced.name_tests();
+        traced.name_states();
         Ok(traced)
     }
 
@@ -212,6 +213,22 @@ impl Traced {
                     Test::BelowZero => "below_zero",
                 };
                 self.nodes[index].name = Some(format!("{operand}_{what}"));
+            }
+        }
+    }
+
+    /// Assertions speak of a state's next value, or of what resets it to zero and what it is otherwise: these need names.
+    fn name_states(&mut self) {
+        for number in 0..self.states.len() {
+            let next = self.states[number].next;
+            let is_named = |id: NodeId| self.node(id).name.is_some();
+            let is_zero = |id: NodeId| matches!(self.node(id).op, Op::Number(0) | Op::Bit(false) | Op::Word(0));
+            let is_told = match self.node(next).op {
+                Op::Select(reset, zero, otherwise) if is_zero(zero) => is_named(reset) && is_named(otherwise),
+                _ => false,
+            };
+            if !is_told && !is_named(next) {
+                self.nodes[next.index()].name = Some(format!("{}_next", self.states[number].name));
             }
         }
     }

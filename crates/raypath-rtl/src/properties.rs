@@ -248,8 +248,13 @@ fn reset_and_sum(module: &Module, register: &RegisterInfo) -> (String, String) {
         Driver::Mux { select, if_true, if_false } if zero(if_true) => name(select).zip(name(if_false)),
         _ => None,
     };
+    let next = module.signal(register.next);
+    let whole = match next.driver {
+        Driver::Constant(value) => Some(format!("{}'h{value:x}", next.width)),
+        _ => next.name.clone(),
+    };
     // A state that no beat resets takes its next value whole.
-    parts.or_else(|| Some(("1'b0".to_string(), name(register.next)?))).unwrap_or_default()
+    parts.or_else(|| Some(("1'b0".to_string(), whole?))).unwrap_or_default()
 }
 
 /// Beats between the step that reads a state and the one that writes it.

@@ -5,7 +5,7 @@ mod common;
 
 use raypath_float::Format;
 use raypath_hdl::Simulator;
-use raypath_ops::{Bit, Circuit, Num, Operation, Word, bundle};
+use raypath_ops::{Bit, Circuit, Flags, Num, Operation, Word, bundle};
 use raypath_rtl::{Config, Control, Datapath, Encoding, Error, Operations, Sharing, UnitLatency};
 
 bundle! {
@@ -340,4 +340,77 @@ fn units_in_a_circle_are_refused() {
     assert_eq!(answers(&ProductFirst, &[(2.0, 3.0, false, 0)])[0].0, 8.0);
     let both = Operations::new().with(&SumFirst, 0).and_then(|set| set.with(&ProductFirst, 1)).expect("operations");
     assert!(matches!(Datapath::of(both), Err(Error::UnitLoop { stage: 3 })));
+}
+
+bundle! {
+    /// A port that [`Output`] has as one bit.
+    pub struct Wider<C> {
+        /// Four flags.
+        pub is_so: Flags<C, 4>,
+    }
+}
+
+/// Has a port of another's name, but not its width.
+struct FourFlags;
+
+impl Operation for FourFlags {
+    const NAME: &'static str = "four_flags";
+    type Input<C: Circuit> = Input<C>;
+    type Output<C: Circuit> = Wider<C>;
+    type State<C: Circuit> = ();
+    fn run<C: Circuit>(&self, _: C, i: Input<C>, _: ()) -> (Wider<C>, ()) {
+        (Wider { is_so: Flags([i.flag; 4]) }, ())
+    }
+}
+
+bundle! {
+    /// Two ports of one name.
+    pub struct Twice<C> {
+        /// `t_num`.
+        pub t: One<C>,
+        /// `t_num` again.
+        pub t_num: Num<C>,
+    }
+}
+
+bundle! {
+    /// A number.
+    pub struct One<C> {
+        /// The number.
+        pub num: Num<C>,
+    }
+}
+
+struct TwoOfAName;
+
+impl Operation for TwoOfAName {
+    const NAME: &'static str = "two_of_a_name";
+    type Input<C: Circuit> = Input<C>;
+    type Output<C: Circuit> = Twice<C>;
+    type State<C: Circuit> = ();
+    fn run<C: Circuit>(&self, _: C, i: Input<C>, _: ()) -> (Twice<C>, ()) {
+        (Twice { t: One { num: i.a }, t_num: i.b }, ())
+    }
+}
+
+/// Ports of one name are one port, so they are alike or refused.
+#[test]
+fn ports_of_one_name_are_alike() {
+    let straight = || Operations::new().with(&Straight, 0).expect("an operation");
+    let error = straight().with(&FourFlags, 1).expect_err("other widths");
+    let words = "operation four_flags: its port is_so_o is 4 bits, and that of Straight 1 bit";
+    assert!(error.to_string().starts_with(words), "{error}");
+    assert!(straight().with(&Mixed, 1).is_ok(), "the same ports");
+    let error = Operations::new().with(&TwoOfAName, 0).expect_err("a name twice");
+    assert!(error.to_string().contains("its port t_num_o is a number, and that of two_of_a_name a number"), "{error}");
+}
+
+/// Assertions name what they look at, whether or not the operation has labelled it.
+#[test]
+fn assertions_of_a_state_without_labels_look_at_it() {
+    for config in configurations() {
+        let operations = Operations::new().with(&Sum, 2).expect("an operation");
+        let text = Datapath::build(operations, config).expect("a datapath").properties().to_string();
+        assert!(text.contains("sum_kept_state") && !text.contains("()"), "{config}: an open port\n{text}");
+    }
 }

@@ -1,4 +1,4 @@
-//! What the list and the manifests name is what there is, and their own programs read them.
+//! What the list and the manifests name is what there is; FuseSoC reads its own, a YAML parser Bender's.
 
 use crate::folder::{Written, preset, write};
 use raypath_cosim::lint_verilator;
