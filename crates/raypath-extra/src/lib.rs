@@ -4,7 +4,7 @@
 //! `raypath operations` lists them, with what each adds to a datapath that has the paper's four.
 //!
 //! Beside its operation each file has what verification needs: `stimulus` draws a random job that matters, and `judge`
-//! says what is wrong with an answer, by exact arithmetic or by counting, never by the operation's own equations.
+//! says what is wrong with an answer, by exact arithmetic or by counting, not by the operation's own equations.
 //! A new operation is a new file in `src/operations`, which registers itself; nothing else names it.
 //!
 //! ```

@@ -8,14 +8,14 @@ use crate::model::{AnyKind, AnyModel, Words};
 use crate::stimuli::any_job;
 use crate::study::AnyStudy;
 use crate::traffic::Traffic;
-use crate::transactions::Transaction;
+use crate::transactions::{self, Transaction};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_cosim::{CosimError, Sources, Verilated};
 use raypath_format::Format;
 use raypath_model::{Model, OnPorts};
 use raypath_rtl as rtl;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The checks of some of a datapath's operations, reproducible by `seed`.
 pub struct Checks<'d> {
@@ -56,6 +56,8 @@ pub struct Simulated {
 }
 
 const SHOWN: usize = 5;
+/// Transactions of a file at most.
+const MOST_WRITTEN: usize = 10_000;
 /// Part of the jobs that are of the studied operations; the others are of the rest of the datapath.
 const OWN: f64 = 0.5;
 
@@ -63,8 +65,10 @@ impl Checks<'_> {
     /// The operations' answers to their jobs: for each study that has an oracle, as many jobs. None where the datapath is
     /// not in binary32, which oracles speak of.
     pub fn against_the_oracles(&self) -> Vec<Judged> {
+        let model = self.datapath.model();
         let judged = self.judges().into_iter().map(|mut judge| {
-            self.answered(judge.study, judge.kind).for_each(|(job, outcome)| judge.hold(&job, &outcome));
+            let answered = self.answered(judge.study, judge.kind);
+            answered.for_each(|(job, outcome)| judge.hold(&model, &job, &outcome));
             judge.judged
         });
         judged.collect()
@@ -77,6 +81,18 @@ impl Checks<'_> {
         let answered = kind.into_iter().flat_map(|kind| self.answered(study, kind));
         let numbered = answered.zip(0..);
         numbered.map(|((job, expected), seq)| Transaction { seq, category: 0, job, expected }).collect()
+    }
+
+    /// A file of transactions for each study that the datapath has, `NAME.txt` in a folder: the first of those jobs, 10,000
+    /// at most.
+    pub fn files(&self, folder: &Path) -> Vec<(PathBuf, String)> {
+        let (model, first) = (self.datapath.model(), Checks { jobs: self.jobs.min(MOST_WRITTEN), ..*self });
+        let file = |study: &AnyStudy| {
+            let kind = model.kind(study.name())?;
+            let text = transactions::text(&model, kind, &first.transactions(study), self.datapath.config());
+            Some((folder.join(format!("{}.txt", study.name())), text))
+        };
+        self.studies.iter().filter_map(file).collect()
     }
 
     /// An operation's own jobs, and what the functional model answers.
@@ -112,12 +128,12 @@ impl Checks<'_> {
         sources.lint()?;
         let verilated = Verilated::build_sources(&sources.files, top, folder, &Default::default())?;
         let config = self.datapath.config();
-        let jobs = self.mixed_jobs();
+        let (jobs, model) = (self.mixed_jobs(), self.datapath.model());
         let stimulus = Stimulus {
             shape: shape(config, self.netlist),
             encoding: PortEncoding::of(config),
             jobs: &jobs,
-            answers: Answers::Model(self.datapath.model()),
+            answers: Answers::Model(model.clone()),
             traffic: Traffic::random(self.seed),
             resets: Vec::new(),
         };
@@ -142,7 +158,7 @@ impl Checks<'_> {
                 if let Some(outcome) = outcome.filter(|outcome| outcome.kind() == kind)
                     && let Some(job) = waiting.find(|job| job.kind() == kind)
                 {
-                    judge.hold(job, outcome);
+                    judge.hold(&model, job, outcome);
                 }
             }
         })?;
@@ -188,9 +204,9 @@ struct Judge<'s> {
 }
 
 impl Judge<'_> {
-    fn hold(&mut self, job: &Words, outcome: &Words) {
+    fn hold(&mut self, model: &AnyModel, job: &Words, outcome: &Words) {
         self.judged.jobs += 1;
-        if let Err(fault) = (self.judge)(job.as_words(), outcome.as_words()) {
+        if let Err(fault) = (self.judge)(&model.all_inputs(job), &model.all_outputs(outcome)) {
             self.judged.wrong += 1;
             if self.judged.faults.len() < SHOWN {
                 self.judged.faults.push(format!("job {}: {fault}; {job:?} -> {outcome:?}", self.judged.jobs - 1));

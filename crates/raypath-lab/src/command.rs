@@ -5,10 +5,10 @@ use crate::cost::Cost;
 use crate::datapath::Datapath;
 use crate::emit;
 use crate::error::LabError;
-use crate::files::write_all;
-use crate::progress::Progress;
+use crate::files::{FileError, write_all};
+use crate::progress::{Progress, Stopped, is_stopped};
 use crate::study::AnyStudy;
-use crate::{tables, transactions};
+use crate::tables;
 use clap::Parser;
 use raypath_rtl::{Config, Preset};
 use std::io::Write;
@@ -26,8 +26,8 @@ pub struct Arguments {
     /// A datapath of this operation alone
     #[arg(long)]
     pub alone: bool,
-    /// How many random jobs
-    #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..))]
+    /// How many random jobs: 1 to 100000, which are all in memory at a time
+    #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub jobs: u32,
     /// Seed of jobs, bubbles and stalls
     #[arg(long, default_value_t = 1)]
@@ -46,17 +46,17 @@ pub struct Arguments {
     pub strict: bool,
 }
 
-/// Transactions that are written at most: the first of those that the oracle judges.
-const MOST_WRITTEN: usize = 10_000;
-
 /// Does what the command line asks for with an operation: what a crate with an operation of its own calls in `main`.
 pub fn main(study: impl Into<AnyStudy>) -> ExitCode {
     let mut out = std::io::stdout().lock();
-    match run(&study.into(), &Arguments::parse(), &mut out) {
+    let done = run(&study.into(), &Arguments::parse(), &mut out).and_then(|()| Ok(out.flush()?));
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // Where not even this can be written there is nobody left to tell.
-            let _ = writeln!(std::io::stderr(), "error: {error}");
+            if !error.is_silent() {
+                // Where not even this can be written there is nobody left to tell.
+                let _ = writeln!(std::io::stderr(), "error: {error}");
+            }
             error.exit_code()
         }
     }
@@ -107,14 +107,9 @@ fn write(checks: &Checks<'_>, study: &AnyStudy, arguments: &Arguments, out: &mut
         format!("Configuration: {config}, with {}.", study.name()),
     ];
     let mut files = emit::files(checks.netlist, config, &banner, &arguments.out)?;
-    let (model, name) = (checks.datapath.model(), study.name());
-    if let Some(kind) = model.kind(name) {
-        let first = Checks { jobs: checks.jobs.min(MOST_WRITTEN), ..*checks };
-        let text = transactions::text(&model, kind, &first.transactions(study), config);
-        files.push((arguments.out.join(format!("{name}.txt")), text));
-    }
+    files.extend(checks.files(&arguments.out));
     write_all(&files)?;
-    let folder = arguments.out.display();
+    let (folder, name) = (arguments.out.display(), study.name());
     writeln!(out, "Wrote {folder}/raypath.sv, its modules to {folder}/rtl, its schedule to {folder}/pipeline.svg;")?;
     writeln!(out, "jobs with their answers, for benches of one's own, to {folder}/{name}.txt.")?;
     Ok(())
@@ -144,8 +139,16 @@ fn check(checks: &Checks<'_>, study: &AnyStudy, arguments: &Arguments, out: &mut
     if arguments.quick {
         return Ok(());
     }
-    let folder = tempfile::tempdir()?;
-    match checks.in_verilator(folder.path()) {
+    let folder = tempfile::tempdir().map_err(|problem| {
+        let path = std::env::temp_dir();
+        FileError { path, doing: "make a folder in it", problem }
+    })?;
+    let simulated = checks.in_verilator(folder.path());
+    if is_stopped() {
+        // Ctrl-C ends the tool as well, which then seems to have failed.
+        return Err(Stopped { done: 0, total: 1, what: "simulations" }.into());
+    }
+    match simulated {
         Ok(found) => {
             let (cycles, different) = (found.cycles, found.different);
             writeln!(out, "Lint: Verilator, Yosys and slang have nothing to say.")?;

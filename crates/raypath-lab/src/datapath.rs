@@ -125,7 +125,8 @@ impl Datapath {
     /// # Errors
     /// Those of [`elaborate`](Self::elaborate): the latency follows from the netlist's steps.
     pub fn cycle_model(&self) -> Result<CycleModel<AnyModel>, Error> {
-        Ok(CycleModel::new(self.model(), &self.shape()?))
+        let shape = self.shape()?;
+        Ok(CycleModel::new(self.model(), &shape))
     }
 
     /// The netlist, compiled, as an engine.

@@ -1,5 +1,6 @@
 use crate::files::FileError;
 use crate::progress::Stopped;
+use std::io::ErrorKind;
 use std::process::ExitCode;
 use thiserror::Error;
 
@@ -30,9 +31,15 @@ pub enum LabError {
 }
 
 impl LabError {
-    /// 1 for a mismatch, 2 for what cannot be used, 130 after Ctrl-C.
+    /// Whether the reader of standard output has gone, as `head` does: no fault, and nothing to say.
+    pub fn is_silent(&self) -> bool {
+        matches!(self, Self::Output(error) if error.kind() == ErrorKind::BrokenPipe)
+    }
+
+    /// 1 for a mismatch, 2 for what cannot be used, 130 after Ctrl-C, 141 where the reader has gone (as shells have it).
     pub fn exit_code(&self) -> ExitCode {
         match self {
+            Self::Output(_) if self.is_silent() => ExitCode::from(141),
             Self::Mismatch(_) => ExitCode::from(1),
             Self::Stopped(_) => ExitCode::from(130),
             _ => ExitCode::from(2),

@@ -110,6 +110,7 @@ pub mod tables;
 pub mod traffic;
 pub mod transactions;
 
+pub use inventory;
 pub use raypath_ops as ops;
 pub use raypath_rtl as rtl;
 

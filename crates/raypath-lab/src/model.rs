@@ -15,8 +15,7 @@ use std::sync::Arc;
 pub struct AnyModel {
     format: Format,
     features: Features,
-    /// By opcode.
-    operations: Arc<[Option<Known>]>,
+    operations: Arc<[Known]>,
     /// What the last job of each operation left.
     states: Vec<Vec<u64>>,
 }
@@ -41,8 +40,10 @@ struct Known {
     operation: Arc<dyn AnyOperation>,
     inputs: Ports,
     outputs: Ports,
-    /// Of all outputs that the operation may have, which are there.
-    is_there: Vec<bool>,
+    /// Of all inputs that the operation may have, which are there.
+    has_input: Vec<bool>,
+    /// And of all outputs.
+    has_output: Vec<bool>,
 }
 
 /// What the words of one operation stand at.
@@ -63,19 +64,16 @@ impl AnyModel {
         let Config { format, features, .. } = config;
         let taken_along = (features.tag > 0).then(|| port(TAG, PortKind::Word, features.tag));
         let raised = features.exception_flags.then(|| port("exception_flags", PortKind::Word, FLAGS));
-        let mut known: Vec<Option<Known>> = Vec::new();
-        for (opcode, operation) in operations {
+        let known = operations.iter().map(|(opcode, operation)| {
             let kind = AnyKind { opcode: *opcode, name: operation.name() };
-            let inputs = operation.inputs().into_iter().chain(taken_along.clone()).collect();
-            let all = operation.outputs();
-            let is_there: Vec<bool> = all.iter().map(|port| operation.has_output(&port.name)).collect();
-            let own = all.into_iter().zip(&is_there).filter_map(|(port, is_there)| is_there.then_some(port));
-            let outputs = own.chain(raised.clone()).chain(taken_along.clone()).collect();
-            let place = *opcode as usize;
-            known.resize_with(known.len().max(place + 1), || None);
-            known[place] = Some(Known { kind, operation: operation.clone(), inputs, outputs, is_there });
-        }
-        Self { format, features, states: vec![Vec::new(); known.len()], operations: known.into() }
+            let (inputs, outputs) = (operation.inputs(), operation.outputs());
+            let has_input: Vec<bool> = inputs.iter().map(|port| operation.has_input(&port.name)).collect();
+            let has_output: Vec<bool> = outputs.iter().map(|port| operation.has_output(&port.name)).collect();
+            let inputs = present(inputs, &has_input).chain(taken_along.clone()).collect();
+            let outputs = present(outputs, &has_output).chain(raised.clone()).chain(taken_along.clone()).collect();
+            Known { kind, operation: operation.clone(), inputs, outputs, has_input, has_output }
+        });
+        Self { format, features, states: vec![Vec::new(); operations.len()], operations: known.collect() }
     }
 
     /// The format of its numbers.
@@ -85,7 +83,7 @@ impl AnyModel {
 
     /// The operation with this name.
     pub fn kind(&self, name: &str) -> Option<AnyKind> {
-        self.known().map(|known| known.kind).find(|kind| kind.name == name)
+        self.operations.iter().map(|known| known.kind).find(|kind| kind.name == name)
     }
 
     /// The ports of an operation's jobs; none of an operation that it does not have.
@@ -99,6 +97,7 @@ impl AnyModel {
         let kind = self.kind(O::NAME)?;
         let mut words = Vec::new();
         to_words(input, &mut words);
+        let mut words = self.present_inputs(kind, words);
         if self.format != Format::BINARY32 {
             let numbers = self.inputs(kind).iter().zip(&mut words).filter(|(port, _)| port.kind == PortKind::Number);
             numbers.for_each(|(_, word)| *word = self.format.from_f32(f32::from_bits(*word as u32)));
@@ -111,10 +110,22 @@ impl AnyModel {
     pub fn output_of<O: Operation>(&self, outcome: &Words) -> Option<O::Output<Binary32>> {
         let known =
             self.of(outcome.kind).filter(|_| outcome.kind.name == O::NAME && self.format == Format::BINARY32)?;
-        let mut words = outcome.words.iter();
-        let word = |&is_there: &bool| if is_there { words.next().copied().unwrap_or(0) } else { 0 };
-        let all: Vec<u64> = known.is_there.iter().map(word).collect();
-        Some(from_words(Binary32, &all))
+        Some(from_words(Binary32, &all(&outcome.words, &known.has_output)))
+    }
+
+    /// Of words on all inputs that an operation may have, those on the inputs that are there.
+    pub(crate) fn present_inputs(&self, kind: AnyKind, words: Vec<u64>) -> Vec<u64> {
+        self.of(kind).map_or_else(Vec::new, |known| present(words, &known.has_input).collect())
+    }
+
+    /// A job's words on all inputs that its operation may have; 0 on those that are not there.
+    pub(crate) fn all_inputs(&self, job: &Words) -> Vec<u64> {
+        self.of(job.kind).map_or_else(Vec::new, |known| all(&job.words, &known.has_input))
+    }
+
+    /// The same of an outcome's words and outputs.
+    pub(crate) fn all_outputs(&self, outcome: &Words) -> Vec<u64> {
+        self.of(outcome.kind).map_or_else(Vec::new, |known| all(&outcome.words, &known.has_output))
     }
 
     /// The ports of an operation's outcomes; none of an operation that it does not have.
@@ -122,12 +133,8 @@ impl AnyModel {
         self.of(kind).map_or(&[], |known| &known.outputs)
     }
 
-    fn known(&self) -> impl Iterator<Item = &Known> {
-        self.operations.iter().flatten()
-    }
-
     fn of(&self, kind: AnyKind) -> Option<&Known> {
-        self.operations.get(kind.opcode as usize)?.as_ref()
+        self.operations.iter().find(|known| known.kind == kind)
     }
 
     /// A job's words: what is missing is 0, and bits beyond a port's width are ignored.
@@ -152,6 +159,18 @@ impl AnyModel {
     }
 }
 
+/// Those that are there.
+fn present<T>(all: Vec<T>, are_there: &[bool]) -> impl Iterator<Item = T> {
+    all.into_iter().zip(are_there).filter_map(|(one, is_there)| is_there.then_some(one))
+}
+
+/// Words in their places among all; 0 where none is.
+fn all(present: &[u64], are_there: &[bool]) -> Vec<u64> {
+    let mut present = present.iter();
+    let word = |&is_there: &bool| if is_there { present.next().copied().unwrap_or(0) } else { 0 };
+    are_there.iter().map(word).collect()
+}
+
 impl Words {
     /// The words themselves, in the order of the ports.
     pub fn as_words(&self) -> &[u64] {
@@ -165,21 +184,22 @@ impl Model for AnyModel {
     type Outcome = Words;
 
     fn kinds(&self) -> Vec<AnyKind> {
-        self.known().map(|known| known.kind).collect()
+        self.operations.iter().map(|known| known.kind).collect()
     }
 
     /// Answers a job; one of an operation that the model does not have has an outcome without ports.
     fn run(&mut self, job: &Words) -> Words {
-        let place = job.kind.opcode as usize;
-        let answer = match (self.operations.get(place), self.states.get_mut(place)) {
-            (Some(Some(known)), Some(state)) => {
+        let mut known = self.operations.iter().zip(&mut self.states);
+        let answer = match known.find(|(known, _)| known.kind == job.kind) {
+            Some((known, state)) => {
                 let raised = self.features.exception_flags.then(Cell::default);
-                let all = known.operation.answer(self.format, &job.words, state, raised.as_ref());
-                let own = all.iter().zip(&known.is_there).filter_map(|(word, is_there)| is_there.then_some(*word));
+                let job_words = all(&job.words, &known.has_input);
+                let answer = known.operation.answer(self.format, &job_words, state, raised.as_ref());
+                let own = present(answer, &known.has_output);
                 let tag = (self.features.tag > 0).then(|| job.words.last().copied().unwrap_or(0));
                 own.chain(raised.map(Cell::into_inner)).chain(tag).collect()
             }
-            _ => Vec::new(),
+            None => Vec::new(),
         };
         self.outcome_of_words(job.kind, &answer)
     }
@@ -214,7 +234,7 @@ impl PartialEq for AnyModel {
 
 impl fmt::Debug for AnyModel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<&str> = self.known().map(|known| known.kind.name).collect();
+        let names: Vec<&str> = self.operations.iter().map(|known| known.kind.name).collect();
         f.debug_struct("AnyModel").field("operations", &names).field("states", &self.states).finish()
     }
 }

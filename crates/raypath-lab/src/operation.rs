@@ -11,16 +11,19 @@ pub trait AnyOperation: Send + Sync {
     /// [`Operation::NAME`].
     fn name(&self) -> &'static str;
 
-    /// The ports of its jobs, read or not.
+    /// The ports of its jobs, there or not.
     fn inputs(&self) -> Vec<Port>;
 
     /// The ports of its answers, there or not.
     fn outputs(&self) -> Vec<Port>;
 
+    /// Whether an input port is there: [`Operation::has_input`].
+    fn has_input(&self, port: &str) -> bool;
+
     /// Whether an output port is there: [`Operation::has_output`].
     fn has_output(&self, port: &str) -> bool;
 
-    /// Answers a job in numbers of `format`, on all outputs, there or not. `state` is what the job before left, empty at
+    /// Answers a job, given on all inputs, in numbers of `format`, on all outputs, there or not. `state` is what the job before left, empty at
     /// first; this leaves another. In binary32 `raised` gets the exceptions of additions and multiplications.
     fn answer(&self, format: Format, job: &[u64], state: &mut Vec<u64>, raised: Option<&Cell<u64>>) -> Vec<u64>;
 
@@ -42,6 +45,10 @@ impl<O: Operation + Send + Sync> AnyOperation for O {
 
     fn outputs(&self) -> Vec<Port> {
         ports_of::<O::Output<Binary32>>()
+    }
+
+    fn has_input(&self, port: &str) -> bool {
+        Operation::has_input(self, port)
     }
 
     fn has_output(&self, port: &str) -> bool {

@@ -99,7 +99,7 @@ impl<O> From<Study<O>> for AnyStudy {
     }
 }
 
-/// An operation that a crate offers to every program that it is linked into: `inventory::submit! { Registered(...) }` in
+/// An operation that a crate offers to every program that it is linked into: `raypath_lab::inventory::submit!(Registered(...))` in
 /// the operation's own file is all that there is to do.
 pub struct Registered(pub fn() -> AnyStudy);
 
@@ -129,10 +129,14 @@ impl AnyStudy {
     }
 
     /// A random job for a model that has the operation as `kind`: the study's own where it has jobs and the model is in
-    /// binary32.
+    /// binary32, and any value at a port that is not the operation's, as that of a tag.
     pub fn job(&self, model: &AnyModel, kind: AnyKind, rng: &mut ChaCha8Rng) -> Words {
         match &self.stimulus {
-            Some(stimulus) if model.format() == Format::BINARY32 => model.job_of_words(kind, &stimulus(rng)),
+            Some(stimulus) if model.format() == Format::BINARY32 => {
+                let mut words = model.present_inputs(kind, stimulus(rng));
+                words.extend(any_job(model, kind, rng).as_words().iter().skip(words.len()));
+                model.job_of_words(kind, &words)
+            }
             _ => any_job(model, kind, rng),
         }
     }

@@ -98,7 +98,12 @@ pub fn difference(datapath: &Datapath, config: Config, index: usize) -> Vec<&'st
         causes.push("the stage takes several steps");
     }
     let is_paper = |name: &str| JobKind::ALL.iter().any(|kind| kind.name() == name);
-    if datapath.schedule(index).iter().any(|note| !is_paper(note.operation)) && ours != paper {
+    let schedule = datapath.schedule(index);
+    let most = |of_paper: bool, kind| {
+        let notes = schedule.iter().filter(|note| is_paper(note.operation) == of_paper);
+        notes.map(|note| note.units.of(kind)).max().unwrap_or(0)
+    };
+    if UnitKind::ALL.into_iter().any(|kind| most(false, kind) > paper.of(kind).max(most(true, kind))) {
         causes.push("operations beside the paper's");
     }
     if ours.encode + ours.decode > 0 {

@@ -109,6 +109,10 @@ fn opcodes_are_assigned() {
     assert!(matches!(error, Error::Name { operation: "before" }), "{error}");
     let error = Datapath::new().with_opcode(64, Before::<4>).elaborate().expect_err("too large");
     assert!(error.to_string().contains("opcode 64 is too large, expected 0 to 63"), "{error}");
+    // What no opcode can be is refused where a netlist is needed, and no model minds.
+    let set = Datapath::new().with_opcode(u64::MAX, Before::<4>);
+    assert_eq!(set.model().kinds().len(), 1);
+    assert!(matches!(set.cycle_model(), Err(Error::Opcode { opcode: u64::MAX, .. })));
 }
 
 /// An operation that needs more units than there may be says which, and where.

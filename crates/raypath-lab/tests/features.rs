@@ -1,8 +1,11 @@
 //! The paper's operations with features that the paper does not have: what is printed, before the tools.
 
+use raypath_format::Format;
+use raypath_lab::prelude::{Ray, RngExt, Triangle};
 use raypath_lab::rtl::{Accumulators, Config, Control, Features, Lanes, UnitLatency};
-use raypath_lab::{Checks, Datapath};
-use raypath_ops::Culling;
+use raypath_lab::{AnyStudy, Checks, Datapath, Study};
+use raypath_ops::{Culling, RayTriangleExtended, RayTriangleExtendedInput, Rules};
+use std::collections::BTreeSet;
 
 /// Everything on.
 const ALL: Features = Features {
@@ -46,7 +49,52 @@ fn what_cannot_be_had_is_refused() {
     let features = |features| Datapath::paper(Config { features, ..Config::DEFAULT }).elaborate();
     let error = features(Features { tag: 33, ..Features::OFF }).expect_err("too wide");
     assert!(error.to_string().contains("33 bits, expected 1 to 32"), "{error}");
-    let chisel = Config { rules: raypath_ops::Rules::Chisel, features: ALL, ..Config::DEFAULT };
+    let flags = Features { exception_flags: true, ..Features::OFF };
+    let half = Config { format: Format::BINARY16, features: flags, ..Config::DEFAULT };
+    let error = Datapath::paper(half).elaborate().expect_err("no model has them");
+    assert!(error.to_string().contains("expected format fp32"), "{error}");
+    let chisel = Config { rules: Rules::Chisel, features: ALL, ..Config::DEFAULT };
     let error = Datapath::paper(chisel).elaborate().expect_err("not under these rules");
     assert!(error.to_string().contains("expected the rules paper"), "{error}");
+}
+
+/// Ports that are not there are neither asked for nor shown: an oracle sees all others in their places, and a tag is any
+/// word.
+#[test]
+fn oracles_see_ports_in_their_places() {
+    let extended = RayTriangleExtended {
+        rules: Rules::Paper,
+        culling: Culling::None,
+        facing: true,
+        barycentrics: false,
+        range: false,
+    };
+    let study = Study::of(extended)
+        .stimulus(|rng| {
+            let mut vertex = || [(); 3].map(|()| rng.random_range(-1.0_f32..1.0));
+            let triangle = Triangle::new(vertex(), vertex(), vertex());
+            let ray = Ray::new([0.0, 0.0, -5.0], [0.0, 0.0, 1.0], f32::INFINITY).expect("a ray");
+            RayTriangleExtendedInput { ray, triangle, t_min: 7.0.into() }
+        })
+        .oracle("the sign of the denominator", |job, answer| {
+            if f32::from(job.t_min) != 0.0 {
+                return Err("a port that is not there has a value".to_string());
+            }
+            let is_front = f32::from(answer.t_denom) > 0.0;
+            if bool::from(answer.facing) == is_front { Ok(()) } else { Err(format!("front: {is_front}")) }
+        });
+    let studies = [AnyStudy::from(study)];
+    let features = Features { tag: 8, ..Features::OFF };
+    let datapath = Datapath::new().built_as(Config { features, ..Config::DEFAULT }).with_any(studies[0].operation());
+    let netlist = datapath.elaborate().expect("a datapath");
+    let checks = Checks { datapath: &datapath, netlist: &netlist, studies: &studies, seed: 9, jobs: 1000 };
+    let judged = &checks.against_the_oracles()[0];
+    assert_eq!((judged.jobs, judged.wrong), (1000, 0), "{judged:?}");
+    let model = datapath.model();
+    let kind = model.kind("triangle").expect("its operation");
+    assert!(model.inputs(kind).iter().all(|port| port.name != "t_min"));
+    let tags: BTreeSet<u64> =
+        checks.transactions(&studies[0]).iter().filter_map(|found| found.job.as_words().last().copied()).collect();
+    assert!(tags.len() > 200, "{} of 256 tags", tags.len());
+    assert_eq!(checks.against_the_models(|_| true).expect("a netlist").different, 0);
 }

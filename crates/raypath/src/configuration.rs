@@ -1,6 +1,6 @@
 //! Configurations in files: TOML whose keys are the command line's options (`docs/configurations.md`).
 
-use raypath_rtl::{Config, Preset};
+use raypath_rtl::{Config, Features, Preset};
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read};
 use std::ops::Range;
@@ -191,14 +191,14 @@ impl Document<'_> {
                 "control" => config.control = self.value(entry)?,
                 "sharing" => config.sharing = self.value(entry)?,
                 "unit-latency" => config.unit_latency = self.value(entry)?,
-                "tag" => config.features.tag = self.value(entry)?,
-                "barycentrics" => config.features.barycentrics = self.value(entry)?,
+                "tag" => config.features.tag = self.tag(entry)?,
+                "barycentrics" => config.features.barycentrics = self.switch(entry)?,
                 "culling" => config.features.culling = self.value(entry)?,
-                "facing" => config.features.facing = self.value(entry)?,
-                "range" => config.features.range = self.value(entry)?,
-                "conservative" => config.features.conservative = self.value(entry)?,
+                "facing" => config.features.facing = self.switch(entry)?,
+                "range" => config.features.range = self.switch(entry)?,
+                "conservative" => config.features.conservative = self.switch(entry)?,
                 "accumulators" => config.features.accumulators = self.value(entry)?,
-                "exception-flags" => config.features.exception_flags = self.value(entry)?,
+                "exception-flags" => config.features.exception_flags = self.switch(entry)?,
                 _ => {
                     let (path, line, key) = (self.path.to_path_buf(), entry.line, beginning(&entry.key));
                     return Err(ConfigurationError::UnknownKey { path, line, key });
@@ -245,12 +245,22 @@ impl Document<'_> {
     }
 
     fn value<T: FromStr<Err: ToString>>(&self, entry: &Entry) -> Result<T, ConfigurationError> {
-        entry.value.parse().map_err(|problem: T::Err| ConfigurationError::Value {
-            path: self.path.to_path_buf(),
-            line: entry.line,
-            key: entry.key.clone(),
-            problem: problem.to_string(),
-        })
+        entry.value.parse().map_err(|problem: T::Err| self.wrong(entry, problem.to_string()))
+    }
+
+    fn switch(&self, entry: &Entry) -> Result<bool, ConfigurationError> {
+        let wrong = |_| self.wrong(entry, format!("'{}', expected true or false", entry.value));
+        entry.value.parse().map_err(wrong)
+    }
+
+    fn tag(&self, entry: &Entry) -> Result<u32, ConfigurationError> {
+        let tag = entry.value.parse().ok().filter(|&tag| tag <= Features::MOST_TAG);
+        let problem = || format!("'{}', expected a whole number from 0 to {}", entry.value, Features::MOST_TAG);
+        tag.ok_or_else(|| self.wrong(entry, problem()))
+    }
+
+    fn wrong(&self, entry: &Entry, problem: String) -> ConfigurationError {
+        ConfigurationError::Value { path: self.path.to_path_buf(), line: entry.line, key: entry.key.clone(), problem }
     }
 
     fn line(&self, span: Range<usize>) -> usize {

@@ -64,7 +64,7 @@ pub fn study() -> Study<WithinRadius> {
 }
 
 /// Points on and about a sphere, of any size.
-fn stimulus(rng: &mut ChaCha8Rng) -> Points<Binary32> {
+pub fn stimulus(rng: &mut ChaCha8Rng) -> Points<Binary32> {
     let size = 2.0_f32.powi(rng.random_range(-20..20));
     let mut number = || size * if rng.random_bool(0.2) { 0.5 } else { rng.random_range(-1.0..1.0) };
     let mut vector = || [number(), number(), number()].into();
@@ -72,7 +72,7 @@ fn stimulus(rng: &mut ChaCha8Rng) -> Points<Binary32> {
 }
 
 /// Distances in binary64; who is nearer to the sphere than binary32 can tell may be on either side of it.
-fn judge(job: &Points<Binary32>, answer: &Near<Binary32>) -> Result<(), String> {
+pub fn judge(job: &Points<Binary32>, answer: &Near<Binary32>) -> Result<(), String> {
     const ROUNDINGS: f64 = 6.0 / (1 << 24) as f64;
     let limit = f64::from(f32::from(job.radius)).powi(2);
     let query: [f32; 3] = job.query.into();
@@ -80,7 +80,7 @@ fn judge(job: &Points<Binary32>, answer: &Near<Binary32>) -> Result<(), String> 
         let point: [f32; 3] = point.into();
         let exact: f64 = (0..3).map(|k| (f64::from(point[k]) - f64::from(query[k])).powi(2)).sum();
         let found = f64::from(f32::from(answer.squared_distance[i]));
-        if (found - exact).abs() > ROUNDINGS * exact {
+        if found.is_nan() || (found - exact).abs() > ROUNDINGS * exact {
             return Err(format!("point {i}: squared distance {found}, expected {exact}"));
         }
         let is_near = bool::from(answer.is_near.0[i]);

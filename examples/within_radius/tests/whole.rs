@@ -4,7 +4,7 @@ use raypath_lab::ops::{RayBox, RayTriangle, Rules};
 use raypath_lab::prelude::*;
 use raypath_lab::transactions::read;
 use raypath_lab::{AnyStudy, Arguments, Checks, Cost, run};
-use within_radius::{Points, WithinRadius, study};
+use within_radius::{Near, Points, WithinRadius, judge, stimulus, study};
 
 const NAME: &str = "within_radius";
 
@@ -141,4 +141,37 @@ fn the_models_are_a_few_lines() {
     assert_eq!(cycles.output(), Some(&outcome));
     // ANCHOR_END: models
     assert_eq!(netlist.latency(), 12);
+}
+
+/// No number is a right distance.
+#[test]
+fn the_oracle_refuses_nan() {
+    struct NoNumber;
+    impl Operation for NoNumber {
+        const NAME: &'static str = "no_number";
+        type Input<C: Circuit> = Points<C>;
+        type Output<C: Circuit> = Near<C>;
+        type State<C: Circuit> = ();
+        fn run<C: Circuit>(&self, c: C, _: Points<C>, _: ()) -> (Near<C>, ()) {
+            c.stage(2, "∞ - ∞");
+            let none = c.infinity() - c.infinity();
+            (Near { is_near: Flags([c.bit(false); 4]), squared_distance: [none; 4] }, ())
+        }
+    }
+    let study: AnyStudy = Study::of(NoNumber).stimulus(stimulus).oracle("f64", judge).into();
+    let datapath = Datapath::new().with_any(study.operation());
+    let (netlist, studies) = (datapath.elaborate().expect("it fits"), [study]);
+    let checks = Checks { datapath: &datapath, netlist: &netlist, studies: &studies, seed: 1, jobs: 100 };
+    assert_eq!(checks.against_the_oracles()[0].wrong, 100);
+}
+
+/// An operation that adds no unit is no reason for the units that a stage has.
+#[test]
+fn it_is_not_blamed_for_units() {
+    let config = Default::default();
+    let netlist = Datapath::paper(config).with(WithinRadius).elaborate().expect("it fits");
+    for step in 0..netlist.steps().count() {
+        let causes = raypath_lab::tables::difference(&netlist, config, step);
+        assert!(!causes.contains(&"operations beside the paper's"), "step {step}: {causes:?}");
+    }
 }

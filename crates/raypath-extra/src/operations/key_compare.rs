@@ -1,12 +1,12 @@
 //! A key against the separators of a B-tree's node (Barnes et al., "Extending GPU Ray-Tracing Units for Hierarchical
 //! Search Acceleration", MICRO 2024).
 //!
-//! Adds 36 comparators in stage 4, where the rules `paper` need 24 for boxes and `chisel` as many, and no other unit.
+//! Needs 36 comparators in stage 4, of which boxes have 24 there, and encoders for 37 numbers, of which the others have 32.
 //! Sorted separators answer the key like a thermometer: so the index comes out of choices alone, and nothing is counted.
 
 use crate::{draw, exact};
 use rand::{Rng, RngExt};
-use raypath_lab::{Registered, Study};
+use raypath_lab::{Registered, Study, inventory};
 use raypath_ops::{Binary32, Bit, Circuit, Num, Operation, Word, array_of, bundle};
 
 /// Separators of a node, so that it has one more child.

@@ -7,7 +7,7 @@
 use crate::slabs::{self, Passage, Plane};
 use crate::{draw, exact};
 use rand::{Rng, RngExt};
-use raypath_lab::{Registered, Study};
+use raypath_lab::{Registered, Study, inventory};
 use raypath_ops::{
     Aabb, Binary32, Circuit, Entry, Flags, Num, Operation, Place, Ray, RayBox, RayBoxInput, Rules, Slabs, Word,
     array_of, bundle,

@@ -4,7 +4,7 @@
 
 use crate::{draw, exact};
 use rand::{Rng, RngExt};
-use raypath_lab::{Registered, Study};
+use raypath_lab::{Registered, Study, inventory};
 use raypath_ops::{Aabb, Binary32, Bit, Circuit, Flags, Num, Operation, Slab, Vec3, array_of, bundle};
 
 /// Which of four boxes a point is in.

@@ -1,8 +1,8 @@
 //! A ray against four boxes with 8 bits a bound: compressed wide nodes (Ylitie, Karras, Laine, "Efficient Incoherent Ray
 //! Traversal on GPUs Through Compressed Wide BVHs", HPG 2017; Vortex and RDNA 4 have such nodes as well).
 //!
-//! A plane at `origin + offset · scale` is at the distance `(origin - ray.origin) · inv + offset · (scale · inv)`, so that the
-//! 24 multiplications of stage 3 suffice. Adds 3 multipliers in stage 2 and 3 in stage 3, 16 adders in stage 4, 20 comparators
+//! A plane at `origin + offset · scale` is at the distance `(origin - ray.origin) · inv + offset · (scale · inv)`, so that three
+//! multiplications beside the 24 of the slabs suffice in stage 3. Adds 3 multipliers in stage 2 and 3 in stage 3, 16 adders in stage 4, 20 comparators
 //! in stage 5 and 4 in stage 6; the sort is that of the four boxes.
 
 mod node;
@@ -13,7 +13,7 @@ pub use oracle::judge;
 
 use crate::draw;
 use rand::{Rng, RngExt};
-use raypath_lab::{Registered, Study};
+use raypath_lab::{Registered, Study, inventory};
 use raypath_ops::{
     Binary32, Bit, Circuit, Flags, Num, Operation, Place, Ray, RayBoxOutput, Slab, Vec3, Word, array_of, bundle,
 };

@@ -1,6 +1,7 @@
 //! The options that say which configuration is meant: shared by all commands that elaborate one.
 
 use crate::commands::Failure;
+use crate::commands::numbers::whole;
 use clap::Args;
 use raypath::configuration;
 use raypath::format::Format;
@@ -51,28 +52,28 @@ pub struct ConfigArguments {
 #[command(next_help_heading = "Features that the paper's operations do not have")]
 struct FeatureArguments {
     /// Bits of a word that every job takes along, from tag_i to tag_o
-    #[arg(long, value_name = "0..32")]
+    #[arg(long, value_name = "0..32", value_parser = whole(0..=Features::MOST_TAG))]
     tag: Option<u32>,
     /// A triangle's U, V and W at output ports
-    #[arg(long, value_name = "true|false", num_args = 0..=1, default_missing_value = "true")]
+    #[arg(long, value_name = "true|false", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     barycentrics: Option<bool>,
     /// The faces of triangles that are not hit
     #[arg(long, value_name = "back|front|none")]
     culling: Option<Culling>,
     /// Which face of a triangle a ray meets, at an output port
-    #[arg(long, value_name = "true|false", num_args = 0..=1, default_missing_value = "true")]
+    #[arg(long, value_name = "true|false", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     facing: Option<bool>,
     /// Triangles are hit only between the input t_min and the ray's extent
-    #[arg(long, value_name = "true|false", num_args = 0..=1, default_missing_value = "true")]
+    #[arg(long, value_name = "true|false", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     range: Option<bool>,
     /// No box that a ray touches is missed for a rounding (rules paper)
-    #[arg(long, value_name = "true|false", num_args = 0..=1, default_missing_value = "true")]
+    #[arg(long, value_name = "true|false", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     conservative: Option<bool>,
     /// How many vectors' distances are summed at a time, interleaved
     #[arg(long, value_name = "1|2|4|8|16")]
     accumulators: Option<Accumulators>,
     /// What a job's additions and multiplications raised, at an output port
-    #[arg(long, value_name = "true|false", num_args = 0..=1, default_missing_value = "true")]
+    #[arg(long, value_name = "true|false", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     exception_flags: Option<bool>,
 }
 
@@ -83,7 +84,7 @@ impl ConfigArguments {
         if config.features == Features::OFF {
             return Ok(config);
         }
-        let problem = "features are for generate, ppa, explore and replay; expected none of them here";
+        let problem = "features are for generate, ppa, explore, replay and wave; expected none of them here";
         Err(Failure::unusable(format!("{config}: {problem}")))
     }
 

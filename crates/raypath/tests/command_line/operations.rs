@@ -56,9 +56,13 @@ fn features_that_cannot_be_had_are_refused() {
     let folder = folder();
     let out = text(&folder.path().join("none"));
     for (arguments, words) in [
-        (vec!["generate", "--tag", "33", "--out", &out], "33 bits, expected 1 to 32"),
+        (vec!["generate", "--tag", "33", "--out", &out], "expected a whole number from 0 to 32"),
         (vec!["generate", "--conservative", "--rules", "chisel", "--out", &out], "expected the rules paper"),
         (vec!["generate", "--exception-flags", "--format", "fp16", "--out", &out], "expected format fp32"),
+        (vec!["replay", "--exception-flags", "--format", "fp16", "triangle.txt"], "expected format fp32"),
+        // A file is no value of the option before it.
+        (vec!["replay", "--facing", "triangle.txt"], "triangle.txt: No such file"),
+        (vec!["replay", "--facing=maybe", "triangle.txt"], "'maybe'"),
         (vec!["render", "--tag", "8"], "features are for generate"),
         (vec!["generate", "--culling", "sides", "--out", &out], "sides"),
     ] {
