@@ -44,9 +44,21 @@ pub struct Operations {
 #[derive(Debug)]
 struct Claim {
     name: String,
+    is_input: bool,
     /// None for a number.
     width: Option<u32>,
     operation: &'static str,
+}
+
+impl Claim {
+    fn clashes_with(&self, other: &Self) -> bool {
+        let is_same = (self.is_input, &self.name) == (other.is_input, &other.name);
+        let are_alike = match (self.width, other.width) {
+            (Some(_), Some(_)) if self.is_input => true,
+            (ours, theirs) => ours == theirs,
+        };
+        is_same && (!are_alike || self.operation == other.operation)
+    }
 }
 
 /// A port's width: `a number`, `1 bit`, `4 bits`.
@@ -70,7 +82,7 @@ impl Operations {
     /// An operation that does not fit the pipeline: a stage that is not there, a value that is read before it is made,
     /// state that is read elsewhere than its next value is made; stages that are marked beside
     /// [`auto`](raypath_ops::Circuit::auto), or a chain of units that is too long for it; an opcode that is taken or too
-    /// large; a name that is taken or no identifier; a port that another has in another width.
+    /// large; a name that is taken or no identifier; a port that another has otherwise, or that it has twice.
     pub fn with<O: Operation>(mut self, operation: &O, opcode: u64) -> Result<Self, Error> {
         let taken = self.traced.iter().find(|traced| traced.opcode == opcode).map(|traced| traced.name);
         if taken.is_some() || opcode >= MOST_OPERATIONS {
@@ -113,22 +125,18 @@ impl Operations {
         self
     }
 
-    /// Ports of one name are one port: they must be alike, and an operation must not have one twice.
+    /// Ports of one name are one port, which an operation must not have twice. Outputs must be as wide as each other; of an
+    /// input that is a word or flags, an operation may read the lowest bits alone.
     fn claim_ports<O: Operation>(&mut self, operation: &O) -> Result<(), Error> {
         let inputs = ports_of::<O::Input<Binary32>>().into_iter().filter(|port| operation.has_input(&port.name));
         let outputs = ports_of::<O::Output<Binary32>>().into_iter().filter(|port| operation.has_output(&port.name));
-        let sides = [("_i", inputs.collect::<Vec<_>>()), ("_o", outputs.collect())];
-        for (suffix, port) in
-            sides.into_iter().flat_map(|(suffix, ports)| ports.into_iter().map(move |port| (suffix, port)))
-        {
-            let claim = Claim { name: format!("{}{suffix}", port.name), width: port.width, operation: O::NAME };
-            let clashes = |other: &&Claim| {
-                other.name == claim.name && (other.width != claim.width || other.operation == claim.operation)
-            };
-            if let Some(other) = self.ports.iter().find(clashes) {
+        let ports = inputs.map(|port| (port, true)).chain(outputs.map(|port| (port, false)));
+        for (port, is_input) in ports {
+            let claim = Claim { name: port.name, is_input, width: port.width, operation: O::NAME };
+            if let Some(other) = self.ports.iter().find(|other| other.clashes_with(&claim)) {
                 let [ours, theirs] = [claim.width, other.width].map(in_words);
-                let (operation, port, other) = (claim.operation, claim.name, other.operation);
-                return Err(Error::Port { operation, port, ours, other, theirs });
+                let port = format!("{}_{}", claim.name, if is_input { "i" } else { "o" });
+                return Err(Error::Port { operation: O::NAME, port, ours, other: other.operation, theirs });
             }
             self.ports.push(claim);
         }

@@ -116,7 +116,7 @@ pub enum Error {
     /// A port that another operation has otherwise, or the operation itself.
     #[error(
         "operation {operation}: its port {port} is {ours}, and that of {other} {theirs}; ports of one name are one port, \
-         expected the same width or another name"
+         expected the same type or another name"
     )]
     Port {
         /// The operation.

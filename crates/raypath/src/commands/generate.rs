@@ -76,8 +76,15 @@ const MOST_JUDGED: u32 = 10_000;
 fn judge(checks: &Checks<'_>, out: &mut dyn Write) -> Result<(), Failure> {
     for study in checks.studies {
         let one = Checks { studies: std::slice::from_ref(study), ..*checks };
-        let Some(judged) = one.against_the_oracles().pop() else { continue };
-        let (name, oracle) = (study.name(), study.verified_by().unwrap_or_default());
+        let name = study.name();
+        let Some(oracle) = study.verified_by() else {
+            writeln!(out, "Oracle of {name}: none; only netlist and models are compared.")?;
+            continue;
+        };
+        let Some(judged) = one.against_the_oracles().pop() else {
+            writeln!(out, "Oracle of {name} ({oracle}): left out; oracles speak of binary32.")?;
+            continue;
+        };
         writeln!(
             out,
             "Oracle of {name} ({oracle}): {} of {} random jobs answered wrongly.",

@@ -22,12 +22,26 @@ fn an_operation_is_added_by_its_name() {
     let out = text(&folder.path().join("with"));
     let names: Vec<&str> = registered().iter().map(AnyStudy::name).collect();
     let [first, .., last] = names.as_slice() else { panic!("two operations") };
-    let words = [format!("with {last}, {first}"), ": 0 mismatches".to_string()];
+    let words = [
+        format!("with {last}, {first}"),
+        ": 0 mismatches".to_string(),
+        format!("Oracle of {last}"),
+        ": 0 of 600 random jobs answered wrongly".to_string(),
+    ];
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     ends_with(&["generate", "--with", &format!("{last},{first}"), "--jobs", "600", "--out", &out], 0, &words);
     let written = read_to_string(folder.path().join("with/raypath.sv")).expect("a file");
     assert!(written.contains(&format!("4 {last}, 5 {first}")), "opcodes in the head comment");
     assert!(folder.path().join("with/rtl/raypath_wrapper.sv").is_file());
+    // Its jobs, with the answers, are a file that can be replayed.
+    let recorded = text(&folder.path().join(format!("with/{last}.txt")));
+    ends_with(
+        &["replay", "--with", last, "--engine", "both", &recorded],
+        0,
+        &["operation       jobs  mismatches", " 600           0\n"],
+    );
+    let half = ["generate", "--with", last, "--format", "fp16", "--jobs", "50", "--out", &out];
+    ends_with(&half, 0, &["left out; oracles speak of binary32"]);
 
     let words: Vec<&str> = std::iter::once("'spheer'").chain(names.iter().copied()).collect();
     ends_with(&["generate", "--with", "spheer", "--out", &out], 2, &words);
