@@ -15,6 +15,7 @@ use std::sync::Arc;
 pub struct AnyModel {
     format: Format,
     features: Features,
+    /// By opcode.
     operations: Arc<[Known]>,
     /// What the last job of each operation left.
     states: Vec<Vec<u64>>,
@@ -64,7 +65,9 @@ impl AnyModel {
         let Config { format, features, .. } = config;
         let taken_along = (features.tag > 0).then(|| port(TAG, PortKind::Word, features.tag));
         let raised = features.exception_flags.then(|| port("exception_flags", PortKind::Word, FLAGS));
-        let known = operations.iter().map(|(opcode, operation)| {
+        let mut by_opcode: Vec<_> = operations.iter().collect();
+        by_opcode.sort_by_key(|(opcode, _)| *opcode);
+        let known = by_opcode.into_iter().map(|(opcode, operation)| {
             let kind = AnyKind { opcode: *opcode, name: operation.name() };
             let (inputs, outputs) = (operation.inputs(), operation.outputs());
             let has_input: Vec<bool> = inputs.iter().map(|port| operation.has_input(&port.name)).collect();

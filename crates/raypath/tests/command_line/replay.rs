@@ -75,28 +75,30 @@ fn transactions_of_any_operation_survive_a_file() {
 #[test]
 fn an_added_operation_is_replayed_and_shown() {
     let folder = folder();
-    let (model, stream) = added("sphere", 3, 2000);
-    let kind = model.kind("sphere").expect("an operation");
+    // Whichever it is: operations come and go with their files.
+    let name = registered().first().expect("an operation").name();
+    let (model, stream) = added(name, 3, 2000);
+    let kind = model.kind(name).expect("an operation");
+    let last = model.outputs(kind).last().expect("an output").name.clone();
     let written = as_text(&model, kind, &stream, Config::DEFAULT);
-    let spheres = file(folder.path(), "sphere.txt", &written);
+    let jobs = file(folder.path(), &format!("{name}.txt"), &written);
     let (boxes, report) = (format!("{GOLDEN}/quadbox.txt.gz"), text(&folder.path().join("report.html")));
     for engine in ["model", "cycle", "netlist"] {
-        let common =
-            ["replay", "--rules", "chisel", "--with", "sphere", "--engine", engine, "--interleave", "--handshake"];
-        let shown = ["random", "--report", &report, &spheres, &boxes];
+        let common = ["replay", "--rules", "chisel", "--with", name, "--engine", engine, "--interleave", "--handshake"];
+        let shown = ["random", "--report", &report, &jobs, &boxes];
         let arguments = match engine {
-            "model" => [&common[..], &["random", &spheres, &boxes]].concat(),
+            "model" => [&common[..], &["random", &jobs, &boxes]].concat(),
             _ => [&common[..], &shown].concat(),
         };
         let output = raypath(&arguments);
         let said = said(&output);
         assert_eq!(output.status.code(), Some(0), "{said}");
-        assert_eq!(printed(&said, "sphere").split_whitespace().collect::<Vec<_>>(), ["2000", "0"], "{said}");
+        assert_eq!(printed(&said, name).split_whitespace().collect::<Vec<_>>(), ["2000", "0"], "{said}");
     }
     // The page has it in the legend, in the choice of utilisation and as a row; and the table for the terminal in its head.
     let page = std::fs::read_to_string(&report).expect("a page");
-    assert_eq!(page.matches("<i class=\"key op4\"></i>sphere").count(), 3);
-    assert!(page.contains("\"operations\":[\"triangle\",\"quadbox\",\"euclidean\",\"angular\",\"sphere\"]"));
+    assert_eq!(page.matches(&format!("<i class=\"key op4\"></i>{name}")).count(), 3);
+    assert!(page.contains(&format!("\"operations\":[\"triangle\",\"quadbox\",\"euclidean\",\"angular\",\"{name}\"]")));
     page::counts(report.as_ref());
 
     // One changed digit of an answer is found, and the field is named.
@@ -104,22 +106,27 @@ fn an_added_operation_is_replayed_and_shown() {
     let digit = lines[1000].len() - 1;
     let other = if lines[1000].ends_with('0') { "1" } else { "0" };
     lines[1000].replace_range(digit.., other);
-    let wrong = file(folder.path(), "sphere_wrong.txt", lines.join("\n"));
+    let wrong = file(folder.path(), &format!("{name}_wrong.txt"), lines.join("\n"));
     for engine in ["model", "netlist"] {
-        let words = ["mismatch: sphere job, seq 0003e8, cat 1", "* sphere_hit", "1 of 2000 outcomes differ"];
-        ends_with(&["replay", "--with", "sphere", "--engine", engine, &wrong], 1, &words);
+        let mismatch = format!("mismatch: {name} job, seq 0003e8, cat 1");
+        let words = [&mismatch, &format!("* {last}"), "1 of 2000 outcomes differ"];
+        ends_with(&["replay", "--with", name, "--engine", engine, &wrong], 1, &words);
     }
 
     let wave = text(&folder.path().join("trace.fst"));
-    ends_with(&["wave", "--with", "sphere", "--jobs", "50", "--out", &wave, &spheres], 0, &["50 jobs in 62 cycles"]);
+    ends_with(&["wave", "--with", name, "--jobs", "50", "--out", &wave, &jobs], 0, &["50 jobs in 62 cycles"]);
 
     let other = file(folder.path(), "jobs.txt", &written);
-    ends_with(&["replay", "--with", "sphere", "--kind", "sphere", &other], 0, &["2000"]);
-    let all = "expected triangle, quadbox, euclidean or angular";
-    ends_with(&["replay", &spheres], 2, &["sphere.txt: sphere jobs", "(without --with sphere)", all]);
-    ends_with(&["replay", "--kind", "sphere", &other], 2, &["'sphere' is no kind of job (without --with sphere)", all]);
-    let all = "expected triangle, quadbox, euclidean, angular or sphere";
-    ends_with(&["replay", "--with", "sphere", &other], 2, &["jobs.txt: the name begins with no kind of job", all]);
-    let lanes = ["replay", "--with", "sphere", "--lanes", "none", "--kind", "angular", &other];
-    ends_with(&lanes, 2, &["'angular' is no kind of job (no distance modes), expected triangle, quadbox or sphere"]);
+    ends_with(&["replay", "--with", name, "--kind", name, &other], 0, &["2000"]);
+    let (all, without) = ("expected triangle, quadbox, euclidean or angular", format!("(without --with {name})"));
+    ends_with(&["replay", &jobs], 2, &[&format!("{name}.txt: {name} jobs"), &without, all]);
+    ends_with(&["replay", "--kind", name, &other], 2, &[&format!("'{name}' is no kind of job {without}"), all]);
+    let all = &format!("expected triangle, quadbox, euclidean, angular or {name}");
+    ends_with(&["replay", "--with", name, &other], 2, &["jobs.txt: the name begins with no kind of job", all]);
+    let lanes = ["replay", "--with", name, "--lanes", "none", "--kind", "angular", &other];
+    ends_with(
+        &lanes,
+        2,
+        &[&format!("'angular' is no kind of job (no distance modes), expected triangle, quadbox or {name}")],
+    );
 }
