@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn no_field_is_a_keyword() {
         assert_eq!(paths(&["range_begin", "range_end"]), ["range_begin", "range_end"]);
-        assert_eq!(paths(&["a_reg_x", "a_reg_y", "a_q"]), ["a_reg_x", "a_reg_y", "a_q"]);
+        assert_eq!(paths(&["a_reg_x", "a_reg_y", "a_q"]), ["a.reg_x", "a.reg_y", "a.q"]);
         assert_eq!(paths(&["a_wire_1", "a_q"]), ["a.wire_1", "a.q"]);
         assert_eq!(paths(&["edge_x", "edge_y", "near_x", "near_y"]), ["edge_x", "edge_y", "near_x", "near_y"]);
     }
