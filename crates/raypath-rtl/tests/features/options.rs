@@ -157,11 +157,11 @@ fn configurations_name_their_features() {
     assert_eq!(Config::DEFAULT.options(), "");
     let features = Features { tag: 8, culling: Culling::None, facing: true, ..Features::OFF };
     let config = Config { features, ..Config::DEFAULT };
-    assert_eq!(config.options(), "--tag 8 --culling none --facing true");
+    assert_eq!(config.options(), "--tag 8 --culling none --facing");
     assert_eq!(config.to_string(), "lanes 16, rules paper, tag 8, culling none, facing true");
     let features = Features { accumulators: Accumulators::Sixteen, range: true, ..Features::OFF };
     let config = Config { features, control: Control::Credit, ..Config::DEFAULT };
-    assert_eq!(config.options(), "--control credit --range true --accumulators 16");
+    assert_eq!(config.options(), "--control credit --range --accumulators 16");
 }
 
 #[test]
