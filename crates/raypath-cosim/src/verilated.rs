@@ -17,7 +17,7 @@ const BUFFER: usize = 1 << 16;
 #[derive(Debug, Clone)]
 pub struct Options {
     /// The `-O` with which the C++ that runs in every cycle is compiled: 0 is built in a third of the time of 1 and runs
-    /// some 10,000 cycles a second all the same; 3 is for measuring speed.
+    /// some 30,000 cycles of the datapath a second all the same; 3 is for measuring speed.
     pub c_optimisation: u32,
     /// Whether the C++ may use all instructions of this machine (`-march=native`).
     pub native: bool,

@@ -9,7 +9,7 @@ use crate::{draw, exact};
 use rand::{Rng, RngExt};
 use raypath_lab::{Registered, Study, inventory};
 use raypath_ops::{
-    Aabb, Binary32, Circuit, Entry, Flags, Num, Operation, Place, Ray, RayBox, RayBoxInput, Rules, Slabs, Word,
+    Aabb, Binary32, Circuit, Entry, Flags, Num, Operation, Place, Ray, RayBox, RayBoxInput, Rules, Slab, Slabs, Word,
     array_of, bundle,
 };
 
@@ -138,16 +138,12 @@ pub fn judge(job: &OctboxInput<Binary32>, answer: &OctboxOutput<Binary32>) -> Re
 /// The ray's way through a box. Three roundings make a distance: that of the difference, of `inv`, and of the product.
 fn passage(ray: &Ray<Binary32>, aabb: &Aabb<Binary32>) -> Option<Passage> {
     let origin = exact::values(ray.origin)?;
-    let slabs = [aabb.x, aabb.y, aabb.z].map(|slab| Some([exact::value(slab.min)?, exact::value(slab.max)?]));
-    let [x, y, z] = slabs;
-    let bounds = [x?, y?, z?];
-    let planes = std::array::from_fn(|k| {
-        bounds[k].clone().map(|bound| {
-            let at = bound - &origin[k];
-            Plane { bound: exact::absolute(&at) * exact::power(-22), at }
-        })
-    });
-    Passage::new(ray, planes)
+    let plane = |bound, k: usize| {
+        let at = exact::value(bound)? - &origin[k];
+        Some(Plane { bound: exact::absolute(&at) * exact::power(-22), at })
+    };
+    let planes = |slab: Slab<Binary32>, k| Some([plane(slab.min, k)?, plane(slab.max, k)?]);
+    Passage::new(ray, [planes(aabb.x, 0)?, planes(aabb.y, 1)?, planes(aabb.z, 2)?])
 }
 
 fn to_the_bit(job: &OctboxInput<Binary32>, answer: &OctboxOutput<Binary32>) -> Result<(), String> {

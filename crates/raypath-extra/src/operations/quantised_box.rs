@@ -2,8 +2,8 @@
 //! Traversal on GPUs Through Compressed Wide BVHs", HPG 2017; Vortex and RDNA 4 have such nodes as well).
 //!
 //! A plane at `origin + offset · scale` is at the distance `(origin - ray.origin) · inv + offset · (scale · inv)`, so that three
-//! multiplications beside the 24 of the slabs suffice in stage 3. Adds 3 multipliers in stage 2 and 3 in stage 3, 16 adders in stage 4, 20 comparators
-//! in stage 5 and 4 in stage 6; the sort is that of the four boxes.
+//! multiplications beside the 24 of the slabs suffice in stage 3. Adds 3 multipliers in stage 2 and 3 in stage 3, 16 adders in
+//! stage 4, 20 comparators in stage 5 and 4 in stage 6; the sort is that of the four boxes.
 
 mod node;
 mod oracle;
