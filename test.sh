@@ -66,10 +66,11 @@ cargo fmt --all --check
 rustfmt --check --edition 2024 crates/raypath-extra/src/operations/*.rs
 
 step 'Clippy'
-cargo clippy --workspace --all-targets --locked -- -D warnings
+# In the profile of the tests, so that macros and build scripts are compiled once.
+cargo clippy --workspace --all-targets --release --locked -- -D warnings
 
 step 'Documentation'
-RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --locked --quiet
+RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --release --locked --quiet
 
 step 'Tests'
 cargo test --workspace --release --locked

@@ -1,11 +1,12 @@
 //! The command line of a crate that has an operation of its own.
 
-use crate::checks::{Checks, Judged};
+use crate::checks::Checks;
 use crate::cost::Cost;
 use crate::datapath::Datapath;
 use crate::emit;
 use crate::error::LabError;
 use crate::files::{FileError, write_all};
+use crate::oracles::ask_oracles;
 use crate::progress::{Progress, Stopped, is_stopped};
 use crate::study::AnyStudy;
 use crate::tables;
@@ -116,14 +117,7 @@ fn write(checks: &Checks<'_>, study: &AnyStudy, arguments: &Arguments, out: &mut
 }
 
 fn check(checks: &Checks<'_>, study: &AnyStudy, arguments: &Arguments, out: &mut dyn Write) -> Result<(), LabError> {
-    match (checks.against_the_oracles().first(), study.verified_by()) {
-        (Some(judged), Some(name)) => {
-            writeln!(out, "Oracle ({name}): {} of {} random jobs answered wrongly.", judged.wrong, judged.jobs)?;
-            all_right(judged, out)?;
-        }
-        (None, Some(_)) => writeln!(out, "Oracle: left out, as it speaks of binary32.")?,
-        _ => writeln!(out, "Oracle: none; only netlist and models are compared.")?,
-    }
+    ask_oracles(checks, out)?;
 
     let mut progress = Progress::new("jobs", checks.jobs);
     let found = checks.against_the_models(|done| progress.at(done))?;
@@ -158,17 +152,9 @@ fn check(checks: &Checks<'_>, study: &AnyStudy, arguments: &Arguments, out: &mut
                 None => writeln!(out, ".")?,
             }
             same(different, &found.faults, "Verilator and the cycle-exact model", out)?;
-            found.judged.iter().try_for_each(|judged| all_right(judged, out))
+            found.judged.iter().try_for_each(|judged| judged.all_right(study.name(), out))
         }
         Err(error) => tolerate(error.into(), "no simulation in Verilator", arguments, out),
-    }
-}
-
-fn all_right(judged: &Judged, out: &mut dyn Write) -> Result<(), LabError> {
-    judged.faults.iter().try_for_each(|fault| writeln!(out, "  {fault}"))?;
-    match judged.wrong {
-        0 => Ok(()),
-        wrong => Err(LabError::Mismatch(format!("{wrong} of {} answers are wrong", judged.jobs))),
     }
 }
 

@@ -91,6 +91,7 @@ mod cost;
 mod datapath;
 #[doc(hidden)]
 pub mod drawing;
+mod dynamic;
 pub mod emit;
 pub mod engine;
 mod error;
@@ -100,6 +101,7 @@ mod measure;
 mod model;
 pub mod numbers;
 mod operation;
+mod oracles;
 pub mod picture;
 pub mod prelude;
 #[doc(hidden)]
@@ -122,5 +124,6 @@ pub use error::LabError;
 pub use measure::measure;
 pub use model::{AnyKind, AnyModel, Words};
 pub use operation::AnyOperation;
+pub use oracles::ask_oracles;
 pub use stimuli::any_job;
 pub use study::{AnyStudy, Registered, Study, registered};

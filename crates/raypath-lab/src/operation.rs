@@ -1,8 +1,8 @@
 //! Operations whose types are forgotten, so that a list can hold them.
 
+use crate::dynamic::Dynamic;
 use raypath_format::Format;
-use raypath_model::Soft;
-use raypath_ops::{Binary32, Concrete, Flagged, Operation, Port, from_words, ports_of, to_canonical_words, to_words};
+use raypath_ops::{Binary32, Operation, Port, from_words, ports_of, to_canonical_words, to_words};
 use raypath_rtl::{Error, Operations};
 use std::cell::Cell;
 
@@ -56,22 +56,15 @@ impl<O: Operation + Send + Sync> AnyOperation for O {
     }
 
     fn answer(&self, format: Format, job: &[u64], state: &mut Vec<u64>, raised: Option<&Cell<u64>>) -> Vec<u64> {
-        match raised {
-            _ if format != Format::BINARY32 => answer_over(self, Soft { format }, job, state),
-            Some(raised) => answer_over(self, Flagged { raised }, job, state),
-            None => answer_over(self, Binary32, job, state),
-        }
+        let circuit = Dynamic::new(format, raised);
+        let (output, next) = self.run(circuit, from_words(circuit, job), from_words(circuit, state));
+        to_words(&next, state);
+        let mut answer = Vec::new();
+        to_canonical_words(&output, &mut answer);
+        answer
     }
 
     fn add_to(&self, operations: Operations, opcode: u64) -> Result<Operations, Error> {
         operations.with(self, opcode)
     }
-}
-
-fn answer_over<O: Operation, C: Concrete>(operation: &O, circuit: C, job: &[u64], state: &mut Vec<u64>) -> Vec<u64> {
-    let (output, next) = operation.run(circuit, from_words(circuit, job), from_words(circuit, state));
-    to_words(&next, state);
-    let mut answer = Vec::new();
-    to_canonical_words(&output, &mut answer);
-    answer
 }

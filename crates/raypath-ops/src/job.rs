@@ -139,7 +139,11 @@ macro_rules! by_kind {
             }
 
             /// The one of this kind whose ports have the values that `port` gives by name.
-            pub fn from_ports_in(circuit: C, kind: JobKind, port: impl FnMut(&str) -> u64) -> Self {
+            pub fn from_ports_in(circuit: C, kind: JobKind, mut port: impl FnMut(&str) -> u64) -> Self {
+                Self::from_named(circuit, kind, &mut port)
+            }
+
+            fn from_named(circuit: C, kind: JobKind, port: &mut dyn FnMut(&str) -> u64) -> Self {
                 let (path, source) = (&mut Path::default(), &mut FromPorts { circuit, port, number: $number });
                 match kind {
                     JobKind::Triangle => Self::Triangle(Bundle::build(path, source)),

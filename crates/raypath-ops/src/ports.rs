@@ -135,13 +135,14 @@ impl<C: Concrete> Sink<C> for ToPorts<C> {
     }
 }
 
-pub(crate) struct FromPorts<C: Concrete, F> {
+/// Leaves by name. Whoever gives the values is a pointer: else every closure would have a copy of all bundles' code.
+pub(crate) struct FromPorts<'p, C: Concrete> {
     pub circuit: C,
-    pub port: F,
+    pub port: &'p mut dyn FnMut(&str) -> u64,
     pub number: fn(C, u64) -> C::Num,
 }
 
-impl<C: Concrete, F: FnMut(&str) -> u64> Source<C> for FromPorts<C, F> {
+impl<C: Concrete> Source<C> for FromPorts<'_, C> {
     fn num(&mut self, field: Field<'_>) -> Num<C> {
         Num::new(self.circuit, (self.number)(self.circuit, (self.port)(field.name)))
     }

@@ -15,7 +15,7 @@ use crate::top::{self, Pipeline};
 use crate::tracer::Marks;
 use crate::units::Units;
 use raypath_hdl::{Label, Module};
-use raypath_ops::{Binary32, Operation, ports_of};
+use raypath_ops::{Binary32, Operation, Port, ports_of};
 use std::sync::Arc;
 
 /// A datapath, elaborated: its netlist, and what can be said of it.
@@ -61,6 +61,12 @@ impl Claim {
     }
 }
 
+/// Those ports that are there.
+fn those(mut ports: Vec<Port>, are_there: &dyn Fn(&str) -> bool) -> Vec<Port> {
+    ports.retain(|port| are_there(&port.name));
+    ports
+}
+
 /// A port's width: `a number`, `1 bit`, `4 bits`.
 fn in_words(width: Option<u32>) -> String {
     match width {
@@ -84,14 +90,9 @@ impl Operations {
     /// [`auto`](raypath_ops::Circuit::auto), or a chain of units that is too long for it; an opcode that is taken or too
     /// large; a name that is taken or no identifier; a port that another has otherwise, or that it has twice.
     pub fn with<O: Operation>(mut self, operation: &O, opcode: u64) -> Result<Self, Error> {
-        let taken = self.traced.iter().find(|traced| traced.opcode == opcode).map(|traced| traced.name);
-        if taken.is_some() || opcode >= MOST_OPERATIONS {
-            return Err(Error::Opcode { operation: O::NAME, opcode, taken });
-        }
-        if !is_identifier(O::NAME) || self.traced.iter().any(|traced| traced.name == O::NAME) {
-            return Err(Error::Name { operation: O::NAME });
-        }
-        self.claim_ports(operation)?;
+        let inputs = those(ports_of::<O::Input<Binary32>>(), &|port| operation.has_input(port));
+        let outputs = those(ports_of::<O::Output<Binary32>>(), &|port| operation.has_output(port));
+        self.claim(O::NAME, opcode, inputs, outputs)?;
         self.traced.push(Traced::new(operation, opcode, self.marks)?);
         Ok(self)
     }
@@ -125,18 +126,31 @@ impl Operations {
         self
     }
 
-    /// Ports of one name are one port, which an operation must not have twice. Outputs must be as wide as each other; of an
-    /// input that is a word or flags, an operation may read the lowest bits alone.
-    fn claim_ports<O: Operation>(&mut self, operation: &O) -> Result<(), Error> {
-        let inputs = ports_of::<O::Input<Binary32>>().into_iter().filter(|port| operation.has_input(&port.name));
-        let outputs = ports_of::<O::Output<Binary32>>().into_iter().filter(|port| operation.has_output(&port.name));
-        let ports = inputs.map(|port| (port, true)).chain(outputs.map(|port| (port, false)));
-        for (port, is_input) in ports {
-            let claim = Claim { name: port.name, is_input, width: port.width, operation: O::NAME };
+    /// Its opcode, its name and its ports are the operation's. Ports of one name are one port, which an operation must not
+    /// have twice. Outputs must be as wide as each other; of an input that is a word or flags, an operation may read the
+    /// lowest bits alone.
+    fn claim(
+        &mut self,
+        operation: &'static str,
+        opcode: u64,
+        inputs: Vec<Port>,
+        outputs: Vec<Port>,
+    ) -> Result<(), Error> {
+        let taken = self.traced.iter().find(|traced| traced.opcode == opcode).map(|traced| traced.name);
+        if taken.is_some() || opcode >= MOST_OPERATIONS {
+            return Err(Error::Opcode { operation, opcode, taken });
+        }
+        let is_taken = self.traced.iter().any(|traced| traced.name == operation);
+        if is_taken || !is_identifier(operation) {
+            return Err(Error::Name { operation, is_taken });
+        }
+        let inputs = inputs.into_iter().map(|port| (port, true));
+        for (port, is_input) in inputs.chain(outputs.into_iter().map(|port| (port, false))) {
+            let claim = Claim { name: port.name, is_input, width: port.width, operation };
             if let Some(other) = self.ports.iter().find(|other| other.clashes_with(&claim)) {
                 let [ours, theirs] = [claim.width, other.width].map(in_words);
                 let port = format!("{}_{}", claim.name, if is_input { "i" } else { "o" });
-                return Err(Error::Port { operation: O::NAME, port, ours, other: other.operation, theirs });
+                return Err(Error::Port { operation, port, ours, other: other.operation, theirs });
             }
             self.ports.push(claim);
         }

@@ -107,11 +107,14 @@ pub enum Error {
     },
     /// A name that another operation has, or that is no identifier.
     #[error(
-        "operation {operation}: its name is another's as well, or no identifier; expected letters, digits and _, in snake_case"
+        "operation {operation}: its name {}",
+        if *.is_taken { "is another operation's as well" } else { "is no identifier, expected letters, digits and _, in snake_case" }
     )]
     Name {
         /// The name.
         operation: &'static str,
+        /// Whether it is another's.
+        is_taken: bool,
     },
     /// A port that another operation has otherwise, or the operation itself.
     #[error(
@@ -139,7 +142,10 @@ pub enum Error {
         problem: String,
     },
     /// Two operations whose shared units would feed each other in a circle.
-    #[error("stage {stage}: the operations use its units in orders that make a loop")]
+    #[error(
+        "stage {stage}: the operations use its units in orders that make a loop; expected units in chains in one operation \
+         alone, or 'segregated' units, which operations do not share"
+    )]
     UnitLoop {
         /// The stage.
         stage: u32,

@@ -126,15 +126,18 @@ pub struct Traced {
 impl Traced {
     /// Runs `operation` over a recording circuit and checks the record.
     pub fn new<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> Result<Self, Error> {
-        let mut traced = tracer::record(operation, opcode, marks);
-        if traced.is_auto {
-            schedule::check(&traced)?;
+        tracer::record(operation, opcode, marks).checked()
+    }
+
+    fn checked(mut self) -> Result<Self, Error> {
+        if self.is_auto {
+            schedule::check(&self)?;
         } else {
-            traced.check()?;
+            self.check()?;
         }
-        traced.name_tests();
-        traced.name_states();
-        Ok(traced)
+        self.name_tests();
+        self.name_states();
+        Ok(self)
     }
 
     /// Adds a word that each job brings at the port `tag` and takes along.

@@ -20,7 +20,7 @@ pub enum Marks {
 pub fn record<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> Traced {
     let graph = Graph { marks, auto: Cell::new(marks == Marks::Ignored), ..Graph::default() };
     let c = Tracer { graph: &graph };
-    let mut inputs = InputSource { c, operation, inputs: Vec::new() };
+    let mut inputs = InputSource { c, is_there: &|port| operation.has_input(port), inputs: Vec::new() };
     let input = O::Input::build(&mut Path::default(), &mut inputs);
     let inputs = inputs.inputs;
     let mut states = StateSource { c, names: Vec::new() };
@@ -29,26 +29,14 @@ pub fn record<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> Traced 
 
     let (output, next) = operation.run(c, input, state);
 
-    let mut outputs = OutputSink { operation, outputs: Vec::new() };
+    let mut outputs = OutputSink { is_there: &|port| operation.has_output(port), outputs: Vec::new() };
     output.each(&mut Path::default(), &mut outputs);
     let outputs = outputs.outputs;
     let mut next_nodes = Leaves(Vec::new());
     next.each(&mut Path::default(), &mut next_nodes);
 
-    let stage_of = |next: NodeId| graph.nodes.borrow()[next.index()].stage;
-    let states = names.into_iter().zip(next_nodes.0);
-    Traced {
-        name: O::NAME,
-        opcode,
-        inputs,
-        outputs,
-        states: states
-            .map(|(name, next)| StateValue { name, next, written: stage_of(next), read: stage_of(next) })
-            .collect(),
-        notes: graph.notes.take(),
-        is_auto: graph.auto.get(),
-        nodes: graph.nodes.take(),
-    }
+    let states = names.into_iter().zip(next_nodes.0).collect();
+    graph.traced(O::NAME, opcode, inputs, outputs, states)
 }
 
 #[derive(Default)]
@@ -58,6 +46,26 @@ struct Graph {
     stage: Cell<u32>,
     marks: Marks,
     auto: Cell<bool>,
+}
+
+impl Graph {
+    fn traced(
+        &self,
+        name: &'static str,
+        opcode: u64,
+        inputs: Vec<NodeId>,
+        outputs: Vec<OutputValue>,
+        states: Vec<(String, NodeId)>,
+    ) -> Traced {
+        let nodes = self.nodes.take();
+        let state = |(name, next): (String, NodeId)| {
+            let stage = nodes[next.index()].stage;
+            StateValue { name, next, written: stage, read: stage }
+        };
+        let states = states.into_iter().map(state).collect();
+        let (notes, is_auto) = (self.notes.take(), self.auto.get());
+        Traced { name, opcode, inputs, outputs, states, notes, is_auto, nodes }
+    }
 }
 
 /// The circuit that records.
@@ -244,14 +252,14 @@ fn port_bit(field: &Field<'_>) -> PortBit {
     PortBit { port: field.name.to_string(), bit: field.bit }
 }
 
-/// Values that arrive at ports.
-struct InputSource<'g, O> {
+/// Values that arrive at ports. It does not name the operation's type: every type would have a copy of all this.
+struct InputSource<'g> {
     c: Tracer<'g>,
-    operation: &'g O,
+    is_there: &'g dyn Fn(&str) -> bool,
     inputs: Vec<NodeId>,
 }
 
-impl<O: Operation> InputSource<'_, O> {
+impl InputSource<'_> {
     fn push(&mut self, kind: Kind, field: Field<'_>) -> NodeId {
         let name = match field.bit {
             Some((bit, _)) => format!("{}_{bit}", field.name),
@@ -259,14 +267,14 @@ impl<O: Operation> InputSource<'_, O> {
         };
         let id = self.c.push_at(0, kind, Op::Input(port_bit(&field)));
         self.c.graph.nodes.borrow_mut()[id.index()].name = Some(name);
-        if self.operation.has_input(field.name) {
+        if (self.is_there)(field.name) {
             self.inputs.push(id);
         }
         id
     }
 }
 
-impl<'g, O: Operation> Source<Tracer<'g>> for InputSource<'g, O> {
+impl<'g> Source<Tracer<'g>> for InputSource<'g> {
     fn num(&mut self, field: Field<'_>) -> Num<Tracer<'g>> {
         Num::new(self.c, self.push(Kind::Number, field))
     }
@@ -305,20 +313,20 @@ impl<'g> Source<Tracer<'g>> for StateSource<'g> {
 }
 
 /// Values that leave at ports.
-struct OutputSink<'o, O> {
-    operation: &'o O,
+struct OutputSink<'o> {
+    is_there: &'o dyn Fn(&str) -> bool,
     outputs: Vec<OutputValue>,
 }
 
-impl<O: Operation> OutputSink<'_, O> {
+impl OutputSink<'_> {
     fn push(&mut self, field: Field<'_>, node: NodeId) {
-        if self.operation.has_output(field.name) {
+        if (self.is_there)(field.name) {
             self.outputs.push(OutputValue { port: port_bit(&field), node });
         }
     }
 }
 
-impl<'g, O: Operation> Sink<Tracer<'g>> for OutputSink<'_, O> {
+impl<'g> Sink<Tracer<'g>> for OutputSink<'_> {
     fn num(&mut self, field: Field<'_>, value: Num<Tracer<'g>>) {
         self.push(field, value.value());
     }

@@ -53,7 +53,7 @@ fn a_wrong_answer_is_found() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut out = Vec::new();
     let error = run(&study.into(), &arguments(folder.path(), &["--jobs", "100"]), &mut out).expect_err("wrong answers");
-    assert_eq!(error.to_string(), "100 of 100 answers are wrong");
+    assert_eq!(error.to_string(), "100 of 100 answers of within_radius are wrong");
 }
 
 /// In binary16, whose units are small, so that the price is there in a minute.
@@ -74,7 +74,7 @@ fn the_command_writes_and_says_what_it_found() {
     let mut out = Vec::new();
     run(&study().into(), &arguments(folder.path(), &["--jobs", "500"]), &mut out).expect("all is well");
     let out = String::from_utf8(out).expect("text");
-    assert!(out.contains("Oracle (f64): 0 of 500 random jobs answered wrongly."), "{out}");
+    assert!(out.contains("Oracle of within_radius (f64): 0 of 500 random jobs answered wrongly."), "{out}");
     assert!(out.contains("500 jobs of all operations") && out.contains(" 0 mismatches"), "{out}");
     for file in ["raypath.sv", "raypath.f", "pipeline.svg", "rtl/raypath_stage_2.sv", "within_radius.txt"] {
         assert!(folder.path().join(file).is_file(), "{file}");

@@ -9,7 +9,7 @@ use crate::commands::progress::Progress;
 use clap::Args;
 use raypath::check::{Comparison, Timing, lockstep, timing};
 use raypath::hdl::verilog;
-use raypath::lab::{self, AnyKind, Checks, emit};
+use raypath::lab::{self, AnyKind, Checks, ask_oracles, emit};
 use raypath::model::{Kind, Model, Shape};
 use raypath::rtl::Datapath;
 use raypath::traffic::Traffic;
@@ -65,38 +65,12 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
             study.name()
         )?;
     }
-    judge(&checks, out)?;
+    ask_oracles(&checks, out)?;
     check(&whole, &datapath, arguments, out)
 }
 
 /// Jobs of an operation that its oracle judges, at most.
 const MOST_JUDGED: u32 = 10_000;
-
-/// Holds answers of added operations against their oracles.
-fn judge(checks: &Checks<'_>, out: &mut dyn Write) -> Result<(), Failure> {
-    for study in checks.studies {
-        let one = Checks { studies: std::slice::from_ref(study), ..*checks };
-        let name = study.name();
-        let Some(oracle) = study.verified_by() else {
-            writeln!(out, "Oracle of {name}: none; only netlist and models are compared.")?;
-            continue;
-        };
-        let Some(judged) = one.against_the_oracles().pop() else {
-            writeln!(out, "Oracle of {name} ({oracle}): left out; oracles speak of binary32.")?;
-            continue;
-        };
-        writeln!(
-            out,
-            "Oracle of {name} ({oracle}): {} of {} random jobs answered wrongly.",
-            judged.wrong, judged.jobs
-        )?;
-        judged.faults.iter().try_for_each(|fault| writeln!(out, "  {fault}"))?;
-        if judged.wrong > 0 {
-            return Err(Failure::Mismatch(format!("{} of {} answers of {name} are wrong", judged.wrong, judged.jobs)));
-        }
-    }
-    Ok(())
-}
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 

@@ -1,0 +1,134 @@
+//! Numbers whose format is known when they are computed, not when the operation is compiled.
+
+use raypath_format::Format;
+use raypath_model::{Soft, SoftNumber};
+use raypath_ops::{Binary32, Circuit, Concrete, Flagged, Relation, Single, Test, known_bits_and_words};
+use std::cell::Cell;
+use std::cmp::Ordering;
+
+/// One of three circuits. An operation is compiled for this one instead of for each of them: datapaths hold dozens of
+/// operations, and most are never run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Dynamic<'f> {
+    Native,
+    Flagged(Flagged<'f>),
+    Soft(Soft),
+}
+
+impl<'f> Dynamic<'f> {
+    /// Numbers of `format`; in binary32 `raised` gets the exceptions of additions and multiplications.
+    pub fn new(format: Format, raised: Option<&'f Cell<u64>>) -> Self {
+        match raised {
+            _ if format != Format::BINARY32 => Self::Soft(Soft { format }),
+            Some(raised) => Self::Flagged(Flagged { raised }),
+            None => Self::Native,
+        }
+    }
+}
+
+fn single(number: SoftNumber) -> Single {
+    Binary32.number(number.0)
+}
+
+fn number(single: Single) -> SoftNumber {
+    SoftNumber(Binary32.raw_bits(single))
+}
+
+// Not inlined, so that an operation is so many calls.
+impl Circuit for Dynamic<'_> {
+    type Num = SoftNumber;
+    type Bit = bool;
+    type Word = u32;
+    type Order = Option<Ordering>;
+
+    #[inline(never)]
+    fn constant(self, value: f32) -> SoftNumber {
+        match self {
+            Self::Native | Self::Flagged(_) => number(Single(value)),
+            Self::Soft(soft) => soft.constant(value),
+        }
+    }
+    #[inline(never)]
+    fn one_plus_ulps(self, ulps: u32) -> SoftNumber {
+        match self {
+            Self::Native | Self::Flagged(_) => number(Binary32.one_plus_ulps(ulps)),
+            Self::Soft(soft) => soft.one_plus_ulps(ulps),
+        }
+    }
+    #[inline(never)]
+    fn add(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {
+        match self {
+            Self::Native => number(Binary32.add(single(a), single(b))),
+            Self::Flagged(flagged) => number(flagged.add(single(a), single(b))),
+            Self::Soft(soft) => soft.add(a, b),
+        }
+    }
+    #[inline(never)]
+    fn subtract(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {
+        match self {
+            Self::Native => number(Binary32.subtract(single(a), single(b))),
+            Self::Flagged(flagged) => number(flagged.subtract(single(a), single(b))),
+            Self::Soft(soft) => soft.subtract(a, b),
+        }
+    }
+    #[inline(never)]
+    fn multiply(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {
+        match self {
+            Self::Native => number(Binary32.multiply(single(a), single(b))),
+            Self::Flagged(flagged) => number(flagged.multiply(single(a), single(b))),
+            Self::Soft(soft) => soft.multiply(a, b),
+        }
+    }
+    #[inline(never)]
+    fn negate(self, a: SoftNumber) -> SoftNumber {
+        match self {
+            Self::Native | Self::Flagged(_) => number(Binary32.negate(single(a))),
+            Self::Soft(soft) => soft.negate(a),
+        }
+    }
+    #[inline(never)]
+    fn compare(self, a: SoftNumber, b: SoftNumber) -> Option<Ordering> {
+        match self {
+            Self::Native | Self::Flagged(_) => single(a).0.partial_cmp(&single(b).0),
+            Self::Soft(soft) => soft.compare(a, b),
+        }
+    }
+    #[inline(never)]
+    fn relation(self, order: Option<Ordering>, relation: Relation) -> bool {
+        Soft { format: Format::BINARY32 }.relation(order, relation)
+    }
+    #[inline(never)]
+    fn number_of(self, width: u32, word: u32) -> SoftNumber {
+        match self {
+            Self::Native | Self::Flagged(_) => number(Binary32.number_of(width, word)),
+            Self::Soft(soft) => soft.number_of(width, word),
+        }
+    }
+    #[inline(never)]
+    fn test(self, test: Test, a: SoftNumber) -> bool {
+        match self {
+            Self::Native | Self::Flagged(_) => Binary32.test(test, single(a)),
+            Self::Soft(soft) => soft.test(test, a),
+        }
+    }
+
+    known_bits_and_words!();
+}
+
+impl Concrete for Dynamic<'_> {
+    fn number(self, ieee_bits: u64) -> SoftNumber {
+        match self {
+            Self::Native | Self::Flagged(_) => number(Binary32.number(ieee_bits)),
+            Self::Soft(soft) => soft.number(ieee_bits),
+        }
+    }
+    fn bits(self, number: SoftNumber) -> u64 {
+        match self {
+            Self::Native | Self::Flagged(_) => Binary32.bits(single(number)),
+            Self::Soft(soft) => soft.bits(number),
+        }
+    }
+    fn raw_bits(self, number: SoftNumber) -> u64 {
+        number.0
+    }
+}
