@@ -83,6 +83,10 @@ impl Verilated {
         let optimisation = options.c_optimisation;
         let levels = format!("OPT_FAST=-O{optimisation} OPT_GLOBAL=-O{optimisation} OPT_SLOW=-O0");
         command.args(["-MAKEFLAGS", &levels, "-j", &options.jobs.max(1).to_string()]);
+        if optimisation == 0 {
+            // Then most of the time is the header's, which every file reads again: one file for all.
+            command.args(["--output-split", "0"]);
+        }
         if options.native {
             command.args(["-CFLAGS", "-march=native"]);
         }

@@ -35,7 +35,10 @@ pub enum Error {
         last: u32,
     },
     /// State that is read elsewhere than where its next value is made.
-    #[error("operation {operation}: {state} is read in stage {read}, but its next value is made in stage {made}")]
+    #[error(
+        "operation {operation}: {state} is read in stage {read}, but its next value is made in stage {made}; expected both \
+         in one stage, so that a job finds what the job before it left"
+    )]
     StateApart {
         /// The operation.
         operation: &'static str,
