@@ -146,8 +146,8 @@ pub enum Error {
     },
     /// Two operations whose shared units would feed each other in a circle.
     #[error(
-        "stage {stage}: the operations use its units in orders that make a loop; expected units in chains in one operation \
-         alone, or 'segregated' units, which operations do not share"
+        "stage {stage}: the operations use its units in orders that make a loop; expected chains of units in the same order \
+         everywhere, or in other stages"
     )]
     UnitLoop {
         /// The stage.
