@@ -8,13 +8,16 @@
 //! A new operation is a new file in `src/operations`, which registers itself; nothing else names it.
 //!
 //! ```
-//! use raypath_extra::point_in_box::{PointInBox, PointInBoxInput};
-//! use raypath_ops::{Aabb, Binary32, Operation};
+//! use raypath_extra as _; // whoever links it has its operations registered
+//! use raypath_lab::{Datapath, registered, rtl::Config};
 //!
-//! let unit = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
-//! let job = PointInBoxInput { point: [1.0, 0.5, 0.0].into(), aabb: [0.0, 0.5, 1.0, 1.5].map(unit) };
-//! let (answer, ()) = PointInBox.run(Binary32, job, ());
-//! assert_eq!(answer.is_inside.to_array(), [true, true, true, false]);
+//! for study in registered() {
+//!     let datapath = Datapath::paper(Config::DEFAULT).with_any(study.operation());
+//!     let flip_flops = datapath.elaborate()?.top().register_bits();
+//!     println!("with {}: {flip_flops} flip-flops", study.name());
+//! }
+//! # assert!(!registered().is_empty());
+//! # Ok::<(), raypath_lab::rtl::Error>(())
 //! ```
 
 mod draw;

@@ -11,6 +11,16 @@ use raypath_ops::{Aabb, Binary32, Bit, Circuit, Flags, Num, Operation, Slab, Vec
 ///
 /// A box has its faces: a point is inside where min ≤ coordinate ≤ max along all axes. With a NaN, in the point or a
 /// bound, it is not; nor in a box whose min exceeds its max. -0 equals +0, infinities are numbers like others.
+///
+/// ```
+/// use raypath_extra::point_in_box::{PointInBox, PointInBoxInput};
+/// use raypath_ops::{Aabb, Binary32, Operation};
+///
+/// let unit = |x: f32| Aabb::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+/// let job = PointInBoxInput { point: [1.0, 0.5, 0.0].into(), aabb: [0.0, 0.5, 1.0, 1.5].map(unit) };
+/// let (answer, ()) = PointInBox.run(Binary32, job, ());
+/// assert_eq!(answer.is_inside.to_array(), [true, true, true, false]);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PointInBox;
 

@@ -57,7 +57,7 @@ fn added(name: &str, seed: u64, count: usize) -> (AnyModel, Vec<Transaction<AnyM
 #[test]
 fn transactions_of_any_operation_survive_a_file() {
     let (folder, all) = (folder(), registered());
-    assert!(all.len() >= 5);
+    assert!(!all.is_empty(), "no operation is registered");
     for study in &all {
         let (model, stream) = added(study.name(), 7, 300);
         let kind = model.kind(study.name()).expect("an operation");
