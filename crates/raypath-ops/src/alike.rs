@@ -1,8 +1,9 @@
 //! Parts of operations that are the same for each of several things: boxes, lanes.
 
 use crate::binary32::{Binary32, Single};
-use crate::circuit::{Bit, Circuit, Num, Word};
+use crate::circuit::Circuit;
 use crate::family::{Family, Gather, Scatter};
+use crate::handle::{Bit, Num, Word};
 use crate::lanes::{Four, Lanes, Row, Width};
 use fearless_simd::Level;
 use fearless_simd::prelude::*;

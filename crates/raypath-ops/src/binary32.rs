@@ -1,8 +1,9 @@
 //! Operations over the machine's own binary32: the functional model.
 
 use crate::alike::{Alike, Of, side_by_side};
-use crate::circuit::{Bit, Circuit, Flags, Num, Relation, Test, Word};
+use crate::circuit::{Circuit, Relation, Test};
 use crate::concrete::Concrete;
+use crate::handle::{Bit, Flags, Num, Word};
 use crate::rules::Place;
 use std::fmt;
 

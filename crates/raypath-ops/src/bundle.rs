@@ -1,7 +1,8 @@
 //! Structures of numbers, bits and words whose fields have names, so that ports, registers and files follow from the
 //! structure and are listed nowhere else.
 
-use crate::circuit::{Bit, Circuit, Flags, Num, Word};
+use crate::circuit::Circuit;
+use crate::handle::{Bit, Flags, Num, Word};
 use std::fmt::{Arguments, Write};
 
 /// A structure of values of circuit `C`. Implemented for [`Num`], [`Bit`], [`Word`], [`Flags`], arrays, `()` and,

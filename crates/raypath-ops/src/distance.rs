@@ -4,7 +4,8 @@
 use crate::alike::Alike;
 use crate::binary32::Binary32;
 use crate::bundle::bundle;
-use crate::circuit::{Bit, Circuit, Flags, Num};
+use crate::circuit::Circuit;
+use crate::handle::{Bit, Flags, Num};
 use crate::operation::Operation;
 
 /// Squared Euclidean distance, `N` dimensions a beat: a power of two, at most 64.

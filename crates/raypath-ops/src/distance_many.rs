@@ -1,8 +1,9 @@
 //! Distances of several vectors at a time: the beats of each have an accumulator of their own.
 
 use crate::bundle::bundle;
-use crate::circuit::{Circuit, Num, Word};
+use crate::circuit::Circuit;
 use crate::distance::{Angular, AngularOutput, Beat, Euclidean, EuclideanOutput, products_of, squares_of};
+use crate::handle::{Num, Word};
 use crate::operation::Operation;
 
 /// [`Euclidean`] with `M` accumulators, which a word of `W` bits chooses from: `M` is 2 to the power of `W`.

@@ -2,7 +2,8 @@
 
 use crate::binary32::Binary32;
 use crate::bundle::Bundle;
-use crate::circuit::{Bit, Circuit, Flags, Num, Word};
+use crate::circuit::Circuit;
+use crate::handle::{Bit, Flags, Num, Word};
 
 /// A bundle whatever its circuit, named by the one over [`Binary32`]: of `Vec3<Binary32>`, `Of<C>` is `Vec3<C>`.
 /// Implemented where [`Bundle`] is.

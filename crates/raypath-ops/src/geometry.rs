@@ -2,7 +2,8 @@
 
 use crate::binary32::Binary32;
 use crate::bundle::bundle;
-use crate::circuit::{Circuit, Num, Word};
+use crate::circuit::Circuit;
+use crate::handle::{Num, Word};
 use std::ops::{Mul, Sub};
 
 bundle! {

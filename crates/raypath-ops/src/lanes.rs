@@ -1,7 +1,8 @@
 //! Operations over SIMD lanes: one instruction computes the same number of several jobs.
 
 use crate::binary32::Binary32;
-use crate::circuit::{Bit, Circuit, Num, Relation, Test, Word};
+use crate::circuit::{Circuit, Relation, Test};
+use crate::handle::{Bit, Num, Word};
 use crate::rules::{self, Place};
 use fearless_simd::prelude::*;
 use fearless_simd::{Select, Simd, f32x4, i32x4, mask32x4, u8x16, u32x4};

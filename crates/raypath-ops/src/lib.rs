@@ -33,6 +33,7 @@ mod distance_many;
 mod family;
 mod flagged;
 mod geometry;
+mod handle;
 mod job;
 mod known;
 mod lanes;
@@ -51,7 +52,7 @@ pub use alike::{Alike, Of};
 pub use array::array_from;
 pub use binary32::{Binary32, Single};
 pub use bundle::{Bundle, Field, Path, Sink, Source};
-pub use circuit::{Bit, Circuit, Flags, Num, Order, Relation, Select, Test, Word};
+pub use circuit::{Circuit, Relation, Test};
 pub use concrete::Concrete;
 pub use distance::{
     Angular, AngularInput, AngularOutput, AngularState, Beat, Euclidean, EuclideanInput, EuclideanOutput,
@@ -63,6 +64,7 @@ pub use distance_many::{
 pub use family::{Family, Gather, Put, Scatter};
 pub use flagged::Flagged;
 pub use geometry::{Aabb, Slab, Triangle, Vec3};
+pub use handle::{Bit, Flags, Num, Order, Select, Word};
 pub use job::{Job, JobKind, Outcome, ParseJobKindError};
 pub use lanes::{Four, Lanes, Native, Row, Width};
 pub use operation::Operation;

@@ -1,8 +1,9 @@
 //! Jobs in blocks of sixteen, field by field: how batches stand in memory.
 
 use crate::binary32::{Binary32, Single};
-use crate::circuit::{Bit, Circuit, Num, Relation, Test, Word};
+use crate::circuit::{Circuit, Relation, Test};
 use crate::family::{Gather, Put, Scatter};
+use crate::handle::{Bit, Num, Word};
 use crate::lanes::{Lanes, Native, Row, Width};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;

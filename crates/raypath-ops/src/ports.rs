@@ -2,8 +2,8 @@
 
 use crate::binary32::Binary32;
 use crate::bundle::{Bundle, Field, Path, Sink, Source};
-use crate::circuit::{Bit, Num};
 use crate::concrete::Concrete;
+use crate::handle::{Bit, Num};
 use std::slice;
 
 /// The value of one port, in the bits that it has there.

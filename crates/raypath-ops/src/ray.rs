@@ -2,8 +2,9 @@
 
 use crate::binary32::Binary32;
 use crate::bundle::bundle;
-use crate::circuit::{Circuit, Num, Word};
+use crate::circuit::Circuit;
 use crate::geometry::Vec3;
+use crate::handle::{Num, Word};
 use thiserror::Error;
 
 bundle! {

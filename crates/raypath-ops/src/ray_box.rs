@@ -3,8 +3,9 @@
 use crate::alike::Alike;
 use crate::binary32::Binary32;
 use crate::bundle::bundle;
-use crate::circuit::{Bit, Circuit, Flags, Num, Word};
+use crate::circuit::Circuit;
 use crate::geometry::Aabb;
+use crate::handle::{Bit, Flags, Num, Word};
 use crate::operation::Operation;
 use crate::ray::Ray;
 use crate::rules::{Interval, Place, Rules};

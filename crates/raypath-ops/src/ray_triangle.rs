@@ -3,8 +3,9 @@
 use crate::alike::Alike;
 use crate::binary32::Binary32;
 use crate::bundle::bundle;
-use crate::circuit::{Bit, Circuit, Num};
+use crate::circuit::Circuit;
 use crate::geometry::{Triangle, Vec3};
+use crate::handle::{Bit, Num};
 use crate::operation::Operation;
 use crate::ray::Ray;
 use crate::rules::Rules;

@@ -1,8 +1,9 @@
 //! Ray against a triangle, with what the paper's operation leaves out.
 
 use crate::bundle::bundle;
-use crate::circuit::{Bit, Circuit, Num};
+use crate::circuit::Circuit;
 use crate::geometry::Triangle;
+use crate::handle::{Bit, Num, Order};
 use crate::operation::Operation;
 use crate::ray::Ray;
 use crate::ray_triangle::{Distance, Edges, RayTriangle, Sums, distance};
@@ -158,7 +159,7 @@ bundle! {
 impl<C: Circuit> Bounds<C> {
     /// The near end against a numerator, and that against the far end.
     #[inline(always)]
-    fn orders(self, t_num: Num<C>) -> [crate::circuit::Order<C>; 2] {
+    fn orders(self, t_num: Num<C>) -> [Order<C>; 2] {
         [self.near.compare(t_num), t_num.compare(self.far)]
     }
 }

@@ -1,7 +1,8 @@
 //! The rules on the edges (`docs/semantics.md`), in the two sets that exist. Everything else the two share.
 
 use crate::bundle::{Bundle, bundle};
-use crate::circuit::{Bit, Circuit, Num, Order, Select, Word};
+use crate::circuit::Circuit;
+use crate::handle::{Bit, Num, Order, Select, Word};
 use crate::ray_triangle::Edges;
 use std::fmt::{self, Arguments, Display};
 use std::str::FromStr;

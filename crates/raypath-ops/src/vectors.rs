@@ -1,8 +1,8 @@
 //! Vectors of any dimension, as the beats that carry them.
 
 use crate::binary32::Binary32;
-use crate::circuit::{Flags, Num};
 use crate::distance::Beat;
+use crate::handle::{Flags, Num};
 use thiserror::Error;
 
 /// Why two vectors have no distance.

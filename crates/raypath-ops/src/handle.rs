@@ -1,0 +1,322 @@
+//! The handles that an operation holds its numbers, bits and words by. They carry their circuit, so that arithmetic reads
+//! as arithmetic: `(bound - origin) * inv`.
+
+use crate::circuit::{Circuit, Relation, Test};
+use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
+
+/// A number of a circuit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Num<C: Circuit> {
+    pub(crate) circuit: C,
+    pub(crate) value: C::Num,
+}
+
+/// A truth value of a circuit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bit<C: Circuit> {
+    pub(crate) circuit: C,
+    pub(crate) value: C::Bit,
+}
+
+/// An unsigned word of `W` bits (1 to 32).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Word<C: Circuit, const W: u32> {
+    pub(crate) circuit: C,
+    pub(crate) value: C::Word,
+}
+
+/// `N` truth values (1 to 64) that travel as one port of `N` bits; element `i` is bit `i`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flags<C: Circuit, const N: usize>(pub [Bit<C>; N]);
+
+/// The outcome of one comparison of two numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Order<C: Circuit> {
+    circuit: C,
+    value: C::Order,
+}
+
+/// What a multiplexer can choose between.
+pub trait Select<C: Circuit>: Copy {
+    /// `if_true` where `condition` holds, else `if_false`.
+    fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self;
+
+    /// The two, exchanged where `condition` holds.
+    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self);
+}
+
+impl<C: Circuit> Num<C> {
+    /// A handle on `value`.
+    pub fn new(circuit: C, value: C::Num) -> Self {
+        Self { circuit, value }
+    }
+
+    /// What the circuit knows it by.
+    pub fn value(self) -> C::Num {
+        self.value
+    }
+
+    /// Compares with `other`: one comparator, however many relations are read from it.
+    #[inline(always)]
+    pub fn compare(self, other: Self) -> Order<C> {
+        Order { circuit: self.circuit, value: self.circuit.compare(self.value, other.value) }
+    }
+
+    /// The larger of the two; the other where one is NaN; `other` where they are equal.
+    #[inline(always)]
+    pub fn larger(self, other: Self) -> Self {
+        Self::new(self.circuit, self.circuit.larger(self.value, other.value))
+    }
+
+    /// The smaller of the two; the other where one is NaN; `other` where they are equal.
+    #[inline(always)]
+    pub fn smaller(self, other: Self) -> Self {
+        Self::new(self.circuit, self.circuit.smaller(self.value, other.value))
+    }
+
+    /// The sign bit; unspecified for a NaN.
+    #[inline(always)]
+    pub fn sign_bit(self) -> Bit<C> {
+        self.test(Test::SignBit)
+    }
+
+    /// Whether it is +0 or −0.
+    #[inline(always)]
+    pub fn is_zero(self) -> Bit<C> {
+        self.test(Test::Zero)
+    }
+
+    /// Whether it is a NaN.
+    #[inline(always)]
+    pub fn is_nan(self) -> Bit<C> {
+        self.test(Test::Nan)
+    }
+
+    /// Whether it is ≥ 0 (a NaN is not).
+    #[inline(always)]
+    pub fn is_at_least_zero(self) -> Bit<C> {
+        self.test(Test::AtLeastZero)
+    }
+
+    /// Whether it is > 0 (a NaN is not).
+    #[inline(always)]
+    pub fn is_above_zero(self) -> Bit<C> {
+        self.test(Test::AboveZero)
+    }
+
+    /// Whether it is ≤ 0 (a NaN is not).
+    #[inline(always)]
+    pub fn is_at_most_zero(self) -> Bit<C> {
+        self.test(Test::AtMostZero)
+    }
+
+    /// Whether it is < 0 (a NaN is not).
+    #[inline(always)]
+    pub fn is_below_zero(self) -> Bit<C> {
+        self.test(Test::BelowZero)
+    }
+
+    #[inline(always)]
+    fn test(self, test: Test) -> Bit<C> {
+        Bit::new(self.circuit, self.circuit.test(test, self.value))
+    }
+}
+
+impl<C: Circuit> Order<C> {
+    /// a < b
+    #[inline(always)]
+    pub fn less(self) -> Bit<C> {
+        self.relation(Relation::Less)
+    }
+
+    /// a ≤ b
+    #[inline(always)]
+    pub fn less_or_equal(self) -> Bit<C> {
+        self.relation(Relation::LessOrEqual)
+    }
+
+    /// a = b
+    #[inline(always)]
+    pub fn equal(self) -> Bit<C> {
+        self.relation(Relation::Equal)
+    }
+
+    /// a ≥ b
+    #[inline(always)]
+    pub fn greater_or_equal(self) -> Bit<C> {
+        self.relation(Relation::GreaterOrEqual)
+    }
+
+    /// a > b
+    #[inline(always)]
+    pub fn greater(self) -> Bit<C> {
+        self.relation(Relation::Greater)
+    }
+
+    #[inline(always)]
+    fn relation(self, relation: Relation) -> Bit<C> {
+        Bit::new(self.circuit, self.circuit.relation(self.value, relation))
+    }
+}
+
+impl<C: Circuit> Bit<C> {
+    /// A handle on `value`.
+    pub fn new(circuit: C, value: C::Bit) -> Self {
+        Self { circuit, value }
+    }
+
+    /// What the circuit knows it by.
+    pub fn value(self) -> C::Bit {
+        self.value
+    }
+
+    /// `if_true` where it holds, else `if_false`.
+    #[inline(always)]
+    pub fn select<T: Select<C>>(self, if_true: T, if_false: T) -> T {
+        T::select(self, if_true, if_false)
+    }
+
+    /// The two, exchanged where it holds.
+    #[inline(always)]
+    pub fn exchange<T: Select<C>>(self, a: T, b: T) -> (T, T) {
+        T::exchange(self, a, b)
+    }
+
+    /// Both or neither.
+    #[inline(always)]
+    pub fn same_as(self, other: Self) -> Self {
+        self.select(other, !other)
+    }
+}
+
+impl<C: Circuit, const W: u32> Word<C, W> {
+    /// A handle on `value`.
+    pub fn new(circuit: C, value: C::Word) -> Self {
+        Self { circuit, value }
+    }
+
+    /// What the circuit knows it by.
+    pub fn value(self) -> C::Word {
+        self.value
+    }
+
+    /// Its value as a number, exact: the circuit's format must have every value of a word of `W` bits, 16 at most.
+    #[inline(always)]
+    pub fn number(self) -> Num<C> {
+        const { assert!(W <= 16, "a word of at most 16 bits becomes a number") };
+        Num::new(self.circuit, self.circuit.number_of(W, self.value))
+    }
+
+    /// Whether it equals a constant.
+    #[inline(always)]
+    pub fn is(self, value: u32) -> Bit<C> {
+        Bit::new(self.circuit, self.circuit.word_equal(self.value, self.circuit.constant_word(W, value)))
+    }
+
+    /// Whether it is less than `other`, unsigned.
+    #[inline(always)]
+    pub fn less(self, other: Self) -> Bit<C> {
+        Bit::new(self.circuit, self.circuit.word_less(self.value, other.value))
+    }
+}
+
+impl<C: Circuit> Add for Num<C> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self::new(self.circuit, self.circuit.add(self.value, other.value))
+    }
+}
+
+impl<C: Circuit> Sub for Num<C> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self::new(self.circuit, self.circuit.subtract(self.value, other.value))
+    }
+}
+
+impl<C: Circuit> Mul for Num<C> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self::new(self.circuit, self.circuit.multiply(self.value, other.value))
+    }
+}
+
+impl<C: Circuit> Neg for Num<C> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::new(self.circuit, self.circuit.negate(self.value))
+    }
+}
+
+impl<C: Circuit> BitAnd for Bit<C> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self::new(self.circuit, self.circuit.and(self.value, other.value))
+    }
+}
+
+impl<C: Circuit> BitOr for Bit<C> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self::new(self.circuit, self.circuit.or(self.value, other.value))
+    }
+}
+
+impl<C: Circuit> Not for Bit<C> {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self::new(self.circuit, self.circuit.not(self.value))
+    }
+}
+
+impl<C: Circuit> Select<C> for Num<C> {
+    #[inline(always)]
+    fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
+        let c = condition.circuit;
+        Self::new(c, c.select_num(condition.value, if_true.value, if_false.value))
+    }
+
+    #[inline(always)]
+    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self) {
+        let c = condition.circuit;
+        let (a, b) = c.exchange_num(condition.value, a.value, b.value);
+        (Self::new(c, a), Self::new(c, b))
+    }
+}
+
+impl<C: Circuit> Select<C> for Bit<C> {
+    #[inline(always)]
+    fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
+        let c = condition.circuit;
+        Self::new(c, c.select_bit(condition.value, if_true.value, if_false.value))
+    }
+
+    #[inline(always)]
+    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self) {
+        let c = condition.circuit;
+        let (a, b) = c.exchange_bit(condition.value, a.value, b.value);
+        (Self::new(c, a), Self::new(c, b))
+    }
+}
+
+impl<C: Circuit, const W: u32> Select<C> for Word<C, W> {
+    #[inline(always)]
+    fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
+        let c = condition.circuit;
+        Self::new(c, c.select_word(condition.value, if_true.value, if_false.value))
+    }
+
+    #[inline(always)]
+    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self) {
+        let c = condition.circuit;
+        let (a, b) = c.exchange_word(condition.value, a.value, b.value);
+        (Self::new(c, a), Self::new(c, b))
+    }
+}
