@@ -163,16 +163,16 @@ impl Operations {
         if self.tag > 0 {
             self.traced.iter_mut().try_for_each(|traced| traced.add_tag(self.tag))?;
         }
+        if self.exception_flags {
+            self.traced.iter_mut().try_for_each(Traced::count_exceptions)?;
+        }
+        self.traced.iter_mut().for_each(Traced::forget_unread);
         let number_width = match config.registers {
             Encoding::Ieee => config.format.ieee_width(),
             Encoding::Recoded => config.format.recoded_width(),
         };
         let Config { sharing, .. } = config;
-        let mut staged = schedule::assign(self.traced, &Target { budget: self.budget, number_width, sharing })?;
-        if self.exception_flags {
-            staged.iter_mut().try_for_each(Traced::add_exception_flags)?;
-        }
-        Ok(staged)
+        schedule::assign(self.traced, &Target { budget: self.budget, number_width, sharing })
     }
 }
 

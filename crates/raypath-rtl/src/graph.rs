@@ -121,6 +121,8 @@ pub struct Traced {
     pub notes: Vec<(u32, Cow<'static, str>)>,
     /// The stages are for the scheduler to find; until then they say nothing.
     pub is_auto: bool,
+    /// Every sum and product counts, read or not: what they raise is an output.
+    pub counts_exceptions: bool,
 }
 
 impl Traced {
@@ -149,6 +151,23 @@ impl Traced {
         Ok(())
     }
 
+    /// Has every sum and product made, so that their exceptions can be an output.
+    pub fn count_exceptions(&mut self) -> Result<(), Error> {
+        self.counts_exceptions = true;
+        if self.is_auto { schedule::check(self) } else { Ok(()) }
+    }
+
+    /// Leaves a constant where a value is not made, so that none takes a unit, a step or a state's time. Values keep their
+    /// numbers: names of others have them.
+    pub fn forget_unread(&mut self) {
+        let live = self.live();
+        for (node, is_live) in self.nodes.iter_mut().zip(live) {
+            if !is_live && !matches!(node.op, Op::Input(_)) {
+                *node = Node { op: Op::Bit(false), kind: Kind::Word(1), stage: 0, name: None };
+            }
+        }
+    }
+
     /// Adds an output `exception_flags`: what any sum or product raises. The stages must be known: each adds what its units
     /// raise, so that one word crosses the registers.
     pub fn add_exception_flags(&mut self) -> Result<(), Error> {
@@ -157,8 +176,7 @@ impl Traced {
         let mut so_far: Option<NodeId> = None;
         for stage in 1..STAGES {
             let here = (0..self.nodes.len() as u32).map(NodeId).filter(|&id| self.node(id).stage == stage);
-            let raises = |id: &NodeId| matches!(self.node(*id).op, Op::Add(..) | Op::Subtract(..) | Op::Multiply(..));
-            let units: Vec<NodeId> = here.filter(raises).collect();
+            let units: Vec<NodeId> = here.filter(|&id| self.raises(id)).collect();
             let mut raised: Vec<NodeId> =
                 units.into_iter().map(|id| self.push(Op::Flags(id), kind, stage, None)).collect();
             if raised.is_empty() {
@@ -279,6 +297,27 @@ impl Traced {
             | Op::WordOr(a, b) => vec![a, b],
             Op::Select(condition, a, b) => vec![condition, a, b],
         }
+    }
+
+    /// Which values reach an output or state. The others are not made.
+    pub fn live(&self) -> Vec<bool> {
+        let mut live = vec![false; self.nodes.len()];
+        let outputs = self.outputs.iter().map(|output| output.node);
+        let nexts = self.states.iter().map(|state| state.next);
+        let ids = (0..self.nodes.len() as u32).map(NodeId);
+        let counted = ids.filter(|&id| self.counts_exceptions && self.raises(id));
+        let mut open: Vec<NodeId> = outputs.chain(nexts).chain(counted).collect();
+        while let Some(id) = open.pop() {
+            if !live[id.index()] {
+                live[id.index()] = true;
+                open.extend(self.operands(id));
+            }
+        }
+        live
+    }
+
+    fn raises(&self, id: NodeId) -> bool {
+        matches!(self.node(id).op, Op::Add(..) | Op::Subtract(..) | Op::Multiply(..))
     }
 
     /// Whether it writes state later than it reads it, so that a job must not follow the one before at once.

@@ -79,6 +79,9 @@ pub fn assign(mut operations: Vec<Traced>, target: &Target) -> Result<Vec<Traced
             traced.check()?;
             traced.notes = note::notes(traced);
         }
+        if traced.counts_exceptions {
+            traced.add_exception_flags()?;
+        }
         if let Some(budget) = &target.budget {
             budget.check(traced)?;
         }

@@ -64,7 +64,7 @@ impl Graph {
         };
         let states = states.into_iter().map(state).collect();
         let (notes, is_auto) = (self.notes.take(), self.auto.get());
-        Traced { name, opcode, inputs, outputs, states, notes, is_auto, nodes }
+        Traced { name, opcode, inputs, outputs, states, notes, is_auto, counts_exceptions: false, nodes }
     }
 }
 

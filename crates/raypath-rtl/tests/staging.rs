@@ -154,18 +154,24 @@ impl<O: Operation> Reference<O> {
     }
 }
 
-/// Numbers of which many are alike, special ones among them.
+/// Numbers of which many are alike, special ones among them; corners of boxes in order and an extent ahead, so that boxes are
+/// hit.
 struct Random<'r>(&'r mut ChaCha8Rng);
 
 const SPECIAL: [f32; 8] = [0.0, -0.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 1e-40, f32::MAX, -1e-20];
 
 impl Source<Binary32> for Random<'_> {
-    fn num(&mut self, _: Field<'_>) -> Num<Binary32> {
+    fn num(&mut self, field: Field<'_>) -> Num<Binary32> {
         let value = match self.0.random_range(0..40) {
             0 => SPECIAL[self.0.random_range(0..SPECIAL.len())],
             1 => f32::from_bits(self.0.random()),
             2..20 => self.0.random_range(-4i8..=4).into(),
-            _ => self.0.random_range(-8.0..8.0),
+            _ => self.0.random_range(-8.0_f32..8.0),
+        };
+        let value = match field.name.rsplit('_').next() {
+            Some("min") => -value.abs(),
+            Some("max" | "extent") => value.abs(),
+            _ => value,
         };
         Num::new(Binary32, Single(value))
     }
@@ -283,8 +289,9 @@ fn answers_are_those_of_the_operations() {
             }
         }
     }
-    // Boxes and triangles are hit and missed, and boxes come in every place.
-    assert!(seen["is_intersect"].len() >= 4 && seen["triangle_hit"].len() == 2);
+    // Triangles are hit and missed, and boxes none to all four, at many distances, each in every place.
+    assert_eq!((seen["is_intersect"].len(), seen["triangle_hit"].len()), (5, 2));
+    assert!((0..4).all(|place| seen[&format!("tmin_{place}")].len() > 10));
     assert!((0..4).all(|place| seen[&format!("box_index_{place}")].len() == 4));
 }
 

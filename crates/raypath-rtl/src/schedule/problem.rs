@@ -19,7 +19,7 @@ pub struct Problem<'t> {
 impl<'t> Problem<'t> {
     pub fn new(traced: &'t Traced) -> Self {
         let nexts: BTreeSet<NodeId> = traced.states.iter().map(|state| state.next).collect();
-        let live = live(traced);
+        let live = traced.live();
         let placed: Vec<bool> = ids(traced)
             .map(|id| live[id.index()] && is_made(traced, id) && (!traced.floats(id) || nexts.contains(&id)))
             .collect();
@@ -148,20 +148,6 @@ pub fn part(traced: &Traced, id: NodeId) -> Part {
 
 fn ids(traced: &Traced) -> impl Iterator<Item = NodeId> + use<> {
     (0..traced.nodes.len() as u32).map(NodeId)
-}
-
-/// Which values reach an output or state.
-fn live(traced: &Traced) -> Vec<bool> {
-    let mut live = vec![false; traced.nodes.len()];
-    let outputs = traced.outputs.iter().map(|output| output.node);
-    let mut open: Vec<NodeId> = outputs.chain(traced.states.iter().map(|state| state.next)).collect();
-    while let Some(id) = open.pop() {
-        if !live[id.index()] {
-            live[id.index()] = true;
-            open.extend(traced.operands(id));
-        }
-    }
-    live
 }
 
 /// A comparison and its relations share a stage; so do all that read a state, its next value, and what lies between.

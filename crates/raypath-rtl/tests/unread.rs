@@ -1,0 +1,156 @@
+//! Values that an operation makes and nobody reads: none in the hardware, unless their exceptions are an output.
+
+#[macro_use]
+mod common;
+
+use raypath_float::flags;
+use raypath_hdl::Simulator;
+use raypath_ops::{Bit, Circuit, Num, Operation, bundle};
+use raypath_rtl::{Budget, Config, Datapath, Error, Operations, STAGES, UnitLatency, Units};
+
+bundle! {
+    /// A few numbers and a flag.
+    pub struct Input<C> {
+        /// The numbers.
+        pub n: [Num<C>; 4],
+        /// The flag.
+        pub flag: Bit<C>,
+    }
+}
+
+bundle! {
+    /// One number.
+    pub struct Output<C> {
+        /// The number.
+        pub number: Num<C>,
+    }
+}
+
+bundle! {
+    /// One number from job to job.
+    pub struct State<C> {
+        /// The number.
+        pub kept: Num<C>,
+    }
+}
+
+/// A running sum of products, and where asked for what nobody reads: of the state before it and of the product after it.
+struct Sum {
+    has_unread: bool,
+    is_auto: bool,
+}
+
+impl Operation for Sum {
+    const NAME: &'static str = "sum";
+    type Input<C: Circuit> = Input<C>;
+    type Output<C: Circuit> = Output<C>;
+    type State<C: Circuit> = State<C>;
+    fn run<C: Circuit>(
+        &self,
+        c: C,
+        Input { n: [a, b, d, e], flag }: Input<C>,
+        state: State<C>,
+    ) -> (Output<C>, State<C>) {
+        if self.is_auto {
+            c.auto();
+        } else {
+            c.stage(3, "product");
+        }
+        let product = a * b;
+        if !self.is_auto {
+            c.stage(4, "sum");
+        }
+        let sum = flag.select(state.kept, state.kept + product);
+        if self.has_unread {
+            let _before = flag.select(state.kept, d);
+            let _after = ((sum + d) * e + product).compare(state.kept);
+        }
+        (Output { number: sum }, State { kept: sum })
+    }
+}
+
+#[test]
+fn what_nobody_reads_changes_nothing() {
+    for is_auto in [false, true] {
+        for unit_latency in UnitLatency::ALL.iter().copied() {
+            let config = Config { unit_latency, ..Config::DEFAULT };
+            let [without, with] = [false, true].map(|has_unread| {
+                let set = Operations::new().with(&Sum { has_unread, is_auto }, 0).expect("an operation");
+                Datapath::build(set, config).unwrap_or_else(|error| panic!("automatic {is_auto}: {error}"))
+            });
+            assert_eq!(with.latency(), without.latency());
+            assert_eq!(with.loops(), without.loops());
+            for step in 0..=with.steps().count() {
+                assert_eq!(with.units(step), without.units(step), "automatic {is_auto}, step {step}");
+                assert_eq!(with.registers(step), without.registers(step), "automatic {is_auto}, step {step}");
+            }
+        }
+    }
+}
+
+/// A unit of each kind in every stage.
+const ONE_EACH: Units = Units { encode: 0, add: 1, multiply: 1, compare: 1, decode: 0 };
+
+// Of its four units, three are there for their exceptions alone.
+operation!(Sums, |c, i| {
+    c.auto();
+    let [a, b, d, e] = i.n;
+    let _unread = [a + d, b + e, d * e];
+    Output { number: i.flag.select(a + b, a) }
+});
+
+fn flagged<O: Operation>(operation: &O, limits: Units) -> Result<Datapath, Error> {
+    let set = Operations::new().within(Budget::by_stage(|_| limits)).exception_flags(true);
+    set.with(operation, 0).and_then(Datapath::of)
+}
+
+#[test]
+fn what_is_made_for_its_exceptions_keeps_to_the_budget() {
+    let datapath = flagged(&Sums, ONE_EACH).expect("room in ten stages");
+    let units: Vec<Units> = (1..=STAGES as usize).map(|stage| datapath.units(stage)).collect();
+    assert!(units.iter().all(|units| units.add <= 1 && units.multiply <= 1), "{units:?}");
+    assert_eq!(
+        units.iter().map(|units| (units.add, units.multiply)).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1)),
+        (3, 1)
+    );
+
+    let error = flagged(&Sums, Units { multiply: 0, ..ONE_EACH }).expect_err("the product's exceptions are an output");
+    assert!(matches!(error, Error::TooManyUnits { .. }), "{error}");
+}
+
+#[test]
+fn exceptions_of_what_nobody_reads_are_an_output() {
+    let datapath = flagged(&Sums, ONE_EACH).expect("a datapath");
+    let mut simulator = Simulator::new(datapath.top()).expect("a netlist");
+    for (numbers, expected) in [
+        ([1.0, 2.0, 3.0, 4.0], 0),
+        ([1.0, 2.0, f32::MAX, 4.0], flags::OVERFLOW | flags::INEXACT),
+        ([f32::INFINITY, 2.0, f32::NEG_INFINITY, 4.0], flags::INVALID),
+    ] {
+        let mut set = |port: &str, value: u64| {
+            let port = simulator.input(port).expect(port);
+            simulator.set(port, value);
+        };
+        for (index, number) in numbers.into_iter().enumerate() {
+            set(&format!("n_{index}_i"), f32::to_bits(number).into());
+        }
+        set("input_valid_i", 1);
+        set("output_ready_i", 1);
+        (0..=datapath.latency()).for_each(|_| simulator.cycle());
+        let port = simulator.output("exception_flags_o").expect("flags");
+        assert_eq!(simulator.get(port), expected, "{numbers:?}");
+    }
+}
+
+#[test]
+fn too_long_a_chain_counts_where_its_exceptions_do() {
+    operation!(Long, |c, i| {
+        c.auto();
+        let _power = (0..12).fold(i.n[0], |power, _| power * i.n[1]);
+        Output { number: i.n[2] + i.n[3] }
+    });
+    let set = |are_there| Operations::new().exception_flags(are_there).with(&Long, 0).and_then(Datapath::of);
+    assert!(set(false).is_ok());
+    let error = set(true).expect_err("12 units in 10 stages");
+    assert!(matches!(error, Error::TooLong { needed: 12, last: 10, .. }), "{error}");
+}
