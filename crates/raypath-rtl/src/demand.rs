@@ -23,7 +23,7 @@ struct Demand {
 impl Demands {
     pub fn new(traced: &Traced) -> Self {
         let mut demands: BTreeMap<NodeId, Vec<Demand>> = BTreeMap::new();
-        for id in (0..traced.nodes.len() as u32).map(NodeId) {
+        for id in traced.ids() {
             let operands = traced.operands(id);
             let (Some((kind, 0)), &[a, b]) = (part(traced, id), operands.as_slice()) else { continue };
             let ordered = matches!(traced.node(id).op, Op::Subtract(..) | Op::Compare(..));

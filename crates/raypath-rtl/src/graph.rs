@@ -58,6 +58,13 @@ pub enum Op {
     Select(NodeId, NodeId, NodeId),
 }
 
+impl Op {
+    /// Whether an adder or a multiplier makes it: then it is rounded, and may raise exceptions.
+    pub fn rounds(&self) -> bool {
+        matches!(self, Self::Add(..) | Self::Subtract(..) | Self::Multiply(..))
+    }
+}
+
 /// What a value is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
@@ -175,8 +182,8 @@ impl Traced {
         let kind = Kind::Word(flags::COUNT);
         let mut so_far: Option<NodeId> = None;
         for stage in 1..STAGES {
-            let here = (0..self.nodes.len() as u32).map(NodeId).filter(|&id| self.node(id).stage == stage);
-            let units: Vec<NodeId> = here.filter(|&id| self.raises(id)).collect();
+            let here = self.ids().filter(|&id| self.node(id).stage == stage);
+            let units: Vec<NodeId> = here.filter(|&id| self.node(id).op.rounds()).collect();
             let mut raised: Vec<NodeId> =
                 units.into_iter().map(|id| self.push(Op::Flags(id), kind, stage, None)).collect();
             if raised.is_empty() {
@@ -254,6 +261,11 @@ impl Traced {
         }
     }
 
+    /// Every value.
+    pub fn ids(&self) -> impl Iterator<Item = NodeId> + use<> {
+        (0..self.nodes.len() as u32).map(NodeId)
+    }
+
     pub fn node(&self, id: NodeId) -> &Node {
         &self.nodes[id.index()]
     }
@@ -304,8 +316,7 @@ impl Traced {
         let mut live = vec![false; self.nodes.len()];
         let outputs = self.outputs.iter().map(|output| output.node);
         let nexts = self.states.iter().map(|state| state.next);
-        let ids = (0..self.nodes.len() as u32).map(NodeId);
-        let counted = ids.filter(|&id| self.counts_exceptions && self.raises(id));
+        let counted = self.ids().filter(|&id| self.counts_exceptions && self.node(id).op.rounds());
         let mut open: Vec<NodeId> = outputs.chain(nexts).chain(counted).collect();
         while let Some(id) = open.pop() {
             if !live[id.index()] {
@@ -314,10 +325,6 @@ impl Traced {
             }
         }
         live
-    }
-
-    fn raises(&self, id: NodeId) -> bool {
-        matches!(self.node(id).op, Op::Add(..) | Op::Subtract(..) | Op::Multiply(..))
     }
 
     /// Whether it writes state later than it reads it, so that a job must not follow the one before at once.
@@ -345,8 +352,7 @@ impl Traced {
 
     /// Stages in range, nothing read before it is made, state read where it is written.
     pub fn check(&self) -> Result<(), Error> {
-        for index in 0..self.nodes.len() {
-            let id = NodeId(index as u32);
+        for id in self.ids() {
             let stage = self.node(id).stage;
             let inside = !matches!(self.node(id).op, Op::Input(_));
             if inside && !self.is_everywhere(id) && !(1..STAGES).contains(&stage) {

@@ -55,7 +55,7 @@ pub struct Target {
 /// this bounds the time.
 const ROUNDS: usize = 4;
 
-/// Stages the operations that ask for it, and holds all against the budget.
+/// Stages the operations that ask for it, adds exceptions where they are an output, and holds all against the budget.
 pub fn assign(mut operations: Vec<Traced>, target: &Target) -> Result<Vec<Traced>, Error> {
     let mut is_staged: Vec<bool> = operations.iter().map(|traced| !traced.is_auto).collect();
     for _ in 0..ROUNDS {

@@ -67,16 +67,14 @@ struct Time {
 /// units take several steps, no unit follows another one in a step.
 fn times(traced: &Traced, latency: u32) -> Vec<Time> {
     let mut times: Vec<Time> = Vec::with_capacity(traced.nodes.len());
-    for (index, node) in traced.nodes.iter().enumerate() {
-        let operands = traced.operands(NodeId(index as u32));
+    for (id, node) in traced.ids().zip(&traced.nodes) {
+        let operands = traced.operands(id);
         let here = operands.into_iter().filter(|operand| traced.node(*operand).stage == node.stage);
         let ready = here.map(|operand| times[operand.index()]).max_by_key(|time| (time.end, time.full));
         let Time { end, full, .. } = ready.unwrap_or_default();
         let begin = if full { end + 1 } else { end };
-        times.push(match node.op {
-            Op::Add(..) | Op::Subtract(..) | Op::Multiply(..) if latency > 1 => {
-                Time { begin, end: begin + latency - 1, full: true }
-            }
+        times.push(match &node.op {
+            op if op.rounds() && latency > 1 => Time { begin, end: begin + latency - 1, full: true },
             Op::Compare(..) if latency > 1 => Time { begin, end: begin, full: true },
             _ => Time { begin: end, end, full },
         });
@@ -106,8 +104,8 @@ fn rewrite(traced: &Traced, times: &[Time], first: &[u32]) -> Traced {
     }
     for state in 0..traced.states.len() {
         let written = traced.states[state].next;
-        let readers = (0..rewritten.nodes.len() as u32)
-            .map(NodeId)
+        let readers = rewritten
+            .ids()
             .filter(|&id| rewritten.operands(id).iter().any(|&o| rewritten.node(o).op == Op::State(state)));
         let read = readers.map(|id| rewritten.node(id).stage).min();
         let written = rewritten.node(written).stage;

@@ -87,15 +87,16 @@ impl<'a> Costs<'a> {
         for state in &traced.states {
             readers[state.next.index()].extend(group(state.next));
         }
-        let ids = || (0..traced.nodes.len() as u32).map(NodeId);
         let is_output = |id: NodeId| traced.outputs.iter().any(|output| output.node == id);
         let is_test = |id: NodeId| traced.floats(id);
         let tests = |of: NodeId| {
-            let tests = ids().filter(move |&id| matches!(traced.node(id).op, Op::Test(_, operand) if operand == of));
+            let tests =
+                traced.ids().filter(move |&id| matches!(traced.node(id).op, Op::Test(_, operand) if operand == of));
             let tests = tests.filter(|&id| is_test(id));
             tests.map(|id| (readers[id.index()].clone(), is_output(id))).collect::<Vec<_>>()
         };
-        let values = ids()
+        let values = traced
+            .ids()
             .filter(|&id| !traced.is_everywhere(id) && !is_test(id))
             .map(|id| Value {
                 width: match traced.node(id).kind {

@@ -20,7 +20,8 @@ impl<'t> Problem<'t> {
     pub fn new(traced: &'t Traced) -> Self {
         let nexts: BTreeSet<NodeId> = traced.states.iter().map(|state| state.next).collect();
         let live = traced.live();
-        let placed: Vec<bool> = ids(traced)
+        let placed: Vec<bool> = traced
+            .ids()
             .map(|id| live[id.index()] && is_made(traced, id) && (!traced.floats(id) || nexts.contains(&id)))
             .collect();
         let fellows = fellows(traced, &placed);
@@ -29,7 +30,7 @@ impl<'t> Problem<'t> {
         problem.sort(&placed, &fellows);
         // A constant that becomes state has no group, but fellows that read that state.
         let of_next = |next: NodeId| {
-            let mut fellows = ids(traced).filter(|&id| fellows.first(id) == fellows.first(next));
+            let mut fellows = traced.ids().filter(|&id| fellows.first(id) == fellows.first(next));
             fellows.find_map(|id| problem.group_of[id.index()])
         };
         problem.states = traced.states.iter().map(|state| of_next(state.next)).collect();
@@ -54,12 +55,12 @@ impl<'t> Problem<'t> {
     /// The stage of every value, given those of groups.
     pub fn stages_of_nodes(&self, stages: &[u32]) -> Vec<u32> {
         let mut of_nodes: Vec<u32> = vec![0; self.traced.nodes.len()];
-        for id in ids(self.traced) {
+        for id in self.traced.ids() {
             let operands = self.traced.operands(id);
             of_nodes[id.index()] = match (self.group_of[id.index()], self.traced.node(id).op.clone()) {
                 (Some(group), _) => stages[group],
                 (None, Op::Input(_)) => 0,
-                // As early as can be: what is not read, what floats, what is everywhere.
+                // As early as can be: what floats, what is everywhere.
                 _ => operands.iter().map(|operand| of_nodes[operand.index()]).max().unwrap_or(0).max(1),
             };
         }
@@ -94,7 +95,7 @@ impl<'t> Problem<'t> {
     /// Puts groups into an order in which each comes after those that it reads, otherwise as recorded.
     fn sort(&mut self, placed: &[bool], fellows: &Fellows) {
         let mut members: BTreeMap<NodeId, Vec<NodeId>> = BTreeMap::new();
-        for id in ids(self.traced).filter(|id| placed[id.index()]) {
+        for id in self.traced.ids().filter(|id| placed[id.index()]) {
             members.entry(fellows.first(id)).or_default().push(id);
         }
         let keys: Vec<NodeId> = members.keys().copied().collect();
@@ -139,21 +140,17 @@ pub enum Part {
 }
 
 pub fn part(traced: &Traced, id: NodeId) -> Part {
-    match traced.node(id).op {
-        Op::Add(..) | Op::Subtract(..) | Op::Multiply(..) => Part::Unit,
+    match &traced.node(id).op {
+        op if op.rounds() => Part::Unit,
         Op::Compare(..) => Part::Compare,
         _ => Part::Logic,
     }
 }
 
-fn ids(traced: &Traced) -> impl Iterator<Item = NodeId> + use<> {
-    (0..traced.nodes.len() as u32).map(NodeId)
-}
-
 /// A comparison and its relations share a stage; so do all that read a state, its next value, and what lies between.
 fn fellows(traced: &Traced, placed: &[bool]) -> Fellows {
     let mut fellows = Fellows((0..traced.nodes.len()).collect());
-    let placed = || ids(traced).filter(|id| placed[id.index()]);
+    let placed = || traced.ids().filter(|id| placed[id.index()]);
     for id in placed() {
         if let Op::Relation(order, _) = traced.node(id).op {
             fellows.join(order, id);
@@ -173,7 +170,8 @@ fn fellows(traced: &Traced, placed: &[bool]) -> Fellows {
 
 /// Joins what lies between members of a group to it; whether there was something.
 fn close(traced: &Traced, fellows: &mut Fellows, member: NodeId) -> bool {
-    let edges: Vec<(NodeId, NodeId)> = ids(traced)
+    let edges: Vec<(NodeId, NodeId)> = traced
+        .ids()
         .filter(|&id| is_made(traced, id))
         .flat_map(|id| traced.operands(id).into_iter().map(move |operand| (operand, id)))
         .filter(|&(operand, _)| is_made(traced, operand))

@@ -2,7 +2,9 @@
 //! staged.
 
 #[macro_use]
+#[path = "../common/mod.rs"]
 mod common;
+mod unread;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

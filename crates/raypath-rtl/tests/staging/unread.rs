@@ -1,30 +1,10 @@
 //! Values that an operation makes and nobody reads: none in the hardware, unless their exceptions are an output.
 
-#[macro_use]
-mod common;
-
+use crate::{Input, Output, arithmetic, assert_within, units};
 use raypath_float::flags;
 use raypath_hdl::Simulator;
-use raypath_ops::{Bit, Circuit, Num, Operation, bundle};
-use raypath_rtl::{Budget, Config, Datapath, Error, Operations, STAGES, UnitLatency, Units};
-
-bundle! {
-    /// A few numbers and a flag.
-    pub struct Input<C> {
-        /// The numbers.
-        pub n: [Num<C>; 4],
-        /// The flag.
-        pub flag: Bit<C>,
-    }
-}
-
-bundle! {
-    /// One number.
-    pub struct Output<C> {
-        /// The number.
-        pub number: Num<C>,
-    }
-}
+use raypath_ops::{Circuit, Num, Operation, bundle};
+use raypath_rtl::{Budget, Config, Datapath, Error, Operations, UnitLatency, Units};
 
 bundle! {
     /// One number from job to job.
@@ -88,9 +68,6 @@ fn what_nobody_reads_changes_nothing() {
     }
 }
 
-/// A unit of each kind in every stage.
-const ONE_EACH: Units = Units { encode: 0, add: 1, multiply: 1, compare: 1, decode: 0 };
-
 // Of its four units, three are there for their exceptions alone.
 operation!(Sums, |c, i| {
     c.auto();
@@ -99,6 +76,7 @@ operation!(Sums, |c, i| {
     Output { number: i.flag.select(a + b, a) }
 });
 
+/// With exception flags, and so many units in every stage.
 fn flagged<O: Operation>(operation: &O, limits: Units) -> Result<Datapath, Error> {
     let set = Operations::new().within(Budget::by_stage(|_| limits)).exception_flags(true);
     set.with(operation, 0).and_then(Datapath::of)
@@ -106,21 +84,19 @@ fn flagged<O: Operation>(operation: &O, limits: Units) -> Result<Datapath, Error
 
 #[test]
 fn what_is_made_for_its_exceptions_keeps_to_the_budget() {
-    let datapath = flagged(&Sums, ONE_EACH).expect("room in ten stages");
-    let units: Vec<Units> = (1..=STAGES as usize).map(|stage| datapath.units(stage)).collect();
-    assert!(units.iter().all(|units| units.add <= 1 && units.multiply <= 1), "{units:?}");
-    assert_eq!(
-        units.iter().map(|units| (units.add, units.multiply)).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1)),
-        (3, 1)
-    );
+    let one = units(1, 1, 1);
+    let datapath = flagged(&Sums, one).expect("room in ten stages");
+    assert_within(&datapath, &Budget::by_stage(|_| one));
+    let all = arithmetic(&datapath).into_iter().reduce(|a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2));
+    assert_eq!(all, Some((3, 1, 0)));
 
-    let error = flagged(&Sums, Units { multiply: 0, ..ONE_EACH }).expect_err("the product's exceptions are an output");
+    let error = flagged(&Sums, units(1, 0, 1)).expect_err("the product's exceptions are an output");
     assert!(matches!(error, Error::TooManyUnits { .. }), "{error}");
 }
 
 #[test]
 fn exceptions_of_what_nobody_reads_are_an_output() {
-    let datapath = flagged(&Sums, ONE_EACH).expect("a datapath");
+    let datapath = flagged(&Sums, units(1, 1, 1)).expect("a datapath");
     let mut simulator = Simulator::new(datapath.top()).expect("a netlist");
     for (numbers, expected) in [
         ([1.0, 2.0, 3.0, 4.0], 0),
