@@ -1,4 +1,4 @@
-//! Numbers in the recoded format, in which the hardware computes (`docs/recoded.md`).
+//! Numbers in the recoded format, in which the hardware computes (`docs/reference/formats.md`).
 
 use crate::format::{Format, mask};
 

@@ -1,4 +1,5 @@
-//! Files of transactions (`docs/transactions.md`): jobs of any operation, with the outcomes that were recorded for them.
+//! Files of transactions (`docs/reference/transactions.md`): jobs of any operation, with the outcomes that were
+//! recorded for them.
 
 mod format;
 mod lines;

@@ -12,7 +12,7 @@ use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
-/// The operations of the paper; the discriminant is the opcode (`docs/ports.md`).
+/// The operations of the paper; the discriminant is the opcode (`docs/integration/ports.md`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum JobKind {
     /// Ray against a triangle.

@@ -1,4 +1,5 @@
-//! Rays, and what the hardware expects to have been derived from them (`docs/semantics.md`; the paper's ray format).
+//! Rays, and what the hardware expects to have been derived from them (`docs/reference/semantics.md`; the paper's ray
+//! format).
 
 use crate::binary32::Binary32;
 use crate::bundle::bundle;

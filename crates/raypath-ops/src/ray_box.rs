@@ -18,7 +18,7 @@ pub struct RayBox {
 }
 
 /// The same under the rules `paper`, missing no box for a rounding: `tmax` is made larger by [`WIDENING_ULPS`] before it
-/// is compared. `docs/semantics.md` says what that promises.
+/// is compared. `docs/reference/semantics.md` says what that promises.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RayBoxConservative;
 

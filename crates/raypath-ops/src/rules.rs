@@ -1,4 +1,4 @@
-//! The rules on the edges (`docs/semantics.md`), in the two sets that exist. Everything else the two share.
+//! The rules on the edges (`docs/reference/semantics.md`), in the two sets that exist. Everything else the two share.
 
 use crate::bundle::{Bundle, bundle};
 use crate::circuit::Circuit;
@@ -11,7 +11,7 @@ use thiserror::Error;
 /// Which rules decide at zeros, NaNs, ties and touching boxes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Rules {
-    /// Our rulings where the paper is silent or contradicts itself; `docs/semantics.md` gives their reasons.
+    /// Our rulings where the paper is silent or contradicts itself; `docs/reference/semantics.md` gives their reasons.
     #[default]
     Paper,
     /// What the original hardware does, bit for bit, its accumulator fault excepted.

@@ -1,11 +1,11 @@
-//! Jobs and outcomes as ports: names as `docs/ports.md` has them, and no bit lost on the way.
+//! Jobs and outcomes as ports: names as `docs/integration/ports.md` has them, and no bit lost on the way.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Job, JobKind, Outcome, PortKind};
 use std::collections::BTreeMap;
 
-/// The names of `docs/ports.md` for a kind of job, written out.
+/// The names of `docs/integration/ports.md` for a kind of job, written out.
 fn inputs(kind: JobKind) -> Vec<String> {
     let on = |stem: &str, axes: &str| axes.chars().map(|axis| format!("{stem}_{axis}")).collect::<Vec<_>>();
     let ray = || {

@@ -1,4 +1,4 @@
-//! `Ray::new`: what it derives (`docs/semantics.md`) and what it rejects.
+//! `Ray::new`: what it derives (`docs/reference/semantics.md`) and what it rejects.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -1,7 +1,8 @@
 //! Area and timing of a netlist, by open tools: Yosys chooses the gates, OpenSTA times them.
 //!
 //! A [`Design`] is a netlist whose top module is a row of stages. A [`Bench`] is a cell library, the tools, and a place
-//! for results; it measures designs into [`Report`]s. `docs/ppa.md` says what the figures mean and what they do not.
+//! for results; it measures designs into [`Report`]s. `docs/user/area-and-timing.md` says what the figures mean and
+//! what they do not.
 //!
 //! ```no_run
 //! use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library, OpenSta, Yosys};

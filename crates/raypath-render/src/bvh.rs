@@ -16,7 +16,8 @@ use thiserror::Error;
 ///
 /// # How boxes are padded
 /// Box tests and triangle tests round differently, so a ray through an edge could hit a triangle and miss the box around
-/// it. By `docs/error-bounds.md`, nothing slips between faces because the ray passes through the closed triangle
+/// it. By `docs/reference/error-bounds.md`, nothing slips between faces because the ray passes through the closed
+/// triangle
 /// A′B′C′ *as computed*. With R the greatest distance along any axis from the ray's origin to a vertex, and u = 2⁻²⁴:
 ///
 /// - each computed vertex is within γ₄·(|r_kx| + |Sx·r_kz|) ≤ 8.01·u·R of the exact one along kx, and along ky, and not
@@ -30,7 +31,8 @@ use thiserror::Error;
 ///
 /// So boxes padded by 12·u·R on every side, rounded outwards, are hit whenever one of their triangles has the ray in its
 /// closed computed triangle. R is the scene's *reach*, which it is built for. Reach 16 (in units of the scene's longest
-/// side) pads by 1.1·10⁻⁵ of it. Conditions are those of `docs/error-bounds.md`: components of the direction are 0 or
+/// side) pads by 1.1·10⁻⁵ of it. Conditions are those of `docs/reference/error-bounds.md`: components of the direction
+/// are 0 or
 /// between 2⁻¹²⁶ and 2¹²⁶, nothing overflows.
 ///
 /// Where cancellation costs a triangle's t more than its depth range (a face seen edge-on), t may be less than where the

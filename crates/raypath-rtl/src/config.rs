@@ -68,7 +68,7 @@ choices! {
     pub enum Encoding ("encoding of numbers") {
         /// As IEEE 754 has it: binary32 has 32 bits.
         Ieee = "ieee",
-        /// As the units want it (`docs/recoded.md`): one bit more.
+        /// As the units want it (`docs/reference/formats.md`): one bit more.
         Recoded = "recoded",
     }
 }

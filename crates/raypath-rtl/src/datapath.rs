@@ -112,7 +112,7 @@ impl Operations {
     }
 
     /// Stages the operations that are added from here on automatically, whatever stages they mark
-    /// (`docs/staging.md`).
+    /// (`docs/extending/staging.md`).
     pub fn auto(mut self) -> Self {
         self.marks = Marks::Ignored;
         self

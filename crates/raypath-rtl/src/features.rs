@@ -4,7 +4,8 @@ use crate::error::Error;
 use raypath_float::Format;
 use raypath_ops::{Culling, Rules};
 
-/// What the paper's operations do not have (`docs/features.md`). What is off leaves nothing behind in the hardware.
+/// What the paper's operations do not have (`docs/reference/features.md`). What is off leaves nothing behind in the
+/// hardware.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Features {
     /// Bits of a word that every job takes along, from the port `tag_i` to the port `tag_o`; 0 for none, at most

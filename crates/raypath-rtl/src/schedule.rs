@@ -2,7 +2,7 @@
 //!
 //! A schedule comes from a list: what is most urgent first, each where units are free. That is done from the front, as
 //! early as possible, and from the back, as late as possible. Both are then changed step by step, as long as a change
-//! leaves fewer register bits; the better one is taken. `docs/staging.md` says more.
+//! leaves fewer register bits; the better one is taken. `docs/extending/staging.md` says more.
 
 mod cost;
 mod improve;

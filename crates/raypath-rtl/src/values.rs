@@ -337,7 +337,8 @@ fn test_ieee<'m>(test: Test, a: Wire<'m>, format: Format) -> Wire<'m> {
     }
 }
 
-/// Sign and class of a recoded number: the sign bit and the top three bits of the exponent (`docs/recoded.md`).
+/// Sign and class of a recoded number: the sign bit and the top three bits of the exponent
+/// (`docs/reference/formats.md`).
 fn test_class(test: Test, a: Wire<'_>) -> Wire<'_> {
     let sign = a.top();
     let class = a.bits(a.width() - 2, a.width() - 4);

@@ -11,7 +11,7 @@ const U: f64 = 1.0 / 16_777_216.0;
 /// The least subnormal, 2^-149.
 const LEAST: f64 = f32::from_bits(1) as f64;
 
-/// γ of `docs/error-bounds.md`.
+/// γ of `docs/reference/error-bounds.md`.
 fn gamma(roundings: u32) -> f64 {
     let k = f64::from(roundings) * U;
     k / (1.0 - k)

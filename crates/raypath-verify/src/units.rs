@@ -23,7 +23,7 @@ pub const CONVERSIONS: Item = Item {
     name: "conversions",
     claim: "recoding loses no number of binary32, keeps their order and follows its table; all words that mean nothing \
             but zero, infinity or NaN are decoded so",
-    oracle: "the host's conversion to binary64, and the table of docs/recoded.md",
+    oracle: "the host's conversion to binary64, and the table of docs/reference/formats.md",
     run: conversions,
 };
 

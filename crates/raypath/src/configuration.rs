@@ -1,4 +1,4 @@
-//! Configurations in files: TOML whose keys are the command line's options (`docs/configurations.md`).
+//! Configurations in files: TOML whose keys are the command line's options (`docs/reference/configurations.md`).
 
 use raypath_rtl::{Config, Features, Preset};
 use std::fs::File;

@@ -1,6 +1,6 @@
 //! All that can be verified, item by item: what is claimed, by what it is judged, and how it is run.
 //!
-//! `docs/verification.md` has the same items with their results.
+//! `docs/development/verification.md` has the same items with their results.
 
 pub mod campaign;
 pub mod coverage;
@@ -19,7 +19,7 @@ pub use raypath_verify::{Error, Item, Level, Request, Shard, ShardError, Step, V
 
 use raypath_verify::{control, unit_proofs, units};
 
-/// All items, in the order of `docs/verification.md`.
+/// All items, in the order of `docs/development/verification.md`.
 pub const ITEMS: &[Item] = &[
     units::TESTFLOAT,
     units::CONVERSIONS,

@@ -126,13 +126,16 @@ fn whoever_watches_may_stop_it() {
 #[test]
 fn the_command_prints_what_the_document_shows() {
     let document = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/formats.md"));
-    let document = document.expect("docs/formats.md");
+    let document = document.expect("docs/reference/formats.md");
     for arguments in [&["accuracy"][..], &["accuracy", "--format", "fp16", "--scale", "64"]] {
         assert!(document.contains(&format!("raypath -- {}\n", arguments.join(" "))), "{arguments:?}");
         let output = raypath(arguments);
         assert!(output.status.success());
         let printed = String::from_utf8(output.stdout).expect("text");
-        assert!(document.contains(&printed), "{arguments:?} prints other than docs/formats.md has:\n{printed}");
+        assert!(
+            document.contains(&printed),
+            "{arguments:?} prints other than docs/reference/formats.md has:\n{printed}"
+        );
     }
 }
 

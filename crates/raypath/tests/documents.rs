@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Every dependency is defended by name in `docs/dependencies.md`, and nothing else is.
+/// Every dependency is defended by name in `docs/development/dependencies.md`, and nothing else is.
 #[test]
 fn every_dependency_is_defended() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
@@ -28,7 +28,7 @@ fn every_dependency_is_defended() {
     used.retain(|name| !name.starts_with("raypath"));
     assert!(used.contains("clap") && used.contains("wellen"), "{used:?}");
 
-    let document = fs::read_to_string(root.join("docs/dependencies.md")).expect("the document");
+    let document = fs::read_to_string(root.join("docs/development/dependencies.md")).expect("the document");
     let crates = document.split("## Programs").next().expect("the crates");
     let rows = crates.lines().filter(|line| line.starts_with("| `"));
     let mut defended = BTreeSet::new();
@@ -45,11 +45,12 @@ fn every_dependency_is_defended() {
     assert_eq!(used, defended);
 }
 
-/// Every item of `raypath verify` has its row in `docs/verification.md`, in the same order, and nothing else has.
+/// Every item of `raypath verify` has its row in `docs/development/verification.md`, in the same order, and nothing
+/// else has.
 #[test]
 fn every_item_of_verify_has_its_row() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let document = fs::read_to_string(root.join("docs/verification.md")).expect("the document");
+    let document = fs::read_to_string(root.join("docs/development/verification.md")).expect("the document");
     let table = document.split("## The items").nth(1).and_then(|rest| rest.split("\n\n").nth(1)).expect("the table");
     let rows: Vec<Vec<&str>> = table.lines().skip(2).map(|row| row.split(" | ").collect()).collect();
     let named: Vec<&str> = rows.iter().map(|row| row[0].trim_matches(['|', ' ', '`'])).collect();

@@ -127,9 +127,9 @@ fn readme_has_the_figures_of_every_preset() {
 #[test]
 fn picture_in_the_documents_is_current() {
     let drawn = pipeline(&datapath(Lanes::Sixteen, Rules::Paper), DEFAULT);
-    let kept = include_str!("../../../docs/pipeline.svg");
+    let kept = include_str!("../../../docs/images/pipeline.svg");
     assert!(
         drawn == kept,
-        "docs/pipeline.svg is old: cp build/pipeline.svg docs/ after cargo run --release -- generate"
+        "docs/images/pipeline.svg is old: cp build/pipeline.svg docs/ after cargo run --release -- generate"
     );
 }

@@ -15,7 +15,8 @@ use raypath_ops::{
 
 /// Which of eight boxes a ray hits, nearest first.
 ///
-/// By the rules `paper` (`docs/semantics.md`): boxes are hit and missed as by [`RayBox`], hits stand before misses, nearer
+/// By the rules `paper` (`docs/reference/semantics.md`): boxes are hit and missed as by [`RayBox`], hits stand before
+/// misses, nearer
 /// before farther, and equal distances by index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Octbox;

@@ -20,7 +20,8 @@ use raypath_ops::{
 
 /// Which of four quantised boxes a ray hits, nearest first.
 ///
-/// Rules as for boxes by `paper` (`docs/semantics.md`): near and far change places where the sign bit of inv is set; along
+/// Rules as for boxes by `paper` (`docs/reference/semantics.md`): near and far change places where the sign bit of inv
+/// is set; along
 /// an axis in which the direction is ±0 a slab says nothing but that the ray is beside it; a NaN distance drops out; hit
 /// where tmin ≤ tmax; hits first, nearer first, ties by index. A box whose min exceeds its max is taken as it stands.
 ///

@@ -1,4 +1,4 @@
-//! Handshakes as text (`docs/transactions.md`): a letter a cycle.
+//! Handshakes as text (`docs/reference/transactions.md`): a letter a cycle.
 
 use crate::traffic::Cycle;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
-//! The columns of transaction files (`docs/transactions.md`): one transaction a line, fields separated by spaces,
+//! The columns of transaction files (`docs/reference/transactions.md`): one transaction a line, fields separated by
+//! spaces,
 //! hexadecimal without `0x`. They follow from an operation's ports, in the ports' order; of the paper's operations those
 //! that the golden vectors have come first, as they were recorded.
 

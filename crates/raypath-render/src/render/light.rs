@@ -61,7 +61,8 @@ impl Point {
     /// Secondary rays begin beside the surface, so that they do not hit it. As far as that triangle's computed vertices are
     /// concerned they must be farther from its plane than rounding moves things: with u = 2⁻²⁴ and M the greatest
     /// coordinate or side of the scene, vertices are at most R = 2·M away along any axis and computed to within 8·u·R
-    /// across the ray, in two directions, and 4·u·R along it (docs/error-bounds.md), in all 12·u·R = 24·u·M; rounding the
+    /// across the ray, in two directions, and 4·u·R along it (docs/reference/error-bounds.md), in all 12·u·R = 24·u·M;
+    /// rounding the
     /// origin adds √3·u·M. 32·u·M is more. The point is first put exactly into the triangle's plane, for t may be off by
     /// more where a face is seen edge-on.
     pub(super) fn new(scene: &Scene, ray: &Ray<Binary32>, hit: &Hit) -> Self {

@@ -1,6 +1,7 @@
 //! What rays hit, by brute force over all triangles: exact, and what rounding allows the datapath to answer.
 //!
-//! The bounds are those of `docs/error-bounds.md`, in binary64, whose own error is 2⁻²⁹ of them; hence the 1.001.
+//! The bounds are those of `docs/reference/error-bounds.md`, in binary64, whose own error is 2⁻²⁹ of them; hence the
+//! 1.001.
 
 use super::exact;
 use raypath_ops::{Binary32, Ray};

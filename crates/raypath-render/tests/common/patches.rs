@@ -1,4 +1,4 @@
-//! Where a mesh cannot be slipped through: the theorem of `docs/error-bounds.md`, for edges and vertices.
+//! Where a mesh cannot be slipped through: the theorem of `docs/reference/error-bounds.md`, for edges and vertices.
 
 use super::exact;
 use raypath_ops::{Binary32, Ray};

@@ -110,7 +110,8 @@ fn features_are_the_same_in_other_formats() {
     }
 }
 
-/// As `docs/semantics.md` promises it for formats of at least 5 significand bits: all pairs of distances about 1.
+/// As `docs/reference/semantics.md` promises it for formats of at least 5 significand bits: all pairs of distances
+/// about 1.
 #[test]
 fn conservative_boxes_miss_nothing_in_small_formats() {
     let missed = |significand: u32, conservative: bool| {
@@ -218,7 +219,8 @@ fn a_visitor_sees_what_the_hardware_has() {
     }
 }
 
-/// Prints what each feature costs, for `docs/features.md`: `cargo test --release -p raypath-rtl --test features costs --
+/// Prints what each feature costs, for `docs/reference/features.md`: `cargo test --release -p raypath-rtl --test
+/// features costs --
 /// --nocapture`.
 #[test]
 fn costs() {

@@ -53,7 +53,7 @@ fn assert_within(datapath: &Datapath, budget: &Budget) {
     }
 }
 
-/// Prints the table of `docs/staging.md`.
+/// Prints the table of `docs/extending/staging.md`.
 #[test]
 fn registers_are_no_more_than_by_hand() {
     println!("| rules | operations | by hand | the same units | Table VIII | any units |");

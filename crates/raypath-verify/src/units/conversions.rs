@@ -10,7 +10,7 @@ const SIGN: u64 = 1 << 31;
 const INFINITY: u64 = 0x7f80_0000;
 const NAN: u64 = 0x7fc0_0000;
 
-/// The recoded sign, infinity and NaN, by the table of `docs/recoded.md`.
+/// The recoded sign, infinity and NaN, by the table of `docs/reference/formats.md`.
 const RECODED_SIGN: u64 = 1 << 32;
 const RECODED_INFINITY: u64 = 0x180 << 23;
 const RECODED_NAN: u64 = 0x1c0 << 23 | 1 << 22;
@@ -61,7 +61,8 @@ fn edges(seed: u64) -> Vec<u64> {
         .collect()
 }
 
-/// What is wrong with numbers: each is encoded as the table of `docs/recoded.md` says, is the same again when decoded,
+/// What is wrong with numbers: each is encoded as the table of `docs/reference/formats.md` says, is the same again
+/// when decoded,
 /// and its magnitude is encoded by a greater word than the magnitude before it.
 fn numbers(encode: &mut Converter, decode: &mut Converter, codes: impl Iterator<Item = u64>) -> Vec<String> {
     let mut faults = Vec::new();

@@ -47,7 +47,7 @@ pub struct ConfigArguments {
     features: FeatureArguments,
 }
 
-/// What the paper's operations do not have; off where nothing is said (`docs/features.md`).
+/// What the paper's operations do not have; off where nothing is said (`docs/reference/features.md`).
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Features that the paper's operations do not have")]
 struct FeatureArguments {

@@ -1,5 +1,5 @@
 //! The operations against mathematics, with exact arithmetic as the judge. The bounds are derived in
-//! `docs/error-bounds.md`.
+//! `docs/reference/error-bounds.md`.
 
 mod aim;
 mod box_cases;
@@ -38,7 +38,7 @@ pub const BOXES: Item = Item {
 /// Ray against triangle: the distance.
 pub const TRIANGLE_DISTANCE: Item = Item {
     name: "triangle-distance",
-    claim: "t_num, t_denom and, of a hit, their quotient are as near the exact ones as docs/error-bounds.md says",
+    claim: "t_num, t_denom and, of a hit, their quotient are as near the exact ones as docs/reference/error-bounds.md says",
     oracle: "exact arithmetic on integers times powers of two",
     run: distances::verify,
 };
@@ -46,7 +46,7 @@ pub const TRIANGLE_DISTANCE: Item = Item {
 /// Distances between vectors.
 pub const SUMS: Item = Item {
     name: "sums",
-    claim: "Euclidean sums, dot products and norms are as near the exact ones as docs/error-bounds.md says",
+    claim: "Euclidean sums, dot products and norms are as near the exact ones as docs/reference/error-bounds.md says",
     oracle: "exact arithmetic on integers times powers of two",
     run: sums::verify,
 };

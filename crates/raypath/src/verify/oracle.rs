@@ -1,4 +1,5 @@
-//! Table VII and the rules of `docs/semantics.md`, written once more, from the text: each operation in binary64 and
+//! Table VII and the rules of `docs/reference/semantics.md`, written once more, from the text: each operation in
+//! binary64 and
 //! rounded once. For rules `paper`, 16 lanes and binary32.
 //!
 //! Why one rounding: binary64 has 53 ≥ 2·24 + 2 bits, so that rounding a sum, difference or product of binary32 numbers

@@ -23,8 +23,8 @@ const FAILURES_SHOWN: usize = 10;
 pub const ITEM: Item = Item {
     name: "parsers",
     claim: "no file makes raypath panic, hang, or fill the memory",
-    oracle: "the bounds that docs/transactions.md, docs/configurations.md and docs/ppa.md state; what was read means the \
-             same when it is written and read again",
+    oracle: "the bounds that docs/reference/transactions.md, docs/reference/configurations.md and docs/user/area-and-timing.md \
+             state; what was read means the same when it is written and read again",
     run,
 };
 

@@ -10,7 +10,7 @@ use raypath::format::Format;
 use raypath::hdl::Simulator;
 
 /// Subnormal numbers are normal ones in binary64, where the host's conversion normalises them. The recoded exponent of a
-/// normal binary32 number is that of IEEE 754 plus 2⁷ + 1 (`docs/recoded.md`); it goes on below.
+/// normal binary32 number is that of IEEE 754 plus 2⁷ + 1 (`docs/reference/formats.md`); it goes on below.
 fn recoded(code: u32) -> u64 {
     let wide = f64::from(f32::from_bits(code)).to_bits();
     let exponent = (wide >> 52 & 0x7ff) as i64 - 1023 + 127;

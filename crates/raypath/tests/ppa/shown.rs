@@ -128,7 +128,7 @@ fn somebody_elses_figures_may_be_few() {
 #[test]
 fn the_originals_figures_can_be_compared_with() {
     let read = |folder: &str| {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/original").join(folder);
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/original").join(folder);
         Earlier::read(&path).expect("a report")
     };
     let figures = |earlier: &Earlier| (earlier.area.total, earlier.flip_flops, earlier.slowest.ns);

@@ -1,4 +1,5 @@
-//! What the datapath answers on every edge that `docs/semantics.md` rules on, and what `docs/ports.md` promises.
+//! What the datapath answers on every edge that `docs/reference/semantics.md` rules on, and what
+//! `docs/integration/ports.md` promises.
 //!
 //! Expected values come from the text of a rule or from exact arithmetic, never from a model; and each is asked of the
 //! functional model, the cycle-exact model and the netlist alike ([`answers::answers`]).

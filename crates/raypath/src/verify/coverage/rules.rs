@@ -1,4 +1,5 @@
-//! Which of the rulings of `docs/semantics.md` a job exercises. What is computed here decides what is counted, never
+//! Which of the rulings of `docs/reference/semantics.md` a job exercises. What is computed here decides what is
+//! counted, never
 //! what is right.
 
 mod beats;

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray};
 use raypath_verify::{Error, Request, Verdict};
 
-/// Random rays at random triangles, each against exact arithmetic and the bounds of `docs/error-bounds.md`.
+/// Random rays at random triangles, each against exact arithmetic and the bounds of `docs/reference/error-bounds.md`.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let rules = request.config.rules;
     let cases = request.jobs.unwrap_or(request.level.pick(300_000, 10_000_000, 300_000_000));

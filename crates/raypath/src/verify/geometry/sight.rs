@@ -1,4 +1,4 @@
-//! What `docs/error-bounds.md` supposes of a ray and a patch, decided without error.
+//! What `docs/reference/error-bounds.md` supposes of a ray and a patch, decided without error.
 
 use super::dyadic::Dyadic;
 use super::mesh::{Mesh, Patch};
