@@ -4,7 +4,7 @@
 use fearless_simd::Simd;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_model::{Soft, SoftNumber};
 use raypath_ops::{BLOCK, Binary32, Bit, Concrete, Family, Gather, Lanes, Num, Operation, Packed, Part, Scatter, Word};
 

@@ -48,7 +48,7 @@ fn the_netlist_is_like_the_models_in_every_configuration() {
         Config { control: Control::Credit, unit_latency: UnitLatency::Two, ..default },
         Config { unit_latency: UnitLatency::Three, ..default },
         Config { io: Encoding::Recoded, registers: Encoding::Ieee, sharing: Sharing::Segregated, ..default },
-        Config { format: raypath_format::Format::BINARY16, ..default },
+        Config { format: raypath_float::Format::BINARY16, ..default },
     ];
     for config in configurations {
         let datapath = with_all(config, &studies);

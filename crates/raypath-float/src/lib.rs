@@ -1,4 +1,5 @@
-//! Floating-point units in the recoded format, as netlists, for any [`Format`] that the format fits.
+//! Floating-point formats ([`format`](mod@format)), and floating-point units as netlists (feature `units`, which is
+//! the only part that needs `raypath-hdl`).
 //!
 //! A recoded number has a sign, an exponent of one bit more than IEEE 754 gives it, and a fraction. The top three bits
 //! of the exponent say zero (000), infinity (110) or NaN (111); every other number is normalised, so that no unit has
@@ -19,25 +20,12 @@
 //! # Ok::<(), raypath_hdl::Error>(())
 //! ```
 
-mod add;
-mod align;
-mod booth;
-mod compare;
-mod compress;
-mod decode;
-mod encode;
-pub mod flags;
-mod lookahead;
-mod mul;
-mod normalise;
-mod number;
-mod parts;
-mod recoded;
+pub mod format;
+#[cfg(feature = "units")]
+mod units;
 
-pub use add::{add, add_parts, add_parts_with_flags};
-pub use compare::compare;
-pub use decode::decode;
-pub use encode::encode;
-pub use mul::{mul, mul_parts, mul_parts_with_flags};
-pub use number::number;
-pub use raypath_format::{Format, FormatError};
+pub use format::{Format, FormatError, ParseFormatError};
+#[cfg(feature = "units")]
+pub use units::{
+    add, add_parts, add_parts_with_flags, compare, decode, encode, flags, mul, mul_parts, mul_parts_with_flags, number,
+};

@@ -12,7 +12,7 @@ use crate::transactions::{self, Transaction};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_cosim::{CosimError, Sources, Verilated};
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_model::{Model, OnPorts};
 use raypath_rtl as rtl;
 use std::path::{Path, PathBuf};

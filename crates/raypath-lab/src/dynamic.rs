@@ -1,6 +1,6 @@
 //! Numbers whose format is known when they are computed, not when the operation is compiled.
 
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_model::{Soft, SoftNumber};
 use raypath_ops::{Binary32, Circuit, Concrete, Flagged, Relation, Single, Test, known_bits_and_words};
 use std::cell::Cell;

@@ -12,7 +12,7 @@ const PROPERTIES: &[&str] = &[
 ];
 
 /// Everything that is written, by path: each module in `rtl/`, listed in `raypath.f`, and all of them in `raypath.sv`;
-/// `raypath_properties.sv`; `pipeline.svg`; a wrapper with its package, and manifests ([`raypath_package::files`]). `banner` is the comment at the head of each file.
+/// `raypath_properties.sv`; `pipeline.svg`; a wrapper with its package, and manifests ([`raypath_rtl::package::files`]). `banner` is the comment at the head of each file.
 ///
 /// # Errors
 /// Names that cannot be printed.
@@ -35,7 +35,7 @@ pub fn files(
     files.push((folder.join("raypath.sv"), all));
     files.push((folder.join("raypath_properties.sv"), head(banner, PROPERTIES) + &datapath.properties().to_string()));
     files.push((folder.join("pipeline.svg"), picture::pipeline(datapath, config)));
-    let package = raypath_package::files(datapath, banner)?.into_iter();
+    let package = raypath_rtl::package::files(datapath, banner)?.into_iter();
     files.extend(package.map(|(path, text)| (folder.join(path), text)));
     Ok(files)
 }

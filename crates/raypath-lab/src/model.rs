@@ -1,7 +1,7 @@
 //! The functional model of any set of operations.
 
 use crate::operation::AnyOperation;
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_model::{Kind, Model, OnPorts};
 use raypath_ops::{Binary32, Operation, Port, PortKind, PortValue, from_words, to_words};
 use raypath_rtl::{Config, Features};

@@ -1,6 +1,6 @@
 //! Numbers that are worth trying.
 
-use raypath_format::Format;
+use raypath_float::Format;
 
 /// Numbers at which rules decide.
 pub fn edges(format: Format) -> [u64; 16] {

@@ -1,7 +1,7 @@
 //! Operations whose types are forgotten, so that a list can hold them.
 
 use crate::dynamic::Dynamic;
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_ops::{Binary32, Operation, Port, from_words, ports_of, to_canonical_words, to_words};
 use raypath_rtl::{Error, Operations};
 use std::cell::Cell;

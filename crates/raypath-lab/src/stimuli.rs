@@ -4,7 +4,7 @@ use crate::model::{AnyKind, AnyModel, Words};
 use crate::numbers::edges;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_model::Model;
 use raypath_ops::{Port, PortKind};
 

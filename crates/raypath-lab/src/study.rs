@@ -4,7 +4,7 @@ use crate::model::{AnyKind, AnyModel, Words};
 use crate::operation::AnyOperation;
 use crate::stimuli::any_job;
 use rand_chacha::ChaCha8Rng;
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_model::Model;
 use raypath_ops::{Binary32, Operation, from_words, to_words};
 use std::fmt;

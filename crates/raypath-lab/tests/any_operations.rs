@@ -2,7 +2,7 @@
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_lab::prelude::*;
 use raypath_lab::rtl::{Budget, Config, Error, Lanes, Units};
 use raypath_lab::{AnyModel, any_job};

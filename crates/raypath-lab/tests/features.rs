@@ -1,6 +1,6 @@
 //! The paper's operations with features that the paper does not have: what is printed, before the tools.
 
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_lab::prelude::{Ray, RngExt, Triangle};
 use raypath_lab::rtl::{Accumulators, Config, Control, Features, Lanes, UnitLatency};
 use raypath_lab::{AnyStudy, Checks, Datapath, Study};

@@ -3,7 +3,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_model::{Binary64, Functional, Soft};
 use raypath_ops::{
     Aabb, Binary32, Circuit, Concrete, Job, JobKind, Outcome, PortKind, PortValue, Ray, RayBoxInput, RayTriangleInput,

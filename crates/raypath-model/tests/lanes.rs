@@ -3,7 +3,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_model::{Batch, Functional, Soft, blank, levels, pack, unpack};
 use raypath_ops::{
     AngularInput, AngularOutput, Binary32, EuclideanInput, EuclideanOutput, Family, Job, JobKind, Of, Operation,

@@ -1,7 +1,7 @@
 //! Words as numbers, in every circuit.
 
 use fearless_simd::{Simd, dispatch};
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_model::{Binary64, Soft, levels};
 use raypath_ops::{BLOCK, Binary32, Circuit, Gather, Lanes, Num, Packed, Part, Put, Sixteen, Word};
 

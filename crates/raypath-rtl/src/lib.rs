@@ -29,6 +29,7 @@ mod library;
 mod liveness;
 mod operations;
 mod output;
+pub mod package;
 mod place;
 mod plan;
 mod preset;

@@ -5,7 +5,7 @@
 use crate::bench::Answer;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_format::Format;
+use raypath_float::Format;
 
 /// The bits of a binary32 fraction.
 const FRACTION: u32 = 0x007f_ffff;

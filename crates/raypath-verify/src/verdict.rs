@@ -41,7 +41,7 @@ pub enum Error {
     Elaboration(#[from] raypath_rtl::Error),
     /// There is no such number format.
     #[error(transparent)]
-    Format(#[from] raypath_format::FormatError),
+    Format(#[from] raypath_float::FormatError),
     /// A module cannot be built or compiled.
     #[error(transparent)]
     Netlist(#[from] raypath_hdl::Error),

@@ -16,7 +16,7 @@ pub use errors::{Errors, Quantiles};
 use host::HostJob;
 pub use random::DIMENSIONS;
 use random::RandomJobs;
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_model::{Binary64, Double, Functional, Soft, SoftNumber};
 use raypath_ops::{Concrete, Outcome, Rules};
 pub use scene::RAYS;

@@ -3,7 +3,7 @@
 use crate::models::{PaperModel, Visitor, with_model};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_lab::numbers::edges;
 use raypath_lab::{AnyKind, AnyStudy, Datapath, Words, any_job};
 use raypath_model::{Model, OnPorts};

@@ -20,7 +20,7 @@
 
 pub use raypath_extra as extra;
 pub use raypath_float as float;
-pub use raypath_format as format;
+pub use raypath_float::format;
 pub use raypath_hdl as hdl;
 pub use raypath_lab as lab;
 pub use raypath_lab::{engine, picture, tables, traffic, transactions};

@@ -1,6 +1,6 @@
 //! From a configuration, which is known when the program runs, to code that is generic over the model.
 
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_model::{Functional, Model, Soft};
 use raypath_ops::{Binary32, Concrete, JobKind};
 use raypath_rtl::{Config, Lanes};

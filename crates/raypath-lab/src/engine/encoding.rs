@@ -1,4 +1,4 @@
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_ops::PortKind;
 use raypath_rtl::{Config, Encoding};
 

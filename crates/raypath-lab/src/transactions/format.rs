@@ -3,7 +3,7 @@
 //! hexadecimal without `0x`. They follow from an operation's ports, in the ports' order; of the paper's operations those
 //! that the golden vectors have come first, as they were recorded.
 
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_model::{Model, OnPorts};
 use raypath_ops::{JobKind, PortKind, PortValue};
 

@@ -1,4 +1,4 @@
-use raypath_format::Format;
+use raypath_float::Format;
 
 /// How results in a format differ from references in binary64.
 #[derive(Debug, Clone, Default, PartialEq)]

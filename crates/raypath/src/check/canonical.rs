@@ -1,5 +1,5 @@
 use crate::engine::{Engine, NetlistEngine, Shown};
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_hdl::Probe;
 use raypath_model::Model;
 

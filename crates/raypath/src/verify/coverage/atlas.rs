@@ -2,7 +2,7 @@ use super::operands::{CLASSES, class, group, groups};
 use super::rules::{BeatRule, BoxRule, Onto, PERMUTATIONS, Rounded, TriangleRule, permutation};
 use super::{End, WAYS};
 use crate::verify::layout::{Field, Layout};
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_model::Shape;
 use raypath_ops::{JobKind, Rules};
 use raypath_rtl::Config;

@@ -1,7 +1,7 @@
 //! Classes of numbers, and which operands have them.
 
 use crate::verify::layout::Field;
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_ops::{JobKind, Rules};
 
 /// The classes of a number.

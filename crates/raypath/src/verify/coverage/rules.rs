@@ -11,7 +11,7 @@ pub use boxes::{BoxRule, PERMUTATIONS, permutation};
 pub use triangles::TriangleRule;
 
 use crate::verify::layout::{Field, Layout};
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_ops::JobKind;
 
 /// Numbers of a format as binary64, and arithmetic on them that is rounded into the format.

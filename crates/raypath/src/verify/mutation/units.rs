@@ -2,7 +2,7 @@
 
 use crate::verify::Error;
 use rand_chacha::ChaCha8Rng;
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
 use raypath_rtl::Config;
 use raypath_verify::bench::{Answer, chain};

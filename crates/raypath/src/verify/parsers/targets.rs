@@ -5,7 +5,7 @@ use crate::models::{PaperModel, Visitor, with_model};
 use crate::ppa::{Earlier, parsers};
 use crate::transactions::read_from;
 use crate::verify::{Level, Shard};
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_ops::{JobKind, Ray, Rules};
 use raypath_rtl::{Config, Control, Encoding, Lanes, Preset, Sharing, UnitLatency};
 use std::fmt::Display;

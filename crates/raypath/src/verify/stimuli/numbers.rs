@@ -1,6 +1,6 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_lab::numbers::edges;
 
 /// Numbers of a format, by sort.

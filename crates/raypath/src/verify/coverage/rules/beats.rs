@@ -1,7 +1,7 @@
 use super::{fields, rules};
 use crate::verify::coverage::operands::{CLASSES, class};
 use crate::verify::layout::{Field, Layout};
-use raypath_format::Format;
+use raypath_float::Format;
 use raypath_ops::JobKind;
 
 rules! {

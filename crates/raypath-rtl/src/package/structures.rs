@@ -1,7 +1,7 @@
 //! Fields as types: one for each distinct structure.
 
-use crate::fields::{Field, OPCODE};
-use crate::text::packed;
+use crate::package::fields::{Field, OPCODE};
+use crate::package::text::packed;
 
 /// The enumeration of opcodes.
 pub const OPCODE_TYPE: &str = "opcode_e";

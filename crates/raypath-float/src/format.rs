@@ -1,5 +1,26 @@
-//! A format by its two widths.
+//! Floating-point formats in software, of 3 to 11 exponent bits and 3 to 24 significand bits: names, exact arithmetic,
+//! and the recoded format of the hardware.
+//!
+//! Arithmetic is IEEE 754's, rounded to nearest even, with subnormals. Every NaN result is canonical: no sign, and of
+//! the fraction the top bit alone (in binary32 `7fc00000`).
+//!
+//! ```
+//! use raypath_float::format::{Format, ParseFormatError};
+//!
+//! let half: Format = "fp16".parse()?;
+//! assert_eq!((half, half.name(), half.to_string()), (Format::BINARY16, "fp16".into(), "e5s11".into()));
+//!
+//! let third = half.from_f64(1.0 / 3.0);
+//! assert_eq!(half.to_f64(half.add(third, half.mul(third, third))), 0.4443359375);
+//! assert_eq!(half.decode(half.encode(third)), third);
+//! # Ok::<(), ParseFormatError>(())
+//! ```
 
+mod name;
+mod recoded;
+mod soft;
+
+pub use name::ParseFormatError;
 use thiserror::Error;
 
 /// A binary floating-point format in IEEE 754's layout: exponent bits, and significand bits with the hidden bit

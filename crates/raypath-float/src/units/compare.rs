@@ -7,7 +7,7 @@
 //! `verilator.rs`.
 
 use crate::Format;
-use crate::recoded::Magnitude;
+use crate::units::recoded::Magnitude;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 

@@ -21,7 +21,7 @@ pub struct Written {
 
 pub fn write(datapath: &Datapath) -> Written {
     let folder = tempfile::tempdir().expect("a folder");
-    let files = raypath_package::files(datapath, &["Made by a test.".to_string()]).expect("files");
+    let files = raypath_rtl::package::files(datapath, &["Made by a test.".to_string()]).expect("files");
     let module = |name: &str, text: String| put(&folder.path().join(format!("rtl/{name}.sv")), &text);
     for each in verilog::modules(datapath.top()).expect("modules") {
         module(each.name(), verilog::print_module(&each, &[]).expect("text"));

@@ -5,7 +5,7 @@
 //! Tests in `tests/units`: `small_formats.rs` (all numbers, by the format's definition), `binary32.rs`, `verilator.rs`.
 
 use crate::Format;
-use crate::recoded::Magnitude;
+use crate::units::recoded::Magnitude;
 use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
 

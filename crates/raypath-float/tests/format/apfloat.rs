@@ -1,10 +1,8 @@
 //! All sizes of formats against LLVM's soft float, as the crate `rustc_apfloat` has it.
 
-mod common;
-
-use common::{Operands, cases};
+use crate::operands::{Operands, cases};
 use rand::RngExt;
-use raypath_format::Format;
+use raypath_float::Format;
 use rustc_apfloat::ieee::{BFloatS, Double, HalfS, IeeeFloat, Semantics, Single, SingleS};
 use rustc_apfloat::{Float, FloatConvert};
 

@@ -1,6 +1,6 @@
 //! What is a format and what is not, what formats are called, and the recoded format as the specification lists it.
 
-use raypath_format::{Format, ParseFormatError};
+use raypath_float::{Format, ParseFormatError};
 
 #[test]
 fn bounds() {

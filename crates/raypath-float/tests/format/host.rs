@@ -1,9 +1,7 @@
 //! binary32 against the host's `f32`.
 
-mod common;
-
-use common::{Operands, cases};
-use raypath_format::Format;
+use crate::operands::{Operands, cases};
+use raypath_float::Format;
 
 const FORMAT: Format = Format::BINARY32;
 const CASES: u32 = 10_000_000;

@@ -12,12 +12,12 @@
 //! `other_formats.rs` (exact products), `verilator.rs`; in all of them whole and in parts.
 
 use crate::Format;
-use crate::booth;
-use crate::compress::{Row, compress};
-use crate::flags;
-use crate::lookahead;
-use crate::parts::Parts;
-use crate::recoded::Magnitude;
+use crate::units::booth;
+use crate::units::compress::{Row, compress};
+use crate::units::flags;
+use crate::units::lookahead;
+use crate::units::parts::Parts;
+use crate::units::recoded::Magnitude;
 use raypath_hdl::{Error, Module};
 use std::sync::Arc;
 

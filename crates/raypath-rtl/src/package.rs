@@ -5,10 +5,10 @@
 //! has it.
 //!
 //! ```
-//! use raypath_rtl::{Config, Datapath, Lanes};
+//! use raypath_rtl::{Config, Datapath, Lanes, package};
 //!
 //! let datapath = Datapath::new(Config { lanes: Lanes::None, ..Config::default() })?;
-//! let files = raypath_package::files(&datapath, &[])?;
+//! let files = package::files(&datapath, &[])?;
 //! let (path, text) = &files[0];
 //! assert_eq!(path.to_str(), Some("rtl/raypath_pkg.sv"));
 //! assert!(text.contains("    OpQuadbox  = 2'd1\n  } opcode_e;"));
@@ -22,10 +22,10 @@ mod structures;
 mod text;
 mod wrapper;
 
+use crate::Datapath;
 use fields::{Direction, Field};
 use manifest::Sources;
 use raypath_hdl::{Error, Module, verilog};
-use raypath_rtl::Datapath;
 use std::path::PathBuf;
 use structures::Structures;
 

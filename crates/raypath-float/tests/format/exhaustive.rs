@@ -1,7 +1,7 @@
 //! Small formats: every pair of operands. The oracle lists all numbers of a format by IEEE 754's definition, computes
 //! in `f64`, which is exact for them, and rounds by looking up between which two midpoints the result lies.
 
-use raypath_format::Format;
+use raypath_float::Format;
 
 #[test]
 fn every_pair() {

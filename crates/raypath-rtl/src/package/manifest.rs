@@ -1,6 +1,6 @@
 //! Which files there are, for simulators and for package managers.
 
-use crate::text::head;
+use crate::package::text::head;
 
 /// The version that manifests name.
 const VERSION: &str = env!("CARGO_PKG_VERSION");

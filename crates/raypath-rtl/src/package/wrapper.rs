@@ -1,9 +1,9 @@
 //! The package and the wrapper.
 
-use crate::fields::Field;
-use crate::structures::{JOB_TYPE, OPCODE_TYPE, OUTCOME_TYPE, Structures};
-use crate::text::{columns, head, packed};
-use raypath_rtl::Datapath;
+use crate::Datapath;
+use crate::package::fields::Field;
+use crate::package::structures::{JOB_TYPE, OPCODE_TYPE, OUTCOME_TYPE, Structures};
+use crate::package::text::{columns, head, packed};
 
 /// The package: opcodes and structures.
 pub fn package(datapath: &Datapath, structures: &Structures, banner: &[String]) -> String {

@@ -2,7 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_format::Format;
+use raypath_float::Format;
 use std::ops::Range;
 
 /// How many cases to run: a twentieth in an unoptimised build.

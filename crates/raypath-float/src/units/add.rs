@@ -13,11 +13,11 @@
 //! `other_formats.rs` (exact sums), `verilator.rs`; in all of them whole and in parts.
 
 use crate::Format;
-use crate::align::shift_right_sticky;
-use crate::flags;
-use crate::normalise::Normalised;
-use crate::parts::Parts;
-use crate::recoded::Magnitude;
+use crate::units::align::shift_right_sticky;
+use crate::units::flags;
+use crate::units::normalise::Normalised;
+use crate::units::parts::Parts;
+use crate::units::recoded::Magnitude;
 use raypath_hdl::{Error, Module};
 use std::sync::Arc;
 

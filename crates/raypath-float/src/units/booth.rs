@@ -3,7 +3,7 @@
 //! Three bits and the one to their right, which belongs to the digit below, say a digit from -4 to 4 (Booth, radix 8).
 //! So few rows are worth the one multiple, three times, that takes an adder.
 
-use crate::compress::Row;
+use crate::units::compress::Row;
 use raypath_hdl::Wire;
 
 /// Three times the multiplicand, but for the lowest bit, which is the multiplicand's; the other multiples are shifts.

@@ -5,7 +5,7 @@
 //! Tests in `tests/units/words.rs` (all words, by the format in software, which has its tests).
 
 use crate::Format;
-use crate::normalise::Normalised;
+use crate::units::normalise::Normalised;
 use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
 

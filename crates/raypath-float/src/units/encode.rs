@@ -7,7 +7,7 @@
 //! Tests in `tests/units`: `small_formats.rs` (all numbers, by the format's definition), `binary32.rs`, `verilator.rs`.
 
 use crate::Format;
-use crate::normalise::Normalised;
+use crate::units::normalise::Normalised;
 use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
 

@@ -1,0 +1,7 @@
+//! Formats in software against the host's arithmetic, LLVM's soft float, and a search among all numbers.
+
+mod apfloat;
+mod exhaustive;
+mod formats;
+mod host;
+mod operands;
