@@ -37,9 +37,13 @@ mod agent;
 mod hardware;
 mod machine;
 mod observer;
+#[cfg(feature = "sweep")]
 mod plot;
+#[cfg(feature = "report")]
+pub mod report;
 mod sample;
 mod simulation;
+#[cfg(feature = "sweep")]
 mod sweep;
 mod timing;
 
@@ -47,8 +51,10 @@ pub use agent::{Agent, Step};
 pub use hardware::Hardware;
 pub use machine::{Machine, Sink};
 pub use observer::{Cycle, Observer};
+#[cfg(feature = "sweep")]
 pub use plot::plot;
 pub use sample::Sample;
 pub use simulation::{SimulationError, Watch, simulate};
+#[cfg(feature = "sweep")]
 pub use sweep::{Point, Sweep, sweep};
 pub use timing::{Rates, Starved, Timing};

@@ -12,6 +12,6 @@ fn samples_are_evenly_spread() {
     assert_eq!(numbers(Sample { every: NonZeroUsize::new(3).expect("three"), most: 3 }, 20), [0, 3, 6]);
     assert_eq!(numbers(Sample::spread(10, 4), 10), [0, 3, 6, 9]);
     assert_eq!(numbers(Sample::spread(10, 0), 10), [0]);
-    assert_eq!(numbers(Sample::spread(0, 4), 0), []);
+    assert_eq!(numbers(Sample::spread(0, 4), 0), [0; 0]);
     assert_eq!(Sample::spread(1_201, 100).every.get(), 13);
 }

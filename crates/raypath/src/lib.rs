@@ -27,10 +27,10 @@ pub use raypath_lab::{engine, picture, tables, traffic, transactions};
 pub use raypath_model as model;
 pub use raypath_ops as ops;
 pub use raypath_render as render;
-pub use raypath_report as report;
 pub use raypath_rtl as rtl;
 pub use raypath_search as search;
 pub use raypath_timing as timing;
+pub use raypath_timing::report;
 
 use raypath_lab::drawing;
 

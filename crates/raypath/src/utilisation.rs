@@ -2,8 +2,8 @@
 
 use crate::tables::new_table;
 use comfy_table::CellAlignment;
-use raypath_report::{StageUse, UnitUse};
 use raypath_rtl::{Datapath, UnitKind};
+use raypath_timing::report::{StageUse, UnitUse};
 
 /// The names of a datapath's operations by opcode; empty where there is none of that opcode.
 pub fn operations(datapath: &Datapath) -> Vec<String> {

@@ -1,12 +1,10 @@
 //! A run with everything in it that can be seen: four kinds of jobs, fetches, stalls, a loop.
 
-#![allow(dead_code)] // not every test uses all of it
-
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_model::{Control, CycleModel, Functional, Loop, Shape};
 use raypath_ops::{Job, JobKind, Outcome, Rules};
-use raypath_report::{Image, Recorder, Recording, StageUse, Table, UnitUse};
+use raypath_timing::report::{Image, Recorder, Recording, StageUse, Table, UnitUse};
 use raypath_timing::{Agent, Machine, Sink, Step, Timing, simulate};
 
 /// A ray that visits some nodes, or a query of some vectors.

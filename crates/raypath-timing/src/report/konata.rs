@@ -1,4 +1,4 @@
-use crate::recording::{JobTrace, Recording};
+use super::recording::{JobTrace, Recording};
 use std::fmt::Write;
 
 /// The lane of the stages, and the one that is laid over it.

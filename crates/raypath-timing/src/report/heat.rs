@@ -1,7 +1,7 @@
 //! Utilisation as a table: a column a stage, a row a kind of unit.
 
-use crate::COLOURS;
-use crate::recording::{Recording, StageUse, UnitUse};
+use super::COLOURS;
+use super::recording::{Recording, StageUse, UnitUse};
 use maud::{Markup, html};
 
 /// The table, with what each operation does in each stage on top.

@@ -1,9 +1,8 @@
 //! The log, read by a strict reader written from the format's description (`docs/kanata-log-format.md` of Konata).
 
-mod common;
-
+use crate::common;
 use raypath_model::Control;
-use raypath_report::{Recording, konata};
+use raypath_timing::report::{Recording, konata};
 use std::collections::HashMap;
 
 /// An instruction of a log.

@@ -1,6 +1,6 @@
-use crate::recording::{Recording, Table, Window};
-use crate::timeline;
-use crate::{COLOURS, heat};
+use super::recording::{Recording, Table, Window};
+use super::timeline;
+use super::{COLOURS, heat};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};

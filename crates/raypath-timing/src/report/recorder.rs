@@ -1,17 +1,17 @@
-use crate::recording::{JobTrace, Span, Window};
+use super::recording::{JobTrace, Span, Window};
+use crate::observer::{Cycle, Observer};
 use raypath_model::Place;
-use raypath_timing::{Cycle, Observer};
 use std::collections::VecDeque;
 
 /// Writes down the first jobs from some cycle on, and where they are until they have left.
 ///
-/// An [`Observer`] of [`raypath_timing::simulate`]; any other loop over a `CycleModel` calls [`cycle`](Observer::cycle)
+/// An [`Observer`] of [`crate::simulate`]; any other loop over a `CycleModel` calls [`cycle`](Observer::cycle)
 /// in every cycle that it [wants](Observer::wants), before the model's cycle:
 ///
 /// ```
 /// use raypath_model::{CycleModel, Functional, Shape};
 /// use raypath_ops::{Job, JobKind, Rules};
-/// use raypath_report::Recorder;
+/// use raypath_timing::report::Recorder;
 /// use raypath_timing::{Cycle, Observer};
 ///
 /// let shape = Shape::default();

@@ -1,6 +1,6 @@
 //! The window as the data that the page's script draws.
 
-use crate::recording::{JobTrace, Recording, Span};
+use super::recording::{JobTrace, Recording, Span};
 use serde::Serialize;
 
 #[derive(Serialize)]

@@ -1,11 +1,9 @@
 //! What a recorder writes down, before what is known by hand and before the places that the model shows.
 
-mod common;
-
-use common::{run, shape};
+use crate::common::{self, run, shape};
 use raypath_model::{Control, CycleModel, Functional, Place};
 use raypath_ops::Rules;
-use raypath_report::{Recorder, Window};
+use raypath_timing::report::{Recorder, Window};
 use raypath_timing::{Cycle, Machine, Observer, Sink, simulate};
 
 #[test]
@@ -60,7 +58,7 @@ fn stages_and_waits_are_those_of_the_model_in_every_cycle() {
             for (cycle, places) in &all[from as usize..window.end as usize] {
                 let now = cycle.number;
                 // Stages of the recorded jobs, oldest first; those accepted before and after are at the ends.
-                let stage_of = |job: &raypath_report::JobTrace| {
+                let stage_of = |job: &raypath_timing::report::JobTrace| {
                     let at = job.stays(window.end).position(|(from, until)| (from..until).contains(&now));
                     at.map(|index| index + 1)
                 };
@@ -74,7 +72,7 @@ fn stages_and_waits_are_those_of_the_model_in_every_cycle() {
                     assert_eq!(place.waits, beside, "cycle {now}");
                     waits += usize::from(beside);
                 }
-                let within = |spans: &[raypath_report::Span]| {
+                let within = |spans: &[raypath_timing::report::Span]| {
                     spans.iter().any(|span| (span.from..span.from + span.cycles).contains(&now))
                 };
                 assert_eq!(within(&window.refused), cycle.offered.is_some() && !cycle.accepted, "cycle {now}");
@@ -107,7 +105,7 @@ fn jobs_leave_when_the_sink_takes() {
 fn a_recording_is_read_back_from_json() {
     let recording = common::recording(Control::Skid, 200, 0.3);
     let text = serde_json::to_string(&recording).expect("JSON");
-    assert_eq!(serde_json::from_str::<raypath_report::Recording>(&text).expect("a recording"), recording);
+    assert_eq!(serde_json::from_str::<raypath_timing::report::Recording>(&text).expect("a recording"), recording);
     let bad = r#"{"image": {"title": "", "png": "not base64!"}}"#;
-    assert!(serde_json::from_str::<raypath_report::Recording>(bad).is_err());
+    assert!(serde_json::from_str::<raypath_timing::report::Recording>(bad).is_err());
 }

@@ -1,12 +1,11 @@
 //! The page in a real browser: that it loads, shows the recording's numbers, zooms, and runs nothing from outside.
 
-mod common;
-
+use crate::common;
 use headless_chrome::protocol::cdp::Input::{DispatchMouseEvent, DispatchMouseEventTypeOption as Mouse, MouseButton};
 use headless_chrome::protocol::cdp::types::Event;
 use headless_chrome::{Browser, LaunchOptions, Tab};
 use raypath_model::Control;
-use raypath_report::{Recording, html};
+use raypath_timing::report::{Recording, html};
 use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
@@ -151,7 +150,7 @@ fn the_page_shows_the_recordings_numbers() {
         let shown = page.value(
             "JSON.stringify([...document.querySelectorAll('#heat td[data-total]')].map(c => c.querySelector('b').textContent))",
         );
-        let percents = |part: &dyn Fn(&raypath_report::UnitUse) -> f64| -> Vec<String> {
+        let percents = |part: &dyn Fn(&raypath_timing::report::UnitUse) -> f64| -> Vec<String> {
             let of = |kind: &str| -> Vec<String> {
                 let units = recording.utilisation.iter().flat_map(|stage| &stage.units);
                 units.filter(|unit| unit.name == kind).map(|unit| format!("{:.1}%", 100.0 * part(unit))).collect()
@@ -176,7 +175,7 @@ fn the_page_shows_the_recordings_numbers() {
             "JSON.stringify(model.jobs.map(j => ({ operation: j.operation, owner: j.owner, accepted: j.accepted, \
              entered: j.enters.slice(0, -1), left: j.left ? j.gone - 1 : null })))",
         );
-        let jobs: Vec<raypath_report::JobTrace> = serde_json::from_str(&jobs).expect("jobs");
+        let jobs: Vec<raypath_timing::report::JobTrace> = serde_json::from_str(&jobs).expect("jobs");
         assert!(jobs == recording.window.jobs);
         let size = "i => i.complete && [i.naturalWidth, i.naturalHeight].join()";
         assert_eq!(page.value(&format!("({size})(document.querySelector('#image img'))")), "5,3");
