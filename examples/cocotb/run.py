@@ -1,4 +1,4 @@
-"""Builds what `raypath generate` has written and runs the tests: python3 run.py FOLDER. SIM=icarus for Icarus Verilog."""
+"""Builds the output of `raypath generate` and runs the tests: python3 run.py FOLDER. SIM=icarus selects Icarus Verilog."""
 
 import os
 import pathlib

@@ -1,4 +1,4 @@
-"""The datapath at its ports: one known job, back pressure, and jobs whose answers the original hardware gave."""
+"""Tests of the datapath at its ports: a known job, back pressure, and recorded jobs of the original hardware."""
 
 import gzip
 import math
@@ -25,7 +25,7 @@ def number(word):
 
 
 def quadbox(words):
-    """The ports of a job, from the words of a transaction: ray, then four boxes."""
+    """The ports of a quadbox job, from the words of a transaction: ray, then four boxes."""
     names = [f"ray_{part}_{axis}" for part in ("origin", "dir", "inv") for axis in "xyz"]
     names += ["ray_extent", "ray_kx", "ray_ky", "ray_kz", "ray_shear_x", "ray_shear_y", "ray_shear_z"]
     names += [f"aabb_{box}_{axis}_{end}" for box in range(4) for end in ("min", "max") for axis in "xyz"]
@@ -33,14 +33,14 @@ def quadbox(words):
 
 
 def along_z(boxes):
-    """A ray from (0, 0, -5) along z, and boxes as (min, max)."""
+    """A quadbox job: a ray from (0, 0, -5) along z, and boxes as (min, max)."""
     ray = [0, 0, -5, 0, 0, 1, math.inf, math.inf, 1, math.inf]
     corners = [coordinate for low, high in boxes for coordinate in (*low, *high)]
     return quadbox([bits(x) for x in ray] + [0, 1, 2] + [bits(x) for x in (0, 0, 1)] + [bits(x) for x in corners])
 
 
 class Bench:
-    """Clock, reset, and one cycle at a time. Inputs change after the falling edge, and are looked at 1 ns later."""
+    """Drives clock, reset and ports. Inputs change after the falling edge; outputs are read 1 ns later."""
 
     @classmethod
     async def start(cls, dut):
@@ -56,7 +56,7 @@ class Bench:
 
     # ANCHOR: cycle
     async def cycle(self, job, ready):
-        """Offers a job or none; gives whether it was accepted, and the outcome shown, if any."""
+        """Offers a job or None; returns whether it was accepted, and the outcome at the output or None."""
         dut = self.dut
         await FallingEdge(dut.clk_i)
         dut.input_valid_i.value = job is not None
@@ -69,7 +69,7 @@ class Bench:
     # ANCHOR_END: cycle
 
     def outcome(self):
-        """Distances, hits and indices, in the order of a transaction."""
+        """The outcome at the output as distances, hits and indices, in the order of a transaction file."""
         read = lambda name: getattr(self.dut, f"{name}_o").value.integer
         assert read("opcode") == QUADBOX
         hits = [read("is_intersect") >> place & 1 for place in range(4)]
@@ -112,7 +112,7 @@ async def back_pressure_loses_nothing(dut):
 
 
 @cocotb.test()
-async def answers_of_the_original_hardware(dut):
+async def outcomes_of_the_original_hardware(dut):
     with gzip.open(GOLDEN, "rt") as lines:
         transactions = [[int(word, 16) for word in line.split()[2:]] for line in lines]
     chance = random.Random(1)

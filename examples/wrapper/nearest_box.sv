@@ -1,4 +1,4 @@
-// Which of four boxes a ray enters first: the datapath's wrapper in a module of one's own.
+// The first of four boxes on a ray: an example that instantiates the wrapper of the datapath.
 
 module nearest_box (
   input  logic                   clk_i,

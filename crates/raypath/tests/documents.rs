@@ -61,11 +61,11 @@ fn every_item_of_verify_has_its_row() {
     }
 }
 
-/// README's table of operations says what is counted in the netlists: latency, units and flip-flops that each adds.
+/// The table of `docs/reference/operations.md` has the latency, units and flip-flops that are counted in the netlists.
 #[test]
 fn the_table_of_operations_is_what_is_counted() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let document = fs::read_to_string(root.join("README.md")).expect("the document");
+    let document = fs::read_to_string(root.join("docs/reference/operations.md")).expect("the document");
     let table =
         document.split("| operation | for |").nth(1).and_then(|rest| rest.split("\n\n").next()).expect("the table");
     let rows: Vec<Vec<&str>> = table.lines().skip(2).map(|row| row.split('|').map(str::trim).collect()).collect();
