@@ -11,10 +11,10 @@ use crate::traffic::Traffic;
 use crate::transactions::{self, Transaction};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_cosim::{CosimError, Sources, Verilated};
 use raypath_float::Format;
 use raypath_model::{Model, OnPorts};
 use raypath_rtl as rtl;
+use raypath_tools::{Sources, ToolError, Verilated};
 use std::path::{Path, PathBuf};
 
 /// The checks of some of a datapath's operations, reproducible by `seed`.
@@ -122,7 +122,7 @@ impl Checks<'_> {
     ///
     /// # Errors
     /// A tool that is not installed, or that has something to say.
-    pub fn in_verilator(&self, folder: &Path) -> Result<Simulated, CosimError> {
+    pub fn in_verilator(&self, folder: &Path) -> Result<Simulated, ToolError> {
         let top = self.netlist.top();
         let sources = Sources::write(top, folder)?;
         sources.lint()?;

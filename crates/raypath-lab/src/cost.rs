@@ -6,8 +6,9 @@ use crate::error::LabError;
 use crate::measure::measure;
 use crate::tables::{list, new_table};
 use comfy_table::CellAlignment;
-use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, OpenSta, Report, Yosys};
+use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, Report};
 use raypath_rtl::{self as rtl, Units};
+use raypath_tools::{OpenSta, Yosys};
 use std::path::Path;
 
 /// A datapath's figures.

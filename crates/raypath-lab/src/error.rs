@@ -1,5 +1,6 @@
 use crate::files::FileError;
 use crate::progress::Stopped;
+use raypath_tools::ToolError;
 use std::io::ErrorKind;
 use std::process::ExitCode;
 use thiserror::Error;
@@ -12,7 +13,7 @@ pub enum LabError {
     Elaboration(#[from] raypath_rtl::Error),
     /// A tool is missing, or has something to say about the emitted text.
     #[error(transparent)]
-    Cosimulation(#[from] raypath_cosim::CosimError),
+    Tool(#[from] ToolError),
     /// It could not be measured.
     #[error(transparent)]
     Measurement(#[from] raypath_ppa::Error),
@@ -50,8 +51,7 @@ impl LabError {
     pub fn is_missing_tool(&self) -> bool {
         matches!(
             self,
-            Self::Cosimulation(raypath_cosim::CosimError::MissingTool { .. })
-                | Self::Measurement(raypath_ppa::Error::MissingTool { .. })
+            Self::Tool(ToolError::Missing(_)) | Self::Measurement(raypath_ppa::Error::Tool(ToolError::Missing(_)))
         )
     }
 }

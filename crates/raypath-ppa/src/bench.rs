@@ -1,17 +1,15 @@
 //! From designs to reports.
 
-use crate::cache::{Cache, Key};
 use crate::design::{Design, Piece, RegisterKind};
-use crate::input::read_within;
 use crate::library::Library;
 use crate::netlist::Netlist;
 use crate::place::{Placed, Role};
 use crate::report::{Area, Path, Report, Setting, Slowest, Stage, Step, thousandths};
 use crate::structural;
-use crate::synthesis::{Synthesis, write};
+use crate::synthesis::Synthesis;
 use crate::timing::{self, Ends, RawPath};
-use crate::tool::{OpenSta, Yosys};
-use crate::{Error, work};
+use crate::{Error, parallel};
+use raypath_tools::{Cache, Key, OpenSta, ToolError, Yosys, read_within, temporary_folder, write};
 use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -52,7 +50,7 @@ impl Bench {
     /// the programs are ended.
     ///
     /// # Errors
-    /// A tool is missing or fails; a file cannot be written; [`Error::Stopped`].
+    /// A tool is missing or fails; a file cannot be written; [`ToolError::Stopped`].
     pub fn measure(&self, designs: &[Design], mut proceed: impl FnMut(Steps) -> bool) -> Result<Vec<Report>, Error> {
         let cache = Cache::new(&self.cache);
         let plans = designs.iter().map(|design| self.plan(design)).collect::<Result<Vec<_>, _>>()?;
@@ -61,20 +59,22 @@ impl Bench {
         let pieces = new_pieces(&wanted, &cache);
         let total = pieces.len() + wanted.len();
 
-        let synthesise =
-            |(plan, piece): &(&Plan<'_>, usize), stop: &AtomicBool| self.netlist(plan, *piece, &cache, stop).map(drop);
-        work::for_each(&pieces, self.jobs, synthesise, |done| proceed(Steps { done, total }))?;
+        let synthesise = |(plan, piece): &(&Plan<'_>, usize), stop: &AtomicBool| {
+            self.netlist(plan, *piece, &cache, stop).map(|_| Some(()))
+        };
+        all(parallel::map(&pieces, self.jobs, synthesise, |done| proceed(Steps { done, total }))?)?;
 
         let known = plans.len() - wanted.len();
         let done = |reports: usize| Steps { done: pieces.len() + reports.saturating_sub(known), total };
         let report = |plan: &Plan<'_>, stop: &AtomicBool| match cache.get(&plan.key) {
-            Some(report) => Ok(report),
+            Some(report) => Ok::<_, Error>(Some(report)),
             None => {
                 let report = self.report(plan, &cache, stop)?;
-                cache.put(&plan.key, &report).map(|()| report)
+                cache.put(&plan.key, &report)?;
+                Ok(Some(report))
             }
         };
-        work::for_each(&plans, self.jobs, report, |reports| proceed(done(reports)))
+        Ok(all(parallel::map(&plans, self.jobs, report, |reports| proceed(done(reports)))?)?)
     }
 
     fn plan<'d>(&self, design: &'d Design) -> Result<Plan<'d>, Error> {
@@ -105,7 +105,8 @@ impl Bench {
             Some(netlist) => Ok(netlist),
             None => {
                 let netlist = self.synthesis().run(piece, &plan.registers, stop)?;
-                cache.put(key, &netlist).map(|()| netlist)
+                cache.put(key, &netlist)?;
+                Ok(netlist)
             }
         }
     }
@@ -117,7 +118,7 @@ impl Bench {
         for (number, (piece, _)) in plan.pieces.iter().enumerate() {
             units.insert(piece.module.clone(), self.netlist(plan, number, cache, stop)?);
         }
-        let top = units.remove(design.top()).ok_or_else(|| Error::unexpected("yosys", "no top module", "one"))?;
+        let top = units.remove(design.top()).ok_or_else(|| ToolError::unexpected("yosys", "no top module", "one"))?;
         let groups = design.groups();
         let placed = Placed::new(&top, &units, &self.library, &groups, registers);
         let areas = placed.areas(&units, &self.library);
@@ -137,10 +138,10 @@ impl Bench {
         let slowest = stages.iter().filter_map(|stage| Some((stage, stage.slowest.as_ref()?.ns)));
         let slowest = slowest.max_by(|(_, a), (_, b)| a.total_cmp(b));
         let slowest = slowest.map(|(stage, ns)| Slowest { stage: stage.name.clone(), ns });
-        let slowest = slowest.ok_or_else(|| Error::unexpected("sta", "no path", "at least one"))?;
+        let slowest = slowest.ok_or_else(|| ToolError::unexpected("sta", "no path", "at least one"))?;
         if slowest.ns <= 0.0 {
             let found = format!("a slowest path of {} ns", slowest.ns);
-            return Err(Error::unexpected("sta", found, "one that takes time"));
+            return Err(ToolError::unexpected("sta", found, "one that takes time").into());
         }
         Ok(Report {
             design: design.name().to_string(),
@@ -184,18 +185,18 @@ impl Bench {
             .collect();
         ends.push((placed.port_group(), Ends::Ports));
 
-        let folder = tempfile::tempdir().map_err(|problem| Error::file(&std::env::temp_dir(), "write in", problem))?;
+        let folder = temporary_folder()?;
         let folder = folder.path();
         let mut text: String =
             units.values().map(|unit| structural::module(unit, |index| format!("x{index}"))).collect();
         text += &structural::module(top, |index| structural::cell_name(index, &placed.roles[index]));
-        write(folder, timing::NETLIST, &text)?;
-        write(folder, timing::LIBRARY, self.library.text())?;
+        write(&folder.join(timing::NETLIST), &text)?;
+        write(&folder.join(timing::LIBRARY), self.library.text())?;
         let ends_only: Vec<Ends> = ends.iter().map(|(_, end)| *end).collect();
-        write(folder, timing::SCRIPT, &timing::script(&top.module, &self.library, self.period, &ends_only))?;
+        write(&folder.join(timing::SCRIPT), &timing::script(&top.module, &self.library, self.period, &ends_only))?;
         self.sta.run(folder, timing::SCRIPT, timing::LOG, &top.module, stop)?;
         let log = folder.join(timing::LOG);
-        let said = read_within(&log, MOST_SAID).map_err(|problem| Error::file(&log, "read", problem))?;
+        let said = read_within(&log, MOST_SAID)?;
         let found = timing::paths(&String::from_utf8_lossy(&said), ends.len())?;
 
         let mut slowest: Vec<Option<Path>> = vec![None; groups.len()];
@@ -208,6 +209,11 @@ impl Bench {
         }
         Ok(slowest)
     }
+}
+
+/// All results, where none was left out because the user stopped the work.
+fn all<T>(results: Vec<Option<T>>) -> Result<Vec<T>, ToolError> {
+    results.into_iter().collect::<Option<_>>().ok_or(ToolError::Stopped)
 }
 
 /// A design, and the names under which its results are kept.

@@ -5,7 +5,8 @@
 //! what they do not.
 //!
 //! ```no_run
-//! use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library, OpenSta, Yosys};
+//! use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library};
+//! use raypath_tools::{OpenSta, Yosys};
 //! use std::path::Path;
 //!
 //! # fn top() -> std::sync::Arc<raypath_hdl::Module> { unimplemented!() }
@@ -23,15 +24,15 @@
 //! ```
 
 mod bench;
-mod cache;
 mod design;
 mod error;
 mod function;
-mod input;
 mod liberty;
 mod library;
 mod names;
 mod netlist;
+#[doc(hidden)]
+pub mod parallel;
 #[doc(hidden)]
 pub mod parsers;
 mod place;
@@ -40,15 +41,10 @@ mod report;
 mod structural;
 mod synthesis;
 mod timing;
-mod tool;
 mod usable;
-mod work;
 
 pub use bench::{Bench, Steps};
 pub use design::Design;
 pub use error::Error;
-pub use input::{plain_or_gzip, read_within};
 pub use library::{Cell, DEFAULT_LIBRARY, Library};
 pub use report::{Area, Path, Report, Setting, Slowest, Stage, Step, Units};
-pub use tool::{OpenSta, Yosys, YosysKind};
-pub use work::for_each_until_stopped;

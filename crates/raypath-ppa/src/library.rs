@@ -2,10 +2,9 @@
 
 use crate::Error;
 use crate::function::truth_table;
-use crate::input;
 use crate::liberty::{self, Group};
 use crate::usable::{NUMBERS, is_used, no_number};
-use sha2::{Digest, Sha256};
+use raypath_tools::{Program, ToolError, digest, text};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
@@ -13,6 +12,13 @@ use std::path::Path;
 
 /// The library that is taken where none is named, as Debian's package `qflow-tech-osu018` installs it.
 pub const DEFAULT_LIBRARY: &str = "/usr/share/qflow/tech/osu018/osu018_stdcells.lib";
+
+static OSU018: Program = Program {
+    name: DEFAULT_LIBRARY,
+    expected: "this cell library, or another by --liberty",
+    install: "apt-get install qflow-tech-osu018",
+    version: &[],
+};
 
 /// A Liberty file, read.
 #[derive(Debug)]
@@ -58,11 +64,8 @@ impl Library {
     /// or without a NAND of two inputs; an area or a capacitance that is no number.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let refused = |problem: std::io::Error| match problem.kind() {
-            std::io::ErrorKind::NotFound if path == Path::new(DEFAULT_LIBRARY) => Error::MissingTool {
-                program: format!("the cell library {DEFAULT_LIBRARY}"),
-                install: "apt-get install qflow-tech-osu018 (or name another Liberty file)",
-            },
-            _ => Error::file(path, "read", problem),
+            std::io::ErrorKind::NotFound if path == Path::new(DEFAULT_LIBRARY) => ToolError::Missing(&OSU018),
+            _ => ToolError::file(path, "read", problem),
         };
         Self::read_from(File::open(path).map_err(refused)?, path)
     }
@@ -72,7 +75,7 @@ impl Library {
     /// # Errors
     /// As there.
     pub fn read_from(stream: impl Read, path: &Path) -> Result<Self, Error> {
-        Self::of(input::text(stream, MOST_TEXT).map_err(|problem| Error::file(path, "read", problem))?, path)
+        Self::of(text(stream, MOST_TEXT).map_err(|problem| ToolError::file(path, "read", problem))?, path)
     }
 
     /// A library from its text; `path` is for messages.
@@ -121,7 +124,7 @@ impl Library {
             reached = cell.place.end;
         }
         kept += &text[reached..];
-        let digest = hex(&Sha256::digest(&kept));
+        let digest = digest(kept.as_bytes());
         Ok(Self { name, text: kept, digest, cells, nand2, buffer, load, tie })
     }
 
@@ -241,11 +244,6 @@ fn femtofarads(library: &Group<'_>) -> f64 {
 fn input_capacitance(cell: &Group<'_>) -> f64 {
     let input = pins(cell, "input").first().and_then(|pin| pin.attribute("capacitance"));
     input.and_then(|capacitance| capacitance.parse().ok()).unwrap_or(0.0)
-}
-
-/// Bytes as hexadecimal digits.
-pub fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! A synthesised module: cells of the library, and units, on nets. Read from what Yosys writes as JSON.
 
-use crate::Error;
+use raypath_tools::ToolError;
 use serde::de::{self, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::{BTreeMap, HashMap};
@@ -83,9 +83,9 @@ pub struct NamedNet {
 
 impl YosysDesign {
     /// Takes a module, and the names of its nets.
-    pub fn take(&mut self, module: &str) -> Result<(Netlist, BTreeMap<String, NamedNet>), Error> {
+    pub fn take(&mut self, module: &str) -> Result<(Netlist, BTreeMap<String, NamedNet>), ToolError> {
         let found = self.modules.remove(module);
-        let found = found.ok_or_else(|| Error::unexpected("yosys", "other modules", format!("module {module}")))?;
+        let found = found.ok_or_else(|| ToolError::unexpected("yosys", "other modules", format!("module {module}")))?;
         let cells = found.cells.into_iter();
         let cells = cells.map(|(name, cell)| Instance { cell: cell.cell, name, connections: cell.connections });
         Ok((Netlist { module: module.to_string(), ports: found.ports, cells: cells.collect() }, found.netnames))

@@ -1,7 +1,6 @@
 //! Everything that this crate reads, as functions of bytes: what `raypath verify parsers` and the fuzz targets call. Each
 //! says whether it took the bytes, and panics where it took them for what they cannot be.
 
-use crate::cache::whole;
 use crate::design::RegisterKind;
 use crate::library::Library;
 use crate::names::RegisterNames;
@@ -11,6 +10,7 @@ use crate::report::Report;
 use crate::structural;
 use crate::synthesis::{chip_area, json, netlist};
 use crate::timing;
+use raypath_tools::decode;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::LazyLock;
@@ -58,11 +58,11 @@ pub fn opensta_paths(bytes: &[u8]) -> bool {
 
 /// A kept result: a netlist or a report, gzip or plain.
 pub fn kept_result(bytes: &[u8]) -> bool {
-    let netlist = whole::<Netlist>(bytes);
+    let netlist = decode::<Netlist>(bytes);
     if let Some(netlist) = &netlist {
         structural::module(netlist, |index| format!("x{index}"));
     }
-    let report = whole::<Report>(bytes);
+    let report = decode::<Report>(bytes);
     netlist.is_some() || report.is_some()
 }
 

@@ -1,18 +1,14 @@
 //! A piece of a design becomes cells of a library.
 
 use crate::Error;
-use crate::cache::{Key, MOST_BYTES};
 use crate::design::{Piece, RegisterKind};
-use crate::input::read_within;
 use crate::library::Library;
 use crate::names::RegisterNames;
 use crate::netlist::{Net, Netlist, YosysDesign};
 use crate::recipe;
-use crate::tool::Yosys;
+use raypath_tools::{Key, MAX_RESULT_BYTES, ToolError, Yosys, read_within, temporary_folder, write};
 use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, HashMap};
-use std::fs;
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 /// What a synthesis follows from.
@@ -37,19 +33,16 @@ impl Synthesis<'_> {
         registers: &BTreeMap<String, RegisterKind>,
         stop: &AtomicBool,
     ) -> Result<Netlist, Error> {
-        let folder = tempfile::tempdir().map_err(|problem| Error::file(&std::env::temp_dir(), "write in", problem))?;
+        let folder = temporary_folder()?;
         let folder = folder.path();
-        write(folder, recipe::DESIGN, &recipe::source(piece))?;
-        write(folder, recipe::LIBRARY, self.library.text())?;
-        write(folder, recipe::SCRIPT, &recipe::yosys(piece, self.library))?;
-        write(folder, recipe::ABC_SCRIPT, &recipe::abc(self.period))?;
-        write(folder, recipe::ABC_CONSTRAINTS, &recipe::constraints(self.library))?;
+        write(&folder.join(recipe::DESIGN), &recipe::source(piece))?;
+        write(&folder.join(recipe::LIBRARY), self.library.text())?;
+        write(&folder.join(recipe::SCRIPT), &recipe::yosys(piece, self.library))?;
+        write(&folder.join(recipe::ABC_SCRIPT), &recipe::abc(self.period))?;
+        write(&folder.join(recipe::ABC_CONSTRAINTS), &recipe::constraints(self.library))?;
         self.yosys.run(folder, recipe::SCRIPT, &piece.module, stop)?;
 
-        let bytes = |name: &str| {
-            let path = folder.join(name);
-            read_within(&path, MOST_BYTES).map_err(|problem| Error::file(&path, "read", problem))
-        };
+        let bytes = |name: &str| read_within(&folder.join(name), MAX_RESULT_BYTES);
         let names = match piece.is_unit {
             true => RegisterNames::default(),
             false => RegisterNames::new(json(&bytes(recipe::NAMES)?)?, &piece.module, registers),
@@ -68,12 +61,12 @@ impl Synthesis<'_> {
             match self.library.cell(&instance.cell) {
                 Some(cell) if piece.is_unit && cell.is_flip_flop => {
                     let found = format!("a flip-flop in {}", piece.module);
-                    return Err(Error::unexpected("yosys", found, "units without registers"));
+                    return Err(ToolError::unexpected("yosys", found, "units without registers").into());
                 }
                 Some(cell) => sum += cell.area,
                 None if instance.cell.starts_with('$') => {
                     let found = format!("{} in {} not mapped", instance.cell, piece.module);
-                    return Err(Error::unexpected("yosys", found, "a library with a cell for it"));
+                    return Err(ToolError::unexpected("yosys", found, "a library with a cell for it").into());
                 }
                 None => {}
             }
@@ -84,7 +77,7 @@ impl Synthesis<'_> {
             None if sum == 0.0 => Ok(()),
             found => {
                 let found = found.map_or("no area".to_string(), |area| format!("an area of {area}"));
-                Err(Error::unexpected("yosys", format!("{found} for {}", piece.module), format!("{sum}")))
+                Err(ToolError::unexpected("yosys", format!("{found} for {}", piece.module), format!("{sum}")).into())
             }
         }
     }
@@ -116,13 +109,8 @@ pub fn chip_area(statistics: &str) -> Option<f64> {
     area.trim().parse().ok()
 }
 
-pub fn write(folder: &Path, name: &str, text: &str) -> Result<(), Error> {
-    let path = folder.join(name);
-    fs::write(&path, text).map_err(|problem| Error::file(&path, "write", problem))
-}
-
-pub fn json<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Error> {
-    serde_json::from_slice(bytes).map_err(|problem| Error::unexpected("yosys", problem.to_string(), "its JSON"))
+pub fn json<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ToolError> {
+    serde_json::from_slice(bytes).map_err(|problem| ToolError::unexpected("yosys", problem.to_string(), "its JSON"))
 }
 
 #[cfg(test)]

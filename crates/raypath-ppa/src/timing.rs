@@ -1,8 +1,8 @@
 //! The slowest paths, by OpenSTA: what it is told, and what it says.
 
-use crate::Error;
 use crate::library::Library;
 use crate::structural::registers;
+use raypath_tools::ToolError;
 
 /// Names of the files beside each other while paths are looked for.
 pub const NETLIST: &str = "netlist.v";
@@ -59,7 +59,7 @@ pub fn script(top: &str, library: &Library, period: f64, ends: &[Ends]) -> Strin
 }
 
 /// The slowest path to each of `ends`, which [`script`] asked for; none where there is no path.
-pub fn paths(said: &str, ends: usize) -> Result<Vec<Option<RawPath>>, Error> {
+pub fn paths(said: &str, ends: usize) -> Result<Vec<Option<RawPath>>, ToolError> {
     let last_lines = || {
         let lines: Vec<&str> = said.lines().rev().take(5).map(beginning).collect();
         format!("\"{}\"", lines.into_iter().rev().collect::<Vec<_>>().join("\n"))
@@ -67,10 +67,10 @@ pub fn paths(said: &str, ends: usize) -> Result<Vec<Option<RawPath>>, Error> {
     let mut found = Vec::new();
     for (number, part) in said.split(MARK).skip(1).enumerate() {
         let path = part.strip_prefix(&format!(" {number}\n")).and_then(path);
-        found.push(path.ok_or_else(|| Error::unexpected("sta", last_lines(), "a path"))?);
+        found.push(path.ok_or_else(|| ToolError::unexpected("sta", last_lines(), "a path"))?);
     }
     if found.len() != ends {
-        return Err(Error::unexpected("sta", last_lines(), format!("paths to {ends} sets of ends")));
+        return Err(ToolError::unexpected("sta", last_lines(), format!("paths to {ends} sets of ends")));
     }
     Ok(found)
 }

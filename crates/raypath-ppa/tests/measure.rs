@@ -2,7 +2,8 @@
 //! what must come out.
 
 use raypath_hdl::{Builder, Module, Wire};
-use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, OpenSta, Report, Stage, Yosys, YosysKind};
+use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, Report, Stage};
+use raypath_tools::{OpenSta, ToolError, Yosys, YosysKind};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -142,7 +143,7 @@ fn a_design_is_taken_apart_into_stages_and_kinds() {
     assert_eq!(bench.measure(&[design()], watch).expect("a report"), reports);
     // Another period needs other gates, and is another measurement.
     let bench = Bench { period: 6.0, ..bench };
-    assert!(matches!(bench.measure(&[design()], |_| false), Err(Error::Stopped)));
+    assert!(matches!(bench.measure(&[design()], |_| false), Err(Error::Tool(ToolError::Stopped))));
 }
 
 #[test]
@@ -150,7 +151,7 @@ fn a_stopped_measurement_leaves_nothing_half_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let cache = folder.path().join("cache");
     let result = bench(&cache).measure(&[design()], |steps| steps.done == 0);
-    assert!(matches!(result, Err(Error::Stopped)), "{result:?}");
+    assert!(matches!(result, Err(Error::Tool(ToolError::Stopped))), "{result:?}");
     let kept = std::fs::read_dir(&cache).map(|files| files.map(|file| file.expect("a file").file_name()).collect());
     let kept: Vec<_> = kept.unwrap_or_default();
     assert!(kept.iter().all(|name| name.to_string_lossy().ends_with(".json.gz")), "{kept:?}");

@@ -2,6 +2,7 @@
 
 use flate2::{Compression, write::GzEncoder};
 use raypath_ppa::{Error, Library};
+use raypath_tools::ToolError;
 use std::io::Write;
 use std::path::Path;
 
@@ -68,7 +69,7 @@ fn a_gzip_bomb_is_an_error() {
     assert!(bomb.len() < 2 << 20);
     let error = Library::read_from(bomb.as_slice(), Path::new("bomb.lib.gz")).expect_err("a bomb");
     assert!(
-        matches!(&error, Error::File { problem, .. } if problem.kind() == std::io::ErrorKind::FileTooLarge),
+        matches!(&error, Error::Tool(ToolError::File { problem, .. }) if problem.kind() == std::io::ErrorKind::FileTooLarge),
         "{error}"
     );
 }

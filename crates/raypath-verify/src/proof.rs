@@ -4,18 +4,16 @@
 //! differ. Yosys makes an and-inverter graph of it (AIGER), and ABC's `&cec` either merges everything into the constant
 //! 0, or gives inputs for which the output is 1, or gives up. Only ABC's own words for the first count as a proof.
 
-pub(crate) mod abc;
 mod aiger;
 pub(crate) mod pool;
 
 use crate::Error;
-use abc::Abc;
 use aiger::Aiger;
-use raypath_ppa::{Yosys, YosysKind};
+use raypath_tools::{Abc, ToolError, Yosys, YosysKind};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// Yosys with its command `symfpu` and ABC, found.
@@ -92,8 +90,29 @@ impl Prover {
             Some(graphs) => graphs,
             None => return Ok(vec![Answer::Stopped; problems.len()]),
         };
-        let solve = |graph: &Aiger| self.abc.solve(folder.path(), graph, limit, stop);
-        graphs.iter().map(solve).collect()
+        graphs.iter().map(|graph| self.prove(folder.path(), graph, limit, stop)).collect()
+    }
+
+    /// Proves with ABC that a graph's output is 0.
+    fn prove(&self, folder: &Path, graph: &Aiger, limit: Duration, stop: &AtomicBool) -> Result<Answer, Error> {
+        let example = folder.join("example");
+        let _ = fs::remove_file(&example);
+        // A limit on conflicts that is never reached: time decides.
+        let commands = format!("read_aiger {}; &get; &cec -m -C 1000000000; write_cex example", graph.file);
+        let Some(output) = self.abc.run(folder, &commands, limit, stop)? else {
+            let timeout = || Answer::Undecided(format!("no answer within {} s", limit.as_secs()));
+            return Ok(if stop.load(Ordering::Relaxed) { Answer::Stopped } else { timeout() });
+        };
+        let counterexample = || fs::read_to_string(&example).ok().and_then(|word| graph.ports(word.trim()));
+        match verdict(&output) {
+            Some(true) => Ok(Answer::Proved { gates: graph.gates }),
+            Some(false) => counterexample().map(Answer::Refuted).ok_or_else(|| Error::Program {
+                program: "abc".to_string(),
+                problem: format!("{}: refuted without a counterexample", graph.problem),
+                expected: "a value for each input".to_string(),
+            }),
+            None => Ok(Answer::Undecided(Abc::last_line(&output))),
+        }
     }
 
     /// What wires of a problem's `miter` show for values of its inputs, by Yosys's own evaluation, which ABC has no part in.
@@ -148,7 +167,7 @@ impl Prover {
         fs::write(&path, script).map_err(|error| file(&path, error))?;
         let about = problems.first().map(|problem| problem.name.as_str()).unwrap_or_default();
         match self.yosys.run(folder, "script.ys", about, stop) {
-            Err(raypath_ppa::Error::Stopped) => return Ok(None),
+            Err(ToolError::Stopped) => return Ok(None),
             other => other?,
         }
         let read = |(number, problem)| Aiger::read(folder, number, problem);
@@ -181,4 +200,29 @@ fn written(problem: &Problem, folder: &Path, number: usize) -> Result<String, Er
 
 fn file(path: &Path, problem: std::io::Error) -> Error {
     Error::File { path: path.to_path_buf(), problem }
+}
+
+/// Whether ABC reports a proof, or a refutation: exactly one such line, and none of the other kind.
+fn verdict(output: &str) -> Option<bool> {
+    let proved = output.lines().filter(|line| line.starts_with("Networks are equivalent")).count();
+    let refuted = output.lines().filter(|line| line.starts_with("Networks are NOT EQUIVALENT")).count();
+    match (proved, refuted, output.contains("UNDECIDED")) {
+        (1, 0, false) => Some(true),
+        (0, 1, false) => Some(false),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::verdict;
+
+    #[test]
+    fn only_abcs_own_words_are_a_verdict() {
+        assert_eq!(verdict("Assuming ...\nNetworks are equivalent.  Time =     0.01 sec\n"), Some(true));
+        assert_eq!(verdict("Networks are NOT EQUIVALENT.  Time =     0.01 sec\n"), Some(false));
+        let both = "Networks are equivalent.\nNetworks are NOT EQUIVALENT.\n";
+        let unclear = ["", "Networks are UNDECIDED.", "** cmd error: unknown command '&cec'", "equivalent", both];
+        assert!(unclear.iter().all(|said| verdict(said).is_none()));
+    }
 }

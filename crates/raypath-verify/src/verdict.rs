@@ -18,7 +18,7 @@ pub struct Verdict {
 /// Why something could not be verified at all.
 #[derive(Debug, Error)]
 pub enum Error {
-    /// A program that is needed is missing, or does not do what it should.
+    /// A program's result is not what it should be.
     #[error("{program}: {problem}, expected {expected}")]
     Program {
         /// The program.
@@ -28,6 +28,9 @@ pub enum Error {
         /// What would help.
         expected: String,
     },
+    /// An external program is missing, fails, or was stopped.
+    #[error(transparent)]
+    Tool(#[from] raypath_tools::ToolError),
     /// A file cannot be read or written.
     #[error("{}: {problem}", path.display())]
     File {
@@ -45,28 +48,4 @@ pub enum Error {
     /// A module cannot be built or compiled.
     #[error(transparent)]
     Netlist(#[from] raypath_hdl::Error),
-}
-
-impl From<raypath_ppa::Error> for Error {
-    /// What a synthesis tool had to say, in the words of this crate.
-    fn from(error: raypath_ppa::Error) -> Self {
-        use raypath_ppa::Error as Ppa;
-        match error {
-            Ppa::File { path, problem, .. } => Self::File { path, problem },
-            Ppa::MissingTool { program, install } => {
-                Self::Program { program, problem: "not found".to_string(), expected: format!("it after: {install}") }
-            }
-            Ppa::Netlist(error) => Self::Netlist(error),
-            Ppa::Tool { ref program, .. } => Self::Program {
-                program: program.clone(),
-                problem: error.to_string(),
-                expected: "it to do its work".to_string(),
-            },
-            other => Self::Program {
-                program: "yosys".to_string(),
-                problem: other.to_string(),
-                expected: "it to do its work".to_string(),
-            },
-        }
-    }
 }

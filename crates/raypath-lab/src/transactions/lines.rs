@@ -1,7 +1,7 @@
 //! The lines of a transaction file, plain or gzip, one at a time and within bounds: gzip of a megabyte can unpack to a
 //! gigabyte, and a line need not end.
 
-use raypath_ppa::plain_or_gzip;
+use raypath_tools::plain_or_gzip;
 use std::io::{BufRead, Error, ErrorKind, Read, Result};
 
 /// What is read at most.

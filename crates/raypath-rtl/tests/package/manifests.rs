@@ -1,7 +1,7 @@
 //! What the list and the manifests name is what there is; FuseSoC reads its own, a YAML parser Bender's.
 
 use crate::folder::{Written, preset, write};
-use raypath_cosim::lint_verilator;
+use raypath_tools::lint_verilator;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Command, Output};

@@ -3,10 +3,10 @@
 use crate::folder::{PRESETS, Written, preset, write};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_cosim::{CosimError, Options, Verilated, lint_slang, lint_verilator, lint_yosys};
 use raypath_hdl::{Builder, Module, Simulator};
 use raypath_ops::{Circuit, Num, Operation, bundle};
 use raypath_rtl::{Datapath, Operations};
+use raypath_tools::{Options, ToolError, Verilated, lint_slang, lint_verilator, lint_yosys};
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -32,14 +32,14 @@ fn the_example_is_clean() {
 }
 
 /// The wrapper, and the datapath alone in the same list.
-fn lint(written: &Written) -> Result<(), CosimError> {
+fn lint(written: &Written) -> Result<(), ToolError> {
     let listed = written.listed();
     lint_verilator(&listed, "raypath", &[])?;
     lint_files(&listed, written, "raypath_wrapper")
 }
 
 /// Verilator and slang for the files as they are listed; Yosys, which takes one, for their text in that order.
-fn lint_files(files: &[PathBuf], written: &Written, top: &str) -> Result<(), CosimError> {
+fn lint_files(files: &[PathBuf], written: &Written, top: &str) -> Result<(), ToolError> {
     let texts = files.iter().map(|file| fs::read_to_string(file).expect("text"));
     let all = texts.collect::<String>();
     assert!(!all.contains("lint_off") && !all.contains("verilator"), "a waiver");

@@ -1,8 +1,7 @@
 //! Yosys and ABC on a module with assertions: text in, verdict out.
 
 use crate::Error;
-use crate::proof::abc::Abc;
-use raypath_ppa::{Yosys, YosysKind};
+use raypath_tools::{Abc, ToolError, Yosys, YosysKind};
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
@@ -113,7 +112,7 @@ impl Engine {
         let commands: Vec<String> = commands.chain(["write_aiger -zinit -B problem.aig".to_string()]).collect();
         write("script", &(commands.join("\n") + "\n"))?;
         match self.yosys.run(folder, "script", &problem.name, stop) {
-            Err(raypath_ppa::Error::Stopped) => return Ok(None),
+            Err(ToolError::Stopped) => return Ok(None),
             other => other?,
         }
         self.check(folder, problem)?;

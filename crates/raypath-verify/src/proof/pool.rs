@@ -3,14 +3,14 @@
 use crate::Error;
 use std::sync::atomic::AtomicBool;
 
-/// [`raypath_ppa::for_each_until_stopped`], on as many threads as there are processors.
+/// [`raypath_ppa::parallel::map`], on as many threads as there are processors.
 pub fn for_each<I: Sync, T: Send>(
     items: &[I],
     work: impl Fn(&I, &AtomicBool) -> Result<Option<T>, Error> + Sync,
     proceed: impl FnMut(usize) -> bool,
 ) -> Result<Vec<Option<T>>, Error> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    raypath_ppa::for_each_until_stopped(items, threads, work, proceed)
+    raypath_ppa::parallel::map(items, threads, work, proceed)
 }
 
 #[cfg(test)]

@@ -3,9 +3,9 @@
 use crate::exact::Exact;
 use crate::small_formats;
 use rand::Rng;
-use raypath_cosim::{Sources, Verilated};
 use raypath_float::Format;
 use raypath_hdl::{Builder, Error, Module};
+use raypath_tools::{Sources, Verilated};
 use raypath_verify::bench::{Answer, OUTPUTS, Ports, Units};
 use raypath_verify::operands::{answer, generator, number};
 use std::sync::Arc;

@@ -4,7 +4,8 @@ use crate::commands::Failure;
 use crate::commands::numbers::whole;
 use clap::{Args, ValueEnum};
 use raypath::lab::{self, LabError};
-use raypath::ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, OpenSta, Report, Yosys, YosysKind};
+use raypath::ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, Report};
+use raypath_tools::{OpenSta, ToolError, Yosys, YosysKind};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -60,6 +61,12 @@ impl BenchArguments {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
+        Self::unusable(error)
+    }
+}
+
+impl From<ToolError> for Failure {
+    fn from(error: ToolError) -> Self {
         Self::unusable(error)
     }
 }

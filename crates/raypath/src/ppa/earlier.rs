@@ -1,6 +1,6 @@
 //! Figures of an earlier measurement, or of somebody else's design.
 
-use raypath_ppa::{Error, read_within};
+use raypath_tools::{ToolError, read_within};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -56,23 +56,22 @@ impl Earlier {
     ///
     /// # Errors
     /// It cannot be read, is larger than 64 MiB, or is no report.
-    pub fn read(folder: &Path) -> Result<Self, Error> {
+    pub fn read(folder: &Path) -> Result<Self, ToolError> {
         let path = folder.join("ppa.json");
-        match read_within(&path, MOST_BYTES) {
-            Ok(bytes) => Self::parse(&bytes, &path),
-            Err(problem) => Err(Error::File { path, doing: "read", problem }),
-        }
+        Self::parse(&read_within(&path, MOST_BYTES)?, &path)
     }
 
     /// Reads the JSON of a report; `path` is for messages.
     ///
     /// # Errors
     /// It is no report.
-    pub fn parse(json: &[u8], path: &Path) -> Result<Self, Error> {
-        serde_json::from_slice(json).map_err(|problem| Error::Unexpected {
-            program: path.display().to_string(),
-            found: problem.to_string(),
-            expected: "a report as `raypath ppa` writes it".to_string(),
+    pub fn parse(json: &[u8], path: &Path) -> Result<Self, ToolError> {
+        serde_json::from_slice(json).map_err(|problem| {
+            ToolError::unexpected(
+                &path.display().to_string(),
+                problem.to_string(),
+                "a report as `raypath ppa` writes it",
+            )
         })
     }
 

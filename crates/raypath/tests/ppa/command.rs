@@ -57,10 +57,20 @@ fn missing_tools_are_named_with_their_packages() {
     let folder = folder();
     let folder = folder.path();
     let ppa = ["ppa", "--liberty", "small.lib"];
-    ends_with(folder, &ppa, 2, &["yosys not found; install it with: apt-get install yosys"]);
+    ends_with(
+        folder,
+        &ppa,
+        2,
+        &["yosys not found, expected Yosys 0.23 or newer; install it with: apt-get install yosys"],
+    );
     ends_with(folder, &[&ppa[..], &["--yosys", "pyosys"]].concat(), 2, &["pyosys not found", "pip install pyosys"]);
     program(folder, "yosys", "echo 'Yosys 0.0 (none)'");
-    ends_with(folder, &ppa, 2, &["sta not found; install it with: apt-get install opensta"]);
+    ends_with(
+        folder,
+        &ppa,
+        2,
+        &["sta not found, expected OpenSTA 2.0 or newer; install it with: apt-get install opensta"],
+    );
     ends_with(folder, &["explore", "--liberty", "small.lib"], 2, &["sta not found"]);
 }
 
@@ -100,7 +110,7 @@ fn a_failing_synthesiser_is_quoted() {
     let folder = folder.path();
     program(folder, "yosys", "[ \"$1\" = -V ] && { echo 'Yosys 0.0 (none)'; exit; }\necho 'ERROR: no luck'; exit 1");
     program(folder, "sta", "echo 0.0");
-    let words = ["yosys failed on raypath", "ERROR: no luck"];
+    let words = ["Yosys 0.0 failed on raypath", "ERROR: no luck"];
     ends_with(folder, &["ppa", "--liberty", "small.lib", "--cache", "cache"], 2, &words);
     assert!(!folder.join("cache").exists());
 }

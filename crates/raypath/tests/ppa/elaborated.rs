@@ -1,8 +1,9 @@
 //! An elaborated datapath in the library that Debian ships: every register and unit is found again, under its name.
 
 use raypath::ops::{Circuit, Num, Operation, bundle};
-use raypath::ppa::{Bench, DEFAULT_LIBRARY, Design, Library, OpenSta, Yosys, YosysKind};
+use raypath::ppa::{Bench, DEFAULT_LIBRARY, Design, Library};
 use raypath::rtl::{Config, Control, Datapath, Operations, UnitKind};
+use raypath_tools::{OpenSta, Yosys, YosysKind};
 use std::path::Path;
 
 bundle! {

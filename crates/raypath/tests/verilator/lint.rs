@@ -3,7 +3,7 @@
 use crate::representatives::REPRESENTATIVES;
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Datapath, Encoding, Lanes, PRESETS};
-use raypath_cosim::{Sources, lint_slang, lint_verilator, lint_yosys};
+use raypath_tools::{Sources, lint_slang, lint_verilator, lint_yosys};
 use std::process::Command;
 
 /// All three front ends, for every preset and for every value of every parameter.

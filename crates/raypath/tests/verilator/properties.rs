@@ -1,10 +1,10 @@
 //! The assertions that `generate` writes, in Verilator: silent on the design, not on one with a fault.
 
 use raypath::rtl::{Config, Datapath, Lanes};
-use raypath_cosim::{CosimError, Options, Sources, Verilated};
+use raypath_tools::{Options, Sources, ToolError, Verilated};
 
 /// 500 cycles with stalls and bubbles; data do not matter. With `fault`, a text of `raypath_skid` becomes another.
-fn simulate(fault: Option<(&str, &str)>) -> Result<(), CosimError> {
+fn simulate(fault: Option<(&str, &str)>) -> Result<(), ToolError> {
     let config = Config { lanes: Lanes::None, format: "fp16".parse().expect("a format"), ..Config::DEFAULT };
     let datapath = Datapath::new(config).expect("a datapath");
     let top = datapath.top();

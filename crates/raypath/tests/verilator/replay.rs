@@ -11,7 +11,7 @@ use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::{Job, Outcome, Rules};
 use raypath::rtl::{Config, Datapath, Lanes};
 use raypath::traffic::{Traffic, interleave};
-use raypath_cosim::Verilated;
+use raypath_tools::Verilated;
 
 fn build(config: Config) -> (tempfile::TempDir, Datapath, Verilated) {
     let datapath = Datapath::new(config).expect("a datapath");

@@ -7,7 +7,7 @@ use crate::commands::bench::workload::Workload;
 use raypath::hdl::{InputPort, LANES, LaneSimulator, Module, OutputPort, Simulator};
 use raypath::ops::Job;
 use raypath::rtl::{Config, Datapath};
-use raypath_cosim::{CosimError, Options, Verilated};
+use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
 use std::hint::black_box;
 use std::sync::Arc;
 
@@ -104,8 +104,8 @@ fn lanes(simulator: &mut LaneSimulator, ports: &Ports, repetitions: usize) -> f6
 }
 
 /// Cycles a second of Verilator, one thread, all of its and the compiler's optimisation.
-fn verilator(top: &Arc<Module>, jobs: &[Job], repetitions: usize) -> Result<f64, CosimError> {
-    let folder = tempfile::tempdir().map_err(|problem| CosimError::File { path: std::env::temp_dir(), problem })?;
+fn verilator(top: &Arc<Module>, jobs: &[Job], repetitions: usize) -> Result<f64, ToolError> {
+    let folder = temporary_folder()?;
     let options = Options { c_optimisation: 3, native: true, ..Options::default() };
     let verilated = Verilated::build_with(top, folder.path(), &options)?;
     // The first of a frame is the reset, which is low when active.

@@ -61,7 +61,9 @@ impl Trial<'_> {
             Ok(Equivalence::Proved) => Ok(Fate::Equivalent("alike as modules")),
             Ok(Equivalence::Different(_)) => Ok(survived("different as modules")),
             Ok(Equivalence::Undecided(why)) => Ok(survived(&format!("undecided as modules: {why}"))),
-            Err(problem @ Error::Program { .. }) => Ok(survived(&format!("not compared as modules: {problem}"))),
+            Err(problem @ (Error::Program { .. } | Error::Tool(_))) => {
+                Ok(survived(&format!("not compared as modules: {problem}")))
+            }
             Err(other) => Err(other),
         }
     }

@@ -2,8 +2,8 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use raypath_cosim::{Sources, Verilated};
 use raypath_hdl::{Module, Simulator};
+use raypath_tools::{Sources, Verilated};
 use std::sync::Arc;
 
 /// Lints `top` and compares every output in `cycles` cycles; where there is a reset it is low in one cycle of eight.

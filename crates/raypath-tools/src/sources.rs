@@ -1,6 +1,7 @@
-//! A module's text as files.
+//! A module's SystemVerilog as files.
 
-use crate::CosimError;
+use crate::ToolError;
+use crate::files::write;
 use raypath_hdl::{Module, verilog};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,17 +9,20 @@ use std::sync::Arc;
 /// A module's SystemVerilog on disk.
 #[derive(Debug, Clone)]
 pub struct Sources {
-    /// One file a module, those that are instantiated first.
+    /// A file for each module; a module stands after those that it instantiates.
     pub files: Vec<PathBuf>,
-    /// All of it in one file, in a folder `all` so that it is none of the others whatever their names are.
+    /// All modules in one file, in a folder `all` of its own, so that its name never collides with another file's.
     pub all: PathBuf,
     /// The name of the top module.
     pub top: String,
 }
 
 impl Sources {
-    /// Prints `top` and all below it into `folder`.
-    pub fn write(top: &Arc<Module>, folder: &Path) -> Result<Self, CosimError> {
+    /// Writes `top` and all modules below it into `folder`.
+    ///
+    /// # Errors
+    /// A module cannot be printed, or a file cannot be written.
+    pub fn write(top: &Arc<Module>, folder: &Path) -> Result<Self, ToolError> {
         let mut files = Vec::new();
         let mut all = String::new();
         for module in verilog::modules(top)? {
@@ -29,22 +33,20 @@ impl Sources {
             all += &text;
         }
         let folder = folder.join("all");
-        std::fs::create_dir_all(&folder).map_err(|problem| CosimError::File { path: folder.clone(), problem })?;
+        std::fs::create_dir_all(&folder).map_err(|problem| ToolError::file(&folder, "create the folder", problem))?;
         let path = folder.join(format!("{}.sv", top.name()));
         write(&path, &all)?;
         Ok(Self { files, all: path, top: top.name().to_string() })
     }
 
-    /// The sources with which all three front ends must be content: every file by itself in Verilator, all of it in one
-    /// file in Verilator, Yosys and slang.
-    pub fn lint(&self) -> Result<(), CosimError> {
+    /// Runs all linters: Verilator on the separate files and on the joined file, Yosys and slang on the joined file.
+    ///
+    /// # Errors
+    /// A linter is missing, or reports anything.
+    pub fn lint(&self) -> Result<(), ToolError> {
         crate::lint_verilator(&self.files, &self.top, &[])?;
         crate::lint_verilator(std::slice::from_ref(&self.all), &self.top, &["-Wno-DECLFILENAME"])?;
         crate::lint_yosys(&self.all, &self.top)?;
         crate::lint_slang(std::slice::from_ref(&self.all))
     }
-}
-
-pub(crate) fn write(path: &Path, text: &str) -> Result<(), CosimError> {
-    std::fs::write(path, text).map_err(|problem| CosimError::File { path: path.to_path_buf(), problem })
 }

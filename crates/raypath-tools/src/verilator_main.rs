@@ -1,12 +1,14 @@
-//! The C++ program around the compiled model.
+//! The C++ program around the model that Verilator compiles.
 
 use raypath_hdl::Module;
 
-/// Reads a frame of inputs from standard input for each cycle, and writes a frame of outputs. Words are 64 bits in the
-/// machine's byte order, which is little-endian wherever Verilator is at home.
+/// The text of `main.cpp` for a top module.
 ///
-/// With a number as argument it first reads all frames, then runs them so many times and writes the seconds that each
-/// time took, a line each: how fast the model is without pipes.
+/// The program reads a frame of inputs from standard input for each cycle, and writes a frame of outputs. Words have 64
+/// bits in the machine's byte order, which is little-endian where Verilator runs.
+///
+/// With a number as argument, the program first reads all frames, runs them that many times and writes the seconds that
+/// each run took, a line each. This measures the model without the pipes.
 pub fn main_file(top: &Module) -> String {
     let mut drive = String::new();
     let mut words = 0;
@@ -24,7 +26,7 @@ pub fn main_file(top: &Module) -> String {
     let sample: String = outputs.map(|(word, port)| format!("    out[{word}] = top.{};\n", port.name)).collect();
     let fall = if top.is_clocked() { "    top.clk_i = 0;\n" } else { "" };
     let rise = if top.is_clocked() { "    top.clk_i = 1;\n    top.eval();\n" } else { "" };
-    // A reset has just ended when the first frame comes, as in the simulator of the netlist.
+    // A reset ends before the first frame, as in the simulator of the netlist.
     let reset = if top.has_reset() {
         "  for (int level : {1, 0, 1}) {\n    top.rst_ni = level;\n    top.eval();\n  }\n"
     } else {
@@ -71,7 +73,7 @@ int main(int argc, char** argv) {{
     )
 }
 
-/// Words in a frame of inputs. (A frame without any is still one word long on the pipe.)
+/// Words in a frame of inputs. A frame without inputs still takes one word on the pipe.
 pub fn input_words(top: &Module) -> usize {
     usize::from(top.has_reset()) + top.inputs().len()
 }

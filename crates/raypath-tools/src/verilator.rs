@@ -1,27 +1,32 @@
-//! Emitted text, compiled by Verilator and run as a process.
+//! SystemVerilog compiled by Verilator, and run as a process.
 
-use crate::sources::{Sources, write};
-use crate::{CosimError, harness, tool};
+use crate::files::write;
+use crate::{Program, Sources, ToolError, verilator_main};
 use raypath_hdl::Module;
 use std::io::{self, BufReader, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::Arc;
 
-pub(crate) const VERILATOR: &str = "apt-get install verilator g++ make";
+pub(crate) static VERILATOR: Program = Program {
+    name: "verilator",
+    expected: "Verilator 5.006 or newer",
+    install: "apt-get install verilator g++ make",
+    version: &["verilator", "--version"],
+};
 
 /// Bytes buffered in either direction.
 const BUFFER: usize = 1 << 16;
 
-/// How to build.
+/// How Verilator's model is compiled.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// The `-O` with which the C++ that runs in every cycle is compiled: 0 is built in a third of the time of 1 and runs
-    /// some 30,000 cycles of the datapath a second all the same; 3 is for measuring speed.
+    /// The optimisation level, `-O`, of the C++ that runs in every cycle. 0 compiles in a third of the time of 1, and
+    /// simulates about 30,000 cycles of the default datapath a second; 3 is for measuring speed.
     pub c_optimisation: u32,
     /// Whether the C++ may use all instructions of this machine (`-march=native`).
     pub native: bool,
-    /// Compilers at a time.
+    /// The number of compilers that run at a time.
     pub jobs: usize,
 }
 
@@ -31,10 +36,10 @@ impl Default for Options {
     }
 }
 
-/// A module's text as a program.
+/// A module's SystemVerilog, compiled into a program.
 ///
-/// Registers without a reset begin with 0, and a reset has just ended: what Verilog leaves open is chosen as
-/// [`raypath_hdl::Simulator`] chooses it, so that both agree from the first cycle on, whatever the stimuli.
+/// Registers without a reset begin with 0, and a reset ends before the first cycle: where Verilog leaves a choice, it is
+/// that of [`raypath_hdl::Simulator`], so that both agree from the first cycle on for all stimuli.
 #[derive(Debug)]
 pub struct Verilated {
     program: PathBuf,
@@ -43,27 +48,31 @@ pub struct Verilated {
 }
 
 impl Verilated {
-    /// Prints `top` into `folder` and compiles it there.
-    pub fn build(top: &Arc<Module>, folder: &Path) -> Result<Self, CosimError> {
+    /// Writes `top` into `folder` and compiles it there with the default options.
+    ///
+    /// # Errors
+    /// Verilator is missing or fails; a file cannot be written.
+    pub fn build(top: &Arc<Module>, folder: &Path) -> Result<Self, ToolError> {
         Self::build_with(top, folder, &Options::default())
     }
 
-    /// The same with options.
-    pub fn build_with(top: &Arc<Module>, folder: &Path, options: &Options) -> Result<Self, CosimError> {
+    /// Writes `top` into `folder` and compiles it there.
+    ///
+    /// # Errors
+    /// As for [`Self::build`].
+    pub fn build_with(top: &Arc<Module>, folder: &Path, options: &Options) -> Result<Self, ToolError> {
         Self::build_sources(&Sources::write(top, folder)?.files, top, folder, options)
     }
 
-    /// Compiles text that exists already, in `folder`. Of `top`, name and ports are taken.
-    pub fn build_sources(
-        files: &[PathBuf],
-        top: &Module,
-        folder: &Path,
-        options: &Options,
-    ) -> Result<Self, CosimError> {
+    /// Compiles existing files in `folder`. `top` gives the name and the ports.
+    ///
+    /// # Errors
+    /// As for [`Self::build`].
+    pub fn build_sources(files: &[PathBuf], top: &Module, folder: &Path, options: &Options) -> Result<Self, ToolError> {
         // Verilator's makefile runs in a folder of its own.
-        let folder = &folder.canonicalize().map_err(|problem| failed(folder, problem))?;
+        let folder = &folder.canonicalize().map_err(|problem| ToolError::file(folder, "find", problem))?;
         let main = folder.join("main.cpp");
-        write(&main, &harness::main_file(top))?;
+        write(&main, &verilator_main::main_file(top))?;
         let objects = folder.join("obj");
         let mut command = Command::new("verilator");
         command.args([
@@ -79,30 +88,37 @@ impl Verilated {
             "--prefix",
             "Vtop",
         ]);
-        // Half of the C++ runs once, at the beginning: it is not worth a compiler's time.
+        // Half of the C++ runs once, at the start, and is not worth optimising.
         let optimisation = options.c_optimisation;
         let levels = format!("OPT_FAST=-O{optimisation} OPT_GLOBAL=-O{optimisation} OPT_SLOW=-O0");
         command.args(["-MAKEFLAGS", &levels, "-j", &options.jobs.max(1).to_string()]);
         if optimisation == 0 {
-            // Then most of the time is the header's, which every file reads again: one file for all.
+            // Most of the time goes into the header, which every file includes: one file is faster than many.
             command.args(["--output-split", "0"]);
         }
         if options.native {
             command.args(["-CFLAGS", "-march=native"]);
         }
         command.args(["--top-module", top.name(), "-Mdir"]).arg(&objects).args(files).arg(&main);
-        tool::run(&mut command, VERILATOR)?;
-        Ok(Self { program: objects.join("Vtop"), inputs: harness::input_words(top), outputs: top.outputs().len() })
+        VERILATOR.output(&mut command)?;
+        Ok(Self {
+            program: objects.join("Vtop"),
+            inputs: verilator_main::input_words(top),
+            outputs: top.outputs().len(),
+        })
     }
 
-    /// Runs a cycle for each frame of inputs: `rst_ni`, if there is one, then the inputs in the order of declaration.
-    /// In each, the inputs settle, `on_outputs` gets the cycle's number and the outputs in the order of declaration, and
-    /// the clock rises. `rst_ni` is asynchronous. Every run begins anew.
+    /// Runs a cycle for each frame of inputs: `rst_ni`, if the module has one, then the inputs in the order of
+    /// declaration. In each cycle the inputs settle, `on_outputs` gets the cycle's number and the outputs in the order of
+    /// declaration, and the clock rises. `rst_ni` is asynchronous. Every run begins in the initial state.
+    ///
+    /// # Errors
+    /// A frame has a wrong number of words; the program fails, as it does when an assertion fails.
     pub fn run(
         &self,
         frames: impl IntoIterator<Item = Vec<u64>, IntoIter: Send>,
         on_outputs: impl FnMut(usize, &[u64]),
-    ) -> Result<(), CosimError> {
+    ) -> Result<(), ToolError> {
         let failed = |problem| failed(&self.program, problem);
         let child = Command::new(&self.program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().map_err(failed)?;
         let mut process = Process(child);
@@ -110,9 +126,9 @@ impl Verilated {
             return Err(failed(io::Error::from(ErrorKind::BrokenPipe)));
         };
         let frames = frames.into_iter();
-        // Both pipes at once: neither side may wait for the other with a full pipe.
+        // A thread writes while this one reads, so that neither side waits for the other with a full pipe.
         let (sent, received, status) = std::thread::scope(|scope| {
-            // In here, so that after a panic it ends before the scope waits for the writer, which waits for it.
+            // Moved into the scope: after a panic the process ends before the scope waits for the writer.
             let mut process = process;
             let writer = scope.spawn(|| self.send(frames, input));
             let received = self.receive(BufReader::with_capacity(BUFFER, output), on_outputs);
@@ -123,13 +139,16 @@ impl Verilated {
         let received = received?;
         if !status.success() || sent != received {
             let output = format!("{status} after {received} of {sent} cycles");
-            return Err(CosimError::Tool { tool: self.program.display().to_string(), output });
+            return Err(self.ended(output));
         }
         Ok(())
     }
 
-    /// How long the model takes for these frames, in seconds, without the pipes: each of `times` runs through all of them.
-    pub fn time(&self, frames: impl Iterator<Item = Vec<u64>>, times: usize) -> Result<Vec<f64>, CosimError> {
+    /// Measures `times` runs of the model through all frames, without the pipes. Returns the seconds of each run.
+    ///
+    /// # Errors
+    /// As for [`Self::run`].
+    pub fn time(&self, frames: impl Iterator<Item = Vec<u64>>, times: usize) -> Result<Vec<f64>, ToolError> {
         let failed = |problem| failed(&self.program, problem);
         let mut command = Command::new(&self.program);
         command.arg(times.to_string()).stdin(Stdio::piped()).stdout(Stdio::piped());
@@ -137,7 +156,7 @@ impl Verilated {
         let (Some(input), Some(mut output)) = (process.0.stdin.take(), process.0.stdout.take()) else {
             return Err(failed(io::Error::from(ErrorKind::BrokenPipe)));
         };
-        // Nothing is written before all is read, so one pipe after the other.
+        // The program reads all frames before it writes anything.
         self.send(frames, input)?;
         let mut text = String::new();
         output.read_to_string(&mut text).map_err(failed)?;
@@ -145,18 +164,22 @@ impl Verilated {
         let seconds: Vec<f64> = text.lines().map_while(|line| line.parse().ok()).collect();
         if !status.success() || seconds.len() != times {
             let output = format!("{status} after {} of {times} runs", seconds.len());
-            return Err(CosimError::Tool { tool: self.program.display().to_string(), output });
+            return Err(self.ended(output));
         }
         Ok(seconds)
     }
 
-    /// Gives the number of frames sent. A reader that has gone away is no error here: its status tells more.
-    fn send(&self, frames: impl Iterator<Item = Vec<u64>>, input: ChildStdin) -> Result<usize, CosimError> {
+    fn ended(&self, output: String) -> ToolError {
+        ToolError::Failed { program: self.program.display().to_string(), about: None, output }
+    }
+
+    /// Sends frames and returns their number. If the program has ended, that is no error here: its status tells more.
+    fn send(&self, frames: impl Iterator<Item = Vec<u64>>, input: ChildStdin) -> Result<usize, ToolError> {
         let mut pipe = BufWriter::with_capacity(BUFFER, input);
         let mut sent = 0;
         for frame in frames {
             if frame.len() != self.inputs {
-                return Err(CosimError::Frame { cycle: sent, found: frame.len(), expected: self.inputs });
+                return Err(ToolError::Frame { cycle: sent, found: frame.len(), expected: self.inputs });
             }
             let words = if frame.is_empty() { &[0] } else { frame.as_slice() };
             sent += 1;
@@ -173,8 +196,8 @@ impl Verilated {
         }
     }
 
-    /// Gives the number of frames received.
-    fn receive(&self, mut pipe: impl Read, mut on_outputs: impl FnMut(usize, &[u64])) -> Result<usize, CosimError> {
+    /// Receives frames of outputs and returns their number.
+    fn receive(&self, mut pipe: impl Read, mut on_outputs: impl FnMut(usize, &[u64])) -> Result<usize, ToolError> {
         let mut bytes = vec![0; 8 * self.outputs.max(1)];
         let mut words = vec![0; self.outputs];
         for cycle in 0.. {
@@ -191,17 +214,17 @@ impl Verilated {
     }
 }
 
-/// A process that does not outlive this.
+/// A process that is killed when this is dropped.
 struct Process(Child);
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // Both fail where it has ended and been waited for, which is as it should be.
+        // Both fail if it has ended and has been waited for.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-fn failed(path: &Path, problem: io::Error) -> CosimError {
-    CosimError::File { path: path.to_path_buf(), problem }
+fn failed(path: &Path, problem: io::Error) -> ToolError {
+    ToolError::file(path, "run", problem)
 }

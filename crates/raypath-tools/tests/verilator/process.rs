@@ -1,7 +1,7 @@
 //! The process at the other end: tops without a clock, without inputs, long streams, frames that do not fit.
 
-use raypath_cosim::{CosimError, Options, Sources, Verilated};
 use raypath_hdl::Builder;
+use raypath_tools::{Options, Sources, ToolError, Verilated};
 
 #[test]
 fn long_streams_without_a_clock() {
@@ -26,7 +26,7 @@ fn long_streams_without_a_clock() {
     assert_eq!(seen, 500_000);
 
     let short = verilated.run([vec![1, 2], vec![3]], |_, _| {});
-    assert!(matches!(short, Err(CosimError::Frame { cycle: 1, found: 1, expected: 2 })), "{short:?}");
+    assert!(matches!(short, Err(ToolError::Frame { cycle: 1, found: 1, expected: 2 })), "{short:?}");
 }
 
 #[test]

@@ -1,8 +1,7 @@
-//! Results kept on disk under the digest of all that they follow from, so that nothing is done twice.
+//! Results kept on disk, named by the digest of everything that they depend on, so that nothing is computed twice.
 
-use crate::Error;
+use crate::ToolError;
 use crate::input::unpacked;
-use crate::library::hex;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde::Serialize;
@@ -13,21 +12,21 @@ use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// More bytes, unpacked, than any result has: a netlist of the largest configuration has some tens of millions.
-pub(crate) const MOST_BYTES: u64 = 1 << 30;
+/// The limit on an unpacked result. A netlist of the largest configuration has some tens of millions of bytes.
+pub const MAX_RESULT_BYTES: u64 = 1 << 30;
 
-/// A folder of results.
+/// A folder of results, each a gzip file of JSON.
 #[derive(Debug, Clone)]
 pub struct Cache {
     folder: PathBuf,
 }
 
-/// What a result follows from, as a digest.
+/// The name of a result: a digest of everything that it depends on.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Key(String);
 
 impl Key {
-    /// Of a kind of result and everything that it depends on. This crate's version always counts: it reads the tools.
+    /// The key of a result of this kind that depends on these parts, and on this crate's version.
     pub fn new(kind: &str, parts: &[&str]) -> Self {
         let mut digest = Sha256::new();
         for part in [env!("CARGO_PKG_VERSION"), kind].iter().chain(parts) {
@@ -37,33 +36,37 @@ impl Key {
         Self(format!("{kind}-{}", &hex(&digest.finalize())[..32]))
     }
 
-    /// As text; another digest may depend on it.
+    /// The key as text, which another key may depend on.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 }
 
 impl Cache {
-    /// A cache in a folder, which is made when something is put into it.
+    /// A cache in a folder, which is created with the first result.
     pub fn new(folder: &Path) -> Self {
         Self { folder: folder.to_path_buf() }
     }
 
-    /// A result, if it is there and whole.
+    /// A kept result. None if there is none, or its file is damaged.
     pub fn get<T: DeserializeOwned>(&self, key: &Key) -> Option<T> {
-        whole(File::open(self.path(key)).ok()?)
+        decode(File::open(self.path(key)).ok()?)
     }
 
-    /// Whether there is a result, whole or not.
+    /// Whether a file of this result exists, damaged or not.
     pub fn has(&self, key: &Key) -> bool {
         self.path(key).exists()
     }
 
-    /// Keeps a result. It is there whole or not at all.
-    pub fn put<T: Serialize>(&self, key: &Key, result: &T) -> Result<(), Error> {
-        fs::create_dir_all(&self.folder).map_err(|problem| Error::file(&self.folder, "create the folder", problem))?;
+    /// Keeps a result. Its file appears complete or not at all.
+    ///
+    /// # Errors
+    /// The folder or the file cannot be written.
+    pub fn put<T: Serialize>(&self, key: &Key, result: &T) -> Result<(), ToolError> {
+        fs::create_dir_all(&self.folder)
+            .map_err(|problem| ToolError::file(&self.folder, "create the folder", problem))?;
         let path = self.path(key);
-        let refused = |problem| Error::file(&path, "write", problem);
+        let refused = |problem| ToolError::file(&path, "write", problem);
         let mut file = NamedTempFile::new_in(&self.folder).map_err(refused)?;
         let mut encoder = GzEncoder::new(BufWriter::new(file.as_file_mut()), Compression::fast());
         serde_json::to_writer(&mut encoder, result).map_err(|problem| refused(problem.into()))?;
@@ -78,9 +81,18 @@ impl Cache {
     }
 }
 
-/// A result as it was kept, if it is whole.
-pub(crate) fn whole<T: DeserializeOwned>(stream: impl Read) -> Option<T> {
-    serde_json::from_slice(&unpacked(stream, MOST_BYTES).ok()?).ok()
+/// The SHA-256 digest of bytes, in hexadecimal digits.
+pub fn digest(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Decodes a kept result. None if it is damaged.
+pub fn decode<T: DeserializeOwned>(stream: impl Read) -> Option<T> {
+    serde_json::from_slice(&unpacked(stream, MAX_RESULT_BYTES).ok()?).ok()
 }
 
 #[cfg(test)]
@@ -88,7 +100,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_put_comes_back_unless_it_is_broken() {
+    fn results_are_read_back_unless_damaged() {
         let folder = tempfile::tempdir().expect("a folder");
         let cache = Cache::new(&folder.path().join("cache"));
         let key = Key::new("area", &["text", "library"]);
@@ -102,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_do_not_run_together() {
+    fn keys_separate_their_parts() {
         let keys = [Key::new("a", &["bc", "d"]), Key::new("a", &["b", "cd"]), Key::new("ab", &["c", "d"])];
         assert!(keys[0] != keys[1] && keys[1] != keys[2] && keys[0] != keys[2]);
     }

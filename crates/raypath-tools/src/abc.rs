@@ -1,0 +1,78 @@
+//! ABC, which proves properties of and-inverter graphs.
+
+use crate::program::{Ended, Run, first_line};
+use crate::{Program, ToolError};
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// An installed ABC. Its `Display` form is its version.
+#[derive(Debug, Clone)]
+pub struct Abc {
+    program: PathBuf,
+    version: String,
+}
+
+static ABC: Program = Program {
+    name: "yosys-abc",
+    expected: "ABC as pyosys 0.70 or newer has it",
+    install: "python3 -m pip install pyosys",
+    version: &["yosys-abc", "-q", "version"],
+};
+
+const ABC_IN_PYOSYS: &str = "import pyosys, os; print(os.path.join(os.path.dirname(pyosys.__file__), 'yosys-abc'))";
+
+impl Abc {
+    /// Finds the ABC that comes with pyosys, or else Debian's.
+    ///
+    /// # Errors
+    /// [`ToolError::Missing`]: neither is installed.
+    pub fn find() -> Result<Self, ToolError> {
+        let in_pyosys = first_line(Command::new("python3").args(["-c", ABC_IN_PYOSYS])).map(PathBuf::from);
+        let mut programs = in_pyosys.into_iter().chain(["yosys-abc", "berkeley-abc"].map(PathBuf::from));
+        let found = programs.find_map(|program| {
+            let version = first_line(Command::new(&program).args(["-q", "version"]))?;
+            Some(Self { program, version })
+        });
+        found.ok_or(ToolError::Missing(&ABC))
+    }
+
+    /// Runs commands in a folder. Returns what ABC printed, or that it failed and its last line; None if it was stopped
+    /// or did not end within the limit.
+    ///
+    /// # Errors
+    /// It cannot be started, or its output cannot be read.
+    pub fn run(
+        &self,
+        folder: &Path,
+        commands: &str,
+        limit: Duration,
+        stop: &AtomicBool,
+    ) -> Result<Option<String>, ToolError> {
+        let run = Run { folder, log: "abc.log", limit: Some(limit), stop };
+        let ended = run.run(&ABC, Command::new(&self.program).args(["-q", commands]))?;
+        let log = folder.join(run.log);
+        let output = std::fs::read(&log).map_err(|problem| ToolError::file(&log, "read", problem))?;
+        let output = String::from_utf8_lossy(&output).into_owned();
+        Ok(match ended {
+            Ended::Success => Some(output),
+            // An answer that was printed before a failure does not count.
+            Ended::Failure(status) => Some(format!("abc ended with {status}: {}", Self::last_line(&output))),
+            Ended::Cut => None,
+        })
+    }
+
+    /// The last line that ABC printed, for messages.
+    pub fn last_line(output: &str) -> String {
+        let line = output.lines().rev().find(|line| !line.trim().is_empty());
+        format!("abc said '{}'", line.unwrap_or_default())
+    }
+}
+
+impl fmt::Display for Abc {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.version)
+    }
+}

@@ -1,0 +1,76 @@
+//! The linters that emitted SystemVerilog must pass without any message: Verilator, Yosys and slang.
+
+use crate::verilator::VERILATOR;
+use crate::yosys::YOSYS;
+use crate::{Program, ToolError};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+static PYSLANG: Program = Program {
+    name: "pyslang",
+    expected: "Python's module pyslang 12 or newer",
+    install: "python3 -m pip install pyslang",
+    version: &["python3", "-c", "import pyslang, importlib.metadata as m; print('pyslang', m.version('pyslang'))"],
+};
+
+/// Parses and elaborates with every warning but one, which is off by default: that a signal is never read. Verilator
+/// checks that too, and exempts names that say so.
+const SLANG_SCRIPT: &str = r#"
+import sys
+try:
+    import pyslang
+    from pyslang.driver import Driver
+except ImportError as problem:
+    sys.exit(problem.msg)
+driver = Driver()
+driver.addStandardArgs()
+arguments = ["slang", "-Weverything", "-Wno-unused-but-set-variable", "-Werror"] + sys.argv[1:]
+quoted = " ".join('"' + a.replace("\\", "\\\\").replace('"', '\\"') + '"' for a in arguments)
+accepted = driver.parseCommandLine(quoted) and driver.processOptions() and driver.parseAllSources()
+accepted = accepted and driver.runFullCompilation(True)
+sys.exit(0 if accepted else 1)
+"#;
+
+/// Runs `verilator --lint-only -Wall` with `arguments` before the files.
+///
+/// # Errors
+/// Verilator is missing, or reports an error or a warning.
+pub fn lint_verilator(files: &[PathBuf], top: &str, arguments: &[&str]) -> Result<(), ToolError> {
+    let mut command = Command::new("verilator");
+    command.args(["--lint-only", "-Wall", "--top-module", top]).args(arguments).args(files);
+    expect_silence(&VERILATOR, VERILATOR.output(&mut command)?)
+}
+
+/// Reads a file with Yosys and runs `check -assert` on it.
+///
+/// # Errors
+/// Yosys is missing, reports an error or a warning, or infers a latch.
+pub fn lint_yosys(file: &Path, top: &str) -> Result<(), ToolError> {
+    let script = format!(
+        "read_verilog -sv \"{}\"; hierarchy -check -top {top}; proc; check -assert; select -assert-none t:$dlatch",
+        file.display()
+    );
+    let mut command = Command::new("yosys");
+    expect_silence(&YOSYS, YOSYS.output(command.args(["-q", "-p", &script]))?)
+}
+
+/// Compiles files with slang, by its Python module.
+///
+/// # Errors
+/// The module is missing, or slang reports any diagnostic.
+pub fn lint_slang(files: &[PathBuf]) -> Result<(), ToolError> {
+    let mut command = Command::new("python3");
+    command.args(["-c", SLANG_SCRIPT]).args(files);
+    match PYSLANG.output(&mut command) {
+        Ok(output) => expect_silence(&PYSLANG, output),
+        // The module, or a part that only later versions have, is missing.
+        Err(ToolError::Failed { output, .. }) if output.starts_with("No module named 'pyslang") => {
+            Err(ToolError::Missing(&PYSLANG))
+        }
+        Err(other) => Err(other),
+    }
+}
+
+fn expect_silence(program: &'static Program, output: String) -> Result<(), ToolError> {
+    if output.trim().is_empty() { Ok(()) } else { Err(program.failed(output)) }
+}
