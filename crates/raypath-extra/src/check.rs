@@ -5,8 +5,8 @@ use fearless_simd::Simd;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use raypath_float::Format;
-use raypath_model::{Soft, SoftNumber};
-use raypath_ops::{BLOCK, Binary32, Bit, Concrete, Family, Gather, Lanes, Num, Operation, Packed, Part, Scatter, Word};
+use raypath_model::{BLOCK, Lanes, Packed, Part, Soft, SoftNumber};
+use raypath_ops::{Binary32, Bit, Concrete, Family, Gather, Num, Operation, Scatter, Word};
 
 /// Software arithmetic of binary32.
 pub const SOFT: Soft = Soft { format: Format::BINARY32 };
@@ -25,23 +25,23 @@ impl Gather<Binary32, Soft, 1> for ToSoft {
         Num::new(SOFT, SOFT.number(value.to_bits().into()))
     }
     fn bit(&self, [value]: [&Bit<Binary32>; 1]) -> Bit<Soft> {
-        Bit::new(SOFT, value.value())
+        Bit::new(SOFT, value.value)
     }
     fn word<const W: u32>(&self, [value]: [&Word<Binary32, W>; 1]) -> Word<Soft, W> {
-        Word::new(SOFT, value.value())
+        Word::new(SOFT, value.value)
     }
 }
 
 impl Scatter<Soft, Binary32, 1> for ToSoft {
     fn num(&self, value: Num<Soft>) -> [Num<Binary32>; 1] {
-        let SoftNumber(bits) = value.value();
+        let SoftNumber(bits) = value.value;
         [Num::from_bits(bits as u32)]
     }
     fn bit(&self, value: Bit<Soft>) -> [Bit<Binary32>; 1] {
-        [value.value().into()]
+        [value.value.into()]
     }
     fn word<const W: u32>(&self, value: Word<Soft, W>) -> [Word<Binary32, W>; 1] {
-        [Word::truncate(value.value())]
+        [Word::truncate(value.value)]
     }
 }
 

@@ -1,20 +1,22 @@
-//! Batches of jobs of one kind, in SIMD lanes.
+//! Batches of jobs of one operation, computed in SIMD lanes.
 
+use crate::kernels::SimdKernels;
+use crate::lanes::Lanes;
+use crate::packed::{BLOCK, Packed, Part, Sixteen};
 use fearless_simd::{Level, Simd, dispatch};
 use raypath_ops::{
-    Angular, AngularInput, AngularOutput, AngularState, BLOCK, Binary32, Bit, Bundle, Circuit, Euclidean,
-    EuclideanInput, EuclideanOutput, EuclideanState, Family, Field, Lanes, Num, Of, Operation, Packed, Part, Path,
-    RayBox, RayBoxInput, RayBoxOutput, RayTriangle, RayTriangleInput, RayTriangleOutput, Rules, Sixteen, Source,
-    array_of,
+    Angular, AngularInput, AngularOutput, AngularState, Binary32, Bit, Bundle, Circuit, Euclidean, EuclideanInput,
+    EuclideanOutput, EuclideanState, Family, Field, KernelOperation, Num, Of, Path, RayBox, RayBoxInput, RayBoxOutput,
+    RayTriangle, RayTriangleInput, RayTriangleOutput, Rules, Source, array_of,
 };
 
-/// Sixteen datapaths over binary32 side by side: what each answers is what a [`Functional`](crate::Functional) answers,
-/// bit for bit but for the signs and payloads of NaNs. Jobs come in blocks of sixteen, one for each datapath; see
-/// [`pack`] and [`unpack`].
+/// Sixteen functional models over binary32, computed in SIMD lanes. Each returns the results of a
+/// [`Functional`](crate::Functional), bit for bit except for the signs and payloads of NaNs. Jobs are in blocks of sixteen, one
+/// for each model; see [`pack`] and [`unpack`].
 ///
 /// ```
 /// use raypath_model::{Batch, blank, pack, unpack};
-/// use raypath_ops::{Aabb, Binary32, Packed, Ray, RayBoxInput, RayBoxOutput, Rules};
+/// use raypath_ops::{Aabb, Binary32, Ray, RayBoxInput, RayBoxOutput, Rules};
 ///
 /// let ray = Ray::new([0.0, 0.0, -5.0], [0.0, 0.0, 1.0], f32::INFINITY)?;
 /// let job = |x| RayBoxInput { ray, aabb: [Aabb::new([x, -1.0, -1.0], [x + 1.0, 1.0, 1.0]); 4] };
@@ -37,12 +39,12 @@ pub struct Batch<const E: usize = 16, const A: usize = 8> {
 }
 
 impl<const E: usize, const A: usize> Batch<E, A> {
-    /// Sixteen datapaths whose accumulators are zero, in the widest registers that this machine has.
+    /// Sixteen models whose accumulators are zero, for the widest registers of this machine.
     pub fn new(rules: Rules) -> Self {
         Self::at(Level::new(), rules)
     }
 
-    /// The same with given instructions.
+    /// As [`new`](Self::new), with the instruction set `level`.
     pub fn at(level: Level, rules: Rules) -> Self {
         let zero = Packed.zero();
         Self {
@@ -53,9 +55,9 @@ impl<const E: usize, const A: usize> Batch<E, A> {
         }
     }
 
-    /// Answers blocks of jobs, as many as there are places for answers.
+    /// Computes blocks of jobs into `answers`; stops at the end of the shorter slice.
     pub fn quadbox(&self, jobs: &[RayBoxInput<Packed>], answers: &mut [RayBoxOutput<Packed>]) {
-        // Apart, so that the rules are known when this is compiled.
+        // Two calls, so that the rules are constants in each.
         match self.rules {
             Rules::Paper => {
                 dispatch!(self.level, simd => run(simd, &RayBox { rules: Rules::Paper }, jobs, answers, &mut ()));
@@ -66,26 +68,28 @@ impl<const E: usize, const A: usize> Batch<E, A> {
         }
     }
 
-    /// Answers blocks of jobs, as many as there are places for answers.
+    /// Computes blocks of jobs into `answers`; stops at the end of the shorter slice.
     pub fn triangle(&self, jobs: &[RayTriangleInput<Packed>], answers: &mut [RayTriangleOutput<Packed>]) {
         let op = RayTriangle { rules: self.rules };
         dispatch!(self.level, simd => run(simd, &op, jobs, answers, &mut ()));
     }
 
-    /// Answers blocks of beats in order, as many as there are places for answers; the sums stay for the next.
+    /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain for the
+    /// next call.
     pub fn euclidean(&mut self, beats: &[EuclideanInput<Packed, E>], answers: &mut [EuclideanOutput<Packed>]) {
         let state = &mut self.euclidean;
         dispatch!(self.level, simd => run(simd, &Euclidean::<E>, beats, answers, state));
     }
 
-    /// Answers blocks of beats in order, as many as there are places for answers; the sums stay for the next.
+    /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain for the
+    /// next call.
     pub fn angular(&mut self, beats: &[AngularInput<Packed, A>], answers: &mut [AngularOutput<Packed>]) {
         let state = &mut self.angular;
         dispatch!(self.level, simd => run(simd, &Angular::<A>, beats, answers, state));
     }
 }
 
-/// All instruction sets with which this machine can run a [`Batch`], the widest first.
+/// The instruction sets with which this machine can run a [`Batch`], the widest first.
 pub fn levels() -> Vec<Level> {
     let best = Level::new();
     #[cfg(target_arch = "x86_64")]
@@ -100,19 +104,19 @@ pub fn levels() -> Vec<Level> {
     levels.into_iter().flatten().collect()
 }
 
-/// Jobs in blocks of sixteen; the last is filled up with its last job. Zeros make no ray, so an empty batch has no block.
+/// Packs jobs into blocks of sixteen. The last block is filled with copies of the last job.
 pub fn pack<F: Family>(jobs: &[Of<F, Binary32>]) -> Vec<Of<F, Packed>> {
     let block = |jobs: &[Of<F, Binary32>]| F::gather(array_of!(i => &jobs[i.min(jobs.len() - 1)]), &Packed);
     jobs.chunks(BLOCK).map(block).collect()
 }
 
-/// The first `count` of what is in blocks, one by one; fewer where there are fewer.
+/// Unpacks the first `count` items of blocks, or all if there are fewer.
 pub fn unpack<F: Family>(blocks: &[Of<F, Packed>], count: usize) -> impl Iterator<Item = Of<F, Binary32>> {
     let jobs = |block: &Of<F, Packed>| -> [Of<F, Binary32>; BLOCK] { F::scatter(*block, &Packed) };
     blocks.iter().flat_map(jobs).take(count)
 }
 
-/// A block of zeros, for answers to be written to.
+/// A block of zeros, into which results are written.
 pub fn blank<F: Family>() -> Of<F, Packed> {
     <Of<F, Packed> as Bundle<Packed>>::build(&mut Path::unnamed(), &mut Zeros)
 }
@@ -131,9 +135,9 @@ impl Source<Packed> for Zeros {
     }
 }
 
-/// Runs an operation on blocks of jobs, each of a block's lanes with a state of its own.
+/// Runs an operation on blocks of jobs. Each lane has its own state.
 #[inline(always)]
-fn run<S: Simd, O: Operation>(
+fn run<S: Simd, O: KernelOperation>(
     simd: S,
     op: &O,
     jobs: &[O::Input<Packed>],
@@ -150,7 +154,7 @@ fn run<S: Simd, O: Operation>(
         let mut now = <O::State<Binary32> as Family>::gather([&*state], &part);
         for (job, answer) in jobs.iter().zip(&mut *answers) {
             let input = <O::Input<Binary32> as Family>::gather([job], &part);
-            let (output, next) = op.run(lanes, input, now);
+            let (output, next) = op.run_with(lanes, SimdKernels, input, now);
             <O::Output<Binary32> as Family>::put(&output, answer, &part);
             now = next;
         }

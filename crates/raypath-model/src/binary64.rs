@@ -1,4 +1,5 @@
-use raypath_ops::{Circuit, Concrete, Relation, Test};
+use crate::kernels::ModelCircuit;
+use raypath_ops::{Circuit, Concrete, Portable, Relation, Test};
 
 /// IEEE 754 binary64, computed natively: what other formats' accuracy is measured against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -99,4 +100,9 @@ impl Concrete for Binary64 {
     fn raw_bits(self, number: Double) -> u64 {
         number.0.to_bits()
     }
+}
+
+impl ModelCircuit for Binary64 {
+    type Kernels = Portable;
+    const KERNELS: Portable = Portable;
 }

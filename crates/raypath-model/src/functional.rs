@@ -1,13 +1,14 @@
+use crate::kernels::ModelCircuit;
 use crate::model::Model;
 use raypath_ops::{
-    Angular, AngularState, Binary32, Concrete, Euclidean, EuclideanState, Job, JobKind, Operation, Outcome, RayBox,
+    Angular, AngularState, Binary32, Euclidean, EuclideanState, Job, JobKind, KernelOperation, Outcome, RayBox,
     RayTriangle, Rules,
 };
 
 /// What the datapath answers, job by job: the operations over the numbers of circuit `C`, by default the machine's own
 /// binary32, and their accumulators.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Functional<const E: usize = 16, const A: usize = 8, C: Concrete = Binary32> {
+pub struct Functional<const E: usize = 16, const A: usize = 8, C: ModelCircuit = Binary32> {
     circuit: C,
     rules: Rules,
     euclidean: EuclideanState<C>,
@@ -21,7 +22,7 @@ impl<const E: usize, const A: usize> Functional<E, A> {
     }
 }
 
-impl<const E: usize, const A: usize, C: Concrete> Functional<E, A, C> {
+impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
     /// A datapath over the numbers of `circuit` whose accumulators are zero.
     pub fn over(circuit: C, rules: Rules) -> Self {
         let zero = circuit.zero();
@@ -38,15 +39,17 @@ impl<const E: usize, const A: usize, C: Concrete> Functional<E, A, C> {
     pub fn run(&mut self, job: &Job<E, A, C>) -> Outcome<C> {
         let (circuit, rules) = (self.circuit, self.rules);
         match job {
-            Job::Triangle(input) => Outcome::Triangle(RayTriangle { rules }.run(circuit, *input, ()).0),
-            Job::Quadbox(input) => Outcome::Quadbox(RayBox { rules }.run(circuit, *input, ()).0),
+            Job::Triangle(input) => {
+                Outcome::Triangle(RayTriangle { rules }.run_with(circuit, C::KERNELS, *input, ()).0)
+            }
+            Job::Quadbox(input) => Outcome::Quadbox(RayBox { rules }.run_with(circuit, C::KERNELS, *input, ()).0),
             Job::Euclidean(input) => {
-                let (output, state) = Euclidean::<E>.run(circuit, *input, self.euclidean);
+                let (output, state) = Euclidean::<E>.run_with(circuit, C::KERNELS, *input, self.euclidean);
                 self.euclidean = state;
                 Outcome::Euclidean(output)
             }
             Job::Angular(input) => {
-                let (output, state) = Angular::<A>.run(circuit, *input, self.angular);
+                let (output, state) = Angular::<A>.run_with(circuit, C::KERNELS, *input, self.angular);
                 self.angular = state;
                 Outcome::Angular(output)
             }
@@ -59,7 +62,7 @@ impl<const E: usize, const A: usize, C: Concrete> Functional<E, A, C> {
     }
 }
 
-impl<const E: usize, const A: usize, C: Concrete> Model for Functional<E, A, C> {
+impl<const E: usize, const A: usize, C: ModelCircuit> Model for Functional<E, A, C> {
     type Kind = JobKind;
     type Job = Job<E, A, C>;
     type Outcome = Outcome<C>;

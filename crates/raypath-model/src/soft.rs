@@ -1,5 +1,6 @@
+use crate::kernels::ModelCircuit;
 use raypath_float::Format;
-use raypath_ops::{Circuit, Concrete, Relation, Test};
+use raypath_ops::{Circuit, Concrete, Portable, Relation, Test};
 use std::cmp::Ordering;
 
 /// Numbers of any format, computed in software: over it the operations are the golden model of a datapath in that
@@ -94,4 +95,9 @@ impl Concrete for Soft {
     fn raw_bits(self, number: SoftNumber) -> u64 {
         number.0
     }
+}
+
+impl ModelCircuit for Soft {
+    type Kernels = Portable;
+    const KERNELS: Portable = Portable;
 }

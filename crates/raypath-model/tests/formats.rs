@@ -4,7 +4,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_float::Format;
-use raypath_model::{Binary64, Functional, Soft};
+use raypath_model::{Binary64, Functional, ModelCircuit, Soft};
 use raypath_ops::{
     Aabb, Binary32, Circuit, Concrete, Job, JobKind, Outcome, PortKind, PortValue, Ray, RayBoxInput, RayTriangleInput,
     Relation, Rules, Test, Triangle,
@@ -109,7 +109,7 @@ fn where_nothing_is_rounded_all_formats_agree() {
     }
 }
 
-fn agree_exactly<C: Concrete>(circuit: C, rules: Rules, code: impl Fn(f32) -> u64, number: impl Fn(u64) -> f64) {
+fn agree_exactly<C: ModelCircuit>(circuit: C, rules: Rules, code: impl Fn(f32) -> u64, number: impl Fn(u64) -> f64) {
     const JOBS: usize = 20_000;
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let (mut host, mut other) = (Functional::<16, 8>::new(rules), Functional::<16, 8, _>::over(circuit, rules));

@@ -4,10 +4,10 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_float::Format;
-use raypath_model::{Batch, Functional, Soft, blank, levels, pack, unpack};
+use raypath_model::{Batch, Functional, Packed, Soft, blank, levels, pack, unpack};
 use raypath_ops::{
     AngularInput, AngularOutput, Binary32, EuclideanInput, EuclideanOutput, Family, Job, JobKind, Of, Operation,
-    Outcome, Packed, RayBox, RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules,
+    Outcome, RayBox, RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules,
 };
 
 const JOBS: usize = 16 * 200;

@@ -2,8 +2,8 @@
 
 use fearless_simd::{Simd, dispatch};
 use raypath_float::Format;
-use raypath_model::{Binary64, Soft, levels};
-use raypath_ops::{BLOCK, Binary32, Circuit, Gather, Lanes, Num, Packed, Part, Put, Sixteen, Word};
+use raypath_model::{BLOCK, Binary64, Lanes, Packed, Part, Sixteen, Soft, levels};
+use raypath_ops::{Binary32, Circuit, Gather, Num, Put, Word};
 
 #[test]
 fn every_word_is_exact() {
@@ -11,9 +11,9 @@ fn every_word_is_exact() {
     for value in 0..=u16::MAX {
         let (word, exact) = (u32::from(value), f64::from(value));
         assert_eq!(f32::from(Binary32.word::<16>(word).number()).to_bits(), f32::from(value).to_bits());
-        assert_eq!(Binary64.word::<16>(word).number().value().0.to_bits(), exact.to_bits());
+        assert_eq!(Binary64.word::<16>(word).number().value.0.to_bits(), exact.to_bits());
         for format in formats {
-            let soft = Soft { format }.word::<16>(word).number().value().0;
+            let soft = Soft { format }.word::<16>(word).number().value.0;
             assert_eq!(format.to_f64(soft).to_bits(), exact.to_bits(), "{format}");
         }
     }
@@ -24,10 +24,10 @@ fn in_lanes_as_well() {
     for first in (0..=u16::MAX).step_by(BLOCK) {
         let words = Word::<Packed, 16>::new(Packed, Sixteen(std::array::from_fn(|i| u32::from(first) + i as u32)));
         let expected = std::array::from_fn::<_, BLOCK, _>(|i| f32::from(first + i as u16).to_bits());
-        assert_eq!(words.number().value().0.map(f32::to_bits), expected);
+        assert_eq!(words.number().value.0.map(f32::to_bits), expected);
         for level in levels() {
             let found = dispatch!(level, simd => numbers(simd, &words));
-            assert_eq!(found.value().0.map(f32::to_bits), expected, "{level:?}");
+            assert_eq!(found.value.0.map(f32::to_bits), expected, "{level:?}");
         }
     }
 }

@@ -1,11 +1,11 @@
-/// An array of things, at least one, each made from its number: `array_of!(i => a[i] + b[i])`. Unlike
-/// [`std::array::from_fn`] it is always inlined, which operations need to run in SIMD lanes.
+/// Builds an array of at least one element from an expression of the index: `array_of!(i => a[i] + b[i])`. Unlike
+/// [`std::array::from_fn`] it is always inlined, which operations over SIMD lanes require.
 #[macro_export]
 macro_rules! array_of {
-    ($i:pat => $thing:expr $(,)?) => {
+    ($i:pat => $element:expr $(,)?) => {
         $crate::array_from(
             #[inline(always)]
-            |$i| $thing,
+            |$i| $element,
         )
     };
 }
@@ -13,22 +13,22 @@ macro_rules! array_of {
 #[doc(hidden)]
 #[inline(always)]
 pub fn array_from<T: Copy, const N: usize>(make: impl Fn(usize) -> T) -> [T; N] {
-    let mut things = [make(0); N];
-    // Short ones without a loop: else compilers keep in memory what the array is made of.
+    let mut elements = [make(0); N];
+    // Short arrays without a loop, because the compiler would keep the operands in memory.
     if N <= 4 {
         if N > 1 {
-            things[1] = make(1);
+            elements[1] = make(1);
         }
         if N > 2 {
-            things[2] = make(2);
+            elements[2] = make(2);
         }
         if N > 3 {
-            things[3] = make(3);
+            elements[3] = make(3);
         }
-        return things;
+        return elements;
     }
-    for (i, thing) in things.iter_mut().enumerate().skip(1) {
-        *thing = make(i);
+    for (i, element) in elements.iter_mut().enumerate().skip(1) {
+        *element = make(i);
     }
-    things
+    elements
 }

@@ -1,22 +1,20 @@
-//! Operations over the machine's own binary32: the functional model.
+//! The machine's binary32 arithmetic.
 
-use crate::alike::{Alike, Of, side_by_side};
 use crate::circuit::{Circuit, Relation, Test};
 use crate::concrete::Concrete;
 use crate::handle::{Bit, Flags, Num, Word};
-use crate::rules::Place;
 use std::fmt;
 
-/// IEEE 754 binary32, computed natively.
+/// IEEE 754 binary32, computed by the machine's floating-point instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Binary32;
 
-/// A binary32 number; equal where the bits are equal, all NaNs being one.
+/// A binary32 number. Two are equal if their bits are; all NaNs are equal.
 #[derive(Clone, Copy, Default)]
 pub struct Single(pub f32);
 
 impl Single {
-    /// Its bits. This is the one place that makes NaN canonical: the machine's payloads and signs end here.
+    /// The number's bits; a NaN becomes the canonical NaN, so that the machine's signs and payloads do not matter.
     #[inline(always)]
     pub fn to_bits(self) -> u32 {
         if self.0.is_nan() { 0x7fc0_0000 } else { self.0.to_bits() }
@@ -96,34 +94,6 @@ impl Circuit for Binary32 {
         }
     }
 
-    #[inline(always)]
-    fn sort(self, boxes: [Place<Self, 2>; 4]) -> [Place<Self, 2>; 4] {
-        // Numbers that are not negative are ordered as their bits are, so one word says all that decides.
-        let key = |place: Place<Self, 2>| {
-            let [tmin, hit, index] = [place.tmin.value.0.to_bits(), place.hit.value.into(), place.index.value];
-            u64::from(tmin) << 3 | u64::from(!hit & 1) << 2 | u64::from(index)
-        };
-        let mut keys = boxes.map(key);
-        for (i, j) in [(0, 2), (1, 3), (0, 1), (2, 3), (1, 2)] {
-            (keys[i], keys[j]) = (keys[i].min(keys[j]), keys[i].max(keys[j]));
-        }
-        keys.map(|key| Place {
-            hit: Bit::new(self, key & 4 == 0),
-            tmin: Num::new(self, Single(f32::from_bits((key >> 3) as u32))),
-            index: Word::new(self, (key & 3) as u32),
-        })
-    }
-
-    #[inline(always)]
-    fn alike<A: Alike, const N: usize>(
-        self,
-        part: &A,
-        shared: &Of<A::Shared, Self>,
-        each: &[Of<A::Each, Self>; N],
-    ) -> [Of<A::Answer, Self>; N] {
-        side_by_side(part, shared, each)
-    }
-
     crate::known_bits_and_words!();
 }
 
@@ -150,7 +120,7 @@ impl From<f32> for Num<Binary32> {
 
 impl From<Num<Binary32>> for f32 {
     fn from(number: Num<Binary32>) -> f32 {
-        number.value().0
+        number.value.0
     }
 }
 
@@ -160,9 +130,9 @@ impl Num<Binary32> {
         f32::from_bits(bits).into()
     }
 
-    /// Its bits; NaN is canonical.
+    /// The number's bits; a NaN becomes the canonical NaN.
     pub fn to_bits(self) -> u32 {
-        self.value().to_bits()
+        self.value.to_bits()
     }
 }
 
@@ -174,13 +144,13 @@ impl From<bool> for Bit<Binary32> {
 
 impl From<Bit<Binary32>> for bool {
     fn from(bit: Bit<Binary32>) -> bool {
-        bit.value()
+        bit.value
     }
 }
 
 impl<const W: u32> From<Word<Binary32, W>> for u32 {
     fn from(word: Word<Binary32, W>) -> u32 {
-        word.value()
+        word.value
     }
 }
 
@@ -192,17 +162,17 @@ impl<const W: u32> Word<Binary32, W> {
 }
 
 impl<const N: usize> Flags<Binary32, N> {
-    /// From an array; element `i` is bit `i`.
+    /// The flags of an array; element `i` is bit `i`.
     pub fn new(bits: [bool; N]) -> Self {
         Self(bits.map(Bit::from))
     }
 
-    /// From a mask; bit `i` is element `i`.
+    /// The flags of a mask; bit `i` is element `i`.
     pub fn from_mask(mask: u64) -> Self {
         Self(std::array::from_fn(|i| (mask >> i & 1 == 1).into()))
     }
 
-    /// As an array.
+    /// The flags as an array.
     pub fn to_array(self) -> [bool; N] {
         self.0.map(bool::from)
     }

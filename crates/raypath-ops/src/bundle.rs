@@ -1,49 +1,48 @@
-//! Structures of numbers, bits and words whose fields have names, so that ports, registers and files follow from the
-//! structure and are listed nowhere else.
+//! Structures of numbers, bits and words with named fields. Ports, registers and file columns follow from the structure.
 
 use crate::circuit::Circuit;
 use crate::handle::{Bit, Flags, Num, Word};
 use std::fmt::{Arguments, Write};
 
-/// A structure of values of circuit `C`. Implemented for [`Num`], [`Bit`], [`Word`], [`Flags`], arrays, `()` and,
-/// by the macro `bundle!`, for structures of them.
+/// A structure of values of circuit `C`. Implemented for [`Num`], [`Bit`], [`Word`], [`Flags`], arrays, `()`, and for
+/// structures that are declared with [`bundle!`](crate::bundle).
 pub trait Bundle<C: Circuit>: Copy {
-    /// Makes one by asking `source` for every leaf, in order.
+    /// Builds the structure from the values that `source` returns for its leaves, in the order of declaration.
     fn build<S: Source<C> + ?Sized>(path: &mut Path, source: &mut S) -> Self;
-    /// Shows every leaf to `sink`, in the same order.
+    /// Passes every leaf to `sink`, in the same order.
     fn each<S: Sink<C> + ?Sized>(&self, path: &mut Path, sink: &mut S);
 }
 
-/// A leaf's place in its structure: what becomes its port.
+/// The position of a leaf in its structure, which determines its port.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Field<'p> {
-    /// The names on the way to it, joined with underscores: `ray_origin_x`.
+    /// The field names from the root to the leaf, joined with underscores: `ray_origin_x`.
     pub name: &'p str,
-    /// For an element of [`Flags`]: which bit of the port, and how wide the port is.
+    /// For an element of [`Flags`]: the bit of the port, and the port's width.
     pub bit: Option<(u32, u32)>,
 }
 
-/// Where the values of a bundle come from.
+/// A source of a bundle's values.
 pub trait Source<C: Circuit> {
-    /// A number.
+    /// Returns a number.
     fn num(&mut self, field: Field<'_>) -> Num<C>;
-    /// A truth value.
+    /// Returns a truth value.
     fn bit(&mut self, field: Field<'_>) -> Bit<C>;
-    /// A word of `width` bits.
+    /// Returns a word of `width` bits.
     fn word(&mut self, field: Field<'_>, width: u32) -> (C, C::Word);
 }
 
-/// Where the values of a bundle go.
+/// A receiver of a bundle's values.
 pub trait Sink<C: Circuit> {
-    /// A number.
+    /// Receives a number.
     fn num(&mut self, field: Field<'_>, value: Num<C>);
-    /// A truth value.
+    /// Receives a truth value.
     fn bit(&mut self, field: Field<'_>, value: Bit<C>);
-    /// A word of `width` bits.
+    /// Receives a word of `width` bits.
     fn word(&mut self, field: Field<'_>, width: u32, value: C::Word);
 }
 
-/// The names on the way to a leaf.
+/// The field names from the root of a bundle to a leaf.
 #[derive(Debug, Default)]
 pub struct Path {
     name: String,
@@ -51,31 +50,31 @@ pub struct Path {
 }
 
 impl Path {
-    /// A path that begins with `name`, or an empty one.
+    /// A path that begins with `name`, which may be empty.
     pub fn new(name: &str) -> Self {
         Self { name: name.to_string(), is_unnamed: false }
     }
 
-    /// A path on which leaves have no names, for whoever knows them by their order: names cost far more time than what
-    /// they name.
+    /// A path without names, for sources and sinks that identify leaves by their order. Building names costs more time than
+    /// visiting the leaves.
     pub fn unnamed() -> Self {
         Self { name: String::new(), is_unnamed: true }
     }
 
-    /// Appends a segment, until [`leave`](Self::leave) is told what this answers.
-    // Not a function around another: there are thousands of these, and each would be one more to compile.
+    /// Appends a segment. Pass the result to [`leave`](Self::leave) to remove it.
+    // Does not call `enter_number`: there are thousands of calls, and each level would be compiled for each.
     #[inline]
     pub fn enter(&mut self, segment: &str) -> usize {
         if self.is_unnamed { 0 } else { self.append(format_args!("{segment}")) }
     }
 
-    /// Appends a number likewise.
+    /// Appends a number as [`enter`](Self::enter) appends a name.
     #[inline]
     pub fn enter_number(&mut self, segment: usize) -> usize {
         if self.is_unnamed { 0 } else { self.append(format_args!("{segment}")) }
     }
 
-    /// Takes the segment away that was appended last.
+    /// Removes the segment that was appended last.
     #[inline]
     pub fn leave(&mut self, entered: usize) {
         self.name.truncate(entered);
@@ -122,7 +121,7 @@ impl<C: Circuit, const W: u32> Bundle<C> for Word<C, W> {
         Self::new(circuit, value)
     }
     fn each<S: Sink<C> + ?Sized>(&self, path: &mut Path, sink: &mut S) {
-        sink.word(path.field(), W, self.value());
+        sink.word(path.field(), W, self.value);
     }
 }
 
@@ -160,90 +159,3 @@ impl<C: Circuit> Bundle<C> for () {
     fn build<S: Source<C> + ?Sized>(_: &mut Path, _: &mut S) -> Self {}
     fn each<S: Sink<C> + ?Sized>(&self, _: &mut Path, _: &mut S) {}
 }
-
-/// Declares a structure over a circuit `C` and makes it a [`Bundle`]: its fields are named once, and ports follow. It may
-/// have one more parameter, a constant such as a number of lanes or a word's width.
-///
-/// ```
-/// raypath_ops::bundle! {
-///     /// A point and how far from the origin it may be.
-///     pub struct Reach<C> {
-///         /// The point.
-///         pub point: raypath_ops::Vec3<C>,
-///         /// The greatest distance, squared.
-///         pub limit: raypath_ops::Num<C>,
-///     }
-/// }
-/// ```
-#[macro_export]
-macro_rules! bundle {
-    (
-        $(#[$attribute:meta])*
-        pub struct $name:ident<C $(, const $n:ident: $kind:ident)*> {
-            $($(#[$field_attribute:meta])* pub $field:ident: $type:ty,)*
-        }
-    ) => {
-        $(#[$attribute])*
-        #[derive(Debug, Clone, Copy, PartialEq)]
-        pub struct $name<C: $crate::Circuit $(, const $n: $kind)*> {
-            $($(#[$field_attribute])* pub $field: $type,)*
-        }
-
-        impl<$(const $n: $kind),*> $crate::Family for $name<$crate::Binary32 $(, $n)*> {
-            type Of<D: $crate::Circuit> = $name<D $(, $n)*>;
-
-            #[inline(always)]
-            fn gather<A: $crate::Circuit, B: $crate::Circuit, const K: usize>(
-                things: [&$name<A $(, $n)*>; K],
-                lanes: &impl $crate::Gather<A, B, K>,
-            ) -> $name<B $(, $n)*> {
-                type C = $crate::Binary32;
-                $name {
-                    $($field: <$type as $crate::Family>::gather(
-                        $crate::array_of!(k => &things[k].$field),
-                        lanes,
-                    ),)*
-                }
-            }
-
-            #[inline(always)]
-            fn put<A: $crate::Circuit, B: $crate::Circuit>(
-                thing: &$name<A $(, $n)*>,
-                place: &mut $name<B $(, $n)*>,
-                lanes: &impl $crate::Put<A, B>,
-            ) {
-                type C = $crate::Binary32;
-                $(<$type as $crate::Family>::put(&thing.$field, &mut place.$field, lanes);)*
-            }
-
-            #[inline(always)]
-            fn scatter<A: $crate::Circuit, B: $crate::Circuit, const K: usize>(
-                thing: $name<A $(, $n)*>,
-                lanes: &impl $crate::Scatter<A, B, K>,
-            ) -> [$name<B $(, $n)*>; K] {
-                type C = $crate::Binary32;
-                $(let $field = <$type as $crate::Family>::scatter(thing.$field, lanes);)*
-                $crate::array_of!(k => $name { $($field: $field[k],)* })
-            }
-        }
-
-        impl<C: $crate::Circuit $(, const $n: $kind)*> $crate::Bundle<C> for $name<C $(, $n)*> {
-            fn build<S: $crate::Source<C> + ?Sized>(path: &mut $crate::Path, source: &mut S) -> Self {
-                $(
-                    let entered = path.enter(stringify!($field));
-                    let $field = <$type>::build(path, source);
-                    path.leave(entered);
-                )*
-                Self { $($field),* }
-            }
-            fn each<S: $crate::Sink<C> + ?Sized>(&self, path: &mut $crate::Path, sink: &mut S) {
-                $(
-                    let entered = path.enter(stringify!($field));
-                    self.$field.each(path, sink);
-                    path.leave(entered);
-                )*
-            }
-        }
-    };
-}
-pub use bundle;

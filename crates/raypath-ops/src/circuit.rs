@@ -1,40 +1,39 @@
-//! What an operation may do with numbers, bits and words. A new interpretation of all operations is one implementation of
-//! [`Circuit`].
+//! The arithmetic that operations are written in.
 
-use crate::alike::{Alike, Of};
 use crate::bundle::Bundle;
 use crate::handle::{Bit, Num, Word};
-use crate::rules::{self, Place};
 use std::fmt::{Arguments, Debug};
 
-/// An interpretation of operations: native arithmetic, soft float, or a recorder that turns them into hardware.
+/// An interpretation of operations: native arithmetic, software floating point, SIMD lanes, or a recorder that builds
+/// hardware.
 ///
-/// Arithmetic is IEEE 754, round to nearest even, one rounding an operation. The sign of a NaN is unspecified: a rule
-/// that reads a sign asks [`Num::is_nan`] too where it matters.
+/// An operation is generic over its circuit, so an implementation of this trait interprets all operations. Arithmetic is
+/// IEEE 754 with round to nearest even, and rounds once per operator. The sign of a NaN is unspecified: code that reads a
+/// sign must also test [`Num::is_nan`] where a NaN matters.
 pub trait Circuit: Copy + Debug + PartialEq {
     /// A floating-point number.
     type Num: Copy + Debug + PartialEq;
     /// A truth value.
     type Bit: Copy + Debug + PartialEq;
-    /// A small unsigned word.
+    /// An unsigned word of at most 32 bits.
     type Word: Copy + Debug + PartialEq;
-    /// The outcome of one comparison, from which every [`Relation`] can be read.
+    /// The result of one comparison, from which every [`Relation`] can be read.
     type Order: Copy + Debug + PartialEq;
 
-    /// What follows belongs to pipeline stage `number` (1 is the first); `what` says it in the schedule.
+    /// Marks the operators that follow as part of pipeline stage `number` (the first is 1). `what` describes the stage in
+    /// the printed schedule.
     fn stage(self, _number: u32, _what: &'static str) {}
 
-    /// Asks whoever makes hardware of it to find the pipeline stages. An operation that says so, before its first
-    /// operator, marks none itself.
+    /// Requests automatic staging. An operation that calls this before its first operator marks no stages itself.
     fn auto(self) {}
 
-    /// Names values for those who read the hardware.
+    /// Names values in the generated hardware.
     fn label<B: Bundle<Self>>(self, _name: Arguments<'_>, _value: &B) {}
 
-    /// A number that is exact in the circuit's format.
+    /// A constant, which must be exact in the circuit's format.
     fn constant(self, value: f32) -> Self::Num;
-    /// The number of the circuit's format that lies `ulps` places above 1; `ulps` is less than 2 to the power of the
-    /// fraction's bits.
+    /// The number `ulps` units in the last place above 1. `ulps` must be less than 2 to the power of the format's fraction
+    /// width.
     fn one_plus_ulps(self, ulps: u32) -> Self::Num;
     /// Sum.
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num;
@@ -48,10 +47,10 @@ pub trait Circuit: Copy + Debug + PartialEq {
     fn compare(self, a: Self::Num, b: Self::Num) -> Self::Order;
     /// Reads a relation from a comparison.
     fn relation(self, order: Self::Order, relation: Relation) -> Self::Bit;
-    /// A word of `width` bits, at most 16, as a number; costs no adder. It is exact in the circuit's format, which must
-    /// have every value of such a word: as many bits of significand, and exponents for them.
+    /// Converts a word of `width` bits (at most 16) to a number, without an adder. The format must represent every value of
+    /// such a word exactly.
     fn number_of(self, width: u32, word: Self::Word) -> Self::Num;
-    /// Reads a number's sign and class; costs no comparator.
+    /// Tests a number's sign and class, without a comparator.
     fn test(self, test: Test, a: Self::Num) -> Self::Bit;
 
     /// A constant truth value.
@@ -65,90 +64,41 @@ pub trait Circuit: Copy + Debug + PartialEq {
 
     /// A constant word of `width` bits.
     fn constant_word(self, width: u32, value: u32) -> Self::Word;
-    /// The words are equal.
+    /// Whether two words are equal.
     fn word_equal(self, a: Self::Word, b: Self::Word) -> Self::Bit;
-    /// The first word is less, unsigned.
+    /// Whether the first word is less than the second, unsigned.
     fn word_less(self, a: Self::Word, b: Self::Word) -> Self::Bit;
 
-    /// `if_true` where `condition` holds, else `if_false`, bit for bit.
+    /// Selects `if_true` if `condition` holds, else `if_false`, bit for bit.
     fn select_num(self, condition: Self::Bit, if_true: Self::Num, if_false: Self::Num) -> Self::Num;
-    /// `if_true` where `condition` holds, else `if_false`.
+    /// Selects `if_true` if `condition` holds, else `if_false`.
     fn select_bit(self, condition: Self::Bit, if_true: Self::Bit, if_false: Self::Bit) -> Self::Bit;
-    /// `if_true` where `condition` holds, else `if_false`.
+    /// Selects `if_true` if `condition` holds, else `if_false`.
     fn select_word(self, condition: Self::Bit, if_true: Self::Word, if_false: Self::Word) -> Self::Word;
 
-    /// The larger of two numbers; the other where one is NaN; `b` where they are equal.
-    #[inline(always)]
-    fn larger(self, a: Self::Num, b: Self::Num) -> Self::Num {
-        let greater = self.relation(self.compare(a, b), Relation::Greater);
-        self.select_num(self.or(greater, self.test(Test::Nan, b)), a, b)
-    }
-    /// The smaller of two numbers; the other where one is NaN; `b` where they are equal.
-    #[inline(always)]
-    fn smaller(self, a: Self::Num, b: Self::Num) -> Self::Num {
-        let less = self.relation(self.compare(a, b), Relation::Less);
-        self.select_num(self.or(less, self.test(Test::Nan, b)), a, b)
-    }
-    /// The largest of three numbers and zero, NaNs left out, a zero being +0; `name` is whose it is.
-    #[inline(always)]
-    fn largest_or_zero(self, name: Arguments<'_>, numbers: [Num<Self>; 3]) -> Num<Self> {
-        rules::largest_or_zero(self, name, numbers)
-    }
-    /// The smallest of three numbers and the extent, NaNs left out, of zeros any; NaN where there is nothing else.
-    #[inline(always)]
-    fn smallest_or_extent(self, name: Arguments<'_>, numbers: [Num<Self>; 3], extent: Num<Self>) -> Num<Self> {
-        rules::smallest_or_extent(self, name, numbers, extent)
-    }
-    /// Boxes, nearest hit first and misses last; no distance is negative or NaN, none is −0.
-    #[inline(always)]
-    fn sort(self, boxes: [Place<Self, 2>; 4]) -> [Place<Self, 2>; 4] {
-        rules::sort(self, boxes)
-    }
-    /// The numbers, exchanged where `condition` holds.
-    #[inline(always)]
-    fn exchange_num(self, condition: Self::Bit, a: Self::Num, b: Self::Num) -> (Self::Num, Self::Num) {
-        (self.select_num(condition, b, a), self.select_num(condition, a, b))
-    }
-    /// The truth values, exchanged where `condition` holds.
-    #[inline(always)]
-    fn exchange_bit(self, condition: Self::Bit, a: Self::Bit, b: Self::Bit) -> (Self::Bit, Self::Bit) {
-        (self.select_bit(condition, b, a), self.select_bit(condition, a, b))
-    }
-    /// The words, exchanged where `condition` holds.
-    #[inline(always)]
-    fn exchange_word(self, condition: Self::Bit, a: Self::Word, b: Self::Word) -> (Self::Word, Self::Word) {
-        (self.select_word(condition, b, a), self.select_word(condition, a, b))
-    }
-    /// A part of an operation that is the same for each of several things.
-    #[inline(always)]
-    fn alike<A: Alike, const N: usize>(
-        self,
-        part: &A,
-        shared: &Of<A::Shared, Self>,
-        each: &[Of<A::Each, Self>; N],
-    ) -> [Of<A::Answer, Self>; N] {
-        part.run(self, shared, each)
-    }
-
     /// +0.0.
+    #[inline(always)]
     fn zero(self) -> Num<Self> {
         Num::new(self, self.constant(0.0))
     }
     /// +∞.
+    #[inline(always)]
     fn infinity(self) -> Num<Self> {
         Num::new(self, self.constant(f32::INFINITY))
     }
     /// A constant truth value, as a handle.
+    #[inline(always)]
     fn bit(self, value: bool) -> Bit<Self> {
         Bit::new(self, self.constant_bit(value))
     }
     /// A constant word, as a handle.
+    #[inline(always)]
     fn word<const W: u32>(self, value: u32) -> Word<Self, W> {
         Word::new(self, self.constant_word(W, value))
     }
 }
 
-/// What a comparison can answer; every relation with a NaN but `Unordered` is false.
+/// A relation that can be read from a comparison. Each is false if an operand is NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Relation {
     /// a < b
@@ -163,21 +113,21 @@ pub enum Relation {
     Greater,
 }
 
-/// What can be read from a number's sign and class alone.
+/// A property that follows from a number's sign and class alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Test {
-    /// The sign bit; −0 and −∞ have it, a NaN may.
+    /// The sign bit: set for −0 and −∞, unspecified for a NaN.
     SignBit,
     /// +0 or −0.
     Zero,
-    /// Not a number.
+    /// NaN.
     Nan,
-    /// ≥ 0: either zero counts, a NaN does not.
+    /// ≥ 0: true for both zeros, false for a NaN.
     AtLeastZero,
-    /// > 0: a zero and a NaN do not count.
+    /// > 0: false for zeros and NaN.
     AboveZero,
-    /// ≤ 0: either zero counts, a NaN does not.
+    /// ≤ 0: true for both zeros, false for a NaN.
     AtMostZero,
-    /// < 0: a zero and a NaN do not count.
+    /// < 0: false for zeros and NaN.
     BelowZero,
 }

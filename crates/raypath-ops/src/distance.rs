@@ -1,19 +1,18 @@
-//! Distances between vectors, a beat of lanes at a time, accumulated over beats (Table VII, columns Euclidean and
-//! Angular).
+//! Distances between vectors, accumulated over beats of several lanes (Table VII, columns Euclidean and Angular).
 
-use crate::alike::Alike;
 use crate::binary32::Binary32;
-use crate::bundle::bundle;
+use crate::bundle_macro::bundle;
 use crate::circuit::Circuit;
 use crate::handle::{Bit, Flags, Num};
-use crate::operation::Operation;
+use crate::kernels::{Kernels, LaneMap, Portable};
+use crate::operation::{KernelOperation, Operation};
 
-/// Squared Euclidean distance, `N` dimensions a beat: a power of two, at most 64.
+/// Squared Euclidean distance with `N` dimensions per beat: a power of two, at most 64.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Euclidean<const N: usize>;
 
-/// Dot product and squared norm of the candidate, `N` dimensions a beat: half as many as a Euclidean beat has, so a
-/// power of two, at most 32.
+/// Dot product, and squared norm of the candidate, with `N` dimensions per beat: a power of two, at most 32. A datapath has
+/// half as many angular lanes as Euclidean ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Angular<const N: usize>;
 
@@ -24,15 +23,15 @@ bundle! {
         pub a: [Num<C>; N],
         /// The candidate's coordinates.
         pub b: [Num<C>; N],
-        /// Lanes that count; a lane that does not contributes +0.0 whatever it holds.
+        /// The lanes that count. A lane that is masked off contributes +0.0 for any values of its coordinates.
         pub mask: Flags<C, N>,
-        /// This beat is the last of its vector: the sums begin again at zero after it.
+        /// This beat is the last of its vectors: the sums restart at zero after it.
         pub reset_accum: Bit<C>,
     }
 }
 
 bundle! {
-    /// One beat.
+    /// One Euclidean beat.
     pub struct EuclideanInput<C, const N: usize> {
         /// The beat.
         pub euclidean: Beat<C, N>,
@@ -40,9 +39,9 @@ bundle! {
 }
 
 bundle! {
-    /// The sum so far.
+    /// The sum up to and including this beat.
     pub struct EuclideanOutput<C> {
-        /// Sum of squared differences over all beats since the last reset, this one included.
+        /// Sum of squared differences over all beats since the last reset, including this one.
         pub euclidean_accumulator: Num<C>,
         /// The beat's reset.
         pub euclidean_reset_accum: Bit<C>,
@@ -50,7 +49,7 @@ bundle! {
 }
 
 bundle! {
-    /// What a Euclidean beat leaves for the next.
+    /// The accumulator of Euclidean beats.
     pub struct EuclideanState<C> {
         /// Sum of squared differences since the last reset.
         pub accumulator: Num<C>,
@@ -58,7 +57,7 @@ bundle! {
 }
 
 bundle! {
-    /// One beat, on the same ports as a Euclidean one.
+    /// One angular beat, on the ports of a Euclidean one.
     pub struct AngularInput<C, const N: usize> {
         /// The beat.
         pub euclidean: Beat<C, N>,
@@ -66,11 +65,11 @@ bundle! {
 }
 
 bundle! {
-    /// The sums so far.
+    /// The sums up to and including this beat.
     pub struct AngularOutput<C> {
-        /// Sum of a·b over all beats since the last reset, this one included.
+        /// Sum of a·b over all beats since the last reset, including this one.
         pub angular_dot_product: Num<C>,
-        /// Sum of b·b over the same.
+        /// Sum of b·b over the same beats.
         pub angular_norm: Num<C>,
         /// The beat's reset.
         pub angular_reset_accum: Bit<C>,
@@ -78,7 +77,7 @@ bundle! {
 }
 
 bundle! {
-    /// What an angular beat leaves for the next.
+    /// The accumulators of angular beats.
     pub struct AngularState<C> {
         /// Sum of a·b since the last reset.
         pub dot_product: Num<C>,
@@ -87,8 +86,8 @@ bundle! {
     }
 }
 
-/// Stages for the levels of the halving trees. First come those whose adders are there for other operations as well;
-/// a tree with fewer levels leaves out the later ones. A Euclidean tree may end where an angular one accumulates.
+/// The stages for the levels of the adder trees, by preference: first those whose adders other operations need as well. A
+/// tree with fewer levels omits the later ones. A Euclidean tree may end in the stage in which an angular one accumulates.
 const EUCLIDEAN_TREE: [u32; 6] = [4, 6, 8, 9, 5, 7];
 const ANGULAR_TREE: [u32; 5] = [4, 6, 8, 5, 7];
 const TREE_TITLE: &str = "sums i + (i + half)";
@@ -106,8 +105,21 @@ impl<const N: usize> Operation for Euclidean<N> {
         input: EuclideanInput<C, N>,
         state: EuclideanState<C>,
     ) -> (EuclideanOutput<C>, EuclideanState<C>) {
+        self.run_with(c, Portable, input, state)
+    }
+}
+
+impl<const N: usize> KernelOperation for Euclidean<N> {
+    #[inline(always)]
+    fn run_with<C: Circuit, K: Kernels<C>>(
+        &self,
+        c: C,
+        kernels: K,
+        input: EuclideanInput<C, N>,
+        state: EuclideanState<C>,
+    ) -> (EuclideanOutput<C>, EuclideanState<C>) {
         let reset_accum = input.euclidean.reset_accum;
-        let sum = squares_of(c, &input.euclidean);
+        let sum = squares_of(c, kernels, &input.euclidean);
 
         c.stage(10, "accumulated");
         let accumulator = state.accumulator + sum;
@@ -130,8 +142,21 @@ impl<const N: usize> Operation for Angular<N> {
         input: AngularInput<C, N>,
         state: AngularState<C>,
     ) -> (AngularOutput<C>, AngularState<C>) {
+        self.run_with(c, Portable, input, state)
+    }
+}
+
+impl<const N: usize> KernelOperation for Angular<N> {
+    #[inline(always)]
+    fn run_with<C: Circuit, K: Kernels<C>>(
+        &self,
+        c: C,
+        kernels: K,
+        input: AngularInput<C, N>,
+        state: AngularState<C>,
+    ) -> (AngularOutput<C>, AngularState<C>) {
         let reset_accum = input.euclidean.reset_accum;
-        let [dot_sum, norm_sum] = products_of(c, &input.euclidean);
+        let [dot_sum, norm_sum] = products_of(c, kernels, &input.euclidean);
 
         c.stage(9, "both accumulated");
         let (dot_product, norm) = (state.dot_product + dot_sum, state.norm + norm_sum);
@@ -152,57 +177,68 @@ bundle! {
     pub struct Lane<C> {
         /// The query's coordinate.
         pub a: Num<C>,
-        /// The candidate's.
+        /// The candidate's coordinate.
         pub b: Num<C>,
-        /// Whether it counts.
+        /// Whether the dimension counts.
         pub counts: Bit<C>,
     }
 }
 
-/// A beat, lane by lane.
+/// The lanes of a beat.
 #[inline(always)]
 fn lanes_of<C: Circuit, const N: usize>(beat: &Beat<C, N>) -> [Lane<C>; N] {
-    // Not `array_of!`: compilers keep the array that it makes of so much in memory, which costs SIMD most of its speed.
+    // Not `array_of!`: the compiler would keep the array in memory, which costs SIMD most of its speed.
     std::array::from_fn(|i| Lane { a: beat.a[i], b: beat.b[i], counts: beat.mask.0[i] })
 }
 
 /// The sum of a beat's squared differences.
 #[inline(always)]
-pub(crate) fn squares_of<C: Circuit, const N: usize>(c: C, beat: &Beat<C, N>) -> Num<C> {
-    let each = lanes_of(beat);
-    let squares = c.alike(&SquaredDifference, &(), &each);
+pub(crate) fn squares_of<C: Circuit, const N: usize>(c: C, kernels: impl Kernels<C>, beat: &Beat<C, N>) -> Num<C> {
+    let lanes = lanes_of(beat);
+    let squares = kernels.map(c, &SquaredDifference, &(), &lanes);
     c.label(format_args!("square"), &squares);
 
     const { assert!(N.is_power_of_two() && N <= 64, "lanes are a power of two, 64 at most") };
-    let [sum] = tree(c, &EUCLIDEAN_TREE, ["sum"], [squares]);
+    let [sum] = tree(c, kernels, &EUCLIDEAN_TREE, ["sum"], [squares]);
     sum
 }
 
-/// The sums of a beat's products, a b and b b.
+/// The sums of a beat's products a·b and b·b.
 #[inline(always)]
-pub(crate) fn products_of<C: Circuit, const N: usize>(c: C, beat: &Beat<C, N>) -> [Num<C>; 2] {
-    let each = lanes_of(beat);
-    let products = c.alike(&Products, &(), &each);
+pub(crate) fn products_of<C: Circuit, const N: usize>(
+    c: C,
+    kernels: impl Kernels<C>,
+    beat: &Beat<C, N>,
+) -> [Num<C>; 2] {
+    let lanes = lanes_of(beat);
+    let products = kernels.map(c, &Products, &(), &lanes);
     let dots: [Num<C>; N] = array_of!(i => products[i][0]);
     let norms: [Num<C>; N] = array_of!(i => products[i][1]);
     c.label(format_args!("dot"), &dots);
     c.label(format_args!("norm"), &norms);
 
     const { assert!(N.is_power_of_two() && N <= 32, "lanes are a power of two, 32 at most") };
-    tree(c, &ANGULAR_TREE, ["dot_sum", "norm_sum"], [dots, norms])
+    tree(c, kernels, &ANGULAR_TREE, ["dot_sum", "norm_sum"], [dots, norms])
 }
 
+/// (a - b)² of each lane.
 struct SquaredDifference;
 
-impl Alike for SquaredDifference {
+impl LaneMap for SquaredDifference {
     type Shared = ();
-    type Each = Lane<Binary32>;
-    type Answer = Num<Binary32>;
+    type Item = Lane<Binary32>;
+    type Output = Num<Binary32>;
 
     #[inline(always)]
-    fn run<C: Circuit, const N: usize>(&self, c: C, _: &(), each: &[Lane<C>; N]) -> [Num<C>; N] {
+    fn run<C: Circuit, K: Kernels<C>, const N: usize>(
+        &self,
+        c: C,
+        _kernels: K,
+        _shared: &(),
+        lanes: &[Lane<C>; N],
+    ) -> [Num<C>; N] {
         c.stage(2, "a - b, zero where masked off");
-        let difference: [Num<C>; N] = array_of!(i => each[i].counts.select(each[i].a - each[i].b, c.zero()));
+        let difference: [Num<C>; N] = array_of!(i => lanes[i].counts.select(lanes[i].a - lanes[i].b, c.zero()));
         c.label(format_args!("difference"), &difference);
 
         c.stage(3, "squares");
@@ -210,19 +246,25 @@ impl Alike for SquaredDifference {
     }
 }
 
-/// Of the query's coordinate with the candidate's, and of the candidate's with itself.
+/// a·b and b·b of each lane.
 struct Products;
 
-impl Alike for Products {
+impl LaneMap for Products {
     type Shared = ();
-    type Each = Lane<Binary32>;
-    type Answer = [Num<Binary32>; 2];
+    type Item = Lane<Binary32>;
+    type Output = [Num<Binary32>; 2];
 
     #[inline(always)]
-    fn run<C: Circuit, const N: usize>(&self, c: C, _: &(), each: &[Lane<C>; N]) -> [[Num<C>; 2]; N] {
+    fn run<C: Circuit, K: Kernels<C>, const N: usize>(
+        &self,
+        c: C,
+        _kernels: K,
+        _shared: &(),
+        lanes: &[Lane<C>; N],
+    ) -> [[Num<C>; 2]; N] {
         c.stage(2, "masked lanes to zero");
-        let query: [Num<C>; N] = array_of!(i => each[i].counts.select(each[i].a, c.zero()));
-        let candidate: [Num<C>; N] = array_of!(i => each[i].counts.select(each[i].b, c.zero()));
+        let query: [Num<C>; N] = array_of!(i => lanes[i].counts.select(lanes[i].a, c.zero()));
+        let candidate: [Num<C>; N] = array_of!(i => lanes[i].counts.select(lanes[i].b, c.zero()));
         c.label(format_args!("query"), &query);
         c.label(format_args!("candidate"), &candidate);
 
@@ -233,27 +275,29 @@ impl Alike for Products {
     }
 }
 
-/// Sums of `K` times `N` lanes: lane i takes in lane i + half, until there is one.
+/// The sums of `K` sets of `N` lanes. Each level adds lane i + half to lane i, until one lane is left.
 #[inline(always)]
 fn tree<C: Circuit, const K: usize, const N: usize>(
     c: C,
+    kernels: impl Kernels<C>,
     preference: &[u32],
     names: [&'static str; K],
     mut lanes: [[Num<C>; N]; K],
 ) -> [Num<C>; K] {
-    level::<C, K, N, 32>(c, preference, names, &mut lanes);
-    level::<C, K, N, 16>(c, preference, names, &mut lanes);
-    level::<C, K, N, 8>(c, preference, names, &mut lanes);
-    level::<C, K, N, 4>(c, preference, names, &mut lanes);
-    level::<C, K, N, 2>(c, preference, names, &mut lanes);
-    level::<C, K, N, 1>(c, preference, names, &mut lanes);
+    level::<C, _, K, N, 32>(c, kernels, preference, names, &mut lanes);
+    level::<C, _, K, N, 16>(c, kernels, preference, names, &mut lanes);
+    level::<C, _, K, N, 8>(c, kernels, preference, names, &mut lanes);
+    level::<C, _, K, N, 4>(c, kernels, preference, names, &mut lanes);
+    level::<C, _, K, N, 2>(c, kernels, preference, names, &mut lanes);
+    level::<C, _, K, N, 1>(c, kernels, preference, names, &mut lanes);
     array_of!(k => lanes[k][0])
 }
 
-/// The level of the tree that leaves `HALF` lanes, if it has one.
+/// The level of the tree that leaves `HALF` lanes, if the tree has one.
 #[inline(always)]
-fn level<C: Circuit, const K: usize, const N: usize, const HALF: usize>(
+fn level<C: Circuit, F: Kernels<C>, const K: usize, const N: usize, const HALF: usize>(
     c: C,
+    kernels: F,
     preference: &[u32],
     names: [&'static str; K],
     lanes: &mut [[Num<C>; N]; K],
@@ -264,11 +308,11 @@ fn level<C: Circuit, const K: usize, const N: usize, const HALF: usize>(
     c.stage(stage(preference, N, HALF), TREE_TITLE);
     for (name, lanes) in names.into_iter().zip(lanes) {
         let pairs: [[Num<C>; 2]; HALF] = array_of!(i => [lanes[i], lanes[i + HALF]]);
-        lanes[..HALF].copy_from_slice(&c.alike(&Sum { name }, &(), &pairs));
+        lanes[..HALF].copy_from_slice(&kernels.map(c, &Sum { name }, &(), &pairs));
     }
 }
 
-/// The stage of the level that leaves `half` of `lanes` lanes: levels are in the order of their stages.
+/// The stage of the level that leaves `half` of `lanes` lanes. Levels take the preferred stages in ascending order.
 #[inline(always)]
 fn stage(preference: &[u32], lanes: usize, half: usize) -> u32 {
     let (levels, before) = (lanes.ilog2() as usize, (lanes / half).ilog2() as usize - 1);
@@ -277,21 +321,27 @@ fn stage(preference: &[u32], lanes: usize, half: usize) -> u32 {
     chosen.clone().find(comes_now).copied().unwrap_or_default()
 }
 
-/// Of lane i and lane i + half.
+/// The sum of lane i and lane i + half. `name` labels it.
 struct Sum {
     name: &'static str,
 }
 
-impl Alike for Sum {
+impl LaneMap for Sum {
     type Shared = ();
-    type Each = [Num<Binary32>; 2];
-    type Answer = Num<Binary32>;
+    type Item = [Num<Binary32>; 2];
+    type Output = Num<Binary32>;
 
     #[inline(always)]
-    fn run<C: Circuit, const N: usize>(&self, c: C, _: &(), each: &[[Num<C>; 2]; N]) -> [Num<C>; N] {
+    fn run<C: Circuit, K: Kernels<C>, const N: usize>(
+        &self,
+        c: C,
+        _kernels: K,
+        _shared: &(),
+        pairs: &[[Num<C>; 2]; N],
+    ) -> [Num<C>; N] {
         let name = self.name;
         array_of!(i => {
-            let sum = each[i][0] + each[i][1];
+            let sum = pairs[i][0] + pairs[i][1];
             c.label(format_args!("{name}_{N}_{i}"), &sum);
             sum
         })

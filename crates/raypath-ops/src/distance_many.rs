@@ -1,53 +1,54 @@
-//! Distances of several vectors at a time: the beats of each have an accumulator of their own.
+//! Distances of several vectors whose beats are interleaved: each vector has its own accumulator.
 
-use crate::bundle::bundle;
+use crate::bundle_macro::bundle;
 use crate::circuit::Circuit;
 use crate::distance::{Angular, AngularOutput, Beat, Euclidean, EuclideanOutput, products_of, squares_of};
 use crate::handle::{Num, Word};
+use crate::kernels::Portable;
 use crate::operation::Operation;
 
-/// [`Euclidean`] with `M` accumulators, which a word of `W` bits chooses from: `M` is 2 to the power of `W`.
+/// [`Euclidean`] with `M` accumulators, selected by a word of `W` bits. `M` is 2 to the power of `W`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EuclideanMany<const N: usize, const M: usize, const W: u32>;
 
-/// [`Angular`] with `M` pairs of accumulators, which a word of `W` bits chooses from: `M` is 2 to the power of `W`.
+/// [`Angular`] with `M` pairs of accumulators, selected by a word of `W` bits. `M` is 2 to the power of `W`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AngularMany<const N: usize, const M: usize, const W: u32>;
 
 bundle! {
-    /// One beat.
+    /// One Euclidean beat and its accumulator.
     pub struct EuclideanManyInput<C, const N: usize, const W: u32> {
         /// The beat.
         pub euclidean: Beat<C, N>,
-        /// Which vector it is of: the accumulator that takes it in, and that its reset clears.
+        /// The accumulator to which the beat is added, and which its reset clears.
         pub accumulator: Word<C, W>,
     }
 }
 
 bundle! {
-    /// What Euclidean beats leave for the next.
+    /// The accumulators of Euclidean beats.
     pub struct EuclideanManyState<C, const M: usize> {
-        /// Sums of squared differences, each since its last reset.
+        /// Sums of squared differences, each since the last reset of its accumulator.
         pub accumulator: [Num<C>; M],
     }
 }
 
 bundle! {
-    /// One beat, on the same ports as a Euclidean one.
+    /// One angular beat and its accumulators, on the ports of a Euclidean one.
     pub struct AngularManyInput<C, const N: usize, const W: u32> {
         /// The beat.
         pub euclidean: Beat<C, N>,
-        /// Which vector it is of: the accumulators that take it in, and that its reset clears.
+        /// The pair of accumulators to which the beat is added, and which its reset clears.
         pub accumulator: Word<C, W>,
     }
 }
 
 bundle! {
-    /// What angular beats leave for the next.
+    /// The accumulators of angular beats.
     pub struct AngularManyState<C, const M: usize> {
-        /// Sums of a·b, each since its last reset.
+        /// Sums of a·b, each since the last reset of its accumulator.
         pub dot_product: [Num<C>; M],
-        /// Sums of b·b since the same.
+        /// Sums of b·b over the same beats.
         pub norm: [Num<C>; M],
     }
 }
@@ -66,7 +67,7 @@ impl<const N: usize, const M: usize, const W: u32> Operation for EuclideanMany<N
         state: EuclideanManyState<C, M>,
     ) -> (EuclideanOutput<C>, EuclideanManyState<C, M>) {
         let reset_accum = input.euclidean.reset_accum;
-        let sum = squares_of(c, &input.euclidean);
+        let sum = squares_of(c, Portable, &input.euclidean);
 
         c.stage(10, "accumulated");
         let accumulator = chosen(c, input.accumulator, &state.accumulator) + sum;
@@ -92,7 +93,7 @@ impl<const N: usize, const M: usize, const W: u32> Operation for AngularMany<N, 
         state: AngularManyState<C, M>,
     ) -> (AngularOutput<C>, AngularManyState<C, M>) {
         let (reset_accum, which) = (input.euclidean.reset_accum, input.accumulator);
-        let [dot_sum, norm_sum] = products_of(c, &input.euclidean);
+        let [dot_sum, norm_sum] = products_of(c, Portable, &input.euclidean);
 
         c.stage(9, "both accumulated");
         let dot_product = chosen(c, which, &state.dot_product) + dot_sum;
@@ -110,7 +111,7 @@ impl<const N: usize, const M: usize, const W: u32> Operation for AngularMany<N, 
     }
 }
 
-/// The number in the place that `which` says, by halves: as few choices in a row as can be.
+/// The number at index `which`, by a tree of multiplexers of the least depth.
 #[inline(always)]
 fn chosen<C: Circuit, const M: usize, const W: u32>(c: C, which: Word<C, W>, numbers: &[Num<C>; M]) -> Num<C> {
     const { assert!(M == 1 << W, "as many accumulators as the word has values") };
@@ -126,7 +127,7 @@ fn chosen<C: Circuit, const M: usize, const W: u32>(c: C, which: Word<C, W>, num
     left[0]
 }
 
-/// The numbers with another one in the place that `which` says.
+/// The numbers, with the one at index `which` replaced by `by`.
 #[inline(always)]
 fn replaced<C: Circuit, const M: usize, const W: u32>(
     which: Word<C, W>,

@@ -1,59 +1,65 @@
-//! One structure over many circuits, and the way from several of one circuit to one of another.
+//! Bundles as type families: one structure over many circuits, and conversions between circuits.
 
 use crate::binary32::Binary32;
 use crate::bundle::Bundle;
 use crate::circuit::Circuit;
 use crate::handle::{Bit, Flags, Num, Word};
 
-/// A bundle whatever its circuit, named by the one over [`Binary32`]: of `Vec3<Binary32>`, `Of<C>` is `Vec3<C>`.
-/// Implemented where [`Bundle`] is.
+/// A bundle type without its circuit. The family is named by its member over [`Binary32`]: for `Vec3<Binary32>`, the type
+/// `Of<C>` is `Vec3<C>`. Implemented for every type that implements [`Bundle`].
+///
+/// The methods convert bundles between circuits whose values hold different numbers of jobs, such as scalars, SIMD registers
+/// and blocks of jobs in memory.
 pub trait Family {
-    /// The bundle over a circuit.
+    /// The bundle over circuit `C`.
     type Of<C: Circuit>: Bundle<C>;
 
-    /// One bundle from `N`, leaf by leaf.
+    /// Combines `N` bundles over `A` into one over `B`, leaf by leaf.
     fn gather<A: Circuit, B: Circuit, const N: usize>(
-        things: [&Self::Of<A>; N],
+        items: [&Self::Of<A>; N],
         lanes: &impl Gather<A, B, N>,
     ) -> Self::Of<B>;
 
-    /// Writes a bundle into its part of another, leaf by leaf.
-    fn put<A: Circuit, B: Circuit>(thing: &Self::Of<A>, place: &mut Self::Of<B>, lanes: &impl Put<A, B>);
+    /// Writes a bundle over `A` into part of a bundle over `B`, leaf by leaf.
+    fn put<A: Circuit, B: Circuit>(value: &Self::Of<A>, target: &mut Self::Of<B>, lanes: &impl Put<A, B>);
 
-    /// `N` bundles from one, leaf by leaf.
+    /// Divides a bundle over `A` into `N` bundles over `B`, leaf by leaf.
     fn scatter<A: Circuit, B: Circuit, const N: usize>(
-        thing: Self::Of<A>,
+        value: Self::Of<A>,
         lanes: &impl Scatter<A, B, N>,
     ) -> [Self::Of<B>; N];
 }
 
-/// How `N` values of circuit `A` become one of circuit `B`.
+/// The bundle of family `F` over circuit `C`.
+pub type Of<F, C> = <F as Family>::Of<C>;
+
+/// Combines `N` values of circuit `A` into one of circuit `B`.
 pub trait Gather<A: Circuit, B: Circuit, const N: usize> {
-    /// Numbers.
+    /// Combines numbers.
     fn num(&self, values: [&Num<A>; N]) -> Num<B>;
-    /// Truth values.
+    /// Combines truth values.
     fn bit(&self, values: [&Bit<A>; N]) -> Bit<B>;
-    /// Words.
+    /// Combines words.
     fn word<const W: u32>(&self, values: [&Word<A, W>; N]) -> Word<B, W>;
 }
 
-/// How a value of circuit `A` is written into its part of one of circuit `B`.
+/// Writes a value of circuit `A` into part of a value of circuit `B`.
 pub trait Put<A: Circuit, B: Circuit> {
-    /// A number.
-    fn num(&self, value: &Num<A>, place: &mut Num<B>);
-    /// A truth value.
-    fn bit(&self, value: &Bit<A>, place: &mut Bit<B>);
-    /// A word.
-    fn word<const W: u32>(&self, value: &Word<A, W>, place: &mut Word<B, W>);
+    /// Writes a number.
+    fn num(&self, value: &Num<A>, target: &mut Num<B>);
+    /// Writes a truth value.
+    fn bit(&self, value: &Bit<A>, target: &mut Bit<B>);
+    /// Writes a word.
+    fn word<const W: u32>(&self, value: &Word<A, W>, target: &mut Word<B, W>);
 }
 
-/// How one value of circuit `A` becomes `N` of circuit `B`.
+/// Divides one value of circuit `A` into `N` values of circuit `B`.
 pub trait Scatter<A: Circuit, B: Circuit, const N: usize> {
-    /// Numbers.
+    /// Divides numbers.
     fn num(&self, value: Num<A>) -> [Num<B>; N];
-    /// Truth values.
+    /// Divides truth values.
     fn bit(&self, value: Bit<A>) -> [Bit<B>; N];
-    /// Words.
+    /// Divides words.
     fn word<const W: u32>(&self, value: Word<A, W>) -> [Word<B, W>; N];
 }
 
@@ -64,23 +70,23 @@ macro_rules! leaf {
 
             #[inline(always)]
             fn gather<A: Circuit, B: Circuit, const N: usize>(
-                things: [&Self::Of<A>; N],
+                items: [&Self::Of<A>; N],
                 lanes: &impl Gather<A, B, N>,
             ) -> Self::Of<B> {
-                lanes.$method(things)
+                lanes.$method(items)
             }
 
             #[inline(always)]
-            fn put<A: Circuit, B: Circuit>(thing: &Self::Of<A>, place: &mut Self::Of<B>, lanes: &impl Put<A, B>) {
-                lanes.$method(thing, place);
+            fn put<A: Circuit, B: Circuit>(value: &Self::Of<A>, target: &mut Self::Of<B>, lanes: &impl Put<A, B>) {
+                lanes.$method(value, target);
             }
 
             #[inline(always)]
             fn scatter<A: Circuit, B: Circuit, const N: usize>(
-                thing: Self::Of<A>,
+                value: Self::Of<A>,
                 lanes: &impl Scatter<A, B, N>,
             ) -> [Self::Of<B>; N] {
-                lanes.$method(thing)
+                lanes.$method(value)
             }
         }
     };
@@ -95,25 +101,25 @@ impl<const K: usize> Family for Flags<Binary32, K> {
 
     #[inline(always)]
     fn gather<A: Circuit, B: Circuit, const N: usize>(
-        things: [&Flags<A, K>; N],
+        items: [&Flags<A, K>; N],
         lanes: &impl Gather<A, B, N>,
     ) -> Flags<B, K> {
-        Flags(array_of!(k => lanes.bit(array_of!(n => &things[n].0[k]))))
+        Flags(array_of!(k => lanes.bit(array_of!(n => &items[n].0[k]))))
     }
 
     #[inline(always)]
-    fn put<A: Circuit, B: Circuit>(thing: &Flags<A, K>, place: &mut Flags<B, K>, lanes: &impl Put<A, B>) {
-        for (thing, place) in thing.0.iter().zip(&mut place.0) {
-            lanes.bit(thing, place);
+    fn put<A: Circuit, B: Circuit>(value: &Flags<A, K>, target: &mut Flags<B, K>, lanes: &impl Put<A, B>) {
+        for (value, target) in value.0.iter().zip(&mut target.0) {
+            lanes.bit(value, target);
         }
     }
 
     #[inline(always)]
     fn scatter<A: Circuit, B: Circuit, const N: usize>(
-        thing: Flags<A, K>,
+        value: Flags<A, K>,
         lanes: &impl Scatter<A, B, N>,
     ) -> [Flags<B, K>; N] {
-        let bits: [[Bit<B>; N]; K] = array_of!(k => lanes.bit(thing.0[k]));
+        let bits: [[Bit<B>; N]; K] = array_of!(k => lanes.bit(value.0[k]));
         array_of!(n => Flags(array_of!(k => bits[k][n])))
     }
 }
@@ -123,29 +129,29 @@ impl<F: Family, const K: usize> Family for [F; K] {
 
     #[inline(always)]
     fn gather<A: Circuit, B: Circuit, const N: usize>(
-        things: [&Self::Of<A>; N],
+        items: [&Self::Of<A>; N],
         lanes: &impl Gather<A, B, N>,
     ) -> Self::Of<B> {
-        // Not `array_of!`: compilers keep the array that it makes of so much in memory.
+        // Not `array_of!`: the compiler would keep the array of references in memory.
         std::array::from_fn(
             #[inline(always)]
-            |k| F::gather(array_of!(n => &things[n][k]), lanes),
+            |k| F::gather(array_of!(n => &items[n][k]), lanes),
         )
     }
 
     #[inline(always)]
-    fn put<A: Circuit, B: Circuit>(thing: &Self::Of<A>, place: &mut Self::Of<B>, lanes: &impl Put<A, B>) {
-        for (thing, place) in thing.iter().zip(place) {
-            F::put(thing, place, lanes);
+    fn put<A: Circuit, B: Circuit>(value: &Self::Of<A>, target: &mut Self::Of<B>, lanes: &impl Put<A, B>) {
+        for (value, target) in value.iter().zip(target) {
+            F::put(value, target, lanes);
         }
     }
 
     #[inline(always)]
     fn scatter<A: Circuit, B: Circuit, const N: usize>(
-        thing: Self::Of<A>,
+        value: Self::Of<A>,
         lanes: &impl Scatter<A, B, N>,
     ) -> [Self::Of<B>; N] {
-        let elements: [[F::Of<B>; N]; K] = array_of!(k => F::scatter(thing[k], lanes));
+        let elements: [[F::Of<B>; N]; K] = array_of!(k => F::scatter(value[k], lanes));
         array_of!(n => array_of!(k => elements[k][n]))
     }
 }

@@ -1,31 +1,32 @@
-//! Operations over binary32 with an eye on exceptions.
+//! Binary32 arithmetic with exception flags.
 
 use crate::binary32::{Binary32, Single};
 use crate::circuit::{Circuit, Relation, Test};
 use crate::concrete::Concrete;
 use std::cell::Cell;
 
-/// IEEE 754 binary32 whose additions, subtractions and multiplications leave their exceptions in a cell: what a datapath
-/// with exception flags answers for a job, where the cell was 0 before it.
+/// IEEE 754 binary32 that records the exceptions of additions, subtractions and multiplications in a cell. Set the cell to 0
+/// before a job; after the job it holds the value of the datapath's `exception_flags` port.
 ///
-/// Tininess counts before rounding, and underflow only with inexact. No NaN signals.
+/// Tininess is detected before rounding, and underflow is raised only together with inexact. No NaN is signaling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flagged<'f> {
-    /// What was raised so far, as the sum of the constants below.
+    /// The exceptions raised so far, as the bitwise OR of the constants below.
     pub raised: &'f Cell<u64>,
 }
 
 impl Flagged<'_> {
-    /// A result was rounded.
+    /// A result was rounded to another number.
     pub const INEXACT: u64 = 1;
     /// A result below the normal range was rounded.
     pub const UNDERFLOW: u64 = 2;
-    /// A rounded result is beyond the largest number.
+    /// A rounded result exceeds the largest finite number.
     pub const OVERFLOW: u64 = 4;
     /// Infinity minus infinity, or zero times infinity.
     pub const INVALID: u64 = 8;
 
-    /// Notes the exceptions of a result that is `exact` and, because that may be rounded itself, so much more.
+    /// Records the exceptions of `result`, whose exact value is `exact + more`: the sum of two binary64 numbers, because
+    /// `exact` alone may be rounded.
     #[inline]
     fn note(self, [a, b]: [Single; 2], result: Single, exact: f64, more: f64) -> Single {
         let rounded = f64::from(result.0);
@@ -65,7 +66,7 @@ impl Circuit for Flagged<'_> {
     fn add(self, a: Single, b: Single) -> Single {
         let (x, y) = (f64::from(a.0), f64::from(b.0));
         let sum = x + y;
-        // What the sum in binary64 has lost, exactly (Knuth's two-sum).
+        // The rounding error of the binary64 sum (Knuth's two-sum).
         let most = sum - x;
         let lost = (x - (sum - most)) + (y - most);
         self.note([a, b], Single(a.0 + b.0), sum, lost)

@@ -1,25 +1,25 @@
 //! Vectors, boxes and triangles.
 
 use crate::binary32::Binary32;
-use crate::bundle::bundle;
+use crate::bundle_macro::bundle;
 use crate::circuit::Circuit;
 use crate::handle::{Num, Word};
 use std::ops::{Mul, Sub};
 
 bundle! {
-    /// Three coordinates.
+    /// A vector or point with three coordinates.
     pub struct Vec3<C> {
-        /// Along x.
+        /// The x coordinate.
         pub x: Num<C>,
-        /// Along y.
+        /// The y coordinate.
         pub y: Num<C>,
-        /// Along z.
+        /// The z coordinate.
         pub z: Num<C>,
     }
 }
 
 bundle! {
-    /// What lies between two parallel planes: one axis of a box.
+    /// The space between two parallel planes: the extent of a box along one axis.
     pub struct Slab<C> {
         /// The lesser bound.
         pub min: Num<C>,
@@ -29,19 +29,19 @@ bundle! {
 }
 
 bundle! {
-    /// An axis-aligned bounding box: three slabs. A box whose `min` exceeds its `max` is taken as it stands.
+    /// An axis-aligned bounding box: three slabs. Bounds with `min` greater than `max` are not reordered.
     pub struct Aabb<C> {
-        /// Along x.
+        /// The bounds along x.
         pub x: Slab<C>,
-        /// Along y.
+        /// The bounds along y.
         pub y: Slab<C>,
-        /// Along z.
+        /// The bounds along z.
         pub z: Slab<C>,
     }
 }
 
 bundle! {
-    /// Three vertices, counter-clockwise as seen from the side that can be hit.
+    /// A triangle. Its vertices are counter-clockwise as seen from its front.
     pub struct Triangle<C> {
         /// The first vertex.
         pub a: Vec3<C>,
@@ -53,7 +53,7 @@ bundle! {
 }
 
 impl<C: Circuit> Vec3<C> {
-    /// The coordinate along axis `k`: 0 is x, 1 is y; 2, and 3 as well, is z.
+    /// The coordinate along axis `k`: 0 is x, 1 is y, 2 and 3 are z.
     #[inline(always)]
     pub fn along(self, k: Word<C, 2>) -> Num<C> {
         k.is(0).select(self.x, k.is(1).select(self.y, self.z))
@@ -78,7 +78,7 @@ impl<C: Circuit> Sub for Vec3<C> {
 
 impl<C: Circuit> Sub<Num<C>> for Slab<C> {
     type Output = Self;
-    /// Both bounds, as seen from a coordinate.
+    /// Both bounds relative to a coordinate.
     #[inline(always)]
     fn sub(self, from: Num<C>) -> Self {
         Self { min: self.min - from, max: self.max - from }
@@ -87,7 +87,7 @@ impl<C: Circuit> Sub<Num<C>> for Slab<C> {
 
 impl<C: Circuit> Mul<Num<C>> for Slab<C> {
     type Output = Self;
-    /// Both bounds times a number.
+    /// Both bounds multiplied by a number.
     #[inline(always)]
     fn mul(self, by: Num<C>) -> Self {
         Self { min: self.min * by, max: self.max * by }
@@ -96,7 +96,7 @@ impl<C: Circuit> Mul<Num<C>> for Slab<C> {
 
 impl<C: Circuit> Sub<Vec3<C>> for Aabb<C> {
     type Output = Self;
-    /// The box, as seen from a point.
+    /// The box relative to a point.
     #[inline(always)]
     fn sub(self, from: Vec3<C>) -> Self {
         Self { x: self.x - from.x, y: self.y - from.y, z: self.z - from.z }
@@ -105,7 +105,7 @@ impl<C: Circuit> Sub<Vec3<C>> for Aabb<C> {
 
 impl<C: Circuit> Mul<Vec3<C>> for Aabb<C> {
     type Output = Self;
-    /// Each slab times the coordinate along its axis.
+    /// Each slab multiplied by the coordinate along its axis.
     #[inline(always)]
     fn mul(self, by: Vec3<C>) -> Self {
         Self { x: self.x * by.x, y: self.y * by.y, z: self.z * by.z }

@@ -1,5 +1,5 @@
-//! The handles that an operation holds its numbers, bits and words by. They carry their circuit, so that arithmetic reads
-//! as arithmetic: `(bound - origin) * inv`.
+//! Handles on a circuit's numbers, bits and words. A handle carries its circuit, so that operators can be written as such:
+//! `(bound - origin) * inv`.
 
 use crate::circuit::{Circuit, Relation, Test};
 use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
@@ -7,71 +7,76 @@ use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 /// A number of a circuit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Num<C: Circuit> {
-    pub(crate) circuit: C,
-    pub(crate) value: C::Num,
+    /// The circuit.
+    pub circuit: C,
+    /// The circuit's representation.
+    pub value: C::Num,
 }
 
 /// A truth value of a circuit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bit<C: Circuit> {
-    pub(crate) circuit: C,
-    pub(crate) value: C::Bit,
+    /// The circuit.
+    pub circuit: C,
+    /// The circuit's representation.
+    pub value: C::Bit,
 }
 
 /// An unsigned word of `W` bits (1 to 32).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Word<C: Circuit, const W: u32> {
-    pub(crate) circuit: C,
-    pub(crate) value: C::Word,
+    /// The circuit.
+    pub circuit: C,
+    /// The circuit's representation.
+    pub value: C::Word,
 }
 
-/// `N` truth values (1 to 64) that travel as one port of `N` bits; element `i` is bit `i`.
+/// `N` truth values (1 to 64) that share one port of `N` bits; element `i` is bit `i`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flags<C: Circuit, const N: usize>(pub [Bit<C>; N]);
 
-/// The outcome of one comparison of two numbers.
+/// The result of comparing two numbers, from which relations are read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Order<C: Circuit> {
     circuit: C,
     value: C::Order,
 }
 
-/// What a multiplexer can choose between.
+/// A value that multiplexers can select.
 pub trait Select<C: Circuit>: Copy {
-    /// `if_true` where `condition` holds, else `if_false`.
+    /// Selects `if_true` if `condition` holds, else `if_false`.
     fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self;
 
-    /// The two, exchanged where `condition` holds.
-    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self);
+    /// The pair `(a, b)`, exchanged if `condition` holds.
+    #[inline(always)]
+    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self) {
+        (Self::select(condition, b, a), Self::select(condition, a, b))
+    }
 }
 
 impl<C: Circuit> Num<C> {
     /// A handle on `value`.
+    #[inline(always)]
     pub fn new(circuit: C, value: C::Num) -> Self {
         Self { circuit, value }
     }
 
-    /// What the circuit knows it by.
-    pub fn value(self) -> C::Num {
-        self.value
-    }
-
-    /// Compares with `other`: one comparator, however many relations are read from it.
+    /// Compares with `other`. All relations that are read from the result share one comparator.
     #[inline(always)]
     pub fn compare(self, other: Self) -> Order<C> {
         Order { circuit: self.circuit, value: self.circuit.compare(self.value, other.value) }
     }
 
-    /// The larger of the two; the other where one is NaN; `other` where they are equal.
+    /// The larger of two numbers. If one is NaN, the result is the other; if they are equal, `other`.
     #[inline(always)]
     pub fn larger(self, other: Self) -> Self {
-        Self::new(self.circuit, self.circuit.larger(self.value, other.value))
+        (self.compare(other).greater() | other.is_nan()).select(self, other)
     }
 
-    /// The smaller of the two; the other where one is NaN; `other` where they are equal.
+    /// The smaller of two numbers. If one is NaN, the result is the other; if they are equal, `other`.
     #[inline(always)]
     pub fn smaller(self, other: Self) -> Self {
-        Self::new(self.circuit, self.circuit.smaller(self.value, other.value))
+        (self.compare(other).less() | other.is_nan()).select(self, other)
     }
 
     /// The sign bit; unspecified for a NaN.
@@ -161,28 +166,24 @@ impl<C: Circuit> Order<C> {
 
 impl<C: Circuit> Bit<C> {
     /// A handle on `value`.
+    #[inline(always)]
     pub fn new(circuit: C, value: C::Bit) -> Self {
         Self { circuit, value }
     }
 
-    /// What the circuit knows it by.
-    pub fn value(self) -> C::Bit {
-        self.value
-    }
-
-    /// `if_true` where it holds, else `if_false`.
+    /// Selects `if_true` if this bit is set, else `if_false`.
     #[inline(always)]
     pub fn select<T: Select<C>>(self, if_true: T, if_false: T) -> T {
         T::select(self, if_true, if_false)
     }
 
-    /// The two, exchanged where it holds.
+    /// The pair `(a, b)`, exchanged if this bit is set.
     #[inline(always)]
     pub fn exchange<T: Select<C>>(self, a: T, b: T) -> (T, T) {
         T::exchange(self, a, b)
     }
 
-    /// Both or neither.
+    /// Whether both bits are set or both are clear.
     #[inline(always)]
     pub fn same_as(self, other: Self) -> Self {
         self.select(other, !other)
@@ -191,16 +192,13 @@ impl<C: Circuit> Bit<C> {
 
 impl<C: Circuit, const W: u32> Word<C, W> {
     /// A handle on `value`.
+    #[inline(always)]
     pub fn new(circuit: C, value: C::Word) -> Self {
         Self { circuit, value }
     }
 
-    /// What the circuit knows it by.
-    pub fn value(self) -> C::Word {
-        self.value
-    }
-
-    /// Its value as a number, exact: the circuit's format must have every value of a word of `W` bits, 16 at most.
+    /// The word's value as a number. `W` must be at most 16, and the circuit's format must represent every value of `W` bits
+    /// exactly.
     #[inline(always)]
     pub fn number(self) -> Num<C> {
         const { assert!(W <= 16, "a word of at most 16 bits becomes a number") };
@@ -282,13 +280,6 @@ impl<C: Circuit> Select<C> for Num<C> {
         let c = condition.circuit;
         Self::new(c, c.select_num(condition.value, if_true.value, if_false.value))
     }
-
-    #[inline(always)]
-    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self) {
-        let c = condition.circuit;
-        let (a, b) = c.exchange_num(condition.value, a.value, b.value);
-        (Self::new(c, a), Self::new(c, b))
-    }
 }
 
 impl<C: Circuit> Select<C> for Bit<C> {
@@ -297,13 +288,6 @@ impl<C: Circuit> Select<C> for Bit<C> {
         let c = condition.circuit;
         Self::new(c, c.select_bit(condition.value, if_true.value, if_false.value))
     }
-
-    #[inline(always)]
-    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self) {
-        let c = condition.circuit;
-        let (a, b) = c.exchange_bit(condition.value, a.value, b.value);
-        (Self::new(c, a), Self::new(c, b))
-    }
 }
 
 impl<C: Circuit, const W: u32> Select<C> for Word<C, W> {
@@ -311,12 +295,5 @@ impl<C: Circuit, const W: u32> Select<C> for Word<C, W> {
     fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
         let c = condition.circuit;
         Self::new(c, c.select_word(condition.value, if_true.value, if_false.value))
-    }
-
-    #[inline(always)]
-    fn exchange(condition: Bit<C>, a: Self, b: Self) -> (Self, Self) {
-        let c = condition.circuit;
-        let (a, b) = c.exchange_word(condition.value, a.value, b.value);
-        (Self::new(c, a), Self::new(c, b))
     }
 }

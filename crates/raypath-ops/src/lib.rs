@@ -1,8 +1,8 @@
-//! The datapath's operations, each written once.
+//! The operations of a ray-tracing datapath, each written once.
 //!
-//! An [`Operation`] is a plain function over an abstract number, with its pipeline stages marked. What the number is,
-//! a [`Circuit`] says: over [`Binary32`] the function runs natively and is the functional model; over the elaborator's
-//! circuit (crate `raypath-rtl`) the same function becomes hardware.
+//! An [`Operation`] is a function that is generic over a [`Circuit`], with its pipeline stages marked. Over [`Binary32`] it
+//! computes with the machine's numbers and is the functional model. Over the recording circuit of crate `raypath-rtl` the same
+//! function becomes hardware.
 //!
 //! ```
 //! use raypath_ops::{Aabb, Binary32, Operation, Ray, RayBox, RayBoxInput, Rules};
@@ -22,10 +22,9 @@
 
 #[macro_use]
 mod array;
-
-mod alike;
 mod binary32;
 mod bundle;
+mod bundle_macro;
 mod circuit;
 mod concrete;
 mod distance;
@@ -35,19 +34,18 @@ mod flagged;
 mod geometry;
 mod handle;
 mod job;
+mod kernels;
 mod known;
-mod lanes;
 mod operation;
-mod packed;
 mod ports;
 mod ray;
 mod ray_box;
 mod ray_triangle;
 mod ray_triangle_extended;
 mod rules;
+mod sort;
 mod vectors;
 
-pub use alike::{Alike, Of};
 #[doc(hidden)]
 pub use array::array_from;
 pub use binary32::{Binary32, Single};
@@ -61,14 +59,13 @@ pub use distance::{
 pub use distance_many::{
     AngularMany, AngularManyInput, AngularManyState, EuclideanMany, EuclideanManyInput, EuclideanManyState,
 };
-pub use family::{Family, Gather, Put, Scatter};
+pub use family::{Family, Gather, Of, Put, Scatter};
 pub use flagged::Flagged;
 pub use geometry::{Aabb, Slab, Triangle, Vec3};
 pub use handle::{Bit, Flags, Num, Order, Select, Word};
 pub use job::{Job, JobKind, Outcome, ParseJobKindError};
-pub use lanes::{Four, Lanes, Native, Row, Width};
-pub use operation::Operation;
-pub use packed::{BLOCK, Packed, Part, Sixteen};
+pub use kernels::{Kernels, LaneMap, Portable};
+pub use operation::{KernelOperation, Operation};
 pub use ports::{Port, PortKind, PortValue, from_words, ports_of, to_canonical_words, to_words};
 pub use ray::{Ray, RayError};
 pub use ray_box::{Entry, RayBox, RayBoxConservative, RayBoxInput, RayBoxOutput, Slabs, WIDENING_ULPS};
@@ -76,5 +73,6 @@ pub use ray_triangle::{Edges, RayTriangle, RayTriangleInput, RayTriangleOutput};
 pub use ray_triangle_extended::{
     Culling, ParseCullingError, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,
 };
-pub use rules::{ParseRulesError, Place, Rules};
+pub use rules::{ParseRulesError, Rules};
+pub use sort::SortEntry;
 pub use vectors::VectorError;

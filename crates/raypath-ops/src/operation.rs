@@ -1,32 +1,46 @@
 use crate::bundle::Bundle;
 use crate::circuit::Circuit;
+use crate::kernels::Kernels;
 
-/// An operation of the datapath: what it takes, what it answers, and one function between them.
+/// An operation of the datapath: the types of its jobs and results, and the function between them.
 ///
-/// Ports follow from the structures: a field `ray: Ray<C>` with a field `origin: Vec3<C>` is the ports
-/// `ray_origin_x_i` and so on. Operations that name an input alike share the port.
+/// The ports follow from the structures: a field `ray: Ray<C>` with a field `origin: Vec3<C>` makes the ports
+/// `ray_origin_x_i` and so on. Operations whose inputs have the same name share the port.
 pub trait Operation {
-    /// Its name, `snake_case`, as it stands in schedules and comments.
+    /// The operation's name in `snake_case`, as it appears in schedules, comments and on the command line.
     const NAME: &'static str;
 
-    /// What a job brings.
+    /// The values of a job.
     type Input<C: Circuit>: Bundle<C>;
-    /// What it answers.
+    /// The values of a result.
     type Output<C: Circuit>: Bundle<C>;
-    /// What a job leaves for the next one of the same operation; all zeros at first and after a reset. `()` for none.
+    /// The values that a job leaves for the next job of the same operation; all zeros initially and after a reset. `()` if
+    /// there are none.
     type State<C: Circuit>: Bundle<C>;
 
-    /// Whether an input port of this name is there in this configuration. What is not there must not be read.
+    /// Whether this configuration of the operation has the input port `port`. An absent input must not be read.
     fn has_input(&self, _port: &str) -> bool {
         true
     }
 
-    /// Whether an output port of this name is there in this configuration; what is not there is not made.
+    /// Whether this configuration of the operation has the output port `port`. Absent outputs are not computed in hardware.
     fn has_output(&self, _port: &str) -> bool {
         true
     }
 
-    /// One job, stage by stage. Gives the answer and the state for the next job. The state must be read in the stage
-    /// that makes its next value, and in no other.
+    /// Computes one job, stage by stage. Returns the result and the state for the next job. The state must be read in the
+    /// stage that computes its next value, and in no other.
     fn run<C: Circuit>(&self, c: C, input: Self::Input<C>, state: Self::State<C>) -> (Self::Output<C>, Self::State<C>);
+}
+
+/// An operation whose inner parts can be computed by other [`Kernels`] than the portable ones.
+pub trait KernelOperation: Operation {
+    /// Computes one job as [`Operation::run`] does, its inner parts by `kernels`.
+    fn run_with<C: Circuit, K: Kernels<C>>(
+        &self,
+        c: C,
+        kernels: K,
+        input: Self::Input<C>,
+        state: Self::State<C>,
+    ) -> (Self::Output<C>, Self::State<C>);
 }

@@ -1,4 +1,4 @@
-//! Bundles as the values of ports: with names for who looks, in order and without names for who is in a hurry.
+//! Conversion of bundles to and from port values: by name, or (faster) as words in the order of the ports.
 
 use crate::binary32::Binary32;
 use crate::bundle::{Bundle, Field, Path, Sink, Source};
@@ -6,40 +6,40 @@ use crate::concrete::Concrete;
 use crate::handle::{Bit, Num};
 use std::slice;
 
-/// The value of one port, in the bits that it has there.
+/// The value of one port.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PortValue {
-    /// The port without its direction suffix: `ray_origin_x`.
+    /// The port's name without direction suffix: `ray_origin_x`.
     pub name: String,
-    /// What its bits mean.
+    /// The meaning of the bits.
     pub kind: PortKind,
-    /// Its bits.
+    /// The value; a number is in the IEEE 754 layout.
     pub bits: u64,
 }
 
-/// What a port's bits mean.
+/// The meaning of a port's bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PortKind {
-    /// A number, in IEEE 754's layout.
+    /// A floating-point number.
     Number,
-    /// One bit, or one bit for each of several places.
+    /// One truth value, or several, one per bit.
     Flags,
     /// An unsigned word.
     Word,
 }
 
-/// A port as such: what it is called, what its bits mean, and how many they are.
+/// The declaration of a port.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Port {
-    /// The port without its direction suffix: `ray_origin_x`.
+    /// The port's name without direction suffix: `ray_origin_x`.
     pub name: String,
-    /// What its bits mean.
+    /// The meaning of the bits.
     pub kind: PortKind,
-    /// Its bits; `None` for a number, which has as many as the format.
+    /// The width in bits; `None` for a number, whose width is that of the format.
     pub width: Option<u32>,
 }
 
-/// The ports that a bundle's values stand at.
+/// The ports of a bundle's values, in order.
 ///
 /// ```
 /// use raypath_ops::{Binary32, RayTriangleOutput, ports_of};
@@ -54,20 +54,21 @@ pub fn ports_of<B: Bundle<Binary32>>() -> Vec<Port> {
     source.0
 }
 
-/// The words of a bundle whose numbers keep their bits, NaN payloads included; one a port, in the ports' order, in place
-/// of what `words` held.
+/// Replaces the contents of `words` by a bundle's port values: one word per port, in the order of [`ports_of`]. Numbers keep
+/// their bits, including the payloads of NaNs.
 pub fn to_words<C: Concrete>(bundle: &impl Bundle<C>, words: &mut Vec<u64>) {
     words.clear();
     bundle.each(&mut Path::unnamed(), &mut ToWords::new(words, C::raw_bits));
 }
 
-/// The same of an answer, whose NaNs are the canonical one.
+/// As [`to_words`], but every NaN becomes the canonical NaN, as in the results of a datapath.
 pub fn to_canonical_words<C: Concrete>(bundle: &impl Bundle<C>, words: &mut Vec<u64>) {
     words.clear();
     bundle.each(&mut Path::unnamed(), &mut ToWords::new(words, C::bits));
 }
 
-/// The bundle whose [`to_words`] are these; what is missing is 0, and bits beyond a port's width are ignored.
+/// The bundle with these port values, in the order of [`ports_of`]. Missing words are 0, and bits beyond a port's width are
+/// ignored.
 pub fn from_words<C: Concrete, B: Bundle<C>>(circuit: C, words: &[u64]) -> B {
     B::build(&mut Path::unnamed(), &mut FromWords::new(circuit, words, C::number))
 }
@@ -135,7 +136,7 @@ impl<C: Concrete> Sink<C> for ToPorts<C> {
     }
 }
 
-/// Leaves by name. Whoever gives the values is a pointer: else every closure would have a copy of all bundles' code.
+/// Reads port values by name. `port` is a trait object, so that the code of all bundles is not compiled for each closure.
 pub(crate) struct FromPorts<'p, C: Concrete> {
     pub circuit: C,
     pub port: &'p mut dyn FnMut(&str) -> u64,
@@ -155,7 +156,7 @@ impl<C: Concrete> Source<C> for FromPorts<'_, C> {
     }
 }
 
-/// Leaves in order, without names.
+/// Appends port values in order.
 pub(crate) struct ToWords<'w, C: Concrete> {
     words: &'w mut Vec<u64>,
     bits: fn(C, C::Num) -> u64,
@@ -187,10 +188,11 @@ impl<C: Concrete> Sink<C> for ToWords<'_, C> {
     }
 }
 
+/// Reads port values in order.
 pub(crate) struct FromWords<'w, C: Concrete> {
     circuit: C,
     words: slice::Iter<'w, u64>,
-    /// The word whose bits are being read.
+    /// The word that was read last, whose bits are the elements of flags.
     last: u64,
     number: fn(C, u64) -> C::Num,
 }

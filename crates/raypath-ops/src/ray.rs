@@ -1,36 +1,35 @@
-//! Rays, and what the hardware expects to have been derived from them (`docs/reference/semantics.md`; the paper's ray
-//! format).
+//! Rays with the derived values that the hardware expects (`docs/reference/semantics.md`; the paper's ray format).
 
 use crate::binary32::Binary32;
-use crate::bundle::bundle;
+use crate::bundle_macro::bundle;
 use crate::circuit::Circuit;
 use crate::geometry::Vec3;
 use crate::handle::{Num, Word};
 use thiserror::Error;
 
 bundle! {
-    /// A ray as the datapath takes it. Make one with [`Ray::new`], which derives all but origin, direction and extent.
+    /// A ray as the datapath expects it. [`Ray::new`] derives the other fields from origin, direction and extent.
     pub struct Ray<C> {
-        /// Where it begins.
+        /// The point at which the ray begins.
         pub origin: Vec3<C>,
-        /// Its direction, of any length.
+        /// The direction, of any length except 0.
         pub dir: Vec3<C>,
-        /// 1 / direction, element by element; ±∞ where the direction is ±0.
+        /// 1 / direction, element by element; ±∞ for ±0.
         pub inv: Vec3<C>,
-        /// How far it reaches, in units of its direction's length; boxes beyond are missed.
+        /// The length of the ray, in units of the direction's length. Boxes beyond it are missed.
         pub extent: Num<C>,
         /// `Sx = dir[kx] / dir[kz]`, `Sy = dir[ky] / dir[kz]`, `Sz = 1 / dir[kz]`.
         pub shear: Vec3<C>,
-        /// The axis that becomes x once the ray looks along z: 0, 1 or 2.
+        /// The axis that becomes x when the axes are permuted so that the ray runs along z: 0, 1 or 2.
         pub kx: Word<C, 2>,
-        /// The axis that becomes y.
+        /// The axis that becomes y: 0, 1 or 2.
         pub ky: Word<C, 2>,
-        /// The axis along which the direction is greatest in absolute value; the first on a tie.
+        /// The axis that becomes z: that of the direction's greatest absolute component, the first one if several are equal.
         pub kz: Word<C, 2>,
     }
 }
 
-/// Why something is not a ray.
+/// The reason why [`Ray::new`] rejects its arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum RayError {
     /// The direction is the zero vector.
@@ -51,7 +50,7 @@ pub enum RayError {
 }
 
 impl<C: Circuit> Ray<C> {
-    /// A vector with its axes permuted so that the ray looks along z.
+    /// A vector with its axes permuted so that the ray runs along z.
     #[inline(always)]
     pub(crate) fn turned(&self, v: Vec3<C>) -> Vec3<C> {
         Vec3 { x: v.along(self.kx), y: v.along(self.ky), z: v.along(self.kz) }
@@ -59,12 +58,11 @@ impl<C: Circuit> Ray<C> {
 }
 
 impl Ray<Binary32> {
-    /// The ray from `origin` along `direction` as far as `extent` times the direction's length, with all that the
-    /// hardware expects derived from them.
+    /// The ray from `origin` along `direction` with the length `extent` times that of `direction`.
     ///
     /// # Errors
-    /// A direction that is zero, not finite, or so short that its inverse overflows; an origin that is not finite; an
-    /// extent that is negative or NaN.
+    /// A direction that is zero, not finite, or so short that its inverse overflows; an origin that is not finite; an extent
+    /// that is negative or NaN.
     pub fn new(origin: [f32; 3], direction: [f32; 3], extent: f32) -> Result<Self, RayError> {
         if !direction.iter().all(|d| d.is_finite()) {
             return Err(RayError::DirectionNotFinite(direction));
@@ -96,8 +94,8 @@ impl Ray<Binary32> {
     }
 }
 
-/// kx, ky, kz: z is where the direction is greatest in absolute value; x and y change places where it looks back, so
-/// that counter-clockwise stays counter-clockwise.
+/// kx, ky, kz. kz is the axis of the greatest absolute component; kx and ky are swapped if that component is negative, so
+/// that the winding order of triangles is preserved.
 fn axes(direction: [f32; 3]) -> [usize; 3] {
     let mut kz = 0;
     for axis in 1..3 {

@@ -1,33 +1,33 @@
 //! Ray against four boxes: the slab method (Table VII, column Quadbox).
 
-use crate::alike::Alike;
 use crate::binary32::Binary32;
-use crate::bundle::bundle;
+use crate::bundle_macro::bundle;
 use crate::circuit::Circuit;
 use crate::geometry::Aabb;
 use crate::handle::{Bit, Flags, Num, Word};
-use crate::operation::Operation;
+use crate::kernels::{Kernels, LaneMap, Portable};
+use crate::operation::{KernelOperation, Operation};
 use crate::ray::Ray;
-use crate::rules::{Interval, Place, Rules};
+use crate::rules::{Interval, Rules};
+use crate::sort::SortEntry;
 
-/// Which of four boxes a ray hits, nearest first.
+/// Tests a ray against four boxes and sorts the boxes by distance, the nearest hit first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RayBox {
-    /// The rules on the edges.
+    /// The rules for special cases.
     pub rules: Rules,
 }
 
-/// The same under the rules `paper`, missing no box for a rounding: `tmax` is made larger by [`WIDENING_ULPS`] before it
-/// is compared. `docs/reference/semantics.md` says what that promises.
+/// [`RayBox`] under the rules `paper`, widened so that rounding never causes a miss: `tmax` is multiplied by 1 +
+/// [`WIDENING_ULPS`] units in the last place before it is compared. `docs/reference/semantics.md` states the guarantee.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RayBoxConservative;
 
-/// By how many units in the last place of 1 the factor of [`RayBoxConservative`] exceeds 1.
+/// The number of units in the last place of 1 by which the factor of [`RayBoxConservative`] exceeds 1.
 ///
-/// A slab distance is three roundings away from the exact one: of the inverse, of the difference, of the product. Two
-/// distances that are equal may so come to differ by a factor of (1 + 2u)^3, where u is half a unit in the last place of
-/// 1: by three units and next to nothing. Two units (Ize, "Robust BVH Ray Traversal", JCGT 2013) are enough where the
-/// inverse counts as exact.
+/// A slab distance has three roundings: of the inverse, of the difference, and of the product. Two equal exact distances may
+/// therefore differ by a factor of (1 + 2u)^3, where u is half a unit in the last place of 1: slightly more than three units.
+/// Two units (Ize, "Robust BVH Ray Traversal", JCGT 2013) are enough if the inverse counts as exact.
 pub const WIDENING_ULPS: u32 = 3;
 
 bundle! {
@@ -41,13 +41,13 @@ bundle! {
 }
 
 bundle! {
-    /// The four boxes by distance: hits before misses, nearer before farther.
+    /// The four boxes sorted by distance: hits before misses, nearer before farther.
     pub struct RayBoxOutput<C> {
-        /// Whether the box in each place is hit.
+        /// Whether the box at each position of the order is hit.
         pub is_intersect: Flags<C, 4>,
-        /// Where the ray enters it, in units of the direction's length; +∞ for a miss.
+        /// The distance at which the ray enters the box, in units of the direction's length; +∞ for a miss.
         pub tmin: [Num<C>; 4],
-        /// Which of the job's boxes it is.
+        /// The index of the box in the job.
         pub box_index: [Word<C, 2>; 4],
     }
 }
@@ -60,7 +60,20 @@ impl Operation for RayBox {
 
     #[inline(always)]
     fn run<C: Circuit>(&self, c: C, input: RayBoxInput<C>, _state: ()) -> (RayBoxOutput<C>, ()) {
-        (nearest_first(c, input, Slabs { rules: self.rules, is_conservative: false }), ())
+        self.run_with(c, Portable, input, ())
+    }
+}
+
+impl KernelOperation for RayBox {
+    #[inline(always)]
+    fn run_with<C: Circuit, K: Kernels<C>>(
+        &self,
+        c: C,
+        kernels: K,
+        input: RayBoxInput<C>,
+        _state: (),
+    ) -> (RayBoxOutput<C>, ()) {
+        (nearest_first(c, kernels, input, Slabs { rules: self.rules, is_conservative: false }), ())
     }
 }
 
@@ -72,21 +85,21 @@ impl Operation for RayBoxConservative {
 
     #[inline(always)]
     fn run<C: Circuit>(&self, c: C, input: RayBoxInput<C>, _state: ()) -> (RayBoxOutput<C>, ()) {
-        (nearest_first(c, input, Slabs { rules: Rules::Paper, is_conservative: true }), ())
+        (nearest_first(c, Portable, input, Slabs { rules: Rules::Paper, is_conservative: true }), ())
     }
 }
 
 #[inline(always)]
-fn nearest_first<C: Circuit>(c: C, input: RayBoxInput<C>, slabs: Slabs) -> RayBoxOutput<C> {
+fn nearest_first<C: Circuit>(c: C, kernels: impl Kernels<C>, input: RayBoxInput<C>, slabs: Slabs) -> RayBoxOutput<C> {
     let RayBoxInput { ray, aabb } = input;
 
-    let hits = c.alike(&slabs, &ray, &aabb);
-    let unsorted: [Place<C, 2>; 4] = array_of!(i => Place { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) },
-    );
+    let hits = kernels.map(c, &slabs, &ray, &aabb);
+    let unsorted: [SortEntry<C, 2>; 4] =
+        array_of!(i => SortEntry { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) });
     c.label(format_args!("unsorted"), &unsorted);
 
     c.stage(10, "sort the four by tmin, values and indices");
-    let sorted = slabs.rules.sort(c, unsorted);
+    let sorted = slabs.rules.sort(c, kernels, unsorted);
     c.label(format_args!("sorted"), &sorted);
 
     RayBoxOutput {
@@ -96,33 +109,39 @@ fn nearest_first<C: Circuit>(c: C, input: RayBoxInput<C>, slabs: Slabs) -> RayBo
     }
 }
 
-/// The slab method, for each box alike, in stages 2 to 5: 6 adders, 6 multipliers, 6 comparators and one more for each
-/// box (by the rules `paper`).
+/// The slab method for one ray and several boxes, in stages 2 to 5. Per box it takes 6 adders, 6 multipliers and 7
+/// comparators under the rules `paper`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Slabs {
-    /// The rules on the edges.
+    /// The rules for special cases.
     pub rules: Rules,
-    /// Boxes are widened as [`RayBoxConservative`] has it, with a multiplier a box in stage 5, and compared in stage 6.
+    /// Widens boxes as [`RayBoxConservative`] does: one multiplier per box in stage 5; the comparison moves to stage 6.
     pub is_conservative: bool,
 }
 
 bundle! {
-    /// Whether and where a ray enters a box.
+    /// The result of testing a ray against one box.
     pub struct Entry<C> {
-        /// Whether it does.
+        /// The ray hits the box.
         pub hit: Bit<C>,
-        /// Where; +∞ if it does not.
+        /// The distance at which the ray enters the box; +∞ for a miss.
         pub tmin: Num<C>,
     }
 }
 
-impl Alike for Slabs {
+impl LaneMap for Slabs {
     type Shared = Ray<Binary32>;
-    type Each = Aabb<Binary32>;
-    type Answer = Entry<Binary32>;
+    type Item = Aabb<Binary32>;
+    type Output = Entry<Binary32>;
 
     #[inline(always)]
-    fn run<C: Circuit, const N: usize>(&self, c: C, ray: &Ray<C>, aabb: &[Aabb<C>; N]) -> [Entry<C>; N] {
+    fn run<C: Circuit, K: Kernels<C>, const N: usize>(
+        &self,
+        c: C,
+        kernels: K,
+        ray: &Ray<C>,
+        aabb: &[Aabb<C>; N],
+    ) -> [Entry<C>; N] {
         c.stage(2, "every box bound - origin");
         let relative: [Aabb<C>; N] = array_of!(i => aabb[i] - ray.origin);
         c.label(format_args!("relative"), &relative);
@@ -137,15 +156,15 @@ impl Alike for Slabs {
                 let slabs = [(x, ray.dir.x, ray.inv.x), (y, ray.dir.y, ray.inv.y), (z, ray.dir.z, ray.inv.z)];
                 let backwards: [Bit<C>; 3] = array_of!(k => self.rules.runs_backwards(c, slabs[k].1, slabs[k].2));
                 let ends: [(Num<C>, Num<C>); 3] =
-                    array_of!(k => backwards[k].exchange(slabs[k].0.min, slabs[k].0.max));
+                    array_of!(k => kernels.exchange(backwards[k], slabs[k].0.min, slabs[k].0.max));
                 let (near, far): ([Num<C>; 3], [Num<C>; 3]) = (array_of!(k => ends[k].0), array_of!(k => ends[k].1));
                 for (k, axis) in ["x", "y", "z"].iter().enumerate() {
                     c.label(format_args!("near_{i}_{axis}"), &near[k]);
                     c.label(format_args!("far_{i}_{axis}"), &far[k]);
                 }
                 Interval {
-                    tmin: self.rules.entry(c, format_args!("near_{i}"), near),
-                    tmax: self.rules.exit(c, format_args!("far_{i}"), far, ray.extent),
+                    tmin: self.rules.entry(c, kernels, format_args!("near_{i}"), near),
+                    tmax: self.rules.exit(c, kernels, format_args!("far_{i}"), far, ray.extent),
                 }
             },
         );

@@ -1,24 +1,24 @@
-//! Ray against a triangle, watertight (Woop, Benthin and Wald; Table VII, column Triangle).
+//! The watertight test of a ray against a triangle (Woop, Benthin and Wald; Table VII, column Triangle).
 
-use crate::alike::Alike;
 use crate::binary32::Binary32;
-use crate::bundle::bundle;
+use crate::bundle_macro::bundle;
 use crate::circuit::Circuit;
 use crate::geometry::{Triangle, Vec3};
 use crate::handle::{Bit, Num};
-use crate::operation::Operation;
+use crate::kernels::{Kernels, LaneMap, Portable};
+use crate::operation::{KernelOperation, Operation};
 use crate::ray::Ray;
 use crate::rules::Rules;
 
-/// Whether a ray hits a triangle's front, and where.
+/// Tests a ray against the front of a triangle and computes the distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RayTriangle {
-    /// The rules on the edges.
+    /// The rules for special cases.
     pub rules: Rules,
 }
 
 bundle! {
-    /// A ray and a triangle. Of the ray, origin, shear and the three axes are read.
+    /// A ray and a triangle. The operation reads the ray's origin, shear and axes.
     pub struct RayTriangleInput<C> {
         /// The ray.
         pub ray: Ray<C>,
@@ -28,26 +28,34 @@ bundle! {
 }
 
 bundle! {
-    /// Distance as a fraction, so that the division stays outside. Both parts are given whether or not it is a hit.
+    /// The distance as a fraction; the datapath does not divide. Both parts are computed for hits and misses.
     pub struct RayTriangleOutput<C> {
         /// Numerator of the distance, in units of the direction's length times `t_denom`.
         pub t_num: Num<C>,
         /// Denominator of the distance: U + V + W.
         pub t_denom: Num<C>,
-        /// Whether the ray hits.
+        /// Whether the ray hits the triangle.
         pub triangle_hit: Bit<C>,
     }
 }
 
 bundle! {
-    /// The scaled barycentric coordinates U, V, W: on which side of each edge the ray passes.
+    /// The scaled barycentric coordinates U, V, W. Their signs say on which side of each edge the ray passes.
     pub struct Edges<C> {
-        /// Against edge BC.
+        /// U: the side of edge BC.
         pub u: Num<C>,
-        /// Against edge CA.
+        /// V: the side of edge CA.
         pub v: Num<C>,
-        /// Against edge AB.
+        /// W: the side of edge AB.
         pub w: Num<C>,
+    }
+}
+
+impl<C: Circuit> Edges<C> {
+    /// U, V and W.
+    #[inline(always)]
+    pub(crate) fn to_array(self) -> [Num<C>; 3] {
+        [self.u, self.v, self.w]
     }
 }
 
@@ -59,25 +67,38 @@ impl Operation for RayTriangle {
 
     #[inline(always)]
     fn run<C: Circuit>(&self, circuit: C, input: RayTriangleInput<C>, _state: ()) -> (RayTriangleOutput<C>, ()) {
+        self.run_with(circuit, Portable, input, ())
+    }
+}
+
+impl KernelOperation for RayTriangle {
+    #[inline(always)]
+    fn run_with<C: Circuit, K: Kernels<C>>(
+        &self,
+        circuit: C,
+        kernels: K,
+        input: RayTriangleInput<C>,
+        _state: (),
+    ) -> (RayTriangleOutput<C>, ()) {
         let RayTriangleInput { ray, triangle } = input;
-        let Distance { edges, t_num, t_denom } = distance(circuit, &ray, triangle, &Self::SUMS);
+        let Distance { edges, t_num, t_denom } = distance(circuit, kernels, &ray, triangle, &Self::SUMS);
 
         circuit.stage(10, "hit test");
-        let triangle_hit = self.rules.triangle_hit(circuit, edges, t_num, t_denom);
+        let triangle_hit = self.rules.triangle_hit(circuit, edges.to_array(), t_num, t_denom);
         circuit.label(format_args!("triangle_hit"), &triangle_hit);
 
         (RayTriangleOutput { t_num, t_denom, triangle_hit }, ())
     }
 }
 
-/// Where a ray meets a triangle's plane, and on which side of its edges.
+/// Where a ray meets a triangle's plane, and on which sides of its edges.
 pub(crate) struct Distance<C: Circuit> {
     pub edges: Edges<C>,
     pub t_num: Num<C>,
     pub t_denom: Num<C>,
 }
 
-/// The stages in which U, V and W become sums, and what schedules call them.
+/// The stages of the sums over U, V and W, with their titles in the schedule.
 pub(crate) struct Sums {
     /// U + V
     pub uv: (u32, &'static str),
@@ -90,7 +111,7 @@ pub(crate) struct Sums {
 }
 
 impl RayTriangle {
-    /// As Table VII has them.
+    /// The stages of Table VII.
     pub(crate) const SUMS: Sums = Sums {
         uv: (8, "U + V ; U Az + V Bz"),
         uv_depth: (8, "U + V ; U Az + V Bz"),
@@ -99,10 +120,16 @@ impl RayTriangle {
     };
 }
 
-/// All arithmetic of a triangle, up to the hit test.
+/// The arithmetic of a triangle test up to the hit test.
 #[inline(always)]
-pub(crate) fn distance<C: Circuit>(circuit: C, ray: &Ray<C>, triangle: Triangle<C>, sums: &Sums) -> Distance<C> {
-    let [a, b, c] = circuit.alike(&Shear, ray, &[triangle.a, triangle.b, triangle.c]);
+pub(crate) fn distance<C: Circuit>(
+    circuit: C,
+    kernels: impl Kernels<C>,
+    ray: &Ray<C>,
+    triangle: Triangle<C>,
+    sums: &Sums,
+) -> Distance<C> {
+    let [a, b, c] = kernels.map(circuit, &Shear, ray, &[triangle.a, triangle.b, triangle.c]);
     circuit.label(format_args!("sheared"), &[a, b, c]);
 
     circuit.stage(5, "products of U, V, W");
@@ -138,18 +165,24 @@ pub(crate) fn distance<C: Circuit>(circuit: C, ray: &Ray<C>, triangle: Triangle<
     Distance { edges, t_num, t_denom }
 }
 
-/// Vertices as the ray sees them, which comes to run along z.
+/// Transforms vertices into the ray's coordinate system, in which the ray runs along z.
 struct Shear;
 
-impl Alike for Shear {
+impl LaneMap for Shear {
     type Shared = Ray<Binary32>;
-    type Each = Vec3<Binary32>;
-    type Answer = Vec3<Binary32>;
+    type Item = Vec3<Binary32>;
+    type Output = Vec3<Binary32>;
 
     #[inline(always)]
-    fn run<C: Circuit, const N: usize>(&self, circuit: C, ray: &Ray<C>, vertices: &[Vec3<C>; N]) -> [Vec3<C>; N] {
-        // Table VII turns the differences. Turning what they are made of gives the same numbers, early in a stage that
-        // has time for it.
+    fn run<C: Circuit, K: Kernels<C>, const N: usize>(
+        &self,
+        circuit: C,
+        _kernels: K,
+        ray: &Ray<C>,
+        vertices: &[Vec3<C>; N],
+    ) -> [Vec3<C>; N] {
+        // Table VII permutes the differences. Permuting their operands gives the same numbers, in stage 1, which has time
+        // for it.
         circuit.stage(1, "axes permuted so that the ray looks along z");
         let origin = ray.turned(ray.origin);
         let vertices: [Vec3<C>; N] = array_of!(i => ray.turned(vertices[i]));
@@ -165,7 +198,6 @@ impl Alike for Shear {
         circuit.label(format_args!("shift"), &shift);
 
         circuit.stage(4, "shear: x and y of each vertex");
-        array_of!(i => Vec3 { x: relative[i].x - shift[i].x, y: relative[i].y - shift[i].y, z: shift[i].z },
-        )
+        array_of!(i => Vec3 { x: relative[i].x - shift[i].x, y: relative[i].y - shift[i].y, z: shift[i].z })
     }
 }

@@ -1,9 +1,10 @@
-//! Ray against a triangle, with what the paper's operation leaves out.
+//! The ray-triangle test with optional culling, range and outputs.
 
-use crate::bundle::bundle;
+use crate::bundle_macro::bundle;
 use crate::circuit::Circuit;
 use crate::geometry::Triangle;
 use crate::handle::{Bit, Num, Order};
+use crate::kernels::Portable;
 use crate::operation::Operation;
 use crate::ray::Ray;
 use crate::ray_triangle::{Distance, Edges, RayTriangle, Sums, distance};
@@ -12,63 +13,64 @@ use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
-/// [`RayTriangle`] with options, in its place. All of them off, it answers the same.
+/// [`RayTriangle`] with options. With all of them off, its results are those of [`RayTriangle`]. It has the same name, so a
+/// datapath has one or the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RayTriangleExtended {
-    /// The rules on the edges.
+    /// The rules for special cases.
     pub rules: Rules,
-    /// Which faces are not hit.
+    /// The faces that are not hit.
     pub culling: Culling,
-    /// Says which face was met: output `facing`.
+    /// Adds the output `facing`: which face the ray meets.
     pub facing: bool,
-    /// Gives U, V and W: outputs `barycentric_u`, `barycentric_v`, `barycentric_w`.
+    /// Adds the outputs `barycentric_u`, `barycentric_v` and `barycentric_w`: U, V and W.
     pub barycentrics: bool,
-    /// Hits only between `t_min`, an input, and the ray's extent.
+    /// Limits hits to distances between the input `t_min` and the ray's extent.
     pub range: bool,
 }
 
-/// The faces that a ray passes through.
+/// The faces of a triangle that a ray passes through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Culling {
-    /// Back faces, as the paper has it: vertices that are met clockwise.
+    /// Back faces, whose vertices appear clockwise to the ray. This is the paper's behaviour.
     #[default]
     Back,
     /// Front faces.
     Front,
-    /// None: both are hit.
+    /// None: both faces are hit.
     None,
 }
 
 bundle! {
-    /// A ray, a triangle, and where hits begin.
+    /// A ray, a triangle, and the least distance of a hit.
     pub struct RayTriangleExtendedInput<C> {
-        /// The ray. Its extent is read where the range is tested.
+        /// The ray. Its extent is read only if the range is tested.
         pub ray: Ray<C>,
         /// The triangle.
         pub triangle: Triangle<C>,
-        /// The least distance of a hit, in units of the direction's length; read where the range is tested.
+        /// The least distance of a hit, in units of the direction's length. Read only if the range is tested.
         pub t_min: Num<C>,
     }
 }
 
 bundle! {
-    /// What [`RayTriangleOutput`](crate::RayTriangleOutput) has, and more. All but the hit is given whether or not it is
-    /// one.
+    /// The outputs of [`RayTriangleOutput`](crate::RayTriangleOutput) and the optional ones. All are computed for hits and
+    /// misses.
     pub struct RayTriangleExtendedOutput<C> {
         /// Numerator of the distance, in units of the direction's length times `t_denom`.
         pub t_num: Num<C>,
-        /// Denominator of the distance: U + V + W. Below zero for a back face.
+        /// Denominator of the distance: U + V + W. It is negative for a back face.
         pub t_denom: Num<C>,
-        /// Whether the ray hits.
+        /// Whether the ray hits the triangle.
         pub triangle_hit: Bit<C>,
-        /// U, V and W as they are computed; divided by `t_denom` they are the barycentric coordinates.
+        /// U, V and W. Divided by `t_denom` they are the barycentric coordinates.
         pub barycentric: Edges<C>,
-        /// The ray meets the front: `t_denom` is above zero.
+        /// The ray meets the front face: `t_denom` is above zero.
         pub facing: Bit<C>,
     }
 }
 
-/// A stage earlier than in Table VII, so that there is time for products with the denominator.
+/// The sums one stage earlier than in Table VII, so that there is time for products with the denominator.
 const EARLY: Sums = Sums {
     uv: (7, "U + V"),
     uv_depth: (8, "U Az + V Bz"),
@@ -102,7 +104,7 @@ impl Operation for RayTriangleExtended {
     ) -> (RayTriangleExtendedOutput<C>, ()) {
         let RayTriangleExtendedInput { ray, triangle, t_min } = input;
         let sums = if self.range { &EARLY } else { &RayTriangle::SUMS };
-        let met = distance(c, &ray, triangle, sums);
+        let met = distance(c, Portable, &ray, triangle, sums);
         let Distance { edges, t_num, t_denom } = met;
 
         let bounds = self.range.then(|| {
@@ -119,7 +121,7 @@ impl Operation for RayTriangleExtended {
         };
         let orders = bounds.map(|bounds| bounds.orders(t_num));
         let hit = |seen: &Distance<C>, is_front: bool| {
-            let hit = self.rules.triangle_hit(c, seen.edges, seen.t_num, seen.t_denom);
+            let hit = self.rules.triangle_hit(c, seen.edges.to_array(), seen.t_num, seen.t_denom);
             orders.map_or(hit, |orders| hit & self.rules.within(orders, is_front))
         };
         let triangle_hit = match (self.culling, mirrored) {
@@ -134,7 +136,7 @@ impl Operation for RayTriangleExtended {
     }
 }
 
-/// The same triangle with its vertices in the other order: the rule for its front is the one for the back.
+/// The triangle with its vertices in the opposite order. Testing its front tests the back of the original.
 #[inline(always)]
 fn mirrored<C: Circuit>(c: C, met: &Distance<C>) -> Distance<C> {
     let Edges { u, v, w } = met.edges;
@@ -142,22 +144,22 @@ fn mirrored<C: Circuit>(c: C, met: &Distance<C>) -> Distance<C> {
     c.label(format_args!("mirrored_edge"), &edges);
     let t_num = -met.t_num;
     c.label(format_args!("mirrored_t_num"), &t_num);
-    // Of the denominator only zero and NaN are of interest, which have no sign.
+    // The hit test checks the denominator only for zero and NaN, whose signs do not matter.
     Distance { edges, t_num, t_denom: met.t_denom }
 }
 
 bundle! {
-    /// The ends of a ray, times the denominator of a distance on it.
+    /// The ends of a ray, multiplied by the denominator of a distance on it.
     pub struct Bounds<C> {
-        /// Where hits begin.
+        /// The least distance of a hit.
         pub near: Num<C>,
-        /// Where they end.
+        /// The greatest distance of a hit.
         pub far: Num<C>,
     }
 }
 
 impl<C: Circuit> Bounds<C> {
-    /// The near end against a numerator, and that against the far end.
+    /// Compares the near end with a numerator, and the numerator with the far end.
     #[inline(always)]
     fn orders(self, t_num: Num<C>) -> [Order<C>; 2] {
         [self.near.compare(t_num), t_num.compare(self.far)]
@@ -174,9 +176,9 @@ impl fmt::Display for Culling {
     }
 }
 
-/// A name that is no culling.
+/// The error for a name of no culling mode.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("'{0}' is no culling, expected back, front or none")]
+#[error("'{0}' is no culling mode, expected back, front or none")]
 pub struct ParseCullingError(String);
 
 impl FromStr for Culling {

@@ -1,14 +1,14 @@
-//! Vectors of any dimension, as the beats that carry them.
+//! Splitting vectors of any dimension into beats.
 
 use crate::binary32::Binary32;
 use crate::distance::Beat;
 use crate::handle::{Flags, Num};
 use thiserror::Error;
 
-/// Why two vectors have no distance.
+/// The reason why two vectors have no distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum VectorError {
-    /// One has more dimensions than the other.
+    /// The vectors have different dimensions.
     #[error("a query of {query} dimensions and a candidate of {candidate}, expected as many")]
     Unequal {
         /// Dimensions of the query.
@@ -16,14 +16,14 @@ pub enum VectorError {
         /// Dimensions of the candidate.
         candidate: usize,
     },
-    /// They have no dimensions.
+    /// The vectors have no dimensions.
     #[error("vectors of 0 dimensions, expected at least 1")]
     Empty,
 }
 
 impl<const N: usize> Beat<Binary32, N> {
-    /// The beats of two vectors, `N` dimensions each. Lanes beyond the vectors' end are masked off, and the last beat
-    /// carries reset: its outcome is the vectors', and the next pair begins at zero.
+    /// The beats of two vectors, `N` dimensions each. Lanes beyond the end of the vectors are masked off. The last beat has
+    /// `reset_accum` set: its result is the distance of the vectors, and the next pair begins at zero.
     ///
     /// ```
     /// use raypath_ops::{Beat, Binary32};
@@ -36,7 +36,7 @@ impl<const N: usize> Beat<Binary32, N> {
     /// ```
     ///
     /// # Errors
-    /// Vectors of different dimensions, or of none.
+    /// Vectors of different dimensions, or of 0 dimensions.
     pub fn of<'v>(query: &'v [f32], candidate: &'v [f32]) -> Result<impl Iterator<Item = Self> + 'v, VectorError> {
         if query.len() != candidate.len() {
             return Err(VectorError::Unequal { query: query.len(), candidate: candidate.len() });

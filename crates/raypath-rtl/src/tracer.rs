@@ -328,10 +328,10 @@ impl OutputSink<'_> {
 
 impl<'g> Sink<Tracer<'g>> for OutputSink<'_> {
     fn num(&mut self, field: Field<'_>, value: Num<Tracer<'g>>) {
-        self.push(field, value.value());
+        self.push(field, value.value);
     }
     fn bit(&mut self, field: Field<'_>, value: Bit<Tracer<'g>>) {
-        self.push(field, value.value());
+        self.push(field, value.value);
     }
     fn word(&mut self, field: Field<'_>, _width: u32, value: NodeId) {
         self.push(field, value);
@@ -343,10 +343,10 @@ struct Leaves(Vec<NodeId>);
 
 impl<'g> Sink<Tracer<'g>> for Leaves {
     fn num(&mut self, _: Field<'_>, value: Num<Tracer<'g>>) {
-        self.0.push(value.value());
+        self.0.push(value.value);
     }
     fn bit(&mut self, _: Field<'_>, value: Bit<Tracer<'g>>) {
-        self.0.push(value.value());
+        self.0.push(value.value);
     }
     fn word(&mut self, _: Field<'_>, _: u32, value: NodeId) {
         self.0.push(value);
@@ -357,12 +357,12 @@ struct LabelSink<'g>(Tracer<'g>);
 
 impl<'g> Sink<Tracer<'g>> for LabelSink<'g> {
     fn num(&mut self, field: Field<'_>, value: Num<Tracer<'g>>) {
-        self.0.name(value.value(), field.name);
+        self.0.name(value.value, field.name);
     }
     fn bit(&mut self, field: Field<'_>, value: Bit<Tracer<'g>>) {
         match field.bit {
-            Some((bit, _)) => self.0.name(value.value(), &format!("{}_{bit}", field.name)),
-            None => self.0.name(value.value(), field.name),
+            Some((bit, _)) => self.0.name(value.value, &format!("{}_{bit}", field.name)),
+            None => self.0.name(value.value, field.name),
         }
     }
     fn word(&mut self, field: Field<'_>, _: u32, value: NodeId) {

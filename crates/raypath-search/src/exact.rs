@@ -6,7 +6,8 @@ use crate::nearest::{Candidate, Nearest};
 use crate::vectors::Vectors;
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
-use raypath_ops::{Angular, BLOCK, Euclidean, array_of};
+use raypath_model::BLOCK;
+use raypath_ops::{Angular, Euclidean, array_of};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 

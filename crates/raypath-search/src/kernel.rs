@@ -3,9 +3,10 @@
 
 use crate::vectors::Vectors;
 use fearless_simd::Simd;
+use raypath_model::{BLOCK, Lanes, Packed, Part, SimdKernels, Sixteen};
 use raypath_ops::{
-    Angular, AngularInput, AngularState, BLOCK, Beat, Binary32, Circuit, Euclidean, EuclideanInput, EuclideanState,
-    Family, Flags, Lanes, Num, Operation, Packed, Part, Sixteen, array_of,
+    Angular, AngularInput, AngularState, Beat, Binary32, Circuit, Euclidean, EuclideanInput, EuclideanState, Family,
+    Flags, KernelOperation, Kernels, Num, array_of,
 };
 
 /// A coordinate of each candidate in a block.
@@ -48,7 +49,7 @@ impl Blocks {
 }
 
 /// A distance operation, `N` dimensions a beat.
-pub(crate) trait Distance<const N: usize>: Operation {
+pub(crate) trait Distance<const N: usize>: KernelOperation {
     /// A beat as its input.
     fn input<C: Circuit>(beat: Beat<C, N>) -> Self::Input<C>;
     /// Sums of zero.
@@ -105,7 +106,7 @@ fn pair<O: Distance<N>, const N: usize>(op: &O, query: &[f32], candidate: &[f32]
     );
     let coordinate = |of: &[f32], i: usize| of.get(i).copied().unwrap_or(0.0).into();
     let end = [array_of!(i => coordinate(query_end, i)), array_of!(i => coordinate(candidate_end, i))];
-    run(Binary32, op, whole, (!query_end.is_empty()).then_some(end), query_end.len())
+    run(Binary32, SimdKernels, op, whole, (!query_end.is_empty()).then_some(end), query_end.len())
 }
 
 /// What `sum` takes from the sums of a query and the candidates of a block. Both have coordinates up to a multiple of
@@ -133,10 +134,10 @@ pub(crate) fn block<S: Simd, O: Distance<N>, const N: usize>(
             ([a, ..], [b, ..]) => Some(registers(&part, a, b)),
             _ => None,
         };
-        let state = run(part.lanes, op, whole, end, dimensions % N);
+        let state = run(part.lanes, SimdKernels, op, whole, end, dimensions % N);
         Num::<Binary32>::put(&sum(state), &mut sums, &part);
     }
-    sums.value().0
+    sums.value.0
 }
 
 /// A query's coordinates, each in all lanes, and those of a part of the candidates.
@@ -151,6 +152,7 @@ fn registers<S: Simd, const N: usize>(part: &Part<S>, a: &[f32; N], b: &[Lane; N
 #[inline(always)]
 fn run<C: Circuit, O: Distance<N>, const N: usize>(
     c: C,
+    kernels: impl Kernels<C>,
     op: &O,
     whole: impl Iterator<Item = [[Num<C>; N]; 2]>,
     end: Option<[[Num<C>; N]; 2]>,
@@ -159,11 +161,11 @@ fn run<C: Circuit, O: Distance<N>, const N: usize>(
     let (all, reset_accum) = (Flags(array_of!(_ => c.bit(true))), c.bit(false));
     let mut state = O::begin(c);
     for [a, b] in whole {
-        state = op.run(c, O::input(Beat { a, b, mask: all, reset_accum }), state).1;
+        state = op.run_with(c, kernels, O::input(Beat { a, b, mask: all, reset_accum }), state).1;
     }
     if let Some([a, b]) = end {
         let mask = Flags(array_of!(i => c.bit(i < width)));
-        state = op.run(c, O::input(Beat { a, b, mask, reset_accum }), state).1;
+        state = op.run_with(c, kernels, O::input(Beat { a, b, mask, reset_accum }), state).1;
     }
     state
 }

@@ -229,21 +229,21 @@ fn results<C: Concrete>(outcome: &Outcome<C>, number: impl Fn(C::Num) -> f64) ->
     match outcome {
         Outcome::Quadbox(output) => {
             let entry = |index: u32| {
-                let place = (0..4).find(|&place| output.box_index[place].value() == index)?;
-                output.is_intersect.0[place].value().then(|| number(output.tmin[place].value()))
+                let place = (0..4).find(|&place| output.box_index[place].value == index)?;
+                output.is_intersect.0[place].value.then(|| number(output.tmin[place].value))
             };
             (0..4).map(|index| (Quantity::BoxEntry, entry(index))).collect()
         }
         Outcome::Triangle(output) => {
-            let distance = || number(output.t_num.value()) / number(output.t_denom.value());
-            vec![(Quantity::TriangleDistance, output.triangle_hit.value().then(distance))]
+            let distance = || number(output.t_num.value) / number(output.t_denom.value);
+            vec![(Quantity::TriangleDistance, output.triangle_hit.value.then(distance))]
         }
-        Outcome::Euclidean(output) if output.euclidean_reset_accum.value() => {
-            vec![(Quantity::EuclideanSum, Some(number(output.euclidean_accumulator.value())))]
+        Outcome::Euclidean(output) if output.euclidean_reset_accum.value => {
+            vec![(Quantity::EuclideanSum, Some(number(output.euclidean_accumulator.value)))]
         }
-        Outcome::Angular(output) if output.angular_reset_accum.value() => {
+        Outcome::Angular(output) if output.angular_reset_accum.value => {
             let sums = [(Quantity::DotProduct, output.angular_dot_product), (Quantity::Norm, output.angular_norm)];
-            sums.map(|(quantity, sum)| (quantity, Some(number(sum.value())))).to_vec()
+            sums.map(|(quantity, sum)| (quantity, Some(number(sum.value)))).to_vec()
         }
         Outcome::Euclidean(_) | Outcome::Angular(_) => Vec::new(),
     }

@@ -1,8 +1,8 @@
 //! From a configuration, which is known when the program runs, to code that is generic over the model.
 
 use raypath_float::Format;
-use raypath_model::{Functional, Model, Soft};
-use raypath_ops::{Binary32, Concrete, JobKind};
+use raypath_model::{Functional, Model, ModelCircuit, Soft};
+use raypath_ops::{Binary32, JobKind};
 use raypath_rtl::{Config, Lanes};
 
 /// A model of the operations of the paper, whose jobs are plain values.
@@ -29,7 +29,7 @@ pub fn with_model<V: Visitor>(config: Config, visitor: V) -> V::Answer {
     }
 }
 
-fn with_lanes<C: Concrete + 'static, V: Visitor>(circuit: C, config: Config, visitor: V) -> V::Answer {
+fn with_lanes<C: ModelCircuit + 'static, V: Visitor>(circuit: C, config: Config, visitor: V) -> V::Answer {
     let rules = config.rules;
     match config.lanes {
         Lanes::Two => visitor.visit(Functional::<2, 1, C>::over(circuit, rules)),

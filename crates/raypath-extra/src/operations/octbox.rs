@@ -9,7 +9,7 @@ use crate::{draw, exact};
 use rand::{Rng, RngExt};
 use raypath_lab::{Registered, Study, inventory};
 use raypath_ops::{
-    Aabb, Binary32, Circuit, Entry, Flags, Num, Operation, Place, Ray, RayBox, RayBoxInput, Rules, Slab, Slabs, Word,
+    Aabb, Binary32, Circuit, Entry, Flags, LaneMap, Num, Operation, Portable, Ray, RayBox, RayBoxInput, Rules, Slab, Slabs, SortEntry, Word,
     array_of, bundle,
 };
 
@@ -59,9 +59,9 @@ impl Operation for Octbox {
     fn run<C: Circuit>(&self, c: C, input: OctboxInput<C>, _state: ()) -> (OctboxOutput<C>, ()) {
         let OctboxInput { ray, aabb } = input;
 
-        let hits: [Entry<C>; 8] = c.alike(&Slabs { rules: Rules::Paper, is_conservative: false }, &ray, &aabb);
-        let mut places: [Place<C, 3>; 8] =
-            array_of!(i => Place { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) });
+        let hits: [Entry<C>; 8] = Slabs { rules: Rules::Paper, is_conservative: false }.run(c, Portable, &ray, &aabb);
+        let mut places: [SortEntry<C, 3>; 8] =
+            array_of!(i => SortEntry { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) });
         c.label(format_args!("unsorted"), &places);
 
         c.stage(9, "sort each half by tmin, values and indices");
@@ -82,7 +82,7 @@ impl Operation for Octbox {
 
 /// Each pair in order, one after another.
 #[inline(always)]
-fn exchange<C: Circuit>(c: C, name: &str, places: &mut [Place<C, 3>; 8], pairs: &[(usize, usize)]) {
+fn exchange<C: Circuit>(c: C, name: &str, places: &mut [SortEntry<C, 3>; 8], pairs: &[(usize, usize)]) {
     for (step, &(i, j)) in pairs.iter().enumerate() {
         let swap = places[j].precedes(places[i]);
         (places[i], places[j]) = swap.exchange(places[i], places[j]);

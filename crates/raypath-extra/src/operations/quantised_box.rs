@@ -15,7 +15,7 @@ use crate::draw;
 use rand::{Rng, RngExt};
 use raypath_lab::{Registered, Study, inventory};
 use raypath_ops::{
-    Binary32, Bit, Circuit, Flags, Num, Operation, Place, Ray, RayBoxOutput, Slab, Vec3, Word, array_of, bundle,
+    Binary32, Bit, Circuit, Flags, Kernels, Num, Operation, Portable, Ray, RayBoxOutput, Slab, SortEntry, Vec3, Word, array_of, bundle,
 };
 
 /// Which of four quantised boxes a ray hits, nearest first.
@@ -81,21 +81,21 @@ impl Operation for QuantisedBox {
             let ends: [Slab<C>; 3] = array_of!(k => near_and_far(c, distance[i][k], parallel[k], backwards[k]));
             let (near, far) = (array_of!(k => ends[k].min), array_of!(k => ends[k].max));
             Slab {
-                min: c.largest_or_zero(format_args!("near_{i}"), near),
-                max: c.smallest_or_extent(format_args!("far_{i}"), far, ray.extent),
+                min: Portable.largest_or_zero(c, format_args!("near_{i}"), near),
+                max: Portable.smallest_or_extent(c, format_args!("far_{i}"), far, ray.extent),
             }
         });
         c.label(format_args!("inside"), &inside);
 
         c.stage(6, "hit = tmin against tmax");
-        let unsorted: [Place<C, 2>; 4] = array_of!(i => {
+        let unsorted: [SortEntry<C, 2>; 4] = array_of!(i => {
             let hit = node.used.0[i] & inside[i].min.compare(inside[i].max).less_or_equal();
-            Place { hit, tmin: hit.select(inside[i].min, c.infinity()), index: c.word(i as u32) }
+            SortEntry { hit, tmin: hit.select(inside[i].min, c.infinity()), index: c.word(i as u32) }
         });
         c.label(format_args!("unsorted"), &unsorted);
 
         c.stage(10, "sort the four by tmin, values and indices");
-        let sorted = c.sort(unsorted);
+        let sorted = Portable.sort(c, unsorted);
         c.label(format_args!("sorted"), &sorted);
 
         let output = RayBoxOutput {

@@ -3,7 +3,8 @@ use super::{Counts, Goal, Hit, Tracing, Traversal};
 use crate::progress::{Progress, Stopped};
 use crate::scene::Scene;
 use rayon::prelude::*;
-use raypath_ops::{Binary32, Operation, Ray, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Rules};
+use raypath_model::SimdKernels;
+use raypath_ops::{Binary32, KernelOperation, Ray, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Rules};
 
 /// Rays that are traced between two looks at the watch.
 const BATCH: usize = 4096;
@@ -105,12 +106,12 @@ fn run(traversal: &mut Traversal, rules: Rules) {
             Need::Fetch => {}
             Need::Boxes(boxes) => {
                 let input = RayBoxInput { ray: *traversal.ray(), aabb: *boxes };
-                let (answer, ()) = RayBox { rules }.run(Binary32, input, ());
+                let (answer, ()) = RayBox { rules }.run_with(Binary32, SimdKernels, input, ());
                 traversal.boxes(&answer);
             }
             Need::Triangle(triangle) => {
                 let input = RayTriangleInput { ray: *traversal.ray(), triangle };
-                let (answer, ()) = RayTriangle { rules }.run(Binary32, input, ());
+                let (answer, ()) = RayTriangle { rules }.run_with(Binary32, SimdKernels, input, ());
                 traversal.triangle(&answer);
             }
             // Every job has been answered, so there is nothing to wait for.

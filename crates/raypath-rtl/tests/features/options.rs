@@ -6,7 +6,7 @@ use raypath_float::Format;
 use raypath_hdl::verilog;
 use raypath_model::{Soft, SoftNumber};
 use raypath_ops::{
-    Angular, Binary32, Circuit, Culling, Euclidean, JobKind, Operation, RayBox, RayTriangle, Relation, Rules,
+    Angular, Binary32, Circuit, Culling, Euclidean, JobKind, Num, Operation, RayBox, RayTriangle, Relation, Rules,
     WIDENING_ULPS,
 };
 use raypath_rtl::{
@@ -142,7 +142,7 @@ fn conservative_boxes_miss_nothing_in_small_formats() {
         let mut greatest = number(0);
         let mut missed = 0;
         for (_, computed) in distances {
-            greatest = c.larger(greatest, computed);
+            greatest = Num::new(c, greatest).larger(Num::new(c, computed)).value;
             missed +=
                 usize::from(!c.relation(c.compare(greatest, c.multiply(computed, factor)), Relation::LessOrEqual));
         }

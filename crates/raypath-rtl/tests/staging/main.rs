@@ -205,11 +205,11 @@ struct Ports(BTreeMap<String, u64>);
 
 impl Sink<Binary32> for Ports {
     fn num(&mut self, field: Field<'_>, value: Num<Binary32>) {
-        self.0.insert(field.name.to_string(), value.value().to_bits().into());
+        self.0.insert(field.name.to_string(), value.value.to_bits().into());
     }
     fn bit(&mut self, field: Field<'_>, value: Bit<Binary32>) {
         let place = field.bit.map_or(0, |(bit, _)| bit);
-        *self.0.entry(field.name.to_string()).or_default() |= u64::from(value.value()) << place;
+        *self.0.entry(field.name.to_string()).or_default() |= u64::from(value.value) << place;
     }
     fn word(&mut self, field: Field<'_>, _: u32, value: u32) {
         self.0.insert(field.name.to_string(), value.into());

@@ -5,10 +5,10 @@ use crate::commands::bench::stopwatch::seconds;
 use crate::commands::bench::workload::Workload;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath::model::{Batch, CycleModel, Functional, Shape, blank, levels, pack};
+use raypath::model::{Batch, CycleModel, Functional, Packed, Shape, blank, levels, pack};
 use raypath::ops::{
-    AngularInput, AngularOutput, Binary32, EuclideanInput, EuclideanOutput, Family, Job, JobKind, Of, Packed,
-    RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules,
+    AngularInput, AngularOutput, Binary32, EuclideanInput, EuclideanOutput, Family, Job, JobKind, Of, RayBoxInput,
+    RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules,
 };
 use std::hint::black_box;
 

@@ -1,27 +1,24 @@
-//! Operations over SIMD lanes: one instruction computes the same number of several jobs.
+//! Arithmetic in SIMD lanes: one instruction computes the same value of several jobs.
 
-use crate::binary32::Binary32;
-use crate::circuit::{Circuit, Relation, Test};
-use crate::handle::{Bit, Num, Word};
-use crate::rules::{self, Place};
 use fearless_simd::prelude::*;
 use fearless_simd::{Select, Simd, f32x4, i32x4, mask32x4, u8x16, u32x4};
-use std::fmt::{self, Arguments};
+use raypath_ops::{Binary32, Circuit, Relation, Test};
+use std::fmt;
 use std::marker::PhantomData;
 
-/// Binary32 numbers side by side in SIMD registers: what a job computes over [`Binary32`](crate::Binary32), each lane
-/// computes, bit for bit but for the signs and payloads of NaNs.
+/// Binary32 arithmetic in SIMD registers. Each lane computes what [`Binary32`] computes, bit for bit except for the signs and
+/// payloads of NaNs.
 ///
-/// `S` is the proof that the machine has the instructions, `W` says how many lanes a register has. Code over it must be
-/// inlined into a function that has those instructions: call it inside [`Simd::vectorize`] or
-/// [`fearless_simd::dispatch`].
+/// `S` is the instruction set, and a value of it proves that the machine has it. `W` is the number of lanes in a register. Code
+/// over this circuit must be inlined into a function that is compiled for the instruction set: call it inside
+/// [`Simd::vectorize`] or [`fearless_simd::dispatch`].
 #[derive(Clone, Copy)]
 pub struct Lanes<S, W = Native> {
     simd: S,
     width: PhantomData<W>,
 }
 
-/// How many lanes there are.
+/// The register types for a number of lanes.
 pub trait Width<S: Simd>: 'static {
     /// A register of numbers.
     type Nums: SimdFloat<S, Element = f32, Mask = Self::Bits, ByteVector = Self::Bytes>;
@@ -35,7 +32,7 @@ pub trait Width<S: Simd>: 'static {
     type Bytes: SimdBase<S, Element = u8, ByteVector = Self::Bytes>;
 }
 
-/// As many lanes as the machine's registers have.
+/// As many lanes as the registers of the instruction set have.
 #[derive(Debug, Clone, Copy)]
 pub struct Native;
 
@@ -43,7 +40,7 @@ pub struct Native;
 #[derive(Debug, Clone, Copy)]
 pub struct Four;
 
-/// What a lane circuit computes with. Equality is of no use to it: it holds for no two.
+/// A register of a lane circuit. No two registers are equal, because [`Circuit`] requires an equality that lanes do not need.
 #[derive(Clone, Copy)]
 pub struct Row<T>(pub T);
 
@@ -64,50 +61,41 @@ impl<S: Simd> Width<S> for Four {
 }
 
 impl<S: Simd, W: Width<S>> Lanes<S, W> {
-    /// How many lanes there are.
+    /// The number of lanes.
     pub const COUNT: usize = W::Nums::LEN;
 
-    /// The circuit over the instructions of `simd`.
+    /// The circuit over the instruction set `simd`.
     #[inline(always)]
     pub fn new(simd: S) -> Self {
         Self { simd, width: PhantomData }
     }
 
-    /// The proof that the machine has the instructions.
+    /// The instruction set.
     #[inline(always)]
     pub fn simd(self) -> S {
         self.simd
     }
 
-    /// `a` where it is greater, else `b`: `b` too where either is NaN, and where they are equal.
+    /// `a` if it is greater, else `b`; so `b` if either is NaN or they are equal.
     #[inline(always)]
-    fn greater(self, a: W::Nums, b: W::Nums) -> W::Nums {
-        // That is what x86's MAXPS answers, and no other machine's maximum.
+    pub(crate) fn greater(self, a: W::Nums, b: W::Nums) -> W::Nums {
+        // This is the result of x86's MAXPS, but not of other machines' maximum.
         if X86 { a.max(b) } else { a.simd_gt(b).select(a, b) }
     }
 
-    /// `a` where it is less, else `b`: `b` too where either is NaN, and where they are equal.
+    /// `a` if it is less, else `b`; so `b` if either is NaN or they are equal.
     #[inline(always)]
-    fn lesser(self, a: W::Nums, b: W::Nums) -> W::Nums {
+    pub(crate) fn lesser(self, a: W::Nums, b: W::Nums) -> W::Nums {
         if X86 { a.min(b) } else { a.simd_lt(b).select(a, b) }
     }
 
-    /// Distances and keys in two places, exchanged where the second comes before the first.
+    /// The registers `(a, b)`, exchanged in the lanes in which `condition` holds.
     #[inline(always)]
-    fn compare_and_swap(&self, boxes: &mut [(W::Nums, W::Ints); 4], i: usize, j: usize) {
-        let ((a, a_key), (b, b_key)) = (boxes[i], boxes[j]);
-        let swap = b.simd_lt(a) | (b.simd_eq(a) & b_key.simd_lt(a_key));
-        let ((a, b), (a_key, b_key)) = (self.exchange(swap, a, b), self.exchange(swap, a_key, b_key));
-        (boxes[i], boxes[j]) = ((a, a_key), (b, b_key));
-    }
-
-    /// Two registers, exchanged where `condition` holds.
-    #[inline(always)]
-    fn exchange<T: Copy + Bytes<Bytes = W::Bytes>>(&self, condition: W::Bits, a: T, b: T) -> (T, T)
+    pub(crate) fn exchange<T: Copy + Bytes<Bytes = W::Bytes>>(&self, condition: W::Bits, a: T, b: T) -> (T, T)
     where
         W::Bits: Select<T>,
     {
-        // Before AVX-512, x86's choices take up to three instructions each; these are four for both.
+        // Without AVX-512 each selection takes up to three x86 instructions; these are four for both.
         if X86 && self.simd.level().as_avx512().is_none() {
             let (a, b, ones) = (a.bitcast::<W::Ints>(), b.bitcast::<W::Ints>(), condition.to_vector());
             let change = (a ^ b) & ones;
@@ -117,9 +105,6 @@ impl<S: Simd, W: Width<S>> Lanes<S, W> {
         }
     }
 }
-
-/// Set in the key of a box that is missed, above its index.
-const MISSES: i32 = 4;
 
 const TWO_TO_23: f32 = 8_388_608.0;
 
@@ -174,7 +159,7 @@ where
     }
     #[inline(always)]
     fn number_of(self, _width: u32, word: Self::Word) -> Self::Num {
-        // Among the numbers from 2^23 on, of which the last fraction bit is worth 1.
+        // The word becomes the fraction of a number from 2^23 on, whose unit in the last place is 1.
         let above = (word.0 | self.constant_word(32, TWO_TO_23.to_bits()).0).bitcast::<W::Nums>();
         Row(above - self.constant(TWO_TO_23).0)
     }
@@ -234,58 +219,6 @@ where
     fn select_word(self, condition: Self::Bit, if_true: Self::Word, if_false: Self::Word) -> Self::Word {
         Row(condition.0.select(if_true.0, if_false.0))
     }
-
-    #[inline(always)]
-    fn largest_or_zero(self, _name: Arguments<'_>, [x, y, z]: [Num<Self>; 3]) -> Num<Self> {
-        // What is second is never NaN, and a zero's place is taken by no other.
-        let z0 = self.greater(z.value.0, self.constant(0.0).0);
-        Num::new(self, Row(self.greater(x.value.0, self.greater(y.value.0, z0))))
-    }
-    #[inline(always)]
-    fn smallest_or_extent(self, name: Arguments<'_>, numbers: [Num<Self>; 3], extent: Num<Self>) -> Num<Self> {
-        if extent.value.0.is_nan().any_true() {
-            return rules::smallest_or_extent(self, name, numbers, extent);
-        }
-        let [x, y, z] = numbers;
-        let z_extent = self.lesser(z.value.0, extent.value.0);
-        Num::new(self, Row(self.lesser(x.value.0, self.lesser(y.value.0, z_extent))))
-    }
-    #[inline(always)]
-    fn sort(self, boxes: [Place<Self, 2>; 4]) -> [Place<Self, 2>; 4] {
-        // Misses and index make one word, which decides ties and moves as one.
-        let mut sorted: [(W::Nums, W::Ints); 4] = array_of!(i => {
-            let misses = !boxes[i].hit.value.0.to_vector() & MISSES;
-            (boxes[i].tmin.value.0, misses | boxes[i].index.value.0.bitcast::<W::Ints>())
-        });
-        self.compare_and_swap(&mut sorted, 0, 2);
-        self.compare_and_swap(&mut sorted, 1, 3);
-        self.compare_and_swap(&mut sorted, 0, 1);
-        self.compare_and_swap(&mut sorted, 2, 3);
-        self.compare_and_swap(&mut sorted, 1, 2);
-        array_of!(i => {
-            let (tmin, key) = sorted[i];
-            Place {
-                hit: Bit::new(self, Row(key.simd_lt(MISSES))),
-                tmin: Num::new(self, Row(tmin)),
-                index: Word::new(self, Row((key & (MISSES - 1)).bitcast())),
-            }
-        })
-    }
-    #[inline(always)]
-    fn exchange_num(self, condition: Self::Bit, a: Self::Num, b: Self::Num) -> (Self::Num, Self::Num) {
-        let (a, b) = self.exchange(condition.0, a.0, b.0);
-        (Row(a), Row(b))
-    }
-    #[inline(always)]
-    fn exchange_bit(self, condition: Self::Bit, a: Self::Bit, b: Self::Bit) -> (Self::Bit, Self::Bit) {
-        let change = (a.0 ^ b.0) & condition.0;
-        (Row(a.0 ^ change), Row(b.0 ^ change))
-    }
-    #[inline(always)]
-    fn exchange_word(self, condition: Self::Bit, a: Self::Word, b: Self::Word) -> (Self::Word, Self::Word) {
-        let (a, b) = self.exchange(condition.0, a.0, b.0);
-        (Row(a), Row(b))
-    }
 }
 
 impl<S: Simd, W: Width<S>> fmt::Debug for Lanes<S, W> {
@@ -295,7 +228,7 @@ impl<S: Simd, W: Width<S>> fmt::Debug for Lanes<S, W> {
 }
 
 impl<S, W> PartialEq for Lanes<S, W> {
-    /// There is one of each type.
+    /// All values of one type are equal.
     fn eq(&self, _: &Self) -> bool {
         true
     }

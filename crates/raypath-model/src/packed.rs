@@ -1,32 +1,29 @@
-//! Jobs in blocks of sixteen, field by field: how batches stand in memory.
+//! Blocks of sixteen jobs, field by field: the memory layout of batches.
 
-use crate::binary32::{Binary32, Single};
-use crate::circuit::{Circuit, Relation, Test};
-use crate::family::{Gather, Put, Scatter};
-use crate::handle::{Bit, Num, Word};
 use crate::lanes::{Lanes, Native, Row, Width};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
+use raypath_ops::{Binary32, Bit, Circuit, Gather, Num, Put, Relation, Scatter, Single, Test, Word, array_of};
 
-/// Sixteen jobs side by side, each value of all of them in one cache line: a `RayBoxInput<Packed>` is sixteen jobs as a
-/// structure of arrays. Made to be stored, and computed in [`Lanes`]; computing over it directly is right, and slow.
+/// A circuit whose values belong to sixteen jobs, each value in one cache line: a `RayBoxInput<Packed>` is sixteen jobs as a
+/// structure of arrays. It is a storage format for [`Lanes`]; computing over it directly is correct but slow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Packed;
 
-/// How many jobs are in a block.
+/// The number of jobs in a block.
 pub const BLOCK: usize = 16;
 
-/// A value of sixteen jobs.
+/// One value of each of sixteen jobs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(align(64))]
 pub struct Sixteen<T>(pub [T; BLOCK]);
 
-/// Where a block's lanes go into registers of [`Lanes`]: from this job on.
+/// Loads and stores the jobs of a block that fill one register of [`Lanes`].
 #[derive(Clone, Copy)]
 pub struct Part<S> {
     /// The circuit that computes.
     pub lanes: Lanes<S>,
-    /// The first job: a multiple of the lanes' number.
+    /// The first job: a multiple of the number of lanes.
     pub first: usize,
 }
 
@@ -42,7 +39,7 @@ impl<T: Copy> Sixteen<T> {
 
 impl Circuit for Packed {
     type Num = Sixteen<f32>;
-    /// All ones where it holds, zero where it does not.
+    /// All ones for true, zero for false.
     type Bit = Sixteen<i32>;
     type Word = Sixteen<u32>;
     type Order = (Sixteen<f32>, Sixteen<f32>);
@@ -117,7 +114,7 @@ fn choose<T: Copy>(condition: Sixteen<i32>, if_true: Sixteen<T>, if_false: Sixte
     Sixteen(array_of!(i => if condition.0[i] == 0 { if_false.0[i] } else { if_true.0[i] }))
 }
 
-/// Sixteen jobs into a block.
+/// Packs sixteen jobs into a block.
 impl Gather<Binary32, Packed, BLOCK> for Packed {
     #[inline]
     fn num(&self, values: [&Num<Binary32>; BLOCK]) -> Num<Packed> {
@@ -133,7 +130,7 @@ impl Gather<Binary32, Packed, BLOCK> for Packed {
     }
 }
 
-/// A block into sixteen jobs.
+/// Unpacks a block into sixteen jobs.
 impl Scatter<Packed, Binary32, BLOCK> for Packed {
     #[inline]
     fn num(&self, value: Num<Packed>) -> [Num<Binary32>; BLOCK] {
@@ -154,7 +151,7 @@ type Words<S> = <Native as Width<S>>::Words;
 type Bits<S> = <Native as Width<S>>::Bits;
 type Ints<S> = <Bits<S> as SimdMask<S>>::Ints;
 
-/// Some jobs of a block into registers.
+/// Loads jobs of a block into registers.
 impl<S: Simd> Gather<Packed, Lanes<S>, 1> for Part<S> {
     #[inline(always)]
     fn num(&self, [value]: [&Num<Packed>; 1]) -> Num<Lanes<S>> {
@@ -176,18 +173,18 @@ impl<S: Simd> Gather<Packed, Lanes<S>, 1> for Part<S> {
     }
 }
 
-/// Registers into some jobs of a block.
+/// Stores registers into jobs of a block.
 impl<S: Simd> Put<Lanes<S>, Packed> for Part<S> {
     #[inline(always)]
-    fn num(&self, value: &Num<Lanes<S>>, place: &mut Num<Packed>) {
-        value.value.0.store_slice(&mut place.value.0[self.first..self.first + Lanes::<S>::COUNT]);
+    fn num(&self, value: &Num<Lanes<S>>, target: &mut Num<Packed>) {
+        value.value.0.store_slice(&mut target.value.0[self.first..self.first + Lanes::<S>::COUNT]);
     }
     #[inline(always)]
-    fn bit(&self, value: &Bit<Lanes<S>>, place: &mut Bit<Packed>) {
-        value.value.0.to_vector().store_slice(&mut place.value.0[self.first..self.first + Lanes::<S>::COUNT]);
+    fn bit(&self, value: &Bit<Lanes<S>>, target: &mut Bit<Packed>) {
+        value.value.0.to_vector().store_slice(&mut target.value.0[self.first..self.first + Lanes::<S>::COUNT]);
     }
     #[inline(always)]
-    fn word<const W: u32>(&self, value: &Word<Lanes<S>, W>, place: &mut Word<Packed, W>) {
-        value.value.0.store_slice(&mut place.value.0[self.first..self.first + Lanes::<S>::COUNT]);
+    fn word<const W: u32>(&self, value: &Word<Lanes<S>, W>, target: &mut Word<Packed, W>) {
+        value.value.0.store_slice(&mut target.value.0[self.first..self.first + Lanes::<S>::COUNT]);
     }
 }
