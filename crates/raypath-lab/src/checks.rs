@@ -117,15 +117,17 @@ impl Checks<'_> {
         Ok(lockstep(&mut netlist, self.datapath.model(), self.mixed_jobs().into_iter(), &mut traffic, on_job))
     }
 
-    /// The emitted text: past Verilator, Yosys and slang without a word, then in Verilator, in every cycle like the
-    /// cycle-exact model, and each answer of these operations before its oracle.
+    /// Checks the emitted text. Verilator, Yosys and slang must report nothing. Then Verilator simulates it with the
+    /// assertions of the control bound, and compares every cycle with the cycle-exact model and every result of these
+    /// operations with its oracle.
     ///
     /// # Errors
-    /// A tool that is not installed, or that has something to say.
+    /// A tool is not installed or reports something, or an assertion fails.
     pub fn in_verilator(&self, folder: &Path) -> Result<Simulated, ToolError> {
         let top = self.netlist.top();
-        let sources = Sources::write(top, folder)?;
+        let mut sources = Sources::write(top, folder)?;
         sources.lint()?;
+        sources.add(folder.join("raypath_properties.sv"), &self.netlist.properties().to_string())?;
         let verilated = Verilated::build_sources(&sources.files, top, folder, &Default::default())?;
         let config = self.datapath.config();
         let (jobs, model) = (self.mixed_jobs(), self.datapath.model());

@@ -39,6 +39,17 @@ impl Sources {
         Ok(Self { files, all: path, top: top.name().to_string() })
     }
 
+    /// Writes `text` to `path` and adds the file to [`Self::files`], not to [`Self::all`]: for assertions that are bound
+    /// to the modules.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn add(&mut self, path: PathBuf, text: &str) -> Result<(), ToolError> {
+        write(&path, text)?;
+        self.files.push(path);
+        Ok(())
+    }
+
     /// Runs all linters: Verilator on the separate files and on the joined file, Yosys and slang on the joined file.
     ///
     /// # Errors

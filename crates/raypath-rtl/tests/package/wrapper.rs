@@ -72,7 +72,7 @@ fn it_equals_the_bare_datapath() {
         let flat = written.path().join("flat.sv");
         fs::write(&flat, flattened(top)).expect("a file");
         let mut files = written.listed();
-        files.push(flat);
+        files.extend([flat, written.path().join("raypath_properties.sv")]);
 
         let frames = frames(top, &mut ChaCha8Rng::seed_from_u64(1));
         let expected = simulate(top, &frames);

@@ -9,17 +9,16 @@ fn simulate(fault: Option<(&str, &str)>) -> Result<(), ToolError> {
     let datapath = Datapath::new(config).expect("a datapath");
     let top = datapath.top();
     let folder = tempfile::tempdir().expect("a folder");
-    let mut files = Sources::write(top, folder.path()).expect("sources").files;
+    let mut sources = Sources::write(top, folder.path()).expect("sources");
     if let Some((from, to)) = fault {
         let skid = folder.path().join("raypath_skid.sv");
         let text = std::fs::read_to_string(&skid).expect("text");
         assert!(text.contains(from), "{from}");
         std::fs::write(&skid, text.replace(from, to)).expect("a file");
     }
-    let properties = folder.path().join("raypath_properties.sv");
-    std::fs::write(&properties, datapath.properties().to_string()).expect("a file");
-    files.push(properties);
-    let verilated = Verilated::build_sources(&files, top, folder.path(), &Options::default())?;
+    let path = folder.path().join("raypath_properties.sv");
+    sources.add(path, &datapath.properties().to_string()).expect("the assertions");
+    let verilated = Verilated::build_sources(&sources.files, top, folder.path(), &Options::default())?;
     let mut state = 1u64;
     let frames = (0..500).map(|_| {
         let mut frame = vec![1];

@@ -11,12 +11,16 @@ use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::{Job, Outcome, Rules};
 use raypath::rtl::{Config, Datapath, Lanes};
 use raypath::traffic::{Traffic, interleave};
-use raypath_tools::Verilated;
+use raypath_tools::{Options, Sources, Verilated};
 
+/// A datapath in Verilator, with the assertions of its control bound.
 fn build(config: Config) -> (tempfile::TempDir, Datapath, Verilated) {
     let datapath = Datapath::new(config).expect("a datapath");
     let folder = tempfile::tempdir().expect("a folder");
-    let verilated = Verilated::build(datapath.top(), folder.path()).expect("a build");
+    let (top, path) = (datapath.top(), folder.path());
+    let mut sources = Sources::write(top, path).expect("sources");
+    sources.add(path.join("raypath_properties.sv"), &datapath.properties().to_string()).expect("the assertions");
+    let verilated = Verilated::build_sources(&sources.files, top, path, &Options::default()).expect("a build");
     (folder, datapath, verilated)
 }
 
