@@ -1,5 +1,6 @@
 //! Campaigns: every case through the netlists of the floating-point units, against oracles that share nothing with them.
 
+mod berkeley;
 mod conversions;
 mod small_formats;
 mod softfloat;

@@ -1,11 +1,11 @@
 //! binary32 against Berkeley SoftFloat, on the cases of Berkeley TestFloat.
 
-use crate::bench::{Answer, Bench, Ports, Units};
+use super::berkeley::oracle;
+use crate::bench::{Bench, Ports, Units};
 use crate::cores::{Campaign, Phase, grouped};
 use crate::testfloat::{BLOCK, Level, Pairs};
 use crate::{Error, Request, Verdict};
 use raypath_float::Format;
-use softfloat_wrapper::{F32, Float, RoundingMode};
 
 /// Sums, differences, products and comparisons of TestFloat's cases, through the netlists of the units, whole and in
 /// parts, between those that encode and decode. All cases of level 1; of level 2 every fifth, at level `full` all, and at
@@ -51,27 +51,4 @@ fn faults(bench: &mut Bench, a: u32, b: u32) -> Vec<String> {
         faults.push(format!("less or equal of {operands}: {}, expected {less_or_equal}", !less_or_equal));
     }
     faults
-}
-
-/// What SoftFloat says of two numbers, and whether the first is less or equal.
-fn oracle(a: u32, b: u32) -> (Answer, bool) {
-    let (x, y) = (F32::from_bits(a), F32::from_bits(b));
-    let nearest_even = RoundingMode::TiesToEven;
-    let answer = Answer {
-        sum: canonical(x.add(y, nearest_even)),
-        difference: canonical(x.sub(y, nearest_even)),
-        product: canonical(x.mul(y, nearest_even)),
-        less: x.lt_quiet(y),
-        equal: x.eq(y),
-        unordered: !x.le_quiet(y) && !y.le_quiet(x),
-        parts_differ: 0,
-    };
-    (answer, x.le_quiet(y))
-}
-
-/// The bits of a result. SoftFloat hands payloads of NaNs on, as the processors do whose specialisation it has; ours is
-/// one NaN for all.
-fn canonical(number: F32) -> u64 {
-    let bits = number.to_bits();
-    if bits & 0x7fff_ffff > 0x7f80_0000 { 0x7fc0_0000 } else { bits.into() }
 }
