@@ -1,71 +1,71 @@
-//! From designs to reports.
+//! Measures designs: from netlists to reports.
 
-use crate::design::{Design, Piece, RegisterKind};
+use crate::attribution::{Attribution, CellRole};
+use crate::design::{Block, Design, RegisterKind};
 use crate::library::Library;
 use crate::netlist::Netlist;
-use crate::place::{Placed, Role};
 use crate::report::{Area, Path, Report, Setting, Slowest, Stage, Step, thousandths};
 use crate::structural;
 use crate::synthesis::Synthesis;
-use crate::timing::{self, Ends, RawPath};
+use crate::timing::{self, Endpoints, RawPath};
 use crate::{Error, parallel};
 use raypath_tools::{Cache, Key, OpenSta, ToolError, Yosys, read_within, temporary_folder, write};
 use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
-/// More than OpenSTA says: some kilobytes a stage.
-const MOST_SAID: u64 = 64 << 20;
+/// The limit on OpenSTA's output, which has some kilobytes for each stage.
+const MAX_STA_OUTPUT: u64 = 64 << 20;
 
-/// Everything that designs are measured with.
+/// A cell library, the tools and a cache, with which designs are measured.
 #[derive(Debug)]
 pub struct Bench {
-    /// The cells.
+    /// The cell library.
     pub library: Library,
     /// The synthesiser.
     pub yosys: Yosys,
     /// The timing analyser.
     pub sta: OpenSta,
-    /// The period that gates are chosen for, in nanoseconds.
+    /// The clock period for which gates are chosen, in nanoseconds.
     pub period: f64,
-    /// How many programs may run at a time.
+    /// The number of programs that may run at a time.
     pub jobs: usize,
-    /// Where results are kept.
+    /// The folder of cached results.
     pub cache: PathBuf,
 }
 
-/// How far a measurement has come.
+/// The progress of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Steps {
-    /// Steps that are done.
+pub struct Progress {
+    /// Finished syntheses and timing analyses.
     pub done: usize,
-    /// All of them: syntheses and timing analyses.
+    /// All syntheses and timing analyses.
     pub total: usize,
 }
 
 impl Bench {
-    /// Measures designs: synthesises what they are made of, each kind of unit once, and finds the slowest path to each
-    /// stage. What is in the cache is not done again, and all that is done goes into it at once, so that a measurement
-    /// that was stopped goes on where it was. `proceed` is told several times a second how far it is; where it says no,
-    /// the programs are ended.
+    /// Measures designs: synthesises their blocks, each kind of unit once, and finds the slowest path to each stage.
+    ///
+    /// Every result goes into the cache at once and is not computed again, so that a stopped measurement resumes.
+    /// `proceed` gets the progress several times a second; if it returns false, the programs are ended.
     ///
     /// # Errors
     /// A tool is missing or fails; a file cannot be written; [`ToolError::Stopped`].
-    pub fn measure(&self, designs: &[Design], mut proceed: impl FnMut(Steps) -> bool) -> Result<Vec<Report>, Error> {
+    pub fn measure(&self, designs: &[Design], mut proceed: impl FnMut(Progress) -> bool) -> Result<Vec<Report>, Error> {
         let cache = Cache::new(&self.cache);
         let plans = designs.iter().map(|design| self.plan(design)).collect::<Result<Vec<_>, _>>()?;
-        // A report that is there needs nothing else.
+        // A cached report needs no synthesis.
         let wanted: Vec<&Plan<'_>> = plans.iter().filter(|plan| cache.get::<Report>(&plan.key).is_none()).collect();
-        let pieces = new_pieces(&wanted, &cache);
-        let total = pieces.len() + wanted.len();
+        let blocks = new_blocks(&wanted, &cache);
+        let total = blocks.len() + wanted.len();
 
-        let synthesise = |(plan, piece): &(&Plan<'_>, usize), stop: &AtomicBool| {
-            self.netlist(plan, *piece, &cache, stop).map(|_| Some(()))
+        let synthesise = |(plan, block): &(&Plan<'_>, usize), stop: &AtomicBool| {
+            self.netlist(plan, *block, &cache, stop).map(|_| Some(()))
         };
-        all(parallel::map(&pieces, self.jobs, synthesise, |done| proceed(Steps { done, total }))?)?;
+        all(parallel::map(&blocks, self.jobs, synthesise, |done| proceed(Progress { done, total }))?)?;
 
         let known = plans.len() - wanted.len();
-        let done = |reports: usize| Steps { done: pieces.len() + reports.saturating_sub(known), total };
+        let done = |reports: usize| Progress { done: blocks.len() + reports.saturating_sub(known), total };
         let report = |plan: &Plan<'_>, stop: &AtomicBool| match cache.get(&plan.key) {
             Some(report) => Ok::<_, Error>(Some(report)),
             None => {
@@ -79,51 +79,51 @@ impl Bench {
 
     fn plan<'d>(&self, design: &'d Design) -> Result<Plan<'d>, Error> {
         let synthesis = self.synthesis();
-        let pieces: Vec<(Piece, Key)> = design
-            .pieces()?
+        let blocks: Vec<(Block, Key)> = design
+            .blocks()?
             .into_iter()
-            .map(|piece| {
-                let key = synthesis.key(&piece);
-                (piece, key)
+            .map(|block| {
+                let key = synthesis.key(&block);
+                (block, key)
             })
             .collect();
         let (period, sta) = (self.period.to_string(), self.sta.to_string());
         let mut parts = vec![design.name(), self.library.digest(), &period, &sta];
-        parts.extend(pieces.iter().map(|(_, key)| key.as_str()));
+        parts.extend(blocks.iter().map(|(_, key)| key.as_str()));
         let key = Key::new("report", &parts);
-        Ok(Plan { design, registers: design.registers(), pieces, key })
+        Ok(Plan { design, registers: design.registers(), blocks, key })
     }
 
     fn synthesis(&self) -> Synthesis<'_> {
         Synthesis { library: &self.library, yosys: &self.yosys, period: self.period }
     }
 
-    /// A piece, synthesised now or earlier.
-    fn netlist(&self, plan: &Plan<'_>, piece: usize, cache: &Cache, stop: &AtomicBool) -> Result<Netlist, Error> {
-        let (piece, key) = &plan.pieces[piece];
+    /// A synthesised block, from the cache if it is there.
+    fn netlist(&self, plan: &Plan<'_>, block: usize, cache: &Cache, stop: &AtomicBool) -> Result<Netlist, Error> {
+        let (block, key) = &plan.blocks[block];
         match cache.get(key) {
             Some(netlist) => Ok(netlist),
             None => {
-                let netlist = self.synthesis().run(piece, &plan.registers, stop)?;
+                let netlist = self.synthesis().run(block, &plan.registers, stop)?;
                 cache.put(key, &netlist)?;
                 Ok(netlist)
             }
         }
     }
 
-    /// Puts together what is known of a design.
+    /// The report of a design whose blocks are synthesised.
     fn report(&self, plan: &Plan<'_>, cache: &Cache, stop: &AtomicBool) -> Result<Report, Error> {
         let Plan { design, registers, .. } = plan;
         let mut units = BTreeMap::new();
-        for (number, (piece, _)) in plan.pieces.iter().enumerate() {
-            units.insert(piece.module.clone(), self.netlist(plan, number, cache, stop)?);
+        for (number, (block, _)) in plan.blocks.iter().enumerate() {
+            units.insert(block.module.clone(), self.netlist(plan, number, cache, stop)?);
         }
         let top = units.remove(design.top()).ok_or_else(|| ToolError::unexpected("yosys", "no top module", "one"))?;
         let groups = design.groups();
-        let placed = Placed::new(&top, &units, &self.library, &groups, registers);
-        let areas = placed.areas(&units, &self.library);
-        let flip_flops = placed.flip_flops();
-        let slowest = self.slowest(&top, &units, &placed, &flip_flops, &groups, stop)?;
+        let attribution = Attribution::new(&top, &units, &self.library, &groups, registers);
+        let areas = attribution.areas(&units, &self.library);
+        let flip_flops = attribution.flip_flops();
+        let slowest = self.slowest(&top, &units, &attribution, &flip_flops, &groups, stop)?;
 
         let mut area = Area::default();
         areas.iter().for_each(|part| area.add(part));
@@ -156,7 +156,7 @@ impl Bench {
         })
     }
 
-    /// What this bench measures with, for reports.
+    /// The tools, the library and the period, for reports.
     pub fn setting(&self) -> Setting {
         Setting {
             synthesis: self.yosys.to_string(),
@@ -169,39 +169,39 @@ impl Bench {
         }
     }
 
-    /// The slowest path that ends in each group.
+    /// The slowest path that ends in each group of cells.
     fn slowest(
         &self,
         top: &Netlist,
         units: &BTreeMap<String, Netlist>,
-        placed: &Placed<'_>,
+        attribution: &Attribution<'_>,
         flip_flops: &[u64],
         groups: &[String],
         stop: &AtomicBool,
     ) -> Result<Vec<Option<Path>>, Error> {
-        let mut ends: Vec<(usize, Ends)> = (0..groups.len())
+        let mut ends: Vec<(usize, Endpoints)> = (0..groups.len())
             .filter(|group| flip_flops[*group] > 0)
-            .map(|group| (group, Ends::Registers(group)))
+            .map(|group| (group, Endpoints::Registers(group)))
             .collect();
-        ends.push((placed.port_group(), Ends::Ports));
+        ends.push((attribution.port_group(), Endpoints::Ports));
 
         let folder = temporary_folder()?;
         let folder = folder.path();
         let mut text: String =
             units.values().map(|unit| structural::module(unit, |index| format!("x{index}"))).collect();
-        text += &structural::module(top, |index| structural::cell_name(index, &placed.roles[index]));
+        text += &structural::module(top, |index| structural::cell_name(index, &attribution.roles[index]));
         write(&folder.join(timing::NETLIST), &text)?;
         write(&folder.join(timing::LIBRARY), self.library.text())?;
-        let ends_only: Vec<Ends> = ends.iter().map(|(_, end)| *end).collect();
+        let ends_only: Vec<Endpoints> = ends.iter().map(|(_, end)| *end).collect();
         write(&folder.join(timing::SCRIPT), &timing::script(&top.module, &self.library, self.period, &ends_only))?;
         self.sta.run(folder, timing::SCRIPT, timing::LOG, &top.module, stop)?;
         let log = folder.join(timing::LOG);
-        let said = read_within(&log, MOST_SAID)?;
+        let said = read_within(&log, MAX_STA_OUTPUT)?;
         let found = timing::paths(&String::from_utf8_lossy(&said), ends.len())?;
 
         let mut slowest: Vec<Option<Path>> = vec![None; groups.len()];
         for ((group, _), raw) in ends.into_iter().zip(found) {
-            let Some(path) = raw.map(|raw| readable(&raw, top, placed)) else { continue };
+            let Some(path) = raw.map(|raw| named_path(&raw, top, attribution)) else { continue };
             let known = &mut slowest[group];
             if known.as_ref().is_none_or(|known| known.ns < path.ns) {
                 *known = Some(path);
@@ -211,41 +211,44 @@ impl Bench {
     }
 }
 
-/// All results, where none was left out because the user stopped the work.
+/// All results.
+///
+/// # Errors
+/// One was left out, because the user stopped the work.
 fn all<T>(results: Vec<Option<T>>) -> Result<Vec<T>, ToolError> {
     results.into_iter().collect::<Option<_>>().ok_or(ToolError::Stopped)
 }
 
-/// A design, and the names under which its results are kept.
+/// A design, and the cache keys of its results.
 struct Plan<'d> {
     design: &'d Design,
     registers: BTreeMap<String, RegisterKind>,
-    pieces: Vec<(Piece, Key)>,
+    blocks: Vec<(Block, Key)>,
     key: Key,
 }
 
-/// The pieces that have to be synthesised, each once, however many designs have it; what surrounds the units first,
-/// which takes longest.
-fn new_pieces<'p, 'd>(plans: &[&'p Plan<'d>], cache: &Cache) -> Vec<(&'p Plan<'d>, usize)> {
+/// The blocks that are not in the cache, as plans and indices into their blocks. A block that several designs share
+/// appears once. Blocks that are not units come first, because they take longest.
+fn new_blocks<'p, 'd>(plans: &[&'p Plan<'d>], cache: &Cache) -> Vec<(&'p Plan<'d>, usize)> {
     let mut seen = HashSet::new();
     let mut new = Vec::new();
     for plan in plans {
-        let unknown = |(_, (_, key)): &(usize, &(Piece, Key))| !cache.has(key) && seen.insert(key.clone());
-        new.extend(plan.pieces.iter().enumerate().filter(unknown).map(|(number, _)| (*plan, number)));
+        let unknown = |(_, (_, key)): &(usize, &(Block, Key))| !cache.has(key) && seen.insert(key.clone());
+        new.extend(plan.blocks.iter().enumerate().filter(unknown).map(|(number, _)| (*plan, number)));
     }
-    new.sort_by_key(|(plan, number)| plan.pieces[*number].0.is_unit);
+    new.sort_by_key(|(plan, number)| plan.blocks[*number].0.is_unit);
     new
 }
 
-/// A path in the designer's words.
-fn readable(raw: &RawPath, top: &Netlist, placed: &Placed<'_>) -> Path {
+/// A path with the names of registers and units in place of cell names.
+fn named_path(raw: &RawPath, top: &Netlist, attribution: &Attribution<'_>) -> Path {
     let word = |pin: &str| {
         let cell = pin.split('/').next().unwrap_or_default();
         let Some(index) = structural::cell_index(cell) else { return format!("port {cell}") };
-        match placed.roles.get(index) {
-            Some(Role::Register { .. }) => register_name(&top.cells[index].name),
-            Some(Role::Unit { .. }) => top.cells[index].name.rsplit('.').next().unwrap_or_default().to_string(),
-            Some(Role::Gate) | None => "gates".to_string(),
+        match attribution.roles.get(index) {
+            Some(CellRole::Register { .. }) => register_name(&top.cells[index].name),
+            Some(CellRole::Unit { .. }) => top.cells[index].name.rsplit('.').next().unwrap_or_default().to_string(),
+            Some(CellRole::Gate) | None => "gates".to_string(),
         }
     };
     let mut steps: Vec<Step> = Vec::new();
@@ -261,7 +264,7 @@ fn readable(raw: &RawPath, top: &Netlist, placed: &Placed<'_>) -> Path {
     Path { ns: thousandths(raw.arrival + raw.setup), start, end, steps, setup_ns: raw.setup }
 }
 
-/// `u_stage_3` is stage 3, `u_stage_3_1` stage 3.1.
+/// The name of a stage by its instance: `u_stage_3` is stage 3, `u_stage_3_1` stage 3.1.
 fn stage_name(instance: &str) -> String {
     let name = instance.strip_prefix("u_").unwrap_or(instance);
     match name.strip_prefix("stage_") {
@@ -270,7 +273,7 @@ fn stage_name(instance: &str) -> String {
     }
 }
 
-/// `u_stage_3.num_4_q[7]` is num_4_q[7] of stage 3.
+/// The name of a register by its flattened name: `u_stage_3.num_4_q[7]` is num_4_q[7] of stage 3.
 fn register_name(flat: &str) -> String {
     match flat.split_once('.') {
         Some((instance, register)) => format!("{} {register}", stage_name(instance)),

@@ -1,4 +1,4 @@
-//! A design, taken apart for synthesis: each kind of unit once, and all that surrounds the units.
+//! A design, divided into blocks for synthesis: each kind of unit once, and everything around the units.
 
 use crate::Error;
 use raypath_hdl::{Module, verilog};
@@ -6,52 +6,52 @@ use std::collections::{BTreeMap, HashSet};
 use std::fmt;
 use std::sync::Arc;
 
-/// What is measured: a netlist, and the words by which a report calls it.
+/// A netlist to measure, and its name in reports.
 #[derive(Debug, Clone)]
 pub struct Design {
     name: String,
     top: Arc<Module>,
 }
 
-/// Modules whose names begin so are units: synthesised once each and kept apart from what surrounds them.
+/// The prefix of the module names of units. Units are synthesised once each and are not flattened.
 const UNIT_PREFIX: &str = "raypath_fp_";
 
-/// A text to synthesise on its own.
+/// A part of a design that is synthesised on its own.
 #[derive(Debug, Clone)]
-pub(crate) struct Piece {
-    /// The module.
+pub(crate) struct Block {
+    /// The top module of the block.
     pub module: String,
-    /// SystemVerilog of it and everything below it; of units only the ports, where this is not a unit itself.
+    /// SystemVerilog of the module and all modules below it. Of units inside, only the ports.
     pub text: String,
     pub is_unit: bool,
 }
 
-/// What a unit computes, and which part of it where it is cut into several for pipelining.
+/// The operation of a unit, and its part if the unit is pipelined in several parts.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct UnitKind {
-    /// `add`, `mul`...
+    /// The operation: `add`, `mul`, ...
     pub stem: String,
-    /// Part and number of parts.
+    /// The part, from 1, and the number of parts.
     pub part: Option<(u32, u32)>,
 }
 
-/// Where a register stands, and what it is for.
+/// The group and purpose of a register.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct RegisterKind {
-    /// Position in [`Design::groups`].
+    /// The index in [`Design::groups`].
     pub group: usize,
-    /// Valid, ready, counters: whatever the handshake needs. Otherwise a register holds part of a job, or state of an
-    /// operation.
+    /// Whether it belongs to the handshake: valid, ready, counters. Other registers hold a job's data or an operation's
+    /// state.
     pub is_control: bool,
 }
 
 impl Design {
-    /// A design whose top module is a row of instances, the stages; their names say where things are in the report.
+    /// A design named `name`, whose top module consists of instances, the stages. The report has a line for each.
     pub fn new(name: impl Into<String>, top: &Arc<Module>) -> Self {
         Self { name: name.into(), top: top.clone() }
     }
 
-    /// What the report calls it.
+    /// The name in reports.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -60,12 +60,12 @@ impl Design {
         self.top.name()
     }
 
-    /// The texts to synthesise: each unit, and last everything else.
-    pub(crate) fn pieces(&self) -> Result<Vec<Piece>, Error> {
+    /// The blocks to synthesise: each kind of unit, and last everything else.
+    pub(crate) fn blocks(&self) -> Result<Vec<Block>, Error> {
         let modules = verilog::modules(&self.top)?;
         let units: Vec<&Arc<Module>> = modules.iter().filter(|module| is_unit(module)).collect();
         let mut inside_units = HashSet::new();
-        let mut pieces = Vec::new();
+        let mut blocks = Vec::new();
         let mut surroundings = String::new();
         for unit in units {
             let mut text = String::new();
@@ -74,23 +74,23 @@ impl Design {
                 inside_units.insert(module.name().to_string());
             }
             surroundings += &ports_only(unit)?;
-            pieces.push(Piece { module: unit.name().to_string(), text, is_unit: true });
+            blocks.push(Block { module: unit.name().to_string(), text, is_unit: true });
         }
         for module in modules.iter().filter(|module| !inside_units.contains(module.name())) {
             surroundings += &verilog::print_module(module, &[])?;
         }
-        pieces.push(Piece { module: self.top().to_string(), text: surroundings, is_unit: false });
-        Ok(pieces)
+        blocks.push(Block { module: self.top().to_string(), text: surroundings, is_unit: false });
+        Ok(blocks)
     }
 
-    /// The instances in the top module, `u_stage_3`, in their order, and last the top module's own name, for what
-    /// stands in none of them.
+    /// The names of the instances in the top module, such as `u_stage_3`, in order; last the top module's own name, for
+    /// cells outside of all instances.
     pub(crate) fn groups(&self) -> Vec<String> {
         let instances = self.top.instances().iter().map(|instance| instance.name.clone());
         instances.chain([self.top().to_string()]).collect()
     }
 
-    /// All registers outside of units by their names in the flat design: `u_stage_3.num_4_q`.
+    /// All registers outside of units by their names in the flattened design: `u_stage_3.num_4_q`.
     pub(crate) fn registers(&self) -> BTreeMap<String, RegisterKind> {
         let mut found = BTreeMap::new();
         let instances = self.top.instances();
@@ -103,7 +103,7 @@ impl Design {
 }
 
 impl UnitKind {
-    /// From the name of a unit's module: `raypath_fp_mul_e8s24_part_1_of_2`.
+    /// Parses the name of a unit's module: `raypath_fp_mul_e8s24_part_1_of_2`.
     pub fn of(module: &str) -> Option<Self> {
         let name = module.strip_prefix(UNIT_PREFIX)?;
         let stem = name.split('_').next()?.to_string();
@@ -136,13 +136,13 @@ fn registers(module: &Module, path: &str, group: usize, found: &mut BTreeMap<Str
 fn own_registers(module: &Module, path: &str, group: usize, found: &mut BTreeMap<String, RegisterKind>) {
     for register in module.registers() {
         let Some(name) = &module.signal(register.signal).name else { continue };
-        // Data registers have no reset; what has one is an operation's state by its name, or control.
+        // Data registers have no reset. A register with one is an operation's state, by its name, or control.
         let is_control = register.reset.is_some() && !name.ends_with("_state_q");
         found.insert(format!("{path}{name}"), RegisterKind { group, is_control });
     }
 }
 
-/// A module as those that instantiate it see it. Kept by its own name when everything around it is flattened.
+/// A module's ports without its body, marked to be kept when the modules around it are flattened.
 fn ports_only(module: &Module) -> Result<String, Error> {
     let text = verilog::print_module(module, &[])?;
     let code = text.lines().skip_while(|line| line.starts_with("//") || line.is_empty());
@@ -198,11 +198,11 @@ mod tests {
     }
 
     #[test]
-    fn units_stand_apart() {
-        let pieces = design().pieces().expect("pieces");
-        let names: Vec<&str> = pieces.iter().map(|piece| piece.module.as_str()).collect();
+    fn units_are_blocks() {
+        let blocks = design().blocks().expect("blocks");
+        let names: Vec<&str> = blocks.iter().map(|piece| piece.module.as_str()).collect();
         assert_eq!(names, ["raypath_fp_mul_e8s24_part_1_of_2", "raypath"]);
-        let [unit, rest] = &pieces[..] else { unreachable!("two pieces") };
+        let [unit, rest] = &blocks[..] else { unreachable!("two blocks") };
         assert!(unit.is_unit && unit.text.contains("~a_i") && !unit.text.contains("raypath_skid"), "{}", unit.text);
         assert!(
             !rest.is_unit && rest.text.contains("module raypath_skid") && !rest.text.contains("~a_i"),

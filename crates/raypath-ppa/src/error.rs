@@ -22,7 +22,7 @@ pub enum Error {
     },
     /// A cell library lacks a cell that every measurement needs.
     #[error("{}: no {what} in this library, expected one", path.display())]
-    Lacks {
+    MissingCell {
         /// The library.
         path: PathBuf,
         /// The missing cell, in words.

@@ -1,15 +1,15 @@
-//! Boolean functions as libraries write them: `(!((A B)+C))`, `(A&!B) | (!A&B)`.
+//! Boolean functions in Liberty's syntax: `(!((A B)+C))`, `(A&!B) | (!A&B)`.
 
-/// The truth table of a function of at most six inputs: bit i is its value where bit k of i is input k. Nothing where
-/// the text is no such function.
+/// The truth table of a function of at most six inputs. Bit i is the value for the inputs whose bits form i, input 0
+/// the lowest. None if the text is not such a function.
 pub fn truth_table(function: &str, inputs: &[&str]) -> Option<u64> {
     let mut reader = Reader { rest: function.trim(), inputs, levels: 0 };
     let table = reader.sum()?;
     (reader.rest.is_empty() && inputs.len() <= MASKS.len()).then(|| table & used(inputs.len()))
 }
 
-/// How deep parentheses and negations may stand in each other: each level is a call.
-const MOST_LEVELS: usize = 100;
+/// The limit on the nesting of parentheses and negations: each level is a call.
+const MAX_LEVELS: usize = 100;
 
 /// The truth table of each of six inputs.
 const MASKS: [u64; 6] = [
@@ -21,7 +21,7 @@ const MASKS: [u64; 6] = [
     0xffff_ffff_0000_0000,
 ];
 
-/// The bits of a table of so many inputs.
+/// The mask of a truth table of this many inputs.
 fn used(inputs: usize) -> u64 {
     u64::MAX >> (64 - (1_u32 << inputs))
 }
@@ -29,7 +29,7 @@ fn used(inputs: usize) -> u64 {
 struct Reader<'a> {
     rest: &'a str,
     inputs: &'a [&'a str],
-    /// Parentheses and negations that are open.
+    /// The number of open parentheses and negations.
     levels: usize,
 }
 
@@ -42,7 +42,7 @@ impl Reader<'_> {
         Some(table)
     }
 
-    /// Factors stand beside each other, or with an operator between them.
+    /// Factors with an operator between them, or none.
     fn product(&mut self) -> Option<u64> {
         let mut table = self.exclusive()?;
         while self.takes(&['*', '&']) || self.rest.starts_with(|c: char| c == '(' || c == '!' || is_name(c)) {
@@ -61,7 +61,7 @@ impl Reader<'_> {
 
     fn factor(&mut self) -> Option<u64> {
         self.levels += 1;
-        if self.levels > MOST_LEVELS {
+        if self.levels > MAX_LEVELS {
             return None;
         }
         let mut table = if self.takes(&['!']) {
@@ -104,7 +104,7 @@ mod tests {
     type Function = fn(bool, bool, bool) -> bool;
 
     #[test]
-    fn all_ways_of_writing() {
+    fn all_syntax_variants() {
         let inputs = ["A", "B", "C"];
         let by_rust =
             |f: Function| (0..8_u64).map(|i| u64::from(f(i & 1 != 0, i & 2 != 0, i & 4 != 0)) << i).sum::<u64>();
@@ -124,14 +124,14 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_function_of_these_inputs() {
+    fn other_texts_are_refused() {
         for text in ["", "IQ", "A +", "(A", "A)", "A ? B"] {
             assert_eq!(truth_table(text, &["A", "B"]), None, "{text}");
         }
         assert_eq!(truth_table("1", &[]), Some(1));
     }
 
-    /// A library could have a million of them, and the stack could not.
+    /// A million levels would overflow the stack.
     #[test]
     fn depth_is_bounded() {
         let negated = |levels: usize| truth_table(&format!("{}A", "!".repeat(levels)), &["A"]);
@@ -140,7 +140,7 @@ mod tests {
         for levels in [100, 1_000_000] {
             assert_eq!((negated(levels), nested(levels)), (None, None));
         }
-        // What stands beside each other is no depth.
+        // Terms side by side do not count as levels.
         assert_eq!(truth_table(&vec!["(!A)"; 10_000].join("+"), &["A"]), Some(0b01));
     }
 }

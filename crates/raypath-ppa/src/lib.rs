@@ -1,8 +1,8 @@
 //! Area and timing of a netlist, by open tools: Yosys chooses the gates, OpenSTA times them.
 //!
-//! A [`Design`] is a netlist whose top module is a row of stages. A [`Bench`] is a cell library, the tools, and a place
-//! for results; it measures designs into [`Report`]s. `docs/user/area-and-timing.md` says what the figures mean and
-//! what they do not.
+//! A [`Design`] is a netlist whose top module consists of stages. A [`Bench`] holds a cell library, the tools and a
+//! cache, and measures designs into [`Report`]s. `docs/user/area-and-timing.md` says what the figures include and what they do
+//! not.
 //!
 //! ```no_run
 //! use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library};
@@ -23,6 +23,7 @@
 //! # Ok::<(), raypath_ppa::Error>(())
 //! ```
 
+mod attribution;
 mod bench;
 mod design;
 mod error;
@@ -35,7 +36,6 @@ mod netlist;
 pub mod parallel;
 #[doc(hidden)]
 pub mod parsers;
-mod place;
 mod recipe;
 mod report;
 mod structural;
@@ -43,7 +43,7 @@ mod synthesis;
 mod timing;
 mod usable;
 
-pub use bench::{Bench, Steps};
+pub use bench::{Bench, Progress};
 pub use design::Design;
 pub use error::Error;
 pub use library::{Cell, DEFAULT_LIBRARY, Library};

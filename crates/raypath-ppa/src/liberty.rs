@@ -1,4 +1,4 @@
-//! Liberty, the format of cell libraries: groups in groups, and what they say. What it means is `library.rs`.
+//! The syntax of Liberty, the format of cell libraries: nested groups with attributes. `library.rs` interprets them.
 
 use std::ops::Range;
 
@@ -10,11 +10,11 @@ pub struct Group<'a> {
     /// `name : value;`, strings without their quotes.
     pub attributes: Vec<(&'a str, &'a str)>,
     pub groups: Vec<Group<'a>>,
-    /// Where it stands in the text.
-    pub place: Range<usize>,
+    /// The bytes of the text that it spans.
+    pub span: Range<usize>,
 }
 
-/// Where text is not Liberty: line from 1, what was found, what was expected.
+/// A syntax error: the line from 1, what was found and what was expected.
 #[derive(Debug, PartialEq, Eq)]
 pub struct SyntaxError {
     pub line: usize,
@@ -22,18 +22,19 @@ pub struct SyntaxError {
     pub expected: &'static str,
 }
 
-/// How deep groups may stand in groups; libraries with current sources have seven levels.
-const MOST_LEVELS: usize = 32;
-/// How many groups, attributes and names there may be: enough for 256 MiB of any library's text, at some 100 bytes each.
-const MOST_PARTS: usize = 8 << 20;
+/// The limit on the nesting of groups; libraries with current sources have seven levels.
+const MAX_LEVELS: usize = 32;
+/// The limit on the number of groups, attributes and names: enough for 256 MiB of a library's text, at about 100 bytes
+/// each.
+const MAX_PARTS: usize = 8 << 20;
 
-/// Reads the one group that a file is.
+/// Parses a file, which is one group.
 pub fn read(text: &str) -> Result<Group<'_>, SyntaxError> {
-    read_parts(text, MOST_PARTS)
+    read_parts(text, MAX_PARTS)
 }
 
-fn read_parts(text: &str, most_parts: usize) -> Result<Group<'_>, SyntaxError> {
-    let mut reader = Reader { text, at: 0, levels: 0, parts_left: most_parts };
+fn read_parts(text: &str, max_parts: usize) -> Result<Group<'_>, SyntaxError> {
+    let mut reader = Reader { text, at: 0, levels: 0, parts_left: max_parts };
     match reader.statement()? {
         Statement::Group(group) if group.kind == "library" => Ok(group),
         _ => Err(SyntaxError { line: 1, found: "something else".to_string(), expected: "library (name) { ... }" }),
@@ -41,7 +42,7 @@ fn read_parts(text: &str, most_parts: usize) -> Result<Group<'_>, SyntaxError> {
 }
 
 impl<'a> Group<'a> {
-    /// The first name, or none.
+    /// The first name; empty if there is none.
     pub fn name(&self) -> &'a str {
         self.names.first().copied().unwrap_or_default()
     }
@@ -51,7 +52,7 @@ impl<'a> Group<'a> {
         self.attributes.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
     }
 
-    /// The groups of a kind.
+    /// The inner groups of a kind.
     pub fn of_kind(&self, kind: &'static str) -> impl Iterator<Item = &Group<'a>> {
         self.groups.iter().filter(move |group| group.kind == kind)
     }
@@ -65,9 +66,9 @@ enum Statement<'a> {
 struct Reader<'a> {
     text: &'a str,
     at: usize,
-    /// Groups that are open.
+    /// The number of open groups.
     levels: usize,
-    /// Groups, attributes and names that may still come.
+    /// The number of groups, attributes and names that may follow.
     parts_left: usize,
 }
 
@@ -89,14 +90,14 @@ impl<'a> Reader<'a> {
             Some(b'(') => {
                 self.at += 1;
                 let names = self.names()?;
-                let mut group = Group { kind, names, attributes: vec![], groups: vec![], place: begin..begin };
+                let mut group = Group { kind, names, attributes: vec![], groups: vec![], span: begin..begin };
                 self.skip_blank();
                 match self.peek() {
                     Some(b'{') => self.body(&mut group)?,
                     Some(b';') => self.at += 1,
                     _ => {}
                 }
-                group.place.end = self.at;
+                group.span.end = self.at;
                 Ok(Statement::Group(group))
             }
             _ => Err(self.error("':' or '('")),
@@ -104,7 +105,7 @@ impl<'a> Reader<'a> {
     }
 
     fn body(&mut self, group: &mut Group<'a>) -> Result<(), SyntaxError> {
-        if self.levels == MOST_LEVELS {
+        if self.levels == MAX_LEVELS {
             return Err(self.error("groups at most 32 deep"));
         }
         self.levels += 1;
@@ -128,7 +129,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What stands between parentheses, behind the first.
+    /// The names between parentheses; the opening one is already consumed.
     fn names(&mut self) -> Result<Vec<&'a str>, SyntaxError> {
         let mut names = Vec::new();
         loop {
@@ -175,7 +176,7 @@ impl<'a> Reader<'a> {
         word
     }
 
-    /// Passes white space, comments and continued lines.
+    /// Skips white space, comments and line continuations.
     fn skip_blank(&mut self) {
         loop {
             let rest = &self.text[self.at..];
@@ -193,7 +194,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Counts one thing more that is kept.
+    /// Counts a group, attribute or name.
     fn part(&mut self) -> Result<(), SyntaxError> {
         let too_many = || self.error("at most 8388608 groups, attributes and names");
         self.parts_left = self.parts_left.checked_sub(1).ok_or_else(too_many)?;
@@ -240,14 +241,14 @@ library(small) {
         assert_eq!(unit.names, ["1", "pf"]);
         let cell = library.of_kind("cell").next().expect("a cell");
         assert_eq!(cell.attributes, [("area", "6.5"), ("dont_use", "true")]);
-        assert!(SMALL[cell.place.clone()].starts_with("cell (\"AND2\")"));
-        assert!(SMALL[cell.place.clone()].trim_end().ends_with("}\n  }"));
+        assert!(SMALL[cell.span.clone()].starts_with("cell (\"AND2\")"));
+        assert!(SMALL[cell.span.clone()].trim_end().ends_with("}\n  }"));
         let pin = &cell.groups[0];
         assert_eq!((pin.name(), pin.attribute("function"), pin.attribute("absent")), ("Y", Some("(A B)"), None));
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn errors_name_the_line() {
         let fails = |text: &str| read(text).map(|group| group.kind.len()).expect_err("an error");
         assert_eq!(
             fails("library(x) {\n area : 1;\n"),
@@ -262,24 +263,24 @@ library(small) {
         assert_eq!(fails("cell(x) { }").expected, "library (name) { ... }");
     }
 
-    /// Each level is a call: a million of them were a stack that overflows.
+    /// Each level is a call: a million levels would overflow the stack.
     #[test]
     fn depth_is_bounded() {
         let nested = |levels: usize| format!("library(x) {{\n{}{}}}", "g(){".repeat(levels), "}".repeat(levels));
-        assert!(read(&nested(MOST_LEVELS - 1)).is_ok());
-        for levels in [MOST_LEVELS, 1_000_000] {
-            let error = read(&nested(levels)).map(|group| group.place).expect_err("too deep");
+        assert!(read(&nested(MAX_LEVELS - 1)).is_ok());
+        for levels in [MAX_LEVELS, 1_000_000] {
+            let error = read(&nested(levels)).map(|group| group.span).expect_err("too deep");
             assert_eq!((error.line, error.expected), (2, "groups at most 32 deep"));
         }
     }
 
-    /// Three bytes of text can be a hundred of memory.
+    /// Three bytes of text can take a hundred bytes of memory.
     #[test]
     fn parts_are_bounded() {
         for part in ["a:;", "a()", "b,"] {
             let begin = if part == "b," { "library(" } else { "library(x){" };
             let text = format!("{begin}{}", part.repeat(1000));
-            let error = read_parts(&text, 1000).map(|group| group.place).expect_err("too many");
+            let error = read_parts(&text, 1000).map(|group| group.span).expect_err("too many");
             assert_eq!(error.expected, "at most 8388608 groups, attributes and names", "{part}");
         }
     }

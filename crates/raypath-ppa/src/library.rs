@@ -1,16 +1,16 @@
-//! A cell library: its cells' areas, and those that have a part in the recipe.
+//! A cell library: the areas of its cells, and the cells that the synthesis script names.
 
 use crate::Error;
 use crate::function::truth_table;
 use crate::liberty::{self, Group};
-use crate::usable::{NUMBERS, is_used, no_number};
+use crate::usable::{NUMBERS, invalid_number, is_usable};
 use raypath_tools::{Program, ToolError, digest, text};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// The library that is taken where none is named, as Debian's package `qflow-tech-osu018` installs it.
+/// The default cell library, of Debian's package `qflow-tech-osu018`.
 pub const DEFAULT_LIBRARY: &str = "/usr/share/qflow/tech/osu018/osu018_stdcells.lib";
 
 static OSU018: Program = Program {
@@ -20,25 +20,25 @@ static OSU018: Program = Program {
     version: &[],
 };
 
-/// A Liberty file, read.
+/// A cell library, parsed from a Liberty file.
 #[derive(Debug)]
 pub struct Library {
     name: String,
-    /// The file without the cells that must not be used.
+    /// The file without the cells that are not usable.
     text: String,
     digest: String,
     cells: BTreeMap<String, Cell>,
     nand2: String,
     buffer: String,
-    /// Ten inputs of the buffer, in whole femtofarads.
+    /// The capacitance of ten inputs of the buffer, in whole femtofarads.
     load: f64,
     tie: Option<Tie>,
 }
 
-/// What a cell is to a measurement.
+/// The properties of a cell that a measurement needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// In the library's unit, which is µm² in all that we know.
+    /// The area in the library's unit, which is µm² in all known libraries.
     pub area: f64,
     /// Whether it is a flip-flop.
     pub is_flip_flop: bool,
@@ -46,22 +46,22 @@ pub struct Cell {
     pub outputs: Vec<String>,
 }
 
-/// The cells and pins that are constantly 1 and 0.
+/// The cells and pins for the constants 1 and 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tie {
     pub one: (String, String),
     pub zero: (String, String),
 }
 
-/// More text than any library of ours has; commercial ones with current sources come near it.
-const MOST_TEXT: u64 = 256 << 20;
+/// The limit on an unpacked library. Commercial libraries with current sources come near it.
+const MAX_TEXT: u64 = 256 << 20;
 
 impl Library {
     /// Reads a Liberty file, plain or compressed by gzip.
     ///
     /// # Errors
-    /// A file that cannot be read, is no Liberty file, or is larger than 256 MiB when unpacked; a library without a buffer,
-    /// or without a NAND of two inputs; an area or a capacitance that is no number.
+    /// The file cannot be read, is not a Liberty file, or is larger than 256 MiB when unpacked; the library lacks a
+    /// buffer or a NAND of two inputs; an area or a capacitance is not a number.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let refused = |problem: std::io::Error| match problem.kind() {
             std::io::ErrorKind::NotFound if path == Path::new(DEFAULT_LIBRARY) => ToolError::Missing(&OSU018),
@@ -73,9 +73,9 @@ impl Library {
     /// Reads a stream as [`Library::read`] reads a file; `path` is for messages.
     ///
     /// # Errors
-    /// As there.
+    /// As for [`Library::read`].
     pub fn read_from(stream: impl Read, path: &Path) -> Result<Self, Error> {
-        Self::of(text(stream, MOST_TEXT).map_err(|problem| ToolError::file(path, "read", problem))?, path)
+        Self::of(text(stream, MAX_TEXT).map_err(|problem| ToolError::file(path, "read", problem))?, path)
     }
 
     /// A library from its text; `path` is for messages.
@@ -87,18 +87,18 @@ impl Library {
             expected: wrong.expected,
         })?;
         let (used, unused): (Vec<&Group<'_>>, Vec<&Group<'_>>) =
-            library.of_kind("cell").partition(|cell| is_used(cell));
+            library.of_kind("cell").partition(|cell| is_usable(cell));
         let wrong = |group: &Group<'_>, found: String, expected| {
-            let line = text[..group.place.start].matches('\n').count() + 1;
+            let line = text[..group.span.start].matches('\n').count() + 1;
             Error::Liberty { path: path.to_path_buf(), line, found, expected }
         };
         for cell in &used {
-            if let Some(found) = no_number(cell) {
+            if let Some(found) = invalid_number(cell) {
                 return Err(wrong(cell, found, "a number from 0 to 1e12"));
             }
         }
-        let lacks = |what: &str| Error::Lacks { path: path.to_path_buf(), what: what.to_string() };
-        let nand2 = nand2(&used).ok_or_else(|| lacks("NAND with two inputs"))?;
+        let missing = |what: &str| Error::MissingCell { path: path.to_path_buf(), what: what.to_string() };
+        let nand2 = nand2(&used).ok_or_else(|| missing("NAND with two inputs"))?;
         if area(nand2) == 0.0 {
             return Err(wrong(
                 nand2,
@@ -107,7 +107,7 @@ impl Library {
             ));
         }
         let nand2 = nand2.name().to_string();
-        let buffer = buffer(&used).ok_or_else(|| lacks("buffer"))?;
+        let buffer = buffer(&used).ok_or_else(|| missing("buffer"))?;
         let load = (10.0 * femtofarads(&library) * input_capacitance(buffer)).round();
         if !NUMBERS.contains(&load) {
             return Err(wrong(buffer, format!("a load of {load} fF"), "a unit and a capacitance for one up to 1e12"));
@@ -120,35 +120,35 @@ impl Library {
         let mut kept = String::with_capacity(text.len());
         let mut reached = 0;
         for cell in unused {
-            kept += &text[reached..cell.place.start];
-            reached = cell.place.end;
+            kept += &text[reached..cell.span.start];
+            reached = cell.span.end;
         }
         kept += &text[reached..];
         let digest = digest(kept.as_bytes());
         Ok(Self { name, text: kept, digest, cells, nand2, buffer, load, tie })
     }
 
-    /// What the library calls itself.
+    /// The library's own name.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The Liberty text, without the cells that must not be used.
+    /// The Liberty text, without the cells that are not usable.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// Identifies [`Self::text`].
+    /// The digest of [`Self::text`].
     pub fn digest(&self) -> &str {
         &self.digest
     }
 
-    /// A cell that may be used.
+    /// The usable cell of this name.
     pub fn cell(&self, name: &str) -> Option<&Cell> {
         self.cells.get(name)
     }
 
-    /// The smallest NAND of two inputs: the unit of gate equivalents.
+    /// The name of the smallest NAND of two inputs, the unit of gate equivalents.
     pub fn nand2(&self) -> &str {
         &self.nand2
     }
@@ -158,17 +158,17 @@ impl Library {
         self.cells[&self.nand2].area
     }
 
-    /// The buffer that drives every input: the one of strength 2, or the smallest.
+    /// The name of the buffer that drives every input: the one of strength 2, or the smallest.
     pub fn buffer(&self) -> &str {
         &self.buffer
     }
 
-    /// What every output drives: ten inputs of [`Self::buffer`], in femtofarads.
+    /// The load of every output: ten inputs of [`Self::buffer`], in femtofarads.
     pub fn load(&self) -> f64 {
         self.load
     }
 
-    /// The cells that are constantly 1 and 0, if there are any.
+    /// The cells for the constants 1 and 0, if there are any.
     pub(crate) fn tie(&self) -> Option<&Tie> {
         self.tie.as_ref()
     }
@@ -192,7 +192,7 @@ fn pins<'g, 'a>(cell: &'g Group<'a>, direction: &str) -> Vec<&'g Group<'a>> {
     cell.of_kind("pin").filter(|pin| pin.attribute("direction") == Some(direction)).collect()
 }
 
-/// The truth table of a cell of one output without state; nothing for any other.
+/// The truth table of a combinational cell with this many inputs and one output; None for any other cell.
 fn gate(cell: &Group<'_>, inputs: usize) -> Option<u64> {
     let names: Vec<&str> = pins(cell, "input").iter().map(|pin| pin.name()).collect();
     match pins(cell, "output").as_slice() {
@@ -208,8 +208,8 @@ fn nand2<'g, 'a>(cells: &[&'g Group<'a>]) -> Option<&'g Group<'a>> {
     nands.min_by(|a, b| area(a).total_cmp(&area(b)))
 }
 
-/// The buffer of drive strength 2, by its name (`buf_2`, `BUFX2`; the shortest, since clock buffers have longer ones);
-/// the smallest of all where none is called so.
+/// The buffer of drive strength 2 by its name (`buf_2`, `BUFX2`; the shortest name, because clock buffers have longer
+/// ones), or else the smallest buffer.
 fn buffer<'g, 'a>(cells: &[&'g Group<'a>]) -> Option<&'g Group<'a>> {
     let buffers = || cells.iter().copied().filter(|cell| gate(cell, 1) == Some(0b10));
     let strength = |cell: &Group<'_>| cell.name().rsplit(|c: char| !c.is_ascii_digit()).next() == Some("2");
@@ -229,7 +229,7 @@ fn tie(cells: &[&Group<'_>]) -> Option<Tie> {
     Some(Tie { one: constant("1")?, zero: constant("0")? })
 }
 
-/// The library's unit of capacitance.
+/// The library's unit of capacitance, in femtofarads.
 fn femtofarads(library: &Group<'_>) -> f64 {
     let unit = library.of_kind("capacitive_load_unit").next().map(|unit| unit.names.as_slice());
     match unit {
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_are_found_by_what_they_do() {
+    fn cells_are_found_by_function() {
         let library = library(CELLS, "capacitive_load_unit (1.0, \"pf\");").expect("a library");
         assert_eq!((library.name(), library.nand2(), library.nand2_area()), ("small", "nand2_1", 2.0));
         assert_eq!((library.buffer(), library.load()), ("buf_2", 17.0));
@@ -297,24 +297,24 @@ mod tests {
     }
 
     #[test]
-    fn what_must_not_be_used_is_not_there() {
+    fn unusable_cells_are_removed() {
         let library = library(CELLS, "").expect("a library");
         for name in ["nand2_tiny", "lib__lpflow_nand2"] {
             assert!(library.cell(name).is_none() && !library.text().contains(name), "{name}");
         }
-        // What is left is still Liberty, with all the others.
+        // The remaining text is still Liberty, with all other cells.
         assert_eq!(liberty::read(library.text()).expect("Liberty").of_kind("cell").count(), 9);
     }
 
     #[test]
-    fn units_of_capacitance_and_lesser_buffers() {
+    fn units_of_capacitance_and_other_buffers() {
         let few: String = CELLS.replace("\"buf_2\"", "\"buffer\"").replace("\"clkbuf_2\"", "\"clkbuf_1\"");
         let library = library(&few, "capacitive_load_unit (2, ff);").expect("a library");
         assert_eq!((library.buffer(), library.load()), ("clkbuf_1", 10.0));
     }
 
     #[test]
-    fn what_is_missing_is_named() {
+    fn missing_cells_are_named() {
         let fails = |cells: &str| library(cells, "").expect_err("an error").to_string();
         assert_eq!(fails(""), "small.lib: no NAND with two inputs in this library, expected one");
         let no_buffer = CELLS.replace("function : \"A\"", "function : \"!A\"");

@@ -1,12 +1,12 @@
-//! What registers are called. Synthesis keeps one of the several names that a net has; which register drives it follows
-//! from a record of all of them, made while all are still there.
+//! The names of registers. Synthesis keeps one of the names of a net. A record of all names, written before they are
+//! dropped, tells the register that drives it.
 
 use crate::design::RegisterKind;
 use crate::netlist::{NamedNet, Net};
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashMap};
 
-/// A design as Yosys writes it, of which only the names matter.
+/// The names of a design's nets in Yosys's JSON.
 #[derive(Debug, Deserialize)]
 pub struct YosysNames {
     modules: HashMap<String, YosysModule>,
@@ -17,7 +17,7 @@ struct YosysModule {
     netnames: BTreeMap<String, NamedNet>,
 }
 
-/// The register behind every name of a net.
+/// The register that drives each named net.
 #[derive(Debug, Default)]
 pub struct RegisterNames {
     nets: HashMap<(String, usize), Net>,
@@ -25,33 +25,33 @@ pub struct RegisterNames {
 }
 
 impl RegisterNames {
-    /// From all names of a module's nets, and the registers in it.
+    /// From all names of a module's nets, and the module's registers.
     pub fn new(mut names: YosysNames, module: &str, registers: &BTreeMap<String, RegisterKind>) -> Self {
         let mut result = Self::default();
         let names = names.modules.remove(module).map(|module| module.netnames).unwrap_or_default();
         for (name, net) in names.into_iter().filter(|(name, _)| !name.starts_with('$')) {
             let is_register = registers.contains_key(&name);
-            for (place, bit) in net.bits.iter().enumerate() {
+            for (position, bit) in net.bits.iter().enumerate() {
                 if is_register {
-                    let of = if net.bits.len() > 1 { format!("{name}[{place}]") } else { name.clone() };
+                    let of = if net.bits.len() > 1 { format!("{name}[{position}]") } else { name.clone() };
                     result.registers.entry(*bit).or_insert(of);
                 }
-                result.nets.insert((name.clone(), net.offset.saturating_add(place)), *bit);
+                result.nets.insert((name.clone(), net.offset.saturating_add(position)), *bit);
             }
         }
         result
     }
 
-    /// The register, `u_stage_3.num_4_q[7]`, that drives the net with this name.
+    /// The register that drives the net of this name, such as `u_stage_3.num_4_q[7]`.
     pub fn register(&self, net: &str) -> Option<&str> {
         self.registers.get(self.nets.get(&bit(net))?).map(String::as_str)
     }
 }
 
-/// `num_4_q[7]` is bit 7 of `num_4_q`; a name without a position is a bit of its own.
+/// The signal and bit of a net: `num_4_q[7]` is bit 7 of `num_4_q`; a name without an index is bit 0.
 fn bit(net: &str) -> (String, usize) {
     let split = net.strip_suffix(']').and_then(|net| net.rsplit_once('['));
-    match split.and_then(|(name, place)| Some((name.to_string(), place.parse().ok()?))) {
+    match split.and_then(|(name, index)| Some((name.to_string(), index.parse().ok()?))) {
         Some(bit) => bit,
         None => (net.to_string(), 0),
     }
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn any_name_leads_to_the_register() {
+    fn every_name_gives_the_register() {
         let names = r#"{"creator": "Yosys", "modules": {"raypath": {"ports": {}, "netnames": {
             "$1": {"bits": [9]},
             "stage_1_flags": {"hide_name": 0, "bits": [7, 8], "attributes": {}},
@@ -81,9 +81,9 @@ mod tests {
         assert_eq!(names.register("elsewhere[1]"), None);
     }
 
-    /// Positions are whatever the file says.
+    /// The file may contain any index.
     #[test]
-    fn no_position_is_too_large() {
+    fn no_index_is_too_large() {
         let names =
             format!(r#"{{"modules": {{"m": {{"netnames": {{"a": {{"bits": [1, 2], "offset": {}}}}}}}}}}}"#, usize::MAX);
         let names: YosysNames = serde_json::from_str(&names).expect("names");

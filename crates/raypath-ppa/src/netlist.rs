@@ -1,4 +1,4 @@
-//! A synthesised module: cells of the library, and units, on nets. Read from what Yosys writes as JSON.
+//! A synthesised module: library cells and units on nets, parsed from Yosys's JSON.
 
 use raypath_tools::ToolError;
 use serde::de::{self, Visitor};
@@ -17,7 +17,7 @@ pub struct Netlist {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Port {
     pub direction: Direction,
-    /// Its nets, lowest bit first.
+    /// The nets, lowest bit first.
     pub bits: Vec<Net>,
 }
 
@@ -29,18 +29,18 @@ pub enum Direction {
     Inout,
 }
 
-/// A cell of the library or a unit.
+/// An instance of a library cell or a unit.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Instance {
     /// The library's cell, or the unit's module.
     #[serde(rename = "of")]
     pub cell: String,
-    /// Where somebody gave it one: a unit's instance, a flip-flop's register bit. Empty for gates.
+    /// The instance name of a unit, the register bit of a flip-flop; empty for gates.
     pub name: String,
     pub connections: BTreeMap<String, Vec<Net>>,
 }
 
-/// One bit.
+/// A net of one bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Net {
     Zero,
@@ -50,7 +50,7 @@ pub enum Net {
     Wire(u32),
 }
 
-/// A design as Yosys writes it.
+/// A design in Yosys's JSON.
 #[derive(Debug, Deserialize)]
 pub struct YosysDesign {
     modules: HashMap<String, YosysModule>,
@@ -76,13 +76,13 @@ struct YosysCell {
 #[derive(Debug, Deserialize)]
 pub struct NamedNet {
     pub bits: Vec<Net>,
-    /// The position of the lowest bit.
+    /// The index of the lowest bit.
     #[serde(default)]
     pub offset: usize,
 }
 
 impl YosysDesign {
-    /// Takes a module, and the names of its nets.
+    /// Removes and returns a module, and the names of its nets.
     pub fn take(&mut self, module: &str) -> Result<(Netlist, BTreeMap<String, NamedNet>), ToolError> {
         let found = self.modules.remove(module);
         let found = found.ok_or_else(|| ToolError::unexpected("yosys", "other modules", format!("module {module}")))?;
@@ -92,7 +92,7 @@ impl YosysDesign {
     }
 }
 
-/// A wire is a number, a constant a string; so Yosys writes it, and we as well.
+/// In the JSON form, as Yosys writes it, a wire is a number and a constant is a string.
 impl Serialize for Net {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {

@@ -1,11 +1,11 @@
-//! Everything that this crate reads, as functions of bytes: what `raypath verify parsers` and the fuzz targets call. Each
-//! says whether it took the bytes, and panics where it took them for what they cannot be.
+//! Everything that this crate parses, as functions of bytes, for `raypath verify parsers` and the fuzz targets. Each
+//! returns whether it accepted the bytes, and panics if the result violates an invariant.
 
+use crate::attribution::Attribution;
 use crate::design::RegisterKind;
 use crate::library::Library;
 use crate::names::RegisterNames;
 use crate::netlist::Netlist;
-use crate::place::Placed;
 use crate::report::Report;
 use crate::structural;
 use crate::synthesis::{chip_area, json, netlist};
@@ -19,13 +19,13 @@ use std::sync::LazyLock;
 pub fn library(bytes: &[u8]) -> bool {
     let Ok(library) = Library::read_from(bytes, Path::new("cells.lib")) else { return false };
     assert!(library.nand2_area() > 0.0 && library.nand2_area().is_finite() && library.load().is_finite());
-    // What is handed to Yosys and OpenSTA is the library that was understood here.
+    // The text for Yosys and OpenSTA is parsed as the same library.
     let again = Library::read_from(library.text().as_bytes(), Path::new("again.lib")).expect("its own text");
     assert_eq!((again.digest(), again.nand2(), again.buffer()), (library.digest(), library.nand2(), library.buffer()));
     true
 }
 
-/// A synthesised module as Yosys writes it in JSON, with all that is made of it: places, areas, Verilog for OpenSTA.
+/// A synthesised module in Yosys's JSON, and what follows from it: attribution, areas, Verilog for OpenSTA.
 pub fn yosys_netlist(bytes: &[u8]) -> bool {
     let registers = registers();
     let names = json(bytes).map(|names| RegisterNames::new(names, "raypath", &registers)).unwrap_or_default();
@@ -33,19 +33,19 @@ pub fn yosys_netlist(bytes: &[u8]) -> bool {
     let unit = netlist(bytes, "raypath_fp_add", &RegisterNames::default(), &CELLS).ok();
     let units: BTreeMap<String, Netlist> = unit.into_iter().map(|unit| (unit.module.clone(), unit)).collect();
     let groups = ["u_a", "u_b", "raypath"].map(str::to_string);
-    let placed = Placed::new(&top, &units, &CELLS, &groups, &registers);
-    assert_eq!(placed.areas(&units, &CELLS).len(), groups.len());
-    let text = structural::module(&top, |index| structural::cell_name(index, &placed.roles[index]));
+    let attribution = Attribution::new(&top, &units, &CELLS, &groups, &registers);
+    assert_eq!(attribution.areas(&units, &CELLS).len(), groups.len());
+    let text = structural::module(&top, |index| structural::cell_name(index, &attribution.roles[index]));
     assert!(text.ends_with("endmodule\n"));
     true
 }
 
-/// What Yosys's `stat` prints.
+/// The output of Yosys's `stat`.
 pub fn yosys_statistics(bytes: &[u8]) -> bool {
     chip_area(&String::from_utf8_lossy(bytes)).is_some()
 }
 
-/// What OpenSTA prints.
+/// The output of OpenSTA.
 pub fn opensta_paths(bytes: &[u8]) -> bool {
     let said = String::from_utf8_lossy(bytes);
     let found = (0..5).filter_map(|ends| timing::paths(&said, ends).ok()).flatten().flatten();
@@ -56,7 +56,7 @@ pub fn opensta_paths(bytes: &[u8]) -> bool {
     !found.is_empty()
 }
 
-/// A kept result: a netlist or a report, gzip or plain.
+/// A cached result: a netlist or a report, gzip or plain.
 pub fn kept_result(bytes: &[u8]) -> bool {
     let netlist = decode::<Netlist>(bytes);
     if let Some(netlist) = &netlist {
@@ -66,7 +66,7 @@ pub fn kept_result(bytes: &[u8]) -> bool {
     netlist.is_some() || report.is_some()
 }
 
-/// Cells for whatever netlists come.
+/// A small cell library.
 static CELLS: LazyLock<Library> = LazyLock::new(|| {
     let gate = |name: &str, inputs: &str, function: &str| {
         let pin = |pin: char| format!("pin ({pin}) {{ direction : input; capacitance : 1; }} ");
@@ -80,7 +80,7 @@ static CELLS: LazyLock<Library> = LazyLock::new(|| {
         .expect("a library")
 });
 
-/// Registers that such a netlist may have.
+/// The registers that such a netlist may have.
 fn registers() -> BTreeMap<String, RegisterKind> {
     let kinds = [("u_a.num_q", 0, false), ("u_a.valid_q", 0, true), ("u_b.num_q", 1, false)];
     kinds.map(|(name, group, is_control)| (name.to_string(), RegisterKind { group, is_control })).into()

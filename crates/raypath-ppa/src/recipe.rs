@@ -1,9 +1,9 @@
-//! What Yosys and abc are told: one recipe for every design, so that designs can be compared.
+//! The scripts for Yosys and ABC. All designs are synthesised by the same script, so that they can be compared.
 
-use crate::design::Piece;
+use crate::design::Block;
 use crate::library::Library;
 
-/// Names of the files beside each other while a piece is synthesised.
+/// Names of the files in Yosys's folder.
 pub const DESIGN: &str = "design.sv";
 pub const LIBRARY: &str = "cells.lib";
 pub const SCRIPT: &str = "script.ys";
@@ -13,35 +13,37 @@ pub const STATISTICS: &str = "statistics.txt";
 pub const ABC_SCRIPT: &str = "abc.script";
 pub const ABC_CONSTRAINTS: &str = "abc.constr";
 
-/// What Yosys reads. Before a unit stands a module that is dropped at once: among equals Yosys goes by the numbers of
-/// names, and takes numbers of names that are gone before new ones. In a whole design there are always enough of those,
-/// in a unit alone there are none, and its gates come out in another order, for which abc finds areas that differ by up
-/// to 8 %. With the names of this module a unit gets the same gates alone as in a design.
-pub fn source(piece: &Piece) -> String {
-    if !piece.is_unit {
-        return piece.text.clone();
+/// The SystemVerilog that Yosys reads.
+///
+/// Before a unit stands a module that Yosys drops at once. Yosys orders equal gates by the numbers of their names, and
+/// reuses the numbers of dropped names first. A whole design drops enough names; a unit alone drops none, and its gates
+/// come in another order, for which ABC finds areas that differ by up to 8 %. With the names of the dropped module, a
+/// unit alone has the same gates as in a design.
+pub fn source(block: &Block) -> String {
+    if !block.is_unit {
+        return block.text.clone();
     }
     let last = NAMES_TO_REUSE;
     let mut text = format!("module names_to_reuse (input a, output y);\n  wire [{last}:0] w;\n  assign w[0] = a;\n");
     for number in 0..last {
         text += &format!("  assign w[{}] = ~w[{number}];\n", number + 1);
     }
-    text + &format!("  assign y = w[{last}];\nendmodule\n\n{}", piece.text)
+    text + &format!("  assign y = w[{last}];\nendmodule\n\n{}", block.text)
 }
 
 const NAMES_TO_REUSE: usize = 5000;
 
-/// The commands for Yosys. Everything is flattened but units; flip-flops have neither enables nor synchronous resets,
-/// so that their multiplexers are counted as gates in every library.
-pub fn yosys(piece: &Piece, library: &Library) -> String {
-    let top = &piece.module;
+/// The commands for Yosys. All but units is flattened. Flip-flops have neither enables nor synchronous resets, so that
+/// their multiplexers count as gates in every library.
+pub fn yosys(block: &Block, library: &Library) -> String {
+    let top = &block.module;
     let mut lines = vec![
         format!("read_verilog -sv -DSYNTHESIS {DESIGN}"),
         format!("hierarchy -check -top {top}"),
         format!("synth -top {top} -flatten"),
     ];
-    if !piece.is_unit {
-        // Names go with the next command; they say which register a flip-flop is.
+    if !block.is_unit {
+        // The next command drops names, which tell the register of each flip-flop.
         lines.push(format!("write_json {NAMES}"));
     }
     lines.extend([
@@ -65,7 +67,7 @@ pub fn yosys(piece: &Piece, library: &Library) -> String {
     lines.join("\n") + "\n"
 }
 
-/// The commands for abc: mapping for area, and for a delay of `period` nanoseconds.
+/// The commands for ABC: mapping for area, and for a delay of `period` nanoseconds.
 pub fn abc(period: f64) -> String {
     let picoseconds = (period * 1000.0).round();
     [
@@ -86,7 +88,7 @@ pub fn abc(period: f64) -> String {
     .join("\n")
 }
 
-/// What stands around a design for abc.
+/// The drivers of inputs and the loads of outputs for ABC.
 pub fn constraints(library: &Library) -> String {
     format!("set_driving_cell {}\nset_load {}\n", library.buffer(), library.load())
 }

@@ -1,28 +1,28 @@
-//! What a measurement found. The same structures are the JSON file, the tables and the pictures.
+//! The results of a measurement. The JSON file, the tables and the pictures show the same structures.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The figures of a design. Areas are in the library's unit, µm² in all that we know; times in nanoseconds.
+/// The figures of a design. Areas are in the library's unit, which is µm² in all known libraries; times in nanoseconds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// What was measured.
+    /// The design's name.
     pub design: String,
-    /// On what.
+    /// The tools, the library and the period.
     pub setting: Setting,
-    /// Everything.
+    /// The area of the whole design.
     pub area: Area,
-    /// All flip-flops.
+    /// The number of flip-flops.
     pub flip_flops: u64,
-    /// Area in thousands of the library's smallest NAND of two inputs.
+    /// The area in kGE: thousands of the library's smallest NAND of two inputs.
     pub kilo_gates: f64,
-    /// The slowest path of all; its stage has it in full.
+    /// The slowest path of the design; its stage has the full path.
     pub slowest: Slowest,
-    /// What that path allows.
+    /// The clock frequency that this path allows.
     pub clock_mhz: f64,
-    /// Area times the slowest path, in mm² ns: what throughput costs.
+    /// Area times the slowest path, in mm² ns.
     pub area_period: f64,
-    /// From the input to the output.
+    /// The stages, from the input to the output.
     pub stages: Vec<Stage>,
 }
 
@@ -33,28 +33,28 @@ pub struct Setting {
     pub synthesis: String,
     /// OpenSTA and its version.
     pub timing: String,
-    /// The cell library's name for itself.
+    /// The cell library's own name.
     pub library: String,
-    /// Its smallest NAND of two inputs.
+    /// The library's smallest NAND of two inputs.
     pub nand2: String,
     /// The buffer that drives every input.
     pub buffer: String,
-    /// What every output drives, in femtofarads.
+    /// The load of every output, in femtofarads.
     pub load_ff: f64,
-    /// The period that gates were chosen for, in nanoseconds.
+    /// The clock period for which gates were chosen, in nanoseconds.
     pub period_ns: f64,
 }
 
-/// One stage: its registers, and all gates and units that lead to them.
+/// A stage: its registers, and the units and gates before them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Stage {
-    /// `input`, `stage 3`, `output`.
+    /// The stage's name: `input`, `stage 3`, `output`.
     pub name: String,
-    /// Its share.
+    /// The stage's area.
     pub area: Area,
-    /// Its flip-flops.
+    /// The stage's flip-flops.
     pub flip_flops: u64,
-    /// The slowest path that ends in it; none where it has neither registers nor ports.
+    /// The slowest path that ends in the stage; None if it has neither registers nor ports.
     pub slowest: Option<Path>,
 }
 
@@ -63,66 +63,66 @@ pub struct Stage {
 pub struct Area {
     /// The sum of all kinds.
     pub total: f64,
-    /// Units by what they compute: `add`, `mul 1/2`.
+    /// Floating-point units by operation, and part if pipelined: `add`, `mul 1/2`.
     pub units: BTreeMap<String, Units>,
-    /// Flip-flops that hold a job, or state of an operation.
+    /// Flip-flops that hold a job's data or an operation's state.
     pub registers: f64,
-    /// Gates that lead to units alone: the choice of their operands.
+    /// Gates that reach units only: operand multiplexers.
     pub operand_muxes: f64,
-    /// Gates that lead to registers alone: the choice of what is handed on, and holding and skidding.
+    /// Gates that reach registers only: multiplexers of results, and those of skid buffers.
     pub register_muxes: f64,
-    /// Gates that lead to both: what several units work on, and decoding of the opcode.
+    /// Gates that reach both: shared subexpressions and opcode decoders.
     pub shared_logic: f64,
-    /// Gates that lead to output ports alone.
+    /// Gates that reach output ports only.
     pub output_gates: f64,
-    /// Flip-flops of the handshake, and gates that lead to them alone.
+    /// Flip-flops of the handshake, and gates that reach only them.
     pub control: f64,
 }
 
 /// Units of one kind.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Units {
-    /// How many.
+    /// Their number.
     pub count: u64,
-    /// What they take together.
+    /// Their area together.
     pub area: f64,
 }
 
-/// The slowest path of all.
+/// The slowest path of a design.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slowest {
-    /// Where it ends.
+    /// The stage that it ends in.
     pub stage: String,
-    /// How long it is, set-up time included.
+    /// Its delay, set-up time included.
     pub ns: f64,
 }
 
 /// A path from a register or an input port to a register or an output port.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Path {
-    /// From the clock's edge to where the value must stand: the last arrival and the set-up time.
+    /// The delay from the clock edge: arrival time at the end, and set-up time.
     pub ns: f64,
-    /// `stage 3 num_4_q[7]`, `port opcode_i[0]`.
+    /// The register or port that it starts at: `stage 3 num_4_q[7]`, `port opcode_i[0]`.
     pub start: String,
-    /// Likewise.
+    /// The register or port that it ends at.
     pub end: String,
-    /// What it passes, and when it leaves each.
+    /// The elements on the path, from the start to the end.
     pub steps: Vec<Step>,
-    /// The part of `ns` that the register at the end asks for.
+    /// The part of `ns` that is the set-up time of the register at the end.
     pub setup_ns: f64,
 }
 
-/// Something on a path.
+/// An element of a path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     /// A register, a unit (`u_add_4`), or `gates`.
     pub through: String,
-    /// When the signal leaves it, after the clock's edge.
+    /// The time after the clock edge at which the signal leaves it.
     pub ns: f64,
 }
 
 impl Area {
-    /// The kinds beside units, under their names in tables.
+    /// The kinds other than units, with their names in tables.
     pub fn other_kinds(&self) -> [(&'static str, f64); 6] {
         [
             ("registers", self.registers),
@@ -134,17 +134,17 @@ impl Area {
         ]
     }
 
-    /// All units.
+    /// The area of all units.
     pub fn units_area(&self) -> f64 {
         self.units.values().map(|units| units.area).sum()
     }
 
-    /// What units have of it, 0 to 1.
+    /// The share of units in the total, 0 to 1.
     pub fn unit_share(&self) -> f64 {
         if self.total > 0.0 { self.units_area() / self.total } else { 0.0 }
     }
 
-    /// Adds another. Sums are rounded, so that no binary fractions trail behind them.
+    /// Adds another area. Sums are rounded, so that they print without trailing digits.
     pub(crate) fn add(&mut self, other: &Self) {
         for (kind, units) in &other.units {
             let sum = self.units.entry(kind.clone()).or_default();
@@ -161,7 +161,7 @@ impl Area {
     }
 }
 
-/// Rounded to thousandths: of µm², of ns.
+/// Rounds to thousandths.
 pub(crate) fn thousandths(value: f64) -> f64 {
     (value * 1000.0).round() / 1000.0
 }

@@ -1,32 +1,32 @@
-//! A netlist as the plainest Verilog: what OpenSTA reads. Names are numbers that say what a cell is, so that paths can be
-//! read back without any rule of escaping: `g3_r17` is a register of group 3, cell 17 of the netlist.
+//! A netlist as structural Verilog, which OpenSTA reads. Cell names are made of numbers, so that paths can be read back
+//! without escaping rules: `g3_r17` is a register of group 3, cell 17 of the netlist.
 
+use crate::attribution::CellRole;
 use crate::netlist::{Direction, Net, Netlist};
-use crate::place::Role;
 use std::collections::{BTreeSet, HashMap};
 use std::fmt::Write;
 
 /// The name of a cell of the top module.
-pub fn cell_name(index: usize, role: &Role) -> String {
+pub fn cell_name(index: usize, role: &CellRole) -> String {
     match role {
-        Role::Register { group, .. } => format!("g{group}_r{index}"),
-        Role::Unit { group, .. } => format!("g{group}_u{index}"),
-        Role::Gate => format!("x{index}"),
+        CellRole::Register { group, .. } => format!("g{group}_r{index}"),
+        CellRole::Unit { group, .. } => format!("g{group}_u{index}"),
+        CellRole::Gate => format!("x{index}"),
     }
 }
 
-/// The cell that has this name.
+/// The index of the cell with this name.
 pub fn cell_index(name: &str) -> Option<usize> {
     let number = name.strip_prefix('x').or_else(|| name.split_once("_r").or(name.split_once("_u")).map(|(_, n)| n))?;
     number.parse().ok()
 }
 
-/// All registers of a group, as a pattern of names.
+/// A name pattern that matches the registers of a group.
 pub fn registers(group: usize) -> String {
     format!("g{group}_r*")
 }
 
-/// A module as Verilog.
+/// Prints a module as Verilog, its cells named by `name_of` their indices.
 pub fn module(netlist: &Netlist, name_of: impl Fn(usize) -> String) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
@@ -37,7 +37,7 @@ pub fn module(netlist: &Netlist, name_of: impl Fn(usize) -> String) -> String {
 fn write_module(text: &mut String, netlist: &Netlist, name_of: impl Fn(usize) -> String) -> std::fmt::Result {
     let ports: Vec<&str> = netlist.ports.keys().map(String::as_str).collect();
     writeln!(text, "module {} ({});", netlist.module, ports.join(", "))?;
-    // A net at a port has the port's name; where it is at several, the others are assigned.
+    // A net at a port has the port's name. If it is at several ports, the others are assigned.
     let mut names: HashMap<Net, String> = HashMap::new();
     let mut assigned = Vec::new();
     for wanted in [Direction::Input, Direction::Inout, Direction::Output] {
@@ -45,8 +45,8 @@ fn write_module(text: &mut String, netlist: &Netlist, name_of: impl Fn(usize) ->
             let (direction, high) = (direction(wanted), port.bits.len().saturating_sub(1));
             let range = if high > 0 { format!("[{high}:0] ") } else { String::new() };
             writeln!(text, "  {direction} {range}{name};")?;
-            for (place, net) in port.bits.iter().enumerate() {
-                let bit = if high > 0 { format!("{name}[{place}]") } else { name.clone() };
+            for (position, net) in port.bits.iter().enumerate() {
+                let bit = if high > 0 { format!("{name}[{position}]") } else { name.clone() };
                 if matches!(net, Net::Wire(_)) && !names.contains_key(net) {
                     names.insert(*net, bit);
                 } else if *net != Net::Open {
@@ -127,8 +127,8 @@ endmodule
     }
 
     #[test]
-    fn names_lead_back() {
-        let roles = [Role::Gate, Role::Register { group: 12, is_control: false }];
+    fn names_give_cell_indices() {
+        let roles = [CellRole::Gate, CellRole::Register { group: 12, is_control: false }];
         for (index, role) in roles.iter().enumerate() {
             assert_eq!(cell_index(&cell_name(index, role)), Some(index));
         }

@@ -1,7 +1,7 @@
-//! A piece of a design becomes cells of a library.
+//! Synthesises a block of a design into cells of a library.
 
 use crate::Error;
-use crate::design::{Piece, RegisterKind};
+use crate::design::{Block, RegisterKind};
 use crate::library::Library;
 use crate::names::RegisterNames;
 use crate::netlist::{Net, Netlist, YosysDesign};
@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::AtomicBool;
 
-/// What a synthesis follows from.
+/// The library, tool and period of a synthesis.
 pub struct Synthesis<'a> {
     pub library: &'a Library,
     pub yosys: &'a Yosys,
@@ -19,53 +19,53 @@ pub struct Synthesis<'a> {
 }
 
 impl Synthesis<'_> {
-    /// Identifies the outcome.
-    pub fn key(&self, piece: &Piece) -> Key {
+    /// The cache key of a block's netlist.
+    pub fn key(&self, block: &Block) -> Key {
         let Self { library, yosys, period } = self;
-        let recipe = recipe::yosys(piece, library) + &recipe::abc(*period) + &recipe::constraints(library);
-        Key::new("netlist", &[&recipe::source(piece), &recipe, library.digest(), &yosys.to_string()])
+        let recipe = recipe::yosys(block, library) + &recipe::abc(*period) + &recipe::constraints(library);
+        Key::new("netlist", &[&recipe::source(block), &recipe, library.digest(), &yosys.to_string()])
     }
 
-    /// Synthesises a piece. `registers` are those that it may have.
+    /// Synthesises a block. `registers` are those that it may have.
     pub fn run(
         &self,
-        piece: &Piece,
+        block: &Block,
         registers: &BTreeMap<String, RegisterKind>,
         stop: &AtomicBool,
     ) -> Result<Netlist, Error> {
         let folder = temporary_folder()?;
         let folder = folder.path();
-        write(&folder.join(recipe::DESIGN), &recipe::source(piece))?;
+        write(&folder.join(recipe::DESIGN), &recipe::source(block))?;
         write(&folder.join(recipe::LIBRARY), self.library.text())?;
-        write(&folder.join(recipe::SCRIPT), &recipe::yosys(piece, self.library))?;
+        write(&folder.join(recipe::SCRIPT), &recipe::yosys(block, self.library))?;
         write(&folder.join(recipe::ABC_SCRIPT), &recipe::abc(self.period))?;
         write(&folder.join(recipe::ABC_CONSTRAINTS), &recipe::constraints(self.library))?;
-        self.yosys.run(folder, recipe::SCRIPT, &piece.module, stop)?;
+        self.yosys.run(folder, recipe::SCRIPT, &block.module, stop)?;
 
         let bytes = |name: &str| read_within(&folder.join(name), MAX_RESULT_BYTES);
-        let names = match piece.is_unit {
+        let names = match block.is_unit {
             true => RegisterNames::default(),
-            false => RegisterNames::new(json(&bytes(recipe::NAMES)?)?, &piece.module, registers),
+            false => RegisterNames::new(json(&bytes(recipe::NAMES)?)?, &block.module, registers),
         };
-        let netlist = netlist(&bytes(recipe::NETLIST)?, &piece.module, &names, self.library)?;
+        let netlist = netlist(&bytes(recipe::NETLIST)?, &block.module, &names, self.library)?;
         let statistics = bytes(recipe::STATISTICS).unwrap_or_default();
-        self.check(piece, &netlist, &String::from_utf8_lossy(&statistics))?;
+        self.check(block, &netlist, &String::from_utf8_lossy(&statistics))?;
         Ok(netlist)
     }
 
-    /// Every cell is one of the library's or a unit, units have no registers of their own, and their areas add up to
-    /// what Yosys says.
-    fn check(&self, piece: &Piece, netlist: &Netlist, statistics: &str) -> Result<(), Error> {
+    /// Checks that every cell is a library cell or a unit, that units have no registers, and that the areas add up to
+    /// Yosys's total.
+    fn check(&self, block: &Block, netlist: &Netlist, statistics: &str) -> Result<(), Error> {
         let mut sum = 0.0;
         for instance in &netlist.cells {
             match self.library.cell(&instance.cell) {
-                Some(cell) if piece.is_unit && cell.is_flip_flop => {
-                    let found = format!("a flip-flop in {}", piece.module);
+                Some(cell) if block.is_unit && cell.is_flip_flop => {
+                    let found = format!("a flip-flop in {}", block.module);
                     return Err(ToolError::unexpected("yosys", found, "units without registers").into());
                 }
                 Some(cell) => sum += cell.area,
                 None if instance.cell.starts_with('$') => {
-                    let found = format!("{} in {} not mapped", instance.cell, piece.module);
+                    let found = format!("{} in {} not mapped", instance.cell, block.module);
                     return Err(ToolError::unexpected("yosys", found, "a library with a cell for it").into());
                 }
                 None => {}
@@ -73,19 +73,19 @@ impl Synthesis<'_> {
         }
         match chip_area(statistics) {
             Some(area) if (area - sum).abs() <= 1e-4 * sum + 0.01 => Ok(()),
-            // Wires alone: Yosys says nothing then.
+            // Yosys prints no area for a block of wires alone.
             None if sum == 0.0 => Ok(()),
             found => {
                 let found = found.map_or("no area".to_string(), |area| format!("an area of {area}"));
-                Err(ToolError::unexpected("yosys", format!("{found} for {}", piece.module), format!("{sum}")).into())
+                Err(ToolError::unexpected("yosys", format!("{found} for {}", block.module), format!("{sum}")).into())
             }
         }
     }
 }
 
-/// The module in what Yosys wrote, its flip-flops under the names of their registers.
-pub fn netlist(written: &[u8], module: &str, names: &RegisterNames, library: &Library) -> Result<Netlist, Error> {
-    let (mut netlist, net_names) = json::<YosysDesign>(written)?.take(module)?;
+/// Parses a module of Yosys's JSON, and names its flip-flops after their registers.
+pub fn netlist(text: &[u8], module: &str, names: &RegisterNames, library: &Library) -> Result<Netlist, Error> {
+    let (mut netlist, net_names) = json::<YosysDesign>(text)?.take(module)?;
     let mut names_of: HashMap<Net, Vec<&str>> = HashMap::new();
     for (name, net) in &net_names {
         net.bits.iter().for_each(|bit| names_of.entry(*bit).or_default().push(name));
@@ -102,7 +102,7 @@ pub fn netlist(written: &[u8], module: &str, names: &RegisterNames, library: &Li
     Ok(netlist)
 }
 
-/// The area in what Yosys's `stat` prints: without the units, which the library does not have.
+/// The area in the output of Yosys's `stat`. Units, which the library does not have, are not in it.
 pub fn chip_area(statistics: &str) -> Option<f64> {
     let (_, area) =
         statistics.lines().rev().find_map(|line| line.trim().strip_prefix("Chip area for ")?.split_once(": "))?;
@@ -117,15 +117,16 @@ pub fn json<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ToolError> {
 mod tests {
     use super::chip_area;
 
-    /// Recorded: a flip-flop with a reset (176), two without (96 each), a gate (24), and a module with another (16).
+    /// Recorded output: a flip-flop with a reset (176), two without (96 each), a gate (24); another gate (16) in a
+    /// module.
     #[test]
     fn recorded_areas() {
         for statistics in
             [include_str!("../tests/data/yosys-0.23-stat.txt"), include_str!("../tests/data/pyosys-0.70-stat.txt")]
         {
             assert_eq!(chip_area(statistics), Some(408.0));
-            let of_the_top_alone = statistics.split("=== unit ===").next().unwrap_or_default();
-            assert_eq!(chip_area(of_the_top_alone), Some(392.0));
+            let top_only = statistics.split("=== unit ===").next().unwrap_or_default();
+            assert_eq!(chip_area(top_only), Some(392.0));
         }
         assert_eq!(chip_area("ERROR: no such module"), None);
     }

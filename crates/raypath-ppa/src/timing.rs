@@ -1,39 +1,39 @@
-//! The slowest paths, by OpenSTA: what it is told, and what it says.
+//! The slowest paths, by OpenSTA: its script, and the parser of its output.
 
 use crate::library::Library;
 use crate::structural::registers;
 use raypath_tools::ToolError;
 
-/// Names of the files beside each other while paths are looked for.
+/// Names of the files in OpenSTA's folder.
 pub const NETLIST: &str = "netlist.v";
 pub const LIBRARY: &str = "cells.lib";
 pub const SCRIPT: &str = "script.tcl";
 pub const LOG: &str = "sta.log";
 
-/// Where paths may end.
+/// A set of endpoints of paths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ends {
-    /// Registers of a group.
+pub enum Endpoints {
+    /// The registers of a group.
     Registers(usize),
-    /// Output ports.
+    /// The output ports.
     Ports,
 }
 
 /// A path as OpenSTA prints it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawPath {
-    /// Pins, with the time in nanoseconds at each: `g3_r17/Q`, `g4_u5/x12/Y`, or a port.
+    /// Pins, with the arrival time at each in nanoseconds: `g3_r17/Q`, `g4_u5/x12/Y`, or a port.
     pub points: Vec<(String, f64)>,
-    /// When the value arrives at the last.
+    /// The arrival time at the last pin.
     pub arrival: f64,
-    /// What the register at the end asks for.
+    /// The set-up time of the register at the end; 0 at a port.
     pub setup: f64,
 }
 
 const MARK: &str = "raypath paths:";
 
-/// The commands for OpenSTA: ports switch at the clock's edge, resets are no paths, clock and wires take no time.
-pub fn script(top: &str, library: &Library, period: f64, ends: &[Ends]) -> String {
+/// The commands for OpenSTA. Ports switch at the clock edge, resets are false paths, the clock and wires are ideal.
+pub fn script(top: &str, library: &Library, period: f64, ends: &[Endpoints]) -> String {
     let mut lines = vec![
         format!("read_liberty {LIBRARY}"),
         format!("read_verilog {NETLIST}"),
@@ -49,8 +49,8 @@ pub fn script(top: &str, library: &Library, period: f64, ends: &[Ends]) -> Strin
     for (number, end) in ends.iter().enumerate() {
         lines.push(format!("puts \"{MARK} {number}\""));
         let to = match end {
-            Ends::Registers(group) => format!("[get_cells {}]", registers(*group)),
-            Ends::Ports => "[all_outputs]".to_string(),
+            Endpoints::Registers(group) => format!("[get_cells {}]", registers(*group)),
+            Endpoints::Ports => "[all_outputs]".to_string(),
         };
         lines.push(format!("report_checks -path_delay max -digits 4 -to {to}"));
     }
@@ -58,14 +58,15 @@ pub fn script(top: &str, library: &Library, period: f64, ends: &[Ends]) -> Strin
     lines.join("\n") + "\n"
 }
 
-/// The slowest path to each of `ends`, which [`script`] asked for; none where there is no path.
-pub fn paths(said: &str, ends: usize) -> Result<Vec<Option<RawPath>>, ToolError> {
+/// The slowest path to each set of endpoints, as [`script`] requested it; None where there is no path. `ends` is the
+/// number of sets.
+pub fn paths(output: &str, ends: usize) -> Result<Vec<Option<RawPath>>, ToolError> {
     let last_lines = || {
-        let lines: Vec<&str> = said.lines().rev().take(5).map(beginning).collect();
+        let lines: Vec<&str> = output.lines().rev().take(5).map(beginning).collect();
         format!("\"{}\"", lines.into_iter().rev().collect::<Vec<_>>().join("\n"))
     };
     let mut found = Vec::new();
-    for (number, part) in said.split(MARK).skip(1).enumerate() {
+    for (number, part) in output.split(MARK).skip(1).enumerate() {
         let path = part.strip_prefix(&format!(" {number}\n")).and_then(path);
         found.push(path.ok_or_else(|| ToolError::unexpected("sta", last_lines(), "a path"))?);
     }
@@ -75,12 +76,12 @@ pub fn paths(said: &str, ends: usize) -> Result<Vec<Option<RawPath>>, ToolError>
     Ok(found)
 }
 
-/// As much of a line as a message has room for.
+/// At most 200 characters of a line, for messages.
 fn beginning(line: &str) -> &str {
     line.char_indices().nth(200).map_or(line, |(end, _)| &line[..end])
 }
 
-/// One report. Nothing where it cannot be read, `Some(None)` where it says that there is no path.
+/// Parses one report. None if it cannot be parsed, `Some(None)` if it reports no path.
 fn path(report: &str) -> Option<Option<RawPath>> {
     if report.contains("No paths found") {
         return Some(None);
@@ -89,7 +90,7 @@ fn path(report: &str) -> Option<Option<RawPath>> {
     for line in report.lines() {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words.as_slice() {
-            // A pin before the arrival is on the path; those after it are on the clock's way.
+            // Pins before the arrival are on the path; those after it are on the clock's path.
             [_, time, "^" | "v", pin, cell] if arrival.is_none() && cell.starts_with('(') => {
                 points.push((pin.to_string(), number(time)?));
             }
@@ -101,7 +102,7 @@ fn path(report: &str) -> Option<Option<RawPath>> {
     arrival.filter(|_| !points.is_empty()).map(|arrival| Some(RawPath { points, arrival, setup }))
 }
 
-/// A time; `inf` and `nan` are none.
+/// A finite number.
 fn number(text: &str) -> Option<f64> {
     text.parse().ok().filter(|time: &f64| time.is_finite())
 }
@@ -110,8 +111,8 @@ fn number(text: &str) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Recorded: a register to a register through a unit and a gate; a register that is never set; a register to a port;
-    /// a port to a register.
+    /// Recorded output: a register to a register through a unit and a gate; a register that is never set; a register to
+    /// a port; a port to a register.
     const RECORDED: &str = include_str!("../tests/data/opensta-2.0.17.log");
 
     fn pins(path: &RawPath) -> Vec<(&str, f64)> {
@@ -132,9 +133,9 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_answer_is_an_error() {
-        // OpenSTA ends with success whatever happens; that it said nothing of use is all there is.
-        let fails = |said: &str, ends| paths(said, ends).expect_err("an error").to_string();
+    fn other_output_is_an_error() {
+        // OpenSTA exits with success after errors, so that missing paths are the only sign of one.
+        let fails = |output: &str, ends| paths(output, ends).expect_err("an error").to_string();
         assert!(fails("Error: cannot read file cells.lib.\n", 1).contains("cannot read file cells.lib."));
         assert!(fails(RECORDED, 5).contains("expected paths to 5 sets"));
         let cut = RECORDED.split("data arrival").next().unwrap_or_default();

@@ -1,5 +1,4 @@
-//! The whole way through Yosys and OpenSTA with the library that Debian ships, on a design that is small enough to know
-//! what must come out.
+//! A measurement with Yosys, OpenSTA and Debian's cell library, of a design small enough to know its figures.
 
 use raypath_hdl::{Builder, Module, Wire};
 use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, Report, Stage};
@@ -26,7 +25,7 @@ fn control() -> Arc<Module> {
     m.finish().expect("control")
 }
 
-/// Registers a number behind `made`; `extra` is a register that nobody reads.
+/// A stage that registers the number that `made` returns; with `extra`, it has an unread register.
 fn stage(name: &str, extra: bool, made: impl for<'m> Fn(&'m Builder, Wire<'m>) -> Wire<'m>) -> Arc<Module> {
     let m = Builder::new(name);
     let number = m.input("num_0_i", WIDTH);
@@ -44,7 +43,7 @@ fn stage(name: &str, extra: bool, made: impl for<'m> Fn(&'m Builder, Wire<'m>) -
     m.finish().expect("a stage")
 }
 
-/// Three stages: one that only hands on, one whose two adders stand in a row, one with a choice before its adder.
+/// Three stages: one that only registers, one with two adders in series, one with a multiplexer before its adder.
 fn design() -> Design {
     let first = stage("raypath_tiny_input", true, |_, number| number);
     let second = stage("raypath_tiny_row", false, |m, number| {
@@ -81,7 +80,7 @@ fn stage_of<'r>(report: &'r Report, name: &str) -> &'r Stage {
     report.stages.iter().find(|stage| stage.name == name).expect(name)
 }
 
-/// What a path passes, without the positions of bits.
+/// The elements of a path, without the indices of bits.
 fn through(stage: &Stage) -> Vec<&str> {
     let path = stage.slowest.as_ref().expect("a path");
     path.steps.iter().map(|step| step.through.split('[').next().unwrap_or_default()).collect()
@@ -106,7 +105,7 @@ fn a_design_is_taken_apart_into_stages_and_kinds() {
     assert_eq!(names, ["input", "stage 1", "stage 2"]);
     let [input, row, choice] = ["input", "stage 1", "stage 2"].map(|name| stage_of(report, name));
 
-    // Six bits and a valid bit each; what nobody reads is gone. The areas are those of DFFPOSX1 and DFFSR.
+    // Six bits and a valid bit each; the unread register is gone. The areas are those of DFFPOSX1 and DFFSR.
     for stage in [input, row, choice] {
         assert_eq!(stage.flip_flops, 7, "{}", stage.name);
         assert_eq!((stage.area.registers, stage.area.control), (6.0 * 96.0, 176.0), "{}", stage.name);
@@ -135,8 +134,8 @@ fn a_design_is_taken_apart_into_stages_and_kinds() {
     let last = steps.last().expect("steps");
     assert_eq!((last.done, last.total), (3, 3), "a unit, what surrounds it, and the timing");
 
-    // Once more, everything is known.
-    let watch = |now: raypath_ppa::Steps| {
+    // A second measurement takes everything from the cache.
+    let watch = |now: raypath_ppa::Progress| {
         assert_eq!(now.total, 0);
         true
     };
@@ -155,9 +154,9 @@ fn a_stopped_measurement_leaves_nothing_half_written() {
     let kept = std::fs::read_dir(&cache).map(|files| files.map(|file| file.expect("a file").file_name()).collect());
     let kept: Vec<_> = kept.unwrap_or_default();
     assert!(kept.iter().all(|name| name.to_string_lossy().ends_with(".json.gz")), "{kept:?}");
-    // It goes on from what is kept.
+    // A second measurement resumes from the cache.
     let mut total = 0;
-    let watch = |steps: raypath_ppa::Steps| {
+    let watch = |steps: raypath_ppa::Progress| {
         total = steps.total;
         true
     };

@@ -1,4 +1,4 @@
-//! Cell libraries that are refused, or used only in part, so that nothing wrong comes of them.
+//! Cell libraries that are refused, or of which some cells are left out.
 
 use flate2::{Compression, write::GzEncoder};
 use raypath_ppa::{Error, Library};
@@ -21,9 +21,9 @@ fn read(text: &str) -> Result<Library, String> {
     Library::read_from(text.as_bytes(), Path::new("small.lib")).map_err(|error| error.to_string())
 }
 
-/// They became areas, loads and clocks of `inf` and `NaN`, and reports that could not be read again.
+/// Such numbers would become areas, loads and clocks of `inf` and `NaN`, and reports that cannot be read again.
 #[test]
-fn numbers_that_are_none() {
+fn invalid_numbers_are_refused() {
     assert!(read(CELLS).is_ok_and(|library| (library.nand2_area(), library.load()) == (2.5, 20.0)));
     for number in ["inf", "NaN", "-1", "1e999", "1e13", "two", ""] {
         let error = read(&CELLS.replace("2.5", number)).expect_err(number);
@@ -38,14 +38,14 @@ fn numbers_that_are_none() {
     assert!(error.starts_with("small.lib:3: found a load of inf fF"), "{error}");
 }
 
-/// A message shows the beginning of what it found, and no character that a terminal would obey.
+/// A message shows the beginning of the found text, with control characters escaped.
 #[test]
 fn messages_are_short_and_harmless() {
     let error = read(&CELLS.replace("2.5", &format!("\u{1b}[2J{}", "9".repeat(100_000)))).expect_err("no number");
     assert!(error.len() < 200 && error.contains(r"\u{1b}[2J999"), "{error}");
 }
 
-/// Names stand in scripts. `x[exec touch /tmp/y]` was a command to OpenSTA, and a line's end one to Yosys.
+/// Names go into scripts, where `x[exec touch y]` would be a command to OpenSTA, and a line end one to Yosys.
 #[test]
 fn names_that_are_commands_are_left_out() {
     for name in ["x[exec touch y]", "a b", "a;b", "a\nshell b", "$a", "a$b", "1a", "é"] {
@@ -59,7 +59,7 @@ fn names_that_are_commands_are_left_out() {
     }
 }
 
-/// 300 MiB in 300 KiB or so.
+/// 300 MiB in about 300 KiB.
 #[test]
 fn a_gzip_bomb_is_an_error() {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
@@ -68,8 +68,6 @@ fn a_gzip_bomb_is_an_error() {
     let bomb = encoder.finish().expect("compressed");
     assert!(bomb.len() < 2 << 20);
     let error = Library::read_from(bomb.as_slice(), Path::new("bomb.lib.gz")).expect_err("a bomb");
-    assert!(
-        matches!(&error, Error::Tool(ToolError::File { problem, .. }) if problem.kind() == std::io::ErrorKind::FileTooLarge),
-        "{error}"
-    );
+    let Error::Tool(ToolError::File { problem, .. }) = &error else { panic!("{error}") };
+    assert_eq!(problem.kind(), std::io::ErrorKind::FileTooLarge, "{error}");
 }

@@ -38,8 +38,8 @@ impl Default for Options {
 
 /// A module's SystemVerilog, compiled into a program.
 ///
-/// Registers without a reset begin with 0, and a reset ends before the first cycle: where Verilog leaves a choice, it is
-/// that of [`raypath_hdl::Simulator`], so that both agree from the first cycle on for all stimuli.
+/// Registers without a reset begin with 0, and a reset ends before the first cycle. Where Verilog leaves a choice, it
+/// is that of [`raypath_hdl::Simulator`], so that both agree from the first cycle on for all stimuli.
 #[derive(Debug)]
 pub struct Verilated {
     program: PathBuf,
@@ -109,8 +109,8 @@ impl Verilated {
     }
 
     /// Runs a cycle for each frame of inputs: `rst_ni`, if the module has one, then the inputs in the order of
-    /// declaration. In each cycle the inputs settle, `on_outputs` gets the cycle's number and the outputs in the order of
-    /// declaration, and the clock rises. `rst_ni` is asynchronous. Every run begins in the initial state.
+    /// declaration. In each cycle the inputs settle, `on_outputs` gets the cycle's number and the outputs in the order
+    /// of declaration, and the clock rises. `rst_ni` is asynchronous. Every run begins in the initial state.
     ///
     /// # Errors
     /// A frame has a wrong number of words; the program fails, as it does when an assertion fails.

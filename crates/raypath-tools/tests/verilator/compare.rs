@@ -1,4 +1,4 @@
-//! One module, printed, linted, and run in both simulators with the same stimuli.
+//! Lints a module, and runs it in both simulators with the same stimuli.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -25,7 +25,7 @@ pub fn agree(top: &Arc<Module>, random: &mut ChaCha8Rng, cycles: usize) {
     assert_eq!(seen, cycles);
 }
 
-/// Random words, and in a third of all places the words at which arithmetic turns: none, all, one, the top bit.
+/// Random words, a third of them corner cases: zero, all ones, one, the top bit.
 fn frames(top: &Module, random: &mut ChaCha8Rng, cycles: usize) -> Vec<Vec<u64>> {
     let widths: Vec<u32> = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
     let mut frame = || {

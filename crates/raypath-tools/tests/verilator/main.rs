@@ -1,4 +1,4 @@
-//! The netlist's simulator against Verilator, and the printed text before the linters.
+//! Compares the netlist simulator with Verilator, and runs the linters on emitted SystemVerilog.
 
 mod compare;
 mod operators;

@@ -1,5 +1,5 @@
-//! Every operator by itself at the widths where machine words end, and inside others, where Verilog's rules on the
-//! widths of expressions lie in wait.
+//! Every operator at the widths around machine words, alone and nested, where Verilog's rules on the widths of
+//! expressions apply.
 
 use crate::compare::agree;
 use rand::SeedableRng;
@@ -70,11 +70,11 @@ fn single<'m>(
     show("case_unnamed", m.case(select, &squares, a ^ c) + c);
 }
 
-/// Where the context could widen an operand, keep a carry or change a sign.
+/// Expressions whose context could widen an operand, keep a carry or change a sign.
 fn nested<'m>(m: &'m Builder, [a, b, c]: [Wire<'m>; 3], amount: Wire<'m>, show: impl Fn(&str, Wire<'m>)) {
     let width = a.width();
     let cuts = Cell::new(0);
-    // An expression's low bits; that nobody reads the others is on purpose.
+    // An expression's low bits; the others are left unread on purpose.
     let low = |wire: Wire<'m>, bits: u32| {
         if bits < wire.width() {
             cuts.set(cuts.get() + 1);

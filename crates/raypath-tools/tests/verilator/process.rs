@@ -1,4 +1,4 @@
-//! The process at the other end: tops without a clock, without inputs, long streams, frames that do not fit.
+//! The simulation process: modules without a clock or inputs, long streams, frames of a wrong size.
 
 use raypath_hdl::Builder;
 use raypath_tools::{Options, Sources, ToolError, Verilated};
@@ -14,7 +14,7 @@ fn long_streams_without_a_clock() {
     let options = Options { jobs: 1, ..Options::default() };
     let verilated = Verilated::build_sources(&[sources.all], &top, folder.path(), &options).expect("a build");
 
-    // Far more than the pipes hold; the inputs' upper bits are cut off.
+    // Far more than the pipes hold; excess bits of inputs are dropped.
     let frames = (0..500_000u64).map(|n| vec![n | 1 << 40, 7 * n]);
     let mut seen = 0;
     verilated
@@ -54,7 +54,7 @@ fn a_panic_leaves_no_process_behind() {
     let verilated = Verilated::build(&top, folder.path()).expect("a build");
     let run = || verilated.run((0..).map(|n| vec![n]), |cycle, _| assert!(cycle < 100, "enough"));
     assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).is_err());
-    // Those that have ended but have not been waited for are listed as well.
+    // The list includes processes that have ended and have not been waited for.
     let children = std::fs::read_to_string("/proc/thread-self/children").expect("a list of processes");
     assert_eq!(children, "");
 }
@@ -85,6 +85,6 @@ fn faults_of_the_text_are_shown() {
     m.output("a_o", a.bit(0));
     let top = m.finish().expect("a module");
     let folder = tempfile::tempdir().expect("a folder");
-    let fault = Sources::write(&top, folder.path()).expect("sources").lint().expect_err("a bit that nobody reads");
+    let fault = Sources::write(&top, folder.path()).expect("sources").lint().expect_err("an unread bit");
     assert!(fault.to_string().contains("UNUSED"), "{fault}");
 }

@@ -1,4 +1,4 @@
-//! Random netlists side by side in one top.
+//! Random netlists side by side in one top module.
 
 use crate::compare::agree;
 use rand::{RngExt, SeedableRng};
@@ -31,7 +31,7 @@ struct Growth<'m> {
     m: &'m Builder,
     random: ChaCha8Rng,
     wires: Vec<Wire<'m>>,
-    /// Wires that have a name, all of whose bits are read at the end; only they may be cut.
+    /// Named wires, all of whose bits are read at the end; only they may be sliced.
     named: Vec<Wire<'m>>,
 }
 
@@ -88,7 +88,7 @@ impl<'m> Growth<'m> {
         }
     }
 
-    /// A recent wire, cut or extended to `width`.
+    /// A recent wire, sliced or extended to `width`.
     fn pick(&mut self, width: u32) -> Wire<'m> {
         let back = self.random.random_range(0..self.wires.len().min(16));
         let place = self.wires.len() - 1 - back;
@@ -106,7 +106,7 @@ impl<'m> Growth<'m> {
         named.bits(low + width - 1, low)
     }
 
-    /// A comparison whose answer no tool can know beforehand: to say that it does would be a lint.
+    /// A comparison whose result no tool can derive: a constant result would be a lint.
     fn less(&self, a: Wire<'m>) -> Wire<'m> {
         let inputs = &self.named[..WIDTHS.len()];
         let (bit, some, all) = (inputs[0], inputs[4], inputs[5]);

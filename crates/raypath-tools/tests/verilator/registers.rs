@@ -1,4 +1,4 @@
-//! State: enables, resets at any moment, instances within instances.
+//! Registers: enables, resets in any cycle, nested instances.
 
 use crate::compare::agree;
 use rand::SeedableRng;
@@ -28,7 +28,7 @@ fn registers_and_instances() {
     agree(&m.finish().expect("a module"), &mut ChaCha8Rng::seed_from_u64(2), 20_000);
 }
 
-/// A register of every kind.
+/// A module with a register of every kind.
 fn cell() -> Arc<Module> {
     let m = Builder::new("cell_unit");
     m.doc("Four registers: with and without enable, with and without reset.");
@@ -51,7 +51,7 @@ fn pair(cell: &Arc<Module>) -> Arc<Module> {
     let m = Builder::new("pair_unit");
     let (a, go) = (m.input("a_i", 33), m.input("go_i", 1));
     let left = m.instance("u_left", cell, &[("a_i", a), ("go_i", go)]);
-    // Nobody reads whether the right sum is odd, which must be no lint.
+    // The lowest bit of the right sum is unread, which must not be a lint.
     let right = m.instance("u_right", cell, &[("a_i", !left[0]), ("go_i", !left[1])]);
     m.output("sum_o", left[0] - right[0]);
     m.output("odd_o", left[1]);

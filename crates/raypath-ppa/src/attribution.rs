@@ -1,8 +1,8 @@
-//! Where each cell of a flat design belongs, and what it is for.
+//! Attributes each cell of a flattened design to a stage and a purpose.
 //!
-//! Synthesis keeps the names of registers and units, and forgets those of gates. But a gate belongs to the registers,
-//! units and ports that its output leads to, and since every stage ends in registers those nearly always stand in one
-//! stage. What leads to several (a buffer behind an opcode that its own stage also holds) is shared equally.
+//! Synthesis keeps the names of registers and units, and drops those of gates. A gate is attributed to the stage of the
+//! registers, units and ports that its output reaches; as every stage ends in registers, these are nearly always in one
+//! stage. The area of a gate that reaches several stages, such as a buffer of the opcode, is divided equally.
 
 use crate::design::{RegisterKind, UnitKind};
 use crate::library::Library;
@@ -10,47 +10,48 @@ use crate::netlist::{Direction, Net, Netlist};
 use crate::report::Area;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// What a cell is.
+/// The kind of a cell of the top module, and the group (stage) that it belongs to.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Role {
+pub enum CellRole {
     Unit { group: usize, kind: UnitKind },
     Register { group: usize, is_control: bool },
     Gate,
 }
 
-/// A design with everything in its place.
-pub struct Placed<'a> {
+/// A flattened design whose cells are attributed to groups: the instances in the top module, and the top module.
+pub struct Attribution<'a> {
     netlist: &'a Netlist,
-    /// Of each cell.
-    pub roles: Vec<Role>,
-    /// For each net the cells that read it.
+    /// The role of each cell.
+    pub roles: Vec<CellRole>,
+    /// The cells that read each net.
     readers: HashMap<Net, Vec<usize>>,
-    /// Nets at output ports.
-    leaving: BTreeSet<Net>,
+    /// The nets at output ports.
+    output_nets: BTreeSet<Net>,
     groups: usize,
 }
 
-/// What gates lead to, in the end.
+/// What a gate's output reaches through other gates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Goal {
+enum Sink {
     Unit,
-    Data,
-    Control,
+    DataRegister,
+    ControlRegister,
     Port,
 }
 
-type Goals = BTreeSet<(usize, Goal)>;
+/// Groups and what is reached in each.
+type Sinks = BTreeSet<(usize, Sink)>;
 
-/// How far the search for a gate's goals has come.
+/// The state of the depth-first search for a gate's sinks.
 #[derive(Debug, Clone)]
 enum Search {
     New,
     Open,
-    Done(Goals),
+    Done(Sinks),
 }
 
-impl<'a> Placed<'a> {
-    /// Finds the role of each cell. `groups` are the instances in the top module by name, and its own.
+impl<'a> Attribution<'a> {
+    /// Finds the role of each cell. `groups` are the names of the instances in the top module, then the top module's.
     pub fn new(
         netlist: &'a Netlist,
         units: &BTreeMap<String, Netlist>,
@@ -67,13 +68,13 @@ impl<'a> Placed<'a> {
         for (index, instance) in netlist.cells.iter().enumerate() {
             let cell = library.cell(&instance.cell);
             roles.push(match UnitKind::of(&instance.cell) {
-                Some(kind) => Role::Unit { group: group_of(&instance.name), kind },
+                Some(kind) => CellRole::Unit { group: group_of(&instance.name), kind },
                 None if cell.is_some_and(|cell| cell.is_flip_flop) => {
                     let known = registers.get(instance.name.split('[').next().unwrap_or_default());
                     let group = known.map_or_else(|| group_of(&instance.name), |register| register.group);
-                    Role::Register { group, is_control: known.is_some_and(|register| register.is_control) }
+                    CellRole::Register { group, is_control: known.is_some_and(|register| register.is_control) }
                 }
-                None => Role::Gate,
+                None => CellRole::Gate,
             });
             let unit = units.get(&instance.cell);
             let is_output = |pin: &String| match (cell, unit) {
@@ -86,38 +87,38 @@ impl<'a> Placed<'a> {
             }
         }
         let outputs = netlist.ports.values().filter(|port| port.direction == Direction::Output);
-        let leaving = outputs.flat_map(|port| &port.bits).copied().collect();
-        Self { netlist, roles, readers, leaving, groups: groups.len() }
+        let output_nets = outputs.flat_map(|port| &port.bits).copied().collect();
+        Self { netlist, roles, readers, output_nets, groups: groups.len() }
     }
 
-    /// The group that output ports belong to: the last instance in the top module.
+    /// The group of the output ports: the last instance in the top module.
     pub fn port_group(&self) -> usize {
         self.groups.saturating_sub(2)
     }
 
-    /// Area of each group.
+    /// The area of each group, by kind.
     pub fn areas(&self, units: &BTreeMap<String, Netlist>, library: &Library) -> Vec<Area> {
         let unit_areas: HashMap<&String, f64> =
             units.iter().map(|(name, unit)| (name, cell_area(unit, library))).collect();
         let mut areas = vec![Area::default(); self.groups];
-        let mut known = vec![Search::New; self.roles.len()];
+        let mut searches = vec![Search::New; self.roles.len()];
         for (index, instance) in self.netlist.cells.iter().enumerate() {
             let own = library.cell(&instance.cell).map_or(0.0, |cell| cell.area);
             match &self.roles[index] {
-                Role::Unit { group, kind } => {
+                CellRole::Unit { group, kind } => {
                     let units = areas[*group].units.entry(kind.to_string()).or_default();
                     units.count += 1;
                     units.area += unit_areas.get(&instance.cell).copied().unwrap_or(0.0);
                 }
-                Role::Register { group, is_control: true } => areas[*group].control += own,
-                Role::Register { group, .. } => areas[*group].registers += own,
-                Role::Gate => {
-                    let goals = self.goals(index, library, &mut known);
-                    let groups: BTreeSet<usize> = goals.iter().map(|(group, _)| *group).collect();
+                CellRole::Register { group, is_control: true } => areas[*group].control += own,
+                CellRole::Register { group, .. } => areas[*group].registers += own,
+                CellRole::Gate => {
+                    let sinks = self.sinks(index, library, &mut searches);
+                    let groups: BTreeSet<usize> = sinks.iter().map(|(group, _)| *group).collect();
                     for group in &groups {
-                        let kinds: Vec<Goal> =
-                            goals.iter().filter(|(of, _)| of == group).map(|(_, goal)| *goal).collect();
-                        *kind_of_gate(&mut areas[*group], &kinds) += own / groups.len() as f64;
+                        let kinds: Vec<Sink> =
+                            sinks.iter().filter(|(of, _)| of == group).map(|(_, sink)| *sink).collect();
+                        *area_by_sinks(&mut areas[*group], &kinds) += own / groups.len() as f64;
                     }
                     if groups.is_empty() {
                         areas[self.groups - 1].shared_logic += own;
@@ -133,52 +134,54 @@ impl<'a> Placed<'a> {
         areas.iter().map(rounded).collect()
     }
 
-    /// Flip-flops of each group.
+    /// The number of flip-flops of each group.
     pub fn flip_flops(&self) -> Vec<u64> {
         let mut counts = vec![0; self.groups];
         for role in &self.roles {
-            if let Role::Register { group, .. } = role {
+            if let CellRole::Register { group, .. } = role {
                 counts[*group] += 1;
             }
         }
         counts
     }
 
-    /// What a gate leads to: depth first, without recursion, since chains of gates are longer than a thread's stack
-    /// likes.
-    fn goals(&self, gate: usize, library: &Library, known: &mut [Search]) -> Goals {
+    /// The sinks of a gate, by a depth-first search. It does not recurse, because chains of gates are long enough to
+    /// overflow a thread's stack.
+    fn sinks(&self, gate: usize, library: &Library, searches: &mut [Search]) -> Sinks {
         let mut open = vec![gate];
         while let Some(&index) = open.last() {
-            if matches!(known[index], Search::Done(_)) {
+            if matches!(searches[index], Search::Done(_)) {
                 open.pop();
                 continue;
             }
-            known[index] = Search::Open;
-            let (mut goals, before) = (Goals::new(), open.len());
+            searches[index] = Search::Open;
+            let (mut sinks, before) = (Sinks::new(), open.len());
             for net in self.driven(index, library) {
-                if self.leaving.contains(net) {
-                    goals.insert((self.port_group(), Goal::Port));
+                if self.output_nets.contains(net) {
+                    sinks.insert((self.port_group(), Sink::Port));
                 }
                 for &reader in self.readers.get(net).into_iter().flatten() {
-                    match (&self.roles[reader], &known[reader]) {
-                        (Role::Unit { group, .. }, _) => _ = goals.insert((*group, Goal::Unit)),
-                        (Role::Register { group, is_control: true }, _) => _ = goals.insert((*group, Goal::Control)),
-                        (Role::Register { group, .. }, _) => _ = goals.insert((*group, Goal::Data)),
-                        (Role::Gate, Search::Done(further)) => goals.extend(further),
-                        (Role::Gate, Search::New) => open.push(reader),
-                        // A loop of gates, which no design here has: the part already open adds nothing.
-                        (Role::Gate, Search::Open) => {}
+                    match (&self.roles[reader], &searches[reader]) {
+                        (CellRole::Unit { group, .. }, _) => _ = sinks.insert((*group, Sink::Unit)),
+                        (CellRole::Register { group, is_control: true }, _) => {
+                            _ = sinks.insert((*group, Sink::ControlRegister))
+                        }
+                        (CellRole::Register { group, .. }, _) => _ = sinks.insert((*group, Sink::DataRegister)),
+                        (CellRole::Gate, Search::Done(further)) => sinks.extend(further),
+                        (CellRole::Gate, Search::New) => open.push(reader),
+                        // A combinational loop, which no design here has: an open gate adds nothing.
+                        (CellRole::Gate, Search::Open) => {}
                     }
                 }
             }
             if open.len() == before {
-                known[index] = Search::Done(goals);
+                searches[index] = Search::Done(sinks);
                 open.pop();
             }
         }
-        match &known[gate] {
-            Search::Done(goals) => goals.clone(),
-            Search::New | Search::Open => Goals::new(),
+        match &searches[gate] {
+            Search::Done(sinks) => sinks.clone(),
+            Search::New | Search::Open => Sinks::new(),
         }
     }
 
@@ -189,17 +192,18 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// The area of all cells of a module.
+/// The area of all library cells of a module.
 pub fn cell_area(netlist: &Netlist, library: &Library) -> f64 {
     netlist.cells.iter().filter_map(|instance| library.cell(&instance.cell)).map(|cell| cell.area).sum()
 }
 
-fn kind_of_gate<'a>(area: &'a mut Area, goals: &[Goal]) -> &'a mut f64 {
-    match goals {
-        [Goal::Unit] => &mut area.operand_muxes,
-        [Goal::Control] => &mut area.control,
-        [Goal::Port] => &mut area.output_gates,
-        [Goal::Data] | [Goal::Data, Goal::Control] => &mut area.register_muxes,
+/// The kind of area that a gate with these sinks counts as.
+fn area_by_sinks<'a>(area: &'a mut Area, sinks: &[Sink]) -> &'a mut f64 {
+    match sinks {
+        [Sink::Unit] => &mut area.operand_muxes,
+        [Sink::ControlRegister] => &mut area.control,
+        [Sink::Port] => &mut area.output_gates,
+        [Sink::DataRegister] | [Sink::DataRegister, Sink::ControlRegister] => &mut area.register_muxes,
         _ => &mut area.shared_logic,
     }
 }
@@ -243,7 +247,7 @@ mod tests {
                 "c7": {"type": "INV", "connections": {"A": [20], "Y": [30]}}}}}}"#;
 
     #[test]
-    fn gates_belong_to_what_they_lead_to() {
+    fn gates_are_attributed_to_their_sinks() {
         let library = Library::of(LIBRARY.to_string(), Path::new("l.lib")).expect("a library");
         let mut design: YosysDesign = serde_json::from_str(NETLIST).expect("JSON");
         let (unit, _) = design.take("raypath_fp_add").expect("a unit");
@@ -257,13 +261,13 @@ mod tests {
             register("u_b.num_q", 1, false),
             register("u_b.valid_q", 1, true),
         ]);
-        let placed = Placed::new(&top, &units, &library, &groups, &registers);
-        assert_eq!(placed.flip_flops(), [2, 2, 0, 0]);
-        let areas = placed.areas(&units, &library);
+        let attribution = Attribution::new(&top, &units, &library, &groups, &registers);
+        assert_eq!(attribution.flip_flops(), [2, 2, 0, 0]);
+        let areas = attribution.areas(&units, &library);
         let add = BTreeMap::from([("add".to_string(), crate::report::Units { count: 1, area: 5.0 })]);
-        // c4 leads to control of both and is shared; c5 and c6 to one each.
+        // c4 reaches control registers of both stages and is divided; c5 and c6 reach one each.
         let first = Area { registers: 16.0, control: 16.0 + 1.0 + 1.0, total: 34.0, ..Area::default() };
-        // c0 and c1 lead to the unit, c3 to the register, c2 to both.
+        // c0 and c1 reach the unit, c3 the register, c2 both.
         let second = Area {
             units: add,
             registers: 16.0,
