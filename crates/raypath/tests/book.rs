@@ -1,4 +1,4 @@
-//! The book without mdBook: its chapters, what they include, where they link to, and what they say that examples print.
+//! The documents: chapters, includes, links, paths of files, and the quoted output of examples.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -33,7 +33,7 @@ fn chapters() -> Vec<Chapter> {
     links(&summary.text).into_iter().map(|link| chapter(summary.resolve(&link))).collect()
 }
 
-/// The targets of links, code left out.
+/// The targets of links outside of code.
 fn links(text: &str) -> Vec<String> {
     let prose = text.split("```").step_by(2).collect::<String>();
     let prose = prose.split('`').step_by(2).collect::<String>();
@@ -41,7 +41,7 @@ fn links(text: &str) -> Vec<String> {
     targets.map(|(target, _)| target.to_string()).collect()
 }
 
-/// What is between the braces of `{{#include ...}}`: a path, and an anchor if there is one.
+/// The path and the anchor of each `{{#include ...}}`.
 fn includes(text: &str) -> Vec<(String, Option<String>)> {
     let found = text.split("{{#include ").skip(1).filter_map(|rest| rest.split_once("}}"));
     found
@@ -91,7 +91,41 @@ fn every_document_that_sources_name_exists() {
     assert!(seen > 20, "{seen} documents named");
 }
 
-/// Each included anchor begins and ends once in its file, with something between.
+/// Documents name files by their path from the repository's root, for example `crates/raypath-ops/src/rules.rs`.
+#[test]
+fn every_path_that_documents_name_exists() {
+    let root = book().join("..");
+    let outside = ["README.md", "CONTRIBUTING.md", "SECURITY.md", "fuzz/README.md"].map(|name| root.join(name));
+    let mut seen = 0;
+    for document in files(&book(), "md").into_iter().chain(outside) {
+        let text = fs::read_to_string(&document).expect("a document");
+        let prose = text.split("```").step_by(2).collect::<String>();
+        for path in prose.split('`').skip(1).step_by(2) {
+            if ["crates/", "examples/", "docs/", ".github/"].iter().any(|folder| path.starts_with(folder)) {
+                assert!(root.join(path).exists(), "{}: {path}", document.display());
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 50, "{seen} paths");
+}
+
+/// Links of the documents outside of the book lead to files.
+#[test]
+fn every_link_outside_of_the_book_leads_somewhere() {
+    let root = book().join("..");
+    for name in
+        ["README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "fuzz/README.md", "examples/cocotb/README.md"]
+    {
+        let document = chapter(root.join(name));
+        for link in links(&document.text).into_iter().filter(|link| !link.starts_with("http")) {
+            let (path, _) = link.split_once('#').unwrap_or((&link, ""));
+            assert!(document.resolve(path).exists(), "{name}: {link}");
+        }
+    }
+}
+
+/// Each included anchor begins and ends once in its file, and has contents.
 #[test]
 fn every_include_resolves() {
     let mut seen = 0;
@@ -120,14 +154,14 @@ fn anchored<'t>(text: &'t str, anchor: &str) -> Option<Vec<&'t str>> {
 }
 
 #[test]
-fn anchors_are_told_apart() {
+fn anchors_are_distinguished() {
     let text = "// ANCHOR: a\none\n// ANCHOR_END: a\n# ANCHOR: b\n# ANCHOR_END: b\n// ANCHOR: c\n";
     assert_eq!(anchored(text, "a"), Some(vec!["one"]));
     assert_eq!(anchored(text, "b"), Some(vec![]));
     assert_eq!(anchored(text, "c"), None);
 }
 
-/// Links lead to files of the book, so that they work in its pages as well, or out of the repository.
+/// Links lead to files of the book, so that they also work in its pages, or to other sites.
 #[test]
 fn every_link_leads_somewhere() {
     let folder = book().canonicalize().expect("the book");
@@ -144,7 +178,7 @@ fn every_link_leads_somewhere() {
     assert!(seen > 60, "{seen} links");
 }
 
-/// What a chapter quotes after the anchors of an example is all that the example prints.
+/// The output that a chapter quotes after an include of an example is the complete output of that example.
 #[test]
 fn examples_print_what_is_quoted() {
     let mut seen = 0;
