@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Every test. Installs the programs that it needs where it can, and says what is missing where it cannot.
-#   ./test.sh                        everyday tests, some minutes
+#   ./test.sh                        every test but the long ones, some minutes
 #   ./test.sh --long                 also verifies at level full, about an hour
 #   RAYPATH_GOLDEN=DIR ./test.sh     also replays the whole set of golden vectors in DIR
 set -euo pipefail
@@ -76,7 +76,7 @@ step 'Tests'
 cargo test --workspace --release --locked
 
 step 'Verification'
-level=everyday
+level=regression
 if "$is_long"; then level=full; fi
 # The program that the tests were made with; `cargo run` would compile most of it once more, with other features.
 "${CARGO_TARGET_DIR:-target}/release/raypath" verify --level "$level"

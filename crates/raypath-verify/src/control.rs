@@ -1,41 +1,44 @@
-//! The pipeline's control, proved: nothing lost, repeated or reordered, what stalls stays, accumulators act once a beat.
+//! Proofs of the pipeline's control: no job is lost, repeated or reordered, a stalled output is stable, and an accumulator
+//! updates once for each beat.
 //!
-//! Three parts make the whole. An engine proves of every step's module alone, as it is emitted, with the assertions that
-//! are emitted beside it, that opcodes go through it as through a FIFO; of the entrance, that it lets in no more than fit;
-//! of the whole, that stalled outputs stay and that beats of an accumulator keep apart. The structure of the netlist shows
-//! that the steps stand in a row, and that data move with the opcode. That a row of FIFOs is a FIFO, and that a FIFO which
-//! never looks at what it carries treats all of it alike (Wolper 1986), does the rest. Where units take one step the engine
-//! proves the order of the whole besides, all steps at once.
+//! The proof has three parts. First, a model checker proves properties of the emitted SystemVerilog with its emitted
+//! assertions: opcodes pass through each step's module as through a FIFO; the entrance accepts no more jobs than fit; in
+//! the whole pipeline stalled outputs are stable, and beats of an accumulator keep their distance. Second, the netlist's
+//! structure shows that the steps form a chain, and that data moves with the opcode. Third, a chain of FIFOs is a FIFO, and
+//! a FIFO whose control does not depend on its data treats all data alike (Wolper 1986). If units take one step, the model
+//! checker also proves the order of the whole pipeline at once.
 
-mod engine;
 mod lemmas;
-mod problems;
+mod model_checker;
+mod properties;
 mod structure;
 
-pub use engine::{Answer, Engine, Method, Problem};
-pub use problems::{Fault, Texts, problems, vacuous};
-pub use structure::faults;
+pub use model_checker::{CheckResult, Method, ModelChecker, SafetyProblem};
+pub use properties::{ModuleTexts, TextFault, never_leaves, problems};
+pub use structure::structural_faults;
 
-use crate::proof::pool;
-use crate::{Error, Item, Request, Step, Verdict};
+use crate::error::Error;
+use crate::pool;
+use crate::request::Request;
+use crate::verdict::{Item, Verdict};
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control, Datapath, Lanes, Sharing, UnitLatency};
 use std::collections::HashMap;
 
-/// The item of `raypath verify`.
+/// The proofs of the pipeline's control.
 pub const CONTROL: Item = Item {
     name: "control",
-    claim: "no job is lost, repeated or reordered, a stalled output stays, an accumulator acts once for each beat",
-    oracle: "proofs by Yosys and ABC of the emitted SystemVerilog with its assertions, units free",
+    claim: "no job is lost, repeated or reordered, a stalled output is stable, an accumulator updates once for each beat",
+    oracle: "proofs by Yosys and ABC of the emitted SystemVerilog with its assertions, with free outputs of units",
     run: control,
 };
 
-/// Proves the control of several configurations.
+/// Proves the control of the level's configurations.
 ///
 /// # Errors
 /// A program is missing or fails; a configuration cannot be elaborated.
 pub fn control(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let engine = Engine::find()?;
+    let checker = ModelChecker::find()?;
     let configs = request.level.pick(representatives(), all(), all());
     let mut work = Vec::new();
     let mut verdict = Verdict::default();
@@ -45,23 +48,27 @@ pub fn control(request: &mut Request<'_>) -> Result<Verdict, Error> {
             continue;
         }
         let datapath = Datapath::new(config)?;
-        verdict.failures.extend(faults(&datapath, config)?.into_iter().map(|fault| format!("{config}: {fault}")));
-        let texts = Texts::new(datapath.top())?;
+        verdict
+            .failures
+            .extend(structural_faults(&datapath, config)?.into_iter().map(|fault| format!("{config}: {fault}")));
+        let texts = ModuleTexts::new(datapath.top())?;
         let mut problems = problems(&datapath, config, &texts);
-        problems.push(vacuous(&datapath, config, &texts, datapath.top().name()));
+        problems.push(never_leaves(&datapath, config, &texts, datapath.top().name()));
         work.extend(problems.into_iter().map(|problem| (config, problem)));
         configurations += 1;
     }
-    let judged = judge_all(&engine, &work, request)?;
+    let results = check_all(&checker, &work, request)?;
     let mut proved = 0;
-    for ((config, problem), answer) in work.iter().zip(&judged) {
-        let is_vacuous = problem.name.ends_with("never_leaves");
-        match (answer, problem.method) {
+    for ((config, problem), result) in work.iter().zip(&results) {
+        let must_fail = problem.name.ends_with("never_leaves");
+        match (result, problem.method) {
             (None, _) => verdict.is_stopped = true,
-            (Some(Answer::Fails), _) if is_vacuous => {}
-            (Some(Answer::Holds), Method::Unbounded | Method::Inductive) => proved += problem.assertions,
-            (Some(Answer::Holds), Method::Bounded(_)) => verdict.failures.push(format!("{config}: no job ever leaves")),
-            (Some(answer), _) => verdict.failures.push(format!("{config}: {}: {answer:?}", problem.name)),
+            (Some(CheckResult::Fails), _) if must_fail => {}
+            (Some(CheckResult::Holds), Method::Unbounded | Method::Inductive) => proved += problem.assertions,
+            (Some(CheckResult::Holds), Method::Bounded(_)) => {
+                verdict.failures.push(format!("{config}: no job leaves within the bound"))
+            }
+            (Some(result), _) => verdict.failures.push(format!("{config}: {}: {result:?}", problem.name)),
         }
     }
     verdict.failures.truncate(8);
@@ -69,7 +76,7 @@ pub fn control(request: &mut Request<'_>) -> Result<Verdict, Error> {
     Ok(verdict)
 }
 
-/// Every control there is: what else a configuration says changes widths alone.
+/// All configurations with different control. The other parameters change widths only.
 pub fn all() -> Vec<Config> {
     let mut configs = Vec::new();
     for &control in Control::ALL {
@@ -86,29 +93,27 @@ pub fn all() -> Vec<Config> {
     configs
 }
 
-/// Both controls.
+/// One configuration of each kind of control.
 fn representatives() -> Vec<Config> {
     let config = |control, unit_latency| Config { control, unit_latency, lanes: Lanes::Two, ..Config::DEFAULT };
     vec![config(Control::Skid, UnitLatency::One), config(Control::Credit, UnitLatency::One)]
 }
 
-/// Judges each text once, on all cores; nothing for what was not reached when it was stopped.
-fn judge_all(
-    engine: &Engine,
-    work: &[(Config, Problem)],
+/// Checks each problem, equal ones once, on all cores; none for problems not reached when the run was stopped.
+fn check_all(
+    checker: &ModelChecker,
+    work: &[(Config, SafetyProblem)],
     request: &mut Request<'_>,
-) -> Result<Vec<Option<Answer>>, Error> {
-    let mut places: HashMap<(&str, Method), usize> = HashMap::new();
-    let mut different: Vec<&Problem> = Vec::new();
-    let mut place = Vec::new();
+) -> Result<Vec<Option<CheckResult>>, Error> {
+    let mut known: HashMap<(&str, Method), usize> = HashMap::new();
+    let mut different: Vec<&SafetyProblem> = Vec::new();
+    let mut indices = Vec::new();
     for (_, problem) in work {
-        place.push(*places.entry((&problem.text, problem.method)).or_insert_with(|| {
+        indices.push(*known.entry((&problem.text, problem.method)).or_insert_with(|| {
             different.push(problem);
             different.len() - 1
         }));
     }
-    let total = different.len() as u64;
-    let watch = |done: usize| (request.watch)(Step { done: done as u64, total });
-    let answers = pool::for_each(&different, |problem, stop| engine.judge(problem, stop), watch)?;
-    Ok(place.into_iter().map(|place| answers[place]).collect())
+    let results = pool::map(&different, request.proceed, |problem, stop| checker.check(problem, stop))?;
+    Ok(indices.into_iter().map(|index| results[index]).collect())
 }

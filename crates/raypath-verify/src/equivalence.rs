@@ -1,30 +1,31 @@
-//! Whether two modules do the same, by proof, with registers taken as given.
+//! Equivalence checks: proofs that two modules behave alike, register by register.
 
-use crate::Error;
-use crate::proof::{Answer, Problem, Prover, SOURCE};
+use crate::error::Error;
+use crate::sat::{Miter, ProofResult, Prover, SOURCE};
 use raypath_hdl::{Module, Port, Simulator, expose_registers, verilog};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// How two modules stand to each other.
+/// The result of an equivalence check.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Equivalence {
-    /// From any values of inputs and registers, all outputs and all next values are equal: they do the same for ever.
+    /// For all values of inputs and registers, the outputs and the registers' next values are equal. Hence the modules
+    /// behave alike in every cycle.
     Proved,
-    /// For these values of inputs and registers, by name, an output or a next value differs. The simulator has confirmed
-    /// it. That these registers can have these values at once is not said.
+    /// For these values of inputs and registers, by name, an output or a next value differs; the simulator has confirmed
+    /// it. The combination of register values need not be reachable.
     Different(BTreeMap<String, u64>),
-    /// Nothing is known, for the reason given.
+    /// The check has no result, for this reason.
     Undecided(String),
 }
 
-/// Compares two modules of the same ports and the same registers, by name, in them and inside their instances; two
-/// minutes at most.
+/// Compares two modules with the same ports and, in them and in their instances, the same registers by name. The limit
+/// is two minutes.
 ///
 /// # Errors
-/// A program is missing or fails; ports or registers are not the same.
+/// A program is missing or fails; ports or registers differ.
 pub fn equivalent(original: &Arc<Module>, changed: &Arc<Module>) -> Result<Equivalence, Error> {
     let never = AtomicBool::new(false);
     let mut found = Prover::find()?.equivalent(&[(original, changed)], Duration::from_secs(120), &never)?;
@@ -32,11 +33,11 @@ pub fn equivalent(original: &Arc<Module>, changed: &Arc<Module>) -> Result<Equiv
 }
 
 impl Prover {
-    /// Compares pairs of modules like [`equivalent`], `limit` at most for each. Some dozens at a time share the start of
-    /// Yosys. Where `stop` is set, the rest is undecided.
+    /// Compares pairs of modules as [`equivalent`] does, in at most `limit` each. Yosys starts once for all pairs. When
+    /// `stop` is set, the remaining pairs are undecided.
     ///
     /// # Errors
-    /// Like those of [`equivalent`].
+    /// Those of [`equivalent`].
     pub fn equivalent(
         &self,
         pairs: &[(&Arc<Module>, &Arc<Module>)],
@@ -45,14 +46,14 @@ impl Prover {
     ) -> Result<Vec<Equivalence>, Error> {
         let exposed: Vec<[Arc<Module>; 2]> =
             pairs.iter().map(|(original, changed)| [expose_registers(original), expose_registers(changed)]).collect();
-        let problems: Vec<Problem> = exposed.iter().map(problem).collect::<Result<_, _>>()?;
-        let answers = self.solve(&problems, limit, stop)?;
-        answers.into_iter().zip(&exposed).map(|(answer, pair)| judge(answer, pair)).collect()
+        let miters: Vec<Miter> = exposed.iter().map(miter).collect::<Result<_, _>>()?;
+        let results = self.solve(&miters, limit, stop)?;
+        results.into_iter().zip(&exposed).map(|(result, pair)| confirmed(result, pair)).collect()
     }
 }
 
-/// Yosys's `proc` but for `proc_rmdead`: of a `case` over all values of its selector that would remove the default arm, and
-/// leave a wire which nothing drives.
+/// Yosys's `proc` without `proc_rmdead`, which removes the default arm of a `case` over all values and leaves an undriven
+/// wire.
 const TO_LOGIC: &[&str] = &[
     "proc_clean",
     "proc_prune",
@@ -67,15 +68,15 @@ const TO_LOGIC: &[&str] = &[
     "opt_expr -keepdc",
 ];
 
-fn problem(pair: &[Arc<Module>; 2]) -> Result<Problem, Error> {
+fn miter(pair: &[Arc<Module>; 2]) -> Result<Miter, Error> {
     let [original, changed] = pair;
     for (kind, side) in [("inputs", Module::inputs as fn(&Module) -> &[Port]), ("outputs", Module::outputs)] {
-        let (expected, found) = (described(original, side(original)), described(changed, side(changed)));
+        let (expected, found) = (names(original, side(original)), names(changed, side(changed)));
         if expected != found {
             return Err(raypath_hdl::Error::Name {
                 module: changed.name().to_string(),
                 name: kind.to_string(),
-                problem: format!("with its registers' values: found {found:?}, expected {expected:?}"),
+                problem: format!("with the registers' values: found {found:?}, expected {expected:?}"),
             }
             .into());
         }
@@ -93,7 +94,7 @@ fn problem(pair: &[Arc<Module>; 2]) -> Result<Problem, Error> {
     commands.extend(copies);
     commands.push("miter -equiv -flatten original changed miter".to_string());
     let inputs = original.inputs().iter().map(|port| (port, original.signal(port.signal).width));
-    Ok(Problem {
+    Ok(Miter {
         name: original.name().to_string(),
         sources,
         commands,
@@ -101,30 +102,32 @@ fn problem(pair: &[Arc<Module>; 2]) -> Result<Problem, Error> {
     })
 }
 
-/// A module and everything below it as SystemVerilog.
+/// A module and all modules below it as SystemVerilog.
 pub(crate) fn text(module: &Arc<Module>) -> Result<String, Error> {
     let texts = verilog::modules(module)?.into_iter().map(|module| verilog::print_module(&module, &[]));
     Ok(texts.collect::<Result<Vec<String>, _>>()?.concat())
 }
 
-fn described(module: &Module, ports: &[Port]) -> Vec<(String, u32)> {
+/// The ports with their widths.
+fn names(module: &Module, ports: &[Port]) -> Vec<(String, u32)> {
     ports.iter().map(|port| (port.name.clone(), module.signal(port.signal).width)).collect()
 }
 
-fn judge(answer: Answer, pair: &[Arc<Module>; 2]) -> Result<Equivalence, Error> {
-    match answer {
-        Answer::Proved { .. } => Ok(Equivalence::Proved),
-        Answer::Undecided(why) => Ok(Equivalence::Undecided(why)),
-        Answer::Stopped => Ok(Equivalence::Undecided("stopped".to_string())),
-        Answer::Refuted(values) => {
-            // What `miter` puts before the names of ports.
+/// The result for modules; the simulator checks a counterexample.
+fn confirmed(result: ProofResult, pair: &[Arc<Module>; 2]) -> Result<Equivalence, Error> {
+    match result {
+        ProofResult::Proved { .. } => Ok(Equivalence::Proved),
+        ProofResult::Undecided(why) => Ok(Equivalence::Undecided(why)),
+        ProofResult::Stopped => Ok(Equivalence::Undecided("stopped".to_string())),
+        ProofResult::Refuted(values) => {
+            // Yosys's `miter` puts this prefix before the names of ports.
             let name = |name: String| name.strip_prefix("in_").map(str::to_string).unwrap_or(name);
             let values: BTreeMap<String, u64> = values.into_iter().map(|(port, value)| (name(port), value)).collect();
-            if shown(&pair[0], &values)? == shown(&pair[1], &values)? {
+            if outputs(&pair[0], &values)? == outputs(&pair[1], &values)? {
                 return Err(Error::Program {
                     program: "abc".to_string(),
-                    problem: format!("{}: a counterexample that is none: {values:x?}", pair[0].name()),
-                    expected: "values for which the simulator sees a difference".to_string(),
+                    problem: format!("{}: not a counterexample: {values:x?}", pair[0].name()),
+                    expected: "values for which the simulator finds a difference".to_string(),
                 });
             }
             Ok(Equivalence::Different(values))
@@ -132,8 +135,8 @@ fn judge(answer: Answer, pair: &[Arc<Module>; 2]) -> Result<Equivalence, Error> 
     }
 }
 
-/// What a module's outputs show for these inputs.
-fn shown(module: &Arc<Module>, values: &BTreeMap<String, u64>) -> Result<Vec<u64>, Error> {
+/// The values of a module's outputs for these inputs.
+fn outputs(module: &Arc<Module>, values: &BTreeMap<String, u64>) -> Result<Vec<u64>, Error> {
     let mut simulator = Simulator::new(module)?;
     for port in module.inputs() {
         let input = simulator.input(&port.name)?;

@@ -1,21 +1,19 @@
-//! Verification of raypath by what is not raypath: floating-point units against Berkeley SoftFloat and by proof, and the
-//! pipeline's control by proof.
+//! Verification of raypath: claims about the datapath, each checked against an oracle.
 //!
-//! Whatever is verified takes a [`Request`] and gives a [`Verdict`].
+//! An [`Item`] states a claim, names its oracle, and runs the check: it takes a [`Request`] and returns a [`Verdict`].
+//! [`units`] checks the floating-point units against other implementations and by proof, [`control`] proves the
+//! pipeline's control. [`sat`] and [`equivalence`] are the solvers behind the proofs.
 
-pub mod bench;
 pub mod control;
-mod cores;
 pub mod equivalence;
-mod item;
-pub mod operands;
-pub mod proof;
+mod error;
+#[doc(hidden)]
+pub mod pool;
 mod request;
-pub mod testfloat;
-pub mod unit_proofs;
+pub mod sat;
 pub mod units;
 mod verdict;
 
-pub use item::Item;
-pub use request::{Level, Request, Shard, ShardError, Step};
-pub use verdict::{Error, Verdict};
+pub use error::Error;
+pub use request::{Level, Progress, Request, Shard, ShardError};
+pub use verdict::{Item, Verdict};

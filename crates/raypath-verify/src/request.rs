@@ -1,44 +1,44 @@
-//! What is asked of a piece of verification.
+//! What to verify, how much of it, and which part.
 
 use raypath_rtl::Config;
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
-/// What to verify, how much of it, and whom to tell.
+/// The parameters of a verification, and the function that watches it.
 pub struct Request<'a> {
-    /// The configuration, where the work is about one.
+    /// The configuration to verify, for items that depend on one.
     pub config: Config,
-    /// How much is done.
+    /// How much to run.
     pub level: Level,
-    /// How many jobs, where the work has jobs and the user has said a number; else the level decides.
+    /// The number of jobs or cases, for items that have them; by default the level decides.
     pub jobs: Option<u64>,
-    /// Seed of whatever is random.
+    /// The seed of all random numbers.
     pub seed: u64,
-    /// The part of the work that is done here.
+    /// The part of the work to run.
     pub shard: Shard,
-    /// Is told how far the work is, at least every few tenths of a second, and answers whether to go on.
-    pub watch: &'a mut dyn FnMut(Step) -> bool,
+    /// Receives the progress several times a second; the run stops when it returns false.
+    pub proceed: &'a mut dyn FnMut(Progress) -> bool,
 }
 
-/// How far work is.
+/// How much of the work is done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Step {
-    /// Items done.
+pub struct Progress {
+    /// Cases that have run.
     pub done: u64,
-    /// Items in all.
+    /// Cases to run.
     pub total: u64,
 }
 
-/// How much is done.
+/// How much to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Level {
-    /// Seconds each, minutes together; what `./test.sh` runs.
+    /// Seconds for each item, minutes in all: what `./test.sh` runs.
     #[default]
-    Everyday,
-    /// Minutes each, about an hour together; before a release.
+    Regression,
+    /// Minutes for each item, about an hour in all: before a release.
     Full,
-    /// Hours; once for each version of the arithmetic.
+    /// Hours: once for each version of the arithmetic.
     Long,
 }
 
@@ -49,26 +49,26 @@ pub struct Shard {
     of: u64,
 }
 
-/// What is no shard.
+/// A text that names no shard.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("'{0}' is no shard, expected i/n with 1 ≤ i ≤ n, such as 2/5")]
 pub struct ShardError(String);
 
 impl Shard {
-    /// All the work.
+    /// The whole of the work.
     pub const ALL: Self = Self { number: 0, of: 1 };
 
-    /// Whether the item with this number belongs to it. Each number belongs to one shard of the n.
-    pub fn takes(self, item: u64) -> bool {
-        item % self.of == self.number
+    /// Whether the case with this number belongs to the shard. Each number belongs to one of the n shards.
+    pub fn takes(self, number: u64) -> bool {
+        number % self.of == self.number
     }
 
-    /// How many of the numbers below `total` belong to it.
+    /// How many of the numbers below `total` belong to the shard.
     pub fn share(self, total: u64) -> u64 {
         total / self.of + u64::from(total % self.of > self.number)
     }
 
-    /// Its number, from 0: what tells its random numbers from those of other shards.
+    /// The shard's number, from 0.
     pub fn number(self) -> u64 {
         self.number
     }
@@ -95,27 +95,27 @@ impl FromStr for Level {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let level = Self::ALL.iter().find(|level| level.name() == text);
-        level.copied().ok_or_else(|| format!("'{text}' is no level, expected everyday, full or long"))
+        level.copied().ok_or_else(|| format!("'{text}' is no level, expected regression, full or long"))
     }
 }
 
 impl Level {
-    /// All of them, the shortest first.
-    pub const ALL: &[Self] = &[Self::Everyday, Self::Full, Self::Long];
+    /// All levels, the shortest first.
+    pub const ALL: &[Self] = &[Self::Regression, Self::Full, Self::Long];
 
-    /// What it is called on the command line.
+    /// The level's name on the command line.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Everyday => "everyday",
+            Self::Regression => "regression",
             Self::Full => "full",
             Self::Long => "long",
         }
     }
 
-    /// One of three values.
-    pub fn pick<T>(self, everyday: T, full: T, long: T) -> T {
+    /// The value for this level, of one for each.
+    pub fn pick<T>(self, regression: T, full: T, long: T) -> T {
         match self {
-            Self::Everyday => everyday,
+            Self::Regression => regression,
             Self::Full => full,
             Self::Long => long,
         }

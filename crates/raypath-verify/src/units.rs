@@ -1,37 +1,45 @@
-//! Campaigns: every case through the netlists of the floating-point units, against oracles that share nothing with them.
+//! The floating-point units: campaigns of operands on their netlists, against independent implementations, and proofs
+//! that they compute IEEE 754's operations.
 
+pub mod bench;
 mod berkeley;
+mod campaign;
+mod chain;
 mod conversions;
+pub mod operands;
+pub mod proofs;
 mod small_formats;
 mod softfloat;
+mod testfloat;
 
+pub use chain::chain;
 pub use conversions::{conversions, conversions_of};
 pub use small_formats::{small_formats, small_formats_of};
 pub use softfloat::{testfloat, testfloat_of};
 
-use crate::Item;
+use crate::verdict::Item;
 
-/// Cases that were made to find faults.
+/// Berkeley TestFloat's cases on the units of binary32.
 pub const TESTFLOAT: Item = Item {
     name: "testfloat",
-    claim: "the units add, subtract, multiply and compare binary32 as IEEE 754 says, whole and in parts",
+    claim: "the units add, subtract, multiply and compare binary32 as IEEE 754 specifies, unsplit and split",
     oracle: "Berkeley SoftFloat, on the cases of Berkeley TestFloat",
     run: testfloat,
 };
 
-/// Encoding and decoding.
+/// Encoding and decoding of binary32.
 pub const CONVERSIONS: Item = Item {
     name: "conversions",
-    claim: "recoding loses no number of binary32, keeps their order and follows its table; all words that mean nothing \
-            but zero, infinity or NaN are decoded so",
+    claim: "recoding loses no number of binary32, keeps their order and follows its table; every word of the classes \
+            zero, infinity and NaN is decoded by its class alone",
     oracle: "the host's conversion to binary64, and the table of docs/reference/formats.md",
     run: conversions,
 };
 
-/// Formats small enough for all pairs.
+/// All pairs of operands of small formats.
 pub const SMALL_FORMATS: Item = Item {
     name: "small-formats",
-    claim: "the units of small formats answer every pair of operands as IEEE 754 says, whole and in parts",
+    claim: "the units of small formats give IEEE 754's result for every pair of operands, unsplit and split",
     oracle: "LLVM's soft float, in the crate rustc_apfloat",
     run: small_formats,
 };

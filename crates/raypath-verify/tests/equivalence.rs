@@ -1,14 +1,14 @@
-//! Modules against changed ones: what differs is told with values, what does not is proved.
+//! Equivalence checks of modules and changed ones: equivalent changes are proved, others are shown with values.
 
 use raypath_hdl::{Builder, Label, Module, Simulator, expose_registers};
 use raypath_verify::Error;
 use raypath_verify::equivalence::Equivalence;
-use raypath_verify::proof::Prover;
+use raypath_verify::sat::Prover;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// What can be wrong with a counter, or merely written in another way.
+/// Changes of a counter: faults, and `Rewritten`, which is equivalent.
 #[derive(Clone, Copy, PartialEq)]
 enum Change {
     None,
@@ -56,7 +56,7 @@ fn counter_named(name: &str, change: Change) -> Arc<Module> {
 fn row(change: Change) -> Arc<Module> {
     let m = Builder::new("row");
     let (step, en) = (m.input("step_i", 16), m.input("en_i", 1));
-    // A name that the opened second counter would take.
+    // A name that the exposed register of the second counter would take.
     let second_count_q = (step ^ m.constant(16, 3)).named("second_count_q");
     let first = m.instance("u_first", &first(), &[("step_i", step), ("en_i", en)])[0];
     let second = m.instance("u_second", &counter_named("second", change), &[("step_i", first), ("en_i", en)])[0];
@@ -109,24 +109,24 @@ fn registers_inside_instances_count() {
     }
 }
 
-/// One of four inputs, those in these places.
-fn choice(places: [usize; 4]) -> Arc<Module> {
+/// Selects one of four inputs; `order` maps the select value to the input.
+fn choice(order: [usize; 4]) -> Arc<Module> {
     let m = Builder::new("choice");
     let select = m.input("select_i", 2);
     let inputs = ["a_i", "b_i", "c_i", "d_i"].map(|name| m.input(name, 8));
     let labels = ["A", "B", "C", "D"].into_iter().zip(0..);
     let arms: Vec<_> = labels
-        .zip(places)
-        .map(|((name, value), place)| (Label { name: name.to_string(), value }, inputs[place]))
+        .zip(order)
+        .map(|((name, value), index)| (Label { name: name.to_string(), value }, inputs[index]))
         .collect();
     m.output("chosen_o", m.case(select, &arms, inputs[3]));
     m.finish().unwrap()
 }
 
-/// Yosys left a free input in place of the default, which no value selects, and the comparison was refused.
+/// Yosys replaced the default, which no value selects, by a free input, and the comparison was refused.
 #[test]
 fn a_case_over_all_values_has_no_free_input() {
-    let pairs = [[0, 1, 2, 3], [0, 2, 1, 3]].map(|places| (choice([0, 1, 2, 3]), choice(places)));
+    let pairs = [[0, 1, 2, 3], [0, 2, 1, 3]].map(|order| (choice([0, 1, 2, 3]), choice(order)));
     let found = compare(&pairs).unwrap();
     assert!(matches!(found[..], [Equivalence::Proved, Equivalence::Different(_)]), "{found:?}");
 }
@@ -139,42 +139,42 @@ fn other_ports_or_registers_are_an_error() {
     assert!(error.contains("module counter") && error.contains("count_q"), "{error}");
 }
 
-/// The opened module, its registers kept outside, does what the module does.
+/// A module with exposed registers, whose values the test keeps, behaves like the module.
 #[test]
-fn an_opened_module_steps_like_the_module() {
+fn an_exposed_module_steps_like_the_module() {
     let module = row(Change::None);
     let mut whole = Simulator::new(&module).unwrap();
-    let mut opened = Simulator::new(&expose_registers(&module)).unwrap();
+    let mut exposed = Simulator::new(&expose_registers(&module)).unwrap();
     let registers = ["first_count_count_q", "second_count_q_2"];
     let mut state = [0; 2];
     for cycle in 0..50_u64 {
-        for simulator in [&mut whole, &mut opened] {
+        for simulator in [&mut whole, &mut exposed] {
             let (step, en) = (simulator.input("step_i").unwrap(), simulator.input("en_i").unwrap());
             simulator.set(step, cycle * 7919);
             simulator.set(en, u64::from(cycle % 3 != 0));
         }
         for (name, value) in registers.iter().zip(state) {
-            let input = opened.input(name).unwrap();
-            opened.set(input, value);
+            let input = exposed.input(name).unwrap();
+            exposed.set(input, value);
         }
         if cycle == 0 {
             // Both begin from a reset.
             whole.set_reset(true);
             whole.set_reset(false);
             let resets = ["first_count_reset_count_q", "second_reset_count_q"];
-            opened.settle();
-            state = resets.map(|name| opened.get(opened.output(name).unwrap()));
+            exposed.settle();
+            state = resets.map(|name| exposed.get(exposed.output(name).unwrap()));
             assert_eq!(state, [7, 7]);
             for (name, value) in registers.iter().zip(state) {
-                let input = opened.input(name).unwrap();
-                opened.set(input, value);
+                let input = exposed.input(name).unwrap();
+                exposed.set(input, value);
             }
         }
         whole.cycle();
-        opened.settle();
-        assert_eq!(whole.get(whole.output("count_o").unwrap()), opened.get(opened.output("count_o").unwrap()));
+        exposed.settle();
+        assert_eq!(whole.get(whole.output("count_o").unwrap()), exposed.get(exposed.output("count_o").unwrap()));
         state =
-            ["first_count_next_count_q", "second_next_count_q"].map(|name| opened.get(opened.output(name).unwrap()));
+            ["first_count_next_count_q", "second_next_count_q"].map(|name| exposed.get(exposed.output(name).unwrap()));
     }
     assert_ne!(state, [7, 7]);
 }

@@ -10,23 +10,23 @@ pub mod layout;
 pub mod models;
 pub mod mutation;
 pub mod oracle;
-mod parallel;
 pub mod parsers;
 pub mod shrink;
 pub mod stimuli;
 
-pub use raypath_verify::{Error, Item, Level, Request, Shard, ShardError, Step, Verdict};
+pub use raypath_verify::{Error, Item, Level, Progress, Request, Shard, ShardError, Verdict};
 
-use raypath_verify::{control, unit_proofs, units};
+use raypath_verify::units::proofs;
+use raypath_verify::{control, units};
 
 /// All items, in the order of `docs/development/verification.md`.
 pub const ITEMS: &[Item] = &[
     units::TESTFLOAT,
     units::CONVERSIONS,
     units::SMALL_FORMATS,
-    unit_proofs::UNIT_PROOFS,
-    unit_proofs::ADDER_PROOF,
-    unit_proofs::MULTIPLIER_PROOF,
+    proofs::UNIT_PROOFS,
+    proofs::ADDER_PROOF,
+    proofs::MULTIPLIER_PROOF,
     control::CONTROL,
     geometry::WATERTIGHT,
     geometry::BOXES,

@@ -4,14 +4,14 @@
 use raypath::engine::shape;
 use raypath::rtl::{Config, Control, Datapath};
 use raypath::verify::campaign::verify_module;
-use raypath::verify::{ITEMS, Level, Request, Step, Verdict, campaign, models};
+use raypath::verify::{ITEMS, Level, Progress, Request, Verdict, campaign, models};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use tempfile::TempDir;
 
-fn request<'a>(jobs: u64, seed: u64, watch: &'a mut dyn FnMut(Step) -> bool) -> Request<'a> {
+fn request<'a>(jobs: u64, seed: u64, watch: &'a mut dyn FnMut(Progress) -> bool) -> Request<'a> {
     let shard = raypath::verify::Shard::ALL;
-    Request { config: Config::DEFAULT, level: Level::Everyday, jobs: Some(jobs), seed, shard, watch }
+    Request { config: Config::DEFAULT, level: Level::Regression, jobs: Some(jobs), seed, shard, proceed: watch }
 }
 
 /// The verdict on the netlist of one configuration by the models of the default one.
@@ -132,7 +132,7 @@ fn whoever_watches_may_stop_it_and_sees_what_was_covered() {
     let folder = folder();
     for item in ITEMS.iter().filter(|item| ["campaign", "models"].contains(&item.name)) {
         let mut looks = 0;
-        let mut watch = |step: Step| {
+        let mut watch = |step: Progress| {
             looks += 1;
             assert!(step.done <= step.total);
             looks < 3

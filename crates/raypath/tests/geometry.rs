@@ -6,9 +6,9 @@ use raypath::verify::{ITEMS, Level, Request, Shard, Verdict};
 fn verify(item: &str, jobs: u64, seed: u64, shard: &str, go_on: bool) -> Verdict {
     let item = ITEMS.iter().find(|entry| entry.name == item).expect("an item");
     let shard: Shard = shard.parse().expect("a shard");
-    let (level, config) = (Level::Everyday, Config::default());
+    let (level, config) = (Level::Regression, Config::default());
     let watch = &mut |_| go_on;
-    (item.run)(&mut Request { config, level, jobs: Some(jobs), seed, shard, watch }).expect("a verdict")
+    (item.run)(&mut Request { config, level, jobs: Some(jobs), seed, shard, proceed: watch }).expect("a verdict")
 }
 
 /// Enough jobs that the campaigns must also find the faults that they put in themselves.

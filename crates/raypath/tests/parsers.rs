@@ -8,14 +8,14 @@ use raypath::verify::{Level, Request, Shard};
 #[test]
 fn corpora_and_mutations_of_them() {
     let mut steps = 0;
-    let mut watch = |step: raypath::verify::Step| {
+    let mut watch = |step: raypath::verify::Progress| {
         assert!(step.done <= step.total);
         steps += 1;
         true
     };
     let jobs = Some(500);
-    let (config, level, seed, shard) = (Config::DEFAULT, Level::Everyday, 3, Shard::ALL);
-    let verdict = run(&mut Request { config, level, jobs, seed, shard, watch: &mut watch }).expect("a verdict");
+    let (config, level, seed, shard) = (Config::DEFAULT, Level::Regression, 3, Shard::ALL);
+    let verdict = run(&mut Request { config, level, jobs, seed, shard, proceed: &mut watch }).expect("a verdict");
     assert!(verdict.failures.is_empty() && !verdict.is_stopped, "{verdict:#?}");
     assert!(steps > 0);
 }

@@ -1,17 +1,17 @@
-//! What is seen in the netlist without a solver: steps in a row, and in each all data registers loaded as the opcode's.
+//! Structural checks of the netlist: the steps form a chain, and in each step all data registers load with the opcode's.
 
 use raypath_hdl::{Driver, Module, RegisterInfo, SignalId, depends_combinationally};
 use raypath_rtl::{Config, Control, Datapath};
 
-/// What is wrong with the structure of a datapath; empty where all is well.
+/// The faults in a datapath's structure; empty if it is as required.
 ///
 /// # Errors
 /// The netlist has a combinational loop.
-pub fn faults(datapath: &Datapath, config: Config) -> Result<Vec<String>, raypath_hdl::Error> {
-    let mut faults = row(datapath, config);
+pub fn structural_faults(datapath: &Datapath, config: Config) -> Result<Vec<String>, raypath_hdl::Error> {
+    let mut faults = chain_faults(datapath, config);
     for step in 0..datapath.steps().count() {
         if let Some(module) = datapath.module(step) {
-            faults.extend(together(module));
+            faults.extend(load_faults(module));
         }
     }
     for output in ["input_ready_o", "output_valid_o", "opcode_o"] {
@@ -22,8 +22,8 @@ pub fn faults(datapath: &Datapath, config: Config) -> Result<Vec<String>, raypat
     Ok(faults)
 }
 
-/// Every step takes valid, opcode and data from the one before, and its sink's ready from the one after.
-fn row(datapath: &Datapath, config: Config) -> Vec<String> {
+/// Checks that every step takes valid, opcode and data from the step before, and ready from the step after.
+fn chain_faults(datapath: &Datapath, config: Config) -> Vec<String> {
     let top = datapath.top();
     let position = |name: &str| top.instances().iter().position(|instance| instance.module.name() == name);
     let steps: Vec<&str> =
@@ -55,14 +55,14 @@ fn row(datapath: &Datapath, config: Config) -> Vec<String> {
                 _ => false,
             };
             if !as_expected {
-                faults.push(format!("{name}: {} comes from elsewhere than its neighbour", port.name));
+                faults.push(format!("{name}: {} is not driven by the neighbouring step", port.name));
             }
         }
     }
     faults
 }
 
-/// The signal behind other names.
+/// The signal behind its aliases.
 fn source(module: &Module, mut signal: SignalId) -> SignalId {
     while let Driver::Alias(other) = module.signal(signal).driver {
         signal = other;
@@ -70,9 +70,9 @@ fn source(module: &Module, mut signal: SignalId) -> SignalId {
     signal
 }
 
-/// Every data register has a counterpart among the opcode's, is loaded when that one is, and from the counterpart of what
-/// that one is loaded from. (Data registers are those without a reset.)
-fn together(module: &Module) -> Vec<String> {
+/// Checks that every data register (without reset) has a counterpart among the opcode's registers, loads when that one
+/// loads, and takes the counterpart of the value that that one takes.
+fn load_faults(module: &Module) -> Vec<String> {
     let name = |register: &RegisterInfo| module.signal(register.signal).name.clone().unwrap_or_default();
     let data: Vec<(&RegisterInfo, String)> = module
         .registers()
@@ -90,13 +90,13 @@ fn together(module: &Module) -> Vec<String> {
             bit(module, opcode.enable) == bit(module, register.enable) && same_load(module, register, opcode, &sibling)
         });
         if !matches {
-            faults.push(format!("{}: {own} is not loaded as the opcode is", module.name()));
+            faults.push(format!("{}: {own} does not load with the opcode", module.name()));
         }
     }
     faults
 }
 
-/// A signal of one bit, told from others by what it is cut from.
+/// A one-bit signal, identified by the word and bit that it is taken from.
 fn bit(module: &Module, signal: Option<SignalId>) -> Option<(SignalId, u32)> {
     let signal = source(module, signal?);
     match module.signal(signal).driver {
@@ -105,7 +105,7 @@ fn bit(module: &Module, signal: Option<SignalId>) -> Option<(SignalId, u32)> {
     }
 }
 
-/// `_spare_q`, `_store_3_q` or `_q`.
+/// A register name's suffix: `_spare_q`, `_store_3_q` or `_q`.
 fn suffix(name: &str) -> String {
     if name.ends_with("_spare_q") {
         return "_spare_q".to_string();
@@ -116,7 +116,7 @@ fn suffix(name: &str) -> String {
     }
 }
 
-/// Whether two registers choose alike between what arrives and what waits.
+/// Whether two registers select alike between the arriving word and the waiting word.
 fn same_load<'m>(
     module: &'m Module,
     register: &RegisterInfo,
@@ -124,7 +124,7 @@ fn same_load<'m>(
     sibling: &dyn Fn(&str) -> Option<(&'m RegisterInfo, &'m RegisterInfo)>,
 ) -> bool {
     let driver = |signal| &module.signal(source(module, signal)).driver;
-    // What arrives is what the first register behind takes.
+    // The arriving word is the next value of the first register behind the front.
     let arrives = |other: &str, wire: SignalId| {
         sibling(other).is_some_and(|(own, _)| source(module, own.next) == source(module, wire))
     };
@@ -136,32 +136,32 @@ fn same_load<'m>(
             Driver::Mux { select, if_true, if_false },
             Driver::Mux { select: opcode_select, if_false: opcode_false, .. },
         ) if is_front && (spare.is_some() || store.is_some()) => {
-            let chosen_alike = select == opcode_select;
+            let same_select = select == opcode_select;
             match (spare, store) {
                 (Some((own, others)), _) => {
-                    chosen_alike
+                    same_select
                         && arrives("_spare_q", *if_true)
                         && source(module, *if_false) == own.signal
                         && source(module, *opcode_false) == others.signal
                 }
                 (None, _) => {
-                    chosen_alike && arrives("_store_0_q", *if_false) && same_oldest(module, *if_true, opcode.next)
+                    same_select && arrives("_store_0_q", *if_false) && same_oldest(module, *if_true, opcode.next)
                 }
             }
         }
-        // Behind the front, and where nothing waits, a register takes what arrives.
+        // Behind the front, and in a step without waiting words, a register takes the arriving word.
         _ => !is_front || (spare.is_none() && store.is_none()),
     }
 }
 
-/// Whether a word is the OR of stored words, each masked by the same bit as the opcode's.
+/// Whether a word is the OR of stored words, each masked by the same bit as the opcode's stored word.
 fn same_oldest(module: &Module, oldest: SignalId, opcode_next: SignalId) -> bool {
     let Driver::Mux { if_true, .. } = module.signal(source(module, opcode_next)).driver else { return false };
     let (own, opcode) = (masked(module, oldest), masked(module, if_true));
     own.is_some() && own == opcode
 }
 
-/// The places of stored words and what masks each, in the order of places.
+/// The stored words of an OR of masked words, each with its mask's pointer and bit, in the order of their names.
 fn masked(module: &Module, word: SignalId) -> Option<Vec<(String, SignalId, u32)>> {
     let signal = source(module, word);
     match module.signal(signal).driver {

@@ -1,13 +1,13 @@
 //! Berkeley SoftFloat 3e, the C library, as the oracle for binary32. Its calls are all that is `unsafe` in this crate.
 #![allow(unsafe_code)]
 
-use crate::bench::Answer;
+use super::bench::UnitResults;
 use softfloat_rs::{f32_add, f32_eq, f32_le_quiet, f32_lt_quiet, f32_mul, f32_sub, float32_t};
 
 /// SoftFloat's results for two binary32 words, and whether the first is less than or equal to the second.
 ///
 /// SoftFloat rounds to nearest, ties to even, unless a thread sets another rounding mode. This crate never sets one.
-pub(super) fn oracle(a: u32, b: u32) -> (Answer, bool) {
+pub(super) fn oracle(a: u32, b: u32) -> (UnitResults, bool) {
     let (x, y) = (float32_t { v: a }, float32_t { v: b });
     // SAFETY: the C functions take and return words by value and have no preconditions. The state that they read and
     // write (rounding mode, exception flags) belongs to the thread.
@@ -15,7 +15,7 @@ pub(super) fn oracle(a: u32, b: u32) -> (Answer, bool) {
     // SAFETY: as above.
     let (equal, less, less_or_equal, greater_or_equal) =
         unsafe { (f32_eq(x, y), f32_lt_quiet(x, y), f32_le_quiet(x, y), f32_le_quiet(y, x)) };
-    let answer = Answer {
+    let results = UnitResults {
         sum: canonical(sum),
         difference: canonical(difference),
         product: canonical(product),
@@ -24,7 +24,7 @@ pub(super) fn oracle(a: u32, b: u32) -> (Answer, bool) {
         unordered: !less_or_equal && !greater_or_equal,
         parts_differ: 0,
     };
-    (answer, less_or_equal)
+    (results, less_or_equal)
 }
 
 /// The bits of a result, with every NaN replaced by the canonical one. SoftFloat propagates the payloads of NaNs, as

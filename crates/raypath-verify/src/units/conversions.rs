@@ -1,9 +1,11 @@
-//! The units that encode and decode binary32, on every number there is.
+//! The encoding and decoding units of binary32, on all numbers.
 
-use crate::bench::{Converter, Units};
-use crate::cores::{Campaign, Phase, grouped};
-use crate::testfloat::{Level, singles};
-use crate::{Error, Request, Verdict};
+use super::bench::{Converter, Units};
+use super::campaign::{Campaign, Phase, grouped};
+use super::testfloat::{Level, singles};
+use crate::error::Error;
+use crate::request::Request;
+use crate::verdict::Verdict;
 use raypath_float::Format;
 
 const SIGN: u64 = 1 << 31;
@@ -15,33 +17,34 @@ const RECODED_SIGN: u64 = 1 << 32;
 const RECODED_INFINITY: u64 = 0x180 << 23;
 const RECODED_NAN: u64 = 0x1c0 << 23 | 1 << 22;
 
-/// A case is a number, or a word that stands for zero, infinity or NaN by its class, whatever its other bits are.
+/// Cases of one phase: the numbers of binary32.
 const NUMBERS: u64 = 1 << 32;
-const FREE_WORDS: u64 = 3 << 30;
+/// Cases of another: the recoded words of the classes zero, infinity and NaN, which ignore most other bits.
+const SPECIAL_WORDS: u64 = 3 << 30;
 
-/// How far the numbers and words of the everyday level are apart: a prime, so that all places of a word vary.
+/// The stride of numbers and words at level `regression`: a prime, so that all bits vary.
 const STRIDE: u64 = 257;
 
-/// Every number of binary32, and every recoded word with bits that mean nothing, through the netlists of the units;
-/// everyday every 257th, and the edges.
+/// Runs every number of binary32 and every recoded word of a special class through the units' netlists; at level
+/// `regression` every 257th, and the edges.
 pub fn conversions(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    conversions_of(&Units::of(Format::BINARY32)?, request)
+    conversions_of(&Units::new(Format::BINARY32)?, request)
 }
 
-/// The same of other units for binary32, such as faulty ones.
+/// [`conversions`] on other units for binary32, such as faulty ones.
 pub fn conversions_of(units: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
     let stride = request.level.pick(STRIDE, 1, 1);
     let edges = edges(request.seed);
     let phase = |cases| Phase { cases, piece: 1 << 16 };
-    let phases = [edges.len() as u64, NUMBERS.div_ceil(stride), FREE_WORDS.div_ceil(stride)].map(phase);
+    let phases = [edges.len() as u64, NUMBERS.div_ceil(stride), SPECIAL_WORDS.div_ceil(stride)].map(phase);
     let mut campaign = Campaign::new(request, &phases);
     let mut ends = Vec::new();
-    for (place, phase) in phases.into_iter().enumerate() {
+    for (index, phase) in phases.into_iter().enumerate() {
         let begin = || Ok((Converter::new(&units.encode)?, Converter::new(&units.decode)?));
-        campaign.run(phase, begin, |(encode, decode), cases| match place {
+        campaign.run(phase, begin, |(encode, decode), cases| match index {
             0 => numbers(encode, decode, cases.map(|case| edges[case as usize])),
             1 => numbers(encode, decode, cases.map(|case| case * stride)),
-            _ => cases.filter_map(|case| free_word(decode, case * stride)).collect(),
+            _ => cases.filter_map(|case| special_word(decode, case * stride)).collect(),
         })?;
         ends.push(campaign.done());
     }
@@ -50,7 +53,7 @@ pub fn conversions_of(units: &Units, request: &mut Request<'_>) -> Result<Verdic
     Ok(campaign.verdict(covered))
 }
 
-/// Every sign and exponent with fractions about each power of two; TestFloat's cases; and what follows each of them.
+/// Every sign and exponent with fractions near each power of two; TestFloat's cases; and the successor of each.
 fn edges(seed: u64) -> Vec<u64> {
     let powers = (0..23).flat_map(|bit| [1_u64 << bit, (1 << 23) - (1 << bit)]);
     let fractions: Vec<u64> = powers.flat_map(|power| [power - 1, power, (power + 1) & 0x7f_ffff]).collect();
@@ -61,9 +64,8 @@ fn edges(seed: u64) -> Vec<u64> {
         .collect()
 }
 
-/// What is wrong with numbers: each is encoded as the table of `docs/reference/formats.md` says, is the same again
-/// when decoded,
-/// and its magnitude is encoded by a greater word than the magnitude before it.
+/// The failures of these numbers. Each must be encoded by the table of `docs/reference/formats.md`, be decoded to itself, and have
+/// a greater word than the next smaller magnitude.
 fn numbers(encode: &mut Converter, decode: &mut Converter, codes: impl Iterator<Item = u64>) -> Vec<String> {
     let mut faults = Vec::new();
     let mut last = None;
@@ -88,7 +90,7 @@ fn numbers(encode: &mut Converter, decode: &mut Converter, codes: impl Iterator<
             };
             if recoded <= before || (recoded ^ before) & RECODED_SIGN != 0 {
                 faults.push(format!(
-                    "order of {code:#010x}: {recoded:#011x}, which is not above {before:#011x}, the one before"
+                    "order of {code:#010x}: {recoded:#011x}, expected more than {before:#011x}, its predecessor's word"
                 ));
             }
         }
@@ -97,8 +99,8 @@ fn numbers(encode: &mut Converter, decode: &mut Converter, codes: impl Iterator<
     faults
 }
 
-/// The recoded form of a number. Its exponent and fraction are those of the same number in binary64, where no number of
-/// binary32 is subnormal; the host converts it.
+/// A number's recoded word. Its exponent and fraction are those of the number in binary64, in which no number of binary32
+/// is subnormal; the host converts it.
 fn by_the_table(code: u32) -> u64 {
     let number = f32::from_bits(code);
     let sign = if number.is_sign_negative() { RECODED_SIGN } else { 0 };
@@ -116,12 +118,12 @@ fn by_the_table(code: u32) -> u64 {
     sign | ((exponent + 256) as u64) << 23 | fraction
 }
 
-/// What is wrong with decoding the word of this number, of those that stand for zero, infinity or NaN.
-fn free_word(decode: &mut Converter, case: u64) -> Option<String> {
+/// The failure of decoding the special word with this number, if it fails.
+fn special_word(decode: &mut Converter, case: u64) -> Option<String> {
     let (class, sign, free) = (case >> 30, case >> 29 & 1, case & ((1 << 29) - 1));
     let (top_three, magnitude) = [(0b000, 0), (0b110, INFINITY), (0b111, NAN)][class as usize];
     let expected = if magnitude == NAN { NAN } else { sign << 31 | magnitude };
     let word = sign << 32 | top_three << 29 | free;
-    let seen = decode.run(word);
-    (seen != expected).then(|| format!("decoding {word:#011x}: {seen:#010x}, expected {expected:#010x}"))
+    let found = decode.run(word);
+    (found != expected).then(|| format!("decoding {word:#011x}: {found:#010x}, expected {expected:#010x}"))
 }

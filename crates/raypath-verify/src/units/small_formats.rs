@@ -1,27 +1,29 @@
-//! All pairs of operands of formats with few of them, against LLVM's soft float.
+//! All pairs of operands of small formats, against LLVM's soft float.
 
-use crate::bench::{Answer, Bench, Ports, Units};
-use crate::cores::{Campaign, Phase, grouped};
-use crate::{Error, Level, Request, Verdict};
+use super::bench::{Bench, PortFormat, UnitResults, Units};
+use super::campaign::{Campaign, Phase, grouped};
+use crate::error::Error;
+use crate::request::{Level, Request};
+use crate::verdict::Verdict;
 use raypath_float::Format;
 use rustc_apfloat::Float;
 use rustc_apfloat::ieee::{HalfS, IeeeFloat, Semantics};
 use std::cmp::Ordering;
 
-/// A format, what LLVM says of two of its numbers, and the level at which it comes in.
+/// A format, its oracle, and the lowest level that runs it.
 #[derive(Clone, Copy)]
 struct Size {
     exponent: u32,
     significand: u32,
-    oracle: fn(u64, u64) -> Answer,
+    oracle: fn(u64, u64) -> UnitResults,
     from: Level,
 }
 
-/// Everyday the formats of 7 and 8 bits; at level `full` all others of up to 11; at `long` binary16 as well.
+/// At level `regression` the formats of 7 and 8 bits; at `full` also the others of up to 11 bits; at `long` binary16.
 const SIZES: &[Size] = &[
-    size::<3, 4>(Level::Everyday),
-    size::<4, 4>(Level::Everyday),
-    size::<5, 3>(Level::Everyday),
+    size::<3, 4>(Level::Regression),
+    size::<4, 4>(Level::Regression),
+    size::<5, 3>(Level::Regression),
     size::<3, 3>(Level::Full),
     size::<3, 5>(Level::Full),
     size::<4, 3>(Level::Full),
@@ -44,7 +46,7 @@ const fn size<const E: usize, const S: usize>(from: Level) -> Size {
     Size { exponent: E as u32, significand: S as u32, oracle: oracle::<Widths<E, S>>, from }
 }
 
-/// A format of `E` exponent and `S` significand bits, as `rustc_apfloat` wants to be told.
+/// A format of `E` exponent and `S` significand bits, in the form that `rustc_apfloat` needs.
 struct Widths<const E: usize, const S: usize>;
 
 impl<const E: usize, const S: usize> Semantics for Widths<E, S> {
@@ -52,13 +54,13 @@ impl<const E: usize, const S: usize> Semantics for Widths<E, S> {
     const EXP_BITS: usize = E;
 }
 
-/// Sums, differences, products and comparisons of all pairs of operands, through the netlists of the units, whole and in
-/// parts, between those that encode and decode.
+/// Compares sums, differences, products and comparisons of all pairs of operands. The netlist holds the units, unsplit and
+/// split, between the encoding and decoding units.
 pub fn small_formats(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    small_formats_of(&|format| Ok(Units::of(format)?), request)
+    small_formats_of(&|format| Ok(Units::new(format)?), request)
 }
 
-/// The same of other units, such as faulty ones.
+/// [`small_formats`] on other units, such as faulty ones.
 pub fn small_formats_of(
     units: &dyn Fn(Format) -> Result<Units, Error>,
     request: &mut Request<'_>,
@@ -72,9 +74,9 @@ pub fn small_formats_of(
         let (units, width) = (units(format)?, format.ieee_width());
         campaign.run(
             phase,
-            || Ok(Bench::new(&units, Ports::Ieee)?),
+            || Ok(Bench::new(&units, PortFormat::Ieee)?),
             |bench, cases| {
-                cases.flat_map(|case| faults(bench, size, case >> width, case & ((1 << width) - 1))).collect()
+                cases.flat_map(|case| mismatches(bench, size, case >> width, case & ((1 << width) - 1))).collect()
             },
         )?;
     }
@@ -88,18 +90,18 @@ pub fn small_formats_of(
     Ok(campaign.verdict(covered))
 }
 
-fn faults(bench: &mut Bench, size: &Size, a: u64, b: u64) -> Vec<String> {
-    let (answer, expected) = (bench.run(a, b), (size.oracle)(a, b));
-    if answer == expected {
+fn mismatches(bench: &mut Bench, size: &Size, a: u64, b: u64) -> Vec<String> {
+    let (found, expected) = (bench.run(a, b), (size.oracle)(a, b));
+    if found == expected {
         return Vec::new();
     }
-    answer.faults(expected, &format!("{a:#x} and {b:#x} of e{}s{}", size.exponent, size.significand))
+    found.mismatches(expected, &format!("{a:#x} and {b:#x} of e{}s{}", size.exponent, size.significand))
 }
 
-fn oracle<S: Semantics>(a: u64, b: u64) -> Answer {
+fn oracle<S: Semantics>(a: u64, b: u64) -> UnitResults {
     let (x, y) = (IeeeFloat::<S>::from_bits(a.into()), IeeeFloat::<S>::from_bits(b.into()));
     let order = x.partial_cmp(&y);
-    Answer {
+    UnitResults {
         sum: code((x + y).value),
         difference: code((x - y).value),
         product: code((x * y).value),
@@ -110,7 +112,7 @@ fn oracle<S: Semantics>(a: u64, b: u64) -> Answer {
     }
 }
 
-/// The bits of a number; one NaN for all, as IEEE 754 recommends it: quiet, no sign, no payload.
+/// The bits of a number. All NaNs become the canonical one: quiet, positive, without payload.
 fn code<S: Semantics>(number: IeeeFloat<S>) -> u64 {
     if !number.is_nan() {
         return number.to_bits() as u64;

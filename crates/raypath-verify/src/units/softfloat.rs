@@ -1,20 +1,22 @@
 //! binary32 against Berkeley SoftFloat, on the cases of Berkeley TestFloat.
 
+use super::bench::{Bench, PortFormat, Units};
 use super::berkeley::oracle;
-use crate::bench::{Bench, Ports, Units};
-use crate::cores::{Campaign, Phase, grouped};
-use crate::testfloat::{BLOCK, Level, Pairs};
-use crate::{Error, Request, Verdict};
+use super::campaign::{Campaign, Phase, grouped};
+use super::testfloat::{BLOCK, Level, Pairs};
+use crate::error::Error;
+use crate::request::Request;
+use crate::verdict::Verdict;
 use raypath_float::Format;
 
-/// Sums, differences, products and comparisons of TestFloat's cases, through the netlists of the units, whole and in
-/// parts, between those that encode and decode. All cases of level 1; of level 2 every fifth, at level `full` all, and at
-/// `long` all a hundred times, each time with other random numbers.
+/// Compares sums, differences, products and comparisons of TestFloat's cases. The netlist holds the units, unsplit and
+/// split, between the encoding and decoding units. All cases of TestFloat's level 1 run; of level 2 every fifth, at level
+/// `full` all, and at `long` all a hundred times, each time with other random numbers.
 pub fn testfloat(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    testfloat_of(&Units::of(Format::BINARY32)?, request)
+    testfloat_of(&Units::new(Format::BINARY32)?, request)
 }
 
-/// The same of other units for binary32, such as faulty ones.
+/// [`testfloat`] on other units for binary32, such as faulty ones.
 pub fn testfloat_of(units: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
     let seed = request.seed;
     let (rounds, stride) = request.level.pick((1, 5), (1, 1), (100, 1));
@@ -24,9 +26,9 @@ pub fn testfloat_of(units: &Units, request: &mut Request<'_>) -> Result<Verdict,
     let mut campaign = Campaign::new(request, &phases);
     let mut level_one = 0;
     for (pairs, phase) in lists.iter().zip(phases) {
-        let begin = || Ok(Bench::new(units, Ports::Ieee)?);
+        let begin = || Ok(Bench::new(units, PortFormat::Ieee)?);
         campaign.run(phase, begin, |bench, cases| {
-            pairs.block(cases.start / BLOCK).flat_map(|(a, b)| faults(bench, a, b)).collect()
+            pairs.block(cases.start / BLOCK).flat_map(|(a, b)| mismatches(bench, a, b)).collect()
         })?;
         if pairs.level() == Level::One {
             level_one = campaign.done();
@@ -40,15 +42,15 @@ pub fn testfloat_of(units: &Units, request: &mut Request<'_>) -> Result<Verdict,
     Ok(campaign.verdict(covered))
 }
 
-fn faults(bench: &mut Bench, a: u32, b: u32) -> Vec<String> {
-    let (answer, (expected, less_or_equal)) = (bench.run(a.into(), b.into()), oracle(a, b));
-    if answer == expected && (answer.less | answer.equal) == less_or_equal {
+fn mismatches(bench: &mut Bench, a: u32, b: u32) -> Vec<String> {
+    let (found, (expected, less_or_equal)) = (bench.run(a.into(), b.into()), oracle(a, b));
+    if found == expected && (found.less | found.equal) == less_or_equal {
         return Vec::new();
     }
     let operands = format!("{a:#010x} and {b:#010x}");
-    let mut faults = answer.faults(expected, &operands);
-    if (answer.less | answer.equal) != less_or_equal {
-        faults.push(format!("less or equal of {operands}: {}, expected {less_or_equal}", !less_or_equal));
+    let mut mismatches = found.mismatches(expected, &operands);
+    if (found.less | found.equal) != less_or_equal {
+        mismatches.push(format!("less or equal of {operands}: {}, expected {less_or_equal}", !less_or_equal));
     }
-    faults
+    mismatches
 }

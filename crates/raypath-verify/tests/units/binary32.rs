@@ -3,8 +3,8 @@
 use crate::{bench, converter};
 use rand_chacha::ChaCha8Rng;
 use raypath_float::{Format, decode, encode};
-use raypath_verify::bench::{Answer, Ports};
-use raypath_verify::operands::{self, answer, canonical, edges, generator};
+use raypath_verify::units::bench::{PortFormat, UnitResults};
+use raypath_verify::units::operands::{self, canonical, edges, generator, host_results};
 use std::cmp::Ordering;
 
 const CASES: u64 = 6_000_000;
@@ -32,7 +32,7 @@ fn operands_that_make_comparisons_hard() {
 #[test]
 fn recoded_words_that_are_not_canonical() {
     let format = Format::BINARY32;
-    let mut bench = bench(format, Ports::Recoded);
+    let mut bench = bench(format, PortFormat::Recoded);
     let mut decoder = converter(decode(format));
     let mut random = generator(5);
     let mut seen = [[0; 4]; 4];
@@ -50,10 +50,10 @@ fn recoded_words_that_are_not_canonical() {
             _ => 3,
         };
         seen[kind(x)][kind(y)] += 1;
-        let expected = answer(x, y);
+        let expected = host_results(x, y);
         let [sum, difference, product] =
             [expected.sum, expected.difference, expected.product].map(|code| format.encode(code));
-        let expected = Answer { sum, difference, product, ..expected };
+        let expected = UnitResults { sum, difference, product, ..expected };
         assert_eq!(bench.run(a, b), expected, "{a:#011x} ({x:e}), {b:#011x} ({y:e})");
     }
     assert!(seen.as_flattened().iter().all(|&count| count >= cases(2_000_000) / 100), "{seen:?}");
@@ -62,11 +62,11 @@ fn recoded_words_that_are_not_canonical() {
 #[test]
 fn every_pair_of_edges() {
     let numbers = edges();
-    let mut bench = bench(Format::BINARY32, Ports::Ieee);
+    let mut bench = bench(Format::BINARY32, PortFormat::Ieee);
     for &a in &numbers {
         for &b in &numbers {
             let (x, y) = (f32::from_bits(a), f32::from_bits(b));
-            assert_eq!(bench.run(a.into(), b.into()), answer(x, y), "{a:#010x} ({x:e}), {b:#010x} ({y:e})");
+            assert_eq!(bench.run(a.into(), b.into()), host_results(x, y), "{a:#010x} ({x:e}), {b:#010x} ({y:e})");
         }
     }
 }
@@ -96,13 +96,13 @@ pub fn cases(optimised: u64) -> u64 {
 
 /// Runs the cases and gives how often the results were of a kind that deserves to be seen.
 fn check(seed: u64, mut operands: impl FnMut(&mut ChaCha8Rng) -> (u32, u32)) -> Census {
-    let mut bench = bench(Format::BINARY32, Ports::Ieee);
+    let mut bench = bench(Format::BINARY32, PortFormat::Ieee);
     let mut random = generator(seed);
     let mut census = Census::default();
     for _ in 0..cases(CASES) {
         let (a, b) = operands(&mut random);
         let (x, y) = (f32::from_bits(a), f32::from_bits(b));
-        assert_eq!(bench.run(a.into(), b.into()), answer(x, y), "{a:#010x} ({x:e}), {b:#010x} ({y:e})");
+        assert_eq!(bench.run(a.into(), b.into()), host_results(x, y), "{a:#010x} ({x:e}), {b:#010x} ({y:e})");
         census.relations.count(x, y);
         census.sums.count(x, y, x + y, f64::from(x) + f64::from(y));
         census.products.count(x, y, x * y, f64::from(x) * f64::from(y));

@@ -1,15 +1,15 @@
 //! A second oracle, in integers, for formats beyond the reach of the first: a finite number is `factor * 2^exponent`.
 
 use raypath_float::Format;
-use raypath_verify::bench::Answer;
+use raypath_verify::units::bench::UnitResults;
 
 /// What the units must say of two IEEE 754 codes.
-pub fn answer(format: Format, a: u64, b: u64) -> Answer {
+pub fn results(format: Format, a: u64, b: u64) -> UnitResults {
     let (x, y) = (Number::of(format, a), Number::of(format, b));
     match (x, y) {
         (Number::Finite(x), Number::Finite(y)) => {
             let (sum, difference) = (x.plus(y), x.plus(Finite { negative: !y.negative, ..y }));
-            Answer {
+            UnitResults {
                 sum: sum.code(format),
                 difference: difference.code(format),
                 product: x.times(y).code(format),
@@ -22,7 +22,7 @@ pub fn answer(format: Format, a: u64, b: u64) -> Answer {
         _ => {
             // With an infinity or a NaN among them, only signs and zeros matter.
             let (x, y) = (x.representative(), y.representative());
-            Answer {
+            UnitResults {
                 sum: special_code(format, x + y),
                 difference: special_code(format, x - y),
                 product: special_code(format, x * y),

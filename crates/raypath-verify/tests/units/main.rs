@@ -10,12 +10,12 @@ mod words;
 
 use raypath_float::Format;
 use raypath_hdl::{Error, Module};
-use raypath_verify::bench::{Bench, Converter, Ports, Units};
+use raypath_verify::units::bench::{Bench, Converter, PortFormat, Units};
 use std::sync::Arc;
 
 /// The units of a format in simulation.
-fn bench(format: Format, ports: Ports) -> Bench {
-    Units::of(format).and_then(|units| Bench::new(&units, ports)).expect("the bench runs")
+fn bench(format: Format, ports: PortFormat) -> Bench {
+    Units::new(format).and_then(|units| Bench::new(&units, ports)).expect("the bench runs")
 }
 
 /// A converter in simulation.

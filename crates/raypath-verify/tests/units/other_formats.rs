@@ -6,8 +6,8 @@ use crate::exact::Exact;
 use crate::{integer, small_formats};
 use rand::Rng;
 use raypath_float::Format;
-use raypath_verify::bench::{Answer, Ports};
-use raypath_verify::operands::generator;
+use raypath_verify::units::bench::{PortFormat, UnitResults};
+use raypath_verify::units::operands::generator;
 
 #[test]
 fn binary16() {
@@ -49,19 +49,19 @@ fn by_search(e: u32, s: u32) {
     let exact = Exact::new(e, s);
     random_operands(exact.format, |a, b| {
         let (x, y) = (exact.ieee_value(a), exact.ieee_value(b));
-        small_formats::answer(x, y, |number| exact.ieee_code(number))
+        small_formats::results(x, y, |number| exact.ieee_code(number))
     });
 }
 
 fn by_integers(e: u32, s: u32) {
     let format = Format::new(e, s).expect("a format of the test's choosing");
-    random_operands(format, |a, b| integer::answer(format, a, b));
+    random_operands(format, |a, b| integer::results(format, a, b));
 }
 
 /// Of each eight pairs, four are any, three of near exponents, and one of exponents whose product is near the subnormal
 /// range.
-fn random_operands(format: Format, expected: impl Fn(u64, u64) -> Answer) {
-    let mut bench = bench(format, Ports::Ieee);
+fn random_operands(format: Format, expected: impl Fn(u64, u64) -> UnitResults) {
+    let mut bench = bench(format, PortFormat::Ieee);
     let mut random = generator(u64::from(format.exponent()) << 8 | u64::from(format.significand()));
     let (mask, fraction_width) = ((1 << format.ieee_width()) - 1, format.significand() - 1);
     let exponents = (1 << format.exponent()) - 1;

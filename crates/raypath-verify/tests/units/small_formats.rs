@@ -3,7 +3,7 @@
 use crate::exact::{Exact, sum};
 use crate::{bench, converter};
 use raypath_float::{decode, encode};
-use raypath_verify::bench::{Answer, Ports};
+use raypath_verify::units::bench::{PortFormat, UnitResults};
 
 /// Among them: the significand at its bound for the exponent (3, 5), subnormal ranges as wide as the normal one (3, 4),
 /// and widths of shifters at, above and below powers of two.
@@ -13,11 +13,11 @@ const FORMATS: [(u32, u32); 8] = [(3, 3), (3, 4), (3, 5), (4, 3), (4, 4), (4, 5)
 fn operands_in_ieee_layout() {
     for (e, s) in FORMATS {
         let exact = Exact::new(e, s);
-        let mut bench = bench(exact.format, Ports::Ieee);
+        let mut bench = bench(exact.format, PortFormat::Ieee);
         for a in exact.ieee_codes() {
             for b in exact.ieee_codes() {
                 let (x, y) = (exact.ieee_value(a), exact.ieee_value(b));
-                let expected = answer(x, y, |number| exact.ieee_code(number));
+                let expected = results(x, y, |number| exact.ieee_code(number));
                 assert_eq!(bench.run(a, b), expected, "{}: {a:#x} ({x}), {b:#x} ({y})", exact.format);
             }
         }
@@ -29,10 +29,10 @@ fn recoded_operands_canonical_or_not() {
     for (e, s) in FORMATS {
         let exact = Exact::new(e, s);
         let words = exact.recoded_words();
-        let mut bench = bench(exact.format, Ports::Recoded);
+        let mut bench = bench(exact.format, PortFormat::Recoded);
         for &(a, x) in &words {
             for &(b, y) in &words {
-                let expected = answer(x, y, |number| exact.recoded_word(exact.ieee_value(exact.ieee_code(number))));
+                let expected = results(x, y, |number| exact.recoded_word(exact.ieee_value(exact.ieee_code(number))));
                 assert_eq!(bench.run(a, b), expected, "{}: {a:#x} ({x}), {b:#x} ({y})", exact.format);
             }
         }
@@ -61,8 +61,8 @@ fn conversions() {
 }
 
 /// What the units must say of two numbers; `code` rounds a number and writes it.
-pub fn answer(x: f64, y: f64, code: impl Fn(f64) -> u64) -> Answer {
-    Answer {
+pub fn results(x: f64, y: f64, code: impl Fn(f64) -> u64) -> UnitResults {
+    UnitResults {
         sum: code(sum(x, y)),
         difference: code(sum(x, -y)),
         product: code(x * y),

@@ -6,20 +6,20 @@ use rand::Rng;
 use raypath_float::Format;
 use raypath_hdl::{Builder, Error, Module};
 use raypath_tools::{Sources, Verilated};
-use raypath_verify::bench::{Answer, OUTPUTS, Ports, Units};
-use raypath_verify::operands::{answer, generator, number};
+use raypath_verify::units::bench::{OUTPUTS, PortFormat, UnitResults, Units};
+use raypath_verify::units::operands::{generator, host_results, number};
 use std::sync::Arc;
 
 /// Operands of one bench, and what it must answer.
-type Case = (u64, u64, Answer);
+type Case = (u64, u64, UnitResults);
 
 #[test]
 fn every_small_operand_and_a_sample_of_binary32() -> Result<(), Box<dyn std::error::Error>> {
     let exact = Exact::new(3, 4);
     let benches = [
-        (Units::of(exact.format)?.bench(Ports::Ieee)?, small_cases(&exact, Ports::Ieee)),
-        (Units::of(exact.format)?.bench(Ports::Recoded)?, small_cases(&exact, Ports::Recoded)),
-        (Units::of(Format::BINARY32)?.bench(Ports::Ieee)?, binary32_cases()),
+        (Units::new(exact.format)?.bench(PortFormat::Ieee)?, small_cases(&exact, PortFormat::Ieee)),
+        (Units::new(exact.format)?.bench(PortFormat::Recoded)?, small_cases(&exact, PortFormat::Recoded)),
+        (Units::new(Format::BINARY32)?.bench(PortFormat::Ieee)?, binary32_cases()),
     ];
     let modules = benches.each_ref().map(|(module, _)| module.clone());
     let folder = tempfile::tempdir()?;
@@ -32,7 +32,7 @@ fn every_small_operand_and_a_sample_of_binary32() -> Result<(), Box<dyn std::err
     verilated.run(frames, |cycle, outputs| {
         for ((module, (a, b, expected)), seen) in in_cycle(cycle).zip(outputs.chunks_exact(OUTPUTS.len())) {
             assert_eq!(
-                Answer::of(seen.try_into().expect("all outputs of a bench")),
+                UnitResults::from_outputs(seen.try_into().expect("all outputs of a bench")),
                 expected,
                 "{}: {a:#x}, {b:#x}",
                 module.name()
@@ -48,22 +48,22 @@ fn every_small_operand_and_a_sample_of_binary32() -> Result<(), Box<dyn std::err
 fn linters_are_silent() -> Result<(), Box<dyn std::error::Error>> {
     for (e, s) in [(8, 24), (3, 4), (5, 11), (8, 8), (3, 3), (11, 24)] {
         let folder = tempfile::tempdir()?;
-        Sources::write(&Units::of(Format::new(e, s)?)?.bench(Ports::Ieee)?, folder.path())?.lint()?;
+        Sources::write(&Units::new(Format::new(e, s)?)?.bench(PortFormat::Ieee)?, folder.path())?.lint()?;
     }
     Ok(())
 }
 
-fn small_cases(exact: &Exact, ports: Ports) -> Vec<Case> {
+fn small_cases(exact: &Exact, ports: PortFormat) -> Vec<Case> {
     let operands: Vec<(u64, f64)> = match ports {
-        Ports::Ieee => exact.ieee_codes().map(|code| (code, exact.ieee_value(code))).collect(),
-        Ports::Recoded => exact.recoded_words(),
+        PortFormat::Ieee => exact.ieee_codes().map(|code| (code, exact.ieee_value(code))).collect(),
+        PortFormat::Recoded => exact.recoded_words(),
     };
     let code = |number| match ports {
-        Ports::Ieee => exact.ieee_code(number),
-        Ports::Recoded => exact.recoded_word(exact.ieee_value(exact.ieee_code(number))),
+        PortFormat::Ieee => exact.ieee_code(number),
+        PortFormat::Recoded => exact.recoded_word(exact.ieee_value(exact.ieee_code(number))),
     };
     let pairs = operands.iter().flat_map(|x| operands.iter().map(move |y| (x, y)));
-    pairs.map(|(&(a, x), &(b, y))| (a, b, small_formats::answer(x, y, code))).collect()
+    pairs.map(|(&(a, x), &(b, y))| (a, b, small_formats::results(x, y, code))).collect()
 }
 
 /// Half of them with operands of near exponents.
@@ -74,7 +74,7 @@ fn binary32_cases() -> Vec<Case> {
         let other = number(&mut random);
         let near = (a & 0x7f80_0000).saturating_sub(random.next_u32() & 0x0f80_0000) | other & 0x807f_ffff;
         let b = if random.next_u32() & 1 == 0 { near } else { other };
-        (a.into(), b.into(), answer(f32::from_bits(a), f32::from_bits(b)))
+        (a.into(), b.into(), host_results(f32::from_bits(a), f32::from_bits(b)))
     };
     (0..200_000).map(|_| case()).collect()
 }

@@ -3,7 +3,7 @@
 use crate::commands::Failure;
 use crate::commands::configuration::ConfigArguments;
 use crate::commands::numbers::whole;
-use crate::commands::progress::Progress;
+use crate::commands::progress;
 use clap::Args;
 use raypath::rtl::Config;
 use raypath::verify::{Error, ITEMS, Item, Level, Request, Shard, Verdict};
@@ -19,7 +19,7 @@ pub struct Arguments {
     #[arg(long)]
     list: bool,
     /// How much: seconds each, minutes each, or hours
-    #[arg(long, default_value = "everyday", value_name = "everyday|full|long")]
+    #[arg(long, default_value = "regression", value_name = "regression|full|long")]
     level: Level,
     /// How many jobs, where an item has jobs [default: by the level]
     #[arg(long, value_name = "N", value_parser = whole(1..=u64::MAX))]
@@ -86,14 +86,14 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
 }
 
 fn verify(item: &Item, arguments: &Arguments, config: Config) -> Result<Verdict, Error> {
-    let mut progress: Option<Progress> = None;
+    let mut progress: Option<progress::Progress> = None;
     let mut reached = 0;
-    let mut watch = |step: raypath::verify::Step| {
+    let mut watch = |step: raypath::verify::Progress| {
         reached = step.done as usize;
-        progress.get_or_insert_with(|| Progress::new(item.name, step.total as usize)).at(reached)
+        progress.get_or_insert_with(|| progress::Progress::new(item.name, step.total as usize)).at(reached)
     };
     let Arguments { level, jobs, seed, shard, .. } = *arguments;
-    let verdict = (item.run)(&mut Request { config, level, jobs, seed, shard, watch: &mut watch });
+    let verdict = (item.run)(&mut Request { config, level, jobs, seed, shard, proceed: &mut watch });
     // A stop is told by the verdict, with what was covered.
     let _ = progress.map(|progress| progress.finish(reached));
     verdict

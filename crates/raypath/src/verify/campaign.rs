@@ -12,13 +12,14 @@ use crate::engine::{NetlistEngine, shape};
 use crate::models::{PaperModel, Visitor, with_model};
 use crate::verify::coverage::{Atlas, Coverage};
 use crate::verify::layout::Layout;
-use crate::verify::parallel::{self, Queue};
 use crate::verify::{Error, Item, Request, Verdict, files};
 use raypath_hdl::Module;
 use raypath_model::Shape;
 use raypath_rtl::{Config, Datapath};
+use raypath_verify::pool::{self, Cases, Queue};
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// The item of `raypath verify`.
 pub const ITEM: Item = Item {
@@ -56,29 +57,22 @@ pub fn verify_module(
     let jobs = request.jobs.unwrap_or(request.level.pick(EVERYDAY, FULL, LONG));
     let (config, seed) = (request.config, request.seed);
     let episodes = jobs.div_ceil(JOBS_PER_EPISODE as u64);
-    let (answers, is_stopped) =
-        parallel::run(request, episodes, |queue| with_model(config, Worker { config, seed, top, shape, queue }));
-    let mut all = Tally::default();
-    let mut coverage: Option<(Atlas, Coverage)> = None;
-    for answer in answers {
-        let (atlas, tally) = answer?;
-        match &mut coverage {
-            Some((_, coverage)) => coverage.add(&tally.coverage),
-            None => coverage = Some((atlas, tally.coverage)),
-        }
-        all.cycles += tally.cycles;
-        all.episodes += tally.episodes;
-        all.failure = all.failure.into_iter().chain(tally.failure).min_by_key(|failure| failure.episode);
+    let cases = Cases { total: episodes, shard: request.shard };
+    let finished =
+        pool::run(cases, request.proceed, |queue| with_model(config, Worker { config, seed, top, shape, queue }))?;
+    let (points, mut coverage) = with_model(config, NoCoverage { config, shape });
+    let mut tally = Tally::default();
+    for (covered, counted) in finished.workers {
+        coverage.add(&covered);
+        tally.add(counted);
     }
-    let mut verdict = Verdict { is_stopped, ..Verdict::default() };
-    let presented = all.episodes * JOBS_PER_EPISODE as u64;
-    verdict.covered = format!("{} netlist cycles, {presented} jobs, {} episodes", all.cycles, all.episodes);
-    if let Some((atlas, coverage)) = coverage {
-        let path = folder.join("coverage.txt");
-        files::write(&path, &coverage.table(&atlas))?;
-        verdict.remarks.push(format!("{} ({})", coverage.remark(&atlas, true), path.display()));
-    }
-    if let Some(failure) = all.failure {
+    let presented = tally.episodes * JOBS_PER_EPISODE as u64;
+    let mut verdict = Verdict { is_stopped: finished.is_stopped, ..Verdict::default() };
+    verdict.covered = format!("{} netlist cycles, {presented} jobs, {} episodes", tally.cycles, tally.episodes);
+    let path = folder.join("coverage.txt");
+    files::write(&path, &coverage.table(&points))?;
+    verdict.remarks.push(format!("{} ({})", coverage.remark(&points, true), path.display()));
+    if let Some(failure) = tally.failure {
         verdict.failures.push(with_model(config, Reporter { config, seed, top, shape, folder, failure })?);
     }
     Ok(verdict)
@@ -89,20 +83,24 @@ const EVERYDAY: u64 = 300_000;
 const FULL: u64 = 45_000_000;
 const LONG: u64 = 450_000_000;
 
-/// What one worker found.
-struct Tally<C = ()> {
+/// The counts of a worker, or of all.
+#[derive(Default)]
+struct Tally {
     cycles: u64,
     episodes: u64,
-    coverage: C,
+    /// The failure with the smallest episode number.
     failure: Option<Failure>,
 }
 
-impl Default for Tally {
-    fn default() -> Self {
-        Self { cycles: 0, episodes: 0, coverage: (), failure: None }
+impl Tally {
+    fn add(&mut self, other: Self) {
+        self.cycles += other.cycles;
+        self.episodes += other.episodes;
+        self.failure = self.failure.take().into_iter().chain(other.failure).min_by_key(|failure| failure.episode);
     }
 }
 
+/// Runs episodes of the queue.
 struct Worker<'w> {
     config: Config,
     seed: u64,
@@ -112,25 +110,42 @@ struct Worker<'w> {
 }
 
 impl Visitor for Worker<'_> {
-    type Answer = Result<(Atlas, Tally<Coverage>), Error>;
+    type Answer = Result<(Coverage, Tally), Error>;
 
     fn visit<M: PaperModel>(self, model: M) -> Self::Answer {
         let Self { config, seed, top, shape, queue } = self;
         let layout = Layout::of(&model);
-        let atlas = Atlas::new(config, shape, layout.clone());
+        let points = Atlas::new(config, shape, layout.clone());
         let mut netlist = NetlistEngine::of_module(model.clone(), config, top, shape.clone(), |_| false)?;
-        let mut tally = Tally { cycles: 0, episodes: 0, coverage: Coverage::new(&atlas), failure: None };
-        while let Some(number) = queue.next() {
+        let (mut coverage, mut tally) = (Coverage::new(&points), Tally::default());
+        queue.run(|number, stop| {
             let episode = Episode::new(&model, &layout, config, seed, number);
-            let found = episode.run(&mut netlist, &model, Some((&atlas, &mut tally.coverage)));
-            tally.cycles += found.cycles;
-            tally.episodes += 1;
-            if let Some(what) = found.differences.into_iter().next() {
-                tally.failure = Some(Failure { episode: number, what });
-                queue.end();
+            let found = episode.run(&mut netlist, &model, Some((&points, &mut coverage)));
+            let what = found.differences.into_iter().next();
+            if what.is_some() {
+                stop.store(true, Ordering::Relaxed);
             }
-        }
-        Ok((atlas, tally))
+            let failure = what.map(|what| Failure { episode: number, what });
+            tally.add(Tally { cycles: found.cycles, episodes: 1, failure });
+            Ok(())
+        });
+        Ok((coverage, tally))
+    }
+}
+
+/// The coverage of a campaign that has not begun.
+struct NoCoverage<'n> {
+    config: Config,
+    shape: &'n Shape,
+}
+
+impl Visitor for NoCoverage<'_> {
+    type Answer = (Atlas, Coverage);
+
+    fn visit<M: PaperModel>(self, model: M) -> Self::Answer {
+        let points = Atlas::new(self.config, self.shape, Layout::of(&model));
+        let coverage = Coverage::new(&points);
+        (points, coverage)
     }
 }
 

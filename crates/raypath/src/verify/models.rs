@@ -6,13 +6,14 @@ use crate::transactions::{Transaction, text};
 use crate::verify::coverage::{Atlas, Coverage};
 use crate::verify::layout::Layout;
 use crate::verify::oracle::Oracle;
-use crate::verify::parallel::{self, Queue};
 use crate::verify::{Error, Item, Request, Verdict, campaign, files};
 use chunk::{Chunk, JOBS_PER_CHUNK, Wrong};
 use raypath_model::{Functional, Shape};
 use raypath_ops::{Job, Rules};
 use raypath_rtl::Config;
+use raypath_verify::pool::{self, Cases};
 use std::path::Path;
+use std::sync::atomic::Ordering;
 
 /// The item of `raypath verify`.
 pub const ITEM: Item = Item {
@@ -47,10 +48,22 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
     let layout = Layout::of(&Functional::<16, 8>::new(Rules::Paper));
     let atlas = Atlas::new(CONFIG, &Shape::default(), layout.clone());
     let chunks = jobs.div_ceil(JOBS_PER_CHUNK);
-    let (tallies, is_stopped) = parallel::run(request, chunks, |queue| work(&layout, &atlas, seed, queue));
-    let mut verdict = Verdict { is_stopped, ..Verdict::default() };
+    let cases = Cases { total: chunks, shard: request.shard };
+    let finished = pool::run(cases, request.proceed, |queue| {
+        let mut tally = Tally { jobs: 0, coverage: Coverage::new(&atlas), wrong: None };
+        queue.run(|number, stop| {
+            tally.jobs += JOBS_PER_CHUNK;
+            if let Some(wrong) = Chunk::new(&layout, CONFIG, seed, number).run(&atlas, &mut tally.coverage) {
+                tally.wrong.get_or_insert(wrong);
+                stop.store(true, Ordering::Relaxed);
+            }
+            Ok(())
+        });
+        Ok(tally)
+    })?;
+    let mut verdict = Verdict { is_stopped: finished.is_stopped, ..Verdict::default() };
     let (mut coverage, mut jobs, mut wrong) = (Coverage::new(&atlas), 0, None);
-    for tally in tallies {
+    for tally in finished.workers {
         coverage.add(&tally.coverage);
         jobs += tally.jobs;
         wrong = wrong.into_iter().chain(tally.wrong).min_by_key(|wrong: &Wrong| (wrong.chunk, wrong.job));
@@ -65,19 +78,6 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
         verdict.failures.push(report(&layout, seed, &wrong, folder)?);
     }
     Ok(verdict)
-}
-
-fn work(layout: &Layout, atlas: &Atlas, seed: u64, queue: &Queue) -> Tally {
-    let mut tally = Tally { jobs: 0, coverage: Coverage::new(atlas), wrong: None };
-    while let Some(number) = queue.next() {
-        let chunk = Chunk::new(layout, CONFIG, seed, number);
-        tally.jobs += JOBS_PER_CHUNK;
-        tally.wrong = chunk.run(atlas, &mut tally.coverage);
-        if tally.wrong.is_some() {
-            queue.end();
-        }
-    }
-    tally
 }
 
 /// Writes the job that was answered wrongly, with the beats that its sum comes from, as a transaction file with what the

@@ -8,9 +8,10 @@ mod sample;
 mod trial;
 mod units;
 
-use crate::verify::{Error, Item, Level, Request, Verdict, parallel};
+use crate::verify::{Error, Item, Level, Request, Verdict};
 use raypath_hdl::mutate::{Fault, replace};
 use raypath_rtl::{Config, Control, Lanes, UnitLatency};
+use raypath_verify::pool::{self, Cases};
 use report::Report;
 use sample::{Subject, choose, subjects};
 use std::path::Path;
@@ -53,7 +54,7 @@ fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let count = request.jobs.unwrap_or(request.level.pick(40, 2400, 10_000)) as usize;
     let subjects = subjects(&CONFIGS)?;
     let mutants = choose(&subjects, count, request.seed);
-    let proves_modules = request.level > Level::Everyday;
+    let proves_modules = request.level > Level::Regression;
     let report = judge(&subjects, &mutants, request, &|trial| trial.run(proves_modules))?;
     report.write(Path::new(LIST))?;
     Ok(report.verdict())
@@ -74,21 +75,19 @@ fn judge<'s>(
     request: &mut Request<'_>,
     judge: Judge<'_>,
 ) -> Result<Report<'s>, Error> {
-    let total = mutants.len() as u64;
-    let (judged, _) = parallel::run(request, total, |queue| {
+    let cases = Cases { total: mutants.len() as u64, shard: request.shard };
+    let finished = pool::run(cases, request.proceed, |queue| {
         let mut judged = Vec::new();
-        while let Some(mutant) = queue.next().and_then(|number| mutants.get(number as usize)) {
-            let fate = trial(mutant).and_then(|trial| judge(&trial));
-            if fate.is_err() {
-                queue.end();
-            }
-            judged.push((mutant, fate));
-        }
-        judged
-    });
-    let mut report = Report::new(subjects, request.shard.share(total) as usize);
-    for (mutant, fate) in judged.into_iter().flatten() {
-        report.add(mutant, fate?);
+        queue.run(|number, _| {
+            let mutant = &mutants[number as usize];
+            judged.push((mutant, judge(&trial(mutant)?)?));
+            Ok(())
+        });
+        Ok(judged)
+    })?;
+    let mut report = Report::new(subjects, request.shard.share(cases.total) as usize);
+    for (mutant, fate) in finished.workers.into_iter().flatten() {
+        report.add(mutant, fate);
     }
     Ok(report)
 }

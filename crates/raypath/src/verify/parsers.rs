@@ -8,7 +8,7 @@ mod worker;
 
 pub use targets::{TARGETS, Target};
 
-use crate::verify::{Error, Item, Request, Step, Verdict};
+use crate::verify::{Error, Item, Progress, Request, Verdict};
 use std::fs;
 use std::path::{Path, PathBuf};
 use worker::{Outcome, Worker};
@@ -49,7 +49,7 @@ pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
                     break;
                 }
             }
-            if !(request.watch)(Step { done: done + worker.done(), total }) {
+            if !(request.proceed)(Progress { done: done + worker.done(), total }) {
                 verdict.is_stopped = true;
                 worker.stop();
                 break;

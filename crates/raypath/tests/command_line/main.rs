@@ -256,7 +256,7 @@ fn wrong_input_is_named() {
         (&["generate", "--seed", "1e6"], &["'1e6'", "--seed", "expected a whole number from 0"]),
         (&["verify", "--jobs", "4g"], &["'4g'", "--jobs", "expected a whole number from 1"]),
         (&["verify", "nothing"], &["'nothing'", "ITEM", "expected one of testfloat, "]),
-        (&["verify", "--level", "some"], &["'some' is no level", "everyday, full or long"]),
+        (&["verify", "--level", "some"], &["'some' is no level", "regression, full or long"]),
         (&["verify", "--shard", "3/2"], &["'3/2' is no shard", "1 ≤ i ≤ n"]),
         (&["verify", "--shard", "half"], &["'half' is no shard", "such as 2/5"]),
         (&["ray", "--origin", "1", "2", "3", "--direction", "0", "-0", "0"], &["direction (0, -0, 0) is zero"]),

@@ -16,7 +16,7 @@ const ENOUGH: u64 = 40_000;
 /// Random rays at boxes that they touch or nearly do, each against exact arithmetic.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let cases = request.jobs.unwrap_or(request.level.pick(100_000, 3_000_000, 50_000_000));
-    let (tally, is_stopped) = campaign::run(request, 4, cases, |rng, tally: &mut Boxes| tally.run(rng));
+    let (tally, is_stopped) = campaign::run(request, 4, cases, |rng, tally: &mut Boxes| tally.run(rng))?;
     Ok(tally.verdict(is_stopped))
 }
 

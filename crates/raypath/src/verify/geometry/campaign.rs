@@ -1,9 +1,9 @@
 //! Random cases on all cores, the same whatever their number.
 
-use crate::verify::parallel;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use raypath_verify::{Request, Step};
+use raypath_verify::pool::{self, Cases};
+use raypath_verify::{Error, Progress, Request};
 use std::collections::BTreeMap;
 
 /// What cases leave behind, and can be joined.
@@ -22,29 +22,30 @@ pub fn run<T: Tally>(
     stream: u64,
     cases: u64,
     case: impl Fn(&mut ChaCha8Rng, &mut T) + Sync,
-) -> (T, bool) {
-    let (seed, shard, watch) = (request.seed, request.shard, &mut request.watch);
+) -> Result<(T, bool), Error> {
+    let (seed, shard) = (request.seed, request.shard);
     let blocks = cases.div_ceil(BLOCK);
     let size = |block: u64| BLOCK.min(cases - block * BLOCK);
-    let total: u64 = (0..blocks).filter(|&block| shard.takes(block)).map(size).sum();
-    let mut in_cases = |step: Step| watch(Step { done: total.min(step.done * BLOCK), total });
-    let mut request = Request { watch: &mut in_cases, ..*request };
-    let (tallies, is_stopped) = parallel::run(&mut request, blocks, |queue| {
+    let lacking = if blocks > 0 && shard.takes(blocks - 1) { BLOCK - size(blocks - 1) } else { 0 };
+    let total = shard.share(blocks) * BLOCK - lacking;
+    let mut proceed = |blocks: Progress| (request.proceed)(Progress { done: total.min(blocks.done * BLOCK), total });
+    let finished = pool::run(Cases { total: blocks, shard }, &mut proceed, |queue| {
         let mut tallies = Vec::new();
-        while let Some(block) = queue.next() {
+        queue.run(|block, _| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(stream << 40 | block);
             let mut tally = T::default();
             (0..size(block)).for_each(|_| case(&mut rng, &mut tally));
             tallies.push((block, tally));
-        }
-        tallies
-    });
-    // The order in which threads are done is no order.
-    let in_order: BTreeMap<u64, T> = tallies.into_iter().flatten().collect();
+            Ok(())
+        });
+        Ok(tallies)
+    })?;
+    // Tallies are joined in the order of blocks, so that the result does not depend on the number of workers.
+    let in_order: BTreeMap<u64, T> = finished.workers.into_iter().flatten().collect();
     let mut joined = T::default();
     in_order.into_values().for_each(|tally| joined.join(tally));
-    (joined, is_stopped)
+    Ok((joined, finished.is_stopped))
 }
 
 /// The first few of many messages.
@@ -102,7 +103,7 @@ mod tests {
     use super::{Failures, Tally, run};
     use rand::RngExt;
     use rand_chacha::ChaCha8Rng;
-    use raypath_verify::{Level, Request, Shard, Step};
+    use raypath_verify::{Level, Progress, Request, Shard};
 
     #[derive(Default, PartialEq, Debug)]
     struct Numbers(Vec<u32>);
@@ -113,11 +114,11 @@ mod tests {
         }
     }
 
-    fn numbers(seed: u64, shard: Shard, watch: &mut dyn FnMut(Step) -> bool) -> (Vec<u32>, bool) {
+    fn numbers(seed: u64, shard: Shard, watch: &mut dyn FnMut(Progress) -> bool) -> (Vec<u32>, bool) {
         let config = Default::default();
-        let mut request = Request { config, level: Level::Everyday, jobs: None, seed, shard, watch };
+        let mut request = Request { config, level: Level::Regression, jobs: None, seed, shard, proceed: watch };
         let (numbers, is_stopped) =
-            run(&mut request, 7, 5000, |rng, numbers: &mut Numbers| numbers.0.push(rng.random()));
+            run(&mut request, 7, 5000, |rng, numbers: &mut Numbers| numbers.0.push(rng.random())).expect("numbers");
         (numbers.0, is_stopped)
     }
 
@@ -128,7 +129,7 @@ mod tests {
             last = Some(step);
             true
         });
-        assert_eq!((all.len(), is_stopped, last), (5000, false, Some(Step { done: 5000, total: 5000 })));
+        assert_eq!((all.len(), is_stopped, last), (5000, false, Some(Progress { done: 5000, total: 5000 })));
         assert_eq!(numbers(1, Shard::ALL, &mut |_| true).0, all);
         assert_ne!(numbers(2, Shard::ALL, &mut |_| true).0, all);
 
@@ -144,9 +145,10 @@ mod tests {
     fn it_stops_when_told() {
         let config = Default::default();
         let watch = &mut |_| false;
-        let mut request = Request { config, level: Level::Everyday, jobs: None, seed: 1, shard: Shard::ALL, watch };
+        let mut request =
+            Request { config, level: Level::Regression, jobs: None, seed: 1, shard: Shard::ALL, proceed: watch };
         let case = |rng: &mut ChaCha8Rng, numbers: &mut Numbers| numbers.0.push(rng.random());
-        let (some, is_stopped) = run(&mut request, 7, 1_000_000_000, case);
+        let (some, is_stopped) = run(&mut request, 7, 1_000_000_000, case).expect("numbers");
         assert!(is_stopped && some.0.len() < 1_000_000_000, "{}", some.0.len());
     }
 

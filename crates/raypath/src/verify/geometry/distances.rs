@@ -19,7 +19,7 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
         let answer =
             Answer { t_num: output.t_num.into(), t_denom: output.t_denom.into(), hit: output.triangle_hit.into() };
         tally.judge(&ray, corners, answer);
-    });
+    })?;
     Ok(tally.verdict(is_stopped))
 }
 

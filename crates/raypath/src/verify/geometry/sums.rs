@@ -20,7 +20,7 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
             3 => tally.judge::<16, 8>(rng),
             4 => tally.judge::<32, 16>(rng),
             _ => tally.judge::<64, 32>(rng),
-        });
+        })?;
     Ok(tally.verdict(is_stopped))
 }
 

@@ -22,7 +22,7 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let bodies = bodies(request.seed);
     let is_hit = |ray: &Ray<Binary32>, corners| datapath(rules, ray, corners).triangle_hit.into();
     let (tally, is_stopped) =
-        campaign::run(request, 1, cases, |rng, tally: &mut Rays| tally.shoot(rng, &bodies, &is_hit));
+        campaign::run(request, 1, cases, |rng, tally: &mut Rays| tally.shoot(rng, &bodies, &is_hit))?;
     Ok(tally.verdict(&bodies, is_stopped))
 }
 

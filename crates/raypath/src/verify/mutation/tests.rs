@@ -2,8 +2,15 @@ use super::*;
 use crate::verify::{Level, Shard};
 use std::time::Duration;
 
-fn request(watch: &mut dyn FnMut(crate::verify::Step) -> bool) -> Request<'_> {
-    Request { config: Config::DEFAULT, level: Level::Everyday, jobs: None, seed: 1, shard: Shard::ALL, watch }
+fn request(watch: &mut dyn FnMut(crate::verify::Progress) -> bool) -> Request<'_> {
+    Request {
+        config: Config::DEFAULT,
+        level: Level::Regression,
+        jobs: None,
+        seed: 1,
+        shard: Shard::ALL,
+        proceed: watch,
+    }
 }
 
 /// A score is only worth something if it can be bad.
@@ -45,7 +52,7 @@ fn every_module_is_represented_and_the_larger_ones_more() {
 fn the_user_can_stop() {
     let subjects = subjects(&[Config { lanes: Lanes::None, ..Config::DEFAULT }]).expect("modules");
     let mutants = choose(&subjects, 1000, 1);
-    let mut watch = |step: crate::verify::Step| step.done < 3;
+    let mut watch = |step: crate::verify::Progress| step.done < 3;
     let slow: Judge<'_> = &|_| {
         std::thread::sleep(Duration::from_millis(5));
         Ok(Fate::Killed("lockstep"))

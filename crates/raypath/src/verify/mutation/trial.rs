@@ -9,7 +9,7 @@ use crate::models::{PaperModel, Visitor, with_model};
 use crate::verify::Error;
 use raypath_hdl::Module;
 use raypath_verify::equivalence::Equivalence;
-use raypath_verify::proof::Prover;
+use raypath_verify::sat::Prover;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;

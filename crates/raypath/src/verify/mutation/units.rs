@@ -5,8 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use raypath_float::Format;
 use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
 use raypath_rtl::Config;
-use raypath_verify::bench::{Answer, chain};
-use raypath_verify::operands::{self, answer, canonical, generator};
+use raypath_verify::units::bench::UnitResults;
+use raypath_verify::units::chain;
+use raypath_verify::units::operands::{self, canonical, generator, host_results};
 use std::sync::Arc;
 
 /// A module of a unit: the part of this number of all of them.
@@ -98,7 +99,7 @@ impl Bench {
     }
 
     /// What the outputs should be, numbers as IEEE 754 has them.
-    fn expected(&self, Answer { sum, product, less, equal, unordered, .. }: Answer) -> [u64; 3] {
+    fn expected(&self, UnitResults { sum, product, less, equal, unordered, .. }: UnitResults) -> [u64; 3] {
         match self.kind {
             Kind::Add => [sum, 0, 0],
             Kind::Multiply => [product, 0, 0],
@@ -117,7 +118,7 @@ impl Bench {
         if self.gives_numbers() {
             shown[0] = format.decode(shown[0]);
         }
-        shown == self.expected(answer(f32::from_bits(a), f32::from_bits(b)))
+        shown == self.expected(host_results(f32::from_bits(a), f32::from_bits(b)))
     }
 
     fn answers_edges(&mut self) -> bool {
@@ -130,7 +131,7 @@ impl Bench {
         let mut random = generator(5);
         (0..RECODED_CASES).all(|_| {
             let ((a, x), (b, y)) = (operands::recoded(&mut random), operands::recoded(&mut random));
-            let mut expected = self.expected(answer(x, y));
+            let mut expected = self.expected(host_results(x, y));
             if self.gives_numbers() {
                 expected[0] = Format::BINARY32.encode(expected[0]);
             }

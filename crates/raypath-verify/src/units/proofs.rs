@@ -1,34 +1,37 @@
-//! Floating-point units proved equal to an independent specification: IEEE 754's operations as Yosys's command `symfpu`
-//! writes them, for any format.
+//! Proofs that floating-point units are equivalent to IEEE 754's operations, which Yosys's command `symfpu` generates for
+//! any format.
 //!
-//! The units calculate in the recoded format, so that what is proved is a unit between our encoders and our decoder, with
-//! all operands in IEEE 754's layout free. Every claim is refuted for a unit with a deliberate fault, by the same
-//! commands, before it counts.
+//! A proof covers a unit between our encoders and our decoder, because units compute in the recoded format; the operands
+//! in IEEE 754's format are free. As a negative control, the same commands must refute the claim for a unit with a
+//! deliberate fault.
 
+mod cache;
 mod cases;
 mod claim;
-mod judged;
-mod kept;
+mod result;
 
 pub use cases::{CASES_FOLDER, adder_proof, multiplier_proof};
 pub use claim::{Claim, Fault, Operands, Subject};
-pub use judged::{Judged, judge};
+pub use result::{ClaimResult, check};
 
-use crate::proof::{Prover, pool};
-use crate::{Error, Item, Level, Request, Step, Verdict};
+use crate::error::Error;
+use crate::pool;
+use crate::request::{Level, Request};
+use crate::sat::Prover;
+use crate::verdict::{Item, Verdict};
 use raypath_float::Format;
 use std::time::Duration;
 
-/// Every unit, in formats that a proof reaches whole.
+/// Proofs of all units, in formats that are small enough for one proof each.
 pub const UNIT_PROOFS: Item = Item {
     name: "unit-proofs",
-    claim: "adders, multipliers, comparison and conversions do for all operands what IEEE 754 says, and in parts what \
-            they do whole",
+    claim: "adders, multipliers, comparison and conversions give IEEE 754's result for all operands; split units give \
+            the result of the unsplit ones",
     oracle: "Yosys's symfpu, by SAT (ABC)",
     run: unit_proofs,
 };
 
-/// The adder of binary32, in cases.
+/// The proof of the binary32 adder, in cases.
 pub const ADDER_PROOF: Item = Item {
     name: "adder-proof",
     claim: "the binary32 adder gives IEEE 754's sum for all operands",
@@ -36,7 +39,7 @@ pub const ADDER_PROOF: Item = Item {
     run: adder_proof,
 };
 
-/// The multiplier of binary16, in cases.
+/// The proof of the binary16 multiplier, in cases.
 pub const MULTIPLIER_PROOF: Item = Item {
     name: "multiplier-proof",
     claim: "the binary16 multiplier gives IEEE 754's product for all operands",
@@ -44,7 +47,7 @@ pub const MULTIPLIER_PROOF: Item = Item {
     run: multiplier_proof,
 };
 
-/// Proves what the level asks for of every unit. The work is divided by claims.
+/// Proves the level's claims. Shards divide the claims.
 ///
 /// # Errors
 /// A program is missing or fails.
@@ -56,30 +59,25 @@ pub fn unit_proofs(request: &mut Request<'_>) -> Result<Verdict, Error> {
     claims.retain(|_| number.next().is_some_and(|number| shard.takes(number)));
     let limit = Duration::from_secs(request.level.pick(300, 1800, 7200));
     let total = claims.len();
-    let watch = |done: usize| (request.watch)(Step { done: done as u64, total: total as u64 });
-    let found = pool::for_each(&claims, |claim, stop| judge(&prover, *claim, true, limit, stop), watch)?;
-    let judged: Vec<Judged> = found.into_iter().flatten().collect();
+    let found = pool::map(&claims, request.proceed, |claim, stop| check(&prover, *claim, true, limit, stop))?;
+    let results: Vec<ClaimResult> = found.into_iter().flatten().collect();
     let proved: Vec<String> =
-        judged.iter().filter(|judged| judged.result.is_ok()).map(|judged| judged.claim.to_string()).collect();
+        results.iter().filter(|done| done.outcome.is_ok()).map(|done| done.claim.to_string()).collect();
     let covered = match proved.len() {
         0 => "nothing proved".to_string(),
         count => format!("{count} proofs, and as many faults refuted: {}", proved.join("; ")),
     };
     Ok(Verdict {
         covered,
-        failures: judged.iter().filter_map(|judged| judged.result.clone().err()).collect(),
+        failures: results.iter().filter_map(|done| done.outcome.clone().err()).collect(),
         remarks: std::iter::once(format!("with {}", prover.versions()))
-            .chain(
-                judged
-                    .iter()
-                    .filter_map(|judged| Some(format!("a deliberate fault is seen: {}", judged.seen.clone()?))),
-            )
+            .chain(results.iter().filter_map(ClaimResult::fault_remark))
             .collect(),
-        is_stopped: judged.len() < total,
+        is_stopped: results.len() < total,
     })
 }
 
-/// What is proved, the longest first; each level proves what those before it do.
+/// The claims of a level, the longest proofs first. Each level includes the claims of the shorter ones.
 fn claims(level: Level) -> impl Iterator<Item = Claim> {
     use Subject::{Add, AddParts, Compare, Mul, MulParts, RoundTrip, Sub};
     const CLAIMS: &[(Level, Subject, u32, u32)] = &[
@@ -104,13 +102,13 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
         (Level::Full, MulParts(3), 8, 24),
         (Level::Full, AddParts(2), 8, 24),
         (Level::Full, AddParts(3), 8, 24),
-        (Level::Everyday, Compare, 8, 24),
-        (Level::Everyday, Compare, 5, 11),
-        (Level::Everyday, Add, 3, 4),
-        (Level::Everyday, Sub, 3, 4),
-        (Level::Everyday, Mul, 3, 4),
-        (Level::Everyday, RoundTrip, 8, 24),
-        (Level::Everyday, RoundTrip, 5, 11),
+        (Level::Regression, Compare, 8, 24),
+        (Level::Regression, Compare, 5, 11),
+        (Level::Regression, Add, 3, 4),
+        (Level::Regression, Sub, 3, 4),
+        (Level::Regression, Mul, 3, 4),
+        (Level::Regression, RoundTrip, 8, 24),
+        (Level::Regression, RoundTrip, 5, 11),
     ];
     let chosen = CLAIMS.iter().filter(move |(least, ..)| level >= *least);
     chosen.filter_map(|&(_, subject, exponent, significand)| {

@@ -1,21 +1,24 @@
-//! Proofs that are too long in one piece: binary32 addition, one difference of exponents at a time, and binary16
-//! multiplication, one fraction of the second operand at a time.
+//! Proofs in cases, because one proof of all operands would take too long: binary32 addition, by the difference of the
+//! exponents, and binary16 multiplication, by the fraction of the second operand.
 
+use super::cache::ProofCache;
 use super::claim::{Claim, Operands, Subject};
-use super::judged::{Judged, judge};
-use super::kept::Kept;
-use crate::proof::{Prover, pool};
-use crate::{Error, Level, Request, Step, Verdict};
+use super::result::{ClaimResult, check};
+use crate::error::Error;
+use crate::pool;
+use crate::request::{Level, Request};
+use crate::sat::Prover;
+use crate::verdict::Verdict;
 use raypath_float::Format;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// Where proofs are kept, from the folder in which the program runs.
+/// The folder of the proof cache, relative to the working directory.
 pub const CASES_FOLDER: &str = "build/verify/proofs";
 
-/// Proves binary32 addition for the differences of exponents that the level asks for; at level long for all 511, which
-/// are all pairs of operands. A proof that was done before is not repeated. The work is divided by differences.
+/// Proves binary32 addition for the level's differences of exponents; at level `long` for all 511, which cover all pairs
+/// of operands. Cached proofs are not repeated. Shards divide the differences.
 ///
 /// # Errors
 /// A program is missing or fails, or the folder cannot be written.
@@ -29,14 +32,14 @@ pub fn adder_proof(request: &mut Request<'_>) -> Result<Verdict, Error> {
         what: "binary32 addition, by difference of exponents",
         chosen: differences(request.level).into_iter().map(case).collect(),
         total: differences(Level::Long).len(),
-        // It is wrong in a rounding of a difference, which these have.
+        // The fault changes a rounding that differences of exponents by 3 have.
         fault: case(3),
     };
     cases.prove(request)
 }
 
-/// Proves binary16 multiplication for the fractions of the second operand that the level asks for; at level long for all
-/// 1024, which are all pairs of operands. A proof that was done before is not repeated. The work is divided by fractions.
+/// Proves binary16 multiplication for the level's fractions of the second operand; at level `long` for all 1024, which
+/// cover all pairs of operands. Cached proofs are not repeated. Shards divide the fractions.
 ///
 /// # Errors
 /// A program is missing or fails, or the folder cannot be written.
@@ -52,101 +55,100 @@ pub fn multiplier_proof(request: &mut Request<'_>) -> Result<Verdict, Error> {
     cases.prove(request)
 }
 
-/// The differences of biased exponents that are proved, the easiest first.
+/// The level's differences of biased exponents, the shortest proofs first.
 fn differences(level: Level) -> Vec<i64> {
     let all = (0..=255).rev().flat_map(|distance| match distance {
         0 => vec![0],
         _ => vec![-distance, distance],
     });
     match level {
-        Level::Everyday => vec![-100],
+        Level::Regression => vec![-100],
         Level::Full => all.filter(|difference| difference % 16 == 0).collect(),
         Level::Long => all.collect(),
     }
 }
 
-/// The fractions that are proved.
+/// The level's fractions.
 fn fractions(level: Level) -> Vec<u64> {
     match level {
-        Level::Everyday => vec![0x2ab],
-        // An odd step: every bit is 0 in some and 1 in others.
+        Level::Regression => vec![0x2ab],
+        // The step is odd, so that every bit is 0 in some fractions and 1 in others.
         Level::Full => (0..1024).step_by(33).collect(),
         Level::Long => (0..1024).collect(),
     }
 }
 
-/// A claim in cases, each of which is proved by itself.
+/// A claim in cases, with a proof for each.
 struct Cases {
-    /// What is claimed, and how it is divided.
+    /// The claim, and how it is divided into cases.
     what: &'static str,
-    /// The cases that are proved.
+    /// The cases to prove.
     chosen: Vec<Claim>,
-    /// How many cases there are.
+    /// The number of all cases.
     total: usize,
-    /// The case for which the fault has to be seen.
+    /// The case in which the deliberate fault must be found.
     fault: Claim,
 }
 
 impl Cases {
     fn prove(self, request: &mut Request<'_>) -> Result<Verdict, Error> {
         let prover = Prover::find()?;
-        let kept = Kept::open(Path::new(CASES_FOLDER), prover.versions())?;
+        let cache = ProofCache::open(Path::new(CASES_FOLDER), prover.versions())?;
         let shard = request.shard;
         let mine = self.chosen.iter().zip(0..).filter(|&(_, number)| shard.takes(number)).map(|(claim, _)| *claim);
-        // That the proof can fail is shown anew each time.
+        // The negative control runs every time.
         let work: Vec<(Claim, bool)> =
             std::iter::once((self.fault, true)).chain(mine.map(|claim| (claim, false))).collect();
         let limit = Duration::from_secs(request.level.pick(300, 1800, 7200));
-        let watch = |done: usize| (request.watch)(Step { done: done as u64, total: work.len() as u64 });
         let one = |&(claim, with_fault): &(Claim, bool), stop: &AtomicBool| {
-            prove_once(&prover, &kept, claim, with_fault, limit, stop)
+            prove_once(&prover, &cache, claim, with_fault, limit, stop)
         };
-        let found = pool::for_each(&work, one, watch)?;
+        let found = pool::map(&work, request.proceed, one)?;
         let (first, rest) = found.split_at(1);
-        let proved = rest.iter().flatten().filter(|done| done.judged.result.is_ok()).count();
-        let before = rest.iter().flatten().filter(|done| done.is_old).count();
-        let mut remarks = vec![format!("with {}; {before} of these proofs were done before", prover.versions())];
-        let seen = first.iter().flatten().filter_map(|done| done.judged.seen.as_ref());
-        remarks.extend(seen.map(|seen| format!("a deliberate fault is seen: {seen}")));
+        let proved = rest.iter().flatten().filter(|case| case.result.outcome.is_ok()).count();
+        let cached = rest.iter().flatten().filter(|case| case.is_cached).count();
+        let mut remarks = vec![format!("with {}; {cached} of these proofs were cached", prover.versions())];
+        remarks.extend(first.iter().flatten().filter_map(|case| case.result.fault_remark()));
         if self.chosen.len() < self.total {
             let level = request.level.name();
             remarks.push(format!("level {level} proves {} of {} cases", self.chosen.len(), self.total));
         }
         Ok(Verdict {
             covered: format!("{}, {proved} of {} cases proved", self.what, self.total),
-            failures: found.iter().flatten().filter_map(|done| done.judged.result.clone().err()).collect(),
+            failures: found.iter().flatten().filter_map(|case| case.result.outcome.clone().err()).collect(),
             remarks,
             is_stopped: found.iter().any(Option::is_none),
         })
     }
 }
 
-/// A case that is done.
-struct Done {
-    judged: Judged,
-    /// Whether it was done before.
-    is_old: bool,
+/// The result of a case.
+struct CaseResult {
+    result: ClaimResult,
+    /// Whether the proof was in the cache.
+    is_cached: bool,
 }
 
-/// Proves a case unless that is done; nothing where it was stopped.
+/// Proves a case, unless its proof is cached; none if the run was stopped.
 fn prove_once(
     prover: &Prover,
-    kept: &Kept,
+    cache: &ProofCache,
     claim: Claim,
     with_fault: bool,
     limit: Duration,
     stop: &AtomicBool,
-) -> Result<Option<Done>, Error> {
-    let problem = claim.problem(None)?;
-    if !with_fault && kept.has(&problem) {
-        return Ok(Some(Done { judged: Judged { claim, result: Ok(()), seen: None }, is_old: true }));
+) -> Result<Option<CaseResult>, Error> {
+    let problem = claim.miter(None)?;
+    if !with_fault && cache.has(&problem) {
+        let result = ClaimResult { claim, outcome: Ok(()), found_fault: None };
+        return Ok(Some(CaseResult { result, is_cached: true }));
     }
     let begin = Instant::now();
-    let Some(judged) = judge(prover, claim, with_fault, limit, stop)? else { return Ok(None) };
-    if judged.result.is_ok() {
-        kept.keep(&problem, &format!("{claim}: proved in {:.1} s", begin.elapsed().as_secs_f64()))?;
+    let Some(result) = check(prover, claim, with_fault, limit, stop)? else { return Ok(None) };
+    if result.outcome.is_ok() {
+        cache.add(&problem, &format!("{claim}: proved in {:.1} s", begin.elapsed().as_secs_f64()))?;
     }
-    Ok(Some(Done { judged, is_old: false }))
+    Ok(Some(CaseResult { result, is_cached: false }))
 }
 
 #[cfg(test)]

@@ -1,66 +1,67 @@
-//! What is claimed of a unit, and the circuit that would show it wrong.
+//! Claims about units, and the miters that would show them wrong.
 
-use crate::Error;
 use crate::equivalence::text;
-use crate::proof::{Problem, SOURCE};
+use crate::error::Error;
+use crate::sat::{Miter, SOURCE};
+use crate::units::chain::chain;
 use raypath_float::{Format, add, add_parts, compare, decode, encode, mul, mul_parts};
-use raypath_hdl::{Builder, Module, Wire};
+use raypath_hdl::Module;
 use std::fmt;
 use std::sync::Arc;
 
-/// One thing that is proved.
+/// A claim about a unit in a format, for a set of operands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Claim {
-    /// Of what.
+    /// The unit, and what it should compute.
     pub subject: Subject,
-    /// In which format.
+    /// The number format.
     pub format: Format,
-    /// For which operands.
+    /// The operands.
     pub operands: Operands,
 }
 
-/// Of what something is proved.
+/// A unit, and what it should compute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Subject {
-    /// The adder, between encoders and decoder, adds.
+    /// The adder between encoders and decoder, for sums.
     Add,
-    /// The adder, its second operand's sign inverted as the datapath inverts it, subtracts.
+    /// The adder with the second operand's sign inverted, for differences: as the datapath subtracts.
     Sub,
-    /// The multiplier, between encoders and decoder, multiplies.
+    /// The multiplier between encoders and decoder.
     Mul,
-    /// Comparison, behind encoders.
+    /// The comparator behind encoders.
     Compare,
-    /// What is encoded and decoded is as it was; of NaNs, the canonical one.
+    /// The encoder and then the decoder: every number is unchanged, and every NaN becomes the canonical one.
     RoundTrip,
-    /// The adder in this many parts does what the whole one does, whatever the bits of its operands.
+    /// The adder split into this many parts, against the unsplit one, for all recoded words.
     AddParts(u32),
-    /// The same of the multiplier.
+    /// The multiplier split into this many parts, against the unsplit one, for all recoded words.
     MulParts(u32),
 }
 
-/// Which operands a claim is about.
+/// The operands of a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operands {
-    /// All.
+    /// All operands.
     All,
-    /// Those whose biased exponents differ by this: the first minus the second.
+    /// Operands with this difference of biased exponents: the first minus the second.
     ExponentDifference(i64),
-    /// Those of which the second has this fraction.
+    /// Operands of which the second has this fraction.
     Fraction(u64),
 }
 
-/// A deliberate fault: a piece of a unit's text, which must occur exactly once, and what stands there instead.
+/// A deliberate fault: a piece of a unit's text, which must occur exactly once, and its replacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fault {
-    /// What the text says.
+    /// The original text.
     pub from: &'static str,
-    /// What it says when it is wrong.
+    /// The faulty text.
     pub to: &'static str,
 }
 
 impl Subject {
-    /// The fault that a proof about it must see. It shows in few cases, as real defects do: in a rounding, at a border, or
-    /// for a pair of zeros.
+    /// The fault that the claim's negative control must find. Like real defects, it shows for few operands: in a rounding,
+    /// at the end of a range, or for a pair of zeros.
     pub fn fault(self) -> Fault {
         let (from, to) = match self {
             Self::Add | Self::Sub | Self::AddParts(_) => ("~(half & quarter)", "~(half | quarter)"),
@@ -78,13 +79,14 @@ impl Claim {
         Self { subject, format, operands: Operands::All }
     }
 
-    /// The circuit, whose output is 1 where the claim is wrong; with a fault, if one is given.
+    /// The miter, whose output is 1 for operands for which the claim is wrong; with a fault, if one is given.
     ///
     /// # Errors
-    /// The unit cannot be built, or has no place for the fault.
-    pub fn problem(&self, fault: Option<Fault>) -> Result<Problem, Error> {
+    /// The unit cannot be built, or the fault's text is not exactly once in it.
+    pub fn miter(&self, fault: Option<Fault>) -> Result<Miter, Error> {
         let (f, ieee) = (self.format, self.format.ieee_width());
-        let whole = |unit: Arc<Module>| -> Result<String, Error> { text(&unit) };
+        let whole = |unit: Arc<Module>| text(&unit);
+        let joined = |parts: Vec<Arc<Module>>| text(&chain(&parts)?);
         let conversions = || -> Result<String, Error> { Ok(text(&encode(f)?)? + &text(&decode(f)?)?) };
         let (mut unit, rest, reference) = match self.subject {
             Subject::Add => (whole(add(f)?)?, conversions()?, Some("-op add -rm RNE")),
@@ -92,15 +94,19 @@ impl Claim {
             Subject::Mul => (whole(mul(f)?)?, conversions()?, Some("-op mul -rm RNE")),
             Subject::Compare => (whole(compare(f)?)?, conversions()?, Some("-compare")),
             Subject::RoundTrip => (text(&decode(f)?)?, text(&encode(f)?)?, None),
-            Subject::AddParts(count) => (chain(add_parts(f, count)?, f)?, whole(add(f)?)?, None),
-            Subject::MulParts(count) => (chain(mul_parts(f, count)?, f)?, whole(mul(f)?)?, None),
+            Subject::AddParts(count) => (joined(add_parts(f, count)?)?, whole(add(f)?)?, None),
+            Subject::MulParts(count) => (joined(mul_parts(f, count)?)?, whole(mul(f)?)?, None),
         };
         if let Some(fault) = fault {
             if unit.matches(fault.from).count() != 1 {
                 return Err(Error::Program {
                     program: "raypath".to_string(),
-                    problem: format!("{self}: '{}' is not once in the unit's text", fault.from),
-                    expected: "one place for the deliberate fault".to_string(),
+                    problem: format!(
+                        "{self}: found '{}' {} times in the unit's text",
+                        fault.from,
+                        unit.matches(fault.from).count()
+                    ),
+                    expected: "it once, as the place of the deliberate fault".to_string(),
                 });
             }
             unit = unit.replace(fault.from, fault.to);
@@ -108,9 +114,9 @@ impl Claim {
         let mut commands = Vec::new();
         if let Some(operation) = reference {
             commands.push(format!("symfpu -eb {} -sb {} {operation}", f.exponent(), f.significand()));
-            // Assertions of its own, which would be outputs.
+            // Its assertions would become outputs.
             commands.push("chformal -remove".to_string());
-            commands.push(format!("select -assert-min {LEAST_CELLS} symfpu/c:*"));
+            commands.push(format!("select -assert-min {MIN_CELLS} symfpu/c:*"));
         }
         commands.extend(["unit.sv", "rest.sv", "miter.sv"].map(|file| format!("read_verilog -sv {SOURCE}{file}")));
         commands.extend(["hierarchy -check -top miter", "proc"].map(String::from));
@@ -123,9 +129,9 @@ impl Claim {
                 commands.push(format!("select -assert-min 1 miter/w:{side} %ci* miter/w:{input} %i"));
             }
         }
-        Ok(Problem {
+        Ok(Miter {
             name: self.to_string(),
-            sources: [("unit.sv", unit), ("rest.sv", rest), ("miter.sv", self.miter(ieee))]
+            sources: [("unit.sv", unit), ("rest.sv", rest), ("miter.sv", self.miter_text(ieee))]
                 .map(|(name, text)| (name.to_string(), text))
                 .into(),
             commands,
@@ -133,12 +139,12 @@ impl Claim {
         })
     }
 
-    /// Whether both sides are ours, built from the same description.
-    pub fn is_between_likes(&self) -> bool {
+    /// Whether both sides are units of ours, from one description: they may be equal before any proof.
+    pub fn compares_own_units(&self) -> bool {
         matches!(self.subject, Subject::AddParts(_) | Subject::MulParts(_))
     }
 
-    /// The free inputs.
+    /// The miter's inputs, with their widths.
     fn inputs(&self) -> Vec<(String, u32)> {
         let (f, width) = (self.format, self.format.ieee_width());
         let ports: &[(&str, u32)] = match (self.subject, self.operands) {
@@ -153,8 +159,8 @@ impl Claim {
         ports.iter().map(|&(name, width)| (name.to_string(), width)).collect()
     }
 
-    /// The module `miter`. Its wires `a`, `b`, `ours` and `expected` are what a counterexample is told by.
-    fn miter(&self, ieee: u32) -> String {
+    /// The text of the module `miter`. Messages about counterexamples show its wires `a`, `b`, `ours` and `wanted`.
+    fn miter_text(&self, ieee: u32) -> String {
         let (f, e, s) = (self.format, self.format.exponent(), self.format.significand());
         let recoded = f.recoded_width();
         let inputs: Vec<String> =
@@ -189,7 +195,7 @@ impl Claim {
         lines.push(self.sides(recoded));
         let is_nan = |word: &str| format!("((&{word}[{}:{}]) && (|{word}[{}:0]))", e + s - 2, s - 1, s - 2);
         let wanted = match self.subject {
-            // Any NaN of the reference, the canonical one of ours.
+            // The reference may return any NaN, our units return the canonical one.
             Subject::Add | Subject::Sub | Subject::Mul | Subject::RoundTrip => {
                 format!("{} ? {ieee}'d{} : expected", is_nan("expected"), f.nan())
             }
@@ -204,7 +210,7 @@ impl Claim {
         lines.join("\n")
     }
 
-    /// What drives `ours` and `expected`.
+    /// The drivers of `ours` and `expected`.
     fn sides(&self, recoded: u32) -> String {
         let f = self.format;
         let encoders = format!(
@@ -223,9 +229,9 @@ impl Claim {
                 recoded - 1
             )
         };
-        let parts = |unit: &str, output: &str| {
+        let parts = |count: u32, unit: &str, output: &str| {
             format!(
-                "chain u_unit (.a_i(a), .b_i(b), .result_o(ours));\n\
+                "chain_of_raypath_fp_{unit}_{f}_part_1_of_{count} u_unit (.a_i(a), .b_i(b), .{output}(ours));\n\
                  raypath_fp_{unit}_{f} u_whole (.a_i(a), .b_i(b), .{output}(expected));"
             )
         };
@@ -247,31 +253,14 @@ impl Claim {
                  assign expected = a;",
                 recoded - 1
             ),
-            Subject::AddParts(_) => parts("add", "sum_o"),
-            Subject::MulParts(_) => parts("mul", "product_o"),
+            Subject::AddParts(count) => parts(count, "add", "sum_o"),
+            Subject::MulParts(count) => parts(count, "mul", "product_o"),
         }
     }
 }
 
-/// The smallest reference, at (3,3), has several hundred cells; an empty one would prove anything.
-const LEAST_CELLS: u32 = 100;
-
-/// The parts of a unit in a row, as the module `chain` with the output `result_o`.
-fn chain(parts: Vec<Arc<Module>>, format: Format) -> Result<String, Error> {
-    let m = Builder::new("chain");
-    let width = format.recoded_width();
-    let mut values: Vec<(String, Wire<'_>)> =
-        ["a_i", "b_i"].map(|name| (name.to_string(), m.input(name, width))).into();
-    for (number, part) in parts.iter().enumerate() {
-        let inputs: Vec<(&str, Wire<'_>)> = values.iter().map(|(name, wire)| (name.as_str(), *wire)).collect();
-        let outputs = m.instance(&format!("u_part_{number}"), part, &inputs);
-        values = part.outputs().iter().map(|port| format!("{}_i", port.stem())).zip(outputs).collect();
-    }
-    if let [(_, result)] = values[..] {
-        m.output("result_o", result);
-    }
-    text(&m.finish()?)
-}
+/// Fewer cells than the smallest reference has: several hundred, at (3,3). An empty reference would prove anything.
+const MIN_CELLS: u32 = 100;
 
 impl fmt::Display for Claim {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

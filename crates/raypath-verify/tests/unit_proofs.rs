@@ -1,18 +1,18 @@
-//! Everyday proofs of units: as claimed, and not so where the unit has a fault.
+//! Proofs of units at level `regression`: the claims hold, and claims about faulty units are refuted.
 
 use raypath_float::Format;
-use raypath_verify::proof::{Answer, Problem, Prover, SOURCE};
-use raypath_verify::unit_proofs::{Claim, Subject, judge, unit_proofs};
+use raypath_verify::sat::{Miter, ProofResult, Prover, SOURCE};
+use raypath_verify::units::proofs::{Claim, Subject, check, unit_proofs};
 use raypath_verify::{Level, Request, Shard};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 const LIMIT: Duration = Duration::from_secs(300);
 
-fn circuit(text: &str, commands: &[&str]) -> Problem {
+fn circuit(text: &str, commands: &[&str]) -> Miter {
     let mut all = vec![format!("read_verilog -sv {SOURCE}miter.sv"), "hierarchy -top miter".into(), "proc".into()];
     all.extend(commands.iter().map(ToString::to_string));
-    Problem {
+    Miter {
         name: "test".to_string(),
         sources: vec![("miter.sv".to_string(), text.to_string())],
         commands: all,
@@ -20,19 +20,19 @@ fn circuit(text: &str, commands: &[&str]) -> Problem {
     }
 }
 
-fn solve(problem: Problem) -> Result<Vec<Answer>, raypath_verify::Error> {
+fn solve(problem: Miter) -> Result<Vec<ProofResult>, raypath_verify::Error> {
     Prover::find()?.solve(&[problem], LIMIT, &AtomicBool::new(false))
 }
 
-fn request<'a>(watch: &'a mut dyn FnMut(raypath_verify::Step) -> bool) -> Request<'a> {
+fn request<'a>(proceed: &'a mut dyn FnMut(raypath_verify::Progress) -> bool) -> Request<'a> {
     let config = raypath_rtl::Config::default();
-    Request { config, level: Level::Everyday, jobs: None, seed: 1, shard: Shard::ALL, watch }
+    Request { config, level: Level::Regression, jobs: None, seed: 1, shard: Shard::ALL, proceed }
 }
 
 #[test]
-fn every_everyday_claim_is_proved_and_its_fault_seen() {
+fn every_claim_is_proved_and_its_fault_found() {
     let mut steps = Vec::new();
-    let mut watch = |step: raypath_verify::Step| {
+    let mut watch = |step: raypath_verify::Progress| {
         steps.push(step.done);
         true
     };
@@ -52,15 +52,15 @@ fn a_stop_is_heeded() {
     assert_eq!(verdict.covered, "nothing proved");
 }
 
-/// A claim with the fault in its unit is a claim that fails, with operands.
+/// The claim about a faulty unit is refuted, with operands.
 #[test]
 fn a_faulty_unit_fails_with_operands() {
     let format = Format::new(3, 4).unwrap();
     let claim = Claim::all(Subject::Mul, format);
-    let faulty = claim.problem(Some(Subject::Mul.fault())).unwrap();
+    let faulty = claim.miter(Some(Subject::Mul.fault())).unwrap();
     let prover = Prover::find().unwrap();
     let answers = prover.solve(std::slice::from_ref(&faulty), LIMIT, &AtomicBool::new(false)).unwrap();
-    let Answer::Refuted(values) = &answers[0] else { panic!("{answers:?}") };
+    let ProofResult::Refuted(values) = &answers[0] else { panic!("{answers:?}") };
     let shown = prover.evaluate(&faulty, values, &["a", "b", "ours", "wanted"]).unwrap();
     // The software's product of the same operands.
     assert_eq!(shown[3], format.mul(shown[0], shown[1]));
@@ -71,8 +71,8 @@ fn a_faulty_unit_fails_with_operands() {
 fn what_cannot_be_decided_in_time_is_not_proved() {
     let claim = Claim::all(Subject::Mul, Format::BINARY16);
     let limit = Duration::from_millis(1);
-    let judged = judge(&Prover::find().unwrap(), claim, false, limit, &AtomicBool::new(false)).unwrap().unwrap();
-    let why = judged.result.unwrap_err();
+    let done = check(&Prover::find().unwrap(), claim, false, limit, &AtomicBool::new(false)).unwrap().unwrap();
+    let why = done.outcome.unwrap_err();
     assert!(why.contains("undecided"), "{why}");
 }
 
@@ -88,8 +88,8 @@ fn a_missing_module_or_side_is_an_error() {
     let text = "module miter (input [7:0] a, output differ); absent u (.a(a), .o(differ)); endmodule";
     assert!(solve(circuit(text, &[])).is_err());
     let text = "module miter (input [7:0] a, output differ); wire s = 0; assign differ = s; endmodule";
-    assert_eq!(solve(circuit(text, &[])).unwrap(), [Answer::Proved { gates: 0 }]);
-    // What every problem of a unit has among its commands.
+    assert_eq!(solve(circuit(text, &[])).unwrap(), [ProofResult::Proved { gates: 0 }]);
+    // Every proof of a unit has such a command.
     let guard = "select -assert-min 1 miter/w:s %ci* miter/w:a %i";
     assert!(solve(circuit(text, &[guard])).is_err());
 }

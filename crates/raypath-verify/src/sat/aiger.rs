@@ -1,7 +1,7 @@
-//! What Yosys has written: an and-inverter graph, and which of its inputs is which bit.
+//! And-inverter graphs as Yosys writes them, with the names of their inputs.
 
-use super::{Problem, file};
-use crate::Error;
+use super::miter::Miter;
+use crate::error::{Error, file};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -10,17 +10,17 @@ use std::path::Path;
 pub struct Aiger {
     /// The problem's name.
     pub problem: String,
-    /// The file in its folder.
+    /// The graph's file name in its folder.
     pub file: String,
     /// And-gates.
     pub gates: u64,
-    /// The port and bit that each input is.
+    /// The port and bit of each input.
     inputs: Vec<(String, u32)>,
 }
 
 impl Aiger {
-    /// Reads what belongs to problem `number`: it must have the problem's inputs, one output and no state.
-    pub fn read(folder: &Path, number: usize, problem: &Problem) -> Result<Self, Error> {
+    /// Reads the graph of the problem with this number. It must have the problem's inputs, one output and no state.
+    pub fn read(folder: &Path, number: usize, problem: &Miter) -> Result<Self, Error> {
         let path = folder.join(format!("{number}.aig"));
         let bytes = fs::read(&path).map_err(|error| file(&path, error))?;
         let header = bytes.split(|&byte| byte == b'\n').next().unwrap_or_default();
@@ -41,13 +41,13 @@ impl Aiger {
             }
             _ => Err(Error::Program {
                 program: "yosys".to_string(),
-                problem: format!("{}: made a circuit '{header}' with inputs {}", problem.name, ports(&found)),
+                problem: format!("{}: found a circuit '{header}' with inputs {}", problem.name, ports(&found)),
                 expected: format!("one output, no latches and the inputs {}", ports(&expected)),
             }),
         }
     }
 
-    /// Ports from a word of 0 and 1 for the inputs in order; nothing where it is too short.
+    /// The ports' values from a word with a digit 0 or 1 for each input, in order; none if the word is too short.
     pub fn ports(&self, word: &str) -> Option<BTreeMap<String, u64>> {
         let mut values = BTreeMap::new();
         let mut digits = word.chars();

@@ -1,18 +1,16 @@
-//! Work that consists of numbered cases, done on all cores.
+//! Numbered cases in phases, on all cores.
 
-use crate::{Error, Request, Step, Verdict};
+use crate::error::Error;
+use crate::pool::{self, Cases};
+use crate::request::{Progress, Request};
+use crate::verdict::Verdict;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError};
-use std::time::Duration;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
-/// How many failures are told; a campaign ends when it has found so many.
-const MOST_FAILURES: usize = 10;
+/// How many failures are listed; a campaign ends when it has found as many.
+const MAX_FAILURES: usize = 10;
 
-/// How often the watch is told.
-const BETWEEN_STEPS: Duration = Duration::from_millis(100);
-
-/// A campaign of one phase or several, each of cases with numbers from 0.
+/// A campaign of one or several phases, each of cases with numbers from 0.
 pub struct Campaign<'r, 'w> {
     request: &'r mut Request<'w>,
     total: u64,
@@ -21,12 +19,12 @@ pub struct Campaign<'r, 'w> {
     is_stopped: bool,
 }
 
-/// Cases with numbers below `cases`, handed out in pieces of `piece`; the pieces are divided between shards.
+/// Cases with numbers below `cases`, run in pieces of `piece` cases. Shards divide the pieces.
 #[derive(Debug, Clone, Copy)]
 pub struct Phase {
-    /// How many cases.
+    /// The number of cases.
     pub cases: u64,
-    /// How many cases a piece has; the last may have fewer.
+    /// The cases in a piece; the last piece may have fewer.
     pub piece: u64,
 }
 
@@ -39,7 +37,7 @@ impl Phase {
         piece * self.piece..self.cases.min((piece + 1) * self.piece)
     }
 
-    /// How many of the cases the request's shard has.
+    /// How many of the cases belong to the request's shard.
     fn share(self, request: &Request<'_>) -> u64 {
         let lacking = self.pieces() * self.piece - self.cases;
         let has_last = self.pieces() > 0 && request.shard.takes(self.pieces() - 1);
@@ -48,14 +46,14 @@ impl Phase {
 }
 
 impl<'r, 'w> Campaign<'r, 'w> {
-    /// Begins a campaign that will have these phases.
+    /// Begins a campaign of these phases.
     pub fn new(request: &'r mut Request<'w>, phases: &[Phase]) -> Self {
         let total = phases.iter().map(|phase| phase.share(request)).sum();
         Self { request, total, done: 0, failures: Vec::new(), is_stopped: false }
     }
 
-    /// Runs a phase. Each core has what `begin` makes; `check` runs cases with it and gives what is wrong. Nothing
-    /// happens where the user has stopped the campaign or enough is wrong already.
+    /// Runs a phase. Each worker has a state, which `begin` makes; `check` runs cases with it and returns the failures.
+    /// Does nothing if the user has stopped the campaign or it has found enough failures.
     pub fn run<W>(
         &mut self,
         phase: Phase,
@@ -65,73 +63,36 @@ impl<'r, 'w> Campaign<'r, 'w> {
         if self.is_over() {
             return Ok(());
         }
-        let (next, end) = (AtomicU64::new(0), AtomicBool::new(false));
-        let shard = self.request.shard;
-        let work = |sender: mpsc::Sender<Result<(u64, Vec<String>), Error>>| {
-            let mut worker = match begin() {
-                Ok(worker) => worker,
-                Err(error) => return drop(sender.send(Err(error))),
-            };
-            while !end.load(Ordering::Relaxed) {
-                let piece = next.fetch_add(1, Ordering::Relaxed);
-                if piece >= phase.pieces() {
-                    return;
+        let (before, total) = (self.done, self.total);
+        let (done, found) = (AtomicU64::new(before), AtomicUsize::new(self.failures.len()));
+        let cases = Cases { total: phase.pieces(), shard: self.request.shard };
+        let mut proceed = |_| (self.request.proceed)(Progress { done: done.load(Ordering::Relaxed), total });
+        let finished = pool::run(cases, &mut proceed, |queue| {
+            let (mut worker, mut failures) = (begin()?, Vec::new());
+            queue.run(|piece, stop| {
+                let range = phase.range(piece);
+                let cases = range.end - range.start;
+                let failed = check(&mut worker, range);
+                done.fetch_add(cases, Ordering::Relaxed);
+                if found.fetch_add(failed.len(), Ordering::Relaxed) + failed.len() >= MAX_FAILURES {
+                    stop.store(true, Ordering::Relaxed);
                 }
-                if shard.takes(piece) {
-                    let range = phase.range(piece);
-                    let cases = range.end - range.start;
-                    if sender.send(Ok((cases, check(&mut worker, range)))).is_err() {
-                        return;
-                    }
-                }
-            }
-        };
-        let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
-        std::thread::scope(|scope| {
-            let (sender, receiver) = mpsc::channel();
-            for _ in 0..cores {
-                let (sender, work) = (sender.clone(), &work);
-                scope.spawn(move || work(sender));
-            }
-            drop(sender);
-            let result = self.collect(&receiver, &end);
-            end.store(true, Ordering::Relaxed);
-            result
-        })
-    }
-
-    /// Gathers what the cores find, and tells the watch, until they have no more.
-    fn collect(
-        &mut self,
-        receiver: &mpsc::Receiver<Result<(u64, Vec<String>), Error>>,
-        end: &AtomicBool,
-    ) -> Result<(), Error> {
-        let mut told = std::time::Instant::now();
-        loop {
-            match receiver.recv_timeout(BETWEEN_STEPS) {
-                Ok(result) => {
-                    let (cases, failures) = result?;
-                    self.done += cases;
-                    self.failures.extend(failures);
-                    self.failures.truncate(MOST_FAILURES);
-                }
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => break,
-            }
-            if told.elapsed() >= BETWEEN_STEPS {
-                told = std::time::Instant::now();
-                self.is_stopped |= !(self.request.watch)(Step { done: self.done, total: self.total });
-            }
-            if self.is_over() {
-                end.store(true, Ordering::Relaxed);
-            }
-        }
-        (self.request.watch)(Step { done: self.done, total: self.total });
+                failures.extend(failed.into_iter().map(|failure| (piece, failure)));
+                Ok(())
+            });
+            Ok(failures)
+        })?;
+        self.done = done.into_inner();
+        self.is_stopped |= finished.is_stopped;
+        let mut failures: Vec<(u64, String)> = finished.workers.into_iter().flatten().collect();
+        failures.sort_by_key(|(piece, _)| *piece);
+        self.failures.extend(failures.into_iter().map(|(_, failure)| failure));
+        self.failures.truncate(MAX_FAILURES);
         Ok(())
     }
 
     fn is_over(&self) -> bool {
-        self.is_stopped || self.failures.len() == MOST_FAILURES
+        self.is_stopped || self.failures.len() == MAX_FAILURES
     }
 
     /// How many cases have run.
@@ -139,10 +100,10 @@ impl<'r, 'w> Campaign<'r, 'w> {
         self.done
     }
 
-    /// Ends the campaign; `covered` says what its cases were.
+    /// Ends the campaign; `covered` describes its cases.
     pub fn verdict(self, covered: String) -> Verdict {
-        let is_cut_short = self.failures.len() == MOST_FAILURES && self.done < self.total;
-        let remark = format!("ended after {} failures, with {} of {} cases run", MOST_FAILURES, self.done, self.total);
+        let is_cut_short = self.failures.len() == MAX_FAILURES && self.done < self.total;
+        let remark = format!("ended after {} failures, with {} of {} cases run", MAX_FAILURES, self.done, self.total);
         Verdict {
             covered,
             failures: self.failures,
@@ -152,7 +113,7 @@ impl<'r, 'w> Campaign<'r, 'w> {
     }
 }
 
-/// A number with commas between its thousands.
+/// A number with commas between groups of three digits.
 pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let places = digits.len();
@@ -169,14 +130,18 @@ pub fn grouped(number: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Level, Shard};
+    use crate::request::{Level, Shard};
     use raypath_rtl::Config;
     use std::sync::Mutex;
 
-    fn with_request<T>(shard: &str, mut watch: impl FnMut(Step) -> bool, run: impl FnOnce(&mut Request<'_>) -> T) -> T {
+    fn with_request<T>(
+        shard: &str,
+        mut watch: impl FnMut(Progress) -> bool,
+        run: impl FnOnce(&mut Request<'_>) -> T,
+    ) -> T {
         let shard: Shard = shard.parse().expect("a shard");
-        let level = Level::Everyday;
-        run(&mut Request { config: Config::default(), level, jobs: None, seed: 1, shard, watch: &mut watch })
+        let level = Level::Regression;
+        run(&mut Request { config: Config::default(), level, jobs: None, seed: 1, shard, proceed: &mut watch })
     }
 
     #[test]
@@ -224,7 +189,7 @@ mod tests {
                 campaign.verdict(String::new())
             },
         );
-        assert_eq!((verdict.failures.len(), verdict.is_stopped, verdict.remarks.len()), (MOST_FAILURES, false, 1));
+        assert_eq!((verdict.failures.len(), verdict.is_stopped, verdict.remarks.len()), (MAX_FAILURES, false, 1));
 
         let verdict = with_request(
             "1/1",

@@ -1,11 +1,10 @@
-//! The test cases of Berkeley TestFloat for binary32, made anew.
+//! The test cases of Berkeley TestFloat for binary32.
 //!
-//! What is taken from John R. Hauser's TestFloat 3e are facts: which exponents and which fractions its cases are made
-//! of, how patterns and random numbers alternate, and how many cases a level has (`doc/TestFloat-general.html`, section 4,
-//! and the tables of `source/genCases_f32.c`). The code is our own. Two things differ. TestFloat calls C's `rand` for its
-//! random numbers, and we ChaCha8, so that a seed means the same cases everywhere; the distribution is TestFloat's. And
-//! the cases come in blocks of [`BLOCK`] that need nothing of each other, so that they can be divided between cores and
-//! machines.
+//! The code is our own. It follows John R. Hauser's TestFloat 3e (`doc/TestFloat-general.html`, section 4, and the tables
+//! of `source/genCases_f32.c`) in the exponents and fractions of its cases, in the order of patterns and random numbers,
+//! and in the number of cases of a level. Two things differ. Random numbers come from ChaCha8 instead of C's `rand`, with
+//! TestFloat's distribution, so that a seed gives the same cases on every machine. And the cases come in independent
+//! blocks of [`BLOCK`], so that cores and machines can share them.
 //!
 //! A *pattern* is one of a set of signs and exponents with one of a set of fractions. A *weighted random* number has one
 //! time in two a sign and exponent of the wider set, and else one from a window about 2, of any of several widths; its
@@ -14,17 +13,17 @@
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// TestFloat's two levels: how many fractions the patterns have.
+/// TestFloat's two levels, which differ in the fractions of the patterns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
-    /// Four fractions: the two least and the two greatest.
+    /// Four fractions: the two smallest and the two largest.
     One,
-    /// All 88 patterns of one edge in a fraction, and of one bit that is unlike all others.
+    /// All 88 fractions that are one run of ones beside one run of zeros, or of which one bit differs from all others.
     Two,
 }
 
-/// All cases with two operands of a level: every pattern with every other, each preceded by cases in which one operand
-/// or both are weighted random.
+/// The cases with two operands of a level: every pair of patterns, each preceded by cases in which one operand or both
+/// are weighted random.
 #[derive(Debug, Clone)]
 pub struct Pairs {
     level: Level,
@@ -35,7 +34,7 @@ pub struct Pairs {
     stride: u64,
 }
 
-/// How many cases a block has; the last may have fewer.
+/// The number of cases in a block; the last block may have fewer.
 pub const BLOCK: u64 = 4096;
 
 const SIGN: u32 = 1 << 31;
@@ -43,37 +42,37 @@ const FRACTION: u32 = (1 << 23) - 1;
 const BIAS: i32 = 127;
 
 impl Pairs {
-    /// The cases of a level. `seed` and `round` choose the random numbers; the patterns are always the same.
+    /// The cases of a level. `seed` and `round` select the random numbers; the patterns are always the same.
     pub fn new(level: Level, seed: u64, round: u32) -> Self {
         let patterns = patterns(&operand_exponents(), level);
         Self { level, patterns, random: Weighted::new(), seed, round, stride: 1 }
     }
 
-    /// Only every `stride`-th case, from the first on; at least 1. An odd number leaves patterns and random numbers in
-    /// their proportion.
+    /// Every `stride`-th case from the first on; `stride` is at least 1. An odd stride keeps the proportion of patterns and
+    /// random numbers.
     pub fn every(self, stride: u64) -> Self {
         Self { stride: stride.max(1), ..self }
     }
 
-    /// Their level.
+    /// The level of the cases.
     pub fn level(&self) -> Level {
         self.level
     }
 
-    /// How many they are.
+    /// The number of cases.
     pub fn count(&self) -> u64 {
         ((self.patterns.len() as u64).pow(2) * self.turns()).div_ceil(self.stride)
     }
 
-    /// The cases of a block, counted from 0; none beyond the last.
+    /// The cases of the block with this number, from 0; no cases after the last block.
     pub fn block(&self, block: u64) -> impl Iterator<Item = (u32, u32)> + '_ {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         random.set_stream(u64::from(self.round) << 32 | u64::from(self.level == Level::Two) << 31 | block);
         let first = block * BLOCK;
-        (first..self.count().min(first + BLOCK)).map(move |place| self.case(place * self.stride, &mut random))
+        (first..self.count().min(first + BLOCK)).map(move |index| self.case(index * self.stride, &mut random))
     }
 
-    /// How many cases there are to a pair of patterns.
+    /// The number of cases for each pair of patterns.
     fn turns(&self) -> u64 {
         match self.level {
             Level::One => 6,
@@ -84,7 +83,7 @@ impl Pairs {
     fn case(&self, case: u64, random: &mut ChaCha8Rng) -> (u32, u32) {
         let (pair, turn) = (case / self.turns(), case % self.turns());
         let count = self.patterns.len() as u64;
-        let [a, b] = [pair / count, pair % count].map(|place| self.patterns[place as usize]);
+        let [a, b] = [pair / count, pair % count].map(|index| self.patterns[index as usize]);
         let mut any = || self.random.draw(random);
         match (self.level, turn) {
             (Level::One, 1) => (a, any()),
@@ -95,8 +94,8 @@ impl Pairs {
     }
 }
 
-/// All cases with one operand of a level: the patterns of the wider set of exponents, two weighted random numbers before
-/// each at the first level and one at the second.
+/// The cases with one operand of a level: the patterns of the wider set of exponents, each preceded by two weighted
+/// random numbers at level one and by one at level two.
 pub fn singles(level: Level, seed: u64) -> Vec<u32> {
     let (weighted, mut random) = (Weighted::new(), ChaCha8Rng::seed_from_u64(seed));
     let before = match level {
@@ -111,7 +110,7 @@ pub fn singles(level: Level, seed: u64) -> Vec<u32> {
     cases
 }
 
-/// Weighted random numbers.
+/// A generator of weighted random numbers.
 #[derive(Debug, Clone)]
 struct Weighted {
     exponents: Vec<u32>,
@@ -138,8 +137,8 @@ impl Weighted {
     }
 }
 
-/// Any sign, with an exponent field from a window about the middle of 128, which is that of 2: all 256 values one time in
-/// three and a half, else 128, 64, 32, 16 or 8 of them.
+/// Any sign, with an exponent field from a window around 128, the field of 2. The window has 256 values in two cases of
+/// seven, and 128, 64, 32, 16 or 8 values in one each.
 fn window(random: &mut ChaCha8Rng) -> u32 {
     let width = [256, 256, 128, 64, 32, 16, 8][random.random_range(0..7)];
     let field = 128 - width / 2 + random.random_range(0..width);
@@ -151,14 +150,15 @@ fn patterns(signs_and_exponents: &[u32], level: Level) -> Vec<u32> {
     signs_and_exponents.iter().flat_map(|&upper| fractions.iter().map(move |fraction| upper | fraction)).collect()
 }
 
-/// Signs and exponents of operands. The largest finite exponent is 127 for positive numbers, and 126 for negative ones.
+/// Signs and exponents of operands. As in TestFloat, the largest finite exponent is 127 for positive numbers and 126 for
+/// negative ones.
 fn operand_exponents() -> Vec<u32> {
     let with = |largest| [-127, -126, -24, -2, -1, 0, 1, 2, 24, largest, 128];
     let upper = |exponent: i32| ((exponent + BIAS) as u32) << 23;
     with(127).map(upper).into_iter().chain(with(126).map(|exponent| SIGN | upper(exponent))).collect()
 }
 
-/// Signs and exponents of what conversions and sums may give: the edges of integers are among them.
+/// Signs and exponents of the results of conversions and sums; they include the limits of integers.
 fn result_exponents() -> Vec<u32> {
     let small = [-127, -126, -125, -24].into_iter().chain(-4..=4);
     let large = [24].into_iter().chain(29..=32).chain(61..=64).chain(126..=128);
@@ -166,7 +166,7 @@ fn result_exponents() -> Vec<u32> {
     positive.iter().copied().chain(positive.iter().map(|upper| SIGN | upper)).collect()
 }
 
-/// The fractions of patterns.
+/// The fractions of a level's patterns.
 fn fractions(level: Level) -> Vec<u32> {
     if level == Level::One {
         return vec![0, 1, FRACTION, FRACTION - 1];
@@ -189,7 +189,7 @@ mod tests {
         (0..pairs.count().div_ceil(BLOCK)).flat_map(|block| pairs.block(block).collect::<Vec<_>>()).collect()
     }
 
-    /// The numbers that TestFloat announces.
+    /// The counts that TestFloat states.
     #[test]
     fn there_are_as_many_as_testfloat_has() {
         assert_eq!((operand_exponents().len(), result_exponents().len()), (22, 50));

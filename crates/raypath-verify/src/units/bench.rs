@@ -1,16 +1,13 @@
-//! The floating-point units in one netlist, with operands in common: what campaigns and the units' own tests run.
+//! A test bench of the floating-point units: one netlist with all units of a format and common operands.
 
-mod chain;
-
-pub use chain::chain;
-
+use super::chain::chain;
 use raypath_float::{Format, add_parts, compare, decode, encode, mul_parts};
 use raypath_hdl::{Builder, Error, InputPort, Module, OutputPort, Simulator, Wire};
 use std::sync::Arc;
 
-/// What the units say of two operands.
+/// The results of all units for two operands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Answer {
+pub struct UnitResults {
     /// `a + b`.
     pub sum: u64,
     /// `a - b`.
@@ -21,15 +18,15 @@ pub struct Answer {
     pub less: bool,
     /// `a = b`.
     pub equal: bool,
-    /// One of them is NaN.
+    /// An operand is NaN.
     pub unordered: bool,
-    /// Which of the units in parts answer something else than the whole ones: a bit for each of [`IN_PARTS`], the first
-    /// in the lowest place. An oracle says 0.
+    /// Which split units differ from the unsplit ones: a bit for each of [`SPLIT_RESULTS`], the first one in bit 0. An
+    /// oracle returns 0.
     pub parts_differ: u64,
 }
 
-/// The results that are computed in parts too.
-pub const IN_PARTS: [&str; 6] = [
+/// The results that split units compute too: units with registers between their parts, here without the registers.
+pub const SPLIT_RESULTS: [&str; 6] = [
     "sum in two parts",
     "difference in two parts",
     "product in two parts",
@@ -38,19 +35,19 @@ pub const IN_PARTS: [&str; 6] = [
     "product in three parts",
 ];
 
-/// The outputs of a bench, in the order of [`Answer`].
+/// The output ports of a bench, in the order of [`UnitResults`]'s fields.
 pub const OUTPUTS: [&str; 7] =
     ["sum_o", "difference_o", "product_o", "less_o", "equal_o", "unordered_o", "parts_differ_o"];
 
-impl Answer {
-    /// From the outputs in the order of [`OUTPUTS`].
-    pub fn of(outputs: [u64; OUTPUTS.len()]) -> Self {
+impl UnitResults {
+    /// The results from the values of [`OUTPUTS`].
+    pub fn from_outputs(outputs: [u64; OUTPUTS.len()]) -> Self {
         let [sum, difference, product, less, equal, unordered, parts_differ] = outputs;
         Self { sum, difference, product, less: less == 1, equal: equal == 1, unordered: unordered == 1, parts_differ }
     }
 
-    /// What is wrong with it in words, a line for each result; `operands` says of what.
-    pub fn faults(self, expected: Self, operands: &str) -> Vec<String> {
+    /// A line for each result that differs from the expected one; `operands` names the operands.
+    pub fn mismatches(self, expected: Self, operands: &str) -> Vec<String> {
         let numbers = [
             ("sum", self.sum, expected.sum),
             ("difference", self.difference, expected.difference),
@@ -61,47 +58,47 @@ impl Answer {
             ("equal", self.equal, expected.equal),
             ("unordered", self.unordered, expected.unordered),
         ];
-        let wrong = numbers.into_iter().filter(|(_, seen, expected)| seen != expected);
+        let wrong = numbers.into_iter().filter(|(_, found, expected)| found != expected);
         let wrong_numbers =
-            wrong.map(|(name, seen, expected)| format!("{name} of {operands}: {seen:#x}, expected {expected:#x}"));
-        let wrong = relations.into_iter().filter(|(_, seen, expected)| seen != expected);
+            wrong.map(|(name, found, expected)| format!("{name} of {operands}: {found:#x}, expected {expected:#x}"));
+        let wrong = relations.into_iter().filter(|(_, found, expected)| found != expected);
         let wrong_relations =
-            wrong.map(|(name, seen, expected)| format!("{name} of {operands}: {seen}, expected {expected}"));
-        let differing = IN_PARTS.iter().enumerate().filter(|(place, _)| self.parts_differ >> place & 1 == 1);
-        let wrong_parts = differing.map(|(_, name)| format!("{name} of {operands}: not what the whole unit gives"));
+            wrong.map(|(name, found, expected)| format!("{name} of {operands}: {found}, expected {expected}"));
+        let differing = SPLIT_RESULTS.iter().enumerate().filter(|(bit, _)| self.parts_differ >> bit & 1 == 1);
+        let wrong_parts = differing.map(|(_, name)| format!("{name} of {operands}: differs from the unsplit unit"));
         wrong_numbers.chain(wrong_relations).chain(wrong_parts).collect()
     }
 }
 
-/// The two ways to present operands to the units.
+/// The encoding of a bench's operands and results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ports {
-    /// In IEEE 754's layout, through the units that encode and decode.
+pub enum PortFormat {
+    /// IEEE 754's interchange format, converted by the encoding and decoding units.
     Ieee,
-    /// Recoded, directly.
+    /// The recoded format, without conversion.
     Recoded,
 }
 
-/// The units of a format, each to be replaced by whoever wants to see a fault found.
+/// The floating-point units of a format. A test replaces one to insert a fault.
 #[derive(Clone)]
 pub struct Units {
-    /// The format.
+    /// The number format.
     pub format: Format,
-    /// Recodes an operand.
+    /// Converts an operand from IEEE 754's format to the recoded one.
     pub encode: Arc<Module>,
-    /// Gives a result IEEE 754's layout.
+    /// Converts a result from the recoded format to IEEE 754's.
     pub decode: Arc<Module>,
-    /// The adder: whole, and put together from two and from three parts.
+    /// The adder: unsplit, and joined from two and from three parts.
     pub add: [Arc<Module>; 3],
-    /// The multiplier, likewise.
+    /// The multiplier: unsplit, and joined from two and from three parts.
     pub mul: [Arc<Module>; 3],
     /// The comparator.
     pub compare: Arc<Module>,
 }
 
 impl Units {
-    /// The units as the datapath has them.
-    pub fn of(format: Format) -> Result<Self, Error> {
+    /// The datapath's units.
+    pub fn new(format: Format) -> Result<Self, Error> {
         let [add, mul] = [add_parts, mul_parts].map(|unit| {
             let in_parts = |count| chain(&unit(format, count)?);
             Ok([unit(format, 1)?.remove(0), in_parts(2)?, in_parts(3)?])
@@ -110,19 +107,21 @@ impl Units {
         Ok(Self { format, encode, decode, add: add?, mul: mul?, compare })
     }
 
-    /// A netlist that holds them all with two operands `a_i` and `b_i` in common, and has the outputs [`OUTPUTS`]. A
-    /// difference is what the datapath makes of one: the adder once more, `b`'s sign inverted in its recoded form.
-    pub fn bench(&self, ports: Ports) -> Result<Arc<Module>, Error> {
+    /// A netlist of all units, with the inputs `a_i` and `b_i` and the outputs [`OUTPUTS`]. It subtracts as the datapath
+    /// does: with the adder, the sign of the recoded `b` inverted.
+    pub fn bench(&self, ports: PortFormat) -> Result<Arc<Module>, Error> {
         let (name, width) = match ports {
-            Ports::Ieee => ("ieee", self.format.ieee_width()),
-            Ports::Recoded => ("recoded", self.format.recoded_width()),
+            PortFormat::Ieee => ("ieee", self.format.ieee_width()),
+            PortFormat::Recoded => ("recoded", self.format.recoded_width()),
         };
         let m = Builder::new(&format!("bench_{name}_{}", self.format));
         let operand = |name: &str| {
             let given = m.input(&format!("{name}_i"), width);
             match ports {
-                Ports::Ieee => only(&m, m.instance(&format!("encode_{name}"), &self.encode, &[("ieee_i", given)])),
-                Ports::Recoded => given,
+                PortFormat::Ieee => {
+                    single_output(&m, m.instance(&format!("encode_{name}"), &self.encode, &[("ieee_i", given)]))
+                }
+                PortFormat::Recoded => given,
             }
         };
         let (a, b) = (operand("a"), operand("b"));
@@ -130,15 +129,17 @@ impl Units {
         let results = |count: usize| {
             let [add, mul] = [&self.add[count - 1], &self.mul[count - 1]];
             [("sum", add, b), ("difference", add, minus_b), ("product", mul, b)].map(|(name, unit, b)| {
-                only(&m, m.instance(&format!("{name}_in_{count}"), unit, &[("a_i", a), ("b_i", b)]))
+                single_output(&m, m.instance(&format!("{name}_in_{count}"), unit, &[("a_i", a), ("b_i", b)]))
             })
         };
 
         let whole = results(1);
         for (name, wire) in ["sum", "difference", "product"].into_iter().zip(whole) {
             let result = match ports {
-                Ports::Ieee => only(&m, m.instance(&format!("decode_{name}"), &self.decode, &[("recoded_i", wire)])),
-                Ports::Recoded => wire,
+                PortFormat::Ieee => {
+                    single_output(&m, m.instance(&format!("decode_{name}"), &self.decode, &[("recoded_i", wire)]))
+                }
+                PortFormat::Recoded => wire,
             };
             m.output(&format!("{name}_o"), result);
         }
@@ -157,15 +158,15 @@ impl Units {
     }
 }
 
-/// The only output of a unit; of a unit with another number of outputs, a word that no bench can be finished with.
-fn only<'m>(m: &'m Builder, outputs: Vec<Wire<'m>>) -> Wire<'m> {
+/// A unit's only output. For a unit with more or fewer outputs it is a word of no bits, which `finish` rejects.
+fn single_output<'m>(m: &'m Builder, outputs: Vec<Wire<'m>>) -> Wire<'m> {
     match outputs.as_slice() {
         [output] => *output,
         _ => m.constant(0, 0),
     }
 }
 
-/// A bench in simulation.
+/// A bench in the netlist simulator.
 pub struct Bench {
     simulator: Simulator,
     inputs: [InputPort; 2],
@@ -173,8 +174,8 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// Compiles the bench of some units.
-    pub fn new(units: &Units, ports: Ports) -> Result<Self, Error> {
+    /// Compiles the bench of these units.
+    pub fn new(units: &Units, ports: PortFormat) -> Result<Self, Error> {
         let simulator = Simulator::new(&units.bench(ports)?)?;
         let inputs = [simulator.input("a_i")?, simulator.input("b_i")?];
         let [sum, difference, product, less, equal, unordered, parts_differ] =
@@ -183,16 +184,16 @@ impl Bench {
         Ok(Self { simulator, inputs, outputs })
     }
 
-    /// What the units say of two operands.
-    pub fn run(&mut self, a: u64, b: u64) -> Answer {
+    /// The units' results for two operands.
+    pub fn run(&mut self, a: u64, b: u64) -> UnitResults {
         self.simulator.set(self.inputs[0], a);
         self.simulator.set(self.inputs[1], b);
         self.simulator.settle();
-        Answer::of(self.outputs.map(|output| self.simulator.get(output)))
+        UnitResults::from_outputs(self.outputs.map(|output| self.simulator.get(output)))
     }
 }
 
-/// A unit alone of one input and one output, in simulation.
+/// A unit with one input and one output, in the netlist simulator.
 pub struct Converter {
     simulator: Simulator,
     input: InputPort,
@@ -208,7 +209,7 @@ impl Converter {
         Ok(Self { simulator, input, output })
     }
 
-    /// What it makes of a word.
+    /// The output for an input word.
     pub fn run(&mut self, word: u64) -> u64 {
         self.simulator.set(self.input, word);
         self.simulator.settle();

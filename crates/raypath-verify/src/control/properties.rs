@@ -1,30 +1,30 @@
-//! What is proved of a datapath: each step alone, the entrance alone, the whole.
+//! The properties to prove of a datapath: of each step, of the entrance, and of the whole pipeline.
 
-use super::engine::{Method, Problem};
 use super::lemmas;
-use crate::Error;
+use super::model_checker::{Method, SafetyProblem};
+use crate::error::Error;
 use raypath_hdl::{Module, verilog};
 use raypath_rtl::{Bind, Checker, Config, Control, Datapath, UnitLatency};
 use std::sync::Arc;
 
-/// A text that stands in a module in the place of another: a fault to be found.
+/// A deliberate fault: a text in a module, and its replacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Fault {
-    /// The module.
+pub struct TextFault {
+    /// The module's name.
     pub module: &'static str,
-    /// What is there.
+    /// The original text.
     pub from: &'static str,
-    /// What is put there.
+    /// The faulty text.
     pub to: &'static str,
 }
 
-/// Modules of a datapath as text, units empty.
+/// The modules of a datapath as text, with empty units.
 #[derive(Debug, Clone)]
-pub struct Texts {
+pub struct ModuleTexts {
     modules: Vec<(String, String)>,
 }
 
-impl Texts {
+impl ModuleTexts {
     /// Prints a datapath.
     ///
     /// # Errors
@@ -40,16 +40,16 @@ impl Texts {
         Ok(Self { modules: modules.iter().map(print).collect::<Result<_, Error>>()? })
     }
 
-    /// Puts a fault in. False where the text is not there.
-    pub fn insert(&mut self, fault: Fault) -> bool {
+    /// Inserts a fault. Returns false if its original text does not occur.
+    pub fn insert(&mut self, fault: TextFault) -> bool {
         let module = self.modules.iter_mut().find(|(name, _)| name == fault.module);
         let Some((_, text)) = module.filter(|(_, text)| text.contains(fault.from)) else { return false };
         *text = text.replace(fault.from, fault.to);
         true
     }
 
-    /// A module with `inside` before its end, and the modules below it: nothing else, so that equal modules of different
-    /// datapaths are equal texts.
+    /// A module with `inside` before its end, and the modules below it. There is no other text, so that equal modules of
+    /// different datapaths have equal texts.
     fn with(&self, module: &str, inside: &str) -> String {
         let mut below = vec![module];
         let mut next = 0;
@@ -71,7 +71,7 @@ impl Texts {
     }
 }
 
-/// A unit without its inside.
+/// A unit's ports without its logic.
 fn shell(module: &Module) -> String {
     let port = |direction: &str, name: &str, width: u32| format!("{direction} logic [{}:0] {name}", width - 1);
     let clock = [("clk_i", module.is_clocked()), ("rst_ni", module.has_reset())];
@@ -83,11 +83,11 @@ fn shell(module: &Module) -> String {
     format!("(* blackbox *)\nmodule {} (\n  {}\n);\nendmodule\n", module.name(), ports.join(",\n  "))
 }
 
-/// The first cycle is a reset; later ones may be, at any moment.
+/// Reset in the first cycle; later cycles are free to reset.
 const RESET: &str = "  initial assume (!rst_ni);\n";
 
-/// Everything to prove of a datapath.
-pub fn problems(datapath: &Datapath, config: Config, texts: &Texts) -> Vec<Problem> {
+/// All properties to prove of a datapath.
+pub fn problems(datapath: &Datapath, config: Config, texts: &ModuleTexts) -> Vec<SafetyProblem> {
     let properties = datapath.properties();
     let mut modules: Vec<&str> = properties.binds().iter().map(|bind| bind.module.as_str()).collect();
     modules.dedup();
@@ -97,11 +97,11 @@ pub fn problems(datapath: &Datapath, config: Config, texts: &Texts) -> Vec<Probl
         let last = datapath.module(datapath.steps().count() - 1);
         let is_exit = config.control == Control::Credit && last.is_some_and(|last| last.name() == module);
         let is_top = module == datapath.top().name();
-        // The order of many jobs needs lemmas; that of a place or two does not.
+        // The order of many jobs needs lemmas, the order in a single step does not.
         let is_long = |bind: &&&Bind| (is_top || is_exit) && bind.checker == Checker::Order;
         let (order, others): (Vec<&Bind>, Vec<&Bind>) = own.iter().partition(is_long);
         let environment = environment(datapath, config, module);
-        // A longer row is proved by its parts.
+        // A longer pipeline is proved step by step.
         let order = if is_top && config.unit_latency != UnitLatency::One { Vec::new() } else { order };
         let lemmas = if is_top { lemmas::of_pipeline } else { lemmas::of_exit };
         for (binds, method) in [(others, Method::Unbounded), (order, Method::Inductive)] {
@@ -111,14 +111,14 @@ pub fn problems(datapath: &Datapath, config: Config, texts: &Texts) -> Vec<Probl
                     _ => (environment.clone(), 0),
                 };
                 let problem = problem(texts, module, &binds, &besides, method);
-                problems.push(Problem { assertions: problem.assertions + more, ..problem });
+                problems.push(SafetyProblem { assertions: problem.assertions + more, ..problem });
             }
         }
     }
     problems
 }
 
-fn problem(texts: &Texts, module: &str, binds: &[&Bind], environment: &str, method: Method) -> Problem {
+fn problem(texts: &ModuleTexts, module: &str, binds: &[&Bind], environment: &str, method: Method) -> SafetyProblem {
     let instances: String = binds.iter().map(|bind| format!("  {}\n", bind.instance())).collect();
     let mut text = texts.with(module, &format!("{instances}{environment}{RESET}"));
     let mut checkers: Vec<Checker> = binds.iter().map(|bind| bind.checker).collect();
@@ -127,11 +127,11 @@ fn problem(texts: &Texts, module: &str, binds: &[&Bind], environment: &str, meth
     checkers.iter().for_each(|checker| text += checker.text());
     let assertions = binds.iter().map(|bind| bind.checker.assertions()).sum();
     let names: Vec<String> = checkers.iter().map(|checker| checker.module()).collect();
-    Problem { name: format!("{module}: {}", names.join(", ")), top: module.to_string(), text, assertions, method }
+    SafetyProblem { name: format!("{module}: {}", names.join(", ")), top: module.to_string(), text, assertions, method }
 }
 
-/// What a module alone may rely on: nothing arrives at an exit that is full, which `raypath_credit` sees to; nothing is
-/// returned to `raypath_credit` that it has not let in, which the exit sees to.
+/// Assumptions about a module's neighbours: no job arrives at a full exit (`raypath_credit` ensures it), and no credit
+/// returns to `raypath_credit` that it has not given (the exit ensures it).
 fn environment(datapath: &Datapath, config: Config, module: &str) -> String {
     let steps = datapath.steps().count();
     let is_exit = datapath.module(steps - 1).is_some_and(|last| last.name() == module);
@@ -154,11 +154,11 @@ fn environment(datapath: &Datapath, config: Config, module: &str) -> String {
     )
 }
 
-/// That no job ever leaves a module: what must be refuted, or else all that is proved of it says nothing.
-pub fn vacuous(datapath: &Datapath, config: Config, texts: &Texts, module: &str) -> Problem {
+/// The property that no job ever leaves a module. It must be refuted; otherwise the module's other proofs are vacuous.
+pub fn never_leaves(datapath: &Datapath, config: Config, texts: &ModuleTexts, module: &str) -> SafetyProblem {
     let leaves = if module == datapath.top().name() { "output_valid_o && output_ready_i" } else { "valid_o" };
     let never = format!("  always_ff @(posedge clk_i) never_leaves: assert (!({leaves}));\n");
-    Problem {
+    SafetyProblem {
         name: format!("{module}: never_leaves"),
         top: module.to_string(),
         text: texts.with(module, &format!("{never}{}{RESET}", environment(datapath, config, module))),

@@ -1,8 +1,8 @@
-//! Pairs of binary32 numbers that make the units work hard, and what the host's `f32` says of them.
+//! Hard operands for the binary32 units, and the expected results by the host's `f32`.
 //!
-//! The unit tests of `raypath-float` run them on the units; mutation runs the same ones on units with faults.
+//! The unit tests run them on the units; [`mutation`](crate::mutation) runs the same operands on units with faults.
 
-use crate::bench::Answer;
+use super::bench::UnitResults;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_float::Format;
@@ -10,9 +10,9 @@ use raypath_float::Format;
 /// The bits of a binary32 fraction.
 const FRACTION: u32 = 0x007f_ffff;
 
-/// What the host says of two binary32 numbers: results in IEEE 754's layout, with the canonical NaN.
-pub fn answer(x: f32, y: f32) -> Answer {
-    Answer {
+/// The host's results for two binary32 numbers, in IEEE 754's format, with the canonical NaN.
+pub fn host_results(x: f32, y: f32) -> UnitResults {
+    UnitResults {
         sum: canonical(x + y),
         difference: canonical(x - y),
         product: canonical(x * y),
@@ -23,7 +23,7 @@ pub fn answer(x: f32, y: f32) -> Answer {
     }
 }
 
-/// The bits of a number; of a NaN, those of the only one that the datapath gives.
+/// The bits of a number, with the canonical NaN for every NaN.
 pub fn canonical(number: f32) -> u64 {
     if number.is_nan() { 0x7fc0_0000 } else { number.to_bits().into() }
 }
@@ -33,7 +33,7 @@ pub fn generator(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
 }
 
-/// Operands whose sum cancels, ties, or has its smaller one shifted by a few places.
+/// Operands whose sum cancels or is a tie, or of which the smaller is shifted by a few bits.
 pub fn for_sums(random: &mut ChaCha8Rng) -> (u32, u32) {
     let a = number(random);
     let exponent = a >> 23 & 0xff;
@@ -48,7 +48,7 @@ pub fn for_sums(random: &mut ChaCha8Rng) -> (u32, u32) {
     if below(random, 2) == 0 { (a, b) } else { (b, a) }
 }
 
-/// Operands whose product is subnormal, vanishes, is about the largest number, or any.
+/// Operands whose product is subnormal, underflows to zero, is near the largest number, or has any exponent.
 pub fn for_products(random: &mut ChaCha8Rng) -> (u32, u32) {
     let a = number(random);
     let exponent = a >> 23 & 0xff;
@@ -56,7 +56,7 @@ pub fn for_products(random: &mut ChaCha8Rng) -> (u32, u32) {
         return (a, special(random));
     }
     let target = match below(random, 4) {
-        // The product's biased exponent: from total underflow to the first normal numbers, about the largest, any.
+        // The product's biased exponent: from underflow to the first normal numbers, near the largest, any.
         0 | 1 => below(random, 30) as i32 - 27,
         2 => below(random, 6) as i32 + 251,
         _ => below(random, 256) as i32,
@@ -65,7 +65,7 @@ pub fn for_products(random: &mut ChaCha8Rng) -> (u32, u32) {
     (a, needed << 23 | fraction(random) | random.next_u32() & 0x8000_0000)
 }
 
-/// Operands that are equal, opposite, or differ by a little or by one bit.
+/// Operands that are equal, opposite, or differ by a few ulps or by one bit.
 pub fn for_comparisons(random: &mut ChaCha8Rng) -> (u32, u32) {
     let a = if below(random, 2) == 0 { random.next_u32() } else { number(random) };
     let b = match below(random, 8) {
@@ -79,7 +79,7 @@ pub fn for_comparisons(random: &mut ChaCha8Rng) -> (u32, u32) {
     (a, b)
 }
 
-/// Numbers at the edges of exponent and fraction, of both signs: all pairs of them are worth a run.
+/// Numbers with exponents and fractions at the ends of their ranges, of both signs. Tests run all pairs of them.
 pub fn edges() -> Vec<u32> {
     let exponents = [0, 1, 2, 23, 24, 25, 126, 127, 128, 150, 151, 152, 230, 253, 254, 255];
     let fractions = [0, 1, 2, FRACTION / 2, FRACTION / 2 + 1, FRACTION / 2 + 2, FRACTION - 1, FRACTION];
@@ -87,8 +87,8 @@ pub fn edges() -> Vec<u32> {
     signs_and_exponents.flat_map(|upper| fractions.map(|fraction| upper << 23 | fraction)).collect()
 }
 
-/// A recoded word with the meaning of a number, half of the time a zero, an infinity or a NaN with random bits where
-/// they mean nothing; and that number.
+/// A recoded word and the number that it encodes. Three of four words are zeros, infinities or NaNs with random bits in
+/// the positions that their class ignores.
 pub fn recoded(random: &mut ChaCha8Rng) -> (u64, f32) {
     let format = Format::BINARY32;
     let number = match below(random, 8) {
@@ -97,15 +97,15 @@ pub fn recoded(random: &mut ChaCha8Rng) -> (u64, f32) {
         4 | 5 => f32::NAN.to_bits(),
         _ => number(random),
     } | random.next_u32() & 0x8000_0000;
-    (disguised(format.encode(number.into()), random), f32::from_bits(number))
+    (with_random_ignored_bits(format.encode(number.into()), random), f32::from_bits(number))
 }
 
-/// A number for the converters: any, or one with a fraction of few bits.
+/// A random word for the converters; one in four has the exponent field 0 or 1, so that half of these are subnormal.
 pub fn for_conversions(random: &mut ChaCha8Rng) -> u32 {
     random.next_u32() & if below(random, 4) == 0 { 0x80ff_ffff } else { u32::MAX }
 }
 
-/// Every sign and exponent with every fraction of one bit, of all bits below one, and the complements of these.
+/// Every sign and exponent with these fractions: one bit set, all bits below one set, and the complements of both.
 pub fn edges_of_conversions() -> impl Iterator<Item = u32> {
     let fractions =
         (0..23).flat_map(|bit| [1 << bit, (1 << bit) - 1, FRACTION ^ 1 << bit, FRACTION ^ ((1 << bit) - 1)]);
@@ -113,7 +113,7 @@ pub fn edges_of_conversions() -> impl Iterator<Item = u32> {
     fractions.flat_map(|fraction| (0..1 << 9).map(move |upper| upper << 23 | fraction))
 }
 
-/// A number with any sign and exponent and an edge of a fraction; now and then a special value.
+/// A number with any sign and exponent and a fraction near an end of its range; one in 16 is a special value.
 pub fn number(random: &mut impl Rng) -> u32 {
     let sign = random.next_u32() & 0x8000_0000;
     sign | match below(random, 16) {
@@ -125,8 +125,8 @@ pub fn number(random: &mut impl Rng) -> u32 {
     }
 }
 
-/// A recoded binary32 word with random bits where they mean nothing.
-fn disguised(word: u64, random: &mut impl Rng) -> u64 {
+/// A recoded binary32 word with random bits in the positions that its class ignores.
+fn with_random_ignored_bits(word: u64, random: &mut impl Rng) -> u64 {
     let (lower_exponent, fraction, sign) = (0x3f << 23, (1 << 23) - 1, 1 << 32);
     let free = match word >> 29 & 0b111 {
         0b000 | 0b110 => lower_exponent | fraction,
@@ -136,16 +136,17 @@ fn disguised(word: u64, random: &mut impl Rng) -> u64 {
     word & !free | random.next_u64() & free
 }
 
-/// Random, few leading bits, few trailing bits, runs of ones: what ties, carries and cancellations are made of.
+/// A fraction of random bits, of few leading or trailing bits, or of a run of ones: they cause ties, carries and
+/// cancellation.
 fn fraction(random: &mut impl Rng) -> u32 {
     let bits = random.next_u32() & FRACTION;
-    let place = below(random, 24);
+    let shift = below(random, 24);
     match below(random, 6) {
         0 | 1 => bits,
-        2 => bits & FRACTION << place & FRACTION,
-        3 => bits & FRACTION >> place,
-        4 => FRACTION << place & FRACTION,
-        _ => FRACTION >> place,
+        2 => bits & FRACTION << shift & FRACTION,
+        3 => bits & FRACTION >> shift,
+        4 => FRACTION << shift & FRACTION,
+        _ => FRACTION >> shift,
     }
 }
 

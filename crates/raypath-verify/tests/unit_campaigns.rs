@@ -1,9 +1,9 @@
-//! The campaigns on the units as they are, a share of the everyday level; and on faulty ones, which they must find.
+//! The units' campaigns: they pass the units, on a share of level `regression`, and find faulty units.
 
 use raypath_float::Format;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use raypath_rtl::Config;
-use raypath_verify::bench::Units;
+use raypath_verify::units::bench::Units;
 use raypath_verify::units::{conversions_of, small_formats_of, testfloat_of};
 use raypath_verify::{Level, Request, Verdict};
 use std::sync::Arc;
@@ -12,9 +12,9 @@ use std::sync::Arc;
 fn the_units_are_right() -> Result<(), Box<dyn std::error::Error>> {
     let units = binary32()?;
     let verdicts = [
-        everyday("2/8", |request| testfloat_of(&units, request)),
-        everyday("2/8", |request| conversions_of(&units, request)),
-        everyday("1/1", |request| small_formats_of(&|format| Ok(Units::of(format)?), request)),
+        regression("2/8", |request| testfloat_of(&units, request)),
+        regression("2/8", |request| conversions_of(&units, request)),
+        regression("1/1", |request| small_formats_of(&|format| Ok(Units::new(format)?), request)),
     ];
     for verdict in verdicts {
         assert_eq!((verdict.failures.as_slice(), verdict.is_stopped), ([].as_slice(), false), "{}", verdict.covered);
@@ -22,7 +22,7 @@ fn the_units_are_right() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// One wrong last place of one sum, which is also a difference; it is told with its operands, and nothing else is.
+/// One sum, which is also a difference, with a wrong last bit: its operands are reported, and nothing else.
 #[test]
 fn one_wrong_sum_is_found() -> Result<(), Box<dyn std::error::Error>> {
     let mut units = binary32()?;
@@ -32,34 +32,34 @@ fn one_wrong_sum_is_found() -> Result<(), Box<dyn std::error::Error>> {
         let place = m.concat(&[m.constant(outputs[0].width() - 1, 0), is_wrong]);
         vec![outputs[0] ^ place]
     })?;
-    let verdict = everyday("1/1", |request| testfloat_of(&units, request));
+    let verdict = regression("1/1", |request| testfloat_of(&units, request));
     for expected in [
         "sum of 0x3f800000 and 0x40800001: 0x40a00000, expected 0x40a00001",
-        "sum in two parts of 0x3f800000 and 0x40800001: not what the whole unit gives",
+        "sum in two parts of 0x3f800000 and 0x40800001: differs from the unsplit unit",
         "difference of 0x3f800000 and 0xc0800001: 0x40a00000, expected 0x40a00001",
     ] {
-        told(&verdict, expected);
+        assert_reported(&verdict, expected);
     }
     let of_the_pair = |failure: &String| ["0x40800001", "0xc0800001"].iter().any(|b| failure.contains(b));
     assert!(verdict.failures.iter().all(of_the_pair), "{verdict:?}");
     Ok(())
 }
 
-/// Each unit with a fault that a designer might make; its campaign names the unit and the operands.
+/// Each unit with a plausible design fault: its campaign names the unit and the operands.
 #[test]
 fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
-    // What is wrong only in one form of a unit is found in that form.
+    // A fault in one split form of a unit is found in that form.
     let mut units = binary32()?;
     units.mul[2] = faulty(&units.mul[2], |m, _, outputs| vec![outputs[0] & !m.constant(outputs[0].width(), 1)])?;
-    told(&everyday("1/1", |request| testfloat_of(&units, request)), "product in three parts of 0x");
+    assert_reported(&regression("1/1", |request| testfloat_of(&units, request)), "product in three parts of 0x");
 
     let mut units = binary32()?;
     units.compare = faulty(&units.compare, |m, operands, outputs| {
         let unlike = operands[0].top() ^ operands[1].top();
         vec![outputs[0], outputs[1] & !unlike, outputs[2] & m.constant(1, 1)]
     })?;
-    told(
-        &everyday("1/1", |request| testfloat_of(&units, request)),
+    assert_reported(
+        &regression("1/1", |request| testfloat_of(&units, request)),
         "equal of 0x00000000 and 0x80000000: false, expected true",
     );
 
@@ -68,8 +68,8 @@ fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
         let is_least = operands[0].lower(31).is(1);
         vec![outputs[0] ^ m.concat(&[m.constant(32, 0), is_least])]
     })?;
-    told(
-        &everyday("1/1", |request| conversions_of(&units, request)),
+    assert_reported(
+        &regression("1/1", |request| conversions_of(&units, request)),
         "encoding 0x00000001: 0x035800001, expected 0x035800000",
     );
 
@@ -78,10 +78,10 @@ fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
         let is_large = operands[0].lower(32).upper(3).is(0b110) & operands[0].bit(28);
         vec![outputs[0] ^ m.concat(&[m.constant(31, 0), is_large])]
     })?;
-    told(&everyday("1/1", |request| conversions_of(&units, request)), "decoding 0x");
+    assert_reported(&regression("1/1", |request| conversions_of(&units, request)), "decoding 0x");
 
     let of_small = |format| {
-        let mut units = Units::of(format)?;
+        let mut units = Units::new(format)?;
         if format.exponent() == 5 {
             units.add[1] = faulty(&units.add[1], |_, operands, outputs| {
                 vec![operands[0].equals(operands[1]).mux(operands[0], outputs[0])]
@@ -89,37 +89,40 @@ fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
         }
         Ok(units)
     };
-    told(&everyday("1/1", |request| small_formats_of(&of_small, request)), "of e5s3: not what the whole unit gives");
+    assert_reported(
+        &regression("1/1", |request| small_formats_of(&of_small, request)),
+        "of e5s3: differs from the unsplit unit",
+    );
     Ok(())
 }
 
 #[test]
 fn a_user_can_stop() -> Result<(), Box<dyn std::error::Error>> {
     let units = binary32()?;
-    let mut watch = |_| false;
-    let verdict = testfloat_of(&units, &mut request(Level::Long, "1/1", &mut watch))?;
+    let mut proceed = |_| false;
+    let verdict = testfloat_of(&units, &mut request(Level::Long, "1/1", &mut proceed))?;
     assert!(verdict.is_stopped && verdict.failures.is_empty(), "{verdict:?}");
     Ok(())
 }
 
 fn binary32() -> Result<Units, Error> {
-    Units::of(Format::BINARY32)
+    Units::new(Format::BINARY32)
 }
 
-fn everyday(shard: &str, run: impl FnOnce(&mut Request<'_>) -> Result<Verdict, raypath_verify::Error>) -> Verdict {
-    run(&mut request(Level::Everyday, shard, &mut |_| true)).expect("a verdict")
+fn regression(shard: &str, run: impl FnOnce(&mut Request<'_>) -> Result<Verdict, raypath_verify::Error>) -> Verdict {
+    run(&mut request(Level::Regression, shard, &mut |_| true)).expect("a verdict")
 }
 
-fn request<'a>(level: Level, shard: &str, watch: &'a mut dyn FnMut(raypath_verify::Step) -> bool) -> Request<'a> {
+fn request<'a>(level: Level, shard: &str, proceed: &'a mut dyn FnMut(raypath_verify::Progress) -> bool) -> Request<'a> {
     let shard = shard.parse().expect("a shard");
-    Request { config: Config::default(), level, jobs: None, seed: 1, shard, watch }
+    Request { config: Config::default(), level, jobs: None, seed: 1, shard, proceed }
 }
 
-fn told(verdict: &Verdict, expected: &str) {
+fn assert_reported(verdict: &Verdict, expected: &str) {
     assert!(verdict.failures.iter().any(|failure| failure.contains(expected)), "{verdict:?}");
 }
 
-/// A unit around another of the same ports, whose outputs `fault` changes; it is given the inputs and the outputs.
+/// A wrapper of a unit with the same ports, whose outputs `fault` changes; `fault` receives the inputs and the outputs.
 fn faulty(
     unit: &Arc<Module>,
     fault: impl for<'m> Fn(&'m Builder, &[Wire<'m>], &[Wire<'m>]) -> Vec<Wire<'m>>,

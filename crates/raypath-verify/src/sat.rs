@@ -1,13 +1,15 @@
-//! Proofs by SAT: that the one output of a combinational circuit is never 1.
+//! Proofs by SAT that the output of a combinational circuit is never 1.
 //!
-//! A [`Problem`] is SystemVerilog with commands for Yosys that leave a circuit, a miter: its output says that two things
-//! differ. Yosys makes an and-inverter graph of it (AIGER), and ABC's `&cec` either merges everything into the constant
-//! 0, or gives inputs for which the output is 1, or gives up. Only ABC's own words for the first count as a proof.
+//! A [`Miter`] is SystemVerilog with commands for Yosys that leave a circuit whose output is 1 where two results differ.
+//! Yosys converts it to an and-inverter graph (AIGER). ABC's `&cec` then reduces the graph to the constant 0, finds inputs
+//! for which the output is 1, or gives up. Only ABC's message for the first case counts as a proof.
 
 mod aiger;
-pub(crate) mod pool;
+mod miter;
 
-use crate::Error;
+pub use miter::{Miter, ProofResult, SOURCE};
+
+use crate::error::{Error, file};
 use aiger::Aiger;
 use raypath_tools::{Abc, ToolError, Yosys, YosysKind};
 use std::collections::BTreeMap;
@@ -16,45 +18,15 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Yosys with its command `symfpu` and ABC, found.
+/// Yosys with its command `symfpu`, and ABC.
 #[derive(Debug, Clone)]
 pub struct Prover {
     yosys: Yosys,
     abc: Abc,
 }
 
-/// A circuit whose output should never be 1.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Problem {
-    /// What messages call it.
-    pub name: String,
-    /// SystemVerilog texts, by the file names under which `commands` read them.
-    pub sources: Vec<(String, String)>,
-    /// Commands for Yosys, a line each, that leave the module `miter`, with one output of one bit.
-    pub commands: Vec<String>,
-    /// The inputs that `miter` must have, with their widths. More or fewer are an error: a wire that is driven by nothing
-    /// would be one more.
-    pub inputs: Vec<(String, u32)>,
-}
-
-/// What came of a problem.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Answer {
-    /// The output is 0 for all inputs. How many and-gates that took: 0 where making the graph was proof enough.
-    Proved {
-        /// And-gates of the miter.
-        gates: u64,
-    },
-    /// The output is 1 for these inputs, by name.
-    Refuted(BTreeMap<String, u64>),
-    /// ABC gave up, for the reason given.
-    Undecided(String),
-    /// It was stopped.
-    Stopped,
-}
-
-/// What makes and-gates of a module named `miter`, and nothing else. What nothing drives becomes an input, which no
-/// problem has; optimisation would choose its value.
+/// The commands that convert the module `miter` to and-gates. An undriven wire becomes an input, which the check of the
+/// inputs rejects; otherwise optimisation would choose its value.
 const TO_GATES: &[&str] = &[
     "hierarchy -check -top miter",
     "flatten",
@@ -67,10 +39,10 @@ const TO_GATES: &[&str] = &[
 ];
 
 impl Prover {
-    /// Finds the Python module `pyosys`, and the ABC that comes with it or Debian's.
+    /// Finds the Python module `pyosys`, and its ABC or Debian's.
     ///
     /// # Errors
-    /// One is not there; the message says what installs it.
+    /// A program is missing; the message says how to install it.
     pub fn find() -> Result<Self, Error> {
         Ok(Self { yosys: Yosys::find(Some(YosysKind::Python))?, abc: Abc::find()? })
     }
@@ -80,53 +52,48 @@ impl Prover {
         format!("{} and {}", self.yosys, self.abc)
     }
 
-    /// Solves problems, one after the other, with at most `limit` for each; Yosys runs once for all of them.
+    /// Solves problems one after the other, in at most `limit` each. Yosys runs once for all of them.
     ///
     /// # Errors
-    /// A program fails, or the circuit is not what the problem says.
-    pub fn solve(&self, problems: &[Problem], limit: Duration, stop: &AtomicBool) -> Result<Vec<Answer>, Error> {
+    /// A program fails, or a circuit has other inputs or outputs than its problem states.
+    pub fn solve(&self, problems: &[Miter], limit: Duration, stop: &AtomicBool) -> Result<Vec<ProofResult>, Error> {
         let folder = tempfile::tempdir().map_err(|problem| file(&std::env::temp_dir(), problem))?;
         let graphs = match self.graphs(folder.path(), problems, stop)? {
             Some(graphs) => graphs,
-            None => return Ok(vec![Answer::Stopped; problems.len()]),
+            None => return Ok(vec![ProofResult::Stopped; problems.len()]),
         };
         graphs.iter().map(|graph| self.prove(folder.path(), graph, limit, stop)).collect()
     }
 
     /// Proves with ABC that a graph's output is 0.
-    fn prove(&self, folder: &Path, graph: &Aiger, limit: Duration, stop: &AtomicBool) -> Result<Answer, Error> {
+    fn prove(&self, folder: &Path, graph: &Aiger, limit: Duration, stop: &AtomicBool) -> Result<ProofResult, Error> {
         let example = folder.join("example");
         let _ = fs::remove_file(&example);
         // A limit on conflicts that is never reached: time decides.
         let commands = format!("read_aiger {}; &get; &cec -m -C 1000000000; write_cex example", graph.file);
         let Some(output) = self.abc.run(folder, &commands, limit, stop)? else {
-            let timeout = || Answer::Undecided(format!("no answer within {} s", limit.as_secs()));
-            return Ok(if stop.load(Ordering::Relaxed) { Answer::Stopped } else { timeout() });
+            let timeout = || ProofResult::Undecided(format!("no answer within {} s", limit.as_secs()));
+            return Ok(if stop.load(Ordering::Relaxed) { ProofResult::Stopped } else { timeout() });
         };
         let counterexample = || fs::read_to_string(&example).ok().and_then(|word| graph.ports(word.trim()));
         match verdict(&output) {
-            Some(true) => Ok(Answer::Proved { gates: graph.gates }),
-            Some(false) => counterexample().map(Answer::Refuted).ok_or_else(|| Error::Program {
+            Some(true) => Ok(ProofResult::Proved { gates: graph.gates }),
+            Some(false) => counterexample().map(ProofResult::Refuted).ok_or_else(|| Error::Program {
                 program: "abc".to_string(),
                 problem: format!("{}: refuted without a counterexample", graph.problem),
                 expected: "a value for each input".to_string(),
             }),
-            None => Ok(Answer::Undecided(Abc::last_line(&output))),
+            None => Ok(ProofResult::Undecided(Abc::last_line(&output))),
         }
     }
 
-    /// What wires of a problem's `miter` show for values of its inputs, by Yosys's own evaluation, which ABC has no part in.
+    /// The values of a miter's wires for these inputs, evaluated by Yosys, independently of ABC.
     ///
     /// # Errors
     /// Yosys fails, or a wire has no definite value.
-    pub fn evaluate(
-        &self,
-        problem: &Problem,
-        values: &BTreeMap<String, u64>,
-        wires: &[&str],
-    ) -> Result<Vec<u64>, Error> {
+    pub fn evaluate(&self, problem: &Miter, values: &BTreeMap<String, u64>, wires: &[&str]) -> Result<Vec<u64>, Error> {
         let folder = tempfile::tempdir().map_err(|problem| file(&std::env::temp_dir(), problem))?;
-        let mut script = written(problem, folder.path(), 0)?;
+        let mut script = write_sources(problem, folder.path(), 0)?;
         let width = |name: &str| problem.inputs.iter().find(|(input, _)| input == name).map_or(1, |(_, width)| *width);
         let set: Vec<String> =
             values.iter().map(|(name, value)| format!("-set {name} {}'d{value}", width(name))).collect();
@@ -136,14 +103,14 @@ impl Prover {
         fs::write(&path, script).map_err(|error| file(&path, error))?;
         self.yosys.run(folder.path(), "script.ys", &problem.name, &AtomicBool::new(false))?;
         let log = folder.path().join("yosys.log");
-        let said = fs::read_to_string(&log).map_err(|error| file(&log, error))?;
+        let output = fs::read_to_string(&log).map_err(|error| file(&log, error))?;
         wires
             .iter()
             .map(|wire| {
                 // Eval result: \a = 16'0011110000000000.
                 let begin = format!("Eval result: \\{wire} = ");
-                let line = said.lines().find_map(|line| line.strip_prefix(&begin));
-                line.and_then(|line| evaluated(line.trim_end_matches('.'))).ok_or_else(|| Error::Program {
+                let line = output.lines().find_map(|line| line.strip_prefix(&begin));
+                line.and_then(|line| parse_value(line.trim_end_matches('.'))).ok_or_else(|| Error::Program {
                     program: "yosys".to_string(),
                     problem: format!("{}: evaluated {wire} to {line:?}", problem.name),
                     expected: "a definite value".to_string(),
@@ -152,13 +119,13 @@ impl Prover {
             .collect()
     }
 
-    /// The problems as graphs in a folder; nothing where it was stopped.
-    fn graphs(&self, folder: &Path, problems: &[Problem], stop: &AtomicBool) -> Result<Option<Vec<Aiger>>, Error> {
+    /// Writes the problems as graphs into a folder; none if the run was stopped.
+    fn graphs(&self, folder: &Path, problems: &[Miter], stop: &AtomicBool) -> Result<Option<Vec<Aiger>>, Error> {
         let mut script = String::new();
         for (number, problem) in problems.iter().enumerate() {
             let to_gates = TO_GATES.iter().map(ToString::to_string);
             let write = format!("write_aiger -symbols -map {number}.map {number}.aig");
-            script += &written(problem, folder, number)?;
+            script += &write_sources(problem, folder, number)?;
             for command in to_gates.chain([write]) {
                 script += &(command + "\n");
             }
@@ -175,19 +142,16 @@ impl Prover {
     }
 }
 
-/// What stands before the name of a source in [`Problem::commands`].
-pub const SOURCE: &str = "@/";
-
-/// A value as Yosys prints it: binary behind its width, but as a signed number where it has 32 bits.
-fn evaluated(value: &str) -> Option<u64> {
+/// Parses a value as Yosys prints it: in binary after its width, but as a signed decimal number if it has 32 bits.
+fn parse_value(value: &str) -> Option<u64> {
     match value.split_once('\'') {
         Some((_, digits)) => u64::from_str_radix(digits, 2).ok(),
         None => value.parse::<i32>().ok().map(|number| u64::from(number.cast_unsigned())),
     }
 }
 
-/// Writes a problem's sources to a folder inside this one, so that file names may repeat, and gives its commands.
-fn written(problem: &Problem, folder: &Path, number: usize) -> Result<String, Error> {
+/// Writes a problem's sources to a subfolder, so that problems can have the same file names, and returns its commands.
+fn write_sources(problem: &Miter, folder: &Path, number: usize) -> Result<String, Error> {
     let inside = folder.join(number.to_string());
     fs::create_dir(&inside).map_err(|error| file(&inside, error))?;
     for (name, text) in &problem.sources {
@@ -196,10 +160,6 @@ fn written(problem: &Problem, folder: &Path, number: usize) -> Result<String, Er
     }
     let commands = problem.commands.iter().map(|command| command.replace(SOURCE, &format!("{number}/")) + "\n");
     Ok(std::iter::once("design -reset\n".to_string()).chain(commands).collect())
-}
-
-fn file(path: &Path, problem: std::io::Error) -> Error {
-    Error::File { path: path.to_path_buf(), problem }
 }
 
 /// Whether ABC reports a proof, or a refutation: exactly one such line, and none of the other kind.

@@ -1,0 +1,219 @@
+//! The model checker: Yosys and ABC on a module with assertions.
+
+use crate::error::{Error, file};
+use raypath_tools::{Abc, ToolError, Yosys, YosysKind};
+use std::collections::HashMap;
+use std::fs;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// A module with assertions, as one SystemVerilog text, and how to check it.
+#[derive(Debug, Clone)]
+pub struct SafetyProblem {
+    /// The problem's name in messages.
+    pub name: String,
+    /// The module's name.
+    pub top: String,
+    /// The module and all modules below it.
+    pub text: String,
+    /// The number of assertions that must reach ABC.
+    pub assertions: usize,
+    /// The method of the check.
+    pub method: Method,
+}
+
+/// The method of a check, and how many cycles it covers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// All reachable states, by property-directed reachability (Bradley 2011, Eén et al. 2011), which finds its own
+    /// inductive lemmas.
+    Unbounded,
+    /// All reachable states, by k-induction: the assertions hold in the first cycles, and if they hold in k cycles they
+    /// hold in the next (Sheeran, Singh, Stålmarck 2000).
+    Inductive,
+    /// This many cycles from the first reset, by bounded model checking.
+    Bounded(u32),
+}
+
+/// The result of a check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CheckResult {
+    /// No assertion fails in the cycles that the method covers.
+    Holds,
+    /// An assertion fails.
+    Fails,
+    /// ABC gave up.
+    Undecided,
+}
+
+/// Yosys and ABC, with a cache of results.
+#[derive(Debug)]
+pub struct ModelChecker {
+    yosys: Yosys,
+    abc: Abc,
+    /// Results by method and graph.
+    results: Mutex<HashMap<(Method, Vec<u8>), CheckResult>>,
+}
+
+/// The time limit for a problem.
+const LIMIT: Duration = Duration::from_secs(600);
+/// Cycles of an induction's base case.
+const BASE_CYCLES: u32 = 8;
+/// The largest k of an induction.
+const MAX_DEPTH: u32 = 3;
+
+/// The commands that convert a text to an and-inverter graph with state. Units are empty modules, so that their outputs
+/// are free in every cycle. The module's outputs are deleted, so that only the logic of assertions remains.
+const TO_GRAPH: &[&str] = &[
+    "proc",
+    "flatten",
+    "delete t:raypath_fp_*",
+    "delete -port o:*",
+    "opt_clean",
+    "setundef -undriven -anyseq",
+    "async2sync",
+    "chformal -lower",
+    "opt_clean",
+    "techmap",
+    "opt",
+    "dffunmap",
+    "opt_clean",
+    "aigmap",
+    "opt_clean",
+];
+
+impl ModelChecker {
+    /// Finds the Python module `pyosys`, and its ABC or Debian's.
+    ///
+    /// # Errors
+    /// A program is missing.
+    pub fn find() -> Result<Self, Error> {
+        let yosys = Yosys::find(Some(YosysKind::Python))?;
+        Ok(Self { yosys, abc: Abc::find()?, results: Mutex::default() })
+    }
+
+    /// Checks a problem; none if `stop` is set meanwhile.
+    ///
+    /// # Errors
+    /// A program fails, or another number of assertions than stated reaches ABC.
+    pub fn check(&self, problem: &SafetyProblem, stop: &AtomicBool) -> Result<Option<CheckResult>, Error> {
+        let folder = tempfile::tempdir().map_err(|problem| file(&std::env::temp_dir(), problem))?;
+        let folder = folder.path();
+        let write = |name: &str, text: &str| {
+            let path = folder.join(name);
+            fs::write(&path, text).map_err(|problem| Error::File { path, problem })
+        };
+        write("problem.sv", &problem.text)?;
+        let begin =
+            ["read_verilog -sv -formal problem.sv".to_string(), format!("hierarchy -check -top {}", problem.top)];
+        let commands = begin.into_iter().chain(TO_GRAPH.iter().map(ToString::to_string));
+        let commands: Vec<String> = commands.chain(["write_aiger -zinit -B problem.aig".to_string()]).collect();
+        write("script", &(commands.join("\n") + "\n"))?;
+        match self.yosys.run(folder, "script", &problem.name, stop) {
+            Err(ToolError::Stopped) => return Ok(None),
+            other => other?,
+        }
+        check_graph(folder, problem)?;
+        // Constraints become outputs (fold), all outputs become one, and logic that it does not depend on is removed.
+        let reduce = "read_aiger problem.aig; fold; strash; orpos; scleanup; trim; write_aiger reduced.aig";
+        if self.abc.run(folder, reduce, LIMIT, stop)?.is_none() {
+            return Ok(None);
+        }
+        let path = folder.join("reduced.aig");
+        let graph = fs::read(&path).map_err(|problem| Error::File { path, problem })?;
+        // ABC's comment at the end holds the time.
+        let key = (problem.method, without_comment(graph));
+        let known = self.results.lock().ok().and_then(|results| results.get(&key).copied());
+        if known.is_some() {
+            return Ok(known);
+        }
+        let method = match problem.method {
+            Method::Unbounded => "pdr".to_string(),
+            Method::Inductive => format!("bmc3 -F {BASE_CYCLES}; print_status; ind -F {MAX_DEPTH}"),
+            Method::Bounded(cycles) => format!("bmc3 -F {cycles}"),
+        };
+        let commands = format!("read_aiger reduced.aig; {method}; print_status");
+        let Some(output) = self.abc.run(folder, &commands, LIMIT, stop)? else {
+            return Ok((!stop.load(Ordering::Relaxed)).then_some(CheckResult::Undecided));
+        };
+        let result = result(&output, problem.method);
+        if let Ok(mut results) = self.results.lock() {
+            results.insert(key, result);
+        }
+        Ok(Some(result))
+    }
+}
+
+/// Checks that the graph has the problem's number of assertions, and state and gates.
+fn check_graph(folder: &Path, problem: &SafetyProblem) -> Result<(), Error> {
+    let path = folder.join("problem.aig");
+    let bytes = fs::read(&path).map_err(|problem| Error::File { path, problem })?;
+    let header = bytes.split(|&byte| byte == b'\n').next().unwrap_or_default();
+    let header = String::from_utf8_lossy(header).into_owned();
+    // "aig", then numbers: variables, inputs, latches, outputs, and-gates, assertions, constraints.
+    let numbers: Vec<usize> = header.split(' ').skip(1).map_while(|word| word.parse().ok()).collect();
+    match numbers[..] {
+        [_, _, latches, _, gates, assertions, ..] if latches > 0 && gates > 0 && assertions == problem.assertions => {
+            Ok(())
+        }
+        _ => Err(Error::Program {
+            program: "yosys".to_string(),
+            problem: format!("{}: found a circuit '{header}'", problem.name),
+            expected: format!("one with {} assertions that depend on state", problem.assertions),
+        }),
+    }
+}
+
+/// Reads the last status that ABC prints: 1 proved, 0 refuted, -1 undecided.
+fn result(output: &str, method: Method) -> CheckResult {
+    let status = output.lines().rev().find_map(|line| line.trim().strip_prefix("Status = ")?.split_whitespace().next());
+    let through = |cycles: u32| output.contains(&format!("No output asserted in {cycles} frames"));
+    let base_fails = output.lines().any(|line| line.trim().starts_with("Status = 0 "));
+    match (status, method) {
+        // The induction after the base case ignores its failure.
+        (_, Method::Inductive) if base_fails => CheckResult::Fails,
+        (Some("1"), Method::Inductive) if !through(BASE_CYCLES) => CheckResult::Undecided,
+        (Some("1"), _) => CheckResult::Holds,
+        (Some("0"), _) => CheckResult::Fails,
+        (Some("-1"), Method::Bounded(cycles)) if through(cycles) => CheckResult::Holds,
+        _ => CheckResult::Undecided,
+    }
+}
+
+/// A graph without ABC's comment at its end, which holds the time. The last match in the file is the comment, so that the
+/// graph itself stays whole.
+fn without_comment(mut graph: Vec<u8>) -> Vec<u8> {
+    const SIGNATURE: &[u8] = b"This file was written by ABC";
+    if let Some(end) = graph.windows(SIGNATURE.len()).rposition(|window| window == SIGNATURE) {
+        graph.truncate(end);
+    }
+    graph
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_status_is_a_result() {
+        let bounded = Method::Bounded(8);
+        assert_eq!(result("Property proved.\nStatus = 1  Frames = -1\n", Method::Unbounded), CheckResult::Holds);
+        assert_eq!(result("Status = 0  Frames = 3\n", Method::Unbounded), CheckResult::Fails);
+        assert_eq!(result("Status = 0  Frames = 3\n", bounded), CheckResult::Fails);
+        assert_eq!(result("No output asserted in 8 frames.\nStatus = -1  Frames = 7\n", bounded), CheckResult::Holds);
+        assert_eq!(
+            result("No output asserted in 7 frames.\nStatus = -1  Frames = 6\n", bounded),
+            CheckResult::Undecided
+        );
+        assert_eq!(result("No output asserted in 8 frames.\nStatus = -1\n", Method::Unbounded), CheckResult::Undecided);
+        let base = "No output asserted in 8 frames.\nStatus = -1  Frames = 7\n";
+        assert_eq!(result(&format!("{base}Status = 1  Frames = -1\n"), Method::Inductive), CheckResult::Holds);
+        assert_eq!(result("Status = 1  Frames = -1\n", Method::Inductive), CheckResult::Undecided);
+        let refuted = "Status = 0  Frames = 4\nStatus = -1  Frames = -1\n";
+        assert_eq!(result(refuted, Method::Inductive), CheckResult::Fails);
+        assert_eq!(result(&format!("{base}Status = -1  Frames = -1\n"), Method::Inductive), CheckResult::Undecided);
+        assert_eq!(result("** cmd error\n", Method::Unbounded), CheckResult::Undecided);
+    }
+}

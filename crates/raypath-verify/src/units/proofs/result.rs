@@ -1,0 +1,140 @@
+//! Proving a claim, and refuting it for a faulty unit.
+
+use super::claim::{Claim, Fault, Subject};
+use crate::error::Error;
+use crate::sat::{Miter, ProofResult, Prover};
+use raypath_float::{add, compare, mul};
+use raypath_hdl::Simulator;
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// The result of checking a claim.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClaimResult {
+    /// The claim.
+    pub claim: Claim,
+    /// Whether the claim is proved; else why it is wrong or undecided.
+    pub outcome: Result<(), String>,
+    /// The fault and the operands that showed it, if the negative control ran and found it.
+    pub found_fault: Option<String>,
+}
+
+impl ClaimResult {
+    /// The remark on the negative control.
+    pub fn fault_remark(&self) -> Option<String> {
+        self.found_fault.as_ref().map(|fault| format!("a deliberate fault is found: {fault}"))
+    }
+}
+
+/// Proves a claim. With `with_fault`, also refutes it by the same commands for the unit with the subject's fault. `limit`
+/// applies to each. None if the run was stopped.
+///
+/// # Errors
+/// A program is missing or fails, or a counterexample is none.
+pub fn check(
+    prover: &Prover,
+    claim: Claim,
+    with_fault: bool,
+    limit: Duration,
+    stop: &AtomicBool,
+) -> Result<Option<ClaimResult>, Error> {
+    let faults: &[Option<Fault>] = if with_fault { &[None, Some(claim.subject.fault())] } else { &[None] };
+    let miters: Vec<Miter> = faults.iter().map(|fault| claim.miter(*fault)).collect::<Result<_, _>>()?;
+    let results = prover.solve(&miters, limit, stop)?;
+    if results.contains(&ProofResult::Stopped) {
+        return Ok(None);
+    }
+    let mut outcome = match &results[0] {
+        // Unit and reference share no logic: if they are equal before any proof, something is missing.
+        ProofResult::Proved { gates: 0 } if !claim.compares_own_units() => {
+            Err(format!("{claim}: the circuit is empty"))
+        }
+        ProofResult::Proved { .. } => Ok(()),
+        ProofResult::Refuted(values) => Err(Counterexample::of(prover, &claim, &miters[0], values)?.to_string()),
+        ProofResult::Undecided(why) => Err(format!("{claim}: undecided, {why}")),
+        ProofResult::Stopped => Err(format!("{claim}: stopped")),
+    };
+    let mut found_fault = None;
+    if let (Some(result), Some(miter), Some(Some(fault))) = (results.get(1), miters.get(1), faults.get(1)) {
+        match result {
+            ProofResult::Refuted(values) => {
+                let example = Counterexample::of(prover, &claim, miter, values)?;
+                example.confirm()?;
+                found_fault = Some(format!("with {} for {}, {example}", fault.to, fault.from));
+            }
+            other => outcome = Err(format!("{claim}: a deliberate fault is not found: {other:?}")),
+        }
+    }
+    Ok(Some(ClaimResult { claim, outcome, found_fault }))
+}
+
+/// Operands for which the results of unit and reference differ.
+struct Counterexample {
+    claim: Claim,
+    a: u64,
+    b: u64,
+    ours: u64,
+    wanted: u64,
+}
+
+impl Counterexample {
+    /// Lets Yosys evaluate both sides; an error if they do not differ.
+    fn of(prover: &Prover, claim: &Claim, miter: &Miter, values: &BTreeMap<String, u64>) -> Result<Self, Error> {
+        let shown = prover.evaluate(miter, values, &["a", "b", "ours", "wanted", "valid"])?;
+        match shown[..] {
+            [a, b, ours, wanted, 1] if ours != wanted => Ok(Self { claim: *claim, a, b, ours, wanted }),
+            _ => Err(Error::Program {
+                program: "abc".to_string(),
+                problem: format!("{claim}: not a counterexample: {values:x?} gives {shown:x?}"),
+                expected: "operands for which the sides differ".to_string(),
+            }),
+        }
+    }
+
+    /// Checks that the unit without the fault, simulated, gives the reference's result.
+    fn confirm(&self) -> Result<(), Error> {
+        let (format, &Self { a, b, .. }) = (self.claim.format, self);
+        let encoded = |value| format.encode(value);
+        let top = 1 << (format.recoded_width() - 1);
+        let simulated = match self.claim.subject {
+            Subject::Add => format.decode(simulate(&add(format)?, encoded(a), encoded(b))?[0]),
+            Subject::Sub => format.decode(simulate(&add(format)?, encoded(a), encoded(b) ^ top)?[0]),
+            Subject::Mul => format.decode(simulate(&mul(format)?, encoded(a), encoded(b))?[0]),
+            Subject::Compare => {
+                simulate(&compare(format)?, encoded(a), encoded(b))?.into_iter().fold(0, |word, bit| word << 1 | bit)
+            }
+            Subject::RoundTrip => format.canonical(a),
+            Subject::AddParts(_) => simulate(&add(format)?, a, b)?[0],
+            Subject::MulParts(_) => simulate(&mul(format)?, a, b)?[0],
+        };
+        if simulated == self.wanted {
+            return Ok(());
+        }
+        Err(Error::Program {
+            program: "yosys".to_string(),
+            problem: format!("{self}; but the simulator gives {simulated:#x}"),
+            expected: "the reference and the unit without a fault to agree".to_string(),
+        })
+    }
+}
+
+impl std::fmt::Display for Counterexample {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { claim, a, b, ours, wanted } = self;
+        match claim.subject {
+            Subject::RoundTrip => write!(f, "{claim}: {a:#x} gives {ours:#x}, expected {wanted:#x}"),
+            _ => write!(f, "{claim}: {a:#x} and {b:#x} give {ours:#x}, expected {wanted:#x}"),
+        }
+    }
+}
+
+fn simulate(unit: &std::sync::Arc<raypath_hdl::Module>, a: u64, b: u64) -> Result<Vec<u64>, Error> {
+    let mut simulator = Simulator::new(unit)?;
+    for (port, value) in unit.inputs().iter().zip([a, b]) {
+        let input = simulator.input(&port.name)?;
+        simulator.set(input, value);
+    }
+    simulator.settle();
+    unit.outputs().iter().map(|port| Ok(simulator.get(simulator.output(&port.name)?))).collect()
+}
