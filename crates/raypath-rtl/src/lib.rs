@@ -34,6 +34,7 @@ mod place;
 mod plan;
 mod preset;
 mod properties;
+pub mod report;
 mod schedule;
 mod stage;
 mod steps;

@@ -18,27 +18,24 @@
 //! # Ok::<(), raypath::ops::RayError>(())
 //! ```
 
-pub use raypath_extra as extra;
 pub use raypath_float as float;
 pub use raypath_float::format;
 pub use raypath_hdl as hdl;
-pub use raypath_lab as lab;
-pub use raypath_lab::{engine, picture, tables, traffic, transactions};
 pub use raypath_model as model;
 pub use raypath_ops as ops;
+pub use raypath_oracle as oracle;
 pub use raypath_render as render;
 pub use raypath_rtl as rtl;
+pub use raypath_rtl::report::{picture, tables};
 pub use raypath_search as search;
+pub use raypath_sim as sim;
+pub use raypath_sim::{configuration, engine, jobs, lockstep, models, traffic, transactions};
 pub use raypath_timing as timing;
 pub use raypath_timing::report;
 
-use raypath_lab::drawing;
+use raypath_rtl::report::drawing;
 
 pub mod accuracy;
-pub mod check;
-pub mod configuration;
-pub mod jobs;
-pub mod models;
 pub mod ppa;
 pub mod utilisation;
 pub mod verify;

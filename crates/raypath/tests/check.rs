@@ -1,9 +1,9 @@
 //! The comparison that `generate` prints: that it finds nothing where nothing is, and something where something is.
 
-use raypath::check::lockstep;
 use raypath::engine::{Engine, NetlistEngine};
 use raypath::format::Format;
 use raypath::jobs::random;
+use raypath::lockstep::lockstep;
 use raypath::model::Functional;
 use raypath::ops::{Job, JobKind, Outcome, Rules};
 use raypath::rtl::{Config, Datapath, Encoding};

@@ -1,9 +1,9 @@
 //! Every configuration: its netlist in every cycle like the cycle-exact model, every outcome like the functional model,
 //! and as fast as is promised.
 
-use raypath::check::Everyday;
 use raypath::engine::NetlistEngine;
 use raypath::format::Format;
+use raypath::lockstep::Everyday;
 use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};

@@ -1,9 +1,11 @@
 //! Documents that must keep up with the code.
 
-use raypath::lab::{Cost, Datapath, registered};
+use raypath::oracle::registered;
 use raypath::rtl::Config;
+use raypath::sim::Datapath;
 use raypath::tables::list;
 use raypath::verify::ITEMS;
+use raypath_cli::Cost;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -73,8 +75,8 @@ fn the_table_of_operations_is_what_is_counted() {
     for row in rows {
         let name = row[1].trim_matches('`');
         let paper = Datapath::paper(Config::DEFAULT);
-        let added = registered().into_iter().find(|study| study.name() == name);
-        let datapath = added.into_iter().fold(paper, |datapath, study| datapath.with_any(study.operation()));
+        let added = registered().into_iter().find(|spec| spec.name() == name);
+        let datapath = added.into_iter().fold(paper, |datapath, spec| datapath.with_any(spec.operation()));
         if !datapath.has(name) {
             // Operations come and go with their files; what is left of them in a document misleads nobody's hardware.
             continue;

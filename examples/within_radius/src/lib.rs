@@ -3,7 +3,7 @@
 pub mod first_cut;
 
 // ANCHOR: operation
-use raypath_lab::prelude::*;
+use raypath_cli::prelude::*;
 
 // ANCHOR: structures
 bundle! {
@@ -57,10 +57,13 @@ impl Operation for WithinRadius {
 }
 // ANCHOR_END: operation
 
-// ANCHOR: study
+// ANCHOR: spec
 /// The operation with jobs that are worth running and an oracle that knows nothing of its equations.
-pub fn study() -> Study<WithinRadius> {
-    Study::of(WithinRadius).purpose("which of four points are near another").stimulus(stimulus).oracle("f64", judge)
+pub fn spec() -> OperationSpec<WithinRadius> {
+    OperationSpec::of(WithinRadius)
+        .purpose("which of four points are near another")
+        .stimulus(stimulus)
+        .oracle("f64", judge)
 }
 
 /// Points on and about a sphere, of any size.
@@ -90,4 +93,4 @@ pub fn judge(job: &Points<Binary32>, answer: &Near<Binary32>) -> Result<(), Stri
     }
     Ok(())
 }
-// ANCHOR_END: study
+// ANCHOR_END: spec

@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    raypath_lab::main(within_radius::study())
+    raypath_cli::main(within_radius::spec())
 }

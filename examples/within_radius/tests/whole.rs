@@ -1,10 +1,11 @@
 //! What a user gets from this crate: text that tools accept, answers that the oracle finds right, and a price.
 
-use raypath_lab::ops::{RayBox, RayTriangle, Rules};
-use raypath_lab::prelude::*;
-use raypath_lab::transactions::read;
-use raypath_lab::{AnyStudy, Arguments, Checks, Cost, run};
-use within_radius::{Near, Points, WithinRadius, judge, stimulus, study};
+use raypath_cli::ops::{RayBox, RayTriangle, Rules};
+use raypath_cli::oracle::{AnyOperationSpec, Checks};
+use raypath_cli::prelude::*;
+use raypath_cli::sim::transactions::read;
+use raypath_cli::{Arguments, Cost, run};
+use within_radius::{Near, Points, WithinRadius, judge, spec, stimulus};
 
 const NAME: &str = "within_radius";
 
@@ -38,28 +39,28 @@ fn it_adds_no_unit() {
 fn verilator_answers_like_the_oracle() {
     let datapath = Datapath::paper(Default::default()).with(WithinRadius);
     let netlist = datapath.elaborate().expect("it fits");
-    let studies = [AnyStudy::from(study())];
-    let checks = Checks { datapath: &datapath, netlist: &netlist, studies: &studies, seed: 3, jobs: 5000 };
+    let specs = [AnyOperationSpec::from(spec())];
+    let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 3, jobs: 5000 };
     let folder = tempfile::tempdir().expect("a folder");
     let found = checks.in_verilator(folder.path()).expect("the tools are there and content");
-    assert_eq!((found.different, found.judged[0].wrong), (0, 0), "{found:?}");
-    assert!(found.judged[0].jobs > 2000, "{found:?}");
+    assert_eq!((found.different, found.reports[0].wrong), (0, 0), "{found:?}");
+    assert!(found.reports[0].jobs > 2000, "{found:?}");
 }
 
 /// An oracle that expects something else finds every answer wrong, and the command fails.
 #[test]
 fn a_wrong_answer_is_found() {
-    let study = Study::of(WithinRadius).oracle("an oracle that is never content", |_, _| Err("no".to_string()));
+    let spec = OperationSpec::of(WithinRadius).oracle("an oracle that is never content", |_, _| Err("no".to_string()));
     let folder = tempfile::tempdir().expect("a folder");
     let mut out = Vec::new();
-    let error = run(&study.into(), &arguments(folder.path(), &["--jobs", "100"]), &mut out).expect_err("wrong answers");
+    let error = run(&spec.into(), &arguments(folder.path(), &["--jobs", "100"]), &mut out).expect_err("wrong answers");
     assert_eq!(error.to_string(), "100 of 100 answers of within_radius are wrong");
 }
 
 /// In binary16, whose units are small, so that the price is there in a minute.
 #[test]
 fn it_has_a_price() {
-    let half: raypath_lab::rtl::Preset = "half".parse().expect("a preset");
+    let half: raypath_cli::rtl::Preset = "half".parse().expect("a preset");
     let datapath = Datapath::paper(half.config).with(WithinRadius);
     let cache = std::env::temp_dir().join("raypath-within-radius");
     let cost = Cost::of(&datapath, NAME).expect("it fits").measured(&datapath, NAME, &cache).expect("a measurement");
@@ -72,7 +73,7 @@ fn it_has_a_price() {
 fn the_command_writes_and_says_what_it_found() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut out = Vec::new();
-    run(&study().into(), &arguments(folder.path(), &["--jobs", "500"]), &mut out).expect("all is well");
+    run(&spec().into(), &arguments(folder.path(), &["--jobs", "500"]), &mut out).expect("all is well");
     let out = String::from_utf8(out).expect("text");
     assert!(out.contains("Oracle of within_radius (f64): 0 of 500 random jobs answered wrongly."), "{out}");
     assert!(out.contains("500 jobs of all operations") && out.contains(" 0 mismatches"), "{out}");
@@ -82,13 +83,13 @@ fn the_command_writes_and_says_what_it_found() {
     let text = std::fs::read_to_string(folder.path().join("raypath.sv")).expect("a file");
     assert!(text.contains("input  logic [2:0]  opcode_i") || text.contains("[2:0]"), "five operations need three bits");
     assert!(text.contains("point_3_z_i") && text.contains("squared_distance_0_o"));
-    // Its jobs are those that the oracle has judged.
+    // Its jobs are those that the oracle has reports.
     let datapath = Datapath::paper(Default::default()).with(WithinRadius);
-    let (netlist, studies) = (datapath.elaborate().expect("it fits"), [AnyStudy::from(study())]);
-    let checks = Checks { datapath: &datapath, netlist: &netlist, studies: &studies, seed: 1, jobs: 500 };
+    let (netlist, specs) = (datapath.elaborate().expect("it fits"), [AnyOperationSpec::from(spec())]);
+    let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 1, jobs: 500 };
     let path = folder.path().join("within_radius.txt");
     let recorded = read(&path, None, &datapath.model(), Default::default()).expect("transactions");
-    assert_eq!(recorded, checks.transactions(&studies[0]));
+    assert_eq!(recorded, checks.transactions(&specs[0]));
     assert_eq!(recorded.len(), 500);
 }
 
@@ -103,12 +104,12 @@ fn a_first_cut_needs_no_stages() {
     assert!(cost.with.flip_flops <= by_hand.with.flip_flops, "{cost:?}, by hand {by_hand:?}");
 
     let netlist = auto.elaborate().expect("it fits");
-    let oracle = Study::of(FirstCut).oracle("the operation by hand", |job, answer| {
+    let oracle = OperationSpec::of(FirstCut).oracle("the operation by hand", |job, answer| {
         let (expected, ()) = WithinRadius.run(Binary32, *job, ());
         if *answer == expected { Ok(()) } else { Err(format!("expected {expected:?}")) }
     });
-    let studies = [AnyStudy::from(oracle)];
-    let checks = Checks { datapath: &auto, netlist: &netlist, studies: &studies, seed: 7, jobs: 3000 };
+    let specs = [AnyOperationSpec::from(oracle)];
+    let checks = Checks { datapath: &auto, netlist: &netlist, specs: &specs, seed: 7, jobs: 3000 };
     assert_eq!(checks.against_the_oracles()[0].wrong, 0);
     assert_eq!(checks.against_the_models(|_| true).expect("a netlist").different, 0);
 }
@@ -158,10 +159,10 @@ fn the_oracle_refuses_nan() {
             (Near { is_near: Flags([c.bit(false); 4]), squared_distance: [none; 4] }, ())
         }
     }
-    let study: AnyStudy = Study::of(NoNumber).stimulus(stimulus).oracle("f64", judge).into();
-    let datapath = Datapath::new().with_any(study.operation());
-    let (netlist, studies) = (datapath.elaborate().expect("it fits"), [study]);
-    let checks = Checks { datapath: &datapath, netlist: &netlist, studies: &studies, seed: 1, jobs: 100 };
+    let spec: AnyOperationSpec = OperationSpec::of(NoNumber).stimulus(stimulus).oracle("f64", judge).into();
+    let datapath = Datapath::new().with_any(spec.operation());
+    let (netlist, specs) = (datapath.elaborate().expect("it fits"), [spec]);
+    let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 1, jobs: 100 };
     assert_eq!(checks.against_the_oracles()[0].wrong, 100);
 }
 
@@ -171,7 +172,7 @@ fn it_is_not_blamed_for_units() {
     let config = Default::default();
     let netlist = Datapath::paper(config).with(WithinRadius).elaborate().expect("it fits");
     for step in 0..netlist.steps().count() {
-        let causes = raypath_lab::tables::difference(&netlist, config, step);
+        let causes = raypath_cli::rtl::report::tables::difference(&netlist, config, step);
         assert!(!causes.contains(&"operations beside the paper's"), "step {step}: {causes:?}");
     }
 }

@@ -3,8 +3,8 @@
 use crate::commands::Failure;
 use crate::commands::numbers::whole;
 use clap::{Args, ValueEnum};
-use raypath::lab::{self, LabError};
 use raypath::ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, Report};
+use raypath_cli::{self, CliError};
 use raypath_tools::{OpenSta, ToolError, Yosys, YosysKind};
 use std::path::PathBuf;
 
@@ -49,8 +49,8 @@ impl BenchArguments {
             jobs: self.jobs.map_or_else(cores, usize::from),
             cache: self.cache.clone(),
         };
-        lab::measure(&bench, designs).map_err(|error| match error {
-            LabError::Stopped(stopped) => {
+        raypath_cli::measure(&bench, designs).map_err(|error| match error {
+            CliError::Stopped(stopped) => {
                 let kept = "what is done is kept, and the same command goes on from there";
                 Failure::Interrupted(format!("{stopped}; {kept}"))
             }

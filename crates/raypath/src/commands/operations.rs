@@ -3,10 +3,12 @@
 use crate::commands::Failure;
 use clap::Args;
 use comfy_table::{CellAlignment, ContentArrangement};
-use raypath::lab::{AnyStudy, Cost, Datapath, LabError};
+use raypath::ops;
+use raypath::oracle::AnyOperationSpec;
 use raypath::rtl::Config;
+use raypath::sim::Datapath;
 use raypath::tables::new_table;
-use raypath::{lab, ops};
+use raypath_cli::{CliError, Cost};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -62,15 +64,15 @@ struct Entry {
     purpose: &'static str,
     verified: &'static str,
     /// Where it is none of the paper's.
-    study: Option<AnyStudy>,
+    spec: Option<AnyOperationSpec>,
 }
 
 impl Entry {
     /// The paper's operations and this one.
     fn datapath(&self, config: Config) -> Datapath {
         let paper = Datapath::paper(config);
-        match &self.study {
-            Some(study) => paper.with_any(study.operation()),
+        match &self.spec {
+            Some(spec) => paper.with_any(spec.operation()),
             None => paper,
         }
     }
@@ -86,17 +88,17 @@ fn paper(config: Config) -> Vec<Entry> {
                 ("dot product and norm, 8 dimensions a beat", "golden vectors, exact sums, proofs")
             }
         };
-        Entry { name: kind.name(), purpose, verified, study: None }
+        Entry { name: kind.name(), purpose, verified, spec: None }
     };
     config.kinds().iter().map(of).collect()
 }
 
 fn extra() -> impl Iterator<Item = Entry> {
-    lab::registered().into_iter().map(|study| Entry {
-        name: study.name(),
-        purpose: study.for_what(),
-        verified: study.verified_by().unwrap_or("models alone"),
-        study: Some(study),
+    raypath::oracle::registered().into_iter().map(|spec| Entry {
+        name: spec.name(),
+        purpose: spec.for_what(),
+        verified: spec.verified_by().unwrap_or("models alone"),
+        spec: Some(spec),
     })
 }
 
@@ -111,13 +113,13 @@ fn row(entry: &Entry, cost: &Cost) -> Vec<String> {
     row
 }
 
-impl From<LabError> for Failure {
-    fn from(error: LabError) -> Self {
+impl From<CliError> for Failure {
+    fn from(error: CliError) -> Self {
         match error {
-            LabError::Elaboration(error) => error.into(),
-            LabError::Mismatch(found) => Self::Mismatch(found),
-            LabError::Output(error) => error.into(),
-            LabError::Stopped(stopped) => stopped.into(),
+            CliError::Elaboration(error) => error.into(),
+            CliError::Mismatch(found) => Self::Mismatch(found),
+            CliError::Output(error) => error.into(),
+            CliError::Stopped(stopped) => stopped.into(),
             other => Self::unusable(other),
         }
     }

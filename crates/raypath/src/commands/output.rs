@@ -1,7 +1,7 @@
 //! Files that appear whole or not at all.
 
 use crate::commands::Failure;
-use raypath::lab::files::{self, FileError};
+use raypath::sim::files::{self, FileError};
 use std::io::Write;
 use std::path::PathBuf;
 

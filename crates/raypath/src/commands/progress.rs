@@ -1,8 +1,8 @@
 //! Work that says how far it has come, on any thread.
 
 use crate::commands::Failure;
-pub use raypath::lab::progress::Progress;
-use raypath::lab::progress::{Stopped, is_stopped};
+pub use raypath_cli::progress::Progress;
+use raypath_cli::progress::{Stopped, is_stopped};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 

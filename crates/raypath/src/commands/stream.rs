@@ -3,9 +3,9 @@
 use crate::commands::Failure;
 use crate::commands::numbers::whole;
 use clap::Args;
-use raypath::lab::AnyModel;
 use raypath::model::{Kind, OnPorts};
 use raypath::rtl::Config;
+use raypath::sim::AnyModel;
 use raypath::traffic::{Traffic, interleave, read_recorded};
 use raypath::transactions::{Transaction, kind_named, merge, read};
 use std::path::PathBuf;

@@ -9,8 +9,8 @@ use crate::commands::stream::StreamArguments;
 use clap::Args;
 use raypath::engine::{Engine, NetlistEngine, Shown, drive};
 use raypath::hdl::WaveWriter;
-use raypath::lab::{AnyModel, Words};
 use raypath::rtl::UnitKind;
+use raypath::sim::{AnyModel, Words};
 use std::io::Write;
 use std::path::PathBuf;
 

@@ -1,6 +1,6 @@
 //! Files that verification leaves behind.
 
-use raypath_lab::files::{FileError, write_all};
+use raypath_sim::files::{FileError, write_all};
 use raypath_verify::Error;
 use std::path::Path;
 

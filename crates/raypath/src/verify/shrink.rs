@@ -1,8 +1,8 @@
 //! Failures made small: jobs, handshakes and operands are left out as long as it still fails (delta debugging: Zeller and
 //! Hildebrandt, IEEE TSE 28(2), 2002).
 
-use crate::check::{Difference, SideBySide};
 use crate::engine::{NetlistEngine, observe};
+use crate::lockstep::{Difference, SideBySide};
 use crate::models::PaperModel;
 use crate::traffic::{Cycle, Traffic};
 use crate::verify::layout::Layout;

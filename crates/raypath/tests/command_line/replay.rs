@@ -1,10 +1,10 @@
 //! `raypath replay` of any operations, and `--report`.
 
 use crate::{GOLDEN, ends_with, file, folder, page, printed, raypath, said, text};
-use raypath::jobs;
-use raypath::lab::{AnyModel, Datapath, registered};
 use raypath::model::Model;
+use raypath::oracle::registered;
 use raypath::rtl::Config;
+use raypath::sim::{AnyModel, Datapath};
 use raypath::transactions::{Transaction, read, text as as_text};
 
 #[test]
@@ -41,12 +41,12 @@ fn recorded_jobs_in_a_report() {
 
 /// The datapath of the paper with an operation besides, and so many of the operation's jobs with the model's answers.
 fn added(name: &str, seed: u64, count: usize) -> (AnyModel, Vec<Transaction<AnyModel>>) {
-    let studies = registered();
-    let study = studies.iter().find(|study| study.name() == name).expect("an operation");
-    let datapath = Datapath::paper(Config::DEFAULT).with_any(study.operation());
+    let specs = registered();
+    let spec = specs.iter().find(|spec| spec.name() == name).expect("an operation");
+    let datapath = Datapath::paper(Config::DEFAULT).with_any(spec.operation());
     let mut model = datapath.model();
     let kind = model.kind(name).expect("an operation");
-    let jobs = jobs::of_any(&datapath, &studies, seed, &[kind]).take(count).enumerate();
+    let jobs = raypath::oracle::jobs(&datapath, &specs, seed, &[kind]).take(count).enumerate();
     let stream = jobs.map(|(seq, job)| Transaction { seq: seq as u64, category: 1, expected: model.run(&job), job });
     let stream = stream.collect();
     model.reset();
@@ -58,17 +58,17 @@ fn added(name: &str, seed: u64, count: usize) -> (AnyModel, Vec<Transaction<AnyM
 fn transactions_of_any_operation_survive_a_file() {
     let (folder, all) = (folder(), registered());
     assert!(!all.is_empty(), "no operation is registered");
-    for study in &all {
-        let (model, stream) = added(study.name(), 7, 300);
-        let kind = model.kind(study.name()).expect("an operation");
+    for spec in &all {
+        let (model, stream) = added(spec.name(), 7, 300);
+        let kind = model.kind(spec.name()).expect("an operation");
         let written = as_text(&model, kind, &stream, Config::DEFAULT);
         let path = file(folder.path(), &format!("{kind}.txt"), &written);
         let again = read(path.as_ref(), None, &model, Config::DEFAULT).expect("transactions");
         assert_eq!(again, stream, "{kind}");
         let fields = 2 + model.inputs(kind).len() + model.outputs(kind).len();
         assert!(written.lines().all(|line| line.split(' ').count() == fields), "{kind}");
-        let with = ["replay", "--with", study.name(), &path, "--handshake", "random", "--engine", "both"];
-        ends_with(&with, 0, &[study.name(), "300           0"]);
+        let with = ["replay", "--with", spec.name(), &path, "--handshake", "random", "--engine", "both"];
+        ends_with(&with, 0, &[spec.name(), "300           0"]);
     }
 }
 

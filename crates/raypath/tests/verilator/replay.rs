@@ -5,11 +5,11 @@ use crate::representatives::REPRESENTATIVES;
 use raypath::engine::{PortEncoding, shape};
 use raypath::hdl::Module;
 use raypath::jobs::random;
-use raypath::lab::frames::{Answers, Cycle, Stimulus};
 use raypath::model::{Functional, OnPorts};
 use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::{Job, Outcome, Rules};
 use raypath::rtl::{Config, Datapath, Lanes};
+use raypath::sim::frames::{Answers, Cycle, Stimulus};
 use raypath::traffic::{Traffic, interleave};
 use raypath_tools::{Options, Sources, Verilated};
 

@@ -1,5 +1,5 @@
-use crate::check::{Difference, SideBySide};
 use crate::engine::{NetlistEngine, observe};
+use crate::lockstep::{Difference, SideBySide};
 use crate::models::PaperModel;
 use crate::traffic::{Cycle, Traffic};
 use crate::verify::coverage::{Atlas, Coverage, Features, Tracker};

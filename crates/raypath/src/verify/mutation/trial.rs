@@ -3,8 +3,8 @@
 use super::Fate;
 use super::passes::passes_alike;
 use super::sample::{Elaborated, Subject};
-use crate::check::{Everyday, Failed};
 use crate::engine::NetlistEngine;
+use crate::lockstep::{Everyday, Failed};
 use crate::models::{PaperModel, Visitor, with_model};
 use crate::verify::Error;
 use raypath_hdl::Module;

@@ -1,7 +1,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use raypath_float::Format;
-use raypath_lab::numbers::edges;
+use raypath_sim::numbers::edges;
 
 /// Numbers of a format, by sort.
 #[derive(Debug, Clone)]

@@ -1,0 +1,47 @@
+//! What is written for a datapath: SystemVerilog, checkers, a picture, and what integrates it.
+
+use raypath_hdl::verilog;
+use raypath_rtl::report::picture;
+use raypath_rtl::{Config, Datapath, Error};
+use std::path::{Path, PathBuf};
+
+/// What the file of assertions says of itself.
+const PROPERTIES: &[&str] = &[
+    "What the pipeline's control promises, as assertions. Compile this file after raypath.sv, with assertions on",
+    "(verilator --assert); its last lines bind the checkers to the modules. `raypath verify control` proves them.",
+];
+
+/// Everything that is written, by path: each module in `rtl/`, listed in `raypath.f`, and all of them in `raypath.sv`;
+/// `raypath_properties.sv`; `pipeline.svg`; a wrapper with its package, and manifests ([`raypath_rtl::package::files`]). `banner` is the comment at the head of each file.
+///
+/// # Errors
+/// Names that cannot be printed.
+pub fn files(
+    datapath: &Datapath,
+    config: Config,
+    banner: &[String],
+    folder: &Path,
+) -> Result<Vec<(PathBuf, String)>, Error> {
+    let mut files = Vec::new();
+    let mut list = String::new();
+    let mut all = head(banner, datapath.top().doc());
+    for module in verilog::modules(datapath.top())? {
+        let name = format!("rtl/{}.sv", module.name());
+        list += &format!("{name}\n");
+        all += &format!("\n{}", verilog::print_module(&module, &[])?);
+        files.push((folder.join(name), verilog::print_module(&module, banner)?));
+    }
+    files.push((folder.join("raypath.f"), list));
+    files.push((folder.join("raypath.sv"), all));
+    files.push((folder.join("raypath_properties.sv"), head(banner, PROPERTIES) + &datapath.properties().to_string()));
+    files.push((folder.join("pipeline.svg"), picture::pipeline(datapath, config)));
+    let package = raypath_rtl::package::files(datapath, banner)?.into_iter();
+    files.extend(package.map(|(path, text)| (folder.join(path), text)));
+    Ok(files)
+}
+
+/// The comment at the head of the file that has all modules: what it came from, and Table VII.
+fn head(banner: &[String], doc: &[impl AsRef<str>]) -> String {
+    let lines = banner.iter().map(String::as_str).chain([""]).chain(doc.iter().map(AsRef::as_ref));
+    lines.map(|line| format!("// {line}").trim_end().to_string() + "\n").collect()
+}

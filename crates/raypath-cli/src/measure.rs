@@ -1,0 +1,20 @@
+use crate::error::CliError;
+use crate::progress::Progress;
+use raypath_ppa::{Bench, Design, Report};
+
+/// Measures designs with a progress bar. What is in the bench's cache is not measured again, and what is measured goes
+/// there, also where the user stops it.
+///
+/// # Errors
+/// A tool that fails; the user stopped it.
+pub fn measure(bench: &Bench, designs: &[Design]) -> Result<Vec<Report>, CliError> {
+    let mut progress: Option<Progress> = None;
+    let mut reached = 0;
+    let result = bench.measure(designs, |steps| {
+        reached = steps.done;
+        // With all in the cache there is nothing to show.
+        steps.total == 0 || progress.get_or_insert_with(|| Progress::new("steps", steps.total)).at(steps.done)
+    });
+    progress.map_or(Ok(()), |progress| progress.finish(reached))?;
+    Ok(result?)
+}

@@ -1,0 +1,40 @@
+//! What oracles say, for those who read it.
+
+use crate::error::CliError;
+use raypath_oracle::{Checks, OracleReport};
+use std::io::Write;
+
+/// Holds the answers of each operation against its oracle, and says on `out` what it found.
+///
+/// # Errors
+/// A wrong answer; `out` that cannot be written.
+pub fn ask_oracles(checks: &Checks<'_>, out: &mut dyn Write) -> Result<(), CliError> {
+    for spec in checks.specs {
+        let name = spec.name();
+        let Some(oracle) = spec.verified_by() else {
+            writeln!(out, "Oracle of {name}: none; only netlist and models are compared.")?;
+            continue;
+        };
+        let one = Checks { specs: std::slice::from_ref(spec), ..*checks };
+        let Some(report) = one.against_the_oracles().pop() else {
+            writeln!(out, "Oracle of {name} ({oracle}): left out; oracles speak of binary32.")?;
+            continue;
+        };
+        let (wrong, jobs) = (report.wrong, report.jobs);
+        writeln!(out, "Oracle of {name} ({oracle}): {wrong} of {jobs} random jobs answered wrongly.")?;
+        require_right(&report, name, out)?;
+    }
+    Ok(())
+}
+
+/// Writes the faults of the operation `name` to `out`.
+///
+/// # Errors
+/// A wrong answer; `out` cannot be written.
+pub(crate) fn require_right(report: &OracleReport, name: &str, out: &mut dyn Write) -> Result<(), CliError> {
+    report.faults.iter().try_for_each(|fault| writeln!(out, "  {fault}"))?;
+    match report.wrong {
+        0 => Ok(()),
+        wrong => Err(CliError::Mismatch(format!("{wrong} of {} answers of {name} are wrong", report.jobs))),
+    }
+}

@@ -1,0 +1,122 @@
+//! Nodes in the compressed form, and how boxes come into it.
+
+use crate::{Aabb, Binary32, Flags, Vec3, Word, bundle};
+use thiserror::Error;
+
+bundle! {
+    /// A node with four children.
+    pub struct QuantisedNode<C> {
+        /// Where offsets count from.
+        pub origin: Vec3<C>,
+        /// What an offset of 1 is worth along each axis: a power of two, so that nothing is rounded but sums and distances.
+        /// Any other number is multiplied like any other.
+        pub scale: Vec3<C>,
+        /// The children's boxes.
+        pub child: [OffsetBox<C>; 4],
+        /// Which children there are; one that is not there is missed, whatever its box.
+        pub used: Flags<C, 4>,
+    }
+}
+
+bundle! {
+    /// A box in offsets.
+    pub struct OffsetBox<C> {
+        /// Along x.
+        pub x: OffsetSlab<C>,
+        /// Along y.
+        pub y: OffsetSlab<C>,
+        /// Along z.
+        pub z: OffsetSlab<C>,
+    }
+}
+
+bundle! {
+    /// One axis of a box in offsets.
+    pub struct OffsetSlab<C> {
+        /// The lesser bound, rounded down.
+        pub min: Word<C, 8>,
+        /// The greater bound, rounded up.
+        pub max: Word<C, 8>,
+    }
+}
+
+/// Why boxes make no node.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum QuantiseError {
+    /// There are too many, or none.
+    #[error("{0} boxes, expected 1 to 4")]
+    Count(usize),
+    /// A bound is infinite or NaN, or a box's min exceeds its max.
+    #[error("box {child}, axis {axis}: from {min} to {max}, expected two finite numbers in order")]
+    Bounds {
+        /// Which box.
+        child: usize,
+        /// Along which axis: 0 is x.
+        axis: usize,
+        /// Its lesser bound.
+        min: f32,
+        /// Its greater bound.
+        max: f32,
+    },
+}
+
+impl QuantisedNode<Binary32> {
+    /// The node of one to four boxes: each is inside its quantised box, exactly, and along each axis the scale is the least
+    /// power of two, not below 2⁻¹²⁶, by which all boxes fit.
+    ///
+    /// # Errors
+    /// No or more than four boxes, a bound that is not finite, a min that exceeds its max.
+    pub fn encode(boxes: &[Aabb<Binary32>]) -> Result<Self, QuantiseError> {
+        if !(1..=4).contains(&boxes.len()) {
+            return Err(QuantiseError::Count(boxes.len()));
+        }
+        let slabs = |axis: usize| {
+            let slab = move |aabb: &Aabb<Binary32>| [aabb.x, aabb.y, aabb.z][axis];
+            boxes.iter().map(slab).map(|slab| [slab.min, slab.max].map(f32::from)).enumerate()
+        };
+        let (mut origin, mut scale) = ([0.0_f32; 3], [0.0_f32; 3]);
+        let mut offsets = [[[0, 0]; 3]; 4];
+        for axis in 0..3 {
+            let (mut least, mut greatest) = (f32::MAX, f32::MIN);
+            for (child, [min, max]) in slabs(axis) {
+                if !(min.is_finite() && max.is_finite() && min <= max) {
+                    return Err(QuantiseError::Bounds { child, axis, min, max });
+                }
+                (least, greatest) = (least.min(min), greatest.max(max));
+            }
+            let mut unit = least_unit(least, greatest);
+            while offset(least, greatest, unit)[1] > 255.0 {
+                unit *= 2.0;
+            }
+            for (child, [min, max]) in slabs(axis) {
+                offsets[child][axis] = [offset(least, min, unit)[0] as u32, offset(least, max, unit)[1] as u32];
+            }
+            (origin[axis], scale[axis]) = (least, unit);
+        }
+        let slab = |[min, max]: [u32; 2]| OffsetSlab { min: Word::truncate(min), max: Word::truncate(max) };
+        let child = offsets.map(|[x, y, z]| OffsetBox { x: slab(x), y: slab(y), z: slab(z) });
+        let used = Flags::new(std::array::from_fn(|i| i < boxes.len()));
+        Ok(Self { origin: origin.into(), scale: scale.into(), child, used })
+    }
+}
+
+/// A power of two of which more than 255 are between two numbers, or the least that is a scale.
+fn least_unit(from: f32, to: f32) -> f32 {
+    let extent = f64::from(to) - f64::from(from);
+    let power = f64::from_bits(extent.to_bits() & f64::INFINITY.to_bits());
+    ((power / 512.0) as f32).max(f32::MIN_POSITIVE)
+}
+
+/// How many units, a power of two, `to` is above `from`: rounded down, and rounded up.
+fn offset(from: f32, to: f32, unit: f32) -> [f64; 2] {
+    let (from, to) = (f64::from(from), f64::from(to));
+    // What the difference lost to rounding (Knuth's two-sum); it decides only where what is left is a whole number.
+    let difference = to - from;
+    let back = difference - to;
+    let lost = (to - (difference - back)) - (from + back);
+    let units = difference / f64::from(unit);
+    let exactly = units.fract() == 0.0;
+    let down = if exactly && lost < 0.0 { units - 1.0 } else { units.floor() };
+    let up = if exactly && lost > 0.0 { units + 1.0 } else { units.ceil() };
+    [down, up]
+}

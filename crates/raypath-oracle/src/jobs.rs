@@ -1,0 +1,72 @@
+//! Random jobs of any datapath, by the specifications of its operations.
+
+use crate::AnyOperationSpec;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use raypath_model::{Model, OnPorts};
+use raypath_ops::{JobKind, PortValue};
+use raypath_rtl::Config;
+use raypath_sim::jobs::{any_job, random};
+use raypath_sim::models::{PaperModel, Visitor, with_model};
+use raypath_sim::{AnyKind, Datapath, Words};
+
+/// An endless stream of jobs for any datapath: the paper's operations as [`random`](fn@random) has them, those of `specs` as they
+/// say themselves, and of ports that are neither's any value. `kinds` must not be empty.
+pub fn jobs(
+    datapath: &Datapath,
+    specs: &[AnyOperationSpec],
+    seed: u64,
+    kinds: &[AnyKind],
+) -> impl Iterator<Item = Words> + use<> {
+    let (model, config) = (datapath.model(), datapath.config());
+    let mut sources: Vec<(AnyKind, Source)> = Vec::new();
+    for (&kind, seed) in kinds.iter().zip(seed..) {
+        let paper = config.kinds().iter().find(|paper| paper.name() == kind.name());
+        let spec = specs.iter().find(|spec| spec.name() == kind.name());
+        sources.push((
+            kind,
+            match (paper, spec) {
+                (_, Some(spec)) => Source::Spec(spec.clone()),
+                (Some(&paper), None) => with_model(config, Ports { config, seed, kind: paper }),
+                (None, None) => Source::Any,
+            },
+        ));
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    std::iter::repeat_with(move || {
+        let chosen = rng.random_range(0..sources.len());
+        let (kind, source) = &mut sources[chosen];
+        match source {
+            Source::Spec(spec) => spec.job(&model, *kind, &mut rng),
+            Source::Any => any_job(&model, *kind, &mut rng),
+            Source::Paper(ports) => {
+                let (given, other) = (ports(), any_job(&model, *kind, &mut rng).ports());
+                let value = |name: &str, values: &[PortValue]| values.iter().find(|v| v.name == name).map(|v| v.bits);
+                model.job(*kind, |name| value(name, &given).or(value(name, &other)).unwrap_or(0))
+            }
+        }
+    })
+}
+
+/// Where the jobs of an operation come from.
+enum Source {
+    Spec(AnyOperationSpec),
+    Paper(Box<dyn FnMut() -> Vec<PortValue>>),
+    Any,
+}
+
+/// Makes the ports of one of the paper's operations.
+struct Ports {
+    config: Config,
+    seed: u64,
+    kind: JobKind,
+}
+
+impl Visitor for Ports {
+    type Answer = Source;
+
+    fn visit<M: PaperModel>(self, model: M) -> Source {
+        let mut jobs = random(&model, self.config.format, self.seed, &[self.kind]);
+        Source::Paper(Box::new(move || jobs.next().map(|job| job.ports()).unwrap_or_default()))
+    }
+}

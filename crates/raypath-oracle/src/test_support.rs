@@ -1,0 +1,103 @@
+//! What the tests of all operations do alike: many random jobs before the check, and every circuit against the native
+//! one.
+
+use fearless_simd::Simd;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use raypath_float::Format;
+use raypath_model::{BLOCK, Lanes, Packed, Part, Soft, SoftNumber};
+use raypath_ops::{Binary32, Bit, Concrete, Family, Gather, Num, Operation, Scatter, Word};
+
+/// Software arithmetic of binary32.
+pub const SOFT: Soft = Soft { format: Format::BINARY32 };
+
+/// `count` jobs of a stimulus.
+pub fn jobs<T>(stimulus: impl Fn(&mut ChaCha8Rng) -> T, count: usize) -> Vec<T> {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    (0..count).map(|_| stimulus(&mut rng)).collect()
+}
+
+/// Binary32 into software arithmetic, and back.
+pub struct ToSoft;
+
+impl Gather<Binary32, Soft, 1> for ToSoft {
+    fn num(&self, [value]: [&Num<Binary32>; 1]) -> Num<Soft> {
+        Num::new(SOFT, SOFT.number(value.to_bits().into()))
+    }
+    fn bit(&self, [value]: [&Bit<Binary32>; 1]) -> Bit<Soft> {
+        Bit::new(SOFT, value.value)
+    }
+    fn word<const W: u32>(&self, [value]: [&Word<Binary32, W>; 1]) -> Word<Soft, W> {
+        Word::new(SOFT, value.value)
+    }
+}
+
+impl Scatter<Soft, Binary32, 1> for ToSoft {
+    fn num(&self, value: Num<Soft>) -> [Num<Binary32>; 1] {
+        let SoftNumber(bits) = value.value;
+        [Num::from_bits(bits as u32)]
+    }
+    fn bit(&self, value: Bit<Soft>) -> [Bit<Binary32>; 1] {
+        [value.value.into()]
+    }
+    fn word<const W: u32>(&self, value: Word<Soft, W>) -> [Word<Binary32, W>; 1] {
+        [Word::truncate(value.value)]
+    }
+}
+
+/// Answers blocks of jobs in SIMD lanes.
+#[inline(always)]
+pub fn in_lanes<S: Simd, O>(simd: S, operation: &O, jobs: &[O::Input<Packed>], answers: &mut [O::Output<Packed>])
+where
+    O: Operation<State<Lanes<S>> = ()>,
+    O::Input<Binary32>: Family<Of<Packed> = O::Input<Packed>, Of<Lanes<S>> = O::Input<Lanes<S>>>,
+    O::Output<Binary32>: Family<Of<Packed> = O::Output<Packed>, Of<Lanes<S>> = O::Output<Lanes<S>>>,
+{
+    let lanes = Lanes::new(simd);
+    for first in (0..BLOCK).step_by(Lanes::<S>::COUNT) {
+        let part = Part { lanes, first };
+        for (job, answer) in jobs.iter().zip(&mut *answers) {
+            let input = <O::Input<Binary32> as Family>::gather([job], &part);
+            let (output, ()) = operation.run(lanes, input, ());
+            <O::Output<Binary32> as Family>::put(&output, answer, &part);
+        }
+    }
+}
+
+/// The tests that every operation has, of what its file calls `stimulus` and `check`.
+macro_rules! check_operation {
+    ($operation:expr, $input:ident, $output:ident) => {
+        #[test]
+        fn the_oracle_agrees() {
+            for (i, job) in crate::test_support::jobs(stimulus, 20_000).iter().enumerate() {
+                let (answer, ()) = $operation.run(Binary32, *job, ());
+                check(job, &answer).unwrap_or_else(|wrong| panic!("job {i}: {wrong}\n{job:#?}\n{answer:#?}"));
+            }
+        }
+
+        #[test]
+        fn all_circuits_agree() {
+            use crate::test_support::{SOFT, ToSoft, in_lanes, jobs};
+            use raypath_model::{blank, levels, pack, unpack};
+            use raypath_ops::Family;
+
+            let jobs = jobs(stimulus, 16 * 100);
+            let answers: Vec<$output<Binary32>> =
+                jobs.iter().map(|job| $operation.run(Binary32, *job, ()).0).collect();
+            for (job, answer) in jobs.iter().zip(&answers) {
+                let (output, ()) = $operation.run(SOFT, <$input<Binary32>>::gather([job], &ToSoft), ());
+                let [soft] = <$output<Binary32>>::scatter(output, &ToSoft);
+                assert_eq!(soft, *answer, "in software: {job:#?}");
+            }
+            let blocks = pack::<$input<Binary32>>(&jobs);
+            for level in levels() {
+                let mut found = vec![blank::<$output<Binary32>>(); blocks.len()];
+                fearless_simd::dispatch!(level, simd => in_lanes(simd, &$operation, &blocks, &mut found));
+                for (found, answer) in unpack::<$output<Binary32>>(&found, jobs.len()).zip(&answers) {
+                    assert_eq!(found, *answer, "{level:?}");
+                }
+            }
+        }
+    };
+}
+pub(crate) use check_operation;

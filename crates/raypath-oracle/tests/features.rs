@@ -1,0 +1,102 @@
+//! The paper's operations with features that the paper does not have: what is printed, before the tools.
+
+use rand::RngExt;
+use raypath_float::Format;
+use raypath_ops::{Culling, RayTriangleExtended, RayTriangleExtendedInput, Rules};
+use raypath_ops::{Ray, Triangle};
+use raypath_oracle::{AnyOperationSpec, Checks, OperationSpec};
+use raypath_rtl::{Accumulators, Config, Control, Features, Lanes, UnitLatency};
+use raypath_sim::Datapath;
+use std::collections::BTreeSet;
+
+/// Everything on.
+const ALL: Features = Features {
+    tag: 32,
+    barycentrics: true,
+    culling: Culling::None,
+    facing: true,
+    range: true,
+    conservative: true,
+    accumulators: Accumulators::Four,
+    exception_flags: true,
+};
+
+/// Verilator, Yosys and slang have nothing to say, and Verilator shows in every cycle what the cycle-exact model shows.
+#[test]
+fn all_features_in_verilator() {
+    in_verilator(Config { features: ALL, ..Config::DEFAULT });
+}
+
+/// The same where beats wait for each other, and jobs for credits.
+#[test]
+fn all_features_with_credits_and_units_of_two_steps() {
+    let config = Config { features: ALL, lanes: Lanes::Four, ..Config::DEFAULT };
+    in_verilator(Config { control: Control::Credit, unit_latency: UnitLatency::Two, ..config });
+}
+
+fn in_verilator(config: Config) {
+    let datapath = Datapath::paper(config);
+    let netlist = datapath.elaborate().expect("a datapath");
+    let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &[], seed: 8, jobs: 8000 };
+    let folder = tempfile::tempdir().expect("a folder");
+    let found = checks.in_verilator(folder.path()).expect("the tools are there and content");
+    assert!(found.different == 0 && found.cycles > 8000, "{config}: {found:?}");
+    let found = checks.against_the_models(|_| true).expect("a netlist");
+    assert_eq!((found.jobs, found.different), (8000, 0), "{config}: {:?}", found.differences);
+}
+
+/// A feature that cannot be had is refused, and says what could be.
+#[test]
+fn what_cannot_be_had_is_refused() {
+    let features = |features| Datapath::paper(Config { features, ..Config::DEFAULT }).elaborate();
+    let error = features(Features { tag: 33, ..Features::OFF }).expect_err("too wide");
+    assert!(error.to_string().contains("33 bits, expected 1 to 32"), "{error}");
+    let flags = Features { exception_flags: true, ..Features::OFF };
+    let half = Config { format: Format::BINARY16, features: flags, ..Config::DEFAULT };
+    let error = Datapath::paper(half).elaborate().expect_err("no model has them");
+    assert!(error.to_string().contains("expected format fp32"), "{error}");
+    let chisel = Config { rules: Rules::Chisel, features: ALL, ..Config::DEFAULT };
+    let error = Datapath::paper(chisel).elaborate().expect_err("not under these rules");
+    assert!(error.to_string().contains("expected the rules paper"), "{error}");
+}
+
+/// Ports that are not there are neither asked for nor shown: an oracle sees all others in their places, and a tag is any
+/// word.
+#[test]
+fn oracles_see_ports_in_their_places() {
+    let extended = RayTriangleExtended {
+        rules: Rules::Paper,
+        culling: Culling::None,
+        facing: true,
+        barycentrics: false,
+        range: false,
+    };
+    let spec = OperationSpec::of(extended)
+        .stimulus(|rng| {
+            let mut vertex = || [(); 3].map(|()| rng.random_range(-1.0_f32..1.0));
+            let triangle = Triangle::new(vertex(), vertex(), vertex());
+            let ray = Ray::new([0.0, 0.0, -5.0], [0.0, 0.0, 1.0], f32::INFINITY).expect("a ray");
+            RayTriangleExtendedInput { ray, triangle, t_min: 7.0.into() }
+        })
+        .oracle("the sign of the denominator", |job, answer| {
+            if f32::from(job.t_min) != 0.0 {
+                return Err("a port that is not there has a value".to_string());
+            }
+            let is_front = f32::from(answer.t_denom) > 0.0;
+            if bool::from(answer.facing) == is_front { Ok(()) } else { Err(format!("front: {is_front}")) }
+        });
+    let specs = [AnyOperationSpec::from(spec)];
+    let features = Features { tag: 8, ..Features::OFF };
+    let datapath = Datapath::new().built_as(Config { features, ..Config::DEFAULT }).with_any(specs[0].operation());
+    let netlist = datapath.elaborate().expect("a datapath");
+    let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 9, jobs: 1000 };
+    let reports = &checks.against_the_oracles()[0];
+    assert_eq!((reports.jobs, reports.wrong), (1000, 0), "{reports:?}");
+    let model = datapath.model();
+    let kind = model.kind("triangle").expect("its operation");
+    assert!(model.inputs(kind).iter().all(|port| port.name != "t_min"));
+    let tags: BTreeSet<u64> =
+        checks.transactions(&specs[0]).iter().filter_map(|found| found.job.as_words().last().copied()).collect();
+    assert!(tags.len() > 200, "{} of 256 tags", tags.len());
+    assert_eq!(checks.against_the_models(|_| true).expect("a netlist").different, 0);
+}

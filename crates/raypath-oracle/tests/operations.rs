@@ -1,0 +1,59 @@
+//! All operations of this crate beside the paper's four, as hardware.
+
+use raypath_oracle::{AnyOperationSpec, Checks, registered};
+use raypath_rtl::{Config, Control, Encoding, Sharing, UnitLatency};
+use raypath_sim::Datapath;
+
+fn with_all(config: Config, specs: &[AnyOperationSpec]) -> Datapath {
+    specs.iter().fold(Datapath::paper(config), |datapath, spec| datapath.with_any(spec.operation()))
+}
+
+#[test]
+fn every_operation_has_registered_itself_with_an_oracle() {
+    let all = registered();
+    let entries = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src/operations")).expect("a folder");
+    let names = entries.map(|entry| entry.expect("a file").file_name().to_string_lossy().into_owned());
+    let mut files: Vec<String> = names.filter_map(|name| name.strip_suffix(".rs").map(String::from)).collect();
+    files.sort();
+    assert_eq!(all.iter().map(AnyOperationSpec::name).collect::<Vec<_>>(), files);
+    assert!(all.iter().all(|spec| spec.verified_by().is_some() && !spec.for_what().is_empty()));
+}
+
+/// Past three linters, then in Verilator, all answers before the operations' oracles.
+#[test]
+fn verilator_answers_like_the_oracles() {
+    let specs = registered();
+    let datapath = with_all(Config::DEFAULT, &specs);
+    let netlist = datapath.elaborate().expect("they fit");
+    assert_eq!(netlist.latency(), 12);
+    let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 5, jobs: 10_000 };
+    let folder = tempfile::tempdir().expect("a folder");
+    let found = checks.in_verilator(folder.path()).expect("the tools are there and content");
+    assert_eq!(found.different, 0, "{:?}", found.faults);
+    assert_eq!(found.reports.len(), specs.len());
+    for (reports, spec) in found.reports.iter().zip(&specs) {
+        assert!(reports.wrong == 0 && reports.jobs > 500, "{}: {reports:?}", spec.name());
+    }
+}
+
+/// Netlist, cycle-exact and functional model in every cycle, however the datapath is built.
+#[test]
+fn the_netlist_is_like_the_models_in_every_configuration() {
+    let specs = registered();
+    let default = Config::DEFAULT;
+    let configurations = [
+        default,
+        Config { control: Control::Credit, unit_latency: UnitLatency::Two, ..default },
+        Config { unit_latency: UnitLatency::Three, ..default },
+        Config { io: Encoding::Recoded, registers: Encoding::Ieee, sharing: Sharing::Segregated, ..default },
+        Config { format: raypath_float::Format::BINARY16, ..default },
+    ];
+    for config in configurations {
+        let datapath = with_all(config, &specs);
+        let netlist = datapath.elaborate().expect("they fit");
+        let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 6, jobs: 4000 };
+        let found = checks.against_the_models(|_| true).expect("a netlist");
+        assert_eq!((found.jobs, found.different), (4000, 0), "{config}: {:?}", found.differences);
+        assert!(found.by_opcode.len() == 4 + specs.len() && found.stalled > 100, "{config}: {found:?}");
+    }
+}

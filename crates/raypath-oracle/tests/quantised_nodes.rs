@@ -1,0 +1,60 @@
+//! Encoding of boxes into compressed nodes, in exact rationals.
+
+use num_rational::BigRational;
+use rand::{RngExt, SeedableRng};
+use raypath_ops::operations::quantised_box::QuantisedNode;
+use raypath_ops::{Aabb, Binary32, Word};
+use raypath_oracle::{draw, exact};
+
+#[test]
+fn encoding_encloses_and_is_tight() {
+    let mut rng = rand_chacha::ChaCha8Rng::from_seed([7; 32]);
+    for round in 0..5000 {
+        let spread = [0..1, -3..4, -60..60, -149..127][round % 4].clone();
+        let count = rng.random_range(1..=4);
+        let boxes: Vec<Aabb<Binary32>> = (0..count)
+            .map(|_| {
+                let [a, b] = [(); 2].map(|()| draw::three(|| draw::spread(&mut rng, spread.clone())));
+                let pick = |pick: fn(f32, f32) -> f32| std::array::from_fn(|k| pick(a[k], b[k]));
+                Aabb::new(pick(f32::min), pick(f32::max))
+            })
+            .collect();
+        let node = QuantisedNode::encode(&boxes).expect("a node");
+        for axis in 0..3 {
+            let origin = &exact::values(node.origin).expect("finite")[axis];
+            let scale = &exact::values(node.scale).expect("finite")[axis];
+            assert!(
+                f32::from([node.scale.x, node.scale.y, node.scale.z][axis]).to_bits() & 0x7f_ffff == 0,
+                "a power of two"
+            );
+            let offset = |word: Word<Binary32, 8>| BigRational::from_integer(u32::from(word).into());
+            let one = exact::power(0);
+            let mut greatest = BigRational::default();
+            for (child, aabb) in node.child.iter().zip(&boxes) {
+                let slab = [aabb.x, aabb.y, aabb.z][axis];
+                let [min, max] = [slab.min, slab.max].map(|bound| exact::value(bound).expect("finite"));
+                let [low, high] = {
+                    let slab = [child.x, child.y, child.z][axis];
+                    [offset(slab.min), offset(slab.max)]
+                };
+                assert!(origin + &low * scale <= min && min < origin + (&low + &one) * scale, "{boxes:?} {node:?}");
+                assert!(max <= origin + &high * scale && origin + (&high - &one) * scale < max, "{boxes:?} {node:?}");
+                greatest = exact::greater(greatest, max - origin);
+            }
+            let half = scale / BigRational::from_integer(2.into()) * BigRational::from_integer(255.into());
+            assert!(*scale <= exact::power(-126) || greatest > half, "a smaller scale would do: {boxes:?}");
+        }
+    }
+}
+
+#[test]
+fn boxes_that_make_no_node() {
+    let unit = Aabb::new([0.0; 3], [1.0; 3]);
+    let said = |boxes: &[Aabb<Binary32>]| QuantisedNode::encode(boxes).expect_err("no node").to_string();
+    assert_eq!(said(&[]), "0 boxes, expected 1 to 4");
+    assert_eq!(said(&[unit; 5]), "5 boxes, expected 1 to 4");
+    let reversed = Aabb::new([0.0, 2.0, 0.0], [1.0; 3]);
+    assert_eq!(said(&[unit, reversed]), "box 1, axis 1: from 2 to 1, expected two finite numbers in order");
+    assert!(said(&[Aabb::new([0.0; 3], [1.0, 1.0, f32::INFINITY])]).contains("axis 2: from 0 to inf"));
+    assert!(said(&[Aabb::new([f32::NAN, 0.0, 0.0], [1.0; 3])]).contains("axis 0: from NaN to 1"));
+}

@@ -1,0 +1,154 @@
+//! The datapath in tables: schedule (Table VII), units (Table VIII) and registers, all computed from the netlist.
+
+use crate::{Budget, Config, Datapath, Lanes, PRESETS, STAGES, StageNote, Step, UnitKind, UnitLatency, Units};
+use comfy_table::presets::ASCII_MARKDOWN;
+use comfy_table::{ContentArrangement, Table};
+use raypath_ops::{JobKind, Rules};
+
+/// Table VII: what each operation does in each step.
+pub fn schedule(datapath: &Datapath) -> String {
+    let mut table = new_table();
+    let operations: Vec<&str> = datapath.schedule(1).iter().map(|note| note.operation).collect();
+    table.set_header([&["stage"], operations.as_slice()].concat());
+    for (index, step) in datapath.steps().enumerate().skip(1) {
+        let mut row = vec![step.to_string()];
+        row.extend(datapath.schedule(index).iter().map(cell));
+        table.add_row(row);
+    }
+    table.to_string()
+}
+
+/// What one operation does in each step, and which units the step has for all of them.
+pub fn schedule_of(datapath: &Datapath, operation: &str) -> String {
+    let mut table = new_table();
+    table.set_header(["stage", operation, "units that are there"]);
+    for (index, step) in datapath.steps().enumerate().skip(1) {
+        let notes = datapath.schedule(index);
+        let own = notes.iter().find(|note| note.operation == operation).map(cell).unwrap_or_default();
+        table.add_row([step.to_string(), own, list(datapath.units(index))]);
+    }
+    table.to_string()
+}
+
+fn cell(note: &StageNote) -> String {
+    let units = list(note.units);
+    match (units.is_empty(), note.what.is_empty()) {
+        (true, _) => note.what.clone(),
+        (_, true) => units,
+        _ => format!("{units}: {}", note.what),
+    }
+}
+
+/// The units of each step and the registers after it; beside them Table VIII where the configuration is one that it
+/// speaks of, with what makes ours differ.
+pub fn units_and_registers(datapath: &Datapath, config: Config) -> String {
+    let has_paper = is_in_table_viii(config);
+    let row = |stage: &str, units: Units, paper: Units, live: u64, flip_flops: u64, why: &str| {
+        let mut cells = vec![stage.to_string(), list(units), live.to_string(), flip_flops.to_string()];
+        if has_paper {
+            cells.insert(2, list(paper));
+            cells.push(why.to_string());
+        }
+        cells
+    };
+    let mut table = new_table();
+    let mut header = vec!["stage", "units", "live bits", "flip-flops"];
+    if has_paper {
+        header.insert(2, "Table VIII");
+        header.push("why the units differ");
+    }
+    table.set_header(header);
+    let (mut all, mut live, mut flip_flops) = (Units::default(), 0, 0);
+    for (index, step) in datapath.steps().enumerate() {
+        let registers = datapath.registers(index);
+        let units = datapath.units(index);
+        all = all + units;
+        live += registers.live;
+        flip_flops += registers.flip_flops();
+        let why = difference(datapath, config, index).join("; ");
+        table.add_row(row(&step.to_string(), units, paper_units(step), registers.live, registers.flip_flops(), &why));
+    }
+    let paper = (1..=STAGES).map(|stage| Budget::TABLE_VIII.units(stage)).sum();
+    table.add_row(row("all", all, paper, live, flip_flops, ""));
+    table.to_string()
+}
+
+/// Whether Table VIII speaks of such a configuration: 16 lanes or none, and units of one stage.
+fn is_in_table_viii(config: Config) -> bool {
+    matches!(config.lanes, Lanes::None | Lanes::Sixteen) && config.unit_latency == UnitLatency::One
+}
+
+/// The configurations with names.
+pub fn presets() -> String {
+    let mut table = new_table();
+    table.set_header(["preset", "what differs from the first", "what it is for"]);
+    for preset in PRESETS {
+        table.add_row([preset.name.to_string(), preset.config.options(), preset.purpose.to_string()]);
+    }
+    table.to_string()
+}
+
+/// Why a step, by its place in [`Datapath::steps`], has other units than Table VIII gives its stage; empty where it has
+/// the same.
+pub fn difference(datapath: &Datapath, config: Config, index: usize) -> Vec<&'static str> {
+    let Some(step) = datapath.steps().nth(index) else { return Vec::new() };
+    let (ours, paper) = (datapath.units(index), paper_units(step));
+    let mut causes = Vec::new();
+    if step.parts > 1 {
+        causes.push("the stage takes several steps");
+    }
+    let is_paper = |name: &str| JobKind::ALL.iter().any(|kind| kind.name() == name);
+    let schedule = datapath.schedule(index);
+    let most = |of_paper: bool, kind| {
+        let notes = schedule.iter().filter(|note| is_paper(note.operation) == of_paper);
+        notes.map(|note| note.units.of(kind)).max().unwrap_or(0)
+    };
+    if UnitKind::ALL.into_iter().any(|kind| most(false, kind) > paper.of(kind).max(most(true, kind))) {
+        causes.push("operations beside the paper's");
+    }
+    if ours.encode + ours.decode > 0 {
+        causes.push("conversion, which Table VIII leaves out");
+    }
+    if ours.add != paper.add || ours.multiply != paper.multiply {
+        match config.lanes {
+            Lanes::None => causes.push("no distance modes"),
+            Lanes::Sixteen => {}
+            _ => causes.push("other lanes than the paper's 16"),
+        }
+    }
+    if ours.compare != paper.compare {
+        causes.extend(match (step.stage, config.rules) {
+            (4, Rules::Paper) => &["ruling 1: the sign of inv is read, not compared"][..],
+            (10, Rules::Paper) => {
+                &["one sorting network moves values and indices", "ruling 6: the hit test reads signs"]
+            }
+            (10, Rules::Chisel) => {
+                &["one sorting network moves values and indices", "the hit test shares its comparators"]
+            }
+            _ => &[],
+        });
+    }
+    causes
+}
+
+fn paper_units(step: Step) -> Units {
+    Budget::TABLE_VIII.units(step.stage)
+}
+
+/// Units in words, `24 add, 4 compare`; empty where there are none.
+pub fn list(units: Units) -> String {
+    let named = UnitKind::ALL.into_iter().map(|kind| (units.of(kind), kind.stem()));
+    let present: Vec<String> =
+        named.filter(|(number, _)| *number > 0).map(|(number, stem)| format!("{number} {stem}")).collect();
+    present.join(", ")
+}
+
+/// An empty table as all of ours are: Markdown that fits the terminal.
+pub fn new_table() -> Table {
+    let mut table = Table::new();
+    table.load_preset(ASCII_MARKDOWN).set_content_arrangement(ContentArrangement::Dynamic);
+    if table.width().is_none() {
+        table.set_width(140);
+    }
+    table
+}

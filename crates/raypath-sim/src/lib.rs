@@ -1,0 +1,40 @@
+//! Simulation of a ray-tracer datapath of any operations.
+//!
+//! A [`Datapath`] is a set of operations and a configuration; from it follow its netlist, its functional model and its
+//! cycle-exact model. An [`engine`] carries jobs through any of the three, under [`traffic`] with bubbles and stalls, and
+//! [`lockstep`] compares them in every cycle. Jobs with their answers are read from and written to [`transactions`] files.
+//!
+//! ```
+//! use raypath_ops::{RayBox, RayTriangle, Rules};
+//! use raypath_sim::Datapath;
+//! use raypath_sim::lockstep::lockstep;
+//! use raypath_sim::{jobs::any_jobs, traffic::Traffic};
+//!
+//! let rules = Rules::Paper;
+//! let datapath = Datapath::new().with(RayBox { rules }).with(RayTriangle { rules });
+//! let elaborated = datapath.elaborate()?;
+//! let mut netlist = datapath.netlist(&elaborated)?;
+//! let jobs = any_jobs(datapath.model(), 1).take(200);
+//! let found = lockstep(&mut netlist, datapath.model(), jobs, &mut Traffic::random(1), |_| true);
+//! assert_eq!((found.jobs, found.different), (200, 0));
+//! # Ok::<(), raypath_rtl::Error>(())
+//! ```
+
+pub mod configuration;
+mod datapath;
+mod dynamic;
+pub mod engine;
+pub mod files;
+pub mod frames;
+pub mod jobs;
+pub mod lockstep;
+mod model;
+pub mod models;
+pub mod numbers;
+mod operation;
+pub mod traffic;
+pub mod transactions;
+
+pub use datapath::Datapath;
+pub use model::{AnyKind, AnyModel, Words};
+pub use operation::AnyOperation;

@@ -1,0 +1,148 @@
+//! What the everyday tests ask of every configuration.
+
+use crate::engine::{CycleEngine, Engine, NetlistEngine, drive};
+use crate::jobs::random;
+use crate::lockstep::canonical::{Watched, is_number_register};
+use crate::lockstep::{Timing, lockstep, timing};
+use crate::models::PaperModel;
+use crate::traffic::{Cycle, Traffic};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use raypath_ops::JobKind;
+use raypath_rtl::{Config, Encoding};
+
+/// The checks of one configuration, reproducible by `seed`.
+#[derive(Debug, Clone, Copy)]
+pub struct Everyday {
+    /// The configuration.
+    pub config: Config,
+    /// Seed of jobs, traffic and resets.
+    pub seed: u64,
+    /// How many jobs the longest stream has.
+    pub jobs: usize,
+}
+
+/// What was wrong.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failed {
+    /// The check that failed.
+    pub check: &'static str,
+    /// What it saw, in words.
+    pub what: String,
+}
+
+impl Everyday {
+    /// How many jobs show nearly every fault (`raypath verify mutation`'s mutation runs so many, and the tests of the datapaths that
+    /// it mutates do).
+    pub const THOROUGH: usize = 20_000;
+
+    /// Which signals, by hierarchical name, the checks look at: the netlist must be compiled so that they can be observed.
+    pub fn observes(name: &str) -> bool {
+        is_number_register(name)
+    }
+
+    /// All checks, until one fails. `model` is one for the configuration, its accumulators at zero; the netlist may be
+    /// in any state.
+    ///
+    /// # Errors
+    /// What was wrong.
+    pub fn check<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), Failed> {
+        let named = |check| move |what| Failed { check, what };
+        netlist.reset();
+        self.answers_like_the_models(netlist, model).map_err(named("lockstep"))?;
+        self.holds_canonical_words(netlist, model).map_err(named("canonical words"))?;
+        self.keeps_step_through_resets(netlist, model).map_err(named("resets"))?;
+        self.is_as_fast_as_promised(netlist, model).map_err(named("timing"))
+    }
+
+    fn jobs<M: PaperModel>(self, model: &M, kinds: &[JobKind]) -> impl Iterator<Item = M::Job> + use<M> {
+        random(model, self.config.format, self.seed, kinds)
+    }
+
+    /// Random and edge jobs under random handshakes.
+    fn answers_like_the_models<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+        let (kinds, count) = (self.config.kinds(), self.jobs);
+        let jobs = self.jobs(model, kinds).take(count);
+        let found = lockstep(netlist, model.clone(), jobs, &mut Traffic::random(self.seed), |_| true);
+        expect((found.jobs, found.different) == (count, 0), || {
+            format!("{} jobs: {:#?}", found.jobs, found.differences)
+        })?;
+        let is_mixed = kinds.iter().all(|&kind| found.jobs_of(kind) > count / 6);
+        expect(is_mixed, || format!("jobs by opcode: {:?}", found.by_opcode))?;
+        expect(found.stalled > 100, || format!("{} cycles stalled", found.stalled))
+    }
+
+    /// Where registers are recoded, each holds a canonical word in every cycle, whatever the jobs.
+    fn holds_canonical_words<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+        let count = self.jobs;
+        if self.config.registers != Encoding::Recoded {
+            return Ok(());
+        }
+        netlist.reset();
+        let mut watched = Watched::new(netlist, self.config.format);
+        let registers = watched.registers();
+        expect(registers > 10, || format!("{registers} number registers can be observed"))?;
+        let jobs = self.jobs(model, self.config.kinds()).take(count);
+        let run = drive(&mut watched, jobs, &mut Traffic::random(self.seed), |_, _| true);
+        expect(run.jobs == count, || format!("{} of {count} jobs", run.jobs))?;
+        watched.found.map_or(Ok(()), Err)
+    }
+
+    /// Resets at any moment, with jobs of all kinds in flight; the ports are full of other jobs while none is offered.
+    fn keeps_step_through_resets<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut traffic = Traffic::random(self.seed);
+        let mut modelled = CycleEngine::new(model.clone(), netlist.shape());
+        let (mut resets, mut left) = (0, 0);
+        netlist.reset();
+        for (cycle, job) in self.jobs(model, self.config.kinds()).take(3000).enumerate() {
+            if rng.random_bool(0.005) {
+                netlist.reset();
+                modelled.reset();
+                resets += 1;
+            }
+            netlist.present(&job);
+            modelled.present(&job);
+            let Cycle { offers, takes: output_ready, .. } = traffic.next_cycle();
+            let (shown, expected) = (netlist.cycle(offers, output_ready), modelled.cycle(offers, output_ready));
+            expect(shown == expected, || {
+                format!("cycle {cycle}: shows {shown:?}, the cycle-exact model {expected:?}")
+            })?;
+            left += usize::from(shown.output.is_some() && output_ready);
+        }
+        expect(resets > 3 && left > 100, || format!("{resets} resets, {left} jobs"))
+    }
+
+    /// Latency 12 where units take one step. One job a cycle, but for beats of one accumulator, which follow each other
+    /// as fast as an addition takes.
+    fn is_as_fast_as_promised<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+        let (kinds, unit_latency) = (self.config.kinds(), self.config.unit_latency.stages());
+        let latency = netlist.shape().latency as u64;
+        let is_promised = if unit_latency == 1 { latency == 12 } else { latency > 12 };
+        expect(is_promised, || format!("latency {latency}"))?;
+        for &kind in kinds {
+            let sums = matches!(kind, JobKind::Euclidean | JobKind::Angular);
+            let initiation_interval = if sums { unit_latency.into() } else { 1 };
+            let shaped = netlist.shape().interval(kind.opcode()) as u64;
+            expect(shaped == initiation_interval, || format!("{kind}: an interval of {shaped}"))?;
+            let (measured, promised) = match self.jobs(model, &[kind]).next() {
+                Some(job) => (timing(netlist, &job), Timing { latency, initiation_interval }),
+                None => continue,
+            };
+            expect(measured == Some(promised), || format!("{kind}: {measured:?}, promised {promised}"))?;
+        }
+        // No kind comes again within as many cycles as an addition takes: nobody waits.
+        const ROUNDS: usize = 50;
+        let mut streams: Vec<_> = kinds.iter().map(|&kind| self.jobs(model, &[kind])).collect();
+        let round = |_| streams.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
+        let jobs: Vec<M::Job> = (0..ROUNDS).flat_map(round).collect();
+        netlist.reset();
+        let run = drive(netlist, jobs.iter(), &mut Traffic::always(), |_, _| true);
+        let is_full_speed = (run.jobs, run.cycles) == (jobs.len(), jobs.len() as u64 + latency);
+        expect(is_full_speed, || format!("mixed jobs: {} in {} cycles", run.jobs, run.cycles))
+    }
+}
+
+fn expect(holds: bool, what: impl FnOnce() -> String) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(what()) }
+}

@@ -1,0 +1,117 @@
+use crate::engine::{Engine, Handshake, NetlistEngine, Shown};
+use crate::lockstep::DIFFERENCES_SHOWN;
+use raypath_model::{CycleModel, Kind, Model, OnPorts};
+use std::collections::VecDeque;
+
+/// How netlist and models differ in a cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Difference {
+    /// Netlist and cycle-exact model show something else at their ports.
+    Ports,
+    /// The sink took an outcome that the functional model does not answer to that job.
+    Answer,
+}
+
+/// Netlist, cycle-exact model and functional model as one engine, which shows what the cycle-exact model shows where
+/// the netlist shows the same, else what the netlist shows.
+pub struct SideBySide<'n, M: Model, F> {
+    /// The first few differences, in words.
+    pub differences: Vec<String>,
+    netlist: &'n mut NetlistEngine<M>,
+    cycle_model: CycleModel<M>,
+    functional: M,
+    presented: Option<M::Job>,
+    /// What the functional model answers to the jobs that the netlist accepted, oldest first.
+    in_flight: VecDeque<M::Outcome>,
+    cycles: u64,
+    jobs: u64,
+    on_difference: F,
+}
+
+impl<'n, M: Model, F: FnMut(Difference)> SideBySide<'n, M, F> {
+    /// The engines as they are: the netlist as it comes, the models after a reset. `on_difference` is told each
+    /// difference as it is seen.
+    pub fn new(netlist: &'n mut NetlistEngine<M>, model: M, on_difference: F) -> Self {
+        Self {
+            differences: Vec::new(),
+            cycle_model: CycleModel::new(model.clone(), netlist.shape()),
+            netlist,
+            functional: model,
+            presented: None,
+            in_flight: VecDeque::new(),
+            cycles: 0,
+            jobs: 0,
+            on_difference,
+        }
+    }
+
+    fn differs(&mut self, difference: Difference, what: impl FnOnce() -> String) {
+        (self.on_difference)(difference);
+        if self.differences.len() < DIFFERENCES_SHOWN {
+            self.differences.push(format!("cycle {}, job {}: {}", self.cycles, self.jobs, what()));
+        }
+    }
+
+    fn compare_ports(&mut self, shown: &Shown<M::Outcome>, modelled: &Shown<M::Outcome>) {
+        if shown != modelled {
+            let words = || format!("the netlist shows {shown:?}, the cycle-exact model {modelled:?}");
+            self.differs(Difference::Ports, words);
+        }
+        if let Some(outcome) = &shown.output {
+            let improper = self.netlist.improper_outputs(outcome);
+            if !improper.is_empty() {
+                let words = || format!("the netlist shows {outcome:?}, but {}", improper.join(", "));
+                self.differs(Difference::Ports, words);
+            }
+        }
+    }
+}
+
+impl<M: Model, F: FnMut(Difference)> Engine<M> for SideBySide<'_, M, F> {
+    fn present(&mut self, job: &M::Job) {
+        self.netlist.present(job);
+        self.presented = Some(job.clone());
+    }
+
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
+        let Handshake { input_ready, output_valid } = self.netlist.clock(input_valid, output_ready);
+        // Before any job is there the port for the opcode is 0.
+        let opcode = self.presented.as_ref().map_or(0, |job| job.kind().opcode());
+        let modelled =
+            Shown { input_ready: self.cycle_model.input_ready(opcode), output: self.cycle_model.output().cloned() };
+        let same = modelled.input_ready == input_ready
+            && modelled.output.is_some() == output_valid
+            && modelled.output.as_ref().is_none_or(|outcome| self.netlist.shows(outcome));
+        let mut shown = modelled.clone();
+        if !same {
+            shown = Shown { input_ready, output: if output_valid { self.netlist.outcome() } else { None } };
+            self.compare_ports(&shown, &modelled);
+        }
+        self.cycle_model.cycle(self.presented.as_ref().filter(|_| input_valid), output_ready);
+        if let Some(outcome) = shown.output.as_ref().filter(|_| output_ready) {
+            let expected = self.in_flight.pop_front();
+            if expected.as_ref() != Some(outcome) {
+                let words = || format!("the netlist answers {outcome:?}, the functional model {expected:?}");
+                self.differs(Difference::Answer, words);
+            }
+            self.jobs += 1;
+        }
+        if let Some(job) = self.presented.as_ref().filter(|_| input_valid && input_ready) {
+            self.in_flight.push_back(self.functional.run(job));
+        }
+        self.cycles += 1;
+        shown
+    }
+
+    fn reset(&mut self) {
+        self.netlist.reset();
+        let shown = self.netlist.handshake();
+        if shown != (Handshake { input_ready: true, output_valid: false }) {
+            self.differs(Difference::Ports, || format!("in a reset the netlist shows {shown:?}"));
+        }
+        self.cycle_model.reset();
+        self.functional.reset();
+        self.in_flight.clear();
+        self.cycles += 1;
+    }
+}
