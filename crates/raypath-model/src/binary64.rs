@@ -1,16 +1,17 @@
 use crate::kernels::ModelCircuit;
 use raypath_ops::{Circuit, Concrete, Portable, Relation, Test};
 
-/// IEEE 754 binary64, computed natively: what other formats' accuracy is measured against.
+/// IEEE 754 binary64, computed by the machine's floating-point instructions. The accuracy of other formats is measured against
+/// it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Binary64;
 
-/// A binary64 number; equal where the bits are equal, all NaNs being one.
+/// A binary64 number. Two are equal if their bits are; all NaNs are equal.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Double(pub f64);
 
 impl Double {
-    /// Its bits; NaN is canonical.
+    /// The number's bits; a NaN becomes the canonical NaN.
     #[inline]
     pub fn to_bits(self) -> u64 {
         if self.0.is_nan() { 0x7ff8_0000_0000_0000 } else { self.0.to_bits() }

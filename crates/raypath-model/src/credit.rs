@@ -1,35 +1,35 @@
-//! Registers that never stall, and a FIFO behind them with a place for every job that was let in.
+//! A pipeline of registers that never stall, followed by a FIFO with space for every admitted job.
 
-use crate::places::{Place, Row, highest};
+use crate::position::{Occupancy, PipelinePosition, highest};
 use crate::shape::{Loop, Shape};
 
-/// The control of such a pipeline: who is let in, and when what was let in has arrived.
+/// The control of a pipeline with credits: a job is admitted if a credit is left, and returns it when it leaves the FIFO.
 #[derive(Debug, Clone)]
 pub struct Credits {
-    /// A register: how many more jobs may enter.
+    /// A register: the number of jobs that may still enter.
     credits: usize,
-    /// The valid bits of the registers that never stall, the input's being bit 0.
-    moving: Row,
-    /// The FIFO, as if it were one more register.
-    exit: Row,
-    /// Jobs in the FIFO; its front is what the output shows.
+    /// The valid bits of the registers that never stall.
+    moving: Occupancy,
+    /// The bit of the FIFO, as one more register.
+    exit: Occupancy,
+    /// The number of jobs in the FIFO, whose first is at the output.
     arrived: usize,
     gates: Vec<Gate>,
     capacity: usize,
 }
 
-/// Keeps jobs of an operation apart at the entrance.
+/// The control of one accumulator loop, which spaces jobs of its operation at the input.
 #[derive(Debug, Clone)]
 struct Gate {
     around: Loop,
-    /// A register: for how many cycles no job of the operation may enter.
+    /// A register: the number of cycles in which no job of the operation may enter.
     closed_for: u64,
 }
 
 impl Credits {
     pub fn new(shape: &Shape) -> Self {
         let gates = shape.loops().map(|around| Gate { around, closed_for: 0 }).collect();
-        let (capacity, exit) = (shape.capacity(), 1 << (shape.places() - 1));
+        let (capacity, exit) = (shape.capacity(), 1 << (shape.length() - 1));
         Self { credits: capacity, moving: 0, exit, arrived: 0, gates, capacity }
     }
 
@@ -43,10 +43,10 @@ impl Credits {
         self.arrived > 0
     }
 
-    /// The clock edge. `entering` was accepted; what the output showed leaves if `taken`.
+    /// One clock edge. `entering` is the opcode of a job that was accepted. The job at the output leaves if `taken`.
     #[inline]
     pub fn cycle(&mut self, entering: Option<u64>, taken: bool) {
-        let moved = (self.moving << 1) | Row::from(entering.is_some());
+        let moved = (self.moving << 1) | Occupancy::from(entering.is_some());
         let arrives = moved & self.exit != 0;
         self.moving = moved & !self.exit;
         self.arrived = self.arrived + usize::from(arrives) - usize::from(taken);
@@ -57,7 +57,7 @@ impl Credits {
         }
     }
 
-    /// Lets up to `limit` cycles pass in which nothing enters, until the output is valid. Answers how many have passed.
+    /// Advances up to `limit` cycles without input, until the output is valid. Returns the number of cycles.
     #[inline]
     pub fn idle(&mut self, limit: u64) -> u64 {
         if self.output_valid() {
@@ -67,7 +67,7 @@ impl Credits {
             0 => limit,
             moving => limit.min((highest(self.exit) - highest(moving)).into()),
         };
-        // Of an empty row nothing is left to shift.
+        // `steps` may exceed the shift's range if the registers are empty.
         let moved = if self.moving == 0 { 0 } else { self.moving << steps };
         self.arrived = usize::from(moved & self.exit != 0);
         self.moving = moved & !self.exit;
@@ -75,12 +75,13 @@ impl Credits {
         steps
     }
 
-    /// Where the items are, oldest first.
-    pub fn places(&self) -> impl Iterator<Item = Place> + '_ {
+    /// The positions of the jobs, oldest first.
+    pub fn positions(&self) -> impl Iterator<Item = PipelinePosition> + '_ {
         let exit = highest(self.exit);
-        let arrived = (0..self.arrived).map(move |index| Place { stage: exit as usize + 1, waits: index > 0 });
+        let arrived =
+            (0..self.arrived).map(move |index| PipelinePosition { stage: exit as usize + 1, waits: index > 0 });
         let moving = (0..exit).rev().filter(|index| self.moving >> index & 1 == 1);
-        arrived.chain(moving.map(|index| Place { stage: index as usize + 1, waits: false }))
+        arrived.chain(moving.map(|index| PipelinePosition { stage: index as usize + 1, waits: false }))
     }
 
     pub fn reset(&mut self) {

@@ -1,13 +1,13 @@
 use crate::elastic::{Elastic, Transfer};
 use crate::functional::Functional;
 use crate::model::{Kind, Model, OnPorts};
-use crate::places::Place;
+use crate::position::PipelinePosition;
 use crate::shape::Shape;
 
-/// What the datapath shows at its ports in every cycle: the same handshakes and outcomes as the netlist.
+/// The cycle-exact model of a datapath: in every cycle its ports show the same handshakes and outcomes as the netlist.
 ///
-/// A cycle is: look at [`input_ready`](Self::input_ready) and [`output`](Self::output), then call
-/// [`cycle`](Self::cycle) with what source and sink do.
+/// To simulate a cycle, read [`input_ready`](Self::input_ready) and [`output`](Self::output), then call [`cycle`](Self::cycle)
+/// with the actions of source and sink.
 #[derive(Debug, Clone)]
 pub struct CycleModel<M: Model = Functional> {
     model: M,
@@ -15,25 +15,25 @@ pub struct CycleModel<M: Model = Functional> {
 }
 
 impl<M: Model> CycleModel<M> {
-    /// An empty pipeline of this shape, which answers as `model` does.
+    /// An empty pipeline of this shape whose outcomes `model` computes.
     pub fn new(model: M, shape: &Shape) -> Self {
         Self { model, pipeline: Elastic::new(shape) }
     }
 
-    /// `input_ready_o` with this on the port `opcode_i`: whether a job, offered in this cycle, will be accepted.
+    /// `input_ready_o` while `opcode_i` has this value: whether a job will be accepted if it is offered in this cycle.
     #[inline]
     pub fn input_ready(&self, opcode: u64) -> bool {
         self.pipeline.input_ready(opcode)
     }
 
-    /// The outcome at the output where `output_valid_o` is 1.
+    /// The outcome at the output, if `output_valid_o` is 1.
     #[inline]
     pub fn output(&self) -> Option<&M::Outcome> {
         self.pipeline.output()
     }
 
-    /// One clock cycle. `job` is what the source offers (`input_valid_i` = 1), accepted if `input_ready` was true for
-    /// its opcode.
+    /// One clock cycle. The source offers `job` (`input_valid_i` = 1), which is accepted if `input_ready` was true for its
+    /// opcode. The sink takes the outcome at the output if `output_ready`.
     #[inline]
     pub fn cycle(&mut self, job: Option<&M::Job>, output_ready: bool) -> Transfer<M::Outcome> {
         let Self { model, pipeline } = self;
@@ -43,20 +43,19 @@ impl<M: Model> CycleModel<M> {
         }
     }
 
-    /// Lets up to `limit` cycles pass in which the source offers nothing, and stops in the first that has an output.
-    /// Answers how many have passed. The same as so many calls of [`cycle`](Self::cycle), in next to no time: what a
-    /// simulator calls that knows when its next job comes.
+    /// Advances up to `limit` cycles in which the source offers nothing, and stops in the first with a valid output. Returns the
+    /// number of cycles. Equivalent to that many calls of [`cycle`](Self::cycle), but faster.
     #[inline]
     pub fn idle(&mut self, limit: u64) -> u64 {
         self.pipeline.idle(limit)
     }
 
-    /// Where the jobs inside are, oldest first.
-    pub fn places(&self) -> impl Iterator<Item = Place> + '_ {
-        self.pipeline.places()
+    /// The positions of the jobs in the pipeline, oldest first.
+    pub fn positions(&self) -> impl Iterator<Item = PipelinePosition> + '_ {
+        self.pipeline.positions()
     }
 
-    /// A cycle in which `rst_ni` is 0: everything in flight is lost, the accumulators are zero.
+    /// A cycle in which `rst_ni` is 0: all jobs in flight are lost, and the accumulators are zero.
     pub fn reset(&mut self) {
         self.model.reset();
         self.pipeline.reset();

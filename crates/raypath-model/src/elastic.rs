@@ -1,32 +1,32 @@
-//! An elastic pipeline: ready and valid at both ends, nothing lost, repeated or reordered in between.
+//! Elastic pipelines: ready and valid at both ends, with no item lost, repeated or reordered.
 
 use crate::credit::Credits;
-use crate::places::Place;
+use crate::position::PipelinePosition;
 use crate::shape::{Control, Shape};
-use crate::skid::SkidRow;
+use crate::skid::SkidBuffers;
 use std::collections::VecDeque;
 
-/// A pipeline of some [`Shape`], cycle by cycle, whatever its items are.
+/// A cycle-exact model of a pipeline of some [`Shape`], for items of any type.
 #[derive(Debug, Clone)]
 pub struct Elastic<T> {
     flow: Flow,
-    /// The items, oldest first; where each of them is, `flow` knows.
+    /// The items, oldest first. Their positions are in `flow`.
     inside: VecDeque<T>,
 }
 
-/// What passed at the two ends in one cycle.
+/// The transfers at the two ends of a pipeline in one cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transfer<T> {
-    /// The item offered was accepted.
+    /// The offered item was accepted.
     pub accepted: bool,
-    /// The item that the sink took.
+    /// The item that left.
     pub output: Option<T>,
 }
 
-/// How far items have come. Order is kept, so opcodes say all that there is to know about them.
+/// The positions of the items. Items stay in order, so only their opcodes matter.
 #[derive(Debug, Clone)]
 enum Flow {
-    Skid(SkidRow),
+    Skid(SkidBuffers),
     Credit(Credits),
 }
 
@@ -34,13 +34,13 @@ impl<T> Elastic<T> {
     /// An empty pipeline.
     pub fn new(shape: &Shape) -> Self {
         let flow = match shape.control {
-            Control::Skid => Flow::Skid(SkidRow::new(shape)),
+            Control::Skid => Flow::Skid(SkidBuffers::new(shape)),
             Control::Credit => Flow::Credit(Credits::new(shape)),
         };
         Self { flow, inside: VecDeque::with_capacity(shape.capacity()) }
     }
 
-    /// Whether an item of the operation with this opcode, offered in this cycle, will be accepted.
+    /// Whether an item of the operation with this opcode will be accepted if it is offered in this cycle.
     #[inline]
     pub fn input_ready(&self, opcode: u64) -> bool {
         match &self.flow {
@@ -49,7 +49,7 @@ impl<T> Elastic<T> {
         }
     }
 
-    /// What the output shows in this cycle; it stays until the sink takes it.
+    /// The item at the output in this cycle, if the output is valid. It stays until the sink is ready.
     #[inline]
     pub fn output(&self) -> Option<&T> {
         let valid = match &self.flow {
@@ -59,7 +59,7 @@ impl<T> Elastic<T> {
         if valid { self.inside.front() } else { None }
     }
 
-    /// One clock cycle in which the source offers `input`, an opcode and an item, and the sink takes the output if `output_ready`.
+    /// One clock cycle. The source offers `input`, an opcode and an item; the sink takes the output if `output_ready`.
     #[inline]
     pub fn cycle(&mut self, input: Option<(u64, T)>, output_ready: bool) -> Transfer<T> {
         match input {
@@ -68,8 +68,9 @@ impl<T> Elastic<T> {
         }
     }
 
-    /// The same with an item that is made if it is accepted.
-    // Made where it stays: on its way it would be read in other pieces than it was written in, which processors wait for.
+    /// As [`cycle`](Self::cycle), with an item that is computed only if it is accepted.
+    // The item is computed in place. A copy would read it in pieces of other sizes than it was written in, which stalls the
+    // processor.
     #[inline]
     pub(crate) fn cycle_with(
         &mut self,
@@ -90,8 +91,8 @@ impl<T> Elastic<T> {
         Transfer { accepted: entering.is_some(), output }
     }
 
-    /// Lets up to `limit` cycles pass in which the source offers nothing, and stops in the first that has an output.
-    /// Answers how many have passed. The same as so many calls of [`cycle`](Self::cycle), in next to no time.
+    /// Advances up to `limit` cycles in which the source offers nothing, and stops in the first with a valid output. Returns the
+    /// number of cycles. Equivalent to that many calls of [`cycle`](Self::cycle), but faster.
     #[inline]
     pub fn idle(&mut self, limit: u64) -> u64 {
         match &mut self.flow {
@@ -100,16 +101,16 @@ impl<T> Elastic<T> {
         }
     }
 
-    /// Where the items inside are, oldest first.
-    pub fn places(&self) -> impl Iterator<Item = Place> + '_ {
+    /// The positions of the items, oldest first.
+    pub fn positions(&self) -> impl Iterator<Item = PipelinePosition> + '_ {
         let (row, credits) = match &self.flow {
-            Flow::Skid(row) => (Some(row.places()), None),
-            Flow::Credit(credits) => (None, Some(credits.places())),
+            Flow::Skid(row) => (Some(row.positions()), None),
+            Flow::Credit(credits) => (None, Some(credits.positions())),
         };
         row.into_iter().flatten().chain(credits.into_iter().flatten())
     }
 
-    /// A hardware reset: everything in flight is lost.
+    /// A hardware reset: all items are lost.
     pub fn reset(&mut self) {
         self.inside.clear();
         match &mut self.flow {

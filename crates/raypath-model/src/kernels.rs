@@ -1,6 +1,6 @@
 //! Kernels of the paper's operations in SIMD instructions.
 
-use crate::lanes::{Four, Lanes, Row, Width};
+use crate::lanes::{Four, Lanes, Register, Width};
 use fearless_simd::Level;
 use fearless_simd::prelude::*;
 use raypath_ops::{
@@ -98,16 +98,16 @@ struct FourItems(FourLanes);
 impl Gather<Binary32, FourLanes, 4> for FourItems {
     #[inline(always)]
     fn num(&self, values: [&Num<Binary32>; 4]) -> Num<FourLanes> {
-        Num::new(self.0, Row(Nums::simd_from(self.0.simd(), array_of!(i => values[i].value.0))))
+        Num::new(self.0, Register(Nums::simd_from(self.0.simd(), array_of!(i => values[i].value.0))))
     }
     #[inline(always)]
     fn bit(&self, values: [&Bit<Binary32>; 4]) -> Bit<FourLanes> {
         let ones: [i32; 4] = array_of!(i => -i32::from(values[i].value));
-        Bit::new(self.0, Row(Bits::from_vector(Ints::simd_from(self.0.simd(), ones))))
+        Bit::new(self.0, Register(Bits::from_vector(Ints::simd_from(self.0.simd(), ones))))
     }
     #[inline(always)]
     fn word<const W: u32>(&self, values: [&Word<Binary32, W>; 4]) -> Word<FourLanes, W> {
-        Word::new(self.0, Row(Words::simd_from(self.0.simd(), array_of!(i => values[i].value))))
+        Word::new(self.0, Register(Words::simd_from(self.0.simd(), array_of!(i => values[i].value))))
     }
 }
 
@@ -169,7 +169,7 @@ where
     ) -> (Num<Lanes<S, W>>, Num<Lanes<S, W>>) {
         let lanes = condition.circuit;
         let (a, b) = lanes.exchange(condition.value.0, a.value.0, b.value.0);
-        (Num::new(lanes, Row(a)), Num::new(lanes, Row(b)))
+        (Num::new(lanes, Register(a)), Num::new(lanes, Register(b)))
     }
     #[inline(always)]
     fn largest_or_zero(
@@ -180,7 +180,7 @@ where
     ) -> Num<Lanes<S, W>> {
         // The second operand is never NaN, and a zero result is the constant.
         let z0 = lanes.greater(z.value.0, lanes.constant(0.0).0);
-        Num::new(lanes, Row(lanes.greater(x.value.0, lanes.greater(y.value.0, z0))))
+        Num::new(lanes, Register(lanes.greater(x.value.0, lanes.greater(y.value.0, z0))))
     }
     #[inline(always)]
     fn smallest_or_extent(
@@ -195,7 +195,7 @@ where
         }
         let [x, y, z] = numbers;
         let z_extent = lanes.lesser(z.value.0, extent.value.0);
-        Num::new(lanes, Row(lanes.lesser(x.value.0, lanes.lesser(y.value.0, z_extent))))
+        Num::new(lanes, Register(lanes.lesser(x.value.0, lanes.lesser(y.value.0, z_extent))))
     }
     #[inline(always)]
     fn sort(self, lanes: Lanes<S, W>, entries: [SortEntry<Lanes<S, W>, 2>; 4]) -> [SortEntry<Lanes<S, W>, 2>; 4] {
@@ -212,9 +212,9 @@ where
         array_of!(i => {
             let (tmin, key) = sorted[i];
             SortEntry {
-                hit: Bit::new(lanes, Row(key.simd_lt(MISSES))),
-                tmin: Num::new(lanes, Row(tmin)),
-                index: Word::new(lanes, Row((key & (MISSES - 1)).bitcast())),
+                hit: Bit::new(lanes, Register(key.simd_lt(MISSES))),
+                tmin: Num::new(lanes, Register(tmin)),
+                index: Word::new(lanes, Register((key & (MISSES - 1)).bitcast())),
             }
         })
     }

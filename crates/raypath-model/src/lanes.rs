@@ -42,7 +42,7 @@ pub struct Four;
 
 /// A register of a lane circuit. No two registers are equal, because [`Circuit`] requires an equality that lanes do not need.
 #[derive(Clone, Copy)]
-pub struct Row<T>(pub T);
+pub struct Register<T>(pub T);
 
 impl<S: Simd> Width<S> for Native {
     type Nums = S::f32s;
@@ -114,14 +114,14 @@ impl<S: Simd, W: Width<S>> Circuit for Lanes<S, W>
 where
     Self: Copy,
 {
-    type Num = Row<W::Nums>;
-    type Bit = Row<W::Bits>;
-    type Word = Row<W::Words>;
-    type Order = (Row<W::Nums>, Row<W::Nums>);
+    type Num = Register<W::Nums>;
+    type Bit = Register<W::Bits>;
+    type Word = Register<W::Words>;
+    type Order = (Register<W::Nums>, Register<W::Nums>);
 
     #[inline(always)]
     fn constant(self, value: f32) -> Self::Num {
-        Row(W::Nums::simd_from(self.simd, value))
+        Register(W::Nums::simd_from(self.simd, value))
     }
     #[inline(always)]
     fn one_plus_ulps(self, ulps: u32) -> Self::Num {
@@ -129,19 +129,19 @@ where
     }
     #[inline(always)]
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num {
-        Row(a.0 + b.0)
+        Register(a.0 + b.0)
     }
     #[inline(always)]
     fn subtract(self, a: Self::Num, b: Self::Num) -> Self::Num {
-        Row(a.0 - b.0)
+        Register(a.0 - b.0)
     }
     #[inline(always)]
     fn multiply(self, a: Self::Num, b: Self::Num) -> Self::Num {
-        Row(a.0 * b.0)
+        Register(a.0 * b.0)
     }
     #[inline(always)]
     fn negate(self, a: Self::Num) -> Self::Num {
-        Row(-a.0)
+        Register(-a.0)
     }
     #[inline(always)]
     fn compare(self, a: Self::Num, b: Self::Num) -> Self::Order {
@@ -149,7 +149,7 @@ where
     }
     #[inline(always)]
     fn relation(self, (a, b): Self::Order, relation: Relation) -> Self::Bit {
-        Row(match relation {
+        Register(match relation {
             Relation::Less => a.0.simd_lt(b.0),
             Relation::LessOrEqual => a.0.simd_le(b.0),
             Relation::Equal => a.0.simd_eq(b.0),
@@ -161,12 +161,12 @@ where
     fn number_of(self, _width: u32, word: Self::Word) -> Self::Num {
         // The word becomes the fraction of a number from 2^23 on, whose unit in the last place is 1.
         let above = (word.0 | self.constant_word(32, TWO_TO_23.to_bits()).0).bitcast::<W::Nums>();
-        Row(above - self.constant(TWO_TO_23).0)
+        Register(above - self.constant(TWO_TO_23).0)
     }
     #[inline(always)]
     fn test(self, test: Test, a: Self::Num) -> Self::Bit {
         let zero = self.constant(0.0).0;
-        Row(match test {
+        Register(match test {
             Test::SignBit => a.0.is_sign_negative(),
             Test::Zero => a.0.simd_eq(zero),
             Test::Nan => a.0.is_nan(),
@@ -179,45 +179,45 @@ where
 
     #[inline(always)]
     fn constant_bit(self, value: bool) -> Self::Bit {
-        Row(W::Bits::splat(self.simd, value))
+        Register(W::Bits::splat(self.simd, value))
     }
     #[inline(always)]
     fn and(self, a: Self::Bit, b: Self::Bit) -> Self::Bit {
-        Row(a.0 & b.0)
+        Register(a.0 & b.0)
     }
     #[inline(always)]
     fn or(self, a: Self::Bit, b: Self::Bit) -> Self::Bit {
-        Row(a.0 | b.0)
+        Register(a.0 | b.0)
     }
     #[inline(always)]
     fn not(self, a: Self::Bit) -> Self::Bit {
-        Row(!a.0)
+        Register(!a.0)
     }
 
     #[inline(always)]
     fn constant_word(self, _width: u32, value: u32) -> Self::Word {
-        Row(W::Words::simd_from(self.simd, value))
+        Register(W::Words::simd_from(self.simd, value))
     }
     #[inline(always)]
     fn word_equal(self, a: Self::Word, b: Self::Word) -> Self::Bit {
-        Row(a.0.simd_eq(b.0))
+        Register(a.0.simd_eq(b.0))
     }
     #[inline(always)]
     fn word_less(self, a: Self::Word, b: Self::Word) -> Self::Bit {
-        Row(a.0.simd_lt(b.0))
+        Register(a.0.simd_lt(b.0))
     }
 
     #[inline(always)]
     fn select_num(self, condition: Self::Bit, if_true: Self::Num, if_false: Self::Num) -> Self::Num {
-        Row(condition.0.select(if_true.0, if_false.0))
+        Register(condition.0.select(if_true.0, if_false.0))
     }
     #[inline(always)]
     fn select_bit(self, condition: Self::Bit, if_true: Self::Bit, if_false: Self::Bit) -> Self::Bit {
-        Row(if_false.0 ^ (condition.0 & (if_true.0 ^ if_false.0)))
+        Register(if_false.0 ^ (condition.0 & (if_true.0 ^ if_false.0)))
     }
     #[inline(always)]
     fn select_word(self, condition: Self::Bit, if_true: Self::Word, if_false: Self::Word) -> Self::Word {
-        Row(condition.0.select(if_true.0, if_false.0))
+        Register(condition.0.select(if_true.0, if_false.0))
     }
 }
 
@@ -234,13 +234,13 @@ impl<S, W> PartialEq for Lanes<S, W> {
     }
 }
 
-impl<T> fmt::Debug for Row<T> {
+impl<T> fmt::Debug for Register<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("lanes")
+        f.write_str("register")
     }
 }
 
-impl<T> PartialEq for Row<T> {
+impl<T> PartialEq for Register<T> {
     fn eq(&self, _: &Self) -> bool {
         false
     }

@@ -1,6 +1,6 @@
 //! Blocks of sixteen jobs, field by field: the memory layout of batches.
 
-use crate::lanes::{Lanes, Native, Row, Width};
+use crate::lanes::{Lanes, Native, Register, Width};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use raypath_ops::{Binary32, Bit, Circuit, Gather, Num, Put, Relation, Scatter, Single, Test, Word, array_of};
@@ -157,19 +157,19 @@ impl<S: Simd> Gather<Packed, Lanes<S>, 1> for Part<S> {
     fn num(&self, [value]: [&Num<Packed>; 1]) -> Num<Lanes<S>> {
         let (first, count) = (self.first, Lanes::<S>::COUNT);
         let numbers = Nums::<S>::from_slice(self.lanes.simd(), &value.value.0[first..first + count]);
-        Num::new(self.lanes, Row(numbers))
+        Num::new(self.lanes, Register(numbers))
     }
     #[inline(always)]
     fn bit(&self, [value]: [&Bit<Packed>; 1]) -> Bit<Lanes<S>> {
         let (first, count) = (self.first, Lanes::<S>::COUNT);
         let ones = Ints::<S>::from_slice(self.lanes.simd(), &value.value.0[first..first + count]);
-        Bit::new(self.lanes, Row(Bits::<S>::from_vector(ones)))
+        Bit::new(self.lanes, Register(Bits::<S>::from_vector(ones)))
     }
     #[inline(always)]
     fn word<const W: u32>(&self, [value]: [&Word<Packed, W>; 1]) -> Word<Lanes<S>, W> {
         let (first, count) = (self.first, Lanes::<S>::COUNT);
         let words = Words::<S>::from_slice(self.lanes.simd(), &value.value.0[first..first + count]);
-        Word::new(self.lanes, Row(words))
+        Word::new(self.lanes, Register(words))
     }
 }
 

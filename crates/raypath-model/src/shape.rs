@@ -1,71 +1,72 @@
 use crate::LATENCY;
-use crate::places::Row;
+use crate::position::Occupancy;
 
-/// What time depends on, beside the handshakes: how long a pipeline is, what controls it, and who must wait for whom.
+/// The properties of a pipeline that determine its timing: latency, control, and accumulator loops.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shape {
-    /// Cycles from the one in which a job is accepted to the one that shows its outcome, in an empty pipeline: 1 to 128.
-    /// What is less counts as 1, what is more as 128.
+    /// Cycles from the acceptance of a job to the cycle that shows its outcome, in an empty pipeline. Values are clamped to 1 to
+    /// 128.
     pub latency: usize,
-    /// What keeps jobs while the sink refuses.
+    /// The flow control.
     pub control: Control,
-    /// Sums that take longer than a cycle. Step i is between registers i - 1 and i, the input's being 0; a loop whose
-    /// steps are not 1 ≤ first < last < latency holds nobody back.
+    /// The accumulators whose loop takes more than one cycle. Step i is between registers i - 1 and i; the input's register is 0.
+    /// A loop delays jobs only if 1 ≤ first < last < latency.
     pub loops: Vec<Loop>,
 }
 
-/// What keeps jobs while the sink refuses.
+/// The flow control of a pipeline: where jobs wait while the sink is not ready.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Control {
-    /// A skid buffer in each of the `latency` places: two items, ready from a flip-flop.
+    /// `latency` skid buffers. Each holds two jobs, and its ready output is a flip-flop.
     Skid,
-    /// Registers that never stall, `latency - 1` of them, then a FIFO. `latency` + 1 jobs may be inside, counted at the
-    /// entrance.
+    /// `latency - 1` registers that never stall, followed by a FIFO. A credit counter at the input admits at most `latency + 1`
+    /// jobs.
     Credit,
 }
 
-/// An accumulator between the step that reads it and the one that writes it: while a job of its operation is between
-/// them, no other of that operation may follow.
+/// An accumulator that is read in one step and written in a later one. While a job of its operation is between the two, no
+/// other job of that operation may enter the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Loop {
-    /// Whose accumulator it is: the opcode of its operation.
+    /// The opcode of the accumulator's operation.
     pub opcode: u64,
-    /// The step that reads it.
+    /// The step that reads the accumulator.
     pub first: usize,
-    /// The step that writes it, as it hands the job on.
+    /// The step that writes the accumulator.
     pub last: usize,
 }
 
 impl Default for Shape {
-    /// The paper's: twelve skid buffers, sums in one cycle.
+    /// The shape of the paper's datapath: twelve skid buffers, and accumulators that take one cycle.
     fn default() -> Self {
         Self { latency: LATENCY, control: Control::Skid, loops: Vec::new() }
     }
 }
 
 impl Shape {
-    /// How many jobs fit while the sink refuses, if no loop keeps them apart.
+    /// The number of jobs that fit while the sink is not ready, if no loop delays them.
     pub fn capacity(&self) -> usize {
         match self.control {
-            Control::Skid => 2 * self.places(),
-            Control::Credit => self.places() + 1,
+            Control::Skid => 2 * self.length(),
+            Control::Credit => self.length() + 1,
         }
     }
 
-    /// Cycles from one job with this opcode to the next while the source offers nothing else and the sink always takes.
+    /// The initiation interval of an operation: cycles between jobs with this opcode if the source always offers one and the
+    /// sink is always ready.
     pub fn interval(&self, opcode: u64) -> usize {
         let own = self.loops().filter(|a_loop| a_loop.opcode == opcode);
         own.map(|Loop { first, last, .. }| last - first + 1).max().unwrap_or(1)
     }
 
-    /// The latency, in its bounds.
-    pub(crate) fn places(&self) -> usize {
-        self.latency.clamp(1, Row::BITS as usize)
+    /// The latency, clamped to its bounds.
+    pub(crate) fn length(&self) -> usize {
+        self.latency.clamp(1, Occupancy::BITS as usize)
     }
 
-    /// The loops that hold somebody back.
+    /// The loops that delay jobs.
     pub(crate) fn loops(&self) -> impl Iterator<Item = Loop> {
-        let fits = |a_loop: &Loop| 1 <= a_loop.first && a_loop.first < a_loop.last && a_loop.last < self.places();
+        let fits = |a_loop: &Loop| 1 <= a_loop.first && a_loop.first < a_loop.last && a_loop.last < self.length();
         self.loops.iter().copied().filter(fits)
     }
 }

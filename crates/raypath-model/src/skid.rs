@@ -1,39 +1,39 @@
-//! Skid buffers in a row.
+//! A pipeline of skid buffers.
 
-use crate::places::{Place, Row, highest};
+use crate::position::{Occupancy, PipelinePosition, highest};
 use crate::shape::{Loop, Shape};
 
-/// A row of skid buffers. Each holds two items, passes one a cycle, and says from a register whether it is ready:
-/// nothing that the sink does is seen by the source in the same cycle.
+/// The control of a pipeline of skid buffers. Each buffer holds two jobs, passes one per cycle, and has a registered ready
+/// output, so that there is no combinational path from the sink to the source.
 ///
-/// All buffers move at once: bit i of a [`Row`] is buffer i, the input's being 0.
+/// Bit i of an [`Occupancy`] is buffer i; the input's buffer is 0.
 #[derive(Debug, Clone)]
-pub struct SkidRow {
-    /// The output's buffer.
-    last: Row,
-    /// Buffers whose front shows an item to the next stage.
-    front: Row,
-    /// Buffers that keep an item which arrived while the front could not leave.
-    spare: Row,
+pub struct SkidBuffers {
+    /// The bit of the output's buffer.
+    last: Occupancy,
+    /// Buffers with a job in the front register, which the next stage reads.
+    front: Occupancy,
+    /// Buffers with a job in the spare register, which arrived while the front could not leave.
+    spare: Occupancy,
     gates: Vec<Gate>,
 }
 
-/// Where jobs wait for an accumulator.
+/// The control of one accumulator loop.
 #[derive(Debug, Clone)]
 struct Gate {
     around: Loop,
-    /// Buffers whose front is a job of the loop's operation.
-    front: Row,
-    /// Buffers whose spare is one.
-    spare: Row,
-    /// A flip-flop: a job has read the accumulator and not yet written it.
+    /// Buffers with a job of the loop's operation in the front register.
+    front: Occupancy,
+    /// Buffers with such a job in the spare register.
+    spare: Occupancy,
+    /// A flip-flop: a job has read the accumulator and has not yet written it.
     pending: bool,
 }
 
-impl SkidRow {
+impl SkidBuffers {
     pub fn new(shape: &Shape) -> Self {
         let gates = shape.loops().map(|around| Gate { around, front: 0, spare: 0, pending: false }).collect();
-        Self { last: 1 << (shape.places() - 1), front: 0, spare: 0, gates }
+        Self { last: 1 << (shape.length() - 1), front: 0, spare: 0, gates }
     }
 
     #[inline]
@@ -46,24 +46,24 @@ impl SkidRow {
         self.front & self.last != 0
     }
 
-    /// The clock edge. `entering` was accepted, so the row was ready; what the output showed leaves if `taken`.
+    /// One clock edge. `entering` is the opcode of a job that was accepted. The job at the output leaves if `taken`.
     #[inline]
     pub fn cycle(&mut self, entering: Option<u64>, taken: bool) {
-        // A buffer that gives away its front is ready only if it was so when the cycle began.
+        // A buffer whose front leaves is ready only if it was ready when the cycle began.
         let next_is_ready = !self.spare >> 1;
         let held = self.gates.iter().fold(0, |held, gate| held | gate.held());
         let leaving = if taken { self.last } else { 0 };
         let moving = self.front & !held & ((next_is_ready & (self.last - 1)) | leaving);
         let staying = self.front & !moving;
-        let arriving = ((moving & !self.last) << 1) | Row::from(entering.is_some());
+        let arriving = ((moving & !self.last) << 1) | Occupancy::from(entering.is_some());
         for gate in &mut self.gates {
-            gate.cycle(moving, staying, Row::from(entering == Some(gate.around.opcode)));
+            gate.cycle(moving, staying, Occupancy::from(entering == Some(gate.around.opcode)));
         }
         self.front = staying | self.spare | arriving;
         self.spare = staying & (self.spare | arriving);
     }
 
-    /// Lets up to `limit` cycles pass in which nothing enters, until the output is valid. Answers how many have passed.
+    /// Advances up to `limit` cycles without input, until the output is valid. Returns the number of cycles.
     #[inline]
     pub fn idle(&mut self, limit: u64) -> u64 {
         let mut passed = 0;
@@ -84,11 +84,13 @@ impl SkidRow {
         passed
     }
 
-    /// Where the items are, oldest first.
-    pub fn places(&self) -> impl Iterator<Item = Place> + '_ {
+    /// The positions of the jobs, oldest first.
+    pub fn positions(&self) -> impl Iterator<Item = PipelinePosition> + '_ {
         let buffers = (0..=highest(self.last)).rev();
         buffers.flat_map(|index| {
-            let holds = |row: Row, waits| (row >> index & 1 == 1).then_some(Place { stage: index as usize + 1, waits });
+            let holds = |row: Occupancy, waits| {
+                (row >> index & 1 == 1).then_some(PipelinePosition { stage: index as usize + 1, waits })
+            };
             holds(self.front, false).into_iter().chain(holds(self.spare, true))
         })
     }
@@ -100,18 +102,19 @@ impl SkidRow {
 }
 
 impl Gate {
-    /// The buffer whose front must not move, if it is a job of the loop's operation.
+    /// The buffer before the loop, if its front is a job that must wait.
     #[inline]
-    fn held(&self) -> Row {
+    fn held(&self) -> Occupancy {
         if self.pending { self.front & self.before(self.around.first) } else { 0 }
     }
 
-    /// The clock edge. `moving` and `staying` are the fronts that do; `entering` is 1 for a job of the loop's operation.
+    /// One clock edge. `moving` and `staying` are the fronts that move and stay. `entering` is 1 for a job of the loop's
+    /// operation.
     #[inline]
-    fn cycle(&mut self, moving: Row, staying: Row, entering: Row) {
+    fn cycle(&mut self, moving: Occupancy, staying: Occupancy, entering: Occupancy) {
         let moving = self.front & moving;
         let reads = moving & self.before(self.around.first) != 0;
-        // Only after the edge is it seen that the accumulator was written.
+        // The write becomes visible after the edge.
         let writes = moving & self.before(self.around.last) != 0;
         self.pending = (self.pending | reads) & !writes;
         let arriving = self.spare | (moving << 1) | entering;
@@ -119,9 +122,9 @@ impl Gate {
         self.spare = arriving & staying;
     }
 
-    /// The buffer from which a job passes a step. Step i leads into buffer i, and a loop's steps are at least 1.
+    /// The buffer before a step. Step i leads into buffer i, and a loop's steps are at least 1.
     #[inline]
-    fn before(&self, step: usize) -> Row {
+    fn before(&self, step: usize) -> Occupancy {
         1 << (step - 1)
     }
 

@@ -3,16 +3,15 @@ use raypath_float::Format;
 use raypath_ops::{Circuit, Concrete, Portable, Relation, Test};
 use std::cmp::Ordering;
 
-/// Numbers of any format, computed in software: over it the operations are the golden model of a datapath in that
-/// format.
+/// Software arithmetic in any format. The operations over it are the golden model of a datapath in that format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Soft {
     /// The format.
     pub format: Format,
 }
 
-/// A number of a [`Soft`] circuit: its code in IEEE 754's layout. Equal where the bits are equal; a NaN that the circuit
-/// computed is the canonical one.
+/// A number of a [`Soft`] circuit: its code in the IEEE 754 layout. Two are equal if their bits are. A computed NaN is the
+/// canonical NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SoftNumber(pub u64);
 
@@ -28,7 +27,7 @@ impl Circuit for Soft {
     }
     #[inline]
     fn one_plus_ulps(self, ulps: u32) -> SoftNumber {
-        // In IEEE 754's layout the next larger number has the next code.
+        // In the IEEE 754 layout the next larger number has the next code.
         SoftNumber(self.format.from_f32(1.0) + u64::from(ulps))
     }
     #[inline]

@@ -1,8 +1,8 @@
-//! Elastic pipelines of every shape, against what is promised of them: two references that say it in other words.
+//! Elastic pipelines of many shapes against two independent reference models.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use raypath_model::{Control, Elastic, Loop, Place, Shape, Transfer};
+use raypath_model::{Control, Elastic, Loop, PipelinePosition, Shape, Transfer};
 use std::collections::HashMap;
 
 /// Opcodes.
@@ -25,14 +25,14 @@ fn shapes() -> Vec<Shape> {
         shapes.push(shape(4, control, &[(EUCLIDEAN, 1, 3)]));
         shapes.push(shape(21, control, &[(EUCLIDEAN, 18, 19), (ANGULAR, 16, 17)]));
         shapes.push(shape(29, control, &[(EUCLIDEAN, 24, 26), (ANGULAR, 21, 23)]));
-        // Loops of one kind that overlap, follow each other, or hold nobody back.
+        // Loops of one kind that overlap, follow each other, or do not delay jobs.
         shapes.push(shape(9, control, &[(TRIANGLE, 2, 5), (TRIANGLE, 4, 6), (EUCLIDEAN, 1, 2), (EUCLIDEAN, 2, 8)]));
         shapes.push(shape(5, control, &[(TRIANGLE, 0, 2), (TRIANGLE, 3, 3), (EUCLIDEAN, 2, 5)]));
     }
     shapes
 }
 
-/// What a pipeline promises, in terms of where every item is and when it came.
+/// A reference model that tracks the position and arrival time of each item.
 struct Reference {
     shape: Shape,
     now: u64,
@@ -46,7 +46,7 @@ struct Reference {
 struct Item {
     id: u64,
     kind: u64,
-    /// In which buffer it is; 0 is the input's.
+    /// The buffer that holds the item; 0 is the input's.
     place: usize,
     since: u64,
 }
@@ -96,13 +96,17 @@ impl Reference {
             && !self.loops(item.kind).any(|l| l.first == next && between(l))
     }
 
-    fn places(&self) -> Vec<Place> {
+    fn places(&self) -> Vec<PipelinePosition> {
         let stage = |item: &Item| match self.shape.control {
             Control::Skid => item.place + 1,
             Control::Credit => self.shape.latency.min((self.now - item.since) as usize),
         };
         let is_behind = |index: usize| index > 0 && stage(&self.items[index]) == stage(&self.items[index - 1]);
-        self.items.iter().enumerate().map(|(i, item)| Place { stage: stage(item), waits: is_behind(i) }).collect()
+        self.items
+            .iter()
+            .enumerate()
+            .map(|(i, item)| PipelinePosition { stage: stage(item), waits: is_behind(i) })
+            .collect()
     }
 
     fn cycle(&mut self, input: Option<(u64, u64)>, output_ready: bool) {
@@ -126,19 +130,19 @@ impl Reference {
 /// Random kinds, bubbles, stalls and resets: in every cycle the same as the reference, and what comes out is what went
 /// in, in order.
 #[test]
-fn every_shape_does_what_is_promised() {
+fn every_shape_matches_the_reference() {
     for shape in shapes() {
         for seed in 0..8 {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let mut pipeline = Elastic::<u64>::new(&shape);
             let mut reference = Reference::new(&shape);
-            let (mut source_mood, mut sink_mood, mut repeats) = (0.5, 0.5, 0.5);
+            let (mut source_rate, mut sink_rate, mut repeats) = (0.5, 0.5, 0.5);
             let (mut kind, mut next, mut expected) = (TRIANGLE, 0, 0);
             let (mut fullest, mut was_empty, mut kept_apart) = (0, 0, 0);
             for cycle in 0..6000 {
                 if rng.random_bool(0.02) {
-                    source_mood = [0.0, 0.1, 0.5, 1.0, 1.0][rng.random_range(0..5)];
-                    sink_mood = [0.0, 0.1, 0.5, 1.0, 1.0][rng.random_range(0..5)];
+                    source_rate = [0.0, 0.1, 0.5, 1.0, 1.0][rng.random_range(0..5)];
+                    sink_rate = [0.0, 0.1, 0.5, 1.0, 1.0][rng.random_range(0..5)];
                     repeats = [0.0, 0.3, 0.9][rng.random_range(0..3)];
                 }
                 if rng.random_bool(0.002) {
@@ -149,8 +153,8 @@ fn every_shape_does_what_is_promised() {
                 if rng.random_bool(1.0 - repeats) {
                     kind = OPCODES[rng.random_range(0..4)];
                 }
-                let input = rng.random_bool(source_mood).then_some((kind, next));
-                let output_ready = rng.random_bool(sink_mood);
+                let input = rng.random_bool(source_rate).then_some((kind, next));
+                let output_ready = rng.random_bool(sink_rate);
                 for kind in OPCODES {
                     let ready = pipeline.input_ready(kind);
                     assert_eq!(ready, reference.input_ready(kind), "{shape:?}, seed {seed}, cycle {cycle}, {kind}");
@@ -158,7 +162,7 @@ fn every_shape_does_what_is_promised() {
                 }
                 let shown = pipeline.output().copied();
                 assert_eq!(shown, reference.output(), "{shape:?}, seed {seed}, cycle {cycle}");
-                let places: Vec<Place> = pipeline.places().collect();
+                let places: Vec<PipelinePosition> = pipeline.positions().collect();
                 assert_eq!(places, reference.places(), "{shape:?}, seed {seed}, cycle {cycle}");
                 let ready = pipeline.input_ready(kind);
                 let Transfer { accepted, output } = pipeline.cycle(input, output_ready);
@@ -184,7 +188,7 @@ fn every_shape_does_what_is_promised() {
 
 /// Cycles without input, skipped: as many as walking takes until there is an output, and what follows is the same.
 #[test]
-fn idle_cycles_skipped_are_idle_cycles_walked() {
+fn idle_equals_single_cycles() {
     let mut at_once = 0;
     for shape in shapes().into_iter().chain([shape(128, Control::Skid, &[]), shape(128, Control::Credit, &[])]) {
         for seed in 0..20 {
@@ -204,7 +208,7 @@ fn idle_cycles_skipped_are_idle_cycles_walked() {
                     assert_eq!(skips.idle(limit), passed, "{shape:?}, seed {seed}, item {item}, limit {limit}");
                     at_once += u64::from(passed > 10);
                 }
-                assert!(skips.places().eq(walks.places()), "{shape:?}, seed {seed}, item {item}");
+                assert!(skips.positions().eq(walks.positions()), "{shape:?}, seed {seed}, item {item}");
                 assert!(OPCODES.iter().all(|&kind| skips.input_ready(kind) == walks.input_ready(kind)));
             }
         }
@@ -236,7 +240,7 @@ fn items_of_a_loop_keep_their_distance_and_no_others() {
             let expected: Vec<usize> = (12..400).step_by(distance).collect();
             assert_eq!(departures(&shape, EUCLIDEAN), expected, "{shape:?}");
 
-            // Every `distance`-th item is of the kind: nobody waits.
+            // Every `distance`-th item is of the kind: no item waits.
             let mut pipeline = Elastic::new(&shape);
             for cycle in 0..200 {
                 let kind = if cycle % distance == 0 { EUCLIDEAN } else { TRIANGLE };
@@ -249,7 +253,7 @@ fn items_of_a_loop_keep_their_distance_and_no_others() {
 
 /// 24 in the paper's twelve skid buffers; one more than the latency with credits.
 #[test]
-fn so_many_fit_while_the_sink_refuses() {
+fn capacity_while_the_sink_is_not_ready() {
     for (control, latency, capacity) in [(Control::Skid, 12, 24), (Control::Credit, 12, 13), (Control::Credit, 21, 22)]
     {
         let shape = shape(latency, control, &[]);
@@ -266,7 +270,7 @@ fn so_many_fit_while_the_sink_refuses() {
 
 /// Ready is a register: it says what was true before this cycle's transfer.
 #[test]
-fn a_full_pipeline_accepts_again_one_cycle_after_it_gave() {
+fn a_full_pipeline_accepts_one_cycle_after_an_item_left() {
     for control in [Control::Skid, Control::Credit] {
         let mut one = Elastic::<u8>::new(&shape(1, control, &[]));
         let mut cycle = |item: u8, output_ready: bool| one.cycle(Some((TRIANGLE, item)), output_ready);

@@ -4,7 +4,7 @@ mod common;
 
 use common::meshes;
 use common::rays::{Kind, rays};
-use raypath_model::{Control, Place, Shape};
+use raypath_model::{Control, PipelinePosition, Shape};
 use raypath_ops::{JobKind, Ray, RayError};
 use raypath_render::{
     Bundle, Camera, Counts, Mesh, PictureError, RenderError, Scene, Shading, Still, Tracing, render, sweep_picture,
@@ -123,7 +123,7 @@ impl Observer for Owners {
     fn wants(&self, cycle: u64) -> Option<u64> {
         Some(cycle)
     }
-    fn cycle(&mut self, cycle: &Cycle, _: impl Iterator<Item = Place>) {
+    fn cycle(&mut self, cycle: &Cycle, _: impl Iterator<Item = PipelinePosition>) {
         self.0.extend(cycle.offered.filter(|_| cycle.accepted).map(|(_, owner)| owner));
     }
 }

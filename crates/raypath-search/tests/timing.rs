@@ -1,6 +1,6 @@
 //! The cycle-exact simulation does a search's work, no more and no less, and finds what it finds.
 
-use raypath_model::{Control, Loop, Place, Shape};
+use raypath_model::{Control, Loop, PipelinePosition, Shape};
 use raypath_ops::JobKind;
 use raypath_search::{
     Candidates, Clusters, Dataset, Exact, Graph, GraphParameters, Log, Metric, SearchError, Subject, TimingError,
@@ -121,7 +121,7 @@ impl Observer for Owners {
     fn wants(&self, cycle: u64) -> Option<u64> {
         Some(cycle)
     }
-    fn cycle(&mut self, cycle: &Cycle, _: impl Iterator<Item = Place>) {
+    fn cycle(&mut self, cycle: &Cycle, _: impl Iterator<Item = PipelinePosition>) {
         self.0.extend(cycle.offered.filter(|_| cycle.accepted).map(|(_, owner)| owner));
     }
 }

@@ -1,4 +1,4 @@
-use raypath_model::Place;
+use raypath_model::PipelinePosition;
 
 /// Looks on, cycle by cycle, in the cycles that it wants to see. `()` wants none.
 pub trait Observer {
@@ -8,7 +8,7 @@ pub trait Observer {
 
     /// A cycle that it wanted to see. `places` says where the jobs inside are during it, oldest first: the job that is
     /// accepted in it is not among them, and the one that is taken is the first.
-    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = Place>);
+    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = PipelinePosition>);
 }
 
 /// What happens at the datapath's ends in one cycle.
@@ -32,7 +32,7 @@ impl Observer for () {
         None
     }
     #[inline]
-    fn cycle(&mut self, _: &Cycle, _: impl Iterator<Item = Place>) {}
+    fn cycle(&mut self, _: &Cycle, _: impl Iterator<Item = PipelinePosition>) {}
 }
 
 impl<O: Observer> Observer for &mut O {
@@ -41,7 +41,7 @@ impl<O: Observer> Observer for &mut O {
         (**self).wants(cycle)
     }
     #[inline]
-    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = Place>) {
+    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = PipelinePosition>) {
         (**self).cycle(cycle, places);
     }
 }

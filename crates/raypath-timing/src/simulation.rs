@@ -267,7 +267,7 @@ impl<M: Model<Kind = JobKind>, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_
             let offered = offer.map(|(seat, job)| (job.kind().opcode(), self.seats[seat].number));
             let accepted = offered.is_some_and(|(opcode, _)| self.model.input_ready(opcode));
             let cycle = Cycle { number: self.now, offered, accepted, shown, taken: shown && !refused };
-            observer.cycle(&cycle, self.model.places());
+            observer.cycle(&cycle, self.model.positions());
         }
         let mut woken = Woken::default();
         let kind = offer.map(|(_, job)| job.kind());

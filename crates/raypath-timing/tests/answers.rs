@@ -130,7 +130,7 @@ impl raypath_timing::Observer for Entries {
     fn wants(&self, cycle: u64) -> Option<u64> {
         Some(cycle)
     }
-    fn cycle(&mut self, cycle: &raypath_timing::Cycle, _: impl Iterator<Item = raypath_model::Place>) {
+    fn cycle(&mut self, cycle: &raypath_timing::Cycle, _: impl Iterator<Item = raypath_model::PipelinePosition>) {
         if let (Some((_, owner)), true) = (cycle.offered, cycle.accepted) {
             self.0.push((cycle.number, owner));
         }

@@ -208,13 +208,17 @@ fn an_observer_sees_the_cycles_that_it_wants() {
     struct Looks {
         from: u64,
         until: u64,
-        seen: Vec<(raypath_timing::Cycle, Vec<raypath_model::Place>)>,
+        seen: Vec<(raypath_timing::Cycle, Vec<raypath_model::PipelinePosition>)>,
     }
     impl Observer for Looks {
         fn wants(&self, cycle: u64) -> Option<u64> {
             Some(cycle.max(self.from)).filter(|cycle| *cycle < self.until)
         }
-        fn cycle(&mut self, cycle: &raypath_timing::Cycle, places: impl Iterator<Item = raypath_model::Place>) {
+        fn cycle(
+            &mut self,
+            cycle: &raypath_timing::Cycle,
+            places: impl Iterator<Item = raypath_model::PipelinePosition>,
+        ) {
             self.seen.push((*cycle, places.collect()));
         }
     }

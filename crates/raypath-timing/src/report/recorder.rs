@@ -1,6 +1,6 @@
 use super::recording::{JobTrace, Span, Window};
 use crate::observer::{Cycle, Observer};
-use raypath_model::Place;
+use raypath_model::PipelinePosition;
 use std::collections::VecDeque;
 
 /// Writes down the first jobs from some cycle on, and where they are until they have left.
@@ -28,7 +28,7 @@ use std::collections::VecDeque;
 ///         shown,
 ///         taken: shown,
 ///     };
-///     recorder.cycle(&cycle, model.places());
+///     recorder.cycle(&cycle, model.positions());
 ///     model.cycle(offer, true);
 /// }
 /// let window = recorder.window();
@@ -72,7 +72,7 @@ impl Observer for Recorder {
         if self.left < self.most { Some(cycle.max(self.from)) } else { None }
     }
 
-    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = Place>) {
+    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = PipelinePosition>) {
         if self.wants(cycle.number) != Some(cycle.number) {
             return;
         }

@@ -1,7 +1,7 @@
 //! What a recorder writes down, before what is known by hand and before the places that the model shows.
 
 use crate::common::{self, run, shape};
-use raypath_model::{Control, CycleModel, Functional, Place};
+use raypath_model::{Control, CycleModel, Functional, PipelinePosition};
 use raypath_ops::Rules;
 use raypath_timing::report::{Recorder, Window};
 use raypath_timing::{Cycle, Machine, Observer, Sink, simulate};
@@ -26,18 +26,18 @@ fn where_nothing_stalls_a_job_is_in_each_stage_for_one_cycle() {
 
 /// Keeps everything that there is to see.
 #[derive(Default)]
-struct Everything(Vec<(Cycle, Vec<Place>)>);
+struct Everything(Vec<(Cycle, Vec<PipelinePosition>)>);
 
 impl Observer for Everything {
     fn wants(&self, cycle: u64) -> Option<u64> {
         Some(cycle)
     }
-    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = Place>) {
+    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = PipelinePosition>) {
         self.0.push((*cycle, places.collect()));
     }
 }
 
-fn everything(control: Control, stalls: f64) -> Vec<(Cycle, Vec<Place>)> {
+fn everything(control: Control, stalls: f64) -> Vec<(Cycle, Vec<PipelinePosition>)> {
     let agents = (0..400).map(|seed| common::Walk::new(seed, 4));
     let model = CycleModel::new(Functional::<16, 8>::new(Rules::Paper), &shape(control));
     let sink = Sink::Stalls { probability: stalls, seed: 1 };

@@ -155,7 +155,7 @@ impl Watcher {
         let offered = seen.cycle.offers.then(|| (entering.unwrap_or(0), seen.entered.unwrap_or(0) as u64));
         let accepted = entering.is_some();
         let cycle = timing::Cycle { number, offered, accepted, shown, taken: shown && seen.cycle.takes };
-        self.recorder.cycle(&cycle, self.pipeline.places());
+        self.recorder.cycle(&cycle, self.pipeline.positions());
         self.pipeline.cycle(entering.map(|opcode| (opcode, ())), seen.cycle.takes);
     }
 

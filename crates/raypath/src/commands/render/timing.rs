@@ -3,7 +3,7 @@
 use crate::commands::Failure;
 use crate::commands::progress::watched;
 use crate::commands::timed::Subject;
-use raypath::model::Place;
+use raypath::model::PipelinePosition;
 use raypath::ops::{Binary32, Ray};
 use raypath::render::{
     Bundle, Camera, Scene, Shading, Still, Tracing, sweep_picture, sweep_rays, time_picture, time_rays,
@@ -140,7 +140,7 @@ impl Observer for Owners<'_> {
         self.recorder.wants(cycle)
     }
 
-    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = Place>) {
+    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = PipelinePosition>) {
         let offered = cycle.offered.map(|(kind, agent)| (kind, agent * self.sample.every.get() as u64));
         self.recorder.cycle(&Cycle { offered, ..*cycle }, places);
     }
