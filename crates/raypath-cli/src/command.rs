@@ -70,7 +70,11 @@ pub fn main(spec: impl Into<AnyOperationSpec>) -> ExitCode {
 /// that is not installed.
 pub fn run(spec: &AnyOperationSpec, arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.preset.config;
-    let base = if arguments.alone { Datapath::new().built_as(config) } else { Datapath::paper(config) };
+    let base = if arguments.alone {
+        Datapath::new().built_as(config.microarchitecture).format(config.semantics.format)
+    } else {
+        Datapath::paper(config)
+    };
     let datapath = base.without(spec.name()).with_any(spec.operation());
     let netlist = datapath.elaborate()?;
 

@@ -45,7 +45,7 @@ impl<const LATE: u32> Operation for Before<LATE> {
 /// The erased model answers as the typed one does, whatever the numbers, sums and resets included.
 #[test]
 fn an_erased_model_answers_like_the_typed_one() {
-    let binary16 = Config { format: Format::BINARY16, ..Config::DEFAULT };
+    let binary16 = Config::DEFAULT.format(Format::BINARY16);
     same_answers(Functional::<16, 8>::new(Rules::Paper), Config::DEFAULT);
     same_answers(Functional::<16, 8, Soft>::over(Soft { format: Format::BINARY16 }, Rules::Paper), binary16);
 }
@@ -119,7 +119,7 @@ fn opcodes_are_assigned() {
 /// An operation that needs more units than there may be says which, and where.
 #[test]
 fn a_budget_is_kept() {
-    let graphics = Config { lanes: Lanes::None, ..Config::DEFAULT };
+    let graphics = Config::DEFAULT.lanes(Lanes::None);
     assert!(Datapath::paper(graphics).within(Budget::TABLE_VIII).elaborate().is_ok());
     let narrow = Budget::by_stage(|_| Units { add: 9, multiply: 99, compare: 99, ..Units::default() });
     let error = Datapath::paper(graphics).within(narrow).elaborate().expect_err("too many units");

@@ -66,7 +66,7 @@ impl Visitor for Ports {
     type Answer = Source;
 
     fn visit<M: PaperModel>(self, model: M) -> Source {
-        let mut jobs = random(&model, self.config.format, self.seed, &[self.kind]);
+        let mut jobs = random(&model, self.config.semantics.format, self.seed, &[self.kind]);
         Source::Paper(Box::new(move || jobs.next().map(|job| job.ports()).unwrap_or_default()))
     }
 }

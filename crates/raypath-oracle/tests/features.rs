@@ -24,14 +24,14 @@ const ALL: Features = Features {
 /// Verilator, Yosys and slang have nothing to say, and Verilator shows in every cycle what the cycle-exact model shows.
 #[test]
 fn all_features_in_verilator() {
-    in_verilator(Config { features: ALL, ..Config::DEFAULT });
+    in_verilator(Config::DEFAULT.features(ALL));
 }
 
 /// The same where beats wait for each other, and jobs for credits.
 #[test]
 fn all_features_with_credits_and_units_of_two_steps() {
-    let config = Config { features: ALL, lanes: Lanes::Four, ..Config::DEFAULT };
-    in_verilator(Config { control: Control::Credit, unit_latency: UnitLatency::Two, ..config });
+    let config = Config::DEFAULT.features(ALL).lanes(Lanes::Four);
+    in_verilator(config.control(Control::Credit).unit_latency(UnitLatency::Two));
 }
 
 fn in_verilator(config: Config) {
@@ -48,14 +48,14 @@ fn in_verilator(config: Config) {
 /// A feature that cannot be had is refused, and says what could be.
 #[test]
 fn what_cannot_be_had_is_refused() {
-    let features = |features| Datapath::paper(Config { features, ..Config::DEFAULT }).elaborate();
+    let features = |features| Datapath::paper(Config::DEFAULT.features(features)).elaborate();
     let error = features(Features { tag: 33, ..Features::OFF }).expect_err("too wide");
     assert!(error.to_string().contains("33 bits, expected 1 to 32"), "{error}");
     let flags = Features { exception_flags: true, ..Features::OFF };
-    let half = Config { format: Format::BINARY16, features: flags, ..Config::DEFAULT };
+    let half = Config::DEFAULT.format(Format::BINARY16).features(flags);
     let error = Datapath::paper(half).elaborate().expect_err("no model has them");
     assert!(error.to_string().contains("expected format fp32"), "{error}");
-    let chisel = Config { rules: Rules::Chisel, features: ALL, ..Config::DEFAULT };
+    let chisel = Config::DEFAULT.rules(Rules::Chisel).features(ALL);
     let error = Datapath::paper(chisel).elaborate().expect_err("not under these rules");
     assert!(error.to_string().contains("expected the rules paper"), "{error}");
 }
@@ -86,8 +86,7 @@ fn oracles_see_ports_in_their_places() {
             if bool::from(answer.facing) == is_front { Ok(()) } else { Err(format!("front: {is_front}")) }
         });
     let specs = [AnyOperationSpec::from(spec)];
-    let features = Features { tag: 8, ..Features::OFF };
-    let datapath = Datapath::new().built_as(Config { features, ..Config::DEFAULT }).with_any(specs[0].operation());
+    let datapath = Datapath::new().tag(8).with_any(specs[0].operation());
     let netlist = datapath.elaborate().expect("a datapath");
     let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 9, jobs: 1000 };
     let reports = &checks.against_the_oracles()[0];

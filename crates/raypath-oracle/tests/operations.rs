@@ -43,10 +43,10 @@ fn the_netlist_is_like_the_models_in_every_configuration() {
     let default = Config::DEFAULT;
     let configurations = [
         default,
-        Config { control: Control::Credit, unit_latency: UnitLatency::Two, ..default },
-        Config { unit_latency: UnitLatency::Three, ..default },
-        Config { io: Encoding::Recoded, registers: Encoding::Ieee, sharing: Sharing::Segregated, ..default },
-        Config { format: raypath_float::Format::BINARY16, ..default },
+        default.control(Control::Credit).unit_latency(UnitLatency::Two),
+        default.unit_latency(UnitLatency::Three),
+        default.io(Encoding::Recoded).registers(Encoding::Ieee).sharing(Sharing::Segregated),
+        default.format(raypath_float::Format::BINARY16),
     ];
     for config in configurations {
         let datapath = with_all(config, &specs);

@@ -230,7 +230,7 @@ fn next_flags<'m>(
     let own = |op: usize| {
         flag_fields(layout, op).into_iter().filter(move |field| field.0 / FLAG_REGISTER == first / FLAG_REGISTER)
     };
-    if plan.config.sharing == Sharing::Segregated {
+    if plan.microarchitecture.sharing == Sharing::Segregated {
         let mut fields: Vec<_> = (0..plan.operations.len()).flat_map(|op| own(op).map(move |f| (op, f))).collect();
         fields.sort_unstable_by_key(|(_, field)| field.0);
         return flag_word(m, first, width, fields.into_iter(), wires);

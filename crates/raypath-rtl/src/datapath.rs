@@ -1,11 +1,9 @@
 use crate::boundary::label;
 use crate::budget::Budget;
-use crate::config::{Config, Encoding};
+use crate::config::{Config, Encoding, Features, Microarchitecture, OperationVisitor, Semantics};
 use crate::error::Error;
-use crate::features::Features;
 use crate::graph::Traced;
 use crate::library::Library;
-use crate::operations::OperationVisitor;
 use crate::plan::{Plan, StepPlan};
 use crate::properties::Properties;
 use crate::schedule::{self, Target};
@@ -14,6 +12,7 @@ use crate::steps::Step;
 use crate::top::{self, Pipeline};
 use crate::tracer::Marks;
 use crate::units::Units;
+use raypath_float::Format;
 use raypath_hdl::{Label, Module};
 use raypath_ops::{Binary32, Operation, Port, ports_of};
 use std::sync::Arc;
@@ -30,11 +29,12 @@ pub struct Datapath {
 pub const MOST_OPERATIONS: u64 = 64;
 
 /// The operations of a datapath, each with its opcode. Their order is that of ports, tables and comments.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Operations {
     traced: Vec<Traced>,
     marks: Marks,
     budget: Option<Budget>,
+    format: Format,
     tag: u32,
     exception_flags: bool,
     ports: Vec<Claim>,
@@ -77,9 +77,17 @@ fn in_words(width: Option<u32>) -> String {
 }
 
 impl Operations {
-    /// None yet.
+    /// The empty set.
     pub fn new() -> Self {
-        Self::default()
+        Self {
+            traced: Vec::new(),
+            marks: Marks::default(),
+            budget: None,
+            format: Format::BINARY32,
+            tag: 0,
+            exception_flags: false,
+            ports: Vec::new(),
+        }
     }
 
     /// Adds an operation under an opcode of its own, below [`MOST_OPERATIONS`]; the port is as wide as the largest needs.
@@ -97,8 +105,14 @@ impl Operations {
         Ok(self)
     }
 
+    /// Sets the format of all numbers; binary32 by default.
+    pub fn format(mut self, format: Format) -> Self {
+        self.format = format;
+        self
+    }
+
     /// Has every operation take a word of `width` bits along, from the port `tag_i` to the port `tag_o`, unchanged: 1 to
-    /// [`Features::MOST_TAG`]; 0 for none.
+    /// [`Features::MAX_TAG_WIDTH`]; 0 for none.
     pub fn tag(mut self, width: u32) -> Self {
         self.tag = width;
         self
@@ -158,8 +172,8 @@ impl Operations {
     }
 
     /// Their records, with all stages known.
-    fn staged(mut self, config: Config) -> Result<Vec<Traced>, Error> {
-        Features { tag: self.tag, ..Features::OFF }.check(config)?;
+    fn staged(mut self, microarchitecture: Microarchitecture) -> Result<Vec<Traced>, Error> {
+        Features::check_tag(self.tag)?;
         if self.tag > 0 {
             self.traced.iter_mut().try_for_each(|traced| traced.add_tag(self.tag))?;
         }
@@ -167,12 +181,18 @@ impl Operations {
             self.traced.iter_mut().try_for_each(Traced::count_exceptions)?;
         }
         self.traced.iter_mut().for_each(Traced::forget_unread);
-        let number_width = match config.registers {
-            Encoding::Ieee => config.format.ieee_width(),
-            Encoding::Recoded => config.format.recoded_width(),
+        let Microarchitecture { registers, sharing, .. } = microarchitecture;
+        let number_width = match registers {
+            Encoding::Ieee => self.format.ieee_width(),
+            Encoding::Recoded => self.format.recoded_width(),
         };
-        let Config { sharing, .. } = config;
         schedule::assign(self.traced, &Target { budget: self.budget, number_width, sharing })
+    }
+}
+
+impl Default for Operations {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
@@ -230,10 +250,11 @@ impl Datapath {
     /// Features that cannot be had as they are asked for ([`Config::check`]). These operations fit.
     pub fn new(config: Config) -> Result<Self, Error> {
         config.check()?;
+        let Semantics { format, features, .. } = config.semantics;
         let mut operations =
-            Operations::new().tag(config.features.tag).exception_flags(config.features.exception_flags);
-        config.operations(&mut operations)?;
-        Self::build(operations, config)
+            Operations::new().format(format).tag(features.tag).exception_flags(features.exception_flags);
+        config.semantics.operations(&mut operations)?;
+        Self::build(operations, config.microarchitecture)
     }
 
     /// Elaborates any set of operations, built as by default.
@@ -243,17 +264,16 @@ impl Datapath {
     /// or whose names cannot be printed; an automatic schedule that reads state elsewhere than its next value is made; a
     /// value that nothing brings to where it is read; a tag that is too wide, or whose port an operation has.
     pub fn of(operations: Operations) -> Result<Self, Error> {
-        Self::build(operations, Config::DEFAULT)
+        Self::build(operations, Microarchitecture::DEFAULT)
     }
 
-    /// Elaborates any set of operations, built as `config` says. Its rules, lanes and features say nothing here:
-    /// they are the operations' own.
+    /// Elaborates any set of operations with this microarchitecture.
     ///
     /// # Errors
     /// Those of [`Datapath::of`].
-    pub fn build(operations: Operations, config: Config) -> Result<Self, Error> {
-        let with_flags = operations.exception_flags;
-        let plan = Plan::new(&operations.staged(config)?, config);
+    pub fn build(operations: Operations, microarchitecture: Microarchitecture) -> Result<Self, Error> {
+        let Operations { format, exception_flags: with_flags, .. } = operations;
+        let plan = Plan::new(&operations.staged(microarchitecture)?, format, microarchitecture);
         let library = Library::new(&plan, with_flags)?;
         let pipeline = top::pipeline(&plan, &library, &description(&plan))?;
         Ok(Self { plan, library, pipeline })

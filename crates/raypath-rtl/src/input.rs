@@ -57,7 +57,7 @@ pub fn input(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
         .collect();
     let mut wires = Ports { plan, wires };
     let next = boundary::next(&m, plan, library, 0, opcode, &mut wires)?;
-    match plan.config.control {
+    match plan.microarchitecture.control {
         Control::Skid => elastic::skid_buffers(&m, library, next, None),
         Control::Credit => elastic::plain(&m, next),
     };

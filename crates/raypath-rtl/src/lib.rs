@@ -6,7 +6,7 @@
 //! ```
 //! use raypath_rtl::{Config, Datapath, Lanes};
 //!
-//! let datapath = Datapath::new(Config { lanes: Lanes::None, ..Config::default() })?;
+//! let datapath = Datapath::new(Config::DEFAULT.lanes(Lanes::None))?;
 //! assert_eq!(datapath.top().name(), "raypath");
 //! assert_eq!(datapath.units(2).add, 24);
 //! # Ok::<(), raypath_rtl::Error>(())
@@ -15,24 +15,20 @@
 mod binding;
 mod boundary;
 mod budget;
-mod choice;
 mod config;
 mod control;
 mod datapath;
 mod demand;
 mod elastic;
 mod error;
-mod features;
 mod graph;
 mod input;
 mod library;
 mod liveness;
-mod operations;
 mod output;
 pub mod package;
 mod place;
 mod plan;
-mod preset;
 mod properties;
 pub mod report;
 mod schedule;
@@ -44,13 +40,13 @@ mod units;
 mod values;
 
 pub use budget::{Budget, Shortage};
-pub use choice::{ParseChoiceError, alternatives};
-pub use config::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
+pub use config::{
+    Accumulators, Config, Control, Encoding, Features, Lanes, Microarchitecture, OperationVisitor, PARAMETER_GROUPS,
+    PRESETS, Parameter, ParameterGroup, ParseChoiceError, Preset, Semantics, Sharing, UnitLatency, alternatives,
+    parameters,
+};
 pub use datapath::{Datapath, MOST_OPERATIONS, Operations, Registers, StageNote, StateLoop};
 pub use error::Error;
-pub use features::{Accumulators, Features};
-pub use operations::OperationVisitor;
-pub use preset::{PRESETS, Preset};
 pub use properties::{Bind, Checker, Properties};
 pub use steps::Step;
 pub use units::{UnitKind, Units};

@@ -25,7 +25,7 @@ pub struct Library {
 impl Library {
     /// The modules of a plan, whose adders and multipliers report exceptions if `with_flags`.
     pub fn new(plan: &Plan, with_flags: bool) -> Result<Self, Error> {
-        let (format, parts) = (plan.config.format, plan.config.unit_latency.stages());
+        let (format, parts) = (plan.format, plan.microarchitecture.unit_latency.steps());
         let mut numbers = BTreeMap::new();
         for width in plan.operations.iter().flat_map(word_widths) {
             numbers.insert(width, raypath_float::number(format, width)?);

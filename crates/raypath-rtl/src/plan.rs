@@ -1,13 +1,14 @@
 //! The plan of a datapath: for every step its units, and for every boundary who lives where.
 
 use crate::binding::{self, Bindings};
-use crate::config::{Config, Control, Encoding};
+use crate::config::{Control, Encoding, Microarchitecture};
 use crate::demand::Demands;
 use crate::graph::{Kind, NodeId, Op, Traced};
 use crate::liveness::{self, Work};
 use crate::place::{Layout, Origin, Place};
 use crate::steps::{self, Step};
 use crate::units::{Unit, Units};
+use raypath_float::Format;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Bits of the paper's opcode. Datapaths that have fewer operations keep the port.
@@ -16,8 +17,8 @@ const PAPER_OPCODE_WIDTH: u32 = 2;
 /// Everything that the netlist follows from.
 #[derive(Debug)]
 pub struct Plan {
-    /// What is asked for; rules and lanes are in the operations already.
-    pub config: Config,
+    pub format: Format,
+    pub microarchitecture: Microarchitecture,
     /// The operations, their values in steps.
     pub operations: Vec<Traced>,
     /// Step 0, which is the input's registers, to the last.
@@ -38,8 +39,8 @@ pub struct StepPlan {
 }
 
 impl Plan {
-    pub fn new(operations: &[Traced], config: Config) -> Self {
-        let (operations, steps) = steps::expand(operations, config.unit_latency.stages());
+    pub fn new(operations: &[Traced], format: Format, microarchitecture: Microarchitecture) -> Self {
+        let (operations, steps) = steps::expand(operations, microarchitecture.unit_latency.steps());
         let last = steps.len() as u32 - 1;
         let works: Vec<Vec<Work>> = operations.iter().map(|traced| liveness::work(traced, last)).collect();
         let demands: Vec<Demands> = operations.iter().map(Demands::new).collect();
@@ -51,11 +52,11 @@ impl Plan {
             let before = plans.last().map_or(&nothing, |plan| &plan.layout);
             let bindings = binding::bind(&operations, &here, before);
             let origin = |op, id| origin(&operations, before, &bindings, op, id);
-            let layout = Layout::new(config.sharing, &operations, &carried, &demands, before, origin);
+            let layout = Layout::new(microarchitecture.sharing, &operations, &carried, &demands, before, origin);
             let made = works.iter().map(|works| works[index].made.clone()).collect();
             plans.push(StepPlan { step, bindings, made, layout });
         }
-        Self { config, operations, steps: plans }
+        Self { format, microarchitecture, operations, steps: plans }
     }
 
     /// Bits of the opcode: what the largest one needs, but no fewer than the paper has.
@@ -76,7 +77,7 @@ impl Plan {
 
     /// Jobs that fit inside while the sink refuses.
     pub fn capacity(&self) -> u64 {
-        match self.config.control {
+        match self.microarchitecture.control {
             Control::Skid => 2 * u64::from(self.latency()),
             Control::Credit => u64::from(self.latency()) + 1,
         }
@@ -121,14 +122,14 @@ impl Plan {
 
     /// How numbers stand in the registers after a step.
     pub fn encoding(&self, step: usize) -> Encoding {
-        if step == 0 || step == self.last() { self.config.io } else { self.config.registers }
+        if step == 0 || step == self.last() { self.microarchitecture.io } else { self.microarchitecture.registers }
     }
 
     /// Bits of a number in the registers after a step.
     pub fn number_width(&self, step: usize) -> u32 {
         match self.encoding(step) {
-            Encoding::Ieee => self.config.format.ieee_width(),
-            Encoding::Recoded => self.config.format.recoded_width(),
+            Encoding::Ieee => self.format.ieee_width(),
+            Encoding::Recoded => self.format.recoded_width(),
         }
     }
 }

@@ -194,7 +194,7 @@ fn entrance(plan: &Plan, module: &Module) -> Bind {
 
 /// Jobs through a step's registers: a place or two, or at the exit one for every job that was let in.
 fn order_of_step(plan: &Plan, step: usize, module: &Module) -> Bind {
-    let capacity = match plan.config.control {
+    let capacity = match plan.microarchitecture.control {
         Control::Skid => 2,
         Control::Credit if step == plan.last() => plan.capacity(),
         Control::Credit => 1,
@@ -263,7 +263,7 @@ fn beats(plan: &Plan, traced: &Traced) -> Bind {
     let written = traced.states.iter().map(|state| state.written).max().unwrap_or(0) as usize;
     // What the top calls the wires around a step: after the instances that drive them.
     let before = |step: usize| stage::name(plan.steps[step.saturating_sub(1)].step);
-    let ready = |step: usize| match plan.config.control {
+    let ready = |step: usize| match plan.microarchitecture.control {
         Control::Skid => format!("{}_ready", stage::name(plan.steps[step].step)),
         Control::Credit => "1'b1".to_string(),
     };

@@ -66,7 +66,7 @@ fn build(
     }
     let next = boundary::next(m, plan, library, step, opcode, &mut values)?;
     let last = step == plan.last();
-    let advance = match plan.config.control {
+    let advance = match plan.microarchitecture.control {
         Control::Skid => {
             let busy = Busy::new(m, plan, step, opcode);
             let hold = busy.iter().map(|busy| busy.hold).reduce(|a, b| a | b);
@@ -105,7 +105,7 @@ fn describe(m: &Builder, plan: &Plan, step: usize) {
 pub fn notes(plan: &Plan, traced: &Traced, index: usize) -> String {
     let step = plan.steps[index].step;
     let own = traced.notes.iter().filter(|(at, _)| *at == step.stage).map(|(_, what)| what.as_ref());
-    let ieee = if plan.config.format == Format::BINARY32 { "binary32" } else { "IEEE 754" };
+    let ieee = if plan.format == Format::BINARY32 { "binary32" } else { "IEEE 754" };
     let conversion = match index.checked_sub(1).map(|before| (plan.encoding(before), plan.encoding(index))) {
         Some((Encoding::Ieee, Encoding::Recoded)) => Some(format!("{ieee} to recoded")),
         Some((Encoding::Recoded, Encoding::Ieee)) => Some(format!("recoded to {ieee}")),
@@ -175,7 +175,7 @@ impl<'m> States<'m> {
             }
         }
         for (op, advances) in advances {
-            if plan.config.control == Control::Skid && plan.operations[op].is_loop() {
+            if plan.microarchitecture.control == Control::Skid && plan.operations[op].is_loop() {
                 m.output(&format!("{}_o", written(&plan.operations[op])), advances);
             }
         }

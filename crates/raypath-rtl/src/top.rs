@@ -53,7 +53,7 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
     }
     let mut credit = None;
     let mut leaves = None;
-    if plan.config.control == Control::Credit {
+    if plan.microarchitecture.control == Control::Credit {
         m.section("A job enters while the exit has a place for it");
         let module = control::credit(plan.latency() + 1, plan.opcode_width(), &spacings(plan))?;
         let returned = m.forward("job_leaves", 1);
@@ -68,7 +68,7 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
     let mut backward = Backward { m: &m, forwards: BTreeMap::new(), driven: BTreeMap::new() };
     let mut ready_before: Option<Forward<'_>> = None;
     for (index, (name, module)) in modules.iter().enumerate() {
-        let next = modules.get(index + 1).filter(|_| plan.config.control == Control::Skid);
+        let next = modules.get(index + 1).filter(|_| plan.microarchitecture.control == Control::Skid);
         let ready_after = next.map(|(next, _)| m.forward(&format!("ready_of_{next}"), 1));
         wires.insert("ready".to_string(), ready_after.map_or(output_ready, |forward| forward.wire()));
         backward.supply(module, &mut wires);

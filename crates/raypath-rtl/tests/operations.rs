@@ -48,11 +48,11 @@ fn configurations() -> Vec<Config> {
     let mut all = Vec::new();
     for control in Control::ALL.iter().copied() {
         for unit_latency in UnitLatency::ALL.iter().copied() {
-            all.push(Config { control, unit_latency, ..default });
+            all.push(default.control(control).unit_latency(unit_latency));
         }
-        all.push(Config { control, io: Encoding::Recoded, ..default });
-        all.push(Config { control, registers: Encoding::Ieee, sharing: Sharing::Segregated, ..default });
-        all.push(Config { control, io: Encoding::Recoded, registers: Encoding::Ieee, ..default });
+        all.push(default.control(control).io(Encoding::Recoded));
+        all.push(default.control(control).registers(Encoding::Ieee).sharing(Sharing::Segregated));
+        all.push(default.control(control).io(Encoding::Recoded).registers(Encoding::Ieee));
     }
     all
 }
@@ -72,7 +72,7 @@ fn answers(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)]) -> Vec<(f
 /// The answers of one configuration; the first comes after as many cycles as its latency says.
 fn answers_of(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)], config: Config) -> Vec<(f32, bool, u64)> {
     let operations = Operations::new().with(operation, 2).expect("an operation");
-    let datapath = Datapath::build(operations, config).expect("a datapath");
+    let datapath = Datapath::build(operations, config.microarchitecture).expect("a datapath");
     let mut simulator = Simulator::new(datapath.top()).expect("a netlist");
     let input = |name: &str| simulator.input(name).expect(name);
     // What an operation does not read is no port of it; every input here is, read or not.
@@ -81,7 +81,7 @@ fn answers_of(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)], config
     let output = |name: &str| simulator.output(name).expect(name);
     let (number, is_so, code) = (output("number_o"), output("is_so_o"), output("code_o"));
     let (accepts, shown) = (output("input_ready_o"), output("output_valid_o"));
-    let recoded = config.io == Encoding::Recoded;
+    let recoded = config.microarchitecture.io == Encoding::Recoded;
     let to_port =
         |value: f32| if recoded { Format::BINARY32.encode(value.to_bits().into()) } else { value.to_bits().into() };
     let from_port = |bits: u64| if recoded { Format::BINARY32.decode(bits) } else { bits };
@@ -187,8 +187,8 @@ fn words_that_the_format_does_not_have_are_refused() {
         c.stage(2, "the word's value");
         Output { number: i.word.number() * i.a, is_so: i.flag, code: i.word }
     });
-    let config = |s| Config { format: Format::new(3, s).expect("a format"), ..Config::DEFAULT };
-    let build = |s| Datapath::build(Operations::new().with(&Wide, 0).expect("an operation"), config(s));
+    let wide = |s| Operations::new().format(Format::new(3, s).expect("a format")).with(&Wide, 0);
+    let build = |s| Datapath::of(wide(s).expect("an operation"));
     assert!(build(3).is_ok());
 
     struct Nine;
@@ -203,7 +203,7 @@ fn words_that_the_format_does_not_have_are_refused() {
         }
     }
     let nine = || Operations::new().with(&Nine, 0).expect("an operation");
-    let error = Datapath::build(nine(), Config { format: Format::new(8, 8).expect("a format"), ..Config::DEFAULT });
+    let error = Datapath::of(nine().format(Format::new(8, 8).expect("a format")));
     let said = error.expect_err("bfloat16 has no 257").to_string();
     assert!(said.contains("has 9 bits, expected 1 to 8"), "{said}");
 }
@@ -258,9 +258,9 @@ fn state_may_go_through_an_adder_of_several_steps() {
     assert_eq!(answers(&Sum, &jobs), expected);
     for config in configurations() {
         let operations = Operations::new().with(&Sum, 2).expect("an operation");
-        let loops = Datapath::build(operations, config).expect("a datapath").loops();
+        let loops = Datapath::build(operations, config.microarchitecture).expect("a datapath").loops();
         let spacing = loops.first().map_or(1, |found| found.last - found.first + 1);
-        assert_eq!(spacing, config.unit_latency.stages(), "{config}");
+        assert_eq!(spacing, config.microarchitecture.unit_latency.steps(), "{config}");
     }
 }
 
@@ -414,7 +414,7 @@ fn ports_of_one_name_are_alike() {
 fn assertions_of_a_state_without_labels_look_at_it() {
     for config in configurations() {
         let operations = Operations::new().with(&Sum, 2).expect("an operation");
-        let text = Datapath::build(operations, config).expect("a datapath").properties().to_string();
+        let text = Datapath::build(operations, config.microarchitecture).expect("a datapath").properties().to_string();
         assert!(text.contains("sum_kept_state") && !text.contains("()"), "{config}: an open port\n{text}");
     }
 }

@@ -1,11 +1,10 @@
 //! Configurations in files: TOML whose keys are the command line's options (`docs/reference/configurations.md`).
 
-use raypath_rtl::{Config, Features, Preset};
+use raypath_rtl::{Config, Preset, alternatives, parameters};
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use thiserror::Error;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -34,7 +33,7 @@ pub enum ConfigurationError {
         problem: String,
     },
     /// A key that is no parameter.
-    #[error("{}:{line}: '{key}' is no parameter, expected {KEYS}", path.display())]
+    #[error("{}:{line}: '{key}' is no parameter, expected {}", path.display(), keys())]
     UnknownKey {
         /// The file.
         path: PathBuf,
@@ -57,8 +56,11 @@ pub enum ConfigurationError {
     },
 }
 
-const KEYS: &str = "preset, lanes, rules, format, io, registers, control, sharing, unit-latency, tag, barycentrics, \
-                    culling, facing, range, conservative, accumulators or exception-flags";
+/// The keys of a file, as `a, b or c`.
+fn keys() -> String {
+    let names: Vec<&str> = ["preset"].into_iter().chain(parameters().map(|parameter| parameter.name)).collect();
+    alternatives(&names)
+}
 
 /// Reads a configuration from a file. What the file does not say is as in its `preset`, or as in the default.
 ///
@@ -176,34 +178,18 @@ impl Document<'_> {
 
     /// What the entries say, the preset first.
     fn config_of(&self, entries: &[Entry]) -> Result<Config, ConfigurationError> {
-        let (presets, parameters): (Vec<&Entry>, Vec<&Entry>) = entries.iter().partition(|entry| entry.key == "preset");
+        let (presets, others): (Vec<&Entry>, Vec<&Entry>) = entries.iter().partition(|entry| entry.key == "preset");
         let mut config = Config::DEFAULT;
         for entry in presets {
-            config = self.value::<Preset>(entry)?.config;
+            let preset: Result<Preset, _> = entry.value.parse();
+            config = preset.map_err(|problem| self.wrong(entry, problem.to_string()))?.config;
         }
-        for entry in parameters {
-            match entry.key.as_str() {
-                "lanes" => config.lanes = self.value(entry)?,
-                "rules" => config.rules = self.value(entry)?,
-                "format" => config.format = self.value(entry)?,
-                "io" => config.io = self.value(entry)?,
-                "registers" => config.registers = self.value(entry)?,
-                "control" => config.control = self.value(entry)?,
-                "sharing" => config.sharing = self.value(entry)?,
-                "unit-latency" => config.unit_latency = self.value(entry)?,
-                "tag" => config.features.tag = self.tag(entry)?,
-                "barycentrics" => config.features.barycentrics = self.switch(entry)?,
-                "culling" => config.features.culling = self.value(entry)?,
-                "facing" => config.features.facing = self.switch(entry)?,
-                "range" => config.features.range = self.switch(entry)?,
-                "conservative" => config.features.conservative = self.switch(entry)?,
-                "accumulators" => config.features.accumulators = self.value(entry)?,
-                "exception-flags" => config.features.exception_flags = self.switch(entry)?,
-                _ => {
-                    let (path, line, key) = (self.path.to_path_buf(), entry.line, beginning(&entry.key));
-                    return Err(ConfigurationError::UnknownKey { path, line, key });
-                }
-            }
+        for entry in others {
+            let Some(parameter) = parameters().find(|parameter| parameter.name == entry.key) else {
+                let (path, line, key) = (self.path.to_path_buf(), entry.line, beginning(&entry.key));
+                return Err(ConfigurationError::UnknownKey { path, line, key });
+            };
+            parameter.set(&mut config, &entry.value).map_err(|problem| self.wrong(entry, problem))?;
         }
         Ok(config)
     }
@@ -242,21 +228,6 @@ impl Document<'_> {
             DeValue::String(text) => beginning(text),
             _ => beginning(self.text.get(span).and_then(|text| text.lines().next()).unwrap_or_default()),
         }
-    }
-
-    fn value<T: FromStr<Err: ToString>>(&self, entry: &Entry) -> Result<T, ConfigurationError> {
-        entry.value.parse().map_err(|problem: T::Err| self.wrong(entry, problem.to_string()))
-    }
-
-    fn switch(&self, entry: &Entry) -> Result<bool, ConfigurationError> {
-        let wrong = |_| self.wrong(entry, format!("'{}', expected true or false", entry.value));
-        entry.value.parse().map_err(wrong)
-    }
-
-    fn tag(&self, entry: &Entry) -> Result<u32, ConfigurationError> {
-        let tag = entry.value.parse().ok().filter(|&tag| tag <= Features::MOST_TAG);
-        let problem = || format!("'{}', expected a whole number from 0 to {}", entry.value, Features::MOST_TAG);
-        tag.ok_or_else(|| self.wrong(entry, problem()))
     }
 
     fn wrong(&self, entry: &Entry, problem: String) -> ConfigurationError {

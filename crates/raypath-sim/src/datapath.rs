@@ -3,9 +3,12 @@
 use crate::engine::{NetlistEngine, shape};
 use crate::model::AnyModel;
 use crate::operation::AnyOperation;
+use raypath_float::Format;
 use raypath_model::{CycleModel, Shape};
 use raypath_ops::Operation;
-use raypath_rtl::{self as rtl, Budget, Config, Error, Features, OperationVisitor, Operations};
+use raypath_rtl::{
+    self as rtl, Budget, Config, Error, Features, Microarchitecture, OperationVisitor, Operations, Semantics,
+};
 use std::convert::Infallible;
 use std::fmt;
 use std::sync::Arc;
@@ -38,7 +41,7 @@ impl Datapath {
     /// The operations that a configuration has, with its features, under the paper's opcodes.
     pub fn paper(config: Config) -> Self {
         let mut datapath = Self { config, ..Self::new() };
-        match config.operations(&mut datapath) {
+        match config.semantics.operations(&mut datapath) {
             Ok(()) => datapath,
         }
     }
@@ -62,10 +65,27 @@ impl Datapath {
         self
     }
 
-    /// Builds them otherwise than by default. Rules, lanes and what triangles, boxes and sums can do are the operations'
-    /// own; a tag and exception flags are for all of them.
-    pub fn built_as(mut self, config: Config) -> Self {
-        self.config = config;
+    /// Sets how the datapath is built.
+    pub fn built_as(mut self, microarchitecture: Microarchitecture) -> Self {
+        self.config.microarchitecture = microarchitecture;
+        self
+    }
+
+    /// Sets the format of all numbers; binary32 by default.
+    pub fn format(mut self, format: Format) -> Self {
+        self.config = self.config.format(format);
+        self
+    }
+
+    /// Has every job carry a word of so many bits from the port `tag_i` to the port `tag_o`; 0 for none.
+    pub fn tag(mut self, width: u32) -> Self {
+        self.config = self.config.tag(width);
+        self
+    }
+
+    /// Adds an output port for the exceptions of all additions and multiplications of a job.
+    pub fn exception_flags(mut self, are_present: bool) -> Self {
+        self.config = self.config.exception_flags(are_present);
         self
     }
 
@@ -104,15 +124,15 @@ impl Datapath {
     /// operations whose shared units would feed each other.
     pub fn elaborate(&self) -> Result<rtl::Datapath, Error> {
         self.config.check()?;
-        let Features { tag, exception_flags, .. } = self.config.features;
-        let mut operations = Operations::new().tag(tag).exception_flags(exception_flags);
+        let Semantics { format, features: Features { tag, exception_flags, .. }, .. } = self.config.semantics;
+        let mut operations = Operations::new().format(format).tag(tag).exception_flags(exception_flags);
         if let Some(budget) = self.budget {
             operations = operations.within(budget);
         }
         for (opcode, operation) in &self.operations {
             operations = operation.add_to(operations, *opcode)?;
         }
-        rtl::Datapath::build(operations, self.config)
+        rtl::Datapath::build(operations, self.config.microarchitecture)
     }
 
     /// What it answers, job by job.

@@ -48,7 +48,7 @@ pub struct Run {
 
 /// When a configuration's datapath shows what: how its cycle-exact model is shaped.
 pub fn shape(config: Config, datapath: &Datapath) -> Shape {
-    let control = match config.control {
+    let control = match config.microarchitecture.control {
         rtl::Control::Skid => Control::Skid,
         rtl::Control::Credit => Control::Credit,
     };

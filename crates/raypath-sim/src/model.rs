@@ -4,7 +4,7 @@ use crate::operation::AnyOperation;
 use raypath_float::Format;
 use raypath_model::{Kind, Model, OnPorts};
 use raypath_ops::{Binary32, Operation, Port, PortKind, PortValue, from_words, to_words};
-use raypath_rtl::{Config, Features};
+use raypath_rtl::{Config, Features, Semantics};
 use std::cell::Cell;
 use std::fmt;
 use std::sync::Arc;
@@ -62,7 +62,7 @@ fn port(name: &str, kind: PortKind, width: u32) -> Port {
 impl AnyModel {
     /// The model of these operations, each under its opcode, built as `config` says.
     pub(crate) fn new(operations: &[(u64, Arc<dyn AnyOperation>)], config: Config) -> Self {
-        let Config { format, features, .. } = config;
+        let Semantics { format, features, .. } = config.semantics;
         let taken_along = (features.tag > 0).then(|| port(TAG, PortKind::Word, features.tag));
         let raised = features.exception_flags.then(|| port("exception_flags", PortKind::Word, FLAGS));
         let mut by_opcode: Vec<_> = operations.iter().collect();

@@ -22,16 +22,16 @@ pub trait Visitor {
 /// Does work with the model of a configuration: its rules, its lanes, its numbers. Without distance modes the model
 /// answers distance jobs all the same; who makes jobs keeps to [`Config::kinds`].
 pub fn with_model<V: Visitor>(config: Config, visitor: V) -> V::Answer {
-    if config.format == Format::BINARY32 {
+    if config.semantics.format == Format::BINARY32 {
         with_lanes(Binary32, config, visitor)
     } else {
-        with_lanes(Soft { format: config.format }, config, visitor)
+        with_lanes(Soft { format: config.semantics.format }, config, visitor)
     }
 }
 
 fn with_lanes<C: ModelCircuit + 'static, V: Visitor>(circuit: C, config: Config, visitor: V) -> V::Answer {
-    let rules = config.rules;
-    match config.lanes {
+    let rules = config.semantics.rules;
+    match config.semantics.lanes {
         Lanes::Two => visitor.visit(Functional::<2, 1, C>::over(circuit, rules)),
         Lanes::Four => visitor.visit(Functional::<4, 2, C>::over(circuit, rules)),
         Lanes::Eight => visitor.visit(Functional::<8, 4, C>::over(circuit, rules)),

@@ -178,7 +178,7 @@ pub fn read_from<M: Model>(
     let mut lines =
         Lines::new(stream).map_err(|problem| TransactionError::File { path: path.to_path_buf(), problem })?;
     let kind = kind.into().map_or_else(|| kind_of(path, model, config), Ok)?;
-    let parser = Parser { path, kind, model, columns: columns(model, kind, config.format) };
+    let parser = Parser { path, kind, model, columns: columns(model, kind, config.semantics.format) };
     let mut transactions = Vec::new();
     for line in 1.. {
         let unreadable = |problem| TransactionError::Line { path: path.to_path_buf(), line, problem };
@@ -292,7 +292,7 @@ pub fn merge<M: Model>(files: Vec<Vec<Transaction<M>>>) -> Vec<Transaction<M>> {
 
 /// Transactions of one of a model's kinds as the text of a file.
 pub fn text<M: Model>(model: &M, kind: M::Kind, transactions: &[Transaction<M>], config: Config) -> String {
-    let columns = columns(model, kind, config.format);
+    let columns = columns(model, kind, config.semantics.format);
     let mut text = String::new();
     for Transaction { seq, category, job, expected } in transactions {
         let fields = [seq, category].map(|number| format!("{number:x}")).into_iter();

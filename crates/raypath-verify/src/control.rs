@@ -84,7 +84,8 @@ pub fn all() -> Vec<Config> {
             for lanes in [Lanes::None, Lanes::Two] {
                 for &sharing in Sharing::ALL {
                     for rules in [Rules::Paper, Rules::Chisel] {
-                        configs.push(Config { control, unit_latency, lanes, sharing, rules, ..Config::DEFAULT });
+                        let config = Config::DEFAULT.control(control).unit_latency(unit_latency).lanes(lanes);
+                        configs.push(config.sharing(sharing).rules(rules));
                     }
                 }
             }
@@ -95,7 +96,7 @@ pub fn all() -> Vec<Config> {
 
 /// One configuration of each kind of control.
 fn representatives() -> Vec<Config> {
-    let config = |control, unit_latency| Config { control, unit_latency, lanes: Lanes::Two, ..Config::DEFAULT };
+    let config = |control, unit_latency| Config::DEFAULT.control(control).unit_latency(unit_latency).lanes(Lanes::Two);
     vec![config(Control::Skid, UnitLatency::One), config(Control::Credit, UnitLatency::One)]
 }
 

@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 static GO: AtomicBool = AtomicBool::new(false);
 
 fn config(control: Control) -> Config {
-    Config { control, lanes: Lanes::Two, unit_latency: UnitLatency::Two, ..Config::DEFAULT }
+    Config::DEFAULT.control(control).lanes(Lanes::Two).unit_latency(UnitLatency::Two)
 }
 
 /// Checks the problem that begins with `name`: it holds without the fault and fails with it.
@@ -83,14 +83,14 @@ fn assert_refuted(config: Config, name: &str, fault: TextFault) {
 
 #[test]
 fn a_job_that_overtakes_those_that_wait_at_the_exit_is_found() {
-    let one = Config { unit_latency: UnitLatency::One, ..config(Control::Credit) };
+    let one = config(Control::Credit).unit_latency(UnitLatency::One);
     let fault = TextFault { module: "raypath_exit", from: "valid_i & (stored | ~leaves)", to: "valid_i & ~leaves" };
     assert_refuted(one, "raypath_stage_11: raypath_order", fault);
 }
 
 #[test]
 fn an_output_that_changes_while_it_is_stalled_is_found() {
-    let one = Config { unit_latency: UnitLatency::One, ..config(Control::Credit) };
+    let one = config(Control::Credit).unit_latency(UnitLatency::One);
     let fault = TextFault { module: "raypath_exit", from: "= leaves & (stored | valid_i)", to: "= stored | valid_i" };
     assert_refuted(one, "raypath: raypath_stall", fault);
 }

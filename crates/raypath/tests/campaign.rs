@@ -61,7 +61,7 @@ fn the_datapath_is_as_claimed_and_a_seed_reproduces() {
 /// the netlist is right.
 #[test]
 fn wrong_answers_shrink_to_files_that_replay() {
-    let chisel = Config { rules: raypath::ops::Rules::Chisel, ..Config::DEFAULT };
+    let chisel = Config::DEFAULT.rules(raypath::ops::Rules::Chisel);
     for seed in 1..=3 {
         let folder = folder();
         let verdict = verdict_on(chisel, 5120, seed, folder.path());
@@ -80,7 +80,7 @@ fn wrong_answers_shrink_to_files_that_replay() {
 /// Wrong times: a netlist with another control answers rightly, but not when it should.
 #[test]
 fn wrong_times_shrink_to_files_and_handshakes_that_replay() {
-    let credit = Config { control: Control::Credit, ..Config::DEFAULT };
+    let credit = Config::DEFAULT.control(Control::Credit);
     let folder = folder();
     let verdict = verdict_on(credit, 5120, 1, folder.path());
     let [failure] = verdict.failures.as_slice() else { panic!("{:?}", verdict.failures) };

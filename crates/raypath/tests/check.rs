@@ -12,7 +12,7 @@ use raypath::traffic::Traffic;
 const JOBS: usize = 2000;
 
 fn netlist(rules: Rules) -> NetlistEngine {
-    NetlistEngine::new(Functional::new(rules), Config { rules, ..Config::DEFAULT }, |_| false).expect("a datapath")
+    NetlistEngine::new(Functional::new(rules), Config::DEFAULT.rules(rules), |_| false).expect("a datapath")
 }
 
 fn jobs() -> impl Iterator<Item = Job> {
@@ -55,7 +55,7 @@ fn improper_outputs_are_named() {
     let boxes = model.clone().run(&ones(JobKind::Quadbox));
     assert!(netlist.improper_outputs(&boxes).iter().any(|port| port == "is_intersect_o is 0, expected f"));
 
-    let recoded = Config { io: Encoding::Recoded, ..Config::DEFAULT };
+    let recoded = Config::DEFAULT.io(Encoding::Recoded);
     let datapath = Datapath::new(Config::DEFAULT).expect("a datapath");
     let mut misread = NetlistEngine::of(model.clone(), recoded, &datapath, |_| false).expect("an engine");
     let found = lockstep(&mut misread, model, jobs(), &mut Traffic::always(), |_| true);

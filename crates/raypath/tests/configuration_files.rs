@@ -35,7 +35,7 @@ fn presets_by_name_and_parameter_by_parameter() {
 #[test]
 fn a_file_overrides_its_preset_wherever_that_stands() {
     let expected = PRESETS.iter().find(|preset| preset.name == "compact").expect("compact").config;
-    let expected = Config { lanes: Lanes::Four, unit_latency: UnitLatency::Three, ..expected };
+    let expected = expected.lanes(Lanes::Four).unit_latency(UnitLatency::Three);
     assert_eq!(parse("lanes = 4 # a comment\npreset = \"compact\"\n\nunit-latency = '3'\n"), Ok(expected));
     assert_eq!(parse(""), Ok(Config::DEFAULT));
 }
@@ -122,7 +122,7 @@ fn lists_are_all_combinations() {
     };
     let found = sweep("lanes = ['none', 4]\nrules = 'chisel'\npreset = ['paper', 'credit']").expect("configurations");
     let preset = |name: &str| PRESETS.iter().find(|preset| preset.name == name).expect(name).config;
-    let config = |name: &str, lanes| Config { lanes, rules: raypath::ops::Rules::Chisel, ..preset(name) };
+    let config = |name: &str, lanes| preset(name).lanes(lanes).rules(raypath::ops::Rules::Chisel);
     let expected = [
         ("lanes-none-paper", config("paper", Lanes::None)),
         ("lanes-none-credit", config("credit", Lanes::None)),
@@ -130,8 +130,8 @@ fn lists_are_all_combinations() {
         ("lanes-4-credit", config("credit", Lanes::Four)),
     ];
     assert_eq!(found, expected.map(|(name, config)| (name.to_string(), config)));
-    assert_eq!(found[1].1.control, Control::Credit);
-    assert_eq!(sweep("lanes = [2]"), Ok(vec![("only".to_string(), Config { lanes: Lanes::Two, ..Config::DEFAULT })]));
+    assert_eq!(found[1].1.microarchitecture.control, Control::Credit);
+    assert_eq!(sweep("lanes = [2]"), Ok(vec![("only".to_string(), Config::DEFAULT.lanes(Lanes::Two))]));
 
     let cases = [
         ("\nlanes = [2,\n 3]", "sweep.toml:2: lanes: '3' is no number of lanes"),

@@ -105,14 +105,14 @@ impl Space {
 
     fn configs(&self) -> Vec<Config> {
         let mut configs = vec![Config::DEFAULT];
-        vary(&mut configs, self.lanes, |config, lanes| config.lanes = lanes);
-        vary(&mut configs, self.rules, |config, rules| config.rules = rules);
-        vary(&mut configs, self.formats, |config, name| config.format = name.parse().expect("a format"));
-        vary(&mut configs, self.io, |config, io| config.io = io);
-        vary(&mut configs, self.registers, |config, registers| config.registers = registers);
-        vary(&mut configs, self.control, |config, control| config.control = control);
-        vary(&mut configs, self.sharing, |config, sharing| config.sharing = sharing);
-        vary(&mut configs, self.unit_latency, |config, latency| config.unit_latency = latency);
+        vary(&mut configs, self.lanes, |config, lanes| config.semantics.lanes = lanes);
+        vary(&mut configs, self.rules, |config, rules| config.semantics.rules = rules);
+        vary(&mut configs, self.formats, |config, name| config.semantics.format = name.parse().expect("a format"));
+        vary(&mut configs, self.io, |config, io| config.microarchitecture.io = io);
+        vary(&mut configs, self.registers, |config, registers| config.microarchitecture.registers = registers);
+        vary(&mut configs, self.control, |config, control| config.microarchitecture.control = control);
+        vary(&mut configs, self.sharing, |config, sharing| config.microarchitecture.sharing = sharing);
+        vary(&mut configs, self.unit_latency, |config, latency| config.microarchitecture.unit_latency = latency);
         configs
     }
 }
@@ -157,8 +157,7 @@ fn a_space_has_every_combination_once() {
     for (index, config) in configs.iter().enumerate() {
         assert!(!configs[..index].contains(config), "{config}");
     }
-    let last =
-        Config { lanes: Lanes::SixtyFour, format: Format::BINARY16, control: Control::Credit, ..Config::DEFAULT };
-    assert_eq!((configs[0].lanes, configs.last()), (Lanes::None, Some(&last)));
+    let last = Config::DEFAULT.lanes(Lanes::SixtyFour).format(Format::BINARY16).control(Control::Credit);
+    assert_eq!((configs[0].semantics.lanes, configs.last()), (Lanes::None, Some(&last)));
     assert_eq!(DEFAULT.configs(), [Config::DEFAULT]);
 }

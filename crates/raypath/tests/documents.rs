@@ -1,7 +1,7 @@
 //! Documents that must keep up with the code.
 
 use raypath::oracle::registered;
-use raypath::rtl::Config;
+use raypath::rtl::{Config, PARAMETER_GROUPS};
 use raypath::sim::Datapath;
 use raypath::tables::list;
 use raypath::verify::ITEMS;
@@ -87,5 +87,21 @@ fn the_table_of_operations_is_what_is_counted() {
         let units = if units.is_empty() { "none" } else { &units };
         let counted = [cost.with.latency.to_string(), units.to_string(), format!("{flip_flops:+}")];
         assert_eq!(row[3..6], counted, "{name}");
+    }
+}
+
+/// The table of parameters in the document of configurations follows from their declarations.
+#[test]
+fn the_table_of_parameters_is_what_is_declared() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let document = fs::read_to_string(root.join("docs/reference/configurations.md")).expect("the document");
+    for group in PARAMETER_GROUPS {
+        let mut table = format!("| {} | values | default | meaning |\n| --- | --- | --- | --- |\n", group.heading);
+        for parameter in group.parameters {
+            let values = parameter.values.replace('|', "`, `");
+            let (name, default, help) = (parameter.name, parameter.default(), parameter.help());
+            table += &format!("| `{name}` | `{values}` | `{default}` | {help} |\n");
+        }
+        assert!(document.contains(&table), "docs/reference/configurations.md lacks this table:\n{table}");
     }
 }

@@ -10,7 +10,7 @@ use raypath::traffic::{Traffic, interleave};
 use raypath::transactions::Transaction;
 use recorded::golden;
 
-const CHISEL: Config = Config { rules: Rules::Chisel, ..Config::DEFAULT };
+const CHISEL: Config = Config::DEFAULT.rules(Rules::Chisel);
 
 /// The stream as recorded, and with the modes mixed between the beats of each other's vectors.
 fn orders() -> [(&'static str, Vec<Transaction>); 2] {
@@ -77,10 +77,10 @@ fn netlist_answers_as_the_original() {
 fn netlists_built_otherwise_answer_as_the_original() {
     let [_, (order, stream)] = orders();
     let configs = [
-        Config { io: Encoding::Recoded, registers: Encoding::Ieee, sharing: Sharing::Segregated, ..CHISEL },
-        Config { registers: Encoding::Ieee, control: Control::Credit, ..CHISEL },
-        Config { unit_latency: UnitLatency::Two, ..CHISEL },
-        Config { unit_latency: UnitLatency::Three, control: Control::Credit, ..CHISEL },
+        CHISEL.io(Encoding::Recoded).registers(Encoding::Ieee).sharing(Sharing::Segregated),
+        CHISEL.registers(Encoding::Ieee).control(Control::Credit),
+        CHISEL.unit_latency(UnitLatency::Two),
+        CHISEL.unit_latency(UnitLatency::Three).control(Control::Credit),
     ];
     for config in configs {
         let mut engine = NetlistEngine::new(Functional::new(Rules::Chisel), config, |_| false).expect("a datapath");

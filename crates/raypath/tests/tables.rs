@@ -8,7 +8,7 @@ use raypath::tables::{difference, schedule, units_and_registers};
 const DEFAULT: Config = Config::DEFAULT;
 
 fn datapath(lanes: Lanes, rules: Rules) -> Datapath {
-    Datapath::new(Config { rules, lanes, ..Config::DEFAULT }).expect("a datapath")
+    Datapath::new(Config::DEFAULT.rules(rules).lanes(lanes)).expect("a datapath")
 }
 
 fn arithmetic(units: Units) -> (usize, usize, usize) {
@@ -53,7 +53,7 @@ fn units_equal_table_viii_or_say_why_not() {
 fn differences_have_reasons() {
     for lanes in [Lanes::Sixteen, Lanes::None] {
         for rules in [Rules::Paper, Rules::Chisel] {
-            let (config, datapath) = (Config { rules, lanes, ..Config::DEFAULT }, datapath(lanes, rules));
+            let (config, datapath) = (Config::DEFAULT.rules(rules).lanes(lanes), datapath(lanes, rules));
             for stage in 1..=STAGES {
                 let converts = stage == 1 || stage == STAGES;
                 let differs = arithmetic(datapath.units(stage as usize)) != TABLE_VIII[stage as usize - 1];
@@ -64,7 +64,7 @@ fn differences_have_reasons() {
     }
     let (paper, chisel) = (datapath(Lanes::Sixteen, Rules::Paper), datapath(Lanes::Sixteen, Rules::Chisel));
     assert!(difference(&paper, DEFAULT, 4)[0].starts_with("ruling 1"));
-    assert!(difference(&chisel, Config { rules: Rules::Chisel, ..DEFAULT }, 10)[1].contains("shares"));
+    assert!(difference(&chisel, DEFAULT.rules(Rules::Chisel), 10)[1].contains("shares"));
 }
 
 #[test]

@@ -47,7 +47,11 @@ pub fn pipeline(datapath: &Datapath, config: Config) -> String {
     for (index, step) in datapath.steps().enumerate() {
         let x = LEFT + index as i32 * COLUMN;
         let title = if index == 0 { step.to_string() } else { format!("stage {step}") };
-        picture = picture.add(text(x + 4, HEAD - 6, "head", &title)).add(buffer(x, units_at + ROW, config.control));
+        picture = picture.add(text(x + 4, HEAD - 6, "head", &title)).add(buffer(
+            x,
+            units_at + ROW,
+            config.microarchitecture.control,
+        ));
         for (row, note) in datapath.schedule(index).iter().enumerate() {
             let y = HEAD + row as i32 * (ROW + GAP);
             picture = picture.add(cell(x, y, note, index, COLOURS[row % COLOURS.len()]));
@@ -67,7 +71,7 @@ pub fn pipeline(datapath: &Datapath, config: Config) -> String {
 }
 
 fn caption(datapath: &Datapath, config: Config) -> String {
-    let bars = match config.control {
+    let bars = match config.microarchitecture.control {
         Control::Skid => "each bar between stages is a skid buffer",
         Control::Credit => "each bar between stages is a register that never stalls",
     };

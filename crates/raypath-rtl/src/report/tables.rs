@@ -75,7 +75,8 @@ pub fn units_and_registers(datapath: &Datapath, config: Config) -> String {
 
 /// Whether Table VIII speaks of such a configuration: 16 lanes or none, and units of one stage.
 fn is_in_table_viii(config: Config) -> bool {
-    matches!(config.lanes, Lanes::None | Lanes::Sixteen) && config.unit_latency == UnitLatency::One
+    matches!(config.semantics.lanes, Lanes::None | Lanes::Sixteen)
+        && config.microarchitecture.unit_latency == UnitLatency::One
 }
 
 /// The configurations with names.
@@ -110,14 +111,14 @@ pub fn difference(datapath: &Datapath, config: Config, index: usize) -> Vec<&'st
         causes.push("conversion, which Table VIII leaves out");
     }
     if ours.add != paper.add || ours.multiply != paper.multiply {
-        match config.lanes {
+        match config.semantics.lanes {
             Lanes::None => causes.push("no distance modes"),
             Lanes::Sixteen => {}
             _ => causes.push("other lanes than the paper's 16"),
         }
     }
     if ours.compare != paper.compare {
-        causes.extend(match (step.stage, config.rules) {
+        causes.extend(match (step.stage, config.semantics.rules) {
             (4, Rules::Paper) => &["ruling 1: the sign of inv is read, not compared"][..],
             (10, Rules::Paper) => {
                 &["one sorting network moves values and indices", "ruling 6: the hit test reads signs"]

@@ -65,7 +65,7 @@ impl<C: Concrete + 'static> Driver<C> {
     /// The netlist of a configuration whose numbers are those of `circuit`.
     pub fn new(circuit: C, config: Config) -> Self {
         let mut operations = Collected { circuit, all: Vec::new() };
-        let Ok(()) = config.operations(&mut operations);
+        let Ok(()) = config.semantics.operations(&mut operations);
         Self { config, operations, raised: None }
     }
 
@@ -83,9 +83,9 @@ impl<C: Concrete + 'static> Driver<C> {
         let output = |port: &str| simulator.output(port).expect(port);
         let [valid, sink_ready, opcode] = ["input_valid_i", "output_ready_i", "opcode_i"].map(input);
         let [ready, shown, shown_opcode] = ["input_ready_o", "output_valid_o", "opcode_o"].map(output);
-        let tag = (config.features.tag > 0).then(|| (input("tag_i"), output("tag_o")));
+        let tag = (config.semantics.features.tag > 0).then(|| (input("tag_i"), output("tag_o")));
         let flags_port = self.raised.map(|_| output("exception_flags_o"));
-        assert_eq!(simulator.output("exception_flags_o").is_ok(), config.features.exception_flags);
+        assert_eq!(simulator.output("exception_flags_o").is_ok(), config.semantics.features.exception_flags);
         let mut ins = BTreeMap::new();
         let mut outs = BTreeMap::new();
         for runner in &self.operations.all {
@@ -113,7 +113,7 @@ impl<C: Concrete + 'static> Driver<C> {
         for _ in 0..40 * (jobs + 50) {
             if offered.is_none() && sent < jobs && rng.random_bool(0.8) {
                 let which = rng.random_range(0..self.operations.all.len());
-                let tag = rng.random::<u64>() & mask(config.features.tag);
+                let tag = rng.random::<u64>() & mask(config.semantics.features.tag);
                 offered = Some((which, tag, self.job(which, &mut rng)));
             }
             simulator.set(valid, offered.is_some().into());
@@ -183,7 +183,7 @@ impl<C: Concrete + 'static> Driver<C> {
     /// A job of an operation: small numbers, special ones, any bits.
     fn job(&self, which: usize, rng: &mut ChaCha8Rng) -> Vec<u64> {
         let style = rng.random_range(0..4);
-        let format = self.config.format;
+        let format = self.config.semantics.format;
         let special = [0.0, -0.0, 1.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 1e-40, -3e38, 6e-8];
         let number = |rng: &mut ChaCha8Rng| {
             let value = match style {
@@ -210,13 +210,13 @@ impl<C: Concrete + 'static> Driver<C> {
     }
 
     fn to_port(&self, kind: PortKind, bits: u64) -> u64 {
-        let is_recoded = kind == PortKind::Number && self.config.io == Encoding::Recoded;
-        if is_recoded { self.config.format.encode(bits) } else { bits }
+        let is_recoded = kind == PortKind::Number && self.config.microarchitecture.io == Encoding::Recoded;
+        if is_recoded { self.config.semantics.format.encode(bits) } else { bits }
     }
 
     fn of_port(&self, kind: PortKind, bits: u64) -> u64 {
-        let is_recoded = kind == PortKind::Number && self.config.io == Encoding::Recoded;
-        if is_recoded { self.config.format.decode(bits) } else { bits }
+        let is_recoded = kind == PortKind::Number && self.config.microarchitecture.io == Encoding::Recoded;
+        if is_recoded { self.config.semantics.format.decode(bits) } else { bits }
     }
 }
 

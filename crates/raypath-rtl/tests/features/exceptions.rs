@@ -95,13 +95,13 @@ fn units_raise_what_exact_arithmetic_says() {
 fn jobs_raise_what_a_circuit_that_collects_does() {
     let alone = Features { exception_flags: true, ..Features::OFF };
     let more = Features { range: true, conservative: true, accumulators: Accumulators::Two, ..alone };
-    let small = Config { lanes: Lanes::Four, ..Config::DEFAULT };
+    let small = Config::DEFAULT.lanes(Lanes::Four);
     let configs = [
-        Config { features: alone, ..small },
-        Config { features: more, ..small },
-        Config { features: alone, rules: Rules::Chisel, ..small },
-        Config { features: more, unit_latency: UnitLatency::Two, ..small },
-        Config { features: more, unit_latency: UnitLatency::Three, control: Control::Credit, ..small },
+        small.features(alone),
+        small.features(more),
+        small.features(alone).rules(Rules::Chisel),
+        small.features(more).unit_latency(UnitLatency::Two),
+        small.features(more).unit_latency(UnitLatency::Three).control(Control::Credit),
     ];
     for config in configs {
         let raised: &'static Cell<u64> = Box::leak(Box::default());

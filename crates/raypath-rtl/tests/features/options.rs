@@ -45,7 +45,7 @@ const ALL: Features = Features {
     exception_flags: false,
 };
 
-const SMALL: Config = Config { lanes: Lanes::Two, ..Config::DEFAULT };
+const SMALL: Config = Config::DEFAULT.lanes(Lanes::Two);
 
 /// All modules as text.
 fn text(datapath: &Datapath) -> String {
@@ -62,11 +62,11 @@ fn what_is_off_leaves_nothing_behind() {
             .and_then(|set| set.with(&Euclidean::<16>, JobKind::Euclidean.opcode()))
             .and_then(|set| set.with(&Angular::<8>, JobKind::Angular.opcode()))
             .expect("operations");
-        let config = Config { rules, features: Features::default(), ..Config::DEFAULT };
-        let (plain, off) = (Datapath::build(plain, config), Datapath::new(config));
+        let config = Config::DEFAULT.rules(rules).features(Features::default());
+        let (plain, off) = (Datapath::build(plain, config.microarchitecture), Datapath::new(config));
         assert!(text(&plain.expect("a datapath")) == text(&off.expect("a datapath")));
     }
-    assert_eq!(Config::DEFAULT.features, Features::default());
+    assert_eq!(Config::DEFAULT.semantics.features, Features::default());
 }
 
 #[test]
@@ -74,27 +74,27 @@ fn each_feature_is_as_its_operation_says() {
     // Exceptions are a circuit's that collects them: `exceptions.rs`.
     for (name, features) in every_feature() {
         let features = Features { exception_flags: false, ..features };
-        let driver = Driver::new(Binary32, Config { features, ..SMALL });
+        let driver = Driver::new(Binary32, SMALL.features(features));
         driver.run(name, 1_500);
     }
 }
 
 #[test]
 fn features_are_the_same_however_they_are_built() {
-    let all = Config { features: ALL, ..SMALL };
+    let all = SMALL.features(ALL);
     let mut configs = Vec::new();
     for control in [Control::Skid, Control::Credit] {
         for unit_latency in [UnitLatency::One, UnitLatency::Two, UnitLatency::Three] {
-            configs.push(Config { control, unit_latency, ..all });
+            configs.push(all.control(control).unit_latency(unit_latency));
         }
     }
-    configs.push(Config { io: Encoding::Recoded, ..all });
-    configs.push(Config { registers: Encoding::Ieee, sharing: Sharing::Segregated, ..all });
-    configs.push(Config { lanes: Lanes::None, ..all });
+    configs.push(all.io(Encoding::Recoded));
+    configs.push(all.registers(Encoding::Ieee).sharing(Sharing::Segregated));
+    configs.push(all.lanes(Lanes::None));
     let features = Features { conservative: false, ..ALL };
-    configs.push(Config { rules: Rules::Chisel, features, ..all });
+    configs.push(all.rules(Rules::Chisel).features(features));
     for culling in [Culling::Front, Culling::Back] {
-        configs.push(Config { rules: Rules::Chisel, features: Features { culling, ..features }, ..all });
+        configs.push(all.rules(Rules::Chisel).features(Features { culling, ..features }));
     }
     for config in configs {
         Driver::new(Binary32, config).run(&config.to_string(), 1_000);
@@ -105,7 +105,7 @@ fn features_are_the_same_however_they_are_built() {
 #[test]
 fn features_are_the_same_in_other_formats() {
     for format in [Format::BINARY16, Format::BFLOAT16] {
-        let config = Config { format, features: ALL, ..SMALL };
+        let config = SMALL.format(format).features(ALL);
         Driver::new(Soft { format }, config).run(&config.to_string(), 1_000);
     }
 }
@@ -157,18 +157,18 @@ fn conservative_boxes_miss_nothing_in_small_formats() {
 fn configurations_name_their_features() {
     assert_eq!(Config::DEFAULT.options(), "");
     let features = Features { tag: 8, culling: Culling::None, facing: true, ..Features::OFF };
-    let config = Config { features, ..Config::DEFAULT };
+    let config = Config::DEFAULT.features(features);
     assert_eq!(config.options(), "--tag 8 --culling none --facing");
     assert_eq!(config.to_string(), "lanes 16, rules paper, tag 8, culling none, facing true");
     let features = Features { accumulators: Accumulators::Sixteen, range: true, ..Features::OFF };
-    let config = Config { features, control: Control::Credit, ..Config::DEFAULT };
+    let config = Config::DEFAULT.features(features).control(Control::Credit);
     assert_eq!(config.options(), "--control credit --range --accumulators 16");
 }
 
 #[test]
 fn what_cannot_be_had_is_refused() {
     let refused = |features, rules| {
-        let config = Config { features, rules, ..SMALL };
+        let config = SMALL.features(features).rules(rules);
         let error = Datapath::new(config).expect_err("a feature that cannot be had");
         assert_eq!(config.check(), Err(error.clone()));
         error.to_string()
@@ -214,7 +214,7 @@ fn a_visitor_sees_what_the_hardware_has() {
     }
     for features in [Features::OFF, ALL] {
         let mut names = Names(Vec::new());
-        let Ok(()) = Config { features, ..SMALL }.operations(&mut names);
+        let Ok(()) = SMALL.features(features).semantics.operations(&mut names);
         assert_eq!(names.0, [("quadbox", 1), ("triangle", 0), ("euclidean", 2), ("angular", 3)]);
     }
 }
@@ -225,7 +225,7 @@ fn a_visitor_sees_what_the_hardware_has() {
 #[test]
 fn costs() {
     let of = |features| {
-        let datapath = Datapath::new(Config { features, ..Config::DEFAULT }).expect("a datapath");
+        let datapath = Datapath::new(Config::DEFAULT.features(features)).expect("a datapath");
         let mut units = [0_usize; 3];
         for step in 0..datapath.steps().count() {
             let here = datapath.units(step);

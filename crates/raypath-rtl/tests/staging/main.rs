@@ -14,7 +14,8 @@ use raypath_ops::{
     Single, Sink, Source, bundle,
 };
 use raypath_rtl::{
-    Budget, Config, Control, Datapath, Error, Operations, STAGES, Sharing, UnitKind, UnitLatency, Units,
+    Budget, Config, Control, Datapath, Error, Microarchitecture, Operations, STAGES, Sharing, UnitKind, UnitLatency,
+    Units,
 };
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -274,9 +275,9 @@ fn answers_are_those_of_the_operations() {
     let default = Config::DEFAULT;
     let configs = [
         (default, 4000),
-        (Config { unit_latency: UnitLatency::Two, ..default }, 500),
-        (Config { control: Control::Credit, unit_latency: UnitLatency::Three, ..default }, 500),
-        (Config { sharing: Sharing::Segregated, ..default }, 500),
+        (default.unit_latency(UnitLatency::Two), 500),
+        (default.control(Control::Credit).unit_latency(UnitLatency::Three), 500),
+        (default.sharing(Sharing::Segregated), 500),
     ];
     let mut seen: BTreeMap<String, BTreeSet<u64>> = BTreeMap::new();
     for rules in [Rules::Paper, Rules::Chisel] {
@@ -287,7 +288,7 @@ fn answers_are_those_of_the_operations() {
                     seen.entry(name.clone()).or_default().insert(value);
                 }
                 let set = with::<16, 8>(Operations::new().auto().within(budget), &ALL, rules).expect("operations");
-                run(&Datapath::build(set, config).expect("a datapath"), jobs, &mut rng);
+                run(&Datapath::build(set, config.microarchitecture).expect("a datapath"), jobs, &mut rng);
             }
         }
     }
@@ -382,7 +383,8 @@ impl Operation for Filter {
 fn state_is_read_where_it_is_written() {
     for unit_latency in UnitLatency::ALL.iter().copied() {
         let set = Operations::new().with(&Filter, 0).expect("an operation");
-        let datapath = Datapath::build(set, Config { unit_latency, ..Config::DEFAULT }).expect("a datapath");
+        let datapath =
+            Datapath::build(set, Microarchitecture { unit_latency, ..Microarchitecture::DEFAULT }).expect("a datapath");
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let mut reference = Reference::new(Filter);
         let jobs = (0..300).map(|_| reference.job(0, &mut rng)).collect();

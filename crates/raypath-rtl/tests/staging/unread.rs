@@ -4,7 +4,7 @@ use crate::{Input, Output, arithmetic, assert_within, units};
 use raypath_float::flags;
 use raypath_hdl::Simulator;
 use raypath_ops::{Circuit, Num, Operation, bundle};
-use raypath_rtl::{Budget, Config, Datapath, Error, Operations, UnitLatency, Units};
+use raypath_rtl::{Budget, Datapath, Error, Microarchitecture, Operations, UnitLatency, Units};
 
 bundle! {
     /// One number from job to job.
@@ -53,10 +53,10 @@ impl Operation for Sum {
 fn what_nobody_reads_changes_nothing() {
     for is_auto in [false, true] {
         for unit_latency in UnitLatency::ALL.iter().copied() {
-            let config = Config { unit_latency, ..Config::DEFAULT };
+            let microarchitecture = Microarchitecture { unit_latency, ..Microarchitecture::DEFAULT };
             let [without, with] = [false, true].map(|has_unread| {
                 let set = Operations::new().with(&Sum { has_unread, is_auto }, 0).expect("an operation");
-                Datapath::build(set, config).unwrap_or_else(|error| panic!("automatic {is_auto}: {error}"))
+                Datapath::build(set, microarchitecture).unwrap_or_else(|error| panic!("automatic {is_auto}: {error}"))
             });
             assert_eq!(with.latency(), without.latency());
             assert_eq!(with.loops(), without.loops());

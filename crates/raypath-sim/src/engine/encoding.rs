@@ -12,7 +12,7 @@ pub struct PortEncoding {
 impl PortEncoding {
     /// That of a configuration.
     pub fn of(config: Config) -> Self {
-        Self { format: config.format, io: config.io }
+        Self { format: config.semantics.format, io: config.microarchitecture.io }
     }
 
     /// The bits that stand at the port for a value. For a number of an outcome there are no others.

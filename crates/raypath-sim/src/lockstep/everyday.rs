@@ -56,7 +56,7 @@ impl Everyday {
     }
 
     fn jobs<M: PaperModel>(self, model: &M, kinds: &[JobKind]) -> impl Iterator<Item = M::Job> + use<M> {
-        random(model, self.config.format, self.seed, kinds)
+        random(model, self.config.semantics.format, self.seed, kinds)
     }
 
     /// Random and edge jobs under random handshakes.
@@ -75,11 +75,11 @@ impl Everyday {
     /// Where registers are recoded, each holds a canonical word in every cycle, whatever the jobs.
     fn holds_canonical_words<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
         let count = self.jobs;
-        if self.config.registers != Encoding::Recoded {
+        if self.config.microarchitecture.registers != Encoding::Recoded {
             return Ok(());
         }
         netlist.reset();
-        let mut watched = Watched::new(netlist, self.config.format);
+        let mut watched = Watched::new(netlist, self.config.semantics.format);
         let registers = watched.registers();
         expect(registers > 10, || format!("{registers} number registers can be observed"))?;
         let jobs = self.jobs(model, self.config.kinds()).take(count);
@@ -116,7 +116,7 @@ impl Everyday {
     /// Latency 12 where units take one step. One job a cycle, but for beats of one accumulator, which follow each other
     /// as fast as an addition takes.
     fn is_as_fast_as_promised<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
-        let (kinds, unit_latency) = (self.config.kinds(), self.config.unit_latency.stages());
+        let (kinds, unit_latency) = (self.config.kinds(), self.config.microarchitecture.unit_latency.steps());
         let latency = netlist.shape().latency as u64;
         let is_promised = if unit_latency == 1 { latency == 12 } else { latency > 12 };
         expect(is_promised, || format!("latency {latency}"))?;

@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn recorded_columns_are_the_ports() {
         for &lanes in Lanes::ALL {
-            let model = Datapath::paper(Config { lanes, ..Config::DEFAULT }).model();
+            let model = Datapath::paper(Config::DEFAULT.lanes(lanes)).model();
             for kind in model.kinds() {
                 let lanes = match kind.name() {
                     "euclidean" => lanes.count(),

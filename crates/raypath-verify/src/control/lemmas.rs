@@ -16,7 +16,7 @@ pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
     let mut lemmas = Lemmas::new(full, latency);
     steps.reverse();
     let mut first = 0;
-    if config.control == Control::Credit {
+    if config.microarchitecture.control == Control::Credit {
         lemmas.exit(&steps[0], full - 1);
         first = 1;
         let credits = lemmas.observe("credits", bits(full), "u_credit.count_q");
@@ -27,7 +27,7 @@ pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
     for (index, step) in steps.iter().enumerate().skip(first) {
         // The oldest job has been refused at most once in each step behind it.
         let behind = latency - 1 - index;
-        match config.control {
+        match config.microarchitecture.control {
             Control::Skid => lemmas.skid_buffer(index, step, behind),
             Control::Credit => {
                 let valid = lemmas.observe(&format!("valid_{index}"), 1, &format!("{step}valid_q"));
@@ -50,7 +50,7 @@ pub fn of_exit(datapath: &Datapath, config: Config) -> String {
 /// The number of jobs that fit into a pipeline.
 pub fn capacity(datapath: &Datapath, config: Config) -> usize {
     let latency = datapath.latency() as usize;
-    match config.control {
+    match config.microarchitecture.control {
         Control::Skid => 2 * latency,
         Control::Credit => latency + 1,
     }

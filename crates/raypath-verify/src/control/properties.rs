@@ -95,14 +95,16 @@ pub fn problems(datapath: &Datapath, config: Config, texts: &ModuleTexts) -> Vec
     for module in modules {
         let own: Vec<&Bind> = properties.binds().iter().filter(|bind| bind.module == module).collect();
         let last = datapath.module(datapath.steps().count() - 1);
-        let is_exit = config.control == Control::Credit && last.is_some_and(|last| last.name() == module);
+        let is_exit =
+            config.microarchitecture.control == Control::Credit && last.is_some_and(|last| last.name() == module);
         let is_top = module == datapath.top().name();
         // The order of many jobs needs lemmas, the order in a single step does not.
         let is_long = |bind: &&&Bind| (is_top || is_exit) && bind.checker == Checker::Order;
         let (order, others): (Vec<&Bind>, Vec<&Bind>) = own.iter().partition(is_long);
         let environment = environment(datapath, config, module);
         // A longer pipeline is proved step by step.
-        let order = if is_top && config.unit_latency != UnitLatency::One { Vec::new() } else { order };
+        let order =
+            if is_top && config.microarchitecture.unit_latency != UnitLatency::One { Vec::new() } else { order };
         let lemmas = if is_top { lemmas::of_pipeline } else { lemmas::of_exit };
         for (binds, method) in [(others, Method::Unbounded), (order, Method::Inductive)] {
             if !binds.is_empty() {
@@ -135,7 +137,7 @@ fn problem(texts: &ModuleTexts, module: &str, binds: &[&Bind], environment: &str
 fn environment(datapath: &Datapath, config: Config, module: &str) -> String {
     let steps = datapath.steps().count();
     let is_exit = datapath.module(steps - 1).is_some_and(|last| last.name() == module);
-    let (up, down, never) = match (config.control, module) {
+    let (up, down, never) = match (config.microarchitecture.control, module) {
         (Control::Credit, "raypath_credit") => {
             ("valid_o", "returned_i", "returned_i && environment_q == 0".to_string())
         }

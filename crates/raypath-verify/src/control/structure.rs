@@ -39,7 +39,7 @@ fn chain_faults(datapath: &Datapath, config: Config) -> Vec<String> {
         for (port, &wire) in instance.module.inputs().iter().zip(&instance.inputs) {
             let expected = match (port.stem(), before) {
                 ("ready", _) => after.map(|after| (after, "ready")),
-                ("valid", None) if config.control == Control::Credit => {
+                ("valid", None) if config.microarchitecture.control == Control::Credit => {
                     position("raypath_credit").map(|credit| (credit, "valid"))
                 }
                 (stem, _) if stem.ends_with("_state") || stem.ends_with("_written") => continue,

@@ -74,11 +74,11 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let config = arguments.config.paper()?;
-    if config.format != Format::BINARY32 {
-        let problem = format!("--format {}: scenes are traced in fp32 only", config.format);
+    if config.semantics.format != Format::BINARY32 {
+        let problem = format!("--format {}: scenes are traced in fp32 only", config.semantics.format);
         return Err(Failure::unusable(problem));
     }
-    let tracing = Tracing { rules: config.rules, two_sided: arguments.two_sided };
+    let tracing = Tracing { rules: config.semantics.rules, two_sided: arguments.two_sided };
     match &arguments.rays {
         Some(path) => rays(arguments, config, tracing, read_rays(path).map_err(Failure::unusable)?, out),
         None => picture(arguments, config, tracing, out),

@@ -77,12 +77,12 @@ enum Index {
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let config = arguments.config.paper()?;
-    if config.format != Format::BINARY32 {
-        let problem = format!("--format {}: vectors are searched in fp32 only", config.format);
+    if config.semantics.format != Format::BINARY32 {
+        let problem = format!("--format {}: vectors are searched in fp32 only", config.semantics.format);
         return Err(Failure::unusable(problem));
     }
     let search = Search { arguments, config, out };
-    match config.lanes {
+    match config.semantics.lanes {
         Lanes::None => {
             let problem = "--lanes none: a datapath without distances cannot search, expected 2 to 64";
             Err(Failure::unusable(problem))

@@ -4,7 +4,7 @@ use crate::commands::Failure;
 use crate::commands::numbers::whole;
 use clap::Args;
 use raypath::report::{Recorder, Recording, html, konata};
-use raypath::rtl::{Config, Datapath};
+use raypath::rtl::{Config, Datapath, parameters};
 use raypath::utilisation::{operations, table, utilisation};
 use std::io::Write;
 use std::path::PathBuf;
@@ -56,17 +56,12 @@ impl ViewArguments {
 pub fn recording(title: String, config: Config, datapath: &Datapath, cycles: u64, jobs: &[u64]) -> Recording {
     let pair = |name: &str, value: String| (name.to_string(), value);
     let flip_flops: u64 = (0..datapath.steps().count()).map(|step| datapath.registers(step).flip_flops()).sum();
+    let parameters = parameters().map(|parameter| pair(&parameter.name.replace('-', " "), parameter.get(&config)));
+    let latency = pair("latency", format!("{} cycles", datapath.latency()));
+    let configuration = parameters.chain([latency, pair("flip-flops", flip_flops.to_string())]).collect();
     Recording {
         title,
-        configuration: vec![
-            pair("lanes", config.lanes.to_string()),
-            pair("rules", config.rules.to_string()),
-            pair("format", config.format.to_string()),
-            pair("control", config.control.to_string()),
-            pair("unit latency", config.unit_latency.to_string()),
-            pair("latency", format!("{} cycles", datapath.latency())),
-            pair("flip-flops", flip_flops.to_string()),
-        ],
+        configuration,
         operations: operations(datapath),
         utilisation: utilisation(datapath, cycles, jobs),
         ..Recording::default()

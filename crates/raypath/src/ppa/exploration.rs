@@ -37,7 +37,7 @@ impl Point {
             name: name.into(),
             options: config.options(),
             boxes_per_second: cycles * BOXES,
-            dimensions_per_second: cycles * config.lanes.count() as f64,
+            dimensions_per_second: cycles * config.semantics.lanes.count() as f64,
             report,
         }
     }

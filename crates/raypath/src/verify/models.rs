@@ -70,8 +70,9 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
     }
     verdict.covered = format!("{jobs} jobs through oracle, functional model and cycle-exact model");
     verdict.remarks.push(format!("{}, looking at one job in {}", coverage.remark(&atlas, false), chunk::COUNTED));
-    let is_other = (request.config.rules, request.config.format) != (CONFIG.rules, CONFIG.format);
-    if is_other || request.config.lanes != CONFIG.lanes {
+    let is_other = (request.config.semantics.rules, request.config.semantics.format)
+        != (CONFIG.semantics.rules, CONFIG.semantics.format);
+    if is_other || request.config.semantics.lanes != CONFIG.semantics.lanes {
         verdict.remarks.push("the oracle is for rules paper, 16 lanes and binary32: that is what was run".to_string());
     }
     if let Some(wrong) = wrong {

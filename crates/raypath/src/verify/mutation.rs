@@ -22,9 +22,9 @@ use trial::Trial;
 /// `tests/configurations.rs` gives them as many jobs as they get here.
 pub const CONFIGS: [Config; 4] = [
     Config::DEFAULT,
-    Config { lanes: Lanes::Two, control: Control::Credit, ..Config::DEFAULT },
-    Config { lanes: Lanes::Two, unit_latency: UnitLatency::Two, ..Config::DEFAULT },
-    Config { lanes: Lanes::Two, control: Control::Credit, unit_latency: UnitLatency::Two, ..Config::DEFAULT },
+    Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit),
+    Config::DEFAULT.lanes(Lanes::Two).unit_latency(UnitLatency::Two),
+    Config::DEFAULT.lanes(Lanes::Two).control(Control::Credit).unit_latency(UnitLatency::Two),
 ];
 
 /// Where the fate of each mutant is written.

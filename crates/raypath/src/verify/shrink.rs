@@ -133,7 +133,7 @@ fn simplify_operands<M: PaperModel>(
     mut fails: impl FnMut(&Trace<M>) -> bool,
 ) {
     let layout = Layout::of(model);
-    let one = config.format.from_f32(1.0);
+    let one = config.semantics.format.from_f32(1.0);
     let mut words = Vec::new();
     for index in 0..trace.jobs.len() {
         let kind = trace.jobs[index].kind();

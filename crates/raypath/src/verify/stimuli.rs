@@ -32,8 +32,8 @@ impl<'l> Stimuli<'l> {
         Self {
             layout,
             kinds: config.kinds(),
-            lanes: config.lanes.count(),
-            numbers: Numbers::of(config.format),
+            lanes: config.semantics.lanes.count(),
+            numbers: Numbers::of(config.semantics.format),
             rng: ChaCha8Rng::seed_from_u64(seed),
             last: JobKind::Triangle,
             recent: Default::default(),

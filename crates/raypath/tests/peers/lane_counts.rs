@@ -38,7 +38,7 @@ fn other_numbers_than_the_listed_are_refused_wherever_they_are_given() {
 #[test]
 fn every_lane_of_every_number_of_lanes_counts_once() {
     for &lanes in Lanes::ALL.iter().filter(|lanes| **lanes != Lanes::None) {
-        let config = Config { lanes, ..Config::DEFAULT };
+        let config = Config::DEFAULT.lanes(lanes);
         with_model(config, EachLane(config));
     }
 }
@@ -49,7 +49,7 @@ impl Visitor for EachLane {
     type Answer = ();
 
     fn visit<M: PaperModel>(self, model: M) {
-        let lanes = self.0.lanes.count();
+        let lanes = self.0.semantics.lanes.count();
         let mut netlist = NetlistEngine::new(model.clone(), self.0, |_| false).expect("a netlist");
         for (kind, lanes, each) in [(JobKind::Euclidean, lanes, [1.0, 1.0]), (JobKind::Angular, lanes / 2, [2.0, 1.0])]
         {

@@ -23,7 +23,7 @@ fn every_preset() {
 fn every_control_and_unit_latency() {
     for &control in Control::ALL {
         for &unit_latency in UnitLatency::ALL {
-            let config = Config { control, unit_latency, ..Config::DEFAULT };
+            let config = Config::DEFAULT.control(control).unit_latency(unit_latency);
             with_model(config, StopWatch(config));
         }
     }
@@ -41,7 +41,7 @@ impl Visitor for StopWatch {
         let mut modelled = CycleEngine::new(model.clone(), netlist.shape());
         let printed = datapath.top().doc().join("\n");
         for &kind in config.kinds() {
-            let job = random(&model, config.format, 5, &[kind]).next().expect("an endless stream");
+            let job = random(&model, config.semantics.format, 5, &[kind]).next().expect("an endless stream");
             let [hardware, software] = [&mut netlist as &mut dyn Engine<M>, &mut modelled].map(|engine| {
                 let alone = alone(engine, &job);
                 (alone, apart(engine, &job))
@@ -50,7 +50,7 @@ impl Visitor for StopWatch {
             let (latency, apart) = hardware;
             assert!(printed.contains(&format!("latency {latency},")), "{config}, {kind}: {latency} in {printed}");
             let sums = matches!(kind, JobKind::Euclidean | JobKind::Angular);
-            let unit_latency = config.unit_latency.stages() as usize;
+            let unit_latency = config.microarchitecture.unit_latency.steps() as usize;
             assert_eq!(apart, if sums { unit_latency } else { 1 }, "{config}, {kind}");
             assert!(if unit_latency == 1 { latency == 12 } else { latency > 12 }, "{config}: {latency}");
         }

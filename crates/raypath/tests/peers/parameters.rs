@@ -35,25 +35,25 @@ fn all_differ<T: Copy + std::fmt::Display>(base: Config, values: &[T], set: impl
 
 #[test]
 fn every_value_of_every_parameter_changes_the_design() {
-    let graphics = Config { lanes: Lanes::None, ..Config::DEFAULT };
-    let small = Config { lanes: Lanes::Two, ..Config::DEFAULT };
+    let graphics = Config::DEFAULT.lanes(Lanes::None);
+    let small = Config::DEFAULT.lanes(Lanes::Two);
     for base in [graphics, small] {
-        all_differ(base, &[Rules::Paper, Rules::Chisel], |config, rules| config.rules = rules);
-        all_differ(base, Encoding::ALL, |config, io| config.io = io);
-        all_differ(base, Encoding::ALL, |config, registers| config.registers = registers);
-        all_differ(base, Control::ALL, |config, control| config.control = control);
-        all_differ(base, Sharing::ALL, |config, sharing| config.sharing = sharing);
-        all_differ(base, UnitLatency::ALL, |config, latency| config.unit_latency = latency);
+        all_differ(base, &[Rules::Paper, Rules::Chisel], |config, rules| config.semantics.rules = rules);
+        all_differ(base, Encoding::ALL, |config, io| config.microarchitecture.io = io);
+        all_differ(base, Encoding::ALL, |config, registers| config.microarchitecture.registers = registers);
+        all_differ(base, Control::ALL, |config, control| config.microarchitecture.control = control);
+        all_differ(base, Sharing::ALL, |config, sharing| config.microarchitecture.sharing = sharing);
+        all_differ(base, UnitLatency::ALL, |config, latency| config.microarchitecture.unit_latency = latency);
         all_differ(base, &["fp32", "tf32", "bf16", "fp16", "e3s3", "e8s23"], |config, name| {
-            config.format = name.parse().expect("a format");
+            config.semantics.format = name.parse().expect("a format");
         });
     }
-    all_differ(Config::DEFAULT, Lanes::ALL, |config, lanes| config.lanes = lanes);
+    all_differ(Config::DEFAULT, Lanes::ALL, |config, lanes| config.semantics.lanes = lanes);
 }
 
 /// The comparison is not one of comments, and it can find two alike.
 #[test]
 fn the_same_configuration_makes_the_same_design() {
-    let config = Config { lanes: Lanes::None, ..Config::DEFAULT };
+    let config = Config::DEFAULT.lanes(Lanes::None);
     assert!(printed(config) == printed(config) && printed(config).contains("endmodule"));
 }

@@ -66,7 +66,7 @@ impl Visitor for Take {
     fn visit<M: PaperModel>(self, mut model: M) -> Census {
         let mut census = Census::default();
         let mut last = None;
-        for job in random(&model.clone(), self.0.format, 1, self.0.kinds()).take(JOBS) {
+        for job in random(&model.clone(), self.0.semantics.format, 1, self.0.kinds()).take(JOBS) {
             census.pairs.extend(last.map(|last| (last, job.kind() as usize)));
             last = Some(job.kind() as usize);
             let mut is_ordinary = true;
@@ -74,7 +74,7 @@ impl Visitor for Take {
                 // The same ports of different kinds are drawn apart.
                 let name = format!("{} {}", job.kind(), port.name);
                 if port.kind == PortKind::Number {
-                    let class = class(self.0.format, port.bits);
+                    let class = class(self.0.semantics.format, port.bits);
                     is_ordinary &= matches!(class, Class::Normal(_));
                     *census.classes.entry(name).or_default().entry(class).or_default() += 1;
                 } else {
@@ -101,7 +101,7 @@ impl Visitor for Take {
 #[test]
 fn every_port_sees_every_class_of_number_and_mostly_ordinary_ones() {
     for format in [Format::BINARY32, Format::BINARY16] {
-        let census = take(Config { format, ..Config::DEFAULT });
+        let census = take(Config::DEFAULT.format(format));
         assert!(census.classes.len() > 4 * 16);
         for (port, classes) in &census.classes {
             assert_eq!(classes.len(), CLASSES, "{format}, {port}: {classes:?}");
@@ -117,7 +117,7 @@ fn every_port_sees_every_class_of_number_and_mostly_ordinary_ones() {
 #[test]
 fn every_kind_follows_every_kind() {
     assert_eq!(take(Config::DEFAULT).pairs.len(), 16);
-    assert_eq!(take(Config { lanes: Lanes::None, ..Config::DEFAULT }).pairs.len(), 4);
+    assert_eq!(take(Config::DEFAULT.lanes(Lanes::None)).pairs.len(), 4);
 }
 
 /// Masks are neither all ones nor all alike: every lane is on beside one that is off, and off beside one that is on.
@@ -139,7 +139,7 @@ fn lanes_are_on_and_off_beside_each_other() {
     for (lanes, format) in
         [(Lanes::Two, "fp32"), (Lanes::Sixteen, "e3s3"), (Lanes::SixtyFour, "fp16"), (Lanes::SixtyFour, "fp32")]
     {
-        let config = Config { lanes, format: format.parse().expect("a format"), ..Config::DEFAULT };
+        let config = Config::DEFAULT.lanes(lanes).format(format.parse().expect("a format"));
         let masks = take(config).words.remove("euclidean euclidean_mask").expect("masks");
         for lane in 0..lanes.count() - 1 {
             let pairs: BTreeSet<u64> = masks.iter().map(|mask| mask >> lane & 3).collect();

@@ -2,7 +2,7 @@
 
 use raypath::ops::{Circuit, Num, Operation, bundle};
 use raypath::ppa::{Bench, DEFAULT_LIBRARY, Design, Library};
-use raypath::rtl::{Config, Control, Datapath, Operations, UnitKind};
+use raypath::rtl::{Control, Datapath, Microarchitecture, Operations, UnitKind};
 use raypath_tools::{OpenSta, Yosys, YosysKind};
 use std::path::Path;
 
@@ -54,7 +54,8 @@ fn registers_and_units_are_found_again() {
     };
     for control in [Control::Skid, Control::Credit] {
         let operations = Operations::new().with(&Small, 2).expect("an operation");
-        let datapath = Datapath::build(operations, Config { control, ..Config::DEFAULT }).expect("a datapath");
+        let datapath = Datapath::build(operations, Microarchitecture { control, ..Microarchitecture::DEFAULT })
+            .expect("a datapath");
         let reports = bench.measure(&[Design::new("small", datapath.top())], |_| true).expect("a report");
         let report = &reports[0];
         for (number, step) in datapath.steps().enumerate() {

@@ -185,7 +185,7 @@ fn points_stand_where_their_figures_are() {
     let point = |name: &str, lanes, mhz: f64, mm2: f64| {
         let mut report = Report { clock_mhz: mhz, ..report() };
         report.area.total = mm2 * 1e6;
-        Point::new(name, Config { lanes, ..Config::DEFAULT }, report)
+        Point::new(name, Config::DEFAULT.lanes(lanes), report)
     };
     let points = vec![
         point("graphics", Lanes::None, 100.0, 1.0),

@@ -46,7 +46,7 @@ pub fn with_netlist<T>(rules: Rules, f: impl FnOnce(&mut NetlistEngine) -> T) ->
     }
     NETLISTS.with_borrow_mut(|netlists| {
         let netlist = netlists.entry(rules).or_insert_with(|| {
-            let config = Config { rules, ..Config::default() };
+            let config = Config::DEFAULT.rules(rules);
             NetlistEngine::new(Functional::new(rules), config, |_| false).unwrap()
         });
         netlist.reset();

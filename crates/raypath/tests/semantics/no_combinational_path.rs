@@ -17,7 +17,7 @@ fn the_handshakes_do_not_see_each_other() {
             for output in ["input_ready_o", "output_valid_o", "opcode_o"] {
                 // Where nothing can wait inside, whether a beat may enter depends on whose it is.
                 let expected = (output, input) == ("input_ready_o", "opcode_i")
-                    && config.control == Control::Credit
+                    && config.microarchitecture.control == Control::Credit
                     && loops(config);
                 assert_eq!(depends(datapath.top(), output, input), expected, "{output} from {input}, {config}");
             }
@@ -31,7 +31,7 @@ fn configurations() -> Vec<Config> {
         for rules in [Rules::Paper, Rules::Chisel] {
             for &control in Control::ALL {
                 for &unit_latency in UnitLatency::ALL {
-                    all.push(Config { rules, lanes, control, unit_latency, ..Config::DEFAULT });
+                    all.push(Config::DEFAULT.rules(rules).lanes(lanes).control(control).unit_latency(unit_latency));
                 }
             }
         }
@@ -40,7 +40,7 @@ fn configurations() -> Vec<Config> {
 }
 
 fn loops(config: Config) -> bool {
-    config.lanes != Lanes::None && config.unit_latency != UnitLatency::One
+    config.semantics.lanes != Lanes::None && config.microarchitecture.unit_latency != UnitLatency::One
 }
 
 /// Inputs and outputs are registered: no output port follows from the sink's ready, nor ready from any input port.

@@ -9,7 +9,7 @@ use raypath::rtl::{Config, Datapath, Lanes};
 const LATENCY: usize = 12;
 
 fn without_distances() -> Simulator {
-    let config = Config { lanes: Lanes::None, ..Config::default() };
+    let config = Config::DEFAULT.lanes(Lanes::None);
     let mut simulator = Simulator::new(Datapath::new(config).unwrap().top()).unwrap();
     simulator.set_reset(true);
     simulator.cycle();

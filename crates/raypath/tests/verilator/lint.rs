@@ -10,7 +10,7 @@ use std::process::Command;
 #[test]
 fn presets_and_representatives_are_clean() {
     let presets = PRESETS.iter().map(|preset| preset.config);
-    let rules = [Config { rules: Rules::Chisel, ..Config::DEFAULT }];
+    let rules = [Config::DEFAULT.rules(Rules::Chisel)];
     for config in distinct(presets.chain(rules).chain(REPRESENTATIVES)) {
         let (_folder, sources) = sources(config);
         let text = std::fs::read_to_string(&sources.all).expect("text");
@@ -33,7 +33,7 @@ fn table_vi() -> Vec<Config> {
     for &io in Encoding::ALL {
         for &registers in Encoding::ALL {
             for &lanes in Lanes::ALL {
-                all.push(Config { io, registers, lanes, ..Config::DEFAULT });
+                all.push(Config::DEFAULT.io(io).registers(registers).lanes(lanes));
             }
         }
     }

@@ -5,7 +5,7 @@ use raypath_tools::{Options, Sources, ToolError, Verilated};
 
 /// 500 cycles with stalls and bubbles; data do not matter. With `fault`, a text of `raypath_skid` becomes another.
 fn simulate(fault: Option<(&str, &str)>) -> Result<(), ToolError> {
-    let config = Config { lanes: Lanes::None, format: "fp16".parse().expect("a format"), ..Config::DEFAULT };
+    let config = Config::DEFAULT.lanes(Lanes::None).format("fp16".parse().expect("a format"));
     let datapath = Datapath::new(config).expect("a datapath");
     let top = datapath.top();
     let folder = tempfile::tempdir().expect("a folder");

@@ -47,7 +47,7 @@ fn faults(verilated: &Verilated, top: &Module, cycles: Vec<Cycle<impl OnPorts>>)
 /// The golden vectors: in the recorded order without stalls, with stalls and bubbles, and with the modes interleaved.
 #[test]
 fn golden_vectors() {
-    let config = Config { rules: Rules::Chisel, ..Config::DEFAULT };
+    let config = Config::DEFAULT.rules(Rules::Chisel);
     let (_folder, datapath, verilated) = build(config);
     let recorded = golden();
     let mixed = interleave(recorded.clone(), |transaction| transaction.job.kind().opcode(), 11);
@@ -86,7 +86,7 @@ fn random_jobs_and_resets() {
 /// The same without distance modes.
 #[test]
 fn random_jobs_and_resets_without_distance_modes() {
-    random_campaign(Config { lanes: Lanes::None, ..Config::DEFAULT });
+    random_campaign(Config::DEFAULT.lanes(Lanes::None));
 }
 
 /// And every value of every other parameter.
@@ -111,7 +111,7 @@ impl Visitor for Campaign<'_> {
 
     fn visit<M: PaperModel>(self, model: M) {
         let Self { config, datapath, verilated } = self;
-        let jobs: Vec<M::Job> = random(&model, config.format, 21, config.kinds()).take(20_000).collect();
+        let jobs: Vec<M::Job> = random(&model, config.semantics.format, 21, config.kinds()).take(20_000).collect();
         for seed in 0..2 {
             let stimulus = Stimulus {
                 shape: shape(config, datapath),

@@ -79,8 +79,8 @@ impl Atlas {
             capacity: shape.capacity(),
             shape: shape.clone(),
             kinds: config.kinds(),
-            format: config.format,
-            rules: config.rules,
+            format: config.semantics.format,
+            rules: config.semantics.rules,
             layout,
         }
     }
@@ -140,7 +140,7 @@ fn rules_begin(kind: JobKind, rules: Rules) -> usize {
 }
 
 fn cells(kind: JobKind, config: Config) -> Vec<Cell> {
-    let rules = config.rules;
+    let rules = config.semantics.rules;
     let groups = groups(kind, rules).iter();
     let mut names: Vec<String> =
         groups.flat_map(|group| CLASSES.iter().map(move |class| format!("{group} {class}"))).collect();
@@ -158,7 +158,8 @@ fn cells(kind: JobKind, config: Config) -> Vec<Cell> {
         names.extend((0..PERMUTATIONS).map(|number| format!("5: order {:?}", permutation(number))));
     }
     let is_beat = matches!(kind, JobKind::Euclidean | JobKind::Angular);
-    let lanes = if kind == JobKind::Angular { config.lanes.count() / 2 } else { config.lanes.count() };
+    let lanes =
+        if kind == JobKind::Angular { config.semantics.lanes.count() / 2 } else { config.semantics.lanes.count() };
     let too_few = [(BeatRule::MaskOne, 1), (BeatRule::MaskSome, 2)].into_iter().filter(|(_, most)| lanes <= *most);
     let impossible: Vec<usize> = too_few.map(|(rule, _)| first_rule + rule as usize).collect();
     let first_at_exit = first_rule + BeatRule::FIRST_AT_EXIT as usize;

@@ -11,7 +11,7 @@ use raypath_verify::{Error, Request, Verdict};
 
 /// Random rays at random triangles, each against exact arithmetic and the bounds of `docs/reference/error-bounds.md`.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let rules = request.config.rules;
+    let rules = request.config.semantics.rules;
     let cases = request.jobs.unwrap_or(request.level.pick(300_000, 10_000_000, 300_000_000));
     let (tally, is_stopped) = campaign::run(request, 2, cases, |rng, tally: &mut Errors| {
         let (ray, corners) = draw(rng);

@@ -17,7 +17,7 @@ const DRAWS: u32 = 200;
 /// Shoots rays at closed meshes. Each case is a ray of which exact arithmetic says that it passes through a patch of
 /// faces which all look at it; the datapath must hit one of them.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let rules = request.config.rules;
+    let rules = request.config.semantics.rules;
     let cases = request.jobs.unwrap_or(request.level.pick(1_000_000, 20_000_000, 1_000_000_000));
     let bodies = bodies(request.seed);
     let is_hit = |ray: &Ray<Binary32>, corners| datapath(rules, ray, corners).triangle_hit.into();

@@ -16,7 +16,7 @@ fn request(watch: &mut dyn FnMut(crate::verify::Progress) -> bool) -> Request<'_
 /// A score is only worth something if it can be bad.
 #[test]
 fn without_checks_nothing_is_killed() {
-    let subjects = subjects(&[Config { lanes: Lanes::None, ..Config::DEFAULT }]).expect("modules");
+    let subjects = subjects(&[Config::DEFAULT.lanes(Lanes::None)]).expect("modules");
     let mutants = choose(&subjects, 100, 1);
     let mut watch = |_| true;
     let report =
@@ -50,7 +50,7 @@ fn every_module_is_represented_and_the_larger_ones_more() {
 
 #[test]
 fn the_user_can_stop() {
-    let subjects = subjects(&[Config { lanes: Lanes::None, ..Config::DEFAULT }]).expect("modules");
+    let subjects = subjects(&[Config::DEFAULT.lanes(Lanes::None)]).expect("modules");
     let mutants = choose(&subjects, 1000, 1);
     let mut watch = |step: crate::verify::Progress| step.done < 3;
     let slow: Judge<'_> = &|_| {
@@ -80,8 +80,8 @@ fn the_checks_kill_what_is_plainly_wrong() {
 /// A proof that says too much would hide what tests should kill.
 #[test]
 fn what_is_proven_alike_survives_every_check() {
-    let config = Config { lanes: Lanes::Two, ..Config::DEFAULT };
-    let subjects = subjects(&[config, Config { control: Control::Credit, ..config }]).expect("modules");
+    let config = Config::DEFAULT.lanes(Lanes::Two);
+    let subjects = subjects(&[config, config.control(Control::Credit)]).expect("modules");
     let mut proven = 0;
     for mutant in &choose(&subjects, 300, 2) {
         let trial = trial(mutant).expect("a mutant");
@@ -99,7 +99,7 @@ fn what_is_proven_alike_survives_every_check() {
 /// Faults that jobs can see, by what they change.
 #[test]
 fn what_is_not_alike_is_not_proven() {
-    let config = Config { lanes: Lanes::Two, ..Config::DEFAULT };
+    let config = Config::DEFAULT.lanes(Lanes::Two);
     let subjects = subjects(&[config]).expect("modules");
     for (module, fault) in [
         ("raypath", "u_stage_3.num_0_i: replaced by zero"),

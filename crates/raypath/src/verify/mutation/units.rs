@@ -33,7 +33,7 @@ const RECODED_CASES: usize = 2_000_000;
 impl Unit {
     /// The unit of a configuration in binary32 that has a part of this name.
     pub fn of(config: Config, name: &str) -> Result<Option<Self>, Error> {
-        let (format, count) = (config.format, config.unit_latency.stages());
+        let (format, count) = (config.semantics.format, config.microarchitecture.unit_latency.steps());
         let units = [
             (Kind::Add, raypath_float::add_parts(format, count)?),
             (Kind::Multiply, raypath_float::mul_parts(format, count)?),

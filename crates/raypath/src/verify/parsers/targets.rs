@@ -7,7 +7,7 @@ use crate::transactions::read_from;
 use crate::verify::{Level, Shard};
 use raypath_float::Format;
 use raypath_ops::{JobKind, Ray, Rules};
-use raypath_rtl::{Config, Control, Encoding, Lanes, Preset, Sharing, UnitLatency};
+use raypath_rtl::{Config, Control, Encoding, Lanes, Preset, Sharing, UnitLatency, parameters};
 use std::fmt::Display;
 use std::path::Path;
 use std::str::FromStr;
@@ -42,7 +42,7 @@ const fn target(name: &'static str, format: &'static str, parse: fn(&[u8]) -> bo
 }
 
 fn transactions(bytes: &[u8]) -> bool {
-    let half = Config { format: Format::BINARY16, lanes: Lanes::Two, ..Config::DEFAULT };
+    let half = Config::DEFAULT.format(Format::BINARY16).lanes(Lanes::Two);
     [Config::DEFAULT, half].map(|config| with_model(config, Transactions { bytes, config })).contains(&true)
 }
 
@@ -86,9 +86,7 @@ fn sweep(bytes: &[u8]) -> bool {
 
 /// A configuration as a file says it.
 fn as_toml(config: Config) -> String {
-    let options = config.options();
-    let words: Vec<&str> = options.split_whitespace().collect();
-    words.chunks(2).map(|pair| format!("{} = \"{}\"\n", &pair[0][2..], pair[1])).collect()
+    parameters().map(|parameter| format!("{} = \"{}\"\n", parameter.name, parameter.get(&config))).collect()
 }
 
 fn earlier_report(bytes: &[u8]) -> bool {

@@ -1,27 +1,26 @@
-//! The operations of a configuration: one list, from which both hardware and models are made.
+//! The operations of a configuration, for hardware and models alike.
 
-use crate::config::{Config, Lanes};
-use crate::features::Accumulators;
+use super::{Accumulators, Lanes, Semantics};
 use raypath_ops::{
     Angular, AngularMany, Euclidean, EuclideanMany, JobKind, Operation, RayBox, RayBoxConservative, RayTriangle,
     RayTriangleExtended,
 };
 
-/// Takes the operations of a configuration, one after another.
+/// Receives the operations of a configuration, one after another.
 pub trait OperationVisitor {
-    /// Why it stops.
+    /// The reason to stop.
     type Error;
 
-    /// Takes an operation and its opcode.
+    /// Receives an operation and its opcode.
     ///
     /// # Errors
-    /// The visitor's own; no operation is shown to it after one.
+    /// The visitor's own. After an error it receives no further operation.
     fn visit<O: Operation + Send + Sync + 'static>(&mut self, operation: O, opcode: u64) -> Result<(), Self::Error>;
 }
 
-impl Config {
-    /// Shows a visitor the configuration's operations, in the order of ports, tables and comments. A tag is not among what
-    /// they do: whoever runs them takes it along.
+impl Semantics {
+    /// Shows the operations to a visitor, in the order of ports, tables and comments. The operations do not handle the tag
+    /// or the exception flags, which are the same for any operation.
     ///
     /// # Errors
     /// Those of the visitor.
@@ -52,7 +51,7 @@ impl Config {
     }
 }
 
-/// Of `E` and `A` lanes.
+/// The distance operations of `E` and `A` lanes.
 fn distances<const E: usize, const A: usize, V: OperationVisitor>(
     accumulators: Accumulators,
     visitor: &mut V,
@@ -69,7 +68,7 @@ fn distances<const E: usize, const A: usize, V: OperationVisitor>(
     }
 }
 
-/// With `K` accumulators each, which a word of `W` bits chooses from.
+/// The distance operations with `K` accumulators each; a word of `W` bits selects one.
 fn several<const E: usize, const A: usize, const K: usize, const W: u32, V: OperationVisitor>(
     visitor: &mut V,
 ) -> Result<(), V::Error> {

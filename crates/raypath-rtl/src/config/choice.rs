@@ -1,9 +1,9 @@
-//! Parameters that are one of a few named values.
+//! Parameters with a few named values.
 
 use std::fmt;
 use thiserror::Error;
 
-/// A name that is none of a parameter's values.
+/// A text that is not one of a parameter's values.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("'{given}' is no {what}, expected {expected}")]
 pub struct ParseChoiceError {
@@ -13,12 +13,12 @@ pub struct ParseChoiceError {
 }
 
 impl ParseChoiceError {
-    pub(crate) fn new(given: &str, what: &'static str, values: &[impl fmt::Display]) -> Self {
+    pub(super) fn new(given: &str, what: &'static str, values: &[impl fmt::Display]) -> Self {
         Self { given: given.to_string(), what, expected: alternatives(values) }
     }
 }
 
-/// `a, b or c`: what could stand instead; `none` where nothing could.
+/// The values as `a, b or c`, for messages that say what was expected; `none` if there are none.
 pub fn alternatives(values: &[impl fmt::Display]) -> String {
     let names: Vec<String> = values.iter().map(ToString::to_string).collect();
     match names.as_slice() {
@@ -28,41 +28,54 @@ pub fn alternatives(values: &[impl fmt::Display]) -> String {
     }
 }
 
-/// Declares an enumeration whose values have names, with `ALL`, `Display` and `FromStr`. What stands in parentheses is
-/// what messages call the parameter.
+/// Declares an enumeration whose values have texts, with `ALL`, `Display` and `FromStr`. The literal in parentheses is
+/// the name of the parameter in messages.
 macro_rules! choices {
     (
         $(#[$attribute:meta])*
         pub enum $name:ident ($what:literal) {
+            $(#[$first_attribute:meta])* $first:ident = $first_text:literal,
             $($(#[$value_attribute:meta])* $value:ident = $text:literal,)*
         }
     ) => {
         $(#[$attribute])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum $name {
+            $(#[$first_attribute])* $first,
             $($(#[$value_attribute])* $value,)*
         }
 
         impl $name {
             /// Every value.
-            pub const ALL: &[Self] = &[$(Self::$value),*];
+            pub const ALL: &[Self] = &[Self::$first $(, Self::$value)*];
         }
 
         impl std::str::FromStr for $name {
-            type Err = $crate::choice::ParseChoiceError;
+            type Err = $crate::config::ParseChoiceError;
             fn from_str(text: &str) -> Result<Self, Self::Err> {
                 let found = Self::ALL.iter().copied().find(|value| value.to_string() == text);
-                found.ok_or_else(|| $crate::choice::ParseChoiceError::new(text, $what, Self::ALL))
+                found.ok_or_else(|| $crate::config::ParseChoiceError::new(text, $what, Self::ALL))
             }
         }
 
         impl std::fmt::Display for $name {
             fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 f.write_str(match self {
+                    Self::$first => $first_text,
                     $(Self::$value => $text,)*
                 })
             }
         }
+
+        impl $crate::config::parameter::Values<Self> for $name {
+            const TEXTS: &'static str = concat!($first_text $(, "|", $text)*);
+            fn parse(text: &str) -> Result<Self, String> {
+                text.parse().map_err(|problem: $crate::config::ParseChoiceError| problem.to_string())
+            }
+            fn write(value: Self) -> String {
+                value.to_string()
+            }
+        }
     };
 }
-pub(crate) use choices;
+pub(super) use choices;

@@ -1,0 +1,41 @@
+//! The table of parameters against the configuration.
+
+use raypath_rtl::{Config, Lanes, parameters};
+use std::collections::BTreeSet;
+
+/// Every text that a parameter announces is accepted, selects another configuration than the parameter's other texts, and
+/// is shown again.
+#[test]
+fn every_value_is_accepted_and_shown() {
+    for parameter in parameters() {
+        let mut seen = Vec::new();
+        for text in parameter.values.split(['|', '.']).filter(|text| !text.is_empty()) {
+            let text = if text == "eXsY" { "e3s5" } else { text };
+            let mut config = Config::DEFAULT;
+            parameter.set(&mut config, text).unwrap_or_else(|problem| panic!("{}: {problem}", parameter.name));
+            assert_eq!(parameter.get(&config), text, "{}", parameter.name);
+            assert!(!seen.contains(&config), "{} {text}", parameter.name);
+            seen.push(config);
+        }
+        assert!(seen.contains(&Config::DEFAULT) && seen.len() > 1, "{}", parameter.name);
+        let problem = parameter.set(&mut Config::DEFAULT.clone(), "nonsense").expect_err(parameter.name);
+        assert!(problem.starts_with("'nonsense'") && problem.contains("expected"), "{problem}");
+    }
+}
+
+#[test]
+fn each_parameter_has_a_name_and_a_help_text_of_its_own() {
+    let names: BTreeSet<&str> = parameters().map(|parameter| parameter.name).collect();
+    let helps: BTreeSet<String> = parameters().map(|parameter| parameter.help()).collect();
+    let count = parameters().count();
+    assert_eq!((names.len(), helps.len()), (count, count));
+    assert!(helps.iter().all(|help| !help.is_empty() && !help.ends_with('.')), "{helps:?}");
+}
+
+#[test]
+fn the_display_of_a_configuration_is_its_changes() {
+    let config = Config::DEFAULT.lanes(Lanes::Two).tag(4).facing(true);
+    assert_eq!(config.to_string(), "lanes 2, rules paper, tag 4, facing true");
+    assert_eq!(config.options(), "--lanes 2 --tag 4 --facing");
+    assert_eq!(Config::DEFAULT.to_string(), "lanes 16, rules paper");
+}
