@@ -85,6 +85,7 @@
 //! [`main`](main()) does all of this and more for a crate of one's own, from one command: `examples/within_radius` is such
 //! a crate, and the book's chapter for the one who extends builds it step by step.
 
+pub mod accuracy;
 mod command;
 mod cost;
 pub mod emit;

@@ -1,8 +1,7 @@
 //! Area and timing of a netlist, by open tools: Yosys chooses the gates, OpenSTA times them.
 //!
 //! A [`Design`] is a netlist whose top module consists of stages. A [`Bench`] holds a cell library, the tools and a
-//! cache, and measures designs into [`Report`]s. `docs/user/area-and-timing.md` says what the figures include and what they do
-//! not.
+//! cache, and measures designs into [`Report`]s. `docs/user/area-and-timing.md` says what the figures include.
 //!
 //! ```no_run
 //! use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library};
@@ -24,9 +23,12 @@
 //! ```
 
 mod attribution;
+mod baseline;
 mod bench;
+pub mod charts;
 mod design;
 mod error;
+mod exploration;
 mod function;
 mod liberty;
 mod library;
@@ -40,11 +42,14 @@ mod recipe;
 mod report;
 mod structural;
 mod synthesis;
+pub mod tables;
 mod timing;
 mod usable;
 
+pub use baseline::{Baseline, BaselineArea, BaselinePath, BaselineStage};
 pub use bench::{Bench, Progress};
 pub use design::Design;
 pub use error::Error;
+pub use exploration::{DesignPoint, Exploration};
 pub use library::{Cell, DEFAULT_LIBRARY, Library};
 pub use report::{Area, Path, Report, Setting, Slowest, Stage, Step, Units};

@@ -4,7 +4,7 @@
 //! cycle-exact one ([`model`]). This crate joins them, and adds what surrounds them: files of transactions
 //! ([`transactions`]), traffic with bubbles and stalls ([`traffic`]), and engines that carry jobs through any of the
 //! three ([`engine`]), for every configuration ([`models`]). Real work goes through the datapath in [`render`] and
-//! [`search`]; [`timing`] says how long it takes, [`utilisation`] how busy the units are, and [`report`] draws it.
+//! [`search`]; [`timing`] measures how long it takes, and [`report`] draws it.
 //!
 //! ```
 //! use raypath::ops::{Aabb, Job, Outcome, Ray, RayBoxInput, Rules};
@@ -33,9 +33,4 @@ pub use raypath_sim::{configuration, engine, jobs, lockstep, models, traffic, tr
 pub use raypath_timing as timing;
 pub use raypath_timing::report;
 
-use raypath_rtl::report::drawing;
-
-pub mod accuracy;
-pub mod ppa;
-pub mod utilisation;
 pub mod verify;

@@ -1,8 +1,8 @@
-//! What a format costs: errors counted by hand, bounds that rounding obeys, and what must not change a result.
+//! The accuracy of formats: errors counted by hand, bounds on rounding errors, and changes that must not affect results.
 
-use raypath::accuracy::{Accuracy, Errors, Quantiles, Quantity, RAYS, Row};
 use raypath::format::Format;
 use raypath::ops::Rules;
+use raypath_cli::accuracy::{Accuracy, Errors, Quantiles, Quantity, RAYS, Row};
 use std::process::Command;
 use std::sync::OnceLock;
 
@@ -26,7 +26,7 @@ fn errors_are_counted_in_ulps_of_the_format() {
 }
 
 #[test]
-fn hits_misses_and_what_is_no_number() {
+fn hits_misses_and_non_numbers() {
     let mut errors = Errors::default();
     for (result, reference) in [
         (Some(1.0), Some(1.0)),
@@ -106,7 +106,7 @@ fn a_scene_is_a_picture() {
 }
 
 #[test]
-fn whoever_watches_may_stop_it() {
+fn a_measurement_can_be_stopped() {
     let mut left = 10;
     let mut watch = || {
         left -= 1;

@@ -4,9 +4,9 @@ use crate::commands::Failure;
 use crate::commands::numbers::whole;
 use crate::commands::progress::Progress;
 use clap::Args;
-use raypath::accuracy::{Accuracy, DIMENSIONS, RAYS, SCALES, table};
 use raypath::format::Format;
 use raypath::ops::Rules;
+use raypath_cli::accuracy::{Accuracy, DIMENSIONS, RAYS, SCALES, table};
 use std::io::Write;
 
 #[derive(Debug, Args)]

@@ -6,8 +6,10 @@ use crate::commands::output::write_all;
 use crate::commands::ppa::{self, design};
 use clap::Args;
 use raypath::configuration;
-use raypath::ppa::{Exploration, Point, explored, scatter};
 use raypath::rtl::{Config, PRESETS, Preset};
+use raypath_ppa::charts::scatter;
+use raypath_ppa::tables::explored;
+use raypath_ppa::{DesignPoint, Exploration};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -34,7 +36,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let designs = configurations.iter().map(|(_, config)| design(*config)).collect::<Result<Vec<_>, _>>()?;
     let reports = arguments.bench.measure(&designs)?;
     let points = configurations.into_iter().zip(reports);
-    let points = points.map(|((name, config), report)| Point::new(name, config, report)).collect();
+    let points = points
+        .map(|((name, config), report)| {
+            DesignPoint::new(name, config.options(), config.semantics.lanes.count(), report)
+        })
+        .collect();
     let exploration = Exploration { points };
 
     let mut files = Vec::new();

@@ -3,8 +3,8 @@
 use crate::commands::Failure;
 use crate::commands::numbers::whole;
 use clap::{Args, ValueEnum};
-use raypath::ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, Report};
 use raypath_cli::{self, CliError};
+use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, Report};
 use raypath_tools::{OpenSta, ToolError, Yosys, YosysKind};
 use std::path::PathBuf;
 

@@ -20,6 +20,7 @@ mod replay;
 mod search;
 mod stream;
 mod timed;
+mod utilisation;
 mod verify;
 mod view;
 mod wave;

@@ -6,8 +6,8 @@ use crate::commands::configuration::ConfigArguments;
 use crate::commands::measuring::BenchArguments;
 use crate::commands::output::write_all;
 use clap::Args;
-use raypath::ppa::{self, Design, Earlier, Report};
 use raypath::rtl::{Config, Datapath};
+use raypath_ppa::{Baseline, Design, Report, charts, tables};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -31,8 +31,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
-    // What cannot be compared with is found out before minutes of work.
-    let earlier = arguments.against.as_deref().map(Earlier::read).transpose()?;
+    // Read first, so that an error is reported before minutes of work.
+    let baseline = arguments.against.as_deref().map(Baseline::read).transpose()?;
     let (config, additions) = (arguments.configuration.config()?, &arguments.additions);
     let design = Design::new(additions.name(config), additions.datapath(config).elaborate()?.top());
     let reports = arguments.bench.measure(&[design])?;
@@ -41,20 +41,25 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         if arguments.json {
             writeln!(out, "{}", json(&report)?)?;
         } else {
-            show(&report, earlier.as_ref(), arguments, out)?;
+            show(&report, baseline.as_ref(), arguments, out)?;
         }
     }
     Ok(())
 }
 
-fn show(report: &Report, earlier: Option<&Earlier>, arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
+fn show(
+    report: &Report,
+    baseline: Option<&Baseline>,
+    arguments: &Arguments,
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
     writeln!(out, "raypath {}: {}\n", env!("CARGO_PKG_VERSION"), report.design)?;
-    writeln!(out, "Area by stage and kind, µm²\n\n{}\n", ppa::areas(report))?;
-    writeln!(out, "Units, µm²\n\n{}\n", ppa::units(report))?;
-    writeln!(out, "The slowest path to each stage\n\n{}\n", ppa::paths(report))?;
-    writeln!(out, "{}", ppa::summary(report))?;
-    if let Some(earlier) = earlier {
-        writeln!(out, "\nThis divided by {}\n\n{}", earlier.design, ppa::comparison(report, earlier))?;
+    writeln!(out, "Area by stage and kind, µm²\n\n{}\n", tables::areas(report))?;
+    writeln!(out, "Units, µm²\n\n{}\n", tables::units(report))?;
+    writeln!(out, "The slowest path to each stage\n\n{}\n", tables::paths(report))?;
+    writeln!(out, "{}", tables::summary(report))?;
+    if let Some(baseline) = baseline {
+        writeln!(out, "\nThis divided by {}\n\n{}", baseline.design, tables::comparison(report, baseline))?;
     }
     writeln!(out, "\nWrote {0}/ppa.json and {0}/ppa.svg.", arguments.out.display())?;
     Ok(())
@@ -67,7 +72,7 @@ pub fn design(config: Config) -> Result<Design, Failure> {
 
 /// A report as the files that show it.
 pub fn files(report: &Report, folder: &std::path::Path) -> Result<Vec<(PathBuf, String)>, Failure> {
-    Ok(vec![(folder.join("ppa.json"), json(report)? + "\n"), (folder.join("ppa.svg"), ppa::stages(report))])
+    Ok(vec![(folder.join("ppa.json"), json(report)? + "\n"), (folder.join("ppa.svg"), charts::stages(report))])
 }
 
 /// A report, or many, as JSON.

@@ -2,10 +2,10 @@
 
 use crate::commands::Failure;
 use crate::commands::numbers::whole;
+use crate::commands::utilisation::{operations, table, utilisation};
 use clap::Args;
 use raypath::report::{Recorder, Recording, html, konata};
 use raypath::rtl::{Config, Datapath, parameters};
-use raypath::utilisation::{operations, table, utilisation};
 use std::io::Write;
 use std::path::PathBuf;
 

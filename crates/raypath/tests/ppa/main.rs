@@ -1,6 +1,3 @@
-//! Area and timing: what is shown of a report, what the commands say and how they end, and the elaborator's netlists on
-//! the way through the real tools.
+//! The commands `ppa` and `explore`: their messages, their exit codes, and how they stop.
 
 mod command;
-mod elaborated;
-mod shown;

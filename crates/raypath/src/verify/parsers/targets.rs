@@ -2,11 +2,11 @@
 
 use crate::configuration::{parse, parse_sweep};
 use crate::models::{PaperModel, Visitor, with_model};
-use crate::ppa::{Earlier, parsers};
 use crate::transactions::read_from;
 use crate::verify::{Level, Shard};
 use raypath_float::Format;
 use raypath_ops::{JobKind, Ray, Rules};
+use raypath_ppa::{Baseline, parsers};
 use raypath_rtl::{Config, Control, Encoding, Lanes, Preset, Sharing, UnitLatency, parameters};
 use std::fmt::Display;
 use std::path::Path;
@@ -90,9 +90,9 @@ fn as_toml(config: Config) -> String {
 }
 
 fn earlier_report(bytes: &[u8]) -> bool {
-    let Ok(earlier) = Earlier::parse(bytes, Path::new("ppa.json")) else { return false };
-    assert!(earlier.area.total.is_finite() && earlier.slowest.ns.is_finite());
-    earlier.stages.iter().all(|stage| earlier.stage(&stage.name).is_some())
+    let Ok(baseline) = Baseline::parse(bytes, Path::new("ppa.json")) else { return false };
+    assert!(baseline.area.total.is_finite() && baseline.slowest.ns.is_finite());
+    baseline.stages.iter().all(|stage| baseline.stage(&stage.name).is_some())
 }
 
 /// Every line is a value of every option; rays are seven numbers in a line.

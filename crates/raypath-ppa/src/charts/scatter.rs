@@ -1,8 +1,8 @@
-//! Configurations as points: what area buys in clock and throughput.
+//! Configurations as points of area against throughput.
 
-use crate::drawing::{self, line, text};
-use crate::ppa::stages::round_step;
-use crate::ppa::{Exploration, Point};
+use super::round_step;
+use crate::{DesignPoint, Exploration};
+use raypath_rtl::report::drawing::{self, line, text};
 use svg::node::element::{Circle, Group, Title};
 
 const PANEL: i32 = 470;
@@ -11,49 +11,49 @@ const LEFT: i32 = 64;
 const TOP: i32 = 84;
 const BETWEEN: i32 = 210;
 
-/// An exploration as SVG, in two panels: area against the clock, which is also jobs a second; and area against the
-/// dimensions of distances a second, for those that have distance modes. Through each runs the line of the best area
-/// for its throughput; whoever stands above it pays more for the same.
+/// An exploration as SVG, in two panels: area against the clock, which is also jobs per second; and area against
+/// dimensions of distances per second, for configurations with distance modes. A dashed line in each marks the least
+/// area per throughput of all points.
 pub fn scatter(exploration: &Exploration) -> String {
     let width = LEFT + 2 * (PANEL + BETWEEN);
-    let most = exploration.points.iter().map(area).fold(0.1, f64::max) * 1.1;
+    let max_area = exploration.points.iter().map(area).fold(0.1, f64::max) * 1.1;
     let title = "Area against clock and throughput";
     let setting = exploration.points.first().map(|point| &point.report.setting);
     let setting =
         setting.map(|setting| format!("{}, {}, library {}", setting.synthesis, setting.timing, setting.library));
-    let dimensions = |point: &Point| point.dimensions_per_second / 1e9;
+    let dimensions = |point: &DesignPoint| point.dimensions_per_second / 1e9;
     drawing::picture(title, width, TOP + HEIGHT + 56)
         .add(text(12, 24, "head", title))
         .add(text(12, 42, "small", &setting.unwrap_or_default()))
-        .add(panel(exploration, LEFT, most, "million jobs a second = clock in MHz", |point| point.report.clock_mhz))
-        .add(panel(exploration, LEFT + PANEL + BETWEEN, most, "thousand million dimensions a second", dimensions))
+        .add(panel(exploration, LEFT, max_area, "million jobs a second = clock in MHz", |point| point.report.clock_mhz))
+        .add(panel(exploration, LEFT + PANEL + BETWEEN, max_area, "thousand million dimensions a second", dimensions))
         .to_string()
         + "\n"
 }
 
-/// One diagram of area in mm² against `throughput`; points whose throughput is 0 are left out.
+/// A diagram of area in mm² against `throughput`. Points without throughput are left out. `words` label the x axis.
 fn panel(
     exploration: &Exploration,
     left: i32,
-    most_area: f64,
+    max_area: f64,
     words: &str,
-    throughput: impl Fn(&Point) -> f64,
+    throughput: impl Fn(&DesignPoint) -> f64,
 ) -> Group {
-    let points: Vec<(&Point, f64)> = exploration.points.iter().map(|point| (point, throughput(point))).collect();
-    let points: Vec<(&Point, f64)> = points.into_iter().filter(|(_, throughput)| *throughput > 0.0).collect();
-    let most = points.iter().map(|(_, throughput)| *throughput).fold(0.0, f64::max) * 1.1;
-    if most == 0.0 {
+    let points: Vec<(&DesignPoint, f64)> = exploration.points.iter().map(|point| (point, throughput(point))).collect();
+    let points: Vec<(&DesignPoint, f64)> = points.into_iter().filter(|(_, throughput)| *throughput > 0.0).collect();
+    let max = points.iter().map(|(_, throughput)| *throughput).fold(0.0, f64::max) * 1.1;
+    if max == 0.0 {
         return Group::new();
     }
-    let x = |value: f64| left + (value / most * f64::from(PANEL)).round() as i32;
-    let y = |value: f64| TOP + HEIGHT - (value / most_area * f64::from(HEIGHT)).round() as i32;
+    let x = |value: f64| left + (value / max * f64::from(PANEL)).round() as i32;
+    let y = |value: f64| TOP + HEIGHT - (value / max_area * f64::from(HEIGHT)).round() as i32;
     let bottom = TOP + HEIGHT;
     let mut group = Group::new()
         .add(line((left, bottom), (left + PANEL, bottom), "#222222"))
         .add(line((left, TOP), (left, bottom), "#222222"))
         .add(text(left, TOP - 14, "small", "mm²"))
         .add(text(left + PANEL / 2, bottom + 40, "small middle", words));
-    for value in marks(most) {
+    for value in marks(max) {
         group = group.add(line((x(value), bottom), (x(value), bottom + 4), "#222222")).add(text(
             x(value),
             bottom + 18,
@@ -61,7 +61,7 @@ fn panel(
             &shown(value),
         ));
     }
-    for value in marks(most_area) {
+    for value in marks(max_area) {
         group = group.add(line((left, y(value)), (left + PANEL, y(value)), "#dddddd")).add(text(
             left - 6,
             y(value) + 4,
@@ -69,9 +69,9 @@ fn panel(
             &shown(value),
         ));
     }
-    // The best is a straight line from the origin: area for each job, or dimension, a second.
+    // Equal area per throughput is a line through the origin.
     let best = points.iter().map(|(point, throughput)| area(point) / throughput).fold(f64::INFINITY, f64::min);
-    let end = (most_area / best).min(most);
+    let end = (max_area / best).min(max);
     group = group.add(line((x(0.0), y(0.0)), (x(end), y(end * best)), "#0072b2").set("stroke-dasharray", "4 4"));
     for (point, throughput) in &points {
         let colour = if area(point) / throughput <= best { "#0072b2" } else { "#d55e00" };
@@ -93,13 +93,13 @@ fn panel(
     group.add(labels(&names, left + PANEL + 14))
 }
 
-/// Names below each other in a column, each led to its point; `(y, x, name)` from the top.
+/// Names in a column, each with a line to its point; `names` are `(y, x, name)` from the top.
 fn labels(names: &[(i32, i32, &str)], column: i32) -> Group {
     let apart = (HEIGHT / names.len().max(1) as i32).min(15);
     let mut free = TOP;
     let mut group = Group::new();
     for (below, (y, x, name)) in names.iter().enumerate().map(|(index, name)| (names.len() - 1 - index, name)) {
-        // As near to its point as the names above and below allow.
+        // As near to its point's height as the names above and below allow.
         let at = (*y).min(TOP + HEIGHT - below as i32 * apart).max(free);
         free = at + apart;
         group = group.add(line((*x, *y), (column - 3, at), "#bbbbbb")).add(text(column, at + 4, "small", name));
@@ -107,16 +107,16 @@ fn labels(names: &[(i32, i32, &str)], column: i32) -> Group {
     group
 }
 
-fn area(point: &Point) -> f64 {
+fn area(point: &DesignPoint) -> f64 {
     point.report.area.total / 1e6
 }
 
-fn marks(most: f64) -> Vec<f64> {
-    let step = round_step(most / 6.0);
-    (1..).map(|number| f64::from(number) * step).take_while(|value| *value <= most).collect()
+fn marks(max: f64) -> Vec<f64> {
+    let step = round_step(max / 6.0);
+    (1..).map(|number| f64::from(number) * step).take_while(|value| *value <= max).collect()
 }
 
-/// Without the last digits that binary fractions have.
+/// A number rounded to six decimals, without trailing zeros.
 fn shown(value: f64) -> String {
     ((value * 1e6).round() / 1e6).to_string()
 }

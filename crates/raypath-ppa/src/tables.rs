@@ -1,10 +1,10 @@
-//! Measurements in tables and words.
+//! Measurements as tables and text.
 
-use crate::ppa::{Area, Earlier, Exploration, Report};
-use crate::tables::new_table;
+use crate::{Area, Baseline, Exploration, Report};
 use comfy_table::{CellAlignment, Table};
+use raypath_rtl::report::tables::new_table;
 
-/// Area by stage and kind, and flip-flops by stage.
+/// A table of area by stage and kind, and of flip-flops by stage.
 pub fn areas(report: &Report) -> String {
     let kinds = Area::default().other_kinds().map(|(kind, _)| kind);
     let mut table =
@@ -28,7 +28,7 @@ pub fn areas(report: &Report) -> String {
     aligned(table, 2)
 }
 
-/// Units by kind: how many, and what one takes.
+/// A table of units by kind: number, area of one, area of all.
 pub fn units(report: &Report) -> String {
     let mut table = table(&["unit", "number", "area of one", "area of all", "share"]);
     for (kind, units) in &report.area.units {
@@ -39,7 +39,7 @@ pub fn units(report: &Report) -> String {
     aligned(table, 1)
 }
 
-/// The slowest path to each stage: its ends, and when it leaves what is between.
+/// A table of the slowest path to each stage: its delay, its ends and the elements between.
 pub fn paths(report: &Report) -> String {
     let mut table = table(&["ends in", "ns", "from", "through (ns at its end)", "to"]);
     for stage in &report.stages {
@@ -52,7 +52,7 @@ pub fn paths(report: &Report) -> String {
     aligned(table, 1)
 }
 
-/// The figures that count, in a few lines.
+/// The main figures in three lines of text.
 pub fn summary(report: &Report) -> String {
     let Report { setting, area, slowest, .. } = report;
     let lines = [
@@ -76,11 +76,11 @@ pub fn summary(report: &Report) -> String {
     lines.join("\n")
 }
 
-/// Ours divided by earlier figures.
-pub fn comparison(report: &Report, earlier: &Earlier) -> String {
+/// A table of the report's figures divided by those of a baseline.
+pub fn comparison(report: &Report, baseline: &Baseline) -> String {
     let mut table = table(&["stage", "area", "flip-flops", "slowest path"]);
     for stage in &report.stages {
-        let Some(theirs) = earlier.stage(&stage.name) else { continue };
+        let Some(theirs) = baseline.stage(&stage.name) else { continue };
         let area = theirs.area.map(|theirs| ratio(stage.area.total, theirs.total));
         let flip_flops = theirs.flip_flops.map(|theirs| ratio(stage.flip_flops as f64, theirs as f64));
         let slowest = stage.slowest.as_ref().zip(theirs.slowest).map(|(ours, theirs)| ratio(ours.ns, theirs.ns));
@@ -89,14 +89,14 @@ pub fn comparison(report: &Report, earlier: &Earlier) -> String {
     }
     table.add_row([
         "all".to_string(),
-        ratio(report.area.total, earlier.area.total),
-        ratio(report.flip_flops as f64, earlier.flip_flops as f64),
-        ratio(report.slowest.ns, earlier.slowest.ns),
+        ratio(report.area.total, baseline.area.total),
+        ratio(report.flip_flops as f64, baseline.flip_flops as f64),
+        ratio(report.slowest.ns, baseline.slowest.ns),
     ]);
     aligned(table, 1)
 }
 
-/// Configurations beside each other.
+/// A table of configurations, a row each.
 pub fn explored(exploration: &Exploration) -> String {
     let head = ["", "mm²", "kGE", "flip-flops", "ns", "slowest", "MHz", "mm² ns", "box tests/s", "dimensions/s"];
     let mut table = table(&head);
@@ -124,7 +124,7 @@ fn table(head: &[&str]) -> Table {
     table
 }
 
-/// Numbers to the right: every column from this one on whose cells begin with digits.
+/// Aligns columns of numbers to the right: each column from `from` on, all of whose cells begin with digits.
 fn aligned(mut table: Table, from: usize) -> String {
     for index in from..table.column_count() {
         let numbers = table.column_cells_iter(index).flatten().all(|cell| {
@@ -154,12 +154,12 @@ fn millions(per_second: f64) -> String {
     if per_second == 0.0 { String::new() } else { format!("{} M", grouped((per_second / 1e6).round() as u64)) }
 }
 
-/// 1,234,567.
-pub(super) fn grouped(number: u64) -> String {
+/// A number with commas between thousands.
+pub(crate) fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+    for (position, digit) in digits.chars().enumerate() {
+        if position > 0 && (digits.len() - position).is_multiple_of(3) {
             text.push(',');
         }
         text.push(digit);

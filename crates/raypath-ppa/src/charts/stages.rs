@@ -1,8 +1,9 @@
-//! A design as a picture: what each stage is made of, and where its slowest path spends its time.
+//! The stages of a design as bars of area and of delay.
 
-use crate::drawing::{self, line, rectangle, text};
-use crate::ppa::tables::grouped;
-use crate::ppa::{Area, Path, Report};
+use super::round_step;
+use crate::tables::grouped;
+use crate::{Area, Path, Report};
+use raypath_rtl::report::drawing::{self, line, rectangle, text};
 use svg::node::element::{Group, Title};
 
 const LEFT: i32 = 64;
@@ -14,19 +15,19 @@ const TIME_TOP: i32 = 470;
 const TIME_HEIGHT: i32 = 150;
 const LEGEND: i32 = 150;
 
-/// The parts of a path, as they are coloured: what the register takes, gates, units, set-up.
+/// The colours of the parts of a path: the register at its start, gates, units, set-up time.
 const REGISTER: &str = "#555555";
 const GATES: &str = "#999999";
 const UNIT: &str = "#0072b2";
 const SETUP: &str = "#000000";
 
-/// A measured design as SVG: a stacked bar of area for each stage, and below it one of time.
+/// A report as SVG: for each stage a stacked bar of area by kind, and below it one of its slowest path by element.
 pub fn stages(report: &Report) -> String {
     let columns = report.stages.len() as i32;
     let right = LEFT + columns * COLUMN;
     let (width, height) = (right + LEGEND, TIME_TOP + TIME_HEIGHT + 48);
-    let most_area = report.stages.iter().map(|stage| stage.area.total).fold(1.0, f64::max);
-    let most_time = report.slowest.ns.max(0.01);
+    let max_area = report.stages.iter().map(|stage| stage.area.total).fold(1.0, f64::max);
+    let max_time = report.slowest.ns.max(0.01);
     let summary = format!(
         "{:.3} mm² = {:.1} kGE, {} flip-flops; slowest path {:.2} ns = {:.1} MHz; library {}",
         report.area.total / 1e6,
@@ -41,14 +42,14 @@ pub fn stages(report: &Report) -> String {
         .add(text(12, 42, "small", &summary))
         .add(text(12, AREA_TOP - 14, "small", "area, thousands of µm²"))
         .add(text(12, TIME_TOP - 18, "small", "slowest path that ends in the stage, ns"))
-        .add(axis(AREA_TOP, AREA_HEIGHT, right, most_area / 1000.0))
-        .add(axis(TIME_TOP, TIME_HEIGHT, right, most_time));
+        .add(axis(AREA_TOP, AREA_HEIGHT, right, max_area / 1000.0))
+        .add(axis(TIME_TOP, TIME_HEIGHT, right, max_time));
     for (column, stage) in report.stages.iter().enumerate() {
         let x = LEFT + column as i32 * COLUMN + (COLUMN - BAR) / 2;
         let middle = x + BAR / 2;
-        let area = bar(x, AREA_TOP + AREA_HEIGHT, AREA_HEIGHT, most_area, &kinds(&stage.area));
+        let area = bar(x, AREA_TOP + AREA_HEIGHT, AREA_HEIGHT, max_area, &kinds(&stage.area));
         let total = format!("{:.0}", stage.area.total / 1000.0);
-        let top = AREA_TOP + AREA_HEIGHT - scaled(stage.area.total, most_area, AREA_HEIGHT);
+        let top = AREA_TOP + AREA_HEIGHT - scaled(stage.area.total, max_area, AREA_HEIGHT);
         picture = picture.add(area).add(text(middle, top - 4, "small middle", &total)).add(text(
             middle,
             AREA_TOP + AREA_HEIGHT + 16,
@@ -56,9 +57,9 @@ pub fn stages(report: &Report) -> String {
             stage.name.trim_start_matches("stage "),
         ));
         if let Some(path) = &stage.slowest {
-            let top = TIME_TOP + TIME_HEIGHT - scaled(path.ns, most_time, TIME_HEIGHT);
+            let top = TIME_TOP + TIME_HEIGHT - scaled(path.ns, max_time, TIME_HEIGHT);
             picture = picture
-                .add(bar(x, TIME_TOP + TIME_HEIGHT, TIME_HEIGHT, most_time, &parts(path)))
+                .add(bar(x, TIME_TOP + TIME_HEIGHT, TIME_HEIGHT, max_time, &parts(path)))
                 .add(text(middle, top - 4, "small middle", &format!("{:.2}", path.ns)))
                 .add(text(middle, TIME_TOP + TIME_HEIGHT + 16, "middle", stage.name.trim_start_matches("stage ")));
         }
@@ -77,7 +78,7 @@ struct Part {
     size: f64,
 }
 
-/// What a stage is made of, from the bottom. Colours that colour-blind readers tell apart (Okabe and Ito).
+/// A stage's area by kind, from the bottom, in colours that colour-blind readers distinguish (Okabe and Ito).
 fn kinds(area: &Area) -> Vec<Part> {
     let unit = |kind: &str| match kind.split(' ').next() {
         Some("mul") => "#0072b2",
@@ -94,7 +95,7 @@ fn kinds(area: &Area) -> Vec<Part> {
     units.chain(others).filter(|part| part.size > 0.0).collect()
 }
 
-/// Where a path spends its time, from the bottom.
+/// A path's delay by element, from the bottom.
 fn parts(path: &Path) -> Vec<Part> {
     let mut before = 0.0;
     let mut parts = Vec::new();
@@ -112,12 +113,12 @@ fn parts(path: &Path) -> Vec<Part> {
     parts
 }
 
-fn bar(x: i32, bottom: i32, height: i32, most: f64, parts: &[Part]) -> Group {
+fn bar(x: i32, bottom: i32, height: i32, max: f64, parts: &[Part]) -> Group {
     let mut reached = 0.0;
     let mut group = Group::new();
     for part in parts {
         // Edges, not heights, are rounded, so that errors do not add up.
-        let (low, high) = (scaled(reached, most, height), scaled(reached + part.size, most, height));
+        let (low, high) = (scaled(reached, max, height), scaled(reached + part.size, max, height));
         reached += part.size;
         if high > low {
             let title = Title::new(format!("{}: {:.2}", part.name, part.size));
@@ -127,13 +128,13 @@ fn bar(x: i32, bottom: i32, height: i32, most: f64, parts: &[Part]) -> Group {
     group
 }
 
-/// Horizontal lines at round numbers.
-fn axis(top: i32, height: i32, right: i32, most: f64) -> Group {
-    let step = round_step(most / 4.0);
+/// Horizontal grid lines at round numbers.
+fn axis(top: i32, height: i32, right: i32, max: f64) -> Group {
+    let step = round_step(max / 4.0);
     let mut group = Group::new().add(line((LEFT, top + height), (right, top + height), "#222222"));
     let mut value = step;
-    while value <= most {
-        let y = top + height - scaled(value, most, height);
+    while value <= max {
+        let y = top + height - scaled(value, max, height);
         group = group.add(line((LEFT, y), (right, y), "#dddddd")).add(text(
             LEFT - 6,
             y + 4,
@@ -145,12 +146,6 @@ fn axis(top: i32, height: i32, right: i32, most: f64) -> Group {
     group
 }
 
-/// The smallest of 1, 2, 5, 10, 20 ... that is not below.
-pub(super) fn round_step(at_least: f64) -> f64 {
-    let power = 10_f64.powf(at_least.max(1e-9).log10().floor());
-    [1.0, 2.0, 5.0].map(|digit| digit * power).into_iter().find(|step| *step >= at_least).unwrap_or(10.0 * power)
-}
-
 fn legend(x: i32, top: i32, entries: impl Iterator<Item = (String, &'static str)>) -> Group {
     let entry = |(number, (name, colour)): (usize, (String, &str))| {
         let y = top + 18 * number as i32;
@@ -159,6 +154,6 @@ fn legend(x: i32, top: i32, entries: impl Iterator<Item = (String, &'static str)
     entries.enumerate().map(entry).fold(Group::new(), Group::add)
 }
 
-fn scaled(value: f64, most: f64, height: i32) -> i32 {
-    (value / most * f64::from(height)).round() as i32
+fn scaled(value: f64, max: f64, height: i32) -> i32 {
+    (value / max * f64::from(height)).round() as i32
 }

@@ -1,8 +1,8 @@
 use super::{Quantiles, Row};
-use crate::tables::new_table;
+use raypath_rtl::report::tables::new_table;
 
-/// The rows as a table in Markdown. Columns `a` are against binary64 on the rounded inputs, columns `b` against binary64
-/// on the inputs as they were.
+/// The rows as a table in Markdown. Columns `a` compare with binary64 on the rounded inputs, columns `b` with binary64
+/// on the original inputs.
 pub fn table(rows: &[Row]) -> String {
     let mut table = new_table();
     let mut header = ["format", "result", "compared", "hits"].map(String::from).to_vec();
@@ -28,7 +28,7 @@ pub fn table(rows: &[Row]) -> String {
     table.to_string()
 }
 
-/// `3, 0.12 %`; nothing, or a part of nothing, has no share.
+/// A count and its share: `3, 0.12 %`; without a share if one of the numbers is 0.
 fn share(count: usize, of: usize) -> String {
     if count == 0 || of == 0 {
         count.to_string()
@@ -37,7 +37,7 @@ fn share(count: usize, of: usize) -> String {
     }
 }
 
-/// Errors of more than a thousand ulps need no decimals.
+/// An error with two decimals, or two digits from a thousand ulps on.
 fn ulps(error: f64) -> String {
     if error < 1000.0 { format!("{error:.2}") } else { format!("{error:.1e}") }
 }

@@ -1,5 +1,5 @@
-//! The scene: a torus, a camera that looks at it from above, and boxes around its triangles. Made with no more than the
-//! four operations and roots, so that it is the same on every machine.
+//! The scene: a torus, a camera that looks at it from above, and boxes around its triangles. It uses only the four
+//! basic operations and square roots, so that it is the same on every machine.
 
 use super::host::{HostRay, Point, unit};
 
@@ -7,11 +7,11 @@ use super::host::{HostRay, Point, unit};
 const SIDE: usize = 64;
 /// Rays of the scene.
 pub const RAYS: usize = SIDE * SIDE;
-/// Corners of the polygon that stands for a circle.
+/// Corners of the polygon that approximates a circle.
 const CORNERS: usize = 16;
 
 const CAMERA: Point = [2.1, -1.3, 1.6];
-/// What the picture shows to each side of its centre, at a distance of 1.
+/// Half of the picture's width at a distance of 1.
 const HALF_WIDTH: f64 = 0.55;
 const RING: f64 = 1.0;
 const TUBE: f64 = 0.4;
@@ -27,7 +27,7 @@ pub fn rays() -> impl Iterator<Item = HostRay> {
     (0..RAYS).filter_map(move |pixel| HostRay::new(CAMERA, direction(pixel % SIDE, pixel / SIDE)))
 }
 
-/// The torus: a closed mesh, counter-clockwise as seen from outside.
+/// The torus: a closed mesh of triangles, counter-clockwise as seen from outside.
 pub fn triangles() -> Vec<[Point; 3]> {
     let circle = circle();
     let vertex = |i: usize, j: usize| {
@@ -44,14 +44,14 @@ pub fn triangles() -> Vec<[Point; 3]> {
         .collect()
 }
 
-/// The smallest box around a triangle: its least and its greatest corner.
+/// The bounding box of a triangle: its minimum and its maximum corner.
 pub fn bounds([a, b, c]: [Point; 3]) -> [Point; 2] {
-    let least = std::array::from_fn(|i| a[i].min(b[i]).min(c[i]));
-    let greatest = std::array::from_fn(|i| a[i].max(b[i]).max(c[i]));
-    [least, greatest]
+    let min = std::array::from_fn(|i| a[i].min(b[i]).min(c[i]));
+    let max = std::array::from_fn(|i| a[i].max(b[i]).max(c[i]));
+    [min, max]
 }
 
-/// The corners of a regular polygon, each the one before turned by a sixteenth.
+/// The corners of a regular polygon with radius 1.
 fn circle() -> [[f64; 2]; CORNERS] {
     let root = 2_f64.sqrt();
     let (cosine, sine) = ((2.0 + root).sqrt() / 2.0, (2.0 - root).sqrt() / 2.0);

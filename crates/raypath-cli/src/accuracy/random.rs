@@ -1,10 +1,10 @@
-//! Random jobs: rays aimed at things about the origin, and vectors.
+//! Random jobs: rays aimed at boxes and triangles near the origin, and vectors.
 
 use super::host::{HostJob, HostRay, Point, unit};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Dimensions of the vectors whose distances are measured: several beats, so that accumulators count too.
+/// The dimensions of vectors: several beats, so that accumulation is measured too.
 pub const DIMENSIONS: usize = 64;
 
 /// An endless stream of random jobs, reproducible by seed.
@@ -15,7 +15,7 @@ impl RandomJobs {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    /// One job of each kind; a distance is as many as its vectors have beats.
+    /// The jobs of a round: one of each kind; a distance is a job per beat.
     pub fn round(&mut self) -> Vec<HostJob> {
         let mut jobs = vec![self.quadbox(), self.triangle()];
         let (a, b) = (self.vector(), self.vector());
@@ -35,7 +35,7 @@ impl RandomJobs {
         HostJob::Quadbox { ray, boxes }
     }
 
-    /// A triangle, and a ray aimed at a point inside or a little outside.
+    /// A triangle, and a ray aimed at a point inside or just outside.
     fn triangle(&mut self) -> HostJob {
         let vertices @ [a, b, c] = [self.point(1.0), self.point(1.0), self.point(1.0)];
         let [u, v, w]: [f64; 3] = std::array::from_fn(|_| self.0.random_range(-0.1..1.0));
@@ -47,7 +47,7 @@ impl RandomJobs {
         loop {
             let origin = self.point(4.0);
             let ray = HostRay::new(origin, unit(std::array::from_fn(|i| target[i] - origin[i])));
-            // An origin that is no way from the target is no ray; others will do.
+            // An origin equal to the target gives no ray: try another.
             if let Some(ray) = ray {
                 return ray;
             }
@@ -69,7 +69,7 @@ fn beats<const N: usize>(
     b: &[f64; DIMENSIONS],
     beat: impl Fn([f64; N], [f64; N], bool) -> HostJob,
 ) -> impl Iterator<Item = HostJob> {
-    const { assert!(DIMENSIONS.is_multiple_of(N), "vectors are whole beats") };
+    const { assert!(DIMENSIONS.is_multiple_of(N), "the lanes must divide the dimensions") };
     let lanes = |vector: &[f64; DIMENSIONS], first: usize| std::array::from_fn(|lane| vector[first + lane]);
     let last = DIMENSIONS - N;
     (0..DIMENSIONS).step_by(N).map(move |first| beat(lanes(a, first), lanes(b, first), first == last))

@@ -1,34 +1,33 @@
 use raypath_float::Format;
 
-/// How results in a format differ from references in binary64.
+/// The differences of results in a format from references in binary64.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Errors {
     /// Results compared.
     pub results: usize,
-    /// References that are a hit; a sum always is.
+    /// References that are a hit; a sum always is one.
     pub hits: usize,
-    /// Results that are a hit where the reference is a miss, or the other way round.
+    /// Results that are a hit where the reference is a miss, or a miss where it is a hit.
     pub disagreements: usize,
     /// Results that are infinite or NaN where the reference is a number.
     pub not_finite: usize,
-    /// Of all other hits, the errors in ulps.
+    /// The errors of all other hits, in ulps.
     ulps: Vec<f64>,
 }
 
-/// Errors in ulps.
+/// Quantiles of errors, in ulps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantiles {
-    /// Half of the errors are at most this.
+    /// The bound of half of the errors.
     pub median: f64,
-    /// 99 of 100 errors are at most this.
+    /// The bound of 99 % of the errors.
     pub percentile_99: f64,
     /// The largest error.
     pub max: f64,
 }
 
 impl Errors {
-    /// Compares a result with its reference; `None` is a miss. An error is counted in ulps of the format about the
-    /// reference.
+    /// Compares a result with its reference; `None` is a miss. The error is in ulps of the format at the reference.
     pub fn add(&mut self, format: Format, result: Option<f64>, reference: Option<f64>) {
         self.results += 1;
         self.hits += usize::from(reference.is_some());
@@ -44,7 +43,7 @@ impl Errors {
         }
     }
 
-    /// Median, 99th percentile and maximum of the errors, each the error of a result; none where there are no errors.
+    /// Median, 99th percentile and maximum of the errors, each the error of a result. None if there are no errors.
     pub fn quantiles(&self) -> Option<Quantiles> {
         let mut ulps = self.ulps.clone();
         ulps.sort_by(f64::total_cmp);

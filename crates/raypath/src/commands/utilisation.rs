@@ -1,23 +1,23 @@
-//! How busy the units of a datapath were: Table VIII with use in it.
+//! The utilisation of a datapath's units: Table VIII with the share of cycles in which each unit worked.
 
-use crate::tables::new_table;
 use comfy_table::CellAlignment;
+use raypath::tables::new_table;
 use raypath_rtl::{Datapath, UnitKind};
 use raypath_timing::report::{StageUse, UnitUse};
 
-/// The names of a datapath's operations by opcode; empty where there is none of that opcode.
+/// The names of a datapath's operations, indexed by opcode; empty for an unused opcode.
 pub fn operations(datapath: &Datapath) -> Vec<String> {
     let mut names = Vec::new();
     for (name, opcode) in datapath.operations() {
-        let place = opcode as usize;
-        names.resize(names.len().max(place + 1), String::new());
-        names[place] = name.to_string();
+        let index = opcode as usize;
+        names.resize(names.len().max(index + 1), String::new());
+        names[index] = name.to_string();
     }
     names
 }
 
-/// For each step of the pipeline after the input's registers, its units and the part of `cycles` in which they worked,
-/// where so many jobs of each operation, by opcode, have passed. A unit works for a job if the job's operation uses it.
+/// The utilisation of each step after the input registers, over `cycles` cycles in which `jobs` jobs of each operation,
+/// indexed by opcode, passed. A unit works for a job if the job's operation uses it.
 pub fn utilisation(datapath: &Datapath, cycles: u64, jobs: &[u64]) -> Vec<StageUse> {
     let (steps, operations) = (datapath.steps().enumerate().skip(1), operations(datapath));
     steps.map(|(index, _)| stage(datapath, index, cycles, jobs, &operations)).collect()
@@ -30,10 +30,10 @@ fn stage(datapath: &Datapath, index: usize, cycles: u64, jobs: &[u64], operation
     let kinds = UnitKind::ALL.into_iter().filter(|&unit| units.of(unit) > 0);
     let unit = |unit: UnitKind| {
         let count = units.of(unit);
-        let there = cycles.max(1) as f64 * count as f64;
+        let available = cycles.max(1) as f64 * count as f64;
         let by_operation = operations.iter().enumerate().map(|(opcode, name)| {
             let used = note(name).map_or(0, |note| note.units.of(unit));
-            jobs.get(opcode).copied().unwrap_or(0) as f64 * used as f64 / there
+            jobs.get(opcode).copied().unwrap_or(0) as f64 * used as f64 / available
         });
         let by_operation: Vec<f64> = by_operation.collect();
         UnitUse { name: unit.to_string(), count, total: by_operation.iter().sum(), by_operation }
@@ -41,11 +41,10 @@ fn stage(datapath: &Datapath, index: usize, cycles: u64, jobs: &[u64], operation
     StageUse { number: index, titles, units: kinds.map(unit).collect() }
 }
 
-/// The same as a table for the terminal: only operations that had jobs have a column. `operations` are their names, by
-/// opcode.
+/// A table of utilisation, with a column for each operation that had jobs. `operations` are the names by opcode.
 pub fn table(stages: &[StageUse], operations: &[String]) -> String {
-    let part = |unit: &UnitUse, opcode: usize| unit.by_operation.get(opcode).copied().unwrap_or(0.0);
-    let is_busy = |opcode: usize| stages.iter().flat_map(|stage| &stage.units).any(|unit| part(unit, opcode) > 0.0);
+    let share = |unit: &UnitUse, opcode: usize| unit.by_operation.get(opcode).copied().unwrap_or(0.0);
+    let is_busy = |opcode: usize| stages.iter().flat_map(|stage| &stage.units).any(|unit| share(unit, opcode) > 0.0);
     let busy: Vec<(usize, &String)> = operations.iter().enumerate().filter(|&(opcode, _)| is_busy(opcode)).collect();
     let mut table = new_table();
     let mut head = vec!["stage".to_string(), "units".to_string(), "busy".to_string()];
@@ -55,7 +54,7 @@ pub fn table(stages: &[StageUse], operations: &[String]) -> String {
         for unit in &stage.units {
             let mut row =
                 vec![stage.number.to_string(), format!("{} x {}", unit.count, unit.name), percent(unit.total)];
-            row.extend(busy.iter().map(|&(opcode, _)| percent(part(unit, opcode))));
+            row.extend(busy.iter().map(|&(opcode, _)| percent(share(unit, opcode))));
             table.add_row(row);
         }
     }
@@ -65,8 +64,8 @@ pub fn table(stages: &[StageUse], operations: &[String]) -> String {
     table.to_string()
 }
 
-fn percent(part: f64) -> String {
-    format!("{:.1} %", 100.0 * part)
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
 }
 
 #[cfg(test)]
@@ -74,7 +73,7 @@ mod tests {
     use super::*;
     use raypath_rtl::Config;
 
-    /// By hand, from Table VIII: stage 2 has 24 adders, of which boxes use all, triangles nine, Euclidean beats sixteen.
+    /// Computed by hand from Table VIII: stage 2 has 24 adders; boxes use all, triangles nine, Euclidean beats sixteen.
     #[test]
     fn units_are_as_busy_as_their_jobs_make_them() {
         let datapath = Datapath::new(Config::DEFAULT).unwrap();

@@ -1,8 +1,8 @@
-//! An elaborated datapath in the library that Debian ships: every register and unit is found again, under its name.
+//! An elaborated datapath in Debian's cell library: the report finds every register and unit by its name.
 
-use raypath::ops::{Circuit, Num, Operation, bundle};
-use raypath::ppa::{Bench, DEFAULT_LIBRARY, Design, Library};
-use raypath::rtl::{Control, Datapath, Microarchitecture, Operations, UnitKind};
+use raypath_ops::{Circuit, Num, Operation, bundle};
+use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library};
+use raypath_rtl::{Control, Datapath, Microarchitecture, Operations, UnitKind};
 use raypath_tools::{OpenSta, Yosys, YosysKind};
 use std::path::Path;
 
@@ -62,14 +62,14 @@ fn registers_and_units_are_found_again() {
             let name = if number == 0 { "input".to_string() } else { format!("stage {step}") };
             let stage_of = |name: &str| report.stages.iter().find(|stage| stage.name == name);
             let stage = stage_of(&name).expect(&name);
-            // The datapath counts what lets jobs in with the input; it is an instance of its own.
+            // The datapath counts the credit counter with the input; the report has it as a stage.
             let credit = stage_of("credit").filter(|_| number == 0).map_or(0, |credit| credit.flip_flops);
             assert_eq!(stage.flip_flops + credit, datapath.registers(number).flip_flops(), "{control}, {name}");
             for kind in UnitKind::ALL {
                 let found = stage.area.units.get(kind.stem()).map_or(0, |units| units.count);
                 assert_eq!(found, datapath.units(number).of(kind) as u64, "{control}, {name}: {kind}");
             }
-            // DFFPOSX1 holds data, DFFSR what has a reset.
+            // DFFPOSX1 is used for data, DFFSR for registers with a reset.
             let registers = datapath.registers(number);
             assert_eq!(stage.area.registers, (registers.data * 96) as f64, "{control}, {name}");
             let control_flip_flops = ((registers.control - credit) * 176) as f64;

@@ -1,7 +1,9 @@
-//! Tables and pictures, of a report small enough to compute by hand.
+//! Tables and pictures of a report small enough to compute by hand.
 
-use raypath::ppa::{self, Area, Earlier, Exploration, Path, Point, Report, Setting, Slowest, Stage, Step, Units};
-use raypath::rtl::{Config, Lanes};
+use raypath_ppa::tables::{areas, comparison, explored, paths, summary, units};
+use raypath_ppa::{
+    Area, Baseline, DesignPoint, Exploration, Path, Report, Setting, Slowest, Stage, Step, Units, charts,
+};
 use std::collections::BTreeMap;
 
 fn area(units: &[(&str, u64, f64)], registers: f64, operand_muxes: f64) -> Area {
@@ -57,7 +59,7 @@ fn report() -> Report {
     }
 }
 
-/// A table's rows, cell by cell. A line without a first cell continues the one before.
+/// The rows of a table as cells. A line without a first cell continues the line before.
 fn rows(table: &str) -> Vec<Vec<String>> {
     let mut rows: Vec<Vec<String>> = Vec::new();
     for line in table.lines().filter(|line| !line.contains("|--")) {
@@ -75,9 +77,9 @@ fn rows(table: &str) -> Vec<Vec<String>> {
 }
 
 #[test]
-fn tables_say_what_the_report_says() {
+fn tables_show_the_report() {
     let report = report();
-    let found = rows(&ppa::areas(&report));
+    let found = rows(&areas(&report));
     let row = |cells: [&str; 12]| cells.map(str::to_string).to_vec();
     let expected = [
         row(["input", "", "", "1,000", "", "", "", "", "", "1,000", "25.0 %", "50"]),
@@ -86,9 +88,9 @@ fn tables_say_what_the_report_says() {
         row(["share", "", "60.0 %", "37.5 %", "2.5 %", "0.0 %", "0.0 %", "0.0 %", "0.0 %", "", "", ""]),
     ];
     assert_eq!(found[1..], expected);
-    let found = rows(&ppa::units(&report));
+    let found = rows(&units(&report));
     assert_eq!(found[1..], [["add", "2", "200", "400", "10.0 %"], ["mul", "1", "2,000", "2,000", "50.0 %"]]);
-    let found = rows(&ppa::paths(&report));
+    let found = rows(&paths(&report));
     assert_eq!(
         found[1..],
         [
@@ -96,7 +98,7 @@ fn tables_say_what_the_report_says() {
             ["stage 1", "5.00", "input num_0_q[3]", "u_mul_0 4.00", "stage 1 num_1_q"]
         ]
     );
-    let words = ppa::summary(&report);
+    let words = summary(&report);
     for part in
         ["0.004 mm² = 2.0 kGE (NAND = 1 GE), 60.0 % of it units; 1,075", "5.00 ns, to stage 1: 200.0 MHz", "7.5 ns"]
     {
@@ -110,38 +112,38 @@ fn a_report_survives_its_file_and_compares_with_itself() {
     let text = serde_json::to_string_pretty(&report()).expect("JSON");
     assert_eq!(serde_json::from_str::<Report>(&text).expect("a report"), report());
     std::fs::write(folder.path().join("ppa.json"), text).expect("written");
-    let found = rows(&ppa::comparison(&report(), &Earlier::read(folder.path()).expect("a report")));
+    let found = rows(&comparison(&report(), &Baseline::read(folder.path()).expect("a report")));
     assert_eq!(found[1..], ["input", "stage 1", "all"].map(|name| [name, "1.000", "1.000", "1.000"]));
 }
 
 #[test]
-fn somebody_elses_figures_may_be_few() {
+fn a_baseline_may_lack_figures() {
     let folder = tempfile::tempdir().expect("a folder");
     let text = r#"{"design": "theirs", "area": {"total": 8000}, "flip_flops": 4300, "slowest": {"ns": 10},
                    "stages": [{"name": "stage 1", "slowest": {"ns": 4}}, {"name": "stage 9", "area": {"total": 1}}]}"#;
     std::fs::write(folder.path().join("ppa.json"), text).expect("written");
-    let found = rows(&ppa::comparison(&report(), &Earlier::read(folder.path()).expect("a report")));
+    let found = rows(&comparison(&report(), &Baseline::read(folder.path()).expect("a report")));
     assert_eq!(found[1..], [["stage 1", "", "", "1.250"], ["all", "0.500", "0.250", "0.500"]]);
 }
 
-/// The figures of the original that the repository has, to compare with: those of issue and paper alike.
+/// The original's figures in the repository are those of the paper.
 #[test]
 fn the_originals_figures_can_be_compared_with() {
     let read = |folder: &str| {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/original").join(folder);
-        Earlier::read(&path).expect("a report")
+        Baseline::read(&path).expect("a report")
     };
-    let figures = |earlier: &Earlier| (earlier.area.total, earlier.flip_flops, earlier.slowest.ns);
+    let figures = |baseline: &Baseline| (baseline.area.total, baseline.flip_flops, baseline.slowest.ns);
     assert_eq!(figures(&read("lanes-none")), (1.848e6, 15_867, 17.3));
     let sixteen = read("lanes-16");
     assert_eq!(figures(&sixteen), (2.326e6, 25_600, 17.6));
-    // The slowest of its stages is its slowest, and all its stages are called as ours are.
+    // The slowest stage has the slowest path, and the stages have the names of our reports.
     let slowest = sixteen.stages.iter().filter_map(|stage| stage.slowest).map(|path| path.ns).fold(0.0, f64::max);
     assert_eq!(slowest, sixteen.slowest.ns);
     assert!((1..=11).all(|number| sixteen.stage(&format!("stage {number}")).is_some()));
 }
 
-/// The attributes of all elements that open so.
+/// The attributes of all elements that begin with `opening`.
 fn elements<'s>(svg: &'s str, opening: &'static str) -> Vec<BTreeMap<&'s str, &'s str>> {
     let opened = svg.split(opening).skip(1);
     let attributes = |element: &'s str| {
@@ -156,9 +158,9 @@ fn number(element: &BTreeMap<&str, &str>, name: &str) -> f64 {
 }
 
 #[test]
-fn bars_are_as_long_as_what_they_mean() {
-    let svg = ppa::stages(&report());
-    // What has a title is part of a bar; legends have none.
+fn the_length_of_a_bar_is_its_value() {
+    let svg = charts::stages(&report());
+    // Parts of bars have titles; legends have none.
     let bars: Vec<&str> = svg.split("<rect ").skip(1).filter(|part| part.contains("<title>")).collect();
     let title =
         |bar: &str| bar.split("<title>").nth(1).and_then(|rest| rest.split('<').next()).map(|t| t.trim().to_string());
@@ -166,7 +168,7 @@ fn bars_are_as_long_as_what_they_mean() {
         .iter()
         .map(|bar| (title(bar).expect("a title"), number(&elements(&format!("<rect {bar}"), "<rect ")[0], "height")))
         .collect();
-    // 3,000 µm² are the height of the upper diagram, 5 ns that of the lower.
+    // 3,000 µm² is the full height of the upper diagram, 5 ns that of the lower.
     let (area, time) = (320.0 / 3000.0, 150.0 / 5.0);
     let expected = [
         ("mul: 2000.00", 2000.0 * area),
@@ -181,35 +183,31 @@ fn bars_are_as_long_as_what_they_mean() {
 }
 
 #[test]
-fn points_stand_where_their_figures_are() {
+fn points_are_at_their_figures() {
     let point = |name: &str, lanes, mhz: f64, mm2: f64| {
         let mut report = Report { clock_mhz: mhz, ..report() };
         report.area.total = mm2 * 1e6;
-        Point::new(name, Config::DEFAULT.lanes(lanes), report)
+        DesignPoint::new(name, "", lanes, report)
     };
-    let points = vec![
-        point("graphics", Lanes::None, 100.0, 1.0),
-        point("four", Lanes::Four, 100.0, 2.0),
-        point("eight", Lanes::Eight, 50.0, 1.0),
-    ];
+    let points = vec![point("graphics", 0, 100.0, 1.0), point("four", 4, 100.0, 2.0), point("eight", 8, 50.0, 1.0)];
     assert_eq!(points[0].boxes_per_second, 400e6);
     let dimensions: Vec<f64> = points.iter().map(|point| point.dimensions_per_second).collect();
     assert_eq!(dimensions, [0.0, 400e6, 400e6]);
     let exploration = Exploration { points };
-    let rows = rows(&ppa::explored(&exploration));
+    let rows = rows(&explored(&exploration));
     assert_eq!(
         rows.last().map(|row| (row[0].as_str(), row[1].as_str(), row[9].as_str())),
         Some(("eight", "1.000", "400 M"))
     );
 
-    let svg = ppa::scatter(&exploration);
+    let svg = charts::scatter(&exploration);
     let circles = elements(&svg, "<circle ");
     let [graphics, four, eight, far_four, far_eight] = &circles[..] else { panic!("{} points", circles.len()) };
-    // Equal clocks and equal areas stand in line, the larger area higher; without distances only in the first diagram.
+    // Equal clocks and equal areas align, a larger area is higher; without distance modes only in the first diagram.
     assert_eq!((graphics["cx"], graphics["cy"]), (four["cx"], eight["cy"]));
     assert!(number(four, "cy") < number(graphics, "cy") && number(eight, "cx") < number(graphics, "cx"));
     assert_eq!((far_four["cx"], far_four["cy"], far_eight["cy"]), (far_eight["cx"], four["cy"], eight["cy"]));
-    // The best area for a job, and for a dimension, a second.
+    // The least area per job, and per dimension, a second is marked by colour.
     assert!(graphics["fill"] != four["fill"] && four["fill"] == eight["fill"]);
     assert_eq!((far_eight["fill"], far_four["fill"]), (graphics["fill"], four["fill"]));
 }

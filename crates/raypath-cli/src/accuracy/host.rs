@@ -1,4 +1,4 @@
-//! Jobs as a host has them, in binary64, before it rounds them into a format.
+//! Jobs in binary64, as a host has them before it rounds them to a format.
 
 use raypath_ops::{
     Aabb, AngularInput, Beat, Bit, Concrete, EuclideanInput, Flags, Job, Num, Ray, RayBoxInput, RayTriangleInput, Slab,
@@ -8,8 +8,8 @@ use raypath_ops::{
 /// Coordinates along x, y and z.
 pub type Point = [f64; 3];
 
-/// A ray that reaches everything, with what the hardware expects to be derived from its direction. Where a scene grows,
-/// its origin goes with it; its direction stays as long as it is.
+/// A ray of unlimited extent, with the values derived from its direction. The scale of a scene applies to the origin
+/// and not to the direction.
 #[derive(Debug, Clone, Copy)]
 pub struct HostRay {
     origin: Point,
@@ -19,11 +19,11 @@ pub struct HostRay {
     axes: [u32; 3],
 }
 
-/// A job of the paper's four, 16 or 8 lanes a beat. All lanes count.
+/// A job of one of the paper's four operations, with 16 or 8 lanes per beat, none masked off.
 #[derive(Debug, Clone, Copy)]
 #[allow(clippy::large_enum_variant)] // jobs are streamed by value; boxing would allocate for each
 pub enum HostJob {
-    /// A ray against four boxes, each with its least and its greatest corner.
+    /// A ray against four boxes, each with its minimum and its maximum corner.
     Quadbox { ray: HostRay, boxes: [[Point; 2]; 4] },
     /// A ray against a triangle.
     Triangle { ray: HostRay, vertices: [Point; 3] },
@@ -34,7 +34,7 @@ pub enum HostJob {
 }
 
 impl HostRay {
-    /// The ray from `origin` along `direction`; none where [`Ray::new`] would refuse the direction.
+    /// The ray from `origin` along `direction`. None if [`Ray::new`] refuses the direction.
     pub fn new(origin: Point, direction: Point) -> Option<Self> {
         let single = Ray::new([0.0; 3], direction.map(|d| d as f32), f32::INFINITY).ok()?;
         let axes = [single.kx, single.ky, single.kz].map(u32::from);
@@ -62,7 +62,7 @@ impl HostJob {
     }
 }
 
-/// How a host's numbers become a circuit's.
+/// The conversion of a host's numbers to a circuit's.
 struct Rounding<C, F> {
     scale: f64,
     circuit: C,

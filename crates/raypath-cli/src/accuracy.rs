@@ -1,10 +1,11 @@
-//! What a format costs: the operations in the format, in software, against the same operations in binary64.
+//! The accuracy of a number format: compares operations in the format, run in software, with binary64.
 //!
-//! Every job runs three times: in the format, on inputs rounded into it; in binary64, on the same rounded inputs; and in
-//! binary64, on the inputs as they were. The first against the second is what the arithmetic costs; the first against
-//! the third is what the format costs. Rays are derived (inverse, shear) in binary64 and rounded last, as a host does.
+//! Every job runs three times: in the format, on inputs rounded to it; in binary64, on the same rounded inputs; and in
+//! binary64, on the original inputs. Comparing the first with the second gives the error of the arithmetic, comparing
+//! it with the third the error of the format. Rays are derived (inverse, shear) in binary64 and rounded last, as a host
+//! does.
 //!
-//! Nothing here depends on the machine, so a table is reproducible to the last digit.
+//! The results do not depend on the machine: a table is reproducible to the last digit.
 
 mod errors;
 mod host;
@@ -24,16 +25,16 @@ use std::fmt;
 use std::ops::RangeInclusive;
 pub use table::table;
 
-/// A result that is measured.
+/// A result whose error is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// Where a ray enters a box that it hits.
+    /// The distance at which a ray enters a box that it hits.
     BoxEntry,
-    /// Where a ray hits a triangle: `t_num / t_denom`, divided in binary64.
+    /// The distance at which a ray hits a triangle: `t_num / t_denom`, divided in binary64.
     TriangleDistance,
-    /// Where a ray hits a mesh: the nearest of the triangles whose boxes it hits, both in the format.
+    /// The distance at which a ray hits a mesh: the least of the triangles whose boxes it hits.
     Pixel,
-    /// The Euclidean distance of two vectors, squared.
+    /// The squared Euclidean distance of two vectors.
     EuclideanSum,
     /// The dot product of two vectors.
     DotProduct,
@@ -41,53 +42,53 @@ pub enum Quantity {
     Norm,
 }
 
-/// What one format costs one result.
+/// The errors of a result in a format.
 #[derive(Debug, Clone)]
 pub struct Row {
     /// The format.
     pub format: Format,
-    /// The result.
+    /// The result that is measured.
     pub quantity: Quantity,
-    /// Against binary64 on the inputs rounded into the format.
+    /// Compared with binary64 on the inputs rounded to the format.
     pub on_rounded: Errors,
-    /// Against binary64 on the inputs as they were.
+    /// Compared with binary64 on the original inputs.
     pub on_original: Errors,
 }
 
-/// A measurement: a format, and what to measure it with.
+/// The parameters of a measurement.
 #[derive(Debug, Clone, Copy)]
 pub struct Accuracy {
     /// The format.
     pub format: Format,
-    /// The rules on the edges.
+    /// The rule set for edge cases.
     pub rules: Rules,
-    /// A factor on all coordinates, within [`SCALES`]: a format of a short range suffers from large and small scenes.
+    /// A factor on all coordinates, within [`SCALES`], to test the range of a format.
     pub scale: f64,
 }
 
-/// Scales that keep products of coordinates far inside the range of binary64; with others it is no reference.
+/// The scales for which products of coordinates stay far inside the range of binary64, the reference.
 pub const SCALES: RangeInclusive<f64> = 1e-30..=1e30;
 
 impl Accuracy {
-    /// Measures `rounds` random jobs of each kind, the same for every format, reproducible by `seed`; a distance is one
-    /// job here, of vectors of [`DIMENSIONS`] dimensions. After each round `watch` says whether to go on.
-    pub fn random_jobs(self, seed: u64, rounds: u32, mut watch: impl FnMut() -> bool) -> Vec<Row> {
+    /// Measures `rounds` random jobs of each kind, the same for every format, reproducible by `seed`. Distance jobs
+    /// have vectors of [`DIMENSIONS`] dimensions. `proceed` is called after each round; false ends the measurement.
+    pub fn random_jobs(self, seed: u64, rounds: u32, mut proceed: impl FnMut() -> bool) -> Vec<Row> {
         let mut measurement = Measurement::new(self);
         let mut jobs = RandomJobs::new(seed);
         for _ in 0..rounds {
             for job in jobs.round() {
                 measurement.run(&job);
             }
-            if !watch() {
+            if !proceed() {
                 break;
             }
         }
         measurement.finish()
     }
 
-    /// Measures a scene as a ray tracer would see it: [`RAYS`] rays of a camera against the boxes around the triangles
-    /// of a torus, and against the triangles whose boxes are hit. After each ray `watch` says whether to go on.
-    pub fn scene(self, mut watch: impl FnMut() -> bool) -> Vec<Row> {
+    /// Measures a scene: [`RAYS`] rays of a camera against the boxes around the triangles of a torus, and against the
+    /// triangles whose boxes are hit. `proceed` is called after each ray; false ends the measurement.
+    pub fn scene(self, mut proceed: impl FnMut() -> bool) -> Vec<Row> {
         let mut measurement = Measurement::new(self);
         let triangles = scene::triangles();
         let (groups, _) = triangles.as_chunks::<4>();
@@ -98,12 +99,12 @@ impl Accuracy {
                 for (vertices, entered) in group.iter().zip(boxes) {
                     if entered != Answer::MISS {
                         let hit = measurement.run(&HostJob::Triangle { ray, vertices: *vertices });
-                        hit.into_iter().for_each(|hit| nearest.keep_nearer(hit.where_also(entered)));
+                        hit.into_iter().for_each(|hit| nearest.keep_nearer(hit.and_hit(entered)));
                     }
                 }
             }
             measurement.add(Quantity::Pixel, nearest);
-            if !watch() {
+            if !proceed() {
                 break;
             }
         }
@@ -112,11 +113,11 @@ impl Accuracy {
 }
 
 impl Quantity {
-    /// All of them, in the order of rows.
+    /// All results, in the order of rows.
     pub const ALL: [Self; 6] =
         [Self::BoxEntry, Self::TriangleDistance, Self::Pixel, Self::EuclideanSum, Self::DotProduct, Self::Norm];
 
-    /// Whether there may be no such result: a ray may miss, a sum may not.
+    /// Whether a job may have no such result: a ray may miss, a sum always exists.
     pub fn may_miss(self) -> bool {
         matches!(self, Self::BoxEntry | Self::TriangleDistance | Self::Pixel)
     }
@@ -135,7 +136,7 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// A result three times; `None` is a miss.
+/// A result of the three runs; `None` is a miss.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Answer {
     in_format: Option<f64>,
@@ -154,8 +155,8 @@ impl Answer {
         }
     }
 
-    /// A miss where `other` is one.
-    fn where_also(self, other: Self) -> Self {
+    /// A miss where `other` is a miss.
+    fn and_hit(self, other: Self) -> Self {
         self.map_with(other, |hit, other| other.and(hit))
     }
 
@@ -167,14 +168,14 @@ impl Answer {
     }
 }
 
-/// The three datapaths, and what was found.
+/// The three datapaths, and the errors so far.
 struct Measurement {
     format: Format,
     scale: f64,
     in_format: Functional<16, 8, Soft>,
     on_rounded: Functional<16, 8, Binary64>,
     on_original: Functional<16, 8, Binary64>,
-    /// One of each quantity, in the order of [`Quantity::ALL`].
+    /// A row for each quantity, in the order of [`Quantity::ALL`].
     rows: [Row; 6],
 }
 
@@ -191,8 +192,8 @@ impl Measurement {
         }
     }
 
-    /// Runs a job three times, notes its results, and gives them: four for boxes, one for a triangle, none for a beat
-    /// that is not the last.
+    /// Runs a job three times, adds its results to the rows and returns them: four for boxes, one for a triangle, none
+    /// for a beat that is not the last.
     fn run(&mut self, job: &HostJob) -> Vec<Answer> {
         let Self { format, scale, .. } = *self;
         let rounded = |x| Double(format.to_f64(format.from_f64(x)));
@@ -218,7 +219,7 @@ impl Measurement {
         row.on_original.add(self.format, answer.in_format, answer.on_original);
     }
 
-    /// The rows of what was measured.
+    /// The rows that have results.
     fn finish(self) -> Vec<Row> {
         self.rows.into_iter().filter(|row| row.on_original.results > 0).collect()
     }
