@@ -15,6 +15,8 @@ mod slabs;
 mod sums;
 mod vector;
 mod watertight;
+mod wrong_distances;
+mod wrong_sums;
 
 use super::Item;
 

@@ -74,7 +74,6 @@ impl Failures {
     }
 
     /// How many there were.
-    #[cfg(test)]
     pub fn count(&self) -> u64 {
         self.count
     }

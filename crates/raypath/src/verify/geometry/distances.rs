@@ -4,22 +4,22 @@ use super::campaign::{self, Failures, Largest, Tally};
 use super::dyadic::{Dyadic, within_gamma};
 use super::intersect::datapath;
 use super::sight::U;
+use super::wrong_distances::WRONG;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use raypath_ops::{Binary32, Ray};
+use raypath_ops::{Binary32, Ray, RayTriangleOutput, Rules};
 use raypath_verify::{Error, Request, Verdict};
+
+/// Each wrong implementation gets one case in so many.
+const CONTROL_INTERVAL: u64 = 16;
+/// Cases after which each wrong implementation must have been refuted.
+const ENOUGH: u64 = 5_000;
 
 /// Random rays at random triangles, each against exact arithmetic and the bounds of `docs/reference/error-bounds.md`.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let rules = request.config.semantics.rules;
     let cases = request.jobs.unwrap_or(request.level.pick(300_000, 10_000_000, 300_000_000));
-    let (tally, is_stopped) = campaign::run(request, 2, cases, |rng, tally: &mut Errors| {
-        let (ray, corners) = draw(rng);
-        let output = datapath(rules, &ray, corners);
-        let answer =
-            Answer { t_num: output.t_num.into(), t_denom: output.t_denom.into(), hit: output.triangle_hit.into() };
-        tally.judge(&ray, corners, answer);
-    })?;
+    let (tally, is_stopped) = campaign::run(request, 2, cases, |rng, tally: &mut Errors| tally.run(rules, rng))?;
     Ok(tally.verdict(is_stopped))
 }
 
@@ -50,10 +50,20 @@ fn draw(rng: &mut ChaCha8Rng) -> (Ray<Binary32>, [[f32; 3]; 3]) {
 
 /// What is judged.
 #[derive(Debug, Clone, Copy)]
-struct Answer {
-    t_num: f32,
-    t_denom: f32,
-    hit: bool,
+pub struct Answer {
+    /// Numerator of the distance.
+    pub t_num: f32,
+    /// Denominator of the distance.
+    pub t_denom: f32,
+    /// Whether the ray hits the triangle.
+    pub hit: bool,
+}
+
+impl Answer {
+    /// The datapath's.
+    pub fn of(output: RayTriangleOutput<Binary32>) -> Self {
+        Self { t_num: output.t_num.into(), t_denom: output.t_denom.into(), hit: output.triangle_hit.into() }
+    }
 }
 
 /// Exact values, each times the power of the direction's greatest component that makes it free of divisions.
@@ -119,13 +129,28 @@ struct Errors {
     everyday_ulps: Largest,
     part_of_bound: Largest,
     ulps: Largest,
+    /// Wrong answers found of each wrong implementation.
+    refuted: [u64; WRONG.len()],
     failures: Failures,
 }
 
 impl Errors {
-    fn judge(&mut self, ray: &Ray<Binary32>, corners: [[f32; 3]; 3], answer: Answer) {
+    /// Draws a ray and a triangle, and judges the answer; of some cases those of the wrong implementations too.
+    fn run(&mut self, rules: Rules, rng: &mut ChaCha8Rng) {
+        let (ray, corners) = draw(rng);
+        let exact = Exact::new(&ray, corners);
+        self.judge(&exact, &ray, corners, Answer::of(datapath(rules, &ray, corners)));
+        if self.judged.is_multiple_of(CONTROL_INTERVAL) {
+            for (refuted, (_, answer)) in self.refuted.iter_mut().zip(WRONG) {
+                let mut control = Self::default();
+                control.judge(&exact, &ray, corners, answer(&ray, corners));
+                *refuted += control.failures.count();
+            }
+        }
+    }
+
+    fn judge(&mut self, exact: &Exact, ray: &Ray<Binary32>, corners: [[f32; 3]; 3], answer: Answer) {
         self.judged += 1;
-        let exact = Exact::new(ray, corners);
         let (num, denom) = (Dyadic::from(answer.t_num), Dyadic::from(answer.t_denom));
         let squared = &exact.dz * &exact.dz;
         let cubed = &squared * &exact.dz;
@@ -141,8 +166,8 @@ impl Errors {
         }
         if answer.hit && exact.area.sign().is_gt() && exact.depths.iter().all(|depth| depth.sign().is_gt()) {
             self.hits += 1;
-            wrong.extend(self.judge_range(&exact, &num, &denom));
-            wrong.extend(self.judge_quotient(&exact, answer));
+            wrong.extend(self.judge_range(exact, &num, &denom));
+            wrong.extend(self.judge_quotient(exact, answer));
         }
         if !wrong.is_empty() {
             let (origin, dir): ([f32; 3], [f32; 3]) = (ray.origin.into(), ray.dir.into());
@@ -192,6 +217,7 @@ impl Errors {
 
     fn verdict(self, is_stopped: bool) -> Verdict {
         let covered = format!("{} rays and triangles, {} hits", self.judged, self.hits);
+        let found: Vec<String> = WRONG.iter().zip(self.refuted).map(|((name, _), n)| format!("{name} {n}")).collect();
         let remarks = vec![
             format!(
                 "t_denom: at most {:.2} u of the sum of magnitudes, bound 12; t_num: {:.2}, bound 16",
@@ -202,8 +228,19 @@ impl Errors {
                 "t of a hit: at most {:.2} ulps off in {} cases of little cancellation, bound 19; {:.3} of its bound in all, where it is up to {:.1} ulps off",
                 self.everyday_ulps.0, self.everyday, self.part_of_bound.0, self.ulps.0
             ),
+            format!(
+                "wrong answers found in {} cases of each wrong implementation: {}",
+                self.judged / CONTROL_INTERVAL,
+                found.join(", ")
+            ),
         ];
-        Verdict { covered, remarks, failures: self.failures.lines(), is_stopped }
+        let mut failures = self.failures.lines();
+        if self.judged >= ENOUGH {
+            let missed = WRONG.iter().zip(self.refuted).filter(|(_, refuted)| *refuted == 0);
+            failures
+                .extend(missed.map(|((name, _), _)| format!("the campaign cannot fail: it does not refute {name}")));
+        }
+        Verdict { covered, remarks, failures, is_stopped }
     }
 }
 
@@ -224,6 +261,7 @@ impl Tally for Errors {
         self.everyday_ulps.add(later.everyday_ulps.0);
         self.part_of_bound.add(later.part_of_bound.0);
         self.ulps.add(later.ulps.0);
+        self.refuted.iter_mut().zip(later.refuted).for_each(|(a, b)| *a += b);
         self.failures.join(later.failures);
     }
 }
@@ -231,7 +269,7 @@ impl Tally for Errors {
 #[cfg(test)]
 mod tests {
     use super::super::intersect::datapath;
-    use super::{Answer, Errors, Exact, draw, ulps_of};
+    use super::{Answer, Errors, Exact, WRONG, draw, ulps_of};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use raypath_ops::{Ray, Rules};
@@ -257,14 +295,25 @@ mod tests {
             let output = datapath(Rules::Paper, &ray, corners);
             let (t_num, t_denom) = (f32::from(output.t_num), f32::from(output.t_denom));
             let hit: bool = output.triangle_hit.into();
-            right.judge(&ray, corners, Answer { t_num, t_denom, hit });
+            let exact = Exact::new(&ray, corners);
+            right.judge(&exact, &ray, corners, Answer { t_num, t_denom, hit });
             if hit {
                 hits += 1;
-                wrong.judge(&ray, corners, Answer { t_num: t_num * (1.0 + 1e-5), t_denom, hit });
+                wrong.judge(&exact, &ray, corners, Answer { t_num: t_num * (1.0 + 1e-5), t_denom, hit });
             }
         }
         assert_eq!(right.failures.lines(), Vec::<String>::new());
         assert!(hits > 500 && right.everyday > 100, "{hits} {}", right.everyday);
         assert!(wrong.failures.count() > hits / 20, "{} of {hits}", wrong.failures.count());
+    }
+
+    #[test]
+    fn each_wrong_implementation_is_refuted() {
+        let (mut errors, mut rng) = (Errors::default(), ChaCha8Rng::seed_from_u64(2));
+        (0..3200).for_each(|_| errors.run(Rules::Paper, &mut rng));
+        assert_eq!(errors.failures.lines(), Vec::<String>::new());
+        for ((name, _), refuted) in WRONG.iter().zip(errors.refuted) {
+            assert!(refuted >= 10, "{name}: {refuted} of 200");
+        }
     }
 }

@@ -3,11 +3,17 @@
 use super::campaign::{self, Failures, Largest, Tally};
 use super::dyadic::{Dyadic, within_gamma};
 use super::sight::U;
+use super::wrong_sums::Wrong;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use raypath_model::Functional;
 use raypath_ops::{AngularInput, Beat, Binary32, EuclideanInput, Flags, Job, Outcome, Rules};
 use raypath_verify::{Error, Request, Verdict};
+
+/// Each wrong implementation gets one case in so many.
+const CONTROL_INTERVAL: u64 = 16;
+/// Sums after which each wrong implementation must have been refuted.
+const ENOUGH: u64 = 3_000;
 
 /// Vectors of one to 64 beats, at every number of lanes, each sum against exact arithmetic.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
@@ -80,6 +86,8 @@ struct Errors {
     /// Of Euclidean sums, dot products and norms: the error in u of the sum of magnitudes, and as a part of the bound.
     units: [Largest; 3],
     parts: [Largest; 3],
+    /// Wrong sums found of each wrong implementation.
+    refuted: [u64; Wrong::ALL.len()],
     failures: Failures,
 }
 
@@ -89,36 +97,46 @@ impl Errors {
     fn judge<const E: usize, const A: usize>(&mut self, rng: &mut ChaCha8Rng) {
         let numbers = [Numbers::Unit, Numbers::Positive, Numbers::Near, Numbers::Wide][rng.random_range(0..4)];
         let beats = [1, 1, 2, 3, 8, 64][rng.random_range(0..6)];
-        let mut datapath = Functional::<E, A>::new(Rules::Paper);
-        let mut euclidean = Sum::new();
-        let mut sum = f32::NAN;
-        for beat in 0..beats {
-            let input = draw::<E>(rng, numbers, beat + 1 == beats);
-            for [a, b] in lanes(&input) {
-                let difference = Dyadic::from(a) - Dyadic::from(b);
-                euclidean.add(&difference * &difference);
-            }
-            if let Outcome::Euclidean(output) = datapath.run(&Job::Euclidean(EuclideanInput { euclidean: input })) {
-                sum = output.euclidean_accumulator.into();
-            }
+        let last = beats - 1;
+        let vectors: Vec<_> = (0..beats).map(|beat| draw::<E>(rng, numbers, beat == last)).collect();
+        let mut exact = Sum::new();
+        for [a, b] in vectors.iter().flat_map(lanes) {
+            let difference = Dyadic::from(a) - Dyadic::from(b);
+            exact.add(&difference * &difference);
         }
         // A difference that counts twice and a square; the tree; and beats after the first.
-        self.add(0, sum, &euclidean, 3 + E.ilog2() + beats - 1);
-
-        let (mut dot, mut norm) = (Sum::new(), Sum::new());
-        let mut sums = [f32::NAN; 2];
-        for beat in 0..beats {
-            let input = draw::<A>(rng, numbers, beat + 1 == beats);
-            for [a, b] in lanes(&input).map(|pair| pair.map(Dyadic::from)) {
-                dot.add(&a * &b);
-                norm.add(&b * &b);
-            }
-            if let Outcome::Angular(output) = datapath.run(&Job::Angular(AngularInput { euclidean: input })) {
-                sums = [output.angular_dot_product.into(), output.angular_norm.into()];
-            }
+        let roundings = 3 + E.ilog2() + last;
+        let case = self.sums / NAMES.len() as u64;
+        let is_control = case.is_multiple_of(CONTROL_INTERVAL);
+        self.add(0, euclidean::<E, A>(&vectors), &exact, roundings);
+        if is_control {
+            self.refute(|wrong, control| control.add(0, wrong.euclidean::<E, A>(&vectors), &exact, roundings));
         }
-        for (place, (sum, exact)) in sums.into_iter().zip([&dot, &norm]).enumerate() {
-            self.add(1 + place, sum, exact, 1 + A.ilog2() + beats - 1);
+
+        let vectors: Vec<_> = (0..beats).map(|beat| draw::<A>(rng, numbers, beat == last)).collect();
+        let (mut dot, mut norm) = (Sum::new(), Sum::new());
+        for [a, b] in vectors.iter().flat_map(lanes).map(|pair| pair.map(Dyadic::from)) {
+            dot.add(&a * &b);
+            norm.add(&b * &b);
+        }
+        let roundings = 1 + A.ilog2() + last;
+        let add = |errors: &mut Self, sums: [f32; 2]| {
+            for (kind, (sum, exact)) in (1..).zip(sums.into_iter().zip([&dot, &norm])) {
+                errors.add(kind, sum, exact, roundings);
+            }
+        };
+        add(self, angular::<E, A>(&vectors));
+        if is_control {
+            self.refute(|wrong, control| add(control, wrong.angular::<E, A>(&vectors)));
+        }
+    }
+
+    /// Lets each wrong implementation be judged, and counts its wrong sums.
+    fn refute(&mut self, judge: impl Fn(Wrong, &mut Self)) {
+        for (refuted, wrong) in self.refuted.iter_mut().zip(Wrong::ALL) {
+            let mut control = Self::default();
+            judge(wrong, &mut control);
+            *refuted += control.failures.count();
         }
     }
 
@@ -148,9 +166,21 @@ impl Errors {
             let ([units, parts], name) = ([self.units[kind].0, self.parts[kind].0], NAMES[kind]);
             format!("{name}: at most {units:.2} u of the sum of magnitudes, and {parts:.2} of the bound")
         };
-        let remarks = (0..NAMES.len()).map(remark).collect();
+        let mut remarks: Vec<String> = (0..NAMES.len()).map(remark).collect();
+        let refuted = || Wrong::ALL.into_iter().zip(self.refuted);
+        let found: Vec<String> = refuted().map(|(wrong, n)| format!("{} {n}", wrong.name())).collect();
+        remarks.push(format!(
+            "wrong sums found of each wrong implementation, tried in one case in {CONTROL_INTERVAL}: {}",
+            found.join(", ")
+        ));
         let covered = format!("{} sums of 1 to 64 beats with 2 to 64 lanes", self.sums);
-        Verdict { covered, remarks, failures: self.failures.lines(), is_stopped }
+        let mut failures = self.failures.clone().lines();
+        if self.sums >= ENOUGH {
+            let missed = refuted().filter(|(_, refuted)| *refuted == 0);
+            let cannot_fail = |wrong: Wrong| format!("the campaign cannot fail: it does not refute {}", wrong.name());
+            failures.extend(missed.map(|(wrong, _)| cannot_fail(wrong)));
+        }
+        Verdict { covered, remarks, failures, is_stopped }
     }
 }
 
@@ -165,8 +195,28 @@ fn draw<const N: usize>(rng: &mut ChaCha8Rng, numbers: Numbers, last: bool) -> B
     }
 }
 
+/// The datapath's Euclidean sum over beats.
+pub fn euclidean<const E: usize, const A: usize>(beats: &[Beat<Binary32, E>]) -> f32 {
+    let mut datapath = Functional::<E, A>::new(Rules::Paper);
+    let sum = |beat: &Beat<Binary32, E>| match datapath.run(&Job::Euclidean(EuclideanInput { euclidean: *beat })) {
+        Outcome::Euclidean(output) => output.euclidean_accumulator.into(),
+        other => unreachable!("a Euclidean outcome is no {other:?}"),
+    };
+    beats.iter().map(sum).last().unwrap_or(f32::NAN)
+}
+
+/// The datapath's dot product and norm over beats.
+pub fn angular<const E: usize, const A: usize>(beats: &[Beat<Binary32, A>]) -> [f32; 2] {
+    let mut datapath = Functional::<E, A>::new(Rules::Paper);
+    let sums = |beat: &Beat<Binary32, A>| match datapath.run(&Job::Angular(AngularInput { euclidean: *beat })) {
+        Outcome::Angular(output) => [output.angular_dot_product.into(), output.angular_norm.into()],
+        other => unreachable!("an angular outcome is no {other:?}"),
+    };
+    beats.iter().map(sums).last().unwrap_or([f32::NAN; 2])
+}
+
 /// The lanes that count.
-fn lanes<const N: usize>(beat: &Beat<Binary32, N>) -> impl Iterator<Item = [f32; 2]> {
+pub fn lanes<const N: usize>(beat: &Beat<Binary32, N>) -> impl Iterator<Item = [f32; 2]> {
     let pairs = beat.a.iter().zip(&beat.b).map(|(&a, &b)| [a.into(), b.into()]);
     pairs.zip(beat.mask.to_array()).filter(|(_, on)| *on).map(|(pair, _)| pair)
 }
@@ -178,6 +228,7 @@ impl Tally for Errors {
             self.units[kind].add(later.units[kind].0);
             self.parts[kind].add(later.parts[kind].0);
         }
+        self.refuted.iter_mut().zip(later.refuted).for_each(|(a, b)| *a += b);
         self.failures.join(later.failures);
     }
 }
@@ -197,6 +248,7 @@ mod tests {
         }
         assert_eq!(errors.failures.lines(), Vec::<String>::new());
         assert!(errors.parts.iter().all(|part| part.0 > 0.3), "{:?}", errors.parts);
+        assert!(errors.refuted.iter().all(|&refuted| refuted >= 5), "{:?}", errors.refuted);
     }
 
     /// Twelve thirds, and a result that is off by one rounding more than is allowed.
