@@ -8,6 +8,7 @@ use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
 use raypath::verify::mutation::CONFIGS;
+use std::path::Path;
 
 /// Configurations: every combination of these values.
 struct Space {
@@ -36,7 +37,7 @@ const DEFAULT: Space = Space {
 const RULES: &[Rules] = &[Rules::Paper, Rules::Chisel];
 const FEW_AND_MANY_LANES: &[Lanes] = &[Lanes::None, Lanes::Two, Lanes::Sixteen, Lanes::SixtyFour];
 
-/// In these a fault anywhere must show: `raypath verify mutation` says how nearly that is so.
+/// Configurations in which a fault anywhere must show: `raypath verify mutation` measures for how many faults it does.
 #[test]
 fn datapaths_that_mutation_puts_faults_in() {
     for config in CONFIGS {
@@ -44,60 +45,114 @@ fn datapaths_that_mutation_puts_faults_in() {
     }
 }
 
+/// What the tests below run.
+const SPACES: [Space; 7] = [
+    LANES_AND_RULES,
+    ENCODINGS,
+    CONTROL_WITHOUT_DISTANCES,
+    CONTROL_WITH_DISTANCES,
+    ENCODINGS_WITH_CONTROL,
+    FORMATS,
+    FORMATS_WITH_CONTROL,
+];
+
+const LANES_AND_RULES: Space = Space { lanes: Lanes::ALL, rules: RULES, ..DEFAULT };
+
 #[test]
 fn lanes_and_rules() {
-    Space { lanes: Lanes::ALL, rules: RULES, ..DEFAULT }.check();
+    LANES_AND_RULES.check();
 }
 
 /// Table VI, complete: 28 configurations.
+const ENCODINGS: Space = Space { io: Encoding::ALL, registers: Encoding::ALL, lanes: Lanes::ALL, ..DEFAULT };
+
 #[test]
 fn encodings_at_ports_and_in_registers() {
-    Space { io: Encoding::ALL, registers: Encoding::ALL, lanes: Lanes::ALL, ..DEFAULT }.check();
+    ENCODINGS.check();
 }
+
+const CONTROL: Space =
+    Space { control: Control::ALL, sharing: Sharing::ALL, unit_latency: UnitLatency::ALL, ..DEFAULT };
+const CONTROL_WITHOUT_DISTANCES: Space = Space { rules: RULES, lanes: &[Lanes::None], ..CONTROL };
+const CONTROL_WITH_DISTANCES: Space = Space { lanes: &[Lanes::Two, Lanes::Sixteen, Lanes::SixtyFour], ..CONTROL };
 
 #[test]
 fn control_and_sharing_and_unit_latency_without_distances() {
-    let lanes = &[Lanes::None];
-    Space {
-        rules: RULES,
-        lanes,
-        control: Control::ALL,
-        sharing: Sharing::ALL,
-        unit_latency: UnitLatency::ALL,
-        ..DEFAULT
-    }
-    .check();
+    CONTROL_WITHOUT_DISTANCES.check();
 }
 
 #[test]
 fn control_and_sharing_and_unit_latency_with_distances() {
-    let lanes = &[Lanes::Two, Lanes::Sixteen, Lanes::SixtyFour];
-    Space { lanes, control: Control::ALL, sharing: Sharing::ALL, unit_latency: UnitLatency::ALL, ..DEFAULT }.check();
+    CONTROL_WITH_DISTANCES.check();
 }
 
 /// Encodings meet everything else that changes what a register is.
+const ENCODINGS_WITH_CONTROL: Space =
+    Space { lanes: &[Lanes::Four], registers: &[Encoding::Ieee], io: Encoding::ALL, ..CONTROL };
+
 #[test]
 fn encodings_with_every_control_and_unit_latency() {
-    let (lanes, registers) = (&[Lanes::Four], &[Encoding::Ieee]);
-    let space = Space { lanes, registers, io: Encoding::ALL, sharing: Sharing::ALL, ..DEFAULT };
-    Space { control: Control::ALL, unit_latency: UnitLatency::ALL, ..space }.check();
+    ENCODINGS_WITH_CONTROL.check();
 }
 
 /// From the smallest format to the largest.
+const FORMATS: Space = Space {
+    formats: &["tf32", "bf16", "fp16", "e3s3", "e4s4", "e5s3", "e11s24"],
+    io: Encoding::ALL,
+    registers: Encoding::ALL,
+    ..DEFAULT
+};
+
 #[test]
 fn formats() {
-    let formats = &["tf32", "bf16", "fp16", "e3s3", "e4s4", "e5s3", "e11s24"];
-    Space { formats, io: Encoding::ALL, registers: Encoding::ALL, ..DEFAULT }.check();
+    FORMATS.check();
 }
+
+const FORMATS_WITH_CONTROL: Space = Space {
+    formats: &["bf16", "e3s3"],
+    lanes: FEW_AND_MANY_LANES,
+    control: Control::ALL,
+    unit_latency: UnitLatency::ALL,
+    ..DEFAULT
+};
 
 #[test]
 fn formats_with_every_control_and_unit_latency() {
-    let (formats, lanes) = (&["bf16", "e3s3"], FEW_AND_MANY_LANES);
-    Space { formats, lanes, control: Control::ALL, unit_latency: UnitLatency::ALL, ..DEFAULT }.check();
+    FORMATS_WITH_CONTROL.check();
+}
+
+/// The documents state how many configurations these tests run.
+#[test]
+fn documents_state_the_number_of_configurations() {
+    let mut run = CONFIGS.to_vec();
+    run.extend(SPACES.iter().flat_map(Space::configs));
+    let distinct = run.iter().enumerate().filter(|(index, config)| !run[..*index].contains(config));
+    let (binary32, others): (Vec<Config>, Vec<Config>) =
+        distinct.map(|(_, config)| *config).partition(|config| config.semantics.format == Format::BINARY32);
+    let mut formats: Vec<Format> = others.iter().map(|config| config.semantics.format).collect();
+    formats.sort_by_key(|format| format.to_string());
+    formats.dedup();
+    let all = Space { rules: RULES, lanes: Lanes::ALL, io: Encoding::ALL, registers: Encoding::ALL, ..CONTROL };
+    let sentence = format!(
+        "The tests compare the netlist with the cycle-exact and the functional model under random handshakes in {} \
+         configurations: {} of the {} combinations in `fp32`, and {} in {} other formats",
+        binary32.len() + others.len(),
+        binary32.len(),
+        all.configs().len(),
+        others.len(),
+        formats.len(),
+    );
+    let cell = format!("{} configurations, 2,000 jobs each", binary32.len() + others.len());
+    let documents = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+    for (document, text) in [("reference/configurations.md", sentence), ("development/verification.md", cell)] {
+        let found = std::fs::read_to_string(documents.join(document)).expect("the document");
+        let found = found.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(found.contains(&text), "docs/{document} should say: {text}");
+    }
 }
 
 impl Space {
-    fn check(self) {
+    fn check(&self) {
         for (seed, config) in (1..).zip(self.configs()) {
             with_model(config, Check { config, seed, jobs: 2000 });
         }
