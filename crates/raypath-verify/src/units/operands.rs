@@ -7,6 +7,11 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_float::Format;
 
+/// Pairs of operands of each family: in the unit tests and, on units with faults, in mutation.
+pub const CASES: u64 = 6_000_000;
+/// Pairs of words that are not canonical, in both.
+pub const RECODED_CASES: u64 = 2_000_000;
+
 /// The bits of a binary32 fraction.
 const FRACTION: u32 = 0x007f_ffff;
 

@@ -4,10 +4,8 @@ use crate::{bench, converter};
 use rand_chacha::ChaCha8Rng;
 use raypath_float::{Format, decode, encode};
 use raypath_verify::units::bench::{PortFormat, UnitResults};
-use raypath_verify::units::operands::{self, canonical, edges, generator, host_results};
+use raypath_verify::units::operands::{self, CASES, RECODED_CASES, canonical, edges, generator, host_results};
 use std::cmp::Ordering;
-
-const CASES: u64 = 6_000_000;
 
 #[test]
 fn operands_that_make_sums_hard() {
@@ -36,7 +34,7 @@ fn recoded_words_that_are_not_canonical() {
     let mut decoder = converter(decode(format));
     let mut random = generator(5);
     let mut seen = [[0; 4]; 4];
-    for _ in 0..cases(2_000_000) {
+    for _ in 0..cases(RECODED_CASES) {
         let [(a, x), (b, y)] = [(); 2].map(|_| {
             let (word, number) = operands::recoded(&mut random);
             assert_eq!(format.decode(word), canonical(number), "decoding {word:#011x}");
@@ -56,7 +54,7 @@ fn recoded_words_that_are_not_canonical() {
         let expected = UnitResults { sum, difference, product, ..expected };
         assert_eq!(bench.run(a, b), expected, "{a:#011x} ({x:e}), {b:#011x} ({y:e})");
     }
-    assert!(seen.as_flattened().iter().all(|&count| count >= cases(2_000_000) / 100), "{seen:?}");
+    assert!(seen.as_flattened().iter().all(|&count| count >= cases(RECODED_CASES) / 100), "{seen:?}");
 }
 
 #[test]

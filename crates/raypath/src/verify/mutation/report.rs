@@ -39,6 +39,20 @@ impl Count {
     pub fn score(self) -> usize {
         (self.killed * 10_000).checked_div(self.faults - self.equivalent).unwrap_or(10_000)
     }
+
+    /// The 95 % confidence interval of the killed part of those that are not proven equivalent (Wilson 1927): as if the
+    /// sample were drawn at random from all faults. Small modules have a larger part of the sample than of the faults.
+    pub fn interval(self) -> [f64; 2] {
+        const Z: f64 = 1.959_964;
+        let n = (self.faults - self.equivalent) as f64;
+        if n == 0.0 {
+            return [0.0, 1.0];
+        }
+        let killed = self.killed as f64 / n;
+        let centre = killed + Z * Z / (2.0 * n);
+        let half = Z * (killed * (1.0 - killed) / n + Z * Z / (4.0 * n * n)).sqrt();
+        [centre - half, centre + half].map(|bound| bound / (1.0 + Z * Z / n))
+    }
 }
 
 /// What the everyday tests must reach, in hundredths of a percent.
@@ -68,6 +82,11 @@ impl<'s> Report<'s> {
         })
     }
 
+    /// The number of faults that all modules have, from which the sample is drawn.
+    fn population(&self) -> usize {
+        self.subjects.iter().map(|subject| subject.faults.len()).sum()
+    }
+
     /// All of them.
     pub fn all(&self) -> Count {
         Self::count(self.judged.iter())
@@ -75,10 +94,13 @@ impl<'s> Report<'s> {
 
     pub fn verdict(&self) -> Verdict {
         let all = self.all();
+        let [low, high] = all.interval().map(|bound| 100.0 * bound);
         let mut verdict = Verdict {
             covered: format!(
-                "{} faults in {} modules: {} killed, {} proven equivalent, {} survivors; {} killed of those not proven equivalent",
+                "a sample of {} of the {} faults in {} modules: {} killed, {} proven equivalent, {} survivors; \
+                 {} killed of those not proven equivalent, 95 % confidence interval {low:.2} % to {high:.2} %",
                 all.faults,
+                self.population(),
                 self.subjects.len(),
                 all.killed,
                 all.equivalent,

@@ -13,6 +13,18 @@ fn request(watch: &mut dyn FnMut(crate::verify::Progress) -> bool) -> Request<'_
     }
 }
 
+/// The interval of 2,346 killed of 2,359, and its limits.
+#[test]
+fn the_interval_is_wilsons() {
+    let interval = |faults, killed, equivalent| report::Count { faults, killed, equivalent }.interval();
+    let near = |[low, high]: [f64; 2], expected: [f64; 2]| {
+        (low - expected[0]).abs() < 5e-5 && (high - expected[1]).abs() < 5e-5
+    };
+    assert!(near(interval(2441, 2346, 82), [0.9906, 0.9968]), "{:?}", interval(2441, 2346, 82));
+    assert!(near(interval(10, 10, 0), [0.7225, 1.0]) && near(interval(10, 0, 0), [0.0, 0.2775]));
+    assert_eq!(interval(3, 0, 3), [0.0, 1.0]);
+}
+
 /// A score is only worth something if it can be bad.
 #[test]
 fn without_checks_nothing_is_killed() {

@@ -7,7 +7,7 @@ use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
 use raypath_rtl::Config;
 use raypath_verify::units::bench::UnitResults;
 use raypath_verify::units::chain;
-use raypath_verify::units::operands::{self, canonical, generator, host_results};
+use raypath_verify::units::operands::{self, CASES, RECODED_CASES, canonical, generator, host_results};
 use std::sync::Arc;
 
 /// A module of a unit: the part of this number of all of them.
@@ -25,10 +25,6 @@ enum Kind {
     Encode,
     Decode,
 }
-
-/// As many as the unit tests run.
-const CASES: usize = 10_000_000;
-const RECODED_CASES: usize = 2_000_000;
 
 impl Unit {
     /// The unit of a configuration in binary32 that has a part of this name.
