@@ -30,6 +30,13 @@ pub const CONTROL: Item = Item {
     name: "control",
     claim: "no job is lost, repeated or reordered, a stalled output is stable, an accumulator updates once for each beat",
     oracle: "proofs by Yosys and ABC of the emitted SystemVerilog with its assertions, with free outputs of units",
+    subject: &[
+        "crates/raypath-hdl/src",
+        "crates/raypath-ops/src",
+        "crates/raypath-rtl/src",
+        "crates/raypath-verify/src/control",
+        "crates/raypath-verify/src/sat",
+    ],
     run: control,
 };
 

@@ -12,6 +12,9 @@ pub struct Item {
     pub claim: &'static str,
     /// What the claim is checked against.
     pub oracle: &'static str,
+    /// The files and folders of the repository that the result depends on: what is verified, and what verifies it. A
+    /// recorded result is stale once they have changed.
+    pub subject: &'static [&'static str],
     /// Checks the claim.
     pub run: fn(&mut Request<'_>) -> Result<Verdict, Error>,
 }

@@ -14,7 +14,7 @@ pub mod parsers;
 pub mod shrink;
 pub mod stimuli;
 
-pub use raypath_verify::{Error, Item, Level, Progress, Request, Shard, ShardError, Verdict};
+pub use raypath_verify::{Error, Item, Level, Progress, Request, Shard, ShardError, Verdict, record};
 
 use raypath_verify::units::proofs;
 use raypath_verify::{control, units};

@@ -4,7 +4,6 @@ use raypath::oracle::registered;
 use raypath::rtl::{Config, PARAMETER_GROUPS};
 use raypath::sim::Datapath;
 use raypath::tables::list;
-use raypath::verify::ITEMS;
 use raypath_cli::Cost;
 use std::collections::BTreeSet;
 use std::fs;
@@ -45,22 +44,6 @@ fn every_dependency_is_defended() {
         }));
     }
     assert_eq!(used, defended);
-}
-
-/// Every item of `raypath verify` has its row in `docs/development/verification.md`, in the same order, and nothing
-/// else has.
-#[test]
-fn every_item_of_verify_has_its_row() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let document = fs::read_to_string(root.join("docs/development/verification.md")).expect("the document");
-    let table = document.split("## The items").nth(1).and_then(|rest| rest.split("\n\n").nth(1)).expect("the table");
-    let rows: Vec<Vec<&str>> = table.lines().skip(2).map(|row| row.split(" | ").collect()).collect();
-    let named: Vec<&str> = rows.iter().map(|row| row[0].trim_matches(['|', ' ', '`'])).collect();
-    assert_eq!(named, ITEMS.iter().map(|item| item.name).collect::<Vec<_>>());
-    for row in rows {
-        let command = row[4].trim_matches('`');
-        assert!(command.starts_with(&format!("verify {}", row[0].trim_matches(['|', ' ', '`']))), "{command}");
-    }
 }
 
 /// The table of `docs/reference/operations.md` has the latency, units and flip-flops that are counted in the netlists.

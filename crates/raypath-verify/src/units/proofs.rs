@@ -28,6 +28,12 @@ pub const UNIT_PROOFS: Item = Item {
     claim: "adders, multipliers, comparison and conversions give IEEE 754's result for all operands; split units give \
             the result of the unsplit ones",
     oracle: "Yosys's symfpu, by SAT (ABC)",
+    subject: &[
+        "crates/raypath-float/src",
+        "crates/raypath-hdl/src",
+        "crates/raypath-verify/src/sat",
+        "crates/raypath-verify/src/units",
+    ],
     run: unit_proofs,
 };
 
@@ -36,6 +42,12 @@ pub const ADDER_PROOF: Item = Item {
     name: "adder-proof",
     claim: "the binary32 adder gives IEEE 754's sum for all operands",
     oracle: "Yosys's symfpu, by SAT (ABC), for each of the 511 differences of exponents",
+    subject: &[
+        "crates/raypath-float/src",
+        "crates/raypath-hdl/src",
+        "crates/raypath-verify/src/sat",
+        "crates/raypath-verify/src/units",
+    ],
     run: adder_proof,
 };
 
@@ -44,6 +56,12 @@ pub const MULTIPLIER_PROOF: Item = Item {
     name: "multiplier-proof",
     claim: "the binary16 multiplier gives IEEE 754's product for all operands",
     oracle: "Yosys's symfpu, by SAT (ABC), for each of the 1024 fractions of the second operand",
+    subject: &[
+        "crates/raypath-float/src",
+        "crates/raypath-hdl/src",
+        "crates/raypath-verify/src/sat",
+        "crates/raypath-verify/src/units",
+    ],
     run: multiplier_proof,
 };
 

@@ -6,8 +6,10 @@ use crate::commands::numbers::whole;
 use crate::commands::progress;
 use clap::Args;
 use raypath::rtl::Config;
+use raypath::verify::record::Recorder;
 use raypath::verify::{Error, ITEMS, Item, Level, Request, Shard, Verdict};
 use std::io::Write;
+use std::path::PathBuf;
 use std::time::Instant;
 
 #[derive(Debug, Args)]
@@ -30,6 +32,9 @@ pub struct Arguments {
     /// The part of the work to do, so that machines can divide it: 2/5 is the second of five
     #[arg(long, default_value = "1/1", value_name = "I/N")]
     shard: Shard,
+    /// Write a record of each run, with commit, versions, time and result, as JSON into this folder
+    #[arg(long, value_name = "DIR")]
+    record: Option<PathBuf>,
     #[command(flatten)]
     config: ConfigArguments,
 }
@@ -57,12 +62,14 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         return chosen.into_iter().try_for_each(|item| describe(item, out)).map_err(Failure::from);
     }
     writeln!(out, "Level {}, seed {}, shard {}.", arguments.level.name(), arguments.seed, arguments.shard)?;
+    let recorder = arguments.record.as_deref().map(Recorder::new).transpose();
+    let recorder = recorder.map_err(|problem| Failure::unusable(problem.to_string()))?;
     let (mut wrong, mut not_run) = (Vec::new(), Vec::new());
     for item in chosen {
         describe(item, out)?;
         out.flush()?;
         let begin = Instant::now();
-        match verify(item, arguments, config) {
+        match verify(item, arguments, config, recorder.as_ref()) {
             Ok(verdict) => {
                 report(&verdict, begin, out)?;
                 if !verdict.failures.is_empty() {
@@ -85,7 +92,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     }
 }
 
-fn verify(item: &Item, arguments: &Arguments, config: Config) -> Result<Verdict, Error> {
+fn verify(item: &Item, arguments: &Arguments, config: Config, recorder: Option<&Recorder>) -> Result<Verdict, Error> {
     let mut progress: Option<progress::Progress> = None;
     let mut reached = 0;
     let mut watch = |step: raypath::verify::Progress| {
@@ -93,7 +100,11 @@ fn verify(item: &Item, arguments: &Arguments, config: Config) -> Result<Verdict,
         progress.get_or_insert_with(|| progress::Progress::new(item.name, step.total as usize)).at(reached)
     };
     let Arguments { level, jobs, seed, shard, .. } = *arguments;
-    let verdict = (item.run)(&mut Request { config, level, jobs, seed, shard, proceed: &mut watch });
+    let mut request = Request { config, level, jobs, seed, shard, proceed: &mut watch };
+    let verdict = match recorder {
+        Some(recorder) => recorder.run(item, &mut request),
+        None => (item.run)(&mut request),
+    };
     // A stop is told by the verdict, with what was covered.
     let _ = progress.map(|progress| progress.finish(reached));
     verdict

@@ -25,6 +25,7 @@ pub const WATERTIGHT: Item = Item {
     name: "watertight",
     claim: "no ray slips through an edge or vertex that is shared by faces which all look at it",
     oracle: "which faces look at a ray, and where it passes, by exact arithmetic",
+    subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath/src/verify/geometry"],
     run: watertight::verify,
 };
 
@@ -34,6 +35,7 @@ pub const BOXES: Item = Item {
     claim: "a ray that enters a box by more than the rounding bound hits it, one that misses it by more does not, and \
             tmin is off by at most three roundings",
     oracle: "exact arithmetic on integers times powers of two",
+    subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath/src/verify/geometry"],
     run: boxes::verify,
 };
 
@@ -42,6 +44,7 @@ pub const TRIANGLE_DISTANCE: Item = Item {
     name: "triangle-distance",
     claim: "t_num, t_denom and, of a hit, their quotient are as near the exact ones as docs/reference/error-bounds.md says",
     oracle: "exact arithmetic on integers times powers of two",
+    subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath/src/verify/geometry"],
     run: distances::verify,
 };
 
@@ -50,5 +53,6 @@ pub const SUMS: Item = Item {
     name: "sums",
     claim: "Euclidean sums, dot products and norms are as near the exact ones as docs/reference/error-bounds.md says",
     oracle: "exact arithmetic on integers times powers of two",
+    subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath/src/verify/geometry"],
     run: sums::verify,
 };

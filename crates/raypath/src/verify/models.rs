@@ -21,6 +21,14 @@ pub const ITEM: Item = Item {
     claim: "the functional model answers every job as Table VII and the rules `paper` say, and the cycle-exact model \
             answers the same, in order (16 lanes, binary32)",
     oracle: "the same operations written once more from the text, in binary64 arithmetic rounded once",
+    subject: &[
+        "crates/raypath-model/src",
+        "crates/raypath-ops/src",
+        "crates/raypath/src/verify/models.rs",
+        "crates/raypath/src/verify/models",
+        "crates/raypath/src/verify/oracle.rs",
+        "crates/raypath/src/verify/stimuli",
+    ],
     run: |request| verify(request, Path::new(campaign::FOLDER)),
 };
 

@@ -46,6 +46,17 @@ pub const ITEM: Item = Item {
     name: "mutation",
     claim: "the everyday tests kill at least 99 % of the faults in the netlist that are not proven equivalent",
     oracle: "the checks that the everyday tests make: units against the host's f32, the datapath against its models",
+    subject: &[
+        "crates/raypath-float/src",
+        "crates/raypath-hdl/src",
+        "crates/raypath-sim/src",
+        "crates/raypath-model/src",
+        "crates/raypath-ops/src",
+        "crates/raypath-rtl/src",
+        "crates/raypath-verify/src/units",
+        "crates/raypath/src/verify/mutation.rs",
+        "crates/raypath/src/verify/mutation",
+    ],
     run,
 };
 

@@ -1,0 +1,69 @@
+//! The subject of an item: the source text that its result depends on.
+
+use crate::Error;
+use sha2::{Digest, Sha256};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The SHA-256, in hexadecimal digits, of the files under these paths of the repository at `root`. Comments that have a
+/// line of their own, empty lines and indentation do not count.
+pub fn hash(root: &Path, subject: &[&str]) -> Result<String, Error> {
+    let mut files = Vec::new();
+    for path in subject {
+        collect(&root.join(path), &mut files)?;
+    }
+    files.sort();
+    files.dedup();
+    let mut hash = Sha256::new();
+    for path in files {
+        let text = fs::read(&path).map_err(|problem| Error::File { path: path.clone(), problem })?;
+        hash.update(path.strip_prefix(root).unwrap_or(&path).to_string_lossy().as_bytes());
+        for line in String::from_utf8_lossy(&text).lines().map(str::trim) {
+            if !line.is_empty() && !line.starts_with("//") {
+                hash.update(b"\n");
+                hash.update(line.as_bytes());
+            }
+        }
+        hash.update([0]);
+    }
+    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+/// Adds a file, or all files in a folder and below.
+fn collect(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), Error> {
+    let refused = |problem| Error::File { path: path.to_path_buf(), problem };
+    if path.is_file() {
+        files.push(path.to_path_buf());
+        return Ok(());
+    }
+    for entry in fs::read_dir(path).map_err(refused)? {
+        collect(&entry.map_err(refused)?.path(), files)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::hash;
+    use std::fs;
+
+    #[test]
+    fn code_counts_and_comments_do_not() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let hash_of = |text: &str| {
+            fs::write(folder.path().join("a.rs"), text).expect("a file");
+            hash(folder.path(), &["a.rs"]).expect("a hash")
+        };
+        let first = hash_of("fn one() -> u32 {\n    1\n}\n");
+        assert_eq!(hash_of("// One.\n\nfn one() -> u32 {\n1\n}"), first);
+        assert_ne!(hash_of("fn one() -> u32 {\n    2\n}\n"), first);
+        assert_eq!(first.len(), 64);
+    }
+
+    #[test]
+    fn a_path_that_is_not_there_is_an_error() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let problem = hash(folder.path(), &["nothing"]).expect_err("no such path");
+        assert!(problem.to_string().contains("nothing"), "{problem}");
+    }
+}
