@@ -1,4 +1,4 @@
-//! The comparison that `generate` prints: that it finds nothing where nothing is, and something where something is.
+//! The comparison of `generate`: it finds no difference in a correct netlist, and finds deliberate faults.
 
 use raypath::engine::{Engine, NetlistEngine};
 use raypath::format::Format;
@@ -28,7 +28,7 @@ fn the_same_rules_agree() {
     }
 }
 
-/// A netlist with the other rules answers some jobs otherwise; after a hundred differences nobody wants more.
+/// A netlist with the other rules differs for some jobs; the comparison stops after a hundred differences.
 #[test]
 fn other_rules_differ() {
     let found =
@@ -38,8 +38,8 @@ fn other_rules_differ() {
     assert!(found.differences[0].contains("Quadbox") || found.differences[0].contains("Triangle"));
 }
 
-/// Ports that do not show the one encoding of what they should are named: other modes' ports, other numbers, and all
-/// numbers where they are read in an encoding that they are not in.
+/// Ports with a wrong encoding are named: ports of other operations, wrong numbers, and all numbers if they are read in
+/// another encoding.
 #[test]
 fn improper_outputs_are_named() {
     let model = Functional::<16, 8>::new(Rules::Paper);

@@ -1,4 +1,4 @@
-//! The golden vectors: what the original hardware answered, from every engine, in every order and under every handshake.
+//! The golden vectors, recorded from the original hardware, in every engine, order and handshake pattern.
 
 mod recorded;
 
@@ -12,7 +12,7 @@ use recorded::golden;
 
 const CHISEL: Config = Config::DEFAULT.rules(Rules::Chisel);
 
-/// The stream as recorded, and with the modes mixed between the beats of each other's vectors.
+/// The stream as recorded, and with the operations interleaved.
 fn orders() -> [(&'static str, Vec<Transaction>); 2] {
     let recorded = golden();
     let mixed = interleave(recorded.clone(), |transaction| transaction.job.kind().opcode(), 5);
@@ -20,7 +20,7 @@ fn orders() -> [(&'static str, Vec<Transaction>); 2] {
     [("recorded", recorded), ("interleaved", mixed)]
 }
 
-/// Runs a stream and checks each outcome, in order, and that every job comes out.
+/// Runs a stream and checks the order and every outcome.
 fn check(what: &str, stream: &[Transaction], run: impl FnOnce(&mut dyn FnMut(usize, Outcome) -> bool) -> Run) -> Run {
     let mut mismatches = 0;
     let run = run(&mut |index, outcome| {
@@ -72,7 +72,7 @@ fn netlist_answers_as_the_original() {
     }
 }
 
-/// However it is built, the hardware's answers are the original's.
+/// Every microarchitecture gives the original's outcomes.
 #[test]
 fn netlists_built_otherwise_answer_as_the_original() {
     let [_, (order, stream)] = orders();

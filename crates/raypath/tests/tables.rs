@@ -1,4 +1,4 @@
-//! What is said of a datapath, against the paper's tables.
+//! Units and registers of a datapath, compared with the paper's tables.
 
 use raypath::ops::Rules;
 use raypath::picture::pipeline;
@@ -15,7 +15,7 @@ fn arithmetic(units: Units) -> (usize, usize, usize) {
     (units.add, units.multiply, units.compare)
 }
 
-/// Table VIII, stage by stage, in numbers written down from the paper: adders, multipliers, comparators.
+/// Table VIII of the paper, stage by stage: adders, multipliers, comparators.
 const TABLE_VIII: [(usize, usize, usize); 11] = [
     (0, 0, 0),
     (24, 0, 0),
@@ -39,7 +39,7 @@ fn units_equal_table_viii_or_say_why_not() {
         for stage in 1..=STAGES {
             let (ours, paper) = (arithmetic(datapath.units(stage as usize)), TABLE_VIII[stage as usize - 1]);
             let expected = match (rules, stage) {
-                (Rules::Paper, 4) => (8, 0, 24), // ruling 1: three signs a box are read, not compared
+                (Rules::Paper, 4) => (8, 0, 24), // ruling 1: three signs per box are read, not compared
                 (_, 10) => (1, 0, 5),            // one sorting network; ruling 6, or the hit test shares it
                 _ => paper,
             };
@@ -48,7 +48,7 @@ fn units_equal_table_viii_or_say_why_not() {
     }
 }
 
-/// Every stage that has other units than Table VIII says why, and no other stage says anything.
+/// Every stage whose units differ from Table VIII has a reason, and no other stage has one.
 #[test]
 fn differences_have_reasons() {
     for lanes in [Lanes::Sixteen, Lanes::None] {
@@ -80,9 +80,8 @@ fn distance_modes_leave_nothing_behind_where_they_are_off() {
     assert_eq!((0..=STAGES).map(|stage| datapath.registers(stage as usize).state).sum::<u64>(), 0);
 }
 
-/// What a trial of the idea found live after stages 1 to 10 with modes sharing registers (in the project's design
-/// notes). Floating tests make it less in stages 8 and 9; small words and bits of other modes can make it a few bits
-/// more.
+/// The live bits after stages 1 to 10 that a prototype with shared registers had. Tests that move forward make them
+/// fewer in stages 8 and 9; small words and bits of other operations can add a few bits.
 #[test]
 fn registers_hold_what_is_live_and_no_more() {
     let trial = [1075, 929, 830, 299, 299, 200, 200, 200, 167, 146];
@@ -110,7 +109,7 @@ fn tables_show_every_stage_and_operation() {
     assert!(units.contains(&datapath.top().register_bits().to_string()), "{units}");
 }
 
-/// The table of presets in README.md has a row for each, with the flip-flops and the latency that it has now.
+/// The table of presets in README.md has a row for each preset, with its flip-flops and latency.
 #[test]
 fn readme_has_the_figures_of_every_preset() {
     let readme = include_str!("../../../README.md");
@@ -123,7 +122,7 @@ fn readme_has_the_figures_of_every_preset() {
     }
 }
 
-/// The picture in README.md is the one that the program draws now.
+/// The picture in README.md is the one that `generate` draws.
 #[test]
 fn picture_in_the_documents_is_current() {
     let drawn = pipeline(&datapath(Lanes::Sixteen, Rules::Paper), DEFAULT);

@@ -1,16 +1,17 @@
-//! All subnormals of binary32 into the recoded format and back, each against a normalisation that counts no zeros.
+//! Conversion of all binary32 subnormals to the recoded format and back, compared with a normalisation in binary64.
 //!
-//! Peer: SoftFloat in Hercules shifted by a count of leading zeros that could be negative (issue 29). Here it would show as
-//! a subnormal coordinate that is another power of two.
+//! Known bug: SoftFloat in Hercules shifted by a count of leading zeros that could be negative (issue 29). Its effect
+//! here would be a subnormal coordinate with a wrong power of two.
 //!
-//! Mutation: in `raypath-float/src/encode.rs`, any two leading-zero counts exchanged, or one too many.
+//! Mutation: in `raypath-float/src/units/encode.rs`, any two leading-zero counts exchanged, or one too many.
 
 use raypath::float::{decode, encode};
 use raypath::format::Format;
 use raypath::hdl::Simulator;
 
-/// Subnormal numbers are normal ones in binary64, where the host's conversion normalises them. The recoded exponent of a
-/// normal binary32 number is that of IEEE 754 plus 2⁷ + 1 (`docs/reference/formats.md`); it goes on below.
+/// Subnormal numbers are normal ones in binary64, where the host's conversion normalises them. The recoded exponent of
+/// a normal binary32 number is that of IEEE 754 plus 2⁷ + 1 (`docs/reference/formats.md`); it continues below the
+/// normal range.
 fn recoded(code: u32) -> u64 {
     let wide = f64::from(f32::from_bits(code)).to_bits();
     let exponent = (wide >> 52 & 0x7ff) as i64 - 1023 + 127;

@@ -1,7 +1,7 @@
-//! Numbers of lanes that nobody thought of: refused, or right.
+//! Unusual numbers of lanes are either rejected or computed correctly.
 //!
-//! Peer: Spatz's reductions ran two rounds whatever the number of lanes, so that 8 lanes gave wrong sums (pull request 86);
-//! tests had 2 and 4. Here the sum is one halving tree, and it would show as a sum without some of its lanes.
+//! Known bug: Spatz's reductions ran two rounds for any number of lanes, so that 8 lanes gave wrong sums (pull request
+//! 86); its tests had 2 and 4 lanes. The effect here would be a sum without some of its lanes.
 //!
 //! Mutation: a level fewer in the tree of `raypath-ops/src/distance.rs`; a value more in `Lanes`.
 
@@ -33,8 +33,8 @@ fn other_numbers_than_the_listed_are_refused_wherever_they_are_given() {
     assert!(Lanes::ALL.iter().all(|lanes| *lanes == Lanes::None || lanes.count().is_power_of_two()));
 }
 
-/// Each lane alone, in the netlist: 2 in lane i of a and 1 of b make 1 and 2, whichever i; beats of all lanes make n times
-/// as much. An angular beat of two lanes has one.
+/// Each lane alone, in the netlist: 2 in lane i of a and 1 in lane i of b give 1 and 2 for every i; beats of all lanes
+/// give n times as much. With two lanes an angular beat has one.
 #[test]
 fn every_lane_of_every_number_of_lanes_counts_once() {
     for &lanes in Lanes::ALL.iter().filter(|lanes| **lanes != Lanes::None) {

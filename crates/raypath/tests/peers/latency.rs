@@ -1,10 +1,11 @@
-//! One latency: measured at the netlist's ports, measured at the cycle-exact model's, and printed.
+//! The latency at the netlist's ports, in the cycle-exact model, and in the printed text is the same.
 //!
-//! Told in the field without a source: a model that answers after another number of cycles than the hardware, so that a
-//! system that was simulated fails when it is built. `configurations.rs` compares both in every cycle; here each is
-//! measured alone, by the same stop-watch, and held against what is printed in the design's head.
+//! Known bug, without a published source: a model with another latency than the hardware, so that a simulated system
+//! fails as hardware. `configurations.rs` compares both in every cycle; here each is measured alone and compared with
+//! the latency in the head of the printed text.
 //!
-//! Mutation: `latency + 1` in `raypath-model/src/shape.rs` or `raypath::engine::shape`; a number in `datapath.rs`'s text.
+//! Mutation: `latency + 1` in `raypath-model/src/shape.rs` or `raypath_sim::engine::shape`; a number in `datapath.rs`'s
+//! text.
 
 use raypath::engine::{CycleEngine, Engine, NetlistEngine};
 use raypath::jobs::random;

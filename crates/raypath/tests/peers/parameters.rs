@@ -1,16 +1,16 @@
-//! Each value of each parameter makes another design.
+//! Each value of each parameter gives another design.
 //!
-//! Told in the field without a source: a parameter that is declared, documented and swept over, and reaches nothing, so that
-//! all points of a sweep are one. Here the emitted SystemVerilog would be the same, but for its banner.
+//! Known bug, without a published source: a parameter that is declared and documented but has no effect, so that all
+//! points of a sweep are the same. The emitted SystemVerilog would then differ only in its head comment.
 //!
-//! Mutation: any one parameter not passed on in `raypath-rtl`, `sharing` taken as `Union` always, say.
+//! Mutation: a parameter that is ignored in `raypath-rtl`, for example `sharing` always taken as `Union`.
 
 use raypath::hdl::verilog;
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Datapath, Encoding, Lanes, Sharing, UnitLatency};
 use std::collections::HashMap;
 
-/// All modules, without the comments: what they say of the configuration is no design.
+/// The text of all modules without comments, because comments name the configuration.
 fn printed(config: Config) -> String {
     let datapath = Datapath::new(config).expect("a datapath");
     let modules = verilog::modules(datapath.top()).expect("modules");
@@ -51,7 +51,7 @@ fn every_value_of_every_parameter_changes_the_design() {
     all_differ(Config::DEFAULT, Lanes::ALL, |config, lanes| config.semantics.lanes = lanes);
 }
 
-/// The comparison is not one of comments, and it can find two alike.
+/// The comparison ignores comments, and detects two equal designs.
 #[test]
 fn the_same_configuration_makes_the_same_design() {
     let config = Config::DEFAULT.lanes(Lanes::None);

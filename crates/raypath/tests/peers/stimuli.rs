@@ -1,9 +1,9 @@
-//! What random jobs are like: a generator whose jobs all have one shape finds nothing, and says that all is well.
+//! The variety of the random jobs: tests with uniform jobs would pass without finding faults.
 //!
-//! Peer: tests of CVFPU once drew all lanes of a vector alike, as this project's notes tell, and a fault between lanes stayed
-//! for years. Here a census of what [`random`] gives: whatever is not in it is not tested by campaigns either.
+//! Known bug: tests of CVFPU once used equal values in all lanes of a vector, and a fault between lanes stayed hidden.
+//! These tests count the classes, sequences and outcomes of the jobs that [`random`] makes.
 //!
-//! Mutation: in `jobs.rs`, no edges (or edges alone), masks that are all ones, one kind after the other in turn.
+//! Mutation: in `jobs.rs`, no edge cases (or only edge cases), masks of all ones, operations in a fixed sequence.
 
 use raypath::format::Format;
 use raypath::jobs::random;
@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 const JOBS: usize = 20_000;
 
-/// What a code of a format is.
+/// The class of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Class {
     Zero(bool),
@@ -42,15 +42,15 @@ const CLASSES: usize = 9;
 
 #[derive(Default)]
 struct Census {
-    /// Of each number port, how often each class.
+    /// For each number port, the count of each class.
     classes: BTreeMap<String, BTreeMap<Class, usize>>,
-    /// Of each other port, its values.
+    /// The values of each other port.
     words: BTreeMap<String, BTreeSet<u64>>,
-    /// Kinds that followed each other.
+    /// Pairs of operations that followed each other.
     pairs: BTreeSet<(usize, usize)>,
-    /// What came out of boxes: which were hit, and in which order they stood; of triangles whether they were hit.
+    /// The outcomes: which boxes were hit and in which order, and whether triangles were hit.
     hits: BTreeMap<String, BTreeMap<u64, usize>>,
-    /// Jobs whose numbers are all ordinary: nonzero, normal.
+    /// Jobs with only normal, nonzero numbers.
     ordinary: usize,
 }
 
@@ -71,7 +71,7 @@ impl Visitor for Take {
             last = Some(job.kind() as usize);
             let mut is_ordinary = true;
             for port in job.ports() {
-                // The same ports of different kinds are drawn apart.
+                // Ports of different operations are counted separately.
                 let name = format!("{} {}", job.kind(), port.name);
                 if port.kind == PortKind::Number {
                     let class = class(self.0.semantics.format, port.bits);
@@ -109,7 +109,7 @@ fn every_port_sees_every_class_of_number_and_mostly_ordinary_ones() {
             let normal: usize = [false, true].iter().filter_map(|minus| classes.get(&Class::Normal(*minus))).sum();
             assert!((all / 4..all).contains(&normal), "{format}, {port}: {normal} of {all} are normal");
         }
-        // Jobs without any edge are there as well: an edge hides what comes behind it.
+        // There are also jobs without edge cases, because an edge case can hide later faults.
         assert!((JOBS / 20..JOBS * 9 / 10).contains(&census.ordinary), "{format}: {} ordinary jobs", census.ordinary);
     }
 }
@@ -120,7 +120,7 @@ fn every_kind_follows_every_kind() {
     assert_eq!(take(Config::DEFAULT.lanes(Lanes::None)).pairs.len(), 4);
 }
 
-/// Masks are neither all ones nor all alike: every lane is on beside one that is off, and off beside one that is on.
+/// Masks vary: every lane is on beside a lane that is off, and off beside a lane that is on.
 #[test]
 fn masks_axes_and_resets_take_all_values() {
     let census = take(Config::DEFAULT);

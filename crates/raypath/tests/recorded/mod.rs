@@ -1,5 +1,5 @@
-//! The golden vectors, for every test that reads them: a quarter travels with the repository, and `RAYPATH_GOLDEN` may
-//! name a folder with the whole set.
+//! Reads the golden vectors for the tests: the quarter in the repository, or the whole set in the folder that
+//! `RAYPATH_GOLDEN` names.
 
 use raypath::model::Functional;
 use raypath::ops::{JobKind, Rules};
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 pub fn golden() -> Vec<Transaction> {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/golden");
     let folder = std::env::var_os("RAYPATH_GOLDEN").map_or(PathBuf::from(default), PathBuf::from);
-    // Reading takes neither rules nor sums.
+    // Reading depends on neither rules nor sums.
     let model = Functional::new(Rules::Paper);
     let files = JobKind::ALL.map(|kind| {
         read(&folder.join(format!("{kind}.txt.gz")), kind, &model, Config::DEFAULT).expect("golden vectors")

@@ -1,4 +1,4 @@
-//! §3: a beat adds to its own accumulator exactly once, and nothing else touches it.
+//! A beat adds to its own accumulator exactly once, and nothing else changes the accumulator.
 
 use crate::answers::{answers, answers_under, numbers};
 use crate::random::{Numbers, any_job, rng, scene_job};
@@ -58,18 +58,18 @@ fn euclidean_and_angular_sums_are_separate() {
     let jobs = [
         euclidean(1.0, false),
         angular(2.0, 1.0, false),
-        euclidean(2.0, true),     // clears its own
-        angular(3.0, 1.0, false), // not this one
+        euclidean(2.0, true),     // clears the Euclidean sum
+        angular(3.0, 1.0, false), // keeps its sum
         euclidean(4.0, false),
-        angular(4.0, 1.0, true), // clears both of its own
-        euclidean(8.0, false),   // not this one
+        angular(4.0, 1.0, true), // clears both angular sums
+        euclidean(8.0, false),   // keeps its sum
         angular(5.0, 2.0, false),
     ];
     let expected: [&[f32]; 8] = [&[1.0], &[2.0, 1.0], &[5.0], &[5.0, 2.0], &[16.0], &[9.0, 3.0], &[80.0], &[10.0, 4.0]];
     assert_eq!(sums(&answers(Rules::Paper, &jobs)), expected);
 }
 
-/// A NaN or an infinity stays in the sum until the reset, and no longer.
+/// A NaN or an infinity stays in the sum until the reset.
 #[test]
 fn reset_clears_nan_and_infinity() {
     for poison in [f32::NAN, f32::INFINITY] {
@@ -82,8 +82,8 @@ fn reset_clears_nan_and_infinity() {
     }
 }
 
-/// Two long distances, beat after beat, with any number of other jobs in between (their ports full of anything): every
-/// sum is a whole number that binary32 holds.
+/// Two long distances, beat after beat, with any number of other jobs with random ports in between. Every sum is an
+/// integer that binary32 represents.
 fn interleaved(seed: u64) -> (Vec<Job>, Vec<Vec<f32>>) {
     let mut rng = rng(seed);
     let (mut sum, mut dot, mut norm) = (0.0, 0.0, 0.0);
@@ -123,7 +123,7 @@ fn other_jobs_bubbles_and_stalls_never_touch_a_sum() {
     }
 }
 
-/// The order of beats within a distance does not matter where all sums are exact, but each counts once.
+/// If all sums are exact, the order of beats within a distance does not matter, but each beat counts once.
 #[test]
 fn each_of_many_beats_counts_exactly_once() {
     let mut powers: Vec<i32> = (0..12).collect();
@@ -133,7 +133,7 @@ fn each_of_many_beats_counts_exactly_once() {
         let outcomes = answers_under(Rules::Paper, &jobs, &Traffic::random(seed));
         let mut sum = 0;
         for (&power, outcome) in powers.iter().zip(&outcomes) {
-            sum += 1 << (2 * power); // each square has its own bit: a beat missed or repeated shows
+            sum += 1 << (2 * power); // each square has its own bit, so a missed or repeated beat changes the sum
             assert_eq!(numbers(outcome)[0], Num::from(sum as f32));
         }
     }

@@ -1,4 +1,4 @@
-//! One question, three engines, one answer.
+//! Runs jobs on the functional model, the cycle-exact model and the netlist, and requires equal outcomes.
 
 use raypath::engine::{CycleEngine, Engine, NetlistEngine, drive};
 use raypath::model::{Functional, Shape};
@@ -12,7 +12,7 @@ pub type Ray32 = Ray<Binary32>;
 pub type Box32 = Aabb<Binary32>;
 pub const INF: f32 = f32::INFINITY;
 
-/// What the functional model, the cycle-exact model and the netlist answer to `jobs`, from a reset on: the same.
+/// The outcomes of `jobs` after a reset, equal in the functional model, the cycle-exact model and the netlist.
 pub fn answers(rules: Rules, jobs: &[Job]) -> Vec<Outcome> {
     answers_under(rules, jobs, &Traffic::always())
 }
@@ -39,7 +39,7 @@ pub fn answer(rules: Rules, job: Job) -> Outcome {
     answers(rules, &[job])[0]
 }
 
-/// Lends the netlist of these rules after a reset. A thread compiles it once.
+/// Runs a function on the netlist of these rules after a reset. Each thread compiles the netlist once.
 pub fn with_netlist<T>(rules: Rules, f: impl FnOnce(&mut NetlistEngine) -> T) -> T {
     thread_local! {
         static NETLISTS: RefCell<HashMap<Rules, NetlistEngine>> = RefCell::default();
@@ -54,8 +54,8 @@ pub fn with_netlist<T>(rules: Rules, f: impl FnOnce(&mut NetlistEngine) -> T) ->
     })
 }
 
-/// Outcomes compare all NaNs as one; at the netlist's ports no other NaN than the canonical may be in the first place,
-/// and nothing at ports of other modes.
+/// Checks the raw ports of the netlist, because outcomes compare all NaNs as equal: every NaN is canonical, and the
+/// ports of other operations are zero.
 struct ProperOnly<'e>(&'e mut NetlistEngine);
 
 impl Engine for ProperOnly<'_> {
@@ -83,11 +83,11 @@ pub fn numbers(outcome: &Outcome) -> Vec<Num<Binary32>> {
     }
 }
 
-/// The three output fields of a quadbox job, place by place.
+/// The three output fields of a quadbox job, by position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hits {
     pub hit: [bool; 4],
-    /// As bits: −0 is not +0 here.
+    /// As bits, so −0 differs from +0.
     pub tmin: [u32; 4],
     pub index: [u32; 4],
 }
@@ -101,7 +101,7 @@ pub fn quadbox(ray: Ray32, aabb: [Box32; 4]) -> Job {
     Job::Quadbox(RayBoxInput { ray, aabb })
 }
 
-/// Where the ray enters one box, as bits; `None` for a miss. The box is asked for in all four places at once.
+/// The distance at which the ray enters one box, as bits; `None` for a miss. The job has the box four times.
 pub fn entry(rules: Rules, ray: Ray32, aabb: Box32) -> Option<u32> {
     let hits = hits(&answer(rules, quadbox(ray, [aabb; 4])));
     assert!(hits.hit == [hits.hit[0]; 4] && hits.tmin == [hits.tmin[0]; 4], "four equal boxes differ: {hits:?}");
@@ -111,17 +111,17 @@ pub fn entry(rules: Rules, ray: Ray32, aabb: Box32) -> Option<u32> {
     hits.hit[0].then_some(hits.tmin[0])
 }
 
-/// A hit at this distance, as [`entry`] says it.
+/// The result of [`entry`] for a hit at this distance.
 pub fn at(distance: f32) -> Option<u32> {
     Some(distance.to_bits())
 }
 
-/// The ray with all derived fields, from numbers that the rules allow.
+/// The ray with all derived fields.
 pub fn ray(origin: [f32; 3], direction: [f32; 3], extent: f32) -> Ray32 {
     Ray::new(origin, direction, extent).unwrap()
 }
 
-/// The slab distances themselves: a ray from 0 whose inverse direction is 1, and a box with these bounds.
+/// A ray from 0 whose inverse direction is 1, and a box with these bounds, which are then the slab distances.
 pub fn slabs(near: [f32; 3], far: [f32; 3], extent: f32) -> (Ray32, Box32) {
     (ray([0.0; 3], [1.0; 3], extent), Aabb::new(near, far))
 }

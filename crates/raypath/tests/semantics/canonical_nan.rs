@@ -1,5 +1,5 @@
-//! §1: a NaN that comes out is 7fc00000, whatever NaN went in. (`answers` checks this of the netlist's raw bits in
-//! every test; here NaNs are sure to come out of each number.)
+//! A NaN at an output is 7fc00000 for every NaN at the inputs. (`answers` checks the raw bits of the netlist in every
+//! test; the jobs here make every output number a NaN.)
 
 use crate::answers::{answers, numbers};
 use crate::random::{Numbers, any_job, rng};
@@ -7,7 +7,7 @@ use raypath::ops::{Job, JobKind, Num, Outcome, Rules};
 
 const NANS: [u32; 7] = [0x7fc0_0000, 0xffc0_0000, 0x7f80_0001, 0xff80_0001, 0x7fff_ffff, 0xffff_ffff, 0x7fd5_5555];
 
-/// A job all of whose numbers are this NaN, all lanes on.
+/// A job with this NaN in all numbers and with all lanes on.
 fn full_of(nan: u32, kind: JobKind) -> Job {
     Job::from_ports(kind, |name| match name {
         _ if name.ends_with("mask") || name.ends_with("accum") => u64::MAX,
@@ -23,7 +23,7 @@ fn every_nan_that_comes_out_is_canonical() {
             let jobs = JobKind::ALL.map(|kind| full_of(nan, kind));
             for outcome in answers(rules, &jobs) {
                 let bits: Vec<u32> = numbers(&outcome).into_iter().map(Num::to_bits).collect();
-                // A box's distances are no NaN: those of a miss are +∞, those of a hit are not less than 0.
+                // Distances of boxes are never NaN: +∞ for a miss, at least 0 for a hit.
                 let expected = if outcome.kind() == JobKind::Quadbox { 0x7f80_0000 } else { 0x7fc0_0000 };
                 assert!(bits.iter().all(|&b| b == expected), "{nan:08x}: {outcome:?}");
             }

@@ -1,11 +1,11 @@
-//! Rational arithmetic that knows whether binary32 could have done it without rounding.
+//! Rational arithmetic that records whether binary32 computes the same without rounding.
 
 use num_rational::Ratio;
 use std::ops::{Add, Mul, Sub};
 
 pub type Rational = Ratio<i128>;
 
-/// A number, and whether it and all that it was computed from are binary32 numbers.
+/// A number, and whether it and all its operands are binary32 numbers.
 #[derive(Debug, Clone, Copy)]
 pub struct Exact {
     pub value: Rational,

@@ -1,5 +1,5 @@
-//! Boxes by exact arithmetic: where no operation rounds, the answer is that of geometry. A box is hit if some point of
-//! the ray, within its extent, is in all three closed slabs.
+//! Boxes in exact arithmetic: if no operation rounds, the outcome is that of geometry. A box is hit if a point of the
+//! ray, within its extent, is in all three closed slabs.
 
 use crate::answers::{Hits, INF, answers, hits, quadbox, ray};
 use crate::exact::{Rational, rational, to_f32};
@@ -46,7 +46,7 @@ fn by_geometry(case: &Case) -> Hits {
 }
 
 /// Powers of two as directions, halves as coordinates: differences have at most 5 bits, and 1/d and its products are
-/// exact. So the only values that binary32 does not hold are 1/0 and 0·(1/0), which the rulings are about.
+/// exact. Only 1/0 and 0·(1/0) are not binary32 numbers; the rulings decide these cases.
 fn random_case(rng: &mut ChaCha8Rng) -> Case {
     let direction = loop {
         let direction = [(); 3].map(|()| {
@@ -61,12 +61,12 @@ fn random_case(rng: &mut ChaCha8Rng) -> Case {
     let boxes = [(); 4].map(|()| {
         let corners: [(f32, f32); 3] = std::array::from_fn(|_| {
             let a = halves(rng);
-            // A third of all slabs is flat.
+            // A third of all slabs are flat.
             (a, if rng.random_bool(0.3) { a } else { halves(rng) })
         });
         (corners.map(|(a, b)| a.min(b)), corners.map(|(a, b)| a.max(b)))
     });
-    // Half of all rays aim at a corner of a box; the others begin anywhere.
+    // Half of all rays aim at a corner of a box; the others start at a random point.
     let corner: [f32; 3] = std::array::from_fn(|axis| {
         let (low, high) = boxes[0];
         if rng.random() { low[axis] } else { high[axis] }
@@ -111,7 +111,7 @@ fn boxes_are_hit_where_geometry_says_so() {
     assert!(strict > 1000, "the original differs in {strict}");
 }
 
-/// Nothing of the ray after its point t is in the box: it is touched in one point.
+/// The ray touches the box in one point: no point of the ray after t is in the box.
 fn is_touched(case: &Case, (low, high): ([f32; 3], [f32; 3]), t: Rational) -> bool {
     (0..3).any(|axis| {
         let d = case.direction[axis];

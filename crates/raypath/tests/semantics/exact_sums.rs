@@ -1,4 +1,4 @@
-//! Distances of integers: every sum is one that binary32 holds, so it must be the integer's.
+//! Distances of integers: every sum is a binary32 number, so the outcome must be exact.
 
 use crate::answers::{answers_under, numbers};
 use crate::random::rng;
@@ -6,7 +6,7 @@ use rand::RngExt;
 use raypath::ops::{Job, JobKind, Rules};
 use raypath::traffic::Traffic;
 
-/// What binary32 holds of integers.
+/// The largest integer up to which binary32 represents every integer.
 const LARGEST: i128 = 1 << 24;
 
 #[test]
@@ -31,7 +31,7 @@ fn sums_of_integers_are_exact() {
             norm += on().map(|i| b[i].pow(2)).sum::<i128>();
             expected.push(vec![dot, norm]);
         }
-        // Also where the next beat could take a sum too far: a full beat adds at most 16·198².
+        // A reset comes before a beat that could exceed the limit: a full beat adds at most 16·198².
         let far = sum.max(dot.abs()).max(norm) > LARGEST - 16 * 198 * 198;
         jobs.push(Job::from_ports(kind, |name| match name {
             "euclidean_mask" => mask,

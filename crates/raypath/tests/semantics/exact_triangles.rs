@@ -1,5 +1,5 @@
-//! Triangles by exact arithmetic: where no operation rounds, the answer is that of geometry, by Möller and Trumbore's
-//! formulation instead of the datapath's.
+//! Triangles in exact arithmetic: if no operation rounds, the outcome is that of geometry. The oracle uses the
+//! formulation of Möller and Trumbore instead of the datapath's.
 
 use crate::answers::{INF, answers, ray};
 use crate::exact::{Exact, Rational, rational, to_f32};
@@ -29,11 +29,11 @@ fn cross(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
 }
 
-/// Where the line of the ray stands to the triangle.
+/// The position of the ray's line relative to the triangle.
 struct Geometry {
-    /// Twice the area as seen along the ray, in units of the greatest direction component; negative from behind.
+    /// Twice the projected area along the ray, in units of the greatest direction component; negative from behind.
     area: Rational,
-    /// The distance times that area: the line reaches the triangle's plane at their quotient.
+    /// The distance of the triangle's plane along the line, times `area`.
     area_times_t: Rational,
     /// The barycentric coordinates times the determinant, whose sign is that of `area`.
     scaled_barycentric: [Rational; 3],
@@ -62,7 +62,7 @@ impl Geometry {
     }
 }
 
-/// Whether Table VII makes do without rounding for this case.
+/// Whether Table VII computes this case without rounding.
 fn is_exact(case: &Case) -> bool {
     let (origin, d) = (case.origin.map(Exact::from), case.direction);
     let input = ray(case.origin, d, INF);
@@ -80,8 +80,8 @@ fn is_exact(case: &Case) -> bool {
     (u + v + w).all_exact && (u * a[2] + v * b[2] + w * c[2]).all_exact
 }
 
-/// A ray at a point of the triangle's plane that is a mean of its vertices with small weights, some negative: many lie
-/// on edges and vertices, inside and just outside.
+/// A ray at a point of the triangle's plane that is a mean of its vertices with small weights, some negative. Many such
+/// points are on edges and vertices, inside and just outside.
 fn random_case(rng: &mut ChaCha8Rng) -> Case {
     let kz = rng.random_range(0..3);
     let greatest = [1.0, 2.0, 4.0][rng.random_range(0..3)];

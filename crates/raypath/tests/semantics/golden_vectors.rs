@@ -1,4 +1,4 @@
-//! What the original answered, under rules `paper`: the same numbers, and where the rules differ other hits.
+//! The golden vectors under the rules `paper`: the same numbers, and other hits only where the rules differ.
 
 use crate::answers::answers;
 use crate::oracle::Oracle;
@@ -12,7 +12,7 @@ fn jobs(golden: &[Transaction]) -> Vec<Job> {
     golden.iter().map(|transaction| transaction.job).collect()
 }
 
-/// Rules decide hits, order and distances of boxes; they touch no arithmetic.
+/// Rules decide hits, order and distances of boxes; they do not change the arithmetic.
 #[test]
 fn rules_paper_change_hits_and_no_arithmetic() {
     let golden = golden();
@@ -22,7 +22,7 @@ fn rules_paper_change_hits_and_no_arithmetic() {
             (Outcome::Triangle(ours), Outcome::Triangle(theirs)) => {
                 assert_eq!((ours.t_num, ours.t_denom), (theirs.t_num, theirs.t_denom), "seq {:x}", transaction.seq);
                 triangles += usize::from(ours.triangle_hit != theirs.triangle_hit);
-                // Paper's condition is the narrower one.
+                // The condition of `paper` is the stricter one.
                 assert!(bool::from(theirs.triangle_hit) || !bool::from(ours.triangle_hit));
             }
             (Outcome::Quadbox(ours), Outcome::Quadbox(theirs)) => boxes += usize::from(ours != theirs),
@@ -42,7 +42,7 @@ fn rules_chisel_change_nothing() {
     });
 }
 
-/// The oracle of these tests, held against the recorded numbers: so it is right where the rules do not matter.
+/// The oracle of these tests equals the recorded numbers where the rules do not matter.
 #[test]
 fn the_oracle_agrees_with_the_original_arithmetic() {
     let mut oracle = Oracle::default();

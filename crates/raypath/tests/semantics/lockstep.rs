@@ -8,7 +8,7 @@ use raypath::model::{Functional, Shape};
 use raypath::ops::Rules;
 use raypath::traffic::{Cycle, Traffic};
 
-/// Bubbles, stalls, all modes mixed, resets at any time; while nothing is offered the input ports change all the same.
+/// Bubbles, stalls, all operations mixed, resets at any time; the input ports also change while no job is offered.
 #[test]
 fn netlist_and_cycle_model_agree_in_every_cycle() {
     for rules in [Rules::Paper, Rules::Chisel] {
@@ -60,7 +60,7 @@ struct Seen {
     left: usize,
 }
 
-/// A reset in the very cycle of each handshake, and several in a row.
+/// A reset in the cycle of each handshake, and several resets in a row.
 #[test]
 fn resets_at_every_moment_of_a_burst() {
     let jobs = mixed_jobs(64, 5);

@@ -1,8 +1,7 @@
-//! What the datapath answers on every edge that `docs/reference/semantics.md` rules on, and what
-//! `docs/integration/ports.md` promises.
+//! The rulings of `docs/reference/semantics.md` and the properties of `docs/integration/ports.md`.
 //!
-//! Expected values come from the text of a rule or from exact arithmetic, never from a model; and each is asked of the
-//! functional model, the cycle-exact model and the netlist alike ([`answers::answers`]).
+//! Expected values come from the text of a rule or from exact arithmetic, never from a model. Each test runs on the
+//! functional model, the cycle-exact model and the netlist ([`answers::answers`]).
 
 mod answers;
 mod exact;

@@ -1,4 +1,4 @@
-//! §3: registered ready; nothing that the sink does is seen by the source in the same cycle, nor the other way round.
+//! Ready is registered: the source does not observe the sink in the same cycle, nor the sink the source.
 
 use raypath::hdl::{Builder, Module, depends_combinationally};
 use raypath::ops::Rules;
@@ -15,7 +15,7 @@ fn the_handshakes_do_not_see_each_other() {
         let datapath = Datapath::new(config).unwrap();
         for input in ["output_ready_i", "input_valid_i", "opcode_i"] {
             for output in ["input_ready_o", "output_valid_o", "opcode_o"] {
-                // Where nothing can wait inside, whether a beat may enter depends on whose it is.
+                // If no job can wait inside, the ready of a beat depends on its operation.
                 let expected = (output, input) == ("input_ready_o", "opcode_i")
                     && config.microarchitecture.control == Control::Credit
                     && loops(config);
@@ -43,7 +43,7 @@ fn loops(config: Config) -> bool {
     config.semantics.lanes != Lanes::None && config.microarchitecture.unit_latency != UnitLatency::One
 }
 
-/// Inputs and outputs are registered: no output port follows from the sink's ready, nor ready from any input port.
+/// Inputs and outputs are registered: no output port depends on the sink's ready, and ready depends on no input port.
 #[test]
 fn no_port_passes_through() {
     let datapath = Datapath::new(Config::default()).unwrap();
@@ -62,8 +62,8 @@ fn no_port_passes_through() {
     }
 }
 
-/// For contrast, a stage with one register, whose ready is the sink's ready or an empty register: the question can be
-/// answered with yes.
+/// Negative control: a stage with one register, whose ready is the sink's ready or an empty register, has such a
+/// path.
 #[test]
 fn a_stage_without_a_skid_register_has_such_a_path() {
     let m = Builder::new("one_register");

@@ -1,5 +1,5 @@
-//! The original's four accumulator faults (NOTES.md, Faults), each with the numbers given there: here not reproduced,
-//! under either rule set. A beat of these adds 16: sixteen lanes of (1 − 0)².
+//! The four accumulator faults of the original hardware: raypath reproduces none of them, under either rule set. A beat
+//! of these tests adds 16: sixteen lanes of (1 − 0)².
 
 use crate::answers::with_netlist;
 use raypath::engine::{CycleEngine, Engine};
@@ -22,7 +22,7 @@ fn ray() -> Ray<Binary32> {
     Ray::new([0.0; 3], [0.0, 0.0, 1.0], 9.0).unwrap()
 }
 
-/// Every engine that knows time, under both rule sets, each from a reset on.
+/// Every engine with a clock, under both rule sets, each after a reset.
 fn on_engines(scenario: impl Fn(&mut dyn Engine)) {
     for rules in [Rules::Paper, Rules::Chisel] {
         scenario(&mut CycleEngine::new(Functional::new(rules), &Shape::default()));
@@ -30,7 +30,7 @@ fn on_engines(scenario: impl Fn(&mut dyn Engine)) {
     }
 }
 
-/// Offers what is on the ports until it is accepted.
+/// Offers the job on the ports until it is accepted.
 fn offer(engine: &mut dyn Engine, output_ready: bool) -> Option<Outcome> {
     let shown = engine.cycle(true, output_ready);
     assert!(shown.input_ready);
@@ -67,7 +67,7 @@ fn fault_1_other_jobs_add_nothing_32_not_1032() {
                 offer(engine, true);
                 let mut thousand = [0.0; 16];
                 thousand[0] = 1000.0;
-                // Ports keep what they had: a[0], mask and reset are there while the other job is offered.
+                // Ports keep their values: a[0], mask and reset are present while the other job is offered.
                 engine.present(&beat(thousand, reset_left_behind));
                 engine.present(&between);
                 offer(engine, true);
@@ -79,7 +79,7 @@ fn fault_1_other_jobs_add_nothing_32_not_1032() {
     }
 }
 
-/// Any job that is not angular zeroed the original's angular sums.
+/// In the original, any job that is not angular cleared the angular sums.
 #[test]
 fn fault_1_other_jobs_do_not_clear_angular_sums() {
     let angular = Job::from_ports(raypath::ops::JobKind::Angular, |name| match name {
@@ -119,7 +119,7 @@ fn fault_2_bubbles_add_nothing_32_not_112() {
     }
 }
 
-/// Forty beats; the sink refuses for a long time when the pipeline has begun to give.
+/// Forty beats; the sink is not ready for a long time after the first outcomes.
 #[test]
 fn fault_3_a_stall_adds_nothing_640_not_1376() {
     for stall_begins in [0, 5, 13, 20, 30] {
@@ -141,7 +141,7 @@ fn fault_3_a_stall_adds_nothing_640_not_1376() {
     }
 }
 
-/// Wherever the first job's beats are when the reset comes, the next job begins at zero, and nothing stale comes out.
+/// After a reset with the first job's beats at any position, the next job starts from zero, and no old outcome appears.
 #[test]
 fn fault_4_a_reset_in_mid_job_clears_all_16_not_320() {
     for cycles_before_reset in 1..40 {

@@ -8,14 +8,14 @@ pub fn rng(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
 }
 
-/// Where numbers come from.
+/// A distribution of numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Numbers {
     /// Few small integers: ties, cancellation to zero, flat boxes.
     SmallIntegers,
     /// Uniform in [-1, 1]: rounding in every operation.
     Unit,
-    /// Any exponent, subnormal and overflowing ones included.
+    /// Any exponent, including subnormal and overflowing numbers.
     WideExponents,
     /// Zeros, infinities, NaNs with payloads, extremes, among small integers.
     Specials,
@@ -46,7 +46,7 @@ impl Numbers {
             Self::Unit => unit(rng),
             Self::WideExponents => {
                 let bits = rng.random::<u32>();
-                // Most exponents are such that squares underflow or overflow now and then, not always.
+                // With most exponents, squares underflow or overflow sometimes, not always.
                 let exponent = if rng.random_bool(0.01) { rng.random_range(0..255) } else { rng.random_range(60..192) };
                 f32::from_bits(bits & 0x807f_ffff | exponent << 23)
             }
@@ -57,13 +57,13 @@ impl Numbers {
     }
 }
 
-/// Uniform in [-1, 1], with 24 significant bits however small: drawn as binary32 it would be a multiple of 2^-23, and
-/// sums would not round.
+/// Uniform in [-1, 1], with 24 significant bits for small numbers too. A number drawn as binary32 would be a multiple
+/// of 2^-23, and sums would not round.
 fn unit(rng: &mut ChaCha8Rng) -> f32 {
     rng.random_range(-1.0..=1.0_f64) as f32
 }
 
-/// A job whose every field is random for itself: of a ray, nothing follows from its direction.
+/// A job whose fields are independent random numbers; no field of a ray is derived from its direction.
 pub fn any_job(kind: JobKind, numbers: Numbers, rng: &mut ChaCha8Rng) -> Job {
     // With few lanes, numbers of any size seldom overflow.
     let lanes_on = [0.1, 0.8, 1.0][rng.random_range(0..3)];
@@ -75,7 +75,7 @@ pub fn any_job(kind: JobKind, numbers: Numbers, rng: &mut ChaCha8Rng) -> Job {
     })
 }
 
-/// A ray at four boxes or a triangle, as a renderer makes them: many are hit.
+/// A ray at four boxes or a triangle as in a renderer; many are hit.
 pub fn scene_job(rng: &mut ChaCha8Rng) -> Job {
     let mut point = |range: f32| -> [f32; 3] { std::array::from_fn(|_| range * unit(rng)) };
     let origin = point(4.0);
@@ -94,7 +94,7 @@ pub fn scene_job(rng: &mut ChaCha8Rng) -> Job {
     }
 }
 
-/// All modes, all sorts of numbers, freely mixed.
+/// All operations and all distributions, mixed.
 pub fn mixed_jobs(count: usize, seed: u64) -> Vec<Job> {
     let mut rng = rng(seed);
     (0..count)

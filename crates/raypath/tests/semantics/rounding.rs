@@ -1,4 +1,4 @@
-//! Where operations round: each as Table VII says, in its order, and nowhere fused (see `oracle`).
+//! Rounding: each operation in the order of Table VII, and none fused (see `oracle`).
 
 use crate::answers::{answers, numbers};
 use crate::oracle::{Oracle, TriangleSteps, add, mul, sub};
@@ -14,7 +14,7 @@ fn check(jobs: &[Job]) -> Vec<Outcome> {
     outcomes
 }
 
-/// Each kind of job with each sort of number.
+/// Each operation with each distribution of numbers.
 #[test]
 fn every_job_rounds_step_by_step() {
     for (seed, numbers_from) in Numbers::ALL.into_iter().enumerate() {
@@ -23,7 +23,7 @@ fn every_job_rounds_step_by_step() {
             let jobs: Vec<Job> = (0..2000).map(|_| any_job(kind, numbers_from, &mut rng)).collect();
             let outcomes = check(&jobs);
             let finite = outcomes.iter().filter(|o| numbers(o).iter().any(|&x| f32::from(x).is_finite())).count();
-            // Distances of raw bits are soon infinite or NaN until the next reset.
+            // Sums of random bits soon become infinite or NaN until the next reset.
             assert!(finite > 20, "{kind} from {numbers_from:?}: {finite} answers are finite");
         }
     }
@@ -49,7 +49,7 @@ fn all_modes_mixed_round_step_by_step() {
     check(&mixed_jobs(15_000, 9));
 }
 
-/// The tests above would tell another order of additions, or a fused product, from Table VII.
+/// Negative control: the tests above detect another order of additions and a fused product.
 #[test]
 fn another_order_of_operations_rounds_otherwise() {
     let mut rng = rng(10);
@@ -62,7 +62,7 @@ fn another_order_of_operations_rounds_otherwise() {
     assert!(reordered > 200 && fused > 200, "{reordered} {fused}");
 }
 
-/// The oracle itself, where the answer is known: the triangle with corners at depth 2 of which 1/3 is on each side.
+/// The oracle for a known outcome: the triangle with corners at depth 2 of which 1/3 is on each side.
 #[test]
 fn the_oracle_is_right_where_the_answer_is_known() {
     assert_eq!(add(16_777_216.0, 1.0), 16_777_216.0, "a tie goes to even");

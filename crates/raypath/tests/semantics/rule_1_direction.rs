@@ -3,7 +3,7 @@
 use crate::answers::{Box32, INF, Ray32, at, entry, ray};
 use raypath::ops::{Aabb, Rules};
 
-/// A ray that runs along z and stands still along `axis`: its direction there is `dir`, its inverse `inv`.
+/// A ray along z that does not move along `axis`: its direction there is `dir`, its inverse `inv`.
 fn still(axis: usize, dir: f32, inv: f32) -> Ray32 {
     let [mut dirs, mut invs] = [[0.0, 0.0, 0.0], [INF, INF, INF]];
     let forward = if axis == 2 { 0 } else { 2 };
@@ -21,7 +21,7 @@ fn minus_zero_swaps_so_that_a_box_around_the_origin_is_hit() {
     for axis in 0..3 {
         let backwards = still(axis, -0.0, -INF);
         assert_eq!(entry(Rules::Paper, backwards, around_origin()), at(0.0), "axis {axis}");
-        // The original compares with zero, does not swap, and takes near = +∞, far = −∞.
+        // The original compares with zero and does not exchange: near = +∞, far = −∞.
         assert_eq!(entry(Rules::Chisel, backwards, around_origin()), None, "axis {axis}");
     }
 }
@@ -50,7 +50,7 @@ fn all_directions_of_zeros_and_ones_hit_a_box_around_the_origin() {
     }
 }
 
-/// Slab distances on the axis are (2 − 0)·inv and (3 − 0)·inv: in order only if the swap follows the sign of inv.
+/// Slab distances on the axis are (2 − 0)·inv and (3 − 0)·inv: in order only if the exchange follows the sign of inv.
 #[test]
 fn the_sign_of_inv_decides_where_dir_says_otherwise() {
     for axis in 0..3 {
@@ -58,7 +58,7 @@ fn the_sign_of_inv_decides_where_dir_says_otherwise() {
             (-1.0, 1.0, Rules::Paper, at(2.0)),
             (-0.0, 1.0, Rules::Paper, at(2.0)),
             (f32::NAN, 1.0, Rules::Paper, at(2.0)),
-            // The original swaps by dir < 0 and by a NaN: near 3, far 2.
+            // The original exchanges for dir < 0 and for a NaN: near 3, far 2.
             (-1.0, 1.0, Rules::Chisel, None),
             (f32::NAN, 1.0, Rules::Chisel, None),
             (-0.0, 1.0, Rules::Chisel, at(2.0)),
@@ -85,7 +85,7 @@ fn the_sign_of_inv_decides_where_dir_says_otherwise() {
     }
 }
 
-/// inv = −0 comes from an infinite direction; its sign bit swaps too.
+/// inv = −0 comes from an infinite direction; its sign bit exchanges too.
 #[test]
 fn the_smallest_magnitudes_have_signs() {
     for axis in 0..3 {

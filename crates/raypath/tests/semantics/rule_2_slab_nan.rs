@@ -1,4 +1,4 @@
-//! Ruling 2: a slab distance that is NaN drops out of max and min; a zero tmin is +0.0.
+//! Ruling 2: max and min ignore a slab distance that is NaN; a zero tmin is +0.0.
 
 use crate::answers::{INF, Ray32, at, entry, ray, slabs};
 use raypath::ops::{Aabb, Rules};
@@ -10,7 +10,7 @@ fn along_z(x: f32, y: f32, zeros: [f32; 2]) -> Ray32 {
 
 const SIGNS: [[f32; 2]; 4] = [[0.0, 0.0], [0.0, -0.0], [-0.0, 0.0], [-0.0, -0.0]];
 
-/// The unit cube [0, 1]³ is closed: its faces and edges are inside, whichever zero the direction has.
+/// The unit cube [0, 1]³ is closed: its faces and edges are inside, for either zero of the direction.
 #[test]
 fn a_ray_in_a_face_or_an_edge_is_inside() {
     let cube = Aabb::new([0.0; 3], [1.0; 3]);
@@ -29,7 +29,7 @@ fn a_ray_in_a_face_or_an_edge_is_inside() {
     }
 }
 
-/// The same along every axis, so that 0·∞ comes up in near and far distances of x, y and z.
+/// The same along every axis, so that 0·∞ occurs in near and far distances of x, y and z.
 #[test]
 fn a_ray_in_a_face_is_inside_along_every_axis() {
     let cube = Aabb::new([0.0; 3], [1.0; 3]);
@@ -77,7 +77,7 @@ fn a_flat_box_is_hit_by_a_ray_in_its_plane() {
     }
 }
 
-/// Every set of NaNs among the six distances. The others are 1, 2, 3 and 7, 6, 5, so that each set has its own answer.
+/// Every set of NaNs among the six distances. The others are 1, 2, 3 and 7, 6, 5, so that each set has its own outcome.
 #[test]
 fn each_nan_drops_out_alone_and_in_every_company() {
     for set in 0..64_u32 {
@@ -95,7 +95,7 @@ fn each_nan_drops_out_alone_and_in_every_company() {
     }
 }
 
-/// tmax is not an output. A box entered exactly there is hit, one entered just after it is not.
+/// tmax is not an output: a box entered exactly at tmax is hit, one entered just after it is not.
 #[test]
 fn each_nan_drops_out_of_tmax_too() {
     for set in 0..16_u32 {
@@ -131,7 +131,7 @@ fn all_six_distances_nan_by_zero_times_infinity() {
     }
 }
 
-/// NaN can come from ∞ − ∞ and from a NaN that enters, too; payload and sign do not matter.
+/// NaN also comes from ∞ − ∞ and from a NaN input; payload and sign do not matter.
 #[test]
 fn any_nan_drops_out() {
     for bits in [0x7fc0_0000, 0xffc0_0000, 0x7f80_0001, 0xffff_ffff] {
@@ -166,7 +166,7 @@ fn a_zero_tmin_is_plus_zero() {
     }
 }
 
-/// The near distance is −0 by arithmetic, 0·(−1), where the ray starts on the face that it looks away from.
+/// The near distance is −0 by arithmetic, 0·(−1), if the ray starts on the face that it leaves.
 #[test]
 fn a_ray_that_starts_on_a_face_and_looks_back_enters_at_plus_zero() {
     let cube = Aabb::new([0.0; 3], [1.0; 3]);

@@ -1,4 +1,4 @@
-//! Ruling 3: tmax is bounded by the ray's extent.
+//! Ruling 3: tmax is limited by the ray's extent.
 
 use crate::answers::{INF, Ray32, at, entry, ray, slabs};
 use raypath::ops::{Aabb, Rules};
@@ -19,7 +19,7 @@ fn a_box_is_hit_if_it_is_entered_within_the_extent() {
                 let (ray, aabb) = slabs(near, [2e30; 3], extent);
                 assert_eq!(entry(Rules::Paper, ray, aabb), expected, "distance {distance:e}, extent {extent:e}");
             }
-            // The original is strict: an extent that just reaches the box misses it.
+            // The original is strict: a ray whose extent just reaches the box misses it.
             let (ray, aabb) = slabs(near, [2e30; 3], distance);
             assert_eq!(entry(Rules::Chisel, ray, aabb), None);
         }

@@ -1,4 +1,4 @@
-//! Ruling 4: tmin ≤ tmax is a hit, so that flat boxes and touched corners are; a comparison with NaN is false.
+//! Ruling 4: tmin ≤ tmax is a hit, so flat boxes and touched corners are hit; a comparison with NaN is false.
 
 use crate::answers::{INF, Ray32, at, entry, ray, slabs};
 use raypath::ops::{Aabb, Rules};
@@ -19,7 +19,7 @@ fn flat_boxes_are_hit() {
     }
 }
 
-/// Rays in the diagonals' directions that touch the cube [0, 1]³ in one corner, or pass it by the least step.
+/// Rays along the diagonals that touch the cube [0, 1]³ in one corner, or pass it at the smallest distance.
 #[test]
 fn a_touched_edge_or_corner_is_hit() {
     let cube = Aabb::new([0.0; 3], [1.0; 3]);
@@ -50,7 +50,7 @@ fn tmin_equal_to_tmax_in_every_pair_of_axes() {
     }
 }
 
-/// tmax is a NaN only where all that bounds it is (tmin never is: zero bounds it).
+/// tmax is a NaN only if all its operands are. (tmin is never a NaN, because zero is one of its operands.)
 #[test]
 fn a_comparison_with_nan_is_false() {
     let (ray, aabb) = slabs([-1.0; 3], [f32::NAN; 3], 1.0);
@@ -58,9 +58,8 @@ fn a_comparison_with_nan_is_false() {
     assert_eq!(entry(Rules::Paper, Ray32 { extent: f32::NAN.into(), ..ray }, aabb), None);
 }
 
-/// The letter of the rules where geometry says otherwise: beside the box, in a direction that is 0 there, both distances
-/// are +∞; and if all else that bounds tmax is +∞ as well, ∞ ≤ ∞ is a hit. A finite bound or extent makes it the miss
-/// that it is.
+/// A case in which the rules differ from geometry: beside the box, along an axis with direction 0, both distances are
+/// +∞; if all other operands of tmax are +∞ too, ∞ ≤ ∞ is a hit. With a finite bound or extent it is a miss.
 #[test]
 fn infinity_is_not_greater_than_infinity() {
     let beside = |z: f32| Aabb::new([1.0, -1.0, -1.0], [2.0, 1.0, z]);

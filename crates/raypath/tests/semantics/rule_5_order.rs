@@ -8,13 +8,13 @@ fn short_ray() -> Ray32 {
     ray([0.0; 3], [0.0, 0.0, 2f32.powi(-126)], INF)
 }
 
-/// A box that the ray enters at this distance. That +∞ is a distance which binary32 cannot hold, yet the ray hits.
+/// A box that the ray enters at this distance; +∞ stands for a hit whose distance overflows binary32.
 fn box_at(distance: f32) -> Box32 {
     let z = if distance == INF { 1024.0 } else { distance * 2f32.powi(-126) };
     Aabb::new([-1.0, -1.0, z], [1.0, 1.0, 4096.0])
 }
 
-/// Missed: beside the ray, though `depth` along it, or behind its origin.
+/// A box that is missed: beside the ray at the distance `depth`, or behind its origin.
 fn missed_at(depth: Option<f32>) -> Box32 {
     match depth {
         Some(depth) => Aabb::new([2.0, 2.0, depth * 2f32.powi(-126)], [3.0, 3.0, 4.0 * 2f32.powi(-126)]),
@@ -22,7 +22,7 @@ fn missed_at(depth: Option<f32>) -> Box32 {
     }
 }
 
-/// The order by the text: a stable sort, by index to begin with.
+/// The order of the rule: a stable sort of the boxes in the order of their indices.
 fn expected(distances: [Option<f32>; 4]) -> Hits {
     let mut places = [0, 1, 2, 3];
     places.sort_by(|&a, &b| match (distances[a], distances[b]) {
@@ -36,7 +36,7 @@ fn expected(distances: [Option<f32>; 4]) -> Hits {
     }
 }
 
-/// All 7⁴ quadruples: so all 24 orders of distinct distances, all tie patterns, and misses in every company.
+/// All 7⁴ quadruples: all 24 orders of distinct distances, all patterns of ties, and misses among all of them.
 #[test]
 fn every_order_of_distances_ties_and_misses() {
     const CHOICES: [Option<f32>; 7] = [Some(0.0), Some(1.0), Some(2.0), Some(3.0), Some(INF), None, None];
@@ -92,7 +92,7 @@ fn misses_report_infinity_and_stand_in_index_order() {
     assert_eq!(found, Hits { hit: [false; 4], tmin: [INF.to_bits(); 4], index: [0, 1, 2, 3] });
 }
 
-/// The distance overflows, and the box is hit all the same: it stands before every miss, whose +∞ means nothing.
+/// A hit whose distance overflows is sorted before every miss, whose tmin is +∞ too.
 #[test]
 fn a_hit_at_infinity_stands_before_misses() {
     for place in 0..4 {

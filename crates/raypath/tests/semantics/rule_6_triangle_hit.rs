@@ -1,6 +1,6 @@
 //! Ruling 6: U ≥ 0, V ≥ 0, W ≥ 0, t_denom ≠ 0 and t_num > 0; any NaN is a miss.
 //!
-//! The ray runs from 0 along z without shear, so that a vertex's x and y enter U, V, W as they are and its z is its
+//! The ray starts at 0 and points along z without shear, so a vertex's x and y enter U, V, W unchanged and its z is its
 //! depth.
 
 use crate::answers::{INF, answer, answers, ray};
@@ -17,7 +17,7 @@ const FRONT: Vertices = [[-1.0, -1.0, 1.0], [0.0, 1.0, 1.0], [1.0, -1.0, 1.0]];
 
 fn job([a, b, c]: Vertices) -> RayTriangleInput<raypath::ops::Binary32> {
     let mut ray = ray([0.0; 3], [0.0, 0.0, 1.0], INF);
-    // Zero shear could still make −0 of −0 − 0·z or NaN of 0·∞: an infinite depth is its own test.
+    // With zero shear, −0 − 0·z can be −0 and 0·∞ is NaN: infinite depths have their own test.
     ray.shear = [0.0, 0.0, 1.0].into();
     RayTriangleInput { ray, triangle: Triangle::new(a, b, c) }
 }
@@ -31,7 +31,7 @@ fn steps(vertices: Vertices) -> TriangleSteps {
     TriangleSteps::of(&job(vertices))
 }
 
-/// The same triangle begun at each vertex: what is true of U becomes true of V, and of W.
+/// The same triangle starting at each vertex, so that a case for U is also a case for V and for W.
 fn rotations(vertices: Vertices) -> [Vertices; 3] {
     let [a, b, c] = vertices;
     [[a, b, c], [c, a, b], [b, c, a]]
@@ -52,7 +52,7 @@ fn a_front_face_is_hit_and_a_back_face_missed() {
     }
 }
 
-/// The ray passes through edge BC: U is a zero of either sign, both count.
+/// The ray passes through edge BC: U is a zero of either sign, and both are hits.
 #[test]
 fn an_edge_is_hit_whichever_zero_it_gives() {
     let plus = [[-1.0, 0.0, 1.0], [0.0, 2.0, 1.0], [0.0, -1.0, 1.0]];
@@ -104,7 +104,7 @@ fn any_negative_edge_misses() {
             assert!(!is_hit(Rules::Chisel, vertices));
         }
     }
-    // By the least negative number: U = −2^-149.
+    // By the smallest negative number: U = −2^-149.
     let tiny = f32::from_bits(1);
     let grazing = [[-1.0, 0.0, 1.0], [-tiny, 1.0, 1.0], [0.0, -1.0, 1.0]];
     for (i, vertices) in rotations(grazing).into_iter().enumerate() {
@@ -164,7 +164,7 @@ fn only_a_positive_t_num_hits() {
 fn a_nan_t_num_misses_but_hits_in_the_original() {
     let mut input = job(FRONT);
     for place in 0..3 {
-        // Shear NaN-free: x and y do not read depth, for their shear is set so that 0·z stays 0. Depth overflows in Sz·z.
+        // x and y are no NaN, because their shear of 0 times z stays 0. The depth overflows in Sz·z.
         input.ray.shear = [0.0, 0.0, f32::MAX].into();
         let mut vertices = at_depth(2.0, FRONT);
         vertices[place][2] = -2.0;
@@ -205,7 +205,7 @@ fn infinite_edges_and_depths_are_no_nan_and_can_hit() {
     assert!(!is_hit(Rules::Paper, at_depth(-1.0, wide)), "t_num is −∞");
 }
 
-/// The rule itself over U, V, W, t_num and t_denom of all sorts, and every one of its conditions the only one to fail.
+/// The rule for all classes of U, V, W, t_num and t_denom, with each condition as the only one that fails.
 #[test]
 fn the_rule_over_zeros_nans_and_infinities() {
     let mut rng = rng(6);
@@ -229,7 +229,7 @@ fn the_rule_over_zeros_nans_and_infinities() {
                 [u >= 0.0, v >= 0.0, w >= 0.0, t_denom != 0.0, t_num > 0.0, !t_num.is_nan()].map(|holds| !holds);
             match failing.iter().filter(|&&fails| fails).count() {
                 0 => decided_by[6] += 1,
-                // A NaN t_num fails two conditions in one.
+                // A NaN t_num fails two conditions.
                 1 | 2 => (0..6).filter(|&i| failing[i]).for_each(|i| decided_by[i] += 1),
                 _ => {}
             }

@@ -1,4 +1,4 @@
-//! Ruling 7: a masked-off lane contributes +0.0 whatever it holds.
+//! Ruling 7: a masked-off lane contributes +0.0 for any contents.
 
 use crate::answers::answers;
 use raypath::ops::{AngularInput, Beat, EuclideanInput, Flags, Job, Num, Outcome, Rules};
@@ -24,7 +24,7 @@ fn sums(outcome: &Outcome) -> Vec<u32> {
     crate::answers::numbers(outcome).into_iter().map(Num::to_bits).collect()
 }
 
-/// One lane at a time holds something, in a, in b, or in both; the others are 3 and 1.
+/// One masked-off lane at a time has such a number in a, in b, or in both; the others are 3 and 1.
 #[test]
 fn a_masked_off_lane_counts_for_nothing() {
     let (three, one) = (3f32.to_bits(), 1f32.to_bits());
@@ -92,7 +92,7 @@ fn mask_bit_i_is_lane_i() {
     assert_eq!(found, expected);
 }
 
-/// A lane that counts is not protected: its NaN and infinities are in the sum.
+/// A lane that is not masked off contributes its NaN and infinities to the sum.
 #[test]
 fn a_lane_that_counts_contributes_what_it_holds() {
     for lane in 0..8 {

@@ -1,4 +1,4 @@
-//! Ruling 8: t_num and t_denom are reported whether or not the triangle is hit; an axis index of 3 reads z.
+//! Ruling 8: t_num and t_denom are reported for hits and misses; an axis index of 3 reads z.
 
 use crate::answers::{INF, answer, answers, ray};
 use crate::random::{Numbers, any_job, rng};
@@ -24,7 +24,7 @@ fn a_miss_reports_its_distance() {
     }
 }
 
-/// Any job answers the same with 3 in place of 2, for each of kx, ky and kz.
+/// Any job has the same outcome with 3 in place of 2, for each of kx, ky and kz.
 #[test]
 fn axis_3_reads_z() {
     let mut rng = rng(8);
@@ -54,7 +54,7 @@ fn axis_3_reads_z() {
     assert!(differ_from_x > 500, "x would have been told from z: {differ_from_x}");
 }
 
-/// Extent binds boxes, not triangles: the division that would tell is done outside.
+/// The extent limits boxes, not triangles, because the division is outside the datapath.
 #[test]
 fn extent_is_not_tested_by_triangle_jobs() {
     let triangle = Triangle::new([-1.0, -1.0, 9.0], [0.0, 1.0, 9.0], [1.0, -1.0, 9.0]);

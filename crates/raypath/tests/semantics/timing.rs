@@ -1,4 +1,4 @@
-//! §2 and §3: latency 12, one job a cycle, 24 jobs while the sink refuses, outputs that hold.
+//! Latency 12, one job per cycle, 24 jobs while the sink is not ready, stable outputs.
 
 use crate::answers::with_netlist;
 use crate::random::mixed_jobs;
@@ -52,7 +52,7 @@ fn a_job_enters_and_leaves_in_every_cycle() {
     });
 }
 
-/// 24 jobs go in while the sink refuses, not one more; the output holds; then all come out in order, one a cycle.
+/// Exactly 24 jobs enter while the sink is not ready; the output is stable; then all leave in order, one per cycle.
 #[test]
 fn twenty_four_jobs_wait_for_the_sink() {
     let jobs = mixed_jobs(60, 13);
@@ -67,7 +67,7 @@ fn twenty_four_jobs_wait_for_the_sink() {
             accepted += usize::from(shown.input_ready);
         }
         assert_eq!(accepted, CAPACITY);
-        // Whatever the source shows without being accepted goes nowhere.
+        // A job that is not accepted has no effect.
         for waiting in &jobs[30..40] {
             engine.present(waiting);
             assert!(!engine.cycle(true, false).input_ready);
@@ -79,7 +79,7 @@ fn twenty_four_jobs_wait_for_the_sink() {
     });
 }
 
-/// After a full stall the pipeline is again as fast as before, once the gaps have passed.
+/// After a full stall the pipeline reaches its full throughput again, once the bubbles have left.
 #[test]
 fn full_throughput_returns_after_a_stall() {
     let jobs = mixed_jobs(200, 14);
@@ -103,7 +103,8 @@ fn full_throughput_returns_after_a_stall() {
     });
 }
 
-/// A sink that takes every other cycle gets every other cycle's worth, in order, and each output holds until taken.
+/// A sink that is ready in every other cycle gets an outcome each time, in order, and each outcome is stable until
+/// taken.
 #[test]
 fn outputs_hold_until_they_are_taken() {
     let jobs = mixed_jobs(50, 15);

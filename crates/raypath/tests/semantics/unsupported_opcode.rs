@@ -1,4 +1,4 @@
-//! §4: an opcode that a configuration does not support flows through like any other and yields all-zero results.
+//! A job whose opcode is not configured passes through like any other, and all its outputs are zero.
 
 use crate::random::{mixed_jobs, rng};
 use rand::RngExt;
@@ -32,7 +32,7 @@ fn present(simulator: &mut Simulator, job: &Job) {
     }
 }
 
-/// All output ports but the handshake's, by name.
+/// All output ports except those of the handshake, by name.
 fn results(simulator: &Simulator) -> Vec<(String, u64)> {
     let names = simulator.module().outputs().iter().map(|port| port.name.clone());
     let results = names.filter(|name| !["input_ready_o", "output_valid_o", "opcode_o"].contains(&name.as_str()));
@@ -47,7 +47,7 @@ fn ports_of_modes_that_are_off_do_not_exist() {
     assert!(!ports.any(|port| port.name.starts_with("euclidean") || port.name.starts_with("angular")));
 }
 
-/// Opcodes of all sorts follow one another, their ports full of numbers of jobs that are hit.
+/// All opcodes in random order, with ports that belong to jobs with hits.
 #[test]
 fn unsupported_opcodes_yield_zeros_after_twelve_cycles() {
     let mut simulator = without_distances();
@@ -61,7 +61,7 @@ fn unsupported_opcodes_yield_zeros_after_twelve_cycles() {
     let mut sent: Vec<u64> = Vec::new();
     let (mut unsupported, mut not_zero) = (0, 0);
     for (cycle, job) in rays.iter().enumerate() {
-        // Both kinds of job are on the ports at once, so that a result that is not gated would show.
+        // The ports have both jobs at once, so that an output without gating would be visible.
         present(&mut simulator, job);
         let opcode = rng.random_range(0..4);
         set(&mut simulator, "opcode_i", opcode);

@@ -1,4 +1,4 @@
-//! Nothing to say about any configuration, from anyone, with no waiver in the text.
+//! Three linters report nothing about any configuration, and the text contains no waiver.
 
 use crate::representatives::REPRESENTATIVES;
 use raypath::ops::Rules;
@@ -19,7 +19,7 @@ fn presets_and_representatives_are_clean() {
     }
 }
 
-/// Verilator, which finds the most, for all of Table VI.
+/// Verilator, the strictest linter, for all of Table VI.
 #[test]
 fn all_of_table_vi_is_clean() {
     for config in table_vi() {
@@ -58,7 +58,7 @@ fn sources(config: Config) -> (tempfile::TempDir, Sources) {
     (folder, sources)
 }
 
-/// All three of the files that `generate` writes, as its list names them.
+/// All three linters on the files that `generate` lists.
 #[test]
 fn what_generate_writes_is_clean() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -77,7 +77,7 @@ fn what_generate_writes_is_clean() {
     lint_slang(&bound).expect("clean assertions");
 }
 
-/// The linters find what they are there for.
+/// Negative control: each linter reports a fault.
 #[test]
 fn linters_find_fault() {
     let folder = tempfile::tempdir().expect("a folder");

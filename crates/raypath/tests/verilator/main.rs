@@ -1,4 +1,4 @@
-//! What is printed, held against independent tools: Verilator simulates it, and three front ends read it.
+//! The printed text in independent tools: Verilator simulates it, and three linters read it.
 
 mod lint;
 mod properties;

@@ -1,9 +1,9 @@
-//! The assertions that `generate` writes, in Verilator: silent on the design, not on one with a fault.
+//! The assertions of `generate` in Verilator: they hold in the design, and fail in a design with a fault.
 
 use raypath::rtl::{Config, Datapath, Lanes};
 use raypath_tools::{Options, Sources, ToolError, Verilated};
 
-/// 500 cycles with stalls and bubbles; data do not matter. With `fault`, a text of `raypath_skid` becomes another.
+/// Runs 500 cycles with stalls and bubbles and arbitrary data. `fault` replaces a text in `raypath_skid`.
 fn simulate(fault: Option<(&str, &str)>) -> Result<(), ToolError> {
     let config = Config::DEFAULT.lanes(Lanes::None).format("fp16".parse().expect("a format"));
     let datapath = Datapath::new(config).expect("a datapath");
@@ -23,7 +23,7 @@ fn simulate(fault: Option<(&str, &str)>) -> Result<(), ToolError> {
     let frames = (0..500).map(|_| {
         let mut frame = vec![1];
         for port in top.inputs() {
-            // Numbers of Knuth's 64-bit generator; its upper bits are the better ones.
+            // Knuth's 64-bit linear congruential generator; its upper bits are used.
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             frame.push((state >> 33) & (u64::MAX >> (64 - top.signal(port.signal).width)));
         }

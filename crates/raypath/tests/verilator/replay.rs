@@ -1,4 +1,4 @@
-//! The printed datapath, in Verilator, in every cycle like the cycle-exact model; so the golden vectors hold there too.
+//! The printed datapath in Verilator equals the cycle-exact model in every cycle.
 
 use crate::recorded::golden;
 use crate::representatives::REPRESENTATIVES;
@@ -24,7 +24,7 @@ fn build(config: Config) -> (tempfile::TempDir, Datapath, Verilated) {
     (folder, datapath, verilated)
 }
 
-/// Runs cycles in Verilator and gives the number of those that differ from the model's.
+/// Runs cycles in Verilator and returns the number that differs from the model.
 fn faults(verilated: &Verilated, top: &Module, cycles: Vec<Cycle<impl OnPorts>>) -> usize {
     let (inputs, expected): (Vec<_>, Vec<_>) = cycles.into_iter().map(|cycle| (cycle.inputs, cycle.expected)).unzip();
     let mut faults = 0;
@@ -67,7 +67,7 @@ fn golden_vectors() {
         let outcomes: Vec<Outcome> = stream.iter().map(|transaction| transaction.expected).collect();
         assert_eq!(faults_of(&jobs, &outcomes, traffic), 0);
     }
-    // The comparison can fail: one wrong bit in the record is found.
+    // Negative control: one wrong bit in the record is found.
     let jobs: Vec<Job> = recorded[..100].iter().map(|transaction| transaction.job).collect();
     let mut outcomes: Vec<Outcome> = recorded[..100].iter().map(|transaction| transaction.expected).collect();
     let ports = outcomes[60].ports();

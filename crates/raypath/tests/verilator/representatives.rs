@@ -1,4 +1,4 @@
-//! Configurations that have among them every value of every parameter.
+//! Configurations that together contain every value of every parameter.
 
 use raypath::format::Format;
 use raypath::ops::Rules;
@@ -6,7 +6,7 @@ use raypath::rtl::{Config, Control, Encoding, Lanes, PARAMETER_GROUPS, Sharing, 
 
 const DEFAULT: Config = Config::DEFAULT;
 
-/// None is like another in more than half of its parameters; the default and `lanes none` stand beside them.
+/// No two of these share more than half of their parameters. Tests add the default and `lanes none`.
 pub const REPRESENTATIVES: [Config; 6] = [
     DEFAULT.lanes(Lanes::Two).io(Encoding::Recoded).registers(Encoding::Ieee).control(Control::Credit),
     DEFAULT.lanes(Lanes::Four).io(Encoding::Recoded).sharing(Sharing::Segregated).unit_latency(UnitLatency::Two),
@@ -22,7 +22,7 @@ pub const REPRESENTATIVES: [Config; 6] = [
     DEFAULT.lanes(Lanes::None).rules(Rules::Chisel).control(Control::Credit),
 ];
 
-/// The list is what it says.
+/// Checks the claim of the list.
 #[test]
 fn every_value_of_every_parameter_is_represented() {
     let all = || REPRESENTATIVES.into_iter().chain([DEFAULT]);
