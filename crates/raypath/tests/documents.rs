@@ -1,4 +1,4 @@
-//! Documents that must keep up with the code.
+//! Tables in the documents that are compared with the code.
 
 use raypath::oracle::registered;
 use raypath::rtl::{Config, PARAMETER_GROUPS};
@@ -9,9 +9,9 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Every dependency is defended by name in `docs/development/dependencies.md`, and nothing else is.
+/// `docs/development/dependencies.md` has a row for every dependency, and no other rows.
 #[test]
-fn every_dependency_is_defended() {
+fn every_dependency_has_a_reason() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut used = BTreeSet::new();
     for entry in fs::read_dir(root.join("crates")).expect("crates") {
@@ -32,18 +32,18 @@ fn every_dependency_is_defended() {
     let document = fs::read_to_string(root.join("docs/development/dependencies.md")).expect("the document");
     let crates = document.split("## Programs").next().expect("the crates");
     let rows = crates.lines().filter(|line| line.starts_with("| `"));
-    let mut defended = BTreeSet::new();
+    let mut listed = BTreeSet::new();
     for row in rows {
         let names = row.split('|').nth(1).expect("a first column");
         let names: Vec<&str> = names.split('`').skip(1).step_by(2).filter(|name| !name.starts_with('=')).collect();
-        // `cranelift-jit`, `-module`: parts of one family are written short.
+        // `cranelift-jit`, `-module`: crates of one family share a row, with short names.
         let family = names[0].split_once('-').map_or(names[0], |(family, _)| family);
-        defended.extend(names.iter().map(|name| match name.starts_with('-') {
+        listed.extend(names.iter().map(|name| match name.starts_with('-') {
             true => format!("{family}{name}"),
             false => name.to_string(),
         }));
     }
-    assert_eq!(used, defended);
+    assert_eq!(used, listed);
 }
 
 /// The table of `docs/reference/operations.md` has the latency, units and flip-flops that are counted in the netlists.
@@ -61,7 +61,7 @@ fn the_table_of_operations_is_what_is_counted() {
         let added = registered().into_iter().find(|spec| spec.name() == name);
         let datapath = added.into_iter().fold(paper, |datapath, spec| datapath.with_any(spec.operation()));
         if !datapath.has(name) {
-            // Operations come and go with their files; what is left of them in a document misleads nobody's hardware.
+            // The file of an added operation may have been removed; its row is then not checked.
             continue;
         }
         let cost = Cost::of(&datapath, name).expect("it fits");
