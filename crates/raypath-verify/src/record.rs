@@ -8,7 +8,9 @@ mod table;
 
 pub use table::table;
 
-use crate::{Error, Item, Request, Verdict};
+use crate::error::Error;
+use crate::request::Request;
+use crate::verdict::{Item, Verdict};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;

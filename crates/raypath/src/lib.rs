@@ -32,5 +32,3 @@ pub use raypath_sim as sim;
 pub use raypath_sim::{configuration, engine, jobs, lockstep, models, traffic, transactions};
 pub use raypath_timing as timing;
 pub use raypath_timing::report;
-
-pub mod verify;

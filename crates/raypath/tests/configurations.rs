@@ -7,7 +7,7 @@ use raypath::lockstep::Everyday;
 use raypath::models::{PaperModel, Visitor, with_model};
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
-use raypath::verify::mutation::CONFIGS;
+use raypath_verify::mutation::CONFIGS;
 use std::path::Path;
 
 /// Configurations: every combination of these values.

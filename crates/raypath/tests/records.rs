@@ -1,7 +1,7 @@
 //! Records of verification runs, and the table that the documents have of them.
 
-use raypath::verify::ITEMS;
-use raypath::verify::record::{Record, root, table};
+use raypath_verify::ITEMS;
+use raypath_verify::record::{Record, root, table};
 use std::fs;
 use std::process::Command;
 

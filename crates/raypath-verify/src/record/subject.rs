@@ -1,6 +1,6 @@
 //! The subject of an item: the source text that its result depends on.
 
-use crate::Error;
+use crate::error::Error;
 use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::{Path, PathBuf};

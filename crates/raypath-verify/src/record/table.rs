@@ -1,7 +1,8 @@
 //! Records as a table of a document.
 
 use super::Record;
-use crate::{Error, Item};
+use crate::error::Error;
+use crate::verdict::Item;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -54,8 +55,8 @@ fn time(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::{table, time};
-    use crate::Item;
     use crate::record::{Record, subject};
+    use crate::verdict::Item;
     use std::collections::BTreeMap;
 
     const ITEM: Item = Item {

@@ -6,8 +6,8 @@ use crate::commands::numbers::whole;
 use crate::commands::progress;
 use clap::Args;
 use raypath::rtl::Config;
-use raypath::verify::record::Recorder;
-use raypath::verify::{Error, ITEMS, Item, Level, Request, Shard, Verdict};
+use raypath_verify::record::Recorder;
+use raypath_verify::{Error, ITEMS, Item, Level, Request, Shard, Verdict};
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
 fn verify(item: &Item, arguments: &Arguments, config: Config, recorder: Option<&Recorder>) -> Result<Verdict, Error> {
     let mut progress: Option<progress::Progress> = None;
     let mut reached = 0;
-    let mut watch = |step: raypath::verify::Progress| {
+    let mut watch = |step: raypath_verify::Progress| {
         reached = step.done as usize;
         progress.get_or_insert_with(|| progress::Progress::new(item.name, step.total as usize)).at(reached)
     };

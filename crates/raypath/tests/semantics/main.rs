@@ -31,4 +31,4 @@ mod rounding;
 mod timing;
 mod unsupported_opcode;
 
-use raypath::verify::oracle;
+use raypath_verify::oracle;

@@ -1,0 +1,83 @@
+//! Episodes: the independent parts of a campaign.
+
+use super::shrink::Trace;
+use crate::coverage::{Coverage, CoverageModel, JobPoints, Tracker};
+use crate::layout::Layout;
+use crate::random::splitmix64;
+use crate::stimuli::Stimuli;
+use raypath_model::OnPorts;
+use raypath_rtl::Config;
+use raypath_sim::engine::{NetlistEngine, observe};
+use raypath_sim::lockstep::{Difference, SideBySide};
+use raypath_sim::models::PaperModel;
+use raypath_sim::traffic::{Cycle, Traffic};
+
+/// The number of jobs in an episode.
+pub const JOBS_PER_EPISODE: usize = 256;
+/// The cycles with random handshakes; afterwards source and sink are always ready, and the remaining jobs pass.
+const EVENTFUL_CYCLES: u32 = 1200;
+
+/// A sequence of jobs and handshakes that starts from a new netlist's state. An episode therefore fails alone as it fails
+/// in the campaign.
+pub struct Episode<M: PaperModel> {
+    jobs: Vec<M::Job>,
+    traffic: Traffic,
+}
+
+/// The result of an episode.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Found {
+    /// Clock cycles.
+    pub cycles: u64,
+    /// The difference that ended the episode.
+    pub differences: Vec<String>,
+}
+
+impl<M: PaperModel> Episode<M> {
+    /// The episode with this number in the campaign of this seed.
+    pub fn new(model: &M, layout: &Layout, config: Config, seed: u64, number: u64) -> Self {
+        let own = splitmix64(splitmix64(seed) ^ number);
+        let mut stimuli = Stimuli::new(layout, config, own);
+        let mut words = Vec::new();
+        let jobs = (0..JOBS_PER_EPISODE).map(|_| {
+            let kind = stimuli.next(&mut words);
+            model.job_of_words(kind, &words)
+        });
+        Self { jobs: jobs.collect(), traffic: Traffic::eventful(splitmix64(own), EVENTFUL_CYCLES) }
+    }
+
+    /// Runs the episode up to the first difference.
+    pub fn run(
+        &self,
+        netlist: &mut NetlistEngine<M>,
+        model: &M,
+        coverage: Option<(&CoverageModel, &mut Coverage)>,
+    ) -> Found {
+        let mut words = Vec::new();
+        let points: Vec<JobPoints> = coverage.as_ref().map_or_else(Vec::new, |(model, _)| {
+            let of = |job: &M::Job| {
+                job.words(&mut words);
+                model.job_points(job.kind(), &words)
+            };
+            self.jobs.iter().map(of).collect()
+        });
+        let mut tracker = coverage.map(|(model, coverage)| Tracker::new(model, coverage, &points));
+        netlist.restart();
+        let is_different = std::cell::Cell::new(false);
+        let mut engines = SideBySide::new(netlist, model.clone(), |_: Difference| is_different.set(true));
+        let run = observe(&mut engines, self.jobs.iter(), &mut self.traffic.clone(), |seen| {
+            if let Some(tracker) = &mut tracker {
+                tracker.observe(seen);
+            }
+            !is_different.get()
+        });
+        Found { cycles: run.cycles, differences: engines.differences }
+    }
+
+    /// The episode as a trace of jobs and cycles.
+    pub fn trace(self) -> Trace<M> {
+        let mut traffic = self.traffic;
+        let cycles: Vec<Cycle> = (0..EVENTFUL_CYCLES).map(|_| traffic.next_cycle()).collect();
+        Trace { jobs: self.jobs, cycles }
+    }
+}

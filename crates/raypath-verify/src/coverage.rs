@@ -1,0 +1,15 @@
+//! Coverage: which operands, rules of `docs/reference/semantics.md` and handshakes a campaign has exercised.
+
+mod counts;
+mod handshakes;
+mod model;
+mod operands;
+mod paths;
+mod rules;
+mod tracker;
+
+pub use counts::Coverage;
+pub use handshakes::Handshakes;
+pub use model::{CoverageModel, CoveragePoint, JobPoints};
+pub use paths::{JobEnd, JobPath};
+pub use tracker::Tracker;

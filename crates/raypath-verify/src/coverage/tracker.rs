@@ -1,0 +1,99 @@
+//! Coverage of a running pipeline.
+
+use super::counts::Coverage;
+use super::model::{CoverageModel, JobPoints};
+use super::paths::{JobEnd, JobPath};
+use super::rules::AccumulatorState;
+use raypath_model::OnPorts;
+use raypath_ops::JobKind;
+use raypath_sim::engine::Seen;
+use std::collections::VecDeque;
+
+/// Follows jobs through a pipeline from a reset on, and counts their coverage points.
+pub struct Tracker<'t> {
+    model: &'t CoverageModel,
+    coverage: &'t mut Coverage,
+    /// The points of each job, in the order of presentation.
+    jobs: &'t [JobPoints],
+    /// The jobs in the pipeline, oldest first, and whether they waited.
+    inside: VecDeque<(usize, bool)>,
+    /// Whether the job at the entrance has been refused.
+    refused: bool,
+    /// Whether the sink has stalled the outcome at the output.
+    held: bool,
+    /// The operation that entered last, and whether it entered in the last cycle.
+    entered: Option<(JobKind, bool)>,
+    /// What the next beat of each operation finds.
+    accumulators: [AccumulatorState; JobKind::ALL.len()],
+    words: Vec<u64>,
+}
+
+const INITIAL: AccumulatorState = AccumulatorState { sum: 0, after_others: true, after_loss: false };
+
+impl<'t> Tracker<'t> {
+    /// A tracker of an empty pipeline.
+    pub fn new(model: &'t CoverageModel, coverage: &'t mut Coverage, jobs: &'t [JobPoints]) -> Self {
+        let accumulators = [INITIAL; JobKind::ALL.len()];
+        let (inside, words) = (VecDeque::new(), Vec::new());
+        Self { model, coverage, jobs, inside, refused: false, held: false, entered: None, accumulators, words }
+    }
+
+    /// Counts one cycle.
+    pub fn observe<O: OnPorts>(&mut self, seen: &Seen<O>) {
+        if let Some(job) = seen.withdrawn.and_then(|index| self.jobs.get(index)) {
+            self.coverage.handshakes.withdrawn(job.kind, self.refused);
+            self.refused = false;
+        }
+        if seen.cycle.resets {
+            return self.reset(seen.inside);
+        }
+        let (offers, takes) = (seen.cycle.offers, seen.cycle.takes);
+        let is_shown = seen.shown.output.is_some();
+        self.coverage.handshakes.cycle((offers, seen.shown.input_ready), (takes, is_shown), seen.inside);
+        if let (Some(_), Some(outcome)) = (seen.left, &seen.shown.output) {
+            self.leaves(outcome);
+        }
+        self.held = is_shown && !takes;
+        match seen.entered.and_then(|index| Some((index, self.jobs.get(index)?))) {
+            Some((index, job)) => {
+                self.inside.push_back((index, std::mem::take(&mut self.refused)));
+                if let Some((before, is_next_cycle)) = self.entered.replace((job.kind, true)) {
+                    self.coverage.handshakes.pair(before, job.kind, is_next_cycle);
+                }
+            }
+            None => {
+                self.refused |= offers;
+                self.entered = self.entered.map(|(kind, _)| (kind, false));
+            }
+        }
+    }
+
+    fn leaves(&mut self, outcome: &impl OnPorts) {
+        let Some((index, waited)) = self.inside.pop_front() else { return };
+        let mut covered = self.jobs[index];
+        let kind = covered.kind;
+        if matches!(kind, JobKind::Euclidean | JobKind::Angular) {
+            self.model.add_exit_points(&mut covered, self.accumulators[kind as usize]);
+            outcome.words(&mut self.words);
+            let (sum, is_last) = (self.words.first(), self.words.last());
+            let sum = if is_last == Some(&1) { 0 } else { sum.copied().unwrap_or(0) };
+            self.accumulators[kind as usize] = AccumulatorState { sum, after_others: false, after_loss: false };
+        }
+        let others = JobKind::ALL.into_iter().filter(|other| *other != kind);
+        others.for_each(|other| self.accumulators[other as usize].after_others = true);
+        let end = if self.held { JobEnd::Held } else { JobEnd::Taken };
+        self.coverage.count(&covered, JobPath { waited, end });
+    }
+
+    fn reset(&mut self, inside: usize) {
+        self.coverage.handshakes.reset(inside);
+        for (index, waited) in self.inside.drain(..) {
+            self.coverage.count(&self.jobs[index], JobPath { waited, end: JobEnd::Lost });
+        }
+        for found in &mut self.accumulators {
+            *found = AccumulatorState { after_loss: found.after_loss || found.sum != 0, ..INITIAL };
+        }
+        self.held = false;
+        self.entered = None;
+    }
+}

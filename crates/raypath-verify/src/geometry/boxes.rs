@@ -1,0 +1,216 @@
+//! Ray against box: right wherever rounding cannot decide, and where the ray enters to three roundings.
+
+use super::box_cases::{Case, draw};
+use super::campaign::{self, Failures, Largest, Tally};
+use super::distances::ulps_of;
+use super::sight::U;
+use super::slabs::Geometry;
+use crate::error::Error;
+use crate::request::Request;
+use crate::verdict::Verdict;
+use rand_chacha::ChaCha8Rng;
+use raypath_model::Functional;
+use raypath_ops::{Aabb, Job, Outcome, RayBoxInput, Rules};
+
+/// Boxes after which a fault that is put in must have been found.
+const ENOUGH: u64 = 40_000;
+
+/// Random rays at boxes that they touch or nearly do, each against exact arithmetic.
+pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
+    let cases = request.jobs.unwrap_or(request.level.pick(100_000, 3_000_000, 50_000_000));
+    let (tally, is_stopped) = campaign::run(request, 4, cases, |rng, tally: &mut Boxes| tally.run(rng))?;
+    Ok(tally.verdict(is_stopped))
+}
+
+/// Is the box hit, and where does the ray enter?
+type Answer = (bool, f32);
+
+/// What the datapath answers, box by box.
+fn datapath(rules: Rules, case: &Case) -> [Answer; 4] {
+    let aabb = case.boxes.map(|[low, high]| Aabb::new(low, high));
+    let Outcome::Quadbox(output) =
+        Functional::<16, 8>::new(rules).run(&Job::Quadbox(RayBoxInput { ray: case.ray, aabb }))
+    else {
+        unreachable!("a quadbox job has a quadbox outcome")
+    };
+    let mut answers = [(false, 0.0); 4];
+    for (place, hit) in output.is_intersect.to_array().into_iter().enumerate() {
+        answers[u32::from(output.box_index[place]) as usize] = (hit, output.tmin[place].into());
+    }
+    answers
+}
+
+/// What answers, and its name.
+type Named = (&'static str, fn(&Case) -> [Answer; 4]);
+
+/// Ways to be wrong that the campaign must find.
+const FAULTY: [Named; 3] = [
+    ("the original's comparisons", |case| datapath(Rules::Chisel, case)),
+    ("inverses of 22 bits", |case| with_inverses(case, |_, inv| f32::from_bits(inv.to_bits() & !3))),
+    ("slabs ignored that the ray runs along", |case| {
+        with_inverses(case, |d, inv| if d == 0.0 { f32::NAN } else { inv })
+    }),
+];
+
+/// What the datapath answers to a ray whose inverse direction is another.
+fn with_inverses(case: &Case, inverse: impl Fn(f32, f32) -> f32) -> [Answer; 4] {
+    let (mut case, dir) = (*case, <[f32; 3]>::from(case.ray.dir));
+    let inv = <[f32; 3]>::from(case.ray.inv);
+    case.ray.inv = std::array::from_fn::<f32, 3, _>(|i| inverse(dir[i], inv[i])).into();
+    datapath(Rules::Paper, &case)
+}
+
+#[derive(Default)]
+struct Boxes {
+    judged: u64,
+    hits: u64,
+    /// Boxes of which rounding may decide whether they are hit, and those of which it decided otherwise than geometry.
+    open: u64,
+    otherwise: u64,
+    /// Boxes with distances beyond the range of binary32: nothing is claimed.
+    out_of_range: u64,
+    flat: u64,
+    empty: u64,
+    /// Boxes of which the ray runs along a slab, and those of them where it runs in the slab's plane.
+    along: u64,
+    in_plane: u64,
+    /// Boxes that the ray touches in no more than a point, exactly.
+    touched: u64,
+    /// The error of tmin, and the largest gap at which rounding decided otherwise, in u.
+    tmin_ulps: Largest,
+    tmin_units: Largest,
+    gap: Largest,
+    /// Faults found of those put in.
+    found: [u64; FAULTY.len()],
+    failures: Failures,
+}
+
+impl Boxes {
+    /// Draws a ray and four boxes, and judges the answers.
+    fn run(&mut self, rng: &mut ChaCha8Rng) {
+        let case = draw(rng);
+        let geometry = case.boxes.map(|aabb| Geometry::new(&case.ray, aabb));
+        let answers = datapath(Rules::Paper, &case);
+        let faulty = FAULTY.map(|(_, fault)| fault(&case));
+        for i in 0..4 {
+            if geometry[i].is_out_of_range {
+                self.out_of_range += 1;
+                continue;
+            }
+            self.count(&case, case.boxes[i], &geometry[i], answers[i]);
+            if !is_right(&geometry[i], answers[i]) {
+                let (origin, dir): ([f32; 3], [f32; 3]) = (case.ray.origin.into(), case.ray.dir.into());
+                let (extent, aabb, answer) = (f32::from(case.ray.extent), case.boxes[i], answers[i]);
+                let entry = geometry[i].entry.to_f64();
+                self.failures.add(|| {
+                    format!("ray from {origin:?} along {dir:?} to {extent:e}, box {aabb:?}: {answer:?}, exact entry {entry:e}")
+                });
+            }
+            for (found, answers) in self.found.iter_mut().zip(&faulty) {
+                *found += u64::from(!is_right(&geometry[i], answers[i]));
+            }
+        }
+    }
+
+    fn count(&mut self, case: &Case, [low, high]: [[f32; 3]; 2], geometry: &Geometry, (hit, tmin): Answer) {
+        let (origin, dir) = (<[f32; 3]>::from(case.ray.origin), <[f32; 3]>::from(case.ray.dir));
+        let some_axis = |is: &dyn Fn(usize) -> bool| u64::from((0..3).any(is));
+        self.judged += 1;
+        self.flat += some_axis(&|i| low[i] == high[i]);
+        self.empty += some_axis(&|i| low[i] > high[i]);
+        self.along += some_axis(&|i| dir[i] == 0.0);
+        self.in_plane += some_axis(&|i| dir[i] == 0.0 && (origin[i] == low[i] || origin[i] == high[i]));
+        self.touched += u64::from(geometry.is_hit && geometry.gap == 0.0);
+        self.open += u64::from(geometry.must_be.is_none());
+        self.hits += u64::from(hit);
+        if hit != geometry.is_hit {
+            self.otherwise += 1;
+        }
+        // Where distances underflow, relative errors say nothing.
+        let entry = geometry.entry.to_f64();
+        let is_large = entry > 2_f64.powi(-120);
+        if hit != geometry.is_hit && is_large {
+            self.gap.add(geometry.gap.abs() / U);
+        }
+        if hit && is_large {
+            let off = geometry.entry.distance(tmin) / entry;
+            self.tmin_units.add(off / U);
+            self.tmin_ulps.add(off * ulps_of(entry));
+        }
+    }
+
+    fn verdict(self, is_stopped: bool) -> Verdict {
+        let Self { judged, hits, flat, empty, along, in_plane, touched, .. } = self;
+        let covered = format!(
+            "{judged} boxes, {hits} hit; {touched} touched in a point, {flat} flat, {empty} empty, {along} with the ray \
+             along a slab, {in_plane} in its plane"
+        );
+        let found: Vec<String> = FAULTY.iter().zip(self.found).map(|((name, _), n)| format!("{name} {n}")).collect();
+        let remarks = vec![
+            format!(
+                "tmin of a hit is off by at most {:.3} ulps, {:.3} u; bound 3",
+                self.tmin_ulps.0, self.tmin_units.0
+            ),
+            format!(
+                "within the rounding bound, so that either answer is right: {} boxes, {} of them decided otherwise than geometry, \
+                 at a gap of at most {:.3} u; bound 6",
+                self.open, self.otherwise, self.gap.0
+            ),
+            format!("beyond the range of binary32, of which nothing is claimed: {} boxes", self.out_of_range),
+            format!("wrong answers seen where a fault is put in: {}", found.join(", ")),
+        ];
+        let mut failures = self.failures.lines();
+        if judged >= ENOUGH {
+            let unseen = FAULTY.iter().zip(self.found).filter(|(_, found)| *found == 0);
+            failures.extend(unseen.map(|((name, _), _)| format!("the campaign cannot fail: it does not see {name}")));
+        }
+        Verdict { covered, remarks, failures, is_stopped }
+    }
+}
+
+/// Whether an answer is one that rounding allows.
+fn is_right(geometry: &Geometry, (hit, tmin): Answer) -> bool {
+    geometry.must_be.is_none_or(|must_be| hit == must_be) && (!hit || geometry.entry.may_round_to(tmin))
+}
+
+impl Tally for Boxes {
+    fn join(&mut self, later: Self) {
+        self.judged += later.judged;
+        self.hits += later.hits;
+        self.open += later.open;
+        self.otherwise += later.otherwise;
+        self.out_of_range += later.out_of_range;
+        self.flat += later.flat;
+        self.empty += later.empty;
+        self.along += later.along;
+        self.in_plane += later.in_plane;
+        self.touched += later.touched;
+        self.tmin_ulps.add(later.tmin_ulps.0);
+        self.tmin_units.add(later.tmin_units.0);
+        self.gap.add(later.gap.0);
+        self.found.iter_mut().zip(later.found).for_each(|(a, b)| *a += b);
+        self.failures.join(later.failures);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Boxes, FAULTY};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    /// The campaign passes the datapath, sees each fault that is put in, and meets all that it should.
+    #[test]
+    fn faults_are_found() {
+        let (mut boxes, mut rng) = (Boxes::default(), ChaCha8Rng::seed_from_u64(5));
+        (0..2500).for_each(|_| boxes.run(&mut rng));
+        for ((name, _), found) in FAULTY.iter().zip(boxes.found) {
+            assert!(found > 50, "{name}: {found}");
+        }
+        let Boxes { hits, open, otherwise, flat, empty, along, in_plane, touched, .. } = boxes;
+        let met = [hits, open, flat, empty, along, in_plane, touched];
+        assert!(met.iter().all(|&n| n > 150) && otherwise > 10, "{met:?} {otherwise}");
+        assert!(boxes.judged > 9_500 && boxes.tmin_units.0 > 1.5 && boxes.gap.0 > 1.0);
+        assert_eq!(boxes.failures.lines(), Vec::<String>::new());
+    }
+}

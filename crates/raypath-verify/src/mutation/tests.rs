@@ -1,0 +1,132 @@
+use super::*;
+use crate::request::{Level, Shard};
+use std::time::Duration;
+
+fn request(watch: &mut dyn FnMut(crate::request::Progress) -> bool) -> Request<'_> {
+    Request {
+        config: Config::DEFAULT,
+        level: Level::Regression,
+        jobs: None,
+        seed: 1,
+        shard: Shard::ALL,
+        proceed: watch,
+    }
+}
+
+/// The interval of 2,346 killed of 2,359, and its limits.
+#[test]
+fn the_interval_is_wilsons() {
+    let interval = |faults, killed, equivalent| report::Count { faults, killed, equivalent }.interval();
+    let near = |[low, high]: [f64; 2], expected: [f64; 2]| {
+        (low - expected[0]).abs() < 5e-5 && (high - expected[1]).abs() < 5e-5
+    };
+    assert!(near(interval(2441, 2346, 82), [0.9906, 0.9968]), "{:?}", interval(2441, 2346, 82));
+    assert!(near(interval(10, 10, 0), [0.7225, 1.0]) && near(interval(10, 0, 0), [0.0, 0.2775]));
+    assert_eq!(interval(3, 0, 3), [0.0, 1.0]);
+}
+
+/// A score is only worth something if it can be bad.
+#[test]
+fn without_checks_nothing_is_killed() {
+    let subjects = subjects(&[Config::DEFAULT.lanes(Lanes::None)]).expect("modules");
+    let mutants = choose(&subjects, 100, 1);
+    let mut watch = |_| true;
+    let report =
+        judge(&subjects, &mutants, &mut request(&mut watch), &|_| Ok(Fate::Survived(String::new()))).expect("a report");
+    let all = report.all();
+    assert_eq!((all.killed, all.equivalent, all.survivors(), all.score()), (0, 0, mutants.len(), 0));
+    let verdict = report.verdict();
+    assert!(verdict.failures[0].contains("kill 0.00 % of the mutants, expected 99.00 %"), "{:?}", verdict.failures);
+    assert_eq!(verdict.remarks.iter().filter(|remark| remark.starts_with("survivor: ")).count(), mutants.len());
+}
+
+#[test]
+fn every_module_is_represented_and_the_larger_ones_more() {
+    let subjects = subjects(&CONFIGS).expect("modules");
+    let names: Vec<&str> = subjects.iter().map(|subject| subject.module.name()).collect();
+    for name in ["raypath", "raypath_skid", "raypath_credit", "raypath_exit", "raypath_input", "raypath_output"] {
+        assert!(names.contains(&name), "{name}: {names:?}");
+    }
+    assert!(
+        names.contains(&"raypath_fp_add_e8s24_part_1_of_2") || names.iter().any(|name| name.contains("part_1_of_2"))
+    );
+    let mutants = choose(&subjects, 2400, 1);
+    assert!(mutants.len() >= 2000, "{}", mutants.len());
+    let of = |subject: &Subject| mutants.iter().filter(|mutant| std::ptr::eq(mutant.subject, subject)).count();
+    for subject in &subjects {
+        let (chosen, all) = (of(subject), subject.faults.len());
+        assert!(chosen >= all.min(5) && chosen <= all, "{}: {chosen} of {all}", subject.module.name());
+    }
+    assert_eq!(choose(&subjects, 60, 1).len(), 60);
+}
+
+#[test]
+fn the_user_can_stop() {
+    let subjects = subjects(&[Config::DEFAULT.lanes(Lanes::None)]).expect("modules");
+    let mutants = choose(&subjects, 1000, 1);
+    let mut watch = |step: crate::request::Progress| step.done < 3;
+    let slow: Judge<'_> = &|_| {
+        std::thread::sleep(Duration::from_millis(5));
+        Ok(Fate::Killed("lockstep"))
+    };
+    let verdict = judge(&subjects, &mutants, &mut request(&mut watch), slow).expect("a report").verdict();
+    assert!(verdict.is_stopped && verdict.failures.is_empty(), "{verdict:?}");
+}
+
+/// One fault of each sort of module, before the checks that the item makes.
+#[test]
+fn the_checks_kill_what_is_plainly_wrong() {
+    let subjects = subjects(&CONFIGS[..1]).expect("modules");
+    for (module, fault) in [
+        ("raypath_fp_add", "Add becomes Sub"),
+        ("raypath_skid", "front_full_q: resets to 1"),
+        ("raypath_output", "an arm left out"),
+    ] {
+        let subject = subjects.iter().find(|subject| subject.module.name().starts_with(module)).expect("a module");
+        let fault = subject.faults.iter().find(|found| found.to_string().contains(fault)).expect("a fault");
+        let fate = trial(&Mutant { subject, fault }).and_then(|trial| trial.run(false)).expect("a fate");
+        assert!(matches!(fate, Fate::Killed(_)), "{fault}: {fate:?}");
+    }
+}
+
+/// A proof that says too much would hide what tests should kill.
+#[test]
+fn what_is_proven_alike_survives_every_check() {
+    let config = Config::DEFAULT.lanes(Lanes::Two);
+    let subjects = subjects(&[config, config.control(Control::Credit)]).expect("modules");
+    let mut proven = 0;
+    for mutant in &choose(&subjects, 300, 2) {
+        let trial = trial(mutant).expect("a mutant");
+        if proven < 12 && passes::passes_alike(&trial) {
+            proven += 1;
+            let fate = trial.run(false).expect("a fate");
+            // What jobs cannot see is alike, not what words no job reads hold.
+            let is_alike = matches!(fate, Fate::Equivalent(_) | Fate::Killed("canonical words"));
+            assert!(is_alike, "{}: {fate:?}", mutant.fault);
+        }
+    }
+    assert!(proven >= 5, "{proven}");
+}
+
+/// Faults that jobs can see, by what they change.
+#[test]
+fn what_is_not_alike_is_not_proven() {
+    let config = Config::DEFAULT.lanes(Lanes::Two);
+    let subjects = subjects(&[config]).expect("modules");
+    for (module, fault) in [
+        ("raypath", "u_stage_3.num_0_i: replaced by zero"),
+        ("raypath", "u_stage_3.opcode_i: replaced by zero"),
+        ("raypath_input", "num_0_spare_q: never loads"),
+        ("raypath_input", "num_0_q: loads in every cycle"),
+        ("raypath_stage_4", "num_0_spare_q: never loads"),
+        ("raypath_stage_9", "u_add_0.a_i: replaced by zero"),
+        ("raypath_stage_10", "euclidean_advances: And becomes Or"),
+        ("raypath_output", "Constant"),
+    ] {
+        let subject = subjects.iter().find(|subject| subject.module.name() == module).expect("a module");
+        let all: Vec<String> = subject.faults.iter().map(|fault| fault.to_string()).collect();
+        let place = all.iter().position(|found| found.contains(fault)).unwrap_or_else(|| panic!("{fault}: {all:#?}"));
+        let trial = trial(&Mutant { subject, fault: &subject.faults[place] }).expect("a mutant");
+        assert!(!passes::passes_alike(&trial), "{}", all[place]);
+    }
+}

@@ -1,0 +1,178 @@
+//! Floating-point units with a fault before the operands of their unit tests.
+
+use crate::error::Error;
+use crate::units::bench::UnitResults;
+use crate::units::chain;
+use crate::units::operands::{self, CASES, RECODED_CASES, canonical, generator, host_results};
+use rand_chacha::ChaCha8Rng;
+use raypath_float::Format;
+use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
+use raypath_rtl::Config;
+use std::sync::Arc;
+
+/// A module of a unit: the part of this number of all of them.
+pub struct Unit {
+    kind: Kind,
+    parts: Vec<Arc<Module>>,
+    part: usize,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Add,
+    Multiply,
+    Compare,
+    Encode,
+    Decode,
+}
+
+impl Unit {
+    /// The unit of a configuration in binary32 that has a part of this name.
+    pub fn of(config: Config, name: &str) -> Result<Option<Self>, Error> {
+        let (format, count) = (config.semantics.format, config.microarchitecture.unit_latency.steps());
+        let units = [
+            (Kind::Add, raypath_float::add_parts(format, count)?),
+            (Kind::Multiply, raypath_float::mul_parts(format, count)?),
+            (Kind::Compare, vec![raypath_float::compare(format)?]),
+            (Kind::Encode, vec![raypath_float::encode(format)?]),
+            (Kind::Decode, vec![raypath_float::decode(format)?]),
+        ];
+        let found = units.into_iter().filter(|_| format == Format::BINARY32).find_map(|(kind, parts)| {
+            let part = parts.iter().position(|part| part.name() == name)?;
+            Some(Self { kind, parts, part })
+        });
+        Ok(found)
+    }
+
+    /// The unit test that fails with this module in its place.
+    pub fn check(&self, module: &Arc<Module>) -> Result<Option<&'static str>, Error> {
+        let mut parts = self.parts.clone();
+        parts[self.part] = module.clone();
+        let whole = if parts.len() == 1 { module.clone() } else { chain(&parts)? };
+        let mut bench = Bench::new(self.kind, &whole)?;
+        let checks: &[(&'static str, Check)] = match self.kind {
+            Kind::Encode | Kind::Decode => &[("unit test, conversions", Bench::converts)],
+            _ => &[
+                ("unit test, edges", Bench::answers_edges),
+                ("unit test, recoded words", Bench::answers_recoded),
+                ("unit test, hard operands", Bench::answers_hard_operands),
+            ],
+        };
+        Ok(checks.iter().find(|(_, check)| !check(&mut bench)).map(|(name, _)| *name))
+    }
+}
+
+/// Whether all is well.
+type Check = fn(&mut Bench) -> bool;
+
+/// A unit in simulation.
+struct Bench {
+    kind: Kind,
+    simulator: Simulator,
+    inputs: Vec<InputPort>,
+    outputs: Vec<OutputPort>,
+}
+
+impl Bench {
+    fn new(kind: Kind, module: &Arc<Module>) -> Result<Self, Error> {
+        let simulator = Simulator::new(module)?;
+        let inputs = module.inputs().iter().map(|port| simulator.input(&port.name)).collect::<Result<_, _>>()?;
+        let outputs = module.outputs().iter().map(|port| simulator.output(&port.name)).collect::<Result<_, _>>()?;
+        Ok(Self { kind, simulator, inputs, outputs })
+    }
+
+    /// The outputs as one word each.
+    fn run(&mut self, words: &[u64]) -> [u64; 3] {
+        for (&input, &word) in self.inputs.iter().zip(words) {
+            self.simulator.set(input, word);
+        }
+        self.simulator.settle();
+        let mut shown = [0; 3];
+        for (word, &output) in shown.iter_mut().zip(&self.outputs) {
+            *word = self.simulator.get(output);
+        }
+        shown
+    }
+
+    /// What the outputs should be, numbers as IEEE 754 has them.
+    fn expected(&self, UnitResults { sum, product, less, equal, unordered, .. }: UnitResults) -> [u64; 3] {
+        match self.kind {
+            Kind::Add => [sum, 0, 0],
+            Kind::Multiply => [product, 0, 0],
+            _ => [less.into(), equal.into(), unordered.into()],
+        }
+    }
+
+    fn gives_numbers(&self) -> bool {
+        matches!(self.kind, Kind::Add | Kind::Multiply)
+    }
+
+    /// Whether it answers two binary32 numbers rightly.
+    fn answers(&mut self, a: u32, b: u32) -> bool {
+        let format = Format::BINARY32;
+        let mut shown = self.run(&[format.encode(a.into()), format.encode(b.into())]);
+        if self.gives_numbers() {
+            shown[0] = format.decode(shown[0]);
+        }
+        shown == self.expected(host_results(f32::from_bits(a), f32::from_bits(b)))
+    }
+
+    fn answers_edges(&mut self) -> bool {
+        let edges = operands::edges();
+        edges.iter().all(|&a| edges.iter().all(|&b| self.answers(a, b)))
+    }
+
+    /// Results must be canonical words.
+    fn answers_recoded(&mut self) -> bool {
+        let mut random = generator(5);
+        (0..RECODED_CASES).all(|_| {
+            let ((a, x), (b, y)) = (operands::recoded(&mut random), operands::recoded(&mut random));
+            let mut expected = self.expected(host_results(x, y));
+            if self.gives_numbers() {
+                expected[0] = Format::BINARY32.encode(expected[0]);
+            }
+            self.run(&[a, b]) == expected
+        })
+    }
+
+    /// The operands of its own test first: those of the others seldom tell more.
+    fn answers_hard_operands(&mut self) -> bool {
+        type Operands = fn(&mut ChaCha8Rng) -> (u32, u32);
+        let all: [(u64, Operands); 3] =
+            [(1, operands::for_sums), (2, operands::for_products), (3, operands::for_comparisons)];
+        let first = match self.kind {
+            Kind::Multiply => 1,
+            Kind::Compare => 2,
+            _ => 0,
+        };
+        (0..all.len()).map(|place| all[(first + place) % all.len()]).all(|(seed, operands)| {
+            let mut random = generator(seed);
+            (0..CASES).all(|_| {
+                let (a, b) = operands(&mut random);
+                self.answers(a, b)
+            })
+        })
+    }
+
+    fn converts(&mut self) -> bool {
+        let format = Format::BINARY32;
+        let mut random = generator(4);
+        let numbers =
+            operands::edges_of_conversions().chain((0..CASES).map(|_| operands::for_conversions(&mut random)));
+        for number in numbers {
+            let is_right = match self.kind {
+                Kind::Encode => self.run(&[number.into()])[0] == format.encode(number.into()),
+                _ => self.run(&[format.encode(number.into())])[0] == canonical(f32::from_bits(number)),
+            };
+            if !is_right {
+                return false;
+            }
+        }
+        let mut random = generator(5);
+        self.kind == Kind::Encode
+            || (0..RECODED_CASES).all(|_| {
+                let (word, number) = operands::recoded(&mut random);
+                self.run(&[word])[0] == canonical(number)
+            })
+    }
+}

@@ -1,0 +1,94 @@
+//! Everything that reads what somebody else wrote, under fire: the files of `fuzz/corpus`, and what comes of them when
+//! bytes are flipped, cut, repeated and joined. `cargo fuzz` calls the same functions ([`TARGETS`]).
+
+mod memory;
+mod mutation;
+mod targets;
+mod worker;
+
+pub use targets::{TARGETS, Target};
+
+use crate::error::Error;
+use crate::request::{Progress, Request};
+use crate::verdict::{Item, Verdict};
+use std::fs;
+use std::path::{Path, PathBuf};
+use worker::{Outcome, Worker};
+
+/// Longer than any input of some kilobytes may take, on a machine with much else to do.
+const MOST_SECONDS: u64 = 10;
+/// More than reading some kilobytes may take; what is there before does not count.
+const MOST_BYTES: u64 = 256 << 20;
+const FAILURES_SHOWN: usize = 10;
+
+/// The item of `raypath verify`.
+pub const ITEM: Item = Item {
+    name: "parsers",
+    claim: "no file makes raypath panic, hang, or fill the memory",
+    oracle: "the bounds that docs/reference/transactions.md, docs/reference/configurations.md and docs/user/area-and-timing.md \
+             state; what was read means the same when it is written and read again",
+    subject: &["crates/raypath-sim/src", "crates/raypath-ppa/src", "crates/raypath/src", "fuzz/corpus"],
+    run,
+};
+
+/// Feeds every file of the corpora, and mutations of each, to the parser that it is for.
+///
+/// # Errors
+/// There is no corpus: `raypath` does not run where it was built.
+pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
+    let mutations = request.jobs.unwrap_or(request.level.pick(5_000, 100_000, 1_000_000));
+    let corpora = TARGETS.iter().map(corpus).collect::<Result<Vec<_>, _>>()?;
+    let total = corpora.iter().map(|files| files.len() as u64 * (mutations + 1)).sum();
+    let (mut verdict, mut done, mut accepted) = (Verdict::default(), 0, 0);
+    let before = memory::peak();
+    for (target, files) in TARGETS.iter().zip(&corpora) {
+        let mut worker = Worker::start(*target, files.clone(), mutations, request.seed, request.shard);
+        loop {
+            match worker.wait(MOST_SECONDS) {
+                Outcome::Busy => {}
+                Outcome::Done => break,
+                Outcome::Failed(failure) => {
+                    verdict.failures.push(format!("{}: {failure}", target.name));
+                    break;
+                }
+            }
+            if !(request.proceed)(Progress { done: done + worker.done(), total }) {
+                verdict.is_stopped = true;
+                worker.stop();
+                break;
+            }
+        }
+        (done, accepted) = (done + worker.done(), accepted + worker.accepted());
+        if verdict.is_stopped || verdict.failures.len() >= FAILURES_SHOWN {
+            break;
+        }
+    }
+    match (before, memory::peak()) {
+        (Some(before), Some(after)) if after.saturating_sub(before) > MOST_BYTES => {
+            verdict.failures.push(format!("{} MiB more memory, expected at most 256", (after - before) >> 20));
+        }
+        (Some(_), Some(_)) => {}
+        _ => verdict.remarks.push("memory was not measured: this system does not tell".to_string()),
+    }
+    let files = corpora.iter().map(Vec::len).sum::<usize>();
+    let formats = TARGETS.len();
+    verdict.covered = format!("{done} inputs from {files} files in {formats} formats, {accepted} of them accepted");
+    Ok(verdict)
+}
+
+/// The files that a target begins with, in the order of their names.
+///
+/// # Errors
+/// They cannot be read.
+pub fn corpus(target: &Target) -> Result<Vec<Vec<u8>>, Error> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(target.name);
+    let refused = |path: &Path| {
+        let path = path.to_path_buf();
+        move |problem| Error::File { path, problem }
+    };
+    let entries = fs::read_dir(&folder).map_err(refused(&folder))?;
+    let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<PathBuf>, _>>();
+    let mut paths = paths.map_err(refused(&folder))?;
+    paths.sort();
+    paths.iter().map(|path| fs::read(path).map_err(refused(path))).collect()
+}

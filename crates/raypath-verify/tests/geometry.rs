@@ -1,0 +1,39 @@
+//! The operations against mathematics, a little of each item; `raypath verify` does more of the same.
+
+use raypath_rtl::Config;
+use raypath_verify::{ITEMS, Level, Request, Shard, Verdict};
+
+fn verify(item: &str, jobs: u64, seed: u64, shard: &str, go_on: bool) -> Verdict {
+    let item = ITEMS.iter().find(|entry| entry.name == item).expect("an item");
+    let shard: Shard = shard.parse().expect("a shard");
+    let (level, config) = (Level::Regression, Config::default());
+    let watch = &mut |_| go_on;
+    (item.run)(&mut Request { config, level, jobs: Some(jobs), seed, shard, proceed: watch }).expect("a verdict")
+}
+
+/// Enough jobs that the campaigns must also find the faults that they put in themselves.
+#[test]
+fn all_is_as_claimed() {
+    for (item, jobs) in [("watertight", 100_000), ("boxes", 12_000), ("triangle-distance", 10_000), ("sums", 1000)] {
+        let verdict = verify(item, jobs, 11, "1/1", true);
+        assert_eq!(verdict.failures, Vec::<String>::new(), "{item}");
+        assert!(!verdict.is_stopped && verdict.remarks.len() >= 3, "{item}: {verdict:?}");
+    }
+}
+
+#[test]
+fn a_seed_is_a_reproduction_and_shards_differ() {
+    for item in ["watertight", "boxes", "triangle-distance", "sums"] {
+        let verdict = verify(item, 1200, 1, "1/2", true);
+        assert_eq!(verify(item, 1200, 1, "1/2", true), verdict, "{item}");
+        assert_ne!(verify(item, 1200, 2, "1/2", true), verdict, "{item}");
+        assert_ne!(verify(item, 1200, 1, "2/2", true), verdict, "{item}");
+    }
+}
+
+#[test]
+fn who_is_stopped_says_so() {
+    for item in ["watertight", "boxes", "triangle-distance", "sums"] {
+        assert!(verify(item, 1_000_000_000, 1, "1/1", false).is_stopped, "{item}");
+    }
+}

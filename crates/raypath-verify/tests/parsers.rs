@@ -1,0 +1,47 @@
+//! Every format that raypath reads, with the corpora of `fuzz/` and mutations of them: no panic, no hang, no memory beyond
+//! a bound. The functions are those of `cargo fuzz` and of `raypath verify parsers`.
+
+use raypath_rtl::Config;
+use raypath_verify::parsers::{TARGETS, corpus, run};
+use raypath_verify::{Level, Request, Shard};
+
+#[test]
+fn corpora_and_mutations_of_them() {
+    let mut steps = 0;
+    let mut watch = |step: raypath_verify::Progress| {
+        assert!(step.done <= step.total);
+        steps += 1;
+        true
+    };
+    let jobs = Some(500);
+    let (config, level, seed, shard) = (Config::DEFAULT, Level::Regression, 3, Shard::ALL);
+    let verdict = run(&mut Request { config, level, jobs, seed, shard, proceed: &mut watch }).expect("a verdict");
+    assert!(verdict.failures.is_empty() && !verdict.is_stopped, "{verdict:#?}");
+    assert!(steps > 0);
+}
+
+/// A corpus from which nothing is accepted tries the first message alone.
+#[test]
+fn corpora_reach_what_is_behind_the_first_message() {
+    for target in TARGETS {
+        let files = corpus(target).expect("a corpus");
+        let accepted = files.iter().filter(|bytes| (target.parse)(bytes)).count();
+        assert!(accepted >= 1 && files.len() <= 200, "{}: {accepted} of {}", target.name, files.len());
+        assert!(files.iter().all(|bytes| bytes.len() <= 16 << 10), "{}: files of a few kilobytes", target.name);
+    }
+}
+
+/// Each target of `fuzz/` is one of these and has a corpus; a format that is new here is new there.
+#[test]
+fn each_format_has_a_fuzz_target() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz");
+    let manifest = std::fs::read_to_string(folder.join("Cargo.toml")).expect("a manifest");
+    let mut sources = std::fs::read_dir(folder.join("fuzz_targets")).expect("sources").count();
+    for target in TARGETS {
+        assert!(manifest.contains(&format!("name = \"{}\"", target.name)), "{}", target.name);
+        let source = std::fs::read_to_string(folder.join("fuzz_targets").join(format!("{}.rs", target.name)));
+        assert!(source.expect("a source").contains(&format!("\"{}\"", target.name)), "{}", target.name);
+        sources -= 1;
+    }
+    assert_eq!(sources, 0, "no target is for nothing");
+}
