@@ -1,14 +1,17 @@
 //! What an operation costs: units, flip-flops and, where the tools are there, area and the slowest path, beside a datapath
 //! without it.
 
-use crate::error::CliError;
-use crate::measure::measure;
+#[cfg(feature = "workbench")]
+use crate::{error::CliError, measure::measure};
 use comfy_table::CellAlignment;
+#[cfg(feature = "workbench")]
 use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, Report};
 use raypath_rtl::report::tables::{list, new_table};
 use raypath_rtl::{self as rtl, Units};
 use raypath_sim::Datapath;
+#[cfg(feature = "workbench")]
 use raypath_tools::{OpenSta, Yosys};
+#[cfg(feature = "workbench")]
 use std::path::Path;
 
 /// A datapath's figures.
@@ -47,6 +50,7 @@ impl Cost {
     ///
     /// # Errors
     /// A tool or the library that is not there, or that fails; the user stopped it.
+    #[cfg(feature = "workbench")]
     pub fn measured(self, datapath: &Datapath, name: &str, cache: &Path) -> Result<Self, CliError> {
         let design = |datapath: &Datapath, name: String| -> Result<Design, CliError> {
             Ok(Design::new(name, datapath.elaborate()?.top()))
@@ -130,6 +134,7 @@ fn figures(datapath: &Datapath) -> Result<Figures, rtl::Error> {
 }
 
 /// The default library and tools.
+#[cfg(feature = "workbench")]
 fn bench(cache: &Path) -> Result<Bench, Error> {
     Ok(Bench {
         library: Library::read(Path::new(DEFAULT_LIBRARY))?,
@@ -142,4 +147,5 @@ fn bench(cache: &Path) -> Result<Bench, Error> {
 }
 
 /// The clock period that gates are chosen for, as `raypath ppa` has it by default.
+#[cfg(feature = "workbench")]
 const PERIOD: f64 = 12.0;

@@ -1,43 +1,54 @@
 use crate::progress::Stopped;
+use raypath_sim::configuration::ConfigurationError;
 use raypath_sim::files::FileError;
+use raypath_sim::traffic::RecordedError;
+use raypath_sim::transactions::TransactionError;
 use raypath_tools::ToolError;
+use std::fmt::Display;
 use std::io::ErrorKind;
 use std::process::ExitCode;
 use thiserror::Error;
 
-/// Why an operation could not be studied.
+/// Why a command did not succeed.
 #[derive(Debug, Error)]
 pub enum CliError {
-    /// It does not fit the datapath.
-    #[error(transparent)]
-    Elaboration(#[from] raypath_rtl::Error),
-    /// A tool is missing, or has something to say about the emitted text.
-    #[error(transparent)]
-    Tool(#[from] ToolError),
-    /// It could not be measured.
-    #[error(transparent)]
-    Measurement(#[from] raypath_ppa::Error),
-    /// A file cannot be written.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// What is said cannot be written.
-    #[error("standard output: {0}")]
-    Output(#[from] std::io::Error),
-    /// Answers are wrong, or differ from the models'.
+    /// Results are wrong, or differ from each other.
     #[error("{0}")]
     Mismatch(String),
-    /// The user stopped it.
+    /// Input or output cannot be used.
+    #[error("{0}")]
+    Unusable(String),
+    /// The datapath cannot be elaborated.
+    #[error(transparent)]
+    Elaboration(#[from] raypath_rtl::Error),
+    /// A tool is missing, fails, or reports something about the emitted text.
+    #[error(transparent)]
+    Tool(#[from] ToolError),
+    /// Area or timing cannot be measured.
+    #[cfg(feature = "workbench")]
+    #[error(transparent)]
+    Measurement(#[from] raypath_ppa::Error),
+    /// Standard output cannot be written.
+    #[error("standard output: {0}")]
+    Output(#[from] std::io::Error),
+    /// The user stopped the command; says how far it came.
     #[error("stopped {0}")]
-    Stopped(#[from] Stopped),
+    Stopped(String),
 }
 
 impl CliError {
-    /// Whether the reader of standard output has gone, as `head` does: no fault, and nothing to say.
+    /// Input or output cannot be used, for this reason.
+    pub fn unusable(problem: impl Display) -> Self {
+        Self::Unusable(problem.to_string())
+    }
+
+    /// Whether the reader of standard output has closed it, as `head` does. Then there is nothing to report.
     pub fn is_silent(&self) -> bool {
         matches!(self, Self::Output(error) if error.kind() == ErrorKind::BrokenPipe)
     }
 
-    /// 1 for a mismatch, 2 for what cannot be used, 130 after Ctrl-C, 141 where the reader has gone (as shells have it).
+    /// 1 for a mismatch, 2 for input that cannot be used, 130 after Ctrl-C, 141 where the reader has closed standard output
+    /// (the codes of shells).
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Self::Output(_) if self.is_silent() => ExitCode::from(141),
@@ -47,11 +58,32 @@ impl CliError {
         }
     }
 
-    /// Whether a tool is not installed, which need not end a spec.
+    /// Whether a tool is not installed, without which the rest of the work can go on.
     pub fn is_missing_tool(&self) -> bool {
-        matches!(
-            self,
-            Self::Tool(ToolError::Missing(_)) | Self::Measurement(raypath_ppa::Error::Tool(ToolError::Missing(_)))
-        )
+        match self {
+            Self::Tool(ToolError::Missing(_)) => true,
+            #[cfg(feature = "workbench")]
+            Self::Measurement(raypath_ppa::Error::Tool(ToolError::Missing(_))) => true,
+            _ => false,
+        }
     }
 }
+
+impl From<Stopped> for CliError {
+    fn from(stopped: Stopped) -> Self {
+        Self::Stopped(stopped.to_string())
+    }
+}
+
+/// Errors whose message already names the file, the line and what was expected.
+macro_rules! unusable {
+    ($($error:ty),* $(,)?) => {$(
+        impl From<$error> for CliError {
+            fn from(error: $error) -> Self {
+                Self::unusable(error)
+            }
+        }
+    )*};
+}
+
+unusable!(TransactionError, ConfigurationError, RecordedError, FileError, raypath_hdl::Error);

@@ -1,10 +1,9 @@
 //! An open hardware ray-tracer datapath, described once in Rust.
 //!
-//! From one function for each operation come synthesizable SystemVerilog ([`rtl`]), a bit-exact functional model and a
-//! cycle-exact one ([`model`]). This crate joins them, and adds what surrounds them: files of transactions
-//! ([`transactions`]), traffic with bubbles and stalls ([`traffic`]), and engines that carry jobs through any of the
-//! three ([`engine`]), for every configuration ([`models`]). Real work goes through the datapath in [`render`] and
-//! [`search`]; [`timing`] measures how long it takes, and [`report`] draws it.
+//! From one function for each operation ([`ops`]) come synthesizable SystemVerilog ([`rtl`]), a bit-exact functional model
+//! and a cycle-exact model ([`model`]). [`sim`] joins them: a datapath of any operations, engines that carry jobs
+//! through netlist and models, traffic with bubbles and stalls, and transaction files. [`oracle`] has what the test of an
+//! operation needs.
 //!
 //! ```
 //! use raypath::ops::{Aabb, Job, Outcome, Ray, RayBoxInput, Rules};
@@ -17,18 +16,22 @@
 //! assert_eq!(hits.is_intersect.to_array(), [true; 4]);
 //! # Ok::<(), raypath::ops::RayError>(())
 //! ```
+//!
+//! | feature | adds |
+//! | --- | --- |
+//! | `cli` (default) | the program `raypath` with the commands `generate`, `configs`, `operations`, `ray` |
+//! | `full` | all commands, and the modules `render`, `search` and `timing` |
 
 pub use raypath_float as float;
-pub use raypath_float::format;
 pub use raypath_hdl as hdl;
 pub use raypath_model as model;
 pub use raypath_ops as ops;
 pub use raypath_oracle as oracle;
+#[cfg(feature = "full")]
 pub use raypath_render as render;
 pub use raypath_rtl as rtl;
-pub use raypath_rtl::report::{picture, tables};
+#[cfg(feature = "full")]
 pub use raypath_search as search;
 pub use raypath_sim as sim;
-pub use raypath_sim::{configuration, engine, jobs, lockstep, models, traffic, transactions};
+#[cfg(feature = "full")]
 pub use raypath_timing as timing;
-pub use raypath_timing::report;

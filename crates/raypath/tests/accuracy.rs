@@ -1,6 +1,6 @@
 //! The accuracy of formats: errors counted by hand, bounds on rounding errors, and changes that must not affect results.
 
-use raypath::format::Format;
+use raypath::float::Format;
 use raypath::ops::Rules;
 use raypath_cli::accuracy::{Accuracy, Errors, Quantiles, Quantity, RAYS, Row};
 use std::process::Command;

@@ -1,6 +1,6 @@
 //! `raypath replay` reproduces the failures that a campaign has written to files.
 
-use raypath::engine::shape;
+use raypath::sim::engine::shape;
 use raypath::rtl::{Config, Control, Datapath};
 use raypath_verify::campaign::verify_module;
 use raypath_verify::{Level, Request, Shard, Verdict};

@@ -1,13 +1,13 @@
 //! The comparison of `generate`: it finds no difference in a correct netlist, and finds deliberate faults.
 
-use raypath::engine::{Engine, NetlistEngine};
-use raypath::format::Format;
-use raypath::jobs::random;
-use raypath::lockstep::lockstep;
+use raypath::sim::engine::{Engine, NetlistEngine};
+use raypath::float::Format;
+use raypath::sim::jobs::random;
+use raypath::sim::lockstep::lockstep;
 use raypath::model::Functional;
 use raypath::ops::{Job, JobKind, Outcome, Rules};
 use raypath::rtl::{Config, Datapath, Encoding};
-use raypath::traffic::Traffic;
+use raypath::sim::traffic::Traffic;
 
 const JOBS: usize = 2000;
 

@@ -1,6 +1,6 @@
 //! Configurations in TOML: what a file says is what is built, and the table of presets is the only one.
 
-use raypath::configuration::{parse_sweep, read, sweep};
+use raypath::sim::configuration::{parse_sweep, read, sweep};
 use raypath::rtl::{Config, Control, Lanes, PRESETS, UnitLatency};
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use raypath::oracle::registered;
 use raypath::rtl::{Config, PARAMETER_GROUPS};
 use raypath::sim::Datapath;
-use raypath::tables::list;
+use raypath::rtl::report::tables::list;
 use raypath_cli::Cost;
 use std::collections::BTreeSet;
 use std::fs;

@@ -2,12 +2,12 @@
 
 mod recorded;
 
-use raypath::engine::{CycleEngine, NetlistEngine, Run, drive, evaluate};
+use raypath::sim::engine::{CycleEngine, NetlistEngine, Run, drive, evaluate};
 use raypath::model::{Functional, Shape};
 use raypath::ops::{Outcome, Rules};
 use raypath::rtl::{Config, Control, Encoding, Sharing, UnitLatency};
-use raypath::traffic::{Traffic, interleave};
-use raypath::transactions::Transaction;
+use raypath::sim::traffic::{Traffic, interleave};
+use raypath::sim::transactions::Transaction;
 use recorded::golden;
 
 const CHISEL: Config = Config::DEFAULT.rules(Rules::Chisel);

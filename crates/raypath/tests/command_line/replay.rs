@@ -5,7 +5,7 @@ use raypath::model::Model;
 use raypath::oracle::registered;
 use raypath::rtl::Config;
 use raypath::sim::{AnyModel, Datapath};
-use raypath::transactions::{Transaction, read, text as as_text};
+use raypath::sim::transactions::{Transaction, read, text as as_text};
 
 #[test]
 fn recorded_jobs_in_a_report() {

@@ -6,7 +6,7 @@
 //! Mutation: in `raypath-float/src/units/encode.rs`, any two leading-zero counts exchanged, or one too many.
 
 use raypath::float::{decode, encode};
-use raypath::format::Format;
+use raypath::float::Format;
 use raypath::hdl::Simulator;
 
 /// Subnormal numbers are normal ones in binary64, where the host's conversion normalises them. The recoded exponent of

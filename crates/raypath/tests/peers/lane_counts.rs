@@ -5,13 +5,13 @@
 //!
 //! Mutation: a level fewer in the tree of `raypath-ops/src/distance.rs`; a value more in `Lanes`.
 
-use raypath::configuration::{parse, parse_sweep};
-use raypath::engine::{NetlistEngine, drive};
+use raypath::sim::configuration::{parse, parse_sweep};
+use raypath::sim::engine::{NetlistEngine, drive};
 use raypath::model::OnPorts;
-use raypath::models::{PaperModel, Visitor, with_model};
+use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath::ops::JobKind;
 use raypath::rtl::{Config, Lanes};
-use raypath::traffic::Traffic;
+use raypath::sim::traffic::Traffic;
 use std::path::Path;
 
 #[test]

@@ -7,9 +7,9 @@
 //! Mutation: `latency + 1` in `raypath-model/src/shape.rs` or `raypath_sim::engine::shape`; a number in `datapath.rs`'s
 //! text.
 
-use raypath::engine::{CycleEngine, Engine, NetlistEngine};
-use raypath::jobs::random;
-use raypath::models::{PaperModel, Visitor, with_model};
+use raypath::sim::engine::{CycleEngine, Engine, NetlistEngine};
+use raypath::sim::jobs::random;
+use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath::ops::JobKind;
 use raypath::rtl::{Config, Control, Datapath, PRESETS, UnitLatency};
 

@@ -5,10 +5,10 @@
 //!
 //! Mutation: in `jobs.rs`, no edge cases (or only edge cases), masks of all ones, operations in a fixed sequence.
 
-use raypath::format::Format;
-use raypath::jobs::random;
+use raypath::float::Format;
+use raypath::sim::jobs::random;
 use raypath::model::OnPorts;
-use raypath::models::{PaperModel, Visitor, with_model};
+use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath::ops::{JobKind, PortKind};
 use raypath::rtl::{Config, Lanes};
 use std::collections::{BTreeMap, BTreeSet};

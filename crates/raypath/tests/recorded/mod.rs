@@ -4,7 +4,7 @@
 use raypath::model::Functional;
 use raypath::ops::{JobKind, Rules};
 use raypath::rtl::Config;
-use raypath::transactions::{Transaction, merge, read};
+use raypath::sim::transactions::{Transaction, merge, read};
 use std::path::PathBuf;
 
 /// All of them as one stream.

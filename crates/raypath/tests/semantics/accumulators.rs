@@ -5,7 +5,7 @@ use crate::random::{Numbers, any_job, rng, scene_job};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use raypath::ops::{AngularInput, Beat, Binary32, EuclideanInput, Flags, Job, Num, Outcome, Rules};
-use raypath::traffic::Traffic;
+use raypath::sim::traffic::Traffic;
 
 fn beat<const N: usize>(a: f32, b: f32, reset: bool) -> Beat<Binary32, N> {
     let mut beat =

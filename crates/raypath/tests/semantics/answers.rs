@@ -1,10 +1,10 @@
 //! Runs jobs on the functional model, the cycle-exact model and the netlist, and requires equal outcomes.
 
-use raypath::engine::{CycleEngine, Engine, NetlistEngine, drive};
+use raypath::sim::engine::{CycleEngine, Engine, NetlistEngine, drive};
 use raypath::model::{Functional, Shape};
 use raypath::ops::{Aabb, Binary32, Job, Num, Outcome, Ray, RayBoxInput, Rules};
 use raypath::rtl::Config;
-use raypath::traffic::Traffic;
+use raypath::sim::traffic::Traffic;
 use std::cell::RefCell;
 use std::collections::HashMap;
 
@@ -62,7 +62,7 @@ impl Engine for ProperOnly<'_> {
     fn present(&mut self, job: &Job) {
         self.0.present(job);
     }
-    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> raypath::engine::Shown {
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> raypath::sim::engine::Shown {
         let shown = self.0.cycle(input_valid, output_ready);
         let improper: Vec<String> = shown.output.iter().flat_map(|outcome| self.0.improper_outputs(outcome)).collect();
         assert!(improper.is_empty(), "{improper:?}");

@@ -4,7 +4,7 @@ use crate::answers::{answers_under, numbers};
 use crate::random::rng;
 use rand::RngExt;
 use raypath::ops::{Job, JobKind, Rules};
-use raypath::traffic::Traffic;
+use raypath::sim::traffic::Traffic;
 
 /// The largest integer up to which binary32 represents every integer.
 const LARGEST: i128 = 1 << 24;

@@ -3,10 +3,10 @@
 use crate::answers::answers;
 use crate::oracle::Oracle;
 use crate::recorded::golden;
-use raypath::engine::evaluate;
+use raypath::sim::engine::evaluate;
 use raypath::model::Functional;
 use raypath::ops::{Job, Outcome, Rules};
-use raypath::transactions::Transaction;
+use raypath::sim::transactions::Transaction;
 
 fn jobs(golden: &[Transaction]) -> Vec<Job> {
     golden.iter().map(|transaction| transaction.job).collect()

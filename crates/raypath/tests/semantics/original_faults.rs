@@ -2,7 +2,7 @@
 //! of these tests adds 16: sixteen lanes of (1 − 0)².
 
 use crate::answers::with_netlist;
-use raypath::engine::{CycleEngine, Engine};
+use raypath::sim::engine::{CycleEngine, Engine};
 use raypath::model::{Functional, Shape};
 use raypath::ops::{
     Aabb, Beat, Binary32, EuclideanInput, Flags, Job, Outcome, Ray, RayBoxInput, RayTriangleInput, Rules, Triangle,

@@ -2,7 +2,7 @@
 
 use crate::answers::with_netlist;
 use crate::random::mixed_jobs;
-use raypath::engine::{CycleEngine, Engine};
+use raypath::sim::engine::{CycleEngine, Engine};
 use raypath::model::{Functional, Shape};
 use raypath::ops::{Job, Outcome, Rules};
 

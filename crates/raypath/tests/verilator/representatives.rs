@@ -1,6 +1,6 @@
 //! Configurations that together contain every value of every parameter.
 
-use raypath::format::Format;
+use raypath::float::Format;
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Lanes, PARAMETER_GROUPS, Sharing, UnitLatency};
 

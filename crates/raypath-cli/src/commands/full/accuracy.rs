@@ -1,0 +1,62 @@
+//! `raypath accuracy`: what a format costs, against binary64.
+
+use crate::error::CliError;
+use crate::commands::numbers::whole;
+use crate::progress::Progress;
+use clap::Args;
+use raypath_float::Format;
+use raypath_ops::Rules;
+use raypath_cli::accuracy::{Accuracy, DIMENSIONS, RAYS, SCALES, table};
+use std::io::Write;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The formats to measure: fp32, tf32, bf16, fp16, or eXsY for X exponent bits and Y significand bits
+    #[arg(long, value_delimiter = ',', default_value = "fp32,tf32,bf16,fp16", value_name = "FORMAT,...")]
+    format: Vec<Format>,
+    /// Random jobs of each kind, at most a million
+    #[arg(long, default_value_t = 20_000, value_name = "N", value_parser = whole(1..=1_000_000u32))]
+    jobs: u32,
+    /// Seed of the random jobs
+    #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
+    seed: u64,
+    /// The rules on the edges: paper (this project's rulings) or chisel (the original hardware's)
+    #[arg(long, default_value_t = Rules::Paper, value_name = "paper|chisel")]
+    rules: Rules,
+    /// A factor on all coordinates: 1 has them between -4 and 4
+    #[arg(long, default_value_t = 1.0, value_parser = scale)]
+    scale: f64,
+}
+
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    let Arguments { format: formats, jobs, seed, rules, scale } = arguments;
+    let total = formats.len() * (*jobs as usize + RAYS);
+    let mut progress = Progress::new("jobs and rays", total);
+    let mut done = 0;
+    let mut watch = || {
+        done += 1;
+        progress.at(done)
+    };
+    let (mut random, mut scene) = (Vec::new(), Vec::new());
+    for format in formats {
+        let accuracy = Accuracy { format: *format, rules: *rules, scale: *scale };
+        random.extend(accuracy.random_jobs(*seed, *jobs, &mut watch));
+        scene.extend(accuracy.scene(&mut watch));
+    }
+    progress.finish(done)?;
+
+    writeln!(out, "Random jobs: {jobs} of each kind, seed {seed}; vectors of {DIMENSIONS} dimensions.\n")?;
+    writeln!(out, "{}\n", table(&random))?;
+    writeln!(out, "Scene: a torus in {RAYS} pixels.\n")?;
+    writeln!(out, "{}\n", table(&scene))?;
+    writeln!(out, "Rules {rules}, scale {scale}. Compared with binary64, a: on the inputs rounded into the format,")?;
+    writeln!(out, "b: on the inputs as they were. differ: a hit in one, a miss in the other, in % of the hits.")?;
+    writeln!(out, "50 %, 99 %, max: so many of the errors are at most so many ulps of the format.")?;
+    writeln!(out, "no number: infinite or NaN.")?;
+    Ok(())
+}
+
+fn scale(given: &str) -> Result<f64, String> {
+    let scale = given.parse().ok().filter(|scale| SCALES.contains(scale));
+    scale.ok_or_else(|| format!("expected a number from {:e} to {:e}", SCALES.start(), SCALES.end()))
+}

@@ -1,0 +1,126 @@
+//! The models, on one core.
+
+use crate::commands::full::bench::result::Results;
+use crate::commands::full::bench::stopwatch::seconds;
+use crate::commands::full::bench::workload::Workload;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use raypath_model::{Batch, CycleModel, Functional, Packed, Shape, blank, levels, pack};
+use raypath_ops::{
+    AngularInput, AngularOutput, Binary32, EuclideanInput, EuclideanOutput, Family, Job, JobKind, Of, RayBoxInput,
+    RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules,
+};
+use std::hint::black_box;
+
+/// Jobs that one measurement goes through: more than a predictor remembers, less than a second-level cache holds.
+const JOBS: usize = 4096;
+
+/// Jobs of a batch: in and out they fit into a first-level cache.
+const BATCH: usize = 128;
+
+/// One job after another.
+pub fn functional(results: &mut Results, repetitions: usize) {
+    let jobs = Workload::new().mixed(JOBS);
+    let mut model = Functional::<16, 8>::new(Rules::Paper);
+    let mut rate = |jobs: &[Job]| jobs.len() as f64 / seconds(repetitions, || each(&mut model, jobs));
+    results.rate("functional model, mixed jobs one at a time", "jobs", rate(&jobs), Some(50e6));
+    for kind in JobKind::ALL {
+        let of_kind: Vec<Job> = jobs.iter().copied().filter(|job| job.kind() == kind).collect();
+        results.rate(format!("functional model, {kind} one at a time"), "jobs", rate(&of_kind), None);
+    }
+}
+
+/// Runs jobs for their time alone. Answers stay where they are, as they do for whoever reads them: a copy would cost as
+/// much as the answer.
+pub fn each(model: &mut Functional, jobs: &[Job]) {
+    for job in jobs {
+        black_box(&model.run(black_box(job)));
+    }
+}
+
+/// In SIMD lanes, with every instruction set of the machine.
+pub fn batches(results: &mut Results, repetitions: usize) {
+    let mut workload = Workload::new();
+    let boxes: Vec<_> = (0..BATCH).map(|_| workload.quadbox()).collect();
+    let triangles: Vec<_> = (0..BATCH).map(|_| workload.triangle()).collect();
+    let euclidean: Vec<_> = (0..BATCH).map(|i| EuclideanInput { euclidean: workload.beat(i % 64 == 0) }).collect();
+    let angular: Vec<_> = (0..BATCH).map(|i| AngularInput { euclidean: workload.beat(i % 64 == 0) }).collect();
+    for level in levels() {
+        let mut batch = Batch::<16, 8>::at(level, Rules::Paper);
+        let name = format!("{level:?}");
+        let name = name.split('(').next().unwrap_or_default().to_lowercase();
+        let mut rate = |kind: JobKind, goal: Option<f64>, per_second: f64| {
+            let goal = goal.filter(|_| name.starts_with("avx"));
+            results.rate(format!("batches, {name}, {kind}"), "jobs", per_second, goal);
+        };
+        let run = |jobs: &_, answers: &mut _| batch.quadbox(jobs, answers);
+        rate(
+            JobKind::Quadbox,
+            Some(200e6),
+            timed::<RayBoxInput<Binary32>, RayBoxOutput<Binary32>>(&boxes, repetitions, run),
+        );
+        let run = |jobs: &_, answers: &mut _| batch.triangle(jobs, answers);
+        let per_second = timed::<RayTriangleInput<Binary32>, RayTriangleOutput<Binary32>>(&triangles, repetitions, run);
+        rate(JobKind::Triangle, None, per_second);
+        let run = |jobs: &_, answers: &mut _| batch.euclidean(jobs, answers);
+        let per_second = timed::<EuclideanInput<Binary32, 16>, EuclideanOutput<Binary32>>(&euclidean, repetitions, run);
+        rate(JobKind::Euclidean, Some(400e6), per_second);
+        let run = |jobs: &_, answers: &mut _| batch.angular(jobs, answers);
+        let per_second = timed::<AngularInput<Binary32, 8>, AngularOutput<Binary32>>(&angular, repetitions, run);
+        rate(JobKind::Angular, None, per_second);
+    }
+}
+
+/// Jobs a second of a batch.
+fn timed<I: Family, O: Family>(
+    jobs: &[Of<I, Binary32>],
+    repetitions: usize,
+    mut run: impl FnMut(&[Of<I, Packed>], &mut [Of<O, Packed>]),
+) -> f64 {
+    let blocks = pack::<I>(jobs);
+    let mut answers = vec![blank::<O>(); blocks.len()];
+    let time = seconds(repetitions, || {
+        run(black_box(&blocks), &mut answers);
+        black_box(&mut answers);
+    });
+    jobs.len() as f64 / time
+}
+
+/// A job offered in every cycle; a sink that takes always, one that stalls at random, and cycles without jobs.
+pub fn cycle_exact(results: &mut Results, repetitions: usize) {
+    let jobs = Workload::new().mixed(JOBS);
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let stalls: Vec<bool> = (0..JOBS).map(|_| rng.next_u32() % 4 == 0).collect();
+    let mut model = CycleModel::new(Functional::<16, 8>::new(Rules::Paper), &Shape::default());
+    for (what, may_stall, goal) in [
+        ("cycle-exact model, a mixed job each cycle", false, None),
+        ("cycle-exact model, the sink stalls at random in a quarter of the cycles", true, Some(20e6)),
+    ] {
+        let mut next = 0;
+        let run = || {
+            for &stalled in &stalls {
+                let transfer = model.cycle(Some(black_box(&jobs[next])), !(may_stall && stalled));
+                next = (next + usize::from(transfer.accepted)) % jobs.len();
+                black_box(transfer);
+            }
+        };
+        results.rate(what, "cycles", stalls.len() as f64 / seconds(repetitions, run), goal);
+    }
+    // A job, and then nothing for a thousand cycles.
+    const IDLE: u64 = 1000;
+    let run = || {
+        for job in &jobs[..64] {
+            model.cycle(Some(black_box(job)), true);
+            let passed = model.idle(IDLE);
+            black_box(model.cycle(None, true));
+            model.idle(IDLE - passed);
+        }
+    };
+    let cycles = 64.0 * (IDLE + 2) as f64;
+    results.rate(
+        "cycle-exact model, a job in a thousand cycles, idle ones skipped",
+        "cycles",
+        cycles / seconds(repetitions, run),
+        None,
+    );
+}

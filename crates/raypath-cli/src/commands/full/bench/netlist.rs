@@ -1,0 +1,126 @@
+//! The netlist that is printed: compiled by us, and compiled by Verilator.
+
+use crate::error::CliError;
+use crate::commands::full::bench::result::Results;
+use crate::commands::full::bench::stopwatch::seconds;
+use crate::commands::full::bench::workload::Workload;
+use raypath_hdl::{InputPort, LANES, LaneSimulator, Module, OutputPort, Simulator};
+use raypath_ops::Job;
+use raypath_rtl::{Config, Datapath};
+use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
+use std::hint::black_box;
+use std::sync::Arc;
+
+/// Cycles of one run: few, so that some of many runs are not interrupted.
+const CYCLES: usize = 128;
+
+/// So many of these runs for each run of what takes longer.
+const RUNS: usize = 8;
+
+/// A mixed job in every cycle, none refused.
+pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> Result<(), CliError> {
+    let datapath = Datapath::new(Config::DEFAULT)?;
+    let top = datapath.top();
+    let jobs = Workload::new().mixed(CYCLES);
+    let mut simulator = Simulator::new(top)?;
+    let ports = Ports::of(&simulator)?;
+    let per_second = compiled(&mut simulator, &ports, &jobs, RUNS * repetitions);
+    results.rate("netlist, compiled, a mixed job each cycle", "cycles", per_second, None);
+    let per_second = lanes(&mut LaneSimulator::new(top)?, &ports, repetitions);
+    let name = format!("netlist in lanes, a mixed job each cycle in each of {LANES}");
+    results.rate(name, "cycles", per_second, None);
+    if with_verilator {
+        match verilator(top, &jobs, RUNS * repetitions) {
+            Ok(per_second) => results.beside("cycles", "Verilator", per_second),
+            Err(problem) => results.missing(format!("Verilator: {problem}")),
+        }
+    }
+    Ok(())
+}
+
+/// All ports of the module, in order of declaration, for both simulators.
+struct Ports {
+    inputs: Vec<InputPort>,
+    outputs: Vec<OutputPort>,
+}
+
+impl Ports {
+    fn of(simulator: &Simulator) -> Result<Self, raypath_hdl::Error> {
+        let top = simulator.module();
+        let inputs = top.inputs().iter().map(|port| simulator.input(&port.name)).collect::<Result<_, _>>()?;
+        let outputs = top.outputs().iter().map(|port| simulator.output(&port.name)).collect::<Result<_, _>>()?;
+        Ok(Self { inputs, outputs })
+    }
+}
+
+/// Cycles a second; setting and reading all ports included.
+fn compiled(simulator: &mut Simulator, ports: &Ports, jobs: &[Job], repetitions: usize) -> f64 {
+    let top = simulator.module();
+    let stimuli: Vec<Vec<u64>> = jobs.iter().map(|job| stimulus(top, job)).collect();
+    let time = seconds(repetitions, || {
+        for values in &stimuli {
+            for (input, value) in ports.inputs.iter().zip(values) {
+                simulator.set(*input, black_box(*value));
+            }
+            simulator.cycle();
+            for output in &ports.outputs {
+                black_box(simulator.get(*output));
+            }
+        }
+    });
+    jobs.len() as f64 / time
+}
+
+/// The same of all lanes together, each with jobs of its own.
+fn lanes(simulator: &mut LaneSimulator, ports: &Ports, repetitions: usize) -> f64 {
+    // A few cycles, for there are many lanes.
+    const CYCLES: usize = 8;
+    let top = simulator.module();
+    let jobs = Workload::new().mixed(CYCLES * LANES);
+    let stimuli: Vec<Vec<[u64; LANES]>> = jobs
+        .chunks(LANES)
+        .map(|jobs| {
+            let mut values = vec![[0; LANES]; ports.inputs.len()];
+            for (lane, job) in jobs.iter().enumerate() {
+                for (of_port, value) in values.iter_mut().zip(stimulus(top, job)) {
+                    of_port[lane] = value;
+                }
+            }
+            values
+        })
+        .collect();
+    let time = seconds(repetitions, || {
+        for values in &stimuli {
+            for (input, values) in ports.inputs.iter().zip(values) {
+                simulator.set(*input, black_box(values));
+            }
+            simulator.cycle();
+            for output in &ports.outputs {
+                black_box(simulator.get(*output));
+            }
+        }
+    });
+    jobs.len() as f64 / time
+}
+
+/// Cycles a second of Verilator, one thread, all of its and the compiler's optimisation.
+fn verilator(top: &Arc<Module>, jobs: &[Job], repetitions: usize) -> Result<f64, ToolError> {
+    let folder = temporary_folder()?;
+    let options = Options { c_optimisation: 3, native: true, ..Options::default() };
+    let verilated = Verilated::build_with(top, folder.path(), &options)?;
+    // The first of a frame is the reset, which is low when active.
+    let frames = jobs.iter().map(|job| [vec![1], stimulus(top, job)].concat());
+    let times = verilated.time(frames, repetitions)?;
+    Ok(jobs.len() as f64 / times.into_iter().fold(f64::INFINITY, f64::min))
+}
+
+/// What the inputs get in a cycle that offers a job: valid, and the sink is ready.
+fn stimulus(top: &Module, job: &Job) -> Vec<u64> {
+    let ports = job.ports();
+    let value = |name: &str| match name {
+        "input_valid_i" | "output_ready_i" => 1,
+        "opcode_i" => job.kind().opcode(),
+        _ => ports.iter().find(|port| name.strip_suffix("_i") == Some(&port.name)).map_or(0, |port| port.bits),
+    };
+    top.inputs().iter().map(|port| value(&port.name)).collect()
+}

@@ -1,0 +1,50 @@
+//! Rays and distances, beside other libraries and on all cores.
+
+use crate::error::CliError;
+use crate::commands::full::bench::result::Results;
+use raypath_render::compare::compare;
+use raypath_render::{Camera, Scene, Tracing, builtin};
+use raypath_search::{Clusters, Metric, speed};
+
+/// Closest hits of the built-in scene on one core, beside obvhs' own traversal of the tree that ours is made of.
+pub fn rays(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
+    let scene = Scene::new(builtin().map_err(CliError::unusable)?).map_err(CliError::unusable)?;
+    const SIZE: (u32, u32) = (256, 192);
+    let camera = Camera::framing(scene.mesh(), SIZE.0 as f32 / SIZE.1 as f32);
+    let rays = camera.rays(SIZE.0, SIZE.1).map_err(CliError::unusable)?;
+    for two_sided in [false, true] {
+        let tracing = Tracing { two_sided, ..Tracing::default() };
+        let compared =
+            compare(&scene, &rays, tracing, repetitions.div_ceil(4) as u32, &|_| true).map_err(CliError::unusable)?;
+        let per_second = compared.nanoseconds().map(|nanoseconds| 1e9 / nanoseconds);
+        let (what, unit) = if two_sided { ("two-sided", "rays both sides") } else { ("one-sided", "rays") };
+        // obvhs tests both sides at no cost; a third of its rate is the goal.
+        results.rate(
+            format!("rays from the eye, built-in scene, {what}, one core"),
+            unit,
+            per_second[0],
+            Some(per_second[1] / 3.0),
+        );
+        results.beside(unit, "obvhs", per_second[1]);
+    }
+    Ok(())
+}
+
+/// Exact search, on one core and on all.
+pub fn distances(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
+    let clusters = Clusters { vectors: 20_000, queries: 256, dimensions: 128, ..Clusters::default() };
+    let set = clusters.generate().map_err(CliError::unusable)?;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    for metric in Metric::ALL {
+        for threads in [1, cores] {
+            let mut best = 0.0f64;
+            for _ in 0..repetitions.div_ceil(8) {
+                let measured = speed::<16, 8>(&set.base, &set.queries, metric, threads).map_err(CliError::unusable)?;
+                best = best.max(measured.distances_per_second);
+            }
+            let what = format!("exact search, 128 dimensions, {}, {threads} threads", metric.name());
+            results.rate(what, "distances", best, None);
+        }
+    }
+    Ok(())
+}

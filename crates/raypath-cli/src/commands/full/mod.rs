@@ -1,0 +1,59 @@
+//! The commands of a build with the feature `full`.
+
+mod accuracy;
+mod bench;
+mod explore;
+mod measuring;
+mod ppa;
+mod render;
+mod replay;
+mod search;
+mod stream;
+mod timed;
+mod utilisation;
+mod verify;
+mod view;
+mod wave;
+
+use crate::error::CliError;
+use clap::Subcommand;
+use std::io::Write;
+
+/// The commands that need the libraries of the feature `full`.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a mesh through the datapath, and show how busy it was
+    Render(render::Arguments),
+    /// Search nearest neighbours through the datapath, and show how busy it was
+    Search(search::Arguments),
+    /// Run recorded transactions through a model or the netlist and compare the results
+    Replay(replay::Arguments),
+    /// Run recorded transactions through the netlist and write a waveform (FST)
+    Wave(wave::Arguments),
+    /// Measure the error of a number format: hits and distances against binary64, on random jobs and a scene
+    Accuracy(accuracy::Arguments),
+    /// Measure area and timing in a cell library, stage by stage, with Yosys and OpenSTA
+    Ppa(ppa::Arguments),
+    /// Measure many configurations and draw area against clock and throughput
+    Explore(explore::Arguments),
+    /// Measure the speed of the models, beside Verilator and other libraries
+    Bench(bench::Arguments),
+    /// Check the claims about the datapath against independent oracles: proofs, campaigns, mutations
+    Verify(verify::Arguments),
+}
+
+impl Command {
+    pub fn run(self, out: &mut dyn Write) -> Result<(), CliError> {
+        match self {
+            Self::Render(arguments) => render::run(&arguments, out),
+            Self::Search(arguments) => search::run(&arguments, out),
+            Self::Replay(arguments) => replay::run(&arguments, out),
+            Self::Wave(arguments) => wave::run(&arguments, out),
+            Self::Accuracy(arguments) => accuracy::run(&arguments, out),
+            Self::Ppa(arguments) => ppa::run(&arguments, out),
+            Self::Explore(arguments) => explore::run(&arguments, out),
+            Self::Bench(arguments) => bench::run(&arguments, out),
+            Self::Verify(arguments) => verify::run(&arguments, out),
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! `raypath ppa`: area and timing of the datapath in a cell library.
+
+use crate::error::CliError;
+use crate::commands::additions::Additions;
+use crate::commands::configuration::ConfigArguments;
+use crate::commands::full::measuring::BenchArguments;
+use crate::commands::output::write_all;
+use clap::Args;
+use raypath_rtl::{Config, Datapath};
+use raypath_ppa::{Baseline, Design, Report, charts, tables};
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    additions: Additions,
+    #[command(flatten)]
+    configuration: ConfigArguments,
+    #[command(flatten)]
+    bench: BenchArguments,
+    /// Compare with the report in this folder (its ppa.json)
+    #[arg(long, value_name = "DIR")]
+    against: Option<PathBuf>,
+    /// The folder to write ppa.json and ppa.svg to
+    #[arg(long, default_value = "build/ppa", value_name = "DIR")]
+    out: PathBuf,
+    /// Print the report as JSON instead of tables
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    // Read first, so that an error is reported before minutes of work.
+    let baseline = arguments.against.as_deref().map(Baseline::read).transpose()?;
+    let (config, additions) = (arguments.configuration.config()?, &arguments.additions);
+    let design = Design::new(additions.name(config), additions.datapath(config).elaborate()?.top());
+    let reports = arguments.bench.measure(&[design])?;
+    for report in reports {
+        write_all(&files(&report, &arguments.out)?)?;
+        if arguments.json {
+            writeln!(out, "{}", json(&report)?)?;
+        } else {
+            show(&report, baseline.as_ref(), arguments, out)?;
+        }
+    }
+    Ok(())
+}
+
+fn show(
+    report: &Report,
+    baseline: Option<&Baseline>,
+    arguments: &Arguments,
+    out: &mut dyn Write,
+) -> Result<(), CliError> {
+    writeln!(out, "raypath {}: {}\n", env!("CARGO_PKG_VERSION"), report.design)?;
+    writeln!(out, "Area by stage and kind, µm²\n\n{}\n", tables::areas(report))?;
+    writeln!(out, "Units, µm²\n\n{}\n", tables::units(report))?;
+    writeln!(out, "The slowest path to each stage\n\n{}\n", tables::paths(report))?;
+    writeln!(out, "{}", tables::summary(report))?;
+    if let Some(baseline) = baseline {
+        writeln!(out, "\nThis divided by {}\n\n{}", baseline.design, tables::comparison(report, baseline))?;
+    }
+    writeln!(out, "\nWrote {0}/ppa.json and {0}/ppa.svg.", arguments.out.display())?;
+    Ok(())
+}
+
+/// A configuration, elaborated.
+pub fn design(config: Config) -> Result<Design, CliError> {
+    Ok(Design::new(config.to_string(), Datapath::new(config)?.top()))
+}
+
+/// A report as the files that show it.
+pub fn files(report: &Report, folder: &std::path::Path) -> Result<Vec<(PathBuf, String)>, CliError> {
+    Ok(vec![(folder.join("ppa.json"), json(report)? + "\n"), (folder.join("ppa.svg"), charts::stages(report))])
+}
+
+/// A report, or many, as JSON.
+pub fn json(report: &impl serde::Serialize) -> Result<String, CliError> {
+    serde_json::to_string_pretty(report).map_err(|problem| CliError::unusable(format!("JSON: {problem}")))
+}

@@ -1,0 +1,218 @@
+//! `raypath render`: a mesh, its picture by the datapath's operations, and how busy the datapath was.
+
+mod scene;
+mod timing;
+
+use crate::error::CliError;
+use crate::commands::configuration::ConfigArguments;
+use crate::commands::numbers::whole;
+use crate::commands::output::write_and_name;
+use crate::progress::watched;
+use crate::commands::full::timed::{Subject, Timed, TimingArguments};
+use crate::commands::full::view::ViewArguments;
+use clap::Args;
+use raypath_float::Format;
+use raypath_ops::{Binary32, Ray};
+use raypath_render::{Counts, Hit, Rendering, Scene, Shading, Tracing, read_rays, render, trace_closest, write_hits};
+use raypath_timing::report::Image;
+use raypath_rtl::Config;
+use scene::{CameraArguments, Size};
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The scene: a mesh as .obj, .gltf, .glb, .ply or .stl [default: a built-in one]
+    scene: Option<PathBuf>,
+    #[command(flatten)]
+    camera: CameraArguments,
+    /// Pixels in a row, and rows
+    #[arg(long, default_value = "640x480", value_name = "WIDTHxHEIGHT")]
+    size: Size,
+    /// A ray from each hit towards the sun
+    #[arg(long)]
+    shadows: bool,
+    /// So many rays from each hit towards the sky
+    #[arg(long, default_value_t = 0, value_parser = whole(0..=4096u32), value_name = "N")]
+    ao: u32,
+    /// Each pixel is the mean of N x N rays
+    #[arg(long, default_value_t = 1, value_parser = whole(1..=64u32), value_name = "N")]
+    samples: u32,
+    /// Triangles can be hit from behind: each is then a second job
+    #[arg(long)]
+    two_sided: bool,
+    /// Seed of the rays towards the sky
+    #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
+    seed: u64,
+    /// The picture to write
+    #[arg(long, default_value = "build/image.png", value_name = "FILE.png")]
+    out: PathBuf,
+    /// Write a picture of the jobs that each pixel took
+    #[arg(long, value_name = "FILE.png", conflicts_with = "rays")]
+    heatmap: Option<PathBuf>,
+    /// Trace these rays, not a camera's, and make no picture: a line each with origin, direction and extent
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["camera", "size", "shadows", "ao", "samples", "out"])]
+    rays: Option<PathBuf>,
+    /// Write what each ray hits, those of --rays or those through the pixels' centres: triangle, t, t_num, t_denom, and the
+    /// bits of the three; without it, the hits of --rays are printed
+    #[arg(long, value_name = "FILE")]
+    hits: Option<PathBuf>,
+    /// Rays under way at a time in the timing; a pixel's rays follow one another
+    #[arg(long, default_value_t = 256, value_parser = whole(1..=1usize << 20), value_name = "R")]
+    rays_in_flight: usize,
+    /// Time so many of the pixels, or of the rays of --rays, evenly spread
+    #[arg(long, default_value_t = 50_000, value_parser = whole(1..=usize::MAX), value_name = "N")]
+    timed: usize,
+    #[command(flatten)]
+    timing: TimingArguments,
+    #[command(flatten)]
+    view: ViewArguments,
+    #[command(flatten)]
+    config: ConfigArguments,
+}
+
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    let config = arguments.config.paper()?;
+    if config.semantics.format != Format::BINARY32 {
+        let problem = format!("--format {}: scenes are traced in fp32 only", config.semantics.format);
+        return Err(CliError::unusable(problem));
+    }
+    let tracing = Tracing { rules: config.semantics.rules, two_sided: arguments.two_sided };
+    match &arguments.rays {
+        Some(path) => rays(arguments, config, tracing, read_rays(path).map_err(CliError::unusable)?, out),
+        None => picture(arguments, config, tracing, out),
+    }
+}
+
+fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dyn Write) -> Result<(), CliError> {
+    let mesh = scene::mesh(arguments.scene.as_deref())?;
+    let Size(width, height) = arguments.size;
+    let camera = arguments.camera.camera(&mesh, width as f32 / height as f32)?;
+    let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(CliError::unusable)?;
+    scene::describe(arguments.scene.as_deref(), &scene, out)?;
+    let shading = Shading {
+        tracing,
+        shadows: arguments.shadows,
+        ambient_occlusion: arguments.ao,
+        samples: arguments.samples,
+        seed: arguments.seed,
+    };
+    let pixels = width as usize * height as usize;
+    let begin = Instant::now();
+    let rendering = watched("pixels", pixels, |watch| render(&scene, &camera, (width, height), &shading, watch))?;
+    costs(&rendering, begin, out)?;
+    let png = rendering.picture.to_png().map_err(CliError::unusable)?;
+    let mut files = vec![(arguments.out.clone(), png.clone())];
+    if let Some(path) = &arguments.heatmap {
+        files.push((path.clone(), rendering.heatmap().to_png().map_err(CliError::unusable)?));
+    }
+    if let Some(path) = &arguments.hits {
+        let rays = camera.rays(width, height).map_err(CliError::unusable)?;
+        files.push((path.clone(), text(&trace(&scene, &rays, tracing)?)?));
+    }
+    let rays = [rendering.primary, rendering.shadow, rendering.occlusion].iter().map(|costs| costs.rays).sum();
+    let pixels = timing::Pixels {
+        name: scene::name(arguments.scene.as_deref()),
+        scene: &scene,
+        camera,
+        size: (width, height),
+        shading,
+        rays,
+        most: arguments.timed,
+    };
+    time(arguments, config, &pixels, Some(png), &mut files, out)?;
+    write_and_name(&files, out)
+}
+
+fn rays(
+    arguments: &Arguments,
+    config: Config,
+    tracing: Tracing,
+    rays: Vec<Ray<Binary32>>,
+    out: &mut dyn Write,
+) -> Result<(), CliError> {
+    let mesh = scene::mesh(arguments.scene.as_deref())?;
+    let scene = Scene::for_origins(mesh, rays.iter().map(|ray| ray.origin.into())).map_err(CliError::unusable)?;
+    let begin = Instant::now();
+    let hits = trace(&scene, &rays, tracing)?;
+    let seconds = begin.elapsed().as_secs_f64();
+    let wants_pictures = arguments.view.is_wanted() || arguments.timing.has_sweep();
+    if arguments.hits.is_none() && !wants_pictures {
+        out.write_all(&text(&hits)?)?;
+        return Ok(());
+    }
+    scene::describe(arguments.scene.as_deref(), &scene, out)?;
+    let hit = hits.iter().flatten().count();
+    writeln!(out, "{} rays, {hit} hits, {seconds:.3} s", rays.len())?;
+    let mut files = Vec::new();
+    if let Some(path) = &arguments.hits {
+        files.push((path.clone(), text(&hits)?));
+    }
+    let subject = timing::Rays {
+        name: scene::name(arguments.scene.as_deref()),
+        scene: &scene,
+        rays: &rays,
+        tracing,
+        most: arguments.timed,
+    };
+    time(arguments, config, &subject, None, &mut files, out)?;
+    write_and_name(&files, out)
+}
+
+/// Simulates and prints; the files that were asked for join the others.
+fn time(
+    arguments: &Arguments,
+    config: Config,
+    subject: &impl Subject,
+    png: Option<Vec<u8>>,
+    files: &mut Vec<(PathBuf, Vec<u8>)>,
+    out: &mut dyn Write,
+) -> Result<(), CliError> {
+    let timed = arguments.timing.run(subject, arguments.rays_in_flight, config, &arguments.view, out)?;
+    if let Some(Timed { mut recording, files: more }) = timed {
+        recording.image = png.map(|png| Image { title: "The picture".to_string(), png });
+        files.extend(more);
+        files.extend(arguments.view.files(&recording));
+    }
+    Ok(())
+}
+
+fn trace(scene: &Scene, rays: &[Ray<Binary32>], tracing: Tracing) -> Result<Vec<Option<Hit>>, CliError> {
+    watched("rays", rays.len(), |watch| trace_closest(scene, rays, tracing, watch)).map(|(hits, _)| hits)
+}
+
+fn text(hits: &[Option<Hit>]) -> Result<Vec<u8>, CliError> {
+    let mut text = Vec::new();
+    write_hits(&mut text, hits)?;
+    Ok(text)
+}
+
+fn costs(rendering: &Rendering, begin: Instant, out: &mut dyn Write) -> Result<(), CliError> {
+    let seconds = begin.elapsed().as_secs_f64();
+    let kinds =
+        [("from the eye", rendering.primary), ("to the sun", rendering.shadow), ("to the sky", rendering.occlusion)];
+    writeln!(
+        out,
+        "{:<14} {:>10} {:>10} {:>11} {:>11} {:>11} {:>11} {:>10}",
+        "rays", "all", "hits", "box jobs", "triangles", "behind", "node reads", "leaf reads"
+    )?;
+    for (name, costs) in kinds.iter().filter(|(_, costs)| costs.rays > 0) {
+        let Counts { quadbox, triangle, behind, nodes, leaves } = costs.counts;
+        writeln!(
+            out,
+            "{name:<14} {:>10} {:>10} {quadbox:>11} {triangle:>11} {behind:>11} {nodes:>11} {leaves:>10}",
+            costs.rays, costs.hits
+        )?;
+    }
+    let (rays, jobs) =
+        kinds.iter().fold((0, 0), |(rays, jobs), (_, costs)| (rays + costs.rays, jobs + costs.counts.jobs()));
+    writeln!(
+        out,
+        "{seconds:.2} s by the functional model: {:.2e} rays/s, {:.2e} jobs/s, {:.1} jobs a ray\n",
+        rays as f64 / seconds,
+        jobs as f64 / seconds,
+        jobs as f64 / rays.max(1) as f64
+    )?;
+    Ok(())
+}

@@ -1,0 +1,73 @@
+//! What is seen, and from where.
+
+use crate::error::CliError;
+use clap::Args;
+use raypath_render::{Camera, Mesh, Scene, builtin, read_mesh};
+use std::io::Write;
+use std::path::Path;
+use std::str::FromStr;
+
+#[derive(Debug, Args)]
+pub struct CameraArguments {
+    /// Where the eye is, and what it looks at; up is +y [default: where all of the mesh is seen]
+    #[arg(
+        long,
+        num_args = 6,
+        allow_negative_numbers = true,
+        value_names = ["EX", "EY", "EZ", "TX", "TY", "TZ"]
+    )]
+    camera: Option<Vec<f32>>,
+    /// How many degrees that eye sees from the lower to the upper edge
+    #[arg(long, default_value_t = Camera::FIELD_OF_VIEW, requires = "camera", value_name = "DEGREES")]
+    fov: f32,
+}
+
+impl CameraArguments {
+    /// The camera that was asked for, or one that sees all of the mesh.
+    pub fn camera(&self, mesh: &Mesh, aspect: f32) -> Result<Camera, CliError> {
+        match self.camera.as_deref() {
+            None => Ok(Camera::framing(mesh, aspect)),
+            Some(&[ex, ey, ez, tx, ty, tz]) => {
+                let camera = Camera::new([ex, ey, ez], [tx, ty, tz], [0.0, 1.0, 0.0], self.fov);
+                camera.map_err(|problem| CliError::unusable(format!("--camera: {problem}")))
+            }
+            Some(_) => Err(CliError::unusable("--camera: expected six numbers")),
+        }
+    }
+}
+
+/// Pixels in a row, and rows.
+#[derive(Debug, Clone, Copy)]
+pub struct Size(pub u32, pub u32);
+
+impl FromStr for Size {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |text: &str| text.parse().ok().filter(|side| (1..=16_384).contains(side));
+        let sides = text.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));
+        let (width, height) =
+            sides.ok_or("expected two numbers from 1 to 16384 with an x between them, like 640x480")?;
+        Ok(Self(width, height))
+    }
+}
+
+/// The mesh in a file, or the built-in one.
+pub fn mesh(path: Option<&Path>) -> Result<Mesh, CliError> {
+    match path {
+        Some(path) => read_mesh(path).map_err(CliError::unusable),
+        None => builtin().map_err(CliError::unusable),
+    }
+}
+
+/// What the scene is called.
+pub fn name(path: Option<&Path>) -> String {
+    path.map_or_else(|| "built-in scene".to_string(), |path| path.display().to_string())
+}
+
+/// Says what the scene is.
+pub fn describe(path: Option<&Path>, scene: &Scene, out: &mut dyn Write) -> Result<(), CliError> {
+    let name = name(path);
+    let (triangles, nodes) = (scene.mesh().triangles().len(), scene.bvh().nodes().len());
+    writeln!(out, "{name}: {triangles} triangles, a tree of {nodes} nodes with four boxes each\n")?;
+    Ok(())
+}

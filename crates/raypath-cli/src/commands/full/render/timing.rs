@@ -1,0 +1,147 @@
+//! The timing view: the same rays through the cycle-exact datapath.
+
+use crate::error::CliError;
+use crate::progress::watched;
+use crate::commands::full::timed::Subject;
+use raypath_model::PipelinePosition;
+use raypath_ops::{Binary32, Ray};
+use raypath_render::{
+    Bundle, Camera, Scene, Shading, Still, Tracing, sweep_picture, sweep_rays, time_picture, time_rays,
+};
+use raypath_timing::report::Recorder;
+use raypath_timing::{Cycle, Hardware, Observer, Sample, Sweep, Timing};
+
+/// How many pixels or rays each point of a sweep simulates.
+const SWEPT: usize = 4096;
+const IN_FLIGHT: [usize; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
+const LATENCIES: [u64; 5] = [0, 20, 100, 300, 1000];
+
+/// A picture.
+pub struct Pixels<'s> {
+    pub name: String,
+    pub scene: &'s Scene,
+    pub camera: Camera,
+    pub size: (u32, u32),
+    pub shading: Shading,
+    /// How many rays all of it takes.
+    pub rays: u64,
+    /// How many pixels are timed.
+    pub most: usize,
+}
+
+/// Rays from a file.
+pub struct Rays<'s> {
+    pub name: String,
+    pub scene: &'s Scene,
+    pub rays: &'s [Ray<Binary32>],
+    pub tracing: Tracing,
+    /// How many are timed.
+    pub most: usize,
+}
+
+impl Pixels<'_> {
+    fn still(&self) -> Still<'_> {
+        Still { scene: self.scene, camera: self.camera, size: self.size, shading: self.shading }
+    }
+}
+
+impl Subject for Pixels<'_> {
+    fn title(&self) -> String {
+        format!("{}, {} x {} pixels", self.name, self.size.0, self.size.1)
+    }
+
+    fn names(&self) -> (&'static str, &'static str) {
+        ("pixels", "pixel")
+    }
+
+    fn count(&self) -> usize {
+        self.size.0 as usize * self.size.1 as usize
+    }
+
+    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<Timing, CliError> {
+        let sample = Sample::spread(self.count(), self.most);
+        watched("pixels timed", sample.numbers(self.count()).len(), |watch| {
+            time_picture(&self.still(), sample, hardware, &mut Owners { recorder, sample }, watch)
+                .map(|(timing, _)| timing)
+        })
+    }
+
+    fn sweep(&self, hardware: &Hardware) -> Result<Sweep, CliError> {
+        let sample = Sample::spread(self.count(), SWEPT);
+        watched("pixels swept", swept(sample, self.count()), |watch| {
+            sweep_picture(&self.still(), sample, &IN_FLIGHT, &LATENCIES, hardware, watch)
+        })
+    }
+
+    fn rows(&self, timing: &Timing, clock_mhz: f64) -> Vec<(String, String)> {
+        let rays_per_pixel = self.rays as f64 / self.count() as f64;
+        vec![
+            ("rays a pixel, in the whole picture".to_string(), format!("{rays_per_pixel:.3}")),
+            (
+                format!("rays per second at {clock_mhz} MHz"),
+                format!("{:.4e}", rays_per_pixel * timing.at(clock_mhz).agents),
+            ),
+        ]
+    }
+}
+
+impl Subject for Rays<'_> {
+    fn title(&self) -> String {
+        format!("{}, {} rays", self.name, self.rays.len())
+    }
+
+    fn names(&self) -> (&'static str, &'static str) {
+        ("rays", "ray")
+    }
+
+    fn count(&self) -> usize {
+        self.rays.len()
+    }
+
+    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<Timing, CliError> {
+        let sample = Sample::spread(self.count(), self.most);
+        watched("rays timed", sample.numbers(self.count()).len(), |watch| {
+            time_rays(&self.bundle(), sample, hardware, &mut Owners { recorder, sample }, watch)
+                .map(|(timing, _)| timing)
+        })
+    }
+
+    fn sweep(&self, hardware: &Hardware) -> Result<Sweep, CliError> {
+        let sample = Sample::spread(self.count(), SWEPT);
+        watched("rays swept", swept(sample, self.count()), |watch| {
+            sweep_rays(&self.bundle(), sample, &IN_FLIGHT, &LATENCIES, hardware, watch)
+        })
+    }
+
+    fn rows(&self, _: &Timing, _: f64) -> Vec<(String, String)> {
+        Vec::new()
+    }
+}
+
+impl Rays<'_> {
+    fn bundle(&self) -> Bundle<'_> {
+        Bundle { scene: self.scene, rays: self.rays, tracing: self.tracing }
+    }
+}
+
+/// How many agents a sweep simulates at all its points.
+fn swept(sample: Sample, all: usize) -> usize {
+    sample.numbers(all).len() * IN_FLIGHT.len() * LATENCIES.len()
+}
+
+/// Writes down whose jobs are whose by the numbers of pixels and rays, which are not those of a sample's agents.
+struct Owners<'r> {
+    recorder: &'r mut Recorder,
+    sample: Sample,
+}
+
+impl Observer for Owners<'_> {
+    fn wants(&self, cycle: u64) -> Option<u64> {
+        self.recorder.wants(cycle)
+    }
+
+    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = PipelinePosition>) {
+        let offered = cycle.offered.map(|(kind, agent)| (kind, agent * self.sample.every.get() as u64));
+        self.recorder.cycle(&Cycle { offered, ..*cycle }, places);
+    }
+}

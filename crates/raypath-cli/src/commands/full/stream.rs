@@ -1,0 +1,82 @@
+//! The options that say which transactions run, and how: shared by `replay` and `wave`.
+
+use crate::error::CliError;
+use crate::commands::numbers::whole;
+use clap::Args;
+use raypath_model::{Kind, OnPorts};
+use raypath_rtl::Config;
+use raypath_sim::AnyModel;
+use raypath_sim::traffic::{Traffic, interleave, read_recorded};
+use raypath_sim::transactions::{Transaction, kind_named, merge, read};
+use std::path::PathBuf;
+
+/// Which transactions, and how.
+#[derive(Debug, Args)]
+pub struct StreamArguments {
+    /// Transaction files, plain or gzip; several merge by seq into one stream
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// What kind of jobs the files hold, if their names do not begin with it
+    #[arg(long, value_name = "triangle|quadbox|euclidean|angular|NAME")]
+    kind: Option<String>,
+    /// Offer and take in every cycle, stall the sink and starve the source at random, or as a file says
+    #[arg(long, default_value = "always", value_name = "always|random|FILE")]
+    handshake: Handshake,
+    /// Mix the modes freely, while each keeps its own order
+    #[arg(long)]
+    interleave: bool,
+    /// Seed of all that is random
+    #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
+    seed: u64,
+}
+
+#[derive(Debug, Clone)]
+enum Handshake {
+    Always,
+    Random,
+    Recorded(PathBuf),
+}
+
+impl From<&str> for Handshake {
+    fn from(text: &str) -> Self {
+        match text {
+            "always" => Self::Always,
+            "random" => Self::Random,
+            path => Self::Recorded(path.into()),
+        }
+    }
+}
+
+impl StreamArguments {
+    /// Reads all files into one stream for a configuration and its model.
+    pub fn read(&self, model: &AnyModel, config: Config) -> Result<Vec<Transaction<AnyModel>>, CliError> {
+        let kind = self.kind.as_ref().map(|name| kind_named(name, model)).transpose()?;
+        let mut files = Vec::new();
+        for path in &self.files {
+            files.push(read(path, kind, model, config)?);
+        }
+        let stream = merge(files);
+        if stream.is_empty() {
+            return Err(CliError::unusable("the files hold no transactions, expected at least one"));
+        }
+        Ok(if self.interleave {
+            interleave(stream, |transaction| transaction.job.kind().opcode(), self.seed)
+        } else {
+            stream
+        })
+    }
+
+    /// When source and sink act.
+    pub fn traffic(&self) -> Result<Traffic, CliError> {
+        Ok(match &self.handshake {
+            Handshake::Always => Traffic::always(),
+            Handshake::Random => Traffic::random(self.seed),
+            Handshake::Recorded(path) => Traffic::recorded(read_recorded(path)?),
+        })
+    }
+
+    /// Whether the handshakes are those of a file, with resets perhaps.
+    pub fn is_recorded(&self) -> bool {
+        matches!(self.handshake, Handshake::Recorded(_))
+    }
+}

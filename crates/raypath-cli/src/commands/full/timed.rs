@@ -1,0 +1,128 @@
+//! The cycle-exact datapath and what surrounds it: shared by `render` and `search`.
+
+use crate::error::CliError;
+use crate::commands::numbers::whole;
+use crate::commands::full::view::{ViewArguments, print, recording};
+use clap::Args;
+use raypath_sim::engine::shape;
+use raypath_ops::JobKind;
+use raypath_timing::report::{Recorder, Recording};
+use raypath_rtl::{Config, Datapath};
+use raypath_timing::{Hardware, Machine, Starved, Sweep, Timing, plot};
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Timing: the cycle-exact datapath and what surrounds it")]
+pub struct TimingArguments {
+    /// Cycles that memory takes for what is fetched: a node, a leaf, a vector
+    #[arg(long, default_value_t = 100, value_parser = whole(0..=1_000_000u64), value_name = "M")]
+    memory_latency: u64,
+    /// The clock that rates are given for, in MHz: an assumption, not a measurement
+    #[arg(long, default_value_t = 1000.0, value_parser = clock, value_name = "MHZ")]
+    clock: f64,
+    /// Draw throughput against how many are in flight, for several memory latencies, of a sample of the work
+    #[arg(long, value_name = "FILE.svg")]
+    sweep: Option<PathBuf>,
+    /// Leave the timing out
+    #[arg(long, conflicts_with_all = ["sweep", "report", "konata"])]
+    no_timing: bool,
+}
+
+/// What is timed.
+pub trait Subject {
+    /// What it is: the title of a report.
+    fn title(&self) -> String;
+    /// What its agents are called, in plural and singular.
+    fn names(&self) -> (&'static str, &'static str);
+    /// How many agents it has in all.
+    fn count(&self) -> usize;
+    /// Simulates those of them that are wanted.
+    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<Timing, CliError>;
+    /// Simulates a sample of it on many machines.
+    fn sweep(&self, hardware: &Hardware) -> Result<Sweep, CliError>;
+    /// What else there is to say about it at a clock of so many MHz.
+    fn rows(&self, timing: &Timing, clock_mhz: f64) -> Vec<(String, String)>;
+}
+
+/// What came of it: a report to be completed, and files to be written.
+pub struct Timed {
+    pub recording: Recording,
+    pub files: Vec<(PathBuf, Vec<u8>)>,
+}
+
+impl TimingArguments {
+    /// Whether a sweep is to be drawn.
+    pub fn has_sweep(&self) -> bool {
+        self.sweep.is_some()
+    }
+
+    /// Simulates and prints, with so many agents in flight; nothing where it is not wanted.
+    pub fn run(
+        &self,
+        subject: &impl Subject,
+        in_flight: usize,
+        config: Config,
+        view: &ViewArguments,
+        out: &mut dyn Write,
+    ) -> Result<Option<Timed>, CliError> {
+        if self.no_timing {
+            return Ok(None);
+        }
+        let datapath = Datapath::new(config)?;
+        let machine = Machine { in_flight, memory_latency: self.memory_latency, ..Machine::default() };
+        let hardware = Hardware { machine, shape: shape(config, &datapath) };
+        let (agents, agent) = subject.names();
+        let mut recorder = view.recorder(agent, &datapath);
+        let timing = subject.time(&hardware, &mut recorder)?;
+
+        let mut recording = recording(subject.title(), config, &datapath, timing.cycles, &timing.jobs);
+        recording.counts = vec![
+            (format!("{agents} timed"), format!("{} of {}", timing.agents, subject.count())),
+            (format!("{agents} in flight"), in_flight.to_string()),
+            ("memory latency".to_string(), format!("{} cycles", self.memory_latency)),
+        ];
+        recording.counts.extend(rows(&timing, agents, self.clock));
+        recording.counts.extend(subject.rows(&timing, self.clock));
+        recording.window = recorder.window();
+        print(&recording, out)?;
+
+        let mut files = Vec::new();
+        if self.sweep.is_some() || view.has_report() {
+            let svg = plot(&subject.sweep(&hardware)?, &format!("Throughput: {}", subject.title()), agents);
+            files.extend(self.sweep.iter().map(|path| (path.clone(), svg.clone().into_bytes())));
+            recording.sweep = Some(svg);
+        }
+        Ok(Some(Timed { recording, files }))
+    }
+}
+
+/// What a simulation of time found, as labels and printed values. `agents` are what it simulated: rays, queries.
+fn rows(timing: &Timing, agents: &str, clock_mhz: f64) -> Vec<(String, String)> {
+    let rates = timing.at(clock_mhz);
+    let Starved { memory, answers, both, held } = timing.starved;
+    let cycles = |count: u64| format!("{count} ({:.1} %)", 100.0 * count as f64 / timing.cycles.max(1) as f64);
+    let mut rows = vec![("cycles".to_string(), timing.cycles.to_string())];
+    rows.push(("jobs".to_string(), timing.all_jobs().to_string()));
+    let kinds = JobKind::ALL.into_iter().filter(|kind| timing.jobs_of(*kind) > 0);
+    rows.extend(kinds.map(|kind| (format!("  {kind}"), timing.jobs_of(kind).to_string())));
+    rows.extend([
+        ("jobs per cycle".to_string(), format!("{:.3}", timing.jobs_per_cycle())),
+        ("mean latency of a job".to_string(), format!("{:.2} cycles", timing.mean_latency())),
+        ("fetches".to_string(), timing.fetches.to_string()),
+        ("cycles with a job accepted".to_string(), cycles(timing.accepted)),
+        ("cycles with a job refused".to_string(), cycles(timing.refused)),
+        ("cycles starved: all wait for memory".to_string(), cycles(memory)),
+        ("cycles starved: all wait for answers".to_string(), cycles(answers)),
+        ("cycles starved: some for each".to_string(), cycles(both)),
+        ("cycles starved: another holds the datapath".to_string(), cycles(held)),
+        (format!("{agents} per second at {clock_mhz} MHz"), format!("{:.4e}", rates.agents)),
+        (format!("seconds at {clock_mhz} MHz"), format!("{:.4e}", rates.seconds)),
+    ]);
+    rows
+}
+
+fn clock(text: &str) -> Result<f64, String> {
+    let clock = text.parse().ok().filter(|clock: &f64| (0.001..=1e6).contains(clock));
+    clock.ok_or_else(|| "expected MHz, 0.001 to 1000000".to_string())
+}

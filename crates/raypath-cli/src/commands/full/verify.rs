@@ -1,0 +1,134 @@
+//! `raypath verify`: claims about the datapath, each held against its oracle.
+
+use crate::error::CliError;
+use crate::commands::configuration::ConfigArguments;
+use crate::commands::numbers::whole;
+use crate::progress;
+use clap::Args;
+use raypath_rtl::Config;
+use raypath_verify::record::Recorder;
+use raypath_verify::{Error, ITEMS, Item, Level, Request, Shard, Verdict};
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// What to verify; `--list` shows what there is [default: all]
+    #[arg(value_parser = item, value_name = "ITEM")]
+    items: Vec<Named>,
+    /// List the items with their claims and oracles, and do nothing
+    #[arg(long)]
+    list: bool,
+    /// How much: seconds each, minutes each, or hours
+    #[arg(long, default_value = "regression", value_name = "regression|full|long")]
+    level: Level,
+    /// How many jobs, where an item has jobs [default: by the level]
+    #[arg(long, value_name = "N", value_parser = whole(1..=u64::MAX))]
+    jobs: Option<u64>,
+    /// Seed of whatever is random
+    #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
+    seed: u64,
+    /// The part of the work to do, so that machines can divide it: 2/5 is the second of five
+    #[arg(long, default_value = "1/1", value_name = "I/N")]
+    shard: Shard,
+    /// Write a record of each run, with commit, versions, time and result, as JSON into this folder
+    #[arg(long, value_name = "DIR")]
+    record: Option<PathBuf>,
+    #[command(flatten)]
+    config: ConfigArguments,
+}
+
+/// An item by its name.
+#[derive(Clone, Copy)]
+struct Named(&'static Item);
+
+impl std::fmt::Debug for Named {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.0.name)
+    }
+}
+
+fn item(name: &str) -> Result<Named, String> {
+    let names = || ITEMS.iter().map(|item| item.name).collect::<Vec<_>>().join(", ");
+    ITEMS.iter().find(|item| item.name == name).map(Named).ok_or_else(|| format!("expected one of {}", names()))
+}
+
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    let config = arguments.config.paper()?;
+    let is_named = |item: &Item| arguments.items.iter().any(|named| named.0.name == item.name);
+    let chosen: Vec<&Item> = ITEMS.iter().filter(|item| arguments.items.is_empty() || is_named(item)).collect();
+    if arguments.list {
+        return chosen.into_iter().try_for_each(|item| describe(item, out)).map_err(CliError::from);
+    }
+    writeln!(out, "Level {}, seed {}, shard {}.", arguments.level.name(), arguments.seed, arguments.shard)?;
+    let recorder = arguments.record.as_deref().map(Recorder::new).transpose();
+    let recorder = recorder.map_err(|problem| CliError::unusable(problem.to_string()))?;
+    let (mut wrong, mut not_run) = (Vec::new(), Vec::new());
+    for item in chosen {
+        describe(item, out)?;
+        out.flush()?;
+        let begin = Instant::now();
+        match verify(item, arguments, config, recorder.as_ref()) {
+            Ok(verdict) => {
+                report(&verdict, begin, out)?;
+                if !verdict.failures.is_empty() {
+                    wrong.push(item.name);
+                }
+                if verdict.is_stopped {
+                    return Err(stopped(item.name, &wrong));
+                }
+            }
+            Err(problem) => {
+                writeln!(out, "  not run  {problem}")?;
+                not_run.push(format!("{}: {problem}", item.name));
+            }
+        }
+    }
+    match (wrong.is_empty(), not_run.is_empty()) {
+        (false, _) => Err(CliError::Mismatch(format!("wrong: {}", wrong.join(", ")))),
+        (true, false) => Err(CliError::unusable(format!("not run: {}", not_run.join("; ")))),
+        (true, true) => Ok(writeln!(out, "All is well.")?),
+    }
+}
+
+fn verify(item: &Item, arguments: &Arguments, config: Config, recorder: Option<&Recorder>) -> Result<Verdict, Error> {
+    let mut progress: Option<progress::Progress> = None;
+    let mut reached = 0;
+    let mut watch = |step: raypath_verify::Progress| {
+        reached = step.done as usize;
+        progress.get_or_insert_with(|| progress::Progress::new(item.name, step.total as usize)).at(reached)
+    };
+    let Arguments { level, jobs, seed, shard, .. } = *arguments;
+    let mut request = Request { config, level, jobs, seed, shard, proceed: &mut watch };
+    let verdict = match recorder {
+        Some(recorder) => recorder.run(item, &mut request),
+        None => (item.run)(&mut request),
+    };
+    // A stop is told by the verdict, with what was covered.
+    let _ = progress.map(|progress| progress.finish(reached));
+    verdict
+}
+
+fn describe(item: &Item, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(out, "\n{}\n  claim    {}\n  oracle   {}", item.name, item.claim, item.oracle)
+}
+
+fn report(verdict: &Verdict, begin: Instant, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(out, "  covered  {}, in {:.1} s", verdict.covered, begin.elapsed().as_secs_f64())?;
+    verdict.remarks.iter().try_for_each(|remark| writeln!(out, "  remark   {remark}"))?;
+    verdict.failures.iter().try_for_each(|failure| writeln!(out, "  wrong    {failure}"))?;
+    let result = match (verdict.failures.is_empty(), verdict.is_stopped) {
+        (false, _) => "WRONG",
+        (true, true) => "stopped; nothing wrong so far",
+        (true, false) => "as claimed",
+    };
+    writeln!(out, "  result   {result}")
+}
+
+fn stopped(item: &str, wrong: &[&str]) -> CliError {
+    match wrong {
+        [] => CliError::Stopped(format!("in {item}; nothing was wrong so far")),
+        wrong => CliError::Mismatch(format!("stopped in {item}; wrong: {}", wrong.join(", "))),
+    }
+}

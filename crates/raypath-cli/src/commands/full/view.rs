@@ -1,0 +1,87 @@
+//! The options that say how a run is shown: shared by `render`, `search` and `replay`.
+
+use crate::error::CliError;
+use crate::commands::numbers::whole;
+use crate::commands::full::utilisation::{operations, table, utilisation};
+use clap::Args;
+use raypath_timing::report::{Recorder, Recording, html, konata};
+use raypath_rtl::{Config, Datapath, parameters};
+use std::io::Write;
+use std::path::PathBuf;
+
+/// How the pipeline is shown.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "A picture of the pipeline")]
+pub struct ViewArguments {
+    /// Write a page about the run, for a browser: utilisation, and a timeline of the pipeline
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Write the timeline for the pipeline viewer Konata
+    #[arg(long, value_name = "FILE")]
+    konata: Option<PathBuf>,
+    /// How many jobs the timeline shows
+    #[arg(long, default_value_t = 2000, value_parser = whole(1..=20_000usize), value_name = "N")]
+    window_jobs: usize,
+    /// The cycle with which the timeline begins
+    #[arg(long, default_value_t = 0, value_parser = whole(0..=u64::MAX), value_name = "CYCLE")]
+    window_from: u64,
+}
+
+impl ViewArguments {
+    /// Whether anything is to be shown that takes a timeline.
+    pub fn is_wanted(&self) -> bool {
+        self.report.is_some() || self.konata.is_some()
+    }
+
+    /// Whether a page is wanted.
+    pub fn has_report(&self) -> bool {
+        self.report.is_some()
+    }
+
+    /// What writes the timeline; `owner` is what a job's owner is called. It looks at nothing where nothing is wanted.
+    pub fn recorder(&self, owner: &str, datapath: &Datapath) -> Recorder {
+        let jobs = if self.is_wanted() { self.window_jobs } else { 0 };
+        Recorder::new(owner, datapath.latency() as usize, self.window_from, jobs)
+    }
+
+    /// The files that were asked for.
+    pub fn files(&self, recording: &Recording) -> Vec<(PathBuf, Vec<u8>)> {
+        let page = self.report.iter().map(|path| (path.clone(), html(recording).into_bytes()));
+        let log = self.konata.iter().map(|path| (path.clone(), konata(recording).into_bytes()));
+        page.chain(log).collect()
+    }
+}
+
+/// A recording that knows the configuration and how busy its units were with so many jobs by opcode; counts, window and the rest are to be filled in.
+pub fn recording(title: String, config: Config, datapath: &Datapath, cycles: u64, jobs: &[u64]) -> Recording {
+    let pair = |name: &str, value: String| (name.to_string(), value);
+    let flip_flops: u64 = (0..datapath.steps().count()).map(|step| datapath.registers(step).flip_flops()).sum();
+    let parameters = parameters().map(|parameter| pair(&parameter.name.replace('-', " "), parameter.get(&config)));
+    let latency = pair("latency", format!("{} cycles", datapath.latency()));
+    let configuration = parameters.chain([latency, pair("flip-flops", flip_flops.to_string())]).collect();
+    Recording {
+        title,
+        configuration,
+        operations: operations(datapath),
+        utilisation: utilisation(datapath, cycles, jobs),
+        ..Recording::default()
+    }
+}
+
+/// Prints what was counted, and how busy each stage's units were.
+pub fn print(recording: &Recording, out: &mut dyn Write) -> Result<(), CliError> {
+    print_rows(&recording.counts, out)?;
+    writeln!(
+        out,
+        "\nHow busy the units of each stage were:\n{}\n",
+        table(&recording.utilisation, &recording.operations)
+    )?;
+    Ok(())
+}
+
+/// Prints labels and values in two columns.
+pub fn print_rows(rows: &[(String, String)], out: &mut dyn Write) -> Result<(), CliError> {
+    let width = rows.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
+    rows.iter().try_for_each(|(label, value)| writeln!(out, "{label:<width$}  {value}"))?;
+    Ok(())
+}

@@ -1,0 +1,95 @@
+//! `raypath wave`: recorded transactions through the netlist, with a waveform.
+
+use crate::error::CliError;
+use crate::commands::additions::Additions;
+use crate::commands::configuration::ConfigArguments;
+use crate::commands::numbers::whole;
+use crate::progress::Progress;
+use crate::commands::full::stream::StreamArguments;
+use clap::Args;
+use raypath_sim::engine::{Engine, NetlistEngine, Shown, drive};
+use raypath_hdl::WaveWriter;
+use raypath_rtl::UnitKind;
+use raypath_sim::{AnyModel, Words};
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    stream: StreamArguments,
+    /// The waveform to write, for GTKWave, Surfer and the like
+    #[arg(long, default_value = "trace.fst")]
+    out: PathBuf,
+    /// Stop after this many jobs
+    #[arg(long, value_name = "N", value_parser = whole(1..=u32::MAX))]
+    jobs: Option<u32>,
+    #[command(flatten)]
+    additions: Additions,
+    #[command(flatten)]
+    config: ConfigArguments,
+}
+
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    let config = arguments.config.config()?;
+    let whole = arguments.additions.datapath(config);
+    let (model, datapath) = (whole.model(), whole.elaborate()?);
+    let stream = arguments.stream.read(&model, config)?;
+    let units = UnitKind::ALL.map(|kind| format!("u_{}_", kind.stem()));
+    let netlist = NetlistEngine::of(model, config, &datapath, |name| is_of_interest(name, &units))?;
+    let waves = WaveWriter::create(&arguments.out, netlist.simulator())?;
+    let mut waving = Waving { netlist, waves, cycle: 0, failed: None };
+
+    let total = arguments.jobs.map_or(stream.len(), |jobs| stream.len().min(jobs as usize));
+    let mut progress = Progress::new("jobs", total);
+    let jobs = stream[..total].iter().map(|transaction| &transaction.job);
+    let mut traffic = arguments.stream.traffic()?;
+    let run = drive(&mut waving, jobs, &mut traffic, |index, _| progress.at(index + 1));
+    progress.finish(run.jobs)?;
+    if let Some(failed) = waving.failed {
+        return Err(failed.into());
+    }
+    waving.waves.finish()?;
+    writeln!(out, "Wrote {} jobs in {} cycles to {}", run.jobs, run.cycles, arguments.out.display())?;
+    Ok(())
+}
+
+/// Ports, handshakes, and stage registers under the algorithm's names; not the insides of instances that begin like
+/// `units`.
+fn is_of_interest(name: &str, units: &[String]) -> bool {
+    !name.split('.').any(|part| units.iter().any(|unit| part.starts_with(unit)))
+}
+
+/// The netlist, sampled in every cycle.
+struct Waving {
+    netlist: NetlistEngine<AnyModel>,
+    waves: WaveWriter,
+    cycle: u64,
+    failed: Option<raypath_hdl::Error>,
+}
+
+impl Engine<AnyModel> for Waving {
+    fn present(&mut self, job: &Words) {
+        self.netlist.present(job);
+    }
+
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<Words> {
+        let shown = self.netlist.cycle(input_valid, output_ready);
+        self.sample();
+        shown
+    }
+
+    fn reset(&mut self) {
+        self.netlist.reset();
+        self.sample();
+    }
+}
+
+impl Waving {
+    fn sample(&mut self) {
+        if self.failed.is_none() {
+            self.failed = self.waves.sample(self.netlist.simulator(), self.cycle).err();
+        }
+        self.cycle += 1;
+    }
+}

@@ -1,0 +1,55 @@
+//! The commands that a build without the feature `full` lists, but does not have.
+
+use super::needs_full;
+use crate::error::CliError;
+use clap::{Args, Subcommand};
+use std::io::Write;
+
+/// The commands of a build with the feature `full`.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a mesh through the datapath, and show how busy it was (feature `full`)
+    Render(Ignored),
+    /// Search nearest neighbours through the datapath, and show how busy it was (feature `full`)
+    Search(Ignored),
+    /// Run recorded transactions through a model or the netlist and compare the results (feature `full`)
+    Replay(Ignored),
+    /// Run recorded transactions through the netlist and write a waveform (FST) (feature `full`)
+    Wave(Ignored),
+    /// Measure the error of a number format: hits and distances against binary64, on random jobs and a scene (feature `full`)
+    Accuracy(Ignored),
+    /// Measure area and timing in a cell library, stage by stage, with Yosys and OpenSTA (feature `full`)
+    Ppa(Ignored),
+    /// Measure many configurations and draw area against clock and throughput (feature `full`)
+    Explore(Ignored),
+    /// Measure the speed of the models, beside Verilator and other libraries (feature `full`)
+    Bench(Ignored),
+    /// Check the claims about the datapath against independent oracles: proofs, campaigns, mutations (feature `full`)
+    Verify(Ignored),
+}
+
+/// Any arguments: what they mean, a build with the command knows.
+#[derive(Debug, Args)]
+#[command(disable_help_flag = true)]
+pub struct Ignored {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+    arguments: Vec<String>,
+}
+
+impl Command {
+    pub fn run(self, _: &mut dyn Write) -> Result<(), CliError> {
+        let (name, Ignored { arguments }) = match self {
+            Self::Render(ignored) => ("render", ignored),
+            Self::Search(ignored) => ("search", ignored),
+            Self::Replay(ignored) => ("replay", ignored),
+            Self::Wave(ignored) => ("wave", ignored),
+            Self::Accuracy(ignored) => ("accuracy", ignored),
+            Self::Ppa(ignored) => ("ppa", ignored),
+            Self::Explore(ignored) => ("explore", ignored),
+            Self::Bench(ignored) => ("bench", ignored),
+            Self::Verify(ignored) => ("verify", ignored),
+        };
+        let words: Vec<&str> = std::iter::once(name).chain(arguments.iter().map(String::as_str)).collect();
+        Err(CliError::Unusable(needs_full(&words.join(" "))))
+    }
+}

@@ -1,0 +1,94 @@
+//! The commands of `raypath`.
+
+mod additions;
+mod configs;
+mod configuration;
+mod generate;
+mod numbers;
+mod operations;
+mod output;
+mod ray;
+
+#[cfg(feature = "full")]
+mod full;
+#[cfg(not(feature = "full"))]
+#[path = "light.rs"]
+mod full;
+
+use crate::error::CliError;
+use clap::{Parser, Subcommand};
+use std::io::Write;
+use std::process::ExitCode;
+
+/// An open hardware ray-tracer datapath: SystemVerilog, and models that agree with it bit for bit.
+#[derive(Debug, Parser)]
+#[command(
+    name = "raypath",
+    version,
+    about,
+    after_help = "Exit codes: 0 success, 1 a mismatch, 2 wrong input, 130 stopped by Ctrl-C."
+)]
+pub struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Write the datapath as SystemVerilog, show its schedule and units, and check the netlist against the models
+    Generate(generate::Arguments),
+    /// List the presets: configurations that have names
+    Configs,
+    /// List the operations that a datapath can have, and the cost of each
+    Operations(operations::Arguments),
+    /// Derive what the hardware expects of a ray (inverse, axes, shear) from its origin and direction
+    Ray(ray::Arguments),
+    #[command(flatten)]
+    Full(full::Command),
+}
+
+impl CommandLine {
+    /// Runs the command and prints its results to `out`.
+    ///
+    /// # Errors
+    /// Wrong input, a mismatch, a tool that fails, `out` that cannot be written, or Ctrl-C.
+    pub fn run(self, out: &mut dyn Write) -> Result<(), CliError> {
+        match self.command {
+            Command::Generate(arguments) => generate::run(&arguments, out),
+            Command::Configs => configs::run(out),
+            Command::Operations(arguments) => operations::run(&arguments, out),
+            Command::Ray(arguments) => ray::run(&arguments, out),
+            Command::Full(command) => command.run(out),
+        }
+    }
+}
+
+/// The `raypath` program: runs the command that its arguments name.
+pub fn main() -> ExitCode {
+    exit(|out| CommandLine::parse().run(out))
+}
+
+/// Runs `command` with standard output, reports an error on standard error, and gives the exit code.
+pub(crate) fn exit(command: impl FnOnce(&mut dyn Write) -> Result<(), CliError>) -> ExitCode {
+    let mut out = std::io::stdout().lock();
+    match command(&mut out).and_then(|()| Ok(out.flush()?)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            if !error.is_silent() {
+                // Where standard error cannot be written either, the exit code alone remains.
+                let _ = writeln!(std::io::stderr(), "raypath: {error}");
+            }
+            error.exit_code()
+        }
+    }
+}
+
+/// The message for a command that this build does not have.
+#[cfg(not(feature = "full"))]
+fn needs_full(command: &str) -> String {
+    format!(
+        "this build has no `{command}`, expected a build with the feature `full`\n\
+         help: run `cargo run --release --features full -- {command}`, or install all commands with \
+         `cargo install --path crates/raypath --features full`"
+    )
+}

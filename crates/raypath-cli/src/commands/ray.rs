@@ -1,0 +1,36 @@
+//! `raypath ray`: a ray as the input ports take it, for whoever writes a test bench.
+
+use crate::error::CliError;
+use clap::Args;
+use raypath_ops::{Aabb, Job, PortKind, Ray, RayBoxInput};
+use std::io::Write;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Where the ray begins: three numbers
+    #[arg(long, num_args = 3, allow_hyphen_values = true, value_names = ["X", "Y", "Z"], required = true)]
+    origin: Vec<f32>,
+    /// Its direction, of any length but zero: three numbers
+    #[arg(long, num_args = 3, allow_hyphen_values = true, value_names = ["X", "Y", "Z"], required = true)]
+    direction: Vec<f32>,
+    /// How far it reaches, in units of its direction's length
+    #[arg(long, default_value_t = f32::INFINITY, allow_hyphen_values = true)]
+    extent: f32,
+}
+
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    let vector = |given: &[f32]| std::array::from_fn(|axis| given.get(axis).copied().unwrap_or(f32::NAN));
+    let ray = Ray::new(vector(&arguments.origin), vector(&arguments.direction), arguments.extent)
+        .map_err(CliError::unusable)?;
+    let job: Job = Job::Quadbox(RayBoxInput { ray, aabb: [Aabb::new([0.0; 3], [0.0; 3]); 4] });
+    for port in job.ports().into_iter().filter(|port| port.name.starts_with("ray_")) {
+        match port.kind {
+            PortKind::Number => {
+                let value = f32::from_bits(port.bits as u32);
+                writeln!(out, "{:<16} {:08x}  {value:e}", port.name + "_i", port.bits)?;
+            }
+            PortKind::Flags | PortKind::Word => writeln!(out, "{:<16} {}", port.name + "_i", port.bits)?,
+        }
+    }
+    Ok(())
+}

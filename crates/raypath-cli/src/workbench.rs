@@ -1,0 +1,263 @@
+//! The command line of a crate that has an operation of its own.
+//!
+//! An operation is one function over [`Circuit`](raypath_ops::Circuit), with its pipeline stages marked (or left to
+//! [`auto`](raypath_ops::Circuit::auto)). From it follow its ports, opcode, units, registers and SystemVerilog, a functional
+//! and a cycle-exact model, checks and its cost. [`main`] prints all of this for one operation. The same, step by step:
+//!
+//! ```
+//! use raypath_cli::prelude::*;
+//! use raypath_cli::Cost;
+//! use raypath_cli::oracle::{AnyOperationSpec, Checks};
+//!
+//! bundle! {
+//!     /// A point and a plane: those p with normal · p = offset.
+//!     pub struct Side<C> {
+//!         /// The point.
+//!         pub point: Vec3<C>,
+//!         /// The plane's normal, of any length.
+//!         pub normal: Vec3<C>,
+//!         /// Where the plane is along it.
+//!         pub offset: Num<C>,
+//!     }
+//! }
+//!
+//! bundle! {
+//!     /// On which side the point is.
+//!     pub struct Above<C> {
+//!         /// normal · p - offset; divided by the normal's length it is the distance.
+//!         pub height: Num<C>,
+//!         /// It is above 0.
+//!         pub is_above: Bit<C>,
+//!     }
+//! }
+//!
+//! /// On which side of a plane a point is.
+//! struct PointPlane;
+//!
+//! impl Operation for PointPlane {
+//!     const NAME: &'static str = "point_plane";
+//!     type Input<C: Circuit> = Side<C>;
+//!     type Output<C: Circuit> = Above<C>;
+//!     type State<C: Circuit> = ();
+//!
+//!     fn run<C: Circuit>(&self, c: C, Side { point, normal, offset }: Side<C>, _: ()) -> (Above<C>, ()) {
+//!         c.stage(3, "products");
+//!         let (x, y, z) = (point.x * normal.x, point.y * normal.y, point.z * normal.z);
+//!         c.stage(4, "x + y, z - offset");
+//!         let (xy, z) = (x + y, z - offset);
+//!         c.stage(6, "their sum");
+//!         let height = xy + z;
+//!         (Above { height, is_above: height.is_above_zero() }, ())
+//!     }
+//! }
+//!
+//! // Beside the paper's four operations it needs no unit of its own.
+//! let datapath = Datapath::paper(Default::default()).with(PointPlane);
+//! let netlist = datapath.elaborate()?;
+//! assert_eq!(netlist.latency(), 12);
+//! assert_eq!(Cost::of(&datapath, "point_plane")?.added_units(), Default::default());
+//!
+//! // One job, by the functional model: 2 above the plane z = 1.
+//! let side = Side { point: [5.0, 5.0, 3.0].into(), normal: [0.0, 0.0, 1.0].into(), offset: 1.0.into() };
+//! let (above, ()) = PointPlane.run(Binary32, side, ());
+//! assert_eq!((f32::from(above.height), bool::from(above.is_above)), (2.0, true));
+//!
+//! // The same job, cycle by cycle, among the jobs of the others.
+//! let mut cycles = datapath.cycle_model()?;
+//! let job = datapath.model().job_of::<PointPlane>(&side).expect("one of its operations");
+//! assert!(cycles.cycle(Some(&job), true).accepted);
+//! assert_eq!(1 + cycles.idle(100), 12);
+//! let outcome = cycles.output().expect("an answer");
+//! assert_eq!(datapath.model().output_of::<PointPlane>(outcome).map(|above| f32::from(above.height)), Some(2.0));
+//!
+//! // Random jobs before an oracle, and the netlist beside both models in every cycle.
+//! let spec = OperationSpec::of(PointPlane).oracle("the sign alone", |_, answer| {
+//!     let height = f32::from(answer.height);
+//!     if bool::from(answer.is_above) == (height > 0.0) { Ok(()) } else { Err(format!("at {height}")) }
+//! });
+//! let specs = [AnyOperationSpec::from(spec)];
+//! let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 1, jobs: 200 };
+//! assert_eq!(checks.against_the_oracles()[0].wrong, 0);
+//! assert_eq!(checks.against_the_models(|_| true)?.different, 0);
+//! # Ok::<(), raypath_cli::CliError>(())
+//! ```
+
+use crate::commands::exit;
+use crate::cost::Cost;
+use crate::emit;
+use crate::error::CliError;
+use crate::oracles::{ask_oracles, require_right};
+use crate::progress::{Progress, Stopped, is_stopped};
+use clap::Parser;
+use raypath_oracle::AnyOperationSpec;
+use raypath_oracle::Checks;
+use raypath_rtl::report::tables;
+use raypath_rtl::{Config, Preset};
+use raypath_sim::Datapath;
+use raypath_sim::files::{FileError, write_all};
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Puts the operation into the datapath: SystemVerilog, checks against its oracle, the models and Verilator, and what it
+/// costs.
+#[derive(Debug, Clone, Parser)]
+#[command(after_help = "Exit codes: 0 all is well, 1 a wrong answer, 2 what cannot be used, 130 stopped by Ctrl-C.")]
+pub struct Arguments {
+    /// The configuration that it is added to; `raypath configs` lists them
+    #[arg(long, value_name = "NAME", default_value = "paper")]
+    pub preset: Preset,
+    /// A datapath of this operation alone
+    #[arg(long)]
+    pub alone: bool,
+    /// How many random jobs: 1 to 100000, which are all in memory at a time
+    #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub jobs: u32,
+    /// Seed of jobs, bubbles and stalls
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// The folder to write to
+    #[arg(long, default_value = "build", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Where measurements are kept, so that nothing is done twice
+    #[arg(long, default_value = "build/ppa-cache", value_name = "DIR")]
+    pub cache: PathBuf,
+    /// Leave out what needs other programs: lint, Verilator, area
+    #[arg(long)]
+    pub quick: bool,
+    /// Fail where a program that is needed is not installed, instead of saying so and going on
+    #[arg(long, conflicts_with = "quick")]
+    pub strict: bool,
+}
+
+/// Does what the command line asks for with an operation: what a crate with an operation of its own calls in `main`.
+pub fn main(spec: impl Into<AnyOperationSpec>) -> ExitCode {
+    let spec = spec.into();
+    exit(|out| run(&spec, &Arguments::parse(), out))
+}
+
+/// Does it all, and says so on `out`.
+///
+/// # Errors
+/// An operation that does not fit, a wrong answer, a file that cannot be written, a tool that fails; with `strict` a tool
+/// that is not installed.
+pub fn run(spec: &AnyOperationSpec, arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    let config = arguments.preset.config;
+    let base = if arguments.alone {
+        Datapath::new().built_as(config.microarchitecture).format(config.semantics.format)
+    } else {
+        Datapath::paper(config)
+    };
+    let datapath = base.without(spec.name()).with_any(spec.operation());
+    let netlist = datapath.elaborate()?;
+
+    writeln!(out, "{}: {}\n", spec.name(), in_words(spec, arguments, config))?;
+    writeln!(out, "Schedule\n\n{}\n", tables::schedule_of(&netlist, spec.name()))?;
+    let mut cost = Cost::of(&datapath, spec.name())?;
+
+    let specs = std::slice::from_ref(spec);
+    let jobs = arguments.jobs as usize;
+    let checks = Checks { datapath: &datapath, netlist: &netlist, specs, seed: arguments.seed, jobs };
+    write(&checks, spec, arguments, out)?;
+    check(&checks, spec, arguments, out)?;
+    if !arguments.quick {
+        match cost.measured(&datapath, spec.name(), &arguments.cache) {
+            Ok(measured) => cost = measured,
+            Err(error) => tolerate(error, "no area", arguments, out)?,
+        }
+    }
+    writeln!(out, "\nCost\n\n{}", cost.table())?;
+    Ok(())
+}
+
+fn in_words(spec: &AnyOperationSpec, arguments: &Arguments, config: Config) -> String {
+    let place = if arguments.alone { "alone".to_string() } else { format!("in the datapath '{}'", arguments.preset) };
+    let purpose = spec.for_what();
+    let what = if purpose.is_empty() { String::new() } else { format!("{purpose}; ") };
+    format!("{what}{place} ({config})")
+}
+
+fn write(
+    checks: &Checks<'_>,
+    spec: &AnyOperationSpec,
+    arguments: &Arguments,
+    out: &mut dyn Write,
+) -> Result<(), CliError> {
+    let config = checks.datapath.config();
+    let version = env!("CARGO_PKG_VERSION");
+    let banner = [
+        format!("Generated by raypath {version}; do not edit."),
+        format!("Configuration: {config}, with {}.", spec.name()),
+    ];
+    let mut files = emit::files(checks.netlist, config, &banner, &arguments.out)?;
+    files.extend(checks.files(&arguments.out));
+    write_all(&files)?;
+    let (folder, name) = (arguments.out.display(), spec.name());
+    writeln!(out, "Wrote {folder}/raypath.sv, its modules to {folder}/rtl, its schedule to {folder}/pipeline.svg;")?;
+    writeln!(out, "jobs with their answers, for benches of one's own, to {folder}/{name}.txt.")?;
+    Ok(())
+}
+
+fn check(
+    checks: &Checks<'_>,
+    spec: &AnyOperationSpec,
+    arguments: &Arguments,
+    out: &mut dyn Write,
+) -> Result<(), CliError> {
+    ask_oracles(checks, out)?;
+
+    let mut progress = Progress::new("jobs", checks.jobs);
+    let found = checks.against_the_models(|done| progress.at(done))?;
+    let stopped = progress.finish(found.jobs);
+    let (jobs, cycles, different) = (found.jobs, found.cycles, found.different);
+    writeln!(
+        out,
+        "Netlist: {jobs} jobs of all operations in {cycles} cycles, {different} mismatches with the models."
+    )?;
+    same(different, &found.differences, "netlist and models", out)?;
+    stopped?;
+
+    if arguments.quick {
+        return Ok(());
+    }
+    let folder = tempfile::tempdir().map_err(|problem| {
+        let path = std::env::temp_dir();
+        FileError { path, doing: "make a folder in it", problem }
+    })?;
+    let simulated = checks.in_verilator(folder.path());
+    if is_stopped() {
+        // Ctrl-C ends the tool as well, which then seems to have failed.
+        return Err(Stopped { done: 0, total: 1, what: "simulations" }.into());
+    }
+    match simulated {
+        Ok(found) => {
+            let (cycles, different) = (found.cycles, found.different);
+            writeln!(out, "Lint: Verilator, Yosys and slang have nothing to say.")?;
+            write!(out, "Verilator: {cycles} cycles, {different} unlike the cycle-exact model")?;
+            match found.reports.first() {
+                Some(report) => writeln!(out, "; of {} answers the oracle finds {} wrong.", report.jobs, report.wrong)?,
+                None => writeln!(out, ".")?,
+            }
+            same(different, &found.faults, "Verilator and the cycle-exact model", out)?;
+            found.reports.iter().try_for_each(|report| require_right(report, spec.name(), out))
+        }
+        Err(error) => tolerate(error.into(), "no simulation in Verilator", arguments, out),
+    }
+}
+
+fn same(different: usize, faults: &[String], who: &str, out: &mut dyn Write) -> Result<(), CliError> {
+    faults.iter().try_for_each(|fault| writeln!(out, "  {fault}"))?;
+    match different {
+        0 => Ok(()),
+        _ => Err(CliError::Mismatch(format!("{who} differ {different} times"))),
+    }
+}
+
+/// Goes on without a tool that is not installed, unless asked not to.
+fn tolerate(error: CliError, without: &str, arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    if arguments.strict || !error.is_missing_tool() {
+        return Err(error);
+    }
+    writeln!(out, "{error}; {without} until then.")?;
+    Ok(())
+}

@@ -1,0 +1,97 @@
+//! Which crate may depend on which.
+
+use crate::root;
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
+
+/// Names of the packages that each crate of the workspace depends on, by kind: "normal", "dev" or "build".
+type Dependencies = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
+
+fn cargo(arguments: &[&str]) -> String {
+    let output = Command::new(env!("CARGO")).args(arguments).current_dir(root()).output().expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+fn dependencies() -> Dependencies {
+    let metadata: Value =
+        serde_json::from_str(&cargo(&["metadata", "--format-version", "1", "--no-deps", "--offline"])).expect("JSON");
+    let mut all = Dependencies::new();
+    for package in metadata["packages"].as_array().expect("packages") {
+        let of = all.entry(package["name"].as_str().expect("a name").to_string()).or_default();
+        for dependency in package["dependencies"].as_array().expect("dependencies") {
+            let kind = dependency["kind"].as_str().unwrap_or("normal").to_string();
+            of.entry(kind).or_default().insert(dependency["name"].as_str().expect("a name").to_string());
+        }
+    }
+    all
+}
+
+/// The crates of the workspace that `name` reaches through normal dependencies, optional ones included.
+fn reached(all: &Dependencies, name: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let mut open = vec![name.to_string()];
+    while let Some(name) = open.pop() {
+        for next in all[&name].get("normal").into_iter().flatten().filter(|next| all.contains_key(*next)) {
+            if found.insert(next.clone()) {
+                open.push(next.clone());
+            }
+        }
+    }
+    found
+}
+
+/// An operation is described without tools, files or options: an added operation compiles only what it needs.
+#[test]
+fn operations_depend_on_no_tool() {
+    let all = dependencies();
+    let normal: Vec<&str> = all["raypath-ops"]["normal"].iter().map(String::as_str).collect();
+    assert_eq!(normal, ["thiserror"], "raypath-ops");
+    let model = reached(&all, "raypath-model");
+    assert!(model.iter().all(|name| name == "raypath-ops" || name == "raypath-float" || name == "raypath-hdl"), "{model:?}");
+}
+
+/// Each layer knows only those below it.
+#[test]
+fn layers_depend_downwards() {
+    let layers = [
+        &["raypath-ops", "raypath-hdl"][..],
+        &["raypath-float"],
+        &["raypath-model", "raypath-rtl", "raypath-tools"],
+        &["raypath-sim", "raypath-timing", "raypath-ppa"],
+        &["raypath-oracle", "raypath-render", "raypath-search"],
+        &["raypath-verify"],
+        &["raypath-cli"],
+        &["raypath"],
+        &["within_radius"],
+    ];
+    let all = dependencies();
+    let layer = |name: &str| layers.iter().position(|layer| layer.contains(&name));
+    for (name, kinds) in &all {
+        let own = layer(name).unwrap_or_else(|| panic!("{name} has no layer: add it to this test and to the architecture page"));
+        for below in kinds.get("normal").into_iter().flatten().filter(|below| all.contains_key(*below)) {
+            assert!(layer(below) < Some(own), "{name} depends on {below}, which is not in a lower layer");
+        }
+    }
+}
+
+/// Units are verified by a crate above them, and not the other way round; the facade is not verification.
+#[test]
+fn verification_is_above_what_it_verifies() {
+    let all = dependencies();
+    for (name, kinds) in &all {
+        let may = ["raypath", "raypath-cli", "raypath-verify"].contains(&name.as_str());
+        let knows = kinds.values().flatten().any(|dependency| dependency == "raypath-verify");
+        assert!(may || !knows, "{name} depends on raypath-verify");
+    }
+    assert!(!all["raypath"]["normal"].contains("raypath-verify"), "the facade depends on raypath-verify");
+}
+
+/// What `cargo run --release -- generate` compiles, this workspace's own crates included.
+#[test]
+fn the_first_command_compiles_at_most_100_crates() {
+    let tree = cargo(&["tree", "-p", "raypath", "-e", "normal,build", "--prefix", "none", "--offline", "--locked"]);
+    let crates: BTreeSet<&str> = tree.lines().filter_map(|line| line.split(" (").next()).map(str::trim).collect();
+    assert!(crates.len() <= 100, "{} crates: {crates:#?}", crates.len());
+}
