@@ -62,8 +62,6 @@ ensure_python cocotb 'cocotb<2'
 
 step 'Format'
 cargo fmt --all --check
-# Modules that `automod` names are not found by the line above.
-rustfmt --check --edition 2024 crates/raypath-ops/src/operations/*.rs crates/raypath-oracle/src/operations/*.rs
 
 step 'Clippy'
 # In the profile of the tests, so that macros and build scripts are compiled once.

@@ -37,10 +37,7 @@ mod job;
 mod kernels;
 mod known;
 mod operation;
-/// Operations beside the paper's, a file each. A datapath has only those that are added to it.
-pub mod operations {
-    automod::dir!(pub "src/operations");
-}
+pub mod operations;
 mod ports;
 mod ray;
 mod ray_box;

@@ -23,15 +23,11 @@ mod checks;
 pub mod draw;
 pub mod exact;
 mod jobs;
+pub mod operations;
 pub mod slabs;
 mod spec;
 #[cfg(test)]
 mod test_support;
-
-/// Stimulus and oracle of each added operation.
-pub mod operations {
-    automod::dir!(pub "src/operations");
-}
 
 pub use checks::{Checks, OracleReport, Simulated};
 pub use inventory;

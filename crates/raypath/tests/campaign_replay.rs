@@ -1,7 +1,7 @@
 //! `raypath replay` reproduces the failures that a campaign has written to files.
 
-use raypath::sim::engine::shape;
 use raypath::rtl::{Config, Control, Datapath};
+use raypath::sim::engine::shape;
 use raypath_verify::campaign::verify_module;
 use raypath_verify::{Level, Request, Shard, Verdict};
 use std::path::{Path, PathBuf};

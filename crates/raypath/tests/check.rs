@@ -1,12 +1,12 @@
 //! The comparison of `generate`: it finds no difference in a correct netlist, and finds deliberate faults.
 
-use raypath::sim::engine::{Engine, NetlistEngine};
 use raypath::float::Format;
-use raypath::sim::jobs::random;
-use raypath::sim::lockstep::lockstep;
 use raypath::model::Functional;
 use raypath::ops::{Job, JobKind, Outcome, Rules};
 use raypath::rtl::{Config, Datapath, Encoding};
+use raypath::sim::engine::{Engine, NetlistEngine};
+use raypath::sim::jobs::random;
+use raypath::sim::lockstep::lockstep;
 use raypath::sim::traffic::Traffic;
 
 const JOBS: usize = 2000;

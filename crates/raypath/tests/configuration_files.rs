@@ -1,7 +1,7 @@
 //! Configurations in TOML: what a file says is what is built, and the table of presets is the only one.
 
-use raypath::sim::configuration::{parse_sweep, read, sweep};
 use raypath::rtl::{Config, Control, Lanes, PRESETS, UnitLatency};
+use raypath::sim::configuration::{parse_sweep, read, sweep};
 use std::path::Path;
 
 /// What a file with this text means, or what is wrong with it.

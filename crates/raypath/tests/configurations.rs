@@ -1,12 +1,12 @@
 //! Every configuration: its netlist in every cycle like the cycle-exact model, every outcome like the functional model,
 //! and as fast as is promised.
 
-use raypath::sim::engine::NetlistEngine;
 use raypath::float::Format;
-use raypath::sim::lockstep::Everyday;
-use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
+use raypath::sim::engine::NetlistEngine;
+use raypath::sim::lockstep::Everyday;
+use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath_verify::mutation::CONFIGS;
 use std::path::Path;
 

@@ -2,10 +2,10 @@
 
 mod recorded;
 
-use raypath::sim::engine::{CycleEngine, NetlistEngine, Run, drive, evaluate};
 use raypath::model::{Functional, Shape};
 use raypath::ops::{Outcome, Rules};
 use raypath::rtl::{Config, Control, Encoding, Sharing, UnitLatency};
+use raypath::sim::engine::{CycleEngine, NetlistEngine, Run, drive, evaluate};
 use raypath::sim::traffic::{Traffic, interleave};
 use raypath::sim::transactions::Transaction;
 use recorded::golden;

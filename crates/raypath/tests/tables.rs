@@ -2,8 +2,8 @@
 
 use raypath::ops::Rules;
 use raypath::rtl::report::picture::pipeline;
-use raypath::rtl::{Budget, Config, Datapath, Lanes, PRESETS, STAGES, Units};
 use raypath::rtl::report::tables::{difference, schedule, units_and_registers};
+use raypath::rtl::{Budget, Config, Datapath, Lanes, PRESETS, STAGES, Units};
 
 const DEFAULT: Config = Config::DEFAULT;
 

@@ -4,7 +4,9 @@
 //! The slab method is that of the four boxes. Adds, where those are, 24 adders in stage 2, 24 multipliers in stage 3 and
 //! comparators: 24 in stage 4, 4 in stage 5, 10 in stage 9 and 4 in stage 10.
 
-use crate::{Aabb, Circuit, Entry, Flags, LaneMap, Num, Operation, Portable, Ray, Rules, Slabs, SortEntry, Word, bundle};
+use crate::{
+    Aabb, Circuit, Entry, Flags, LaneMap, Num, Operation, Portable, Ray, Rules, Slabs, SortEntry, Word, bundle,
+};
 
 /// Which of eight boxes a ray hits, nearest first.
 ///

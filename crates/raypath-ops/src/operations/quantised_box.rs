@@ -9,9 +9,7 @@ mod node;
 
 pub use node::{OffsetBox, OffsetSlab, QuantiseError, QuantisedNode};
 
-use crate::{
-    Bit, Circuit, Flags, Kernels, Num, Operation, Portable, Ray, RayBoxOutput, Slab, SortEntry, Vec3, bundle,
-};
+use crate::{Bit, Circuit, Flags, Kernels, Num, Operation, Portable, Ray, RayBoxOutput, Slab, SortEntry, Vec3, bundle};
 
 /// Which of four quantised boxes a ray hits, nearest first.
 ///

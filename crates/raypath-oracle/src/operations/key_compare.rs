@@ -2,8 +2,8 @@
 
 use crate::{OperationSpec, Registered, draw, exact};
 use rand::{Rng, RngExt};
+use raypath_ops::Binary32;
 use raypath_ops::operations::key_compare::{KeyCompare, KeyCompareInput, KeyCompareOutput, SEPARATORS};
-use raypath_ops::{Binary32};
 
 crate::inventory::submit!(Registered(|| OperationSpec::of(KeyCompare)
     .purpose("a key against 36 separators: nodes of B-trees")
@@ -58,8 +58,8 @@ pub fn check(job: &KeyCompareInput<Binary32>, answer: &KeyCompareOutput<Binary32
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raypath_ops::{Operation, Word};
     use crate::test_support::{check_operation, jobs};
+    use raypath_ops::{Operation, Word};
 
     check_operation!(KeyCompare, KeyCompareInput, KeyCompareOutput);
 

@@ -86,8 +86,8 @@ fn to_the_bit(job: &OctboxInput<Binary32>, answer: &OctboxOutput<Binary32>) -> R
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raypath_ops::{Num, Word};
     use crate::test_support::{check_operation, jobs};
+    use raypath_ops::{Num, Word};
 
     check_operation!(Octbox, OctboxInput, OctboxOutput);
 

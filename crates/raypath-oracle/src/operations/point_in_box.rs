@@ -58,8 +58,8 @@ pub fn check(job: &PointInBoxInput<Binary32>, answer: &PointInBoxOutput<Binary32
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raypath_ops::{Aabb, Operation};
     use crate::test_support::{check_operation, jobs};
+    use raypath_ops::{Aabb, Operation};
 
     check_operation!(PointInBox, PointInBoxInput, PointInBoxOutput);
 

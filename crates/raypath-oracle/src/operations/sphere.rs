@@ -156,8 +156,8 @@ impl Exact {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raypath_ops::{Num, Operation};
     use crate::test_support::{check_operation, jobs};
+    use raypath_ops::{Num, Operation};
 
     check_operation!(Sphere, SphereInput, SphereOutput);
 

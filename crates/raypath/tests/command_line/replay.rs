@@ -4,8 +4,8 @@ use crate::{GOLDEN, ends_with, file, folder, page, printed, raypath, said, text}
 use raypath::model::Model;
 use raypath::oracle::registered;
 use raypath::rtl::Config;
-use raypath::sim::{AnyModel, Datapath};
 use raypath::sim::transactions::{Transaction, read, text as as_text};
+use raypath::sim::{AnyModel, Datapath};
 
 #[test]
 fn recorded_jobs_in_a_report() {

@@ -5,8 +5,8 @@
 //!
 //! Mutation: in `raypath-float/src/units/encode.rs`, any two leading-zero counts exchanged, or one too many.
 
-use raypath::float::{decode, encode};
 use raypath::float::Format;
+use raypath::float::{decode, encode};
 use raypath::hdl::Simulator;
 
 /// Subnormal numbers are normal ones in binary64, where the host's conversion normalises them. The recoded exponent of

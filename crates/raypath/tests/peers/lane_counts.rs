@@ -5,12 +5,12 @@
 //!
 //! Mutation: a level fewer in the tree of `raypath-ops/src/distance.rs`; a value more in `Lanes`.
 
-use raypath::sim::configuration::{parse, parse_sweep};
-use raypath::sim::engine::{NetlistEngine, drive};
 use raypath::model::OnPorts;
-use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath::ops::JobKind;
 use raypath::rtl::{Config, Lanes};
+use raypath::sim::configuration::{parse, parse_sweep};
+use raypath::sim::engine::{NetlistEngine, drive};
+use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath::sim::traffic::Traffic;
 use std::path::Path;
 

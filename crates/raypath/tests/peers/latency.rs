@@ -7,11 +7,11 @@
 //! Mutation: `latency + 1` in `raypath-model/src/shape.rs` or `raypath_sim::engine::shape`; a number in `datapath.rs`'s
 //! text.
 
+use raypath::ops::JobKind;
+use raypath::rtl::{Config, Control, Datapath, PRESETS, UnitLatency};
 use raypath::sim::engine::{CycleEngine, Engine, NetlistEngine};
 use raypath::sim::jobs::random;
 use raypath::sim::models::{PaperModel, Visitor, with_model};
-use raypath::ops::JobKind;
-use raypath::rtl::{Config, Control, Datapath, PRESETS, UnitLatency};
 
 #[test]
 fn every_preset() {

@@ -6,11 +6,11 @@
 //! Mutation: in `jobs.rs`, no edge cases (or only edge cases), masks of all ones, operations in a fixed sequence.
 
 use raypath::float::Format;
-use raypath::sim::jobs::random;
 use raypath::model::OnPorts;
-use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath::ops::{JobKind, PortKind};
 use raypath::rtl::{Config, Lanes};
+use raypath::sim::jobs::random;
+use raypath::sim::models::{PaperModel, Visitor, with_model};
 use std::collections::{BTreeMap, BTreeSet};
 
 const JOBS: usize = 20_000;

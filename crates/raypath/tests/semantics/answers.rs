@@ -1,9 +1,9 @@
 //! Runs jobs on the functional model, the cycle-exact model and the netlist, and requires equal outcomes.
 
-use raypath::sim::engine::{CycleEngine, Engine, NetlistEngine, drive};
 use raypath::model::{Functional, Shape};
 use raypath::ops::{Aabb, Binary32, Job, Num, Outcome, Ray, RayBoxInput, Rules};
 use raypath::rtl::Config;
+use raypath::sim::engine::{CycleEngine, Engine, NetlistEngine, drive};
 use raypath::sim::traffic::Traffic;
 use std::cell::RefCell;
 use std::collections::HashMap;

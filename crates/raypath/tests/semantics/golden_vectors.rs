@@ -3,9 +3,9 @@
 use crate::answers::answers;
 use crate::oracle::Oracle;
 use crate::recorded::golden;
-use raypath::sim::engine::evaluate;
 use raypath::model::Functional;
 use raypath::ops::{Job, Outcome, Rules};
+use raypath::sim::engine::evaluate;
 use raypath::sim::transactions::Transaction;
 
 fn jobs(golden: &[Transaction]) -> Vec<Job> {

@@ -3,9 +3,9 @@
 use crate::answers::with_netlist;
 use crate::random::{mixed_jobs, rng};
 use rand::RngExt;
-use raypath::sim::engine::{CycleEngine, Engine};
 use raypath::model::{Functional, Shape};
 use raypath::ops::Rules;
+use raypath::sim::engine::{CycleEngine, Engine};
 use raypath::sim::traffic::{Cycle, Traffic};
 
 /// Bubbles, stalls, all operations mixed, resets at any time; the input ports also change while no job is offered.

@@ -2,11 +2,11 @@
 //! of these tests adds 16: sixteen lanes of (1 − 0)².
 
 use crate::answers::with_netlist;
-use raypath::sim::engine::{CycleEngine, Engine};
 use raypath::model::{Functional, Shape};
 use raypath::ops::{
     Aabb, Beat, Binary32, EuclideanInput, Flags, Job, Outcome, Ray, RayBoxInput, RayTriangleInput, Rules, Triangle,
 };
+use raypath::sim::engine::{CycleEngine, Engine};
 
 fn beat(a: [f32; 16], reset: bool) -> Job {
     let (a, b) = (a.map(Into::into), [0.0.into(); 16]);

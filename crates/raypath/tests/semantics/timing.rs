@@ -2,9 +2,9 @@
 
 use crate::answers::with_netlist;
 use crate::random::mixed_jobs;
-use raypath::sim::engine::{CycleEngine, Engine};
 use raypath::model::{Functional, Shape};
 use raypath::ops::{Job, Outcome, Rules};
+use raypath::sim::engine::{CycleEngine, Engine};
 
 /// From the cycle that accepts a job to the cycle that shows its outcome.
 const LATENCY: usize = 12;

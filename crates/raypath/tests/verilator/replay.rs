@@ -2,14 +2,14 @@
 
 use crate::recorded::golden;
 use crate::representatives::REPRESENTATIVES;
-use raypath::sim::engine::{PortEncoding, shape};
 use raypath::hdl::Module;
-use raypath::sim::jobs::random;
 use raypath::model::{Functional, OnPorts};
-use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath::ops::{Job, Outcome, Rules};
 use raypath::rtl::{Config, Datapath, Lanes};
+use raypath::sim::engine::{PortEncoding, shape};
 use raypath::sim::frames::{Answers, Cycle, Stimulus};
+use raypath::sim::jobs::random;
+use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath::sim::traffic::{Traffic, interleave};
 use raypath_tools::{Options, Sources, Verilated};
 
