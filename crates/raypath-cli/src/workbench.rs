@@ -83,9 +83,9 @@
 //! ```
 
 use crate::commands::exit;
-use crate::cost::Cost;
+pub use crate::cost::{Cost, Figures};
 use crate::emit;
-use crate::error::CliError;
+pub use crate::error::CliError;
 use crate::oracles::{ask_oracles, require_right};
 use crate::progress::{Progress, Stopped, is_stopped};
 use clap::Parser;

@@ -6,7 +6,6 @@ use raypath_model::Model;
 use raypath_ops::{Binary32, Operation, from_words, to_words};
 use raypath_sim::AnyOperation;
 use raypath_sim::jobs::any_job;
-use raypath_sim::transactions::AddedOperations;
 use raypath_sim::{AnyKind, AnyModel, Words};
 use std::fmt;
 use std::marker::PhantomData;
@@ -98,22 +97,6 @@ impl<O> From<OperationSpec<O>> for AnyOperationSpec {
     fn from(spec: OperationSpec<O>) -> Self {
         spec.inner
     }
-}
-
-/// An operation that a crate offers to every program that it is linked into: `raypath_oracle::inventory::submit!(Registered(...))` in
-/// the operation's own file is all that there is to do.
-pub struct Registered(pub fn() -> AnyOperationSpec);
-
-inventory::collect!(Registered);
-
-inventory::submit!(AddedOperations(|| registered().iter().map(AnyOperationSpec::name).collect()));
-
-/// All operations that are registered, by name.
-pub fn registered() -> Vec<AnyOperationSpec> {
-    let mut all: Vec<AnyOperationSpec> =
-        inventory::iter::<Registered>.into_iter().map(|Registered(spec)| spec()).collect();
-    all.sort_by_key(AnyOperationSpec::name);
-    all
 }
 
 impl AnyOperationSpec {

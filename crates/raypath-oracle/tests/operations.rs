@@ -1,6 +1,6 @@
 //! All operations of this crate beside the paper's four, as hardware.
 
-use raypath_oracle::{AnyOperationSpec, Checks, registered};
+use raypath_oracle::{AnyOperationSpec, Checks, added_operations};
 use raypath_rtl::{Config, Control, Encoding, Sharing, UnitLatency};
 use raypath_sim::Datapath;
 
@@ -9,20 +9,21 @@ fn with_all(config: Config, specs: &[AnyOperationSpec]) -> Datapath {
 }
 
 #[test]
-fn every_operation_has_registered_itself_with_an_oracle() {
-    let all = registered();
+fn every_operation_has_a_specification_with_an_oracle() {
+    let all = added_operations();
     let entries = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src/operations")).expect("a folder");
     let names = entries.map(|entry| entry.expect("a file").file_name().to_string_lossy().into_owned());
     let mut files: Vec<String> = names.filter_map(|name| name.strip_suffix(".rs").map(String::from)).collect();
     files.sort();
     assert_eq!(all.iter().map(AnyOperationSpec::name).collect::<Vec<_>>(), files);
+    assert_eq!(raypath_ops::operations::NAMES.to_vec(), files);
     assert!(all.iter().all(|spec| spec.verified_by().is_some() && !spec.for_what().is_empty()));
 }
 
 /// Past three linters, then in Verilator, all answers before the operations' oracles.
 #[test]
 fn verilator_answers_like_the_oracles() {
-    let specs = registered();
+    let specs = added_operations();
     let datapath = with_all(Config::DEFAULT, &specs);
     let netlist = datapath.elaborate().expect("they fit");
     assert_eq!(netlist.latency(), 12);
@@ -39,7 +40,7 @@ fn verilator_answers_like_the_oracles() {
 /// Netlist, cycle-exact and functional model in every cycle, however the datapath is built.
 #[test]
 fn the_netlist_is_like_the_models_in_every_configuration() {
-    let specs = registered();
+    let specs = added_operations();
     let default = Config::DEFAULT;
     let configurations = [
         default,

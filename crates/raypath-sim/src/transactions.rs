@@ -7,6 +7,7 @@ mod lines;
 use format::{Column, Columns, columns};
 use lines::Lines;
 use raypath_model::{Functional, Model, OnPorts};
+use raypath_ops::operations::NAMES;
 use raypath_ops::{JobKind, PortValue};
 use raypath_rtl::{Config, alternatives};
 use std::collections::HashMap;
@@ -126,21 +127,11 @@ fn in_words(lanes: Option<usize>) -> String {
     lanes.map(|lanes| format!(" with {lanes} lanes")).unwrap_or_default()
 }
 
-/// Names of operations that a datapath can have beside the paper's. A crate that registers operations submits a function
-/// that lists them, so that messages about files can say which option is missing.
-pub struct AddedOperations(pub fn() -> Vec<&'static str>);
-
-inventory::collect!(AddedOperations);
-
-fn added_operations() -> impl Iterator<Item = &'static str> {
-    inventory::iter::<AddedOperations>.into_iter().flat_map(|AddedOperations(names)| names())
-}
-
 /// Why an operation may be missing: what could be done about it.
 fn lacking(kind: &str) -> String {
     if matches!(kind.parse(), Ok(JobKind::Euclidean | JobKind::Angular)) {
         " (no distance modes)".to_string()
-    } else if added_operations().any(|name| name == kind) {
+    } else if NAMES.contains(&kind) {
         format!(" (without --with {kind})")
     } else {
         String::new()
@@ -207,7 +198,7 @@ pub fn kind_named<M: Model>(name: &str, model: &M) -> Result<M::Kind, Transactio
 /// the longest is meant, of the model's operations and of others that are known.
 fn kind_of<M: Model>(path: &Path, model: &M, config: Config) -> Result<M::Kind, TransactionError> {
     let file = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let known = JobKind::ALL.iter().map(|kind| kind.name()).chain(added_operations());
+    let known = JobKind::ALL.iter().map(|kind| kind.name()).chain(NAMES);
     let own = model.kinds().into_iter().map(|kind| (kind.to_string(), Some(kind)));
     let all = known.map(|name| (name.to_string(), None)).chain(own);
     let meant = all.filter(|(name, _)| file.starts_with(&name.to_lowercase()));

@@ -20,8 +20,11 @@
 //! | feature | adds |
 //! | --- | --- |
 //! | `cli` (default) | the program `raypath` with the commands `generate`, `configs`, `operations`, `ray` |
+//! | `workbench` | [`workbench`](https://docs.rs/raypath-cli): the command line for a crate with an operation of its own |
 //! | `full` | all commands, and the modules `render`, `search` and `timing` |
 
+#[cfg(feature = "workbench")]
+pub use raypath_cli::{prelude, workbench};
 pub use raypath_float as float;
 pub use raypath_hdl as hdl;
 pub use raypath_model as model;

@@ -1,7 +1,7 @@
 //! The same operation as it is first written down: the arithmetic, and stages left to the elaborator.
 
 use crate::{Near, Points};
-use raypath_cli::prelude::*;
+use raypath::prelude::*;
 
 /// Which of four points lie within a radius of another, staged automatically.
 pub struct FirstCut;

@@ -3,7 +3,7 @@
 pub mod first_cut;
 
 // ANCHOR: operation
-use raypath_cli::prelude::*;
+use raypath::prelude::*;
 
 // ANCHOR: structures
 bundle! {

@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    raypath_cli::main(within_radius::spec())
+    raypath::workbench::main(within_radius::spec())
 }

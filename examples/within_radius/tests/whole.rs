@@ -1,10 +1,10 @@
 //! What a user gets from this crate: text that tools accept, answers that the oracle finds right, and a price.
 
-use raypath_cli::ops::{RayBox, RayTriangle, Rules};
-use raypath_cli::oracle::{AnyOperationSpec, Checks};
-use raypath_cli::prelude::*;
-use raypath_cli::sim::transactions::read;
-use raypath_cli::{Arguments, Cost, run};
+use raypath::ops::{RayBox, RayTriangle, Rules};
+use raypath::oracle::{AnyOperationSpec, Checks};
+use raypath::prelude::*;
+use raypath::sim::transactions::read;
+use raypath::workbench::{Arguments, Cost, run};
 use within_radius::{Near, Points, WithinRadius, judge, spec, stimulus};
 
 const NAME: &str = "within_radius";
@@ -60,7 +60,7 @@ fn a_wrong_answer_is_found() {
 /// In binary16, whose units are small, so that the price is there in a minute.
 #[test]
 fn it_has_a_price() {
-    let half: raypath_cli::rtl::Preset = "half".parse().expect("a preset");
+    let half: raypath::rtl::Preset = "half".parse().expect("a preset");
     let datapath = Datapath::paper(half.config).with(WithinRadius);
     let cache = std::env::temp_dir().join("raypath-within-radius");
     let cost = Cost::of(&datapath, NAME).expect("it fits").measured(&datapath, NAME, &cache).expect("a measurement");
@@ -172,7 +172,7 @@ fn it_is_not_blamed_for_units() {
     let config = Default::default();
     let netlist = Datapath::paper(config).with(WithinRadius).elaborate().expect("it fits");
     for step in 0..netlist.steps().count() {
-        let causes = raypath_cli::rtl::report::tables::difference(&netlist, config, step);
+        let causes = raypath::rtl::report::tables::difference(&netlist, config, step);
         assert!(!causes.contains(&"operations beside the paper's"), "step {step}: {causes:?}");
     }
 }

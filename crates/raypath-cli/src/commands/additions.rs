@@ -1,7 +1,7 @@
 //! The option that adds operations which the paper does not have: shared by all commands that take it.
 
 use clap::Args;
-use raypath_oracle::{AnyOperationSpec, registered};
+use raypath_oracle::{AnyOperationSpec, added_operations};
 use raypath_rtl::{Config, alternatives};
 use raypath_sim::Datapath;
 
@@ -27,7 +27,7 @@ impl Additions {
 }
 
 fn find(name: &str) -> Result<AnyOperationSpec, String> {
-    let all = registered();
+    let all = added_operations();
     let names: Vec<&str> = all.iter().map(AnyOperationSpec::name).collect();
     let expected = format!("expected {}", alternatives(&names));
     all.into_iter().find(|spec| spec.name() == name).ok_or(expected)

@@ -2,8 +2,8 @@
 
 use crate::error::CliError;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
-use raypath_sim::configuration;
 use raypath_rtl::{Config, Features, PARAMETER_GROUPS, Parameter, Preset, parameters};
+use raypath_sim::configuration;
 use std::path::PathBuf;
 
 /// A preset or a file, and the parameters that differ from it.

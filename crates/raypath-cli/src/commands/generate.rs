@@ -1,22 +1,22 @@
 //! `raypath generate`: SystemVerilog, its tables, and the proof that it answers like the models.
 
-use crate::error::CliError;
 use crate::commands::additions::Additions;
 use crate::commands::configuration::ConfigArguments;
 use crate::commands::numbers::whole;
 use crate::commands::output::write_all;
+use crate::emit;
+use crate::error::CliError;
+use crate::oracles::ask_oracles;
 use crate::progress::Progress;
 use clap::Args;
 use raypath_hdl::verilog;
-use raypath_sim::lockstep::{Comparison, Timing, lockstep, timing};
 use raypath_model::{Kind, Model, Shape};
-use raypath_oracle::{self, Checks};
+use raypath_oracle::Checks;
 use raypath_rtl::Datapath;
-use raypath_sim::{self, AnyKind};
 use raypath_rtl::report::tables;
+use raypath_sim::AnyKind;
+use raypath_sim::lockstep::{Comparison, Timing, lockstep, timing};
 use raypath_sim::traffic::Traffic;
-use crate::emit;
-use crate::oracles::ask_oracles;
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -79,14 +79,14 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Streams random jobs through the netlist and the models, and measures its timing.
 fn check(
-    whole: &sim::Datapath,
+    whole: &raypath_sim::Datapath,
     datapath: &Datapath,
     arguments: &Arguments,
     out: &mut dyn Write,
 ) -> Result<(), CliError> {
     let begin = Instant::now();
     let (seed, total, model) = (arguments.seed, arguments.jobs as usize, whole.model());
-    let stream = |kinds: &[AnyKind]| oracle::jobs(whole, &arguments.additions.specs, seed, kinds);
+    let stream = |kinds: &[AnyKind]| raypath_oracle::jobs(whole, &arguments.additions.specs, seed, kinds);
     let mut netlist = whole.netlist(datapath)?;
     let mut measured = Vec::new();
     for kind in model.kinds() {

@@ -34,6 +34,7 @@ pub struct CommandLine {
 }
 
 #[derive(Debug, Subcommand)]
+#[allow(clippy::large_enum_variant)] // one command is parsed in a process
 enum Command {
     /// Write the datapath as SystemVerilog, show its schedule and units, and check the netlist against the models
     Generate(generate::Arguments),

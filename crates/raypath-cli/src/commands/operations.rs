@@ -1,13 +1,13 @@
 //! `raypath operations`: what can be part of a datapath, and what each costs.
 
+use crate::cost::Cost;
 use crate::error::CliError;
 use clap::Args;
 use comfy_table::{CellAlignment, ContentArrangement};
 use raypath_oracle::AnyOperationSpec;
 use raypath_rtl::Config;
-use raypath_sim::Datapath;
 use raypath_rtl::report::tables::new_table;
-use crate::cost::Cost;
+use raypath_sim::Datapath;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -92,7 +92,9 @@ fn paper(config: Config) -> Vec<Entry> {
         let (purpose, verified) = match kind {
             raypath_ops::JobKind::Triangle => ("a ray against a triangle", "golden vectors, exact rationals, proofs"),
             raypath_ops::JobKind::Quadbox => ("a ray against four boxes", "golden vectors, exact rationals, proofs"),
-            raypath_ops::JobKind::Euclidean => ("squared distance, 16 dimensions a beat", "golden vectors, exact sums, proofs"),
+            raypath_ops::JobKind::Euclidean => {
+                ("squared distance, 16 dimensions a beat", "golden vectors, exact sums, proofs")
+            }
             raypath_ops::JobKind::Angular => {
                 ("dot product and norm, 8 dimensions a beat", "golden vectors, exact sums, proofs")
             }
@@ -103,7 +105,7 @@ fn paper(config: Config) -> Vec<Entry> {
 }
 
 fn extra() -> impl Iterator<Item = Entry> {
-    raypath_oracle::registered().into_iter().map(|spec| Entry {
+    raypath_oracle::added_operations().into_iter().map(|spec| Entry {
         name: spec.name(),
         purpose: spec.for_what(),
         verified: spec.verified_by().unwrap_or("models alone"),

@@ -1,15 +1,18 @@
 //! Stimulus and oracle of [`KeyCompare`]: the separators that are not above the key are counted.
 
-use crate::{OperationSpec, Registered, draw, exact};
+use crate::{AnyOperationSpec, OperationSpec, draw, exact};
 use rand::{Rng, RngExt};
 use raypath_ops::Binary32;
 use raypath_ops::operations::key_compare::{KeyCompare, KeyCompareInput, KeyCompareOutput, SEPARATORS};
 
-crate::inventory::submit!(Registered(|| OperationSpec::of(KeyCompare)
-    .purpose("a key against 36 separators: nodes of B-trees")
-    .stimulus(stimulus)
-    .oracle("counting", check)
-    .into()));
+/// The specification of [`KeyCompare`].
+pub fn spec() -> AnyOperationSpec {
+    OperationSpec::of(KeyCompare)
+        .purpose("a key against 36 separators: nodes of B-trees")
+        .stimulus(stimulus)
+        .oracle("counting", check)
+        .into()
+}
 
 /// A node of any number of children, its separators close together, spread out or equal, and a key at or between them.
 pub fn stimulus(rng: &mut impl Rng) -> KeyCompareInput<Binary32> {

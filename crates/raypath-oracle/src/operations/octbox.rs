@@ -1,16 +1,19 @@
 //! Stimulus and oracle of [`Octbox`]: slab distances in exact rationals, and two jobs of four boxes.
 
 use crate::slabs::{self, Passage, Plane};
-use crate::{OperationSpec, Registered, draw, exact};
+use crate::{AnyOperationSpec, OperationSpec, draw, exact};
 use rand::{Rng, RngExt};
 use raypath_ops::operations::octbox::{Octbox, OctboxInput, OctboxOutput};
 use raypath_ops::{Aabb, Binary32, Operation, Ray, RayBox, RayBoxInput, Rules, Slab};
 
-crate::inventory::submit!(Registered(|| OperationSpec::of(Octbox)
-    .purpose("a ray against eight boxes a job")
-    .stimulus(stimulus)
-    .oracle("exact rationals, two quadboxes", check)
-    .into()));
+/// The specification of [`Octbox`].
+pub fn spec() -> AnyOperationSpec {
+    OperationSpec::of(Octbox)
+        .purpose("a ray against eight boxes a job")
+        .stimulus(stimulus)
+        .oracle("exact rationals, two quadboxes", check)
+        .into()
+}
 
 /// Eight boxes and a ray towards a point of one; boxes that are equal, inside out or at the edges of the format among them.
 pub fn stimulus(rng: &mut impl Rng) -> OctboxInput<Binary32> {

@@ -1,15 +1,18 @@
 //! Stimulus and oracle of [`PointInBox`]: coordinates and bounds are compared as ordered integers.
 
-use crate::{OperationSpec, Registered, draw, exact};
+use crate::{AnyOperationSpec, OperationSpec, draw, exact};
 use rand::{Rng, RngExt};
 use raypath_ops::operations::point_in_box::{PointInBox, PointInBoxInput, PointInBoxOutput};
 use raypath_ops::{Binary32, Vec3};
 
-crate::inventory::submit!(Registered(|| OperationSpec::of(PointInBox)
-    .purpose("a point against four boxes: range search, point location")
-    .stimulus(stimulus)
-    .oracle("ordered integers", check)
-    .into()));
+/// The specification of [`PointInBox`].
+pub fn spec() -> AnyOperationSpec {
+    OperationSpec::of(PointInBox)
+        .purpose("a point against four boxes: range search, point location")
+        .stimulus(stimulus)
+        .oracle("ordered integers", check)
+        .into()
+}
 
 /// Four boxes, and a point of one of them or beside it by one place.
 pub fn stimulus(rng: &mut impl Rng) -> PointInBoxInput<Binary32> {

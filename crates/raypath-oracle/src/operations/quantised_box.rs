@@ -4,16 +4,19 @@ mod check;
 
 pub use check::check;
 
-use crate::{OperationSpec, Registered, draw};
+use crate::{AnyOperationSpec, OperationSpec, draw};
 use rand::{Rng, RngExt};
 use raypath_ops::operations::quantised_box::{OffsetBox, OffsetSlab, QuantisedBox, QuantisedBoxInput, QuantisedNode};
 use raypath_ops::{Binary32, Flags, Word};
 
-crate::inventory::submit!(Registered(|| OperationSpec::of(QuantisedBox)
-    .purpose("a ray against four boxes of 8 bits a bound: compressed wide nodes")
-    .stimulus(stimulus)
-    .oracle("exact rationals", check)
-    .into()));
+/// The specification of [`QuantisedBox`].
+pub fn spec() -> AnyOperationSpec {
+    OperationSpec::of(QuantisedBox)
+        .purpose("a ray against four boxes of 8 bits a bound: compressed wide nodes")
+        .stimulus(stimulus)
+        .oracle("exact rationals", check)
+        .into()
+}
 
 /// A node of one to four boxes and a ray towards one of them; or any node and any ray, at the edges of the format now and
 /// then.

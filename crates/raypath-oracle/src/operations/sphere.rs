@@ -1,16 +1,19 @@
 //! Stimulus and oracle of [`Sphere`]: the quadratic equation in exact rationals.
 
-use crate::{OperationSpec, Registered, draw, exact};
+use crate::{AnyOperationSpec, OperationSpec, draw, exact};
 use num_rational::BigRational;
 use rand::{Rng, RngExt};
 use raypath_ops::operations::sphere::{Ball, Quadratic, Sphere, SphereInput, SphereOutput};
 use raypath_ops::{Binary32, Ray};
 
-crate::inventory::submit!(Registered(|| OperationSpec::of(Sphere)
-    .purpose("a ray against a sphere: particles, hair, bounding spheres")
-    .stimulus(stimulus)
-    .oracle("exact rationals", check)
-    .into()));
+/// The specification of [`Sphere`].
+pub fn spec() -> AnyOperationSpec {
+    OperationSpec::of(Sphere)
+        .purpose("a ray against a sphere: particles, hair, bounding spheres")
+        .stimulus(stimulus)
+        .oracle("exact rationals", check)
+        .into()
+}
 
 /// A ray that passes a sphere at a known share of its radius: through it, beside it, or grazing; small spheres far away, large
 /// ones that the ray begins in, spheres behind; numbers at the edges of the format now and then.

@@ -1,7 +1,7 @@
 //! Operations beside the paper's, and features of the paper's, as a user meets them.
 
 use crate::{ends_with, file, folder, raypath, said, text};
-use raypath::oracle::{AnyOperationSpec, registered};
+use raypath::oracle::{AnyOperationSpec, added_operations};
 use std::fs::read_to_string;
 
 #[test]
@@ -10,7 +10,7 @@ fn operations_are_listed_with_what_they_cost() {
     assert!(output.status.success());
     let table = said(&output);
     let paper = ["triangle", "quadbox", "euclidean", "angular"];
-    for name in registered().iter().map(AnyOperationSpec::name).chain(paper) {
+    for name in added_operations().iter().map(AnyOperationSpec::name).chain(paper) {
         let row = table.lines().find(|line| line.starts_with(&format!("| {name} "))).expect(name);
         assert!(row.contains(" 12 ") && row.matches('|').count() == 7, "{row}");
     }
@@ -20,7 +20,7 @@ fn operations_are_listed_with_what_they_cost() {
 fn an_operation_is_added_by_its_name() {
     let folder = folder();
     let out = text(&folder.path().join("with"));
-    let names: Vec<&str> = registered().iter().map(AnyOperationSpec::name).collect();
+    let names: Vec<&str> = added_operations().iter().map(AnyOperationSpec::name).collect();
     let [first, .., last] = names.as_slice() else { panic!("two operations") };
     let words = [
         format!("with {last}, {first}"),

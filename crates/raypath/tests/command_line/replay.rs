@@ -2,7 +2,7 @@
 
 use crate::{GOLDEN, ends_with, file, folder, page, printed, raypath, said, text};
 use raypath::model::Model;
-use raypath::oracle::registered;
+use raypath::oracle::added_operations;
 use raypath::rtl::Config;
 use raypath::sim::transactions::{Transaction, read, text as as_text};
 use raypath::sim::{AnyModel, Datapath};
@@ -41,7 +41,7 @@ fn recorded_jobs_in_a_report() {
 
 /// The datapath of the paper with an operation besides, and so many of the operation's jobs with the model's answers.
 fn added(name: &str, seed: u64, count: usize) -> (AnyModel, Vec<Transaction<AnyModel>>) {
-    let specs = registered();
+    let specs = added_operations();
     let spec = specs.iter().find(|spec| spec.name() == name).expect("an operation");
     let datapath = Datapath::paper(Config::DEFAULT).with_any(spec.operation());
     let mut model = datapath.model();
@@ -56,7 +56,7 @@ fn added(name: &str, seed: u64, count: usize) -> (AnyModel, Vec<Transaction<AnyM
 /// Every operation that can be added: written, read and written again.
 #[test]
 fn transactions_of_any_operation_survive_a_file() {
-    let (folder, all) = (folder(), registered());
+    let (folder, all) = (folder(), added_operations());
     assert!(!all.is_empty(), "no operation is registered");
     for spec in &all {
         let (model, stream) = added(spec.name(), 7, 300);
@@ -76,7 +76,7 @@ fn transactions_of_any_operation_survive_a_file() {
 fn an_added_operation_is_replayed_and_shown() {
     let folder = folder();
     // Whichever it is: operations come and go with their files.
-    let name = registered().first().expect("an operation").name();
+    let name = added_operations().first().expect("an operation").name();
     let (model, stream) = added(name, 3, 2000);
     let kind = model.kind(name).expect("an operation");
     let last = model.outputs(kind).last().expect("an output").name.clone();

@@ -47,7 +47,8 @@ fn paths_are_read_from_nested_imports() {
 
 /// The imports of the files below `src`. What the root re-exports counts for the module that has it.
 fn imports(src: &Path) -> Imports {
-    let sources: BTreeMap<Module, String> = files(src, "rs").into_iter().map(|file| (module(src, &file), code(&file))).collect();
+    let sources: BTreeMap<Module, String> =
+        files(src, "rs").into_iter().map(|file| (module(src, &file), code(&file))).collect();
     let root = sources.get(&Module::new()).map(String::as_str).unwrap_or_default();
     let exported: BTreeMap<String, Module> = paths(root)
         .into_iter()
@@ -90,9 +91,11 @@ fn code(file: &Path) -> String {
 fn paths(text: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for statement in text.split(';') {
-        let import = statement.rfind("use ").filter(|&at| statement[..at].trim_end().ends_with(['}', ')', ']']) || {
-            let before = statement[..at].trim_end();
-            before.is_empty() || before.ends_with("pub") || before.ends_with('\n')
+        let import = statement.rfind("use ").filter(|&at| {
+            statement[..at].trim_end().ends_with(['}', ')', ']']) || {
+                let before = statement[..at].trim_end();
+                before.is_empty() || before.ends_with("pub") || before.ends_with('\n')
+            }
         });
         if let Some(at) = import {
             expand("", statement[at + 4..].trim(), &mut found);

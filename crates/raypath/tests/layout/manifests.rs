@@ -49,7 +49,10 @@ fn operations_depend_on_no_tool() {
     let normal: Vec<&str> = all["raypath-ops"]["normal"].iter().map(String::as_str).collect();
     assert_eq!(normal, ["thiserror"], "raypath-ops");
     let model = reached(&all, "raypath-model");
-    assert!(model.iter().all(|name| name == "raypath-ops" || name == "raypath-float" || name == "raypath-hdl"), "{model:?}");
+    assert!(
+        model.iter().all(|name| name == "raypath-ops" || name == "raypath-float" || name == "raypath-hdl"),
+        "{model:?}"
+    );
 }
 
 /// Each layer knows only those below it.
@@ -69,7 +72,8 @@ fn layers_depend_downwards() {
     let all = dependencies();
     let layer = |name: &str| layers.iter().position(|layer| layer.contains(&name));
     for (name, kinds) in &all {
-        let own = layer(name).unwrap_or_else(|| panic!("{name} has no layer: add it to this test and to the architecture page"));
+        let own = layer(name)
+            .unwrap_or_else(|| panic!("{name} has no layer: add it to this test and to the architecture page"));
         for below in kinds.get("normal").into_iter().flatten().filter(|below| all.contains_key(*below)) {
             assert!(layer(below) < Some(own), "{name} depends on {below}, which is not in a lower layer");
         }

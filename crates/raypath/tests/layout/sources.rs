@@ -12,7 +12,8 @@ fn sources() -> Vec<PathBuf> {
 /// All sources and documents of the repository.
 fn prose() -> Vec<PathBuf> {
     let folders = ["crates", "examples", "docs"].map(|folder| root().join(folder));
-    let mut found: Vec<PathBuf> = folders.iter().flat_map(|folder| [files(folder, "rs"), files(folder, "md")]).flatten().collect();
+    let mut found: Vec<PathBuf> =
+        folders.iter().flat_map(|folder| [files(folder, "rs"), files(folder, "md")]).flatten().collect();
     found.extend(["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md"].map(|name| root().join(name)));
     found
 }
@@ -30,18 +31,21 @@ fn lines_with(paths: &[PathBuf], is_wrong: impl Fn(&str) -> bool) -> Vec<String>
 /// Users depend on the facade for its modules alone.
 #[test]
 fn the_facade_is_small() {
-    let lines: usize = files(&root().join("crates/raypath/src"), "rs").iter().map(|path| text(path).lines().count()).sum();
+    let lines: usize =
+        files(&root().join("crates/raypath/src"), "rs").iter().map(|path| text(path).lines().count()).sum();
     assert!(lines <= 3000, "crates/raypath/src has {lines} lines, expected at most 3000");
 }
 
-/// Parallel work goes through one library. A watchdog for a child process is no such work.
+/// Parallel work goes through rayon. The threads of these files wait for a child process or for a time limit.
 #[test]
 fn there_is_one_pool_of_workers() {
-    let found = lines_with(&sources(), |line| line.contains("thread::spawn") || line.contains("thread::scope"));
-    assert!(found.len() <= ALLOWED_THREADS, "threads beside rayon's:\n{}", found.join("\n"));
+    let waiting =
+        ["raypath-tools/src/verilator.rs", "raypath-tools/src/program.rs", "raypath-verify/src/mutation/trial.rs"];
+    let sources: Vec<PathBuf> =
+        sources().into_iter().filter(|path| !waiting.iter().any(|waiting| path.ends_with(waiting))).collect();
+    let found = lines_with(&sources, |line| line.contains("thread::spawn") || line.contains("thread::scope"));
+    assert!(found.is_empty(), "threads beside rayon's:\n{}", found.join("\n"));
 }
-
-const ALLOWED_THREADS: usize = 0;
 
 /// `Circuit` is arithmetic: faster ways for particular operations are in a trait beside it.
 #[test]
@@ -52,9 +56,33 @@ fn the_circuit_trait_has_arithmetic_only() {
     let methods: Vec<&str> =
         text[begin..end].lines().filter_map(|line| line.trim().strip_prefix("fn ")?.split(['(', '<']).next()).collect();
     let allowed = [
-        "stage", "auto", "label", "constant", "one_plus_ulps", "add", "subtract", "multiply", "negate", "compare",
-        "relation", "number_of", "test", "constant_bit", "and", "or", "not", "constant_word", "word_equal", "word_less",
-        "select_num", "select_bit", "select_word", "zero", "infinity", "bit", "word",
+        "stage",
+        "auto",
+        "label",
+        "constant",
+        "one_plus_ulps",
+        "add",
+        "subtract",
+        "multiply",
+        "negate",
+        "compare",
+        "relation",
+        "number_of",
+        "test",
+        "constant_bit",
+        "and",
+        "or",
+        "not",
+        "constant_word",
+        "word_equal",
+        "word_less",
+        "select_num",
+        "select_bit",
+        "select_word",
+        "zero",
+        "infinity",
+        "bit",
+        "word",
     ];
     let others: Vec<&&str> = methods.iter().filter(|method| !allowed.contains(method)).collect();
     assert!(others.is_empty() && methods.len() > 20, "{others:?} of {methods:?}");
@@ -78,7 +106,8 @@ fn prose_is_plain() {
 
 #[test]
 fn lines_fit() {
-    let rust: Vec<PathBuf> = prose().into_iter().filter(|path| path.extension().is_some_and(|end| end == "rs")).collect();
+    let rust: Vec<PathBuf> =
+        prose().into_iter().filter(|path| path.extension().is_some_and(|end| end == "rs")).collect();
     let found = lines_with(&rust, |line| line.chars().count() > 120);
     assert!(found.is_empty(), "{}", found.join("\n"));
 }

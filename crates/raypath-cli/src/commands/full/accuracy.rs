@@ -1,12 +1,12 @@
 //! `raypath accuracy`: what a format costs, against binary64.
 
-use crate::error::CliError;
+use crate::accuracy::{Accuracy, DIMENSIONS, RAYS, SCALES, table};
 use crate::commands::numbers::whole;
+use crate::error::CliError;
 use crate::progress::Progress;
 use clap::Args;
 use raypath_float::Format;
 use raypath_ops::Rules;
-use raypath_cli::accuracy::{Accuracy, DIMENSIONS, RAYS, SCALES, table};
 use std::io::Write;
 
 #[derive(Debug, Args)]

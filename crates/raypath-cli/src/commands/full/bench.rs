@@ -8,8 +8,8 @@ mod result;
 mod stopwatch;
 mod workload;
 
-use crate::error::CliError;
 use crate::commands::output::write_all;
+use crate::error::CliError;
 use clap::Args;
 use result::Results;
 use std::io::Write;

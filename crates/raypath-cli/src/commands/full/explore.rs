@@ -1,15 +1,15 @@
 //! `raypath explore`: many configurations beside each other.
 
-use crate::error::CliError;
 use crate::commands::full::measuring::BenchArguments;
-use crate::commands::output::write_all;
 use crate::commands::full::ppa::{self, design};
+use crate::commands::output::write_all;
+use crate::error::CliError;
 use clap::Args;
-use raypath_sim::configuration;
-use raypath_rtl::{Config, PRESETS, Preset};
 use raypath_ppa::charts::scatter;
 use raypath_ppa::tables::explored;
 use raypath_ppa::{DesignPoint, Exploration};
+use raypath_rtl::{Config, PRESETS, Preset};
+use raypath_sim::configuration;
 use std::io::Write;
 use std::path::PathBuf;
 

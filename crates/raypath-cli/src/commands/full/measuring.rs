@@ -1,7 +1,7 @@
 //! What `ppa` and `explore` measure with.
 
-use crate::error::CliError;
 use crate::commands::numbers::whole;
+use crate::error::CliError;
 use clap::{Args, ValueEnum};
 use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library, Report};
 use raypath_tools::{OpenSta, Yosys, YosysKind};

@@ -1,13 +1,13 @@
 //! `raypath ppa`: area and timing of the datapath in a cell library.
 
-use crate::error::CliError;
 use crate::commands::additions::Additions;
 use crate::commands::configuration::ConfigArguments;
 use crate::commands::full::measuring::BenchArguments;
 use crate::commands::output::write_all;
+use crate::error::CliError;
 use clap::Args;
-use raypath_rtl::{Config, Datapath};
 use raypath_ppa::{Baseline, Design, Report, charts, tables};
+use raypath_rtl::{Config, Datapath};
 use std::io::Write;
 use std::path::PathBuf;
 

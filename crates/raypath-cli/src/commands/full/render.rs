@@ -3,19 +3,19 @@
 mod scene;
 mod timing;
 
-use crate::error::CliError;
 use crate::commands::configuration::ConfigArguments;
-use crate::commands::numbers::whole;
-use crate::commands::output::write_and_name;
-use crate::progress::watched;
 use crate::commands::full::timed::{Subject, Timed, TimingArguments};
 use crate::commands::full::view::ViewArguments;
+use crate::commands::numbers::whole;
+use crate::commands::output::write_and_name;
+use crate::error::CliError;
+use crate::progress::watched;
 use clap::Args;
 use raypath_float::Format;
 use raypath_ops::{Binary32, Ray};
 use raypath_render::{Counts, Hit, Rendering, Scene, Shading, Tracing, read_rays, render, trace_closest, write_hits};
-use raypath_timing::report::Image;
 use raypath_rtl::Config;
+use raypath_timing::report::Image;
 use scene::{CameraArguments, Size};
 use std::io::Write;
 use std::path::PathBuf;

@@ -1,23 +1,23 @@
 //! `raypath replay`: recorded transactions through an engine, compared with what was recorded.
 
-use crate::error::CliError;
 use crate::commands::additions::Additions;
 use crate::commands::configuration::ConfigArguments;
-use crate::commands::output::write_and_name;
-use crate::progress::Progress;
 use crate::commands::full::stream::StreamArguments;
 use crate::commands::full::view::{ViewArguments, print, recording};
+use crate::commands::output::write_and_name;
+use crate::error::CliError;
+use crate::progress::Progress;
 use clap::{Args, ValueEnum};
-use raypath_sim::engine::{CycleEngine, Engine, NetlistEngine, Run, Seen, evaluate, observe, shape};
 use raypath_float::Format;
-use raypath_sim::lockstep::SideBySide;
 use raypath_model::{Elastic, Kind, Model, OnPorts};
 use raypath_ops::{PortKind, PortValue};
-use raypath_timing::report::{Recorder, Recording};
 use raypath_rtl::{Config, Datapath};
-use raypath_sim::{AnyKind, AnyModel, Words};
-use raypath_timing::{self, Observer};
+use raypath_sim::engine::{CycleEngine, Engine, NetlistEngine, Run, Seen, evaluate, observe, shape};
+use raypath_sim::lockstep::SideBySide;
 use raypath_sim::transactions::Transaction;
+use raypath_sim::{AnyKind, AnyModel, Words};
+use raypath_timing::report::{Recorder, Recording};
+use raypath_timing::{Cycle as TimedCycle, Observer};
 use std::io::Write;
 use std::time::Instant;
 
@@ -154,7 +154,7 @@ impl Watcher {
         // Of what was offered in vain only this is of interest, that it was.
         let offered = seen.cycle.offers.then(|| (entering.unwrap_or(0), seen.entered.unwrap_or(0) as u64));
         let accepted = entering.is_some();
-        let cycle = timing::Cycle { number, offered, accepted, shown, taken: shown && seen.cycle.takes };
+        let cycle = TimedCycle { number, offered, accepted, shown, taken: shown && seen.cycle.takes };
         self.recorder.cycle(&cycle, self.pipeline.positions());
         self.pipeline.cycle(entering.map(|opcode| (opcode, ())), seen.cycle.takes);
     }

@@ -2,20 +2,20 @@
 
 mod timing;
 
-use crate::error::CliError;
 use crate::commands::configuration::ConfigArguments;
-use crate::commands::numbers::whole;
-use crate::commands::output::write_and_name;
-use crate::progress::watched;
 use crate::commands::full::timed::{Timed, TimingArguments};
 use crate::commands::full::view::{ViewArguments, print_rows};
+use crate::commands::numbers::whole;
+use crate::commands::output::write_and_name;
+use crate::error::CliError;
+use crate::progress::watched;
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
-use raypath_timing::report::Table;
 use raypath_rtl::{Config, Lanes};
 use raypath_search::{
     Answers, Clusters, Dataset, Exact, Graph, GraphParameters, Metric, Neighbours, Report, recall, write_ivecs,
 };
+use raypath_timing::report::Table;
 use std::io::Write;
 use std::path::PathBuf;
 

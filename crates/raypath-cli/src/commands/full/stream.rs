@@ -1,7 +1,7 @@
 //! The options that say which transactions run, and how: shared by `replay` and `wave`.
 
-use crate::error::CliError;
 use crate::commands::numbers::whole;
+use crate::error::CliError;
 use clap::Args;
 use raypath_model::{Kind, OnPorts};
 use raypath_rtl::Config;

@@ -1,13 +1,13 @@
 //! The cycle-exact datapath and what surrounds it: shared by `render` and `search`.
 
-use crate::error::CliError;
-use crate::commands::numbers::whole;
 use crate::commands::full::view::{ViewArguments, print, recording};
+use crate::commands::numbers::whole;
+use crate::error::CliError;
 use clap::Args;
-use raypath_sim::engine::shape;
 use raypath_ops::JobKind;
-use raypath_timing::report::{Recorder, Recording};
 use raypath_rtl::{Config, Datapath};
+use raypath_sim::engine::shape;
+use raypath_timing::report::{Recorder, Recording};
 use raypath_timing::{Hardware, Machine, Starved, Sweep, Timing, plot};
 use std::io::Write;
 use std::path::PathBuf;

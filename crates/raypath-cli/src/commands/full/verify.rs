@@ -1,8 +1,8 @@
 //! `raypath verify`: claims about the datapath, each held against its oracle.
 
-use crate::error::CliError;
 use crate::commands::configuration::ConfigArguments;
 use crate::commands::numbers::whole;
+use crate::error::CliError;
 use crate::progress;
 use clap::Args;
 use raypath_rtl::Config;

@@ -1,11 +1,11 @@
 //! The options that say how a run is shown: shared by `render`, `search` and `replay`.
 
-use crate::error::CliError;
-use crate::commands::numbers::whole;
 use crate::commands::full::utilisation::{operations, table, utilisation};
+use crate::commands::numbers::whole;
+use crate::error::CliError;
 use clap::Args;
-use raypath_timing::report::{Recorder, Recording, html, konata};
 use raypath_rtl::{Config, Datapath, parameters};
+use raypath_timing::report::{Recorder, Recording, html, konata};
 use std::io::Write;
 use std::path::PathBuf;
 

@@ -1,15 +1,15 @@
 //! `raypath wave`: recorded transactions through the netlist, with a waveform.
 
-use crate::error::CliError;
 use crate::commands::additions::Additions;
 use crate::commands::configuration::ConfigArguments;
-use crate::commands::numbers::whole;
-use crate::progress::Progress;
 use crate::commands::full::stream::StreamArguments;
+use crate::commands::numbers::whole;
+use crate::error::CliError;
+use crate::progress::Progress;
 use clap::Args;
-use raypath_sim::engine::{Engine, NetlistEngine, Shown, drive};
 use raypath_hdl::WaveWriter;
 use raypath_rtl::UnitKind;
+use raypath_sim::engine::{Engine, NetlistEngine, Shown, drive};
 use raypath_sim::{AnyModel, Words};
 use std::io::Write;
 use std::path::PathBuf;

@@ -1,10 +1,10 @@
 //! How cost grows with what there is to do: nanoseconds an item, which stay the same where it grows linearly.
 
-use crate::error::CliError;
 use crate::commands::full::bench::models::each;
 use crate::commands::full::bench::result::Results;
 use crate::commands::full::bench::stopwatch::seconds;
 use crate::commands::full::bench::workload::Workload;
+use crate::error::CliError;
 use raypath_model::Functional;
 use raypath_ops::Rules;
 use raypath_render::{Camera, Scene, Tracing, builtin, trace_closest};

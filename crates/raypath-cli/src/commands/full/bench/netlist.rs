@@ -1,9 +1,9 @@
 //! The netlist that is printed: compiled by us, and compiled by Verilator.
 
-use crate::error::CliError;
 use crate::commands::full::bench::result::Results;
 use crate::commands::full::bench::stopwatch::seconds;
 use crate::commands::full::bench::workload::Workload;
+use crate::error::CliError;
 use raypath_hdl::{InputPort, LANES, LaneSimulator, Module, OutputPort, Simulator};
 use raypath_ops::Job;
 use raypath_rtl::{Config, Datapath};

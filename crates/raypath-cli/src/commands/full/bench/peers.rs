@@ -1,7 +1,7 @@
 //! Rays and distances, beside other libraries and on all cores.
 
-use crate::error::CliError;
 use crate::commands::full::bench::result::Results;
+use crate::error::CliError;
 use raypath_render::compare::compare;
 use raypath_render::{Camera, Scene, Tracing, builtin};
 use raypath_search::{Clusters, Metric, speed};

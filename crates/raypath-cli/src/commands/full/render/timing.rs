@@ -1,8 +1,8 @@
 //! The timing view: the same rays through the cycle-exact datapath.
 
+use crate::commands::full::timed::Subject;
 use crate::error::CliError;
 use crate::progress::watched;
-use crate::commands::full::timed::Subject;
 use raypath_model::PipelinePosition;
 use raypath_ops::{Binary32, Ray};
 use raypath_render::{

@@ -1,10 +1,10 @@
 //! The timing view: the same queries through the cycle-exact datapath.
 
+use crate::commands::full::timed::Subject;
 use crate::error::CliError;
 use crate::progress::watched;
-use crate::commands::full::timed::Subject;
-use raypath_timing::report::Recorder;
 use raypath_search::{Candidates, Dataset, Graph, Log, Metric, Subject as Searched, sweep_search, time_search};
+use raypath_timing::report::Recorder;
 use raypath_timing::{Hardware, Sample, Sweep, Timing};
 
 /// Queries that are asked.

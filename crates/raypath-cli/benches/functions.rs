@@ -1,17 +1,17 @@
-//! The functions inside, one by one: `cargo bench -p raypath`. What users should expect is printed by `raypath bench`.
+//! The functions inside, one by one: `cargo bench -p raypath-cli --features full`. What users should expect is printed by `raypath bench`.
 
-#[path = "../src/commands/bench/workload.rs"]
+#[path = "../src/commands/full/bench/workload.rs"]
 mod workload;
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use raypath::hdl::Simulator;
-use raypath::model::{Batch, CycleModel, Functional, Shape, blank, levels, pack, unpack};
-use raypath::ops::{
+use raypath_hdl::Simulator;
+use raypath_model::{Batch, CycleModel, Functional, Shape, blank, levels, pack, unpack};
+use raypath_ops::{
     Binary32, EuclideanInput, EuclideanOutput, Job, JobKind, Ray, RayBoxInput, RayBoxOutput, RayTriangleInput,
     RayTriangleOutput, Rules,
 };
-use raypath::rtl::{Config, Datapath};
+use raypath_rtl::{Config, Datapath};
 use workload::Workload;
 
 /// Jobs of a measurement.
