@@ -27,7 +27,15 @@ pub const ITEM: Item = Item {
     claim: "no file makes raypath panic, hang, or fill the memory",
     oracle: "the bounds that docs/reference/transactions.md, docs/reference/configurations.md and docs/user/area-and-timing.md \
              state; what was read means the same when it is written and read again",
-    subject: &["crates/raypath-sim/src", "crates/raypath-ppa/src", "crates/raypath/src", "fuzz/corpus"],
+    subject: &[
+        "crates/raypath-ppa/src",
+        "crates/raypath-rtl/src/config",
+        "crates/raypath-sim/src",
+        "crates/raypath-tools/src",
+        "crates/raypath-verify/src/parsers",
+        "crates/raypath-verify/src/parsers.rs",
+        "fuzz/corpus",
+    ],
     run,
 };
 
