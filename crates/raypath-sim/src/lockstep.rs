@@ -1,10 +1,10 @@
 //! Netlist and models side by side.
 
 mod canonical;
-mod everyday;
+mod regression;
 mod side_by_side;
 
-pub use everyday::{Everyday, Failed};
+pub use regression::{FailedCheck, RegressionChecks};
 
 pub use side_by_side::{Difference, SideBySide};
 

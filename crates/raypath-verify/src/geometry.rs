@@ -1,30 +1,30 @@
-//! The operations against mathematics, with exact arithmetic as the judge. The bounds are derived in
-//! `docs/reference/error-bounds.md`.
+//! The operations against exact arithmetic. `docs/reference/error-bounds.md` derives the bounds.
 
-mod aim;
+mod aimed_rays;
 mod box_cases;
+mod box_intersection;
 mod boxes;
 mod campaign;
-mod distances;
 mod dyadic;
-mod intersect;
+mod error_units;
+mod implementations;
 mod mesh;
 mod shapes;
-mod sight;
-mod slabs;
 mod sums;
+mod triangle_distances;
 mod vector;
+mod visibility;
 mod watertight;
 mod wrong_distances;
 mod wrong_sums;
 
-use super::Item;
+use crate::verdict::Item;
 
-/// Ray against triangle: nothing slips between faces.
+/// Ray against triangle: no ray passes between adjacent faces.
 pub const WATERTIGHT: Item = Item {
     name: "watertight",
-    claim: "no ray slips through an edge or vertex that is shared by faces which all look at it",
-    oracle: "which faces look at a ray, and where it passes, by exact arithmetic",
+    claim: "a ray through an edge or vertex shared by faces that all face the ray hits at least one of them",
+    oracle: "which faces face the ray, and where it passes them, by exact arithmetic",
     subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath-verify/src/geometry"],
     run: watertight::verify,
 };
@@ -32,26 +32,26 @@ pub const WATERTIGHT: Item = Item {
 /// Ray against box.
 pub const BOXES: Item = Item {
     name: "boxes",
-    claim: "a ray that enters a box by more than the rounding bound hits it, one that misses it by more does not, and \
-            tmin is off by at most three roundings",
+    claim: "a ray that crosses a box by more than the rounding bound hits it, a ray that misses it by more does not, and \
+            tmin has an error of at most three roundings",
     oracle: "exact arithmetic on integers times powers of two",
     subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath-verify/src/geometry"],
     run: boxes::verify,
 };
 
-/// Ray against triangle: the distance.
+/// Ray against triangle: the distance of the intersection.
 pub const TRIANGLE_DISTANCE: Item = Item {
     name: "triangle-distance",
-    claim: "t_num, t_denom and, of a hit, their quotient are as near the exact ones as docs/reference/error-bounds.md says",
+    claim: "t_num, t_denom and, for hits, their quotient have errors within the bounds of docs/reference/error-bounds.md",
     oracle: "exact arithmetic on integers times powers of two",
     subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath-verify/src/geometry"],
-    run: distances::verify,
+    run: triangle_distances::verify,
 };
 
 /// Distances between vectors.
 pub const SUMS: Item = Item {
     name: "sums",
-    claim: "Euclidean sums, dot products and norms are as near the exact ones as docs/reference/error-bounds.md says",
+    claim: "Euclidean sums, dot products and norms have errors within the bounds of docs/reference/error-bounds.md",
     oracle: "exact arithmetic on integers times powers of two",
     subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath-verify/src/geometry"],
     run: sums::verify,

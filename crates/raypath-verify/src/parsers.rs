@@ -1,8 +1,8 @@
-//! Everything that reads what somebody else wrote, under fire: the files of `fuzz/corpus`, and what comes of them when
-//! bytes are flipped, cut, repeated and joined. `cargo fuzz` calls the same functions ([`TARGETS`]).
+//! Robustness of all parsers: they run on the files of `fuzz/corpus`, and on copies with bytes flipped, removed, repeated
+//! and joined. `cargo fuzz` calls the same functions ([`TARGETS`]).
 
+mod damage;
 mod memory;
-mod mutation;
 mod targets;
 mod worker;
 
@@ -15,16 +15,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use worker::{Outcome, Worker};
 
-/// Longer than any input of some kilobytes may take, on a machine with much else to do.
-const MOST_SECONDS: u64 = 10;
-/// More than reading some kilobytes may take; what is there before does not count.
-const MOST_BYTES: u64 = 256 << 20;
+/// The time limit for an input of some kilobytes, on a busy machine.
+const MAX_SECONDS: u64 = 10;
+/// The limit on additional memory.
+const MAX_BYTES: u64 = 256 << 20;
 const FAILURES_SHOWN: usize = 10;
 
-/// The item of `raypath verify`.
+/// The parsers on damaged files.
 pub const ITEM: Item = Item {
     name: "parsers",
-    claim: "no file makes raypath panic, hang, or fill the memory",
+    claim: "no file makes raypath panic, hang, or exhaust the memory",
     oracle: "the bounds that docs/reference/transactions.md, docs/reference/configurations.md and docs/user/area-and-timing.md \
              state; what was read means the same when it is written and read again",
     subject: &[
@@ -39,10 +39,10 @@ pub const ITEM: Item = Item {
     run,
 };
 
-/// Feeds every file of the corpora, and mutations of each, to the parser that it is for.
+/// Runs each parser on the files of its corpus and on mutations of them.
 ///
 /// # Errors
-/// There is no corpus: `raypath` does not run where it was built.
+/// The corpus is missing, because the repository is not where `raypath` was built.
 pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let mutations = request.jobs.unwrap_or(request.level.pick(5_000, 100_000, 1_000_000));
     let corpora = TARGETS.iter().map(corpus).collect::<Result<Vec<_>, _>>()?;
@@ -52,7 +52,7 @@ pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
     for (target, files) in TARGETS.iter().zip(&corpora) {
         let mut worker = Worker::start(*target, files.clone(), mutations, request.seed, request.shard);
         loop {
-            match worker.wait(MOST_SECONDS) {
+            match worker.wait(MAX_SECONDS) {
                 Outcome::Busy => {}
                 Outcome::Done => break,
                 Outcome::Failed(failure) => {
@@ -72,11 +72,11 @@ pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
         }
     }
     match (before, memory::peak()) {
-        (Some(before), Some(after)) if after.saturating_sub(before) > MOST_BYTES => {
-            verdict.failures.push(format!("{} MiB more memory, expected at most 256", (after - before) >> 20));
+        (Some(before), Some(after)) if after.saturating_sub(before) > MAX_BYTES => {
+            verdict.failures.push(format!("{} MiB of additional memory, expected at most 256", (after - before) >> 20));
         }
         (Some(_), Some(_)) => {}
-        _ => verdict.remarks.push("memory was not measured: this system does not tell".to_string()),
+        _ => verdict.remarks.push("memory was not measured: this system does not report it".to_string()),
     }
     let files = corpora.iter().map(Vec::len).sum::<usize>();
     let formats = TARGETS.len();
@@ -84,10 +84,10 @@ pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
     Ok(verdict)
 }
 
-/// The files that a target begins with, in the order of their names.
+/// The files of a target's corpus, in the order of their names.
 ///
 /// # Errors
-/// They cannot be read.
+/// A file cannot be read.
 pub fn corpus(target: &Target) -> Result<Vec<Vec<u8>>, Error> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(target.name);
     let refused = |path: &Path| {

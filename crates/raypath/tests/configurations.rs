@@ -5,7 +5,7 @@ use raypath::float::Format;
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
 use raypath::sim::engine::NetlistEngine;
-use raypath::sim::lockstep::Everyday;
+use raypath::sim::lockstep::RegressionChecks;
 use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath_verify::mutation::CONFIGS;
 use std::path::Path;
@@ -41,7 +41,7 @@ const FEW_AND_MANY_LANES: &[Lanes] = &[Lanes::None, Lanes::Two, Lanes::Sixteen, 
 #[test]
 fn datapaths_that_mutation_puts_faults_in() {
     for config in CONFIGS {
-        with_model(config, Check { config, seed: 1, jobs: Everyday::THOROUGH });
+        with_model(config, Check { config, seed: 1, jobs: RegressionChecks::THOROUGH });
     }
 }
 
@@ -194,9 +194,9 @@ impl Visitor for Check {
 
     fn visit<M: PaperModel>(self, model: M) {
         let config = self.config;
-        let mut netlist = NetlistEngine::new(model.clone(), config, Everyday::observes)
+        let mut netlist = NetlistEngine::new(model.clone(), config, RegressionChecks::observes)
             .unwrap_or_else(|error| panic!("{config}: {error}"));
-        let checks = Everyday { config, seed: self.seed, jobs: self.jobs };
+        let checks = RegressionChecks { config, seed: self.seed, jobs: self.jobs };
         checks
             .check(&mut netlist, &model)
             .unwrap_or_else(|failed| panic!("{config}, {}: {}", failed.check, failed.what));

@@ -3,10 +3,10 @@ use raypath_float::Format;
 use raypath_hdl::Probe;
 use raypath_model::Model;
 
-/// A netlist as an engine that looks into its number registers in every cycle: a recoded word there must be canonical,
-/// which no port tells, because all units accept any word with the meaning of a number.
-pub struct Watched<'n, M: Model> {
-    /// The first word that was not, in words.
+/// A netlist as an engine that checks its number registers in every cycle: their recoded words must be canonical. The
+/// ports do not show this, because units accept every encoding of a number.
+pub struct WatchedNetlist<'n, M: Model> {
+    /// The first word that is not canonical, as a message.
     pub found: Option<String>,
     netlist: &'n mut NetlistEngine<M>,
     format: Format,
@@ -16,19 +16,19 @@ pub struct Watched<'n, M: Model> {
 struct Register {
     name: String,
     probe: Probe,
-    /// What it held when last looked at, canonical.
+    /// The last word, which was canonical.
     held: u64,
 }
 
-/// Whether a signal of this hierarchical name is a register for numbers, or an accumulator.
+/// Whether the signal of this hierarchical name is a number register or an accumulator.
 pub fn is_number_register(name: &str) -> bool {
     let name = name.rsplit('.').next().unwrap_or(name);
     name.starts_with("num_") && name.ends_with("_q") || name.ends_with("_state_q")
 }
 
-impl<'n, M: Model> Watched<'n, M> {
-    /// The netlist as it is, compiled so that its number registers can be observed. Those as wide as recoded words of this
-    /// format hold such.
+impl<'n, M: Model> WatchedNetlist<'n, M> {
+    /// Watches a netlist that was compiled with observable number registers. Registers of the recoded width of this format
+    /// hold recoded words.
     pub fn new(netlist: &'n mut NetlistEngine<M>, format: Format) -> Self {
         let probes = netlist.simulator().probes();
         let recoded = probes.filter(|(name, width, _)| is_number_register(name) && *width == format.recoded_width());
@@ -38,12 +38,12 @@ impl<'n, M: Model> Watched<'n, M> {
         Self { found: None, netlist, format, registers }
     }
 
-    /// How many registers it looks into.
+    /// The number of watched registers.
     pub fn registers(&self) -> usize {
         self.registers.len()
     }
 
-    fn look(&mut self) {
+    fn check_registers(&mut self) {
         for register in &mut self.registers {
             let word = self.netlist.simulator().peek(register.probe);
             if word == register.held {
@@ -60,7 +60,7 @@ impl<'n, M: Model> Watched<'n, M> {
     }
 }
 
-impl<M: Model> Engine<M> for Watched<'_, M> {
+impl<M: Model> Engine<M> for WatchedNetlist<'_, M> {
     fn present(&mut self, job: &M::Job) {
         self.netlist.present(job);
     }
@@ -68,7 +68,7 @@ impl<M: Model> Engine<M> for Watched<'_, M> {
     fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
         let shown = self.netlist.cycle(input_valid, output_ready);
         if self.found.is_none() {
-            self.look();
+            self.check_registers();
         }
         shown
     }

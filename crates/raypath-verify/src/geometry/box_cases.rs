@@ -1,10 +1,10 @@
-//! Rays and boxes that touch, or nearly do.
+//! Rays and boxes that touch or nearly touch.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray};
 
-/// A ray and four boxes, each its least and its greatest corner.
+/// A ray and four boxes, each as its lower and upper corner.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
     /// The ray.
@@ -13,11 +13,11 @@ pub struct Case {
     pub boxes: [[[f32; 3]; 2]; 4],
 }
 
-/// Components of directions whose inverses are normal numbers.
+/// The magnitudes of directions' components whose inverses are normal numbers.
 const INVERTIBLE: std::ops::RangeInclusive<f32> = f32::from_bits(1 << 23)..=f32::from_bits(253 << 23);
 
-/// A random case: rays in faces, along edges and through corners, along axes with ±0, from far away; boxes that are
-/// flat or empty or about the origin; extents that end where the box begins.
+/// A random case: rays in faces, along edges and through corners, along axes with ±0, from far away; boxes that are flat,
+/// empty or around the origin; extents near the box's entry.
 pub fn draw(rng: &mut ChaCha8Rng) -> Case {
     loop {
         let numbers = Numbers::draw(rng);
@@ -40,13 +40,13 @@ pub fn draw(rng: &mut ChaCha8Rng) -> Case {
     }
 }
 
-/// What sort of numbers a case is made of.
+/// The numbers that a case is made of.
 struct Numbers {
-    /// Small multiples of 1/2 and powers of two, of which nothing rounds, instead of any numbers.
+    /// Whether they are small multiples of 1/2 and powers of two, so that no operation rounds.
     lattice: bool,
-    /// What coordinates are multiples of.
+    /// The unit of coordinates.
     size: f64,
-    /// What components of the direction are multiples of.
+    /// The unit of the direction's components.
     length: f64,
 }
 
@@ -72,8 +72,8 @@ impl Numbers {
         if rng.random() { -size } else { size }
     }
 
-    /// A box about the point that the ray reaches at `reach`; that point lies in some of its faces, so that the ray
-    /// enters there, leaves there, touches an edge or a corner, or runs in a face.
+    /// A box near the ray's point at the distance `reach`. The point lies in some of the box's faces, so that the ray
+    /// enters or leaves there, touches an edge or corner, or runs in a face.
     fn aabb(&self, rng: &mut ChaCha8Rng, origin: [f32; 3], direction: [f32; 3], reach: f64) -> [[f32; 3]; 2] {
         let slabs: [[f32; 2]; 3] = std::array::from_fn(|axis| {
             let at = (f64::from(origin[axis]) + reach * f64::from(direction[axis])) as f32;
@@ -95,7 +95,7 @@ impl Numbers {
     }
 }
 
-/// Infinity, or about the distance `reach`, or anything.
+/// A random extent: infinity, near the distance `reach`, or any.
 fn extent(rng: &mut ChaCha8Rng, reach: f64) -> f32 {
     let about = (reach.abs() as f32).max(0.0);
     match rng.random_range(0..8) {

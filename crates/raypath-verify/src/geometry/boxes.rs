@@ -1,10 +1,9 @@
-//! Ray against box: right wherever rounding cannot decide, and where the ray enters to three roundings.
+//! Ray against box: the hit is exact unless it depends on rounding, and tmin has an error of at most three roundings.
 
 use super::box_cases::{Case, draw};
+use super::box_intersection::ExactIntersection;
 use super::campaign::{self, Failures, Largest, Tally};
-use super::distances::ulps_of;
-use super::sight::U;
-use super::slabs::Geometry;
+use super::error_units::{U, ulps_of};
 use crate::error::Error;
 use crate::request::Request;
 use crate::verdict::Verdict;
@@ -12,20 +11,20 @@ use rand_chacha::ChaCha8Rng;
 use raypath_model::Functional;
 use raypath_ops::{Aabb, Job, Outcome, RayBoxInput, Rules};
 
-/// Boxes after which a fault that is put in must have been found.
+/// The number of boxes after which each deliberate fault must have been found.
 const ENOUGH: u64 = 40_000;
 
-/// Random rays at boxes that they touch or nearly do, each against exact arithmetic.
+/// Compares random rays and boxes that touch or nearly touch with exact arithmetic.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let cases = request.jobs.unwrap_or(request.level.pick(100_000, 3_000_000, 50_000_000));
     let (tally, is_stopped) = campaign::run(request, 4, cases, |rng, tally: &mut Boxes| tally.run(rng))?;
     Ok(tally.verdict(is_stopped))
 }
 
-/// Is the box hit, and where does the ray enter?
+/// Whether the box is hit, and tmin.
 type Answer = (bool, f32);
 
-/// What the datapath answers, box by box.
+/// The datapath's result for each box.
 fn datapath(rules: Rules, case: &Case) -> [Answer; 4] {
     let aabb = case.boxes.map(|[low, high]| Aabb::new(low, high));
     let Outcome::Quadbox(output) =
@@ -34,16 +33,16 @@ fn datapath(rules: Rules, case: &Case) -> [Answer; 4] {
         unreachable!("a quadbox job has a quadbox outcome")
     };
     let mut answers = [(false, 0.0); 4];
-    for (place, hit) in output.is_intersect.to_array().into_iter().enumerate() {
-        answers[u32::from(output.box_index[place]) as usize] = (hit, output.tmin[place].into());
+    for (rank, hit) in output.is_intersect.to_array().into_iter().enumerate() {
+        answers[u32::from(output.box_index[rank]) as usize] = (hit, output.tmin[rank].into());
     }
     answers
 }
 
-/// What answers, and its name.
+/// A faulty implementation and its name.
 type Named = (&'static str, fn(&Case) -> [Answer; 4]);
 
-/// Ways to be wrong that the campaign must find.
+/// The faulty implementations that the campaign must find.
 const FAULTY: [Named; 3] = [
     ("the original's comparisons", |case| datapath(Rules::Chisel, case)),
     ("inverses of 22 bits", |case| with_inverses(case, |_, inv| f32::from_bits(inv.to_bits() & !3))),
@@ -52,7 +51,7 @@ const FAULTY: [Named; 3] = [
     }),
 ];
 
-/// What the datapath answers to a ray whose inverse direction is another.
+/// The datapath's results for a ray with a different inverse direction.
 fn with_inverses(case: &Case, inverse: impl Fn(f32, f32) -> f32) -> [Answer; 4] {
     let (mut case, dir) = (*case, <[f32; 3]>::from(case.ray.dir));
     let inv = <[f32; 3]>::from(case.ray.inv);
@@ -62,34 +61,34 @@ fn with_inverses(case: &Case, inverse: impl Fn(f32, f32) -> f32) -> [Answer; 4] 
 
 #[derive(Default)]
 struct Boxes {
-    judged: u64,
+    checked: u64,
     hits: u64,
-    /// Boxes of which rounding may decide whether they are hit, and those of which it decided otherwise than geometry.
-    open: u64,
-    otherwise: u64,
-    /// Boxes with distances beyond the range of binary32: nothing is claimed.
+    /// Boxes whose hit may depend on rounding, and those of them with another result than exact arithmetic.
+    undetermined: u64,
+    differing: u64,
+    /// Boxes with distances beyond the range of binary32, which the claim excludes.
     out_of_range: u64,
     flat: u64,
     empty: u64,
-    /// Boxes of which the ray runs along a slab, and those of them where it runs in the slab's plane.
+    /// Boxes with a slab that the ray runs along, and those of them with the ray in the slab's plane.
     along: u64,
     in_plane: u64,
-    /// Boxes that the ray touches in no more than a point, exactly.
+    /// Boxes that the ray touches in exactly one point.
     touched: u64,
-    /// The error of tmin, and the largest gap at which rounding decided otherwise, in u.
+    /// The error of tmin, and the largest gap in u of a box with a differing result.
     tmin_ulps: Largest,
     tmin_units: Largest,
     gap: Largest,
-    /// Faults found of those put in.
+    /// Wrong results of each faulty implementation.
     found: [u64; FAULTY.len()],
     failures: Failures,
 }
 
 impl Boxes {
-    /// Draws a ray and four boxes, and judges the answers.
+    /// Checks the results for a random ray and four boxes.
     fn run(&mut self, rng: &mut ChaCha8Rng) {
         let case = draw(rng);
-        let geometry = case.boxes.map(|aabb| Geometry::new(&case.ray, aabb));
+        let geometry = case.boxes.map(|aabb| ExactIntersection::new(&case.ray, aabb));
         let answers = datapath(Rules::Paper, &case);
         let faulty = FAULTY.map(|(_, fault)| fault(&case));
         for i in 0..4 {
@@ -112,21 +111,21 @@ impl Boxes {
         }
     }
 
-    fn count(&mut self, case: &Case, [low, high]: [[f32; 3]; 2], geometry: &Geometry, (hit, tmin): Answer) {
+    fn count(&mut self, case: &Case, [low, high]: [[f32; 3]; 2], geometry: &ExactIntersection, (hit, tmin): Answer) {
         let (origin, dir) = (<[f32; 3]>::from(case.ray.origin), <[f32; 3]>::from(case.ray.dir));
         let some_axis = |is: &dyn Fn(usize) -> bool| u64::from((0..3).any(is));
-        self.judged += 1;
+        self.checked += 1;
         self.flat += some_axis(&|i| low[i] == high[i]);
         self.empty += some_axis(&|i| low[i] > high[i]);
         self.along += some_axis(&|i| dir[i] == 0.0);
         self.in_plane += some_axis(&|i| dir[i] == 0.0 && (origin[i] == low[i] || origin[i] == high[i]));
         self.touched += u64::from(geometry.is_hit && geometry.gap == 0.0);
-        self.open += u64::from(geometry.must_be.is_none());
+        self.undetermined += u64::from(geometry.required_hit.is_none());
         self.hits += u64::from(hit);
         if hit != geometry.is_hit {
-            self.otherwise += 1;
+            self.differing += 1;
         }
-        // Where distances underflow, relative errors say nothing.
+        // Relative errors have no meaning where distances underflow.
         let entry = geometry.entry.to_f64();
         let is_large = entry > 2_f64.powi(-120);
         if hit != geometry.is_hit && is_large {
@@ -140,45 +139,42 @@ impl Boxes {
     }
 
     fn verdict(self, is_stopped: bool) -> Verdict {
-        let Self { judged, hits, flat, empty, along, in_plane, touched, .. } = self;
+        let Self { checked, hits, flat, empty, along, in_plane, touched, .. } = self;
         let covered = format!(
-            "{judged} boxes, {hits} hit; {touched} touched in a point, {flat} flat, {empty} empty, {along} with the ray \
+            "{checked} boxes, {hits} hit; {touched} touched in one point, {flat} flat, {empty} empty, {along} with the ray \
              along a slab, {in_plane} in its plane"
         );
         let found: Vec<String> = FAULTY.iter().zip(self.found).map(|((name, _), n)| format!("{name} {n}")).collect();
         let remarks = vec![
+            format!("error of tmin: at most {:.3} ulps, {:.3} u; bound 3", self.tmin_ulps.0, self.tmin_units.0),
             format!(
-                "tmin of a hit is off by at most {:.3} ulps, {:.3} u; bound 3",
-                self.tmin_ulps.0, self.tmin_units.0
+                "within the rounding bound, so that either result is right: {} boxes, {} of them with another result than \
+                 exact arithmetic, at a gap of at most {:.3} u; bound 6",
+                self.undetermined, self.differing, self.gap.0
             ),
-            format!(
-                "within the rounding bound, so that either answer is right: {} boxes, {} of them decided otherwise than geometry, \
-                 at a gap of at most {:.3} u; bound 6",
-                self.open, self.otherwise, self.gap.0
-            ),
-            format!("beyond the range of binary32, of which nothing is claimed: {} boxes", self.out_of_range),
-            format!("wrong answers seen where a fault is put in: {}", found.join(", ")),
+            format!("beyond the range of binary32, which the claim excludes: {} boxes", self.out_of_range),
+            format!("wrong results of faulty implementations: {}", found.join(", ")),
         ];
         let mut failures = self.failures.lines();
-        if judged >= ENOUGH {
-            let unseen = FAULTY.iter().zip(self.found).filter(|(_, found)| *found == 0);
-            failures.extend(unseen.map(|((name, _), _)| format!("the campaign cannot fail: it does not see {name}")));
+        if checked >= ENOUGH {
+            let missed = FAULTY.iter().zip(self.found).filter(|(_, found)| *found == 0);
+            failures.extend(missed.map(|((name, _), _)| format!("the campaign cannot fail: it does not find {name}")));
         }
         Verdict { covered, remarks, failures, is_stopped }
     }
 }
 
-/// Whether an answer is one that rounding allows.
-fn is_right(geometry: &Geometry, (hit, tmin): Answer) -> bool {
-    geometry.must_be.is_none_or(|must_be| hit == must_be) && (!hit || geometry.entry.may_round_to(tmin))
+/// Whether rounding allows a result.
+fn is_right(geometry: &ExactIntersection, (hit, tmin): Answer) -> bool {
+    geometry.required_hit.is_none_or(|required_hit| hit == required_hit) && (!hit || geometry.entry.may_round_to(tmin))
 }
 
 impl Tally for Boxes {
     fn join(&mut self, later: Self) {
-        self.judged += later.judged;
+        self.checked += later.checked;
         self.hits += later.hits;
-        self.open += later.open;
-        self.otherwise += later.otherwise;
+        self.undetermined += later.undetermined;
+        self.differing += later.differing;
         self.out_of_range += later.out_of_range;
         self.flat += later.flat;
         self.empty += later.empty;
@@ -199,7 +195,7 @@ mod tests {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
-    /// The campaign passes the datapath, sees each fault that is put in, and meets all that it should.
+    /// The campaign passes the datapath, finds each deliberate fault, and has cases of every kind.
     #[test]
     fn faults_are_found() {
         let (mut boxes, mut rng) = (Boxes::default(), ChaCha8Rng::seed_from_u64(5));
@@ -207,10 +203,10 @@ mod tests {
         for ((name, _), found) in FAULTY.iter().zip(boxes.found) {
             assert!(found > 50, "{name}: {found}");
         }
-        let Boxes { hits, open, otherwise, flat, empty, along, in_plane, touched, .. } = boxes;
-        let met = [hits, open, flat, empty, along, in_plane, touched];
-        assert!(met.iter().all(|&n| n > 150) && otherwise > 10, "{met:?} {otherwise}");
-        assert!(boxes.judged > 9_500 && boxes.tmin_units.0 > 1.5 && boxes.gap.0 > 1.0);
+        let Boxes { hits, undetermined, differing, flat, empty, along, in_plane, touched, .. } = boxes;
+        let met = [hits, undetermined, flat, empty, along, in_plane, touched];
+        assert!(met.iter().all(|&n| n > 150) && differing > 10, "{met:?} {differing}");
+        assert!(boxes.checked > 9_500 && boxes.tmin_units.0 > 1.5 && boxes.gap.0 > 1.0);
         assert_eq!(boxes.failures.lines(), Vec::<String>::new());
     }
 }

@@ -1,4 +1,4 @@
-//! Random cases on all cores, the same whatever their number.
+//! Random cases on all cores. The result does not depend on the number of cores.
 
 use crate::error::Error;
 use crate::pool::{self, Cases};
@@ -7,17 +7,20 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 
-/// What cases leave behind, and can be joined.
+/// The counts of cases, which can be joined.
 pub trait Tally: Default + Send {
-    /// Takes in what later cases left.
+    /// Adds the counts of later cases.
     fn join(&mut self, later: Self);
 }
 
-/// Cases with random numbers of their own.
+/// The number of cases in a block. Each block has a random stream of its own.
 const BLOCK: u64 = 512;
 
-/// Runs the shard's part of `cases` cases; `stream` tells this campaign's random numbers from others of the same seed.
-/// Gives what they left, and whether the user stopped it.
+/// Runs the shard's part of `cases` cases. `stream` selects random numbers that other campaigns of the same seed do not
+/// use. Returns the counts, and whether the user stopped the campaign.
+///
+/// # Errors
+/// The threads cannot start.
 pub fn run<T: Tally>(
     request: &mut Request<'_>,
     stream: u64,
@@ -49,7 +52,7 @@ pub fn run<T: Tally>(
     Ok((joined, finished.is_stopped))
 }
 
-/// The first few of many messages.
+/// The first few failures, and the count of all.
 #[derive(Debug, Clone, Default)]
 pub struct Failures {
     shown: Vec<String>,
@@ -59,7 +62,7 @@ pub struct Failures {
 impl Failures {
     const SHOWN: usize = 5;
 
-    /// One more.
+    /// Adds a failure.
     pub fn add(&mut self, message: impl FnOnce() -> String) {
         if self.shown.len() < Self::SHOWN {
             self.shown.push(message());
@@ -67,19 +70,19 @@ impl Failures {
         self.count += 1;
     }
 
-    /// Those of later cases.
+    /// Adds the failures of later cases.
     pub fn join(&mut self, later: Self) {
         self.shown.extend(later.shown);
         self.shown.truncate(Self::SHOWN);
         self.count += later.count;
     }
 
-    /// How many there were.
+    /// The number of all failures.
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// The first few, and how many there were besides.
+    /// The first few failures, and the number of the others.
     pub fn lines(self) -> Vec<String> {
         let more = self.count - self.shown.len() as u64;
         let rest = (more > 0).then(|| format!("and {more} more"));
@@ -87,12 +90,12 @@ impl Failures {
     }
 }
 
-/// The largest of what was seen; 0 where nothing was.
+/// The largest of some values; 0 if there are none.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Largest(pub f64);
 
 impl Largest {
-    /// One more.
+    /// Adds a value.
     pub fn add(&mut self, value: f64) {
         self.0 = self.0.max(value);
     }

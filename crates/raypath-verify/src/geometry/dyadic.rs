@@ -1,4 +1,4 @@
-//! Exact arithmetic on integers times powers of two: binary32 numbers, their sums and their products.
+//! Exact arithmetic on dyadic numbers, integers times powers of two: binary32 numbers, their sums and products.
 
 use num_bigint::{BigInt, Sign};
 use std::cmp::Ordering;
@@ -22,7 +22,7 @@ impl Dyadic {
         Self { significand: BigInt::from(1), exponent }
     }
 
-    /// Its sign, as a comparison with zero.
+    /// The comparison with zero.
     pub fn sign(&self) -> Ordering {
         match self.significand.sign() {
             Sign::Minus => Ordering::Less,
@@ -31,33 +31,33 @@ impl Dyadic {
         }
     }
 
-    /// Its absolute value.
+    /// The absolute value.
     pub fn abs(&self) -> Self {
         let significand = BigInt::from(self.significand.magnitude().clone());
         Self { significand, exponent: self.exponent }
     }
 
-    /// The nearest binary64 number below it in absolute value, or infinity: for reports.
+    /// The number rounded towards zero to binary64, or infinity: for reports.
     pub fn to_f64(&self) -> f64 {
         let surplus = self.significand.bits().saturating_sub(53);
         let top = self.significand.magnitude() >> surplus;
         let top = top.iter_u64_digits().next().unwrap_or(0) as f64;
         let exponent = i64::from(self.exponent) + surplus as i64;
-        // In two steps, so that no power of two is out of range where the product is not.
+        // Two factors, because one power of two could be out of range although the product is not.
         let half = (exponent / 2).clamp(-1100, 1100) as i32;
         let rest = (exponent - i64::from(half)).clamp(-1100, 1100) as i32;
         let magnitude = top * 2_f64.powi(half) * 2_f64.powi(rest);
         if self.sign().is_lt() { -magnitude } else { magnitude }
     }
 
-    /// Its significand in units of 2^`exponent`, which is at most its own exponent.
+    /// The significand in units of 2^`exponent`, which is at most the number's exponent.
     fn scaled(&self, exponent: i32) -> BigInt {
         &self.significand << (self.exponent - exponent)
     }
 }
 
 impl From<f64> for Dyadic {
-    /// The number itself, which must be finite.
+    /// Converts a finite number; panics for others.
     fn from(x: f64) -> Self {
         assert!(x.is_finite(), "{x} is no number");
         if x == 0.0 {
@@ -74,7 +74,7 @@ impl From<f64> for Dyadic {
 }
 
 impl From<f32> for Dyadic {
-    /// The number itself, which must be finite.
+    /// Converts a finite number; panics for others.
     fn from(x: f32) -> Self {
         f64::from(x).into()
     }
@@ -114,7 +114,7 @@ impl Neg for Dyadic {
     }
 }
 
-/// An operator on references, and the same on values.
+/// Implements an operator for references and values.
 macro_rules! operator {
     ($trait:ident, $name:ident, |$a:ident, $b:ident| $result:expr) => {
         impl $trait<&Dyadic> for &Dyadic {
@@ -149,8 +149,8 @@ operator!(Sub, sub, |a, b| {
 });
 operator!(Mul, mul, |a, b| Dyadic { significand: &a.significand * &b.significand, exponent: a.exponent + b.exponent });
 
-/// Whether `error` is at most γₙ times `magnitude`, γₙ = n·u / (1 − n·u) with u = 2⁻²⁴: what n roundings to binary32 can
-/// add up to (Higham, Accuracy and Stability of Numerical Algorithms, lemma 3.1).
+/// Whether `error` is at most γₙ times `magnitude`, γₙ = n·u / (1 − n·u) with u = 2⁻²⁴: the bound of
+/// n roundings to binary32 (Higham, Accuracy and Stability of Numerical Algorithms, lemma 3.1).
 pub fn within_gamma(n: u32, error: &Dyadic, magnitude: &Dyadic) -> bool {
     &Dyadic::from((1 << 24) - n) * error <= &Dyadic::from(n) * magnitude
 }
@@ -172,7 +172,7 @@ mod tests {
         scaled.scaled(0) == num_bigint::BigInt::from(*(expected * (1_i128 << 80)).numer())
     }
 
-    /// Against rational numbers that share no code with it.
+    /// Against rational numbers of another crate.
     #[test]
     fn it_agrees_with_rational_numbers() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);

@@ -1,37 +1,37 @@
-//! Closed meshes of triangles, counter-clockwise as seen from outside, made with no more than the four operations and
-//! roots, so that they are the same on every machine.
+//! Closed meshes of triangles, counter-clockwise as seen from outside. They are computed with basic arithmetic and square
+//! roots only, so that they are the same on every machine.
 
 use super::vector::{Point, cross, dot, minus, scaled, sum, unit};
 use std::collections::{HashMap, HashSet};
 
-/// A mesh.
+/// A closed mesh.
 #[derive(Debug, Clone)]
 pub struct Mesh {
-    /// What it is called in reports.
+    /// The mesh's name in reports.
     pub name: &'static str,
-    /// Its vertices.
+    /// The vertices.
     pub vertices: Vec<[f32; 3]>,
-    /// Three vertices of each face.
+    /// The three vertices of each face.
     pub faces: Vec<[usize; 3]>,
 }
 
-/// Some faces of a mesh, and where they end.
+/// Some faces of a mesh, and their boundary.
 #[derive(Debug, Clone)]
 pub struct Patch {
     /// The faces.
     pub faces: Vec<usize>,
-    /// The directed edges of its faces that no other of its faces shares.
+    /// The directed edges that only one of the faces has.
     pub rim: Vec<[usize; 2]>,
 }
 
 impl Mesh {
-    /// A mesh whose vertices are those nearest to these points.
+    /// A mesh with the binary32 points nearest to these as vertices.
     pub fn new(name: &'static str, points: &[Point], faces: Vec<[usize; 3]>) -> Self {
         let vertices = points.iter().map(|point| point.map(|coordinate| coordinate as f32)).collect();
         Self { name, vertices, faces }
     }
 
-    /// The same elsewhere and of another size, its vertices rounded again.
+    /// The mesh scaled and moved, with vertices rounded to binary32.
     pub fn placed(&self, scale: f64, offset: Point) -> Self {
         let place = |vertex: &[f32; 3]| sum(scaled(vertex.map(f64::from), scale), offset);
         let points: Vec<Point> = self.vertices.iter().map(place).collect();
@@ -46,7 +46,7 @@ impl Mesh {
     /// These faces as a patch.
     pub fn patch(&self, faces: Vec<usize>) -> Patch {
         let edges: Vec<[usize; 2]> = faces.iter().flat_map(|&face| edges(self.faces[face])).collect();
-        // A few edges are compared faster than hashed.
+        // A few edges are faster to compare than to hash.
         let rim = if edges.len() < 64 {
             edges.iter().copied().filter(|&[a, b]| !edges.contains(&[b, a])).collect()
         } else {
@@ -56,7 +56,7 @@ impl Mesh {
         Patch { faces, rim }
     }
 
-    /// Each edge once: its ends, and the two faces that share it.
+    /// Each edge once, with its ends and its two faces.
     pub fn edges(&self) -> Vec<([usize; 2], [usize; 2])> {
         let sides: HashMap<[usize; 2], usize> =
             (0..self.faces.len()).flat_map(|face| edges(self.faces[face]).map(|edge| (edge, face))).collect();
@@ -74,7 +74,7 @@ impl Mesh {
         fans
     }
 
-    /// The centre of its vertices, and how far the farthest is from there.
+    /// The centre of the vertices, and the distance of the farthest vertex from it.
     pub fn ball(&self) -> (Point, f64) {
         let points = || self.vertices.iter().map(|vertex| vertex.map(f64::from));
         let centre = scaled(points().fold([0.0; 3], sum), 1.0 / self.vertices.len() as f64);
@@ -82,14 +82,14 @@ impl Mesh {
         (centre, radius)
     }
 
-    /// A face's normal, of length 1.
+    /// A face's unit normal.
     pub fn normal(&self, face: usize) -> Point {
         let [a, b, c] = self.corners(face).map(|corner| corner.map(f64::from));
         unit(cross(minus(b, a), minus(c, a)))
     }
 }
 
-/// The edges of a face, as they are walked.
+/// The directed edges of a face.
 fn edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
@@ -100,7 +100,7 @@ mod tests {
     use super::{Mesh, cross, dot, edges};
     use std::collections::HashSet;
 
-    /// Every edge is walked once in each direction, each vertex is used, and the volume inside is positive.
+    /// Every edge occurs once in each direction, every vertex is used, and the volume is positive.
     fn is_closed_and_faces_outwards(mesh: &Mesh) -> bool {
         let all: HashSet<[usize; 2]> = mesh.faces.iter().flat_map(|&face| edges(face)).collect();
         let walked_once = all.len() == 3 * mesh.faces.len();

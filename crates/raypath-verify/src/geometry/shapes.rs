@@ -1,4 +1,4 @@
-//! The closed meshes at which rays are aimed.
+//! The closed meshes that rays are aimed at.
 
 use super::mesh::Mesh;
 use super::vector::{Point, cross, dot, minus, scaled, sum, unit};
@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::HashMap;
 
-/// All of them, the random ones by this seed.
+/// All meshes, with random ones by this seed.
 pub fn shapes(seed: u64) -> Vec<Mesh> {
     let rng = &mut ChaCha8Rng::seed_from_u64(seed);
     let (octahedron, icosahedron) = (octahedron(), icosahedron());
@@ -63,7 +63,7 @@ fn octahedron() -> Shape {
     (points, faces)
 }
 
-/// Three golden rectangles; faces are what is mutually nearest.
+/// An icosahedron of three golden rectangles; three corners at edge length of each other are a face.
 fn icosahedron() -> Shape {
     let golden = (1.0 + 5_f64.sqrt()) / 2.0;
     let signs = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
@@ -86,7 +86,7 @@ fn icosahedron() -> Shape {
     (points.into_iter().map(unit).collect(), faces)
 }
 
-/// Each face divided into four, so many times, and all vertices at the distance 1.
+/// A sphere of radius 1: each face is divided into four this many times.
 fn sphere((points, faces): &Shape, times: u32) -> Shape {
     let (mut points, mut faces) = (points.clone(), faces.clone());
     for _ in 0..times {
@@ -125,7 +125,7 @@ fn torus() -> Shape {
     (points, faces.collect())
 }
 
-/// Two pyramids of this height on a polygon of 64 corners: needles that meet in one vertex.
+/// Two pyramids of this height on a polygon of 64 corners, with needle-shaped faces that meet in one vertex.
 fn spindle(height: f64) -> Shape {
     let ring = circle(4);
     let corners = ring.len();
@@ -134,12 +134,12 @@ fn spindle(height: f64) -> Shape {
     (points, (0..corners).flat_map(side).collect())
 }
 
-/// Each vertex nearer or farther at random.
+/// A sphere with each vertex moved inwards or outwards at random.
 fn star((points, faces): Shape, rng: &mut ChaCha8Rng) -> Shape {
     (points.into_iter().map(|point| scaled(point, rng.random_range(0.5..1.5))).collect(), faces)
 }
 
-/// The convex hull of random points on a sphere, a few of them crowded together, taken in one after another.
+/// The convex hull of random points on a sphere, a third of them close together, built point by point.
 fn hull(rng: &mut ChaCha8Rng) -> Shape {
     let (mut points, mut faces) = tetrahedron();
     points.iter_mut().for_each(|point| *point = unit(*point));
@@ -149,21 +149,21 @@ fn hull(rng: &mut ChaCha8Rng) -> Shape {
             point = sum(unit([1.0, 2.0, 3.0]), scaled(point, 1.0 / 256.0));
         }
         let point = unit(point);
-        let sees = |&[a, b, c]: &[usize; 3]| {
+        let faces_point = |&[a, b, c]: &[usize; 3]| {
             let normal = cross(minus(points[b], points[a]), minus(points[c], points[a]));
             dot(normal, minus(point, points[a])) > 0.0
         };
-        let (seen, mut kept): (Vec<[usize; 3]>, Vec<[usize; 3]>) = faces.iter().copied().partition(sees);
-        let edges: Vec<[usize; 2]> = seen.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+        let (visible, mut remaining): (Vec<[usize; 3]>, Vec<[usize; 3]>) = faces.iter().copied().partition(faces_point);
+        let edges: Vec<[usize; 2]> = visible.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
         let horizon = edges.iter().filter(|&&[a, b]| !edges.contains(&[b, a]));
-        kept.extend(horizon.map(|&[a, b]| [a, b, points.len()]));
-        faces = kept;
+        remaining.extend(horizon.map(|&[a, b]| [a, b, points.len()]));
+        faces = remaining;
         points.push(point);
     }
     (points, faces)
 }
 
-/// The corners of a regular polygon of 4 · 2^times corners, each new one halfway between two.
+/// The corners of a regular polygon of 4 · 2^times corners.
 fn circle(times: u32) -> Vec<[f64; 2]> {
     let mut corners = vec![[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
     for _ in 0..times {
@@ -180,7 +180,7 @@ fn circle(times: u32) -> Vec<[f64; 2]> {
     corners
 }
 
-/// The face in the order that is counter-clockwise as seen from outside, if the origin is inside.
+/// The face ordered counter-clockwise as seen from outside, for a mesh around the origin.
 fn outwards(points: &[Point], [a, b, c]: [usize; 3]) -> [usize; 3] {
     if dot(points[a], cross(points[b], points[c])) > 0.0 { [a, b, c] } else { [a, c, b] }
 }

@@ -1,8 +1,8 @@
-//! How far the accumulated sums are from those of exact arithmetic.
+//! The errors of the accumulated sums.
 
 use super::campaign::{self, Failures, Largest, Tally};
 use super::dyadic::{Dyadic, within_gamma};
-use super::sight::U;
+use super::error_units::U;
 use super::wrong_sums::Wrong;
 use crate::error::Error;
 use crate::request::Request;
@@ -12,36 +12,36 @@ use rand_chacha::ChaCha8Rng;
 use raypath_model::Functional;
 use raypath_ops::{AngularInput, Beat, Binary32, EuclideanInput, Flags, Job, Outcome, Rules};
 
-/// Each wrong implementation gets one case in so many.
+/// One case of this many also runs on the wrong implementations.
 const CONTROL_INTERVAL: u64 = 16;
-/// Sums after which each wrong implementation must have been refuted.
+/// The number of sums after which each wrong implementation must have been refuted.
 const ENOUGH: u64 = 3_000;
 
-/// Vectors of one to 64 beats, at every number of lanes, each sum against exact arithmetic.
+/// Compares sums over vectors of 1 to 64 beats, at every number of lanes, with exact arithmetic.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let cases = request.jobs.unwrap_or(request.level.pick(20_000, 500_000, 20_000_000));
     let (tally, is_stopped) =
-        campaign::run(request, 3, cases, |rng, tally: &mut Errors| match rng.random_range(0..6) {
-            0 => tally.judge::<2, 1>(rng),
-            1 => tally.judge::<4, 2>(rng),
-            2 => tally.judge::<8, 4>(rng),
-            3 => tally.judge::<16, 8>(rng),
-            4 => tally.judge::<32, 16>(rng),
-            _ => tally.judge::<64, 32>(rng),
+        campaign::run(request, 3, cases, |rng, tally: &mut SumErrors| match rng.random_range(0..6) {
+            0 => tally.check::<2, 1>(rng),
+            1 => tally.check::<4, 2>(rng),
+            2 => tally.check::<8, 4>(rng),
+            3 => tally.check::<16, 8>(rng),
+            4 => tally.check::<32, 16>(rng),
+            _ => tally.check::<64, 32>(rng),
         })?;
     Ok(tally.verdict(is_stopped))
 }
 
-/// Numbers of vectors, by what they put to the test.
+/// The distribution of a vector's numbers.
 #[derive(Debug, Clone, Copy)]
 enum Numbers {
     /// Uniform in [-1, 1].
     Unit,
     /// Positive and near 1: every addition rounds, nothing cancels.
     Positive,
-    /// The second vector is the first but for a little.
+    /// The second vector is near the first.
     Near,
-    /// Of very different sizes, products that underflow among them.
+    /// Of very different magnitudes; some products underflow.
     Wide,
 }
 
@@ -63,7 +63,7 @@ impl Numbers {
     }
 }
 
-/// A sum, exactly, and what its error is measured by.
+/// An exact sum, with the magnitudes that bound its error.
 struct Sum {
     value: Dyadic,
     magnitude: Dyadic,
@@ -83,20 +83,21 @@ impl Sum {
 }
 
 #[derive(Default)]
-struct Errors {
+struct SumErrors {
     sums: u64,
-    /// Of Euclidean sums, dot products and norms: the error in u of the sum of magnitudes, and as a part of the bound.
+    /// For Euclidean sums, dot products and norms: the largest error in u of the sum of magnitudes, and relative to its
+    /// bound.
     units: [Largest; 3],
     parts: [Largest; 3],
-    /// Wrong sums found of each wrong implementation.
+    /// Wrong sums of each wrong implementation.
     refuted: [u64; Wrong::ALL.len()],
     failures: Failures,
 }
 
 const NAMES: [&str; 3] = ["Euclidean sums", "dot products", "norms"];
 
-impl Errors {
-    fn judge<const E: usize, const A: usize>(&mut self, rng: &mut ChaCha8Rng) {
+impl SumErrors {
+    fn check<const E: usize, const A: usize>(&mut self, rng: &mut ChaCha8Rng) {
         let numbers = [Numbers::Unit, Numbers::Positive, Numbers::Near, Numbers::Wide][rng.random_range(0..4)];
         let beats = [1, 1, 2, 3, 8, 64][rng.random_range(0..6)];
         let last = beats - 1;
@@ -106,7 +107,7 @@ impl Errors {
             let difference = Dyadic::from(a) - Dyadic::from(b);
             exact.add(&difference * &difference);
         }
-        // A difference that counts twice and a square; the tree; and beats after the first.
+        // The difference, which counts twice, and the square; the tree; and the beats after the first.
         let roundings = 3 + E.ilog2() + last;
         let case = self.sums / NAMES.len() as u64;
         let is_control = case.is_multiple_of(CONTROL_INTERVAL);
@@ -133,16 +134,16 @@ impl Errors {
         }
     }
 
-    /// Lets each wrong implementation be judged, and counts its wrong sums.
-    fn refute(&mut self, judge: impl Fn(Wrong, &mut Self)) {
+    /// Checks the wrong implementations, and counts their wrong sums.
+    fn refute(&mut self, check: impl Fn(Wrong, &mut Self)) {
         for (refuted, wrong) in self.refuted.iter_mut().zip(Wrong::ALL) {
             let mut control = Self::default();
-            judge(wrong, &mut control);
+            check(wrong, &mut control);
             *refuted += control.failures.count();
         }
     }
 
-    /// |sum − exact| ≤ γₙ Σ|term| + terms · 2⁻¹⁴⁹: each product may lose half of that where it underflows.
+    /// Checks |sum − exact| ≤ γₙ Σ|term| + terms · 2⁻¹⁴⁹. The last term bounds the underflow of products.
     fn add(&mut self, kind: usize, sum: f32, exact: &Sum, roundings: u32) {
         self.sums += 1;
         let off = (Dyadic::from(sum) - &exact.value).abs();
@@ -155,10 +156,7 @@ impl Errors {
         if !within_gamma(roundings, &beyond_underflow, &exact.magnitude) {
             self.failures.add(|| {
                 let (value, name) = (exact.value.to_f64(), NAMES[kind]);
-                format!(
-                    "{name}: {sum:e} for {value:e}, of {} terms, beyond the bound of {roundings} roundings",
-                    exact.terms
-                )
+                format!("{name}: {sum:e}, expected {value:e}, of {} terms, within {roundings} roundings", exact.terms)
             });
         }
     }
@@ -217,13 +215,13 @@ pub fn angular<const E: usize, const A: usize>(beats: &[Beat<Binary32, A>]) -> [
     beats.iter().map(sums).last().unwrap_or([f32::NAN; 2])
 }
 
-/// The lanes that count.
+/// The enabled lanes' numbers.
 pub fn lanes<const N: usize>(beat: &Beat<Binary32, N>) -> impl Iterator<Item = [f32; 2]> {
     let pairs = beat.a.iter().zip(&beat.b).map(|(&a, &b)| [a.into(), b.into()]);
     pairs.zip(beat.mask.to_array()).filter(|(_, on)| *on).map(|(pair, _)| pair)
 }
 
-impl Tally for Errors {
+impl Tally for SumErrors {
     fn join(&mut self, later: Self) {
         self.sums += later.sums;
         for kind in 0..NAMES.len() {
@@ -237,28 +235,28 @@ impl Tally for Errors {
 
 #[cfg(test)]
 mod tests {
-    use super::{Dyadic, Errors, Sum};
+    use super::{Dyadic, Sum, SumErrors};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
     #[test]
     fn the_datapaths_sums_are_within_the_bound() {
-        let (mut errors, mut rng) = (Errors::default(), ChaCha8Rng::seed_from_u64(1));
+        let (mut errors, mut rng) = (SumErrors::default(), ChaCha8Rng::seed_from_u64(1));
         for _ in 0..200 {
-            errors.judge::<16, 8>(&mut rng);
-            errors.judge::<2, 1>(&mut rng);
+            errors.check::<16, 8>(&mut rng);
+            errors.check::<2, 1>(&mut rng);
         }
         assert_eq!(errors.failures.lines(), Vec::<String>::new());
         assert!(errors.parts.iter().all(|part| part.0 > 0.3), "{:?}", errors.parts);
         assert!(errors.refuted.iter().all(|&refuted| refuted >= 5), "{:?}", errors.refuted);
     }
 
-    /// Twelve thirds, and a result that is off by one rounding more than is allowed.
+    /// Twelve thirds, and a sum with an error of one rounding more than the bound.
     #[test]
     fn wrong_sums_are_found() {
         let mut exact = Sum::new();
         (0..12).for_each(|_| exact.add(Dyadic::from(1.0 / 3.0)));
-        let mut errors = Errors::default();
+        let mut errors = SumErrors::default();
         let ulp = 2_f32.powi(-21);
         errors.add(0, 4.0 + 2.0 * ulp, &exact, 4);
         assert_eq!(errors.failures.count(), 0);

@@ -1,4 +1,4 @@
-//! Points in binary64.
+//! Vectors in binary64.
 
 pub type Point = [f64; 3];
 

@@ -1,9 +1,9 @@
-//! No ray slips through an edge or a vertex that is shared by faces which all look at it.
+//! No ray passes through an edge or vertex that is shared by faces which all face it.
 
-use super::aim::{Aim, Body, Shot, bodies};
+use super::aimed_rays::{AimedRay, PlacedMesh, Target, bodies};
 use super::campaign::{self, Failures, Tally};
-use super::intersect::{LEAKY, datapath};
-use super::sight::{Sight, sight};
+use super::implementations::{LEAKY, datapath};
+use super::visibility::{Visibility, visibility};
 use crate::error::Error;
 use crate::request::Request;
 use crate::verdict::Verdict;
@@ -11,65 +11,65 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray};
 
-/// Cases after which an intersection that leaks must have been seen to.
+/// The number of cases after which each leaking implementation must have been found.
 const ENOUGH: u64 = 100_000;
-/// Rays drawn until one fulfils what is supposed.
+/// The number of random rays to try until one satisfies the claim's preconditions.
 const DRAWS: u32 = 200;
 
-/// Shoots rays at closed meshes. Each case is a ray of which exact arithmetic says that it passes through a patch of
-/// faces which all look at it; the datapath must hit one of them.
+/// Runs rays at closed meshes. In each case the ray passes, by exact arithmetic, through a patch of faces that all face
+/// it; the datapath must hit one of them.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let rules = request.config.semantics.rules;
     let cases = request.jobs.unwrap_or(request.level.pick(1_000_000, 20_000_000, 1_000_000_000));
     let bodies = bodies(request.seed);
     let is_hit = |ray: &Ray<Binary32>, corners| datapath(rules, ray, corners).triangle_hit.into();
     let (tally, is_stopped) =
-        campaign::run(request, 1, cases, |rng, tally: &mut Rays| tally.shoot(rng, &bodies, &is_hit))?;
+        campaign::run(request, 1, cases, |rng, tally: &mut Rays| tally.run(rng, &bodies, &is_hit))?;
     Ok(tally.verdict(&bodies, is_stopped))
 }
 
-/// Whether a ray hits a triangle.
+/// An implementation: whether a ray hits a triangle.
 trait Intersect: Fn(&Ray<Binary32>, [[f32; 3]; 3]) -> bool {}
 impl<F: Fn(&Ray<Binary32>, [[f32; 3]; 3]) -> bool> Intersect for F {}
 
-/// What became of the rays.
+/// The counts of a campaign.
 #[derive(Default)]
 struct Rays {
     drawn: u64,
-    /// By what they were aimed at: edge, vertex, the whole.
-    judged: [u64; 3],
-    /// Hits of more than one face: on an edge, as computed.
+    /// Rays checked, by target: edge, vertex, whole mesh.
+    checked: [u64; 3],
+    /// Rays that hit more than one face.
     hit_several: u64,
-    /// Rays through a patch of which a face is seen too thin: nothing is claimed of them.
+    /// Rays through a patch with a thin face, which the claim excludes.
     thin: u64,
-    /// Of them, those that hit nothing.
+    /// Those of them that hit no face.
     thin_leaks: u64,
-    /// Rays at which other ways to intersect were tried, and how many slipped through each.
+    /// Rays that ran on the leaking implementations, and those that leaked through each.
     tried: u64,
     leaks: [u64; LEAKY.len()],
     leaked: Failures,
 }
 
 impl Rays {
-    /// Draws rays until exact arithmetic says of one that it must hit, and judges it.
-    fn shoot(&mut self, rng: &mut ChaCha8Rng, bodies: &[Body], is_hit: &dyn Intersect) {
+    /// Draws rays until one must hit by exact arithmetic, and checks it.
+    fn run(&mut self, rng: &mut ChaCha8Rng, bodies: &[PlacedMesh], is_hit: &dyn Intersect) {
         for _ in 0..DRAWS {
             let body = &bodies[rng.random_range(0..bodies.len())];
             self.drawn += 1;
-            let Some(shot) = body.shoot(rng) else { continue };
+            let Some(shot) = body.random_ray(rng) else { continue };
             let hits = |intersect: &dyn Intersect| {
                 let hits = |face: &&usize| intersect(&shot.ray, body.mesh.corners(**face));
                 shot.patch.faces.iter().filter(hits).count()
             };
-            match sight(&shot.ray, &body.mesh, &shot.patch) {
-                Sight::LooksAway | Sight::Behind | Sight::NearRim => {}
-                Sight::Thin => {
+            match visibility(&shot.ray, &body.mesh, &shot.patch) {
+                Visibility::BackFacing | Visibility::Behind | Visibility::NearRim => {}
+                Visibility::Thin => {
                     self.thin += 1;
                     self.thin_leaks += u64::from(hits(is_hit) == 0);
                 }
-                Sight::Clear => {
-                    self.judged[shot.aim as usize] += 1;
-                    self.judge(&shot, body, hits(is_hit));
+                Visibility::Clear => {
+                    self.checked[shot.target as usize] += 1;
+                    self.check(&shot, body, hits(is_hit));
                     self.tried += 1;
                     for (leaks, (_, intersect)) in self.leaks.iter_mut().zip(LEAKY) {
                         *leaks += u64::from(hits(&intersect) == 0);
@@ -80,41 +80,39 @@ impl Rays {
         }
     }
 
-    fn judge(&mut self, shot: &Shot<'_>, body: &Body, hits: usize) {
+    fn check(&mut self, shot: &AimedRay<'_>, body: &PlacedMesh, hits: usize) {
         self.hit_several += u64::from(hits > 1);
         if hits == 0 {
             self.leaked.add(|| {
                 let (origin, dir): ([f32; 3], [f32; 3]) = (shot.ray.origin.into(), shot.ray.dir.into());
                 let faces: Vec<_> = shot.patch.faces.iter().map(|&face| body.mesh.corners(face)).collect();
-                format!("{}: ray from {origin:?} along {dir:?} slips through {faces:?}", body.mesh.name)
+                format!("{}: ray from {origin:?} along {dir:?} passes through {faces:?} without a hit", body.mesh.name)
             });
         }
     }
 
-    fn verdict(self, bodies: &[Body], is_stopped: bool) -> Verdict {
-        let [edges, vertices, whole] = [Aim::Edge, Aim::Vertex, Aim::Whole].map(|aim| self.judged[aim as usize]);
-        let judged = edges + vertices + whole;
+    fn verdict(self, bodies: &[PlacedMesh], is_stopped: bool) -> Verdict {
+        let [edges, vertices, whole] =
+            [Target::Edge, Target::Vertex, Target::Whole].map(|target| self.checked[target as usize]);
+        let checked = edges + vertices + whole;
         let mut remarks = vec![
+            format!("{} random rays; {} of the checked ones hit two faces or more", self.drawn, self.hit_several),
             format!(
-                "drawn {} rays; of those judged {} hit two faces or more, being on an edge as computed",
-                self.drawn, self.hit_several
-            ),
-            format!(
-                "through patches with a face seen too thin, of which nothing is claimed: {} rays, {} slipped through",
+                "through patches with a thin face, which the claim excludes: {} rays, {} of them without a hit",
                 self.thin, self.thin_leaks
             ),
         ];
-        let slipped: Vec<String> =
+        let leaked_through: Vec<String> =
             LEAKY.iter().zip(self.leaks).map(|((name, _), leaks)| format!("{name} {leaks}")).collect();
-        remarks.push(format!("the same rays slip through other ways to intersect: {}", slipped.join(", ")));
+        remarks.push(format!("the same rays leak through other implementations: {}", leaked_through.join(", ")));
         let mut failures = self.leaked.lines();
         if self.tried >= ENOUGH {
             let tight = LEAKY.iter().zip(self.leaks).filter(|(_, leaks)| *leaks == 0);
             failures
-                .extend(tight.map(|((name, _), _)| format!("the campaign cannot fail: no ray slips through {name}")));
+                .extend(tight.map(|((name, _), _)| format!("the campaign cannot fail: no ray leaks through {name}")));
         }
         let covered = format!(
-            "{judged} rays at closed meshes ({} of them): {edges} at edges, {vertices} at vertices, {whole} at the whole",
+            "{checked} rays at closed meshes ({} of them): {edges} at edges, {vertices} at vertices, {whole} at whole meshes",
             bodies.len()
         );
         Verdict { covered, failures, remarks, is_stopped }
@@ -128,7 +126,7 @@ impl Tally for Rays {
         self.thin += later.thin;
         self.thin_leaks += later.thin_leaks;
         self.tried += later.tried;
-        self.judged.iter_mut().zip(later.judged).for_each(|(a, b)| *a += b);
+        self.checked.iter_mut().zip(later.checked).for_each(|(a, b)| *a += b);
         self.leaks.iter_mut().zip(later.leaks).for_each(|(a, b)| *a += b);
         self.leaked.join(later.leaked);
     }
@@ -137,27 +135,27 @@ impl Tally for Rays {
 #[cfg(test)]
 mod tests {
     use super::{Intersect, Rays, bodies};
-    use crate::geometry::intersect::{LEAKY, datapath};
+    use crate::geometry::implementations::{LEAKY, datapath};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use raypath_ops::{Binary32, Ray, Rules};
 
-    fn shoot(is_hit: &dyn Intersect) -> Rays {
+    fn run_rays(is_hit: &dyn Intersect) -> Rays {
         let (bodies, mut rng, mut rays) = (bodies(2), ChaCha8Rng::seed_from_u64(3), Rays::default());
-        (0..20_000).for_each(|_| rays.shoot(&mut rng, &bodies, is_hit));
+        (0..20_000).for_each(|_| rays.run(&mut rng, &bodies, is_hit));
         rays
     }
 
-    /// The campaign passes the datapath under both rule sets, and each of the ways to intersect that leak fails it.
+    /// The campaign passes the datapath under both rule sets, and finds each leaking implementation.
     #[test]
-    fn what_leaks_is_found() {
+    fn leaks_are_found() {
         for rules in [Rules::Paper, Rules::Chisel] {
-            let rays = shoot(&|ray: &Ray<Binary32>, corners| datapath(rules, ray, corners).triangle_hit.into());
-            assert_eq!((rays.leaked.count(), rays.judged.iter().sum::<u64>()), (0, 20_000), "{rules}");
-            assert!(rays.judged.iter().all(|&rays| rays > 50) && rays.hit_several > 1000, "{:?}", rays.judged);
+            let rays = run_rays(&|ray: &Ray<Binary32>, corners| datapath(rules, ray, corners).triangle_hit.into());
+            assert_eq!((rays.leaked.count(), rays.checked.iter().sum::<u64>()), (0, 20_000), "{rules}");
+            assert!(rays.checked.iter().all(|&rays| rays > 50) && rays.hit_several > 1000, "{:?}", rays.checked);
         }
         for (name, intersect) in LEAKY {
-            let leaked = shoot(&intersect).leaked.count();
+            let leaked = run_rays(&intersect).leaked.count();
             assert!(leaked > 100, "{name}: {leaked}");
         }
     }

@@ -1,4 +1,4 @@
-//! Wrong ways to sum over vectors. `sums` must refute each of them.
+//! Wrong implementations of sums over vectors: the negative control of `sums`.
 
 use super::sums::{angular, euclidean, lanes};
 use super::wrong_distances::truncate;
@@ -7,21 +7,21 @@ use raypath_ops::{Beat, Binary32, Flags};
 /// A wrong implementation.
 #[derive(Debug, Clone, Copy)]
 pub enum Wrong {
-    /// Lanes that the mask excludes count.
+    /// The mask is ignored.
     MasksIgnored,
     /// The operands have significands of 16 bits.
     ShortOperands,
-    /// Only the last beat counts.
+    /// Only the last beat is added.
     LastBeatAlone,
-    /// Euclidean sums by (a - b)² = a² - 2ab + b², which cancels where a is near b.
+    /// Euclidean sums by (a - b)² = a² - 2ab + b², which cancels if a is near b.
     Expanded,
 }
 
 impl Wrong {
-    /// All of them.
+    /// All wrong implementations.
     pub const ALL: [Self; 4] = [Self::MasksIgnored, Self::ShortOperands, Self::LastBeatAlone, Self::Expanded];
 
-    /// What it is called in the output.
+    /// The name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::MasksIgnored => "masks ignored",
@@ -31,7 +31,7 @@ impl Wrong {
         }
     }
 
-    /// Its Euclidean sum.
+    /// The wrong Euclidean sum.
     pub fn euclidean<const E: usize, const A: usize>(self, beats: &[Beat<Binary32, E>]) -> f32 {
         match self {
             Self::Expanded => beats.iter().flat_map(lanes).map(|[a, b]| a * a - 2.0 * a * b + b * b).sum(),
@@ -39,12 +39,12 @@ impl Wrong {
         }
     }
 
-    /// Its dot product and norm.
+    /// The wrong dot product and norm.
     pub fn angular<const E: usize, const A: usize>(self, beats: &[Beat<Binary32, A>]) -> [f32; 2] {
         angular::<E, A>(&self.changed(beats))
     }
 
-    /// What the datapath gets instead of these beats.
+    /// The beats to run on the datapath instead of these.
     fn changed<const N: usize>(self, beats: &[Beat<Binary32, N>]) -> Vec<Beat<Binary32, N>> {
         let short = |number: [_; N]| number.map(|number| truncate(f32::from(number), 16).into());
         let change = |beat: &Beat<Binary32, N>| match self {

@@ -1,19 +1,19 @@
-//! Words as functions of variables, such that equal literals are equal functions.
+//! Symbolic words: functions of variables, represented such that equal literals are equal functions.
 //!
-//! Conjunctions are shared by structure, and what is no bitwise logic is a function that nothing is known of but its
-//! name and its arguments. Different literals may still be equal functions; the reverse never holds.
+//! Conjunctions are shared by structure. Operators that are not bitwise are uninterpreted functions of their name and
+//! arguments. Different literals can still be equal functions.
 
 use std::collections::HashMap;
 
-/// A bit: a node, twice, and one more where it is inverted.
+/// A bit: twice the number of its node, plus one if it is inverted.
 pub type Literal = u32;
-/// Bits, the lowest first.
+/// Bits, the least significant first.
 pub type Word = Vec<Literal>;
 
 pub const FALSE: Literal = 0;
 pub const TRUE: Literal = 1;
 
-/// All functions so far.
+/// All functions built so far.
 #[derive(Debug, Default)]
 pub struct Logic {
     nodes: u32,
@@ -27,7 +27,7 @@ impl Logic {
         (0..width).map(|bit| (value >> bit & 1) as Literal).collect()
     }
 
-    /// The result of a function that nothing is known of; a variable, where it has no arguments.
+    /// The result of an uninterpreted function; a variable if it has no arguments.
     pub fn function(&mut self, name: String, arguments: Word, width: u32) -> Word {
         let nodes = &mut self.nodes;
         let fresh = || {
@@ -83,12 +83,12 @@ impl Logic {
         })
     }
 
-    /// Bit by bit.
+    /// Applies a function bit by bit.
     pub fn bitwise(&mut self, a: &[Literal], b: &[Literal], f: fn(&mut Self, Literal, Literal) -> Literal) -> Word {
         a.iter().zip(b).map(|(&a, &b)| f(self, a, b)).collect()
     }
 
-    /// The whole of one word or the other.
+    /// Selects one of two words.
     pub fn choose(&mut self, select: Literal, a: &[Literal], b: &[Literal]) -> Word {
         a.iter().zip(b).map(|(&a, &b)| self.mux(select, a, b)).collect()
     }

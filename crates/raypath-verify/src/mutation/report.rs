@@ -1,8 +1,7 @@
-//! What became of the mutants, in numbers and in words.
+//! The results of mutation testing.
 
-use super::explained::reason;
-use super::sample::Subject;
-use super::{Fate, Mutant};
+use super::known_survivors::reason;
+use super::mutant::{Mutant, MutantResult, Subject};
 use crate::error::Error;
 use crate::files;
 use crate::verdict::Verdict;
@@ -10,21 +9,21 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// The mutants judged so far.
+/// The results of the mutants checked so far.
 pub struct Report<'s> {
     subjects: &'s [Subject],
     total: usize,
-    judged: Vec<Judged>,
+    checked: Vec<CheckedMutant>,
 }
 
-struct Judged {
+struct CheckedMutant {
     module: String,
     config: String,
     fault: String,
-    fate: Fate,
+    result: MutantResult,
 }
 
-/// How many mutants had which fate.
+/// The number of mutants by result.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Count {
     pub faults: usize,
@@ -37,7 +36,7 @@ impl Count {
         self.faults - self.killed - self.equivalent
     }
 
-    /// Killed of those that are not proven equivalent, in hundredths of a percent, rounded down.
+    /// The killed part of the mutants that are not proven equivalent, in hundredths of a percent, rounded down.
     pub fn score(self) -> usize {
         (self.killed * 10_000).checked_div(self.faults - self.equivalent).unwrap_or(10_000)
     }
@@ -57,30 +56,30 @@ impl Count {
     }
 }
 
-/// What the everyday tests must reach, in hundredths of a percent.
-const LEAST_SCORE: usize = 9_900;
+/// The lowest score of the regression tests that passes, in hundredths of a percent.
+const MIN_SCORE: usize = 9_900;
 
 impl<'s> Report<'s> {
     pub fn new(subjects: &'s [Subject], total: usize) -> Self {
-        Self { subjects, total, judged: Vec::new() }
+        Self { subjects, total, checked: Vec::new() }
     }
 
-    pub fn add(&mut self, mutant: &Mutant<'_>, fate: Fate) {
-        self.judged.push(Judged {
+    pub fn add(&mut self, mutant: &Mutant<'_>, result: MutantResult) {
+        self.checked.push(CheckedMutant {
             module: mutant.subject.module.name().to_string(),
             config: mutant.subject.datapath.config.to_string(),
             fault: mutant.fault.to_string(),
-            fate,
+            result,
         });
-        // The order in which threads are done is no order.
-        self.judged.sort_by(|a, b| (&a.config, &a.fault).cmp(&(&b.config, &b.fault)));
+        // Mutants arrive in no particular order.
+        self.checked.sort_by(|a, b| (&a.config, &a.fault).cmp(&(&b.config, &b.fault)));
     }
 
-    fn count<'j>(judged: impl Iterator<Item = &'j Judged>) -> Count {
-        judged.fold(Count::default(), |count, judged| Count {
+    fn count<'j>(mutant: impl Iterator<Item = &'j CheckedMutant>) -> Count {
+        mutant.fold(Count::default(), |count, mutant| Count {
             faults: count.faults + 1,
-            killed: count.killed + usize::from(matches!(judged.fate, Fate::Killed(_))),
-            equivalent: count.equivalent + usize::from(matches!(judged.fate, Fate::Equivalent(_))),
+            killed: count.killed + usize::from(matches!(mutant.result, MutantResult::Killed(_))),
+            equivalent: count.equivalent + usize::from(matches!(mutant.result, MutantResult::Equivalent(_))),
         })
     }
 
@@ -89,9 +88,9 @@ impl<'s> Report<'s> {
         self.subjects.iter().map(|subject| subject.faults.len()).sum()
     }
 
-    /// All of them.
+    /// The count of all mutants.
     pub fn all(&self) -> Count {
-        Self::count(self.judged.iter())
+        Self::count(self.checked.iter())
     }
 
     pub fn verdict(&self) -> Verdict {
@@ -109,23 +108,25 @@ impl<'s> Report<'s> {
                 all.survivors(),
                 percent(all.score()),
             ),
-            is_stopped: self.judged.len() < self.total,
+            is_stopped: self.checked.len() < self.total,
             ..Verdict::default()
         };
         verdict.remarks.push(format!("killed by {}", self.checks()));
         verdict.remarks.extend(self.survivors());
         verdict.remarks.push(format!("each mutant: {}", super::LIST));
-        if all.score() < LEAST_SCORE {
-            let (score, least) = (percent(all.score()), percent(LEAST_SCORE));
-            verdict.failures.push(format!("the everyday tests kill {score} of the mutants, expected {least} at least"));
+        if all.score() < MIN_SCORE {
+            let (score, least) = (percent(all.score()), percent(MIN_SCORE));
+            verdict
+                .failures
+                .push(format!("the regression tests kill {score} of the mutants, expected at least {least}"));
         }
         verdict
     }
 
     fn checks(&self) -> String {
         let mut checks: BTreeMap<&str, usize> = BTreeMap::new();
-        for judged in &self.judged {
-            if let Fate::Killed(check) = judged.fate {
+        for mutant in &self.checked {
+            if let MutantResult::Killed(check) = mutant.result {
                 *checks.entry(check).or_default() += 1;
             }
         }
@@ -133,40 +134,40 @@ impl<'s> Report<'s> {
     }
 
     fn survivors(&self) -> impl Iterator<Item = String> {
-        self.judged.iter().filter_map(|judged| match &judged.fate {
-            Fate::Survived(why) => {
-                let reason = reason(&judged.module, &judged.fault);
-                let reason = reason.map_or(String::new(), |reason| format!("; explained: {reason}"));
-                Some(format!("survivor: {} ({}); {why}{reason}", judged.fault, judged.config))
+        self.checked.iter().filter_map(|mutant| match &mutant.result {
+            MutantResult::Survived(why) => {
+                let reason = reason(&mutant.module, &mutant.fault);
+                let reason = reason.map_or(String::new(), |reason| format!("; known: {reason}"));
+                Some(format!("survivor: {} ({}); {why}{reason}", mutant.fault, mutant.config))
             }
             _ => None,
         })
     }
 
-    /// Writes every mutant with its fate, by module, whole or not at all.
+    /// Writes the results of all modules and mutants to a file.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         files::write(path, &self.text())
     }
 
     fn text(&self) -> String {
-        let mut modules: BTreeMap<(&str, &str), Vec<&Judged>> = BTreeMap::new();
-        for judged in &self.judged {
-            modules.entry((&judged.config, &judged.module)).or_default().push(judged);
+        let mut modules: BTreeMap<(&str, &str), Vec<&CheckedMutant>> = BTreeMap::new();
+        for mutant in &self.checked {
+            modules.entry((&mutant.config, &mutant.module)).or_default().push(mutant);
         }
         let mut text = "# faults, killed, equivalent, survivors, module (configuration)\n".to_string();
-        for ((config, module), judged) in &modules {
-            let count = Self::count(judged.iter().copied());
+        for ((config, module), mutant) in &modules {
+            let count = Self::count(mutant.iter().copied());
             let Count { faults, killed, equivalent } = count;
             let _ = writeln!(text, "{faults:5} {killed:5} {equivalent:5} {:5}  {module} ({config})", count.survivors());
         }
-        text.push_str("\n# fate, fault\n");
-        for judged in &self.judged {
-            let fate = match &judged.fate {
-                Fate::Killed(check) => format!("killed by {check}"),
-                Fate::Equivalent(proof) => format!("equivalent, {proof}"),
-                Fate::Survived(why) => format!("survived, {why}"),
+        text.push_str("\n# result, fault\n");
+        for mutant in &self.checked {
+            let result = match &mutant.result {
+                MutantResult::Killed(check) => format!("killed by {check}"),
+                MutantResult::Equivalent(proof) => format!("equivalent, {proof}"),
+                MutantResult::Survived(why) => format!("survived, {why}"),
             };
-            let _ = writeln!(text, "{fate:32} {} ({})", judged.fault, judged.config);
+            let _ = writeln!(text, "{result:32} {} ({})", mutant.fault, mutant.config);
         }
         text
     }

@@ -1,36 +1,19 @@
-//! Which modules get faults, and which of their faults are tried.
+//! The modules that get faults, and the sample of their faults.
 
-use super::Mutant;
+use super::mutant::{Elaborated, Mutant, Subject};
 use super::units::Unit;
 use crate::error::Error;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use raypath_hdl::mutate::{Fault, faults};
-use raypath_hdl::{Module, verilog};
-use raypath_model::Shape;
+use raypath_hdl::verilog;
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::engine::shape;
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// A module of a datapath, with its faults.
-pub struct Subject {
-    pub datapath: Arc<Elaborated>,
-    pub module: Arc<Module>,
-    /// What it is a part of, if it is arithmetic.
-    pub unit: Option<Unit>,
-    pub faults: Vec<Fault>,
-}
-
-/// A configuration's netlist, and how it should behave.
-pub struct Elaborated {
-    pub config: Config,
-    pub top: Arc<Module>,
-    pub shape: Shape,
-}
-
-/// All modules of these configurations that have faults, those that are alike once.
+/// All modules of these configurations that can have faults, equal ones once.
 pub fn subjects(configs: &[Config]) -> Result<Vec<Subject>, Error> {
     let mut known = HashSet::new();
     let mut subjects = Vec::new();
@@ -49,8 +32,8 @@ pub fn subjects(configs: &[Config]) -> Result<Vec<Subject>, Error> {
     Ok(subjects)
 }
 
-/// About `count` faults: a few of every module, the rest by the number of faults that it has. With fewer than modules,
-/// one of each of so many.
+/// A random sample of about `count` faults: a few of every module, and the rest in proportion to the modules' faults. If
+/// there are more modules than `count`, one fault each of `count` modules.
 pub fn choose(subjects: &[Subject], count: usize, seed: u64) -> Vec<Mutant<'_>> {
     const A_FEW: usize = 5;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);

@@ -1,4 +1,4 @@
-//! Floating-point units with a fault before the operands of their unit tests.
+//! The unit tests' operands on floating-point units with a fault.
 
 use crate::error::Error;
 use crate::units::bench::UnitResults;
@@ -10,7 +10,7 @@ use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
 use raypath_rtl::Config;
 use std::sync::Arc;
 
-/// A module of a unit: the part of this number of all of them.
+/// A part of a floating-point unit, by its number.
 pub struct Unit {
     kind: Kind,
     parts: Vec<Arc<Module>>,
@@ -27,7 +27,7 @@ enum Kind {
 }
 
 impl Unit {
-    /// The unit of a configuration in binary32 that has a part of this name.
+    /// The unit of a binary32 configuration with a part of this name.
     pub fn of(config: Config, name: &str) -> Result<Option<Self>, Error> {
         let (format, count) = (config.semantics.format, config.microarchitecture.unit_latency.steps());
         let units = [
@@ -44,7 +44,7 @@ impl Unit {
         Ok(found)
     }
 
-    /// The unit test that fails with this module in its place.
+    /// The unit test that fails with this module in place of the part, if any.
     pub fn check(&self, module: &Arc<Module>) -> Result<Option<&'static str>, Error> {
         let mut parts = self.parts.clone();
         parts[self.part] = module.clone();
@@ -62,10 +62,10 @@ impl Unit {
     }
 }
 
-/// Whether all is well.
+/// Whether a test passes.
 type Check = fn(&mut Bench) -> bool;
 
-/// A unit in simulation.
+/// A unit in the netlist simulator.
 struct Bench {
     kind: Kind,
     simulator: Simulator,
@@ -81,7 +81,7 @@ impl Bench {
         Ok(Self { kind, simulator, inputs, outputs })
     }
 
-    /// The outputs as one word each.
+    /// The outputs for these inputs, a word each.
     fn run(&mut self, words: &[u64]) -> [u64; 3] {
         for (&input, &word) in self.inputs.iter().zip(words) {
             self.simulator.set(input, word);
@@ -94,7 +94,7 @@ impl Bench {
         shown
     }
 
-    /// What the outputs should be, numbers as IEEE 754 has them.
+    /// The expected outputs, numbers in IEEE 754's format.
     fn expected(&self, UnitResults { sum, product, less, equal, unordered, .. }: UnitResults) -> [u64; 3] {
         match self.kind {
             Kind::Add => [sum, 0, 0],
@@ -107,7 +107,7 @@ impl Bench {
         matches!(self.kind, Kind::Add | Kind::Multiply)
     }
 
-    /// Whether it answers two binary32 numbers rightly.
+    /// Whether the results for two binary32 numbers are right.
     fn answers(&mut self, a: u32, b: u32) -> bool {
         let format = Format::BINARY32;
         let mut shown = self.run(&[format.encode(a.into()), format.encode(b.into())]);
@@ -135,7 +135,7 @@ impl Bench {
         })
     }
 
-    /// The operands of its own test first: those of the others seldom tell more.
+    /// Starts with the operands of the unit's own test, because those of the others rarely find more.
     fn answers_hard_operands(&mut self) -> bool {
         type Operands = fn(&mut ChaCha8Rng) -> (u32, u32);
         let all: [(u64, Operands); 3] =
@@ -145,7 +145,7 @@ impl Bench {
             Kind::Compare => 2,
             _ => 0,
         };
-        (0..all.len()).map(|place| all[(first + place) % all.len()]).all(|(seed, operands)| {
+        (0..all.len()).map(|offset| all[(first + offset) % all.len()]).all(|(seed, operands)| {
             let mut random = generator(seed);
             (0..CASES).all(|_| {
                 let (a, b) = operands(&mut random);

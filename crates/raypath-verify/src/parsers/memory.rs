@@ -1,6 +1,6 @@
-//! How much memory this process has had.
+//! The process's peak memory.
 
-/// The most bytes that this process has had in memory at once, where the system tells (Linux: `VmHWM`).
+/// The peak resident memory of this process in bytes, if the system reports it (Linux: `VmHWM`).
 pub fn peak() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

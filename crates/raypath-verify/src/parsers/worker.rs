@@ -1,6 +1,6 @@
-//! A parser at work on a thread of its own, with a small stack, and watched: a panic, a hang and too deep a recursion show.
+//! A parser on a thread with a small stack and a watchdog, which detects panics, hangs and deep recursion.
 
-use super::mutation::mutated;
+use super::damage::mutated;
 use super::targets::Target;
 use crate::request::Shard;
 use std::panic::catch_unwind;
@@ -10,25 +10,25 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A quarter of what threads have by default. Too deep a recursion ends the process: nothing can catch it.
+/// A quarter of a thread's default stack. A stack overflow ends the process.
 const STACK: usize = 512 << 10;
-const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
-/// How it goes.
+/// The state of a worker.
 pub enum Outcome {
-    /// It works on.
+    /// The worker runs.
     Busy,
-    /// All is done.
+    /// All inputs have run.
     Done,
-    /// An input that it cannot do, in words.
+    /// An input made the parser panic or hang.
     Failed(String),
 }
 
-/// The thread, and what it has done.
+/// The thread, and its progress.
 pub struct Worker {
     shared: Arc<Shared>,
     failure: Receiver<Option<String>>,
-    /// How much was done when that last changed, and when.
+    /// The count of inputs at its last change, and the time of that change.
     last: (u64, Instant),
 }
 
@@ -41,23 +41,23 @@ struct Shared {
 }
 
 impl Worker {
-    /// Begins with the files, and goes on with so many mutations of each, as far as they are in the shard.
+    /// Starts a thread that runs the files and this many mutations of each, those of the shard.
     pub fn start(target: Target, files: Vec<Vec<u8>>, mutations: u64, seed: u64, shard: Shard) -> Self {
         let shared = Arc::new(Shared::default());
         let (sender, failure) = channel();
         let theirs = shared.clone();
         let work = move || {
-            // Who is not listened to any more has hung before.
+            // The receiver is gone if the worker has hung before.
             let _ = sender.send(feed(target, &files, mutations, (seed, shard), &theirs));
         };
-        // Without a thread the channel is closed, which is a failure of its own.
+        // If no thread starts, the channel is closed, which `wait` reports.
         drop(thread::Builder::new().stack_size(STACK).spawn(work));
         Self { shared, failure, last: (0, Instant::now()) }
     }
 
-    /// Waits a moment. An input that takes more than so many seconds hangs.
-    pub fn wait(&mut self, most_seconds: u64) -> Outcome {
-        match self.failure.recv_timeout(BETWEEN_LOOKS) {
+    /// Waits a moment. An input that takes more than `max_seconds` hangs.
+    pub fn wait(&mut self, max_seconds: u64) -> Outcome {
+        match self.failure.recv_timeout(POLL_INTERVAL) {
             Ok(None) => return Outcome::Done,
             Ok(Some(failure)) => return Outcome::Failed(failure),
             Err(RecvTimeoutError::Disconnected) => return Outcome::Failed("the thread ended".to_string()),
@@ -66,25 +66,25 @@ impl Worker {
         if self.last.0 != self.done() {
             self.last = (self.done(), Instant::now());
         }
-        if self.last.1.elapsed().as_secs() < most_seconds {
+        if self.last.1.elapsed().as_secs() < max_seconds {
             return Outcome::Busy;
         }
         self.stop();
         let input = self.shared.current.lock().map(|input| input.clone()).unwrap_or_default();
-        Outcome::Failed(format!("more than {most_seconds} s for {}", in_words(&input)))
+        Outcome::Failed(format!("more than {max_seconds} s for {}", escaped(&input)))
     }
 
-    /// Inputs done.
+    /// The number of inputs that have run.
     pub fn done(&self) -> u64 {
         self.shared.done.load(Ordering::Relaxed)
     }
 
-    /// Inputs that were what they should be.
+    /// The number of valid inputs.
     pub fn accepted(&self) -> u64 {
         self.shared.accepted.load(Ordering::Relaxed)
     }
 
-    /// Ends the work after the present input.
+    /// Ends the thread after the current input.
     pub fn stop(&self) {
         self.shared.stop.store(true, Ordering::Relaxed);
     }
@@ -108,7 +108,7 @@ fn feed(
             }
             match catch_unwind(|| (target.parse)(&input)) {
                 Ok(accepted) => _ = shared.accepted.fetch_add(accepted.into(), Ordering::Relaxed),
-                Err(_) => return Some(format!("panic on {} (file {file}, mutation {number})", in_words(&input))),
+                Err(_) => return Some(format!("panic on {} (file {file}, mutation {number})", escaped(&input))),
             }
             shared.done.fetch_add(1, Ordering::Relaxed);
         }
@@ -116,8 +116,8 @@ fn feed(
     None
 }
 
-/// An input so that it can be written down, or its beginning.
-fn in_words(input: &[u8]) -> String {
+/// The printable form of an input's beginning.
+fn escaped(input: &[u8]) -> String {
     let shown = input[..input.len().min(1000)].escape_ascii();
     format!("{} bytes b\"{shown}\"{}", input.len(), if input.len() > 1000 { "..." } else { "" })
 }
@@ -126,11 +126,11 @@ fn in_words(input: &[u8]) -> String {
 mod tests {
     use super::*;
 
-    fn outcome(parse: fn(&[u8]) -> bool, most_seconds: u64) -> Outcome {
+    fn outcome(parse: fn(&[u8]) -> bool, max_seconds: u64) -> Outcome {
         let target = Target { name: "test", format: "none", parse };
         let mut worker = Worker::start(target, vec![b"a file".to_vec()], 100, 1, Shard::ALL);
         loop {
-            match worker.wait(most_seconds) {
+            match worker.wait(max_seconds) {
                 Outcome::Busy => {}
                 Outcome::Done if worker.done() != 101 => panic!("{} inputs", worker.done()),
                 outcome => return outcome,

@@ -1,17 +1,17 @@
-//! Where a ray is in a box, exactly, and what rounding may make of it.
+//! The exact intersection of a ray and a box, and the results that rounding allows.
 
 use super::dyadic::Dyadic;
 use raypath_ops::{Binary32, Ray};
 use std::cmp::Ordering;
 
-/// A number as a fraction whose denominator is positive.
+/// A fraction with a positive denominator.
 #[derive(Debug, Clone)]
 pub struct Fraction {
     numerator: Dyadic,
     denominator: Dyadic,
 }
 
-/// Which bound of a computed distance is meant.
+/// A bound of a computed distance.
 #[derive(Debug, Clone, Copy)]
 enum Side {
     Below,
@@ -23,8 +23,8 @@ impl Fraction {
         Self { numerator: value, denominator: Dyadic::from(1) }
     }
 
-    /// What a slab distance of this value is computed as at least or at most: three roundings, and half of the smallest
-    /// number where the product underflows.
+    /// The lower or upper bound of a slab distance of this value as computed: three roundings, and half of the smallest
+    /// number for underflow of the product.
     fn rounded(&self, side: Side) -> Self {
         let step = Dyadic::from(1) + Dyadic::power_of_two(-24);
         let relative = &step * &step * &step - Dyadic::from(1);
@@ -36,17 +36,17 @@ impl Fraction {
         Self { numerator, denominator: self.denominator.clone() }
     }
 
-    /// About this, for reports.
+    /// An approximation, for reports.
     pub fn to_f64(&self) -> f64 {
         self.numerator.to_f64() / self.denominator.to_f64()
     }
 
-    /// How far a number is from it.
+    /// The distance of a number from the fraction.
     pub fn distance(&self, x: f32) -> f64 {
         (Dyadic::from(x) * &self.denominator - &self.numerator).abs().to_f64() / self.denominator.to_f64()
     }
 
-    /// Whether `x` is what it may be computed as.
+    /// Whether rounding allows `x` as the computed value.
     pub fn may_round_to(&self, x: f32) -> bool {
         let x = Self::integer(x.into());
         self.rounded(Side::Below) <= x && x <= self.rounded(Side::Above)
@@ -73,36 +73,36 @@ impl Ord for Fraction {
     }
 }
 
-/// Where a ray is between the two planes of a slab that it crosses.
+/// The distances at which a ray enters and leaves a slab.
 struct Crossing {
     near: Fraction,
     far: Fraction,
 }
 
-/// What is known of a ray and a box.
-pub struct Geometry {
-    /// Where the ray enters, if it does.
+/// The exact intersection of a ray and a box.
+pub struct ExactIntersection {
+    /// The distance at which the ray enters, if it does.
     pub entry: Fraction,
-    /// Whether the ray, within its extent, has a point in the closed box.
+    /// Whether a point of the ray within its extent lies in the closed box.
     pub is_hit: bool,
-    /// What must be computed; `None` where rounding may decide.
-    pub must_be: Option<bool>,
-    /// Whether some distance is beyond the range of binary32, so that nothing is claimed.
+    /// The hit that must be computed; none if it may depend on rounding.
+    pub required_hit: Option<bool>,
+    /// Whether a distance is beyond the range of binary32, so that the claim excludes the box.
     pub is_out_of_range: bool,
-    /// By how much the distance at which the ray leaves exceeds the one at which it enters, as a part of itself.
+    /// The exit distance minus the entry distance, relative to the exit distance.
     pub gap: f64,
 }
 
-impl Geometry {
-    /// Of this ray and the box between these corners.
+impl ExactIntersection {
+    /// The intersection of this ray and the box between these corners.
     pub fn new(ray: &Ray<Binary32>, [low, high]: [[f32; 3]; 2]) -> Self {
         let (origin, direction) = (<[f32; 3]>::from(ray.origin), <[f32; 3]>::from(ray.dir));
         let extent = f32::from(ray.extent);
-        let (mut crossings, mut is_beside) = (Vec::new(), false);
+        let (mut crossings, mut is_outside_slab) = (Vec::new(), false);
         for axis in 0..3 {
             let (o, d) = (origin[axis], direction[axis]);
             if d == 0.0 {
-                is_beside |= o < low[axis] || high[axis] < o;
+                is_outside_slab |= o < low[axis] || high[axis] < o;
                 continue;
             }
             let at = |bound: f32| {
@@ -113,35 +113,35 @@ impl Geometry {
             let [near, far] = if d < 0.0 { [high[axis], low[axis]] } else { [low[axis], high[axis]] }.map(at);
             crossings.push(Crossing { near, far });
         }
-        Self::of(&crossings, is_beside, (extent != f32::INFINITY).then(|| Fraction::integer(extent.into())))
+        Self::of(&crossings, is_outside_slab, (extent != f32::INFINITY).then(|| Fraction::integer(extent.into())))
     }
 
-    fn of(crossings: &[Crossing], is_beside: bool, extent: Option<Fraction>) -> Self {
+    fn of(crossings: &[Crossing], is_outside_slab: bool, extent: Option<Fraction>) -> Self {
         let zero = Fraction::integer(Dyadic::zero());
         let nears = || crossings.iter().map(|crossing| crossing.near.clone());
         let fars = || crossings.iter().map(|crossing| crossing.far.clone());
         let entry = nears().fold(zero.clone(), Fraction::max);
         let exit = fars().chain(extent.clone()).min();
-        let is_hit = !is_beside && exit.as_ref().is_none_or(|exit| entry <= *exit);
+        let is_hit = !is_outside_slab && exit.as_ref().is_none_or(|exit| entry <= *exit);
         let gap = exit.map_or(f64::INFINITY, |exit| {
             let (enters, leaves) = (&entry.numerator * &exit.denominator, &exit.numerator * &entry.denominator);
             (&leaves - &enters).to_f64() / leaves.to_f64().abs()
         });
         let is_out_of_range = nears().chain(fars()).any(|t| t.to_f64().abs() >= 2_f64.powi(127));
-        let must_be = if is_beside {
+        let required_hit = if is_outside_slab {
             Some(false)
-        } else if is_surely_hit(crossings, &zero, extent.as_ref()) {
+        } else if must_hit(crossings, &zero, extent.as_ref()) {
             Some(true)
         } else {
-            is_surely_missed(crossings, &zero, extent.as_ref()).then_some(false)
+            must_miss(crossings, &zero, extent.as_ref()).then_some(false)
         };
-        Self { entry, is_hit, must_be, is_out_of_range, gap }
+        Self { entry, is_hit, required_hit, is_out_of_range, gap }
     }
 }
 
-/// Whatever rounding does, no near distance exceeds a far one. The two of one slab are rounded alike, so that their
-/// order stays.
-fn is_surely_hit(crossings: &[Crossing], zero: &Fraction, extent: Option<&Fraction>) -> bool {
+/// Whether no near distance exceeds a far one under any rounding. The two distances of one slab are rounded in the same
+/// way, which keeps their order.
+fn must_hit(crossings: &[Crossing], zero: &Fraction, extent: Option<&Fraction>) -> bool {
     let pairs =
         crossings.iter().enumerate().flat_map(|(i, a)| crossings.iter().enumerate().map(move |(j, b)| (i, a, j, b)));
     let mut pairs =
@@ -155,8 +155,8 @@ fn is_surely_hit(crossings: &[Crossing], zero: &Fraction, extent: Option<&Fracti
         && extent.is_none_or(|extent| crossings.iter().all(|crossing| crossing.near.rounded(Side::Above) <= *extent))
 }
 
-/// Whatever rounding does, some near distance exceeds a far one.
-fn is_surely_missed(crossings: &[Crossing], zero: &Fraction, extent: Option<&Fraction>) -> bool {
+/// Whether some near distance exceeds a far one under any rounding.
+fn must_miss(crossings: &[Crossing], zero: &Fraction, extent: Option<&Fraction>) -> bool {
     let near = crossings.iter().map(|crossing| crossing.near.rounded(Side::Below)).max();
     let near = near.map_or(zero.clone(), |near| near.max(zero.clone()));
     let far = crossings.iter().map(|crossing| crossing.far.rounded(Side::Above)).min();
@@ -165,24 +165,24 @@ fn is_surely_missed(crossings: &[Crossing], zero: &Fraction, extent: Option<&Fra
 
 #[cfg(test)]
 mod tests {
-    use super::Geometry;
+    use super::ExactIntersection;
     use raypath_ops::Ray;
 
-    fn geometry(origin: [f32; 3], direction: [f32; 3], extent: f32, aabb: [[f32; 3]; 2]) -> Geometry {
-        Geometry::new(&Ray::new(origin, direction, extent).expect("a ray"), aabb)
+    fn geometry(origin: [f32; 3], direction: [f32; 3], extent: f32, aabb: [[f32; 3]; 2]) -> ExactIntersection {
+        ExactIntersection::new(&Ray::new(origin, direction, extent).expect("a ray"), aabb)
     }
 
     #[test]
-    fn what_is_seen_by_eye() {
+    fn simple_cases_are_right() {
         let cube = [[-1.0; 3], [1.0; 3]];
         let from = |origin, direction| geometry(origin, direction, f32::INFINITY, cube);
-        let verdict = |g: Geometry| (g.is_hit, g.must_be, g.entry.to_f64());
+        let verdict = |g: ExactIntersection| (g.is_hit, g.required_hit, g.entry.to_f64());
         assert_eq!(verdict(from([0.0, 0.0, -5.0], [0.0, 0.0, 2.0])), (true, Some(true), 2.0));
         assert_eq!(verdict(from([0.0, 0.0, -5.0], [0.0, -0.0, -2.0])), (false, Some(false), 0.0));
         assert_eq!(verdict(from([1.0, 0.0, -5.0], [0.0, 0.0, 1.0])), (true, Some(true), 4.0));
         assert_eq!(verdict(from([1.5, 0.0, -5.0], [-0.0, 0.0, 1.0])), (false, Some(false), 4.0));
         assert_eq!(verdict(from([0.5, 0.5, 0.5], [1.0, 2.0, 3.0])), (true, Some(true), 0.0));
-        // Through an edge: exactly a hit, but rounding may decide.
+        // Through an edge: an exact hit, but the result may depend on rounding.
         assert_eq!(verdict(from([-2.0, 0.0, 0.0], [1.0, 1.0, 0.0])), (true, None, 1.0));
         assert_eq!(verdict(from([-2.0, 1e-6, 0.0], [1.0, 1.0, 0.0])), (false, Some(false), 1.0));
         assert_eq!(verdict(from([-2.0, -1e-6, 0.0], [1.0, 1.0, 0.0])), (true, Some(true), 1.0));
@@ -190,7 +190,7 @@ mod tests {
 
     #[test]
     fn flat_empty_and_beyond_the_extent() {
-        let along = |extent, aabb| geometry([-3.0, 0.0, 0.0], [3.0, 0.0, 1.0], extent, aabb).must_be;
+        let along = |extent, aabb| geometry([-3.0, 0.0, 0.0], [3.0, 0.0, 1.0], extent, aabb).required_hit;
         let flat = [[0.0, -1.0, -4.0], [0.0, 1.0, 4.0]];
         assert_eq!(along(f32::INFINITY, flat), Some(true));
         assert_eq!(along(0.5, flat), Some(false));

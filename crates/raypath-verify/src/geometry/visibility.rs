@@ -1,57 +1,56 @@
-//! What `docs/reference/error-bounds.md` supposes of a ray and a patch, decided without error.
+//! The preconditions of `docs/reference/error-bounds.md` on a ray and a patch, decided without rounding errors.
 
 use super::dyadic::Dyadic;
+use super::error_units::U;
 use super::mesh::{Mesh, Patch};
 use super::vector::{Point, cross, dot, minus};
 use raypath_ops::{Binary32, Ray};
 
-/// How a ray stands to a patch of a mesh.
+/// The position of a ray relative to a patch of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sight {
-    /// A face of the patch does not look at the ray.
-    LooksAway,
+pub enum Visibility {
+    /// A face of the patch does not face the ray.
+    BackFacing,
     /// A vertex of the patch is not in front of the ray's origin.
     Behind,
-    /// The ray passes beside the patch, or nearer to its rim than rounding moves vertices.
+    /// The ray misses the patch, or passes its rim at a distance within the rounding error of vertices.
     NearRim,
-    /// The ray passes through the patch, but a face of it is seen so thin that rounding may close it.
+    /// The ray passes through the patch, but the projection of a face is so thin that rounding may close it.
     Thin,
-    /// The ray passes through the patch, of which every face is clearly seen.
+    /// The ray passes through the patch, and no face is thin: the ray must hit a face.
     Clear,
 }
 
-/// The unit roundoff of binary32.
-pub const U: f64 = 1.0 / 16_777_216.0;
-/// Covers what is of second order, and that this is computed in binary64.
+/// A factor for terms of second order and for rounding errors of this computation in binary64.
 const SAFETY: f64 = 1.001;
 
-/// How `ray` stands to `patch`.
-pub fn sight(ray: &Ray<Binary32>, mesh: &Mesh, patch: &Patch) -> Sight {
-    if !patch.faces.iter().all(|&face| looks_at(ray.dir.into(), mesh.corners(face))) {
-        return Sight::LooksAway;
+/// The position of `ray` relative to `patch`.
+pub fn visibility(ray: &Ray<Binary32>, mesh: &Mesh, patch: &Patch) -> Visibility {
+    if !patch.faces.iter().all(|&face| faces_direction(ray.dir.into(), mesh.corners(face))) {
+        return Visibility::BackFacing;
     }
-    let view = View::new(ray);
+    let projection = Projection::new(ray);
     let vertices = || patch.faces.iter().flat_map(|&face| mesh.faces[face]).map(|vertex| mesh.vertices[vertex]);
     let mut moved: f64 = 0.0;
     for vertex in vertices() {
-        let seen = view.project(vertex);
-        if seen.depth <= 0.0 {
-            return Sight::Behind;
+        let projected = projection.project(vertex);
+        if projected.depth <= 0.0 {
+            return Visibility::Behind;
         }
-        moved = moved.max(seen.moved);
+        moved = moved.max(projected.moved);
     }
-    let at = |vertex: usize| view.project(mesh.vertices[vertex]).at;
+    let at = |vertex: usize| projection.project(mesh.vertices[vertex]).at;
     let rim = || patch.rim.iter().map(|edge| edge.map(at));
     if rim().any(|edge| distance_from_zero(edge) <= moved) || rim().map(turns).sum::<i32>() < 1 {
-        return Sight::NearRim;
+        return Visibility::NearRim;
     }
     let is_thin = |face: &usize| is_thin(mesh.faces[*face].map(at), moved);
-    if patch.faces.iter().any(is_thin) { Sight::Thin } else { Sight::Clear }
+    if patch.faces.iter().any(is_thin) { Visibility::Thin } else { Visibility::Clear }
 }
 
-/// Whether a face looks at rays of this direction: its normal, which the order of its vertices tells, has a component
-/// against it. In binary64 where that cannot err, else exactly.
-pub fn looks_at(direction: [f32; 3], corners: [[f32; 3]; 3]) -> bool {
+/// Whether a face, counter-clockwise as seen from outside, faces rays of this direction. Computed in binary64 if its error
+/// bound allows, else exactly.
+pub fn faces_direction(direction: [f32; 3], corners: [[f32; 3]; 3]) -> bool {
     let [a, b, c] = corners.map(|corner| corner.map(f64::from));
     let d = direction.map(f64::from);
     let (e, f) = (minus(b, a), minus(c, a));
@@ -62,7 +61,7 @@ pub fn looks_at(direction: [f32; 3], corners: [[f32; 3]; 3]) -> bool {
             d[i].abs() * ((e[j] * f[k]).abs() + (e[k] * f[j]).abs())
         })
         .sum();
-    // Each term passes through at most eight roundings.
+    // Each term has at most eight roundings.
     let error = magnitude * 2_f64.powi(-49);
     if towards.abs() > error { towards < 0.0 } else { exactly_towards(direction, corners).sign().is_lt() }
 }
@@ -78,25 +77,25 @@ fn exactly_towards(direction: [f32; 3], corners: [[f32; 3]; 3]) -> Dyadic {
     })
 }
 
-/// The plane that the datapath shears to: the ray is its origin. Mirrored, so that a face that looks at the ray is
-/// counter-clockwise: the datapath looks at the plane from behind.
-struct View {
+/// The projection along the ray that the datapath computes by shearing; the ray is its origin. It is mirrored, because the
+/// datapath's projection shows a face that faces the ray clockwise.
+struct Projection {
     origin: Point,
     axes: [usize; 3],
     slope: [f64; 2],
     forward: f64,
 }
 
-/// A vertex as seen along the ray.
-struct Seen {
+/// A projected vertex.
+struct Projected {
     at: [f64; 2],
-    /// Its distance along kz, in units of the direction's length.
+    /// The distance along kz, in units of the direction's length.
     depth: f64,
-    /// How far rounding may move it: γ₄ times the magnitudes of what its coordinates are differences of.
+    /// The bound of its rounding error: γ₄ times the magnitudes of the operands of its differences.
     moved: f64,
 }
 
-impl View {
+impl Projection {
     fn new(ray: &Ray<Binary32>) -> Self {
         let axes = [ray.kx, ray.ky, ray.kz].map(|k| u32::from(k) as usize);
         let d = <[f32; 3]>::from(ray.dir).map(f64::from);
@@ -104,13 +103,13 @@ impl View {
         Self { origin: <[f32; 3]>::from(ray.origin).map(f64::from), axes, slope, forward: d[axes[2]] }
     }
 
-    fn project(&self, vertex: [f32; 3]) -> Seen {
+    fn project(&self, vertex: [f32; 3]) -> Projected {
         let relative = minus(vertex.map(f64::from), self.origin);
         let [x, y, z] = self.axes.map(|axis| relative[axis]);
         let shift = self.slope.map(|slope| slope * z);
         let (reach_x, reach_y) = (x.abs() + shift[0].abs(), y.abs() + shift[1].abs());
         let moved = 4.0 * U * SAFETY * reach_x.hypot(reach_y);
-        Seen { at: [y - shift[1], x - shift[0]], depth: z / self.forward, moved }
+        Projected { at: [y - shift[1], x - shift[0]], depth: z / self.forward, moved }
     }
 }
 
@@ -121,8 +120,7 @@ fn distance_from_zero([a, b]: [[f64; 2]; 2]) -> f64 {
     (a[0] + nearest * along[0]).hypot(a[1] + nearest * along[1])
 }
 
-/// How often the directed edge crosses the positive x axis counter-clockwise; the sum over a closed curve is how often
-/// that winds around zero.
+/// The edge's signed crossings of the positive x axis; their sum over a closed curve is its winding number around zero.
 fn turns([a, b]: [[f64; 2]; 2]) -> i32 {
     let is_right_of_zero = |sense: f64| (a[0] * b[1] - a[1] * b[0]) * sense > 0.0;
     match (a[1] >= 0.0, b[1] >= 0.0) {
@@ -132,7 +130,7 @@ fn turns([a, b]: [[f64; 2]; 2]) -> i32 {
     }
 }
 
-/// Whether a face may close, or its three edge functions cancel, where its vertices move so far.
+/// Whether a face may close, or its three edge functions may cancel, when its vertices move this far.
 fn is_thin([a, b, c]: [[f64; 2]; 3], moved: f64) -> bool {
     let minus = |p: [f64; 2], q: [f64; 2]| [p[0] - q[0], p[1] - q[1]];
     let (e, f, g) = (minus(b, a), minus(c, a), minus(c, b));
@@ -145,14 +143,14 @@ fn is_thin([a, b, c]: [[f64; 2]; 3], moved: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::super::mesh::Mesh;
-    use super::{Sight, distance_from_zero, exactly_towards, looks_at, sight, turns};
+    use super::{Visibility, distance_from_zero, exactly_towards, faces_direction, turns, visibility};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use raypath_ops::Ray;
 
-    /// Faces nearly edge-on, so that binary64 alone would not do.
+    /// Faces nearly edge-on, which need exact arithmetic.
     #[test]
-    fn faces_look_where_exact_arithmetic_says_so() {
+    fn orientation_is_exact() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let mut edge_on = 0;
         for _ in 0..2000 {
@@ -162,13 +160,13 @@ mod tests {
             let mut direction: [f32; 3] = std::array::from_fn(|k| i as f32 * (b[k] - a[k]) + j as f32 * (c[k] - a[k]));
             direction[0] += tiny as f32 * f32::from_bits(1);
             let towards = exactly_towards(direction, corners);
-            assert_eq!(looks_at(direction, corners), towards.sign().is_lt());
+            assert_eq!(faces_direction(direction, corners), towards.sign().is_lt());
             edge_on += usize::from(towards.to_f64().abs() < 1e-30);
         }
         assert!(edge_on > 1500);
-        assert!(looks_at([0.0, 0.0, -1.0], [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
-        assert!(!looks_at([0.0, 0.0, 1.0], [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
-        assert!(!looks_at([1.0, 1.0, 0.0], [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
+        assert!(faces_direction([0.0, 0.0, -1.0], [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
+        assert!(!faces_direction([0.0, 0.0, 1.0], [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
+        assert!(!faces_direction([1.0, 1.0, 0.0], [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
     }
 
     #[test]
@@ -187,19 +185,19 @@ mod tests {
 
     /// A square of two faces in the plane z = 0, seen from above.
     #[test]
-    fn each_sight_occurs() {
+    fn each_visibility_occurs() {
         let points = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::new("square", &points, vec![[0, 1, 2], [0, 2, 3]]);
         let patch = mesh.patch(vec![0, 1]);
-        let see = |origin, direction| sight(&Ray::new(origin, direction, 1.0).expect("a ray"), &mesh, &patch);
-        assert_eq!(see([0.5, 0.5, 2.0], [0.0, 0.0, -1.0]), Sight::Clear);
-        assert_eq!(see([0.5, 0.5, 2.0], [0.0, 0.0, 1.0]), Sight::LooksAway);
-        assert_eq!(see([0.5, 0.5, -2.0], [0.0, 0.0, -1.0]), Sight::Behind);
-        assert_eq!(see([0.5, 1e-8, 2.0], [0.0, 0.0, -1.0]), Sight::NearRim);
-        assert_eq!(see([0.5, 1.5, 2.0], [0.0, 0.0, -1.0]), Sight::NearRim);
-        assert_eq!(see([0.5, 1e-6, 2.0], [0.0, 0.0, -1.0]), Sight::Clear);
+        let see = |origin, direction| visibility(&Ray::new(origin, direction, 1.0).expect("a ray"), &mesh, &patch);
+        assert_eq!(see([0.5, 0.5, 2.0], [0.0, 0.0, -1.0]), Visibility::Clear);
+        assert_eq!(see([0.5, 0.5, 2.0], [0.0, 0.0, 1.0]), Visibility::BackFacing);
+        assert_eq!(see([0.5, 0.5, -2.0], [0.0, 0.0, -1.0]), Visibility::Behind);
+        assert_eq!(see([0.5, 1e-8, 2.0], [0.0, 0.0, -1.0]), Visibility::NearRim);
+        assert_eq!(see([0.5, 1.5, 2.0], [0.0, 0.0, -1.0]), Visibility::NearRim);
+        assert_eq!(see([0.5, 1e-6, 2.0], [0.0, 0.0, -1.0]), Visibility::Clear);
         let flat = Mesh::new("flat", &points.map(|[x, y, _]| [x, y * 0.4e-6, 0.0]), mesh.faces.clone());
         let ray = Ray::new([0.5, 0.2e-6, 2.0], [0.0, 0.0, -1.0], 1.0).expect("a ray");
-        assert_eq!(sight(&ray, &flat, &patch), Sight::Thin);
+        assert_eq!(visibility(&ray, &flat, &patch), Visibility::Thin);
     }
 }

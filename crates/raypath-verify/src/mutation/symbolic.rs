@@ -1,95 +1,117 @@
-//! What a job finds in a netlist, as functions of what is arbitrary.
+//! A job that passes symbolically through a netlist.
 
-use super::{Time, Way, is_control, is_handshake, is_unit, passed};
-use crate::mutation::logic::{FALSE, Logic, TRUE, Word};
+use super::logic::{FALSE, Logic, TRUE, Word};
 use raypath_hdl::{Driver, Module, SignalId};
 use std::sync::Arc;
 
-/// A hierarchy as a job with one opcode finds it.
-pub struct View<'v> {
+/// The path of a job through the stage with the fault.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SlotPath {
+    /// Directly.
+    Direct,
+    /// Through the spare register of a skid buffer.
+    Spare,
+    /// Through this slot of the exit's FIFO.
+    Slot(u32),
+}
+
+/// A moment of a job's passage through a stage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Time {
+    /// The job is in the registers before the stage; the stage's registers are arbitrary.
+    Arriving,
+    /// The job is in the spare register or FIFO; the stage's inputs are arbitrary.
+    Leaving,
+    /// The job is in the stage's output registers.
+    After,
+}
+
+/// A hierarchy of modules while a job with one opcode passes.
+pub struct SymbolicJob<'v> {
     scopes: Vec<Scope>,
     opcode: u64,
-    /// How jobs pass; `None` where registers and what is inside of instances may have any value.
-    way: Option<Way>,
-    /// The module in which they pass so; in others they pass straight through.
+    /// The job's path; none if registers and instances are arbitrary.
+    path: Option<SlotPath>,
+    /// The module with the fault. In other modules the job passes directly.
     faulty: &'v str,
 }
 
 struct Scope {
     module: Arc<Module>,
     path: String,
-    /// The scope and the instance that it is inside of.
+    /// The scope and the instance that contain this scope.
     parent: Option<(usize, usize)>,
     children: Vec<Option<usize>>,
-    /// By time.
+    /// The signals' words by moment.
     words: [Vec<Option<Word>>; 3],
 }
 
-impl<'v> View<'v> {
-    pub fn new(top: &Arc<Module>, opcode: u64, way: Option<Way>, faulty: &'v str) -> Self {
-        let mut view = Self { scopes: Vec::new(), opcode, way, faulty };
-        view.add(top, String::new(), None);
-        view
+impl<'v> SymbolicJob<'v> {
+    /// A job in a module and, if it has a path, in the stages below.
+    pub fn new(top: &Arc<Module>, opcode: u64, path: Option<SlotPath>, faulty: &'v str) -> Self {
+        let mut job = Self { scopes: Vec::new(), opcode, path, faulty };
+        job.add(top, String::new(), None);
+        job
     }
 
-    /// Adds a module, and what is inside of it where jobs pass through.
+    /// Adds a module and, if the job passes through, the stages below.
     fn add(&mut self, module: &Arc<Module>, path: String, parent: Option<(usize, usize)>) -> usize {
         let scope = self.scopes.len();
         let words = [(); 3].map(|()| vec![None; module.signals().len()]);
         self.scopes.push(Scope { module: module.clone(), path, parent, children: Vec::new(), words });
         for (number, instance) in module.instances().iter().enumerate() {
             let path = format!("{}{}.", self.scopes[scope].path, instance.name);
-            let is_entered = self.way.is_some() && !is_unit(&instance.module) && !is_control(&instance.module);
+            let is_entered = self.path.is_some() && !is_unit(&instance.module) && !is_control(&instance.module);
             let child = is_entered.then(|| self.add(&instance.module, path, Some((scope, number))));
             self.scopes[scope].children.push(child);
         }
         scope
     }
 
-    /// All that control sees of the module, and what it lets control see.
+    /// Everything in the module that affects control.
     pub fn control(&mut self, logic: &mut Logic) -> Vec<Word> {
         let module = self.scopes[0].module.clone();
-        let mut seen = Vec::new();
+        let mut words = Vec::new();
         for register in module.registers() {
-            seen.extend(register.enable.map(|enable| self.word(logic, 0, Time::Arriving, enable)));
-            seen.extend(register.reset.map(|_| self.next(logic, 0, Time::Arriving, register)));
-            seen.extend(register.reset.map(|reset| logic.constant(64, reset)));
+            words.extend(register.enable.map(|enable| self.word(logic, 0, Time::Arriving, enable)));
+            words.extend(register.reset.map(|_| self.next(logic, 0, Time::Arriving, register)));
+            words.extend(register.reset.map(|reset| logic.constant(64, reset)));
         }
         for port in module.outputs().iter().filter(|port| is_handshake(&port.name)) {
-            // The opcode is data, too: with the job it is compared there.
+            // The opcode is data too; `outcome` compares it.
             if port.name != "opcode_o" {
-                seen.push(self.word(logic, 0, Time::Arriving, port.signal));
+                words.push(self.word(logic, 0, Time::Arriving, port.signal));
             }
         }
         for instance in module.instances().iter().filter(|instance| !is_unit(&instance.module)) {
             let ports = instance.module.inputs().iter().zip(&instance.inputs);
             for (port, &id) in ports {
                 if is_control(&instance.module) || is_handshake(&port.name) {
-                    seen.push(self.word(logic, 0, Time::Arriving, id));
+                    words.push(self.word(logic, 0, Time::Arriving, id));
                 }
             }
         }
-        seen
+        words
     }
 
-    /// What leaves the datapath, and all next states; and the opcode that the faulty module hands on.
+    /// The datapath's outputs, all next states, and the opcode that leaves the faulty module.
     pub fn outcome(&mut self, logic: &mut Logic) -> Vec<Word> {
-        let mut seen = Vec::new();
+        let mut words = Vec::new();
         for scope in 0..self.scopes.len() {
             let module = self.scopes[scope].module.clone();
             let is_faulty = module.name() == self.faulty;
             for port in module.outputs().iter().filter(|port| scope == 0 || is_faulty && port.name == "opcode_o") {
                 let time = if module.is_clocked() && scope != 0 { Time::After } else { Time::Arriving };
-                seen.push(self.word(logic, scope, time, port.signal));
+                words.push(self.word(logic, scope, time, port.signal));
             }
             for register in module.registers().iter().filter(|register| register.reset.is_some()) {
-                seen.push(self.next(logic, scope, Time::Arriving, register));
+                words.push(self.next(logic, scope, Time::Arriving, register));
             }
         }
-        seen
+        words
     }
 
-    /// What a register holds after the edge.
+    /// A register's value after the clock edge.
     fn next(&mut self, logic: &mut Logic, scope: usize, time: Time, register: &raypath_hdl::RegisterInfo) -> Word {
         let next = self.word(logic, scope, time, register.next);
         let Some(enable) = register.enable else { return next };
@@ -181,7 +203,7 @@ impl<'v> View<'v> {
         logic.bitwise(&a, &b, operator)
     }
 
-    /// The width of the first operand is part of the name, so that arguments cannot be divided otherwise.
+    /// The name includes the first operand's width, so that equal arguments are equal operands.
     fn arithmetic(
         &mut self,
         logic: &mut Logic,
@@ -197,11 +219,11 @@ impl<'v> View<'v> {
 
     fn register(&mut self, logic: &mut Logic, scope: usize, time: Time, module: &Module, register: usize) -> Word {
         let info = &module.registers()[register];
-        let loads_at = match (time, self.way_through(module)) {
+        let loads_at = match (time, self.path_through(module)) {
             (Time::Arriving, _) => None,
             (Time::Leaving, _) => Some(Time::Arriving),
-            (Time::After, Way::Straight) => Some(Time::Arriving),
-            (Time::After, Way::Spare | Way::Place(_)) => Some(Time::Leaving),
+            (Time::After, SlotPath::Direct) => Some(Time::Arriving),
+            (Time::After, SlotPath::Spare | SlotPath::Slot(_)) => Some(Time::Leaving),
         };
         if let Some(before) = loads_at.filter(|_| info.reset.is_none()) {
             let loads = info.enable.is_none_or(|enable| self.word(logic, scope, before, enable) == [TRUE]);
@@ -209,7 +231,7 @@ impl<'v> View<'v> {
                 return self.word(logic, scope, before, info.next);
             }
         }
-        // State is what it was when the job came, others hold something else than the job.
+        // A register with reset holds its state from the job's arrival; others hold no part of the job.
         let time = if info.reset.is_some() { Time::Arriving } else { time };
         let (signal, path) = (module.signal(info.signal), &self.scopes[scope].path);
         let name = signal.name.as_deref().unwrap_or_default();
@@ -219,10 +241,10 @@ impl<'v> View<'v> {
     fn input(&mut self, logic: &mut Logic, scope: usize, time: Time, module: &Module, id: SignalId) -> Word {
         let width = module.signal(id).width;
         let position = module.inputs().iter().position(|port| port.signal == id);
-        let Some((place, port)) = position.map(|place| (place, &module.inputs()[place])) else { return Word::new() };
+        let Some((index, port)) = position.map(|index| (index, &module.inputs()[index])) else { return Word::new() };
         match (self.scopes[scope].parent, time) {
             (Some((parent, instance)), Time::Arriving) => {
-                let outside = self.scopes[parent].module.instances()[instance].inputs[place];
+                let outside = self.scopes[parent].module.instances()[instance].inputs[index];
                 self.word(logic, parent, Time::Arriving, outside)
             }
             (None, Time::Arriving) if port.name == "opcode_i" => logic.constant(width, self.opcode),
@@ -233,8 +255,9 @@ impl<'v> View<'v> {
         }
     }
 
-    fn way_through(&self, module: &Module) -> Way {
-        self.way.filter(|_| module.name() == self.faulty).unwrap_or(Way::Straight)
+    /// The job's path through a module.
+    fn path_through(&self, module: &Module) -> SlotPath {
+        self.path.filter(|_| module.name() == self.faulty).unwrap_or(SlotPath::Direct)
     }
 
     fn output(
@@ -257,13 +280,46 @@ impl<'v> View<'v> {
             let time = if info.module.is_clocked() { Time::After } else { Time::Arriving };
             return self.word(logic, child, time, port.signal);
         }
-        let way = self.way.filter(|_| info.module.name() != "raypath_credit").map(|_| self.way_through(module));
-        match way.and_then(|way| passed(&port.name, way, time)) {
+        let path_in_control =
+            self.path.filter(|_| info.module.name() != "raypath_credit").map(|_| self.path_through(module));
+        match path_in_control.and_then(|path| control_value(&port.name, path, time)) {
             Some(value) => logic.constant(width, value),
             None => {
                 let (path, name) = (&self.scopes[scope].path, &info.name);
                 logic.function(format!("{path}{name}.{} {time:?}", port.name), vec![], width)
             }
         }
+    }
+}
+
+/// Whether a module is a floating-point unit.
+pub fn is_unit(module: &Module) -> bool {
+    module.name().starts_with("raypath_fp_")
+}
+
+/// Whether a module is control.
+pub fn is_control(module: &Module) -> bool {
+    matches!(module.name(), "raypath_skid" | "raypath_exit" | "raypath_credit")
+}
+
+/// Whether a port belongs to the stages' handshake.
+fn is_handshake(port: &str) -> bool {
+    ["valid_i", "valid_o", "ready_i", "ready_o", "opcode_i", "opcode_o", "returned_i"].contains(&port)
+        || port.ends_with("_written_i")
+        || port.ends_with("_written_o")
+}
+
+/// The output of a stage's control while a job passes; none if the job does not depend on it.
+fn control_value(port: &str, path: SlotPath, time: Time) -> Option<u64> {
+    match (time, port, path) {
+        (Time::Arriving, "ready_o" | "arrives_o", _) => Some(1),
+        (Time::Arriving, "load_front_o", path) => Some((path == SlotPath::Direct).into()),
+        (Time::Arriving, "from_store_o" | "store_o", SlotPath::Direct) => Some(0),
+        (Time::Arriving, "store_o", SlotPath::Slot(slot)) | (Time::Leaving, "read_o", SlotPath::Slot(slot)) => {
+            Some(1 << slot)
+        }
+        (Time::Leaving, "arrives_o", _) => Some(0),
+        (Time::Leaving, "load_front_o" | "from_store_o", _) | (Time::After, "valid_o", _) => Some(1),
+        _ => None,
     }
 }

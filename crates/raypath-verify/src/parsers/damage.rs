@@ -1,4 +1,4 @@
-//! What comes of a file when it is damaged, reproducible by seed.
+//! Random damage to files, reproducible by seed.
 
 use flate2::read::MultiGzDecoder;
 use flate2::{Compression, write::GzEncoder};
@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::io::{Read, Write};
 
-/// What parsers stumble over: signs of all formats, numbers at the ends of their ranges, and what is no text.
+/// Inserted words: punctuation of all formats, numbers at the ends of their ranges, and bytes that are not text.
 const WORDS: [&[u8]; 32] = [
     b"(",
     b")",
@@ -41,11 +41,11 @@ const WORDS: [&[u8]; 32] = [
     b"null",
     b"g(){",
 ];
-/// A mutated file has at most so many bytes.
-const LONGEST: usize = 64 << 10;
+/// The largest size of a mutated file, in bytes.
+const MAX_BYTES: usize = 64 << 10;
 
-/// Mutation `number` of `files[file]`. Compressed files are damaged inside in two of three, so that not every damage ends
-/// at the check sum.
+/// Mutation `number` of `files[file]`. Two of three compressed files are damaged before compression, so that they pass the
+/// checksum.
 pub fn mutated(files: &[Vec<u8>], file: usize, number: u64, seed: u64) -> Vec<u8> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ (file as u64) << 48);
     rng.set_stream(number);
@@ -61,7 +61,7 @@ pub fn mutated(files: &[Vec<u8>], file: usize, number: u64, seed: u64) -> Vec<u8
 
 fn damaged(mut bytes: Vec<u8>, other: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
     for _ in 0..rng.random_range(1..=4) {
-        let (at, end) = (place(&bytes, rng), place(&bytes, rng));
+        let (at, end) = (position(&bytes, rng), position(&bytes, rng));
         let range = at.min(end)..at.max(end);
         let near = at..bytes.len().min(at + rng.random_range(0..16));
         match rng.random_range(0..9) {
@@ -81,18 +81,18 @@ fn damaged(mut bytes: Vec<u8>, other: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
                 insert(&mut bytes, at, &repeated.repeat(times));
             }
             _ => {
-                let from = place(other, rng);
+                let from = position(other, rng);
                 bytes.truncate(at);
                 bytes.extend_from_slice(&other[from..]);
             }
         }
     }
-    bytes.truncate(LONGEST);
+    bytes.truncate(MAX_BYTES);
     bytes
 }
 
-/// Somewhere in or at the end.
-fn place(bytes: &[u8], rng: &mut ChaCha8Rng) -> usize {
+/// A random position, or the end.
+fn position(bytes: &[u8], rng: &mut ChaCha8Rng) -> usize {
     rng.random_range(0..=bytes.len())
 }
 
@@ -102,12 +102,12 @@ fn insert(bytes: &mut Vec<u8>, at: usize, inserted: &[u8]) {
 
 fn unpacked(bytes: &[u8]) -> Option<Vec<u8>> {
     let mut text = Vec::new();
-    MultiGzDecoder::new(bytes).take(LONGEST as u64).read_to_end(&mut text).ok().map(|_| text)
+    MultiGzDecoder::new(bytes).take(MAX_BYTES as u64).read_to_end(&mut text).ok().map(|_| text)
 }
 
 fn packed(text: &[u8]) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
-    // Writing to memory cannot fail; and if it did, nothing is a file as well.
+    // Writing to memory cannot fail.
     encoder.write_all(text).and_then(|()| encoder.finish()).unwrap_or_default()
 }
 

@@ -1,9 +1,9 @@
-//! How far t = t_num / t_denom is from the distance at which the ray meets the triangle's plane.
+//! Ray against triangle: the error of t = t_num / t_denom, the distance of the intersection.
 
 use super::campaign::{self, Failures, Largest, Tally};
 use super::dyadic::{Dyadic, within_gamma};
-use super::intersect::datapath;
-use super::sight::U;
+use super::error_units::{U, ulps_of};
+use super::implementations::datapath;
 use super::wrong_distances::WRONG;
 use crate::error::Error;
 use crate::request::Request;
@@ -12,20 +12,21 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray, RayTriangleOutput, Rules};
 
-/// Each wrong implementation gets one case in so many.
+/// One case of this many also runs on the wrong implementations.
 const CONTROL_INTERVAL: u64 = 16;
-/// Cases after which each wrong implementation must have been refuted.
+/// The number of cases after which each wrong implementation must have been refuted.
 const ENOUGH: u64 = 5_000;
 
-/// Random rays at random triangles, each against exact arithmetic and the bounds of `docs/reference/error-bounds.md`.
+/// Compares random rays and triangles with exact arithmetic, by the bounds of `docs/reference/error-bounds.md`.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let rules = request.config.semantics.rules;
     let cases = request.jobs.unwrap_or(request.level.pick(300_000, 10_000_000, 300_000_000));
-    let (tally, is_stopped) = campaign::run(request, 2, cases, |rng, tally: &mut Errors| tally.run(rules, rng))?;
+    let (tally, is_stopped) =
+        campaign::run(request, 2, cases, |rng, tally: &mut DistanceErrors| tally.run(rules, rng))?;
     Ok(tally.verdict(is_stopped))
 }
 
-/// A ray at a point of a triangle or a little beside it; from near or far, square or grazing, small or large.
+/// A random triangle, and a ray at a point in or near it, from near or far, perpendicular or grazing.
 fn draw(rng: &mut ChaCha8Rng) -> (Ray<Binary32>, [[f32; 3]; 3]) {
     loop {
         let size = rng.random_range(-8.0..4.0_f64).exp2();
@@ -33,7 +34,7 @@ fn draw(rng: &mut ChaCha8Rng) -> (Ray<Binary32>, [[f32; 3]; 3]) {
         let mut corner = || -> [f64; 3] { std::array::from_fn(|i| centre[i] + size * rng.random_range(-1.0..1.0)) };
         let mut corners = [corner(), corner(), corner()];
         if rng.random_range(0..3) == 0 {
-            // Square to an axis.
+            // Perpendicular to an axis.
             let axis = rng.random_range(0..3);
             corners.iter_mut().for_each(|corner| corner[axis] = centre[axis]);
         }
@@ -50,31 +51,31 @@ fn draw(rng: &mut ChaCha8Rng) -> (Ray<Binary32>, [[f32; 3]; 3]) {
     }
 }
 
-/// What is judged.
+/// The result of an implementation.
 #[derive(Debug, Clone, Copy)]
-pub struct Answer {
-    /// Numerator of the distance.
+pub struct TriangleResult {
+    /// The numerator of the distance.
     pub t_num: f32,
-    /// Denominator of the distance.
+    /// The denominator of the distance.
     pub t_denom: f32,
     /// Whether the ray hits the triangle.
     pub hit: bool,
 }
 
-impl Answer {
-    /// The datapath's.
+impl TriangleResult {
+    /// The datapath's result.
     pub fn of(output: RayTriangleOutput<Binary32>) -> Self {
         Self { t_num: output.t_num.into(), t_denom: output.t_denom.into(), hit: output.triangle_hit.into() }
     }
 }
 
-/// Exact values, each times the power of the direction's greatest component that makes it free of divisions.
+/// Exact values, each multiplied by the power of the direction's largest component that avoids divisions.
 struct Exact {
     /// t_denom · dz²
     area: Dyadic,
     /// t_num · dz³
     volume: Dyadic,
-    /// ΣM · dz²: the magnitudes of what U, V, W are differences of.
+    /// ΣM · dz²: the magnitudes of the operands of the differences U, V and W.
     magnitude: Dyadic,
     /// Σ M·|Az| · |dz|³
     magnitude_by_depth: Dyadic,
@@ -103,7 +104,7 @@ impl Exact {
             dz: d[kz].abs(),
             depths,
         };
-        // U belongs to A and is made of C and B, and so on.
+        // U belongs to A and is computed from C and B; V and W likewise.
         for (of, p, q) in [(0, 2, 1), (1, 0, 2), (2, 1, 0)] {
             let edge = &x[p] * &y[q] - &y[p] * &x[q];
             let magnitude = &reach_x[p] * &reach_y[q] + &reach_y[p] * &reach_x[q];
@@ -117,42 +118,42 @@ impl Exact {
 }
 
 #[derive(Default)]
-struct Errors {
-    judged: u64,
+struct DistanceErrors {
+    checked: u64,
     hits: u64,
     /// |t_denom − exact| and |t_num − exact|, in u·ΣM and u·ΣM|z|.
     denominator: Largest,
     numerator: Largest,
-    /// How far t is outside the range of the vertices' distances, relative to them, in u.
+    /// By how much t is outside the range of the vertices' distances, relative to them, in u.
     outside: Largest,
-    /// |t − exact| in ulps where cancellation costs no more than the roundings of t itself, and in all cases as a part
-    /// of its bound.
-    everyday: u64,
-    everyday_ulps: Largest,
+    /// Hits with little cancellation: its error is at most that of t's own roundings. Their |t − exact| in ulps.
+    benign: u64,
+    benign_ulps: Largest,
+    /// |t − exact| of all hits, relative to its bound, and in ulps.
     part_of_bound: Largest,
     ulps: Largest,
-    /// Wrong answers found of each wrong implementation.
+    /// Wrong results of each wrong implementation.
     refuted: [u64; WRONG.len()],
     failures: Failures,
 }
 
-impl Errors {
-    /// Draws a ray and a triangle, and judges the answer; of some cases those of the wrong implementations too.
+impl DistanceErrors {
+    /// Checks a random ray and triangle; in some cases also on the wrong implementations.
     fn run(&mut self, rules: Rules, rng: &mut ChaCha8Rng) {
         let (ray, corners) = draw(rng);
         let exact = Exact::new(&ray, corners);
-        self.judge(&exact, &ray, corners, Answer::of(datapath(rules, &ray, corners)));
-        if self.judged.is_multiple_of(CONTROL_INTERVAL) {
+        self.check(&exact, &ray, corners, TriangleResult::of(datapath(rules, &ray, corners)));
+        if self.checked.is_multiple_of(CONTROL_INTERVAL) {
             for (refuted, (_, answer)) in self.refuted.iter_mut().zip(WRONG) {
                 let mut control = Self::default();
-                control.judge(&exact, &ray, corners, answer(&ray, corners));
+                control.check(&exact, &ray, corners, answer(&ray, corners));
                 *refuted += control.failures.count();
             }
         }
     }
 
-    fn judge(&mut self, exact: &Exact, ray: &Ray<Binary32>, corners: [[f32; 3]; 3], answer: Answer) {
-        self.judged += 1;
+    fn check(&mut self, exact: &Exact, ray: &Ray<Binary32>, corners: [[f32; 3]; 3], answer: TriangleResult) {
+        self.checked += 1;
         let (num, denom) = (Dyadic::from(answer.t_num), Dyadic::from(answer.t_denom));
         let squared = &exact.dz * &exact.dz;
         let cubed = &squared * &exact.dz;
@@ -168,8 +169,8 @@ impl Errors {
         }
         if answer.hit && exact.area.sign().is_gt() && exact.depths.iter().all(|depth| depth.sign().is_gt()) {
             self.hits += 1;
-            wrong.extend(self.judge_range(exact, &num, &denom));
-            wrong.extend(self.judge_quotient(exact, answer));
+            wrong.extend(self.check_range(exact, &num, &denom));
+            wrong.extend(self.check_quotient(exact, answer));
         }
         if !wrong.is_empty() {
             let (origin, dir): ([f32; 3], [f32; 3]) = (ray.origin.into(), ray.dir.into());
@@ -182,8 +183,8 @@ impl Errors {
         }
     }
 
-    /// The distance of a hit lies between those of the vertices, but for γ₈.
-    fn judge_range(&mut self, exact: &Exact, num: &Dyadic, denom: &Dyadic) -> Option<&'static str> {
+    /// The distance of a hit lies between those of the vertices, within γ₈.
+    fn check_range(&mut self, exact: &Exact, num: &Dyadic, denom: &Dyadic) -> Option<&'static str> {
         let (t, [a, b, c]) = (num * &exact.dz, exact.depths.each_ref().map(|depth| depth * denom));
         let least = a.clone().min(b.clone()).min(c.clone());
         let greatest = a.max(b).max(c);
@@ -194,9 +195,9 @@ impl Errors {
     }
 
     /// |t − exact| ≤ γ₈ t + γ₁₁ (ΣM / t_denom) · max |z − t|.
-    fn judge_quotient(&mut self, exact: &Exact, answer: Answer) -> Option<&'static str> {
+    fn check_quotient(&mut self, exact: &Exact, answer: TriangleResult) -> Option<&'static str> {
         let (num, denom) = (Dyadic::from(answer.t_num), Dyadic::from(answer.t_denom));
-        // All times t_denom · area · |dz|³.
+        // All values are multiplied by t_denom · area · |dz|³.
         let squared = &exact.dz * &exact.dz;
         let off = (&num * &exact.area * &exact.dz - &exact.volume * &denom).abs() * &squared;
         let t = &exact.volume * &denom * &squared;
@@ -208,17 +209,17 @@ impl Errors {
         self.ulps.add(ulps);
         self.part_of_bound.add(off_ / (U * (8.0 * t_ + 11.0 * cancelled_)));
         if cancelled_ <= t_ {
-            self.everyday += 1;
-            self.everyday_ulps.add(ulps);
+            self.benign += 1;
+            self.benign_ulps.add(ulps);
         }
-        // γ₈ t + γ₁₁ c, both denominators multiplied out.
+        // γ₈ t + γ₁₁ c, multiplied by both denominators.
         let [eight, eleven] = [8, 11].map(|n| Dyadic::from((1 << 24) - n));
         let bound = Dyadic::from(8) * &eleven * &t + Dyadic::from(11) * &eight * &cancelled;
         (eight * eleven * &off > bound).then_some("t")
     }
 
     fn verdict(self, is_stopped: bool) -> Verdict {
-        let covered = format!("{} rays and triangles, {} hits", self.judged, self.hits);
+        let covered = format!("{} rays and triangles, {} hits", self.checked, self.hits);
         let found: Vec<String> = WRONG.iter().zip(self.refuted).map(|((name, _), n)| format!("{name} {n}")).collect();
         let remarks = vec![
             format!(
@@ -227,17 +228,17 @@ impl Errors {
             ),
             format!("t of a hit is outside the vertices' distances by at most {:.2} u, bound 8", self.outside.0),
             format!(
-                "t of a hit: at most {:.2} ulps off in {} cases of little cancellation, bound 19; {:.3} of its bound in all, where it is up to {:.1} ulps off",
-                self.everyday_ulps.0, self.everyday, self.part_of_bound.0, self.ulps.0
+                "error of t: at most {:.2} ulps in {} hits with little cancellation, bound 19; at most {:.3} of its bound and {:.1} ulps in all hits",
+                self.benign_ulps.0, self.benign, self.part_of_bound.0, self.ulps.0
             ),
             format!(
-                "wrong answers found in {} cases of each wrong implementation: {}",
-                self.judged / CONTROL_INTERVAL,
+                "wrong results found in {} cases of each wrong implementation: {}",
+                self.checked / CONTROL_INTERVAL,
                 found.join(", ")
             ),
         ];
         let mut failures = self.failures.lines();
-        if self.judged >= ENOUGH {
+        if self.checked >= ENOUGH {
             let missed = WRONG.iter().zip(self.refuted).filter(|(_, refuted)| *refuted == 0);
             failures
                 .extend(missed.map(|((name, _), _)| format!("the campaign cannot fail: it does not refute {name}")));
@@ -246,21 +247,15 @@ impl Errors {
     }
 }
 
-/// Ulps of binary32 in a number of about this size.
-pub fn ulps_of(x: f64) -> f64 {
-    let binade = x.abs().log2().floor().max(-126.0);
-    x.abs() / (binade - 23.0).exp2()
-}
-
-impl Tally for Errors {
+impl Tally for DistanceErrors {
     fn join(&mut self, later: Self) {
-        self.judged += later.judged;
+        self.checked += later.checked;
         self.hits += later.hits;
-        self.everyday += later.everyday;
+        self.benign += later.benign;
         self.denominator.add(later.denominator.0);
         self.numerator.add(later.numerator.0);
         self.outside.add(later.outside.0);
-        self.everyday_ulps.add(later.everyday_ulps.0);
+        self.benign_ulps.add(later.benign_ulps.0);
         self.part_of_bound.add(later.part_of_bound.0);
         self.ulps.add(later.ulps.0);
         self.refuted.iter_mut().zip(later.refuted).for_each(|(a, b)| *a += b);
@@ -270,8 +265,8 @@ impl Tally for Errors {
 
 #[cfg(test)]
 mod tests {
-    use super::super::intersect::datapath;
-    use super::{Answer, Errors, Exact, WRONG, draw, ulps_of};
+    use super::super::implementations::datapath;
+    use super::{DistanceErrors, Exact, TriangleResult, WRONG, draw, ulps_of};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use raypath_ops::{Ray, Rules};
@@ -287,31 +282,31 @@ mod tests {
         assert_eq!(ulps_of(1.5), 1.5 * 2_f64.powi(23));
     }
 
-    /// Answers that are off by some more roundings than the bounds allow are not let pass.
+    /// Results with a few more roundings than the bounds allow are found.
     #[test]
     fn wrong_distances_are_found() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let (mut right, mut wrong, mut hits) = (Errors::default(), Errors::default(), 0);
+        let (mut right, mut wrong, mut hits) = (DistanceErrors::default(), DistanceErrors::default(), 0);
         for _ in 0..3000 {
             let (ray, corners) = draw(&mut rng);
             let output = datapath(Rules::Paper, &ray, corners);
             let (t_num, t_denom) = (f32::from(output.t_num), f32::from(output.t_denom));
             let hit: bool = output.triangle_hit.into();
             let exact = Exact::new(&ray, corners);
-            right.judge(&exact, &ray, corners, Answer { t_num, t_denom, hit });
+            right.check(&exact, &ray, corners, TriangleResult { t_num, t_denom, hit });
             if hit {
                 hits += 1;
-                wrong.judge(&exact, &ray, corners, Answer { t_num: t_num * (1.0 + 1e-5), t_denom, hit });
+                wrong.check(&exact, &ray, corners, TriangleResult { t_num: t_num * (1.0 + 1e-5), t_denom, hit });
             }
         }
         assert_eq!(right.failures.lines(), Vec::<String>::new());
-        assert!(hits > 500 && right.everyday > 100, "{hits} {}", right.everyday);
+        assert!(hits > 500 && right.benign > 100, "{hits} {}", right.benign);
         assert!(wrong.failures.count() > hits / 20, "{} of {hits}", wrong.failures.count());
     }
 
     #[test]
     fn each_wrong_implementation_is_refuted() {
-        let (mut errors, mut rng) = (Errors::default(), ChaCha8Rng::seed_from_u64(2));
+        let (mut errors, mut rng) = (DistanceErrors::default(), ChaCha8Rng::seed_from_u64(2));
         (0..3200).for_each(|_| errors.run(Rules::Paper, &mut rng));
         assert_eq!(errors.failures.lines(), Vec::<String>::new());
         for ((name, _), refuted) in WRONG.iter().zip(errors.refuted) {

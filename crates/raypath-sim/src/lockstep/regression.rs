@@ -1,8 +1,8 @@
-//! What the everyday tests ask of every configuration.
+//! The regression checks of a configuration's netlist.
 
 use crate::engine::{CycleEngine, Engine, NetlistEngine, drive};
 use crate::jobs::random;
-use crate::lockstep::canonical::{Watched, is_number_register};
+use crate::lockstep::canonical::{WatchedNetlist, is_number_register};
 use crate::lockstep::{Timing, lockstep, timing};
 use crate::models::PaperModel;
 use crate::traffic::{Cycle, Traffic};
@@ -11,56 +11,57 @@ use rand_chacha::ChaCha8Rng;
 use raypath_ops::JobKind;
 use raypath_rtl::{Config, Encoding};
 
-/// The checks of one configuration, reproducible by `seed`.
+/// The regression checks of a configuration, reproducible by `seed`.
 #[derive(Debug, Clone, Copy)]
-pub struct Everyday {
+pub struct RegressionChecks {
     /// The configuration.
     pub config: Config,
-    /// Seed of jobs, traffic and resets.
+    /// The seed of jobs, traffic and resets.
     pub seed: u64,
-    /// How many jobs the longest stream has.
+    /// The number of jobs in the longest stream.
     pub jobs: usize,
 }
 
-/// What was wrong.
+/// A check that failed.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Failed {
-    /// The check that failed.
+pub struct FailedCheck {
+    /// The check's name.
     pub check: &'static str,
-    /// What it saw, in words.
+    /// What it found.
     pub what: String,
 }
 
-impl Everyday {
-    /// How many jobs show nearly every fault (`raypath verify mutation`'s mutation runs so many, and the tests of the datapaths that
-    /// it mutates do).
+impl RegressionChecks {
+    /// The number of jobs that finds nearly every fault: `raypath verify mutation` and the tests of its datapaths run as
+    /// many.
     pub const THOROUGH: usize = 20_000;
 
-    /// Which signals, by hierarchical name, the checks look at: the netlist must be compiled so that they can be observed.
+    /// Whether the checks observe the signal of this hierarchical name. The netlist must be compiled so that it is
+    /// observable.
     pub fn observes(name: &str) -> bool {
         is_number_register(name)
     }
 
-    /// All checks, until one fails. `model` is one for the configuration, its accumulators at zero; the netlist may be
+    /// Runs the checks until one fails. `model` is the configuration's model, its accumulators at zero; the netlist may be
     /// in any state.
     ///
     /// # Errors
-    /// What was wrong.
-    pub fn check<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), Failed> {
-        let named = |check| move |what| Failed { check, what };
+    /// The check that failed.
+    pub fn check<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), FailedCheck> {
+        let named = |check| move |what| FailedCheck { check, what };
         netlist.reset();
-        self.answers_like_the_models(netlist, model).map_err(named("lockstep"))?;
+        self.agrees_with_the_models(netlist, model).map_err(named("lockstep"))?;
         self.holds_canonical_words(netlist, model).map_err(named("canonical words"))?;
-        self.keeps_step_through_resets(netlist, model).map_err(named("resets"))?;
-        self.is_as_fast_as_promised(netlist, model).map_err(named("timing"))
+        self.agrees_through_resets(netlist, model).map_err(named("resets"))?;
+        self.has_the_specified_timing(netlist, model).map_err(named("timing"))
     }
 
     fn jobs<M: PaperModel>(self, model: &M, kinds: &[JobKind]) -> impl Iterator<Item = M::Job> + use<M> {
         random(model, self.config.semantics.format, self.seed, kinds)
     }
 
-    /// Random and edge jobs under random handshakes.
-    fn answers_like_the_models<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+    /// Lockstep with the models, for random and edge jobs under random handshakes.
+    fn agrees_with_the_models<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
         let (kinds, count) = (self.config.kinds(), self.jobs);
         let jobs = self.jobs(model, kinds).take(count);
         let found = lockstep(netlist, model.clone(), jobs, &mut Traffic::random(self.seed), |_| true);
@@ -72,14 +73,14 @@ impl Everyday {
         expect(found.stalled > 100, || format!("{} cycles stalled", found.stalled))
     }
 
-    /// Where registers are recoded, each holds a canonical word in every cycle, whatever the jobs.
+    /// With recoded registers, each register holds a canonical word in every cycle.
     fn holds_canonical_words<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
         let count = self.jobs;
         if self.config.microarchitecture.registers != Encoding::Recoded {
             return Ok(());
         }
         netlist.reset();
-        let mut watched = Watched::new(netlist, self.config.semantics.format);
+        let mut watched = WatchedNetlist::new(netlist, self.config.semantics.format);
         let registers = watched.registers();
         expect(registers > 10, || format!("{registers} number registers can be observed"))?;
         let jobs = self.jobs(model, self.config.kinds()).take(count);
@@ -88,8 +89,9 @@ impl Everyday {
         watched.found.map_or(Ok(()), Err)
     }
 
-    /// Resets at any moment, with jobs of all kinds in flight; the ports are full of other jobs while none is offered.
-    fn keeps_step_through_resets<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+    /// Lockstep with the cycle-exact model through resets at random cycles. The input ports hold other jobs while no job is
+    /// offered.
+    fn agrees_through_resets<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let mut traffic = Traffic::random(self.seed);
         let mut modelled = CycleEngine::new(model.clone(), netlist.shape());
@@ -113,13 +115,13 @@ impl Everyday {
         expect(resets > 3 && left > 100, || format!("{resets} resets, {left} jobs"))
     }
 
-    /// Latency 12 where units take one step. One job a cycle, but for beats of one accumulator, which follow each other
-    /// as fast as an addition takes.
-    fn is_as_fast_as_promised<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+    /// Latency 12 if units take one step. The initiation interval is 1, but for beats of one accumulator the duration of an
+    /// addition.
+    fn has_the_specified_timing<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
         let (kinds, unit_latency) = (self.config.kinds(), self.config.microarchitecture.unit_latency.steps());
         let latency = netlist.shape().latency as u64;
-        let is_promised = if unit_latency == 1 { latency == 12 } else { latency > 12 };
-        expect(is_promised, || format!("latency {latency}"))?;
+        let is_specified = if unit_latency == 1 { latency == 12 } else { latency > 12 };
+        expect(is_specified, || format!("latency {latency}"))?;
         for &kind in kinds {
             let sums = matches!(kind, JobKind::Euclidean | JobKind::Angular);
             let initiation_interval = if sums { unit_latency.into() } else { 1 };
@@ -129,9 +131,9 @@ impl Everyday {
                 Some(job) => (timing(netlist, &job), Timing { latency, initiation_interval }),
                 None => continue,
             };
-            expect(measured == Some(promised), || format!("{kind}: {measured:?}, promised {promised}"))?;
+            expect(measured == Some(promised), || format!("{kind}: {measured:?}, expected {promised}"))?;
         }
-        // No kind comes again within as many cycles as an addition takes: nobody waits.
+        // Beats of an operation are further apart than an addition takes, so that no job waits.
         const ROUNDS: usize = 50;
         let mut streams: Vec<_> = kinds.iter().map(|&kind| self.jobs(model, &[kind])).collect();
         let round = |_| streams.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();

@@ -1,9 +1,9 @@
-//! Ray against triangle, as the datapath does it and as it must not be done.
+//! Implementations of ray against triangle: the datapath, and others that let rays pass between faces.
 
 use raypath_model::Functional;
 use raypath_ops::{Binary32, Job, Outcome, Ray, RayTriangleInput, RayTriangleOutput, Rules, Triangle};
 
-/// What the datapath answers to a ray and a triangle.
+/// The datapath's result for a ray and a triangle.
 pub fn datapath(rules: Rules, ray: &Ray<Binary32>, [a, b, c]: [[f32; 3]; 3]) -> RayTriangleOutput<Binary32> {
     let job = Job::Triangle(RayTriangleInput { ray: *ray, triangle: Triangle::new(a, b, c) });
     match Functional::<16, 8>::new(rules).run(&job) {
@@ -12,11 +12,11 @@ pub fn datapath(rules: Rules, ray: &Ray<Binary32>, [a, b, c]: [[f32; 3]; 3]) -> 
     }
 }
 
-/// A way to intersect a ray and a triangle, and its name.
+/// An implementation and its name.
 pub type Named = (&'static str, fn(&Ray<Binary32>, [[f32; 3]; 3]) -> bool);
 
-/// Other ways to intersect a ray and a triangle that faces it: each lets rays through. A campaign
-/// that does not see it would not see a fault of the datapath.
+/// Implementations that let rays pass between faces. They are the negative control of `watertight`: a campaign that does
+/// not find these faults would not find a fault of the datapath.
 pub const LEAKY: [Named; 3] =
     [("edges that belong to no face", open_edges), ("fused products", fused), ("Möller-Trumbore", moeller_trumbore)];
 
@@ -27,14 +27,14 @@ fn open_edges(ray: &Ray<Binary32>, corners: [[f32; 3]; 3]) -> bool {
     edge(c, b) > 0.0 && edge(a, c) > 0.0 && edge(b, a) > 0.0
 }
 
-/// One product of each edge function is not rounded: of an edge's two faces, both may see the ray outside.
+/// One product of each edge function is not rounded, so that the ray can be outside of both faces of an edge.
 fn fused(ray: &Ray<Binary32>, corners: [[f32; 3]; 3]) -> bool {
     let [a, b, c] = sheared(ray, corners);
     let edge = |p: [f32; 2], q: [f32; 2]| p[0].mul_add(q[1], -(p[1] * q[0]));
     edge(c, b) >= 0.0 && edge(a, c) >= 0.0 && edge(b, a) >= 0.0
 }
 
-/// Table VII, stages 2 to 4: x and y of each corner.
+/// Stages 2 to 4 of Table VII: x and y of each corner.
 fn sheared(ray: &Ray<Binary32>, corners: [[f32; 3]; 3]) -> [[f32; 2]; 3] {
     let (origin, [sx, sy, _]) = (<[f32; 3]>::from(ray.origin), <[f32; 3]>::from(ray.shear));
     let [kx, ky, kz] = [ray.kx, ray.ky, ray.kz].map(|k| u32::from(k) as usize);
@@ -44,7 +44,7 @@ fn sheared(ray: &Ray<Binary32>, corners: [[f32; 3]; 3]) -> [[f32; 2]; 3] {
     })
 }
 
-/// Möller and Trumbore's test in binary32: each face computes its edges from a vertex of its own.
+/// Möller and Trumbore's test in binary32: adjacent faces compute a common edge from different vertices.
 fn moeller_trumbore(ray: &Ray<Binary32>, [a, b, c]: [[f32; 3]; 3]) -> bool {
     let (origin, d) = (<[f32; 3]>::from(ray.origin), <[f32; 3]>::from(ray.dir));
     let minus = |p: [f32; 3], q: [f32; 3]| -> [f32; 3] { std::array::from_fn(|i| p[i] - q[i]) };

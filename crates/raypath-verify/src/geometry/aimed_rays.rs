@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray};
 use std::borrow::Cow;
 
-/// A mesh somewhere in space, with the patches at which rays are aimed.
-pub struct Body {
+/// A mesh at a place in space, with the patches that rays are aimed at.
+pub struct PlacedMesh {
     /// The mesh.
     pub mesh: Mesh,
     centre: Point,
@@ -19,21 +19,21 @@ pub struct Body {
     fans: Vec<Patch>,
 }
 
-/// At what a ray is aimed.
+/// The target of a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Aim {
-    /// A point of an edge; its two faces are the patch.
+pub enum Target {
+    /// A point of an edge. The patch is its two faces.
     Edge,
-    /// A vertex; the faces around it are the patch.
+    /// A vertex. The patch is the faces around it.
     Vertex,
-    /// A point about the middle; all faces that look at the ray are the patch.
+    /// A point near the centre. The patch is all faces that face the ray.
     Whole,
 }
 
-/// A ray, and the patch through which it should not slip.
-pub struct Shot<'b> {
-    /// At what it is aimed.
-    pub aim: Aim,
+/// A ray, and the patch that it must hit.
+pub struct AimedRay<'b> {
+    /// The ray's target.
+    pub target: Target,
     /// The ray.
     pub ray: Ray<Binary32>,
     /// The patch.
@@ -41,7 +41,7 @@ pub struct Shot<'b> {
 }
 
 /// Every shape at several places and in several sizes.
-pub fn bodies(seed: u64) -> Vec<Body> {
+pub fn bodies(seed: u64) -> Vec<PlacedMesh> {
     let places = [
         (1.0, [0.0; 3]),
         (2_f64.powi(12), [3.0, -1000.0, 77.0]),
@@ -50,10 +50,10 @@ pub fn bodies(seed: u64) -> Vec<Body> {
     ];
     let shapes = shapes(seed);
     let placed = shapes.iter().flat_map(|mesh| places.map(|(scale, offset)| mesh.placed(scale, offset)));
-    placed.map(Body::new).collect()
+    placed.map(PlacedMesh::new).collect()
 }
 
-impl Body {
+impl PlacedMesh {
     fn new(mesh: Mesh) -> Self {
         let (centre, radius) = mesh.ball();
         let normals = (0..mesh.faces.len()).map(|face| mesh.normal(face)).collect();
@@ -62,8 +62,8 @@ impl Body {
         Self { mesh, centre, radius, normals, edges, fans }
     }
 
-    /// A random ray; none where what was drawn is no ray.
-    pub fn shoot(&self, rng: &mut ChaCha8Rng) -> Option<Shot<'_>> {
+    /// A random ray; none if its random direction is zero.
+    pub fn random_ray(&self, rng: &mut ChaCha8Rng) -> Option<AimedRay<'_>> {
         let vertex = |vertex: usize| self.mesh.vertices[vertex].map(f64::from);
         match rng.random_range(0..128) {
             0 => {
@@ -71,34 +71,33 @@ impl Body {
                 let outwards = self.random_unit(rng);
                 let ray = self.ray(rng, sum(self.centre, off), outwards)?;
                 let direction = ray.dir.into();
-                let looks = |&face: &usize| super::sight::looks_at(direction, self.mesh.corners(face));
-                let patch = self.mesh.patch((0..self.mesh.faces.len()).filter(looks).collect());
-                Some(Shot { aim: Aim::Whole, ray, patch: Cow::Owned(patch) })
+                let faces_ray = |&face: &usize| super::visibility::faces_direction(direction, self.mesh.corners(face));
+                let patch = self.mesh.patch((0..self.mesh.faces.len()).filter(faces_ray).collect());
+                Some(AimedRay { target: Target::Whole, ray, patch: Cow::Owned(patch) })
             }
             1..64 => {
                 let (ends, patch) = &self.edges[rng.random_range(0..self.edges.len())];
                 let [a, b] = ends.map(vertex);
                 let target = sum(a, scaled(minus(b, a), fraction(rng)));
                 let ray = self.ray(rng, target, self.outwards(patch))?;
-                Some(Shot { aim: Aim::Edge, ray, patch: Cow::Borrowed(patch) })
+                Some(AimedRay { target: Target::Edge, ray, patch: Cow::Borrowed(patch) })
             }
             _ => {
                 let target = rng.random_range(0..self.fans.len());
                 let patch = &self.fans[target];
                 let ray = self.ray(rng, vertex(target), self.outwards(patch))?;
-                Some(Shot { aim: Aim::Vertex, ray, patch: Cow::Borrowed(patch) })
+                Some(AimedRay { target: Target::Vertex, ray, patch: Cow::Borrowed(patch) })
             }
         }
     }
 
-    /// Where a patch looks.
+    /// The direction of a patch's normals.
     fn outwards(&self, patch: &Patch) -> Point {
         unit(patch.faces.iter().map(|&face| self.normals[face]).fold([0.0; 3], sum))
     }
 
-    /// A ray at `target` from somewhere about where `outwards` points, from near or far. One in three has small
-    /// integers as its direction, so that it passes exactly where it should if the target allows; of the others, half
-    /// are nudged by an ulp or a few.
+    /// A ray at `target`, from near or far, from a random side around `outwards`. One in three has a direction of small
+    /// integers, so that it can pass exactly through the target. Half of the others are moved by one or two ulps.
     fn ray(&self, rng: &mut ChaCha8Rng, target: Point, outwards: Point) -> Option<Ray<Binary32>> {
         let tilt = [0.0, 0.2, 0.5, 1.0, 3.0][rng.random_range(0..5)];
         let backwards = sum(outwards, scaled(self.random_unit(rng), tilt));
@@ -112,8 +111,9 @@ impl Body {
         let length = [1.0, 1.0, 1.0 / 1024.0, 4096.0][rng.random_range(0..4)] / self.radius;
         let length = length.log2().round().exp2();
         let towards = minus(target, origin.map(f64::from)).map(|x| (x * length) as f32);
-        let nudged = rng.random();
-        let direction = towards.map(|x| if nudged && x != 0.0 { nudge(x, rng.random_range(-2..=2)) } else { x });
+        let is_moved = rng.random();
+        let direction =
+            towards.map(|x| if is_moved && x != 0.0 { offset_by_ulps(x, rng.random_range(-2..=2)) } else { x });
         Ray::new(origin, direction, f32::INFINITY).ok()
     }
 
@@ -131,7 +131,7 @@ impl Body {
     }
 }
 
-/// A place on an edge: the middle or a quarter, anywhere, or very near an end.
+/// A position on an edge: a half, quarter or eighth, anywhere, or very near an end.
 fn fraction(rng: &mut ChaCha8Rng) -> f64 {
     let fraction = match rng.random_range(0..4) {
         0 => [0.5, 0.25, 0.125][rng.random_range(0..3)],
@@ -141,7 +141,7 @@ fn fraction(rng: &mut ChaCha8Rng) -> f64 {
     if rng.random() { fraction } else { 1.0 - fraction }
 }
 
-/// The number so many ulps away.
-fn nudge(x: f32, ulps: i32) -> f32 {
+/// The number this many ulps away.
+fn offset_by_ulps(x: f32, ulps: i32) -> f32 {
     f32::from_bits(x.to_bits().wrapping_add_signed(ulps))
 }
