@@ -34,8 +34,7 @@ mod liberty;
 mod library;
 mod names;
 mod netlist;
-#[doc(hidden)]
-pub mod parallel;
+mod parallel;
 #[doc(hidden)]
 pub mod parsers;
 mod recipe;

@@ -52,12 +52,14 @@ fn registers_and_units_are_found_again() {
         jobs: 2,
         cache: folder.path().join("cache"),
     };
-    for control in [Control::Skid, Control::Credit] {
+    let controls = [Control::Skid, Control::Credit];
+    let datapaths = controls.map(|control| {
         let operations = Operations::new().with(&Small, 2).expect("an operation");
-        let datapath = Datapath::build(operations, Microarchitecture { control, ..Microarchitecture::DEFAULT })
-            .expect("a datapath");
-        let reports = bench.measure(&[Design::new("small", datapath.top())], |_| true).expect("a report");
-        let report = &reports[0];
+        Datapath::build(operations, Microarchitecture { control, ..Microarchitecture::DEFAULT }).expect("a datapath")
+    });
+    let designs = datapaths.each_ref().map(|datapath| Design::new("small", datapath.top()));
+    let reports = bench.measure(&designs, |_| true).expect("reports");
+    for ((control, datapath), report) in controls.into_iter().zip(datapaths).zip(&reports) {
         for (number, step) in datapath.steps().enumerate() {
             let name = if number == 0 { "input".to_string() } else { format!("stage {step}") };
             let stage_of = |name: &str| report.stages.iter().find(|stage| stage.name == name);

@@ -50,13 +50,12 @@ impl Sources {
         Ok(())
     }
 
-    /// Runs all linters: Verilator on the separate files and on the joined file, Yosys and slang on the joined file.
+    /// Runs all linters: Verilator on the separate files, Yosys and slang on the joined file, which has the same text.
     ///
     /// # Errors
     /// A linter is missing, or reports anything.
     pub fn lint(&self) -> Result<(), ToolError> {
         crate::lint_verilator(&self.files, &self.top, &[])?;
-        crate::lint_verilator(std::slice::from_ref(&self.all), &self.top, &["-Wno-DECLFILENAME"])?;
         crate::lint_yosys(&self.all, &self.top)?;
         crate::lint_slang(std::slice::from_ref(&self.all))
     }

@@ -2,6 +2,7 @@
 
 use crate::recorded::golden;
 use crate::representatives::REPRESENTATIVES;
+use rayon::prelude::*;
 use raypath::hdl::Module;
 use raypath::model::{Functional, OnPorts};
 use raypath::ops::{Job, Outcome, Rules};
@@ -92,7 +93,7 @@ fn random_jobs_and_resets_without_distance_modes() {
 /// And every value of every other parameter.
 #[test]
 fn random_jobs_and_resets_in_other_configurations() {
-    REPRESENTATIVES.into_iter().for_each(random_campaign);
+    REPRESENTATIVES.into_par_iter().for_each(random_campaign);
 }
 
 fn random_campaign(config: Config) {
