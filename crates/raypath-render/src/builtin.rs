@@ -1,16 +1,16 @@
-//! A scene that is made by code: something to trace where there is no file.
+//! The built-in scene, for use without a mesh file.
 
 use crate::mesh::{Mesh, MeshError};
 use crate::vector::{Vector, add, cross, dot, scale, single, subtract, unit};
 use std::collections::HashMap;
 use std::f64::consts::{GOLDEN_RATIO, TAU};
 
-/// A torus knot over rippled ground, with spheres that spiral around it: 119,168 triangles, y up, about 7 wide. Each body
-/// is closed: every edge is shared by two triangles that run along it in opposite directions, and neighbours share their
-/// vertices.
+/// The mesh of the built-in scene: a torus knot over rippled ground, with spheres that spiral around it. It has 119,168
+/// triangles, is about 7 wide, and +y is up. Each body is closed: every edge belongs to two triangles with opposite
+/// directions.
 ///
 /// # Errors
-/// None that can happen: the shapes are a mesh.
+/// None occur: the mesh is valid.
 pub fn builtin() -> Result<Mesh, MeshError> {
     let mut bodies = Bodies::default();
     bodies.ground(3.3, 96, 192);
@@ -27,7 +27,7 @@ pub fn builtin() -> Result<Mesh, MeshError> {
     Mesh::new(bodies.positions, bodies.triangles)
 }
 
-/// Bodies in the making.
+/// The mesh of the bodies added so far.
 #[derive(Default)]
 struct Bodies {
     positions: Vec<[f32; 3]>,
@@ -35,7 +35,7 @@ struct Bodies {
 }
 
 impl Bodies {
-    /// A disc with ripples on it, a flat underside and a rim.
+    /// Adds a disc with ripples, a flat underside and a rim.
     fn ground(&mut self, radius: f64, rings: u32, sectors: u32) {
         let bottom = self.vertex([0.0, -0.5, 0.0]);
         let top = self.vertex([0.0, ripple(0.0), 0.0]);
@@ -59,16 +59,16 @@ impl Bodies {
         }
     }
 
-    /// A tube along the (2, 3) torus knot, standing upright.
+    /// Adds a tube along an upright (2, 3) torus knot.
     fn knot(&mut self, steps: u32, sides: u32) {
         let first = self.positions.len() as u32;
         let at = |step: u32, side: u32| first + step % steps * sides + side % sides;
         for step in 0..steps {
             let angle = TAU * f64::from(step) / f64::from(steps);
-            let (centre, [out, aside]) = (knot(angle), knot_frame(angle));
+            let (centre, [out, sideways]) = (knot(angle), knot_frame(angle));
             for side in 0..sides {
                 let turn = TAU * f64::from(side) / f64::from(sides);
-                let spoke = add(scale(turn.cos(), out), scale(turn.sin(), aside));
+                let spoke = add(scale(turn.cos(), out), scale(turn.sin(), sideways));
                 self.vertex(add(centre, scale(0.3, spoke)));
             }
         }
@@ -79,8 +79,7 @@ impl Bodies {
         }
     }
 
-    /// An icosahedron whose faces are halved `halvings` times, blown up to a sphere; `shape` scales the radius by
-    /// direction.
+    /// Adds a sphere, from an icosahedron whose edges are halved `halvings` times. `shape` scales the radius by direction.
     fn sphere(&mut self, centre: Vector, radius: f64, halvings: u32, shape: impl Fn(Vector) -> f64) {
         let (mut directions, mut faces) = icosahedron();
         for _ in 0..halvings {
@@ -104,19 +103,19 @@ impl Bodies {
     }
 }
 
-/// The ground's height at a distance from the middle.
+/// The height of the ground at a distance from the centre.
 fn ripple(r: f64) -> f64 {
     0.11 * (8.0 * r).cos() * (-0.35 * r).exp()
 }
 
-/// The knot's middle line, which winds twice around the long way and three times around the short way.
+/// The centre line of the knot, which winds around the torus twice the long way and three times the short way.
 fn knot(angle: f64) -> Vector {
     let ((s2, c2), (s3, c3)) = ((2.0 * angle).sin_cos(), (3.0 * angle).sin_cos());
     let r = 1.25 + 0.55 * c3;
     [r * c2, 2.0 + r * s2, 0.55 * s3]
 }
 
-/// Two directions across the middle line: away from the middle of the torus's tube, and beside it.
+/// Two directions across the centre line of the knot: away from the centre of the torus's tube, and sideways.
 fn knot_frame(angle: f64) -> [Vector; 2] {
     let ((s2, c2), (s3, c3)) = ((2.0 * angle).sin_cos(), (3.0 * angle).sin_cos());
     let (r, dr) = (1.25 + 0.55 * c3, -1.65 * s3);
@@ -142,15 +141,15 @@ fn icosahedron() -> (Vec<Vector>, Vec<[u32; 3]>) {
         [-b, 0.0, -a],
         [-b, 0.0, a],
     ];
-    // Three corners are a face where each two of them are an edge apart.
-    let apart = |i: usize, j: usize| {
+    // Three corners form a face if each two of them are an edge apart.
+    let adjacent = |i: usize, j: usize| {
         (dot(subtract(corners[i], corners[j]), subtract(corners[i], corners[j])) - 4.0).abs() < 1e-9
     };
     let mut faces = Vec::new();
     for i in 0..12 {
         for j in i + 1..12 {
             for k in j + 1..12 {
-                if apart(i, j) && apart(j, k) && apart(k, i) {
+                if adjacent(i, j) && adjacent(j, k) && adjacent(k, i) {
                     let outwards = dot(corners[i], cross(corners[j], corners[k])) > 0.0;
                     let face = if outwards { [i, j, k] } else { [i, k, j] };
                     faces.push(face.map(|corner| corner as u32));
@@ -161,7 +160,7 @@ fn icosahedron() -> (Vec<Vector>, Vec<[u32; 3]>) {
     (corners.map(unit).to_vec(), faces)
 }
 
-/// Each face in four; new vertices are shared by the faces on both sides of an edge.
+/// Divides each face into four. Faces on both sides of an edge share its new vertex.
 fn halved(directions: &mut Vec<Vector>, faces: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut middles = HashMap::new();
     let mut middle = |a: u32, b: u32| {

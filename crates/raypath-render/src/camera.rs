@@ -1,11 +1,11 @@
-//! Where a picture is seen from.
+//! Cameras and their primary rays.
 
 use crate::mesh::Mesh;
 use crate::vector::{Vector, add, cross, dot, length, scale, single, subtract, unit, vector};
 use raypath_ops::{Binary32, Ray, RayError};
 use thiserror::Error;
 
-/// An eye that looks at a point.
+/// A pinhole camera that looks at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     eye: [f32; 3],
@@ -14,37 +14,38 @@ pub struct Camera {
     field_of_view: f32,
 }
 
-/// Why something is not a camera.
+/// The reason why camera parameters are invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum CameraError {
     /// A coordinate is infinite or NaN.
     #[error("{what} ({}, {}, {}) is not finite, expected three finite numbers", .value[0], .value[1], .value[2])]
     NotFinite {
-        /// Of what: eye, target or up.
+        /// The parameter: eye, target or up.
         what: &'static str,
-        /// What it is.
+        /// The value.
         value: [f32; 3],
     },
-    /// The eye is where it looks at.
-    #[error("the eye looks at itself, at ({}, {}, {}), expected another target", .0[0], .0[1], .0[2])]
+    /// The eye is at the target.
+    #[error("eye and target are both ({}, {}, {}), expected different points", .0[0], .0[1], .0[2])]
     NoDirection([f32; 3]),
-    /// Up has no part across the line of sight.
-    #[error("up ({}, {}, {}) runs along the line of sight, expected a direction across it", .0[0], .0[1], .0[2])]
+    /// The up vector is parallel to the viewing direction.
+    #[error("up ({}, {}, {}) is parallel to the viewing direction, expected another direction", .0[0], .0[1], .0[2])]
     NoUp([f32; 3]),
-    /// The field of view is no angle that a flat picture can have.
+    /// The field of view is out of range.
     #[error("a field of view of {0} degrees, expected more than 0 and less than 180")]
     FieldOfView(f32),
 }
 
 impl Camera {
-    /// The field of view of [`framing`](Self::framing), in degrees.
+    /// The vertical field of view of [`framing`](Self::framing) in degrees.
     pub const FIELD_OF_VIEW: f32 = 36.0;
 
-    /// A camera at `eye` that looks at `target`, with `up` upwards in the picture, and `field_of_view` degrees from the
-    /// picture's lower to its upper edge.
+    /// A camera at `eye` that looks at `target`, with `up` upwards in the picture and a vertical field of view of
+    /// `field_of_view` degrees.
     ///
     /// # Errors
-    /// Coordinates that are not finite, an eye at its target, an up along the line of sight, an angle outside of 0 to 180.
+    /// Coordinates that are not finite, an eye at the target, an up vector along the viewing direction, an angle that is
+    /// not between 0 and 180.
     pub fn new(eye: [f32; 3], target: [f32; 3], up: [f32; 3], field_of_view: f32) -> Result<Self, CameraError> {
         for (what, value) in [("eye", eye), ("target", target), ("up", up)] {
             if !value.iter().all(|x| x.is_finite()) {
@@ -64,8 +65,8 @@ impl Camera {
         Ok(Self { eye, target, up, field_of_view })
     }
 
-    /// A camera from which all of a mesh is seen, from the front, the right and above, in a picture that is `aspect` times
-    /// as wide as high. Up is +y.
+    /// A camera that sees the whole mesh from the front, the right and above, in a picture that is `aspect` times as wide as
+    /// high. Up is +y.
     pub fn framing(mesh: &Mesh, aspect: f32) -> Self {
         let target = mesh.bounds().centre();
         let towards = unit([0.45, 0.42, 1.0]);
@@ -73,22 +74,22 @@ impl Camera {
         let frame = Frame::new(scale(-1.0, towards), vector(up));
         let vertical = (f64::from(Self::FIELD_OF_VIEW).to_radians() / 2.0).tan();
         let horizontal = vertical * f64::from(aspect.max(0.01));
-        // Far enough away that each corner is inside both pairs of edges.
-        let away = |corner: [f32; 3]| {
+        // The distance at which a corner is inside the edges of the picture.
+        let required = |corner: [f32; 3]| {
             let r = subtract(vector(corner), vector(target));
             let (x, y) = (dot(r, frame.right).abs() / horizontal, dot(r, frame.up).abs() / vertical);
             x.max(y) + dot(r, towards)
         };
         let corners = (0..mesh.triangles().len() as u32).flat_map(|index| mesh.corners(index));
-        let distance = 1.08 * corners.map(away).fold(0.0, f64::max);
+        let distance = 1.08 * corners.map(required).fold(0.0, f64::max);
         let eye = single(add(vector(target), scale(distance, towards)));
-        // A mesh that is a point has no size; any distance shows it.
-        let away =
+        // A mesh of a single point has no size, and any distance shows it.
+        let eye =
             if eye == target { single(add(vector(target), scale(1.0 + length(vector(target)), towards))) } else { eye };
-        Self { eye: away, target, up, field_of_view: Self::FIELD_OF_VIEW }
+        Self { eye, target, up, field_of_view: Self::FIELD_OF_VIEW }
     }
 
-    /// Where it is: the origin of all its rays.
+    /// The position of the camera, which is the origin of its rays.
     pub fn eye(&self) -> [f32; 3] {
         self.eye
     }
@@ -97,7 +98,7 @@ impl Camera {
         Frame::new(unit(subtract(vector(self.target), vector(self.eye))), vector(self.up))
     }
 
-    /// The rays through a picture of `width` × `height` pixels, of infinite extent and with directions of length 1.
+    /// The rays through a picture of `width` × `height` pixels. They have infinite extent and unit directions.
     pub fn view(&self, width: u32, height: u32) -> View {
         let Frame { forward, right, up } = self.frame();
         let half = (f64::from(self.field_of_view).to_radians() / 2.0).tan();
@@ -106,10 +107,10 @@ impl Camera {
         View { eye: self.eye, corner, right: scale(step, right), down: scale(-step, up) }
     }
 
-    /// The rays of a [`view`](Self::view) through its pixels' centres, row by row from the upper left.
+    /// The rays of a [`view`](Self::view) through the centres of its pixels, row by row from the upper left.
     ///
     /// # Errors
-    /// A picture whose shape makes a direction that is not finite.
+    /// A direction that is not finite, because of an extreme aspect ratio.
     pub fn rays(&self, width: u32, height: u32) -> Result<Vec<Ray<Binary32>>, RayError> {
         let view = self.view(width, height);
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
@@ -117,7 +118,7 @@ impl Camera {
     }
 }
 
-/// Three directions at right angles.
+/// The orthonormal axes of a camera.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame {
     pub(crate) forward: Vector,
@@ -132,7 +133,7 @@ impl Frame {
     }
 }
 
-/// A picture's rays.
+/// The rays through the points of a picture.
 #[derive(Debug, Clone, Copy)]
 pub struct View {
     eye: [f32; 3],
@@ -142,11 +143,11 @@ pub struct View {
 }
 
 impl View {
-    /// The ray through a point of the picture, in pixels from its upper left corner; the centre of the first pixel is at
+    /// The ray through a point of the picture in pixels from the upper left corner: the centre of the first pixel is
     /// (0.5, 0.5).
     ///
     /// # Errors
-    /// Points so far outside of the picture that the direction is not finite.
+    /// A point so far outside the picture that the direction is not finite.
     pub fn ray(&self, x: f64, y: f64) -> Result<Ray<Binary32>, RayError> {
         let direction = add(self.corner, add(scale(x, self.right), scale(y, self.down)));
         Ray::new(self.eye, single(unit(direction)), f32::INFINITY)

@@ -1,55 +1,55 @@
-//! The datapath's tracer beside another.
+//! Comparison of this tracer with the library obvhs.
 
 use crate::bvh::{binary_tree, peer_triangles};
-use crate::progress::Stopped;
 use crate::scene::Scene;
-use crate::trace::{Counts, Goal, Tracer, Tracing};
+use crate::trace::{Counts, Goal, Stopped, Tracer, Tracing};
 use obvhs::ray::{Ray as PeerRay, RayHit};
 use raypath_ops::{Binary32, Ray};
+use raypath_timing::Progress;
 use std::time::{Duration, Instant};
 
-/// How two tracers do with the same rays.
+/// The times and hits of two tracers for the same rays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Comparison {
-    /// How many rays.
+    /// The number of rays.
     pub rays: usize,
-    /// What the datapath's operations took for all of them, on one core; the best of some runs.
+    /// The time of this tracer for all rays on one core, the best of all runs.
     pub ours: Duration,
-    /// What obvhs took: its binary tree, and Möller and Trumbore's test of both sides.
+    /// The time of obvhs with its binary tree and its two-sided Möller–Trumbore test.
     pub obvhs: Duration,
-    /// Jobs and fetches of ours.
+    /// The jobs and fetches of this tracer.
     pub counts: Counts,
-    /// How many rays hit something by ours.
+    /// The rays with a hit by this tracer.
     pub our_hits: usize,
-    /// And by obvhs.
+    /// The rays with a hit by obvhs.
     pub obvhs_hits: usize,
-    /// Rays that hit something by one and nothing by the other.
+    /// The rays with a hit by only one of the two.
     pub differences: usize,
 }
 
 impl Comparison {
-    /// Nanoseconds a ray of ours and of obvhs.
+    /// Nanoseconds per ray of this tracer and of obvhs.
     pub fn nanoseconds(&self) -> [f64; 2] {
         [self.ours, self.obvhs].map(|time| 1e9 * time.as_secs_f64() / self.rays.max(1) as f64)
     }
 }
 
-/// Traces the closest hits of `rays` on one core, by the datapath's operations and by obvhs over the binary tree that the
-/// scene's was made of, `runs` times each in turns (at least once), and keeps the best times. `watch` hears how many runs
-/// are done.
+/// Traces the closest hits of `rays` on one core with this tracer and with obvhs, `runs` times each in turns (at least
+/// once), and keeps the best times. obvhs uses the binary tree from which the tree of the scene was made. `progress` gets
+/// the number of completed runs.
 ///
 /// # Errors
-/// [`Stopped`] where `watch` answered false.
+/// [`Stopped`] if `progress` returned false.
 pub fn compare(
     scene: &Scene,
     rays: &[Ray<Binary32>],
     tracing: Tracing,
     runs: u32,
-    watch: &(dyn Fn(u64) -> bool + Sync),
+    progress: Progress,
 ) -> Result<Comparison, Stopped> {
     let tree = binary_tree(scene.mesh());
     let triangles = peer_triangles(scene.mesh());
-    // In the order of leaves, as it likes them best.
+    // In the order of leaves, which is fastest for obvhs.
     let triangles: Vec<_> = tree.primitive_indices.iter().map(|&index| triangles[index as usize]).collect();
     let peer_rays: Vec<PeerRay> = rays.iter().map(peer_ray).collect();
     let (mut ours, mut obvhs) = (Duration::MAX, Duration::MAX);
@@ -66,12 +66,11 @@ pub fn compare(
         let start = Instant::now();
         for (ray, peer_hit) in peer_rays.iter().zip(&mut peer_hit) {
             let mut closest = RayHit::none();
-            tree.ray_traverse(*ray, &mut closest, |ray, place| triangles[place].intersect(ray));
-            // Its distance is the extent where nothing was hit.
+            tree.ray_traverse(*ray, &mut closest, |ray, slot| triangles[slot].intersect(ray));
             *peer_hit = closest.primitive_id != RayHit::none().primitive_id;
         }
         obvhs = obvhs.min(start.elapsed());
-        if !watch(run.into()) {
+        if !progress(run.into()) {
             return Err(Stopped);
         }
     }

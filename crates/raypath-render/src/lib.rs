@@ -1,10 +1,10 @@
-//! Rendering through the datapath's operations.
+//! Ray tracing and rendering with the operations of the datapath.
 //!
-//! Every test of a ray against boxes or a triangle is a job of the datapath: [`RayBox`](raypath_ops::RayBox) and
-//! [`RayTriangle`](raypath_ops::RayTriangle). What stands around them is the external circuit of *A Hardware Ray Tracer
-//! Datapath with Generalized Features*: the stack, the division t_num / t_denom, and shading. [`Traversal`] is that
-//! circuit for one ray, an agent that says which jobs it needs: [`trace_closest`] and [`trace_any`] answer them at once, and
-//! [`time_picture`] and [`time_rays`] by a cycle-exact model of the datapath, to see how long that takes.
+//! Each test of a ray against four boxes or a triangle is a job of the datapath: [`RayBox`](raypath_ops::RayBox) or
+//! [`RayTriangle`](raypath_ops::RayTriangle). This crate is the external circuit that *A Hardware Ray Tracer Datapath with
+//! Generalized Features* leaves outside: the traversal stack, the division t_num / t_denom, and shading. [`Traversal`] is
+//! that circuit for one ray. [`trace_closest`], [`trace_any`] and [`render`](render()) execute its jobs directly in
+//! software; [`time_rays`] and [`time_picture`] send them through a cycle-exact model of the pipeline and count cycles.
 
 pub mod builtin;
 pub mod bvh;
@@ -12,7 +12,6 @@ pub mod camera;
 pub mod compare;
 pub mod mesh;
 pub mod picture;
-mod progress;
 pub mod rays;
 pub mod read;
 pub mod render;
@@ -26,10 +25,9 @@ pub use bvh::Bvh4;
 pub use camera::{Camera, CameraError};
 pub use mesh::{Bounds, Mesh, MeshError};
 pub use picture::{Picture, heatmap};
-pub use progress::Stopped;
 pub use rays::{RaysError, parse_rays, read_rays, write_hits};
 pub use read::{Format, ReadError, parse_mesh, read_mesh};
 pub use render::{RenderError, Rendering, Shading, render};
 pub use scene::Scene;
-pub use timing::{Bundle, PictureError, Still, sweep_picture, sweep_rays, time_picture, time_rays};
-pub use trace::{Counts, Goal, Hit, Tracer, Tracing, Traversal, trace_any, trace_closest};
+pub use timing::{PictureError, PictureSpec, RayBatch, sweep_picture, sweep_rays, time_picture, time_rays};
+pub use trace::{Counts, Goal, Hit, Stopped, Tracer, Tracing, Traversal, trace_any, trace_closest};

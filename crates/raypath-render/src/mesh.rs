@@ -2,10 +2,10 @@
 
 use thiserror::Error;
 
-/// Triangles with shared vertices; checked, so that whoever holds one need not.
+/// A valid mesh of triangles with shared vertices.
 ///
-/// Every coordinate is finite and at most [`Mesh::GREATEST`] in magnitude, every index names a vertex, and there is at
-/// least one triangle. Degenerate triangles are kept. Triangles can be hit from the side from which their vertices run
+/// Every coordinate is finite and at most [`Mesh::MAX_COORDINATE`] in magnitude, every index names a vertex, and there is
+/// at least one triangle. Degenerate triangles are kept. The front of a triangle is the side from which its vertices run
 /// counter-clockwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
@@ -13,43 +13,43 @@ pub struct Mesh {
     triangles: Vec<[u32; 3]>,
 }
 
-/// Why something is not a mesh.
+/// The reason why positions and indices are not a valid mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum MeshError {
-    /// There is nothing to hit.
+    /// The mesh has no triangles.
     #[error("0 triangles, expected at least 1")]
     NoTriangles,
-    /// A coordinate is infinite, NaN, or so great that a triangle's distance would overflow.
+    /// A coordinate is infinite, NaN, or so great that the distance to a triangle could overflow.
     #[error("vertex {vertex} has {axis} = {value}, expected a number of magnitude at most 2^40")]
     Coordinate {
-        /// Which vertex; the first is 0.
+        /// The vertex, from 0.
         vertex: usize,
-        /// Along which axis.
+        /// The axis.
         axis: char,
-        /// What it is.
+        /// The coordinate.
         value: f32,
     },
     /// A triangle names a vertex that does not exist.
     #[error("triangle {triangle} names vertex {index}, expected less than {vertices}, the number of vertices")]
     Index {
-        /// Which triangle; the first is 0.
+        /// The triangle, from 0.
         triangle: usize,
-        /// What it names.
+        /// The index.
         index: u32,
-        /// How many there are.
+        /// The number of vertices.
         vertices: usize,
     },
 }
 
 impl Mesh {
-    /// The greatest magnitude of a coordinate, 2⁴⁰. The numerator of a distance is a product of three lengths; beyond
-    /// this it could exceed binary32.
-    pub const GREATEST: f32 = (1_u64 << 40) as f32;
+    /// The maximum magnitude of a coordinate, 2⁴⁰. The numerator of a distance is a product of three lengths, which could
+    /// exceed binary32 for greater coordinates.
+    pub const MAX_COORDINATE: f32 = (1_u64 << 40) as f32;
 
-    /// A mesh of `positions` and of triples of indices into them.
+    /// A mesh of `positions` and `triangles`, which are triples of indices into them.
     ///
     /// # Errors
-    /// No triangle, a coordinate that is not finite or exceeds [`GREATEST`](Self::GREATEST), an index that names no
+    /// No triangle, a coordinate that is not finite or exceeds [`MAX_COORDINATE`](Self::MAX_COORDINATE), an index that names no
     /// vertex.
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         if triangles.is_empty() {
@@ -57,7 +57,7 @@ impl Mesh {
         }
         for (vertex, position) in positions.iter().enumerate() {
             for (axis, &value) in ['x', 'y', 'z'].into_iter().zip(position) {
-                if value.is_nan() || value.abs() > Self::GREATEST {
+                if value.is_nan() || value.abs() > Self::MAX_COORDINATE {
                     return Err(MeshError::Coordinate { vertex, axis, value });
                 }
             }
@@ -88,14 +88,14 @@ impl Mesh {
         self.triangles[index as usize].map(|vertex| self.positions[vertex as usize])
     }
 
-    /// The box around all triangles. Vertices that no triangle names do not count.
+    /// The bounding box of all triangles. Unused vertices do not count.
     pub fn bounds(&self) -> Bounds {
         let corners = self.triangles.iter().flatten().map(|&vertex| self.positions[vertex as usize]);
         corners.fold(Bounds::EMPTY, Bounds::with)
     }
 }
 
-/// A box between two corners.
+/// An axis-aligned bounding box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     /// The corner with the least coordinates.
@@ -105,16 +105,16 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box without points: min is +∞, max −∞.
+    /// The empty box: min is +∞, max −∞.
     pub const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
 
-    /// The least box around this one and a point.
+    /// The smallest box that contains this one and a point.
     #[inline]
     pub fn with(self, point: [f32; 3]) -> Self {
         self.union(Self { min: point, max: point })
     }
 
-    /// The least box around two.
+    /// The smallest box that contains both.
     #[inline]
     pub fn union(self, other: Self) -> Self {
         Self {
@@ -128,12 +128,12 @@ impl Bounds {
         (0..3).map(|axis| self.max[axis] - self.min[axis]).fold(0.0, f32::max)
     }
 
-    /// The point in the middle.
+    /// The centre.
     pub fn centre(self) -> [f32; 3] {
         std::array::from_fn(|axis| self.min[axis] / 2.0 + self.max[axis] / 2.0)
     }
 
-    /// The greatest distance along an axis from a point to one of the box.
+    /// The greatest distance, along any axis, between `point` and a point of the box.
     pub fn reach_from(self, point: [f32; 3]) -> f32 {
         let along = |axis: usize| (point[axis] - self.min[axis]).abs().max((self.max[axis] - point[axis]).abs());
         (0..3).map(along).fold(0.0, f32::max)

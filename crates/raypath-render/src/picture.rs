@@ -1,10 +1,10 @@
-//! Pictures in memory, and as PNG.
+//! Pictures, their PNG encoding, and heat maps.
 
 use font8x8::UnicodeFonts;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 
-/// Pixels, row by row from the top, red, green and blue in sRGB.
+/// A picture: rows of sRGB pixels from the top.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
     width: u32,
@@ -13,34 +13,34 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A picture of one colour.
+    /// A picture of uniform colour.
     pub(crate) fn filled(width: u32, height: u32, colour: [u8; 3]) -> Self {
         Self { width, height, pixels: vec![colour; width as usize * height as usize] }
     }
 
-    pub(crate) fn of(width: u32, height: u32, pixels: Vec<[u8; 3]>) -> Self {
+    pub(crate) fn new(width: u32, height: u32, pixels: Vec<[u8; 3]>) -> Self {
         Self { width, height, pixels }
     }
 
-    /// Pixels in a row.
+    /// The width in pixels.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Rows.
+    /// The height in pixels.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// Its pixels.
+    /// The pixels, row by row, as red, green and blue.
     pub fn pixels(&self) -> &[[u8; 3]] {
         &self.pixels
     }
 
-    /// The content of a PNG file.
+    /// The content of a PNG file with this picture.
     ///
     /// # Errors
-    /// What the encoder says; none is known.
+    /// Errors of the encoder; none is expected.
     pub fn to_png(&self) -> Result<Vec<u8>, ImageError> {
         let mut bytes = Vec::new();
         let pixels = self.pixels.as_flattened();
@@ -49,15 +49,15 @@ impl Picture {
     }
 }
 
-/// How many jobs each pixel took, as a picture: black is none, through red to yellow, the palest is the most. Below it
-/// stands a legend with the numbers at its ends.
+/// Draws the number of jobs of each pixel as a heat map, from black for none to pale yellow for the maximum, with a legend
+/// below.
 pub fn heatmap(width: u32, height: u32, jobs: &[u32]) -> Picture {
-    let most = jobs.iter().copied().max().unwrap_or(0).max(1);
+    let max = jobs.iter().copied().max().unwrap_or(0).max(1);
     let mut picture = Picture::filled(width, height + LEGEND, [24, 24, 24]);
     for (pixel, &jobs) in picture.pixels.iter_mut().zip(jobs) {
-        *pixel = colour(f64::from(jobs) / f64::from(most));
+        *pixel = colour(f64::from(jobs) / f64::from(max));
     }
-    let label = most.to_string();
+    let label = max.to_string();
     let (left, right) = (MARGIN + 8 + MARGIN, width.saturating_sub(MARGIN + 8 * label.len() as u32 + MARGIN));
     for x in left..right {
         let colour = colour(f64::from(x - left) / f64::from(right - left));
@@ -67,34 +67,34 @@ pub fn heatmap(width: u32, height: u32, jobs: &[u32]) -> Picture {
     }
     picture.write(MARGIN, height + MARGIN, "0");
     picture.write(right + MARGIN, height + MARGIN, &label);
-    picture.write(MARGIN, height + 2 * MARGIN + 8, "jobs a pixel");
+    picture.write(MARGIN, height + 2 * MARGIN + 8, "jobs per pixel");
     picture
 }
 
 const MARGIN: u32 = 6;
-/// Two lines of letters.
+/// The height of the legend: two lines of text.
 const LEGEND: u32 = 3 * MARGIN + 16;
 
-/// Equal steps look equally far apart.
+/// The colour of a value from 0 to 1, from a perceptually uniform map.
 fn colour(part: f64) -> [u8; 3] {
     colorous::INFERNO.eval_continuous(part).as_array()
 }
 
 impl Picture {
-    /// Sets a pixel, if it is inside.
+    /// Sets a pixel; coordinates outside are ignored.
     fn set(&mut self, x: u32, y: u32, colour: [u8; 3]) {
         if x < self.width && y < self.height {
             self.pixels[y as usize * self.width as usize + x as usize] = colour;
         }
     }
 
-    /// Writes in letters of 8 × 8 pixels.
+    /// Writes text in an 8 × 8 pixel font.
     fn write(&mut self, x: u32, y: u32, text: &str) {
-        for (place, letter) in (0..).zip(text.chars()) {
+        for (column, letter) in (0..).zip(text.chars()) {
             let rows = font8x8::BASIC_FONTS.get(letter).unwrap_or_default();
             for (dy, row) in (0..).zip(rows) {
                 for dx in (0..8).filter(|dx| row >> dx & 1 == 1) {
-                    self.set(x + 8 * place + dx, y + dy, [230, 230, 230]);
+                    self.set(x + 8 * column + dx, y + dy, [230, 230, 230]);
                 }
             }
         }

@@ -1,12 +1,12 @@
-//! Rays and hits as text, to hold this tracer against another.
+//! Rays and hits as text files, for comparison with other tracers.
 //!
-//! A file of rays has a ray a line: `ox oy oz dx dy dz extent`, decimal numbers with spaces between them. The extent may be
-//! `inf`. What follows a `#` is a comment; empty lines do not count. Rays are numbered from 0.
+//! A file of rays has one ray per line: `ox oy oz dx dy dz extent`, decimal numbers separated by spaces. The extent may be
+//! `inf`. `#` starts a comment; empty lines are ignored. Rays are numbered from 0.
 //!
-//! A file of hits has a line for each ray: `triangle t t_num t_denom t_bits t_num_bits t_denom_bits`, or `miss`. The triangle
-//! is its index in the mesh, from 0, with `b` behind it if it is hit from behind. Numbers are the shortest decimals that
-//! are read back as the same binary32; the bits are 8 hexadecimal digits. t is t_num / t_denom, rounded once, in units of
-//! the direction's length. Of several triangles at the closest t the one with the lowest index is given.
+//! A file of hits has one line per ray: `triangle t t_num t_denom t_bits t_num_bits t_denom_bits`, or `miss`. `triangle` is
+//! the index in the mesh, from 0, followed by `b` for a hit from behind. Numbers are the shortest decimals that denote the
+//! same binary32; bits are 8 hexadecimal digits. t is t_num / t_denom, rounded to binary32, in units of the direction's
+//! length. Of several triangles at the closest t, the file has the one with the lowest index.
 
 use crate::trace::Hit;
 use raypath_ops::{Binary32, Ray, RayError};
@@ -16,47 +16,47 @@ use thiserror::Error;
 
 const FIELDS: [&str; 7] = ["ox", "oy", "oz", "dx", "dy", "dz", "extent"];
 
-/// Why a file is not one of rays. Messages begin with file and line.
+/// The reason why a file of rays could not be read. Messages begin with path and line.
 #[derive(Debug, Error)]
 pub enum RaysError {
-    /// The operating system refused, or it is not text.
+    /// The file could not be read as text.
     #[error("{}: cannot read: {problem}", .path.display())]
     File {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What it said.
+        /// The error.
         problem: io::Error,
     },
-    /// A line has too few or too many numbers.
+    /// A line does not have seven numbers.
     #[error("{}:{line}: {found} numbers, expected 7: {}", .path.display(), FIELDS.join(" "))]
     Fields {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Which line; the first is 1.
+        /// The line, from 1.
         line: usize,
-        /// How many numbers it has.
+        /// The number of numbers found.
         found: usize,
     },
-    /// Something is not a number.
+    /// A field is not a number.
     #[error("{}:{line}: {field} = '{value}', expected a decimal number", .path.display())]
     Number {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Which line; the first is 1.
+        /// The line, from 1.
         line: usize,
-        /// Which of the seven.
+        /// The field.
         field: &'static str,
-        /// What stands there.
+        /// The text found.
         value: String,
     },
-    /// The numbers are not a ray.
+    /// The numbers are not a valid ray.
     #[error("{}:{line}: {problem}", .path.display())]
     Ray {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Which line; the first is 1.
+        /// The line, from 1.
         line: usize,
-        /// Why not.
+        /// The error.
         problem: RayError,
     },
 }
@@ -64,16 +64,16 @@ pub enum RaysError {
 /// Reads a file of rays.
 ///
 /// # Errors
-/// A file that cannot be read, or a line that is not a ray.
+/// A file that cannot be read, or a line that is not a valid ray.
 pub fn read_rays(path: &Path) -> Result<Vec<Ray<Binary32>>, RaysError> {
     let text = std::fs::read_to_string(path).map_err(|problem| RaysError::File { path: path.to_owned(), problem })?;
     parse_rays(&text, path)
 }
 
-/// Reads rays from text; `path` is for messages.
+/// Reads rays from text. `path` appears in messages.
 ///
 /// # Errors
-/// A line that is not a ray.
+/// A line that is not a valid ray.
 pub fn parse_rays(text: &str, path: &Path) -> Result<Vec<Ray<Binary32>>, RaysError> {
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.split('#').next().unwrap_or("")));
     let rays = lines.filter(|(_, line)| !line.trim().is_empty());
@@ -95,14 +95,14 @@ fn parse_ray(text: &str, line: usize, path: &Path) -> Result<Ray<Binary32>, Rays
     Ray::new([ox, oy, oz], [dx, dy, dz], extent).map_err(|problem| RaysError::Ray { path: path(), line, problem })
 }
 
-/// Writes a line for each ray, after two that say what they mean.
+/// Writes a line for each ray, after two lines of comment that describe the fields.
 ///
 /// # Errors
-/// What the writer says.
+/// Errors of the writer.
 pub fn write_hits(mut writer: impl Write, hits: &[Option<Hit>]) -> io::Result<()> {
     writeln!(
         writer,
-        "# a line a ray: triangle (b: from behind), t, t_num, t_denom, and the bits of the three; or miss"
+        "# one line per ray: triangle (b: from behind), t, t_num, t_denom, and the bits of the three; or miss"
     )?;
     writeln!(writer, "# t = t_num / t_denom in binary32, in units of the direction's length")?;
     for hit in hits {

@@ -1,4 +1,4 @@
-//! Meshes from files.
+//! Readers of mesh files.
 
 mod gltf;
 mod obj;
@@ -10,71 +10,71 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// A format of meshes.
+/// A mesh file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// Wavefront OBJ; polygons become triangles, materials are ignored.
     Obj,
-    /// glTF 2, as JSON or binary; the default scene with its transforms, triangles only. Buffers are in the file, in data
-    /// URIs or in files beside it.
+    /// glTF 2, as JSON or binary: the triangles of the default scene with its transforms. Buffers may be in the file, in
+    /// data URIs or in other files of the same folder.
     Gltf,
-    /// PLY, as text or binary of either byte order; polygons become fans.
+    /// PLY, as text or binary of either byte order; polygons become triangle fans.
     Ply,
-    /// STL, as text or binary; equal vertices become one.
+    /// STL, as text or binary; equal vertices are merged.
     Stl,
 }
 
-/// Why a file gave no mesh. Messages begin with the file.
+/// The reason why a mesh file could not be read. Messages begin with the path.
 #[derive(Debug, Error)]
 pub enum ReadError {
-    /// The name says nothing about the format.
-    #[error("{}: extension {found}, expected one of {}", .path.display(), Known)]
+    /// The extension is unknown.
+    #[error("{}: extension {found}, expected one of {}", .path.display(), KnownExtensions)]
     Extension {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What its name ends in, in quotes, or "none".
+        /// The extension in quotes, or "none".
         found: String,
     },
-    /// The operating system refused.
+    /// The operating system could not read the file.
     #[error("{}: cannot read: {problem}", .path.display())]
     File {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What it said.
+        /// The error.
         problem: std::io::Error,
     },
-    /// It is not what its name says, or not all of it is there.
+    /// The content is not of the format, or is incomplete.
     #[error("{}: {problem}", .path.display())]
     Content {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Where, what was found, and what was expected.
+        /// The position in the file, what was found there, and what was expected.
         problem: String,
     },
-    /// It can be read, but is no mesh.
+    /// The content is not a valid mesh.
     #[error("{}: {problem}", .path.display())]
     Mesh {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The error.
         problem: MeshError,
     },
 }
 
-/// Reads a mesh from a file whose extension says its format.
+/// Reads a mesh from a file. The extension determines the format.
 ///
 /// # Errors
-/// An extension that is not known, a file that cannot be read, is not of that format, is cut off, or holds no mesh.
+/// An unknown extension; a file that cannot be read, is not of its format, is truncated, or has no valid mesh.
 pub fn read_mesh(path: &Path) -> Result<Mesh, ReadError> {
     let format = Format::of(path)?;
     let bytes = std::fs::read(path).map_err(|problem| ReadError::File { path: path.to_owned(), problem })?;
     parse_mesh(format, &bytes, path)
 }
 
-/// Reads a mesh from the content of a file. `path` is for messages, and for the files beside it that a glTF names.
+/// Reads a mesh from the content of a file. `path` appears in messages, and locates the other files that a glTF refers to.
 ///
 /// # Errors
-/// Content that is not of that format, is cut off, or holds no mesh.
+/// Content that is not of the format, is truncated, or has no valid mesh.
 pub fn parse_mesh(format: Format, bytes: &[u8], path: &Path) -> Result<Mesh, ReadError> {
     let parsed = match format {
         Format::Obj => obj::parse(bytes),
@@ -82,20 +82,20 @@ pub fn parse_mesh(format: Format, bytes: &[u8], path: &Path) -> Result<Mesh, Rea
         Format::Ply => ply::parse(bytes),
         Format::Stl => stl::parse(bytes),
     };
-    let Soup { positions, triangles } =
+    let RawMesh { positions, triangles } =
         parsed.map_err(|problem| ReadError::Content { path: path.to_owned(), problem })?;
     Mesh::new(positions, triangles).map_err(|problem| ReadError::Mesh { path: path.to_owned(), problem })
 }
 
 impl Format {
-    /// The extensions that are known, and what they stand for.
+    /// The known extensions with their formats.
     pub const EXTENSIONS: [(&'static str, Self); 5] =
         [("obj", Self::Obj), ("gltf", Self::Gltf), ("glb", Self::Gltf), ("ply", Self::Ply), ("stl", Self::Stl)];
 
-    /// The format that a file's extension stands for, in either case.
+    /// The format of a file by its extension, in upper or lower case.
     ///
     /// # Errors
-    /// An extension that is not known, or none.
+    /// An unknown extension, or none.
     pub fn of(path: &Path) -> Result<Self, ReadError> {
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
         let known = Self::EXTENSIONS.into_iter().find(|(name, _)| extension.as_deref() == Some(name));
@@ -106,22 +106,22 @@ impl Format {
     }
 }
 
-/// The list of extensions for messages.
-struct Known;
+/// Displays the known extensions.
+struct KnownExtensions;
 
-impl fmt::Display for Known {
+impl fmt::Display for KnownExtensions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let names: Vec<&str> = Format::EXTENSIONS.iter().map(|(name, _)| *name).collect();
         f.write_str(&names.join(", "))
     }
 }
 
-/// What a reader makes: a mesh that has not been checked.
+/// The positions and triangles of a file, not yet validated.
 #[derive(Default)]
-struct Soup {
+struct RawMesh {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
 }
 
-/// A reader's result; the problem names the place in the file.
-type Parsed = Result<Soup, String>;
+/// The result of a reader. The error names the position in the file.
+type Parsed = Result<RawMesh, String>;

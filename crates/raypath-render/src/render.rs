@@ -1,33 +1,33 @@
-//! From a scene and a camera to a picture.
+//! Rendering of a scene, seen by a camera, as a picture.
 
-mod brush;
-mod light;
+mod lighting;
+mod pixel;
 
-pub(crate) use brush::{Aim, Brush, Painter};
+pub(crate) use pixel::{PictureSampler, PixelSampler, SampleRay};
 
 use crate::camera::Camera;
 use crate::picture::{Picture, heatmap};
-use crate::progress::{Progress, Stopped};
 use crate::scene::Scene;
-use crate::trace::{Counts, Tracer, Tracing};
-use brush::Kind;
+use crate::trace::{Counts, Stopped, Tracer, Tracing};
+use pixel::RayKind;
 use rayon::prelude::*;
 use raypath_ops::RayError;
+use raypath_timing::{Progress, ProgressCounter};
 use thiserror::Error;
 
-/// How a picture is made.
+/// Options of rendering.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shading {
-    /// How rays are traced, secondary ones too.
+    /// The options of tracing, for primary and secondary rays.
     pub tracing: Tracing,
-    /// Whether a ray goes from each hit towards the sun.
+    /// Whether to trace a shadow ray from each hit towards the sun.
     pub shadows: bool,
-    /// How many rays go from each hit into the half space before it, to see how much of the sky lights it; 0 for none.
+    /// The number of ambient-occlusion rays from each hit into the sky; 0 for none.
     pub ambient_occlusion: u32,
-    /// A pixel is the mean of `samples` × `samples` rays through it, evenly spaced; 1 for one through its centre. At least
-    /// 1.
+    /// The samples per pixel along each axis, 1 to 64: a pixel is the mean of `samples` × `samples` evenly spaced primary
+    /// rays.
     pub samples: u32,
-    /// Which directions the rays of ambient occlusion have.
+    /// The seed for the directions of ambient-occlusion rays.
     pub seed: u64,
 }
 
@@ -37,107 +37,109 @@ impl Default for Shading {
     }
 }
 
-/// A picture, and what it took.
+/// A rendered picture with its cost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rendering {
-    /// What is seen.
+    /// The picture.
     pub picture: Picture,
-    /// The jobs of each pixel, row by row; those of its secondary rays too.
+    /// The number of jobs of each pixel, row by row, with its secondary rays.
     pub jobs: Vec<u32>,
-    /// The cost of rays from the eye.
+    /// The cost of primary rays.
     pub primary: Costs,
-    /// The cost of rays towards the sun.
+    /// The cost of shadow rays.
     pub shadow: Costs,
-    /// The cost of rays of ambient occlusion.
+    /// The cost of ambient-occlusion rays.
     pub occlusion: Costs,
 }
 
-/// Rays of one kind, and what they took.
+/// The cost of the rays of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Costs {
-    /// How many.
+    /// The number of rays.
     pub rays: u64,
-    /// How many of them hit something.
+    /// The number of rays with a hit.
     pub hits: u64,
-    /// Jobs and fetches.
+    /// The jobs and fetches.
     pub counts: Counts,
 }
 
-/// Why there is no picture.
+/// The reason why rendering failed.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum RenderError {
-    /// The picture has no pixels, or more than a picture should.
+    /// The size of the picture is out of range.
     #[error(
-        "a picture of {width} x {height} pixels, expected 1 to {MOST_PIXELS} of them, at most {MOST_SIDE} in a row or column"
+        "a picture of {width} x {height} pixels, expected 1 to {MAX_PIXELS} pixels and at most {MAX_SIDE} in a row or column"
     )]
     Size {
-        /// Pixels in a row.
+        /// The width in pixels.
         width: u32,
-        /// Rows.
+        /// The height in pixels.
         height: u32,
     },
-    /// A pixel is the mean of no rays, or of very many.
-    #[error("{0} x {0} samples a pixel, expected 1 to 64")]
+    /// The number of samples is out of range.
+    #[error("{0} x {0} samples per pixel, expected 1 to 64")]
     Samples(u32),
-    /// The camera makes something that is not a ray.
+    /// A primary ray of the camera is invalid.
     #[error("the camera: {0}")]
     Camera(#[from] RayError),
-    /// The watch said to stop.
+    /// The progress callback returned false.
     #[error(transparent)]
     Stopped(#[from] Stopped),
 }
 
-/// The most pixels of a picture.
-pub const MOST_PIXELS: u64 = 1 << 28;
-/// The most pixels in a row or column.
-pub const MOST_SIDE: u32 = 1 << 16;
+/// The maximum number of pixels of a picture.
+pub const MAX_PIXELS: u64 = 1 << 28;
+/// The maximum number of pixels in a row or column.
+pub const MAX_SIDE: u32 = 1 << 16;
 
-/// Renders a picture of `width` × `height` pixels. Every ray, from the eye, towards the sun and into the sky, goes through
-/// the datapath's operations. The same arguments make the same picture, on however many threads. `watch` hears now and
-/// then how many pixels are done.
+/// Renders a picture of `size` = (width, height) pixels on all threads of rayon. All primary and secondary rays use the
+/// operations of the datapath. Equal arguments give equal pictures with any number of threads. `progress` gets the number
+/// of completed pixels.
 ///
 /// # Errors
-/// A size without pixels or of too many, samples other than 1 to 64, and [`Stopped`] where `watch` answered false.
+/// A size or a number of samples out of range, and [`Stopped`] if `progress` returned false.
 pub fn render(
     scene: &Scene,
     camera: &Camera,
     size: (u32, u32),
     shading: &Shading,
-    watch: &(dyn Fn(u64) -> bool + Sync),
+    progress: Progress,
 ) -> Result<Rendering, RenderError> {
-    let painter = Painter::new(scene, camera, size, shading)?;
+    let sampler = PictureSampler::new(scene, camera, size, shading)?;
     let (width, height) = size;
-    let progress = Progress::new(watch);
-    let mut canvas = vec![Pixel::default(); painter.pixels()];
-    let rows = canvas.par_chunks_mut(width as usize).enumerate().map(|(row, pixels)| {
-        let mut spent = Spent::default();
+    let progress = ProgressCounter::new(progress);
+    let mut pixels = vec![Pixel::default(); sampler.pixels()];
+    let rows = pixels.par_chunks_mut(width as usize).enumerate().map(|(row, pixels)| {
+        let mut costs = CostsByKind::default();
         if progress.is_stopped() {
-            return Ok(spent);
+            return Ok(costs);
         }
         let mut tracer = Tracer::new(scene, shading.tracing);
         for (column, pixel) in pixels.iter_mut().enumerate() {
-            let before = spent.jobs();
-            let mut brush = painter.brush(row * width as usize + column);
+            let before = costs.jobs();
+            let mut pixel_sampler = sampler.pixel(row * width as usize + column);
             let mut hit = None;
-            while let Some(Aim { ray, kind }) = brush.next(hit)? {
+            while let Some(SampleRay { ray, kind }) = pixel_sampler.next_ray(hit)? {
                 hit = tracer.trace(&ray, kind.goal());
-                spent.of(kind).add(&tracer, hit.is_some());
+                costs.of(kind).add(&tracer, hit.is_some());
             }
-            pixel.colour = brush.colour();
-            pixel.jobs = u32::try_from(spent.jobs() - before).unwrap_or(u32::MAX);
+            pixel.colour = pixel_sampler.colour();
+            pixel.jobs = u32::try_from(costs.jobs() - before).unwrap_or(u32::MAX);
         }
         progress.add(width.into());
-        Ok::<Spent, RayError>(spent)
+        Ok::<CostsByKind, RayError>(costs)
     });
-    let spent = rows.try_reduce(Spent::default, |a, b| Ok(a.and(b)))?;
-    progress.finish()?;
-    let picture = Picture::of(width, height, canvas.iter().map(|pixel| pixel.colour).collect());
-    let jobs = canvas.iter().map(|pixel| pixel.jobs).collect();
-    Ok(Rendering { picture, jobs, primary: spent.primary, shadow: spent.shadow, occlusion: spent.occlusion })
+    let CostsByKind { primary, shadow, occlusion } = rows.try_reduce(CostsByKind::default, |a, b| Ok(a.and(b)))?;
+    if progress.is_stopped() {
+        return Err(Stopped.into());
+    }
+    let picture = Picture::new(width, height, pixels.iter().map(|pixel| pixel.colour).collect());
+    let jobs = pixels.iter().map(|pixel| pixel.jobs).collect();
+    Ok(Rendering { picture, jobs, primary, shadow, occlusion })
 }
 
 impl Rendering {
-    /// The jobs of each pixel as a picture with a legend below.
+    /// The heat map of the jobs of each pixel, with a legend below.
     pub fn heatmap(&self) -> Picture {
         heatmap(self.picture.width(), self.picture.height(), &self.jobs)
     }
@@ -149,20 +151,20 @@ struct Pixel {
     jobs: u32,
 }
 
-/// What rays of each kind took.
+/// The costs of all kinds of rays.
 #[derive(Debug, Clone, Copy, Default)]
-struct Spent {
+struct CostsByKind {
     primary: Costs,
     shadow: Costs,
     occlusion: Costs,
 }
 
-impl Spent {
-    fn of(&mut self, kind: Kind) -> &mut Costs {
+impl CostsByKind {
+    fn of(&mut self, kind: RayKind) -> &mut Costs {
         match kind {
-            Kind::Primary => &mut self.primary,
-            Kind::Shadow => &mut self.shadow,
-            Kind::Occlusion => &mut self.occlusion,
+            RayKind::Primary => &mut self.primary,
+            RayKind::Shadow => &mut self.shadow,
+            RayKind::Occlusion => &mut self.occlusion,
         }
     }
 
@@ -184,7 +186,7 @@ impl Costs {
         Self { rays: self.rays + other.rays, hits: self.hits + other.hits, counts: self.counts + other.counts }
     }
 
-    /// Takes in the ray that was traced last.
+    /// Adds the last ray of a tracer.
     fn add(&mut self, tracer: &Tracer, hit: bool) {
         *self = self.and(Self { rays: 1, hits: hit.into(), counts: tracer.counts() });
     }

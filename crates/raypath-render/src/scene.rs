@@ -1,12 +1,12 @@
-//! A mesh and the tree over it: what rays are traced through.
+//! A scene: a mesh with its bounding volume hierarchy.
 
 use crate::bvh::{Bvh4, MeshTooLarge};
 use crate::mesh::{Bounds, Mesh};
 
-/// How many times the mesh's longest side ray origins may be away where nothing else is said.
+/// The default reach in units of the longest side of the mesh.
 const DEFAULT_REACH: f32 = 16.0;
 
-/// A mesh with the tree that rays are traced through, made for rays that begin within its [`reach`](Self::reach).
+/// A mesh with its bounding volume hierarchy, built for ray origins within its [`reach`](Self::reach).
 #[derive(Debug, Clone)]
 pub struct Scene {
     mesh: Mesh,
@@ -15,19 +15,19 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The scene of a mesh, for rays that begin within 16 times its longest side.
+    /// A scene for ray origins within 16 times the longest side of the mesh.
     ///
     /// # Errors
-    /// More than [`Bvh4::MOST_TRIANGLES`] triangles.
+    /// More than [`Bvh4::MAX_TRIANGLES`] triangles.
     pub fn new(mesh: Mesh) -> Result<Self, MeshTooLarge> {
         let bounds = mesh.bounds();
         Self::with_reach(mesh, DEFAULT_REACH * bounds.longest_side())
     }
 
-    /// The scene of a mesh, for rays that begin at one of `origins`, or within 16 times its longest side.
+    /// A scene for ray origins at `origins` or within 16 times the longest side of the mesh.
     ///
     /// # Errors
-    /// More than [`Bvh4::MOST_TRIANGLES`] triangles.
+    /// More than [`Bvh4::MAX_TRIANGLES`] triangles.
     pub fn for_origins(mesh: Mesh, origins: impl IntoIterator<Item = [f32; 3]>) -> Result<Self, MeshTooLarge> {
         let bounds = mesh.bounds();
         let near = DEFAULT_REACH * bounds.longest_side();
@@ -35,12 +35,12 @@ impl Scene {
         Self::with_reach(mesh, reach)
     }
 
-    /// The scene of a mesh, for rays from whose origins no point of it is farther than `reach` along any axis. Boxes are
-    /// padded in proportion (see [`Bvh4`]), so a greater reach costs a little time. It is at least what rays that begin
-    /// inside the mesh's bounds need.
+    /// A scene for ray origins from which every point of the mesh is within `reach` along each axis. A smaller reach than
+    /// the longest side of the mesh is raised to it. Boxes are padded in proportion to the reach (see [`Bvh4`]), so a
+    /// greater reach costs a little time.
     ///
     /// # Errors
-    /// More than [`Bvh4::MOST_TRIANGLES`] triangles.
+    /// More than [`Bvh4::MAX_TRIANGLES`] triangles.
     pub fn with_reach(mesh: Mesh, reach: f32) -> Result<Self, MeshTooLarge> {
         let bounds = mesh.bounds();
         let bvh = Bvh4::build(&mesh, reach.max(bounds.longest_side()))?;
@@ -52,23 +52,23 @@ impl Scene {
         &self.mesh
     }
 
-    /// The mesh's bounds.
+    /// The bounds of the mesh.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
 
-    /// The tree.
+    /// The bounding volume hierarchy.
     pub fn bvh(&self) -> &Bvh4 {
         &self.bvh
     }
 
-    /// How far, along any axis, a point of the mesh may be from the origin of a ray that is to slip through nothing.
+    /// The distance, along any axis, between a ray origin and a point of the mesh up to which tracing is watertight.
     pub fn reach(&self) -> f32 {
         self.bvh.reach()
     }
 
-    /// Whether a ray that begins at `origin` slips through nothing. One that does not may lose hits that touch a box no
-    /// more than by rounding.
+    /// Whether tracing is watertight for rays from `origin`. Other rays may lose hits at the edge of a box, within the
+    /// rounding errors of the box test.
     pub fn reaches(&self, origin: [f32; 3]) -> bool {
         self.bounds.reach_from(origin) <= self.reach()
     }

@@ -1,156 +1,153 @@
-//! How long the datapath takes for a picture or for rays, cycle by cycle.
+//! Cycle-exact simulation of rendering and ray tracing.
 //!
-//! An agent is a pixel with all its rays, one after another, or one ray of a list. Agents begin in the order of their
-//! numbers, pixels row by row. What the external circuit does (stack, division, shading) takes no cycles, but reading
-//! nodes and leaves does.
+//! Each agent is a pixel with the sequence of all its rays, or one ray of a list. Agents start in the order of their
+//! numbers, pixels row by row. The work of the external circuit (stack, division, shading) takes no cycles; reads of nodes
+//! and leaves take the memory latency.
 
-mod errand;
+mod sequence;
 
 use crate::camera::Camera;
 use crate::picture::Picture;
-use crate::render::{Painter, RenderError, Shading};
+use crate::render::{PictureSampler, RenderError, Shading};
 use crate::scene::Scene;
 use crate::trace::{Hit, Tracing};
-use errand::{Desk, Single};
 use raypath_model::{CycleModel, Functional};
 use raypath_ops::{Binary32, Ray, Rules};
-use raypath_timing::{Hardware, Observer, Sample, SimulationError, Sweep, Timing, Watch, simulate, sweep};
+use raypath_timing::{Observer, Progress, Sample, SimulationError, Sweep, System, Timing, simulate, sweep};
+use sequence::{ResultStore, SingleRay};
 use thiserror::Error;
 
-/// A picture to be made, by the arguments of [`render`](crate::render()).
+/// A picture to simulate: the arguments of [`render`](crate::render()).
 #[derive(Debug, Clone, Copy)]
-pub struct Still<'s> {
-    /// What is seen.
+pub struct PictureSpec<'s> {
+    /// The scene.
     pub scene: &'s Scene,
-    /// From where.
+    /// The camera.
     pub camera: Camera,
-    /// Pixels in a row, and rows.
+    /// Width and height in pixels.
     pub size: (u32, u32),
-    /// How.
+    /// The shading.
     pub shading: Shading,
 }
 
-/// Rays whose closest hits are sought.
+/// A list of rays to simulate.
 #[derive(Debug, Clone, Copy)]
-pub struct Bundle<'s> {
-    /// What they may hit.
+pub struct RayBatch<'s> {
+    /// The scene.
     pub scene: &'s Scene,
-    /// The rays.
+    /// The rays, of which the closest hits are computed.
     pub rays: &'s [Ray<Binary32>],
-    /// How they are traced.
+    /// The options of tracing.
     pub tracing: Tracing,
 }
 
-/// Why a picture is not timed.
+/// The reason why the simulation of a picture failed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PictureError {
-    /// There is no such picture.
+    /// The picture is invalid.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// The simulation came to no end.
+    /// The simulation did not complete.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
 }
 
-/// Makes a picture with every job on its way through the datapath. Its pixels, and the jobs and fetches of each, are those
-/// of [`render`](crate::render()); pixels outside of the sample are black. `watch` hears now and then how many pixels are
-/// done.
+/// Simulates the rendering of a picture. The pixels of the sample, and the jobs and fetches of each, equal those of
+/// [`render`](crate::render()); other pixels are black. `progress` gets the number of completed pixels.
 ///
 /// # Errors
-/// Those of [`render`](crate::render()) and of [`simulate`].
+/// The errors of [`render`](crate::render()) and of [`simulate`].
 pub fn time_picture(
-    still: &Still,
+    spec: &PictureSpec,
     sample: Sample,
-    hardware: &Hardware,
+    system: &System,
     observer: &mut impl Observer,
-    watch: Watch,
+    progress: Progress,
 ) -> Result<(Timing, Picture), PictureError> {
-    let painter = still.painter()?;
-    let numbers = sample.numbers(painter.pixels());
-    let desk = Desk::new(numbers.len());
-    let agents =
-        desk.clone().agents(painter.scene(), still.shading.tracing, numbers.clone(), |pixel| painter.brush(pixel));
-    let model = model(hardware, still.shading.tracing.rules);
-    let timing = simulate(agents, &hardware.machine, model, observer, watch)?;
-    let mut canvas = vec![[0; 3]; painter.pixels()];
-    for (number, colour) in numbers.zip(desk.found().map_err(RenderError::Camera)?) {
-        canvas[number] = colour;
+    let sampler = spec.sampler()?;
+    let tracing = spec.shading.tracing;
+    let numbers = sample.numbers(sampler.pixels());
+    let store = ResultStore::new(numbers.len());
+    let agents = store.clone().agents(spec.scene, tracing, numbers.clone(), |pixel| sampler.pixel(pixel));
+    let timing = simulate(agents, &system.environment, pipeline(system, tracing.rules), observer, progress)?;
+    let mut pixels = vec![[0; 3]; sampler.pixels()];
+    for (number, colour) in numbers.zip(store.results().map_err(RenderError::Camera)?) {
+        pixels[number] = colour;
     }
-    Ok((timing, Picture::of(still.size.0, still.size.1, canvas)))
+    Ok((timing, Picture::new(spec.size.0, spec.size.1, pixels)))
 }
 
-/// Times a picture with each number of pixels in flight and each memory latency, in place of those of `hardware`. `watch`
-/// hears how many pixels are done at all points together.
+/// Simulates the rendering of a picture with each number of pixels in flight and each memory latency, in place of those of
+/// `system`. `progress` gets the number of completed pixels of all points together.
 ///
 /// # Errors
-/// Those of [`render`](crate::render()) and of [`sweep`].
+/// The errors of [`render`](crate::render()) and of [`sweep`].
 pub fn sweep_picture(
-    still: &Still,
+    spec: &PictureSpec,
     sample: Sample,
     in_flight: &[usize],
     latencies: &[u64],
-    hardware: &Hardware,
-    watch: Watch,
+    system: &System,
+    progress: Progress,
 ) -> Result<Sweep, PictureError> {
-    let painter = still.painter()?;
-    let tracing = still.shading.tracing;
+    let sampler = spec.sampler()?;
+    let tracing = spec.shading.tracing;
     let agents = || {
-        let numbers = sample.numbers(painter.pixels());
-        Desk::new(numbers.len()).agents(painter.scene(), tracing, numbers, |pixel| painter.brush(pixel))
+        let numbers = sample.numbers(sampler.pixels());
+        ResultStore::new(numbers.len()).agents(spec.scene, tracing, numbers, |pixel| sampler.pixel(pixel))
     };
-    Ok(sweep(in_flight, latencies, &hardware.machine, &model(hardware, tracing.rules), agents, watch)?)
+    Ok(sweep(in_flight, latencies, &system.environment, &pipeline(system, tracing.rules), agents, progress)?)
 }
 
-/// Traces the closest hits of rays with every job on its way through the datapath. Answers them in the order of the rays
-/// of the sample; they, and the jobs and fetches, are those of [`trace_closest`](crate::trace_closest). `watch` hears now
-/// and then how many rays are done.
+/// Simulates the tracing of rays and returns the closest hits of the rays of the sample, in order. The hits, jobs and
+/// fetches equal those of [`trace_closest`](crate::trace_closest). `progress` gets the number of completed rays.
 ///
 /// # Errors
-/// Those of [`simulate`].
+/// The errors of [`simulate`].
 pub fn time_rays(
-    bundle: &Bundle,
+    batch: &RayBatch,
     sample: Sample,
-    hardware: &Hardware,
+    system: &System,
     observer: &mut impl Observer,
-    watch: Watch,
+    progress: Progress,
 ) -> Result<(Timing, Vec<Option<Hit>>), SimulationError> {
-    let Bundle { scene, rays, tracing } = *bundle;
+    let RayBatch { scene, rays, tracing } = *batch;
     let numbers = sample.numbers(rays.len());
-    let desk = Desk::new(numbers.len());
-    let agents = desk.clone().agents(scene, tracing, numbers, |number| Single::new(rays[number]));
-    let timing = simulate(agents, &hardware.machine, model(hardware, tracing.rules), observer, watch)?;
-    // Rays that exist cannot fail to be made.
-    Ok((timing, desk.found().unwrap_or_default()))
+    let store = ResultStore::new(numbers.len());
+    let agents = store.clone().agents(scene, tracing, numbers, |number| SingleRay::new(rays[number]));
+    let timing = simulate(agents, &system.environment, pipeline(system, tracing.rules), observer, progress)?;
+    // A single ray exists already, so its sequence has no error.
+    Ok((timing, store.results().unwrap_or_default()))
 }
 
-/// Times rays with each number of them in flight and each memory latency, in place of those of `hardware`. `watch` hears
-/// how many rays are done at all points together.
+/// Simulates the tracing of rays with each number of rays in flight and each memory latency, in place of those of `system`.
+/// `progress` gets the number of completed rays of all points together.
 ///
 /// # Errors
-/// Those of [`sweep`].
+/// The errors of [`sweep`].
 pub fn sweep_rays(
-    bundle: &Bundle,
+    batch: &RayBatch,
     sample: Sample,
     in_flight: &[usize],
     latencies: &[u64],
-    hardware: &Hardware,
-    watch: Watch,
+    system: &System,
+    progress: Progress,
 ) -> Result<Sweep, SimulationError> {
-    let Bundle { scene, rays, tracing } = *bundle;
+    let RayBatch { scene, rays, tracing } = *batch;
     let agents = || {
         let numbers = sample.numbers(rays.len());
-        Desk::new(numbers.len()).agents(scene, tracing, numbers, |number| Single::new(rays[number]))
+        ResultStore::new(numbers.len()).agents(scene, tracing, numbers, |number| SingleRay::new(rays[number]))
     };
-    sweep(in_flight, latencies, &hardware.machine, &model(hardware, tracing.rules), agents, watch)
+    sweep(in_flight, latencies, &system.environment, &pipeline(system, tracing.rules), agents, progress)
 }
 
-impl Still<'_> {
-    fn painter(&self) -> Result<Painter<'_>, RenderError> {
-        Painter::new(self.scene, &self.camera, self.size, &self.shading)
+impl PictureSpec<'_> {
+    fn sampler(&self) -> Result<PictureSampler<'_>, RenderError> {
+        PictureSampler::new(self.scene, &self.camera, self.size, &self.shading)
     }
 }
 
-/// Rays' jobs are the same with any number of lanes.
-fn model(hardware: &Hardware, rules: Rules) -> CycleModel<Functional> {
-    hardware.model(Functional::new(rules))
+/// The pipeline with the default number of lanes, which box and triangle jobs do not depend on.
+fn pipeline(system: &System, rules: Rules) -> CycleModel<Functional> {
+    system.pipeline(Functional::new(rules))
 }

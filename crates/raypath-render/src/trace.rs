@@ -1,66 +1,72 @@
-//! Tracing rays: a machine for one ray, and a fast path for many.
+//! Tracing of rays: the traversal of one ray as a state machine, and the tracing of many rays in parallel.
 
-mod batch;
+mod tracer;
 mod traversal;
 
-pub use batch::{Tracer, trace_any, trace_closest};
+pub use tracer::{Tracer, trace_any, trace_closest};
 pub use traversal::Traversal;
 
 use raypath_ops::Rules;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign};
+use thiserror::Error;
 
-/// How rays are traced.
+/// Options of tracing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Tracing {
-    /// The rules on the edges.
+    /// The rules of the box and triangle tests at their edges.
     pub rules: Rules,
-    /// Whether triangles can be hit from behind too. The datapath sees counter-clockwise faces only, so each triangle is
-    /// then a second job, with two of its vertices exchanged.
+    /// Whether rays can hit triangles from behind. The datapath tests counter-clockwise faces only, so this takes a second
+    /// job for each triangle, with two vertices exchanged.
     pub two_sided: bool,
 }
 
-/// What a ray is traced for.
+/// The hit that a ray looks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Goal {
-    /// The closest hit; of several at the same distance, that of the triangle with the lowest index.
+    /// The closest hit; of several at the same distance, the triangle with the lowest index.
     Closest,
-    /// Any hit: whether something is in the way. The ray ends with the first leaf in which it hits something.
+    /// Any hit, as for shadow rays. Traversal ends after the first leaf with a hit.
     Any,
 }
 
-/// What a ray hits.
+/// The hit of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// Which triangle of the mesh.
+    /// The index of the triangle in the mesh.
     pub triangle: u32,
-    /// Whether from behind.
+    /// Whether the ray hits the back of the triangle.
     pub from_behind: bool,
-    /// The numerator of the distance, as the datapath gives it.
+    /// The numerator of the distance from the datapath.
     pub t_num: f32,
-    /// Its denominator.
+    /// The denominator of the distance from the datapath.
     pub t_denom: f32,
-    /// The distance in units of the direction's length, `t_num / t_denom`, rounded once.
+    /// The distance `t_num / t_denom`, rounded to binary32, in units of the direction's length.
     pub t: f32,
 }
 
-/// What tracing cost.
+/// The jobs and fetches of tracing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
-    /// Jobs of four boxes.
+    /// Box jobs, of four boxes each.
     pub quadbox: u64,
-    /// Triangle jobs from the front.
+    /// Jobs for the fronts of triangles.
     pub triangle: u64,
-    /// Triangle jobs from behind, the second of two-sided tracing.
+    /// Jobs for the backs of triangles, in two-sided tracing.
     pub behind: u64,
-    /// Nodes fetched from memory.
+    /// Fetches of nodes.
     pub nodes: u64,
-    /// Leaves fetched from memory.
+    /// Fetches of leaves.
     pub leaves: u64,
 }
 
+/// The error of work that its progress callback stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("stopped")]
+pub struct Stopped;
+
 impl Counts {
-    /// All jobs.
+    /// The number of all jobs.
     pub fn jobs(&self) -> u64 {
         self.quadbox + self.triangle + self.behind
     }

@@ -1,4 +1,4 @@
-//! Vectors in binary64, for all that is not the datapath's: cameras, shapes and light.
+//! Vectors in binary64, for cameras, shapes and lighting outside the datapath.
 
 pub(crate) type Vector = [f64; 3];
 
@@ -34,10 +34,10 @@ pub(crate) fn length(v: Vector) -> f64 {
     dot(v, v).sqrt()
 }
 
-/// The vector of length 1; zero where it has no direction.
+/// The unit vector; zero for a vector that is zero or not finite.
 pub(crate) fn unit(v: Vector) -> Vector {
-    // Scaled first, so that squares neither overflow nor vanish.
-    let greatest = v.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    // Scale first, so that squares neither overflow nor underflow.
+    let greatest = v.iter().fold(0.0, |max: f64, x| max.max(x.abs()));
     if greatest == 0.0 || !greatest.is_finite() {
         return [0.0; 3];
     }

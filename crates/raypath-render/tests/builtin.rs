@@ -1,10 +1,10 @@
-//! The scene that is made by code is what it says.
+//! The built-in scene: closed bodies with outward faces.
 
 use raypath_render::builtin;
 use std::collections::HashMap;
 
 #[test]
-fn bodies_are_closed_and_turned_outwards() {
+fn bodies_are_closed_and_face_outwards() {
     let mesh = builtin().unwrap();
     assert_eq!(mesh.triangles().len(), 119_168);
     let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
@@ -27,12 +27,12 @@ fn bodies_are_closed_and_turned_outwards() {
         let volume = (a[0] * minor(1, 2) + a[1] * minor(2, 0) + a[2] * minor(0, 1)) / 6.0;
         *volumes.entry(first(&mut bodies, corners[0])).or_default() += volume;
     }
-    // The ground, the knot, 28 spheres and one with bumps.
+    // The ground, the knot, 28 spheres and the bumpy sphere.
     assert_eq!(volumes.len(), 31);
     assert!(volumes.values().all(|&volume| volume > 0.0), "{volumes:?}");
 }
 
-/// The first vertex of a vertex's body, as far as that is known.
+/// The representative of the body of a vertex, in the union-find structure `bodies`.
 fn first(bodies: &mut [u32], mut vertex: u32) -> u32 {
     while bodies[vertex as usize] != vertex {
         bodies[vertex as usize] = bodies[bodies[vertex as usize] as usize];

@@ -1,4 +1,4 @@
-//! Files of rays and of hits.
+//! Files of rays and hits.
 
 use raypath_render::{Hit, Mesh, Scene, Tracing, parse_rays, read_rays, trace_closest, write_hits};
 use std::path::Path;
@@ -19,7 +19,7 @@ fn rays_are_read() {
 }
 
 #[test]
-fn what_is_no_ray_is_refused() {
+fn invalid_rays_are_errors() {
     for (line, message) in [
         ("1 2 3 0 0 -1", "6 numbers, expected 7: ox oy oz dx dy dz extent"),
         ("1 2 3 0 0 -1 inf 8", "8 numbers, expected 7: ox oy oz dx dy dz extent"),
@@ -38,7 +38,7 @@ fn what_is_no_ray_is_refused() {
 }
 
 #[test]
-fn hits_are_written_to_the_bit() {
+fn hits_are_written_exactly() {
     let mesh = Mesh::new(vec![[0.0, 0.0, 0.1], [1.0, 0.0, 0.2], [0.0, 1.0, 0.3]], vec![[0, 1, 2]]).unwrap();
     let rays =
         parse_rays("0.1 0.2 5 0 0 -0.7 inf\n9 9 9 0 0 1 inf\n0.1 0.2 -5 0.01 0 1.3 inf", Path::new("rays")).unwrap();
@@ -54,9 +54,9 @@ fn hits_are_written_to_the_bit() {
         let Hit { t, t_num, t_denom, .. } = hit.unwrap();
         let words: Vec<&str> = line.split(' ').collect();
         assert_eq!((words.len(), words[0]), (7, triangle));
-        for (place, number) in [t, t_num, t_denom].into_iter().enumerate() {
-            assert_eq!(words[1 + place].parse::<f32>().unwrap().to_bits(), number.to_bits());
-            assert_eq!(u32::from_str_radix(words[4 + place], 16).unwrap(), number.to_bits());
+        for (field, number) in [t, t_num, t_denom].into_iter().enumerate() {
+            assert_eq!(words[1 + field].parse::<f32>().unwrap().to_bits(), number.to_bits());
+            assert_eq!(u32::from_str_radix(words[4 + field], 16).unwrap(), number.to_bits());
         }
         assert_eq!(t, t_num / t_denom);
     }

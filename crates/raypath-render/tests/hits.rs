@@ -1,14 +1,13 @@
-//! The tracer's hits against brute force over all triangles, exact where it must be.
+//! The hits of the tracer, compared with exact geometry and with brute force over all triangles.
 //!
-//! `RAYPATH_RAYS` says how many rays of each kind a mesh gets, by default 5,000, half of them two-sided. The campaign is
-//! 250,000, a million a mesh:
-//! `RAYPATH_RAYS=250000 cargo test --release -p raypath-render --test hits --test watertight -- --nocapture`. `RAYPATH_MESH`
-//! picks one mesh.
+//! `RAYPATH_RAYS` is the number of rays of each kind per mesh, by default 5,000, half of them two-sided. `RAYPATH_MESH`
+//! selects one mesh. The campaign traces a million rays per mesh:
+//! `RAYPATH_RAYS=250000 cargo test --release -p raypath-render --test hits --test watertight -- --nocapture`.
 
 mod common;
 
-use common::judge::{Judge, Verdict};
 use common::meshes::{self, Named};
+use common::oracle::{Oracle, Verdict};
 use common::rays::{Kind, rays};
 use rayon::prelude::*;
 use raypath_ops::{Binary32, Operation, Ray, RayTriangle, RayTriangleInput, Rules, Triangle};
@@ -19,20 +18,20 @@ fn ray_count() -> usize {
 }
 
 #[test]
-fn every_hit_is_that_of_exact_geometry_but_for_bounded_rounding() {
+fn hits_are_those_of_exact_geometry_within_the_error_bounds() {
     for Named { name, mesh } in meshes::all() {
         for two_sided in [false, true] {
-            let (judge, tracing) = (Judge::new(&mesh, two_sided), Tracing { two_sided, ..Tracing::default() });
+            let (oracle, tracing) = (Oracle::new(&mesh, two_sided), Tracing { two_sided, ..Tracing::default() });
             let scene = Scene::new(mesh.clone()).unwrap();
             let count = ray_count() / 2;
             for kind in Kind::ALL {
                 let rays = rays(&mesh, kind, count, 1);
                 assert!(rays.iter().all(|ray| scene.reaches(ray.origin.into())));
                 let (hits, _) = trace_closest(&scene, &rays, tracing, &|_| true).unwrap();
-                let judged = rays.par_iter().zip(&hits).map(|(ray, &hit)| {
-                    judge.judge(ray, hit).unwrap_or_else(|wrong| panic!("{name}, {kind:?}, {ray:?}: {wrong}"))
+                let checked = rays.par_iter().zip(&hits).map(|(ray, &hit)| {
+                    oracle.check(ray, hit).unwrap_or_else(|error| panic!("{name}, {kind:?}, {ray:?}: {error}"))
                 });
-                let verdicts: Vec<Verdict> = judged.collect();
+                let verdicts: Vec<Verdict> = checked.collect();
                 let count = |verdict| verdicts.iter().filter(|&&v| v == verdict).count();
                 let found = hits.iter().flatten().count();
                 println!(
@@ -43,7 +42,7 @@ fn every_hit_is_that_of_exact_geometry_but_for_bounded_rounding() {
                     count(Verdict::HitNotMiss),
                     count(Verdict::MissNotHit),
                 );
-                // The test must see hits, and away from edges rounding decides next to nothing.
+                // The rays must have hits, and away from edges rounding has next to no effect.
                 assert!(found > rays.len() / 20, "{name}, {kind:?}: {found} hits");
                 if matches!(kind, Kind::Primary | Kind::Random) {
                     assert!(count(Verdict::Same) as f64 > 0.999 * rays.len() as f64, "{name}, {kind:?}");
@@ -55,9 +54,9 @@ fn every_hit_is_that_of_exact_geometry_but_for_bounded_rounding() {
     }
 }
 
-/// The tree must lose nothing: the same triangle jobs, for all triangles, give the same hit to the bit.
+/// Traversal gives the same hit, bit for bit, as the triangle jobs of all triangles.
 #[test]
-fn the_tree_loses_no_hit() {
+fn traversal_equals_brute_force() {
     for Named { name, mesh } in meshes::all() {
         let scene = Scene::new(mesh.clone()).unwrap();
         let count = (ray_count() * 3_000 / mesh.triangles().len()).min(ray_count());
@@ -81,11 +80,11 @@ fn brute_force(mesh: &Mesh, ray: &Ray<Binary32>, two_sided: bool) -> Option<Hit>
         for from_behind in [false, true].into_iter().take(1 + usize::from(two_sided)) {
             let triangle_seen = if from_behind { Triangle::new(a, c, b) } else { Triangle::new(a, b, c) };
             let input = RayTriangleInput { ray: *ray, triangle: triangle_seen };
-            let (answer, ()) = RayTriangle { rules: Rules::Paper }.run(Binary32, input, ());
-            let (t_num, t_denom) = (f32::from(answer.t_num), f32::from(answer.t_denom));
+            let (output, ()) = RayTriangle { rules: Rules::Paper }.run(Binary32, input, ());
+            let (t_num, t_denom) = (f32::from(output.t_num), f32::from(output.t_denom));
             let t = t_num / t_denom;
             let nearer = best.is_none_or(|best| t < best.t);
-            if bool::from(answer.triangle_hit) && t <= f32::from(ray.extent) && nearer {
+            if bool::from(output.triangle_hit) && t <= f32::from(ray.extent) && nearer {
                 best = Some(Hit { triangle, from_behind, t_num, t_denom, t });
             }
         }

@@ -1,4 +1,4 @@
-//! Beside obvhs: another tree, another test of triangles, by other people.
+//! Comparison with obvhs: an independent tree and triangle test.
 
 mod common;
 
@@ -8,7 +8,7 @@ use raypath_render::compare::compare;
 use raypath_render::{Scene, Stopped, Tracing};
 
 #[test]
-fn another_tracer_hits_the_same() {
+fn obvhs_hits_the_same() {
     for named in meshes::all() {
         let scene = Scene::new(named.mesh).unwrap();
         for kind in [Kind::Primary, Kind::Random] {
@@ -17,14 +17,14 @@ fn another_tracer_hits_the_same() {
             let comparison = compare(&scene, &rays, tracing, 1, &|_| true).unwrap();
             println!("{} {kind:?}: {comparison:?}", named.name);
             assert!(comparison.our_hits > 2_000);
-            // Its test is not watertight, and decides otherwise at edges.
+            // The test of obvhs is not watertight and differs at edges.
             assert!(comparison.differences <= 4, "{}, {kind:?}: {comparison:?}", named.name);
         }
     }
 }
 
 #[test]
-fn comparisons_stop_when_told() {
+fn the_progress_callback_stops_comparisons() {
     let scene = Scene::new(meshes::real("teapot").mesh).unwrap();
     let rays = rays(scene.mesh(), Kind::Random, 10, 9);
     assert_eq!(compare(&scene, &rays, Tracing::default(), 5, &|done| done < 2), Err(Stopped));

@@ -20,7 +20,7 @@ fn rendered(mesh: &Mesh, size: (u32, u32), shading: &Shading) -> Rendering {
 }
 
 #[test]
-fn pictures_follow_from_their_arguments_alone() {
+fn pictures_depend_on_their_arguments_only() {
     let mesh = meshes::real("truck").mesh;
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -46,16 +46,16 @@ fn costs_add_up() {
     assert!(plain.primary.hits > 200);
 }
 
-/// A sphere of radius 1 at a place on the diagonal: convex, so no ray from its outside hits it again.
-fn sphere(place: f32) -> Mesh {
+/// A sphere of radius 1 with all coordinates of its centre equal: it is convex, so secondary rays miss it.
+fn sphere(centre: f32) -> Mesh {
     let (rings, sectors) = (40_u32, 80_u32);
-    let mut positions = vec![[place, place + 1.0, place], [place, place - 1.0, place]];
+    let mut positions = vec![[centre, centre + 1.0, centre], [centre, centre - 1.0, centre]];
     for ring in 1..rings {
         let polar = std::f32::consts::PI * ring as f32 / rings as f32;
         for sector in 0..sectors {
             let angle = std::f32::consts::TAU * sector as f32 / sectors as f32;
             let point = [polar.sin() * angle.sin(), polar.cos(), polar.sin() * angle.cos()];
-            positions.push(point.map(|x| place + x));
+            positions.push(point.map(|x| centre + x));
         }
     }
     let at = |ring: u32, sector: u32| 2 + (ring - 1) * sectors + sector % sectors;
@@ -71,25 +71,25 @@ fn sphere(place: f32) -> Mesh {
     Mesh::new(positions, triangles).unwrap()
 }
 
-/// Secondary rays begin far enough outside: no shadow falls on a convex body, wherever it is.
+/// Secondary rays start far enough outside: a convex body casts no shadow on itself, anywhere in space.
 #[test]
-fn a_convex_body_does_not_shade_itself() {
-    for place in [0.0, 30.0, 1_000.0] {
+fn a_convex_body_does_not_shadow_itself() {
+    for centre in [0.0, 30.0, 1_000.0] {
         for two_sided in [false, true] {
             let tracing = Tracing { two_sided, ..Tracing::default() };
-            let rendering = rendered(&sphere(place), (120, 120), &Shading { tracing, ..shaded(1) });
+            let rendering = rendered(&sphere(centre), (120, 120), &Shading { tracing, ..shaded(1) });
             assert!(rendering.primary.hits > 5_000 && rendering.shadow.rays > 2_000);
-            // Far from 0 its vertices lie on a coarse grid, and it is not quite convex.
-            let most = if place < 100.0 { 0 } else { rendering.occlusion.rays / 100 };
-            assert!(rendering.shadow.hits <= most, "{place}: {:?}", rendering.shadow);
-            assert!(rendering.occlusion.hits <= most, "{place}: {:?}", rendering.occlusion);
+            // Far from 0 the vertices lie on a coarse grid, and the body is not exactly convex.
+            let max = if centre < 100.0 { 0 } else { rendering.occlusion.rays / 100 };
+            assert!(rendering.shadow.hits <= max, "{centre}: {:?}", rendering.shadow);
+            assert!(rendering.occlusion.hits <= max, "{centre}: {:?}", rendering.occlusion);
         }
     }
 }
 
-/// A body with folds has some points in its own shadow, and not most of them.
+/// A concave body has some points, but not most, in its own shadow.
 #[test]
-fn shadows_fall() {
+fn a_concave_body_shadows_itself() {
     let scene = meshes::real("suzanne").mesh;
     let shadowed = rendered(&scene, (60, 60), &shaded(1));
     assert!(shadowed.shadow.hits > shadowed.shadow.rays / 20 && shadowed.shadow.hits < shadowed.shadow.rays / 2);
@@ -101,7 +101,7 @@ fn shadows_fall() {
 }
 
 #[test]
-fn pngs_are_read_back() {
+fn pngs_survive_decoding() {
     let rendering = rendered(&meshes::real("teapot").mesh, (50, 30), &shaded(1));
     for picture in [&rendering.picture, &rendering.heatmap(), &heatmap(3, 2, &[0; 6])] {
         let png = picture.to_png().unwrap();
@@ -112,7 +112,7 @@ fn pngs_are_read_back() {
 }
 
 #[test]
-fn cameras_see_all() {
+fn framing_cameras_see_the_whole_mesh() {
     for mesh in meshes::all().into_iter().map(|named| named.mesh).chain([sphere(1_000.0)]) {
         for (width, height) in [(400, 300), (100, 300), (300, 100)] {
             let camera = Camera::framing(&mesh, width as f32 / height as f32);
@@ -133,34 +133,34 @@ fn cameras_see_all() {
 }
 
 #[test]
-fn pixels_are_where_they_should_be() {
+fn rays_pass_through_their_pixels() {
     let camera = Camera::new([1.0, 2.0, 3.0], [1.0, 2.0, -7.0], [0.0, 1.0, 0.0], 90.0).unwrap();
     let view = camera.view(4, 2);
     let along = |x, y| <[f32; 3]>::from(view.ray(x, y).unwrap().dir);
     assert_eq!(along(2.0, 1.0), [0.0, 0.0, -1.0]);
-    // The upper edge is 45 degrees up, the left one as far aside as two heights.
+    // The upper edge is 45 degrees up; the left edge is twice as far from the centre.
     let half = 0.5_f32.sqrt();
     let near = |a: [f32; 3], b: [f32; 3]| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-6);
     assert!(near(along(2.0, 0.0), [0.0, half, -half]));
     assert!(near(along(0.0, 1.0), [-2.0 / 5.0_f32.sqrt(), 0.0, -1.0 / 5.0_f32.sqrt()]));
     assert_eq!(view.ray(0.5, 0.5).unwrap().extent, Ray::new([0.0; 3], [1.0; 3], f32::INFINITY).unwrap().extent);
-    // The picture is two high at a distance of one: its pixels' sides are 1.
-    let places = [-0.5, 0.5].map(|down| [-1.5, -0.5, 0.5, 1.5].map(|aside| [aside, -down, -1.0]));
+    // At a distance of 1 the picture is 2 high, so pixels have sides of 1.
+    let centres = [-0.5, 0.5].map(|down| [-1.5, -0.5, 0.5, 1.5].map(|right| [right, -down, -1.0]));
     let rays = camera.rays(4, 2).unwrap();
     assert_eq!(rays.len(), 8);
-    for (ray, place) in rays.iter().zip(places.as_flattened()) {
-        let length = place.iter().map(|x: &f32| x * x).sum::<f32>().sqrt();
+    for (ray, centre) in rays.iter().zip(centres.as_flattened()) {
+        let length = centre.iter().map(|x: &f32| x * x).sum::<f32>().sqrt();
         assert_eq!(<[f32; 3]>::from(ray.origin), camera.eye());
-        assert!(near(ray.dir.into(), place.map(|x| x / length)), "{place:?}");
+        assert!(near(ray.dir.into(), centre.map(|x| x / length)), "{centre:?}");
     }
 }
 
 #[test]
-fn what_is_no_picture_is_refused() {
+fn invalid_cameras_and_pictures_are_errors() {
     let message = |eye, target, up, angle| Camera::new(eye, target, up, angle).unwrap_err().to_string();
     let (a, b, up) = ([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
-    assert_eq!(message(a, a, up, 40.0), "the eye looks at itself, at (0, 0, 0), expected another target");
-    assert!(message(a, b, [-2.0, 0.0, 0.0], 40.0).starts_with("up (-2, 0, 0) runs along the line of sight"));
+    assert_eq!(message(a, a, up, 40.0), "eye and target are both (0, 0, 0), expected different points");
+    assert!(message(a, b, [-2.0, 0.0, 0.0], 40.0).starts_with("up (-2, 0, 0) is parallel to the viewing direction"));
     assert!(message(a, b, [0.0; 3], 40.0).starts_with("up (0, 0, 0)"));
     assert!(message([f32::NAN, 0.0, 0.0], b, up, 40.0).starts_with("eye (NaN, 0, 0) is not finite"));
     for angle in [0.0, 180.0, f32::NAN] {

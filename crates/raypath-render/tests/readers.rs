@@ -1,4 +1,4 @@
-//! Each format: a good file, and files that are cut off, wrong, or lie.
+//! Readers of mesh files: valid files, truncated files, and files with wrong content or headers.
 
 mod common;
 
@@ -27,12 +27,12 @@ fn parse(format: Format, bytes: impl AsRef<[u8]>) -> Result<Mesh, String> {
     parse_mesh(format, bytes.as_ref(), Path::new("a/file")).map_err(|problem| problem.to_string())
 }
 
-/// The corners of all triangles: what does not depend on how vertices are numbered.
+/// The corners of all triangles, which do not depend on the numbering of vertices.
 fn corners(mesh: &Mesh) -> Vec<[[f32; 3]; 3]> {
     (0..mesh.triangles().len() as u32).map(|index| mesh.corners(index)).collect()
 }
 
-fn is_the_tetrahedron(format: Format, bytes: impl AsRef<[u8]>) {
+fn assert_tetrahedron(format: Format, bytes: impl AsRef<[u8]>) {
     let mesh = parse(format, bytes).unwrap();
     let expected: Vec<_> = FACES.iter().map(|face| face.map(|index| POSITIONS[index as usize])).collect();
     assert_eq!(corners(&mesh), expected);
@@ -40,30 +40,30 @@ fn is_the_tetrahedron(format: Format, bytes: impl AsRef<[u8]>) {
 }
 
 #[track_caller]
-fn refused(format: Format, bytes: impl AsRef<[u8]>, parts: &[&str]) {
+fn assert_error(format: Format, bytes: impl AsRef<[u8]>, parts: &[&str]) {
     let message = parse(format, bytes).unwrap_err();
     assert!(message.starts_with("a/file: "), "{message}");
     for part in parts {
-        assert!(message.contains(part), "'{message}' does not say '{part}'");
+        assert!(message.contains(part), "'{message}' does not contain '{part}'");
     }
 }
 
 #[test]
-fn good_files_are_the_tetrahedron() {
-    is_the_tetrahedron(Format::Obj, OBJ);
-    is_the_tetrahedron(Format::Ply, PLY);
-    is_the_tetrahedron(Format::Ply, binary_ply("binary_little_endian", f32::to_le_bytes, i32::to_le_bytes));
-    is_the_tetrahedron(Format::Ply, binary_ply("binary_big_endian", f32::to_be_bytes, i32::to_be_bytes));
-    is_the_tetrahedron(Format::Stl, text_stl("solid four"));
-    is_the_tetrahedron(Format::Stl, text_stl("solid"));
-    is_the_tetrahedron(Format::Stl, binary_stl(b"made by a test", 4));
-    is_the_tetrahedron(Format::Stl, binary_stl(b"solid but binary", 4));
-    is_the_tetrahedron(Format::Gltf, gltf(&Gltf::default()));
-    is_the_tetrahedron(Format::Gltf, glb(&Gltf { uri: "", ..Gltf::default() }));
+fn valid_files_give_the_tetrahedron() {
+    assert_tetrahedron(Format::Obj, OBJ);
+    assert_tetrahedron(Format::Ply, PLY);
+    assert_tetrahedron(Format::Ply, binary_ply("binary_little_endian", f32::to_le_bytes, i32::to_le_bytes));
+    assert_tetrahedron(Format::Ply, binary_ply("binary_big_endian", f32::to_be_bytes, i32::to_be_bytes));
+    assert_tetrahedron(Format::Stl, text_stl("solid four"));
+    assert_tetrahedron(Format::Stl, text_stl("solid"));
+    assert_tetrahedron(Format::Stl, binary_stl(b"made by a test", 4));
+    assert_tetrahedron(Format::Stl, binary_stl(b"solid but binary", 4));
+    assert_tetrahedron(Format::Gltf, gltf(&Gltf::default()));
+    assert_tetrahedron(Format::Gltf, glb(&Gltf { uri: "", ..Gltf::default() }));
 }
 
 #[test]
-fn real_files_are_what_simpler_readers_see() {
+fn real_files_equal_those_of_simpler_readers() {
     for (name, format, compressed) in [
         ("truck", Format::Obj, include_bytes!("data/truck.obj.gz").as_slice()),
         ("teapot", Format::Obj, include_bytes!("data/teapot.obj.gz")),
@@ -76,7 +76,7 @@ fn real_files_are_what_simpler_readers_see() {
 }
 
 #[test]
-fn extensions_say_the_format() {
+fn extensions_determine_the_format() {
     let message = |name: &str| read_mesh(Path::new(name)).unwrap_err().to_string();
     assert_eq!(message("a/b.fbx"), "a/b.fbx: extension 'fbx', expected one of obj, gltf, glb, ply, stl");
     assert_eq!(message("a/b"), "a/b: extension none, expected one of obj, gltf, glb, ply, stl");
@@ -98,126 +98,142 @@ fn polygons_become_triangles() {
 }
 
 #[test]
-fn obj_that_is_no_mesh() {
-    refused(Format::Obj, "", &["0 triangles"]);
-    refused(Format::Obj, "v 0 0 0\nv 1 0 0\nv 0 1 0\n", &["0 triangles, expected at least 1"]);
-    refused(Format::Obj, &OBJ[..OBJ.len() - 14], &["line 10"]);
-    refused(Format::Obj, OBJ.replace("1.5", "nan"), &["line 5", "y = 'nan'", "finite"]);
-    refused(Format::Obj, OBJ.replace("1.5", "1e39"), &["line 5", "y = '1e39'", "finite"]);
-    refused(Format::Obj, OBJ.replace("1.5", "1e38"), &["y = 100000000000000000000000000000000000000", "2^40"]);
-    refused(Format::Obj, OBJ.replace("v 0 1.5 0", "v 0 1.5"), &["line 5", "without z"]);
-    refused(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2 5"), &["line 7", "'5'", "from 1 to 4"]);
-    refused(Format::Obj, OBJ.replace("f 1 2 3", "f 0 2 3"), &["line 7", "'0'"]);
-    refused(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2 -5"), &["line 7", "'-5'"]);
-    refused(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2 9223372036854775807"), &["line 7", "9223372036854775807"]);
-    refused(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2"), &["line 7", "2 corners", "at least 3"]);
-    refused(Format::Obj, OBJ.replace("f 1 2 3", "f"), &["line 7", "0 corners"]);
-    refused(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2 x"), &["line 7", "'x'"]);
-    refused(Format::Obj, b"v 0 0 0\nv \xff", &["line 2", "not UTF-8"]);
+fn invalid_obj_files_are_errors() {
+    assert_error(Format::Obj, "", &["0 triangles"]);
+    assert_error(Format::Obj, "v 0 0 0\nv 1 0 0\nv 0 1 0\n", &["0 triangles, expected at least 1"]);
+    assert_error(Format::Obj, &OBJ[..OBJ.len() - 14], &["line 10"]);
+    assert_error(Format::Obj, OBJ.replace("1.5", "nan"), &["line 5", "y = 'nan'", "finite"]);
+    assert_error(Format::Obj, OBJ.replace("1.5", "1e39"), &["line 5", "y = '1e39'", "finite"]);
+    assert_error(Format::Obj, OBJ.replace("1.5", "1e38"), &["y = 100000000000000000000000000000000000000", "2^40"]);
+    assert_error(Format::Obj, OBJ.replace("v 0 1.5 0", "v 0 1.5"), &["line 5", "without z"]);
+    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2 5"), &["line 7", "'5'", "from 1 to 4"]);
+    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f 0 2 3"), &["line 7", "'0'"]);
+    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2 -5"), &["line 7", "'-5'"]);
+    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2 9223372036854775807"), &["line 7", "9223372036854775807"]);
+    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2"), &["line 7", "2 corners", "at least 3"]);
+    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f"), &["line 7", "0 corners"]);
+    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2 x"), &["line 7", "'x'"]);
+    assert_error(Format::Obj, b"v 0 0 0\nv \xff", &["line 2", "not UTF-8"]);
 }
 
 #[test]
-fn ply_that_is_no_mesh() {
-    refused(Format::Ply, "", &["not PLY"]);
-    refused(Format::Ply, "solid x", &["not PLY"]);
-    refused(Format::Ply, PLY.replace("end_header\n", ""), &["not PLY"]);
-    refused(Format::Ply, &PLY[..PLY.len() - 16], &["element face", "expected 4, got 2"]);
-    refused(Format::Ply, PLY.replace("1.5", "nan"), &["element vertex: Line 12", "'0 nan 0 '"]);
-    refused(Format::Ply, PLY.replace("3 0 1 2", "3 0 1 4"), &["triangle 0 names vertex 4", "less than 4"]);
-    refused(Format::Ply, PLY.replace("3 0 1 2", "3 0 1 -1"), &["face 0", "index -1"]);
-    refused(Format::Ply, PLY.replace("3 0 1 2", "2 0 1"), &["face 0", "2 corners"]);
-    refused(Format::Ply, PLY.replace("3 0 1 2", "4000000000 0 1 2"), &["element face"]);
-    refused(
+fn invalid_ply_files_are_errors() {
+    assert_error(Format::Ply, "", &["not PLY"]);
+    assert_error(Format::Ply, "solid x", &["not PLY"]);
+    assert_error(Format::Ply, PLY.replace("end_header\n", ""), &["not PLY"]);
+    assert_error(Format::Ply, &PLY[..PLY.len() - 16], &["element face", "expected 4, got 2"]);
+    assert_error(Format::Ply, PLY.replace("1.5", "nan"), &["element vertex: Line 12", "'0 nan 0 '"]);
+    assert_error(Format::Ply, PLY.replace("3 0 1 2", "3 0 1 4"), &["triangle 0 names vertex 4", "less than 4"]);
+    assert_error(Format::Ply, PLY.replace("3 0 1 2", "3 0 1 -1"), &["face 0", "index -1"]);
+    assert_error(Format::Ply, PLY.replace("3 0 1 2", "2 0 1"), &["face 0", "2 corners"]);
+    assert_error(Format::Ply, PLY.replace("3 0 1 2", "4000000000 0 1 2"), &["element face"]);
+    assert_error(
         Format::Ply,
         PLY.replace("vertex 4", "vertex 4000000000"),
         &["4000000000 of element vertex", "bytes of the file"],
     );
-    refused(
+    assert_error(
         Format::Ply,
         PLY.replace("element face", "element none 18446744073709551615\nelement face"),
         &["element none"],
     );
-    refused(Format::Ply, PLY.replace("property float y\n", ""), &["no property y of element vertex"]);
-    refused(Format::Ply, PLY.replace("vertex_indices", "corners"), &["no list vertex_indices or vertex_index"]);
+    assert_error(Format::Ply, PLY.replace("property float y\n", ""), &["no property y of element vertex"]);
+    assert_error(Format::Ply, PLY.replace("vertex_indices", "corners"), &["no list vertex_indices or vertex_index"]);
     let binary = binary_ply("binary_little_endian", f32::to_le_bytes, i32::to_le_bytes);
-    refused(Format::Ply, &binary[..binary.len() - 5], &["element face", "expected 4, got 3"]);
+    assert_error(Format::Ply, &binary[..binary.len() - 5], &["element face", "expected 4, got 3"]);
     let mut nan = binary.clone();
     let at = nan.windows(4).position(|bytes| bytes == 1.5_f32.to_le_bytes()).unwrap();
     nan[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
-    refused(Format::Ply, nan, &["vertex 2 has y = NaN"]);
+    assert_error(Format::Ply, nan, &["vertex 2 has y = NaN"]);
     let no_faces = PLY.replace("element face 4", "element face 0");
-    refused(Format::Ply, no_faces, &["0 triangles"]);
+    assert_error(Format::Ply, no_faces, &["0 triangles"]);
 }
 
 #[test]
-fn stl_that_is_no_mesh() {
-    refused(Format::Stl, "", &["0 bytes", "header of 84"]);
-    refused(Format::Stl, "ply\n", &["4 bytes", "header of 84"]);
-    refused(Format::Stl, binary_stl(b"", 4_000_000_000), &["284 bytes", "expected 200000000084", "4000000000 facets"]);
-    refused(Format::Stl, &binary_stl(b"", 4)[..283], &["283 bytes, expected 284"]);
-    refused(Format::Stl, binary_stl(b"", 0), &["0 triangles"]);
-    refused(Format::Stl, "solid none\nendsolid none\n", &["0 triangles"]);
+fn invalid_stl_files_are_errors() {
+    assert_error(Format::Stl, "", &["0 bytes", "header of 84"]);
+    assert_error(Format::Stl, "ply\n", &["4 bytes", "header of 84"]);
+    assert_error(
+        Format::Stl,
+        binary_stl(b"", 4_000_000_000),
+        &["284 bytes", "expected 200000000084", "4000000000 facets"],
+    );
+    assert_error(Format::Stl, &binary_stl(b"", 4)[..283], &["283 bytes, expected 284"]);
+    assert_error(Format::Stl, binary_stl(b"", 0), &["0 triangles"]);
+    assert_error(Format::Stl, "solid none\nendsolid none\n", &["0 triangles"]);
     let text = text_stl("solid four");
-    refused(Format::Stl, &text[..text.len() / 2], &["facet 2", "EOF"]);
-    refused(Format::Stl, text.replace("1.5", "nan"), &["facet 0", "NaN"]);
-    refused(Format::Stl, text.replace("1.5", "x"), &["facet 0", "invalid float"]);
-    refused(Format::Stl, text.replace("outer loop", "loop"), &["facet 0", "outer"]);
+    assert_error(Format::Stl, &text[..text.len() / 2], &["facet 2", "EOF"]);
+    assert_error(Format::Stl, text.replace("1.5", "nan"), &["facet 0", "NaN"]);
+    assert_error(Format::Stl, text.replace("1.5", "x"), &["facet 0", "invalid float"]);
+    assert_error(Format::Stl, text.replace("outer loop", "loop"), &["facet 0", "outer"]);
     let mut infinite = binary_stl(b"", 4);
     infinite[96..100].copy_from_slice(&f32::INFINITY.to_le_bytes());
-    refused(Format::Stl, infinite, &["vertex 0 has x = inf"]);
+    assert_error(Format::Stl, infinite, &["vertex 0 has x = inf"]);
 }
 
 #[test]
-fn gltf_that_is_no_mesh() {
+fn invalid_gltf_files_are_errors() {
     let good = Gltf::default();
-    refused(Format::Gltf, "", &["not glTF 2"]);
-    refused(Format::Gltf, "{}", &["not glTF 2"]);
-    refused(Format::Gltf, "glTF", &["4 bytes", "header of 12"]);
+    assert_error(Format::Gltf, "", &["not glTF 2"]);
+    assert_error(Format::Gltf, "{}", &["not glTF 2"]);
+    assert_error(Format::Gltf, "glTF", &["4 bytes", "header of 12"]);
     let text = gltf(&good);
-    refused(Format::Gltf, &text[..text.len() - 20], &["not glTF 2"]);
+    assert_error(Format::Gltf, &text[..text.len() - 20], &["not glTF 2"]);
     let binary = glb(&Gltf { uri: "", ..good });
-    refused(Format::Gltf, &binary[..binary.len() - 4], &["bytes, expected", "by its header"]);
-    let mut lie = binary.clone();
-    lie[8..12].copy_from_slice(&3_u32.to_le_bytes());
-    refused(Format::Gltf, lie, &["expected 3 by its header"]);
-    let mut lie = binary;
-    lie[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
-    refused(Format::Gltf, lie, &["not glTF 2"]);
-    refused(Format::Gltf, gltf(&Gltf { length: 1_000_000_000, ..good }), &["buffer 0: 96 bytes, expected 1000000000"]);
-    refused(Format::Gltf, gltf(&Gltf { vertices: 4_000_000_000, ..good }), &["POSITION: 4000000000 items of 12 bytes"]);
-    refused(Format::Gltf, gltf(&Gltf { vertices: u64::MAX, ..good }), &["file"]);
-    refused(Format::Gltf, gltf(&Gltf { vertices: 0, ..good }), &["0 items"]);
-    refused(Format::Gltf, gltf(&Gltf { vertices: 3, ..good }), &["index 3, expected less than 3"]);
-    refused(Format::Gltf, gltf(&Gltf { stride: 4, ..good }), &["stride of 4, expected at least 12"]);
-    refused(Format::Gltf, gltf(&Gltf { offset: 1000, ..good }), &["a view of 48 bytes at 1000"]);
-    refused(Format::Gltf, gltf(&Gltf { offset: u64::MAX, ..good }), &["file"]);
-    refused(Format::Gltf, gltf(&Gltf { children: "0", ..good }), &["node 0 has two parents"]);
-    refused(Format::Gltf, gltf(&Gltf { uri: "absent.bin", ..good }), &["a/absent.bin: cannot read"]);
-    refused(Format::Gltf, gltf(&Gltf { uri: "https://example.org/x", ..good }), &["expected a data URI or a file"]);
-    refused(Format::Gltf, gltf(&Gltf { uri: "data:x;base64,&", ..good }), &["not base64"]);
-    refused(
+    assert_error(Format::Gltf, &binary[..binary.len() - 4], &["bytes, expected", "by its header"]);
+    let mut wrong = binary.clone();
+    wrong[8..12].copy_from_slice(&3_u32.to_le_bytes());
+    assert_error(Format::Gltf, wrong, &["expected 3 by its header"]);
+    let mut wrong = binary;
+    wrong[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
+    assert_error(Format::Gltf, wrong, &["not glTF 2"]);
+    assert_error(
+        Format::Gltf,
+        gltf(&Gltf { length: 1_000_000_000, ..good }),
+        &["buffer 0: 96 bytes, expected 1000000000"],
+    );
+    assert_error(
+        Format::Gltf,
+        gltf(&Gltf { vertices: 4_000_000_000, ..good }),
+        &["POSITION: 4000000000 items of 12 bytes"],
+    );
+    assert_error(Format::Gltf, gltf(&Gltf { vertices: u64::MAX, ..good }), &["file"]);
+    assert_error(Format::Gltf, gltf(&Gltf { vertices: 0, ..good }), &["0 items"]);
+    assert_error(Format::Gltf, gltf(&Gltf { vertices: 3, ..good }), &["index 3, expected less than 3"]);
+    assert_error(Format::Gltf, gltf(&Gltf { stride: 4, ..good }), &["stride of 4, expected at least 12"]);
+    assert_error(Format::Gltf, gltf(&Gltf { offset: 1000, ..good }), &["a view of 48 bytes at 1000"]);
+    assert_error(Format::Gltf, gltf(&Gltf { offset: u64::MAX, ..good }), &["file"]);
+    assert_error(Format::Gltf, gltf(&Gltf { children: "0", ..good }), &["node 0 has two parents"]);
+    assert_error(Format::Gltf, gltf(&Gltf { uri: "absent.bin", ..good }), &["a/absent.bin: cannot read"]);
+    assert_error(
+        Format::Gltf,
+        gltf(&Gltf { uri: "https://example.org/x", ..good }),
+        &["expected a data URI or a file"],
+    );
+    assert_error(Format::Gltf, gltf(&Gltf { uri: "data:x;base64,&", ..good }), &["not base64"]);
+    assert_error(
         Format::Gltf,
         gltf(&good).replace("POSITION\": 1", "POSITION\": 2"),
         &["mesh 0 names accessor 2", "less than 2"],
     );
-    refused(Format::Gltf, gltf(&Gltf { mode: 1, ..good }), &["0 triangles"]);
-    refused(Format::Gltf, gltf(&Gltf { scale: "[1e39, 1, 1]", ..good }), &["file"]);
+    assert_error(Format::Gltf, gltf(&Gltf { mode: 1, ..good }), &["0 triangles"]);
+    assert_error(Format::Gltf, gltf(&Gltf { scale: "[1e39, 1, 1]", ..good }), &["file"]);
 }
 
 #[test]
-fn gltf_places_its_meshes() {
-    let place = |scale| parse(Format::Gltf, gltf(&Gltf { scale, ..Gltf::default() })).unwrap();
-    let scaled = place("[2, 3, 4]");
+fn gltf_transforms_apply() {
+    let scaled_by = |scale| parse(Format::Gltf, gltf(&Gltf { scale, ..Gltf::default() })).unwrap();
+    let scaled = scaled_by("[2, 3, 4]");
     assert_eq!(scaled.positions(), POSITIONS.map(|[x, y, z]| [2.0 * x, 3.0 * y, 4.0 * z]));
-    // A mirror image has its faces turned back, so that they still look outwards.
-    let mirrored = place("[-1, 1, 1]");
+    // Faces of a mirrored mesh are reversed, so that they still face outwards.
+    let mirrored = scaled_by("[-1, 1, 1]");
     assert_eq!(mirrored.positions(), POSITIONS.map(|[x, y, z]| [-x, y, z]));
     assert_eq!(mirrored.triangles(), FACES.map(|[a, b, c]| [a, c, b]));
     let strip = parse(Format::Gltf, gltf(&Gltf { mode: 5, ..Gltf::default() })).unwrap();
     assert_eq!(strip.triangles()[..3], [[0, 1, 2], [2, 1, 0], [2, 0, 3]]);
     let fan = parse(Format::Gltf, gltf(&Gltf { mode: 6, ..Gltf::default() })).unwrap();
     assert_eq!(fan.triangles()[..3], [[0, 1, 2], [0, 2, 0], [0, 0, 3]]);
-    // A buffer beside the file.
+    // A buffer in another file of the folder.
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a b.bin"), buffer()).unwrap();
     let path = folder.path().join("four.gltf");
@@ -225,9 +241,9 @@ fn gltf_places_its_meshes() {
     assert_eq!(read_mesh(&path).unwrap().positions(), POSITIONS);
 }
 
-/// Whatever bytes are changed, readers answer and do not panic.
+/// Readers do not panic on random changes to files.
 #[test]
-fn damaged_files_are_answered() {
+fn readers_do_not_panic_on_damaged_files() {
     let good = [
         (Format::Obj, OBJ.as_bytes().to_vec()),
         (Format::Ply, PLY.as_bytes().to_vec()),
@@ -238,29 +254,29 @@ fn damaged_files_are_answered() {
         (Format::Gltf, glb(&Gltf { uri: "", ..Gltf::default() })),
     ];
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    let (mut meshes, mut refusals) = (0, 0);
+    let (mut meshes, mut errors) = (0, 0);
     for (format, bytes) in &good {
         for _ in 0..3_000 {
             let mut bytes = bytes.clone();
             for _ in 0..random.random_range(1..4) {
-                let place = random.random_range(0..bytes.len());
+                let position = random.random_range(0..bytes.len());
                 match random.random_range(0..4) {
-                    0 => bytes[place] = random.random(),
-                    1 => bytes[place] = b"0123456789-.eE{}[]\", \n"[random.random_range(0..22)],
-                    2 => bytes.truncate(place.max(1)),
+                    0 => bytes[position] = random.random(),
+                    1 => bytes[position] = b"0123456789-.eE{}[]\", \n"[random.random_range(0..22)],
+                    2 => bytes.truncate(position.max(1)),
                     _ => {
-                        bytes.remove(place);
+                        bytes.remove(position);
                         bytes.push(b'9');
                     }
                 }
             }
             match parse(*format, bytes) {
                 Ok(_) => meshes += 1,
-                Err(_) => refusals += 1,
+                Err(_) => errors += 1,
             }
         }
     }
-    assert!(meshes > 1_000 && refusals > 1_000, "{meshes} meshes, {refusals} refusals");
+    assert!(meshes > 1_000 && errors > 1_000, "{meshes} meshes, {errors} errors");
 }
 
 fn binary_ply(encoding: &str, number: fn(f32) -> [u8; 4], index: fn(i32) -> [u8; 4]) -> Vec<u8> {
@@ -298,7 +314,7 @@ fn binary_stl(header: &[u8], count: u32) -> Vec<u8> {
     bytes
 }
 
-/// What can be wrong in a glTF.
+/// The fields of a glTF that tests change.
 #[derive(Clone, Copy)]
 struct Gltf {
     length: u64,
@@ -326,8 +342,8 @@ fn buffer() -> Vec<u8> {
     bytes
 }
 
-fn gltf(wrong: &Gltf) -> String {
-    let Gltf { length, vertices, offset, stride, mode, children, scale, uri } = *wrong;
+fn gltf(fields: &Gltf) -> String {
+    let Gltf { length, vertices, offset, stride, mode, children, scale, uri } = *fields;
     let uri = match uri {
         "" => String::new(),
         "data" => format!(r#""uri": "data:application/octet-stream;base64,{}","#, BASE64.encode(buffer())),
@@ -345,8 +361,8 @@ fn gltf(wrong: &Gltf) -> String {
     )
 }
 
-fn glb(wrong: &Gltf) -> Vec<u8> {
-    let mut json = gltf(wrong).into_bytes();
+fn glb(fields: &Gltf) -> Vec<u8> {
+    let mut json = gltf(fields).into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
     let binary = buffer();
     let mut bytes = b"glTF".to_vec();

@@ -1,4 +1,4 @@
-//! The tree's structure, and the machine that descends it.
+//! The structure of the tree and its traversal.
 
 mod common;
 
@@ -8,28 +8,28 @@ use raypath_model::Functional;
 use raypath_ops::{Aabb, Binary32, Ray, Rules};
 use raypath_render::bvh::{Reference, Target};
 use raypath_render::{Bvh4, Goal, Mesh, Scene, Stopped, Tracer, Tracing, Traversal, trace_closest};
-use raypath_timing::{Agent, Step};
+use raypath_timing::{Action, Agent};
 use std::collections::VecDeque;
 
 fn numbers(aabb: Aabb<Binary32>) -> [[f32; 2]; 3] {
     [aabb.x, aabb.y, aabb.z].map(|slab| [slab.min.into(), slab.max.into()])
 }
 
-/// Every triangle is in one leaf; every box holds all below it, by at least the pad but not by much more.
+/// Checks that every triangle is in one leaf, and that every box contains all below it with the exact padding.
 fn check(mesh: &Mesh) {
     let reach = 16.0 * mesh.bounds().longest_side();
     let tree = Bvh4::build(mesh, reach).unwrap();
-    let mut met = vec![0; mesh.triangles().len()];
+    let mut visits = vec![0; mesh.triangles().len()];
     let mut nodes = 0;
     let mut deepest = 0;
-    let mut waiting = vec![(Reference::ROOT, [[f32::NEG_INFINITY, f32::INFINITY]; 3], 0)];
-    while let Some((reference, around, kept)) = waiting.pop() {
+    let mut pending = vec![(Reference::ROOT, [[f32::NEG_INFINITY, f32::INFINITY]; 3], 0)];
+    while let Some((reference, around, kept)) = pending.pop() {
         match reference.target() {
             Target::Node(node) => {
                 nodes += 1;
                 let node = tree.nodes()[node as usize];
                 let mut children = 0;
-                let before = waiting.len();
+                let before = pending.len();
                 for (aabb, child) in node.boxes.map(numbers).into_iter().zip(node.children) {
                     if aabb == [[f32::INFINITY, f32::NEG_INFINITY]; 3] {
                         continue;
@@ -38,19 +38,19 @@ fn check(mesh: &Mesh) {
                     for axis in 0..3 {
                         assert!(around[axis][0] <= aabb[axis][0] && aabb[axis][1] <= around[axis][1]);
                     }
-                    waiting.push((child, aabb, 0));
+                    pending.push((child, aabb, 0));
                 }
-                // Where all are hit, all but one wait while that one is opened.
+                // If all children are hit, all but one are on the stack while that one is opened.
                 deepest = deepest.max(kept + children);
-                waiting[before..].iter_mut().for_each(|below| below.2 = kept + children - 1);
+                pending[before..].iter_mut().for_each(|below| below.2 = kept + children - 1);
                 assert!(children > 0);
             }
             Target::Leaf { first, count } => {
                 assert!((1..=8).contains(&count));
                 let mut exact = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-                for place in first..first + count {
-                    let index = tree.index(place);
-                    met[index as usize] += 1;
+                for slot in first..first + count {
+                    let index = tree.index(slot);
+                    visits[index as usize] += 1;
                     for corner in mesh.corners(index) {
                         for axis in 0..3 {
                             let [min, max] = &mut exact[axis];
@@ -71,39 +71,39 @@ fn check(mesh: &Mesh) {
             }
         }
     }
-    assert!(met.iter().all(|&times| times == 1));
+    assert!(visits.iter().all(|&count| count == 1));
     assert_eq!(nodes, tree.nodes().len());
     assert_eq!(deepest, tree.stack_size());
 }
 
 #[test]
-fn trees_are_whole() {
+fn trees_are_valid() {
     for meshes::Named { mesh, .. } in meshes::all() {
         check(&mesh);
     }
 }
 
 #[test]
-fn degenerate_meshes_have_trees() {
+fn trees_of_degenerate_meshes_are_valid() {
     let one = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     for copies in [1, 2, 3, 5, 9, 100, 5_000] {
         check(&Mesh::new(one.clone(), vec![[0, 1, 2]; copies]).unwrap());
         check(&Mesh::new(one.clone(), vec![[0, 0, 0]; copies]).unwrap());
     }
-    // Flat, and in a line.
+    // Triangles in a plane and on a line.
     let grid: Vec<[f32; 3]> = (0..1_000).map(|i| [(i % 40) as f32, (i / 40) as f32, 0.0]).collect();
     let line: Vec<[f32; 3]> = (0..1_000).map(|i| [i as f32, 0.0, 0.0]).collect();
     let triangles: Vec<[u32; 3]> = (0..950).map(|i| [i, i + 1, i + 40]).collect();
     check(&Mesh::new(grid, triangles.clone()).unwrap());
     check(&Mesh::new(line, triangles).unwrap());
-    // Sizes that grow without end make deep trees.
+    // Exponentially growing triangles give deep trees.
     let growing: Vec<[f32; 3]> =
         (0..234).map(|i| [(1.3_f32).powi(i / 3 - 40), (i % 3) as f32, (i % 2) as f32]).collect();
     check(&Mesh::new(growing, (0..78).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap());
 }
 
 #[test]
-fn equal_triangles_are_hit_by_lowest_index() {
+fn the_lowest_index_of_equal_triangles_is_hit() {
     let one = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let scene = Scene::new(Mesh::new(one, vec![[0, 1, 2]; 1_000]).unwrap()).unwrap();
     let front = Ray::new([0.25, 0.25, 5.0], [0.0, 0.0, -1.0], 5.0).unwrap();
@@ -119,17 +119,16 @@ fn equal_triangles_are_hit_by_lowest_index() {
     assert_eq!((hit.triangle, hit.t, hit.from_behind), (0, 5.0, true));
 }
 
-/// Answers that come late change nothing: a machine whose jobs are answered only when it waits ends like one whose jobs
-/// are answered at once.
+/// A traversal that receives outcomes only when it waits gives the same result as one that receives them at once.
 #[test]
-fn late_answers_change_nothing() {
+fn the_latency_of_outcomes_does_not_matter() {
     let mesh = meshes::real("truck").mesh;
     let scene = Scene::new(mesh).unwrap();
     for two_sided in [false, true] {
         for rules in [Rules::Paper, Rules::Chisel] {
             let tracing = Tracing { two_sided, rules };
             let (mut at_once, mut late) = (Tracer::new(&scene, tracing), Traversal::new(scene.bvh(), tracing));
-            assert!(matches!(Agent::<Functional>::step(&mut late), Step::Done));
+            assert!(matches!(Agent::<Functional>::next_action(&mut late), Action::Done));
             for ray in rays(scene.mesh(), Kind::Random, 2_000, 6) {
                 for goal in [Goal::Closest, Goal::Any] {
                     let expected = at_once.trace(&ray, goal);
@@ -145,15 +144,15 @@ fn late_answers_change_nothing() {
     }
 }
 
-/// Runs a machine to its end with the functional model, and counts what it fetches.
-fn run_late(machine: &mut Traversal, rules: Rules) -> u64 {
+/// Runs a traversal with the functional model, with outcomes as late as possible, and counts its fetches.
+fn run_late(traversal: &mut Traversal, rules: Rules) -> u64 {
     let (mut datapath, mut pending, mut fetches) = (Functional::<16, 8>::new(rules), VecDeque::new(), 0);
     loop {
-        match Agent::<Functional>::step(machine) {
-            Step::Fetch => fetches += 1,
-            Step::Issue { job, .. } => pending.push_back(job),
-            Step::Wait => Agent::<Functional>::answer(machine, &datapath.run(&pending.pop_front().unwrap())),
-            Step::Done => {
+        match Agent::<Functional>::next_action(traversal) {
+            Action::Fetch => fetches += 1,
+            Action::Issue { job, .. } => pending.push_back(job),
+            Action::Wait => Agent::<Functional>::receive(traversal, &datapath.run(&pending.pop_front().unwrap())),
+            Action::Done => {
                 assert!(pending.is_empty());
                 return fetches;
             }
@@ -162,7 +161,7 @@ fn run_late(machine: &mut Traversal, rules: Rules) -> u64 {
 }
 
 #[test]
-fn results_do_not_depend_on_threads_and_stop_when_told() {
+fn results_do_not_depend_on_threads_and_the_progress_callback_stops_tracing() {
     let scene = Scene::new(meshes::real("teapot").mesh).unwrap();
     let rays = rays(scene.mesh(), Kind::Random, 20_000, 7);
     let with = |threads| {

@@ -1,4 +1,4 @@
-//! Nothing slips through: boxes and triangles together are as watertight as triangles alone.
+//! Watertightness: traversal with boxes is as watertight as the triangle test.
 
 mod common;
 
@@ -14,30 +14,30 @@ fn ray_count() -> usize {
     std::env::var("RAYPATH_RAYS").map_or(20_000, |count| count.parse().unwrap())
 }
 
-/// Rays at edges and vertices whose faces all look at them, from up to the scene's reach away.
+/// Rays towards edges and vertices whose faces all face the ray, from up to the reach of the scene.
 #[test]
-fn patches_are_hit() {
+fn rays_at_edges_and_vertices_hit() {
     for Named { name, mesh } in meshes::all() {
         let (scene, patches) = (Scene::new(mesh.clone()).unwrap(), Patches::new(&mesh));
         let aimed: Vec<(Vec<u32>, Ray<Binary32>)> = aimed(&mesh, &patches, scene.reach());
         let rays: Vec<Ray<Binary32>> = aimed.iter().map(|(_, ray)| *ray).collect();
         assert!(rays.iter().all(|ray| scene.reaches(ray.origin.into())));
         let (hits, _) = trace_closest(&scene, &rays, Tracing::default(), &|_| true).unwrap();
-        let judged = aimed.par_iter().zip(&hits).filter_map(|((patch, ray), hit)| {
+        let checked = aimed.par_iter().zip(&hits).filter_map(|((patch, ray), hit)| {
             let farthest = patches.must_hit(patch, ray)?;
             Some(hit.is_some_and(|hit| f64::from(hit.t) <= farthest))
         });
-        let judged: Vec<bool> = judged.collect();
-        let through = judged.iter().filter(|&&hit| !hit).count();
-        println!("{name}: {} rays, of which {} must hit their patch; {through} slip through", rays.len(), judged.len());
-        assert!(judged.len() > rays.len() / 5, "{name}: {} of {}", judged.len(), rays.len());
-        assert_eq!(through, 0, "{name}");
+        let checked: Vec<bool> = checked.collect();
+        let misses = checked.iter().filter(|&&hit| !hit).count();
+        println!("{name}: {} rays, of which {} must hit their patch; {misses} miss", rays.len(), checked.len());
+        assert!(checked.len() > rays.len() / 5, "{name}: {} of {}", checked.len(), rays.len());
+        assert_eq!(misses, 0, "{name}");
     }
 }
 
-/// Rays of each body of the built-in scene, from inside, in any direction and at its own vertices.
+/// Rays from inside closed bodies of the built-in scene, in random directions and towards vertices.
 #[test]
-fn nothing_leaves_a_closed_body() {
+fn rays_inside_closed_bodies_hit() {
     let scene = Scene::new(builtin().unwrap()).unwrap();
     let mesh = scene.mesh();
     let mut random = ChaCha8Rng::seed_from_u64(3);
@@ -78,7 +78,7 @@ fn aimed(mesh: &Mesh, patches: &Patches, reach: f32) -> Vec<(Vec<u32>, Ray<Binar
             false => (patches.edge(face, corner), std::array::from_fn(|k| a[k] + part * (b[k] - a[k]))),
         };
         let Some(patch) = patch else { continue };
-        // Towards the side from which the face is seen, from close by to as far as the scene reaches.
+        // An origin in front of the face, up to the reach of the scene.
         let p: [[f32; 3]; 2] = [1, 2].map(|k| std::array::from_fn(|axis| corners[k][axis] - corners[0][axis]));
         let normal: [f32; 3] = std::array::from_fn(|k| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
@@ -87,8 +87,8 @@ fn aimed(mesh: &Mesh, patches: &Patches, reach: f32) -> Vec<(Vec<u32>, Ray<Binar
         let length = normal.iter().map(|x| x * x).sum::<f32>().sqrt();
         let away: f32 = random.random_range(-6.0_f32..0.0).exp2() * (reach - 2.0 * size);
         let origin: [f32; 3] = std::array::from_fn(|k| {
-            let aside = random.random_range(-0.7..0.7);
-            target[k] + away * (normal[k] / length + aside) / 2.0
+            let sideways = random.random_range(-0.7..0.7);
+            target[k] + away * (normal[k] / length + sideways) / 2.0
         });
         let lattice = random.random::<bool>();
         let origin = if lattice { origin.map(|x| (x / size * 16.0).round() / 16.0 * size) } else { origin };

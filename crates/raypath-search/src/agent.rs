@@ -7,7 +7,7 @@ use crate::nearest::{Candidate, Nearest};
 use crate::vectors::Vectors;
 use raypath_model::Functional;
 use raypath_ops::{AngularInput, Beat, Binary32, EuclideanInput, Job, Outcome};
-use raypath_timing::{Agent, Step};
+use raypath_timing::{Action, Agent};
 use std::collections::HashSet;
 
 /// One query's way through the datapath, for simulations of time: an [`Agent`] that fetches candidates, issues their
@@ -122,27 +122,27 @@ impl<'v> Walk<'v> {
 
 impl<const E: usize, const A: usize> Agent<Functional<E, A>> for Walk<'_> {
     #[inline]
-    fn step(&mut self) -> Step<Job<E, A>> {
+    fn next_action(&mut self) -> Action<Job<E, A>> {
         let job = match self.metric {
             Metric::Euclidean => self.beat().map(|euclidean| Job::Euclidean(EuclideanInput { euclidean })),
             Metric::Angular => self.beat().map(|euclidean| Job::Angular(AngularInput { euclidean })),
         };
         if let Some(job) = job {
             self.outstanding += 1;
-            return Step::Issue { job, holds: !self.left.is_empty() };
+            return Action::Issue { job, lock: !self.left.is_empty() };
         }
-        let Some(next) = self.candidates.get(self.fetched) else { return Step::Done };
+        let Some(next) = self.candidates.get(self.fetched) else { return Action::Done };
         if self.outstanding > 0 && self.fetched > 0 && self.candidates.depend() {
-            return Step::Wait;
+            return Action::Wait;
         }
         self.left = self.base.get(next as usize).unwrap_or_default();
         self.fetched += 1;
-        Step::Fetch
+        Action::Fetch
     }
 
     /// Hits of rays are no answer to any of its jobs, and do nothing.
     #[inline]
-    fn answer(&mut self, outcome: &Outcome) {
+    fn receive(&mut self, outcome: &Outcome) {
         self.outstanding = self.outstanding.saturating_sub(1);
         match outcome {
             Outcome::Euclidean(sum) if sum.euclidean_reset_accum.into() => {

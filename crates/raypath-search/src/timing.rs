@@ -12,7 +12,7 @@ use crate::metric::Metric;
 use crate::vectors::Vectors;
 use raypath_model::{CycleModel, Functional};
 use raypath_ops::Rules;
-use raypath_timing::{Hardware, Observer, Sample, SimulationError, Sweep, Timing, Watch, simulate, sweep};
+use raypath_timing::{Observer, Progress, Sample, SimulationError, Sweep, System, Timing, simulate, sweep};
 use thiserror::Error;
 
 /// Queries whose nearest neighbours are sought.
@@ -113,16 +113,16 @@ impl Subject<'_> {
 pub fn time_search<const E: usize, const A: usize>(
     subject: &Subject,
     sample: Sample,
-    hardware: &Hardware,
+    system: &System,
     observer: &mut impl Observer,
-    watch: Watch,
+    watch: Progress,
 ) -> Result<(Timing, Vec<Vec<Neighbour>>), TimingError> {
     let mut walks = walks(subject, sample)?;
-    let timing = simulate(walks.iter_mut(), &hardware.machine, model::<E, A>(hardware), observer, watch)?;
+    let timing = simulate(walks.iter_mut(), &system.environment, model::<E, A>(system), observer, watch)?;
     Ok((timing, walks.into_iter().map(Walk::into_neighbours).collect()))
 }
 
-/// Times a search with each number of queries in flight and each memory latency, in place of those of `hardware`. `watch`
+/// Times a search with each number of queries in flight and each memory latency, in place of those of `system`. `watch`
 /// hears how many queries are done at all points together.
 ///
 /// # Errors
@@ -132,12 +132,12 @@ pub fn sweep_search<const E: usize, const A: usize>(
     sample: Sample,
     in_flight: &[usize],
     latencies: &[u64],
-    hardware: &Hardware,
-    watch: Watch,
+    system: &System,
+    watch: Progress,
 ) -> Result<Sweep, TimingError> {
     let walks = walks(subject, sample)?;
     let agents = || walks.iter().cloned();
-    Ok(sweep(in_flight, latencies, &hardware.machine, &model::<E, A>(hardware), agents, watch)?)
+    Ok(sweep(in_flight, latencies, &system.environment, &model::<E, A>(system), agents, watch)?)
 }
 
 /// The queries of a sample, before they begin.
@@ -153,7 +153,7 @@ fn walks<'s>(subject: &Subject<'s>, sample: Sample) -> Result<Vec<Walk<'s>>, Sea
 }
 
 /// Distances have no rules at the edges, so it makes no difference which.
-fn model<const E: usize, const A: usize>(hardware: &Hardware) -> CycleModel<Functional<E, A>> {
+fn model<const E: usize, const A: usize>(system: &System) -> CycleModel<Functional<E, A>> {
     const { assert!(E == 2 * A, "half as many angular lanes as Euclidean ones") };
-    hardware.model(Functional::new(Rules::Paper))
+    system.pipeline(Functional::new(Rules::Paper))
 }

@@ -1,4 +1,4 @@
-//! The cycle-exact simulation does a search's work, no more and no less, and finds what it finds.
+//! The cycle-exact simulation: neighbours, beats and fetches equal those of a search.
 
 use raypath_model::{Control, Loop, PipelinePosition, Shape};
 use raypath_ops::JobKind;
@@ -6,25 +6,25 @@ use raypath_search::{
     Candidates, Clusters, Dataset, Exact, Graph, GraphParameters, Log, Metric, SearchError, Subject, TimingError,
     Vectors, Walk, Work, sweep_search, time_search,
 };
-use raypath_timing::{Cycle, Hardware, Machine, Observer, Sample, SimulationError, Sink, Timing};
+use raypath_timing::{Environment, Observer, PortActivity, Sample, SimulationError, Sink, System, Timing};
 use std::num::NonZeroUsize;
 
-fn machines() -> [Hardware; 5] {
-    let machine = |in_flight, memory_latency, sink| Machine { in_flight, memory_latency, sink };
+fn systems() -> [System; 5] {
+    let environment = |in_flight, memory_latency, sink| Environment { in_flight, memory_latency, sink };
     let stalls = Sink::Stalls { probability: 0.3, seed: 1 };
     let slow_sums = vec![
         Loop { opcode: JobKind::Euclidean.opcode(), first: 6, last: 9 },
         Loop { opcode: JobKind::Angular.opcode(), first: 6, last: 8 },
     ];
     [
-        Hardware::default(),
-        Hardware { machine: machine(1, 0, Sink::Always), ..Hardware::default() },
-        Hardware {
-            machine: machine(300, 17, Sink::Always),
+        System::default(),
+        System { environment: environment(1, 0, Sink::Always), ..System::default() },
+        System {
+            environment: environment(300, 17, Sink::Always),
             shape: Shape { control: Control::Credit, latency: 20, ..Shape::default() },
         },
-        Hardware { machine: machine(8, 40, stalls), ..Hardware::default() },
-        Hardware { machine: machine(5, 9, stalls), shape: Shape { loops: slow_sums, ..Shape::default() } },
+        System { environment: environment(8, 40, stalls), ..System::default() },
+        System { environment: environment(5, 9, stalls), shape: Shape { loops: slow_sums, ..Shape::default() } },
     ]
 }
 
@@ -32,19 +32,19 @@ fn clusters(vectors: usize, queries: usize, dimensions: usize) -> Dataset {
     Clusters { vectors, queries, dimensions, clusters: 9, ..Clusters::default() }.generate().expect("data")
 }
 
-fn does_the_work_of(timing: &Timing, work: Work, metric: Metric, queries: usize) {
+fn assert_work(timing: &Timing, work: Work, metric: Metric, queries: usize) {
     let (kind, norms) = match metric {
         Metric::Euclidean => (JobKind::Euclidean, 0),
         Metric::Angular => (JobKind::Angular, queries as u64),
     };
-    assert_eq!((timing.jobs_of(kind), timing.all_jobs()), (work.beats, work.beats));
-    // A query's own norm takes its beats, but the query is there.
+    assert_eq!((timing.jobs_of(kind), timing.total_jobs()), (work.beats, work.beats));
+    // The norm of a query takes beats, but no fetch.
     assert_eq!(timing.fetches, work.evaluations - norms);
     assert_eq!(timing.agents, queries as u64);
 }
 
 #[test]
-fn exact_search_finds_what_it_finds() {
+fn simulated_exact_search_finds_the_same() {
     exact::<16, 8>(&[1, 7, 16, 20, 33]);
     exact::<8, 4>(&[3, 20]);
 }
@@ -57,18 +57,18 @@ fn exact<const E: usize, const A: usize>(dimensions: &[usize]) {
             let candidates = Candidates::All { count: 6 };
             let subject = Subject { base: &base, queries: &queries, metric, candidates };
             assert_eq!(subject.work::<E, A>(Sample::ALL), expected.work);
-            for hardware in machines() {
-                let timed = time_search::<E, A>(&subject, Sample::ALL, &hardware, &mut (), &|_| true);
+            for system in systems() {
+                let timed = time_search::<E, A>(&subject, Sample::ALL, &system, &mut (), &|_| true);
                 let (timing, rows) = timed.expect("a timing");
                 assert_eq!(rows, expected.rows, "{metric}, {dimensions} dimensions");
-                does_the_work_of(&timing, expected.work, metric, 13);
+                assert_work(&timing, expected.work, metric, 13);
             }
         }
     }
 }
 
 #[test]
-fn a_graph_finds_what_it_finds() {
+fn simulated_graph_search_finds_the_same() {
     let Dataset { base, queries, .. } = clusters(600, 25, 20);
     for metric in Metric::ALL {
         let graph = Graph::<16, 8>::build(&base, metric, &GraphParameters::default(), &|_| true).expect("a graph");
@@ -77,69 +77,69 @@ fn a_graph_finds_what_it_finds() {
             let logs = graph.logs(&queries, count, ef, u64::MAX, &|_| true).expect("logs");
             let subject = Subject { base: &base, queries: &queries, metric, candidates: Candidates::Logged(&logs) };
             assert_eq!(subject.work::<16, 8>(Sample::ALL), expected.work);
-            for hardware in machines() {
-                let timed = time_search::<16, 8>(&subject, Sample::ALL, &hardware, &mut (), &|_| true);
+            for system in systems() {
+                let timed = time_search::<16, 8>(&subject, Sample::ALL, &system, &mut (), &|_| true);
                 let (timing, rows) = timed.expect("a timing");
                 assert_eq!(rows, expected.rows, "{metric}, {count} of {ef}");
-                does_the_work_of(&timing, expected.work, metric, 25);
+                assert_work(&timing, expected.work, metric, 25);
             }
         }
     }
 }
 
-/// A fetch takes 100 cycles, a beat one, and the last answer comes 12 later and is taken in one more: in the last cycle.
+/// A fetch takes 100 cycles and a beat one; the last outcome leaves after 12 more.
 #[test]
-fn cycles_are_those_of_a_count_by_hand() {
+fn cycles_follow_from_the_latencies() {
     // Two Euclidean beats, three angular ones.
     let Dataset { base, queries, .. } = clusters(3, 2, 20);
     let log = Log { candidates: vec![0, 1, 2], found: vec![0] };
     let logs = [log.clone(), log];
     let time = |metric, candidates, in_flight, memory_latency| {
-        let machine = Machine { in_flight, memory_latency, ..Machine::default() };
-        let hardware = Hardware { machine, ..Hardware::default() };
+        let environment = Environment { in_flight, memory_latency, ..Environment::default() };
+        let system = System { environment, ..System::default() };
         let subject = Subject { base: &base, queries: &queries, metric, candidates };
-        time_search::<16, 8>(&subject, Sample::ALL, &hardware, &mut (), &|_| true).expect("a timing").0.cycles
+        time_search::<16, 8>(&subject, Sample::ALL, &system, &mut (), &|_| true).expect("a timing").0.cycles
     };
     let (all, logged) = (Candidates::All { count: 1 }, Candidates::Logged(&logs));
     assert_eq!(time(Metric::Euclidean, all, 1, 100), 2 * (3 * (100 + 2) + 12));
     assert_eq!(time(Metric::Euclidean, logged, 1, 100), 2 * 3 * (100 + 2 + 12));
-    // The query's norm comes first; nothing waits for it.
+    // The norm of the query comes first, and no fetch waits for it.
     assert_eq!(time(Metric::Angular, all, 1, 100), 2 * (3 + 3 * (100 + 3) + 12));
     assert_eq!(time(Metric::Angular, logged, 1, 100), 2 * (3 + 3 * (100 + 3 + 12)));
-    // Both at once: the second query's beats follow those of the first.
+    // With both in flight, the beats of the second query follow those of the first.
     assert_eq!(time(Metric::Euclidean, all, 2, 100), 3 * (100 + 2) + 2 + 12);
     assert_eq!(time(Metric::Euclidean, logged, 2, 100), 3 * (100 + 2 + 12) + 2);
-    // Memory that costs nothing: a beat in every cycle.
+    // With ideal memory, a beat enters in every cycle.
     assert_eq!(time(Metric::Euclidean, all, 2, 0), 2 * 3 * 2 + 12);
 }
 
-/// Sees whose jobs are accepted.
+/// Records the owners of accepted jobs.
 #[derive(Default)]
 struct Owners(Vec<u64>);
 
 impl Observer for Owners {
-    fn wants(&self, cycle: u64) -> Option<u64> {
+    fn next_observed(&self, cycle: u64) -> Option<u64> {
         Some(cycle)
     }
-    fn cycle(&mut self, cycle: &Cycle, _: impl Iterator<Item = PipelinePosition>) {
-        self.0.extend(cycle.offered.filter(|_| cycle.accepted).map(|(_, owner)| owner));
+    fn observe(&mut self, ports: &PortActivity, _: impl Iterator<Item = PipelinePosition>) {
+        self.0.extend(ports.offered.filter(|_| ports.accepted).map(|(_, owner)| owner));
     }
 }
 
 #[test]
-fn beats_of_a_vector_follow_each_other() {
+fn beats_of_a_vector_are_consecutive() {
     // Three beats a vector.
     let Dataset { base, queries, .. } = clusters(20, 9, 40);
     let candidates = Candidates::All { count: 1 };
     let subject = Subject { base: &base, queries: &queries, metric: Metric::Euclidean, candidates };
-    for hardware in machines() {
+    for system in systems() {
         let mut owners = Owners::default();
-        time_search::<16, 8>(&subject, Sample::ALL, &hardware, &mut owners, &|_| true).expect("a timing");
+        time_search::<16, 8>(&subject, Sample::ALL, &system, &mut owners, &|_| true).expect("a timing");
         assert_eq!(owners.0.len(), 9 * 20 * 3);
         assert!(owners.0.as_chunks::<3>().0.iter().all(|[a, b, c]| a == b && b == c));
         let turns = owners.0.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        // Alone one query follows another; otherwise they take turns, vector by vector.
-        assert!(if hardware.machine.in_flight == 1 { turns == 8 } else { turns > 100 }, "{turns}");
+        // A single query in flight finishes before the next; several take turns, vector by vector.
+        assert!(if system.environment.in_flight == 1 { turns == 8 } else { turns > 100 }, "{turns}");
     }
 }
 
@@ -163,38 +163,38 @@ fn samples_are_bounded_by_beats() {
     }
     assert_eq!((logged(&all[..5]).len(), logged(&[]).is_empty()), (5, true));
 
-    let sample = Sample { every: NonZeroUsize::new(4).expect("four"), most: 2 };
+    let sample = Sample { stride: NonZeroUsize::new(4).expect("four"), max: 2 };
     let expected = graph.search(&queries, 2, 4, &|_| true).expect("answers").rows;
-    let timed = time_search::<16, 8>(&logged(&all), sample, &Hardware::default(), &mut (), &|_| true);
+    let timed = time_search::<16, 8>(&logged(&all), sample, &System::default(), &mut (), &|_| true);
     assert_eq!(timed.expect("a timing").1, [expected[0].clone(), expected[4].clone()]);
-    let none = time_search::<16, 8>(&logged(&[]), Sample::ALL, &Hardware::default(), &mut (), &|_| true);
+    let none = time_search::<16, 8>(&logged(&[]), Sample::ALL, &System::default(), &mut (), &|_| true);
     assert_eq!(none, Ok((Timing::default(), Vec::new())));
 }
 
 #[test]
-fn sweeps_are_many_timings() {
+fn sweep_points_equal_single_timings() {
     let Dataset { base, queries, .. } = clusters(50, 20, 40);
     let candidates = Candidates::All { count: 1 };
     let subject = Subject { base: &base, queries: &queries, metric: Metric::Angular, candidates };
-    let (sample, hardware) = (Sample::first(15), Hardware::default());
+    let (sample, system) = (Sample::first(15), System::default());
     let (in_flight, latencies) = ([1, 4, 16], [0, 100]);
-    let sweep = sweep_search::<16, 8>(&subject, sample, &in_flight, &latencies, &hardware, &|_| true).expect("a sweep");
+    let sweep = sweep_search::<16, 8>(&subject, sample, &in_flight, &latencies, &system, &|_| true).expect("a sweep");
     assert_eq!(sweep.points.len(), 6);
     for point in sweep.points {
-        let hardware = Hardware { machine: point.machine, ..Hardware::default() };
-        let timed = time_search::<16, 8>(&subject, sample, &hardware, &mut (), &|_| true).expect("a timing");
+        let system = System { environment: point.environment, ..System::default() };
+        let timed = time_search::<16, 8>(&subject, sample, &system, &mut (), &|_| true).expect("a timing");
         assert_eq!(point.timing, timed.0);
     }
 }
 
 #[test]
-fn what_cannot_be_timed_is_refused() {
+fn invalid_simulations_are_errors() {
     let Dataset { base, queries, .. } = clusters(3000, 60, 4);
     let other = Vectors::new(3, vec![0.0; 3]).expect("a vector");
-    let time = |queries, candidates, in_flight, watch| {
+    let time = |queries, candidates, in_flight, progress| {
         let subject = Subject { base: &base, queries, metric: Metric::Euclidean, candidates };
-        let hardware = Hardware { machine: Machine { in_flight, ..Machine::default() }, ..Hardware::default() };
-        time_search::<16, 8>(&subject, Sample::ALL, &hardware, &mut (), watch).expect_err("refused")
+        let system = System { environment: Environment { in_flight, ..Environment::default() }, ..System::default() };
+        time_search::<16, 8>(&subject, Sample::ALL, &system, &mut (), progress).expect_err("refused")
     };
     let all = |count| Candidates::All { count };
     let neighbours = |asked| TimingError::Search(SearchError::Neighbours { asked, there: 3000 });
@@ -206,7 +206,7 @@ fn what_cannot_be_timed_is_refused() {
     assert_eq!(time(&other, Candidates::Logged(&logs), 1, &|_| true), dimensions);
     let foreign = time(&queries, Candidates::Logged(&logs), 1, &|_| true).to_string();
     assert_eq!(foreign, "candidate is 3000, expected an index of the base");
-    assert_eq!(time(&queries, all(1), 0, &|_| true), TimingError::Simulation(SimulationError::NoPlace));
+    assert_eq!(time(&queries, all(1), 0, &|_| true), TimingError::Simulation(SimulationError::NoSlots));
     let stopped = time(&queries, all(1), 4, &|done| done < 20);
     assert!(matches!(stopped, TimingError::Simulation(SimulationError::Stopped { agents: 20.. })), "{stopped:?}");
     let query = queries.get(0).expect("a query");

@@ -1,49 +1,50 @@
 use raypath_model::Model;
 
-/// Whatever asks the datapath for answers, one after another: a ray, a query.
+/// A client of the datapath, such as a ray or a query: it reads memory, issues jobs and waits for their outcomes.
 ///
-/// Its own work takes no cycles. The harness asks it what to do ([`step`](Self::step)) when it may do something, and
-/// hands it the answers to its jobs ([`answer`](Self::answer)) in the order in which it issued them, each in the cycle in
-/// which the datapath's output is taken: whatever the agent is waiting for then.
+/// Computation inside the agent takes no cycles. [`simulate`](crate::simulate) calls [`next_action`](Self::next_action)
+/// when the agent may act, and [`receive`](Self::receive) with the outcomes of its jobs, in the order of issue, each in
+/// the cycle in which the sink takes it. An outcome may arrive while the agent is fetching or waiting for the datapath.
 pub trait Agent<M: Model> {
-    /// What it does next.
+    /// The next action.
     ///
-    /// Asked first when it gets its place; then `memory_latency` cycles after a fetch, in the cycle after its job was
-    /// accepted, and, having said [`Step::Wait`], in the cycle after each answer.
-    fn step(&mut self) -> Step<M::Job>;
+    /// The simulation asks for it when the agent starts, `memory_latency` cycles after a fetch, in the cycle after a job
+    /// was accepted and, after [`Action::Wait`], in the cycle after each outcome.
+    fn next_action(&mut self) -> Action<M::Job>;
 
-    /// Takes the answer to the oldest of its jobs that have none.
-    fn answer(&mut self, outcome: &M::Outcome);
+    /// Receives the outcome of the agent's oldest outstanding job.
+    fn receive(&mut self, outcome: &M::Outcome);
 }
 
-/// What an agent does next.
+/// An action of an [`Agent`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::large_enum_variant)] // jobs are streamed by value; boxing would allocate for each
-pub enum Step<J> {
-    /// Reads memory: it does nothing more until `memory_latency` cycles have passed.
+pub enum Action<J> {
+    /// Read memory. The next action follows `memory_latency` cycles later.
     Fetch,
-    /// Gives the datapath a job.
+    /// Issue a job to the datapath.
     Issue {
         /// The job.
         job: J,
-        /// The next job that the datapath takes must be this agent's next one: beats of one vector share an
-        /// accumulator. Whoever holds may fetch or wait in between, but has to issue a job before it is done.
-        holds: bool,
+        /// Whether the agent locks the datapath until its next job is accepted, so that the beats of one vector reach
+        /// the accumulator without a beat of another agent in between. The agent may fetch or wait while it has the lock,
+        /// but must issue another job before it is done.
+        lock: bool,
     },
-    /// Waits for the next of the answers that it has not had.
+    /// Wait for the next outcome.
     Wait,
-    /// Wants nothing more; answers that are outstanding it still gets, and keeps its place until it has had them.
+    /// Nothing more to do. The agent still receives outstanding outcomes and occupies its slot until then.
     Done,
 }
 
-/// An agent that stays with its owner, who reads from it afterwards what it has found.
+/// A borrowed agent: the owner can read its state after the simulation.
 impl<M: Model, A: Agent<M> + ?Sized> Agent<M> for &mut A {
     #[inline]
-    fn step(&mut self) -> Step<M::Job> {
-        (**self).step()
+    fn next_action(&mut self) -> Action<M::Job> {
+        (**self).next_action()
     }
     #[inline]
-    fn answer(&mut self, outcome: &M::Outcome) {
-        (**self).answer(outcome);
+    fn receive(&mut self, outcome: &M::Outcome) {
+        (**self).receive(outcome);
     }
 }

@@ -1,60 +1,66 @@
-//! How long the datapath takes when many agents keep it busy, and why.
+//! Simulation of the datapath under load: throughput, latency, and the causes of idle cycles.
 //!
-//! An [`Agent`] is whatever asks the datapath for answers one after another, a ray on its way through a tree or a query
-//! among vectors. [`simulate`] keeps many of them in flight before a cycle-exact model and counts: cycles, jobs, and
-//! for each cycle in which no job entered the reason. [`sweep`] does so for many machines, and [`plot`] draws it.
+//! An [`Agent`] is a client of the datapath that issues jobs and waits for their outcomes, such as a ray that traverses a
+//! tree or a query that searches vectors. [`simulate`] keeps many agents in flight before a cycle-exact model and counts
+//! cycles and jobs, and for each cycle without a job the cause. [`sweep`] repeats this for several numbers of agents and
+//! memory latencies, and [`plot`] draws the result. Module [`report`] shows a run as an HTML page with a timeline.
+//!
+//! Feature `sweep` enables [`sweep`] and [`plot`], feature `report` the module [`report`]; both are on by default.
 //!
 //! ```
 //! use raypath_model::{CycleModel, Functional, Shape};
 //! use raypath_ops::{Aabb, Job, Outcome, Ray, RayBoxInput, Rules};
-//! use raypath_timing::{Agent, Machine, Step, simulate};
+//! use raypath_timing::{Action, Agent, Environment, simulate};
 //!
-//! /// Fetches one node of a tree, and tests its boxes.
+//! /// Fetches one node of a tree and tests its boxes.
 //! struct Visit {
-//!     steps: std::vec::IntoIter<Step<Job>>,
+//!     actions: std::vec::IntoIter<Action<Job>>,
 //! }
 //!
 //! impl Agent<Functional> for Visit {
-//!     fn step(&mut self) -> Step<Job> {
-//!         self.steps.next().unwrap_or(Step::Done)
+//!     fn next_action(&mut self) -> Action<Job> {
+//!         self.actions.next().unwrap_or(Action::Done)
 //!     }
-//!     fn answer(&mut self, _: &Outcome) {}
+//!     fn receive(&mut self, _: &Outcome) {}
 //! }
 //!
 //! let ray = Ray::new([0.0, 0.0, -5.0], [0.0, 0.0, 1.0], f32::INFINITY)?;
 //! let job = Job::Quadbox(RayBoxInput { ray, aabb: [Aabb::new([-1.0; 3], [1.0; 3]); 4] });
-//! let visit = || Visit { steps: vec![Step::Fetch, Step::Issue { job, holds: false }, Step::Wait].into_iter() };
+//! let actions = [Action::Fetch, Action::Issue { job, lock: false }, Action::Wait];
+//! let agents = (0..10).map(|_| Visit { actions: actions.to_vec().into_iter() });
 //!
-//! let machine = Machine { in_flight: 1, memory_latency: 100, ..Machine::default() };
-//! let model = CycleModel::new(Functional::new(Rules::Paper), &Shape::default());
-//! let timing = simulate((0..10).map(|_| visit()), &machine, model, &mut (), &|_| true)?;
-//! // Memory, the twelve cycles inside, and the one in which the answer is taken.
+//! let environment = Environment { in_flight: 1, memory_latency: 100, ..Environment::default() };
+//! let pipeline = CycleModel::new(Functional::new(Rules::Paper), &Shape::default());
+//! let timing = simulate(agents, &environment, pipeline, &mut (), &|_| true)?;
+//! // The memory latency, twelve cycles in the pipeline, and one cycle at the output.
 //! assert_eq!(timing.cycles, 10 * (100 + 12 + 1));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod agent;
-mod hardware;
-mod machine;
+mod environment;
 mod observer;
 #[cfg(feature = "sweep")]
 mod plot;
+mod progress;
 #[cfg(feature = "report")]
 pub mod report;
 mod sample;
 mod simulation;
 #[cfg(feature = "sweep")]
 mod sweep;
+mod system;
 mod timing;
 
-pub use agent::{Agent, Step};
-pub use hardware::Hardware;
-pub use machine::{Machine, Sink};
-pub use observer::{Cycle, Observer};
+pub use agent::{Action, Agent};
+pub use environment::{Environment, Sink};
+pub use observer::{Observer, PortActivity};
 #[cfg(feature = "sweep")]
 pub use plot::plot;
+pub use progress::{Progress, ProgressCounter};
 pub use sample::Sample;
-pub use simulation::{SimulationError, Watch, simulate};
+pub use simulation::{SimulationError, simulate};
 #[cfg(feature = "sweep")]
 pub use sweep::{Point, Sweep, sweep};
+pub use system::System;
 pub use timing::{Rates, Starved, Timing};

@@ -1,47 +1,48 @@
 use raypath_model::PipelinePosition;
 
-/// Looks on, cycle by cycle, in the cycles that it wants to see. `()` wants none.
+/// An observer of selected cycles of a simulation. `()` selects none.
 pub trait Observer {
-    /// The first cycle from this one on that it wants to see, none where it has seen enough. Idle cycles that nobody
-    /// wants to see are skipped, not walked: an observer costs time only while it looks.
-    fn wants(&self, cycle: u64) -> Option<u64>;
+    /// The first cycle to observe from `cycle` on, or `None` if there is no such cycle. The simulation skips idle cycles
+    /// that are not observed.
+    fn next_observed(&self, cycle: u64) -> Option<u64>;
 
-    /// A cycle that it wanted to see. `places` says where the jobs inside are during it, oldest first: the job that is
-    /// accepted in it is not among them, and the one that is taken is the first.
-    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = PipelinePosition>);
+    /// Observes a selected cycle. `positions` are the pipeline positions of the jobs inside at the start of the cycle,
+    /// oldest first: a job that is accepted in this cycle is not among them, a job that the sink takes is the first.
+    fn observe(&mut self, ports: &PortActivity, positions: impl Iterator<Item = PipelinePosition>);
 }
 
-/// What happens at the datapath's ends in one cycle.
+/// The handshakes at the input and the output of the datapath in one cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Cycle {
-    /// Which cycle, the first being 0.
-    pub number: u64,
-    /// What the source offers: its opcode, and whose it is (agents are numbered from 0 in the order in which they begin).
+pub struct PortActivity {
+    /// The number of the cycle, from 0.
+    pub cycle: u64,
+    /// The job that the source offers: its opcode and the number of its owner. [`simulate`](crate::simulate) numbers
+    /// agents from 0 in the order in which they start.
     pub offered: Option<(u64, u64)>,
-    /// What is offered is accepted.
+    /// Whether the datapath accepts the offered job.
     pub accepted: bool,
-    /// The output shows an answer.
-    pub shown: bool,
-    /// The sink takes it.
-    pub taken: bool,
+    /// Whether the output is valid.
+    pub output_valid: bool,
+    /// Whether the sink takes the output.
+    pub output_taken: bool,
 }
 
 impl Observer for () {
     #[inline]
-    fn wants(&self, _: u64) -> Option<u64> {
+    fn next_observed(&self, _: u64) -> Option<u64> {
         None
     }
     #[inline]
-    fn cycle(&mut self, _: &Cycle, _: impl Iterator<Item = PipelinePosition>) {}
+    fn observe(&mut self, _: &PortActivity, _: impl Iterator<Item = PipelinePosition>) {}
 }
 
 impl<O: Observer> Observer for &mut O {
     #[inline]
-    fn wants(&self, cycle: u64) -> Option<u64> {
-        (**self).wants(cycle)
+    fn next_observed(&self, cycle: u64) -> Option<u64> {
+        (**self).next_observed(cycle)
     }
     #[inline]
-    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = PipelinePosition>) {
-        (**self).cycle(cycle, places);
+    fn observe(&mut self, ports: &PortActivity, positions: impl Iterator<Item = PipelinePosition>) {
+        (**self).observe(ports, positions);
     }
 }

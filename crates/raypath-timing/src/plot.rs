@@ -1,4 +1,4 @@
-//! A sweep as a picture.
+//! A plot of a sweep.
 
 use crate::sweep::{Point, Sweep};
 use svg::Document;
@@ -6,7 +6,7 @@ use svg::node::element::{Circle, Group, Line, Polyline, Rectangle, Style, Text, 
 
 const STYLE: &str = "text { font: 12px sans-serif; fill: #222 } .head { font-weight: bold } .small { font-size: 10.5px } \
                      .right { text-anchor: end } .middle { text-anchor: middle }";
-/// Told apart by colour-blind readers too (Okabe and Ito).
+/// The palette of Okabe and Ito, which is safe for colour-blind readers.
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#222222"];
 const WIDTH: f64 = 400.0;
 const HEIGHT: f64 = 280.0;
@@ -15,17 +15,17 @@ const TOP: f64 = 66.0;
 const BETWEEN: f64 = 96.0;
 const LEGEND: f64 = 150.0;
 
-/// A sweep as SVG, in two panels: jobs a cycle, and agents a cycle, both over the number of agents in flight, whose axis
-/// is logarithmic. A line is a memory latency. `agents` is what they are called, in plural: `rays`.
+/// Plots a sweep as SVG. Two panels show jobs per cycle and agents per cycle over the number of agents in flight, on a
+/// logarithmic axis, with a line for each memory latency. `agents` is the plural name of the agents, such as `rays`.
 pub fn plot(sweep: &Sweep, title: &str, agents: &str) -> String {
-    let mut latencies: Vec<u64> = sweep.points.iter().map(|point| point.machine.memory_latency).collect();
+    let mut latencies: Vec<u64> = sweep.points.iter().map(|point| point.environment.memory_latency).collect();
     latencies.sort_unstable();
     latencies.dedup();
     let (width, height) = (LEFT + 2.0 * WIDTH + BETWEEN + LEGEND, TOP + HEIGHT + 56.0);
-    let jobs = Panel { left: LEFT, axis: "jobs a cycle".to_string(), value: |point| point.timing.jobs_per_cycle() };
+    let jobs = Panel { left: LEFT, axis: "jobs per cycle".to_string(), value: |point| point.timing.jobs_per_cycle() };
     let per_agent = Panel {
         left: LEFT + WIDTH + BETWEEN,
-        axis: format!("{agents} a cycle"),
+        axis: format!("{agents} per cycle"),
         value: |point| point.timing.agents_per_cycle(),
     };
     let mut picture = Document::new()
@@ -52,7 +52,7 @@ pub fn plot(sweep: &Sweep, title: &str, agents: &str) -> String {
     picture.to_string() + "\n"
 }
 
-/// One diagram.
+/// One of the two panels.
 struct Panel {
     left: f64,
     axis: String,
@@ -62,9 +62,9 @@ struct Panel {
 impl Panel {
     fn draw(&self, sweep: &Sweep, latencies: &[u64], agents: &str) -> Group {
         let (left, bottom) = (self.left, TOP + HEIGHT);
-        let in_flight = sweep.points.iter().map(|point| point.machine.in_flight);
+        let in_flight = sweep.points.iter().map(|point| point.environment.in_flight);
         let (fewest, most) = (in_flight.clone().min().unwrap_or(1), in_flight.max().unwrap_or(1));
-        // From one power of two to another.
+        // The axis spans whole powers of two.
         let (first, last) = (fewest.max(1).ilog2(), most.max(2).next_power_of_two().ilog2());
         let powers = f64::from((last.saturating_sub(first)).max(1));
         let x = |in_flight: usize| left + ((in_flight as f64).log2() - f64::from(first)) / powers * WIDTH;
@@ -97,30 +97,31 @@ impl Panel {
         }
         for (index, latency) in latencies.iter().enumerate() {
             let mut points: Vec<&Point> =
-                sweep.points.iter().filter(|point| point.machine.memory_latency == *latency).collect();
-            points.sort_by_key(|point| point.machine.in_flight);
-            let places = points.iter().map(|point| (round(x(point.machine.in_flight)), round(y((self.value)(point)))));
-            let places: Vec<(f64, f64)> = places.collect();
-            let joined: Vec<String> = places.iter().map(|(x, y)| format!("{x},{y}")).collect();
+                sweep.points.iter().filter(|point| point.environment.memory_latency == *latency).collect();
+            points.sort_by_key(|point| point.environment.in_flight);
+            let marks =
+                points.iter().map(|point| (round(x(point.environment.in_flight)), round(y((self.value)(point)))));
+            let marks: Vec<(f64, f64)> = marks.collect();
+            let joined: Vec<String> = marks.iter().map(|(x, y)| format!("{x},{y}")).collect();
             let stroke = Polyline::new().set("points", joined.join(" ")).set("fill", "none").set("stroke-width", 2);
             group = group.add(stroke.set("stroke", colour(index)));
-            for (point, (x, y)) in points.iter().zip(places) {
-                let words = format!(
+            for (point, (x, y)) in points.iter().zip(marks) {
+                let title = format!(
                     "{} {agents} in flight, memory {latency} cycles: {} {}",
-                    point.machine.in_flight,
+                    point.environment.in_flight,
                     shown((self.value)(point)),
                     self.axis
                 );
                 let circle = Circle::new().set("cx", x).set("cy", y).set("r", 3.5).set("fill", colour(index));
-                group = group.add(circle.add(Title::new(words)));
+                group = group.add(circle.add(Title::new(title)));
             }
         }
         group
     }
 }
 
-fn text(x: f64, y: f64, class: &str, words: &str) -> Text {
-    Text::new(words).set("x", round(x)).set("y", round(y)).set("class", class)
+fn text(x: f64, y: f64, class: &str, content: &str) -> Text {
+    Text::new(content).set("x", round(x)).set("y", round(y)).set("class", class)
 }
 
 fn line(from: (f64, f64), to: (f64, f64), colour: &str) -> Line {
@@ -132,7 +133,7 @@ fn colour(index: usize) -> &'static str {
     COLOURS[index % COLOURS.len()]
 }
 
-/// 1, 2 or 5 of some power of ten, so that there are about five steps.
+/// The grid step for an axis to `highest`: 1, 2 or 5 times a power of ten, for about five steps.
 fn step(highest: f64) -> f64 {
     if highest <= 0.0 {
         return 1.0;
@@ -146,7 +147,7 @@ fn step(highest: f64) -> f64 {
         .unwrap_or(10.0 * ten)
 }
 
-/// Four digits that mean something.
+/// The value with four significant digits.
 fn shown(value: f64) -> String {
     if value == 0.0 {
         return "0".to_string();

@@ -1,5 +1,7 @@
-//! Pictures of the pipeline at work. A [`Recorder`] looks on and writes down where jobs are; a [`Recording`] has that and
-//! whatever else there is to say of a run; [`html`] makes a page of it, and [`konata`] a log for a pipeline viewer.
+//! Reports of a run: an HTML page with a timeline of the pipeline, and a log for the pipeline viewer Konata.
+//!
+//! A [`Recorder`] observes a simulation and records the positions of jobs. A [`Recording`] has these together with counts,
+//! configuration and pictures; [`html`] and [`konata`] convert it.
 
 mod heat;
 mod html;
@@ -8,7 +10,7 @@ mod recorder;
 mod recording;
 mod timeline;
 
-/// So many operations have a colour of their own: `--op0` and so on in `page.css`.
+/// The number of colours for operations: `--op0` and so on in `page.css`.
 const COLOURS: usize = 8;
 
 pub use html::html;

@@ -1,31 +1,30 @@
 use std::num::NonZeroUsize;
 
-/// Which of many things become agents: those numbered 0, `every`, 2 · `every` and so on. The agent that begins as number
-/// n, counted from 0, is thing number n · `every`.
+/// An evenly spaced subset of numbered items: 0, `stride`, 2 · `stride` and so on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sample {
-    /// From one to the next.
-    pub every: NonZeroUsize,
-    /// How many at most.
-    pub most: usize,
+    /// The distance between two selected items.
+    pub stride: NonZeroUsize,
+    /// The maximum number of selected items.
+    pub max: usize,
 }
 
 impl Sample {
-    /// All of them.
+    /// All items.
     pub const ALL: Self = Self::first(usize::MAX);
 
-    /// The first so many.
-    pub const fn first(most: usize) -> Self {
-        Self { every: NonZeroUsize::MIN, most }
+    /// The first `max` items.
+    pub const fn first(max: usize) -> Self {
+        Self { stride: NonZeroUsize::MIN, max }
     }
 
-    /// At most about `most` of `count`, evenly spread.
-    pub fn spread(count: usize, most: usize) -> Self {
-        Self { every: NonZeroUsize::new(count.div_ceil(most.max(1))).unwrap_or(NonZeroUsize::MIN), most: usize::MAX }
+    /// At most `max` of `count` items, evenly spaced over all of them; at least one.
+    pub fn spread(count: usize, max: usize) -> Self {
+        Self { stride: NonZeroUsize::new(count.div_ceil(max.max(1))).unwrap_or(NonZeroUsize::MIN), max: usize::MAX }
     }
 
-    /// The numbers of the sample below `count`.
+    /// The numbers of the selected items among `count`.
     pub fn numbers(self, count: usize) -> impl ExactSizeIterator<Item = usize> + Clone + use<> {
-        (0..count).step_by(self.every.get()).take(self.most)
+        (0..count).step_by(self.stride.get()).take(self.max)
     }
 }

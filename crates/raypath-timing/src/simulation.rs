@@ -1,6 +1,7 @@
-use crate::agent::{Agent, Step};
-use crate::machine::{Machine, Sink};
-use crate::observer::{Cycle, Observer};
+use crate::agent::{Action, Agent};
+use crate::environment::{Environment, Sink};
+use crate::observer::{Observer, PortActivity};
+use crate::progress::Progress;
 use crate::timing::Timing;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -9,64 +10,62 @@ use raypath_ops::JobKind;
 use std::collections::VecDeque;
 use thiserror::Error;
 
-/// Called now and then with how many agents are done; where it answers false the work stops soon.
-pub type Watch<'w> = &'w (dyn Fn(u64) -> bool + Sync);
-
-/// Why a run came to no end.
+/// The reason why a simulation did not complete.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SimulationError {
-    /// There is no place for an agent.
+    /// The environment has no slot for an agent.
     #[error("0 agents in flight, expected at least 1")]
-    NoPlace,
-    /// The sink would refuse for ever, or its probability is none.
-    #[error("a sink that refuses with probability {0}, expected 0 or more and less than 1")]
+    NoSlots,
+    /// The stall probability of the sink is out of range.
+    #[error("stall probability {0}, expected at least 0 and less than 1")]
     Probability(f64),
-    /// An agent waits and has no job whose answer could come.
-    #[error("agent {agent} waits in cycle {cycle} for an answer, but none of its jobs is outstanding")]
-    Stuck {
-        /// Which, in the order in which they began.
+    /// An agent waits for an outcome, but has no outstanding job.
+    #[error("agent {agent} waits in cycle {cycle} for an outcome, but has no outstanding job")]
+    Deadlock {
+        /// The number of the agent, in the order in which agents start.
         agent: u64,
-        /// When.
+        /// The cycle.
         cycle: u64,
     },
-    /// An agent was done though it held the datapath.
-    #[error("agent {agent} is done in cycle {cycle}, but holds the datapath for its next job")]
-    Abandoned {
-        /// Which, in the order in which they began.
+    /// An agent was done while it had locked the datapath.
+    #[error("agent {agent} is done in cycle {cycle}, but has locked the datapath for its next job")]
+    LockKept {
+        /// The number of the agent, in the order in which agents start.
         agent: u64,
-        /// When.
+        /// The cycle.
         cycle: u64,
     },
-    /// The watch has said so.
+    /// The progress callback returned false.
     #[error("stopped after {agents} agents")]
     Stopped {
-        /// How many were done.
+        /// The number of completed agents.
         agents: u64,
     },
 }
 
-/// Runs all agents to their ends, and says how long that took.
+/// Runs all agents to completion and counts the cycles. The same input gives the same cycles.
 ///
-/// The arbiter is a queue: whoever has a job first issues first, one job a cycle, and a job that is refused stays at the
-/// head. Of those that get a job in the same cycle come first who had fetched (in the order in which they did), then the
-/// one that was answered in the cycle before, then the one whose last job was accepted in the cycle before. Who
-/// [holds](Step::Issue) the datapath passes all others. An agent that takes a finished one's place begins in the cycle
-/// in which that was done, and at the start the places are taken one after another. The same input gives the same cycles.
+/// The arbiter is a first-in, first-out queue: it issues one job a cycle, in the order in which the agents had them, and a
+/// refused job stays at the head. Among agents that get a job in the same cycle, those whose fetch completed come first
+/// (in the order of their fetches), then the agent that received an outcome in the previous cycle, then the agent whose
+/// job was accepted in the previous cycle. An agent that has [locked](Action::Issue) the datapath goes first. An agent
+/// that takes over a slot starts in the cycle in which the previous one was done; at the start, the slots are filled one
+/// after another.
 ///
 /// # Errors
-/// No place for agents, a sink that never takes, an agent that waits for nothing or leaves while it holds the datapath,
-/// and a watch that stops the run. Agents that fetch for ever are not found out: only the watch ends them.
+/// An environment without slots or with an invalid sink, an agent that waits without an outstanding job or is done while
+/// it has locked the datapath, and a stop by `progress`. Agents that fetch forever are not detected.
 pub fn simulate<M: Model<Kind = JobKind>, A: Agent<M>>(
     agents: impl IntoIterator<Item = A>,
-    machine: &Machine,
-    model: CycleModel<M>,
+    environment: &Environment,
+    pipeline: CycleModel<M>,
     observer: &mut impl Observer,
-    watch: Watch,
+    progress: Progress,
 ) -> Result<Timing, SimulationError> {
-    if machine.in_flight == 0 {
-        return Err(SimulationError::NoPlace);
+    if environment.in_flight == 0 {
+        return Err(SimulationError::NoSlots);
     }
-    let stalls = match machine.sink {
+    let stalls = match environment.sink {
         Sink::Always => None,
         Sink::Stalls { probability, seed } if (0.0..1.0).contains(&probability) => {
             Some((ChaCha8Rng::seed_from_u64(seed), probability))
@@ -75,266 +74,276 @@ pub fn simulate<M: Model<Kind = JobKind>, A: Agent<M>>(
     };
     let simulation = Simulation {
         agents: agents.into_iter(),
-        begun: 0,
-        memory_latency: machine.memory_latency,
-        model,
+        started: 0,
+        memory_latency: environment.memory_latency,
+        pipeline,
         stalls,
-        watch,
-        turns: 0,
+        progress,
+        polls: 0,
         now: 0,
-        seats: Vec::new(),
+        slots: Vec::new(),
         live: 0,
         waiting: 0,
         fetching: VecDeque::new(),
         queue: VecDeque::new(),
         inside: VecDeque::new(),
-        holder: None,
+        lock_owner: None,
         timing: Timing::default(),
     };
-    simulation.run(machine.in_flight, observer)
+    simulation.run(environment.in_flight, observer)
 }
 
-/// How many turns pass between two calls of the watch.
-const TURNS: u64 = 1 << 16;
+/// Polls between two calls of the progress callback.
+const POLLS_PER_CALL: u64 = 1 << 16;
 
-struct Simulation<'w, M: Model, A, I> {
+struct Simulation<'p, M: Model, A, I> {
     agents: I,
-    begun: u64,
+    started: u64,
     memory_latency: u64,
-    model: CycleModel<M>,
+    pipeline: CycleModel<M>,
     stalls: Option<(ChaCha8Rng, f64)>,
-    watch: Watch<'w>,
-    turns: u64,
+    progress: Progress<'p>,
+    polls: u64,
     now: u64,
-    seats: Vec<Seat<M, A>>,
-    /// Seats whose agent is not done.
+    slots: Vec<Slot<M, A>>,
+    /// Slots whose agent is not done.
     live: usize,
-    /// Seats whose agent waits for an answer.
+    /// Slots whose agent waits for an outcome.
     waiting: usize,
-    /// Who reads memory, and the cycle in which that is over. Memory takes equally long for all, so first in, first out.
+    /// The cycles in which fetches complete, and the slots of their agents. The latency is constant, so fetches complete
+    /// in order.
     fetching: VecDeque<(u64, usize)>,
-    /// Seats with a job, but the holder's.
+    /// Slots with a job to issue, without the owner of the lock.
     queue: VecDeque<usize>,
-    /// Whose the jobs inside are, and the cycles in which they were accepted. The pipeline keeps their order.
+    /// The slots to which the jobs inside the pipeline belong, and the cycles of acceptance, oldest first.
     inside: VecDeque<(usize, u64)>,
-    /// Who issues the next job, whoever else has one.
-    holder: Option<usize>,
+    /// The slot that has locked the datapath.
+    lock_owner: Option<usize>,
     timing: Timing,
 }
 
-/// A place for an agent.
-struct Seat<M: Model, A> {
+/// A slot for an agent in flight.
+struct Slot<M: Model, A> {
     agent: A,
     number: u64,
-    /// Jobs accepted and not answered.
+    /// Jobs without an outcome.
     outstanding: usize,
-    /// The job to issue, whether it holds, and the cycle from which it stands in line.
-    job: Option<(M::Job, bool, u64)>,
-    pause: Pause,
+    /// The job to issue.
+    job: Option<QueuedJob<M::Job>>,
+    waits_for: WaitsFor,
+}
+
+struct QueuedJob<J> {
+    job: J,
+    lock: bool,
+    /// The cycle in which the agent issued it.
+    since: u64,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Pause {
-    /// It fetches, or has a job in line.
-    None,
-    /// It wants an answer before it goes on.
-    Wait,
-    /// It is done, but has answers outstanding.
-    Leave,
+enum WaitsFor {
+    /// No outcome: the agent fetches or has a job to issue.
+    Nothing,
+    /// The next outcome.
+    Outcome,
+    /// All outstanding outcomes, after which the agent is done.
+    AllOutcomes,
 }
 
-/// Who may go on in the next cycle, for what happened in this one.
+/// The slots whose agents may act in the next cycle.
 #[derive(Default)]
-struct Woken {
-    answered: Option<usize>,
+struct Ready {
+    received: Option<usize>,
     accepted: Option<usize>,
 }
 
 impl<M: Model<Kind = JobKind>, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_, M, A, I> {
     fn run(mut self, in_flight: usize, observer: &mut impl Observer) -> Result<Timing, SimulationError> {
-        self.fill(in_flight)?;
-        let mut woken = Woken::default();
+        self.start(in_flight)?;
+        let mut ready = Ready::default();
         loop {
-            self.turn()?;
-            while let Some((_, seat)) = self.fetching.pop_front_if(|(over, _)| *over <= self.now) {
-                self.act(seat)?;
+            self.poll()?;
+            while let Some((_, slot)) = self.fetching.pop_front_if(|(completion, _)| *completion <= self.now) {
+                self.act(slot)?;
             }
-            for seat in [woken.answered.take(), woken.accepted.take()].into_iter().flatten() {
-                self.act(seat)?;
+            for slot in [ready.received.take(), ready.accepted.take()].into_iter().flatten() {
+                self.act(slot)?;
             }
             if self.live == 0 {
                 return Ok(Timing { cycles: self.now, ..self.timing });
             }
-            let offering = match self.holder {
-                Some(holder) => Some(holder).filter(|holder| self.seats[*holder].job.is_some()),
+            let offering = match self.lock_owner {
+                Some(owner) => Some(owner).filter(|owner| self.slots[*owner].job.is_some()),
                 None => self.queue.front().copied(),
             };
-            let idle = if offering.is_none() { self.idle(observer)? } else { 0 };
-            if idle == 0 {
-                woken = self.cycle(offering, observer);
+            let skipped = if offering.is_none() { self.skip_idle(observer)? } else { 0 };
+            if skipped == 0 {
+                ready = self.clock(offering, observer);
             }
         }
     }
 
-    /// Seats the first agents.
-    fn fill(&mut self, in_flight: usize) -> Result<(), SimulationError> {
-        while self.seats.len() < in_flight
+    /// Fills the slots with the first agents.
+    fn start(&mut self, in_flight: usize) -> Result<(), SimulationError> {
+        while self.slots.len() < in_flight
             && let Some(agent) = self.agents.next()
         {
-            let seat = self.seats.len();
-            self.seats.push(Seat { agent, number: self.begun, outstanding: 0, job: None, pause: Pause::None });
-            self.begun += 1;
+            let (slot, number) = (self.slots.len(), self.started);
+            self.slots.push(Slot { agent, number, outstanding: 0, job: None, waits_for: WaitsFor::Nothing });
+            self.started += 1;
             self.live += 1;
-            self.act(seat)?;
+            self.act(slot)?;
         }
         Ok(())
     }
 
-    /// Lets the agent do what it does without passing time, and those that follow it in its seat.
-    fn act(&mut self, seat: usize) -> Result<(), SimulationError> {
+    /// Performs the actions of a slot's agent that take no time, and of its successors if it is done.
+    fn act(&mut self, slot: usize) -> Result<(), SimulationError> {
         loop {
-            self.turn()?;
-            let Seat { agent, number, outstanding, job, pause } = &mut self.seats[seat];
-            let left = std::mem::replace(pause, Pause::None) == Pause::Leave;
-            match if left { Step::Done } else { agent.step() } {
-                Step::Fetch => {
+            self.poll()?;
+            let Slot { agent, number, outstanding, job, waits_for } = &mut self.slots[slot];
+            let was_done = std::mem::replace(waits_for, WaitsFor::Nothing) == WaitsFor::AllOutcomes;
+            match if was_done { Action::Done } else { agent.next_action() } {
+                Action::Fetch => {
                     self.timing.fetches += 1;
                     if self.memory_latency > 0 {
-                        self.fetching.push_back((self.now.saturating_add(self.memory_latency), seat));
+                        self.fetching.push_back((self.now.saturating_add(self.memory_latency), slot));
                         return Ok(());
                     }
                 }
-                Step::Issue { job: next, holds } => {
-                    *job = Some((next, holds, self.now));
-                    if self.holder != Some(seat) {
-                        self.queue.push_back(seat);
+                Action::Issue { job: next, lock } => {
+                    *job = Some(QueuedJob { job: next, lock, since: self.now });
+                    if self.lock_owner != Some(slot) {
+                        self.queue.push_back(slot);
                     }
                     return Ok(());
                 }
-                Step::Wait if *outstanding == 0 => {
-                    return Err(SimulationError::Stuck { agent: *number, cycle: self.now });
+                Action::Wait if *outstanding == 0 => {
+                    return Err(SimulationError::Deadlock { agent: *number, cycle: self.now });
                 }
-                Step::Done if self.holder == Some(seat) => {
-                    return Err(SimulationError::Abandoned { agent: *number, cycle: self.now });
+                Action::Done if self.lock_owner == Some(slot) => {
+                    return Err(SimulationError::LockKept { agent: *number, cycle: self.now });
                 }
-                Step::Wait => {
-                    self.pause(seat, Pause::Wait);
+                Action::Wait => {
+                    self.wait(slot, WaitsFor::Outcome);
                     return Ok(());
                 }
-                Step::Done if *outstanding > 0 => {
-                    self.pause(seat, Pause::Leave);
+                Action::Done if *outstanding > 0 => {
+                    self.wait(slot, WaitsFor::AllOutcomes);
                     return Ok(());
                 }
-                Step::Done => {
+                Action::Done => {
                     self.timing.agents += 1;
                     let Some(next) = self.agents.next() else {
                         self.live -= 1;
                         return Ok(());
                     };
-                    (*agent, *number) = (next, self.begun);
-                    self.begun += 1;
+                    (*agent, *number) = (next, self.started);
+                    self.started += 1;
                 }
             }
         }
     }
 
-    fn pause(&mut self, seat: usize, pause: Pause) {
-        self.seats[seat].pause = pause;
+    fn wait(&mut self, slot: usize, waits_for: WaitsFor) {
+        self.slots[slot].waits_for = waits_for;
         self.waiting += 1;
     }
 
-    /// Skips cycles in which nothing is offered, shown or observed. Answers how many.
-    fn idle(&mut self, observer: &impl Observer) -> Result<u64, SimulationError> {
-        let over = self.fetching.front().map_or(u64::MAX, |(over, _)| *over);
-        let until = observer.wants(self.now).map_or(over, |wanted| wanted.min(over));
+    /// Skips cycles without an offered job, a valid output or an observer, and returns their number.
+    fn skip_idle(&mut self, observer: &impl Observer) -> Result<u64, SimulationError> {
+        let completion = self.fetching.front().map_or(u64::MAX, |(completion, _)| *completion);
+        let until = observer.next_observed(self.now).map_or(completion, |observed| observed.min(completion));
         if until == u64::MAX && self.inside.is_empty() {
-            // Agents that wait without a job are found where they say so; this is for one that this harness lost.
-            let agent = self.seats.first().map_or(0, |seat| seat.number);
-            return Err(SimulationError::Stuck { agent, cycle: self.now });
+            // Unreachable unless the simulation loses an agent: `act` detects agents that wait without a job.
+            let agent = self.slots.first().map_or(0, |slot| slot.number);
+            return Err(SimulationError::Deadlock { agent, cycle: self.now });
         }
-        let passed = self.model.idle(until.saturating_sub(self.now));
-        self.starve(passed);
-        self.now += passed;
-        Ok(passed)
+        let skipped = self.pipeline.idle(until.saturating_sub(self.now));
+        self.count_starved(skipped);
+        self.now += skipped;
+        Ok(skipped)
     }
 
-    /// One cycle of the datapath.
-    fn cycle(&mut self, offering: Option<usize>, observer: &mut impl Observer) -> Woken {
-        let shown = self.model.output().is_some();
-        let refused = shown && self.stalls.as_mut().is_some_and(|(rng, probability)| rng.random_bool(*probability));
-        let offer = offering.and_then(|seat| self.seats[seat].job.as_ref().map(|(job, ..)| (seat, job)));
-        if observer.wants(self.now) == Some(self.now) {
-            let offered = offer.map(|(seat, job)| (job.kind().opcode(), self.seats[seat].number));
-            let accepted = offered.is_some_and(|(opcode, _)| self.model.input_ready(opcode));
-            let cycle = Cycle { number: self.now, offered, accepted, shown, taken: shown && !refused };
-            observer.cycle(&cycle, self.model.positions());
+    /// Simulates one cycle of the datapath, with the job of slot `offering` at its input.
+    fn clock(&mut self, offering: Option<usize>, observer: &mut impl Observer) -> Ready {
+        let output_valid = self.pipeline.output().is_some();
+        let refused =
+            output_valid && self.stalls.as_mut().is_some_and(|(rng, probability)| rng.random_bool(*probability));
+        let offer = offering.and_then(|slot| self.slots[slot].job.as_ref().map(|queued| (slot, &queued.job)));
+        if observer.next_observed(self.now) == Some(self.now) {
+            let offered = offer.map(|(slot, job)| (job.kind().opcode(), self.slots[slot].number));
+            let accepted = offered.is_some_and(|(opcode, _)| self.pipeline.input_ready(opcode));
+            let output_taken = output_valid && !refused;
+            let ports = PortActivity { cycle: self.now, offered, accepted, output_valid, output_taken };
+            observer.observe(&ports, self.pipeline.positions());
         }
-        let mut woken = Woken::default();
+        let mut ready = Ready::default();
         let kind = offer.map(|(_, job)| job.kind());
-        let transfer = self.model.cycle(offer.map(|(_, job)| job), !refused);
+        let transfer = self.pipeline.cycle(offer.map(|(_, job)| job), !refused);
         self.timing.sink_refused += u64::from(refused);
         match offering.zip(kind) {
-            None => self.starve(1),
-            Some((seat, kind)) if transfer.accepted => {
-                self.accept(seat, kind);
-                woken.accepted = Some(seat);
+            None => self.count_starved(1),
+            Some((slot, kind)) if transfer.accepted => {
+                self.accept(slot, kind);
+                ready.accepted = Some(slot);
             }
             Some(_) => self.timing.refused += 1,
         }
         if let Some(outcome) = transfer.output {
-            woken.answered = self.answer(&outcome);
+            ready.received = self.deliver(&outcome);
         }
         self.now += 1;
-        woken
+        ready
     }
 
-    fn accept(&mut self, seat: usize, kind: JobKind) {
-        if self.holder != Some(seat) {
+    fn accept(&mut self, slot: usize, kind: JobKind) {
+        if self.lock_owner != Some(slot) {
             self.queue.pop_front();
         }
-        let Seat { outstanding, job, .. } = &mut self.seats[seat];
+        let Slot { outstanding, job, .. } = &mut self.slots[slot];
         *outstanding += 1;
-        let (holds, since) = job.take().map_or((false, self.now), |(_, holds, since)| (holds, since));
-        self.holder = holds.then_some(seat);
-        self.inside.push_back((seat, self.now));
+        let (lock, since) = job.take().map_or((false, self.now), |queued| (queued.lock, queued.since));
+        self.lock_owner = lock.then_some(slot);
+        self.inside.push_back((slot, self.now));
         self.timing.accepted += 1;
         self.timing.jobs[kind as usize] += 1;
-        self.timing.queued += self.now - since;
+        self.timing.queueing_sum += self.now - since;
     }
 
-    /// Hands on the oldest job's answer. Answers whose it was, if that has been waiting.
-    fn answer(&mut self, outcome: &M::Outcome) -> Option<usize> {
-        let (seat, accepted) = self.inside.pop_front()?;
-        self.timing.inside += self.now - accepted;
-        let Seat { agent, outstanding, pause, .. } = &mut self.seats[seat];
-        agent.answer(outcome);
+    /// Delivers the outcome of the oldest job. Returns the slot of its agent if that can now act.
+    fn deliver(&mut self, outcome: &M::Outcome) -> Option<usize> {
+        let (slot, accepted) = self.inside.pop_front()?;
+        self.timing.latency_sum += self.now - accepted;
+        let Slot { agent, outstanding, waits_for, .. } = &mut self.slots[slot];
+        agent.receive(outcome);
         *outstanding -= 1;
-        let goes_on = match pause {
-            Pause::None => false,
-            Pause::Wait => true,
-            Pause::Leave => *outstanding == 0,
+        let resumes = match waits_for {
+            WaitsFor::Nothing => false,
+            WaitsFor::Outcome => true,
+            WaitsFor::AllOutcomes => *outstanding == 0,
         };
-        self.waiting -= usize::from(goes_on);
-        goes_on.then_some(seat)
+        self.waiting -= usize::from(resumes);
+        resumes.then_some(slot)
     }
 
-    /// Counts cycles in which nothing was offered.
-    fn starve(&mut self, cycles: u64) {
+    /// Counts cycles without an offered job by their cause.
+    fn count_starved(&mut self, cycles: u64) {
         let starved = &mut self.timing.starved;
         let count = match (self.queue.is_empty(), self.fetching.is_empty(), self.waiting == 0) {
-            (false, ..) => &mut starved.held,
+            (false, ..) => &mut starved.locked,
             (true, false, false) => &mut starved.both,
             (true, false, true) => &mut starved.memory,
-            (true, true, _) => &mut starved.answers,
+            (true, true, _) => &mut starved.outcomes,
         };
         *count += cycles;
     }
 
-    /// Asks the watch now and then.
-    fn turn(&mut self) -> Result<(), SimulationError> {
-        self.turns += 1;
+    /// Calls the progress callback at intervals.
+    fn poll(&mut self) -> Result<(), SimulationError> {
+        self.polls += 1;
         let agents = self.timing.agents;
-        if self.turns.is_multiple_of(TURNS) && !(self.watch)(agents) {
+        if self.polls.is_multiple_of(POLLS_PER_CALL) && !(self.progress)(agents) {
             return Err(SimulationError::Stopped { agents });
         }
         Ok(())

@@ -1,41 +1,42 @@
 use crate::agent::Agent;
-use crate::machine::Machine;
-use crate::simulation::{SimulationError, Watch, simulate};
+use crate::environment::Environment;
+use crate::progress::Progress;
+use crate::simulation::{SimulationError, simulate};
 use crate::timing::Timing;
 use rayon::prelude::*;
 use raypath_model::{CycleModel, Model};
 use raypath_ops::JobKind;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The same agents on many machines.
+/// The timing of the same agents in several environments.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Sweep {
-    /// One for each number of agents in flight and each latency; latencies in the order in which they were given, and for
-    /// each of them the numbers in flight.
+    /// A point for each memory latency and, within it, each number of agents in flight, in the given orders.
     pub points: Vec<Point>,
 }
 
-/// One machine, and how long it took.
+/// The timing in one environment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// The machine.
-    pub machine: Machine,
-    /// How long it took.
+    /// The environment.
+    pub environment: Environment,
+    /// The timing in it.
     pub timing: Timing,
 }
 
-/// Runs the agents that `agents` makes on machines like `machine` with each number of agents in flight and each memory
-/// latency. The points are spread over the cores; what comes out does not depend on how many there are.
+/// Simulates the agents that `agents` makes with each number of agents in flight and each memory latency, in place of
+/// those of `environment`. The points run in parallel; the result does not depend on the number of threads. `progress`
+/// gets the number of completed agents of all points together.
 ///
 /// # Errors
-/// Those of [`simulate`]; `watch` is told of the agents of all points together.
+/// The errors of [`simulate`].
 pub fn sweep<M, A, I>(
     in_flight: &[usize],
     latencies: &[u64],
-    machine: &Machine,
-    model: &CycleModel<M>,
+    environment: &Environment,
+    pipeline: &CycleModel<M>,
     agents: impl Fn() -> I + Sync,
-    watch: Watch,
+    progress: Progress,
 ) -> Result<Sweep, SimulationError>
 where
     M: Model<Kind = JobKind>,
@@ -43,22 +44,22 @@ where
     A: Agent<M>,
     I: IntoIterator<Item = A>,
 {
-    let machines: Vec<Machine> = latencies
+    let environments: Vec<Environment> = latencies
         .iter()
         .flat_map(|latency| in_flight.iter().map(|in_flight| (*latency, *in_flight)))
-        .map(|(memory_latency, in_flight)| Machine { in_flight, memory_latency, ..*machine })
+        .map(|(memory_latency, in_flight)| Environment { in_flight, memory_latency, ..*environment })
         .collect();
-    let all = AtomicU64::new(0);
-    let point = |machine: &Machine| {
-        let told = AtomicU64::new(0);
+    let completed = AtomicU64::new(0);
+    let point = |environment: &Environment| {
+        let counted = AtomicU64::new(0);
         let count = |agents: u64| {
-            let more = agents - told.swap(agents, Ordering::Relaxed);
-            all.fetch_add(more, Ordering::Relaxed) + more
+            let more = agents - counted.swap(agents, Ordering::Relaxed);
+            completed.fetch_add(more, Ordering::Relaxed) + more
         };
-        let timing = simulate(agents(), machine, model.clone(), &mut (), &|agents| watch(count(agents)))?;
+        let timing = simulate(agents(), environment, pipeline.clone(), &mut (), &|agents| progress(count(agents)))?;
         count(timing.agents);
-        Ok(Point { machine: *machine, timing })
+        Ok(Point { environment: *environment, timing })
     };
-    let points: Result<_, SimulationError> = machines.par_iter().map(point).collect();
+    let points: Result<_, SimulationError> = environments.par_iter().map(point).collect();
     Ok(Sweep { points: points? })
 }

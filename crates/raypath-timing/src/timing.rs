@@ -1,89 +1,89 @@
 use raypath_ops::JobKind;
 
-/// How long a run took, and where its cycles went.
+/// The cycle count of a simulation, and how the cycles were used.
 ///
-/// Each cycle is one of three: a job was [accepted](Self::accepted), one was offered and [refused](Self::refused), or the
-/// source had none to offer ([starved](Self::starved)). They add up to [`cycles`](Self::cycles).
+/// Each cycle has one of three uses: a job was [accepted](Self::accepted), a job was offered and
+/// [refused](Self::refused), or no job was offered ([starved](Self::starved)). Their sum is [`cycles`](Self::cycles).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Timing {
-    /// Cycles from the first to the one in which the last agent was done.
+    /// Cycles until the last agent was done.
     pub cycles: u64,
-    /// Agents that were done.
+    /// Completed agents.
     pub agents: u64,
-    /// Jobs of each kind, by opcode.
+    /// Accepted jobs of each kind, by opcode.
     pub jobs: [u64; 4],
     /// Fetches of all agents.
     pub fetches: u64,
     /// Cycles in which a job was accepted.
     pub accepted: u64,
-    /// Cycles in which a job was offered and not accepted: the sink's back pressure has reached the entrance, or an
-    /// accumulator keeps beats apart. With a sink that always takes it is the latter.
+    /// Cycles in which a job was offered and not accepted, because of back pressure from the sink or because a
+    /// multi-cycle accumulator was busy. With [`Sink::Always`](crate::Sink::Always) only the latter occurs.
     pub refused: u64,
-    /// Cycles in which there was no job to offer.
+    /// Cycles in which no job was offered.
     pub starved: Starved,
-    /// Cycles in which the output showed an answer that the sink did not take.
+    /// Cycles in which the output was valid and the sink not ready.
     pub sink_refused: u64,
-    /// Cycles that jobs spent inside, over all jobs: from the cycle after it was accepted to the one in which its answer
-    /// was taken. Divided by jobs it is the mean latency, divided by cycles the mean number of jobs inside.
-    pub inside: u64,
-    /// Cycles that jobs stood in line before they were accepted, over all jobs.
-    pub queued: u64,
+    /// The sum of all jobs' latencies, each from the cycle after acceptance to the cycle in which the sink took the
+    /// outcome. Divided by `cycles` it is the mean number of jobs inside.
+    pub latency_sum: u64,
+    /// The sum of all jobs' waiting times before acceptance, in cycles.
+    pub queueing_sum: u64,
 }
 
-/// Cycles in which the source had no job to offer, by what the live agents were waiting for.
+/// Cycles in which no job was offered, by what the agents in flight were waiting for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Starved {
-    /// All for memory.
+    /// All agents were waiting for memory.
     pub memory: u64,
-    /// All for answers that were in the pipeline.
-    pub answers: u64,
-    /// Some for memory and the others for answers.
+    /// All agents were waiting for outcomes from the pipeline.
+    pub outcomes: u64,
+    /// Some agents were waiting for memory, the others for outcomes.
     pub both: u64,
-    /// Some had a job, but another agent holds the datapath and is waiting.
-    pub held: u64,
+    /// An agent had a job, but another agent had locked the datapath and was waiting.
+    pub locked: u64,
 }
 
-/// What a run is at some clock.
+/// Rates of a simulation at a clock frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rates {
-    /// How long the run takes, in seconds.
+    /// The duration of the simulated run in seconds.
     pub seconds: f64,
-    /// Jobs a second.
+    /// Jobs per second.
     pub jobs: f64,
-    /// Agents a second.
+    /// Agents per second.
     pub agents: f64,
-    /// Fetches a second.
+    /// Fetches per second.
     pub fetches: f64,
 }
 
 impl Timing {
-    /// Jobs of all kinds.
-    pub fn all_jobs(&self) -> u64 {
+    /// Accepted jobs of all kinds.
+    pub fn total_jobs(&self) -> u64 {
         self.jobs.iter().sum()
     }
 
-    /// Jobs of one kind.
+    /// Accepted jobs of one kind.
     pub fn jobs_of(&self, kind: JobKind) -> u64 {
         self.jobs[kind as usize]
     }
 
-    /// Jobs a cycle: 0 ≤ x ≤ 1, and 0 of a run without cycles.
+    /// Jobs per cycle, 0 to 1; 0 if there were no cycles.
     pub fn jobs_per_cycle(&self) -> f64 {
-        self.per_cycle(self.all_jobs())
+        self.per_cycle(self.total_jobs())
     }
 
-    /// Agents a cycle; 0 of a run without cycles.
+    /// Agents per cycle; 0 if there were no cycles.
     pub fn agents_per_cycle(&self) -> f64 {
         self.per_cycle(self.agents)
     }
 
-    /// Cycles from a job's acceptance to its answer being taken, on average; 0 of a run without jobs.
+    /// The mean latency of a job in cycles, from acceptance to the sink; 0 if there were no jobs.
     pub fn mean_latency(&self) -> f64 {
-        if self.all_jobs() == 0 { 0.0 } else { self.inside as f64 / self.all_jobs() as f64 }
+        if self.total_jobs() == 0 { 0.0 } else { self.latency_sum as f64 / self.total_jobs() as f64 }
     }
 
-    /// What the run is at a clock of so many MHz, which is greater than 0.
-    pub fn at(&self, clock_mhz: f64) -> Rates {
+    /// The rates at a clock of `clock_mhz` MHz, which must be greater than 0.
+    pub fn rates(&self, clock_mhz: f64) -> Rates {
         let hertz = clock_mhz * 1e6;
         Rates {
             seconds: self.cycles as f64 / hertz,
@@ -99,8 +99,8 @@ impl Timing {
 }
 
 impl Starved {
-    /// All of them.
+    /// The sum over all causes.
     pub fn total(&self) -> u64 {
-        self.memory + self.answers + self.both + self.held
+        self.memory + self.outcomes + self.both + self.locked
     }
 }

@@ -1,46 +1,47 @@
-//! Many machines: each point is its own run, and the picture has them all.
+//! Sweeps: each point equals a simulation of its own, and the plot shows every point.
 
 mod common;
 
 use common::{Echo, Script, echo, issue};
 use raypath_model::Shape;
 use raypath_ops::JobKind::Quadbox;
-use raypath_timing::{Machine, SimulationError, Step, Sweep, plot, simulate, sweep};
+use raypath_timing::{Action, Environment, SimulationError, Sweep, plot, simulate, sweep};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 const IN_FLIGHT: [usize; 6] = [1, 2, 8, 40, 113, 400];
 const LATENCIES: [u64; 3] = [100, 0, 20];
 
 fn agents() -> impl Iterator<Item = Script<Echo>> {
-    (0..2000)
-        .map(|n| Script::new([Step::Fetch, issue(Quadbox, n), Step::Wait, Step::Fetch, issue(Quadbox, n), Step::Wait]))
+    (0..2000).map(|n| {
+        Script::new([Action::Fetch, issue(Quadbox, n), Action::Wait, Action::Fetch, issue(Quadbox, n), Action::Wait])
+    })
 }
 
 fn run() -> Sweep {
     let model = echo(&Shape::default());
-    sweep(&IN_FLIGHT, &LATENCIES, &Machine::default(), &model, agents, &|_| true).expect("runs")
+    sweep(&IN_FLIGHT, &LATENCIES, &Environment::default(), &model, agents, &|_| true).expect("runs")
 }
 
-/// A job takes memory + 12 + 1 cycles of its agent's, and no two enter in one cycle.
+/// A job takes memory + 12 + 1 cycles of its agent's time, and at most one job enters per cycle.
 #[test]
-fn throughput_is_what_paper_says() {
+fn throughput_follows_the_formula() {
     let sweep = run();
     assert_eq!(sweep.points.len(), IN_FLIGHT.len() * LATENCIES.len());
     for (index, point) in sweep.points.iter().enumerate() {
         let (latency, in_flight) = (LATENCIES[index / IN_FLIGHT.len()], IN_FLIGHT[index % IN_FLIGHT.len()]);
-        assert_eq!((point.machine.memory_latency, point.machine.in_flight), (latency, in_flight));
+        assert_eq!((point.environment.memory_latency, point.environment.in_flight), (latency, in_flight));
         let limit = (in_flight as f64 / (latency + 13) as f64).min(1.0);
         let jobs = point.timing.jobs_per_cycle();
-        // At the end fewer are in flight.
+        // Throughput falls towards the end, when fewer agents are in flight.
         assert!((0.88 * limit..=limit).contains(&jobs), "{point:?}, limit {limit}");
         assert!((point.timing.agents_per_cycle() * 2.0 - jobs).abs() < 1e-12);
-        let alone = simulate(agents(), &point.machine, echo(&Shape::default()), &mut (), &|_| true);
+        let alone = simulate(agents(), &point.environment, echo(&Shape::default()), &mut (), &|_| true);
         assert_eq!(alone, Ok(point.timing));
     }
 }
 
 #[test]
-fn the_number_of_threads_changes_nothing() {
+fn the_result_does_not_depend_on_the_number_of_threads() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     assert_eq!(pool.install(run), run());
 }
@@ -53,27 +54,27 @@ fn a_sweep_can_be_stopped_and_can_fail() {
         most.fetch_max(agents, Ordering::Relaxed);
         agents < 30_000
     };
-    let endless = || std::iter::repeat_with(|| Script::<Echo>::new([issue(Quadbox, 0), Step::Wait]));
-    let result = sweep(&[1, 2, 3], &[5], &Machine::default(), &model, endless, &stop);
+    let endless = || std::iter::repeat_with(|| Script::<Echo>::new([issue(Quadbox, 0), Action::Wait]));
+    let result = sweep(&[1, 2, 3], &[5], &Environment::default(), &model, endless, &stop);
     assert!(matches!(result, Err(SimulationError::Stopped { .. })), "{result:?}");
-    // Two calls of a point are some ten thousand agents apart.
+    // A point completes some ten thousand agents between two calls.
     assert!((30_000..200_000).contains(&most.load(Ordering::Relaxed)), "{most:?}");
-    let result = sweep(&[1, 0], &[5], &Machine::default(), &model, agents, &|_| true);
-    assert_eq!(result, Err(SimulationError::NoPlace));
+    let result = sweep(&[1, 0], &[5], &Environment::default(), &model, agents, &|_| true);
+    assert_eq!(result, Err(SimulationError::NoSlots));
 }
 
 #[test]
-fn the_plot_has_every_point_and_escapes_its_title() {
+fn the_plot_shows_every_point_and_escapes_its_title() {
     let picture = plot(&run(), "Rays <& queries>", "rays");
     assert_eq!(picture.matches("<circle").count(), 2 * IN_FLIGHT.len() * LATENCIES.len());
     assert_eq!(picture.matches("<polyline").count(), 2 * LATENCIES.len());
     for words in
-        ["jobs a cycle", "rays a cycle", "rays in flight", "memory latency", "100 cycles", "&lt;&amp; queries&gt;"]
+        ["jobs per cycle", "rays per cycle", "rays in flight", "memory latency", "100 cycles", "&lt;&amp; queries&gt;"]
     {
         assert!(picture.contains(words), "{words}");
     }
     assert!(!picture.contains("NaN") && !picture.contains("inf"));
-    // On a logarithmic axis eight is three times as far as two from one.
+    // On a logarithmic axis the distance from one to eight is three times that from one to two.
     let x = |in_flight: usize| {
         let title = format!("{in_flight} rays in flight, memory 20 cycles");
         let circle = picture.split("<circle").find(|circle| circle.contains(&title)).expect("a point");

@@ -1,4 +1,4 @@
-use super::{Parsed, Soup};
+use super::{Parsed, RawMesh};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use gltf::accessor::{DataType, Dimensions};
@@ -8,41 +8,41 @@ use gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
 use percent_encoding::percent_decode_str;
 use std::path::Path;
 
-/// Meshes can be placed many times; a file that asks for more triangles than this is after something else.
-const MOST_TRIANGLES: usize = 1 << 26;
+/// The maximum number of triangles. Nodes can repeat meshes, so a small file could otherwise exhaust memory.
+const MAX_TRIANGLES: usize = 1 << 26;
 
-/// By `gltf`. Its accessors trust what a file says of offsets and strides, so they are read here.
+/// Parses glTF with the crate `gltf`. Accessors are read here, because those of the crate trust offsets and strides.
 pub(super) fn parse(bytes: &[u8], path: &Path) -> Parsed {
     check_binary_header(bytes)?;
     let not_gltf = |problem| format!("not glTF 2: {problem}");
     check_positions(&Gltf::from_slice_without_validation(bytes).map_err(not_gltf)?.document)?;
     let Gltf { document, blob } = Gltf::from_slice(bytes).map_err(not_gltf)?;
     let buffers = buffers(&document, blob, path)?;
-    let mut scene = Placing { buffers, soup: Soup::default() };
+    let mut scene = SceneMesh { buffers, raw: RawMesh::default() };
     let scenes = document.default_scene().or_else(|| document.scenes().next());
     let roots: Vec<Node> = match scenes {
         Some(scene) => scene.nodes().collect(),
         None => return Err("no scene, expected one with nodes".to_string()),
     };
-    // A node has one parent at most. One that is met twice is in a circle.
-    let mut met = vec![false; document.nodes().len()];
-    let mut waiting: Vec<(Node, Matrix)> = roots.into_iter().map(|node| (node, IDENTITY)).collect();
-    while let Some((node, parent)) = waiting.pop() {
+    // A node has at most one parent. A node that occurs twice is in a cycle.
+    let mut visited = vec![false; document.nodes().len()];
+    let mut pending: Vec<(Node, Matrix)> = roots.into_iter().map(|node| (node, IDENTITY)).collect();
+    while let Some((node, parent)) = pending.pop() {
         let index = node.index();
-        if std::mem::replace(&mut met[index], true) {
+        if std::mem::replace(&mut visited[index], true) {
             return Err(format!("node {index} has two parents, expected a tree of nodes"));
         }
         let matrix = product(&parent, &node.transform().matrix().map(|column| column.map(f64::from)));
         for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
-            let place = format!("node {index}, primitive {}", primitive.index());
-            scene.place(&primitive, &matrix).map_err(|problem| format!("{place}: {problem}"))?;
+            let location = format!("node {index}, primitive {}", primitive.index());
+            scene.add(&primitive, &matrix).map_err(|problem| format!("{location}: {problem}"))?;
         }
-        waiting.extend(node.children().map(|child| (child, matrix)));
+        pending.extend(node.children().map(|child| (child, matrix)));
     }
-    Ok(scene.soup)
+    Ok(scene.raw)
 }
 
-/// Four columns.
+/// A matrix by columns.
 type Matrix = [[f64; 4]; 4];
 
 const IDENTITY: Matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
@@ -56,13 +56,13 @@ fn transformed(matrix: &Matrix, [x, y, z]: [f32; 3]) -> [f32; 3] {
     std::array::from_fn(|row| (matrix[0][row] * x + matrix[1][row] * y + matrix[2][row] * z + matrix[3][row]) as f32)
 }
 
-/// Whether it is a mirror image that comes out.
+/// Whether the matrix mirrors.
 fn mirrors([a, b, c, _]: &Matrix) -> bool {
     let minor = |i: usize, j: usize| b[i] * c[j] - b[j] * c[i];
     a[0] * minor(1, 2) + a[1] * minor(2, 0) + a[2] * minor(0, 1) < 0.0
 }
 
-/// `gltf` subtracts its header's size from the length that the file claims.
+/// Checks the length in the header of a binary file, which `gltf` does not.
 fn check_binary_header(bytes: &[u8]) -> Result<(), String> {
     if !bytes.starts_with(b"glTF") {
         return Ok(());
@@ -75,7 +75,7 @@ fn check_binary_header(bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// `gltf` validates a primitive by its accessor of positions, before it has validated that there is one.
+/// Checks that the accessors of primitives exist; the validation of `gltf` panics otherwise.
 fn check_positions(document: &Document) -> Result<(), String> {
     let json = document.as_json();
     let accessors = json.accessors.len();
@@ -85,7 +85,7 @@ fn check_positions(document: &Document) -> Result<(), String> {
         for index in primitive.attributes.values().map(|accessor| accessor.value()) {
             if index >= accessors {
                 return Err(format!(
-                    "mesh {mesh} names accessor {index}, expected less than {accessors}, their number"
+                    "mesh {mesh} names accessor {index}, expected less than {accessors}, the number of accessors"
                 ));
             }
         }
@@ -93,7 +93,7 @@ fn check_positions(document: &Document) -> Result<(), String> {
     Ok(())
 }
 
-/// The content of each buffer, at least as long as the file says.
+/// The content of each buffer, at least as long as the file states.
 fn buffers(document: &Document, mut blob: Option<Vec<u8>>, path: &Path) -> Result<Vec<Vec<u8>>, String> {
     let content = |buffer: gltf::Buffer| {
         let content = match buffer.source() {
@@ -115,22 +115,22 @@ fn resource(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
         return BASE64.decode(encoded).map_err(|problem| format!("data URI is not base64: {problem}"));
     }
     if uri.contains("://") {
-        return Err(format!("'{uri}', expected a data URI or a file beside this one"));
+        return Err(format!("'{uri}', expected a data URI or a file in the same folder"));
     }
     let name = percent_decode_str(uri).decode_utf8().map_err(|_| format!("'{uri}', expected UTF-8 when decoded"))?;
     let file = path.parent().unwrap_or(Path::new("")).join(&*name);
     std::fs::read(&file).map_err(|problem| format!("{}: cannot read: {problem}", file.display()))
 }
 
-/// The mesh in the making.
-struct Placing {
+/// The mesh of a scene during its construction.
+struct SceneMesh {
     buffers: Vec<Vec<u8>>,
-    soup: Soup,
+    raw: RawMesh,
 }
 
-impl Placing {
+impl SceneMesh {
     /// Appends the triangles of a primitive; one of points or lines has none.
-    fn place(&mut self, primitive: &Primitive, matrix: &Matrix) -> Result<(), String> {
+    fn add(&mut self, primitive: &Primitive, matrix: &Matrix) -> Result<(), String> {
         if !matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             return Ok(());
         }
@@ -144,14 +144,14 @@ impl Placing {
             return Err(format!("index {index}, expected less than {}, the number of vertices", positions.len()));
         }
         let triangles = triangles(primitive.mode(), &indices);
-        if self.soup.triangles.len() + triangles.len() > MOST_TRIANGLES {
-            return Err(format!("more than {MOST_TRIANGLES} triangles with it, expected no more"));
+        if self.raw.triangles.len() + triangles.len() > MAX_TRIANGLES {
+            return Err(format!("more than {MAX_TRIANGLES} triangles, expected no more"));
         }
-        let first = u32::try_from(self.soup.positions.len()).map_err(|_| "more than 2^32 vertices".to_string())?;
+        let first = u32::try_from(self.raw.positions.len()).map_err(|_| "more than 2^32 vertices".to_string())?;
         let mirrored = mirrors(matrix);
-        self.soup.positions.extend(positions.into_iter().map(|position| transformed(matrix, position)));
-        // Mirroring turns faces over; exchanging two corners turns them back.
-        self.soup.triangles.extend(triangles.into_iter().map(|[a, b, c]| {
+        self.raw.positions.extend(positions.into_iter().map(|position| transformed(matrix, position)));
+        // A mirroring transform reverses the orientation of faces; exchanging two corners restores it.
+        self.raw.triangles.extend(triangles.into_iter().map(|[a, b, c]| {
             if mirrored { [a, c, b].map(|index| first + index) } else { [a, b, c].map(|index| first + index) }
         }));
         Ok(())
@@ -175,7 +175,7 @@ impl Placing {
         Ok(self.items(accessor)?.map(index).collect())
     }
 
-    /// The bytes of each item of an accessor, as many as an item has.
+    /// The bytes of each item of an accessor.
     fn items(&self, accessor: &Accessor) -> Result<impl Iterator<Item = &[u8]>, String> {
         if accessor.sparse().is_some() {
             return Err("a sparse accessor, expected a plain one".to_string());
@@ -213,11 +213,11 @@ impl Placing {
 fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::TriangleStrip => {
-            let turned = |(place, corners): (usize, &[u32])| match place % 2 {
+            let oriented = |(index, corners): (usize, &[u32])| match index % 2 {
                 0 => [corners[0], corners[1], corners[2]],
                 _ => [corners[1], corners[0], corners[2]],
             };
-            indices.windows(3).enumerate().map(turned).collect()
+            indices.windows(3).enumerate().map(oriented).collect()
         }
         Mode::TriangleFan => {
             let Some((first, others)) = indices.split_first() else { return Vec::new() };

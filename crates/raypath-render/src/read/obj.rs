@@ -1,8 +1,8 @@
-use super::{Parsed, Soup};
+use super::{Parsed, RawMesh};
 use std::io::Cursor;
 use tobj::{LoadError, LoadOptions};
 
-/// By `tobj`, after a look at each vertex and face, for its messages do not say where.
+/// Parses OBJ with the crate `tobj`, after a check of all vertices and faces, because its messages have no line numbers.
 pub(super) fn parse(bytes: &[u8]) -> Parsed {
     let text = std::str::from_utf8(bytes).map_err(|problem| {
         let line = 1 + bytes[..problem.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
@@ -16,16 +16,17 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed {
         let line = bytes[..cursor.position() as usize].iter().filter(|&&byte| byte == b'\n').count();
         format!("line {line}: {problem}")
     })?;
-    let mut soup = Soup::default();
+    let mut raw = RawMesh::default();
     for mesh in models.into_iter().map(|model| model.mesh) {
-        let first = soup.positions.len() as u32;
-        soup.positions.extend(mesh.positions.as_chunks().0);
-        soup.triangles.extend(mesh.indices.as_chunks().0.iter().map(|face: &[u32; 3]| face.map(|index| first + index)));
+        let first = raw.positions.len() as u32;
+        raw.positions.extend(mesh.positions.as_chunks().0);
+        raw.triangles.extend(mesh.indices.as_chunks().0.iter().map(|face: &[u32; 3]| face.map(|index| first + index)));
     }
-    Ok(soup)
+    Ok(raw)
 }
 
-/// Every vertex has three finite coordinates, every face at least three corners, and their indices name vertices above.
+/// Checks that every vertex has three finite coordinates and every face at least three corners with indices of preceding
+/// vertices.
 fn check(text: &str) -> Result<(), String> {
     let mut vertices = 0_i64;
     for (number, line) in text.lines().enumerate() {
@@ -58,8 +59,8 @@ fn corners<'w>(words: impl Iterator<Item = &'w str>, vertices: i64) -> Result<()
     for word in words {
         corners += 1;
         let index = word.split('/').next().unwrap_or(word);
-        let named = index.parse::<i64>().is_ok_and(|index| index != 0 && index.unsigned_abs() <= vertices as u64);
-        if !named {
+        let valid = index.parse::<i64>().is_ok_and(|index| index != 0 && index.unsigned_abs() <= vertices as u64);
+        if !valid {
             return Err(format!(
                 "corner '{word}', expected an index from 1 to {vertices}, the vertices so far, or its negative"
             ));

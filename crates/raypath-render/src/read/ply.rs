@@ -1,29 +1,29 @@
-use super::{Parsed, Soup};
+use super::{Parsed, RawMesh};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{Header, Property, PropertyAccess, PropertyAccessResult};
 use std::fmt::Display;
 use std::io::Cursor;
 
-/// By `ply-rs-bw`, after a look at what the header claims.
+/// Parses PLY with the crate `ply-rs-bw`, after a check of the header.
 pub(super) fn parse(bytes: &[u8]) -> Parsed {
     let mut reader = Reader::new(Cursor::new(bytes));
     let header = Parser::<Vertex>::new()
         .read_header(&mut reader)
         .map_err(|problem| format!("not PLY: {}", one_line(problem)))?;
     check(&header, bytes.len())?;
-    let mut soup = Soup::default();
+    let mut raw = RawMesh::default();
     for (name, element) in &header.elements {
         let wrong = |problem| format!("element {name}: {}", one_line(problem));
         match name.as_str() {
             "vertex" => {
                 let vertices = Parser::<Vertex>::new().read_payload_for_element(&mut reader, element, &header);
-                soup.positions.extend(vertices.map_err(wrong)?.into_iter().map(|vertex| vertex.0));
+                raw.positions.extend(vertices.map_err(wrong)?.into_iter().map(|vertex| vertex.0));
             }
             "face" => {
                 let faces =
                     Parser::<Face>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
                 for (number, face) in faces.iter().enumerate() {
-                    face.fan(&mut soup.triangles).map_err(|problem| format!("face {number}: {problem}"))?;
+                    face.fan(&mut raw.triangles).map_err(|problem| format!("face {number}: {problem}"))?;
                 }
             }
             _ => {
@@ -31,15 +31,16 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed {
             }
         }
     }
-    Ok(soup)
+    Ok(raw)
 }
 
-/// The library's messages run over several lines, and say each thing twice.
+/// A message of the library on one line.
 fn one_line(problem: impl Display) -> String {
     problem.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The header has vertices with coordinates and faces with indices, and claims no more than can be there.
+/// Checks that the header has vertices with coordinates and faces with indices, and no more elements than the file can
+/// hold.
 fn check(header: &Header, length: usize) -> Result<(), String> {
     for (name, element) in &header.elements {
         if element.count > length {
@@ -66,13 +67,13 @@ fn check(header: &Header, length: usize) -> Result<(), String> {
 
 const FACE_INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// Coordinates that a vertex does not give stay NaN, which no mesh takes.
+/// A vertex. Missing coordinates stay NaN, which [`Mesh::new`](crate::Mesh::new) rejects.
 struct Vertex([f32; 3]);
 
 /// The indices of a polygon.
 struct Face(Vec<i64>);
 
-/// An element that is of no interest.
+/// An element to skip.
 struct Other;
 
 impl PropertyAccess for Vertex {
@@ -118,7 +119,7 @@ impl PropertyAccess for Other {
 }
 
 impl Face {
-    /// The polygon's triangles, all of which have its first corner.
+    /// Appends the triangles of the polygon, as a fan from its first corner.
     fn fan(&self, triangles: &mut Vec<[u32; 3]>) -> Result<(), String> {
         let index = |&index: &i64| u32::try_from(index).map_err(|_| format!("index {index}, expected 0 or more"));
         let corners: Vec<u32> = self.0.iter().map(index).collect::<Result<_, _>>()?;

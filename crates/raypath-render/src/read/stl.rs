@@ -1,41 +1,41 @@
-use super::{Parsed, Soup};
+use super::{Parsed, RawMesh};
 use std::collections::HashMap;
 use std::io::Cursor;
 
 const HEADER: usize = 84;
 const FACET: usize = 50;
 
-/// By `stl_io`, after sorting out which of the two formats it is.
+/// Parses STL with the crate `stl_io`, after distinguishing text and binary files.
 pub(super) fn parse(bytes: &[u8]) -> Parsed {
     let mut bytes = bytes.to_vec();
     if is_text(&bytes) {
-        // `stl_io` wants a space after the word, where there is no name too.
+        // `stl_io` requires a space after the keyword, even without a name.
         bytes.splice(..5, *b"solid ");
     } else {
         check_length(&bytes)?;
-        // What is in a binary header means nothing, but "solid" would be taken for text.
+        // A binary header has no meaning, but `stl_io` would take "solid" for a text file.
         bytes[0] = 0;
     }
     let mut cursor = Cursor::new(bytes);
     let facets = stl_io::create_stl_reader(&mut cursor).map_err(|problem| format!("not STL: {problem}"))?;
-    let (mut soup, mut known) = (Soup::default(), HashMap::new());
+    let (mut raw, mut known) = (RawMesh::default(), HashMap::new());
     for (number, facet) in facets.enumerate() {
         let facet = facet.map_err(|problem| format!("facet {number}: {problem}"))?;
         let mut corners = [0; 3];
         for (corner, vertex) in corners.iter_mut().zip(facet.vertices) {
-            // -0 and 0 are one place.
+            // Adding 0 turns -0 into 0, so that both merge.
             let position = vertex.0.map(|x| x + 0.0);
             *corner = *known.entry(position.map(f32::to_bits)).or_insert_with(|| {
-                soup.positions.push(position);
-                soup.positions.len() as u32 - 1
+                raw.positions.push(position);
+                raw.positions.len() as u32 - 1
             });
         }
-        soup.triangles.push(corners);
+        raw.triangles.push(corners);
     }
-    Ok(soup)
+    Ok(raw)
 }
 
-/// A file that begins like text and is not exactly as long as its binary header would have it.
+/// Whether a file starts as text and its length does not match a binary header.
 fn is_text(bytes: &[u8]) -> bool {
     bytes.starts_with(b"solid")
         && bytes.get(5).is_some_and(u8::is_ascii_whitespace)

@@ -4,15 +4,15 @@ use raypath_model::Functional;
 use raypath_ops::{
     Aabb, Binary32, Job, Outcome, Ray, RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Triangle, Word,
 };
-use raypath_timing::{Agent, Step};
+use raypath_timing::{Action, Agent};
 
-/// The external circuit for one ray: an [`Agent`] that says what it needs next, and takes what the datapath answers.
+/// The traversal of the tree by one ray: an [`Agent`] that issues box and triangle jobs and keeps the hit.
 ///
-/// A leaf gives all its jobs before it waits, whatever is sought. So it makes no difference to hits and counts whether
-/// jobs are answered at once or late.
+/// It issues all jobs of a leaf before it waits for the first outcome, for either [`Goal`]. Hits and counts therefore do
+/// not depend on the latency of the datapath.
 ///
-/// The ray is shortened as hits are found, so that boxes beyond the closest are missed. A box at exactly that distance is
-/// opened, for there may be a triangle of a lower index in it.
+/// Each hit shortens the extent of the ray, so that boxes beyond the closest hit are missed. A box at exactly that distance
+/// is opened, because it may contain a triangle with a lower index.
 #[derive(Debug, Clone)]
 pub struct Traversal<'s> {
     bvh: &'s Bvh4,
@@ -20,186 +20,186 @@ pub struct Traversal<'s> {
     goal: Goal,
     ray: Ray<Binary32>,
     state: State,
-    stack: Vec<Later>,
+    stack: Vec<StackEntry>,
     best: Option<Hit>,
     counts: Counts,
 }
 
-/// What a ray needs next: a [`Step`] with jobs that are not yet copied together.
+/// The next action of a traversal, as an [`Action`] that borrows the operands of its job.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Need<'s> {
-    /// A node or a leaf from memory.
+pub(super) enum Request<'s> {
+    /// Fetch a node or a leaf.
     Fetch,
-    /// These boxes tested against [`Traversal::ray`].
+    /// Test these boxes with [`Traversal::ray`].
     Boxes(&'s [Aabb<Binary32>; 4]),
-    /// This triangle tested against [`Traversal::ray`].
+    /// Test this triangle with [`Traversal::ray`].
     Triangle(Triangle<Binary32>),
-    /// The answer to a job that was given before.
+    /// Wait for an outcome.
     Wait,
-    /// Nothing: see [`Traversal::hit`].
+    /// Traversal is complete; [`Traversal::hit`] is final.
     Done,
 }
 
-/// A child that was hit and not yet opened.
+/// A child whose box was hit and that is not yet opened.
 #[derive(Debug, Clone, Copy)]
-struct Later {
+struct StackEntry {
     reference: Reference,
     tmin: f32,
 }
 
 #[derive(Debug, Clone, Copy)]
 enum State {
-    /// The next child is to be chosen.
-    Choose,
-    /// What was fetched is here.
+    /// Ready to pop the next child from the stack.
+    Pop,
+    /// A node or leaf was fetched.
     Fetched(Reference),
-    /// The boxes of a node are being tested.
+    /// A box job is outstanding.
     Node(u32),
-    /// The triangles of a leaf are.
+    /// Triangle jobs of a leaf are issued or outstanding.
     Leaf(Leaf),
     Done,
 }
 
-/// A leaf whose jobs are on their way. A job is a place and a side, `2 · place + side`; only even ones where the back
-/// cannot be hit.
+/// The progress of a leaf. A job is numbered `2 · slot + side` by the slot of its triangle; one-sided tracing uses even
+/// numbers only.
 #[derive(Debug, Clone, Copy)]
 struct Leaf {
-    /// The job to be given next.
+    /// The next job to issue.
     next: u64,
-    /// The job to be answered next.
+    /// The oldest outstanding job.
     awaited: u64,
-    /// The job after the last.
+    /// The end of the job numbers.
     end: u64,
 }
 
 impl<'s> Traversal<'s> {
-    /// A machine without a ray; it is done until [`start`](Self::start). Allocates its stack, and nothing later.
+    /// A traversal without a ray: it is done until [`start`](Self::start). It allocates its stack here and nothing later.
     pub fn new(bvh: &'s Bvh4, tracing: Tracing) -> Self {
         let (goal, counts) = (Goal::Closest, Counts::default());
         let stack = Vec::with_capacity(bvh.stack_size());
         Self { bvh, tracing, goal, ray: no_ray(), state: State::Done, stack, best: None, counts }
     }
 
-    /// Begins with a ray, whatever was before. Allocates nothing.
+    /// Starts the traversal of a ray and discards any previous one.
     #[inline]
     pub fn start(&mut self, ray: Ray<Binary32>, goal: Goal) {
         (self.ray, self.goal) = (ray, goal);
         self.stack.clear();
-        self.stack.push(Later { reference: Reference::ROOT, tmin: 0.0 });
-        (self.state, self.best, self.counts) = (State::Choose, None, Counts::default());
+        self.stack.push(StackEntry { reference: Reference::ROOT, tmin: 0.0 });
+        (self.state, self.best, self.counts) = (State::Pop, None, Counts::default());
     }
 
-    /// The ray, as far as the closest hit that is known.
+    /// The ray, with its extent shortened to the closest hit so far.
     #[inline]
     pub fn ray(&self) -> &Ray<Binary32> {
         &self.ray
     }
 
-    /// What it hits, as far as that is known.
+    /// The best hit so far.
     #[inline]
     pub fn hit(&self) -> Option<Hit> {
         self.best
     }
 
-    /// What it has cost.
+    /// The cost so far.
     #[inline]
     pub fn counts(&self) -> Counts {
         self.counts
     }
 
-    /// What the ray needs next.
+    /// The next request.
     #[inline]
-    pub(super) fn need(&mut self) -> Need<'s> {
+    pub(super) fn next_request(&mut self) -> Request<'s> {
         match self.state {
-            State::Choose => self.choose(),
+            State::Pop => self.pop(),
             State::Fetched(reference) => match reference.target() {
                 Target::Node(node) => {
                     self.state = State::Node(node);
                     self.counts.quadbox += 1;
-                    Need::Boxes(&self.bvh.nodes()[node as usize].boxes)
+                    Request::Boxes(&self.bvh.nodes()[node as usize].boxes)
                 }
                 Target::Leaf { first, count } => {
                     let (first, end) = (2 * u64::from(first), 2 * u64::from(first + count));
-                    self.leaf(Leaf { next: first, awaited: first, end })
+                    self.next_of_leaf(Leaf { next: first, awaited: first, end })
                 }
             },
-            State::Node(_) => Need::Wait,
-            State::Leaf(leaf) => self.leaf(leaf),
-            State::Done => Need::Done,
+            State::Node(_) => Request::Wait,
+            State::Leaf(leaf) => self.next_of_leaf(leaf),
+            State::Done => Request::Done,
         }
     }
 
-    /// The answer to [`Need::Boxes`].
+    /// Takes the output of [`Request::Boxes`].
     #[inline]
-    pub(super) fn boxes(&mut self, answer: &RayBoxOutput<Binary32>) {
+    pub(super) fn finish_boxes(&mut self, output: &RayBoxOutput<Binary32>) {
         let State::Node(node) = self.state else { return };
         let children = &self.bvh.nodes()[node as usize].children;
-        // The nearest comes last, to be opened first.
-        for place in (0..4).rev() {
-            if bool::from(answer.is_intersect.0[place]) {
-                let child = u32::from(answer.box_index[place]) as usize & 3;
-                self.stack.push(Later { reference: children[child], tmin: answer.tmin[place].into() });
+        // The nearest child is pushed last, so that it is opened first.
+        for rank in (0..4).rev() {
+            if bool::from(output.is_intersect.0[rank]) {
+                let child = u32::from(output.box_index[rank]) as usize & 3;
+                self.stack.push(StackEntry { reference: children[child], tmin: output.tmin[rank].into() });
             }
         }
-        self.state = State::Choose;
+        self.state = State::Pop;
     }
 
-    /// The answer to [`Need::Triangle`].
+    /// Takes the output of [`Request::Triangle`].
     #[inline]
-    pub(super) fn triangle(&mut self, answer: &RayTriangleOutput<Binary32>) {
+    pub(super) fn finish_triangle(&mut self, output: &RayTriangleOutput<Binary32>) {
         let State::Leaf(leaf) = &mut self.state else { return };
         let job = leaf.awaited;
         leaf.awaited += self.tracing.job_stride();
-        if bool::from(answer.triangle_hit) {
-            self.take(job, answer.t_num.into(), answer.t_denom.into());
+        if bool::from(output.triangle_hit) {
+            self.record_hit(job, output.t_num.into(), output.t_denom.into());
         }
     }
 
-    /// The next child whose box is no farther than the closest hit.
+    /// Pops the next child whose box is no farther than the closest hit.
     #[inline]
-    fn choose(&mut self) -> Need<'s> {
+    fn pop(&mut self) -> Request<'s> {
         let extent: f32 = self.ray.extent.into();
-        while let Some(Later { reference, tmin }) = self.stack.pop() {
+        while let Some(StackEntry { reference, tmin }) = self.stack.pop() {
             if tmin <= extent {
                 self.state = State::Fetched(reference);
                 match reference.target() {
                     Target::Node(_) => self.counts.nodes += 1,
                     Target::Leaf { .. } => self.counts.leaves += 1,
                 }
-                return Need::Fetch;
+                return Request::Fetch;
             }
         }
         self.state = State::Done;
-        Need::Done
+        Request::Done
     }
 
     /// The next job of a leaf.
     #[inline]
-    fn leaf(&mut self, leaf: Leaf) -> Need<'s> {
+    fn next_of_leaf(&mut self, leaf: Leaf) -> Request<'s> {
         let job = leaf.next;
         if job < leaf.end {
             self.state = State::Leaf(Leaf { next: job + self.tracing.job_stride(), ..leaf });
             let &Triangle { a, b, c } = self.bvh.triangle((job / 2) as u32);
             if job.is_multiple_of(2) {
                 self.counts.triangle += 1;
-                return Need::Triangle(Triangle { a, b, c });
+                return Request::Triangle(Triangle { a, b, c });
             }
             self.counts.behind += 1;
-            return Need::Triangle(Triangle { a, b: c, c: b });
+            return Request::Triangle(Triangle { a, b: c, c: b });
         }
         if leaf.awaited < job {
-            return Need::Wait;
+            return Request::Wait;
         }
         if self.goal == Goal::Any && self.best.is_some() {
             self.state = State::Done;
-            return Need::Done;
+            return Request::Done;
         }
-        self.choose()
+        self.pop()
     }
 
-    /// A triangle that is hit. The division and the comparison with what is known are the external circuit's.
+    /// Records a triangle hit if it is closer than the best: the division and comparison of the external circuit.
     #[inline]
-    fn take(&mut self, job: u64, t_num: f32, t_denom: f32) {
+    fn record_hit(&mut self, job: u64, t_num: f32, t_denom: f32) {
         let (t, triangle) = (t_num / t_denom, self.bvh.index((job / 2) as u32));
         let extent: f32 = self.ray.extent.into();
         let closer = match self.best {
@@ -215,39 +215,39 @@ impl<'s> Traversal<'s> {
 
 impl<const E: usize, const A: usize> Agent<Functional<E, A>> for Traversal<'_> {
     #[inline]
-    fn step(&mut self) -> Step<Job<E, A>> {
-        let need = self.need();
+    fn next_action(&mut self) -> Action<Job<E, A>> {
+        let request = self.next_request();
         let ray = self.ray;
-        let job = match need {
-            Need::Boxes(aabb) => Job::Quadbox(RayBoxInput { ray, aabb: *aabb }),
-            Need::Triangle(triangle) => Job::Triangle(RayTriangleInput { ray, triangle }),
-            Need::Fetch => return Step::Fetch,
-            Need::Wait => return Step::Wait,
-            Need::Done => return Step::Done,
+        let job = match request {
+            Request::Boxes(aabb) => Job::Quadbox(RayBoxInput { ray, aabb: *aabb }),
+            Request::Triangle(triangle) => Job::Triangle(RayTriangleInput { ray, triangle }),
+            Request::Fetch => return Action::Fetch,
+            Request::Wait => return Action::Wait,
+            Request::Done => return Action::Done,
         };
-        Step::Issue { job, holds: false }
+        Action::Issue { job, lock: false }
     }
 
-    /// Distances between vectors are no answer to any of its jobs, and do nothing.
+    /// Distance outcomes are ignored: the traversal does not issue distance jobs.
     #[inline]
-    fn answer(&mut self, outcome: &Outcome) {
+    fn receive(&mut self, outcome: &Outcome) {
         match outcome {
-            Outcome::Quadbox(answer) => self.boxes(answer),
-            Outcome::Triangle(answer) => self.triangle(answer),
+            Outcome::Quadbox(output) => self.finish_boxes(output),
+            Outcome::Triangle(output) => self.finish_triangle(output),
             Outcome::Euclidean(_) | Outcome::Angular(_) => {}
         }
     }
 }
 
 impl Tracing {
-    /// From one job of a leaf to the next.
+    /// The difference between the numbers of two jobs of a leaf.
     #[inline]
     fn job_stride(self) -> u64 {
         if self.two_sided { 1 } else { 2 }
     }
 }
 
-/// Something to put where no ray is yet.
+/// A placeholder before the first ray.
 fn no_ray() -> Ray<Binary32> {
     let (zero, k) = ([0.0; 3].into(), Word::truncate(0));
     Ray { origin: zero, dir: zero, inv: zero, extent: 0.0.into(), shear: zero, kx: k, ky: k, kz: k }

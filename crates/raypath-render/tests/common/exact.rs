@@ -1,4 +1,4 @@
-//! Signs by exact arithmetic: binary32 numbers are integers times 2⁻¹⁴⁹.
+//! Exact signs with big integers: binary32 numbers are integers times 2⁻¹⁴⁹.
 
 use num_bigint::{BigInt, Sign};
 

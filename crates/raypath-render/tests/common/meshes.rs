@@ -1,4 +1,4 @@
-//! The meshes of `tests/data`, read by a few lines of our own: the crate's readers are tested elsewhere.
+//! The meshes of `tests/data`, read by independent code, because other tests cover the readers of the crate.
 
 use flate2::read::GzDecoder;
 use raypath_render::{Mesh, builtin};
@@ -10,10 +10,10 @@ pub struct Named {
     pub mesh: Mesh,
 }
 
-/// All of them, or the one that `RAYPATH_MESH` names.
+/// All meshes, or the one that `RAYPATH_MESH` names.
 pub fn all() -> Vec<Named> {
-    let wanted = std::env::var("RAYPATH_MESH").ok();
-    everything().into_iter().filter(|mesh| wanted.as_ref().is_none_or(|name| name == mesh.name)).collect()
+    let selected = std::env::var("RAYPATH_MESH").ok();
+    everything().into_iter().filter(|mesh| selected.as_ref().is_none_or(|name| name == mesh.name)).collect()
 }
 
 fn everything() -> Vec<Named> {

@@ -1,9 +1,9 @@
-//! Meshes, rays, and an independent judge of what rays hit.
+//! Meshes, rays, and an independent oracle of hits.
 
 #![allow(dead_code, reason = "each test uses a part")]
 
 pub mod exact;
-pub mod judge;
 pub mod meshes;
+pub mod oracle;
 pub mod patches;
 pub mod rays;

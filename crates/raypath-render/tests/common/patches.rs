@@ -1,4 +1,4 @@
-//! Where a mesh cannot be slipped through: the theorem of `docs/reference/error-bounds.md`, for edges and vertices.
+//! The watertightness theorem of `docs/reference/error-bounds.md`, applied to edges and vertices of meshes.
 
 use super::exact;
 use raypath_ops::{Binary32, Ray};
@@ -8,7 +8,7 @@ use std::collections::HashMap;
 /// The faces around each edge and vertex.
 pub struct Patches<'m> {
     mesh: &'m Mesh,
-    /// Of each edge, in the direction in which a face runs along it, the faces.
+    /// The faces of each directed edge.
     edges: HashMap<(u32, u32), Vec<u32>>,
     fans: HashMap<u32, Vec<u32>>,
 }
@@ -27,7 +27,7 @@ impl<'m> Patches<'m> {
         Self { mesh, edges, fans }
     }
 
-    /// The two faces of an edge of `face`, if there are just two and they run along it in opposite directions.
+    /// The two faces of an edge of `face`, if there are exactly two with opposite directions.
     pub fn edge(&self, face: u32, corner: usize) -> Option<Vec<u32>> {
         let corners = self.mesh.triangles()[face as usize];
         let (a, b) = (corners[corner], corners[(corner + 1) % 3]);
@@ -40,8 +40,8 @@ impl<'m> Patches<'m> {
         self.fans[&self.mesh.triangles()[face as usize][corner]].clone()
     }
 
-    /// The greatest distance at which the patch must be hit, if it must: all its faces look at the ray with all vertices
-    /// in front, none is thin, and the ray passes through it farther from its rim than rounding moves a vertex.
+    /// The greatest possible distance of the hit, if the theorem guarantees one: all faces of the patch face the ray with
+    /// all vertices in front, no face is thin, and the ray passes farther from the rim than rounding moves a vertex.
     pub fn must_hit(&self, patch: &[u32], ray: &Ray<Binary32>) -> Option<f64> {
         let (o, d): ([f32; 3], [f32; 3]) = (ray.origin.into(), ray.dir.into());
         let seen = |p: [f32; 3]| project(o, d, p);
@@ -49,7 +49,7 @@ impl<'m> Patches<'m> {
         for &face in patch {
             let [a, b, c] = self.mesh.corners(face);
             // d · normal < 0: seen from a point before it on the ray, the corners run counter-clockwise.
-            if looks(d, [a, b, c]) >= 0.0 {
+            if facing(d, [a, b, c]) >= 0.0 {
                 return None;
             }
             for corner in [a, b, c] {
@@ -62,7 +62,7 @@ impl<'m> Patches<'m> {
             let sides = [exact::side(o, d, a, b), exact::side(o, d, b, c), exact::side(o, d, c, a)];
             winding |= sides.iter().all(|&side| side >= 0) || sides.iter().all(|&side| side <= 0);
         }
-        // Thin faces, of which nothing is claimed.
+        // The theorem excludes thin faces.
         for &face in patch {
             let [a, b, c] = self.mesh.corners(face).map(|p| seen(p).0);
             let area = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
@@ -96,8 +96,8 @@ fn runs_along([a, b, c]: [u32; 3], from: u32, to: u32) -> bool {
     [(a, b), (b, c), (c, a)].contains(&(from, to))
 }
 
-/// d · normal, or 0 where binary64 cannot tell.
-fn looks(d: [f32; 3], corners: [[f32; 3]; 3]) -> f64 {
+/// d · normal, or 0 if its sign is uncertain in binary64.
+fn facing(d: [f32; 3], corners: [[f32; 3]; 3]) -> f64 {
     let [a, b, c] = corners.map(|p| p.map(f64::from));
     let (p, q): ([f64; 3], [f64; 3]) = (std::array::from_fn(|k| b[k] - a[k]), std::array::from_fn(|k| c[k] - a[k]));
     let terms: [[f64; 2]; 3] = std::array::from_fn(|k| {
@@ -109,7 +109,7 @@ fn looks(d: [f32; 3], corners: [[f32; 3]; 3]) -> f64 {
     if sum.abs() <= 1e-14 * magnitude { 0.0 } else { sum }
 }
 
-/// A point in the plane across the ray's greatest axis, its depth, and how far rounding may move it there.
+/// A point in the plane across the greatest axis of the ray, its depth, and its rounding error in that plane.
 fn project(o: [f32; 3], d: [f32; 3], p: [f32; 3]) -> ([f64; 2], f64, f64) {
     let kz = (0..3).rev().max_by(|&i, &j| d[i].abs().total_cmp(&d[j].abs())).unwrap();
     let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
@@ -121,7 +121,7 @@ fn project(o: [f32; 3], d: [f32; 3], p: [f32; 3]) -> ([f64; 2], f64, f64) {
     ([r[kx] - ax, r[ky] - ay], depth, error)
 }
 
-/// From 0 to the segment between two points.
+/// The distance from the origin to the segment between two points.
 fn distance(p: [f64; 2], q: [f64; 2]) -> f64 {
     let along = [q[0] - p[0], q[1] - p[1]];
     let square = along[0] * along[0] + along[1] * along[1];

@@ -1,4 +1,4 @@
-//! Rays of four kinds.
+//! Random rays of four kinds.
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -11,9 +11,9 @@ pub enum Kind {
     Primary,
     /// Between random points, some with an extent.
     Random,
-    /// From outside at points of edges.
+    /// From outside towards points of edges.
     Edges,
-    /// From outside at vertices.
+    /// From outside towards vertices.
     Vertices,
 }
 
@@ -21,7 +21,7 @@ impl Kind {
     pub const ALL: [Self; 4] = [Self::Primary, Self::Random, Self::Edges, Self::Vertices];
 }
 
-/// `count` rays of a kind at a mesh.
+/// `count` rays of a kind for a mesh.
 pub fn rays(mesh: &Mesh, kind: Kind, count: usize, seed: u64) -> Vec<Ray<Binary32>> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let bounds = mesh.bounds();
@@ -33,7 +33,7 @@ fn ray(mesh: &Mesh, bounds: Bounds, kind: Kind, index: usize, count: usize, rand
     loop {
         let (origin, target, extent) = match kind {
             Kind::Primary => {
-                // One eye a hundredth of the rays, on a spiral; pixels on a grid with fractions.
+                // 100 eyes on a spiral.
                 let eye = index * 100 / count;
                 let angle = eye as f32 * 2.4;
                 let origin = [
@@ -49,7 +49,7 @@ fn ray(mesh: &Mesh, bounds: Bounds, kind: Kind, index: usize, count: usize, rand
                 (origin, target, extent)
             }
             Kind::Edges => {
-                let [a, b, _] = turned(corners(mesh, random), random);
+                let [a, b, _] = rotated(corners(mesh, random), random);
                 let part: f32 = [0.5, 0.25, 0.125, random.random()][random.random_range(0..4)];
                 (eye(centre, size, random), std::array::from_fn(|k| a[k] + part * (b[k] - a[k])), f32::INFINITY)
             }
@@ -66,16 +66,16 @@ fn corners(mesh: &Mesh, random: &mut impl Rng) -> [[f32; 3]; 3] {
     mesh.corners(random.random_range(0..mesh.triangles().len() as u32))
 }
 
-fn turned<T: Copy>(three: [T; 3], random: &mut impl Rng) -> [T; 3] {
+fn rotated<T: Copy>(three: [T; 3], random: &mut impl Rng) -> [T; 3] {
     let first = random.random_range(0..3);
     std::array::from_fn(|k| three[(first + k) % 3])
 }
 
-/// A point outside, one to seven sizes away from the centre; for some rays on a coarse lattice, so that differences with
-/// it are exact more often.
+/// A point outside, one to seven sizes away from the centre. Half of the points lie on a coarse lattice, so that
+/// differences are exact more often.
 fn eye(centre: [f32; 3], size: f32, random: &mut impl Rng) -> [f32; 3] {
     let direction: [f32; 3] = std::array::from_fn(|_| random.random_range(-1.0..1.0));
-    let greatest = direction.iter().fold(0.01, |most: f32, x| most.max(x.abs()));
+    let greatest = direction.iter().fold(0.01, |max: f32, x| max.max(x.abs()));
     let distance = size * random.random_range(1.0..7.0);
     let point = std::array::from_fn(|k| centre[k] + distance / greatest * direction[k]);
     if random.random::<bool>() { point.map(|x| (x / size * 8.0).round() / 8.0 * size) } else { point }

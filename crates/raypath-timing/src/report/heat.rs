@@ -1,10 +1,10 @@
-//! Utilisation as a table: a column a stage, a row a kind of unit.
+//! The heat map of utilisation: a table with a column per stage and a row per kind of unit.
 
 use super::COLOURS;
 use super::recording::{Recording, StageUse, UnitUse};
 use maud::{Markup, html};
 
-/// The table, with what each operation does in each stage on top.
+/// The heat map, preceded by rows that describe each operation stage by stage.
 pub fn table(recording: &Recording) -> Markup {
     let stages = &recording.utilisation;
     let mut kinds: Vec<&str> = Vec::new();
@@ -43,7 +43,7 @@ fn cell(recording: &Recording, stage: &StageUse, kind: &str) -> Markup {
     let Some(unit) = stage.units.iter().find(|unit| unit.name == kind) else { return html! { td.none {} } };
     let shares: Vec<String> = unit.by_operation.iter().map(f64::to_string).collect();
     html! {
-        td style={ "--use:" (format!("{:.4}", unit.total.clamp(0.0, 1.0))) } title=(words(recording, stage, unit))
+        td style={ "--use:" (format!("{:.4}", unit.total.clamp(0.0, 1.0))) } title=(tooltip(recording, stage, unit))
             data-total=(unit.total) data-by=(shares.join(" ")) {
             b { (percent(unit.total)) }
             small { "× " (unit.count) }
@@ -51,11 +51,11 @@ fn cell(recording: &Recording, stage: &StageUse, kind: &str) -> Markup {
     }
 }
 
-fn words(recording: &Recording, stage: &StageUse, unit: &UnitUse) -> String {
+fn tooltip(recording: &Recording, stage: &StageUse, unit: &UnitUse) -> String {
     let UnitUse { name, count, total, by_operation } = unit;
     let part = |opcode: usize| percent(by_operation.get(opcode).copied().unwrap_or(0.0));
     let by = recording.named_operations().map(|(opcode, name)| format!("\n{name}: {}", part(opcode)));
-    format!("stage {}, {name} × {count}: {} of their cycles{}", stage.number, percent(*total), by.collect::<String>())
+    format!("stage {}, {name} × {count}: busy in {} of cycles{}", stage.number, percent(*total), by.collect::<String>())
 }
 
 fn percent(part: f64) -> String {

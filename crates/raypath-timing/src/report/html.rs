@@ -5,9 +5,9 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// The recording as one page that needs nothing else: no network, no fonts, no library.
+/// Renders a recording as one self-contained HTML page, without references to other files.
 ///
-/// Whatever comes from outside stands in it as text; the sweep's SVG is shown as an image, in which no script runs.
+/// All strings of the recording are escaped. The SVG of the sweep is embedded as an image, in which scripts do not run.
 pub fn html(recording: &Recording) -> String {
     let Recording { title, configuration, counts, utilisation, window, image, sweep, tables, .. } = recording;
     let page = html! {
@@ -75,7 +75,7 @@ fn grid(table: &Table) -> Markup {
     }
 }
 
-/// What the script draws on, and its controls.
+/// The canvas of the timeline and its controls.
 fn view(recording: &Recording, window: &Window) -> Markup {
     let cycles = window.end.saturating_sub(window.first);
     let summary = format!(
@@ -89,8 +89,8 @@ fn view(recording: &Recording, window: &Window) -> Markup {
         p.summary { (summary) }
         div.bar {
             div.choice role="group" aria-label="Rows" {
-                button type="button" #by-job aria-pressed="true" { "a row a job" }
-                button type="button" #by-stage aria-pressed="false" { "a row a stage" }
+                button type="button" #by-job aria-pressed="true" { "rows: jobs" }
+                button type="button" #by-stage aria-pressed="false" { "rows: stages" }
             }
             div.choice role="group" aria-label="View" {
                 button type="button" #zoom-in aria-label="zoom in" { "+" }
@@ -107,9 +107,9 @@ fn view(recording: &Recording, window: &Window) -> Markup {
             @for (opcode, operation) in recording.named_operations() {
                 li { i.key.{ "op" (opcode % COLOURS) } {} (operation) }
             }
-            li { i.key.stalled {} "stalled: does not move at the end of the cycle" }
-            li { i.key.refused {} "offered, not accepted" }
-            li { i.key.unsunk {} "sink refuses" }
+            li { i.key.stalled {} "stalled: stays in its stage" }
+            li { i.key.refused {} "job not accepted" }
+            li { i.key.unsunk {} "sink not ready" }
             li { i.key.bubble {} "bubble" }
         }
         canvas #overview height="44" aria-hidden="true" {}

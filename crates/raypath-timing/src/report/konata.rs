@@ -1,16 +1,16 @@
 use super::recording::{JobTrace, Recording};
 use std::fmt::Write;
 
-/// The lane of the stages, and the one that is laid over it.
+/// The lane of the stages, and the lane shown over it.
 const STAGES: u32 = 0;
 const STALLS: u32 = 1;
 
-/// The window as a log in the format of the pipeline viewer Konata (`Kanata 0004`, described in its repository in
-/// `docs/kanata-log-format.md`).
+/// Writes the recorded window as a log for the pipeline viewer Konata, in the format `Kanata 0004` that
+/// `docs/kanata-log-format.md` of its repository describes.
 ///
-/// A job is an instruction; its thread is its opcode. Lane 0 has the stages, `in` for the cycle in which it was accepted
-/// and `s1`, `s2` and so on; lane 1 has `stall` over the cycles at whose end it did not move on. A job that was not seen
-/// leaving does not retire.
+/// Jobs appear as instructions, with the opcode as thread. Lane 0 has the stages: `in` for the cycle of acceptance, then
+/// `s1`, `s2` and so on. Lane 1 has `stall` over the cycles in which the job did not advance. A job retires if the sink
+/// took its outcome within the window.
 pub fn konata(recording: &Recording) -> String {
     let window = &recording.window;
     let mut events = Vec::new();
@@ -28,7 +28,7 @@ pub fn konata(recording: &Recording) -> String {
             retired += 1;
         }
     }
-    // Stable: what belongs to one cycle stays in the order in which it was said.
+    // The sort is stable: events of one cycle keep their order.
     events.sort_by_key(|(cycle, _)| *cycle);
     let mut now = window.first;
     let mut log = format!("Kanata\t0004\nC=\t{now}\n");
@@ -60,7 +60,7 @@ impl Log<'_> {
         for (index, (from, until)) in job.stays(end).enumerate() {
             let over = index + 1 < job.entered.len() || job.left.is_some();
             self.stay(STAGES, &format!("s{}", index + 1), from, until, over);
-            // In its last cycle it moves, if it has been seen moving.
+            // A job advances at the end of its last cycle in a stage.
             let stalled = if over { until.saturating_sub(1) } else { until };
             if stalled > from {
                 self.stay(STALLS, "stall", from, stalled, over);
@@ -77,7 +77,7 @@ impl Log<'_> {
     }
 }
 
-/// A label stands in one column of one line.
+/// A label without tabs and line breaks, which separate columns and lines.
 fn plain(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }

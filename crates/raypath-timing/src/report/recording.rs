@@ -2,135 +2,135 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-/// All that a report shows: plain data, whoever has made it.
+/// The content of a report. It is plain data, which serialises to JSON and back.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Recording {
-    /// What was run.
+    /// The title of the report.
     pub title: String,
-    /// What it was run on, as names and values.
+    /// The configuration as pairs of name and value.
     pub configuration: Vec<(String, String)>,
-    /// Counts and rates, as labels and printed values.
+    /// Counts and rates as pairs of label and formatted value.
     pub counts: Vec<(String, String)>,
-    /// The operations' names, by opcode; empty where there is none of that opcode.
+    /// The names of the operations by opcode; empty for an unused opcode.
     pub operations: Vec<String>,
-    /// How busy the units were, stage by stage; none is shown of an empty one.
+    /// The utilisation of each stage. If empty, the page has no heat map.
     pub utilisation: Vec<StageUse>,
-    /// Some jobs on their way through the pipeline.
+    /// The recorded jobs. If there are none, the page has no timeline.
     pub window: Window,
-    /// What came out, if it is a picture.
+    /// The rendered picture, if the run made one.
     pub image: Option<Image>,
-    /// Throughput by agents in flight and memory, as SVG.
+    /// A plot of throughput over agents in flight and memory latency, as SVG.
     pub sweep: Option<String>,
-    /// What else there is to say, for example a recall.
+    /// Further tables, such as the recall of a search.
     pub tables: Vec<Table>,
 }
 
-/// How busy the units of one stage were.
+/// The utilisation of the units of one stage.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageUse {
-    /// The stage, from 1.
+    /// The number of the stage, from 1.
     pub number: usize,
-    /// What each operation does in it, by opcode; empty where it does nothing.
+    /// A short description of what each operation computes in the stage, by opcode; empty if it computes nothing.
     pub titles: Vec<String>,
-    /// Its units, kind by kind.
+    /// The units of the stage, by kind.
     pub units: Vec<UnitUse>,
 }
 
-/// How busy the units of one kind in one stage were.
+/// The utilisation of the units of one kind in one stage.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct UnitUse {
-    /// The kind's name, as `adder`.
+    /// The name of the kind, such as `adder`.
     pub name: String,
-    /// How many there are.
+    /// The number of units.
     pub count: usize,
-    /// The part of all unit cycles in which they worked, 0 to 1.
+    /// The fraction of unit cycles with work, 0 to 1.
     pub total: f64,
-    /// The same for each operation's jobs, by opcode.
+    /// The fraction of unit cycles with work for each operation, by opcode.
     pub by_operation: Vec<f64>,
 }
 
-/// Some jobs on their way through the pipeline, and what happened at its ends meanwhile.
+/// Recorded jobs with their positions in the pipeline, and the stalls at its ports meanwhile.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Window {
-    /// What a job's owner is called, as `ray`.
+    /// The name of a job's owner, such as `ray`.
     pub owner: String,
-    /// The first cycle seen.
+    /// The first recorded cycle.
     pub first: u64,
-    /// The cycle after the last one seen.
+    /// The cycle after the last recorded one.
     pub end: u64,
-    /// How many registers (or skid buffers) a job passes.
+    /// The number of stages.
     pub stages: usize,
-    /// The jobs, in the order in which they were accepted.
+    /// The jobs in the order of acceptance.
     pub jobs: Vec<JobTrace>,
-    /// Cycles in which the source offered a job that was not accepted.
+    /// Cycles in which a job was offered and not accepted.
     pub refused: Vec<Span>,
-    /// Cycles in which the sink refused an answer.
+    /// Cycles in which the output was valid and the sink not ready.
     pub stalled: Vec<Span>,
 }
 
-/// When a job was where.
+/// The positions of a job over time.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct JobTrace {
-    /// Its opcode.
+    /// The opcode.
     pub operation: usize,
     /// The number of the ray, query or transaction that it belongs to.
     pub owner: u64,
-    /// The cycle in which it was accepted.
+    /// The cycle of acceptance.
     pub accepted: u64,
-    /// The first cycle in each stage that it has reached, from stage 1.
+    /// The first cycle in each stage that the job reached, from stage 1.
     pub entered: Vec<u64>,
-    /// The cycle in which the sink took its answer; none if that was not seen.
+    /// The cycle in which the sink took the outcome; `None` if that was not recorded.
     pub left: Option<u64>,
 }
 
-/// Cycles in a row.
+/// Consecutive cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Span {
-    /// The first of them.
+    /// The first cycle.
     pub from: u64,
-    /// How many.
+    /// The number of cycles.
     pub cycles: u64,
 }
 
-/// A picture.
+/// A picture for the report.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Image {
-    /// What it shows.
+    /// The caption.
     pub title: String,
-    /// A PNG file; written as base64.
+    /// The content of a PNG file; base64 in JSON.
     #[serde(serialize_with = "to_base64", deserialize_with = "from_base64")]
     pub png: Vec<u8>,
 }
 
-/// A table.
+/// A table for the report.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Table {
-    /// What it shows.
+    /// The caption.
     pub title: String,
-    /// The columns' heads, units included.
+    /// The column headings, with units.
     pub head: Vec<String>,
-    /// Its rows, printed.
+    /// The rows, formatted.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Recording {
-    /// The operations that there are, with their opcodes.
+    /// The used opcodes and the names of their operations.
     pub(crate) fn named_operations(&self) -> impl Iterator<Item = (usize, &String)> {
         self.operations.iter().enumerate().filter(|(_, name)| !name.is_empty())
     }
 }
 
 impl JobTrace {
-    /// For each stage reached: the cycles it was there, first and one past the last. Of a job that has not been seen
-    /// leaving, the last stage lasts to `end`.
+    /// The cycles in each stage that the job reached, as pairs of the first cycle and the one after the last. The last
+    /// stage of a job without a recorded exit lasts until `end`.
     pub fn stays(&self, end: u64) -> impl Iterator<Item = (u64, u64)> + '_ {
         let over = self.left.map_or(end, |left| left + 1);
         let until = self.entered.iter().skip(1).copied().chain([over]);
         self.entered.iter().copied().zip(until)
     }
 
-    /// Cycles at whose end it did not move on, in all stages; `end` as for [`stays`](Self::stays).
+    /// The number of cycles in which the job did not advance; `end` as for [`stays`](Self::stays).
     pub fn stalls(&self, end: u64) -> u64 {
         self.stays(end).map(|(from, until)| until.saturating_sub(from + 1)).sum()
     }

@@ -1,4 +1,4 @@
-//! The window as the data that the page's script draws.
+//! The recorded window in the form that the page's script reads.
 
 use super::recording::{JobTrace, Recording, Span};
 use serde::Serialize;
@@ -15,12 +15,12 @@ struct Timeline<'r> {
     stalled: Vec<(u64, u64)>,
 }
 
-/// Operation, owner, the cycle in which it was accepted, the cycles in each stage that it has reached, whether it left.
-/// Of most jobs all stages last one cycle, and the list is null.
+/// A job: opcode, owner, cycle of acceptance, cycles in each stage reached, whether it left. The list is null if the job
+/// spent one cycle in each stage and left, as most do.
 #[derive(Serialize)]
 struct Trace(usize, u64, u64, Option<Vec<u64>>, bool);
 
-/// The window as JSON that may stand in a `script` element: without the character with which an element or comment begins.
+/// The window as JSON for a `script` element: `<`, with which an element or comment starts, is escaped.
 pub fn json(recording: &Recording) -> String {
     let window = &recording.window;
     let timeline = Timeline {
@@ -33,7 +33,7 @@ pub fn json(recording: &Recording) -> String {
         refused: pairs(&window.refused),
         stalled: pairs(&window.stalled),
     };
-    // Plain data with string keys: there is nothing in it that serde_json refuses.
+    // Serialisation of plain data with string keys does not fail.
     serde_json::to_string(&timeline).unwrap_or_default().replace('<', "\\u003c")
 }
 

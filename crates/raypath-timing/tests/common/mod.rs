@@ -1,13 +1,14 @@
-//! A model without arithmetic, whose jobs say whose they are, and agents that follow a list.
+//! A model without arithmetic, whose jobs carry the number of their owner, and agents that follow a list.
 
 use raypath_model::{CycleModel, Model, OnPorts, Shape};
 use raypath_ops::{JobKind, PortValue};
-use raypath_timing::{Agent, Step};
+use raypath_timing::{Action, Agent};
 
-/// A job of some kind that comes out as it went in.
+/// A job of a kind, with the number of its owner. Its outcome is the job itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tag(pub JobKind, pub u64);
 
+/// The model that returns jobs unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Echo;
 
@@ -56,28 +57,28 @@ pub fn echo(shape: &Shape) -> CycleModel<Echo> {
     CycleModel::new(Echo, shape)
 }
 
-/// Does what its list says and keeps its answers.
+/// An agent that performs a list of actions and collects its outcomes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Script<M: Model> {
-    pub steps: std::collections::VecDeque<Step<M::Job>>,
-    pub answers: Vec<M::Outcome>,
+    pub actions: std::collections::VecDeque<Action<M::Job>>,
+    pub outcomes: Vec<M::Outcome>,
 }
 
 impl<M: Model> Script<M> {
-    pub fn new(steps: impl IntoIterator<Item = Step<M::Job>>) -> Self {
-        Self { steps: steps.into_iter().collect(), answers: Vec::new() }
+    pub fn new(actions: impl IntoIterator<Item = Action<M::Job>>) -> Self {
+        Self { actions: actions.into_iter().collect(), outcomes: Vec::new() }
     }
 }
 
 impl<M: Model> Agent<M> for Script<M> {
-    fn step(&mut self) -> Step<M::Job> {
-        self.steps.pop_front().unwrap_or(Step::Done)
+    fn next_action(&mut self) -> Action<M::Job> {
+        self.actions.pop_front().unwrap_or(Action::Done)
     }
-    fn answer(&mut self, outcome: &M::Outcome) {
-        self.answers.push(outcome.clone());
+    fn receive(&mut self, outcome: &M::Outcome) {
+        self.outcomes.push(outcome.clone());
     }
 }
 
-pub fn issue(kind: JobKind, number: u64) -> Step<Tag> {
-    Step::Issue { job: Tag(kind, number), holds: false }
+pub fn issue(kind: JobKind, number: u64) -> Action<Tag> {
+    Action::Issue { job: Tag(kind, number), lock: false }
 }

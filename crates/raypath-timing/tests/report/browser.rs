@@ -1,4 +1,4 @@
-//! The page in a real browser: that it loads, shows the recording's numbers, zooms, and runs nothing from outside.
+//! The page in Chromium: it loads, shows the numbers of the recording, zooms, and runs no embedded script.
 
 use crate::common;
 use headless_chrome::protocol::cdp::Input::{DispatchMouseEvent, DispatchMouseEventTypeOption as Mouse, MouseButton};
@@ -21,10 +21,10 @@ const FLAGS: [&str; 6] = [
     "--force-device-scale-factor=1",
 ];
 
-/// A page in a browser of its own, and what its console has said of errors.
+/// A page in its own browser, with the messages of its console.
 struct Page {
     tab: Arc<Tab>,
-    complaints: Arc<Mutex<Vec<String>>>,
+    messages: Arc<Mutex<Vec<String>>>,
     _browser: Browser,
     _folder: tempfile::TempDir,
 }
@@ -32,10 +32,7 @@ struct Page {
 impl Page {
     fn open(recording: &Recording) -> Self {
         let page = html(recording);
-        assert!(
-            Path::new(CHROMIUM).exists(),
-            "{CHROMIUM} is missing, with which the page is tested: install Debian's package chromium"
-        );
+        assert!(Path::new(CHROMIUM).exists(), "{CHROMIUM} is missing. help: install the Debian package chromium");
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("page.html");
         std::fs::write(&file, page).expect("a page");
@@ -52,27 +49,27 @@ impl Page {
             .expect("options");
         let browser = Browser::new(options).expect("Chromium starts");
         let tab = browser.new_tab().expect("a tab");
-        let complaints = Arc::new(Mutex::new(Vec::new()));
+        let messages = Arc::new(Mutex::new(Vec::new()));
         tab.enable_runtime().expect("runtime").enable_log().expect("log");
-        let heard = Arc::clone(&complaints);
+        let collected = Arc::clone(&messages);
         let listener = move |event: &Event| {
-            let complaint = match event {
+            let message = match event {
                 Event::LogEntryAdded(entry) => format!("{:?}", entry.params.entry),
                 Event::RuntimeConsoleAPICalled(call) => format!("{:?}", call.params.args),
                 Event::RuntimeExceptionThrown(thrown) => format!("{:?}", thrown.params.exception_details),
                 _ => return,
             };
-            heard.lock().expect("no panic").push(complaint);
+            collected.lock().expect("no panic").push(message);
         };
         tab.add_event_listener(Arc::new(listener)).expect("a listener");
         tab.navigate_to(&format!("file://{}", file.display()))
             .expect("the page")
             .wait_until_navigated()
             .expect("loads");
-        Self { tab, complaints, _browser: browser, _folder: folder }
+        Self { tab, messages, _browser: browser, _folder: folder }
     }
 
-    /// What an expression is, as text.
+    /// The value of a JavaScript expression as text.
     fn value(&self, expression: &str) -> String {
         let value =
             self.tab.evaluate(&format!("(async () => String(await ({expression})))()"), true).expect(expression).value;
@@ -88,7 +85,7 @@ impl Page {
         (numbers[0], numbers[1])
     }
 
-    /// A hash of what the canvas shows, once it is drawn.
+    /// A hash of the pixels of the canvas after drawing.
     fn pixels(&self) -> String {
         self.value(
             "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => { let h = 0; \
@@ -104,9 +101,9 @@ impl Page {
         ));
     }
 
-    /// A mouse event from outside, at a place of the canvas; of a wheel, by how much.
+    /// A mouse event of the browser at a position of the canvas; `delta` is the distance of a wheel event.
     fn mouse(&self, kind: Mouse, x: f64, y: f64, delta: f64) {
-        let canvas = self.tab.find_element("#canvas").expect("a canvas").get_box_model().expect("a place").content;
+        let canvas = self.tab.find_element("#canvas").expect("a canvas").get_box_model().expect("a position").content;
         let left = matches!(kind, Mouse::MousePressed | Mouse::MouseReleased).then_some(MouseButton::Left);
         let held = u32::from(matches!(kind, Mouse::MousePressed | Mouse::MouseMoved));
         let event = DispatchMouseEvent {
@@ -130,8 +127,8 @@ impl Page {
         self.tab.call_method(event).expect("a mouse");
     }
 
-    fn said_nothing(&self) {
-        assert_eq!(*self.complaints.lock().expect("no panic"), Vec::<String>::new());
+    fn assert_console_empty(&self) {
+        assert_eq!(*self.messages.lock().expect("no panic"), Vec::<String>::new());
     }
 }
 
@@ -155,7 +152,7 @@ fn the_page_shows_the_recordings_numbers() {
                 let units = recording.utilisation.iter().flat_map(|stage| &stage.units);
                 units.filter(|unit| unit.name == kind).map(|unit| format!("{:.1}%", 100.0 * part(unit))).collect()
             };
-            // In the order in which kinds are met first.
+            // In the order of first occurrence.
             let mut kinds = Vec::new();
             for unit in recording.utilisation.iter().flat_map(|stage| &stage.units) {
                 if !kinds.contains(&unit.name) {
@@ -170,7 +167,7 @@ fn the_page_shows_the_recordings_numbers() {
             "JSON.stringify([...document.querySelectorAll('#heat td[data-total]')].map(c => c.querySelector('b').textContent))",
         );
         assert_eq!(serde_json::from_str::<Vec<String>>(&shown).expect("cells"), percents(&|unit| unit.by_operation[2]));
-        // The script's stages of every job.
+        // The positions of all jobs as the script computes them.
         let jobs = page.value(
             "JSON.stringify(model.jobs.map(j => ({ operation: j.operation, owner: j.owner, accepted: j.accepted, \
              entered: j.enters.slice(0, -1), left: j.left ? j.gone - 1 : null })))",
@@ -181,12 +178,12 @@ fn the_page_shows_the_recordings_numbers() {
         assert_eq!(page.value(&format!("({size})(document.querySelector('#image img'))")), "5,3");
         assert_eq!(page.value(&format!("({size})(document.querySelector('#sweep img'))")), "40,30");
         assert_eq!(page.value("document.querySelectorAll('section.table tbody tr').length"), "2");
-        page.said_nothing();
+        page.assert_console_empty();
     }
 }
 
 #[test]
-fn the_timeline_zooms_moves_and_tells() {
+fn the_timeline_zooms_moves_and_shows_tips() {
     let recording = common::recording(Control::Skid, 2000, 0.15);
     let page = Page::open(&recording);
     let (start, drawn) = (page.range(), page.pixels());
@@ -197,7 +194,7 @@ fn the_timeline_zooms_moves_and_tells() {
     let closer = wheel(-300);
     assert!(closer.1 - closer.0 < start.1 - start.0, "{start:?} {closer:?}");
     assert_ne!(page.pixels(), drawn);
-    // The cycle below the pointer stays there: out again is where it was.
+    // Zooming keeps the cycle below the pointer, so zooming out restores the view.
     assert_eq!(wheel(300), start);
     assert_eq!(page.pixels(), drawn);
     for _ in 0..30 {
@@ -212,7 +209,7 @@ fn the_timeline_zooms_moves_and_tells() {
         "c.dispatchEvent(new PointerEvent('pointerdown', at(600, 200))); \
          c.dispatchEvent(new PointerEvent('pointermove', at(240, 200))); c.dispatchEvent(new PointerEvent('pointerup', at(240, 200)))",
     );
-    // 360 pixels are 20 cycles at 18 a cycle.
+    // 360 pixels are 20 cycles of 18 pixels.
     assert_eq!(page.range().0, start.0 + 20);
     for (key, forward) in [("ArrowRight", true), ("ArrowLeft", false)] {
         let before = page.range().0;
@@ -226,7 +223,8 @@ fn the_timeline_zooms_moves_and_tells() {
     assert_eq!(page.range(), (first, end));
     page.value("document.getElementById('reset').click()");
 
-    // The first row, in the cycle after the first job was accepted: one cycle is left of it, 132 pixels are labels.
+    // The first row, in the cycle after acceptance of the first job: the view starts one cycle earlier, after 132 pixels
+    // of labels.
     let job = &recording.window.jobs[0];
     page.at_canvas("c.dispatchEvent(new PointerEvent('pointermove', at(132 + 18 * 2 + 9, 35 + 22)))");
     let tip = page.value("document.getElementById('tip').innerText");
@@ -239,10 +237,10 @@ fn the_timeline_zooms_moves_and_tells() {
     let by_job = page.pixels();
     page.value("document.getElementById('by-stage').click()");
     assert_ne!(page.pixels(), by_job);
-    page.said_nothing();
+    page.assert_console_empty();
 }
 
-/// As [`the_timeline_zooms_moves_and_tells`], by a mouse that the browser itself makes events of.
+/// As [`the_timeline_zooms_moves_and_shows_tips`], with mouse events that the browser generates.
 #[test]
 fn a_mouse_zooms_and_drags() {
     let page = Page::open(&common::recording(Control::Credit, 2000, 0.15));
@@ -255,7 +253,7 @@ fn a_mouse_zooms_and_drags() {
     page.mouse(Mouse::MouseMoved, 240.0, 200.0, 0.0);
     page.mouse(Mouse::MouseReleased, 240.0, 200.0, 0.0);
     assert_eq!(page.range().0, start.0 + 20);
-    page.said_nothing();
+    page.assert_console_empty();
 }
 
 #[test]
@@ -271,18 +269,18 @@ fn windows_of_all_sizes_are_drawn() {
             ));
             let ms: f64 = time.parse().expect("milliseconds");
             println!("{button} with {jobs} jobs took {ms} ms");
-            // Two frames are 33 ms; a machine that does much else takes longer.
+            // Two frames take 33 ms; the limit allows for a loaded machine.
             assert!(ms < 2000.0, "{button} with {jobs} jobs took {ms} ms");
         }
-        page.said_nothing();
+        page.assert_console_empty();
     }
 }
 
 #[test]
 fn text_from_outside_does_not_run() {
-    let hostile = |place: &str| {
+    let hostile = |field: &str| {
         format!(
-            "</script><!--<script>window.ran='{place}'</script><img src=x onerror=\"window.ran='{place}'\">'\"&amp;"
+            "</script><!--<script>window.ran='{field}'</script><img src=x onerror=\"window.ran='{field}'\">'\"&amp;"
         )
     };
     let mut recording = common::recording(Control::Skid, 100, 0.15);
@@ -308,10 +306,10 @@ fn text_from_outside_does_not_run() {
     assert_eq!(page.value("document.querySelectorAll('script').length"), "5");
     assert_eq!(page.value("document.querySelectorAll('#configuration td')[0].textContent"), hostile("value"));
     assert_eq!(page.value("model.owner"), recording.window.owner);
-    page.said_nothing();
+    page.assert_console_empty();
 }
 
-/// A page asks nobody for anything: without a window it has no timeline, and still says nothing.
+/// An empty recording gives a page without sections. The page loads no resources.
 #[test]
 fn an_empty_recording_is_a_page() {
     let page = Page::open(&Recording { title: "Nothing".to_string(), ..Recording::default() });
@@ -320,18 +318,18 @@ fn an_empty_recording_is_a_page() {
         page.value("performance.getEntriesByType('resource').filter(e => !e.name.startsWith('data:')).length"),
         "0"
     );
-    page.said_nothing();
+    page.assert_console_empty();
 }
 
-/// That the console is heard at all.
+/// A check of the tests themselves: console messages are collected.
 #[test]
-fn complaints_are_heard() {
+fn console_messages_are_collected() {
     let page = Page::open(&Recording::default());
-    page.value("console.error('a complaint')");
+    page.value("console.error('a message')");
     page.value("setTimeout(() => nothing.here, 0)");
     page.value("new Promise(done => setTimeout(done, 200))");
-    let complaints = page.complaints.lock().expect("no panic").join("\n");
-    assert!(complaints.contains("a complaint") && complaints.contains("nothing is not defined"), "{complaints}");
+    let messages = page.messages.lock().expect("no panic").join("\n");
+    assert!(messages.contains("a message") && messages.contains("nothing is not defined"), "{messages}");
 }
 
 const SWEEP: &str =

@@ -1,13 +1,13 @@
-//! A run with everything in it that can be seen: four kinds of jobs, fetches, stalls, a loop.
+//! A simulated run with all features of a recording: all kinds of jobs, fetches, stalls, an accumulator loop.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use raypath_model::{Control, CycleModel, Functional, Loop, Shape};
 use raypath_ops::{Job, JobKind, Outcome, Rules};
 use raypath_timing::report::{Image, Recorder, Recording, StageUse, Table, UnitUse};
-use raypath_timing::{Agent, Machine, Sink, Step, Timing, simulate};
+use raypath_timing::{Action, Agent, Environment, Sink, Timing, simulate};
 
-/// A ray that visits some nodes, or a query of some vectors.
+/// A ray that visits nodes, or a query of vectors.
 pub struct Walk {
     rng: ChaCha8Rng,
     left: u32,
@@ -18,7 +18,7 @@ pub struct Walk {
 }
 
 impl Walk {
-    /// Whether it is a query.
+    /// Whether the agent is a query.
     pub fn distances(&self) -> bool {
         self.distances
     }
@@ -31,17 +31,17 @@ impl Walk {
 }
 
 impl Agent<Functional> for Walk {
-    fn step(&mut self) -> Step<Job> {
+    fn next_action(&mut self) -> Action<Job> {
         if self.waits {
-            return Step::Wait;
+            return Action::Wait;
         }
         if self.left == 0 {
-            return Step::Done;
+            return Action::Done;
         }
         if !self.fetched {
             self.fetched = true;
             self.beats = if self.distances { 3 } else { 1 };
-            return Step::Fetch;
+            return Action::Fetch;
         }
         self.beats -= 1;
         self.waits = self.beats == 0;
@@ -50,9 +50,9 @@ impl Agent<Functional> for Walk {
             (false, true) => JobKind::Quadbox,
             (false, false) => JobKind::Triangle,
         };
-        Step::Issue { job: Job::from_ports(kind, |_| 0), holds: self.beats > 0 }
+        Action::Issue { job: Job::from_ports(kind, |_| 0), lock: self.beats > 0 }
     }
-    fn answer(&mut self, _: &Outcome) {
+    fn receive(&mut self, _: &Outcome) {
         if self.waits {
             (self.waits, self.fetched) = (false, false);
             self.left -= 1;
@@ -64,19 +64,19 @@ pub fn shape(control: Control) -> Shape {
     Shape { latency: 12, control, loops: vec![Loop { opcode: JobKind::Euclidean.opcode(), first: 9, last: 10 }] }
 }
 
-/// A run whose window has so many jobs from cycle `from` on.
+/// A run with a recorder of the first `jobs` jobs from cycle `from` on.
 pub fn run(control: Control, from: u64, jobs: usize, stalls: f64) -> (Timing, Recorder) {
     let agents = (0..400).map(|seed| Walk::new(seed, 1 + jobs as u32 / 100));
     let sink = if stalls > 0.0 { Sink::Stalls { probability: stalls, seed: 1 } } else { Sink::Always };
-    let machine = Machine { in_flight: 24, memory_latency: 40, sink };
+    let environment = Environment { in_flight: 24, memory_latency: 40, sink };
     let shape = shape(control);
-    let model = CycleModel::new(Functional::<16, 8>::new(Rules::Paper), &shape);
+    let pipeline = CycleModel::new(Functional::<16, 8>::new(Rules::Paper), &shape);
     let mut recorder = Recorder::new("ray", shape.latency, from, jobs);
-    let timing = simulate(agents, &machine, model, &mut recorder, &|_| true).expect("runs");
+    let timing = simulate(agents, &environment, pipeline, &mut recorder, &|_| true).expect("runs");
     (timing, recorder)
 }
 
-/// A recording with every part.
+/// A recording with every section.
 pub fn recording(control: Control, jobs: usize, stalls: f64) -> Recording {
     let (timing, recorder) = run(control, 0, jobs, stalls);
     let what =
@@ -105,14 +105,14 @@ pub fn recording(control: Control, jobs: usize, stalls: f64) -> Recording {
         ],
         counts: vec![
             ("cycles".to_string(), timing.cycles.to_string()),
-            ("jobs".to_string(), timing.all_jobs().to_string()),
-            ("jobs a cycle".to_string(), format!("{:.4}", timing.jobs_per_cycle())),
-            ("rays a second at 500 MHz".to_string(), format!("{:.2} million", timing.at(500.0).agents / 1e6)),
+            ("jobs".to_string(), timing.total_jobs().to_string()),
+            ("jobs per cycle".to_string(), format!("{:.4}", timing.jobs_per_cycle())),
+            ("rays a second at 500 MHz".to_string(), format!("{:.2} million", timing.rates(500.0).agents / 1e6)),
         ],
         operations: JobKind::ALL.map(|kind| kind.name().to_string()).to_vec(),
         utilisation: utilisation.collect(),
         window: recorder.window(),
-        image: Some(Image { title: "What the rays saw".to_string(), png: picture() }),
+        image: Some(Image { title: "Rendered picture".to_string(), png: picture() }),
         sweep: None,
         tables: vec![Table {
             title: "Recall".to_string(),
@@ -122,7 +122,7 @@ pub fn recording(control: Control, jobs: usize, stalls: f64) -> Recording {
     }
 }
 
-/// A PNG of 5 × 3 pixels, written by hand: stored zlib blocks need no compressor.
+/// A PNG of 5 × 3 pixels, with stored zlib blocks, which need no compressor.
 pub fn picture() -> Vec<u8> {
     const WIDTH: u32 = 5;
     const HEIGHT: u32 = 3;

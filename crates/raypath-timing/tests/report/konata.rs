@@ -1,23 +1,23 @@
-//! The log, read by a strict reader written from the format's description (`docs/kanata-log-format.md` of Konata).
+//! The log, read by a strict parser written after the description of the format (`docs/kanata-log-format.md` of Konata).
 
 use crate::common;
 use raypath_model::Control;
 use raypath_timing::report::{Recording, konata};
 use std::collections::HashMap;
 
-/// An instruction of a log.
+/// An instruction of the log.
 #[derive(Debug, Default)]
 struct Instruction {
     begins: u64,
     thread: u64,
     left_pane: String,
     detail: String,
-    /// By lane: stage, first cycle, the cycle in which it ended.
+    /// The stages of each lane: name, first cycle, cycle of the end.
     stages: HashMap<u64, Vec<(String, u64, Option<u64>)>>,
     retires: Option<(u64, u64)>,
 }
 
-/// Reads a log, and takes nothing that the description does not allow.
+/// Parses a log, and panics on anything that the description does not allow.
 fn read(log: &str) -> Vec<Instruction> {
     let mut lines = log.lines();
     assert_eq!(lines.next(), Some("Kanata\t0004"));
@@ -77,7 +77,7 @@ fn read(log: &str) -> Vec<Instruction> {
     instructions
 }
 
-fn log_is_the_recording(recording: &Recording) -> usize {
+fn check_log(recording: &Recording) -> usize {
     let instructions = read(&konata(recording));
     let window = &recording.window;
     assert_eq!(instructions.len(), window.jobs.len());
@@ -95,7 +95,7 @@ fn log_is_the_recording(recording: &Recording) -> usize {
         let stalls = instruction.stages.get(&1).map_or(&[][..], |lane| lane);
         let cycles: u64 = stalls.iter().filter_map(|(_, from, end)| end.map(|end| end - from)).sum();
         if let Some(left) = job.left {
-            // All cycles from its acceptance that are not one a stage.
+            // The cycles from acceptance to exit, less one per stage.
             assert_eq!(cycles, left - job.accepted - window.stages as u64);
             assert_eq!(lane.last().and_then(|(.., end)| *end), Some(left + 1));
         }
@@ -106,11 +106,11 @@ fn log_is_the_recording(recording: &Recording) -> usize {
 }
 
 #[test]
-fn a_log_has_the_jobs_stages_and_stalls_of_the_recording() {
+fn the_log_has_the_jobs_stages_and_stalls_of_the_recording() {
     for control in [Control::Skid, Control::Credit] {
-        assert!(log_is_the_recording(&common::recording(control, 1000, 0.3)) > 1000);
+        assert!(check_log(&common::recording(control, 1000, 0.3)) > 1000);
         let mut cut = common::recording(control, 300, 0.3);
-        // As if nobody had looked any longer.
+        // A recording that ends while jobs are inside.
         cut.window.end = cut.window.jobs[290].accepted + 5;
         for job in &mut cut.window.jobs {
             job.entered.retain(|cycle| *cycle < cut.window.end);
@@ -118,7 +118,7 @@ fn a_log_has_the_jobs_stages_and_stalls_of_the_recording() {
         }
         cut.window.jobs.retain(|job| job.accepted < cut.window.end);
         assert!(cut.window.jobs.iter().any(|job| job.left.is_none()));
-        log_is_the_recording(&cut);
+        check_log(&cut);
     }
 }
 

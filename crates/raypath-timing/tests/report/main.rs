@@ -1,4 +1,4 @@
-//! The report of a run: what the recorder writes down, the log, and the page in a browser.
+//! Reports: the recorder, the Konata log, and the page in a browser.
 
 mod browser;
 mod common;

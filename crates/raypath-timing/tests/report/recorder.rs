@@ -1,19 +1,19 @@
-//! What a recorder writes down, before what is known by hand and before the places that the model shows.
+//! The recorder, compared with known positions and with the positions that the model reports.
 
 use crate::common::{self, run, shape};
 use raypath_model::{Control, CycleModel, Functional, PipelinePosition};
 use raypath_ops::Rules;
 use raypath_timing::report::{Recorder, Window};
-use raypath_timing::{Cycle, Machine, Observer, Sink, simulate};
+use raypath_timing::{Environment, Observer, PortActivity, Sink, simulate};
 
 #[test]
-fn where_nothing_stalls_a_job_is_in_each_stage_for_one_cycle() {
+fn without_stalls_a_job_spends_one_cycle_in_each_stage() {
     for control in [Control::Skid, Control::Credit] {
         let agents = (0..50).map(|seed| common::Walk::new(seed, 3)).filter(|walk| !walk.distances());
-        let model = CycleModel::new(Functional::<16, 8>::new(Rules::Paper), &shape(control));
+        let pipeline = CycleModel::new(Functional::<16, 8>::new(Rules::Paper), &shape(control));
         let mut recorder = Recorder::new("ray", 12, 0, 80);
-        let machine = Machine { in_flight: 5, memory_latency: 9, sink: Sink::Always };
-        simulate(agents, &machine, model, &mut recorder, &|_| true).expect("runs");
+        let environment = Environment { in_flight: 5, memory_latency: 9, sink: Sink::Always };
+        simulate(agents, &environment, pipeline, &mut recorder, &|_| true).expect("runs");
         let window = recorder.window();
         assert_eq!(window.jobs.len(), 80);
         for job in &window.jobs {
@@ -24,31 +24,31 @@ fn where_nothing_stalls_a_job_is_in_each_stage_for_one_cycle() {
     }
 }
 
-/// Keeps everything that there is to see.
+/// Records all cycles.
 #[derive(Default)]
-struct Everything(Vec<(Cycle, Vec<PipelinePosition>)>);
+struct Everything(Vec<(PortActivity, Vec<PipelinePosition>)>);
 
 impl Observer for Everything {
-    fn wants(&self, cycle: u64) -> Option<u64> {
+    fn next_observed(&self, cycle: u64) -> Option<u64> {
         Some(cycle)
     }
-    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = PipelinePosition>) {
-        self.0.push((*cycle, places.collect()));
+    fn observe(&mut self, ports: &PortActivity, positions: impl Iterator<Item = PipelinePosition>) {
+        self.0.push((*ports, positions.collect()));
     }
 }
 
-fn everything(control: Control, stalls: f64) -> Vec<(Cycle, Vec<PipelinePosition>)> {
+fn everything(control: Control, stalls: f64) -> Vec<(PortActivity, Vec<PipelinePosition>)> {
     let agents = (0..400).map(|seed| common::Walk::new(seed, 4));
-    let model = CycleModel::new(Functional::<16, 8>::new(Rules::Paper), &shape(control));
+    let pipeline = CycleModel::new(Functional::<16, 8>::new(Rules::Paper), &shape(control));
     let sink = Sink::Stalls { probability: stalls, seed: 1 };
-    let (machine, mut all) = (Machine { in_flight: 24, memory_latency: 40, sink }, Everything::default());
-    simulate(agents, &machine, model, &mut all, &|_| true).expect("runs");
+    let (environment, mut all) = (Environment { in_flight: 24, memory_latency: 40, sink }, Everything::default());
+    simulate(agents, &environment, pipeline, &mut all, &|_| true).expect("runs");
     all.0
 }
 
-/// In every cycle the recording says of each stage which jobs are in it, and who waits beside another, as the model does.
+/// In every cycle the recording has the same jobs in each stage and in its skid buffer as the model.
 #[test]
-fn stages_and_waits_are_those_of_the_model_in_every_cycle() {
+fn recorded_positions_equal_those_of_the_model_in_every_cycle() {
     let mut waits = 0;
     for control in [Control::Skid, Control::Credit] {
         for from in [0, 700] {
@@ -56,8 +56,8 @@ fn stages_and_waits_are_those_of_the_model_in_every_cycle() {
             let window: Window = run(control, from, 300, 0.4).1.window();
             assert_eq!((window.first, window.jobs.len()), (from, 300));
             for (cycle, places) in &all[from as usize..window.end as usize] {
-                let now = cycle.number;
-                // Stages of the recorded jobs, oldest first; those accepted before and after are at the ends.
+                let now = cycle.cycle;
+                // Stages of the recorded jobs, oldest first. Jobs accepted before and after them surround them.
                 let stage_of = |job: &raypath_timing::report::JobTrace| {
                     let at = job.stays(window.end).position(|(from, until)| (from..until).contains(&now));
                     at.map(|index| index + 1)
@@ -76,11 +76,11 @@ fn stages_and_waits_are_those_of_the_model_in_every_cycle() {
                     spans.iter().any(|span| (span.from..span.from + span.cycles).contains(&now))
                 };
                 assert_eq!(within(&window.refused), cycle.offered.is_some() && !cycle.accepted, "cycle {now}");
-                assert_eq!(within(&window.stalled), cycle.shown && !cycle.taken, "cycle {now}");
+                assert_eq!(within(&window.stalled), cycle.output_valid && !cycle.output_taken, "cycle {now}");
             }
-            let accepted = all.iter().filter(|(cycle, _)| cycle.accepted && cycle.number >= from);
+            let accepted = all.iter().filter(|(cycle, _)| cycle.accepted && cycle.cycle >= from);
             let accepted: Vec<_> = accepted
-                .map(|(cycle, _)| (cycle.number, cycle.offered.map(|(kind, owner)| (kind as usize, owner))))
+                .map(|(cycle, _)| (cycle.cycle, cycle.offered.map(|(kind, owner)| (kind as usize, owner))))
                 .collect();
             let recorded = window.jobs.iter().map(|job| (job.accepted, Some((job.operation, job.owner))));
             assert!(recorded.eq(accepted.into_iter().take(300)));
@@ -89,12 +89,13 @@ fn stages_and_waits_are_those_of_the_model_in_every_cycle() {
     assert!(waits > 500, "{waits}");
 }
 
-/// The jobs that leave are the oldest ones inside, so the n-th to leave is the n-th that was accepted.
+/// Jobs leave in order, so the n-th job to leave is the n-th accepted one.
 #[test]
-fn jobs_leave_when_the_sink_takes() {
+fn jobs_leave_when_the_sink_takes_their_outcome() {
     for control in [Control::Skid, Control::Credit] {
         let all = everything(control, 0.4);
-        let taken: Vec<u64> = all.iter().filter(|(cycle, _)| cycle.taken).map(|(cycle, _)| cycle.number).collect();
+        let taken: Vec<u64> =
+            all.iter().filter(|(cycle, _)| cycle.output_taken).map(|(cycle, _)| cycle.cycle).collect();
         let window = run(control, 0, 300, 0.4).1.window();
         assert!(window.jobs.iter().map(|job| job.left).eq(taken.iter().take(300).map(|cycle| Some(*cycle))));
         assert_eq!(window.end, taken[299] + 1);
@@ -102,7 +103,7 @@ fn jobs_leave_when_the_sink_takes() {
 }
 
 #[test]
-fn a_recording_is_read_back_from_json() {
+fn a_recording_survives_json() {
     let recording = common::recording(Control::Skid, 200, 0.3);
     let text = serde_json::to_string(&recording).expect("JSON");
     assert_eq!(serde_json::from_str::<raypath_timing::report::Recording>(&text).expect("a recording"), recording);

@@ -17,7 +17,7 @@ use raypath_sim::lockstep::SideBySide;
 use raypath_sim::transactions::Transaction;
 use raypath_sim::{AnyKind, AnyModel, Words};
 use raypath_timing::report::{Recorder, Recording};
-use raypath_timing::{Cycle as TimedCycle, Observer};
+use raypath_timing::{Observer, PortActivity};
 use std::io::Write;
 use std::time::Instant;
 
@@ -149,13 +149,14 @@ impl Watcher {
             self.recorder.reset();
             return self.pipeline.reset();
         }
-        let shown = seen.shown.output.is_some();
+        let output_valid = seen.shown.output.is_some();
         let entering = seen.entered.map(opcode);
         // Of what was offered in vain only this is of interest, that it was.
         let offered = seen.cycle.offers.then(|| (entering.unwrap_or(0), seen.entered.unwrap_or(0) as u64));
         let accepted = entering.is_some();
-        let cycle = TimedCycle { number, offered, accepted, shown, taken: shown && seen.cycle.takes };
-        self.recorder.cycle(&cycle, self.pipeline.positions());
+        let output_taken = output_valid && seen.cycle.takes;
+        let ports = PortActivity { cycle: number, offered, accepted, output_valid, output_taken };
+        self.recorder.observe(&ports, self.pipeline.positions());
         self.pipeline.cycle(entering.map(|opcode| (opcode, ())), seen.cycle.takes);
     }
 

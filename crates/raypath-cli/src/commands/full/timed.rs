@@ -8,7 +8,7 @@ use raypath_ops::JobKind;
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::engine::shape;
 use raypath_timing::report::{Recorder, Recording};
-use raypath_timing::{Hardware, Machine, Starved, Sweep, Timing, plot};
+use raypath_timing::{Environment, Starved, Sweep, System, Timing, plot};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -38,9 +38,9 @@ pub trait Subject {
     /// How many agents it has in all.
     fn count(&self) -> usize;
     /// Simulates those of them that are wanted.
-    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<Timing, CliError>;
+    fn time(&self, system: &System, recorder: &mut Recorder) -> Result<Timing, CliError>;
     /// Simulates a sample of it on many machines.
-    fn sweep(&self, hardware: &Hardware) -> Result<Sweep, CliError>;
+    fn sweep(&self, system: &System) -> Result<Sweep, CliError>;
     /// What else there is to say about it at a clock of so many MHz.
     fn rows(&self, timing: &Timing, clock_mhz: f64) -> Vec<(String, String)>;
 }
@@ -70,11 +70,11 @@ impl TimingArguments {
             return Ok(None);
         }
         let datapath = Datapath::new(config)?;
-        let machine = Machine { in_flight, memory_latency: self.memory_latency, ..Machine::default() };
-        let hardware = Hardware { machine, shape: shape(config, &datapath) };
+        let environment = Environment { in_flight, memory_latency: self.memory_latency, ..Environment::default() };
+        let system = System { environment, shape: shape(config, &datapath) };
         let (agents, agent) = subject.names();
         let mut recorder = view.recorder(agent, &datapath);
-        let timing = subject.time(&hardware, &mut recorder)?;
+        let timing = subject.time(&system, &mut recorder)?;
 
         let mut recording = recording(subject.title(), config, &datapath, timing.cycles, &timing.jobs);
         recording.counts = vec![
@@ -89,7 +89,7 @@ impl TimingArguments {
 
         let mut files = Vec::new();
         if self.sweep.is_some() || view.has_report() {
-            let svg = plot(&subject.sweep(&hardware)?, &format!("Throughput: {}", subject.title()), agents);
+            let svg = plot(&subject.sweep(&system)?, &format!("Throughput: {}", subject.title()), agents);
             files.extend(self.sweep.iter().map(|path| (path.clone(), svg.clone().into_bytes())));
             recording.sweep = Some(svg);
         }
@@ -99,11 +99,11 @@ impl TimingArguments {
 
 /// What a simulation of time found, as labels and printed values. `agents` are what it simulated: rays, queries.
 fn rows(timing: &Timing, agents: &str, clock_mhz: f64) -> Vec<(String, String)> {
-    let rates = timing.at(clock_mhz);
-    let Starved { memory, answers, both, held } = timing.starved;
+    let rates = timing.rates(clock_mhz);
+    let Starved { memory, outcomes, both, locked } = timing.starved;
     let cycles = |count: u64| format!("{count} ({:.1} %)", 100.0 * count as f64 / timing.cycles.max(1) as f64);
     let mut rows = vec![("cycles".to_string(), timing.cycles.to_string())];
-    rows.push(("jobs".to_string(), timing.all_jobs().to_string()));
+    rows.push(("jobs".to_string(), timing.total_jobs().to_string()));
     let kinds = JobKind::ALL.into_iter().filter(|kind| timing.jobs_of(*kind) > 0);
     rows.extend(kinds.map(|kind| (format!("  {kind}"), timing.jobs_of(kind).to_string())));
     rows.extend([
@@ -113,9 +113,9 @@ fn rows(timing: &Timing, agents: &str, clock_mhz: f64) -> Vec<(String, String)> 
         ("cycles with a job accepted".to_string(), cycles(timing.accepted)),
         ("cycles with a job refused".to_string(), cycles(timing.refused)),
         ("cycles starved: all wait for memory".to_string(), cycles(memory)),
-        ("cycles starved: all wait for answers".to_string(), cycles(answers)),
+        ("cycles starved: all wait for answers".to_string(), cycles(outcomes)),
         ("cycles starved: some for each".to_string(), cycles(both)),
-        ("cycles starved: another holds the datapath".to_string(), cycles(held)),
+        ("cycles starved: another holds the datapath".to_string(), cycles(locked)),
         (format!("{agents} per second at {clock_mhz} MHz"), format!("{:.4e}", rates.agents)),
         (format!("seconds at {clock_mhz} MHz"), format!("{:.4e}", rates.seconds)),
     ]);

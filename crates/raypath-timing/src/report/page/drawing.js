@@ -1,5 +1,5 @@
 "use strict";
-// Draws a part of the window. A view is { left, top, cycle, row }: the cycle and row at the left and upper edges, and
+// Draws a view of the window. A view is { left, top, cycle, row }: the cycle and row at the left and upper edges, and
 // the width of a cycle and the height of a row in pixels.
 const drawing = (() => {
   const RULER = 22, LANE = 9, MARGIN = 132;
@@ -13,7 +13,7 @@ const drawing = (() => {
       colours[name] = style.getPropertyValue("--" + name).trim();
   }
   const colourOf = (job) => colours[operations[job.operation % operations.length]];
-  // Letters on a job: three of the colours are too bright for white ones.
+  // The text colour on a job. Three operation colours are too bright for white text.
   const inkOn = (job) => colours[[4, 5, 6].includes(job.operation % operations.length) ? "on-bright" : "on"];
 
   function prepare(canvas) {
@@ -46,7 +46,7 @@ const drawing = (() => {
     context.restore();
   }
 
-  // A job's stay in a stage, stalled up to the last cycle; one that was not seen leaving is stalled for all we know.
+  // Draws the cycles of a job in a stage: stalled in all but the last cycle, or in all if no exit was recorded.
   function stay(context, job, stage, x, y, width, height, cycle) {
     const colour = colourOf(job);
     context.globalAlpha = stage === 0 ? 0.45 : stage % 2 ? 1 : 0.82;
@@ -93,7 +93,7 @@ const drawing = (() => {
         }
       }
     }
-    // Labels, over what has moved below them.
+    // Labels, drawn last because jobs may extend below them.
     context.fillStyle = colours.card;
     context.fillRect(0, HEAD, MARGIN - 4, height);
     const every = Math.max(1, Math.ceil(13 / view.row));
@@ -113,7 +113,7 @@ const drawing = (() => {
     const end = view.left + (width - MARGIN) / view.cycle;
     context.font = "11px system-ui, sans-serif";
     if (view.cycle >= 5) {
-      // Bubbles are what no job is drawn over.
+      // Draw bubbles everywhere; jobs cover them.
       context.strokeStyle = colours.line;
       context.setLineDash([2, 2]);
       context.beginPath();
@@ -132,7 +132,7 @@ const drawing = (() => {
         const until = stage === 0 ? job.accepted + 1 : job.enters[stage];
         const [at, over] = [x(from), x(until)];
         const y = HEAD + stage * row + 2, tall = row - 4;
-        // Less than a pixel is not worth drawing twice.
+        // Skip jobs that fall on a pixel already drawn.
         if (over <= drawn[stage] + 0.5 && view.cycle < 1) continue;
         drawn[stage] = over;
         context.fillStyle = colours.card;
@@ -169,7 +169,7 @@ const drawing = (() => {
     const end = view.left + (width - MARGIN) / view.cycle;
     context.fillStyle = colours.card;
     context.fillRect(0, 0, width, HEAD - 2);
-    // What happens at the input, and below at the output.
+    // Port activity: the input lane, and below it the output lane.
     context.fillStyle = colours.row;
     context.fillRect(MARGIN, RULER, width, LANE);
     context.fillRect(MARGIN, RULER + LANE + 1, width, LANE);
@@ -212,7 +212,7 @@ const drawing = (() => {
   function overview(canvas, view, width) {
     const [context, wide, tall] = prepare(canvas), refused = operations.length;
     const cycles = Math.max(1, model.end - model.first);
-    // A bar stands for several cycles, so that it has a height.
+    // A bar covers several cycles, so that its height shows a rate.
     const bar = Math.max(1, Math.ceil((8 * wide) / cycles)), bins = Math.max(1, Math.ceil(wide / bar));
     const per = (cycles * bar) / wide, counts = Array.from({ length: bins }, () => new Array(refused + 1).fill(0));
     for (const job of model.jobs) counts[Math.min(bins - 1, Math.floor((job.accepted - model.first) / per))][job.operation % refused]++;

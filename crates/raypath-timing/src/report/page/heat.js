@@ -1,5 +1,5 @@
 "use strict";
-// Shows the utilisation of all operations, or of one.
+// Switches the heat map between all operations and one.
 (() => {
   const cells = document.querySelectorAll("#heat td[data-total]");
   const buttons = document.querySelectorAll("button[data-heat]");

@@ -1,10 +1,10 @@
 "use strict";
-// The window: jobs with the cycles of their stages, and what happened at the ends.
+// The recorded window: jobs with the cycles of their stages, and the stalls at the ports.
 const model = (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
   const flowing = new Array(data.stages).fill(1);
   const jobs = data.jobs.map(([operation, owner, accepted, stays, left], index) => {
-    // enters[i] is the first cycle in stage i + 1; after the last one stands the cycle in which it is gone.
+    // enters[i] is the first cycle in stage i + 1; the last entry is the first cycle outside the pipeline.
     const enters = [accepted + 1];
     for (const cycles of stays === null ? flowing : stays) enters.push(enters[enters.length - 1] + cycles);
     const gone = enters[enters.length - 1];
@@ -12,7 +12,7 @@ const model = (() => {
     for (let i = 0; i + 1 < enters.length; i++) stalls += enters[i + 1] - enters[i] - 1;
     return { index, operation, owner, accepted, enters, gone, left, stalls };
   });
-  // In each stage the oldest job is in front; younger ones wait beside it until it has gone.
+  // A stage holds the oldest job in its output register; a younger one waits in the skid buffer until that has left.
   const last = new Array(data.stages).fill(0);
   for (const job of jobs) {
     job.fronts = [];
@@ -22,7 +22,7 @@ const model = (() => {
     }
   }
 
-  // The first job whose value is at least this; values ascend with the jobs.
+  // The index of the first job with of(job) >= value, by binary search: of(job) ascends with the index.
   function find(value, of) {
     let low = 0, high = jobs.length;
     while (low < high) {
@@ -31,7 +31,7 @@ const model = (() => {
     }
     return low;
   }
-  // Where the job is in a cycle: 0 is the input, -1 nowhere.
+  // The stage of a job in a cycle: 0 is the input, -1 outside.
   function stageOf(job, cycle) {
     if (cycle === job.accepted) return 0;
     for (let i = 0; i + 1 < job.enters.length; i++) if (cycle >= job.enters[i] && cycle < job.enters[i + 1]) return i + 1;

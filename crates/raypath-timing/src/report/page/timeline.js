@@ -1,5 +1,5 @@
 "use strict";
-// The timeline's view, and what changes it.
+// The view of the timeline and its controls.
 (() => {
   const canvas = document.getElementById("canvas");
   if (!canvas) return;
@@ -28,7 +28,7 @@
     asked = true;
     requestAnimationFrame(() => { asked = false; drawing.draw(canvas, small, view, rows, hovered); });
   }
-  // Rows follow time: the oldest job inside in the leftmost cycle comes to the top.
+  // Scrolls the rows so that the oldest job inside in the leftmost cycle is at the top.
   function follow() {
     view.top = model.firstInside(Math.max(model.first, Math.ceil(view.left))) - 1;
   }
@@ -45,12 +45,12 @@
     view.cycle *= factor;
     view.row *= factor;
     clamp();
-    // Rounded, so that zooming in and out again ends where it began.
+    // Rounded, so that zooming in and out restores the view exactly.
     view.left = Math.round((cycle - (x - MARGIN) / view.cycle) * 1e6) / 1e6;
     view.top = Math.round((row - (y - HEAD) / view.row) * 1e6) / 1e6;
     show();
   }
-  function middle(factor) { zoom(factor, MARGIN + wide() / 2, HEAD + tall() / 2); }
+  function zoomCentre(factor) { zoom(factor, MARGIN + wide() / 2, HEAD + tall() / 2); }
   function move(part) {
     view.left += (part * wide()) / view.cycle;
     clamp();
@@ -90,15 +90,15 @@
     const waits = (y - HEAD) / height - stage > 0.6 && there.length > 1;
     return there[waits ? 1 : 0] ?? null;
   }
-  function words(job, cycle) {
+  function describe(job, cycle) {
     const lines = [`${model.name(job)}, ${model.owner} ${job.owner}`, `job ${job.index} of the window`, `accepted in cycle ${job.accepted}`];
     for (let i = 0; i + 1 < job.enters.length; i++) {
       const stay = job.enters[i + 1] - job.enters[i], here = cycle >= job.enters[i] && cycle < job.enters[i + 1];
       const stalled = stay > 1 ? `, ${stay - 1} stalled` : "";
       lines.push(`${here ? "▸" : "  "} stage ${i + 1}: cycle ${job.enters[i]}${stalled}`);
     }
-    lines.push(job.left ? `left in cycle ${job.gone - 1}` : "not seen leaving");
-    if (job.left) lines.push(`${job.gone - 1 - job.accepted} cycles in all, ${job.stalls} stalled`);
+    lines.push(job.left ? `left in cycle ${job.gone - 1}` : "exit not recorded");
+    if (job.left) lines.push(`${job.gone - 1 - job.accepted} cycles in total, ${job.stalls} stalled`);
     return lines.join("\n");
   }
   function hover(event) {
@@ -111,9 +111,9 @@
     tip.hidden = job === null && !(y < HEAD && x > MARGIN);
     if (tip.hidden) return;
     const ends = [`cycle ${cycle}`];
-    if (model.within(model.refused, cycle)) ends.push("the source's job is not accepted");
-    if (model.within(model.stalled, cycle)) ends.push("the sink refuses");
-    tip.textContent = job ? words(job, cycle) : ends.join("\n");
+    if (model.within(model.refused, cycle)) ends.push("offered job not accepted");
+    if (model.within(model.stalled, cycle)) ends.push("sink not ready");
+    tip.textContent = job ? describe(job, cycle) : ends.join("\n");
     tip.style.left = (x + tip.offsetWidth + 24 > canvas.clientWidth ? Math.max(0, x - tip.offsetWidth - 12) : x + 16) + "px";
     tip.style.top = Math.max(0, Math.min(y + 12, canvas.clientHeight - tip.offsetHeight)) + "px";
   }
@@ -151,7 +151,7 @@
     ArrowLeft: () => move(-0.1), ArrowRight: () => move(0.1), PageUp: () => move(-0.8), PageDown: () => move(0.8),
     ArrowUp: () => { view.top -= 0.1 * tall() / view.row; show(); },
     ArrowDown: () => { view.top += 0.1 * tall() / view.row; show(); },
-    "+": () => middle(1.25), "=": () => middle(1.25), "-": () => middle(0.8), "0": reset, s: nextStall,
+    "+": () => zoomCentre(1.25), "=": () => zoomCentre(1.25), "-": () => zoomCentre(0.8), "0": reset, s: nextStall,
   };
   canvas.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || !keys[event.key]) return;
@@ -159,7 +159,7 @@
     keys[event.key]();
   });
   const buttons = {
-    "by-job": () => choose("job"), "by-stage": () => choose("stage"), "zoom-in": () => middle(1.5), "zoom-out": () => middle(1 / 1.5),
+    "by-job": () => choose("job"), "by-stage": () => choose("stage"), "zoom-in": () => zoomCentre(1.5), "zoom-out": () => zoomCentre(1 / 1.5),
     earlier: () => move(-0.5), later: () => move(0.5), stall: nextStall, all, reset,
   };
   for (const [id, act] of Object.entries(buttons)) document.getElementById(id).addEventListener("click", act);

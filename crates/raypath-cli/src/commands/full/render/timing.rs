@@ -6,10 +6,10 @@ use crate::progress::watched;
 use raypath_model::PipelinePosition;
 use raypath_ops::{Binary32, Ray};
 use raypath_render::{
-    Bundle, Camera, Scene, Shading, Still, Tracing, sweep_picture, sweep_rays, time_picture, time_rays,
+    Camera, PictureSpec, RayBatch, Scene, Shading, Tracing, sweep_picture, sweep_rays, time_picture, time_rays,
 };
 use raypath_timing::report::Recorder;
-use raypath_timing::{Cycle, Hardware, Observer, Sample, Sweep, Timing};
+use raypath_timing::{Observer, PortActivity, Sample, Sweep, System, Timing};
 
 /// How many pixels or rays each point of a sweep simulates.
 const SWEPT: usize = 4096;
@@ -40,8 +40,8 @@ pub struct Rays<'s> {
 }
 
 impl Pixels<'_> {
-    fn still(&self) -> Still<'_> {
-        Still { scene: self.scene, camera: self.camera, size: self.size, shading: self.shading }
+    fn spec(&self) -> PictureSpec<'_> {
+        PictureSpec { scene: self.scene, camera: self.camera, size: self.size, shading: self.shading }
     }
 }
 
@@ -58,18 +58,18 @@ impl Subject for Pixels<'_> {
         self.size.0 as usize * self.size.1 as usize
     }
 
-    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<Timing, CliError> {
+    fn time(&self, system: &System, recorder: &mut Recorder) -> Result<Timing, CliError> {
         let sample = Sample::spread(self.count(), self.most);
         watched("pixels timed", sample.numbers(self.count()).len(), |watch| {
-            time_picture(&self.still(), sample, hardware, &mut Owners { recorder, sample }, watch)
+            time_picture(&self.spec(), sample, system, &mut Owners { recorder, sample }, watch)
                 .map(|(timing, _)| timing)
         })
     }
 
-    fn sweep(&self, hardware: &Hardware) -> Result<Sweep, CliError> {
+    fn sweep(&self, system: &System) -> Result<Sweep, CliError> {
         let sample = Sample::spread(self.count(), SWEPT);
         watched("pixels swept", swept(sample, self.count()), |watch| {
-            sweep_picture(&self.still(), sample, &IN_FLIGHT, &LATENCIES, hardware, watch)
+            sweep_picture(&self.spec(), sample, &IN_FLIGHT, &LATENCIES, system, watch)
         })
     }
 
@@ -79,7 +79,7 @@ impl Subject for Pixels<'_> {
             ("rays a pixel, in the whole picture".to_string(), format!("{rays_per_pixel:.3}")),
             (
                 format!("rays per second at {clock_mhz} MHz"),
-                format!("{:.4e}", rays_per_pixel * timing.at(clock_mhz).agents),
+                format!("{:.4e}", rays_per_pixel * timing.rates(clock_mhz).agents),
             ),
         ]
     }
@@ -98,18 +98,17 @@ impl Subject for Rays<'_> {
         self.rays.len()
     }
 
-    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<Timing, CliError> {
+    fn time(&self, system: &System, recorder: &mut Recorder) -> Result<Timing, CliError> {
         let sample = Sample::spread(self.count(), self.most);
         watched("rays timed", sample.numbers(self.count()).len(), |watch| {
-            time_rays(&self.bundle(), sample, hardware, &mut Owners { recorder, sample }, watch)
-                .map(|(timing, _)| timing)
+            time_rays(&self.batch(), sample, system, &mut Owners { recorder, sample }, watch).map(|(timing, _)| timing)
         })
     }
 
-    fn sweep(&self, hardware: &Hardware) -> Result<Sweep, CliError> {
+    fn sweep(&self, system: &System) -> Result<Sweep, CliError> {
         let sample = Sample::spread(self.count(), SWEPT);
         watched("rays swept", swept(sample, self.count()), |watch| {
-            sweep_rays(&self.bundle(), sample, &IN_FLIGHT, &LATENCIES, hardware, watch)
+            sweep_rays(&self.batch(), sample, &IN_FLIGHT, &LATENCIES, system, watch)
         })
     }
 
@@ -119,8 +118,8 @@ impl Subject for Rays<'_> {
 }
 
 impl Rays<'_> {
-    fn bundle(&self) -> Bundle<'_> {
-        Bundle { scene: self.scene, rays: self.rays, tracing: self.tracing }
+    fn batch(&self) -> RayBatch<'_> {
+        RayBatch { scene: self.scene, rays: self.rays, tracing: self.tracing }
     }
 }
 
@@ -136,12 +135,12 @@ struct Owners<'r> {
 }
 
 impl Observer for Owners<'_> {
-    fn wants(&self, cycle: u64) -> Option<u64> {
-        self.recorder.wants(cycle)
+    fn next_observed(&self, cycle: u64) -> Option<u64> {
+        self.recorder.next_observed(cycle)
     }
 
-    fn cycle(&mut self, cycle: &Cycle, places: impl Iterator<Item = PipelinePosition>) {
-        let offered = cycle.offered.map(|(kind, agent)| (kind, agent * self.sample.every.get() as u64));
-        self.recorder.cycle(&Cycle { offered, ..*cycle }, places);
+    fn observe(&mut self, ports: &PortActivity, positions: impl Iterator<Item = PipelinePosition>) {
+        let offered = ports.offered.map(|(kind, agent)| (kind, agent * self.sample.stride.get() as u64));
+        self.recorder.observe(&PortActivity { offered, ..*ports }, positions);
     }
 }

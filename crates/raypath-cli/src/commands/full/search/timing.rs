@@ -5,7 +5,7 @@ use crate::error::CliError;
 use crate::progress::watched;
 use raypath_search::{Candidates, Dataset, Graph, Log, Metric, Subject as Searched, sweep_search, time_search};
 use raypath_timing::report::Recorder;
-use raypath_timing::{Hardware, Sample, Sweep, Timing};
+use raypath_timing::{Sample, Sweep, System, Timing};
 
 /// Queries that are asked.
 pub struct Queries<'d, const E: usize, const A: usize> {
@@ -64,7 +64,7 @@ impl<const E: usize, const A: usize> Subject for Queries<'_, E, A> {
         self.dataset.queries.len()
     }
 
-    fn time(&self, hardware: &Hardware, recorder: &mut Recorder) -> Result<Timing, CliError> {
+    fn time(&self, system: &System, recorder: &mut Recorder) -> Result<Timing, CliError> {
         let Dataset { base, queries, .. } = self.dataset;
         let logs = self.graph.map(|graph| self.logs(graph, self.most)).transpose()?;
         let candidates = match &logs {
@@ -74,14 +74,14 @@ impl<const E: usize, const A: usize> Subject for Queries<'_, E, A> {
         let subject = Searched { base, queries, metric: self.metric, candidates };
         let sample = match self.most {
             Some(most) => Sample::first(most),
-            None => Sample::first(subject.within::<E, A>(BEATS).most.max(1)),
+            None => Sample::first(subject.within::<E, A>(BEATS).max.max(1)),
         };
         watched("queries timed", sample.numbers(subject.len()).len(), |watch| {
-            time_search::<E, A>(&subject, sample, hardware, recorder, watch).map(|(timing, _)| timing)
+            time_search::<E, A>(&subject, sample, system, recorder, watch).map(|(timing, _)| timing)
         })
     }
 
-    fn sweep(&self, hardware: &Hardware) -> Result<Sweep, CliError> {
+    fn sweep(&self, system: &System) -> Result<Sweep, CliError> {
         let Dataset { base, queries, .. } = self.dataset;
         let logs = self.graph.map(|graph| self.logs(graph, Some(SWEPT))).transpose()?;
         let few = base.first(SWEPT_VECTORS);
@@ -93,7 +93,7 @@ impl<const E: usize, const A: usize> Subject for Queries<'_, E, A> {
         let sample = Sample::first(SWEPT);
         let total = sample.numbers(subject.len()).len() * IN_FLIGHT.len() * LATENCIES.len();
         watched("queries swept", total, |watch| {
-            sweep_search::<E, A>(&subject, sample, &IN_FLIGHT, &LATENCIES, hardware, watch)
+            sweep_search::<E, A>(&subject, sample, &IN_FLIGHT, &LATENCIES, system, watch)
         })
     }
 
@@ -101,7 +101,7 @@ impl<const E: usize, const A: usize> Subject for Queries<'_, E, A> {
         // With a beat in every cycle, which is what each metric can reach.
         let dimensions = self.dataset.base.dimensions();
         let of_own = self.metric.beats::<E, A>(dimensions);
-        let vectors = timing.all_jobs() as f64 / of_own as f64 / timing.agents.max(1) as f64;
+        let vectors = timing.total_jobs() as f64 / of_own as f64 / timing.agents.max(1) as f64;
         let rate = |metric: Metric| {
             let beats = metric.beats::<E, A>(dimensions) as f64;
             let label = format!("queries per second at {clock_mhz} MHz, {metric}, a beat a cycle");

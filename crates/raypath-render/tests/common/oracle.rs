@@ -1,4 +1,4 @@
-//! What rays hit, by brute force over all triangles: exact, and what rounding allows the datapath to answer.
+//! The oracle of hits: exact geometry by brute force over all triangles, and the hits that rounding errors allow.
 //!
 //! The bounds are those of `docs/reference/error-bounds.md`, in binary64, whose own error is 2⁻²⁹ of them; hence the
 //! 1.001.
@@ -9,68 +9,68 @@ use raypath_render::{Hit, Mesh};
 
 const U: f64 = 1.001 / (1_u64 << 24) as f64;
 
-/// How the tracer's answer for a ray stands to exact geometry.
+/// The relation of a hit to exact geometry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// A miss where there is nothing, or one of the triangles that are exactly nearest.
+    /// Equal: a miss without an exact hit, or one of the nearest triangles.
     Same,
-    /// Within the bounds of rounding, but another triangle than the nearest.
+    /// Another triangle than the nearest, within the error bounds.
     Other,
-    /// Within the bounds of rounding, a hit where exactly there is none.
+    /// A hit without an exact hit, within the error bounds.
     HitNotMiss,
-    /// Within the bounds of rounding, a miss where exactly there is a hit.
+    /// A miss despite an exact hit, within the error bounds.
     MissNotHit,
 }
 
-/// All triangles of a mesh, in runs with spheres around them that tell most rays to pass by.
-pub struct Judge<'m> {
+/// The triangles of a mesh in groups with bounding spheres, which exclude most rays.
+pub struct Oracle<'m> {
     mesh: &'m Mesh,
-    runs: Vec<Run>,
+    groups: Vec<Group>,
     two_sided: bool,
 }
 
-struct Run {
+struct Group {
     triangles: Vec<u32>,
     centre: [f64; 3],
     radius: f64,
 }
 
-/// A triangle that the ray may hit.
+/// A triangle that a ray may hit.
 struct Candidate {
     index: u32,
-    /// The ray exactly passes through it.
+    /// Whether the exact ray passes through the triangle.
     exact: bool,
-    /// No rounding can make it a miss.
+    /// Whether the triangle is hit despite any rounding error.
     certain: bool,
-    /// The exact distance, where it is exactly hit.
+    /// The exact distance, if `exact`.
     t: f64,
-    /// Where the computed distance lies, if it is a hit.
+    /// The bounds of the computed distance of a hit.
     least: f64,
     greatest: f64,
 }
 
-impl<'m> Judge<'m> {
+impl<'m> Oracle<'m> {
     pub fn new(mesh: &'m Mesh, two_sided: bool) -> Self {
-        // Sorted along a curve that stays in a cube until all of it is done (Morton's), for small spheres.
+        // Sort along a Morton curve, for small spheres.
         let bounds = mesh.bounds();
         let spread = |x: u32| (0..7).fold(0, |code, bit| code | (x >> bit & 1) << (3 * bit));
         let cell = |index: u32| {
             let [a, b, c] = mesh.corners(index);
-            let place = |k: usize| {
+            let code = |k: usize| {
                 let side = (bounds.max[k] - bounds.min[k]).max(f32::MIN_POSITIVE);
                 let part = ((a[k] + b[k] + c[k]) / 3.0 - bounds.min[k]) / side;
                 spread((part * 128.0).clamp(0.0, 127.0) as u32)
             };
-            place(0) << 2 | place(1) << 1 | place(2)
+            code(0) << 2 | code(1) << 1 | code(2)
         };
         let mut order: Vec<u32> = (0..mesh.triangles().len() as u32).collect();
         order.sort_by_key(|&index| cell(index));
-        let runs = order.chunks(24).map(|triangles| Run::new(mesh, triangles.to_vec())).collect();
-        Self { mesh, runs, two_sided }
+        let groups = order.chunks(24).map(|triangles| Group::new(mesh, triangles.to_vec())).collect();
+        Self { mesh, groups, two_sided }
     }
 
-    /// Judges an answer; `Err` says what is wrong with one that rounding does not explain.
-    pub fn judge(&self, ray: &Ray<Binary32>, hit: Option<Hit>) -> Result<Verdict, String> {
+    /// Compares a hit with exact geometry. The error describes a hit outside the error bounds.
+    pub fn check(&self, ray: &Ray<Binary32>, hit: Option<Hit>) -> Result<Verdict, String> {
         let extent = f64::from(f32::from(ray.extent));
         let candidates = self.candidates(ray);
         let nearest = candidates.iter().filter(|c| c.exact && c.t <= extent).map(|c| c.t).fold(f64::INFINITY, f64::min);
@@ -85,7 +85,7 @@ impl<'m> Judge<'m> {
         };
         let t = f64::from(hit.t);
         let Some(found) = candidates.iter().find(|c| c.index == hit.triangle) else {
-            return Err(format!("{hit:?}, but the ray passes by that triangle"));
+            return Err(format!("{hit:?}, but the ray misses that triangle"));
         };
         if !(found.least <= t && t <= found.greatest) {
             return Err(format!("{hit:?}, expected a distance from {} to {}", found.least, found.greatest));
@@ -108,9 +108,9 @@ impl<'m> Judge<'m> {
 
     fn candidates(&self, ray: &Ray<Binary32>) -> Vec<Candidate> {
         let view = View::new(ray);
-        let runs = self.runs.iter().filter(|run| view.may_reach(run));
+        let groups = self.groups.iter().filter(|group| view.may_reach(group));
         let mut candidates = Vec::new();
-        for &index in runs.flat_map(|run| &run.triangles) {
+        for &index in groups.flat_map(|group| &group.triangles) {
             let [a, b, c] = self.mesh.corners(index);
             candidates.extend(view.candidate(index, [a, b, c]));
             if self.two_sided {
@@ -121,7 +121,7 @@ impl<'m> Judge<'m> {
     }
 }
 
-impl Run {
+impl Group {
     fn new(mesh: &Mesh, triangles: Vec<u32>) -> Self {
         let corners: Vec<[f64; 3]> =
             triangles.iter().flat_map(|&i| mesh.corners(i)).map(|c| c.map(f64::from)).collect();
@@ -132,7 +132,7 @@ impl Run {
     }
 }
 
-/// The exact ray, along its greatest axis.
+/// The exact ray, in coordinates along its greatest axis.
 struct View {
     o32: [f32; 3],
     d32: [f32; 3],
@@ -143,7 +143,7 @@ struct View {
     sy: f64,
 }
 
-/// A vertex as the ray sees it, with the magnitudes of which its coordinates are differences.
+/// A vertex in the coordinates of the ray, with the magnitudes that bound its rounding errors.
 #[derive(Clone, Copy)]
 struct Seen {
     x: f64,
@@ -163,12 +163,12 @@ impl View {
         Self { o32, d32, o, d, k, sx: d[k[0]] / d[kz], sy: d[k[1]] / d[kz] }
     }
 
-    /// Whether the line comes near the sphere, by far more than rounding.
-    fn may_reach(&self, run: &Run) -> bool {
-        let r: [f64; 3] = std::array::from_fn(|k| run.centre[k] - self.o[k]);
+    /// Whether the line passes near the bounding sphere, with a tolerance far above rounding errors.
+    fn may_reach(&self, group: &Group) -> bool {
+        let r: [f64; 3] = std::array::from_fn(|k| group.centre[k] - self.o[k]);
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let (rr, rd, dd) = (dot(r, r), dot(r, self.d), dot(self.d, self.d));
-        let radius = run.radius + 1e-4 * (rr.sqrt() + run.radius);
+        let radius = group.radius + 1e-4 * (rr.sqrt() + group.radius);
         rr - rd * rd / dd <= radius * radius
     }
 
@@ -185,12 +185,12 @@ impl View {
         }
     }
 
-    /// A triangle whose front the ray may hit.
+    /// The candidate for a triangle whose front the ray may hit.
     fn candidate(&self, index: u32, corners: [[f32; 3]; 3]) -> Option<Candidate> {
         let seen = corners.map(|p| self.see(p));
         let (mut edges, mut magnitudes) = ([0.0; 3], [0.0; 3]);
         for i in 0..3 {
-            // U is opposite of A: from C and B.
+            // Edge function U is opposite vertex A: from C to B.
             let (p, q) = (seen[(i + 2) % 3], seen[(i + 1) % 3]);
             edges[i] = p.x * q.y - p.y * q.x;
             magnitudes[i] = p.mx * q.my + p.my * q.mx;
@@ -216,8 +216,8 @@ impl View {
         let exact = signs.iter().all(|&sign| sign >= 0) && signs.iter().any(|&sign| sign > 0) && t > 0.0;
         let in_front = low > 0.0;
         let certain = in_front && (0..3).all(|i| edges[i] > 10.0 * U * magnitudes[i]);
-        // Where a vertex is behind the origin the mean's terms have both signs, and 19 roundings are of the greatest.
-        let slack = 19.0 * U * depths.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
+        // With a vertex behind the origin the terms of the mean have both signs, and 19 roundings scale with the greatest.
+        let slack = 19.0 * U * depths.iter().fold(0.0, |max: f64, z| max.max(z.abs()));
         let (mut least, mut greatest) = (low - slack, high + slack);
         let denominator = sum - 12.0 * U * magnitude;
         if exact && denominator > 0.0 {

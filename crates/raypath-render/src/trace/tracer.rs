@@ -1,39 +1,39 @@
-use super::traversal::Need;
-use super::{Counts, Goal, Hit, Tracing, Traversal};
-use crate::progress::{Progress, Stopped};
+use super::traversal::Request;
+use super::{Counts, Goal, Hit, Stopped, Tracing, Traversal};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use raypath_model::SimdKernels;
 use raypath_ops::{Binary32, KernelOperation, Ray, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Rules};
+use raypath_timing::{Progress, ProgressCounter};
 
-/// Rays that are traced between two looks at the watch.
+/// The number of rays in a unit of parallel work.
 const BATCH: usize = 4096;
 
-/// The closest hit of each ray, in their order, and what all of them cost. Uses all of rayon's threads; the result does
-/// not depend on how many there are. `watch` hears now and then how many rays are done in all.
+/// Traces rays on all threads of rayon. Returns the closest hit of each ray, in order, and the total cost; the result does
+/// not depend on the number of threads. `progress` gets the number of completed rays.
 ///
 /// # Errors
-/// [`Stopped`] where `watch` answered false.
+/// [`Stopped`] if `progress` returned false.
 pub fn trace_closest(
     scene: &Scene,
     rays: &[Ray<Binary32>],
     tracing: Tracing,
-    watch: &(dyn Fn(u64) -> bool + Sync),
+    progress: Progress,
 ) -> Result<(Vec<Option<Hit>>, Counts), Stopped> {
-    trace(scene, rays, tracing, Goal::Closest, watch, |hit| hit)
+    trace(scene, rays, tracing, Goal::Closest, progress, |hit| hit)
 }
 
-/// Whether each ray hits anything, in their order, and what all of them cost; otherwise like [`trace_closest`].
+/// Traces rays as [`trace_closest`] does, but returns only whether each ray hits anything.
 ///
 /// # Errors
-/// [`Stopped`] where `watch` answered false.
+/// [`Stopped`] if `progress` returned false.
 pub fn trace_any(
     scene: &Scene,
     rays: &[Ray<Binary32>],
     tracing: Tracing,
-    watch: &(dyn Fn(u64) -> bool + Sync),
+    progress: Progress,
 ) -> Result<(Vec<bool>, Counts), Stopped> {
-    trace(scene, rays, tracing, Goal::Any, watch, |hit| hit.is_some())
+    trace(scene, rays, tracing, Goal::Any, progress, |hit| hit.is_some())
 }
 
 fn trace<T: Copy + Default + Send>(
@@ -41,11 +41,11 @@ fn trace<T: Copy + Default + Send>(
     rays: &[Ray<Binary32>],
     tracing: Tracing,
     goal: Goal,
-    watch: &(dyn Fn(u64) -> bool + Sync),
-    of: impl Fn(Option<Hit>) -> T + Sync,
+    progress: Progress,
+    result: impl Fn(Option<Hit>) -> T + Sync,
 ) -> Result<(Vec<T>, Counts), Stopped> {
     let mut results = vec![T::default(); rays.len()];
-    let progress = Progress::new(watch);
+    let progress = ProgressCounter::new(progress);
     let counts = results
         .par_chunks_mut(BATCH)
         .zip(rays.par_chunks(BATCH))
@@ -55,19 +55,18 @@ fn trace<T: Copy + Default + Send>(
                 return counts;
             }
             let mut tracer = Tracer::new(scene, tracing);
-            for (result, ray) in results.iter_mut().zip(rays) {
-                *result = of(tracer.trace(ray, goal));
+            for (slot, ray) in results.iter_mut().zip(rays) {
+                *slot = result(tracer.trace(ray, goal));
                 counts += tracer.counts();
             }
             progress.add(rays.len() as u64);
             counts
         })
         .sum();
-    progress.finish()?;
-    Ok((results, counts))
+    if progress.is_stopped() { Err(Stopped) } else { Ok((results, counts)) }
 }
 
-/// Traces ray after ray, each job answered at once. Allocates when it is made, and never again.
+/// Traces one ray after another, executing jobs directly in software. It allocates on creation only.
 #[derive(Debug, Clone)]
 pub struct Tracer<'s> {
     traversal: Traversal<'s>,
@@ -75,16 +74,16 @@ pub struct Tracer<'s> {
 }
 
 impl<'s> Tracer<'s> {
-    /// A tracer through a scene.
+    /// A tracer for a scene.
     pub fn new(scene: &'s Scene, tracing: Tracing) -> Self {
         Self { traversal: Traversal::new(scene.bvh(), tracing), rules: tracing.rules }
     }
 
-    /// What a ray hits: the closest, or for [`Goal::Any`] whichever was found first.
+    /// Traces a ray and returns its hit: the closest, or with [`Goal::Any`] the first found.
     #[inline]
     pub fn trace(&mut self, ray: &Ray<Binary32>, goal: Goal) -> Option<Hit> {
         self.traversal.start(*ray, goal);
-        // Constant rules make two functions, neither of which asks for them again.
+        // Specialise `run` for each rule set, so that the tests do not branch on the rules.
         match self.rules {
             Rules::Paper => run(&mut self.traversal, Rules::Paper),
             Rules::Chisel => run(&mut self.traversal, Rules::Chisel),
@@ -92,7 +91,7 @@ impl<'s> Tracer<'s> {
         self.traversal.hit()
     }
 
-    /// What the last ray cost.
+    /// The cost of the last ray.
     #[inline]
     pub fn counts(&self) -> Counts {
         self.traversal.counts()
@@ -102,20 +101,20 @@ impl<'s> Tracer<'s> {
 #[inline]
 fn run(traversal: &mut Traversal, rules: Rules) {
     loop {
-        match traversal.need() {
-            Need::Fetch => {}
-            Need::Boxes(boxes) => {
+        match traversal.next_request() {
+            Request::Fetch => {}
+            Request::Boxes(boxes) => {
                 let input = RayBoxInput { ray: *traversal.ray(), aabb: *boxes };
-                let (answer, ()) = RayBox { rules }.run_with(Binary32, SimdKernels, input, ());
-                traversal.boxes(&answer);
+                let (output, ()) = RayBox { rules }.run_with(Binary32, SimdKernels, input, ());
+                traversal.finish_boxes(&output);
             }
-            Need::Triangle(triangle) => {
+            Request::Triangle(triangle) => {
                 let input = RayTriangleInput { ray: *traversal.ray(), triangle };
-                let (answer, ()) = RayTriangle { rules }.run_with(Binary32, SimdKernels, input, ());
-                traversal.triangle(&answer);
+                let (output, ()) = RayTriangle { rules }.run_with(Binary32, SimdKernels, input, ());
+                traversal.finish_triangle(&output);
             }
-            // Every job has been answered, so there is nothing to wait for.
-            Need::Wait | Need::Done => return,
+            // No job is outstanding, so the traversal does not wait.
+            Request::Wait | Request::Done => return,
         }
     }
 }
