@@ -90,13 +90,11 @@ impl Entry {
 fn paper(config: Config) -> Vec<Entry> {
     let of = |kind: &raypath_ops::JobKind| {
         let (purpose, verified) = match kind {
-            raypath_ops::JobKind::Triangle => ("a ray against a triangle", "golden vectors, exact rationals, proofs"),
-            raypath_ops::JobKind::Quadbox => ("a ray against four boxes", "golden vectors, exact rationals, proofs"),
-            raypath_ops::JobKind::Euclidean => {
-                ("squared distance, 16 dimensions a beat", "golden vectors, exact sums, proofs")
-            }
+            raypath_ops::JobKind::Triangle => ("a ray against a triangle", "golden vectors, exact rationals"),
+            raypath_ops::JobKind::Quadbox => ("a ray against four boxes", "golden vectors, exact rationals"),
+            raypath_ops::JobKind::Euclidean => ("squared distance, 16 dimensions a beat", "golden vectors, exact sums"),
             raypath_ops::JobKind::Angular => {
-                ("dot product and norm, 8 dimensions a beat", "golden vectors, exact sums, proofs")
+                ("dot product and norm, 8 dimensions a beat", "golden vectors, exact sums")
             }
         };
         Entry { name: kind.name(), purpose, verified, spec: None }
