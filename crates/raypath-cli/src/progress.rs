@@ -54,7 +54,7 @@ impl Progress {
         match &self.bar {
             Some(bar) => bar.set_position(done as u64),
             None if self.last_line.elapsed() > BETWEEN_LINES && self.last_done != Some(done) => {
-                // Progress that nobody can read is no reason to stop.
+                // A failed write of the progress does not stop the work.
                 let rate = done as f64 / self.begin.elapsed().as_secs_f64();
                 let left = self.total.saturating_sub(done) as f64 / rate;
                 let pace = match done {

@@ -171,7 +171,7 @@ impl Builder {
         outputs
     }
 
-    /// Says that nobody reads these signals, on purpose. `name` must begin with `unused_`.
+    /// Marks signals that have no reader on purpose. `name` must begin with `unused_`.
     pub fn unused(&self, name: &str, wires: &[Wire<'_>]) {
         self.claim(name);
         if !name.starts_with("unused_") {

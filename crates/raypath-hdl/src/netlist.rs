@@ -256,7 +256,7 @@ pub enum Item {
     Instance(usize),
     /// A register.
     Register(usize),
-    /// Signals that nobody reads, on purpose, under one name that begins with `unused_`.
+    /// Signals without a reader, under one name that begins with `unused_`.
     Unused(String, Vec<SignalId>),
 }
 

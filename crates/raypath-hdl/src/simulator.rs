@@ -67,7 +67,7 @@ impl Simulator {
 
     /// Compiles `module` so that the signals, in it and inside its instances, whose hierarchical name
     /// (`u_stage_3.valid_q`) is `wanted` can be observed. Only signals with a name and output ports have one. It is the
-    /// name in the printed text, with one exception: there, an instance's output that nobody reads is `unused_` and its
+    /// name in the printed text, with one exception: there, an instance's output without a reader is `unused_` and its
     /// name.
     pub fn observing(module: &Arc<Module>, wanted: impl Fn(&str) -> bool) -> Result<Self, Error> {
         let flat = Flat::new(module, &wanted)?;

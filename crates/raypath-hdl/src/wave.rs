@@ -133,7 +133,7 @@ impl WaveWriter {
 impl Drop for WaveWriter {
     fn drop(&mut self) {
         self.body = None;
-        // After `finish` it is gone already; otherwise there is nobody left to tell.
+        // After `finish` the file has moved. Otherwise an error cannot be reported here.
         let _ = fs::remove_file(&self.temporary);
     }
 }

@@ -180,7 +180,7 @@ fn facing_only(is_front: bool) -> Culling {
 
 #[test]
 fn what_breaks_down_is_ruled() {
-    // Counter-clockwise for who looks along z, with x to the left.
+    // Counter-clockwise seen along z, with x to the left.
     let front = [[1.0, -1.0, 2.0], [-1.0, -1.0, 2.0], [0.0, 1.0, 2.0]];
     let back = [front[1], front[0], front[2]];
     let of = |extent: f32| {

@@ -74,7 +74,7 @@ impl NewFolders {
 impl Drop for NewFolders {
     fn drop(&mut self) {
         for folder in self.0.iter().rev() {
-            // One that is not empty belongs to somebody by now.
+            // A folder that is not empty has other files by now, and stays.
             let _ = fs::remove_dir(folder);
         }
     }

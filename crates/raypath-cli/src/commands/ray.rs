@@ -1,4 +1,4 @@
-//! `raypath ray`: a ray as the input ports take it, for whoever writes a test bench.
+//! `raypath ray`: the values of the input ports for a ray, for use in a test bench.
 
 use crate::error::CliError;
 use clap::Args;

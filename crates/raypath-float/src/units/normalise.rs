@@ -26,7 +26,7 @@ impl<'m> Normalised<'m> {
                     .map_or_else(|| word.lower(width % 4), |low| word.bits(low + 3, low))
                     .any()
             };
-            // A layer looks at half of the groups that are left, and behind the last nobody looks.
+            // Each layer reads half of the remaining groups; groups after the last that is read are not built.
             let mut looked_at = (1 << (layers - 2)) - 1;
             let present = width.div_ceil(4).min(looked_at);
             let mut groups: Vec<Wire<'m>> = (0..present).map(group).collect();

@@ -1,9 +1,8 @@
 //! A combinational unit as one module, or as a chain of modules with registers to come between them.
 //!
-//! The unit is described once. At every place where it may be divided it says so, and which values go on from there;
-//! where nobody asked for that division, the values go on as they are. So whole and parts cannot differ in what they
-//! compute. Values that are not handed over at a cut are left behind: to use one later is an error when the part is
-//! finished.
+//! The unit is described once. It marks each point where it may be divided, with the values that cross this point.
+//! Without a division there, the values continue unchanged, so the whole unit and its parts compute the same. A value
+//! that is not passed on at a cut is not available after it: its use is an error when the part is finished.
 
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;

@@ -176,7 +176,7 @@ impl<'m> Wire<'m> {
 
     fn shift(self, amount: Self, driver: Binary) -> Self {
         let wire = self.binary(self.width(), amount, driver);
-        // Verilator takes no wider constant as an amount, and finds constants where nobody wrote one.
+        // Verilator rejects a wider constant amount, and folds other expressions to constants.
         if amount.width() > 32 {
             self.builder.fail_width(wire.id, format!("shift amount of {} bits, expected 1 to 32", amount.width()));
         }

@@ -41,7 +41,7 @@ impl Program {
         let mut room = Room { free: Vec::new(), end: first };
         let mut places = vec![u32::MAX; gates.len()];
         for gate in order {
-            // A result may go where an operand was that nobody reads later.
+            // A result may take the place of an operand that has no later reader.
             let mut release = |operands: &[Bit], places: &[u32]| {
                 for (position, &bit) in operands.iter().enumerate() {
                     let is_last = last_readers[bit.index()] == Some(gate) && !operands[..position].contains(&bit);

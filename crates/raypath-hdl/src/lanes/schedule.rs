@@ -52,7 +52,7 @@ fn readers(network: &Network, gates: &[Gate], kept: &[Bit]) -> Vec<u32> {
     readers
 }
 
-/// Has gates do the work of an operand too that nobody else reads.
+/// Merges an operand into the gate that reads it, if it has no other reader.
 fn pair(gates: &mut [Gate], readers: &[u32]) {
     for gate in 0..gates.len() {
         let Gate::Operation(Kind::Two(second), [a, b, _]) = gates[gate] else { continue };

@@ -22,7 +22,7 @@ pub enum Entry<'m> {
     Instance(usize),
     /// Registers with one enable, with or without reset, in one block.
     Registers(Vec<usize>),
-    /// Signals that nobody reads, and the name that says so.
+    /// Signals without a reader, and their common name.
     Unused(&'m str, &'m [SignalId]),
     /// The assignment of an output port.
     Output(usize),

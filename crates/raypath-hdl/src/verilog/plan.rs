@@ -15,7 +15,7 @@ const PORT: usize = 40;
 /// How a signal appears where it is read.
 #[derive(Debug, Clone)]
 pub enum Place {
-    /// Not at all: nobody reads it.
+    /// Not at all, because nothing reads it.
     Nowhere,
     /// Under its own name, its output port's, or one made for it.
     Name(String),
@@ -209,7 +209,7 @@ impl<'m> Plan<'m> {
         }
     }
 
-    /// The owners of the signals without a name that somebody reads.
+    /// The owners of the signals without a name that have a reader.
     fn owners(&self) -> Vec<Option<Owner>> {
         let mut owners: Vec<Option<Owner>> = vec![None; self.places.len()];
         for (chunk, list) in self.chunks.iter().enumerate() {

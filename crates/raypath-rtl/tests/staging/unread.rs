@@ -1,4 +1,4 @@
-//! Values that an operation makes and nobody reads: none in the hardware, unless their exceptions are an output.
+//! Dead values are not in the hardware, unless their exceptions are an output.
 
 use crate::{Input, Output, arithmetic, assert_within, units};
 use raypath_float::flags;
@@ -14,7 +14,7 @@ bundle! {
     }
 }
 
-/// A running sum of products, and where asked for what nobody reads: of the state before it and of the product after it.
+/// A running sum of products, with optional dead values: one of the previous state and one of the product.
 struct Sum {
     has_unread: bool,
     is_auto: bool,

@@ -129,7 +129,7 @@ fn masks_axes_and_resets_take_all_values() {
             "euclidean_reset_accum" => assert_eq!(values.len(), 2, "{port}"),
             "ray_kx" | "ray_ky" | "ray_kz" => assert_eq!(values.len(), 4, "{port}"),
             "euclidean_mask" => assert!(values.len() > 200, "{port}: {} masks", values.len()),
-            other => panic!("{other}: a port that nobody thought of here"),
+            other => panic!("{other}: a port that this test does not check"),
         }
     }
 }

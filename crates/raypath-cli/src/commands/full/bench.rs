@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let repetitions = if arguments.quick { 4 } else { 40 };
     let mut results = Results::default();
     let say = |what: &str| writeln!(std::io::stderr(), "measuring {what}");
-    // Progress that nobody can read is no reason to stop.
+    // A failed write of the progress does not stop the measurement.
     let _ = say("the functional model");
     models::functional(&mut results, LONGER * repetitions);
     models::batches(&mut results, LONGER * repetitions);

@@ -48,7 +48,7 @@ pub fn run(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
         growth.push((count as u64, 1e9 * time / (count * set.queries.len()) as f64));
     }
     results.growth("vectors in exact search, 64 dimensions, Euclidean, all cores", growth);
-    if stopped { Err(CliError::unusable("work was stopped that nobody stops")) } else { Ok(()) }
+    if stopped { Err(CliError::unusable("the work stopped although nothing stops it")) } else { Ok(()) }
 }
 
 /// Nanoseconds an item for so many items.

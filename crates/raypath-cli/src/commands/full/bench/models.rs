@@ -30,8 +30,7 @@ pub fn functional(results: &mut Results, repetitions: usize) {
     }
 }
 
-/// Runs jobs for their time alone. Answers stay where they are, as they do for whoever reads them: a copy would cost as
-/// much as the answer.
+/// Runs jobs to measure their time. Outcomes are not copied, because a copy takes as long as the outcome itself.
 pub fn each(model: &mut Functional, jobs: &[Job]) {
     for job in jobs {
         black_box(&model.run(black_box(job)));

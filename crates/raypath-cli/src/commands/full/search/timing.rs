@@ -22,7 +22,7 @@ pub struct Queries<'d, const E: usize, const A: usize> {
     pub most: Option<usize>,
 }
 
-/// How many beats are simulated where nobody says how many queries.
+/// The number of simulated beats if no number of queries is given.
 const BEATS: u64 = 5_000_000;
 
 /// How many queries each point of a sweep simulates, and with how many vectors at most where all are looked at: each
