@@ -1,10 +1,10 @@
-//! Files that verification leaves behind.
+//! Writing result files.
 
 use crate::error::Error;
 use raypath_sim::files::{FileError, write_all};
 use std::path::Path;
 
-/// Writes a file whole or not at all. Makes the folder where it is missing.
+/// Writes a file atomically, and creates its folder if needed.
 pub fn write(path: &Path, text: &str) -> Result<(), Error> {
     write_all(&[(path.to_path_buf(), text)]).map_err(|FileError { path, problem, .. }| Error::File { path, problem })
 }

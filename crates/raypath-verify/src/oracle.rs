@@ -2,7 +2,7 @@
 //! binary64, with each operation rounded once. For rules `paper`, 16 lanes and binary32.
 //!
 //! Why one rounding: binary64 has 53 ≥ 2·24 + 2 bits, so that rounding a sum, difference or product of binary32 numbers
-//! first to 53 and then to 24 bits gives what rounding once gives. Where the result is subnormal the binary64 one is
+//! first to 53 and then to 24 bits gives the same as rounding once. If the result is subnormal, the binary64 one is
 //! exact (products have 48 bits, and sums that small are multiples of 2^-149).
 
 use raypath_ops::{

@@ -1,4 +1,4 @@
-//! The operations against mathematics, a little of each item; `raypath verify` does more of the same.
+//! A few cases of each geometry item; `raypath verify` runs more.
 
 use raypath_rtl::Config;
 use raypath_verify::{ITEMS, Level, Request, Shard, Verdict};
@@ -11,9 +11,9 @@ fn verify(item: &str, jobs: u64, seed: u64, shard: &str, go_on: bool) -> Verdict
     (item.run)(&mut Request { config, level, jobs: Some(jobs), seed, shard, proceed: watch }).expect("a verdict")
 }
 
-/// Enough jobs that the campaigns must also find the faults that they put in themselves.
+/// The numbers of jobs are large enough that the campaigns must also find their deliberate faults.
 #[test]
-fn all_is_as_claimed() {
+fn the_claims_hold() {
     for (item, jobs) in [("watertight", 100_000), ("boxes", 12_000), ("triangle-distance", 10_000), ("sums", 1000)] {
         let verdict = verify(item, jobs, 11, "1/1", true);
         assert_eq!(verdict.failures, Vec::<String>::new(), "{item}");
@@ -32,7 +32,7 @@ fn a_seed_is_a_reproduction_and_shards_differ() {
 }
 
 #[test]
-fn who_is_stopped_says_so() {
+fn a_stopped_run_is_reported() {
     for item in ["watertight", "boxes", "triangle-distance", "sums"] {
         assert!(verify(item, 1_000_000_000, 1, "1/1", false).is_stopped, "{item}");
     }

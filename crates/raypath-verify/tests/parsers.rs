@@ -1,5 +1,5 @@
-//! Every format that raypath reads, with the corpora of `fuzz/` and mutations of them: no panic, no hang, no memory beyond
-//! a bound. The functions are those of `cargo fuzz` and of `raypath verify parsers`.
+//! All parsers on the corpora of `fuzz/` and mutations of them: no panic, no hang, bounded memory. The functions are those
+//! of `cargo fuzz` and of `raypath verify parsers`.
 
 use raypath_rtl::Config;
 use raypath_verify::parsers::{TARGETS, corpus, run};
@@ -20,7 +20,7 @@ fn corpora_and_mutations_of_them() {
     assert!(steps > 0);
 }
 
-/// A corpus from which nothing is accepted tries the first message alone.
+/// Each corpus has a valid file; otherwise only the parsers' first checks would run.
 #[test]
 fn corpora_reach_what_is_behind_the_first_message() {
     for target in TARGETS {
@@ -31,7 +31,7 @@ fn corpora_reach_what_is_behind_the_first_message() {
     }
 }
 
-/// Each target of `fuzz/` is one of these and has a corpus; a format that is new here is new there.
+/// Each target has a fuzz target and a corpus, and each fuzz target is a target.
 #[test]
 fn each_format_has_a_fuzz_target() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz");
@@ -43,5 +43,5 @@ fn each_format_has_a_fuzz_target() {
         assert!(source.expect("a source").contains(&format!("\"{}\"", target.name)), "{}", target.name);
         sources -= 1;
     }
-    assert_eq!(sources, 0, "no target is for nothing");
+    assert_eq!(sources, 0, "every fuzz target is used");
 }

@@ -1,4 +1,4 @@
-//! Modules with faults, and what the checks find of them.
+//! Modules with faults, and the results of their checks.
 
 use super::units::Unit;
 use raypath_hdl::Module;

@@ -36,7 +36,7 @@ impl Trial<'_> {
             return Ok(MutantResult::Killed(check));
         }
         let Elaborated { config, .. } = *self.subject.datapath;
-        match with_model(config, Whole { datapath: &self.subject.datapath, top: &self.top })? {
+        match with_model(config, DatapathChecks { datapath: &self.subject.datapath, top: &self.top })? {
             Err(failed) => Ok(MutantResult::Killed(failed.check)),
             Ok(()) => self.proof(proves_modules),
         }
@@ -92,12 +92,12 @@ fn compared(original: &Arc<Module>, changed: &Arc<Module>) -> Result<Equivalence
 }
 
 /// Runs the checks of the whole datapath.
-struct Whole<'t> {
+struct DatapathChecks<'t> {
     datapath: &'t Elaborated,
     top: &'t Arc<Module>,
 }
 
-impl Visitor for Whole<'_> {
+impl Visitor for DatapathChecks<'_> {
     type Answer = Result<Result<(), FailedCheck>, Error>;
 
     fn visit<M: PaperModel>(self, model: M) -> Self::Answer {

@@ -256,7 +256,7 @@ mod tests {
         assert_ne!(here.first().copied(), Pairs::new(Level::Two, 5, 0).block(1).next());
     }
 
-    /// Every exponent comes up, those near the middle most; a quarter of the fractions is made of random bits.
+    /// Every exponent occurs, most often those near the middle; a quarter of the fractions are random bits.
     #[test]
     fn random_numbers_are_weighted() {
         let (weighted, mut random) = (Weighted::new(), ChaCha8Rng::seed_from_u64(1));
@@ -264,8 +264,8 @@ mod tests {
         let share = |wanted: &dyn Fn(u32) -> bool| draws.iter().filter(|&&draw| wanted(draw)).count() as f64 / 1e6;
         let field = |draw: u32| draw >> 23 & 0xff;
         assert!((0..256).all(|value| draws.iter().any(|&draw| field(draw) == value)));
-        // Half of the numbers are from 50 signs and exponents, 8 of whose 25 exponents are in the narrowest window. Of the
-        // others all are in it where it was drawn, and where a window of n was, 8 of n.
+        // Half of the numbers are from 50 signs and exponents; 8 of their 25 exponents are in the narrowest window. Of the
+        // others, 8 of n are in it for a window of n.
         let windows = (2.0 / 256.0 + 1.0 / 128.0 + 1.0 / 64.0 + 1.0 / 32.0 + 1.0 / 16.0 + 1.0 / 8.0) * 8.0 / 7.0;
         let expected = 0.5 * 8.0 / 25.0 + 0.5 * windows;
         assert!((share(&|draw| (124..132).contains(&field(draw))) - expected).abs() < 0.003);

@@ -69,7 +69,7 @@ fn every_pair_of_edges() {
     }
 }
 
-/// Hardware and software recode alike. That they are right for every number is `raypath verify conversions`.
+/// Hardware and software recode alike. `raypath verify conversions` checks that they are right for every number.
 #[test]
 fn conversions() {
     let format = Format::BINARY32;
@@ -87,12 +87,12 @@ fn conversions() {
     }
 }
 
-/// How many cases to run: a twentieth in an unoptimised build.
+/// The number of cases to run: a twentieth in an unoptimised build.
 pub fn cases(optimised: u64) -> u64 {
     if cfg!(debug_assertions) { optimised / 20 } else { optimised }
 }
 
-/// Runs the cases and gives how often the results were of a kind that deserves to be seen.
+/// Runs the cases and counts the results by kind.
 fn check(seed: u64, mut operands: impl FnMut(&mut ChaCha8Rng) -> (u32, u32)) -> Census {
     let mut bench = bench(Format::BINARY32, PortFormat::Ieee);
     let mut random = generator(seed);
@@ -115,7 +115,7 @@ struct Census {
     relations: Relations,
 }
 
-/// How many pairs of operands stood in each relation.
+/// The number of pairs of operands by relation.
 #[derive(Debug, Default, Clone, Copy)]
 struct Relations {
     less: u64,
@@ -124,7 +124,7 @@ struct Relations {
     unordered: u64,
 }
 
-/// How many results were of each kind.
+/// The number of results by kind.
 #[derive(Debug, Default, Clone, Copy)]
 struct Kinds {
     zero: u64,
@@ -136,7 +136,7 @@ struct Kinds {
 }
 
 impl Census {
-    /// A generator that misses a kind tests less than it seems to.
+    /// Checks that the generator has produced results of every kind.
     fn expect(&self, of: impl Fn(&Self) -> Kinds) {
         let kinds = of(self);
         let Kinds { zero, subnormal, overflow, nan, tie_down, tie_up } = kinds;

@@ -1,11 +1,11 @@
 //! The oracle: exact or correctly sticky arithmetic in `f64`, rounded by search among all numbers of a format.
 //!
-//! It knows the formats by their definitions in IEEE 754 and in the specification, not by any bit trick of the units.
-//! Good for exponents of up to 10 bits: products and sums stay within `f64`'s range.
+//! It follows the definitions of IEEE 754 and of the recoded format, without the units' algorithms. It supports exponents
+//! of up to 10 bits, for which products and sums are within `f64`'s range.
 
 use raypath_float::Format;
 
-/// A format and all its finite magnitudes in order; the place of a magnitude is its IEEE 754 code.
+/// A format and all its finite magnitudes in order; the index of a magnitude is its IEEE 754 code.
 pub struct Exact {
     pub format: Format,
     magnitudes: Vec<f64>,
@@ -32,7 +32,7 @@ impl Exact {
         words.filter_map(|word| Some((word, self.recoded_value(word)?))).collect()
     }
 
-    /// The number that an IEEE 754 code stands for.
+    /// The number of an IEEE 754 code.
     pub fn ieee_value(&self, code: u64) -> f64 {
         let sign_bit = 1 << (self.format.ieee_width() - 1);
         let magnitude_code = code & (sign_bit - 1);
@@ -88,7 +88,7 @@ impl Exact {
         u64::from(number.is_sign_negative()) << self.format.ieee_width() | exponent << fraction_width | fraction
     }
 
-    /// The number that a recoded word stands for; none where the word is no number of the format.
+    /// The number of a recoded word; none if the word is no number of the format.
     fn recoded_value(&self, word: u64) -> Option<f64> {
         let (e, fraction_width) = (self.format.exponent(), self.format.significand() - 1);
         let fraction = word & ((1 << fraction_width) - 1);
@@ -105,7 +105,7 @@ impl Exact {
     }
 }
 
-/// The sum; where `f64` cannot hold it, one of its two neighbours there, the odd one, which rounds as the sum does.
+/// The sum. If `f64` cannot represent it, the odd one of its two neighbours, which rounds as the sum does.
 pub fn sum(a: f64, b: f64) -> f64 {
     let sum = a + b;
     let b_seen = sum - a;

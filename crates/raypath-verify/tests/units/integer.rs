@@ -3,7 +3,7 @@
 use raypath_float::Format;
 use raypath_verify::units::bench::UnitResults;
 
-/// What the units must say of two IEEE 754 codes.
+/// The expected results for two IEEE 754 codes.
 pub fn results(format: Format, a: u64, b: u64) -> UnitResults {
     let (x, y) = (Number::of(format, a), Number::of(format, b));
     match (x, y) {
@@ -82,7 +82,7 @@ impl Finite {
         }
     }
 
-    /// The sum, or a number that rounds as the sum does where the addends are more than 80 places apart.
+    /// The sum, or a number that rounds as the sum does if the addends are more than 80 bits apart.
     fn plus(self, other: Self) -> Self {
         let (high, low) = if self.exponent >= other.exponent { (self, other) } else { (other, self) };
         let distance = high.exponent - low.exponent;
@@ -123,7 +123,7 @@ fn special_code(format: Format, result: f64) -> u64 {
     u64::from(result < 0.0) << (format.ieee_width() - 1) | infinity(format)
 }
 
-/// The exponent of the last place of subnormal numbers.
+/// The exponent of the last bit of subnormal numbers.
 fn least_exponent(format: Format) -> i32 {
     3 - (1 << (format.exponent() - 1)) - format.significand() as i32
 }

@@ -1,4 +1,4 @@
-//! Tests of the units: netlists executed as they stand, and in Verilator, against oracles that share nothing with them.
+//! Tests of the units' netlists, in our simulator and in Verilator, against oracles that share no code with them.
 
 mod binary32;
 mod exact;

@@ -1,4 +1,4 @@
-//! Random operands in formats between the exhaustible ones and the largest, by both oracles where both reach.
+//! Random operands in formats between the exhaustible ones and the largest, by both oracles if both support them.
 
 use crate::bench;
 use crate::binary32::cases;
@@ -58,7 +58,7 @@ fn by_integers(e: u32, s: u32) {
     random_operands(format, |a, b| integer::results(format, a, b));
 }
 
-/// Of each eight pairs, four are any, three of near exponents, and one of exponents whose product is near the subnormal
+/// Of each eight pairs, four are random, three have near exponents, and one of exponents whose product is near the subnormal
 /// range.
 fn random_operands(format: Format, expected: impl Fn(u64, u64) -> UnitResults) {
     let mut bench = bench(format, PortFormat::Ieee);

@@ -1,4 +1,4 @@
-//! Every operand of formats small enough, and every accepted recoded word.
+//! All operands of small formats, and all recoded words.
 
 use crate::exact::{Exact, sum};
 use crate::{bench, converter};
@@ -60,7 +60,7 @@ fn conversions() {
     }
 }
 
-/// What the units must say of two numbers; `code` rounds a number and writes it.
+/// The expected results for two numbers; `code` rounds a number to a word.
 pub fn results(x: f64, y: f64, code: impl Fn(f64) -> u64) -> UnitResults {
     UnitResults {
         sum: code(sum(x, y)),

@@ -1,4 +1,4 @@
-//! The emitted SystemVerilog: in Verilator against the same oracles, and before the linters.
+//! The units' SystemVerilog: in Verilator against the same oracles, and in the linters.
 
 use crate::exact::Exact;
 use crate::small_formats;
@@ -10,7 +10,7 @@ use raypath_verify::units::bench::{OUTPUTS, PortFormat, UnitResults, Units};
 use raypath_verify::units::operands::{generator, host_results, number};
 use std::sync::Arc;
 
-/// Operands of one bench, and what it must answer.
+/// The operands of a bench, with the expected results.
 type Case = (u64, u64, UnitResults);
 
 #[test]
@@ -66,7 +66,7 @@ fn small_cases(exact: &Exact, ports: PortFormat) -> Vec<Case> {
     pairs.map(|(&(a, x), &(b, y))| (a, b, small_formats::results(x, y, code))).collect()
 }
 
-/// Half of them with operands of near exponents.
+/// Half of the pairs have near exponents.
 fn binary32_cases() -> Vec<Case> {
     let mut random = generator(5);
     let mut case = || {
@@ -79,7 +79,7 @@ fn binary32_cases() -> Vec<Case> {
     (0..200_000).map(|_| case()).collect()
 }
 
-/// A module that holds others, with all their ports.
+/// A module that instantiates others, with all their ports.
 fn side_by_side(modules: &[Arc<Module>]) -> Result<Arc<Module>, Error> {
     let m = Builder::new("side_by_side");
     for module in modules {
