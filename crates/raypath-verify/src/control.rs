@@ -1,12 +1,12 @@
-//! Proofs of the pipeline's control: no job is lost, repeated or reordered, a stalled output is stable, and an accumulator
-//! updates once for each beat.
+//! Proofs of the pipeline's control: no job is lost, repeated or reordered, a stalled output is stable, and an
+//! accumulator updates once for each beat.
 //!
 //! The proof has three parts. First, a model checker proves properties of the emitted SystemVerilog with its emitted
-//! assertions: opcodes pass through each step's module as through a FIFO; the entrance accepts no more jobs than fit; in
-//! the whole pipeline stalled outputs are stable, and beats of an accumulator keep their distance. Second, the netlist's
-//! structure shows that the steps form a chain, and that data moves with the opcode. Third, a chain of FIFOs is a FIFO, and
-//! a FIFO whose control does not depend on its data treats all data alike (Wolper 1986). If units take one step, the model
-//! checker also proves the order of the whole pipeline at once.
+//! assertions: opcodes pass through each step's module as through a FIFO; the entrance accepts no more jobs than fit;
+//! in the whole pipeline stalled outputs are stable, and beats of an accumulator keep their distance. Second, the
+//! netlist's structure shows that the steps form a chain, and that data moves with the opcode. Third, a chain of FIFOs
+//! is a FIFO, and a FIFO whose control does not depend on its data treats all data alike (Wolper 1986). If units take
+//! one step, the model checker also proves the order of the whole pipeline at once.
 
 mod lemmas;
 mod model_checker;
@@ -28,7 +28,8 @@ use std::collections::HashMap;
 /// The proofs of the pipeline's control.
 pub const CONTROL: Item = Item {
     name: "control",
-    claim: "no job is lost, repeated or reordered, a stalled output is stable, an accumulator updates once for each beat",
+    claim: "no job is lost, repeated or reordered, a stalled output is stable, an accumulator updates once for each \
+            beat",
     oracle: "proofs by Yosys and ABC of the emitted SystemVerilog with its assertions, with free outputs of units",
     subject: &[
         "crates/raypath-hdl/src",

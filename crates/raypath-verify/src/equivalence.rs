@@ -14,8 +14,8 @@ pub enum Equivalence {
     /// For all values of inputs and registers, the outputs and the registers' next values are equal. Hence the modules
     /// behave alike in every cycle.
     Proved,
-    /// For these values of inputs and registers, by name, an output or a next value differs; the simulator has confirmed
-    /// it. The combination of register values need not be reachable.
+    /// For these values of inputs and registers, by name, an output or a next value differs; the simulator has
+    /// confirmed it. The combination of register values need not be reachable.
     Different(BTreeMap<String, u64>),
     /// The check has no result, for this reason.
     Undecided(String),
@@ -52,8 +52,8 @@ impl Prover {
     }
 }
 
-/// Yosys's `proc` without `proc_rmdead`, which removes the default arm of a `case` over all values and leaves an undriven
-/// wire.
+/// Yosys's `proc` without `proc_rmdead`, which removes the default arm of a `case` over all values and leaves an
+/// undriven wire.
 const TO_LOGIC: &[&str] = &[
     "proc_clean",
     "proc_prune",

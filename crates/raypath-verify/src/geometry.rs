@@ -32,8 +32,8 @@ pub const WATERTIGHT: Item = Item {
 /// Ray against box.
 pub const BOXES: Item = Item {
     name: "boxes",
-    claim: "a ray that crosses a box by more than the rounding bound hits it, a ray that misses it by more does not, and \
-            tmin has an error of at most three roundings",
+    claim: "a ray that crosses a box by more than the rounding bound hits it, a ray that misses it by more does not, \
+            and tmin has an error of at most three roundings",
     oracle: "exact arithmetic on integers times powers of two",
     subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath-verify/src/geometry"],
     run: boxes::verify,
@@ -42,7 +42,8 @@ pub const BOXES: Item = Item {
 /// Ray against triangle: the distance of the intersection.
 pub const TRIANGLE_DISTANCE: Item = Item {
     name: "triangle-distance",
-    claim: "t_num, t_denom and, for hits, their quotient have errors within the bounds of docs/reference/error-bounds.md",
+    claim: "t_num, t_denom and, for hits, their quotient have errors within the bounds of \
+            docs/reference/error-bounds.md",
     oracle: "exact arithmetic on integers times powers of two",
     subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath-verify/src/geometry"],
     run: triangle_distances::verify,

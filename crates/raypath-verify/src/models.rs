@@ -22,8 +22,8 @@ use std::sync::atomic::Ordering;
 /// The models against the oracle.
 pub const ITEM: Item = Item {
     name: "models",
-    claim: "the functional model's outcomes are those of Table VII and the rules `paper`, and the cycle-exact model has \
-            the same outcomes, in order (16 lanes, binary32)",
+    claim: "the functional model's outcomes are those of Table VII and the rules `paper`, and the cycle-exact model \
+            has the same outcomes, in order (16 lanes, binary32)",
     oracle: "the same operations written once more from the text, in binary64 arithmetic rounded once",
     subject: &[
         "crates/raypath-model/src",

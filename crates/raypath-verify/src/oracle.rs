@@ -1,5 +1,5 @@
-//! The operations of Table VII by the rules of `docs/reference/semantics.md`, implemented independently from the text: in
-//! binary64, with each operation rounded once. For rules `paper`, 16 lanes and binary32.
+//! The operations of Table VII by the rules of `docs/reference/semantics.md`, implemented independently from the text:
+//! in binary64, with each operation rounded once. For rules `paper`, 16 lanes and binary32.
 //!
 //! Why one rounding: binary64 has 53 ≥ 2·24 + 2 bits, so that rounding a sum, difference or product of binary32 numbers
 //! first to 53 and then to 24 bits gives the same as rounding once. If the result is subnormal, the binary64 one is

@@ -1,5 +1,5 @@
-//! Robustness of all parsers: they run on the files of `fuzz/corpus`, and on copies with bytes flipped, removed, repeated
-//! and joined. `cargo fuzz` calls the same functions ([`TARGETS`]).
+//! Robustness of all parsers: they run on the files of `fuzz/corpus`, and on copies with bytes flipped, removed,
+//! repeated and joined. `cargo fuzz` calls the same functions ([`TARGETS`]).
 
 mod damage;
 mod memory;
@@ -25,7 +25,8 @@ const FAILURES_SHOWN: usize = 10;
 pub const ITEM: Item = Item {
     name: "parsers",
     claim: "no file makes raypath panic, hang, or exhaust the memory",
-    oracle: "the bounds that docs/reference/transactions.md, docs/reference/configurations.md and docs/user/area-and-timing.md \
+    oracle: "the bounds that docs/reference/transactions.md, docs/reference/configurations.md and \
+             docs/user/area-and-timing.md \
              state; what was read means the same when it is written and read again",
     subject: &[
         "crates/raypath-ppa/src",

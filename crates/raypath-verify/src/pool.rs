@@ -1,7 +1,7 @@
 //! The pool of workers: numbered cases on all cores, with progress and cancellation.
 //!
-//! The threads are rayon's. Cases begin in the order of their numbers, so that all cases before a case that has run have
-//! run too: the first failure does not depend on the number of workers.
+//! The threads are rayon's. Cases begin in the order of their numbers, so that all cases before a case that has run
+//! have run too: the first failure does not depend on the number of workers.
 
 use crate::error::Error;
 use crate::request::{Progress, Shard};
@@ -39,8 +39,8 @@ pub struct Queue {
 }
 
 impl Queue {
-    /// Runs cases until none is left or the run ends. `case` is also given the flag that ends the run: it may set it, and
-    /// returns early when it is set. An error ends the run too.
+    /// Runs cases until none is left or the run ends. `case` is also given the flag that ends the run: it may set it,
+    /// and returns early when it is set. An error ends the run too.
     pub fn run(&self, mut case: impl FnMut(u64, &AtomicBool) -> Result<(), Error>) {
         while let Some(number) = self.take() {
             match case(number, &self.stop) {
@@ -134,8 +134,8 @@ pub fn run<T: Send>(
     }
 }
 
-/// Runs `run` on each item and returns the results in the items' order: none for an item that had not begun when the run
-/// was stopped, or for which `run` returned none.
+/// Runs `run` on each item and returns the results in the items' order: none for an item that had not begun when the
+/// run was stopped, or for which `run` returned none.
 ///
 /// # Errors
 /// The error of the first item that failed.

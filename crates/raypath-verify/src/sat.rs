@@ -1,8 +1,8 @@
 //! Proofs by SAT that the output of a combinational circuit is never 1.
 //!
-//! A [`Miter`] is SystemVerilog with commands for Yosys that leave a circuit whose output is 1 where two results differ.
-//! Yosys converts it to an and-inverter graph (AIGER). ABC's `&cec` then reduces the graph to the constant 0, finds inputs
-//! for which the output is 1, or gives up. Only ABC's message for the first case counts as a proof.
+//! A [`Miter`] is SystemVerilog with commands for Yosys that leave a circuit whose output is 1 where two results
+//! differ. Yosys converts it to an and-inverter graph (AIGER). ABC's `&cec` then reduces the graph to the constant 0,
+//! finds inputs for which the output is 1, or gives up. Only ABC's message for the first case counts as a proof.
 
 mod aiger;
 mod miter;

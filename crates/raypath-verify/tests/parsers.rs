@@ -1,5 +1,5 @@
-//! All parsers on the corpora of `fuzz/` and mutations of them: no panic, no hang, bounded memory. The functions are those
-//! of `cargo fuzz` and of `raypath verify parsers`.
+//! All parsers on the corpora of `fuzz/` and mutations of them: no panic, no hang, bounded memory. The functions are
+//! those of `cargo fuzz` and of `raypath verify parsers`.
 
 use raypath_rtl::Config;
 use raypath_verify::parsers::{TARGETS, corpus, run};

@@ -27,8 +27,8 @@ pub fn is_number_register(name: &str) -> bool {
 }
 
 impl<'n, M: Model> WatchedNetlist<'n, M> {
-    /// Watches a netlist that was compiled with observable number registers. Registers of the recoded width of this format
-    /// hold recoded words.
+    /// Watches a netlist that was compiled with observable number registers. Registers of the recoded width of this
+    /// format hold recoded words.
     pub fn new(netlist: &'n mut NetlistEngine<M>, format: Format) -> Self {
         let probes = netlist.simulator().probes();
         let recoded = probes.filter(|(name, width, _)| is_number_register(name) && *width == format.recoded_width());

@@ -32,8 +32,8 @@ pub struct FailedCheck {
 }
 
 impl RegressionChecks {
-    /// The number of jobs that finds nearly every fault: `raypath verify mutation` and the tests of its datapaths run as
-    /// many.
+    /// The number of jobs that finds nearly every fault: `raypath verify mutation` and the tests of its datapaths run
+    /// as many.
     pub const THOROUGH: usize = 20_000;
 
     /// Whether the checks observe the signal of this hierarchical name. The netlist must be compiled so that it is
@@ -42,8 +42,8 @@ impl RegressionChecks {
         is_number_register(name)
     }
 
-    /// Runs the checks until one fails. `model` is the configuration's model, its accumulators at zero; the netlist may be
-    /// in any state.
+    /// Runs the checks until one fails. `model` is the configuration's model, its accumulators at zero; the netlist may
+    /// be in any state.
     ///
     /// # Errors
     /// The check that failed.
@@ -89,8 +89,8 @@ impl RegressionChecks {
         watched.found.map_or(Ok(()), Err)
     }
 
-    /// Lockstep with the cycle-exact model through resets at random cycles. The input ports hold other jobs while no job is
-    /// offered.
+    /// Lockstep with the cycle-exact model through resets at random cycles. The input ports hold other jobs while no
+    /// job is offered.
     fn agrees_through_resets<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let mut traffic = Traffic::random(self.seed);
@@ -115,8 +115,8 @@ impl RegressionChecks {
         expect(resets > 3 && left > 100, || format!("{resets} resets, {left} jobs"))
     }
 
-    /// Latency 12 if units take one step. The initiation interval is 1, but for beats of one accumulator the duration of an
-    /// addition.
+    /// Latency 12 if units take one step. The initiation interval is 1, but for beats of one accumulator the duration
+    /// of an addition.
     fn has_the_specified_timing<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
         let (kinds, unit_latency) = (self.config.kinds(), self.config.microarchitecture.unit_latency.steps());
         let latency = netlist.shape().latency as u64;

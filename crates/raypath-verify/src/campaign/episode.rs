@@ -17,8 +17,8 @@ pub const JOBS_PER_EPISODE: usize = 256;
 /// The cycles with random handshakes; afterwards source and sink are always ready, and the remaining jobs pass.
 const EVENTFUL_CYCLES: u32 = 1200;
 
-/// A sequence of jobs and handshakes that starts from a new netlist's state. An episode therefore fails alone as it fails
-/// in the campaign.
+/// A sequence of jobs and handshakes that starts from a new netlist's state. An episode therefore fails alone as it
+/// fails in the campaign.
 pub struct Episode<M: PaperModel> {
     jobs: Vec<M::Job>,
     traffic: Traffic,

@@ -10,8 +10,8 @@ use raypath_sim::models::PaperModel;
 use raypath_sim::traffic::{Cycle, Traffic};
 use std::cell::Cell;
 
-/// Jobs, and the behaviour of source, sink and reset from a new netlist's state on. After the last recorded cycle source
-/// and sink are always ready.
+/// Jobs, and the behaviour of source, sink and reset from a new netlist's state on. After the last recorded cycle
+/// source and sink are always ready.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace<M: PaperModel> {
     /// The jobs.
@@ -29,8 +29,8 @@ pub enum Mismatch {
     Ports,
 }
 
-/// Shrinks a failing trace, and returns how it fails. A wrong outcome stays a wrong outcome. A trace that does not fail is
-/// returned unchanged.
+/// Shrinks a failing trace, and returns how it fails. A wrong outcome stays a wrong outcome. A trace that does not fail
+/// is returned unchanged.
 pub fn shrink<M: PaperModel>(
     netlist: &mut NetlistEngine<M>,
     model: &M,

@@ -1,5 +1,5 @@
-//! Lemmas that make the order of many jobs inductive. They compare the checker's scoreboard with each register that holds a
-//! job, from the oldest job to the newest.
+//! Lemmas that make the order of many jobs inductive. They compare the checker's scoreboard with each register that
+//! holds a job, from the oldest job to the newest.
 //!
 //! Lemmas are assertions in the proof only, not in the emitted design. They are proved together with the checker's
 //! assertions.
@@ -76,8 +76,8 @@ impl Lemmas {
         lemmas
     }
 
-    /// Declares a net for a signal inside an instance and returns its name. Yosys connects it when it flattens (attribute
-    /// `hierconn`). If there is no such signal, the net is free and the lemmas fail.
+    /// Declares a net for a signal inside an instance and returns its name. Yosys connects it when it flattens
+    /// (attribute `hierconn`). If there is no such signal, the net is free and the lemmas fail.
     fn observe(&mut self, name: &str, width: usize, inner: &str) -> String {
         self.nets += &format!("  logic [{}:0] lemma_{name};\n", width - 1);
         if inner.contains('.') {

@@ -182,8 +182,8 @@ fn result(output: &str, method: Method) -> CheckResult {
     }
 }
 
-/// A graph without ABC's comment at its end, which holds the time. The last match in the file is the comment, so that the
-/// graph itself stays whole.
+/// A graph without ABC's comment at its end, which holds the time. The last match in the file is the comment, so that
+/// the graph itself stays whole.
 fn without_comment(mut graph: Vec<u8>) -> Vec<u8> {
     const SIGNATURE: &[u8] = b"This file was written by ABC";
     if let Some(end) = graph.windows(SIGNATURE.len()).rposition(|window| window == SIGNATURE) {

@@ -48,8 +48,8 @@ impl ModuleTexts {
         true
     }
 
-    /// A module with `inside` before its end, and the modules below it. There is no other text, so that equal modules of
-    /// different datapaths have equal texts.
+    /// A module with `inside` before its end, and the modules below it. There is no other text, so that equal modules
+    /// of different datapaths have equal texts.
     fn with(&self, module: &str, inside: &str) -> String {
         let mut below = vec![module];
         let mut next = 0;

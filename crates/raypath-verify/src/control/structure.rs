@@ -1,4 +1,5 @@
-//! Structural checks of the netlist: the steps form a chain, and in each step all data registers load with the opcode's.
+//! Structural checks of the netlist: the steps form a chain, and in each step all data registers load with the
+//! opcode's.
 
 use raypath_hdl::{Driver, Module, RegisterInfo, SignalId, depends_combinationally};
 use raypath_rtl::{Config, Control, Datapath};

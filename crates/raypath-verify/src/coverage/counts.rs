@@ -75,7 +75,9 @@ impl Coverage {
     /// All counts as a text table.
     pub fn table(&self, model: &CoverageModel) -> String {
         let mut text = String::from(
-            "# Jobs by coverage point and by path: the outcome taken at once, stalled by the sink, or lost in a reset;\n# without or with waiting at the entrance. An unreachable combination has a dash.\n",
+            "# Jobs by coverage point and by path: the outcome taken at once, stalled by the sink, or lost in a \
+             reset;\n\
+             # without or with waiting at the entrance. An unreachable combination has a dash.\n",
         );
         // Writing to a String always succeeds.
         let _ = writeln!(text, "{:<64}{}", "", PATHS.map(|path| format!("{path:>14}")).concat());

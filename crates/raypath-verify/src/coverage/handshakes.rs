@@ -33,8 +33,8 @@ impl Handshakes {
         }
     }
 
-    /// Counts a cycle. `source` is valid and ready of the input, `sink` ready and valid of the output, `inside` the number
-    /// of jobs in the pipeline.
+    /// Counts a cycle. `source` is valid and ready of the input, `sink` ready and valid of the output, `inside` the
+    /// number of jobs in the pipeline.
     pub(super) fn cycle(&mut self, source: (bool, bool), sink: (bool, bool), inside: usize) {
         let source = match source {
             (true, true) => 0,
@@ -118,9 +118,9 @@ fn keeps_apart(model: &CoverageModel, before: JobKind, kind: JobKind) -> bool {
 }
 
 /// Whether a combination of events can occur. An empty pipeline has no output and accepts; a full one has an output and
-/// refuses. Without sums of several steps, the pipeline refuses only after the sink has stalled: with credits it is then
-/// full, and with skid buffers every step up to the output holds a job, so that there is an output until the entrance is
-/// ready again.
+/// refuses. Without sums of several steps, the pipeline refuses only after the sink has stalled: with credits it is
+/// then full, and with skid buffers every step up to the output holds a job, so that there is an output until the
+/// entrance is ready again.
 fn is_reachable(model: &CoverageModel, source: &str, sink: &str, fill: &str) -> bool {
     let shows = ["taken", "held"].contains(&sink);
     let has_loops = !model.shape.loops.is_empty();

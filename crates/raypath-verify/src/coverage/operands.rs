@@ -29,8 +29,8 @@ pub fn class(format: Format, code: u64) -> usize {
     5 * usize::from(code & minus != 0) + of_magnitude
 }
 
-/// The operands that an operation reads. Triangles read no direction, inverse or extent of a ray; boxes read no shear and
-/// axes, and the direction with rules `chisel` only.
+/// The operands that an operation reads. Triangles read no direction, inverse or extent of a ray; boxes read no shear
+/// and axes, and the direction with rules `chisel` only.
 pub fn groups(kind: JobKind, rules: Rules) -> &'static [&'static str] {
     match (kind, rules) {
         (JobKind::Triangle, _) => &["origin", "shear", "vertex A", "vertex B", "vertex C"],

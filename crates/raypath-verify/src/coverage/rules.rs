@@ -1,4 +1,5 @@
-//! The rules of `docs/reference/semantics.md` that a job exercises. This code decides what is counted, not what is right.
+//! The rules of `docs/reference/semantics.md` that a job exercises. This code decides what is counted, not what is
+//! right.
 
 mod beats;
 mod boxes;

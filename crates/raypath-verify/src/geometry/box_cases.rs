@@ -16,8 +16,8 @@ pub struct Case {
 /// The magnitudes of directions' components whose inverses are normal numbers.
 const INVERTIBLE: std::ops::RangeInclusive<f32> = f32::from_bits(1 << 23)..=f32::from_bits(253 << 23);
 
-/// A random case: rays in faces, along edges and through corners, along axes with ±0, from far away; boxes that are flat,
-/// empty or around the origin; extents near the box's entry.
+/// A random case: rays in faces, along edges and through corners, along axes with ±0, from far away; boxes that are
+/// flat, empty or around the origin; extents near the box's entry.
 pub fn draw(rng: &mut ChaCha8Rng) -> Case {
     loop {
         let numbers = Numbers::draw(rng);

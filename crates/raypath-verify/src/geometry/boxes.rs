@@ -102,7 +102,10 @@ impl Boxes {
                 let (extent, aabb, answer) = (f32::from(case.ray.extent), case.boxes[i], answers[i]);
                 let entry = geometry[i].entry.to_f64();
                 self.failures.add(|| {
-                    format!("ray from {origin:?} along {dir:?} to {extent:e}, box {aabb:?}: {answer:?}, exact entry {entry:e}")
+                    format!(
+                        "ray from {origin:?} along {dir:?} to {extent:e}, box {aabb:?}: {answer:?}, exact entry \
+                         {entry:e}"
+                    )
                 });
             }
             for (found, answers) in self.found.iter_mut().zip(&faulty) {
@@ -141,15 +144,15 @@ impl Boxes {
     fn verdict(self, is_stopped: bool) -> Verdict {
         let Self { checked, hits, flat, empty, along, in_plane, touched, .. } = self;
         let covered = format!(
-            "{checked} boxes, {hits} hit; {touched} touched in one point, {flat} flat, {empty} empty, {along} with the ray \
-             along a slab, {in_plane} in its plane"
+            "{checked} boxes, {hits} hit; {touched} touched in one point, {flat} flat, {empty} empty, {along} with the \
+             ray along a slab, {in_plane} in its plane"
         );
         let found: Vec<String> = FAULTY.iter().zip(self.found).map(|((name, _), n)| format!("{name} {n}")).collect();
         let remarks = vec![
             format!("error of tmin: at most {:.3} ulps, {:.3} u; bound 3", self.tmin_ulps.0, self.tmin_units.0),
             format!(
-                "within the rounding bound, so that either result is right: {} boxes, {} of them with another result than \
-                 exact arithmetic, at a gap of at most {:.3} u; bound 6",
+                "within the rounding bound, so that either result is right: {} boxes, {} of them with another result \
+                 than exact arithmetic, at a gap of at most {:.3} u; bound 6",
                 self.undetermined, self.differing, self.gap.0
             ),
             format!("beyond the range of binary32, which the claim excludes: {} boxes", self.out_of_range),

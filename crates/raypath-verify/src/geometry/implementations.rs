@@ -15,8 +15,8 @@ pub fn datapath(rules: Rules, ray: &Ray<Binary32>, [a, b, c]: [[f32; 3]; 3]) -> 
 /// An implementation and its name.
 pub type Named = (&'static str, fn(&Ray<Binary32>, [[f32; 3]; 3]) -> bool);
 
-/// Implementations that let rays pass between faces. They are the negative control of `watertight`: a campaign that does
-/// not find these faults would not find a fault of the datapath.
+/// Implementations that let rays pass between faces. They are the negative control of `watertight`: a campaign that
+/// does not find these faults would not find a fault of the datapath.
 pub const LEAKY: [Named; 3] =
     [("edges that belong to no face", open_edges), ("fused products", fused), ("Möller-Trumbore", moeller_trumbore)];
 

@@ -1,5 +1,5 @@
-//! Closed meshes of triangles, counter-clockwise as seen from outside. They are computed with basic arithmetic and square
-//! roots only, so that they are the same on every machine.
+//! Closed meshes of triangles, counter-clockwise as seen from outside. They are computed with basic arithmetic and
+//! square roots only, so that they are the same on every machine.
 
 use super::vector::{Point, cross, dot, minus, scaled, sum, unit};
 use std::collections::{HashMap, HashSet};

@@ -228,7 +228,8 @@ impl DistanceErrors {
             ),
             format!("t of a hit is outside the vertices' distances by at most {:.2} u, bound 8", self.outside.0),
             format!(
-                "error of t: at most {:.2} ulps in {} hits with little cancellation, bound 19; at most {:.3} of its bound and {:.1} ulps in all hits",
+                "error of t: at most {:.2} ulps in {} hits with little cancellation, bound 19; at most {:.3} of its \
+                 bound and {:.1} ulps in all hits",
                 self.benign_ulps.0, self.benign, self.part_of_bound.0, self.ulps.0
             ),
             format!(

@@ -48,8 +48,8 @@ pub fn visibility(ray: &Ray<Binary32>, mesh: &Mesh, patch: &Patch) -> Visibility
     if patch.faces.iter().any(is_thin) { Visibility::Thin } else { Visibility::Clear }
 }
 
-/// Whether a face, counter-clockwise as seen from outside, faces rays of this direction. Computed in binary64 if its error
-/// bound allows, else exactly.
+/// Whether a face, counter-clockwise as seen from outside, faces rays of this direction. Computed in binary64 if its
+/// error bound allows, else exactly.
 pub fn faces_direction(direction: [f32; 3], corners: [[f32; 3]; 3]) -> bool {
     let [a, b, c] = corners.map(|corner| corner.map(f64::from));
     let d = direction.map(f64::from);
@@ -77,8 +77,8 @@ fn exactly_towards(direction: [f32; 3], corners: [[f32; 3]; 3]) -> Dyadic {
     })
 }
 
-/// The projection along the ray that the datapath computes by shearing; the ray is its origin. It is mirrored, because the
-/// datapath's projection shows a face that faces the ray clockwise.
+/// The projection along the ray that the datapath computes by shearing; the ray is its origin. It is mirrored, because
+/// the datapath's projection shows a face that faces the ray clockwise.
 struct Projection {
     origin: Point,
     axes: [usize; 3],

@@ -112,7 +112,8 @@ impl Rays {
                 .extend(tight.map(|((name, _), _)| format!("the campaign cannot fail: no ray leaks through {name}")));
         }
         let covered = format!(
-            "{checked} rays at closed meshes ({} of them): {edges} at edges, {vertices} at vertices, {whole} at whole meshes",
+            "{checked} rays at closed meshes ({} of them): {edges} at edges, {vertices} at vertices, {whole} at \
+             whole meshes",
             bodies.len()
         );
         Verdict { covered, failures, remarks, is_stopped }

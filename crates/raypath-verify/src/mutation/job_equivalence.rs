@@ -1,13 +1,13 @@
 //! A proof that a fault in a stage changes no job's outcome.
 //!
-//! Many values of a stage are don't-cares: the values that an operation leaves in registers of other operations, and the
-//! operands of units that it does not use. Comparing two stages alone cannot show this; it depends on the stages behind.
-//! Therefore each operation's job passes symbolically through the whole datapath, as a function of arbitrary inputs and
-//! state: the control passes it on, registers hold what they have loaded, and units are uninterpreted functions. In the
-//! stage with the fault the job takes every path: directly, or through the spare register, or through each slot of the
-//! FIFO; in the last two cases the stage's inputs are arbitrary when the job leaves. Outputs and next states must be the
-//! same functions as without the fault. In the stage itself, with arbitrary registers, everything that affects control
-//! must be the same: enables, resets, handshakes.
+//! Many values of a stage are don't-cares: the values that an operation leaves in registers of other operations, and
+//! the operands of units that it does not use. Comparing two stages alone cannot show this; it depends on the stages
+//! behind. Therefore each operation's job passes symbolically through the whole datapath, as a function of arbitrary
+//! inputs and state: the control passes it on, registers hold what they have loaded, and units are uninterpreted
+//! functions. In the stage with the fault the job takes every path: directly, or through the spare register, or through
+//! each slot of the FIFO; in the last two cases the stage's inputs are arbitrary when the job leaves. Outputs and next
+//! states must be the same functions as without the fault. In the stage itself, with arbitrary registers, everything
+//! that affects control must be the same: enables, resets, handshakes.
 
 use super::logic::Logic;
 use super::mutant::Subject;

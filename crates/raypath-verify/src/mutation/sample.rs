@@ -32,8 +32,8 @@ pub fn subjects(configs: &[Config]) -> Result<Vec<Subject>, Error> {
     Ok(subjects)
 }
 
-/// A random sample of about `count` faults: a few of every module, and the rest in proportion to the modules' faults. If
-/// there are more modules than `count`, one fault each of `count` modules.
+/// A random sample of about `count` faults: a few of every module, and the rest in proportion to the modules' faults.
+/// If there are more modules than `count`, one fault each of `count` modules.
 pub fn choose(subjects: &[Subject], count: usize, seed: u64) -> Vec<Mutant<'_>> {
     const A_FEW: usize = 5;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);

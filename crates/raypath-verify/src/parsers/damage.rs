@@ -44,8 +44,8 @@ const WORDS: [&[u8]; 32] = [
 /// The largest size of a mutated file, in bytes.
 const MAX_BYTES: usize = 64 << 10;
 
-/// Mutation `number` of `files[file]`. Two of three compressed files are damaged before compression, so that they pass the
-/// checksum.
+/// Mutation `number` of `files[file]`. Two of three compressed files are damaged before compression, so that they pass
+/// the checksum.
 pub fn mutated(files: &[Vec<u8>], file: usize, number: u64, seed: u64) -> Vec<u8> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ (file as u64) << 48);
     rng.set_stream(number);

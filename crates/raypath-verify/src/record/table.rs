@@ -92,8 +92,8 @@ mod tests {
             let text = table(&[ITEM], std::slice::from_ref(record), root).expect("a table");
             text.lines().last().expect("a row").to_string()
         };
-        let current = "| `sums` | sums are right | exact arithmetic | 3 sums | `verify sums --level full` | 0123456 | 40 s \
-                       | as claimed |";
+        let current = "| `sums` | sums are right | exact arithmetic | 3 sums | `verify sums --level full` | 0123456 | \
+                       40 s | as claimed |";
         assert_eq!(row(&record), current);
         std::fs::write(&file, "let a = 2;\n").expect("a file");
         assert!(row(&record).ends_with("| as claimed, **stale** |"));

@@ -107,8 +107,8 @@ impl Units {
         Ok(Self { format, encode, decode, add: add?, mul: mul?, compare })
     }
 
-    /// A netlist of all units, with the inputs `a_i` and `b_i` and the outputs [`OUTPUTS`]. It subtracts as the datapath
-    /// does: with the adder, the sign of the recoded `b` inverted.
+    /// A netlist of all units, with the inputs `a_i` and `b_i` and the outputs [`OUTPUTS`]. It subtracts as the
+    /// datapath does: with the adder, the sign of the recoded `b` inverted.
     pub fn bench(&self, ports: PortFormat) -> Result<Arc<Module>, Error> {
         let (name, width) = match ports {
             PortFormat::Ieee => ("ieee", self.format.ieee_width()),

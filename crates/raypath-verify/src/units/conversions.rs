@@ -64,8 +64,8 @@ fn edges(seed: u64) -> Vec<u64> {
         .collect()
 }
 
-/// The failures of these numbers. Each must be encoded by the table of `docs/reference/formats.md`, be decoded to itself, and have
-/// a greater word than the next smaller magnitude.
+/// The failures of these numbers. Each must be encoded by the table of `docs/reference/formats.md`, be decoded to
+/// itself, and have a greater word than the next smaller magnitude.
 fn numbers(encode: &mut Converter, decode: &mut Converter, codes: impl Iterator<Item = u64>) -> Vec<String> {
     let mut faults = Vec::new();
     let mut last = None;
@@ -99,8 +99,8 @@ fn numbers(encode: &mut Converter, decode: &mut Converter, codes: impl Iterator<
     faults
 }
 
-/// A number's recoded word. Its exponent and fraction are those of the number in binary64, in which no number of binary32
-/// is subnormal; the host converts it.
+/// A number's recoded word. Its exponent and fraction are those of the number in binary64, in which no number of
+/// binary32 is subnormal; the host converts it.
 fn by_the_table(code: u32) -> u64 {
     let number = f32::from_bits(code);
     let sign = if number.is_sign_negative() { RECODED_SIGN } else { 0 };

@@ -1,9 +1,9 @@
-//! Proofs that floating-point units are equivalent to IEEE 754's operations, which Yosys's command `symfpu` generates for
-//! any format.
+//! Proofs that floating-point units are equivalent to IEEE 754's operations, which Yosys's command `symfpu` generates
+//! for any format.
 //!
-//! A proof covers a unit between our encoders and our decoder, because units compute in the recoded format; the operands
-//! in IEEE 754's format are free. As a negative control, the same commands must refute the claim for a unit with a
-//! deliberate fault.
+//! A proof covers a unit between our encoders and our decoder, because units compute in the recoded format; the
+//! operands in IEEE 754's format are free. As a negative control, the same commands must refute the claim for a unit
+//! with a deliberate fault.
 
 mod cache;
 mod cases;

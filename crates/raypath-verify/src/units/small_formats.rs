@@ -54,8 +54,8 @@ impl<const E: usize, const S: usize> Semantics for Widths<E, S> {
     const EXP_BITS: usize = E;
 }
 
-/// Compares sums, differences, products and comparisons of all pairs of operands. The netlist holds the units, unsplit and
-/// split, between the encoding and decoding units.
+/// Compares sums, differences, products and comparisons of all pairs of operands. The netlist holds the units, unsplit
+/// and split, between the encoding and decoding units.
 pub fn small_formats(request: &mut Request<'_>) -> Result<Verdict, Error> {
     small_formats_of(&|format| Ok(Units::new(format)?), request)
 }

@@ -10,8 +10,8 @@ use crate::verdict::Verdict;
 use raypath_float::Format;
 
 /// Compares sums, differences, products and comparisons of TestFloat's cases. The netlist holds the units, unsplit and
-/// split, between the encoding and decoding units. All cases of TestFloat's level 1 run; of level 2 every fifth, at level
-/// `full` all, and at `long` all a hundred times, each time with other random numbers.
+/// split, between the encoding and decoding units. All cases of TestFloat's level 1 run; of level 2 every fifth, at
+/// level `full` all, and at `long` all a hundred times, each time with other random numbers.
 pub fn testfloat(request: &mut Request<'_>) -> Result<Verdict, Error> {
     testfloat_of(&Units::new(Format::BINARY32)?, request)
 }

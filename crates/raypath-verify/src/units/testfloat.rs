@@ -1,14 +1,14 @@
 //! The test cases of Berkeley TestFloat for binary32.
 //!
-//! The code is our own. It follows John R. Hauser's TestFloat 3e (`doc/TestFloat-general.html`, section 4, and the tables
-//! of `source/genCases_f32.c`) in the exponents and fractions of its cases, in the order of patterns and random numbers,
-//! and in the number of cases of a level. Two things differ. Random numbers come from ChaCha8 instead of C's `rand`, with
-//! TestFloat's distribution, so that a seed gives the same cases on every machine. And the cases come in independent
-//! blocks of [`BLOCK`], so that cores and machines can share them.
+//! The code is our own. It follows John R. Hauser's TestFloat 3e (`doc/TestFloat-general.html`, section 4, and the
+//! tables of `source/genCases_f32.c`) in the exponents and fractions of its cases, in the order of patterns and random
+//! numbers, and in the number of cases of a level. Two things differ. Random numbers come from ChaCha8 instead of C's
+//! `rand`, with TestFloat's distribution, so that a seed gives the same cases on every machine. And the cases come in
+//! independent blocks of [`BLOCK`], so that cores and machines can share them.
 //!
-//! A *pattern* is one of a set of signs and exponents with one of a set of fractions. A *weighted random* number has one
-//! time in two a sign and exponent of the wider set, and else one from a window about 2, of any of several widths; its
-//! fraction is three times in four a sum of two pattern fractions, else random bits.
+//! A *pattern* is one of a set of signs and exponents with one of a set of fractions. A *weighted random* number has
+//! one time in two a sign and exponent of the wider set, and else one from a window about 2, of any of several widths;
+//! its fraction is three times in four a sum of two pattern fractions, else random bits.
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -48,8 +48,8 @@ impl Pairs {
         Self { level, patterns, random: Weighted::new(), seed, round, stride: 1 }
     }
 
-    /// Every `stride`-th case from the first on; `stride` is at least 1. An odd stride keeps the proportion of patterns and
-    /// random numbers.
+    /// Every `stride`-th case from the first on; `stride` is at least 1. An odd stride keeps the proportion of patterns
+    /// and random numbers.
     pub fn every(self, stride: u64) -> Self {
         Self { stride: stride.max(1), ..self }
     }
@@ -150,8 +150,8 @@ fn patterns(signs_and_exponents: &[u32], level: Level) -> Vec<u32> {
     signs_and_exponents.iter().flat_map(|&upper| fractions.iter().map(move |fraction| upper | fraction)).collect()
 }
 
-/// Signs and exponents of operands. As in TestFloat, the largest finite exponent is 127 for positive numbers and 126 for
-/// negative ones.
+/// Signs and exponents of operands. As in TestFloat, the largest finite exponent is 127 for positive numbers and 126
+/// for negative ones.
 fn operand_exponents() -> Vec<u32> {
     let with = |largest| [-127, -126, -24, -2, -1, 0, 1, 2, 24, largest, 128];
     let upper = |exponent: i32| ((exponent + BIAS) as u32) << 23;
@@ -264,8 +264,8 @@ mod tests {
         let share = |wanted: &dyn Fn(u32) -> bool| draws.iter().filter(|&&draw| wanted(draw)).count() as f64 / 1e6;
         let field = |draw: u32| draw >> 23 & 0xff;
         assert!((0..256).all(|value| draws.iter().any(|&draw| field(draw) == value)));
-        // Half of the numbers are from 50 signs and exponents; 8 of their 25 exponents are in the narrowest window. Of the
-        // others, 8 of n are in it for a window of n.
+        // Half of the numbers are from 50 signs and exponents; 8 of their 25 exponents are in the narrowest window. Of
+        // the others, 8 of n are in it for a window of n.
         let windows = (2.0 / 256.0 + 1.0 / 128.0 + 1.0 / 64.0 + 1.0 / 32.0 + 1.0 / 16.0 + 1.0 / 8.0) * 8.0 / 7.0;
         let expected = 0.5 * 8.0 / 25.0 + 0.5 * windows;
         assert!((share(&|draw| (124..132).contains(&field(draw))) - expected).abs() < 0.003);

@@ -26,7 +26,8 @@ fn operands_that_make_comparisons_hard() {
     assert!(less.min(equal).min(greater).min(unordered) >= cases(CASES) / 100, "{relations:?}");
 }
 
-/// Words with the same meaning as canonical ones: zeros and infinities with any bits below the class, NaNs with any sign and payload.
+/// Words with the same meaning as canonical ones: zeros and infinities with any bits below the class, NaNs with any
+/// sign and payload.
 #[test]
 fn recoded_words_that_are_not_canonical() {
     let format = Format::BINARY32;

@@ -1,7 +1,7 @@
 //! The oracle: exact or correctly sticky arithmetic in `f64`, rounded by search among all numbers of a format.
 //!
-//! It follows the definitions of IEEE 754 and of the recoded format, without the units' algorithms. It supports exponents
-//! of up to 10 bits, for which products and sums are within `f64`'s range.
+//! It follows the definitions of IEEE 754 and of the recoded format, without the units' algorithms. It supports
+//! exponents of up to 10 bits, for which products and sums are within `f64`'s range.
 
 use raypath_float::Format;
 

@@ -58,8 +58,8 @@ fn by_integers(e: u32, s: u32) {
     random_operands(format, |a, b| integer::results(format, a, b));
 }
 
-/// Of each eight pairs, four are random, three have near exponents, and one of exponents whose product is near the subnormal
-/// range.
+/// Of each eight pairs, four are random, three have near exponents, and one of exponents whose product is near the
+/// subnormal range.
 fn random_operands(format: Format, expected: impl Fn(u64, u64) -> UnitResults) {
     let mut bench = bench(format, PortFormat::Ieee);
     let mut random = generator(u64::from(format.exponent()) << 8 | u64::from(format.significand()));

@@ -7,8 +7,8 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// A folder of proofs. A file's name is a hash of the circuit's text, the commands and the programs' versions, so that the
-/// proof of a unit that has changed since is not found.
+/// A folder of proofs. A file's name is a hash of the circuit's text, the commands and the programs' versions, so that
+/// the proof of a unit that has changed since is not found.
 pub struct ProofCache {
     folder: PathBuf,
     versions: String,

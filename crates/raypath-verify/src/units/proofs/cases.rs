@@ -17,8 +17,8 @@ use std::time::{Duration, Instant};
 /// The folder of the proof cache, relative to the working directory.
 pub const CASES_FOLDER: &str = "build/verify/proofs";
 
-/// Proves binary32 addition for the level's differences of exponents; at level `long` for all 511, which cover all pairs
-/// of operands. Cached proofs are not repeated. Shards divide the differences.
+/// Proves binary32 addition for the level's differences of exponents; at level `long` for all 511, which cover all
+/// pairs of operands. Cached proofs are not repeated. Shards divide the differences.
 ///
 /// # Errors
 /// A program is missing or fails, or the folder cannot be written.

@@ -60,8 +60,8 @@ pub struct Fault {
 }
 
 impl Subject {
-    /// The fault that the claim's negative control must find. Like real defects, it shows for few operands: in a rounding,
-    /// at the end of a range, or for a pair of zeros.
+    /// The fault that the claim's negative control must find. Like real defects, it shows for few operands: in a
+    /// rounding, at the end of a range, or for a pair of zeros.
     pub fn fault(self) -> Fault {
         let (from, to) = match self {
             Self::Add | Self::Sub | Self::AddParts(_) => ("~(half & quarter)", "~(half | quarter)"),

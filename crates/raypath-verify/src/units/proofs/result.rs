@@ -27,8 +27,8 @@ impl ClaimResult {
     }
 }
 
-/// Proves a claim. With `with_fault`, also refutes it by the same commands for the unit with the subject's fault. `limit`
-/// applies to each. None if the run was stopped.
+/// Proves a claim. With `with_fault`, also refutes it by the same commands for the unit with the subject's fault.
+/// `limit` applies to each. None if the run was stopped.
 ///
 /// # Errors
 /// A program is missing or fails, or a counterexample is none.
