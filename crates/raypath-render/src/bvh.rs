@@ -15,9 +15,10 @@ use thiserror::Error;
 /// would be hit, because max and min discard a NaN distance.)
 ///
 /// # Padding of boxes
-/// Box tests and triangle tests round differently, so a ray through an edge could hit a triangle and miss the box around
-/// it. By `docs/reference/error-bounds.md`, tracing is watertight because the ray passes through the closed triangle
-/// A′B′C′ *as computed*. With R the greatest distance along any axis from the ray's origin to a vertex, and u = 2⁻²⁴:
+/// Box tests and triangle tests round differently, so a ray through an edge could hit a triangle and miss the box
+/// around it. By `docs/reference/error-bounds.md`, tracing is watertight because the ray passes through the closed
+/// triangle A′B′C′ *as computed*. With R the greatest distance along any axis from the ray's origin to a vertex, and u
+/// = 2⁻²⁴:
 ///
 /// - each computed vertex is within γ₄·(|r_kx| + |Sx·r_kz|) ≤ 8.01·u·R of the exact one along kx, and along ky, and not
 ///   moved along kz. So the same weights that make the ray out of A′, B′, C′ make a point Q of the exact triangle out of
@@ -28,15 +29,15 @@ use thiserror::Error;
 /// - The t of a hit is at least the least depth of the vertices up to γ₈, that is less by at most 8.01·u·R along kz. With
 ///   the 3.01·u·R of the near distance along kz, the box is entered along kz no later than t.
 ///
-/// So boxes padded by 12·u·R on every side, rounded outwards, are hit whenever one of their triangles has the ray in its
-/// closed computed triangle. R is the *reach* of the scene. A reach of 16 (in units of the longest side of the mesh) pads
-/// by 1.1·10⁻⁵ of that side. The conditions are those of `docs/reference/error-bounds.md`: components of the direction
-/// are 0 or between 2⁻¹²⁶ and 2¹²⁶, nothing overflows.
+/// So boxes padded by 12·u·R on every side, rounded outwards, are hit whenever one of their triangles has the ray in
+/// its closed computed triangle. R is the *reach* of the scene. A reach of 16 (in units of the longest side of the
+/// mesh) pads by 1.1·10⁻⁵ of that side. The conditions are those of `docs/reference/error-bounds.md`: components of the
+/// direction are 0 or between 2⁻¹²⁶ and 2¹²⁶, nothing overflows.
 ///
 /// If cancellation changes t by more than the depth range of a triangle (a face seen edge-on), t may be less than the
-/// distance at which the ray enters the box *along kx or ky*. Such a hit can be culled in favour of another whose t lies
-/// between. Another hit always exists, so tracing stays watertight, but the structure of the tree decides which of the two
-/// is reported.
+/// distance at which the ray enters the box *along kx or ky*. Such a hit can be culled in favour of another whose t
+/// lies between. Another hit always exists, so tracing stays watertight, but the structure of the tree decides which of
+/// the two is reported.
 #[derive(Debug, Clone)]
 pub struct Bvh4 {
     nodes: Vec<Node>,
@@ -58,8 +59,8 @@ pub struct Node {
     pub children: [Reference; 4],
 }
 
-/// A reference to a node or a leaf in 32 bits. Bit 31 is set for a leaf; bits 30 to 28 are then the number of its triangles
-/// less one, and bits 27 to 0 the slot of the first.
+/// A reference to a node or a leaf in 32 bits. Bit 31 is set for a leaf; bits 30 to 28 are then the number of its
+/// triangles less one, and bits 27 to 0 the slot of the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Reference(u32);
 
@@ -270,7 +271,8 @@ fn range(tree: &Bvh2, first: u32, count: u32) -> &[u32] {
     &tree.primitive_indices[first as usize..(first + count) as usize]
 }
 
-/// Splits a part into up to four, by repeatedly splitting the part with the greatest surface, which rays hit most often.
+/// Splits a part into up to four, by repeatedly splitting the part with the greatest surface, which rays hit most
+/// often.
 fn split(tree: &Bvh2, part: Part) -> Vec<Part> {
     let mut parts = vec![part];
     while parts.len() < 4 {

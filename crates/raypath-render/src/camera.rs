@@ -44,8 +44,8 @@ impl Camera {
     /// `field_of_view` degrees.
     ///
     /// # Errors
-    /// Coordinates that are not finite, an eye at the target, an up vector along the viewing direction, an angle that is
-    /// not between 0 and 180.
+    /// Coordinates that are not finite, an eye at the target, an up vector along the viewing direction, an angle that
+    /// is not between 0 and 180.
     pub fn new(eye: [f32; 3], target: [f32; 3], up: [f32; 3], field_of_view: f32) -> Result<Self, CameraError> {
         for (what, value) in [("eye", eye), ("target", target), ("up", up)] {
             if !value.iter().all(|x| x.is_finite()) {
@@ -65,8 +65,8 @@ impl Camera {
         Ok(Self { eye, target, up, field_of_view })
     }
 
-    /// A camera that sees the whole mesh from the front, the right and above, in a picture that is `aspect` times as wide as
-    /// high. Up is +y.
+    /// A camera that sees the whole mesh from the front, the right and above, in a picture that is `aspect` times as
+    /// wide as high. Up is +y.
     pub fn framing(mesh: &Mesh, aspect: f32) -> Self {
         let target = mesh.bounds().centre();
         let towards = unit([0.45, 0.42, 1.0]);

@@ -35,8 +35,8 @@ impl Comparison {
 }
 
 /// Traces the closest hits of `rays` on one core with this tracer and with obvhs, `runs` times each in turns (at least
-/// once), and keeps the best times. obvhs uses the binary tree from which the tree of the scene was made. `progress` gets
-/// the number of completed runs.
+/// once), and keeps the best times. obvhs uses the binary tree from which the tree of the scene was made. `progress`
+/// gets the number of completed runs.
 ///
 /// # Errors
 /// [`Stopped`] if `progress` returned false.

@@ -1,10 +1,11 @@
 //! Ray tracing and rendering with the operations of the datapath.
 //!
 //! Each test of a ray against four boxes or a triangle is a job of the datapath: [`RayBox`](raypath_ops::RayBox) or
-//! [`RayTriangle`](raypath_ops::RayTriangle). This crate is the external circuit that *A Hardware Ray Tracer Datapath with
-//! Generalized Features* leaves outside: the traversal stack, the division t_num / t_denom, and shading. [`Traversal`] is
-//! that circuit for one ray. [`trace_closest`], [`trace_any`] and [`render`](render()) execute its jobs directly in
-//! software; [`time_rays`] and [`time_picture`] send them through a cycle-exact model of the pipeline and count cycles.
+//! [`RayTriangle`](raypath_ops::RayTriangle). This crate is the external circuit that *A Hardware Ray Tracer Datapath
+//! with Generalized Features* leaves outside: the traversal stack, the division t_num / t_denom, and shading.
+//! [`Traversal`] is that circuit for one ray. [`trace_closest`], [`trace_any`] and [`render`](render()) execute its
+//! jobs directly in software; [`time_rays`] and [`time_picture`] send them through a cycle-exact model of the pipeline
+//! and count cycles.
 
 pub mod builtin;
 pub mod bvh;

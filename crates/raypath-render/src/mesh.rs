@@ -4,9 +4,9 @@ use thiserror::Error;
 
 /// A valid mesh of triangles with shared vertices.
 ///
-/// Every coordinate is finite and at most [`Mesh::MAX_COORDINATE`] in magnitude, every index names a vertex, and there is
-/// at least one triangle. Degenerate triangles are kept. The front of a triangle is the side from which its vertices run
-/// counter-clockwise.
+/// Every coordinate is finite and at most [`Mesh::MAX_COORDINATE`] in magnitude, every index names a vertex, and there
+/// is at least one triangle. Degenerate triangles are kept. The front of a triangle is the side from which its vertices
+/// run counter-clockwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     positions: Vec<[f32; 3]>,
@@ -42,15 +42,15 @@ pub enum MeshError {
 }
 
 impl Mesh {
-    /// The maximum magnitude of a coordinate, 2⁴⁰. The numerator of a distance is a product of three lengths, which could
-    /// exceed binary32 for greater coordinates.
+    /// The maximum magnitude of a coordinate, 2⁴⁰. The numerator of a distance is a product of three lengths, which
+    /// could exceed binary32 for greater coordinates.
     pub const MAX_COORDINATE: f32 = (1_u64 << 40) as f32;
 
     /// A mesh of `positions` and `triangles`, which are triples of indices into them.
     ///
     /// # Errors
-    /// No triangle, a coordinate that is not finite or exceeds [`MAX_COORDINATE`](Self::MAX_COORDINATE), an index that names no
-    /// vertex.
+    /// No triangle, a coordinate that is not finite or exceeds [`MAX_COORDINATE`](Self::MAX_COORDINATE), an index that
+    /// names no vertex.
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         if triangles.is_empty() {
             return Err(MeshError::NoTriangles);

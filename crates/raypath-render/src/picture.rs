@@ -49,8 +49,8 @@ impl Picture {
     }
 }
 
-/// Draws the number of jobs of each pixel as a heat map, from black for none to pale yellow for the maximum, with a legend
-/// below.
+/// Draws the number of jobs of each pixel as a heat map, from black for none to pale yellow for the maximum, with a
+/// legend below.
 pub fn heatmap(width: u32, height: u32, jobs: &[u32]) -> Picture {
     let max = jobs.iter().copied().max().unwrap_or(0).max(1);
     let mut picture = Picture::filled(width, height + LEGEND, [24, 24, 24]);

@@ -1,12 +1,12 @@
 //! Rays and hits as text files, for comparison with other tracers.
 //!
-//! A file of rays has one ray per line: `ox oy oz dx dy dz extent`, decimal numbers separated by spaces. The extent may be
-//! `inf`. `#` starts a comment; empty lines are ignored. Rays are numbered from 0.
+//! A file of rays has one ray per line: `ox oy oz dx dy dz extent`, decimal numbers separated by spaces. The extent may
+//! be `inf`. `#` starts a comment; empty lines are ignored. Rays are numbered from 0.
 //!
-//! A file of hits has one line per ray: `triangle t t_num t_denom t_bits t_num_bits t_denom_bits`, or `miss`. `triangle` is
-//! the index in the mesh, from 0, followed by `b` for a hit from behind. Numbers are the shortest decimals that denote the
-//! same binary32; bits are 8 hexadecimal digits. t is t_num / t_denom, rounded to binary32, in units of the direction's
-//! length. Of several triangles at the closest t, the file has the one with the lowest index.
+//! A file of hits has one line per ray: `triangle t t_num t_denom t_bits t_num_bits t_denom_bits`, or `miss`.
+//! `triangle` is the index in the mesh, from 0, followed by `b` for a hit from behind. Numbers are the shortest
+//! decimals that denote the same binary32; bits are 8 hexadecimal digits. t is t_num / t_denom, rounded to binary32, in
+//! units of the direction's length. Of several triangles at the closest t, the file has the one with the lowest index.
 
 use crate::trace::Hit;
 use raypath_ops::{Binary32, Ray, RayError};

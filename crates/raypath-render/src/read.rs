@@ -15,8 +15,8 @@ use thiserror::Error;
 pub enum Format {
     /// Wavefront OBJ; polygons become triangles, materials are ignored.
     Obj,
-    /// glTF 2, as JSON or binary: the triangles of the default scene with its transforms. Buffers may be in the file, in
-    /// data URIs or in other files of the same folder.
+    /// glTF 2, as JSON or binary: the triangles of the default scene with its transforms. Buffers may be in the file,
+    /// in data URIs or in other files of the same folder.
     Gltf,
     /// PLY, as text or binary of either byte order; polygons become triangle fans.
     Ply,
@@ -71,7 +71,8 @@ pub fn read_mesh(path: &Path) -> Result<Mesh, ReadError> {
     parse_mesh(format, &bytes, path)
 }
 
-/// Reads a mesh from the content of a file. `path` appears in messages, and locates the other files that a glTF refers to.
+/// Reads a mesh from the content of a file. `path` appears in messages, and locates the other files that a glTF refers
+/// to.
 ///
 /// # Errors
 /// Content that is not of the format, is truncated, or has no valid mesh.

@@ -24,8 +24,8 @@ pub struct Shading {
     pub shadows: bool,
     /// The number of ambient-occlusion rays from each hit into the sky; 0 for none.
     pub ambient_occlusion: u32,
-    /// The samples per pixel along each axis, 1 to 64: a pixel is the mean of `samples` × `samples` evenly spaced primary
-    /// rays.
+    /// The samples per pixel along each axis, 1 to 64: a pixel is the mean of `samples` × `samples` evenly spaced
+    /// primary rays.
     pub samples: u32,
     /// The seed for the directions of ambient-occlusion rays.
     pub seed: u64,
@@ -68,7 +68,7 @@ pub struct Costs {
 pub enum RenderError {
     /// The size of the picture is out of range.
     #[error(
-        "a picture of {width} x {height} pixels, expected 1 to {MAX_PIXELS} pixels and at most {MAX_SIDE} in a row or column"
+        "a picture of {width} x {height} pixels, expected 1 to {MAX_PIXELS} pixels and at most {MAX_SIDE} per side"
     )]
     Size {
         /// The width in pixels.
@@ -93,8 +93,8 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 pub const MAX_SIDE: u32 = 1 << 16;
 
 /// Renders a picture of `size` = (width, height) pixels on all threads of rayon. All primary and secondary rays use the
-/// operations of the datapath. Equal arguments give equal pictures with any number of threads. `progress` gets the number
-/// of completed pixels.
+/// operations of the datapath. Equal arguments give equal pictures with any number of threads. `progress` gets the
+/// number of completed pixels.
 ///
 /// # Errors
 /// A size or a number of samples out of range, and [`Stopped`] if `progress` returned false.

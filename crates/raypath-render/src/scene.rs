@@ -35,9 +35,9 @@ impl Scene {
         Self::with_reach(mesh, reach)
     }
 
-    /// A scene for ray origins from which every point of the mesh is within `reach` along each axis. A smaller reach than
-    /// the longest side of the mesh is raised to it. Boxes are padded in proportion to the reach (see [`Bvh4`]), so a
-    /// greater reach costs a little time.
+    /// A scene for ray origins from which every point of the mesh is within `reach` along each axis. A smaller reach
+    /// than the longest side of the mesh is raised to it. Boxes are padded in proportion to the reach (see [`Bvh4`]),
+    /// so a greater reach costs a little time.
     ///
     /// # Errors
     /// More than [`Bvh4::MAX_TRIANGLES`] triangles.

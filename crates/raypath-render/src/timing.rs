@@ -1,8 +1,8 @@
 //! Cycle-exact simulation of rendering and ray tracing.
 //!
 //! Each agent is a pixel with the sequence of all its rays, or one ray of a list. Agents start in the order of their
-//! numbers, pixels row by row. The work of the external circuit (stack, division, shading) takes no cycles; reads of nodes
-//! and leaves take the memory latency.
+//! numbers, pixels row by row. The work of the external circuit (stack, division, shading) takes no cycles; reads of
+//! nodes and leaves take the memory latency.
 
 mod sequence;
 
@@ -77,8 +77,8 @@ pub fn time_picture(
     Ok((timing, Picture::new(spec.size.0, spec.size.1, pixels)))
 }
 
-/// Simulates the rendering of a picture with each number of pixels in flight and each memory latency, in place of those of
-/// `system`. `progress` gets the number of completed pixels of all points together.
+/// Simulates the rendering of a picture with each number of pixels in flight and each memory latency, in place of those
+/// of `system`. `progress` gets the number of completed pixels of all points together.
 ///
 /// # Errors
 /// The errors of [`render`](crate::render()) and of [`sweep`].
@@ -120,8 +120,8 @@ pub fn time_rays(
     Ok((timing, store.results().unwrap_or_default()))
 }
 
-/// Simulates the tracing of rays with each number of rays in flight and each memory latency, in place of those of `system`.
-/// `progress` gets the number of completed rays of all points together.
+/// Simulates the tracing of rays with each number of rays in flight and each memory latency, in place of those of
+/// `system`. `progress` gets the number of completed rays of all points together.
 ///
 /// # Errors
 /// The errors of [`sweep`].

@@ -16,8 +16,8 @@ use thiserror::Error;
 pub struct Tracing {
     /// The rules of the box and triangle tests at their edges.
     pub rules: Rules,
-    /// Whether rays can hit triangles from behind. The datapath tests counter-clockwise faces only, so this takes a second
-    /// job for each triangle, with two vertices exchanged.
+    /// Whether rays can hit triangles from behind. The datapath tests counter-clockwise faces only, so this takes a
+    /// second job for each triangle, with two vertices exchanged.
     pub two_sided: bool,
 }
 

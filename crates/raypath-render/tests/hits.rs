@@ -35,7 +35,8 @@ fn hits_are_those_of_exact_geometry_within_the_error_bounds() {
                 let count = |verdict| verdicts.iter().filter(|&&v| v == verdict).count();
                 let found = hits.iter().flatten().count();
                 println!(
-                    "{name:8} {kind:9?} two-sided {two_sided:5}: {} rays, {found} hits; same {}, other triangle {}, hit not miss {}, miss not hit {}",
+                    "{name:8} {kind:9?} two-sided {two_sided:5}: {} rays, {found} hits; \
+                     same {}, other triangle {}, hit not miss {}, miss not hit {}",
                     rays.len(),
                     count(Verdict::Same),
                     count(Verdict::Other),

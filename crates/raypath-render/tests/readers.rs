@@ -355,9 +355,11 @@ fn gltf(fields: &Gltf) -> String {
         "nodes": [{{ {children} "mesh": 0, "scale": {scale} }}],
         "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 1}}, "indices": 0, "mode": {mode} }}]}}],
         "buffers": [{{ {uri} "byteLength": {length} }}],
-        "bufferViews": [{{"buffer": 0, "byteLength": 24}}, {{"buffer": 0, "byteOffset": {offset}, "byteLength": 48, "byteStride": {stride} }}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 24}},
+            {{"buffer": 0, "byteOffset": {offset}, "byteLength": 48, "byteStride": {stride} }}],
         "accessors": [{{"bufferView": 0, "componentType": 5123, "count": 12, "type": "SCALAR"}},
-            {{"bufferView": 1, "componentType": 5126, "count": {vertices}, "type": "VEC3", "min": [0, 0, -2], "max": [1, 1.5, 0]}}]}}"#
+            {{"bufferView": 1, "componentType": 5126, "count": {vertices}, "type": "VEC3",
+              "min": [0, 0, -2], "max": [1, 1.5, 0]}}]}}"#
     )
 }
 

@@ -1,55 +1,53 @@
-use crate::answers::Neighbour;
 use crate::error::SearchError;
 use crate::exact::check;
-use crate::graph::Log;
+use crate::graph::SearchTrace;
 use crate::metric::{Metric, cosine_distance, euclidean_distance};
 use crate::nearest::{Candidate, Nearest};
+use crate::results::Neighbour;
 use crate::vectors::Vectors;
 use raypath_model::Functional;
 use raypath_ops::{AngularInput, Beat, Binary32, EuclideanInput, Job, Outcome};
 use raypath_timing::{Action, Agent};
 use std::collections::HashSet;
 
-/// One query's way through the datapath, for simulations of time: an [`Agent`] that fetches candidates, issues their
-/// beats, and keeps the nearest.
+/// The [`Agent`] of one query: it fetches candidates, issues their beats, and keeps the nearest.
 ///
-/// Each candidate is one fetch, whatever its dimension, and it is fetched when the beats of the one before have been
-/// accepted. The query itself is there from the start; angular its own beats come first, for its norm. From the first
-/// beat of a vector to the last the walk holds the datapath, as there is one accumulator for all.
-///
-/// It has no lanes of its own: it serves a datapath of any number, and must be answered by the one that it gave jobs to.
+/// Each candidate takes one fetch, with any dimension, which starts when the beats of the previous candidate have been
+/// accepted. The query itself takes no fetch; with the angular metric its own beats come first, for its norm. The agent
+/// locks the datapath from the first beat of a vector to the last, because all agents share one accumulator. It works
+/// with any number of lanes.
 #[derive(Debug, Clone)]
-pub struct Walk<'v> {
+pub struct QueryAgent<'v> {
     base: &'v Vectors,
     query: &'v [f32],
     metric: Metric,
     candidates: Candidates<'v>,
-    /// Candidates that have been fetched.
+    /// The number of fetched candidates.
     fetched: usize,
-    /// Candidates whose distance has been answered.
-    answered: usize,
-    /// What has not been issued of the vector that goes through the datapath.
-    left: &'v [f32],
-    /// Beats that have no answer.
+    /// The number of candidates with a distance.
+    evaluated: usize,
+    /// The coordinates of the current vector that are not yet issued.
+    remaining: &'v [f32],
+    /// The number of beats without an outcome.
     outstanding: u64,
     query_norm: Option<f32>,
     nearest: Nearest,
-    /// What may become a neighbour; anything if there is none.
-    wanted: Option<HashSet<u32>>,
+    /// The candidates that may become neighbours; all if `None`.
+    eligible: Option<HashSet<u32>>,
 }
 
-/// Which vectors of the base a query is compared with.
+/// The vectors of the base that a query is compared with.
 #[derive(Debug, Clone, Copy)]
 enum Candidates<'v> {
-    /// So many, by index.
+    /// The first vectors, in order of index.
     All(usize),
-    /// In this order.
+    /// The listed vectors, in this order.
     Listed(&'v [u32]),
 }
 
-impl<'v> Walk<'v> {
-    /// Exact search: past all vectors of the base, by index, for the `count` nearest. A candidate is fetched while the
-    /// beats of those before are in the pipeline.
+impl<'v> QueryAgent<'v> {
+    /// The agent of an exact search for the `count` nearest vectors. It fetches a candidate while the beats of previous
+    /// ones are in the pipeline.
     ///
     /// # Errors
     /// A query of another dimension than the base; a `count` that is not 1 to the size of the base.
@@ -58,19 +56,24 @@ impl<'v> Walk<'v> {
         Ok(Self::new(base, query, metric, Candidates::All(base.len()), count, None))
     }
 
-    /// The way of a graph's log. Which candidate comes next depends on the distances of those before, so each but the
-    /// first is fetched when they have been answered. It keeps what the log says that the graph has kept.
+    /// The agent of a graph search. The choice of a candidate depends on the distances of the previous ones, so the
+    /// agent fetches each candidate after the previous outcomes. It keeps the neighbours that the search kept.
     ///
     /// # Errors
     /// A query of another dimension than the base; a candidate that the base does not have.
-    pub fn logged(base: &'v Vectors, query: &'v [f32], metric: Metric, log: &'v Log) -> Result<Self, SearchError> {
+    pub fn traced(
+        base: &'v Vectors,
+        query: &'v [f32],
+        metric: Metric,
+        trace: &'v SearchTrace,
+    ) -> Result<Self, SearchError> {
         check(base.dimensions(), base.len(), query.len(), 1)?;
-        if let Some(&found) = log.candidates.iter().find(|&&index| index as usize >= base.len()) {
+        if let Some(&found) = trace.candidates.iter().find(|&&index| index as usize >= base.len()) {
             let expected = "an index of the base";
             return Err(SearchError::Parameter { name: "candidate", found: found as usize, expected });
         }
-        let wanted: HashSet<u32> = log.found.iter().copied().collect();
-        Ok(Self::new(base, query, metric, Candidates::Listed(&log.candidates), wanted.len(), Some(wanted)))
+        let eligible: HashSet<u32> = trace.found.iter().copied().collect();
+        Ok(Self::new(base, query, metric, Candidates::Listed(&trace.candidates), eligible.len(), Some(eligible)))
     }
 
     fn new(
@@ -79,48 +82,60 @@ impl<'v> Walk<'v> {
         metric: Metric,
         candidates: Candidates<'v>,
         count: usize,
-        wanted: Option<HashSet<u32>>,
+        eligible: Option<HashSet<u32>>,
     ) -> Self {
-        let left = match metric {
+        let remaining = match metric {
             Metric::Euclidean => &[],
             Metric::Angular => query,
         };
-        let (fetched, answered, outstanding, query_norm) = (0, 0, 0, None);
+        let (fetched, evaluated, outstanding, query_norm) = (0, 0, 0, None);
         let nearest = Nearest::new(count);
-        Self { base, query, metric, candidates, fetched, answered, left, outstanding, query_norm, nearest, wanted }
+        Self {
+            base,
+            query,
+            metric,
+            candidates,
+            fetched,
+            evaluated,
+            remaining,
+            outstanding,
+            query_norm,
+            nearest,
+            eligible,
+        }
     }
 
-    /// The nearest of the candidates that have been answered, nearest first; equally near ones by index.
+    /// The nearest candidates with a distance so far, nearest first, and by index at equal distances.
     pub fn into_neighbours(self) -> Vec<Neighbour> {
         let sorted = self.nearest.into_sorted();
         sorted.into_iter().map(|Candidate { key, index }| Neighbour { index, distance: key }).collect()
     }
 
-    /// The next beat of the vector that goes through the datapath, if one does.
+    /// The next beat of the current vector, if any is left.
     #[inline]
     fn beat<const N: usize>(&mut self) -> Option<Beat<Binary32, N>> {
-        let (query, left) = (self.query.get(self.query.len() - self.left.len()..)?, self.left);
-        let width = left.len().min(N);
-        let mut beat = Beat::of(&query[..width], &left[..width]).ok()?.next()?;
-        self.left = &left[width..];
-        beat.reset_accum = self.left.is_empty().into();
+        let (query, remaining) = (self.query.get(self.query.len() - self.remaining.len()..)?, self.remaining);
+        let width = remaining.len().min(N);
+        let mut beat = Beat::of(&query[..width], &remaining[..width]).ok()?.next()?;
+        self.remaining = &remaining[width..];
+        beat.reset_accum = self.remaining.is_empty().into();
         Some(beat)
     }
 
-    /// Takes the distance of the oldest candidate that has none.
+    /// Records the distance of the oldest candidate without one.
     #[inline]
-    fn take(&mut self, distance: f64) {
-        let index = self.candidates.get(self.answered);
-        self.answered += 1;
+    fn record(&mut self, distance: f64) {
+        let index = self.candidates.get(self.evaluated);
+        self.evaluated += 1;
         if let Some(index) = index
-            && self.wanted.as_mut().is_none_or(|wanted| wanted.remove(&index))
+            && self.eligible.as_mut().is_none_or(|eligible| eligible.remove(&index))
         {
             self.nearest.offer(Candidate { key: distance, index });
         }
     }
 }
 
-impl<const E: usize, const A: usize> Agent<Functional<E, A>> for Walk<'_> {
+impl<const E: usize, const A: usize> Agent<Functional<E, A>> for QueryAgent<'_> {
     #[inline]
     fn next_action(&mut self) -> Action<Job<E, A>> {
         let job = match self.metric {
@@ -129,30 +144,30 @@ impl<const E: usize, const A: usize> Agent<Functional<E, A>> for Walk<'_> {
         };
         if let Some(job) = job {
             self.outstanding += 1;
-            return Action::Issue { job, lock: !self.left.is_empty() };
+            return Action::Issue { job, lock: !self.remaining.is_empty() };
         }
         let Some(next) = self.candidates.get(self.fetched) else { return Action::Done };
-        if self.outstanding > 0 && self.fetched > 0 && self.candidates.depend() {
+        if self.outstanding > 0 && self.fetched > 0 && self.candidates.are_dependent() {
             return Action::Wait;
         }
-        self.left = self.base.get(next as usize).unwrap_or_default();
+        self.remaining = self.base.get(next as usize).unwrap_or_default();
         self.fetched += 1;
         Action::Fetch
     }
 
-    /// Hits of rays are no answer to any of its jobs, and do nothing.
+    /// Outcomes of rays are ignored: the agent does not issue such jobs.
     #[inline]
     fn receive(&mut self, outcome: &Outcome) {
         self.outstanding = self.outstanding.saturating_sub(1);
         match outcome {
             Outcome::Euclidean(sum) if sum.euclidean_reset_accum.into() => {
-                self.take(euclidean_distance(sum.euclidean_accumulator.into()));
+                self.record(euclidean_distance(sum.euclidean_accumulator.into()));
             }
             Outcome::Angular(sums) if sums.angular_reset_accum.into() => match self.query_norm {
                 None => self.query_norm = Some(sums.angular_norm.into()),
                 Some(query_norm) => {
                     let (dot_product, norm) = (sums.angular_dot_product.into(), sums.angular_norm.into());
-                    self.take(cosine_distance(dot_product, query_norm, norm));
+                    self.record(cosine_distance(dot_product, query_norm, norm));
                 }
             },
             _ => {}
@@ -169,9 +184,9 @@ impl Candidates<'_> {
         }
     }
 
-    /// Whether which one comes next depends on the distances of those before.
+    /// Whether the choice of a candidate depends on the distances of the previous ones.
     #[inline]
-    fn depend(self) -> bool {
+    fn are_dependent(self) -> bool {
         matches!(self, Self::Listed(_))
     }
 }

@@ -2,36 +2,35 @@ use crate::metric::{Metric, cosine_distance, euclidean_distance};
 use raypath_model::Functional;
 use raypath_ops::{AngularInput, Beat, EuclideanInput, Job, Outcome, Rules, VectorError};
 
-/// A datapath that is given vectors, beat by beat, by one caller: the plain way to a distance, job by job through the
-/// functional model. Searches compute the same bits faster.
+/// A distance evaluator that runs each beat as a job of the functional model. Searches compute the same bits faster.
 ///
-/// `E` Euclidean lanes are a power of two from 2 to 64, and `A` angular ones half as many.
+/// `E`, the number of Euclidean lanes, is a power of two from 2 to 64; `A`, that of angular lanes, is half of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Datapath<const E: usize = 16, const A: usize = 8> {
     model: Functional<E, A>,
     beats: u64,
 }
 
-/// What the datapath accumulates over the angular beats of two vectors.
+/// The sums of the datapath over the angular beats of two vectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Angle {
-    /// Dot product of query and candidate.
+    /// The dot product of query and candidate.
     pub dot_product: f32,
-    /// Squared norm of the candidate. That of the query comes from a run with the query as its own candidate.
+    /// The squared norm of the candidate. The norm of the query takes a run with the query as its own candidate.
     pub norm: f32,
 }
 
 impl<const E: usize, const A: usize> Datapath<E, A> {
-    /// A datapath whose accumulators are zero.
+    /// An evaluator with accumulators at zero.
     pub fn new() -> Self {
         const { assert!(E == 2 * A, "half as many angular lanes as Euclidean ones") };
         Self { model: Functional::new(Rules::Paper), beats: 0 }
     }
 
-    /// Squared Euclidean distance, in binary32 and the datapath's order.
+    /// The squared Euclidean distance in binary32, summed in the order of the datapath.
     ///
     /// # Errors
-    /// Vectors of different dimensions, or of none.
+    /// Vectors of different dimensions, or without coordinates.
     pub fn squared(&mut self, query: &[f32], candidate: &[f32]) -> Result<f32, VectorError> {
         let mut sum = 0.0;
         for euclidean in Beat::of(query, candidate)? {
@@ -43,10 +42,10 @@ impl<const E: usize, const A: usize> Datapath<E, A> {
         Ok(sum)
     }
 
-    /// Dot product and norm of the candidate, in binary32 and the datapath's order.
+    /// The dot product and the norm of the candidate in binary32, summed in the order of the datapath.
     ///
     /// # Errors
-    /// Vectors of different dimensions, or of none.
+    /// Vectors of different dimensions, or without coordinates.
     pub fn angle(&mut self, query: &[f32], candidate: &[f32]) -> Result<Angle, VectorError> {
         let mut angle = Angle { dot_product: 0.0, norm: 0.0 };
         for euclidean in Beat::of(query, candidate)? {
@@ -58,10 +57,11 @@ impl<const E: usize, const A: usize> Datapath<E, A> {
         Ok(angle)
     }
 
-    /// The distance; angular in twice the beats, for the query's norm takes a run of its own.
+    /// The distance. With the angular metric it takes twice the beats, because the norm of the query takes a run of its
+    /// own.
     ///
     /// # Errors
-    /// Vectors of different dimensions, or of none.
+    /// Vectors of different dimensions, or without coordinates.
     pub fn distance(&mut self, metric: Metric, query: &[f32], candidate: &[f32]) -> Result<f64, VectorError> {
         Ok(match metric {
             Metric::Euclidean => euclidean_distance(self.squared(query, candidate)?),
@@ -72,7 +72,7 @@ impl<const E: usize, const A: usize> Datapath<E, A> {
         })
     }
 
-    /// Beats that it has taken since it was made.
+    /// The number of beats run so far.
     pub fn beats(&self) -> u64 {
         self.beats
     }

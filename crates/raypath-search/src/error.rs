@@ -2,70 +2,70 @@ use crate::vectors::VectorsError;
 use raypath_ops::VectorError;
 use thiserror::Error;
 
-/// Why a search did not happen, or not to its end.
+/// The reason why a search failed or stopped.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SearchError {
-    /// Queries that are not of the base's dimension.
-    #[error("queries of {queries} dimensions, expected {base} as the base has")]
+    /// The queries have another dimension than the base.
+    #[error("queries of {queries} dimensions, expected {base} as in the base")]
     Dimensions {
-        /// Dimension of the base.
+        /// The dimension of the base.
         base: usize,
-        /// Dimension of the queries.
+        /// The dimension of the queries.
         queries: usize,
     },
-    /// A number of neighbours that the base does not have.
-    #[error("{asked} neighbours asked for, expected 1 to {there}, as many as the base has vectors")]
+    /// The number of requested neighbours is out of range.
+    #[error("{requested} neighbours requested, expected 1 to {available}, the number of vectors in the base")]
     Neighbours {
-        /// How many were asked for.
-        asked: usize,
-        /// Vectors of the base.
-        there: usize,
+        /// The number of requested neighbours.
+        requested: usize,
+        /// The number of vectors in the base.
+        available: usize,
     },
-    /// A parameter out of its range.
+    /// An integer parameter is out of range.
     #[error("{name} is {found}, expected {expected}")]
     Parameter {
-        /// Its name.
+        /// The name of the parameter.
         name: &'static str,
-        /// What it was.
+        /// The value.
         found: usize,
-        /// Its range.
+        /// The valid range.
         expected: &'static str,
     },
-    /// True neighbours for another number of queries, or fewer than are compared.
+    /// The truth has another number of queries, or too few neighbours.
     #[error("truth of {found} {what}, expected {expected}")]
     Truth {
-        /// Of what there are too few or too many.
+        /// The item whose number is wrong.
         what: &'static str,
-        /// How many there are.
+        /// The number found.
         found: usize,
-        /// How many there should be.
+        /// The number expected.
         expected: usize,
     },
-    /// A number that a distribution cannot have.
+    /// A floating-point parameter is out of range.
     #[error("{name} is {found}, expected {expected}")]
     Number {
-        /// Its name.
+        /// The name of the parameter.
         name: &'static str,
-        /// What it was.
+        /// The value.
         found: f32,
-        /// Its range.
+        /// The valid range.
         expected: &'static str,
     },
-    /// No threads could be started.
-    #[error("{asked} threads: {why}")]
+    /// Threads could not be started.
+    #[error("{requested} threads: {reason}")]
     Threads {
-        /// How many were asked for.
-        asked: usize,
-        /// What the system says.
-        why: String,
+        /// The number of requested threads.
+        requested: usize,
+        /// The reason from the operating system.
+        reason: String,
     },
-    /// Numbers that are not a set of vectors.
+    /// A list of vectors is invalid.
     #[error(transparent)]
     Vectors(#[from] VectorsError),
-    /// Two vectors that have no distance.
+    /// Two vectors have different dimensions or none.
     #[error(transparent)]
     Vector(#[from] VectorError),
-    /// The callback said to stop.
+    /// The progress callback returned false.
     #[error("stopped")]
     Stopped,
 }

@@ -1,19 +1,19 @@
-use crate::answers::{Answers, Neighbour, Work};
 use crate::error::SearchError;
 use crate::kernel::{self, Blocks, Lane};
 use crate::metric::{Metric, cosine_distance, euclidean_distance};
 use crate::nearest::{Candidate, Nearest};
+use crate::results::{Neighbour, SearchResults, Work};
 use crate::vectors::Vectors;
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use raypath_model::BLOCK;
 use raypath_ops::{Angular, Euclidean, array_of};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use raypath_timing::{Progress, ProgressCounter};
 use std::time::Instant;
 
-/// Exact search: every query against every vector of the base, with the bits of [`Datapath`](crate::Datapath).
+/// Exact search: it compares every query with every vector of the base, with the bits of [`Datapath`](crate::Datapath).
 ///
-/// It holds a copy of the base, in the order in which it computes.
+/// It holds a copy of the base in a layout for SIMD.
 #[derive(Debug, Clone)]
 pub struct Exact<const E: usize = 16, const A: usize = 8> {
     metric: Metric,
@@ -21,24 +21,24 @@ pub struct Exact<const E: usize = 16, const A: usize = 8> {
     dimensions: usize,
     len: usize,
     blocks: Blocks,
-    /// Squared norms of the base where the metric is angular. The datapath gives them along with every dot product; as
-    /// they are the same for every query, they are computed once here.
+    /// The squared norms of the base for the angular metric. The datapath computes them with every dot product; here
+    /// they are computed once, because they are the same for every query.
     norms: Vec<f32>,
 }
 
-/// Bytes of the base that are searched for several queries before the next: half of a usual second-level cache.
+/// The size of a tile of the base in bytes, half of a typical second-level cache. A group of queries shares a tile.
 const TILE: usize = 256 << 10;
 
-/// The most queries that share a tile.
+/// The maximum number of queries that share a tile.
 const GROUP: usize = 32;
 
 impl<const E: usize, const A: usize> Exact<E, A> {
-    /// Arranges the base for search, in the widest registers that this machine has.
+    /// Prepares a base for search with the widest SIMD registers of the machine.
     pub fn new(base: &Vectors, metric: Metric) -> Self {
         Self::at(Level::new(), base, metric)
     }
 
-    /// The same with given instructions. They change the speed alone.
+    /// Prepares a base for search with the given SIMD instructions, which affect speed only.
     pub fn at(level: Level, base: &Vectors, metric: Metric) -> Self {
         let (lanes, norms) = match metric {
             Metric::Euclidean => (E, Vec::new()),
@@ -51,60 +51,48 @@ impl<const E: usize, const A: usize> Exact<E, A> {
         Self { metric, level, dimensions: base.dimensions(), len: base.len(), blocks: Blocks::new(base, lanes), norms }
     }
 
-    /// The `count` nearest of each query, on all of rayon's threads, whose number does not change the answer.
-    ///
-    /// `watch` is told now and then how many queries are done; where it answers false, the search stops.
+    /// Searches the `count` nearest neighbours of each query on all threads of rayon. The result does not depend on the
+    /// number of threads. `progress` gets the number of completed queries.
     ///
     /// # Errors
     /// Queries of another dimension; a `count` that is not 1 to the size of the base;
     /// [`Stopped`](SearchError::Stopped).
-    pub fn search(
-        &self,
-        queries: &Vectors,
-        count: usize,
-        watch: &(dyn Fn(u64) -> bool + Sync),
-    ) -> Result<Answers, SearchError> {
+    pub fn search(&self, queries: &Vectors, count: usize, progress: Progress) -> Result<SearchResults, SearchError> {
         check(self.dimensions, self.len, queries.dimensions(), count)?;
         let began = Instant::now();
-        let (done, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
-        let go_on = |more: usize| {
-            let done = done.fetch_add(more as u64, Ordering::Relaxed) + more as u64;
-            if !watch(done) {
-                stopped.store(true, Ordering::Relaxed);
-            }
-            !stopped.load(Ordering::Relaxed)
-        };
+        let progress = ProgressCounter::new(progress);
         let group = queries.len().div_ceil(4 * rayon::current_num_threads()).clamp(1, GROUP);
         let rows: Vec<Vec<Neighbour>> = queries
             .data()
             .par_chunks(group * queries.dimensions())
-            .flat_map_iter(|queries| self.group(queries, count, &go_on))
+            .flat_map_iter(|queries| self.group(queries, count, &progress))
             .collect();
-        if stopped.into_inner() {
+        if progress.is_stopped() {
             return Err(SearchError::Stopped);
         }
-        Ok(Answers { rows, work: self.work(queries.len()), seconds: began.elapsed().as_secs_f64() })
+        Ok(SearchResults { rows, work: self.work(queries.len()), seconds: began.elapsed().as_secs_f64() })
     }
 
-    /// What the datapath does for so many queries: each with every vector of the base, and angular with itself.
+    /// The work of the datapath for a number of queries: each is compared with every vector of the base, and with
+    /// itself for the angular metric.
     pub fn work(&self, queries: usize) -> Work {
         let candidates = self.len as u64 + u64::from(self.metric == Metric::Angular);
         let evaluations = queries as u64 * candidates;
         Work::of::<E, A>(evaluations, self.metric, self.dimensions)
     }
 
-    /// A few queries, tile by tile, as long as `go_on` says so.
-    fn group(&self, queries: &[f32], count: usize, go_on: &impl Fn(usize) -> bool) -> Vec<Vec<Neighbour>> {
+    /// Searches for a group of queries, tile by tile.
+    fn group(&self, queries: &[f32], count: usize, progress: &ProgressCounter) -> Vec<Vec<Neighbour>> {
         let mut queries: Vec<Query> =
             queries.chunks_exact(self.dimensions).map(|query| self.query(query, count)).collect();
         let tile = (TILE / (self.blocks.padded() * size_of::<Lane>())).max(1);
         for (number, blocks) in self.blocks.tiles(tile).enumerate() {
             dispatch!(self.level, simd => self.tile(simd, &mut queries, number * tile * BLOCK, blocks));
-            if !go_on(0) {
+            if !progress.add(0) {
                 return Vec::new();
             }
         }
-        go_on(queries.len());
+        progress.add(queries.len() as u64);
         queries.into_iter().map(|query| self.finish(query.nearest)).collect()
     }
 
@@ -118,7 +106,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
         Query { padded, norm, nearest: Nearest::new(count) }
     }
 
-    /// Each query against each of some blocks, whose first candidate is number `first`.
+    /// Compares each query with each of the blocks, whose first candidate has index `first`.
     #[inline(always)]
     fn tile<S: Simd>(&self, simd: S, queries: &mut [Query], first: usize, blocks: &[Lane]) {
         let firsts = || (first..).step_by(BLOCK);
@@ -158,7 +146,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
 
     #[inline(always)]
     fn offer(&self, query: &mut Query, first: usize, keys: [f64; BLOCK]) {
-        // Candidates come by rising index, so one as far as the farthest does not displace it.
+        // Candidates come in ascending order of index, so one at the distance of the farthest does not displace it.
         if query.nearest.bound().is_none_or(|bound| keys.iter().any(|&key| key < bound)) {
             for (index, &key) in (first..self.len).zip(&keys) {
                 query.nearest.offer(Candidate { key, index: index as u32 });
@@ -180,25 +168,25 @@ impl<const E: usize, const A: usize> Exact<E, A> {
     }
 }
 
-/// A query on its way through the base.
+/// A query with its nearest candidates so far.
 struct Query {
     padded: Vec<f32>,
     norm: f32,
     nearest: Nearest,
 }
 
-/// Whether queries of so many dimensions can be asked for so many neighbours.
+/// Checks the dimension of queries and the number of neighbours.
 pub(crate) fn check(dimensions: usize, len: usize, queries: usize, count: usize) -> Result<(), SearchError> {
     if queries != dimensions {
         return Err(SearchError::Dimensions { base: dimensions, queries });
     }
     if !(1..=len).contains(&count) {
-        return Err(SearchError::Neighbours { asked: count, there: len });
+        return Err(SearchError::Neighbours { requested: count, available: len });
     }
     Ok(())
 }
 
-/// The squared norm of each vector, as the datapath gives it.
+/// The squared norm of each vector, with the bits of the datapath.
 pub(crate) fn norms<const A: usize>(vectors: &Vectors) -> Vec<f32> {
     let rows = vectors.data().par_chunks(vectors.dimensions());
     rows.map(kernel::norm::<A>).collect()

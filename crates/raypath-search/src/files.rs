@@ -1,4 +1,4 @@
-//! Vectors and neighbours from files, and to them.
+//! Readers and writers of vector files.
 
 mod error;
 mod hdf5;
@@ -14,28 +14,28 @@ use crate::neighbours::Neighbours;
 use crate::vectors::Vectors;
 use std::path::Path;
 
-/// What a search needs.
+/// A data set: a base, queries, and the truth if known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dataset {
-    /// The vectors that are searched.
+    /// The vectors to search.
     pub base: Vectors,
-    /// The vectors that are searched for, of the base's dimension.
+    /// The queries, of the dimension of the base.
     pub queries: Vectors,
-    /// The true neighbours of each query, where they are known.
+    /// The true neighbours of each query, if known.
     pub truth: Option<Neighbours>,
-    /// The distances of those neighbours, where the file has them.
+    /// The distances of the true neighbours, if the file has them.
     pub distances: Option<Vectors>,
-    /// The distance that the truth is about, where the file says it.
+    /// The metric of the truth, if the file names it.
     pub metric: Option<Metric>,
 }
 
 impl Dataset {
-    /// Reads what a search needs: all from one `.hdf5` file as ann-benchmarks has them, or from a file each. `queries` and
-    /// `truth` take the place of what is in an `.hdf5` file, whose truth is not about other queries than its own.
+    /// Reads a data set from one `.hdf5` file in the layout of ann-benchmarks, or from separate files. `queries` and
+    /// `truth` replace those of an `.hdf5` file; with other queries its truth is ignored.
     ///
     /// # Errors
-    /// A file that cannot be read or does not hold what it should ([`FileError`]); queries of another dimension than the
-    /// base; truth for another number of queries.
+    /// A file that cannot be read or has wrong content ([`FileError`]); queries of another dimension than the base;
+    /// truth for another number of queries.
     pub fn read(base: &Path, queries: Option<&Path>, truth: Option<&Path>) -> Result<Self, FileError> {
         let mut dataset = if extension(base) == "hdf5" {
             hdf5::dataset(base, queries.is_none(), queries.is_none() && truth.is_none())?
@@ -46,10 +46,15 @@ impl Dataset {
             dataset.queries = Some(read_vectors(queries)?);
         }
         let Some(own_queries) = dataset.queries else {
-            return Err(FileError::content(base, "queries", "no file of queries", "one, or an .hdf5 file"));
+            return Err(FileError::content(
+                base,
+                "queries",
+                "no file of queries",
+                "a file of queries, or an .hdf5 file",
+            ));
         };
         if own_queries.dimensions() != dataset.base.dimensions() {
-            let expected = format!("{} as {} has", dataset.base.dimensions(), base.display());
+            let expected = format!("{} as in {}", dataset.base.dimensions(), base.display());
             let file = queries.unwrap_or(base);
             return Err(FileError::content(file, "dimensions of the queries", own_queries.dimensions(), expected));
         }
@@ -73,11 +78,11 @@ impl Dataset {
     }
 }
 
-/// Reads vectors from `.fvecs`, `.bvecs`, `.ivecs`, `.npy`, or from the base (`train`) of an `.hdf5` file. Numbers of other
-/// types are rounded to binary32.
+/// Reads vectors from `.fvecs`, `.bvecs`, `.ivecs`, `.npy`, or from the base (`train`) of an `.hdf5` file. Numbers of
+/// other types are rounded to binary32.
 ///
 /// # Errors
-/// A file that cannot be read, or that holds anything but vectors of one dimension with finite coordinates.
+/// A file that cannot be read, or whose content is not a list of vectors of one dimension with finite coordinates.
 pub fn read_vectors(file: &Path) -> Result<Vectors, FileError> {
     let (dimensions, data) = match extension(file).as_str() {
         "fvecs" => texmex::read(file, f32::from_le_bytes)?,
@@ -93,7 +98,7 @@ pub fn read_vectors(file: &Path) -> Result<Vectors, FileError> {
 /// Reads true neighbours in a base of `base` vectors from `.ivecs`, `.npy`, or from `neighbors` of an `.hdf5` file.
 ///
 /// # Errors
-/// A file that cannot be read, or that holds anything but indices of the base, as many in each row.
+/// A file that cannot be read, or whose content is not indices of the base with the same number in each row.
 pub fn read_neighbours(file: &Path, base: usize) -> Result<Neighbours, FileError> {
     let (count, indices) = match extension(file).as_str() {
         "ivecs" => texmex::read(file, |bytes| i64::from(i32::from_le_bytes(bytes)))?,
@@ -108,12 +113,12 @@ fn neighbours(file: &Path, count: usize, indices: &[i64], base: usize) -> Result
     Neighbours::new(count, indices, base).map_err(|source| FileError::Neighbours { file: file.to_owned(), source })
 }
 
-/// The extension in small letters; `h5` is `hdf5`.
+/// The extension in lower case; `hdf5` for `h5`.
 fn extension(file: &Path) -> String {
     let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if extension == "h5" { "hdf5".to_owned() } else { extension }
 }
 
 fn unknown(file: &Path, extension: &str, expected: &str) -> FileError {
-    FileError::content(file, "the name's extension", format_args!("`{extension}`"), expected)
+    FileError::content(file, "extension", format_args!("`{extension}`"), expected)
 }

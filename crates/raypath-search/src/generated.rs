@@ -5,20 +5,20 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Vectors around random centres, for when there are no files. Base and queries come from the same clusters.
+/// A generator of random vectors in clusters. Base and queries come from the same clusters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clusters {
-    /// Vectors of the base: at least 1, and with their coordinates no more than 2³² numbers.
+    /// The number of vectors of the base: at least 1, with at most 2³² coordinates in total.
     pub vectors: usize,
-    /// Queries: at least 1.
+    /// The number of queries, at least 1.
     pub queries: usize,
-    /// Dimensions of each: 1 to [`MAX_DIMENSIONS`].
+    /// The dimension of the vectors: 1 to [`MAX_DIMENSIONS`].
     pub dimensions: usize,
-    /// Clusters: at least 1. Centres are normally distributed in every coordinate, with deviation 1.
+    /// The number of clusters, at least 1. The coordinates of their centres have a standard normal distribution.
     pub clusters: usize,
-    /// Deviation of a vector's coordinates from its centre's: 0 to 1,000.
+    /// The standard deviation of coordinates from those of the centre: 0 to 1,000.
     pub spread: f32,
-    /// What everything follows from.
+    /// The seed of the random generator.
     pub seed: u64,
 }
 
@@ -30,10 +30,10 @@ impl Default for Clusters {
 }
 
 impl Clusters {
-    /// Makes them: the same ones for the same fields.
+    /// Generates the vectors. Equal fields give equal vectors.
     ///
     /// # Errors
-    /// A field out of its range.
+    /// A field out of range.
     pub fn generate(&self) -> Result<Dataset, SearchError> {
         let sizes = [("vectors", self.vectors), ("queries", self.queries), ("clusters", self.clusters)];
         for (name, found) in sizes {

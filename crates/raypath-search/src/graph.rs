@@ -1,56 +1,58 @@
-use crate::answers::{Answers, Neighbour, Work};
 use crate::error::SearchError;
 use crate::exact::{check, norms};
 use crate::kernel;
 use crate::metric::{Metric, cosine_distance, euclidean_distance};
+use crate::results::{Neighbour, SearchResults, Work};
 use crate::vectors::Vectors;
 use hnsw_rs::prelude::{Distance, Hnsw};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use raypath_timing::{Progress, ProgressCounter};
 use std::fmt;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// Approximate search through a hierarchical navigable small world (Malkov and Yashunin, *Efficient and robust approximate
-/// nearest neighbor search using Hierarchical Navigable Small World graphs*, 2018), with the datapath's distances.
+/// Approximate search through a hierarchical navigable small-world graph (Malkov and Yashunin, *Efficient and robust
+/// approximate nearest neighbor search using Hierarchical Navigable Small World graphs*, 2018), with the distances of
+/// the datapath.
 ///
-/// The graph is that of the crate `hnsw_rs`. Vectors are inserted one after another, so it is the same for the same base,
-/// parameters and seed, on any machine and with any number of threads.
+/// The graph is that of the crate `hnsw_rs`. Vectors are inserted one after another, so equal bases, parameters and
+/// seeds give equal graphs, on any machine and with any number of threads.
 pub struct Graph<'v, const E: usize = 16, const A: usize = 8> {
-    index: Hnsw<'static, Item, Beats<'v, E, A>>,
+    index: Hnsw<'static, Item, DatapathDistance<'v, E, A>>,
     built: Work,
 }
 
-/// What a search through a graph did for one query: what a [`Walk`](crate::Walk) replays.
+/// The trace of a graph search for one query, which a [`QueryAgent`](crate::QueryAgent) replays.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Log {
-    /// The vectors of the base that it asked the datapath about, in order. One may come again, as the layers of the graph
-    /// do not know of each other.
+pub struct SearchTrace {
+    /// The vectors of the base whose distances were evaluated, in order. A vector can occur in several layers of the
+    /// graph.
     pub candidates: Vec<u32>,
-    /// Those of them that it answered, nearest first. They are not always the nearest of all candidates: what is seen in
-    /// a higher layer counts for finding the way only.
+    /// The resulting neighbours, nearest first. They are not always the nearest of all candidates, because candidates
+    /// of upper layers only guide the search.
     pub found: Vec<u32>,
 }
 
-impl Log {
-    /// What it costs with vectors of so many dimensions; angular the query's own norm is part of it.
+impl SearchTrace {
+    /// The work for vectors of dimension `dimensions`, with the norm of the query for the angular metric.
     pub fn work<const E: usize, const A: usize>(&self, metric: Metric, dimensions: usize) -> Work {
         let norms = u64::from(metric == Metric::Angular);
         Work::of::<E, A>(self.candidates.len() as u64 + norms, metric, dimensions)
     }
 }
 
-/// What a graph is built with.
+/// The parameters of a graph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GraphParameters {
-    /// M: the most connections of a vector in each layer, twice as many in the lowest. 2 to 255.
+    /// M: the maximum number of connections of a vector in each layer, doubled in the lowest; 2 to 255.
     pub connections: usize,
-    /// Candidates that are kept while a vector finds its connections. 1 to 65,536.
+    /// The number of candidates kept while connecting a vector; 1 to 65,536.
     pub ef_construction: usize,
-    /// What the order of insertion follows from.
+    /// The seed of the order of insertion.
     pub seed: u64,
 }
 
@@ -61,52 +63,52 @@ impl Default for GraphParameters {
     }
 }
 
-/// The most layers; a vector is in the second with probability 1/M, in the third with 1/M², and so on.
+/// The maximum number of layers. A vector is in the second with probability 1/M, in the third with 1/M², and so on.
 const LAYERS: usize = 16;
 
-/// The greatest ef.
+/// The maximum ef.
 const EF_MAX: usize = 1 << 16;
 
 impl<'v, const E: usize, const A: usize> Graph<'v, E, A> {
-    /// Builds the graph, on one thread. `watch` is told how many vectors are in; where it answers false, the work stops.
+    /// Builds the graph on one thread. `progress` gets the number of inserted vectors.
     ///
     /// # Errors
-    /// A parameter out of its range; [`Stopped`](SearchError::Stopped).
+    /// A parameter out of range; [`Stopped`](SearchError::Stopped).
     pub fn build(
         base: &'v Vectors,
         metric: Metric,
         parameters: &GraphParameters,
-        watch: &(dyn Fn(u64) -> bool + Sync),
+        progress: Progress,
     ) -> Result<Self, SearchError> {
         let GraphParameters { connections, ef_construction, seed } = *parameters;
         in_range("connections", connections, 2..=255, "2 to 255")?;
         in_range("ef_construction", ef_construction, 1..=EF_MAX, "1 to 65536")?;
 
-        let distance = Beats::<E, A>::new(base, metric);
+        let distance = DatapathDistance::<E, A>::new(base, metric);
         let index = Hnsw::new(connections, base.len(), LAYERS, ef_construction, distance);
         let mut order: Vec<u32> = (0..base.len() as u32).collect();
         order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
         for (done, &vector) in (1..).zip(&order) {
             index.insert_slice((&[Item::Base(vector)], vector as usize));
-            if !watch(done) {
+            if !progress(done) {
                 return Err(SearchError::Stopped);
             }
         }
-        // Besides the pairs, each vector's norm takes a run of its own: it is the query of its insertion.
+        // Each vector is the query of its insertion, so its norm takes a run in addition to the pairs.
         let norms = if metric == Metric::Angular { base.len() as u64 } else { 0 };
         let built = index.get_distance().work(index.get_distance().evaluations.load(Ordering::Relaxed) + norms);
         Ok(Self { index, built })
     }
 
-    /// What the datapath did to build it.
+    /// The work of the datapath to build the graph.
     pub fn build_work(&self) -> Work {
         self.built
     }
 
-    /// About the `count` nearest of each query, on all of rayon's threads. `ef`, at least `count`, is how many candidates
-    /// are kept: more find better neighbours in more time. A row is shorter than `count` where the graph does not lead on.
-    ///
-    /// `watch` is told how many queries are done; where it answers false, the search stops.
+    /// Searches approximately the `count` nearest neighbours of each query on all threads of rayon. `ef`, at least
+    /// `count`, is the number of candidates kept: more candidates give better neighbours and take more time. A query
+    /// can have fewer than `count` results if the graph is not connected. `progress` gets the number of completed
+    /// queries.
     ///
     /// # Errors
     /// Queries of another dimension; a `count` that is not 1 to the size of the base; an `ef` that is not `count` to
@@ -116,75 +118,73 @@ impl<'v, const E: usize, const A: usize> Graph<'v, E, A> {
         queries: &Vectors,
         count: usize,
         ef: usize,
-        watch: &(dyn Fn(u64) -> bool + Sync),
-    ) -> Result<Answers, SearchError> {
+        progress: Progress,
+    ) -> Result<SearchResults, SearchError> {
         let base = self.distance().base;
         check(base.dimensions(), base.len(), queries.dimensions(), count)?;
         in_ef_range(ef, count)?;
         let began = Instant::now();
-        let (done, stopped, evaluations) = (AtomicU64::new(0), AtomicBool::new(false), AtomicU64::new(0));
+        let (progress, evaluations) = (ProgressCounter::new(progress), AtomicU64::new(0));
         let one = |query: &[f32]| {
-            if stopped.load(Ordering::Relaxed) {
+            if progress.is_stopped() {
                 return Vec::new();
             }
             let query = Arc::new(self.distance().query(query, None));
             let row = self.row(&query, count, ef);
             evaluations.fetch_add(query.evaluations.load(Ordering::Relaxed), Ordering::Relaxed);
-            if !watch(done.fetch_add(1, Ordering::Relaxed) + 1) {
-                stopped.store(true, Ordering::Relaxed);
-            }
+            progress.add(1);
             row
         };
         let rows = queries.data().par_chunks_exact(queries.dimensions()).map(one).collect();
-        if stopped.into_inner() {
+        if progress.is_stopped() {
             return Err(SearchError::Stopped);
         }
         let work = self.distance().work(evaluations.into_inner());
-        Ok(Answers { rows, work, seconds: began.elapsed().as_secs_f64() })
+        Ok(SearchResults { rows, work, seconds: began.elapsed().as_secs_f64() })
     }
 
-    /// What a search for one query's `count` nearest does.
+    /// The trace of a search for the `count` nearest neighbours of one query.
     ///
     /// # Errors
-    /// As those of [`search`](Self::search); a query that is no vector.
-    pub fn log(&self, query: &[f32], count: usize, ef: usize) -> Result<Log, SearchError> {
+    /// The errors of [`search`](Self::search), and an invalid query vector.
+    pub fn trace(&self, query: &[f32], count: usize, ef: usize) -> Result<SearchTrace, SearchError> {
         let query = Vectors::new(query.len(), query.to_vec())?;
-        let mut logs = self.logs(&query, count, ef, u64::MAX, &|_| true)?;
-        Ok(logs.pop().unwrap_or_default())
+        let mut traces = self.traces(&query, count, ef, u64::MAX, &|_| true)?;
+        Ok(traces.pop().unwrap_or_default())
     }
 
-    /// The logs of the first queries: as many as have, together, at most `beats` beats. `watch` is told how many there
-    /// are; where it answers false, the work stops.
+    /// The traces of the first queries, as many as have at most `beats` beats in total. `progress` gets the number of
+    /// traces.
     ///
     /// # Errors
-    /// As those of [`search`](Self::search).
-    pub fn logs(
+    /// The errors of [`search`](Self::search).
+    pub fn traces(
         &self,
         queries: &Vectors,
         count: usize,
         ef: usize,
         beats: u64,
-        watch: &(dyn Fn(u64) -> bool + Sync),
-    ) -> Result<Vec<Log>, SearchError> {
-        let Beats { base, metric, .. } = *self.distance();
+        progress: Progress,
+    ) -> Result<Vec<SearchTrace>, SearchError> {
+        let DatapathDistance { base, metric, .. } = *self.distance();
         check(base.dimensions(), base.len(), queries.dimensions(), count)?;
         in_ef_range(ef, count)?;
-        let (mut logs, mut left) = (Vec::new(), beats);
+        let (mut traces, mut left) = (Vec::new(), beats);
         for query in queries.iter() {
             let query = Arc::new(self.distance().query(query, Some(Mutex::default())));
             let found = self.row(&query, count, ef).iter().map(|near| near.index).collect();
-            let candidates = query.log.as_ref().map(|log| std::mem::take(&mut *candidates_of(log)));
-            let log = Log { candidates: candidates.unwrap_or_default(), found };
-            match left.checked_sub(log.work::<E, A>(metric, base.dimensions()).beats) {
+            let candidates = query.candidates.as_ref().map(|list| std::mem::take(&mut *lock(list)));
+            let trace = SearchTrace { candidates: candidates.unwrap_or_default(), found };
+            match left.checked_sub(trace.work::<E, A>(metric, base.dimensions()).beats) {
                 Some(rest) => left = rest,
                 None => break,
             }
-            logs.push(log);
-            if !watch(logs.len() as u64) {
+            traces.push(trace);
+            if !progress(traces.len() as u64) {
                 return Err(SearchError::Stopped);
             }
         }
-        Ok(logs)
+        Ok(traces)
     }
 
     fn row(&self, query: &Arc<Query>, count: usize, ef: usize) -> Vec<Neighbour> {
@@ -200,7 +200,7 @@ impl<'v, const E: usize, const A: usize> Graph<'v, E, A> {
         row
     }
 
-    fn distance(&self) -> &Beats<'v, E, A> {
+    fn distance(&self) -> &DatapathDistance<'v, E, A> {
         self.index.get_distance()
     }
 }
@@ -212,7 +212,7 @@ impl<const E: usize, const A: usize> fmt::Debug for Graph<'_, E, A> {
 }
 
 fn in_ef_range(ef: usize, count: usize) -> Result<(), SearchError> {
-    in_range("ef", ef, count..=EF_MAX, "as many as neighbours asked for, to 65536")
+    in_range("ef", ef, count..=EF_MAX, "at least the number of neighbours and at most 65536")
 }
 
 fn in_range(
@@ -224,7 +224,7 @@ fn in_range(
     if range.contains(&found) { Ok(()) } else { Err(SearchError::Parameter { name, found, expected }) }
 }
 
-/// What the graph holds: a name of a vector instead of the vector.
+/// An item of the graph: a reference to a vector.
 #[derive(Clone)]
 enum Item {
     Base(u32),
@@ -235,33 +235,33 @@ struct Query {
     vector: Vec<f32>,
     norm: f32,
     evaluations: AtomicU64,
-    /// The candidates in order, where they are asked for.
-    log: Option<Mutex<Vec<u32>>>,
+    /// The candidates in order, if they are recorded.
+    candidates: Option<Mutex<Vec<u32>>>,
 }
 
-/// The distance that the graph is given.
-struct Beats<'v, const E: usize, const A: usize> {
+/// The distance function of the graph.
+struct DatapathDistance<'v, const E: usize, const A: usize> {
     base: &'v Vectors,
     metric: Metric,
-    /// Squared norms of the base where the metric is angular.
+    /// The squared norms of the base for the angular metric.
     norms: Vec<f32>,
-    /// Pairs of vectors of the base that were evaluated.
+    /// The number of evaluated pairs of vectors of the base.
     evaluations: AtomicU64,
 }
 
-impl<'v, const E: usize, const A: usize> Beats<'v, E, A> {
+impl<'v, const E: usize, const A: usize> DatapathDistance<'v, E, A> {
     fn new(base: &'v Vectors, metric: Metric) -> Self {
         let norms = if metric == Metric::Angular { norms::<A>(base) } else { Vec::new() };
         Self { base, metric, norms, evaluations: AtomicU64::new(0) }
     }
 
-    /// A query; angular it goes through the datapath once to have its norm.
-    fn query(&self, vector: &[f32], log: Option<Mutex<Vec<u32>>>) -> Query {
+    /// A query, with its norm for the angular metric.
+    fn query(&self, vector: &[f32], candidates: Option<Mutex<Vec<u32>>>) -> Query {
         let (norm, evaluations) = match self.metric {
             Metric::Euclidean => (0.0, 0),
             Metric::Angular => (kernel::norm::<A>(vector), 1),
         };
-        Query { vector: vector.to_vec(), norm, evaluations: AtomicU64::new(evaluations), log }
+        Query { vector: vector.to_vec(), norm, evaluations: AtomicU64::new(evaluations), candidates }
     }
 
     fn vector(&self, index: u32) -> (&[f32], f32) {
@@ -269,7 +269,7 @@ impl<'v, const E: usize, const A: usize> Beats<'v, E, A> {
         (self.base.get(index as usize).unwrap_or_default(), norm)
     }
 
-    /// The distance between a query and a vector of the base, uncounted.
+    /// The distance between a query and a vector of the base, without counting it.
     fn exactly(&self, query: &Query, index: u32) -> f64 {
         let (candidate, norm) = self.vector(index);
         match self.metric {
@@ -283,8 +283,8 @@ impl<'v, const E: usize, const A: usize> Beats<'v, E, A> {
     }
 }
 
-impl<const E: usize, const A: usize> Distance<Item> for Beats<'_, E, A> {
-    /// Squared Euclidean or cosine distance, in binary32 as the graph wants it; never a NaN, never negative.
+impl<const E: usize, const A: usize> Distance<Item> for DatapathDistance<'_, E, A> {
+    /// The squared Euclidean or the cosine distance in binary32; neither NaN nor negative.
     fn eval(&self, a: &[Item], b: &[Item]) -> f32 {
         let ([a], [Item::Base(candidate)]) = (a, b) else { return f32::INFINITY };
         let (query, query_norm) = match a {
@@ -294,8 +294,8 @@ impl<const E: usize, const A: usize> Distance<Item> for Beats<'_, E, A> {
             }
             Item::Query(query) => {
                 query.evaluations.fetch_add(1, Ordering::Relaxed);
-                if let Some(log) = &query.log {
-                    candidates_of(log).push(*candidate);
+                if let Some(list) = &query.candidates {
+                    lock(list).push(*candidate);
                 }
                 (&query.vector[..], query.norm)
             }
@@ -308,6 +308,6 @@ impl<const E: usize, const A: usize> Distance<Item> for Beats<'_, E, A> {
     }
 }
 
-fn candidates_of(log: &Mutex<Vec<u32>>) -> MutexGuard<'_, Vec<u32>> {
-    log.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock(list: &Mutex<Vec<u32>>) -> MutexGuard<'_, Vec<u32>> {
+    list.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,5 +1,5 @@
-//! The operations on vectors: one candidate over [`Binary32`] ([`pair`]), sixteen side by side over [`Lanes`] ([`block`]).
-//! How candidates lie in memory is decided here; what is computed is `raypath_ops`'.
+//! Evaluation of the distance operations of `raypath_ops` for searches: one candidate over [`Binary32`] ([`pair`]), or
+//! sixteen in parallel over [`Lanes`] ([`block`]).
 
 use crate::vectors::Vectors;
 use fearless_simd::Simd;
@@ -9,11 +9,11 @@ use raypath_ops::{
     Flags, KernelOperation, Kernels, Num, array_of,
 };
 
-/// A coordinate of each candidate in a block.
+/// One coordinate of all candidates of a block.
 pub(crate) type Lane = Num<Packed>;
 
-/// Vectors in blocks of sixteen, coordinate by coordinate. The coordinates beyond a vector's end, up to a multiple of
-/// the lanes, are there and masked off.
+/// Vectors in blocks of sixteen, stored coordinate by coordinate, with zeros up to a multiple of the lanes. A mask
+/// disables these.
 #[derive(Debug, Clone)]
 pub(crate) struct Blocks {
     lanes: Vec<Lane>,
@@ -21,7 +21,7 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// The vectors, with coordinates up to a multiple of `lanes`.
+    /// The blocks of `vectors`, padded to a multiple of `lanes`.
     pub(crate) fn new(vectors: &Vectors, lanes: usize) -> Self {
         let padded = vectors.dimensions().next_multiple_of(lanes);
         let mut blocks = Vec::with_capacity(vectors.len().div_ceil(BLOCK) * padded);
@@ -37,22 +37,22 @@ impl Blocks {
         Self { lanes: blocks, padded }
     }
 
-    /// Runs of `count` blocks; the last may be shorter.
+    /// The blocks in tiles of `count`; the last may be shorter.
     pub(crate) fn tiles(&self, count: usize) -> std::slice::Chunks<'_, Lane> {
         self.lanes.chunks(count * self.padded)
     }
 
-    /// Coordinates of a vector with those beyond its end.
+    /// The number of coordinates of a vector with padding.
     pub(crate) fn padded(&self) -> usize {
         self.padded
     }
 }
 
-/// A distance operation, `N` dimensions a beat.
+/// A distance operation with `N` dimensions per beat.
 pub(crate) trait Distance<const N: usize>: KernelOperation {
-    /// A beat as its input.
+    /// The input of a beat.
     fn input<C: Circuit>(beat: Beat<C, N>) -> Self::Input<C>;
-    /// Sums of zero.
+    /// Accumulators at zero.
     fn begin<C: Circuit>(c: C) -> Self::State<C>;
 }
 
@@ -96,7 +96,7 @@ pub(crate) fn norm<const A: usize>(vector: &[f32]) -> f32 {
     pair(&Angular::<A>, vector, vector).norm.into()
 }
 
-/// The sums of a query and one candidate, of as many coordinates.
+/// The sums of a query and one candidate of the same dimension.
 #[inline(always)]
 fn pair<O: Distance<N>, const N: usize>(op: &O, query: &[f32], candidate: &[f32]) -> O::State<Binary32> {
     let ((query, query_end), (candidate, candidate_end)) = (query.as_chunks::<N>(), candidate.as_chunks::<N>());
@@ -109,8 +109,8 @@ fn pair<O: Distance<N>, const N: usize>(op: &O, query: &[f32], candidate: &[f32]
     run(Binary32, SimdKernels, op, whole, (!query_end.is_empty()).then_some(end), query_end.len())
 }
 
-/// What `sum` takes from the sums of a query and the candidates of a block. Both have coordinates up to a multiple of
-/// `N`, of which the first `dimensions` count.
+/// The sums, selected by `sum`, of a query and the candidates of a block. Both are padded to a multiple of `N`; the
+/// first `dimensions` coordinates count.
 #[inline(always)]
 pub(crate) fn block<S: Simd, O: Distance<N>, const N: usize>(
     simd: S,
@@ -140,15 +140,15 @@ pub(crate) fn block<S: Simd, O: Distance<N>, const N: usize>(
     sums.value.0
 }
 
-/// A query's coordinates, each in all lanes, and those of a part of the candidates.
+/// The coordinates of a query, each in all lanes, and those of a part of the candidates.
 #[inline(always)]
 fn registers<S: Simd, const N: usize>(part: &Part<S>, a: &[f32; N], b: &[Lane; N]) -> [[Num<Lanes<S>>; N]; 2] {
     let lanes = part.lanes;
     [array_of!(i => Num::new(lanes, lanes.constant(a[i]))), <[Num<Binary32>; N]>::gather([b], part)]
 }
 
-/// Runs the beats of two vectors, coordinates first of the one and then of the other: whole ones, then one of which the
-/// first `width` lanes count, if there is such an `end`. No beat resets, so the sums are what the last one answers.
+/// Runs the beats of a pair of vectors: the whole ones, then `end` with `width` enabled lanes, if present. No beat
+/// resets the accumulators, so the final state has the sums.
 #[inline(always)]
 fn run<C: Circuit, O: Distance<N>, const N: usize>(
     c: C,

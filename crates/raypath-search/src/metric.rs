@@ -2,25 +2,25 @@ use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
-/// Which distance neighbours are ordered by.
+/// The distance by which neighbours are ordered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Metric {
     /// Euclidean distance.
     Euclidean,
-    /// Cosine distance: 1 − cos of the angle, between 0 and 2.
+    /// Cosine distance: 1 minus the cosine of the angle, between 0 and 2.
     Angular,
 }
 
-/// A name that no metric has.
+/// The error of an unknown metric name.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("metric `{0}`, expected euclidean or angular")]
 pub struct ParseMetricError(String);
 
 impl Metric {
-    /// Both.
+    /// Both metrics.
     pub const ALL: [Self; 2] = [Self::Euclidean, Self::Angular];
 
-    /// Its name, as [`FromStr`] takes it.
+    /// The name, as [`FromStr`] parses it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Euclidean => "euclidean",
@@ -28,7 +28,7 @@ impl Metric {
         }
     }
 
-    /// The beats of one vector in a datapath of `E` Euclidean and `A` angular lanes.
+    /// The number of beats of one vector in a datapath of `E` Euclidean and `A` angular lanes.
     pub fn beats<const E: usize, const A: usize>(self, dimensions: usize) -> u64 {
         let lanes = match self {
             Self::Euclidean => E,
@@ -52,21 +52,20 @@ impl FromStr for Metric {
     }
 }
 
-/// The distance of vectors whose squared distance the datapath gave: the root that is outside. Infinite where the sum
-/// overflowed binary32.
+/// The Euclidean distance from the squared distance of the datapath. Infinite if the sum overflowed binary32.
 pub fn euclidean_distance(squared: f32) -> f64 {
     f64::from(squared).sqrt()
 }
 
-/// The cosine distance, from what the datapath gave: root and division that are outside.
+/// The cosine distance from the sums of the datapath.
 ///
-/// - A **zero vector** has no direction: its distance from every vector is 1, as if it were at a right angle. So has a
-///   vector whose squared norm underflows binary32 to 0.
-/// - Where a sum **overflowed** binary32 nothing is known: the distance is infinite, so that the pair comes last.
-/// - Rounding can make a cosine exceed 1, or fall below -1: the distance is then 0, or 2.
+/// - A **zero vector** has no direction: its distance from every vector is 1, as at a right angle. The same holds for a
+///   vector whose squared norm underflows to 0 in binary32.
+/// - If a sum **overflowed** binary32, the distance is infinite, so that the pair is ordered last.
+/// - The distance is clamped to 0 to 2, because rounding can move a cosine out of -1 to 1.
 #[inline]
 pub fn cosine_distance(dot_product: f32, query_norm: f32, candidate_norm: f32) -> f64 {
-    // Without branches: searches compute several in SIMD registers.
+    // Free of branches, so that the compiler can vectorise loops over it.
     let squares = f64::from(query_norm) * f64::from(candidate_norm);
     let distance = (1.0 - f64::from(dot_product) / squares.sqrt()).clamp(0.0, 2.0);
     let distance = if squares == 0.0 { 1.0 } else { distance };

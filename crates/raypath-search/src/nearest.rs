@@ -1,35 +1,35 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// The nearest candidates so far, of those that have been offered.
+/// The nearest of the candidates offered so far.
 #[derive(Debug, Clone)]
 pub(crate) struct Nearest {
     heap: BinaryHeap<Candidate>,
     count: usize,
 }
 
-/// A candidate and what it is ordered by; equal keys by index.
+/// A candidate, ordered by key and then by index.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Candidate {
-    /// Anything that grows with the distance; not a NaN.
+    /// A monotonic function of the distance; not NaN.
     pub(crate) key: f64,
-    /// Its index in the base.
+    /// The index in the base.
     pub(crate) index: u32,
 }
 
 impl Nearest {
-    /// For the `count` nearest, at least one.
+    /// A collection of the `count` nearest candidates; `count` is at least 1.
     pub(crate) fn new(count: usize) -> Self {
         Self { heap: BinaryHeap::with_capacity(count), count }
     }
 
-    /// The key of the farthest, which a candidate must not exceed; `None` as long as there is room for any.
+    /// The key of the farthest candidate; `None` while there are fewer than `count`.
     #[inline]
     pub(crate) fn bound(&self) -> Option<f64> {
         if self.heap.len() < self.count { None } else { self.heap.peek().map(|worst| worst.key) }
     }
 
-    /// Takes a candidate in if it is nearer than the farthest.
+    /// Adds a candidate if it is among the nearest.
     #[inline]
     pub(crate) fn offer(&mut self, candidate: Candidate) {
         if self.heap.len() < self.count {
@@ -41,7 +41,7 @@ impl Nearest {
         }
     }
 
-    /// All of them, nearest first.
+    /// The candidates, nearest first.
     pub(crate) fn into_sorted(self) -> Vec<Candidate> {
         self.heap.into_sorted_vec()
     }

@@ -1,23 +1,23 @@
-use crate::answers::{Answers, Work};
 use crate::distance::Datapath;
 use crate::error::SearchError;
 use crate::metric::Metric;
 use crate::neighbours::Neighbours;
+use crate::results::{SearchResults, Work};
 use crate::vectors::Vectors;
 use std::collections::HashSet;
 
-/// Recall at `count`: which part of the `count` true neighbours of each query was found, on average. Between 0 and 1.
+/// Recall at `count`: the mean fraction of the `count` true neighbours that a search found, between 0 and 1.
 ///
-/// A found vector counts if it is **no farther than the farthest of the first `count` true neighbours**, both as the
-/// datapath sees it. So a vector that is as far as the last true one counts as much as that does, and so does one that only
-/// rounding in the datapath sets apart from the truth's arithmetic; no tolerance is involved. A vector that was found twice
-/// counts once, and found ones beyond the first `count` do not count.
+/// A found vector counts if it is **no farther than the farthest of the first `count` true neighbours**, by the
+/// distances of the datapath. Ties with the last true neighbour therefore count, also those that only rounding
+/// separates; no tolerance is involved. A vector that was found twice counts once, and only the first `count` results
+/// count.
 ///
 /// # Errors
-/// Queries of another dimension than the base; truth for another number of queries than were asked and answered, or with
-/// fewer neighbours than `count`, or none compared.
+/// Queries of another dimension than the base; truth or results for another number of queries; fewer true neighbours
+/// than `count`; a `count` of 0.
 pub fn recall<const E: usize, const A: usize>(
-    answers: &Answers,
+    results: &SearchResults,
     truth: &Neighbours,
     base: &Vectors,
     queries: &Vectors,
@@ -25,17 +25,17 @@ pub fn recall<const E: usize, const A: usize>(
     count: usize,
 ) -> Result<f64, SearchError> {
     crate::exact::check(base.dimensions(), base.len(), queries.dimensions(), count)?;
-    for found in [truth.queries(), answers.rows.len()] {
+    for found in [truth.queries(), results.rows.len()] {
         if found != queries.len() {
             return Err(SearchError::Truth { what: "queries", found, expected: queries.len() });
         }
     }
     if truth.count() < count {
-        return Err(SearchError::Truth { what: "neighbours a query", found: truth.count(), expected: count });
+        return Err(SearchError::Truth { what: "neighbours per query", found: truth.count(), expected: count });
     }
     let mut datapath = Datapath::<E, A>::new();
     let mut hits = 0;
-    for ((query, row), truth) in queries.iter().zip(&answers.rows).zip(truth.rows()) {
+    for ((query, row), truth) in queries.iter().zip(&results.rows).zip(truth.rows()) {
         let mut farthest = f64::NEG_INFINITY;
         for &index in &truth[..count] {
             let candidate = base.get(index as usize).unwrap_or_default();
@@ -48,36 +48,36 @@ pub fn recall<const E: usize, const A: usize>(
     Ok(hits as f64 / (count * queries.len()) as f64)
 }
 
-/// A search in numbers.
+/// The statistics of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Report {
-    /// How many queries.
+    /// The number of queries.
     pub queries: usize,
-    /// Queries answered a second.
+    /// The number of completed queries per second.
     pub queries_per_second: f64,
-    /// What the datapath did for all queries.
+    /// The work of the datapath for all queries.
     pub work: Work,
-    /// Distances of a query, on average.
+    /// The mean number of distances per query.
     pub evaluations_per_query: f64,
-    /// Beats of a query, on average.
+    /// The mean number of beats per query.
     pub beats_per_query: f64,
-    /// Beats of one vector, Euclidean.
+    /// The beats of one vector with the Euclidean metric.
     pub euclidean_beats: u64,
-    /// Beats of the same vector, angular: half as many lanes, so up to twice as many.
+    /// The beats of one vector with the angular metric, which has half as many lanes.
     pub angular_beats: u64,
 }
 
 impl Report {
-    /// About these answers, from vectors of so many dimensions.
-    pub fn new<const E: usize, const A: usize>(answers: &Answers, dimensions: usize) -> Self {
-        let queries = answers.rows.len();
+    /// The statistics of results for vectors of dimension `dimensions`.
+    pub fn new<const E: usize, const A: usize>(results: &SearchResults, dimensions: usize) -> Self {
+        let queries = results.rows.len();
         let per_query = |total: u64| total as f64 / queries.max(1) as f64;
         Self {
             queries,
-            queries_per_second: answers.queries_per_second(),
-            work: answers.work,
-            evaluations_per_query: per_query(answers.work.evaluations),
-            beats_per_query: per_query(answers.work.beats),
+            queries_per_second: results.queries_per_second(),
+            work: results.work,
+            evaluations_per_query: per_query(results.work.evaluations),
+            beats_per_query: per_query(results.work.beats),
             euclidean_beats: Metric::Euclidean.beats::<E, A>(dimensions),
             angular_beats: Metric::Angular.beats::<E, A>(dimensions),
         }

@@ -1,59 +1,59 @@
 use thiserror::Error;
 
-/// The greatest dimension that a set may have.
+/// The maximum dimension of vectors.
 pub const MAX_DIMENSIONS: usize = 1 << 16;
 
-/// A set of vectors of one dimension: at least one vector, every coordinate finite.
+/// A non-empty list of vectors of one dimension with finite coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vectors {
     dimensions: usize,
     data: Vec<f32>,
 }
 
-/// Why numbers are not a set of vectors.
+/// The reason why numbers are not a valid list of vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum VectorsError {
-    /// The dimension is 0 or too great.
+    /// The dimension is out of range.
     #[error("vectors of {found} dimensions, expected 1 to {MAX_DIMENSIONS}")]
     Dimensions {
         /// The dimension.
         found: usize,
     },
-    /// There is no vector.
+    /// The list is empty.
     #[error("0 vectors, expected at least 1")]
     Empty,
-    /// There are more vectors than indices.
+    /// There are more vectors than 32-bit indices.
     #[error("{found} vectors, expected at most 4294967295")]
     TooMany {
-        /// How many.
+        /// The number of vectors.
         found: usize,
     },
-    /// The numbers do not fill the last vector.
+    /// The last vector is incomplete.
     #[error("{found} coordinates, expected a multiple of the dimension {dimensions}")]
     Ragged {
-        /// How many numbers.
+        /// The number of coordinates.
         found: usize,
         /// The dimension.
         dimensions: usize,
     },
-    /// A coordinate is infinite or not a number.
+    /// A coordinate is infinite or NaN.
     #[error("vector {vector}, coordinate {coordinate}: found {value}, expected a number that is finite in binary32")]
     NotFinite {
         /// The vector, from 0.
         vector: usize,
         /// The coordinate, from 0.
         coordinate: usize,
-        /// What stands there.
+        /// The value.
         value: f32,
     },
 }
 
 impl Vectors {
-    /// Vectors of `dimensions` coordinates, one after another in `data`.
+    /// Vectors of `dimensions` coordinates from their concatenation `data`.
     ///
     /// # Errors
-    /// A dimension that is not 1 to [`MAX_DIMENSIONS`]; no vector, a part of one, more than 2³² − 1; a coordinate that is
-    /// not finite.
+    /// A dimension that is not 1 to [`MAX_DIMENSIONS`]; no vector, a part of one, more than 2³² − 1; a coordinate that
+    /// is not finite.
     pub fn new(dimensions: usize, data: Vec<f32>) -> Result<Self, VectorsError> {
         if !(1..=MAX_DIMENSIONS).contains(&dimensions) {
             return Err(VectorsError::Dimensions { found: dimensions });
@@ -67,20 +67,20 @@ impl Vectors {
         if data.len() / dimensions > u32::MAX as usize {
             return Err(VectorsError::TooMany { found: data.len() / dimensions });
         }
-        if let Some(place) = data.iter().position(|x| !x.is_finite()) {
-            let (vector, coordinate) = (place / dimensions, place % dimensions);
-            return Err(VectorsError::NotFinite { vector, coordinate, value: data[place] });
+        if let Some(position) = data.iter().position(|x| !x.is_finite()) {
+            let (vector, coordinate) = (position / dimensions, position % dimensions);
+            return Err(VectorsError::NotFinite { vector, coordinate, value: data[position] });
         }
         Ok(Self { dimensions, data })
     }
 
-    /// How many vectors: at least 1.
-    #[allow(clippy::len_without_is_empty)] // it never is
+    /// The number of vectors, at least 1.
+    #[allow(clippy::len_without_is_empty)] // never empty
     pub fn len(&self) -> usize {
         self.data.len() / self.dimensions
     }
 
-    /// Coordinates of each: at least 1.
+    /// The dimension of the vectors, at least 1.
     pub fn dimensions(&self) -> usize {
         self.dimensions
     }
@@ -90,13 +90,13 @@ impl Vectors {
         &self.data
     }
 
-    /// The vector of this index, where there is one.
+    /// The vector with this index, or `None` if there is none.
     pub fn get(&self, index: usize) -> Option<&[f32]> {
         let start = index.checked_mul(self.dimensions)?;
         self.data.get(start..start.checked_add(self.dimensions)?)
     }
 
-    /// The first `count`, as far as they are there; one at least.
+    /// The first `count` vectors, but at least one and at most all.
     pub fn first(&self, count: usize) -> Self {
         let count = count.clamp(1, self.len());
         Self { dimensions: self.dimensions, data: self.data[..count * self.dimensions].to_vec() }

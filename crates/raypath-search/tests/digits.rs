@@ -1,5 +1,5 @@
-//! Exact search on a real data set, against integers and scikit-learn. The digits' pixels are integers from 0 to 16, so
-//! every sum is an integer that binary32 holds, and ties can be decided exactly.
+//! Exact search on a real data set, against integer arithmetic and scikit-learn. Pixels of the digits are integers from
+//! 0 to 16, so binary32 represents every sum, and ties are exact.
 
 mod common;
 
@@ -14,15 +14,15 @@ fn queries() -> impl Iterator<Item = usize> {
     (0..digits().len()).step_by(9)
 }
 
-/// For each query the indices that exact search finds.
+/// The indices that exact search finds for each query.
 fn found(metric: Metric) -> Vec<Vec<usize>> {
     let digits = digits();
     let queries = vectors(queries().map(|query| &digits[query]));
-    let answers = Exact::<16, 8>::new(&vectors(&digits), metric).search(&queries, COUNT, &|_| true).expect("answers");
-    answers.rows.iter().map(|row| row.iter().map(|near| near.index as usize).collect()).collect()
+    let results = Exact::<16, 8>::new(&vectors(&digits), metric).search(&queries, COUNT, &|_| true).expect("results");
+    results.rows.iter().map(|row| row.iter().map(|near| near.index as usize).collect()).collect()
 }
 
-/// For each query the indices that scikit-learn finds.
+/// The indices that scikit-learn finds for each query.
 fn oracle(metric: &str) -> Vec<Vec<usize>> {
     let text = unzip(include_bytes!("data/digits_neighbours.txt.gz"));
     let lines = text.lines().filter_map(|line| line.strip_prefix(metric));
@@ -40,14 +40,14 @@ fn dot(a: &[u8; PIXELS], b: &[u8; PIXELS]) -> u128 {
     a.iter().zip(b).map(|(&a, &b)| u128::from(a) * u128::from(b)).sum()
 }
 
-/// Which of two candidates has the lesser cosine distance from `query`, exactly: dot products of digits are not negative,
-/// so the squares of the cosines decide, as fractions.
+/// The exact order of two candidates by cosine distance from `query`. Dot products of digits are not negative, so the
+/// order is that of the squared cosines, as fractions.
 fn by_cosine(query: &[u8; PIXELS], a: &[u8; PIXELS], b: &[u8; PIXELS]) -> Ordering {
     (dot(query, b).pow(2) * dot(a, a)).cmp(&(dot(query, a).pow(2) * dot(b, b)))
 }
 
 #[test]
-fn euclidean_neighbours_are_those_of_integers() {
+fn euclidean_neighbours_equal_those_of_integer_arithmetic() {
     let digits = digits();
     for (query, row) in queries().zip(found(Metric::Euclidean)) {
         let mut all: Vec<usize> = (0..digits.len()).collect();
@@ -57,7 +57,7 @@ fn euclidean_neighbours_are_those_of_integers() {
 }
 
 #[test]
-fn angular_neighbours_are_those_of_integers() {
+fn angular_neighbours_equal_those_of_integer_arithmetic() {
     let digits = digits();
     for (query, row) in queries().zip(found(Metric::Angular)) {
         let mut all: Vec<usize> = (0..digits.len()).collect();
@@ -67,7 +67,7 @@ fn angular_neighbours_are_those_of_integers() {
 }
 
 #[test]
-fn neighbours_are_those_of_scikit_learn_but_for_ties() {
+fn neighbours_equal_those_of_scikit_learn_up_to_ties() {
     let digits = digits();
     let euclidean = |query: usize, a: usize, b: usize| {
         squared(&digits[query], &digits[a]).cmp(&squared(&digits[query], &digits[b]))
@@ -77,12 +77,12 @@ fn neighbours_are_those_of_scikit_learn_but_for_ties() {
     compare("cosine", Metric::Angular, angular);
 }
 
-/// At every rank both have a vector that is equally far; and apart from such ties the same one.
+/// Checks that at every rank both vectors are equally far, and that most are equal.
 fn compare(name: &str, metric: Metric, by_distance: impl Fn(usize, usize, usize) -> Ordering) {
     let mut same = 0;
     for ((query, ours), theirs) in queries().zip(found(metric)).zip(oracle(name)) {
         assert_eq!((ours.len(), theirs.len()), (COUNT, COUNT));
-        assert_eq!(ours[0], query, "a digit is its own nearest");
+        assert_eq!(ours[0], query, "a digit is its own nearest neighbour");
         for (&a, &b) in ours.iter().zip(&theirs) {
             assert_eq!(by_distance(query, a, b), Ordering::Equal, "{name}, query {query}: {ours:?} and {theirs:?}");
             same += usize::from(a == b);

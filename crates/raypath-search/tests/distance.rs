@@ -1,4 +1,4 @@
-//! Distances: the plain path against independent arithmetic, the fast path against the plain one.
+//! Distances: the functional model against independent arithmetic, and searches against the functional model.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -8,8 +8,8 @@ use raypath_search::{Datapath, Exact, Metric, SearchError, Vectors, cosine_dista
 use std::sync::atomic::{AtomicU64, Ordering};
 
 const U: f64 = 1.0 / 16_777_216.0;
-/// The least subnormal, 2^-149.
-const LEAST: f64 = f32::from_bits(1) as f64;
+/// The smallest subnormal number, 2^-149.
+const MIN_SUBNORMAL: f64 = f32::from_bits(1) as f64;
 
 /// γ of `docs/reference/error-bounds.md`.
 fn gamma(roundings: u32) -> f64 {
@@ -21,8 +21,8 @@ fn random(generator: &mut ChaCha8Rng, count: usize, scale: f32) -> Vec<f32> {
     (0..count).map(|_| scale * generator.random_range(-1.0..1.0f32)).collect()
 }
 
-/// Numbers of all kinds that a vector may hold: zeros, subnormals, ordinary and large ones.
-fn wild(generator: &mut ChaCha8Rng, count: usize, large: f32) -> Vec<f32> {
+/// Random numbers of all kinds: zeros, subnormal, normal and large numbers.
+fn mixed(generator: &mut ChaCha8Rng, count: usize, large: f32) -> Vec<f32> {
     let number = |generator: &mut ChaCha8Rng| match generator.random_range(0..8) {
         0 => 0.0,
         1 => -0.0,
@@ -35,7 +35,7 @@ fn wild(generator: &mut ChaCha8Rng, count: usize, large: f32) -> Vec<f32> {
 }
 
 #[test]
-fn the_plain_path_is_within_the_bound_of_exact_sums() {
+fn model_distances_are_within_the_error_bound() {
     within_bound::<16, 8>();
     within_bound::<2, 1>();
     within_bound::<64, 32>();
@@ -50,7 +50,7 @@ fn within_bound<const E: usize, const A: usize>() {
                 (random(&mut generator, dimensions, scale), random(&mut generator, dimensions, scale));
             let pairs = || query.iter().zip(&candidate).map(|(&a, &b)| (f64::from(a), f64::from(b)));
             let sum = |term: fn((f64, f64)) -> f64| pairs().map(term).sum::<f64>();
-            let underflow = dimensions as f64 * LEAST;
+            let underflow = dimensions as f64 * MIN_SUBNORMAL;
 
             let beats = dimensions.div_ceil(E) as u32;
             let squared: f64 = sum(|(a, b)| (a - b) * (a - b));
@@ -70,7 +70,7 @@ fn within_bound<const E: usize, const A: usize>() {
 }
 
 #[test]
-fn the_plain_path_is_exact_with_small_integers() {
+fn model_distances_of_small_integers_are_exact() {
     let mut generator = ChaCha8Rng::seed_from_u64(2);
     let mut datapath = Datapath::<16, 8>::new();
     let mut beats = 0;
@@ -93,7 +93,7 @@ fn the_plain_path_is_exact_with_small_integers() {
 }
 
 #[test]
-fn the_fast_path_has_the_bits_of_the_plain_one() {
+fn searches_have_the_bits_of_the_model() {
     same_bits::<16, 8>();
     same_bits::<2, 1>();
     same_bits::<64, 32>();
@@ -106,12 +106,12 @@ fn same_bits<const E: usize, const A: usize>() {
     let mut finite = 0;
     for dimensions in 1..=100 {
         for large in [1e3, 1e15, 1e19, f32::MAX] {
-            let base = Vectors::new(dimensions, wild(&mut generator, BASE * dimensions, large)).expect("vectors");
-            let queries = Vectors::new(dimensions, wild(&mut generator, 3 * dimensions, large)).expect("vectors");
+            let base = Vectors::new(dimensions, mixed(&mut generator, BASE * dimensions, large)).expect("vectors");
+            let queries = Vectors::new(dimensions, mixed(&mut generator, 3 * dimensions, large)).expect("vectors");
             for metric in Metric::ALL {
                 let search = |level| {
                     let exact = Exact::<E, A>::at(level, &base, metric);
-                    exact.search(&queries, BASE, &|_| true).expect("answers").rows
+                    exact.search(&queries, BASE, &|_| true).expect("results").rows
                 };
                 let rows = levels().into_iter().map(search).collect::<Vec<_>>();
                 for (row, query) in rows.iter().flat_map(|rows| rows.iter().zip(queries.iter())) {
@@ -136,7 +136,7 @@ fn same_bits<const E: usize, const A: usize>() {
 }
 
 #[test]
-fn roots_and_divisions_are_outside() {
+fn distances_follow_from_sums() {
     assert_eq!(euclidean_distance(2.0), 2f64.sqrt());
     assert_eq!(euclidean_distance(f32::INFINITY), f64::INFINITY);
     assert_eq!(cosine_distance(1.0, 2.0, 2.0), 0.5);
@@ -149,46 +149,46 @@ fn roots_and_divisions_are_outside() {
     for (dot, query, candidate) in
         [(f32::NAN, 1.0, 1.0), (f32::INFINITY, 1.0, 1.0), (0.0, f32::INFINITY, 0.0), (1.0, 1.0, f32::INFINITY)]
     {
-        assert_eq!(cosine_distance(dot, query, candidate), f64::INFINITY, "an overflow comes last");
+        assert_eq!(cosine_distance(dot, query, candidate), f64::INFINITY, "an overflow is ordered last");
     }
 }
 
 #[test]
-fn a_search_is_the_same_on_any_number_of_threads() {
+fn the_result_does_not_depend_on_the_number_of_threads() {
     let mut generator = ChaCha8Rng::seed_from_u64(4);
     let base = Vectors::new(5, random(&mut generator, 5 * 5000, 1.0)).expect("vectors");
     let queries = Vectors::new(5, random(&mut generator, 5 * 100, 1.0)).expect("vectors");
     let exact = Exact::<16, 8>::new(&base, Metric::Euclidean);
     let rows = [1, 2, 7].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| exact.search(&queries, 17, &|_| true).expect("answers").rows)
+        pool.install(|| exact.search(&queries, 17, &|_| true).expect("results").rows)
     });
     assert_eq!(rows[0], rows[1]);
     assert_eq!(rows[0], rows[2]);
 }
 
 #[test]
-fn progress_is_told_in_queries() {
+fn progress_counts_queries() {
     let mut generator = ChaCha8Rng::seed_from_u64(5);
     let base = Vectors::new(64, random(&mut generator, 64 * 9000, 1.0)).expect("vectors");
     let queries = Vectors::new(64, random(&mut generator, 64 * 77, 1.0)).expect("vectors");
-    let (calls, most) = (AtomicU64::new(0), AtomicU64::new(0));
-    let watch = |done: u64| {
+    let (calls, max) = (AtomicU64::new(0), AtomicU64::new(0));
+    let progress = |done: u64| {
         calls.fetch_add(1, Ordering::Relaxed);
-        most.fetch_max(done, Ordering::Relaxed) <= 77
+        max.fetch_max(done, Ordering::Relaxed) <= 77
     };
-    Exact::<16, 8>::new(&base, Metric::Euclidean).search(&queries, 1, &watch).expect("answers");
-    assert_eq!(most.into_inner(), 77);
-    assert!(calls.into_inner() > 30, "also within a group of queries");
+    Exact::<16, 8>::new(&base, Metric::Euclidean).search(&queries, 1, &progress).expect("results");
+    assert_eq!(max.into_inner(), 77);
+    assert!(calls.into_inner() > 30, "progress is also polled within a group of queries");
 }
 
 #[test]
-fn impossible_searches_are_refused() {
+fn invalid_searches_are_errors() {
     let vectors = |dimensions: usize| Vectors::new(dimensions, vec![0.0; 3 * dimensions]).expect("vectors");
     let exact = Exact::<16, 8>::new(&vectors(4), Metric::Euclidean);
-    let error = |queries: usize, count: usize| exact.search(&vectors(queries), count, &|_| true).expect_err("refused");
+    let error = |queries: usize, count: usize| exact.search(&vectors(queries), count, &|_| true).expect_err("an error");
     assert_eq!(error(5, 1), SearchError::Dimensions { base: 4, queries: 5 });
-    assert_eq!(error(4, 0), SearchError::Neighbours { asked: 0, there: 3 });
-    assert_eq!(error(4, 4).to_string(), "4 neighbours asked for, expected 1 to 3, as many as the base has vectors");
+    assert_eq!(error(4, 0), SearchError::Neighbours { requested: 0, available: 3 });
+    assert_eq!(error(4, 4).to_string(), "4 neighbours requested, expected 1 to 3, the number of vectors in the base");
     assert_eq!(exact.search(&vectors(4), 1, &|_| false), Err(SearchError::Stopped));
 }

@@ -1,4 +1,4 @@
-//! Search through the graph: how much of the truth it finds on the digits, and that it is the same every time.
+//! Graph search: its recall on the digits, its reproducibility, and its traces.
 
 mod common;
 
@@ -16,7 +16,7 @@ fn base_and_queries() -> (Vectors, Vectors) {
 }
 
 fn truth(base: &Vectors, queries: &Vectors, metric: Metric) -> Neighbours {
-    let exact = Exact::<16, 8>::new(base, metric).search(queries, COUNT, &|_| true).expect("answers");
+    let exact = Exact::<16, 8>::new(base, metric).search(queries, COUNT, &|_| true).expect("results");
     let indices: Vec<i64> = exact.rows.iter().flatten().map(|near| near.index.into()).collect();
     Neighbours::new(COUNT, &indices, base.len()).expect("neighbours")
 }
@@ -29,21 +29,21 @@ fn recall_on_digits() {
         let truth = truth(&base, &queries, metric);
         let mut last = 0;
         for (ef, floor) in [(10, 0.99), (EF, 0.999), (400, 0.999)] {
-            let answers = graph.search(&queries, COUNT, ef, &|_| true).expect("answers");
+            let results = graph.search(&queries, COUNT, ef, &|_| true).expect("results");
             assert!(
-                answers.rows.iter().all(|row| row.len() == COUNT && row.is_sorted_by(|a, b| a.distance <= b.distance))
+                results.rows.iter().all(|row| row.len() == COUNT && row.is_sorted_by(|a, b| a.distance <= b.distance))
             );
-            let recall = recall::<16, 8>(&answers, &truth, &base, &queries, metric, COUNT).expect("recall");
-            let report = Report::new::<16, 8>(&answers, base.dimensions());
-            println!("{metric}, ef {ef}: recall {recall}, {} evaluations a query", report.evaluations_per_query);
+            let recall = recall::<16, 8>(&results, &truth, &base, &queries, metric, COUNT).expect("recall");
+            let report = Report::new::<16, 8>(&results, base.dimensions());
+            println!("{metric}, ef {ef}: recall {recall}, {} evaluations per query", report.evaluations_per_query);
             assert!((floor..=1.0).contains(&recall), "{metric}, ef {ef}: recall {recall}");
 
-            // More is looked at for a greater ef, and always less than everything.
-            assert!(answers.work.evaluations > last);
-            assert!(answers.work.evaluations < (queries.len() * base.len()) as u64);
-            last = answers.work.evaluations;
+            // A greater ef evaluates more vectors, but never all.
+            assert!(results.work.evaluations > last);
+            assert!(results.work.evaluations < (queries.len() * base.len()) as u64);
+            last = results.work.evaluations;
             let beats = if metric == Metric::Euclidean { 4 } else { 8 };
-            assert_eq!(answers.work.beats, beats * answers.work.evaluations);
+            assert_eq!(results.work.beats, beats * results.work.evaluations);
             assert_eq!((report.euclidean_beats, report.angular_beats), (4, 8));
         }
         assert!(graph.build_work().evaluations > base.len() as u64);
@@ -57,9 +57,9 @@ fn distances_have_the_bits_of_the_datapath() {
         let data = clusters.generate().expect("data");
         for metric in Metric::ALL {
             let graph = Graph::<16, 8>::build(&data.base, metric, &GraphParameters::default(), &|_| true);
-            let answers = graph.expect("a graph").search(&data.queries, COUNT, EF, &|_| true).expect("answers");
+            let results = graph.expect("a graph").search(&data.queries, COUNT, EF, &|_| true).expect("results");
             let mut datapath = Datapath::<16, 8>::new();
-            for (query, row) in data.queries.iter().zip(&answers.rows) {
+            for (query, row) in data.queries.iter().zip(&results.rows) {
                 for near in row {
                     let candidate = data.base.get(near.index as usize).expect("a vector");
                     let expected = datapath.distance(metric, query, candidate).expect("a distance");
@@ -71,15 +71,15 @@ fn distances_have_the_bits_of_the_datapath() {
 }
 
 #[test]
-fn a_seed_decides_everything() {
+fn equal_seeds_give_equal_graphs() {
     let (base, queries) = base_and_queries();
     let rows = |seed: u64, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| {
             let parameters = GraphParameters { connections: 4, ef_construction: 10, seed };
             let graph = Graph::<16, 8>::build(&base, Metric::Angular, &parameters, &|_| true).expect("a graph");
-            let answers = graph.search(&queries, COUNT, COUNT, &|_| true).expect("answers");
-            (graph.build_work(), answers.work, answers.rows)
+            let results = graph.search(&queries, COUNT, COUNT, &|_| true).expect("results");
+            (graph.build_work(), results.work, results.rows)
         })
     };
     assert_eq!(rows(1, 1), rows(1, 3));
@@ -87,43 +87,43 @@ fn a_seed_decides_everything() {
 }
 
 #[test]
-fn a_log_has_what_is_counted() {
+fn a_trace_has_the_counted_evaluations() {
     let (base, queries) = base_and_queries();
     for (metric, norms) in [(Metric::Euclidean, 0), (Metric::Angular, 1)] {
         let graph = Graph::<16, 8>::build(&base, metric, &GraphParameters::default(), &|_| true).expect("a graph");
-        let answers = graph.search(&queries, COUNT, EF, &|_| true).expect("answers");
+        let results = graph.search(&queries, COUNT, EF, &|_| true).expect("results");
         let mut evaluations = 0;
-        for (query, row) in queries.iter().zip(&answers.rows) {
-            let log = graph.log(query, COUNT, EF).expect("a log");
-            evaluations += log.candidates.len() as u64 + norms;
-            assert!(row.iter().all(|near| log.candidates.contains(&near.index)), "what is found was looked at");
-            assert_eq!(log.found, row.iter().map(|near| near.index).collect::<Vec<_>>());
+        for (query, row) in queries.iter().zip(&results.rows) {
+            let trace = graph.trace(query, COUNT, EF).expect("a trace");
+            evaluations += trace.candidates.len() as u64 + norms;
+            assert!(row.iter().all(|near| trace.candidates.contains(&near.index)), "each result is a candidate");
+            assert_eq!(trace.found, row.iter().map(|near| near.index).collect::<Vec<_>>());
         }
-        assert_eq!(answers.work.evaluations, evaluations);
+        assert_eq!(results.work.evaluations, evaluations);
     }
 }
 
 #[test]
-fn a_graph_of_few_and_of_equal_vectors() {
+fn graphs_of_few_and_of_equal_vectors_work() {
     for count in [1, 2, 5] {
         let base = Vectors::new(2, (0..2 * count).map(|i| i as f32).collect()).expect("vectors");
         let graph = Graph::<16, 8>::build(&base, Metric::Euclidean, &GraphParameters::default(), &|_| true);
-        let answers = graph.expect("a graph").search(&base, count, count, &|_| true).expect("answers");
-        assert!(answers.rows.iter().enumerate().all(|(i, row)| row.len() == count && row[0].index as usize == i));
+        let results = graph.expect("a graph").search(&base, count, count, &|_| true).expect("results");
+        assert!(results.rows.iter().enumerate().all(|(i, row)| row.len() == count && row[0].index as usize == i));
     }
-    // Zero vectors, and sums that overflow: no distance is a NaN, and nothing panics.
+    // Zero vectors and sums that overflow give no NaN and no panic.
     for coordinate in [0.0, 1.0, f32::MAX] {
         let base = Vectors::new(3, vec![coordinate; 3 * 100]).expect("vectors");
         for metric in Metric::ALL {
             let graph = Graph::<16, 8>::build(&base, metric, &GraphParameters::default(), &|_| true).expect("a graph");
-            let answers = graph.search(&base, 3, 10, &|_| true).expect("answers");
-            assert_eq!(answers.rows.len(), 100);
+            let results = graph.search(&base, 3, 10, &|_| true).expect("results");
+            assert_eq!(results.rows.len(), 100);
         }
     }
 }
 
 #[test]
-fn impossible_graphs_are_refused() {
+fn invalid_graphs_are_errors() {
     let base = Vectors::new(2, vec![0.0; 20]).expect("vectors");
     let build = |connections: usize, ef_construction: usize| {
         let parameters = GraphParameters { connections, ef_construction, seed: 1 };
@@ -139,10 +139,10 @@ fn impossible_graphs_are_refused() {
     assert_eq!(stopped, Err(SearchError::Stopped));
     let graph = Graph::<16, 8>::build(&base, Metric::Euclidean, &parameters, &|_| true).expect("a graph");
     assert_eq!(graph.search(&base, 1, 1, &|_| false), Err(SearchError::Stopped));
-    let error = graph.search(&base, 5, 4, &|_| true).expect_err("refused").to_string();
-    assert_eq!(error, "ef is 4, expected as many as neighbours asked for, to 65536");
+    let error = graph.search(&base, 5, 4, &|_| true).expect_err("an error").to_string();
+    assert_eq!(error, "ef is 4, expected at least the number of neighbours and at most 65536");
     assert!(graph.search(&base, 11, 20, &|_| true).is_err());
-    assert!(graph.log(&[0.0; 3], 1, 1).is_err());
-    assert!(graph.log(&[], 1, 1).is_err());
-    assert!(graph.log(&[f32::NAN; 2], 1, 1).is_err());
+    assert!(graph.trace(&[0.0; 3], 1, 1).is_err());
+    assert!(graph.trace(&[], 1, 1).is_err());
+    assert!(graph.trace(&[f32::NAN; 2], 1, 1).is_err());
 }

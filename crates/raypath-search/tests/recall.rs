@@ -1,7 +1,7 @@
-//! Recall, by hand and against counting; generated data.
+//! Recall, the counts of a report, and generated data.
 
 use raypath_search::{
-    Answers, Clusters, Exact, Metric, Neighbour, Neighbours, Report, SearchError, Vectors, Work, recall,
+    Clusters, Exact, Metric, Neighbour, Neighbours, Report, SearchError, SearchResults, Vectors, Work, recall,
 };
 
 /// Points on a line, and one query at 0.
@@ -10,18 +10,18 @@ fn line() -> (Vectors, Vectors) {
     (base, Vectors::new(1, vec![0.0]).expect("vectors"))
 }
 
-/// Recall at `count` of what was found for the query on the line, where these are true.
+/// The recall at `count` of the indices `found` for the query on the line.
 fn on_the_line(found: &[u32], truth: &[i64], count: usize) -> Result<f64, SearchError> {
     let (base, queries) = line();
     let distance = |index: u32| base.data()[index as usize].abs().into();
     let row = found.iter().map(|&index| Neighbour { index, distance: distance(index) }).collect();
-    let answers = Answers { rows: vec![row], work: Work::default(), seconds: 1.0 };
+    let results = SearchResults { rows: vec![row], work: Work::default(), seconds: 1.0 };
     let truth = Neighbours::new(truth.len(), truth, base.len()).expect("neighbours");
-    recall::<16, 8>(&answers, &truth, &base, &queries, Metric::Euclidean, count)
+    recall::<16, 8>(&results, &truth, &base, &queries, Metric::Euclidean, count)
 }
 
 #[test]
-fn recall_by_hand() {
+fn recall_of_small_cases() {
     assert_eq!(on_the_line(&[0, 1, 2], &[0, 1, 2], 3), Ok(1.0));
     assert_eq!(on_the_line(&[0, 1, 4], &[0, 1, 2], 3), Ok(1.0), "as far as the last");
     assert_eq!(on_the_line(&[0, 1, 3], &[0, 1, 2], 3), Ok(2.0 / 3.0));
@@ -33,22 +33,22 @@ fn recall_by_hand() {
 }
 
 #[test]
-fn truth_that_does_not_fit_is_refused() {
-    let error = on_the_line(&[0], &[0, 1], 3).expect_err("refused").to_string();
-    assert_eq!(error, "truth of 2 neighbours a query, expected 3");
+fn mismatched_truth_is_an_error() {
+    let error = on_the_line(&[0], &[0, 1], 3).expect_err("an error").to_string();
+    assert_eq!(error, "truth of 2 neighbours per query, expected 3");
     let (base, queries) = line();
     let truth = Neighbours::new(1, &[0, 1], base.len()).expect("neighbours");
-    let answers = Answers { rows: vec![Vec::new()], work: Work::default(), seconds: 1.0 };
-    let error = recall::<16, 8>(&answers, &truth, &base, &queries, Metric::Euclidean, 1).expect_err("refused");
+    let results = SearchResults { rows: vec![Vec::new()], work: Work::default(), seconds: 1.0 };
+    let error = recall::<16, 8>(&results, &truth, &base, &queries, Metric::Euclidean, 1).expect_err("an error");
     assert_eq!(error.to_string(), "truth of 2 queries, expected 1");
     assert!(on_the_line(&[0], &[0], 0).is_err());
 }
 
 #[test]
-fn a_report_counts_a_query() {
+fn a_report_has_means_per_query() {
     let rows = vec![Vec::new(); 4];
-    let answers = Answers { rows, work: Work { evaluations: 10, beats: 90 }, seconds: 0.5 };
-    let report = Report::new::<16, 8>(&answers, 130);
+    let results = SearchResults { rows, work: Work { evaluations: 10, beats: 90 }, seconds: 0.5 };
+    let report = Report::new::<16, 8>(&results, 130);
     assert_eq!((report.queries, report.queries_per_second), (4, 8.0));
     assert_eq!((report.evaluations_per_query, report.beats_per_query), (2.5, 22.5));
     assert_eq!((report.euclidean_beats, report.angular_beats), (9, 17));
@@ -58,20 +58,21 @@ fn a_report_counts_a_query() {
 fn exact_search_counts_its_beats() {
     let data = Clusters { vectors: 50, queries: 3, dimensions: 33, ..Clusters::default() }.generate().expect("data");
     let work =
-        |metric| Exact::<16, 8>::new(&data.base, metric).search(&data.queries, 1, &|_| true).expect("answers").work;
+        |metric| Exact::<16, 8>::new(&data.base, metric).search(&data.queries, 1, &|_| true).expect("results").work;
     assert_eq!(work(Metric::Euclidean), Work { evaluations: 150, beats: 450 });
     assert_eq!(work(Metric::Angular), Work { evaluations: 153, beats: 153 * 5 });
 }
 
 #[test]
-fn clusters_are_where_they_should_be() {
+fn vectors_lie_in_their_clusters() {
     let clusters = Clusters { vectors: 4000, queries: 50, dimensions: 30, clusters: 7, spread: 0.1, seed: 3 };
     let data = clusters.generate().expect("data");
     assert_eq!((data.base.len(), data.queries.len(), data.base.dimensions()), (4000, 50, 30));
     assert_eq!(data, clusters.generate().expect("data"));
     assert_ne!(data, Clusters { seed: 4, ..clusters }.generate().expect("data"));
 
-    // Two of one cluster are at about spread · √(2 · dimensions) = 0.77, of two clusters at about √(2 · 30) = 7.7.
+    // Two vectors of one cluster are at about spread · √(2 · dimensions) = 0.77, of different clusters at about √(2 ·
+    // 30) = 7.7.
     let first = data.base.iter().next().expect("a vector");
     let squared = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f32>();
     let near: Vec<f32> = data.base.iter().map(|v| squared(first, v).sqrt()).filter(|&d| d < 2.0).collect();
@@ -79,13 +80,13 @@ fn clusters_are_where_they_should_be() {
     let mean = near.iter().sum::<f32>() / near.len() as f32;
     assert!((0.6..0.95).contains(&mean), "{mean}");
     let beyond = data.base.iter().filter(|v| (2.0..4.0).contains(&squared(first, v).sqrt())).count();
-    assert_eq!(beyond, 0, "nothing is between the clusters");
+    assert_eq!(beyond, 0, "no vector is between the clusters");
 }
 
 #[test]
-fn impossible_clusters_are_refused() {
+fn invalid_clusters_are_errors() {
     let ok = Clusters::default();
-    let error = |clusters: Clusters| clusters.generate().expect_err("refused").to_string();
+    let error = |clusters: Clusters| clusters.generate().expect_err("an error").to_string();
     assert_eq!(error(Clusters { vectors: 0, ..ok }), "vectors is 0, expected at least 1, and 2^32 coordinates at most");
     assert!(error(Clusters { vectors: usize::MAX, ..ok }).starts_with("vectors is"));
     assert!(error(Clusters { queries: 0, ..ok }).starts_with("queries is 0"));

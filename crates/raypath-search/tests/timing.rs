@@ -3,8 +3,8 @@
 use raypath_model::{Control, Loop, PipelinePosition, Shape};
 use raypath_ops::JobKind;
 use raypath_search::{
-    Candidates, Clusters, Dataset, Exact, Graph, GraphParameters, Log, Metric, SearchError, Subject, TimingError,
-    Vectors, Walk, Work, sweep_search, time_search,
+    Candidates, Clusters, Dataset, Exact, Graph, GraphParameters, Metric, QueryAgent, SearchError, SearchSpec,
+    SearchTrace, TimingError, Vectors, Work, sweep_search, time_search,
 };
 use raypath_timing::{Environment, Observer, PortActivity, Sample, SimulationError, Sink, System, Timing};
 use std::num::NonZeroUsize;
@@ -53,12 +53,12 @@ fn exact<const E: usize, const A: usize>(dimensions: &[usize]) {
     for &dimensions in dimensions {
         let Dataset { base, queries, .. } = clusters(70, 13, dimensions);
         for metric in Metric::ALL {
-            let expected = Exact::<E, A>::new(&base, metric).search(&queries, 6, &|_| true).expect("answers");
+            let expected = Exact::<E, A>::new(&base, metric).search(&queries, 6, &|_| true).expect("results");
             let candidates = Candidates::All { count: 6 };
-            let subject = Subject { base: &base, queries: &queries, metric, candidates };
-            assert_eq!(subject.work::<E, A>(Sample::ALL), expected.work);
+            let spec = SearchSpec { base: &base, queries: &queries, metric, candidates };
+            assert_eq!(spec.work::<E, A>(Sample::ALL), expected.work);
             for system in systems() {
-                let timed = time_search::<E, A>(&subject, Sample::ALL, &system, &mut (), &|_| true);
+                let timed = time_search::<E, A>(&spec, Sample::ALL, &system, &mut (), &|_| true);
                 let (timing, rows) = timed.expect("a timing");
                 assert_eq!(rows, expected.rows, "{metric}, {dimensions} dimensions");
                 assert_work(&timing, expected.work, metric, 13);
@@ -73,12 +73,12 @@ fn simulated_graph_search_finds_the_same() {
     for metric in Metric::ALL {
         let graph = Graph::<16, 8>::build(&base, metric, &GraphParameters::default(), &|_| true).expect("a graph");
         for (count, ef) in [(5, 5), (10, 40), (1, 1)] {
-            let expected = graph.search(&queries, count, ef, &|_| true).expect("answers");
-            let logs = graph.logs(&queries, count, ef, u64::MAX, &|_| true).expect("logs");
-            let subject = Subject { base: &base, queries: &queries, metric, candidates: Candidates::Logged(&logs) };
-            assert_eq!(subject.work::<16, 8>(Sample::ALL), expected.work);
+            let expected = graph.search(&queries, count, ef, &|_| true).expect("results");
+            let traces = graph.traces(&queries, count, ef, u64::MAX, &|_| true).expect("traces");
+            let spec = SearchSpec { base: &base, queries: &queries, metric, candidates: Candidates::Traced(&traces) };
+            assert_eq!(spec.work::<16, 8>(Sample::ALL), expected.work);
             for system in systems() {
-                let timed = time_search::<16, 8>(&subject, Sample::ALL, &system, &mut (), &|_| true);
+                let timed = time_search::<16, 8>(&spec, Sample::ALL, &system, &mut (), &|_| true);
                 let (timing, rows) = timed.expect("a timing");
                 assert_eq!(rows, expected.rows, "{metric}, {count} of {ef}");
                 assert_work(&timing, expected.work, metric, 25);
@@ -92,23 +92,23 @@ fn simulated_graph_search_finds_the_same() {
 fn cycles_follow_from_the_latencies() {
     // Two Euclidean beats, three angular ones.
     let Dataset { base, queries, .. } = clusters(3, 2, 20);
-    let log = Log { candidates: vec![0, 1, 2], found: vec![0] };
-    let logs = [log.clone(), log];
+    let trace = SearchTrace { candidates: vec![0, 1, 2], found: vec![0] };
+    let traces = [trace.clone(), trace];
     let time = |metric, candidates, in_flight, memory_latency| {
         let environment = Environment { in_flight, memory_latency, ..Environment::default() };
         let system = System { environment, ..System::default() };
-        let subject = Subject { base: &base, queries: &queries, metric, candidates };
-        time_search::<16, 8>(&subject, Sample::ALL, &system, &mut (), &|_| true).expect("a timing").0.cycles
+        let spec = SearchSpec { base: &base, queries: &queries, metric, candidates };
+        time_search::<16, 8>(&spec, Sample::ALL, &system, &mut (), &|_| true).expect("a timing").0.cycles
     };
-    let (all, logged) = (Candidates::All { count: 1 }, Candidates::Logged(&logs));
+    let (all, traced) = (Candidates::All { count: 1 }, Candidates::Traced(&traces));
     assert_eq!(time(Metric::Euclidean, all, 1, 100), 2 * (3 * (100 + 2) + 12));
-    assert_eq!(time(Metric::Euclidean, logged, 1, 100), 2 * 3 * (100 + 2 + 12));
+    assert_eq!(time(Metric::Euclidean, traced, 1, 100), 2 * 3 * (100 + 2 + 12));
     // The norm of the query comes first, and no fetch waits for it.
     assert_eq!(time(Metric::Angular, all, 1, 100), 2 * (3 + 3 * (100 + 3) + 12));
-    assert_eq!(time(Metric::Angular, logged, 1, 100), 2 * (3 + 3 * (100 + 3 + 12)));
+    assert_eq!(time(Metric::Angular, traced, 1, 100), 2 * (3 + 3 * (100 + 3 + 12)));
     // With both in flight, the beats of the second query follow those of the first.
     assert_eq!(time(Metric::Euclidean, all, 2, 100), 3 * (100 + 2) + 2 + 12);
-    assert_eq!(time(Metric::Euclidean, logged, 2, 100), 3 * (100 + 2 + 12) + 2);
+    assert_eq!(time(Metric::Euclidean, traced, 2, 100), 3 * (100 + 2 + 12) + 2);
     // With ideal memory, a beat enters in every cycle.
     assert_eq!(time(Metric::Euclidean, all, 2, 0), 2 * 3 * 2 + 12);
 }
@@ -131,10 +131,10 @@ fn beats_of_a_vector_are_consecutive() {
     // Three beats a vector.
     let Dataset { base, queries, .. } = clusters(20, 9, 40);
     let candidates = Candidates::All { count: 1 };
-    let subject = Subject { base: &base, queries: &queries, metric: Metric::Euclidean, candidates };
+    let spec = SearchSpec { base: &base, queries: &queries, metric: Metric::Euclidean, candidates };
     for system in systems() {
         let mut owners = Owners::default();
-        time_search::<16, 8>(&subject, Sample::ALL, &system, &mut owners, &|_| true).expect("a timing");
+        time_search::<16, 8>(&spec, Sample::ALL, &system, &mut owners, &|_| true).expect("a timing");
         assert_eq!(owners.0.len(), 9 * 20 * 3);
         assert!(owners.0.as_chunks::<3>().0.iter().all(|[a, b, c]| a == b && b == c));
         let turns = owners.0.windows(2).filter(|pair| pair[0] != pair[1]).count();
@@ -144,30 +144,30 @@ fn beats_of_a_vector_are_consecutive() {
 }
 
 #[test]
-fn samples_are_bounded_by_beats() {
+fn samples_are_limited_by_beats() {
     let Dataset { base, queries, .. } = clusters(50, 12, 40);
     let candidates = Candidates::All { count: 2 };
-    let subject = Subject { base: &base, queries: &queries, metric: Metric::Angular, candidates };
+    let spec = SearchSpec { base: &base, queries: &queries, metric: Metric::Angular, candidates };
     // 51 vectors of 5 beats.
-    let within = |beats| subject.within::<16, 8>(beats).numbers(subject.len()).len();
+    let within = |beats| spec.within::<16, 8>(beats).numbers(spec.len()).len();
     assert_eq!([0, 254, 255, 509, 510, u64::MAX].map(within), [0, 0, 1, 1, 2, 12]);
-    assert_eq!(subject.work::<16, 8>(subject.within::<16, 8>(600)), Work { evaluations: 102, beats: 510 });
+    assert_eq!(spec.work::<16, 8>(spec.within::<16, 8>(600)), Work { evaluations: 102, beats: 510 });
 
     let graph = Graph::<16, 8>::build(&base, Metric::Angular, &GraphParameters::default(), &|_| true).expect("a graph");
-    let all = graph.logs(&queries, 2, 4, u64::MAX, &|_| true).expect("logs");
-    let logged = |logs| Subject { candidates: Candidates::Logged(logs), ..subject };
-    let five = logged(&all).work::<16, 8>(Sample::first(5)).beats;
+    let all = graph.traces(&queries, 2, 4, u64::MAX, &|_| true).expect("traces");
+    let traced = |traces| SearchSpec { candidates: Candidates::Traced(traces), ..spec };
+    let five = traced(&all).work::<16, 8>(Sample::first(5)).beats;
     for (beats, count) in [(five - 1, 4), (five, 5), (five + 1, 5)] {
-        assert_eq!(graph.logs(&queries, 2, 4, beats, &|_| true).expect("logs"), all[..count]);
-        assert_eq!(logged(&all).within::<16, 8>(beats), Sample::first(count));
+        assert_eq!(graph.traces(&queries, 2, 4, beats, &|_| true).expect("traces"), all[..count]);
+        assert_eq!(traced(&all).within::<16, 8>(beats), Sample::first(count));
     }
-    assert_eq!((logged(&all[..5]).len(), logged(&[]).is_empty()), (5, true));
+    assert_eq!((traced(&all[..5]).len(), traced(&[]).is_empty()), (5, true));
 
     let sample = Sample { stride: NonZeroUsize::new(4).expect("four"), max: 2 };
-    let expected = graph.search(&queries, 2, 4, &|_| true).expect("answers").rows;
-    let timed = time_search::<16, 8>(&logged(&all), sample, &System::default(), &mut (), &|_| true);
+    let expected = graph.search(&queries, 2, 4, &|_| true).expect("results").rows;
+    let timed = time_search::<16, 8>(&traced(&all), sample, &System::default(), &mut (), &|_| true);
     assert_eq!(timed.expect("a timing").1, [expected[0].clone(), expected[4].clone()]);
-    let none = time_search::<16, 8>(&logged(&[]), Sample::ALL, &System::default(), &mut (), &|_| true);
+    let none = time_search::<16, 8>(&traced(&[]), Sample::ALL, &System::default(), &mut (), &|_| true);
     assert_eq!(none, Ok((Timing::default(), Vec::new())));
 }
 
@@ -175,14 +175,14 @@ fn samples_are_bounded_by_beats() {
 fn sweep_points_equal_single_timings() {
     let Dataset { base, queries, .. } = clusters(50, 20, 40);
     let candidates = Candidates::All { count: 1 };
-    let subject = Subject { base: &base, queries: &queries, metric: Metric::Angular, candidates };
+    let spec = SearchSpec { base: &base, queries: &queries, metric: Metric::Angular, candidates };
     let (sample, system) = (Sample::first(15), System::default());
     let (in_flight, latencies) = ([1, 4, 16], [0, 100]);
-    let sweep = sweep_search::<16, 8>(&subject, sample, &in_flight, &latencies, &system, &|_| true).expect("a sweep");
+    let sweep = sweep_search::<16, 8>(&spec, sample, &in_flight, &latencies, &system, &|_| true).expect("a sweep");
     assert_eq!(sweep.points.len(), 6);
     for point in sweep.points {
         let system = System { environment: point.environment, ..System::default() };
-        let timed = time_search::<16, 8>(&subject, sample, &system, &mut (), &|_| true).expect("a timing");
+        let timed = time_search::<16, 8>(&spec, sample, &system, &mut (), &|_| true).expect("a timing");
         assert_eq!(point.timing, timed.0);
     }
 }
@@ -192,25 +192,25 @@ fn invalid_simulations_are_errors() {
     let Dataset { base, queries, .. } = clusters(3000, 60, 4);
     let other = Vectors::new(3, vec![0.0; 3]).expect("a vector");
     let time = |queries, candidates, in_flight, progress| {
-        let subject = Subject { base: &base, queries, metric: Metric::Euclidean, candidates };
+        let spec = SearchSpec { base: &base, queries, metric: Metric::Euclidean, candidates };
         let system = System { environment: Environment { in_flight, ..Environment::default() }, ..System::default() };
-        time_search::<16, 8>(&subject, Sample::ALL, &system, &mut (), progress).expect_err("refused")
+        time_search::<16, 8>(&spec, Sample::ALL, &system, &mut (), progress).expect_err("an error")
     };
     let all = |count| Candidates::All { count };
-    let neighbours = |asked| TimingError::Search(SearchError::Neighbours { asked, there: 3000 });
+    let neighbours = |requested| TimingError::Search(SearchError::Neighbours { requested, available: 3000 });
     assert_eq!(time(&queries, all(0), 1, &|_| true), neighbours(0));
     assert_eq!(time(&queries, all(3001), 1, &|_| true), neighbours(3001));
     let dimensions = TimingError::Search(SearchError::Dimensions { base: 4, queries: 3 });
-    let logs = [Log { candidates: vec![0, 3000], found: vec![7] }];
+    let traces = [SearchTrace { candidates: vec![0, 3000], found: vec![7] }];
     assert_eq!(time(&other, all(1), 1, &|_| true), dimensions);
-    assert_eq!(time(&other, Candidates::Logged(&logs), 1, &|_| true), dimensions);
-    let foreign = time(&queries, Candidates::Logged(&logs), 1, &|_| true).to_string();
+    assert_eq!(time(&other, Candidates::Traced(&traces), 1, &|_| true), dimensions);
+    let foreign = time(&queries, Candidates::Traced(&traces), 1, &|_| true).to_string();
     assert_eq!(foreign, "candidate is 3000, expected an index of the base");
     assert_eq!(time(&queries, all(1), 0, &|_| true), TimingError::Simulation(SimulationError::NoSlots));
     let stopped = time(&queries, all(1), 4, &|done| done < 20);
     assert!(matches!(stopped, TimingError::Simulation(SimulationError::Stopped { agents: 20.. })), "{stopped:?}");
     let query = queries.get(0).expect("a query");
-    let logged = Log { candidates: vec![1], found: vec![2] };
-    let walk = Walk::logged(&base, query, Metric::Euclidean, &logged).expect("a walk");
-    assert_eq!(walk.into_neighbours(), [], "nothing has been answered");
+    let trace = SearchTrace { candidates: vec![1], found: vec![2] };
+    let agent = QueryAgent::traced(&base, query, Metric::Euclidean, &trace).expect("an agent");
+    assert_eq!(agent.into_neighbours(), [], "no outcome was received");
 }

@@ -1,4 +1,5 @@
-//! Measures the speed of the simulation in cycles per second, with agents that repeatedly fetch a node and test its boxes.
+//! Measures the speed of the simulation in cycles per second, with agents that repeatedly fetch a node and test its
+//! boxes.
 //!
 //! `cargo run --release -p raypath-timing --example speed`
 

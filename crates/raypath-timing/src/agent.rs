@@ -8,8 +8,8 @@ use raypath_model::Model;
 pub trait Agent<M: Model> {
     /// The next action.
     ///
-    /// The simulation asks for it when the agent starts, `memory_latency` cycles after a fetch, in the cycle after a job
-    /// was accepted and, after [`Action::Wait`], in the cycle after each outcome.
+    /// The simulation asks for it when the agent starts, `memory_latency` cycles after a fetch, in the cycle after a
+    /// job was accepted and, after [`Action::Wait`], in the cycle after each outcome.
     fn next_action(&mut self) -> Action<M::Job>;
 
     /// Receives the outcome of the agent's oldest outstanding job.
@@ -27,8 +27,8 @@ pub enum Action<J> {
         /// The job.
         job: J,
         /// Whether the agent locks the datapath until its next job is accepted, so that the beats of one vector reach
-        /// the accumulator without a beat of another agent in between. The agent may fetch or wait while it has the lock,
-        /// but must issue another job before it is done.
+        /// the accumulator without a beat of another agent in between. The agent may fetch or wait while it has the
+        /// lock, but must issue another job before it is done.
         lock: bool,
     },
     /// Wait for the next outcome.

@@ -1,9 +1,10 @@
 //! Simulation of the datapath under load: throughput, latency, and the causes of idle cycles.
 //!
-//! An [`Agent`] is a client of the datapath that issues jobs and waits for their outcomes, such as a ray that traverses a
-//! tree or a query that searches vectors. [`simulate`] keeps many agents in flight before a cycle-exact model and counts
-//! cycles and jobs, and for each cycle without a job the cause. [`sweep`] repeats this for several numbers of agents and
-//! memory latencies, and [`plot`] draws the result. Module [`report`] shows a run as an HTML page with a timeline.
+//! An [`Agent`] is a client of the datapath that issues jobs and waits for their outcomes, such as a ray that traverses
+//! a tree or a query that searches vectors. [`simulate`] keeps many agents in flight before a cycle-exact model and
+//! counts cycles and jobs, and for each cycle without a job the cause. [`sweep`] repeats this for several numbers of
+//! agents and memory latencies, and [`plot`] draws the result. Module [`report`] shows a run as an HTML page with a
+//! timeline.
 //!
 //! Feature `sweep` enables [`sweep`] and [`plot`], feature `report` the module [`report`]; both are on by default.
 //!

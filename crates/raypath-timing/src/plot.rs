@@ -4,8 +4,8 @@ use crate::sweep::{Point, Sweep};
 use svg::Document;
 use svg::node::element::{Circle, Group, Line, Polyline, Rectangle, Style, Text, Title};
 
-const STYLE: &str = "text { font: 12px sans-serif; fill: #222 } .head { font-weight: bold } .small { font-size: 10.5px } \
-                     .right { text-anchor: end } .middle { text-anchor: middle }";
+const STYLE: &str = "text { font: 12px sans-serif; fill: #222 } .head { font-weight: bold } \
+                     .small { font-size: 10.5px } .right { text-anchor: end } .middle { text-anchor: middle }";
 /// The palette of Okabe and Ito, which is safe for colour-blind readers.
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#222222"];
 const WIDTH: f64 = 400.0;

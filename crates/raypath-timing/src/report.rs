@@ -1,7 +1,7 @@
 //! Reports of a run: an HTML page with a timeline of the pipeline, and a log for the pipeline viewer Konata.
 //!
-//! A [`Recorder`] observes a simulation and records the positions of jobs. A [`Recording`] has these together with counts,
-//! configuration and pictures; [`html`] and [`konata`] convert it.
+//! A [`Recorder`] observes a simulation and records the positions of jobs. A [`Recording`] has these together with
+//! counts, configuration and pictures; [`html`] and [`konata`] convert it.
 
 mod heat;
 mod html;

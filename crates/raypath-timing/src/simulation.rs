@@ -45,16 +45,16 @@ pub enum SimulationError {
 
 /// Runs all agents to completion and counts the cycles. The same input gives the same cycles.
 ///
-/// The arbiter is a first-in, first-out queue: it issues one job a cycle, in the order in which the agents had them, and a
-/// refused job stays at the head. Among agents that get a job in the same cycle, those whose fetch completed come first
-/// (in the order of their fetches), then the agent that received an outcome in the previous cycle, then the agent whose
-/// job was accepted in the previous cycle. An agent that has [locked](Action::Issue) the datapath goes first. An agent
-/// that takes over a slot starts in the cycle in which the previous one was done; at the start, the slots are filled one
-/// after another.
+/// The arbiter is a first-in, first-out queue: it issues one job a cycle, in the order in which the agents had them,
+/// and a refused job stays at the head. Among agents that get a job in the same cycle, those whose fetch completed come
+/// first (in the order of their fetches), then the agent that received an outcome in the previous cycle, then the agent
+/// whose job was accepted in the previous cycle. An agent that has [locked](Action::Issue) the datapath goes first. An
+/// agent that takes over a slot starts in the cycle in which the previous one was done; at the start, the slots are
+/// filled one after another.
 ///
 /// # Errors
-/// An environment without slots or with an invalid sink, an agent that waits without an outstanding job or is done while
-/// it has locked the datapath, and a stop by `progress`. Agents that fetch forever are not detected.
+/// An environment without slots or with an invalid sink, an agent that waits without an outstanding job or is done
+/// while it has locked the datapath, and a stop by `progress`. Agents that fetch forever are not detected.
 pub fn simulate<M: Model<Kind = JobKind>, A: Agent<M>>(
     agents: impl IntoIterator<Item = A>,
     environment: &Environment,
@@ -110,8 +110,8 @@ struct Simulation<'p, M: Model, A, I> {
     live: usize,
     /// Slots whose agent waits for an outcome.
     waiting: usize,
-    /// The cycles in which fetches complete, and the slots of their agents. The latency is constant, so fetches complete
-    /// in order.
+    /// The cycles in which fetches complete, and the slots of their agents. The latency is constant, so fetches
+    /// complete in order.
     fetching: VecDeque<(u64, usize)>,
     /// Slots with a job to issue, without the owner of the lock.
     queue: VecDeque<usize>,

@@ -2,7 +2,8 @@ use super::{Parsed, RawMesh};
 use std::io::Cursor;
 use tobj::{LoadError, LoadOptions};
 
-/// Parses OBJ with the crate `tobj`, after a check of all vertices and faces, because its messages have no line numbers.
+/// Parses OBJ with the crate `tobj`, after a check of all vertices and faces, because its messages have no line
+/// numbers.
 pub(super) fn parse(bytes: &[u8]) -> Parsed {
     let text = std::str::from_utf8(bytes).map_err(|problem| {
         let line = 1 + bytes[..problem.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
@@ -25,8 +26,8 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed {
     Ok(raw)
 }
 
-/// Checks that every vertex has three finite coordinates and every face at least three corners with indices of preceding
-/// vertices.
+/// Checks that every vertex has three finite coordinates and every face at least three corners with indices of
+/// preceding vertices.
 fn check(text: &str) -> Result<(), String> {
     let mut vertices = 0_i64;
     for (number, line) in text.lines().enumerate() {

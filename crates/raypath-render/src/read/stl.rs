@@ -54,7 +54,7 @@ fn check_length(bytes: &[u8]) -> Result<(), String> {
         Some(claimed) if claimed > found => {
             let facets = (claimed - HEADER) / FACET;
             Err(format!(
-                "{found} bytes, expected {claimed} for the {facets} facets of its header, or text that begins with 'solid'"
+                "{found} bytes, expected {claimed} for the {facets} facets of its header, or text after 'solid'"
             ))
         }
         Some(_) => Ok(()),

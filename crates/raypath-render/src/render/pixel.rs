@@ -98,7 +98,8 @@ impl<'s> PictureSampler<'s> {
 }
 
 impl PixelSampler<'_> {
-    /// The next ray, or `None` when the colour is complete. `hit` is the hit of the previous ray; the first call ignores it.
+    /// The next ray, or `None` when the colour is complete. `hit` is the hit of the previous ray; the first call
+    /// ignores it.
     pub(crate) fn next_ray(&mut self, hit: Option<Hit>) -> Result<Option<SampleRay>, RayError> {
         match std::mem::replace(&mut self.pending, Pending::None) {
             Pending::None => self.start_sample(),

@@ -27,8 +27,8 @@ pub(super) struct SingleRay {
     hit: Option<Hit>,
 }
 
-/// The results of all sequences, with a pool of traversals: an agent returns its traversal when it is done, so that only as
-/// many are allocated as agents are in flight.
+/// The results of all sequences, with a pool of traversals: an agent returns its traversal when it is done, so that
+/// only as many are allocated as agents are in flight.
 pub(super) struct ResultStore<'s, R>(Rc<RefCell<Store<'s, R>>>);
 
 struct Store<'s, R> {

@@ -9,8 +9,8 @@ use raypath_timing::{Progress, ProgressCounter};
 /// The number of rays in a unit of parallel work.
 const BATCH: usize = 4096;
 
-/// Traces rays on all threads of rayon. Returns the closest hit of each ray, in order, and the total cost; the result does
-/// not depend on the number of threads. `progress` gets the number of completed rays.
+/// Traces rays on all threads of rayon. Returns the closest hit of each ray, in order, and the total cost; the result
+/// does not depend on the number of threads. `progress` gets the number of completed rays.
 ///
 /// # Errors
 /// [`Stopped`] if `progress` returned false.

@@ -8,11 +8,11 @@ use raypath_timing::{Action, Agent};
 
 /// The traversal of the tree by one ray: an [`Agent`] that issues box and triangle jobs and keeps the hit.
 ///
-/// It issues all jobs of a leaf before it waits for the first outcome, for either [`Goal`]. Hits and counts therefore do
-/// not depend on the latency of the datapath.
+/// It issues all jobs of a leaf before it waits for the first outcome, for either [`Goal`]. Hits and counts therefore
+/// do not depend on the latency of the datapath.
 ///
-/// Each hit shortens the extent of the ray, so that boxes beyond the closest hit are missed. A box at exactly that distance
-/// is opened, because it may contain a triangle with a lower index.
+/// Each hit shortens the extent of the ray, so that boxes beyond the closest hit are missed. A box at exactly that
+/// distance is opened, because it may contain a triangle with a lower index.
 #[derive(Debug, Clone)]
 pub struct Traversal<'s> {
     bvh: &'s Bvh4,
@@ -73,7 +73,8 @@ struct Leaf {
 }
 
 impl<'s> Traversal<'s> {
-    /// A traversal without a ray: it is done until [`start`](Self::start). It allocates its stack here and nothing later.
+    /// A traversal without a ray: it is done until [`start`](Self::start). It allocates its stack here and nothing
+    /// later.
     pub fn new(bvh: &'s Bvh4, tracing: Tracing) -> Self {
         let (goal, counts) = (Goal::Closest, Counts::default());
         let stack = Vec::with_capacity(bvh.stack_size());

@@ -216,7 +216,8 @@ impl View {
         let exact = signs.iter().all(|&sign| sign >= 0) && signs.iter().any(|&sign| sign > 0) && t > 0.0;
         let in_front = low > 0.0;
         let certain = in_front && (0..3).all(|i| edges[i] > 10.0 * U * magnitudes[i]);
-        // With a vertex behind the origin the terms of the mean have both signs, and 19 roundings scale with the greatest.
+        // With a vertex behind the origin the terms of the mean have both signs, and 19 roundings scale with the
+        // greatest.
         let slack = 19.0 * U * depths.iter().fold(0.0, |max: f64, z| max.max(z.abs()));
         let (mut least, mut greatest) = (low - slack, high + slack);
         let denominator = sum - 12.0 * U * magnitude;

@@ -40,8 +40,9 @@ impl<'m> Patches<'m> {
         self.fans[&self.mesh.triangles()[face as usize][corner]].clone()
     }
 
-    /// The greatest possible distance of the hit, if the theorem guarantees one: all faces of the patch face the ray with
-    /// all vertices in front, no face is thin, and the ray passes farther from the rim than rounding moves a vertex.
+    /// The greatest possible distance of the hit, if the theorem guarantees one: all faces of the patch face the ray
+    /// with all vertices in front, no face is thin, and the ray passes farther from the rim than rounding moves a
+    /// vertex.
     pub fn must_hit(&self, patch: &[u32], ray: &Ray<Binary32>) -> Option<f64> {
         let (o, d): ([f32; 3], [f32; 3]) = (ray.origin.into(), ray.dir.into());
         let seen = |p: [f32; 3]| project(o, d, p);

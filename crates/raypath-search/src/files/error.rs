@@ -5,52 +5,52 @@ use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why a file did not give what it should.
+/// The reason why a file could not be used.
 #[derive(Debug, Error)]
 pub enum FileError {
-    /// It could not be read.
+    /// The file could not be read.
     #[error("{}: {source}", file.display())]
     Read {
         /// The file.
         file: PathBuf,
-        /// Why.
+        /// The error.
         source: io::Error,
     },
-    /// It holds something else than it should.
-    #[error("{}: {place}: found {found}, expected {expected}", file.display())]
+    /// The content is not as expected.
+    #[error("{}: {position}: found {found}, expected {expected}", file.display())]
     Content {
         /// The file.
         file: PathBuf,
-        /// Where.
-        place: String,
-        /// What is there.
+        /// The position in the file.
+        position: String,
+        /// The content found.
         found: String,
-        /// What should be.
+        /// The content expected.
         expected: String,
     },
-    /// Its numbers are not a set of vectors.
+    /// The numbers are not a valid list of vectors.
     #[error("{}: {source}", file.display())]
     Vectors {
         /// The file.
         file: PathBuf,
-        /// Why.
+        /// The error.
         source: VectorsError,
     },
-    /// Its numbers are not neighbours in the base.
+    /// The numbers are not valid neighbours.
     #[error("{}: {source}", file.display())]
     Neighbours {
         /// The file.
         file: PathBuf,
-        /// Why.
+        /// The error.
         source: NeighboursError,
     },
 }
 
 impl FileError {
-    pub(super) fn content(file: &Path, place: impl Display, found: impl Display, expected: impl Display) -> Self {
+    pub(super) fn content(file: &Path, position: impl Display, found: impl Display, expected: impl Display) -> Self {
         Self::Content {
             file: file.to_owned(),
-            place: place.to_string(),
+            position: position.to_string(),
             found: found.to_string(),
             expected: expected.to_string(),
         }

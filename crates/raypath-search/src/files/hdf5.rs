@@ -1,14 +1,15 @@
-//! HDF5 as ann-benchmarks has it: base, queries and truth in one file, as the datasets `train`, `test`, `neighbors` and
-//! `distances` of two axes, and an attribute `distance` that names the metric.
+//! HDF5 in the layout of ann-benchmarks: base, queries and truth in one file, as the datasets `train`, `test`,
+//! `neighbors` and `distances` of two axes, with an attribute `distance` that names the metric.
 
-use super::{FileError, neighbours as checked};
+use super::error::FileError;
+use super::neighbours as checked;
 use crate::metric::Metric;
 use crate::neighbours::Neighbours;
 use crate::vectors::Vectors;
 use hdf5_pure::{DType, Dataset, Error, File};
 use std::path::Path;
 
-/// What the file has of a data set.
+/// The parts of a data set in a file.
 pub(super) struct Parts {
     pub(super) base: Vectors,
     pub(super) queries: Option<Vectors>,
@@ -17,7 +18,7 @@ pub(super) struct Parts {
     pub(super) metric: Option<Metric>,
 }
 
-/// The base; the queries and the truth, if asked for.
+/// Reads the base, and on request the queries and the truth.
 pub(super) fn dataset(file: &Path, queries: bool, truth: bool) -> Result<Parts, FileError> {
     let hdf5 = open(file)?;
     let base = vectors(file, &hdf5, "train")?;
@@ -34,7 +35,7 @@ pub(super) fn dataset(file: &Path, queries: bool, truth: bool) -> Result<Parts, 
     Ok(Parts { base, queries, truth, distances, metric: metric(file, &hdf5)? })
 }
 
-/// The number of neighbours of each query, and all their indices.
+/// Reads the number of neighbours per query, and all indices.
 pub(super) fn neighbours(file: &Path) -> Result<(usize, Vec<i64>), FileError> {
     indices(file, &open(file)?)
 }
@@ -56,11 +57,11 @@ fn indices(file: &Path, hdf5: &File) -> Result<(usize, Vec<i64>), FileError> {
     Ok((columns, dataset.read_i64().map_err(|error| wrong(file, name, &error))?))
 }
 
-/// The most bytes that deflate makes of one.
+/// The maximum expansion of deflate.
 const INFLATION: u64 = 1032;
 
-/// A dataset of two axes and of integers, or of what else is `allowed`, that is not greater than its file can hold; and its
-/// columns.
+/// Opens a dataset of two axes, with integers or another `allowed` type, and checks that its size fits the file.
+/// Returns it with its number of columns.
 fn table(
     file: &Path,
     hdf5: &File,
@@ -83,17 +84,17 @@ fn table(
         return Err(FileError::content(file, name, format_args!("type {kind}"), expected));
     }
     let length = std::fs::metadata(file).map_err(FileError::read(file))?.len();
-    let room = room(&dataset, rows, columns, length).map_err(fail)?;
+    let capacity = capacity(&dataset, rows, columns, length).map_err(fail)?;
     let size = dataset.element_size().map_err(fail)?;
-    if rows.checked_mul(columns).and_then(|count| count.checked_mul(size)).is_none_or(|bytes| bytes > room) {
+    if rows.checked_mul(columns).and_then(|count| count.checked_mul(size)).is_none_or(|bytes| bytes > capacity) {
         let found = format!("{rows} x {columns} of type {kind}");
         return Err(FileError::content(file, name, found, format_args!("what is stored in a file of {length} bytes")));
     }
     Ok((dataset, usize::try_from(columns).unwrap_or(usize::MAX)))
 }
 
-/// The most bytes that are stored of a dataset of this shape, before they were compressed; 0 where chunks are missing.
-fn room(dataset: &Dataset, rows: u64, columns: u64, length: u64) -> Result<u64, Error> {
+/// The maximum uncompressed size in bytes of the stored data of a dataset; 0 if chunks are missing.
+fn capacity(dataset: &Dataset, rows: u64, columns: u64, length: u64) -> Result<u64, Error> {
     let Some(chunk) = dataset.chunk_shape()? else { return Ok(length) };
     let chunks = dataset.chunks()?;
     let along = |size: u64, axis: usize| chunk.get(axis).filter(|&&chunk| chunk > 0).map(|&chunk| size.div_ceil(chunk));
@@ -106,18 +107,18 @@ fn room(dataset: &Dataset, rows: u64, columns: u64, length: u64) -> Result<u64, 
 }
 
 fn metric(file: &Path, hdf5: &File) -> Result<Option<Metric>, FileError> {
-    let place = "attribute distance";
-    let attributes = hdf5.root().attrs().map_err(|error| wrong(file, place, &error))?;
+    let position = "attribute distance";
+    let attributes = hdf5.root().attrs().map_err(|error| wrong(file, position, &error))?;
     let Some(value) = attributes.get("distance") else { return Ok(None) };
     let Some(name) = value.as_str() else {
-        return Err(FileError::content(file, place, format_args!("{value:?}"), "a string"));
+        return Err(FileError::content(file, position, format_args!("{value:?}"), "a string"));
     };
-    let metric = name.parse().map_err(|_| FileError::content(file, place, format_args!("`{name}`"), NAMES))?;
+    let metric = name.parse().map_err(|_| FileError::content(file, position, format_args!("`{name}`"), NAMES))?;
     Ok(Some(metric))
 }
 
 const NAMES: &str = "euclidean or angular";
 
-fn wrong(file: &Path, place: &str, error: &Error) -> FileError {
-    FileError::content(file, place, format_args!("`{error}`"), "HDF5 as ann-benchmarks has it")
+fn wrong(file: &Path, position: &str, error: &Error) -> FileError {
+    FileError::content(file, position, format_args!("`{error}`"), "HDF5 in the layout of ann-benchmarks")
 }

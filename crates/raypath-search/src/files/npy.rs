@@ -1,12 +1,12 @@
 //! `.npy`: an array of two axes, vectors along the first, in either order and of any numeric type.
 
-use super::FileError;
+use super::error::FileError;
 use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-/// The dimension, and all coordinates.
+/// Reads the dimension and all coordinates.
 pub(super) fn vectors(file: &Path) -> Result<(usize, Vec<f32>), FileError> {
     let array = Array::open(file)?;
     let coordinates = match array.kind {
@@ -25,7 +25,7 @@ pub(super) fn vectors(file: &Path) -> Result<(usize, Vec<f32>), FileError> {
     coordinates.map_err(FileError::read(file))
 }
 
-/// The number of neighbours of each query, and all their indices; an index that has no `i64` is −1.
+/// Reads the number of neighbours per query, and all indices. An index that exceeds `i64` becomes −1.
 pub(super) fn indices(file: &Path) -> Result<(usize, Vec<i64>), FileError> {
     let array = Array::open(file)?;
     let indices = match array.kind {
@@ -42,7 +42,7 @@ pub(super) fn indices(file: &Path) -> Result<(usize, Vec<i64>), FileError> {
     indices.map_err(FileError::read(file))
 }
 
-/// An array whose header has been read and believed.
+/// An array with a validated header.
 struct Array<'f> {
     file: &'f Path,
     npy: NpyFile<BufReader<File>>,
@@ -52,7 +52,7 @@ struct Array<'f> {
 }
 
 impl<'f> Array<'f> {
-    /// Reads the header, and checks it against the file's length.
+    /// Reads the header and checks it against the length of the file.
     fn open(file: &'f Path) -> Result<Self, FileError> {
         let io = FileError::read(file);
         let mut source = BufReader::new(File::open(file).map_err(&io)?);
@@ -60,7 +60,7 @@ impl<'f> Array<'f> {
 
         let bytes = header_bytes(file, &mut source)?;
         let header = NpyHeader::from_reader(bytes.as_slice())
-            .map_err(|error| FileError::content(file, "header", format_args!("`{error}`"), "a header of NumPy's"))?;
+            .map_err(|error| FileError::content(file, "header", format_args!("`{error}`"), "a NumPy header"))?;
         let &[rows, columns] = header.shape() else {
             let found = format!("shape {:?}", header.shape());
             return Err(FileError::content(file, "header", found, "two axes: vectors, coordinates"));
@@ -80,7 +80,7 @@ impl<'f> Array<'f> {
         Ok(Self { file, npy: NpyFile::with_header(header, source), kind, rows: fits(rows), columns: fits(columns) })
     }
 
-    /// Columns, and all numbers row by row.
+    /// Reads the number of columns, and all numbers row by row.
     fn read<T: Deserialize, U: Copy>(self, convert: impl Fn(T) -> U) -> io::Result<(usize, Vec<U>)> {
         let (rows, columns, order) = (self.rows, self.columns, self.npy.order());
         let numbers = self.npy.data::<T>().map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
@@ -99,22 +99,27 @@ impl<'f> Array<'f> {
     }
 }
 
-/// The longest header that is read; NumPy's own reader takes 10,000 bytes.
-const LONGEST: usize = 10_000;
+/// The maximum length of a header in bytes, as in NumPy.
+const MAX_HEADER: usize = 10_000;
 
-/// Magic number, version, length and text of a header that is safe to parse: not long, not deep, and without sizes whose
-/// product would overflow.
+/// Reads magic number, version, length and text of a header, and checks that it is safe to parse: short, without deep
+/// nesting, and without sizes whose product overflows.
 fn header_bytes(file: &Path, source: &mut impl Read) -> Result<Vec<u8>, FileError> {
     let mut bytes = Vec::new();
     let mut take = |count: usize, bytes: &mut Vec<u8>| {
         let read = source.take(count as u64).read_to_end(bytes).map_err(FileError::read(file))?;
         let found = format!("the end of the file after {} bytes", bytes.len());
-        if read < count { Err(FileError::content(file, "header", found, "a header of NumPy's")) } else { Ok(()) }
+        if read < count { Err(FileError::content(file, "header", found, "a NumPy header")) } else { Ok(()) }
     };
     take(10, &mut bytes)?;
     if !bytes.starts_with(b"\x93NUMPY") {
         let found = String::from_utf8_lossy(&bytes[..6]).into_owned();
-        return Err(FileError::content(file, "first bytes", format_args!("{found:?}"), "those of an .npy file"));
+        return Err(FileError::content(
+            file,
+            "first bytes",
+            format_args!("{found:?}"),
+            "the magic number of an .npy file",
+        ));
     }
     let length = if bytes[6] == 1 {
         usize::from(u16::from_le_bytes([bytes[8], bytes[9]]))
@@ -122,20 +127,20 @@ fn header_bytes(file: &Path, source: &mut impl Read) -> Result<Vec<u8>, FileErro
         take(2, &mut bytes)?;
         u32::from_le_bytes([bytes[8], bytes[9], bytes[10], bytes[11]]) as usize
     };
-    if length > LONGEST {
+    if length > MAX_HEADER {
         return Err(FileError::content(file, "header", format_args!("{length} bytes"), "10000 at most"));
     }
     let start = bytes.len();
     take(length, &mut bytes)?;
     let text = String::from_utf8_lossy(&bytes[start..]).into_owned();
-    if !is_tame(&text) {
+    if !is_safe(&text) {
         let found = format!("`{}`", text.trim_end().chars().take(200).collect::<String>());
         return Err(FileError::content(file, "header", found, "sizes of 64 bits together, and little nesting"));
     }
     Ok(bytes)
 }
 
-fn is_tame(text: &str) -> bool {
+fn is_safe(text: &str) -> bool {
     let depth = text.chars().filter(|c| "([{".contains(*c)).count();
     let other_base = text.as_bytes().windows(2).any(|pair| pair[0].is_ascii_digit() && b"xXoObB_".contains(&pair[1]));
     let mut numbers = text.split(|c: char| !c.is_ascii_digit()).filter(|digits| !digits.is_empty());

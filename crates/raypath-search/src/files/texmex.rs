@@ -1,12 +1,12 @@
-//! `.fvecs`, `.bvecs` and `.ivecs`: before each vector its dimension, four bytes, little-endian.
+//! `.fvecs`, `.bvecs` and `.ivecs`: each vector is preceded by its dimension in four bytes, little-endian.
 
-use super::FileError;
+use super::error::FileError;
 use crate::vectors::MAX_DIMENSIONS;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-/// The dimension, and all coordinates, of `S` bytes each.
+/// Reads the dimension and all coordinates, of `S` bytes each.
 pub(super) fn read<const S: usize, T>(
     file: &Path,
     decode: impl Fn([u8; S]) -> T,
@@ -33,7 +33,7 @@ pub(super) fn read<const S: usize, T>(
             }
             let found = source.dimension(vector)?;
             if usize::try_from(found) != Ok(dimensions) {
-                let expected = format!("{dimensions} as that of vector 0");
+                let expected = format!("{dimensions} as in vector 0");
                 return Err(FileError::content(file, format_args!("dimension of vector {vector}"), found, expected));
             }
         }

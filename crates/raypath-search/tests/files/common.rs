@@ -35,20 +35,20 @@ impl Written {
     }
 }
 
-/// The message names the file, and says all of this.
-pub fn says<T: std::fmt::Debug>(name: &str, result: Result<T, FileError>, parts: &[&str]) {
-    let message = result.expect_err("refused").to_string();
+/// Checks that an error names the file and contains all `parts`.
+pub fn assert_error<T: std::fmt::Debug>(name: &str, result: Result<T, FileError>, parts: &[&str]) {
+    let message = result.expect_err("an error").to_string();
     for part in parts.iter().chain(&[name]) {
-        assert!(message.contains(part), "`{message}` does not say `{part}`");
+        assert!(message.contains(part), "`{message}` does not contain `{part}`");
     }
 }
 
-pub fn vectors_say(name: &str, bytes: &[u8], parts: &[&str]) {
-    says(name, Written::new(name, bytes).vectors(), parts);
+pub fn assert_vectors_error(name: &str, bytes: &[u8], parts: &[&str]) {
+    assert_error(name, Written::new(name, bytes).vectors(), parts);
 }
 
-pub fn neighbours_say(name: &str, bytes: &[u8], base: usize, parts: &[&str]) {
-    says(name, Written::new(name, bytes).neighbours(base), parts);
+pub fn assert_neighbours_error(name: &str, bytes: &[u8], base: usize, parts: &[&str]) {
+    assert_error(name, Written::new(name, bytes).neighbours(base), parts);
 }
 
 pub fn unzip(bytes: &[u8]) -> Vec<u8> {

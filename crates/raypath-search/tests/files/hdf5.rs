@@ -1,4 +1,4 @@
-use crate::common::{Written, base, says, unzip};
+use crate::common::{Written, assert_error, base, unzip};
 use hdf5_pure::{AttrValue, FileBuilder};
 use raypath_search::{Dataset, Exact, Metric, read_neighbours, read_vectors};
 
@@ -15,11 +15,11 @@ fn files_of_h5py() {
         let queries: Vec<f32> = base()[10..25].iter().map(|x| x + 0.25).collect();
         assert_eq!(dataset.queries.data(), queries);
 
-        // What the file says of neighbours and distances is what is found.
+        // A search finds the neighbours and distances of the file.
         let truth = dataset.truth.expect("truth");
         let distances = dataset.distances.expect("distances");
         let found = Exact::<16, 8>::new(&dataset.base, Metric::Euclidean);
-        let found = found.search(&dataset.queries, truth.count(), &|_| true).expect("answers");
+        let found = found.search(&dataset.queries, truth.count(), &|_| true).expect("results");
         for ((row, indices), distances) in found.rows.iter().zip(truth.rows()).zip(distances.iter()) {
             assert!(row.iter().map(|near| near.index).eq(indices.iter().copied()), "{row:?} and {indices:?}");
             assert!(row.iter().zip(distances).all(|(near, &distance)| near.distance as f32 == distance));
@@ -35,7 +35,7 @@ fn files_of_h5py() {
     }
 }
 
-/// A file with these datasets: name, shape, type and whether it is all there.
+/// A file with the datasets that `build` adds.
 fn made(build: impl FnOnce(&mut FileBuilder)) -> Written {
     let mut builder = FileBuilder::new();
     build(&mut builder);
@@ -49,54 +49,54 @@ fn train(builder: &mut FileBuilder) {
 
 #[test]
 fn wrong_files() {
-    says("a.hdf5", Written::new("a.hdf5", b"text").dataset(), &["file", "expected HDF5"]);
-    says("a.hdf5", made(|_| {}).dataset(), &["train", "expected HDF5 as ann-benchmarks has it"]);
+    assert_error("a.hdf5", Written::new("a.hdf5", b"text").dataset(), &["file", "expected HDF5"]);
+    assert_error("a.hdf5", made(|_| {}).dataset(), &["train", "expected HDF5 in the layout of ann-benchmarks"]);
     let file = made(|builder| {
         builder.create_dataset("train").with_f32_data(&[0.0; 6]).with_shape(&[6]);
     });
-    says("a.hdf5", file.dataset(), &["train", "found shape [6]", "expected two axes"]);
+    assert_error("a.hdf5", file.dataset(), &["train", "found shape [6]", "expected two axes"]);
     let file = made(|builder| {
         builder.create_dataset("train").with_f32_data(&[0.0, f32::NAN]).with_shape(&[1, 2]);
     });
-    says("a.hdf5", file.dataset(), &["vector 0, coordinate 1", "found NaN"]);
+    assert_error("a.hdf5", file.dataset(), &["vector 0, coordinate 1", "found NaN"]);
     let file = made(|builder| {
         builder.create_group("train");
     });
-    says("a.hdf5", file.dataset(), &["train"]);
+    assert_error("a.hdf5", file.dataset(), &["train"]);
     let file = made(|builder| {
         train(builder);
         builder.create_dataset("neighbors").with_f32_data(&[0.0]).with_shape(&[1, 1]);
     });
-    says("a.hdf5", file.dataset(), &["neighbors", "found type f32", "expected integers"]);
+    assert_error("a.hdf5", file.dataset(), &["neighbors", "found type f32", "expected integers"]);
     for (index, found) in [(3, "found index 3"), (-1, "found index -1")] {
         let file = made(|builder| {
             train(builder);
             builder.create_dataset("neighbors").with_i32_data(&[0, index]).with_shape(&[1, 2]);
         });
-        says("a.hdf5", file.dataset(), &["query 0, neighbour 1", found, "expected 0 to 2"]);
+        assert_error("a.hdf5", file.dataset(), &["query 0, neighbour 1", found, "expected 0 to 2"]);
     }
     let file = made(|builder| {
         train(builder);
         builder.create_dataset("neighbors").with_i32_data(&[0, 1]).with_shape(&[2, 1]);
     });
-    says("a.hdf5", file.dataset(), &["rows of neighbours", "found 2", "expected 1, one for each query"]);
+    assert_error("a.hdf5", file.dataset(), &["rows of neighbours", "found 2", "expected 1, one for each query"]);
     let file = made(|builder| {
         builder.create_dataset("train").with_f32_data(&[0.0; 6]).with_shape(&[3, 2]);
         builder.create_dataset("test").with_f32_data(&[0.0; 3]).with_shape(&[1, 3]);
     });
-    says("a.hdf5", file.dataset(), &["dimensions of the queries", "found 3", "expected 2 as"]);
+    assert_error("a.hdf5", file.dataset(), &["dimensions of the queries", "found 3", "expected 2 as"]);
     let file = made(|builder| {
         train(builder);
         builder.set_attr("distance", AttrValue::AsciiString("hamming".into()));
     });
-    says("a.hdf5", file.dataset(), &["attribute distance", "found `hamming`", "expected euclidean or angular"]);
+    assert_error("a.hdf5", file.dataset(), &["attribute distance", "found `hamming`", "expected euclidean or angular"]);
     let file = made(|builder| {
         train(builder);
         builder.set_attr("distance", AttrValue::I64(1));
     });
-    says("a.hdf5", file.dataset(), &["attribute distance", "expected a string"]);
+    assert_error("a.hdf5", file.dataset(), &["attribute distance", "expected a string"]);
     let alone = Written::new("a.bvecs", &[1, 0, 0, 0, 7]);
-    says("a.bvecs", alone.dataset(), &["queries", "no file of queries"]);
+    assert_error("a.bvecs", alone.dataset(), &["queries", "no file of queries"]);
 }
 
 #[test]
@@ -105,18 +105,18 @@ fn cut_files() {
     let file = Written::new("a.hdf5", &whole);
     for length in (0..whole.len()).step_by(7) {
         file.rewrite(&whole[..length]);
-        says("a.hdf5", file.dataset(), &["found", "expected"]);
+        assert_error("a.hdf5", file.dataset(), &["found", "expected"]);
     }
 }
 
-/// A file of which the size of `train` lies: where the shape 7 x 5 stands, another.
-fn lying(bytes: &[u8], rows: u64, columns: u64) -> Vec<u8> {
+/// A file in which the shape of `train` is replaced by another.
+fn with_shape(bytes: &[u8], rows: u64, columns: u64) -> Vec<u8> {
     let shape = |rows: u64, columns: u64| [rows.to_le_bytes(), columns.to_le_bytes()].concat();
     let mut bytes = bytes.to_vec();
-    let places: Vec<usize> = (0..bytes.len() - 16).filter(|&i| bytes[i..i + 16] == shape(7, 5)).collect();
-    assert!(!places.is_empty());
-    for place in places {
-        bytes[place..place + 16].copy_from_slice(&shape(rows, columns));
+    let positions: Vec<usize> = (0..bytes.len() - 16).filter(|&i| bytes[i..i + 16] == shape(7, 5)).collect();
+    assert!(!positions.is_empty());
+    for position in positions {
+        bytes[position..position + 16].copy_from_slice(&shape(rows, columns));
     }
     bytes
 }
@@ -125,27 +125,27 @@ fn lying(bytes: &[u8], rows: u64, columns: u64) -> Vec<u8> {
 fn hostile_sizes() {
     for bytes in [unzip(PLAIN), unzip(DEFLATED)] {
         for (rows, columns) in [(1 << 31, 1 << 20), (u64::MAX, u64::MAX), (1 << 40, 5), (7, 1 << 50), (1 << 63, 2)] {
-            let file = Written::new("a.hdf5", &lying(&bytes, rows, columns));
-            says("a.hdf5", file.dataset(), &["train", "expected"]);
+            let file = Written::new("a.hdf5", &with_shape(&bytes, rows, columns));
+            assert_error("a.hdf5", file.dataset(), &["train", "expected"]);
         }
         for (rows, columns) in [(0, 5), (7, 0)] {
-            let file = Written::new("a.hdf5", &lying(&bytes, rows, columns));
-            says("a.hdf5", file.dataset(), &["expected"]);
+            let file = Written::new("a.hdf5", &with_shape(&bytes, rows, columns));
+            assert_error("a.hdf5", file.dataset(), &["expected"]);
         }
     }
 }
 
 #[test]
-fn every_byte_may_be_anything() {
+fn readers_do_not_panic_on_damaged_files() {
     for bytes in [unzip(PLAIN), unzip(DEFLATED)] {
         let file = Written::new("a.hdf5", &bytes);
-        let mut refused = 0;
-        for place in (0..bytes.len()).filter(|&place| place < 512 || bytes[place] != 0) {
+        let mut errors = 0;
+        for position in (0..bytes.len()).filter(|&position| position < 512 || bytes[position] != 0) {
             let mut bytes = bytes.clone();
-            bytes[place] = [0, 1, 0x7f, 0xff, bytes[place] ^ 0x80][place % 5];
+            bytes[position] = [0, 1, 0x7f, 0xff, bytes[position] ^ 0x80][position % 5];
             file.rewrite(&bytes);
-            refused += usize::from(file.dataset().is_err());
+            errors += usize::from(file.dataset().is_err());
         }
-        assert!(refused > 100, "only {refused}");
+        assert!(errors > 100, "only {errors}");
     }
 }

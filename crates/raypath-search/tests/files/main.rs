@@ -1,4 +1,4 @@
-//! Readers before files as other programs make them, and before files that are cut, wrong, or lie.
+//! Readers of vector files: files of other programs, truncated files, and files with wrong content or headers.
 
 mod common;
 mod hdf5;

@@ -1,7 +1,7 @@
-use crate::common::{Written, neighbours_say, says, vectors_say};
-use raypath_search::{Answers, Neighbour, Vectors, Work, write_fvecs, write_ivecs};
+use crate::common::{Written, assert_error, assert_neighbours_error, assert_vectors_error};
+use raypath_search::{Neighbour, SearchResults, Vectors, Work, write_fvecs, write_ivecs};
 
-/// Records of a dimension that is said, and bytes.
+/// Records with the given dimension fields and content.
 fn records<const S: usize>(rows: &[(i32, Vec<[u8; S]>)]) -> Vec<u8> {
     rows.iter().flat_map(|(dimension, row)| [&dimension.to_le_bytes()[..], row.as_flattened()].concat()).collect()
 }
@@ -40,18 +40,18 @@ fn good_files() {
 }
 
 #[test]
-fn answers_are_written_as_neighbours() {
+fn results_are_written_as_neighbours() {
     let near = |index| Neighbour { index, distance: 0.0 };
     let rows = vec![vec![near(5), near(3)], vec![near(0), near(1)]];
-    let mut answers = Answers { rows, work: Work::default(), seconds: 0.0 };
+    let mut results = SearchResults { rows, work: Work::default(), seconds: 0.0 };
     let mut written = Vec::new();
-    write_ivecs(&answers, &mut written).expect("written");
+    write_ivecs(&results, &mut written).expect("written");
     let read = Written::new("a.ivecs", &written).neighbours(6).expect("neighbours");
     assert_eq!(read.rows().collect::<Vec<_>>(), [[5, 3], [0, 1]]);
 
-    answers.rows[1].pop();
+    results.rows[1].pop();
     written.clear();
-    write_ivecs(&answers, &mut written).expect("written");
+    write_ivecs(&results, &mut written).expect("written");
     assert_eq!(written, integers(&[(2, &[5, 3]), (2, &[0, -1])]));
 }
 
@@ -63,34 +63,42 @@ fn cut_files() {
         if length == 16 {
             assert_eq!(file.vectors().expect("one vector").len(), 1);
         } else {
-            says("a.fvecs", file.vectors(), &["found the ", "more of vector"]);
+            assert_error("a.fvecs", file.vectors(), &["found the ", "more of vector"]);
         }
     }
-    vectors_say("a.fvecs", &[], &["byte 0", "found the end of the file", "expected 4 more of vector 0"]);
-    vectors_say("a.fvecs", &whole[..30], &["byte 20", "found the last 10 bytes", "expected 12 more of vector 1"]);
-    vectors_say("a.bvecs", &[3, 0, 0, 0, 1], &["byte 4", "found the last 1 bytes", "expected 3 more of vector 0"]);
+    assert_vectors_error("a.fvecs", &[], &["byte 0", "found the end of the file", "expected 4 more of vector 0"]);
+    assert_vectors_error(
+        "a.fvecs",
+        &whole[..30],
+        &["byte 20", "found the last 10 bytes", "expected 12 more of vector 1"],
+    );
+    assert_vectors_error(
+        "a.bvecs",
+        &[3, 0, 0, 0, 1],
+        &["byte 4", "found the last 1 bytes", "expected 3 more of vector 0"],
+    );
 }
 
 #[test]
 fn wrong_files() {
     let file = floats(&[(2, &[1.0, 2.0]), (3, &[1.0, 2.0, 3.0])]);
-    vectors_say("a.fvecs", &file, &["dimension of vector 1", "found 3", "expected 2 as that of vector 0"]);
+    assert_vectors_error("a.fvecs", &file, &["dimension of vector 1", "found 3", "expected 2 as in vector 0"]);
     let file = floats(&[(2, &[1.0, 2.0]), (2, &[1.0, f32::NAN])]);
-    vectors_say("a.fvecs", &file, &["vector 1, coordinate 1", "found NaN", "finite"]);
+    assert_vectors_error("a.fvecs", &file, &["vector 1, coordinate 1", "found NaN", "finite"]);
     let file = floats(&[(1, &[f32::NEG_INFINITY])]);
-    vectors_say("a.fvecs", &file, &["vector 0, coordinate 0", "found -inf"]);
-    vectors_say("a.vecs", &[], &["extension", "found `vecs`", "expected fvecs, bvecs, ivecs, npy or hdf5"]);
-    vectors_say("a", &[], &["extension", "found ``"]);
-    neighbours_say("a.fvecs", &[], 1, &["extension", "found `fvecs`", "expected ivecs, npy or hdf5"]);
+    assert_vectors_error("a.fvecs", &file, &["vector 0, coordinate 0", "found -inf"]);
+    assert_vectors_error("a.vecs", &[], &["extension", "found `vecs`", "expected fvecs, bvecs, ivecs, npy or hdf5"]);
+    assert_vectors_error("a", &[], &["extension", "found ``"]);
+    assert_neighbours_error("a.fvecs", &[], 1, &["extension", "found `fvecs`", "expected ivecs, npy or hdf5"]);
 
     let file = integers(&[(2, &[0, 1]), (2, &[3, 10])]);
-    neighbours_say("a.ivecs", &file, 10, &["query 1, neighbour 1", "found index 10", "expected 0 to 9"]);
+    assert_neighbours_error("a.ivecs", &file, 10, &["query 1, neighbour 1", "found index 10", "expected 0 to 9"]);
     let file = integers(&[(2, &[0, -1])]);
-    neighbours_say("a.ivecs", &file, 10, &["query 0, neighbour 1", "found index -1"]);
+    assert_neighbours_error("a.ivecs", &file, 10, &["query 0, neighbour 1", "found index -1"]);
 
     let directory = Written::new("a.fvecs", &[]).directory;
     let absent = raypath_search::read_vectors(&directory.path().join("absent.fvecs"));
-    says("absent.fvecs", absent, &["No such file"]);
+    assert_error("absent.fvecs", absent, &["No such file"]);
 }
 
 #[test]
@@ -98,10 +106,10 @@ fn hostile_files() {
     for dimension in [0, -1, i32::MIN, i32::MAX, 65_537] {
         let file = floats(&[(dimension, &[1.0])]);
         let found = format!("found {dimension}");
-        vectors_say("a.fvecs", &file, &["dimension of vector 0", &found, "expected 1 to 65536"]);
-        neighbours_say("a.ivecs", &file, 1, &["dimension of vector 0", &found, "expected 1 to 65536"]);
+        assert_vectors_error("a.fvecs", &file, &["dimension of vector 0", &found, "expected 1 to 65536"]);
+        assert_neighbours_error("a.ivecs", &file, 1, &["dimension of vector 0", &found, "expected 1 to 65536"]);
         let file = floats(&[(1, &[1.0]), (dimension, &[1.0])]);
-        vectors_say("a.fvecs", &file, &["dimension of vector 1", &found]);
+        assert_vectors_error("a.fvecs", &file, &["dimension of vector 1", &found]);
     }
-    vectors_say("a.fvecs", &floats(&[(65_536, &[1.0])]), &["found the last 4 bytes", "expected 262144 more"]);
+    assert_vectors_error("a.fvecs", &floats(&[(65_536, &[1.0])]), &["found the last 4 bytes", "expected 262144 more"]);
 }

@@ -17,7 +17,9 @@ pub fn table(recording: &Recording) -> Markup {
         div.choice role="group" aria-label="Utilisation of" {
             button type="button" data-heat="-1" aria-pressed="true" { "all operations" }
             @for (opcode, operation) in recording.named_operations() {
-                button type="button" data-heat=(opcode) aria-pressed="false" { i.key.{ "op" (opcode % COLOURS) } {} (operation) }
+                button type="button" data-heat=(opcode) aria-pressed="false" {
+                    i.key.{ "op" (opcode % COLOURS) } {} (operation)
+                }
             }
         }
         div.scroll {

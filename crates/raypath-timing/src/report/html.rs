@@ -32,7 +32,8 @@ pub fn html(recording: &Recording) -> String {
                         @if let Some(image) = image {
                             section #image {
                                 h2 { (image.title) }
-                                img alt=(image.title) src={ "data:image/png;base64," (BASE64_STANDARD.encode(&image.png)) };
+                                img alt=(image.title)
+                                    src={ "data:image/png;base64," (BASE64_STANDARD.encode(&image.png)) };
                             }
                         }
                     }
@@ -115,11 +116,14 @@ fn view(recording: &Recording, window: &Window) -> Markup {
         canvas #overview height="44" aria-hidden="true" {}
         div.stage {
             canvas #canvas tabindex="0" role="img"
-                aria-label={ "Timeline: " (summary) ". Arrows move, plus and minus zoom, 0 resets, s finds the next stall." } {}
+                aria-label={
+                    "Timeline: " (summary) ". Arrows move, plus and minus zoom, 0 resets, s finds the next stall."
+                } {}
             div #tip role="status" hidden {}
         }
         p.hint {
-            "Wheel zooms about the pointer (with Shift it moves in time), drag moves, double click resets. Keys: arrows, "
+            "Wheel zooms about the pointer (with Shift it moves in time), drag moves, double click resets. "
+            "Keys: arrows, "
             kbd { "+" } " " kbd { "−" } " " kbd { "0" } ", " kbd { "s" } " next stall."
         }
     }

@@ -8,9 +8,9 @@ const STALLS: u32 = 1;
 /// Writes the recorded window as a log for the pipeline viewer Konata, in the format `Kanata 0004` that
 /// `docs/kanata-log-format.md` of its repository describes.
 ///
-/// Jobs appear as instructions, with the opcode as thread. Lane 0 has the stages: `in` for the cycle of acceptance, then
-/// `s1`, `s2` and so on. Lane 1 has `stall` over the cycles in which the job did not advance. A job retires if the sink
-/// took its outcome within the window.
+/// Jobs appear as instructions, with the opcode as thread. Lane 0 has the stages: `in` for the cycle of acceptance,
+/// then `s1`, `s2` and so on. Lane 1 has `stall` over the cycles in which the job did not advance. A job retires if the
+/// sink took its outcome within the window.
 pub fn konata(recording: &Recording) -> String {
     let window = &recording.window;
     let mut events = Vec::new();

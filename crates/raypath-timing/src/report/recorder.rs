@@ -49,8 +49,8 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// A recorder of the first `max_jobs` jobs that are accepted from cycle `from` on, in a pipeline of `stages` stages.
-    /// `owner` is the name of a job's owner, such as `ray`.
+    /// A recorder of the first `max_jobs` jobs that are accepted from cycle `from` on, in a pipeline of `stages`
+    /// stages. `owner` is the name of a job's owner, such as `ray`.
     pub fn new(owner: &str, stages: usize, from: u64, max_jobs: usize) -> Self {
         let window = Window { owner: owner.to_string(), first: from, end: from, stages, ..Window::default() };
         Self { from, max_jobs, window, inside: VecDeque::new(), left: 0, started: false }

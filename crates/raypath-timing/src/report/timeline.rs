@@ -15,8 +15,8 @@ struct Timeline<'r> {
     stalled: Vec<(u64, u64)>,
 }
 
-/// A job: opcode, owner, cycle of acceptance, cycles in each stage reached, whether it left. The list is null if the job
-/// spent one cycle in each stage and left, as most do.
+/// A job: opcode, owner, cycle of acceptance, cycles in each stage reached, whether it left. The list is null if the
+/// job spent one cycle in each stage and left, as most do.
 #[derive(Serialize)]
 struct Trace(usize, u64, u64, Option<Vec<u64>>, bool);
 

@@ -89,14 +89,16 @@ impl Page {
     fn pixels(&self) -> String {
         self.value(
             "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => { let h = 0; \
-             for (const x of document.getElementById('canvas').toDataURL()) h = (h * 31 + x.charCodeAt(0)) | 0; done(h); })))",
+             for (const x of document.getElementById('canvas').toDataURL()) h = (h * 31 + x.charCodeAt(0)) | 0; \
+             done(h); })))",
         )
     }
 
     fn at_canvas(&self, event: &str) {
         self.value(&format!(
             "(() => {{ const c = document.getElementById('canvas'), b = c.getBoundingClientRect(); \
-             const at = (x, y) => ({{ clientX: b.left + x, clientY: b.top + y, bubbles: true, cancelable: true, pointerId: 1 }}); \
+             const at = (x, y) => ({{ clientX: b.left + x, clientY: b.top + y, bubbles: true, cancelable: true, \
+             pointerId: 1 }}); \
              c.setPointerCapture = () => {{}}; {event} }})()"
         ));
     }
@@ -140,12 +142,14 @@ fn the_page_shows_the_recordings_numbers() {
         assert_eq!(page.value("document.title"), recording.title);
         for (id, pairs) in [("counts", &recording.counts), ("configuration", &recording.configuration)] {
             let rows = page.value(&format!(
-                "JSON.stringify([...document.querySelectorAll('#{id} tr')].map(r => [...r.children].map(c => c.textContent)))"
+                "JSON.stringify([...document.querySelectorAll('#{id} tr')] \
+                 .map(r => [...r.children].map(c => c.textContent)))"
             ));
             assert_eq!(serde_json::from_str::<Vec<(String, String)>>(&rows).expect("rows"), *pairs);
         }
         let shown = page.value(
-            "JSON.stringify([...document.querySelectorAll('#heat td[data-total]')].map(c => c.querySelector('b').textContent))",
+            "JSON.stringify([...document.querySelectorAll('#heat td[data-total]')] \
+             .map(c => c.querySelector('b').textContent))",
         );
         let percents = |part: &dyn Fn(&raypath_timing::report::UnitUse) -> f64| -> Vec<String> {
             let of = |kind: &str| -> Vec<String> {
@@ -164,7 +168,8 @@ fn the_page_shows_the_recordings_numbers() {
         assert_eq!(serde_json::from_str::<Vec<String>>(&shown).expect("cells"), percents(&|unit| unit.total));
         page.value("document.querySelector('button[data-heat=\"2\"]').click()");
         let shown = page.value(
-            "JSON.stringify([...document.querySelectorAll('#heat td[data-total]')].map(c => c.querySelector('b').textContent))",
+            "JSON.stringify([...document.querySelectorAll('#heat td[data-total]')] \
+             .map(c => c.querySelector('b').textContent))",
         );
         assert_eq!(serde_json::from_str::<Vec<String>>(&shown).expect("cells"), percents(&|unit| unit.by_operation[2]));
         // The positions of all jobs as the script computes them.
@@ -207,7 +212,8 @@ fn the_timeline_zooms_moves_and_shows_tips() {
     assert_eq!((page.range(), page.pixels()), (start, drawn.clone()));
     page.at_canvas(
         "c.dispatchEvent(new PointerEvent('pointerdown', at(600, 200))); \
-         c.dispatchEvent(new PointerEvent('pointermove', at(240, 200))); c.dispatchEvent(new PointerEvent('pointerup', at(240, 200)))",
+         c.dispatchEvent(new PointerEvent('pointermove', at(240, 200))); \
+         c.dispatchEvent(new PointerEvent('pointerup', at(240, 200)))",
     );
     // 360 pixels are 20 cycles of 18 pixels.
     assert_eq!(page.range().0, start.0 + 20);
@@ -223,8 +229,8 @@ fn the_timeline_zooms_moves_and_shows_tips() {
     assert_eq!(page.range(), (first, end));
     page.value("document.getElementById('reset').click()");
 
-    // The first row, in the cycle after acceptance of the first job: the view starts one cycle earlier, after 132 pixels
-    // of labels.
+    // The first row, in the cycle after acceptance of the first job: the view starts one cycle earlier, after 132
+    // pixels of labels.
     let job = &recording.window.jobs[0];
     page.at_canvas("c.dispatchEvent(new PointerEvent('pointermove', at(132 + 18 * 2 + 9, 35 + 22)))");
     let tip = page.value("document.getElementById('tip').innerText");

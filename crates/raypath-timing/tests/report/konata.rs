@@ -1,4 +1,5 @@
-//! The log, read by a strict parser written after the description of the format (`docs/kanata-log-format.md` of Konata).
+//! The log, read by a strict parser written after the description of the format (`docs/kanata-log-format.md` of
+//! Konata).
 
 use crate::common;
 use raypath_model::Control;

@@ -227,7 +227,7 @@ fn wrong_input_is_named() {
         (&[&square, "--size", "640"], &["'640'", "--size", "like 640x480"]),
         (&[&square, "--size", "0x10"], &["'0x10'", "1 to 16384"]),
         (&[&square, "--ao=-1"], &["--ao"]),
-        (&[&square, "--camera", "0", "0", "4", "0", "0", "4"], &["--camera", "looks at itself"]),
+        (&[&square, "--camera", "0", "0", "4", "0", "0", "4"], &["--camera", "eye and target are both"]),
         (&[&square, "--camera", "0", "0", "4", "0", "0", "0", "--fov", "180"], &["--camera", "180 degrees"]),
         (&[&square, "--camera", "0", "0", "4", "0", "0"], &["--camera", "6 values"]),
         (&[&square, "--clock", "0"], &["--clock", "expected MHz"]),

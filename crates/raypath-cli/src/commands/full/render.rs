@@ -1,4 +1,4 @@
-//! `raypath render`: a mesh, its picture by the datapath's operations, and how busy the datapath was.
+//! `raypath render`: rendering of a mesh with the operations of the datapath, and its simulated timing.
 
 mod scene;
 mod timing;
@@ -27,41 +27,41 @@ pub struct Arguments {
     scene: Option<PathBuf>,
     #[command(flatten)]
     camera: CameraArguments,
-    /// Pixels in a row, and rows
+    /// Size of the picture in pixels
     #[arg(long, default_value = "640x480", value_name = "WIDTHxHEIGHT")]
     size: Size,
-    /// A ray from each hit towards the sun
+    /// Trace a shadow ray from each hit towards the sun
     #[arg(long)]
     shadows: bool,
-    /// So many rays from each hit towards the sky
+    /// Ambient-occlusion rays per hit
     #[arg(long, default_value_t = 0, value_parser = whole(0..=4096u32), value_name = "N")]
     ao: u32,
-    /// Each pixel is the mean of N x N rays
+    /// Samples per pixel along each axis: a pixel is the mean of N x N rays
     #[arg(long, default_value_t = 1, value_parser = whole(1..=64u32), value_name = "N")]
     samples: u32,
-    /// Triangles can be hit from behind: each is then a second job
+    /// Hit triangles from behind too, with a second job for each
     #[arg(long)]
     two_sided: bool,
-    /// Seed of the rays towards the sky
+    /// Seed of ambient-occlusion rays
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
     /// The picture to write
     #[arg(long, default_value = "build/image.png", value_name = "FILE.png")]
     out: PathBuf,
-    /// Write a picture of the jobs that each pixel took
+    /// Write a heat map of the jobs per pixel
     #[arg(long, value_name = "FILE.png", conflicts_with = "rays")]
     heatmap: Option<PathBuf>,
-    /// Trace these rays, not a camera's, and make no picture: a line each with origin, direction and extent
+    /// Trace the rays of a file instead of rendering a picture: origin, direction and extent per line
     #[arg(long, value_name = "FILE", conflicts_with_all = ["camera", "size", "shadows", "ao", "samples", "out"])]
     rays: Option<PathBuf>,
-    /// Write what each ray hits, those of --rays or those through the pixels' centres: triangle, t, t_num, t_denom, and the
-    /// bits of the three; without it, the hits of --rays are printed
+    /// Write the hits of --rays or of the rays through pixel centres: triangle, t, t_num, t_denom, and the bits of the
+    /// three [default: print the hits of --rays]
     #[arg(long, value_name = "FILE")]
     hits: Option<PathBuf>,
-    /// Rays under way at a time in the timing; a pixel's rays follow one another
+    /// Rays in flight in the simulation; the rays of a pixel follow one another
     #[arg(long, default_value_t = 256, value_parser = whole(1..=1usize << 20), value_name = "R")]
     rays_in_flight: usize,
-    /// Time so many of the pixels, or of the rays of --rays, evenly spread
+    /// Simulate N evenly spaced pixels, or rays of --rays
     #[arg(long, default_value_t = 50_000, value_parser = whole(1..=usize::MAX), value_name = "N")]
     timed: usize,
     #[command(flatten)]
@@ -119,7 +119,7 @@ fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dy
         size: (width, height),
         shading,
         rays,
-        most: arguments.timed,
+        max: arguments.timed,
     };
     time(arguments, config, &pixels, Some(png), &mut files, out)?;
     write_and_name(&files, out)
@@ -154,7 +154,7 @@ fn rays(
         scene: &scene,
         rays: &rays,
         tracing,
-        most: arguments.timed,
+        max: arguments.timed,
     };
     time(arguments, config, &subject, None, &mut files, out)?;
     write_and_name(&files, out)

@@ -1,4 +1,4 @@
-//! `raypath search`: nearest neighbours by the datapath's beats, and how busy the datapath was.
+//! `raypath search`: nearest-neighbour search with the distance operations, and its simulated timing.
 
 mod timing;
 
@@ -13,7 +13,7 @@ use clap::{Args, ValueEnum};
 use raypath_float::Format;
 use raypath_rtl::{Config, Lanes};
 use raypath_search::{
-    Answers, Clusters, Dataset, Exact, Graph, GraphParameters, Metric, Neighbours, Report, recall, write_ivecs,
+    Clusters, Dataset, Exact, Graph, GraphParameters, Metric, Neighbours, Report, SearchResults, recall, write_ivecs,
 };
 use raypath_timing::report::Table;
 use std::io::Write;
@@ -21,44 +21,45 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The vectors to search: .fvecs, .bvecs, .ivecs, .npy, or .hdf5 as ann-benchmarks has them [default: generated ones]
+    /// The vectors to search: .fvecs, .bvecs, .ivecs, .npy, or .hdf5 in the layout of ann-benchmarks [default:
+    /// generated vectors]
     base: Option<PathBuf>,
-    /// The vectors to search for; an .hdf5 file brings its own
+    /// The query vectors; an .hdf5 file has its own
     queries: Option<PathBuf>,
-    /// Which distance [default: what the .hdf5 file says, or euclidean]
+    /// The distance metric [default: that of the .hdf5 file, or euclidean]
     #[arg(long, value_name = "euclidean|angular")]
     metric: Option<Metric>,
-    /// How many neighbours
+    /// The number of neighbours per query
     #[arg(short, long, default_value_t = 10, value_parser = whole(1..=1usize << 20), value_name = "N")]
     k: usize,
-    /// Look at every vector, as is done where no index is named
+    /// Compare with every vector; the default without --index
     #[arg(long, conflicts_with = "index")]
     exact: bool,
-    /// Look at few vectors, led by an index
+    /// Search approximately with an index
     #[arg(long, value_enum)]
     index: Option<Index>,
-    /// The true neighbours: .ivecs or .npy; an .hdf5 file brings its own [default: found by exact search with an index]
+    /// The true neighbours: .ivecs or .npy; an .hdf5 file has its own [default with --index: from exact search]
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
     /// Write the neighbours found
     #[arg(long, value_name = "FILE.ivecs")]
     out: Option<PathBuf>,
-    /// Connections of a vector in the graph
+    /// Maximum connections of a vector in the graph
     #[arg(long, default_value_t = 16, value_parser = whole(2..=255usize), value_name = "M")]
     connections: usize,
-    /// Candidates kept while the graph is built
+    /// Candidates kept during construction of the graph
     #[arg(long, default_value_t = 200, value_parser = whole(1..=65_536usize), value_name = "N")]
     ef_construction: usize,
-    /// Candidates kept while the graph is searched [default: five times the neighbours]
+    /// Candidates kept during a graph search [default: five times the neighbours]
     #[arg(long, value_parser = whole(1..=65_536usize), value_name = "N")]
     ef: Option<usize>,
     /// Seed of generated vectors and of the graph
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
-    /// Queries under way at a time in the timing
+    /// Queries in flight in the simulation
     #[arg(long, default_value_t = 32, value_parser = whole(1..=1usize << 20), value_name = "R")]
     queries_in_flight: usize,
-    /// Time so many queries, the first ones [default: as many as take five million beats]
+    /// Simulate the first N queries [default: as many as take five million beats]
     #[arg(long, value_parser = whole(1..=usize::MAX), value_name = "N")]
     timed: Option<usize>,
     #[command(flatten)]
@@ -71,7 +72,7 @@ pub struct Arguments {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Index {
-    /// A hierarchical navigable small world
+    /// A hierarchical navigable small-world graph
     Hnsw,
 }
 
@@ -96,7 +97,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     }
 }
 
-/// A search to be done in a datapath of lanes that are known when this is compiled: `E` Euclidean ones, `A` angular.
+/// A search with `E` Euclidean and `A` angular lanes.
 struct Search<'a> {
     arguments: &'a Arguments,
     config: Config,
@@ -115,16 +116,16 @@ impl Search<'_> {
             None => None,
             Some(Index::Hnsw) => Some(arguments.graph::<E, A>(&dataset, metric, out)?),
         };
-        let answers = match &graph {
+        let results = match &graph {
             None => arguments.exact::<E, A>(&dataset, metric)?,
-            Some(graph) => {
-                watched("queries", queries.len(), |watch| graph.search(queries, arguments.k, arguments.ef(), watch))?
-            }
+            Some(graph) => watched("queries", queries.len(), |progress| {
+                graph.search(queries, arguments.k, arguments.ef(), progress)
+            })?,
         };
-        let mut rows = describe::<E, A>(&answers, base.dimensions());
+        let mut rows = describe::<E, A>(&results, base.dimensions());
         if let Some((source, truth)) = arguments.truth::<E, A>(&dataset, metric)? {
             let recall =
-                recall::<E, A>(&answers, &truth, base, queries, metric, arguments.k).map_err(CliError::unusable)?;
+                recall::<E, A>(&results, &truth, base, queries, metric, arguments.k).map_err(CliError::unusable)?;
             rows.push((format!("recall at {} against {source}", arguments.k), format!("{recall:.4}")));
         }
         writeln!(out)?;
@@ -134,7 +135,7 @@ impl Search<'_> {
         let mut files = Vec::new();
         if let Some(path) = &arguments.out {
             let mut bytes = Vec::new();
-            write_ivecs(&answers, &mut bytes)?;
+            write_ivecs(&results, &mut bytes)?;
             files.push((path.clone(), bytes));
         }
         let subject = timing::Queries::<E, A> {
@@ -144,7 +145,7 @@ impl Search<'_> {
             neighbours: arguments.k,
             ef: arguments.ef(),
             graph: graph.as_ref(),
-            most: arguments.timed,
+            max: arguments.timed,
         };
         let timed = arguments.timing.run(&subject, arguments.queries_in_flight, config, &arguments.view, out)?;
         if let Some(Timed { mut recording, files: more }) = timed {
@@ -163,7 +164,7 @@ impl Arguments {
         self.ef.unwrap_or(5 * self.k).max(self.k)
     }
 
-    /// What is searched, for a title.
+    /// The name of the base for titles.
     fn name(&self) -> String {
         self.base.as_ref().map_or_else(|| "generated vectors".to_string(), |path| path.display().to_string())
     }
@@ -189,19 +190,23 @@ impl Arguments {
     ) -> Result<Graph<'d, E, A>, CliError> {
         let parameters =
             GraphParameters { connections: self.connections, ef_construction: self.ef_construction, seed: self.seed };
-        let graph = watched("vectors indexed", dataset.base.len(), |watch| {
-            Graph::build(&dataset.base, metric, &parameters, watch)
+        let graph = watched("vectors indexed", dataset.base.len(), |progress| {
+            Graph::build(&dataset.base, metric, &parameters, progress)
         })?;
         writeln!(out, "the graph took {} beats to build", graph.build_work().beats)?;
         Ok(graph)
     }
 
-    fn exact<const E: usize, const A: usize>(&self, dataset: &Dataset, metric: Metric) -> Result<Answers, CliError> {
+    fn exact<const E: usize, const A: usize>(
+        &self,
+        dataset: &Dataset,
+        metric: Metric,
+    ) -> Result<SearchResults, CliError> {
         let exact = Exact::<E, A>::new(&dataset.base, metric);
-        watched("queries", dataset.queries.len(), |watch| exact.search(&dataset.queries, self.k, watch))
+        watched("queries", dataset.queries.len(), |progress| exact.search(&dataset.queries, self.k, progress))
     }
 
-    /// What recall is measured against, and where it is from. Exact search needs none but a file's.
+    /// The truth for recall, with its source. Exact search uses the truth of the file only.
     fn truth<const E: usize, const A: usize>(
         &self,
         dataset: &Dataset,
@@ -211,8 +216,8 @@ impl Arguments {
         match &dataset.truth {
             Some(truth) if is_of_metric => Ok(Some(("the file's truth", truth.clone()))),
             _ if self.index.is_some() => {
-                let answers = self.exact::<E, A>(dataset, metric)?;
-                let indices: Vec<i64> = answers.rows.iter().flatten().map(|near| i64::from(near.index)).collect();
+                let results = self.exact::<E, A>(dataset, metric)?;
+                let indices: Vec<i64> = results.rows.iter().flatten().map(|near| i64::from(near.index)).collect();
                 let neighbours = Neighbours::new(self.k, &indices, dataset.base.len()).map_err(CliError::unusable)?;
                 Ok(Some(("exact search", neighbours)))
             }
@@ -221,8 +226,8 @@ impl Arguments {
     }
 }
 
-fn describe<const E: usize, const A: usize>(answers: &Answers, dimensions: usize) -> Vec<(String, String)> {
-    let report = Report::new::<E, A>(answers, dimensions);
+fn describe<const E: usize, const A: usize>(results: &SearchResults, dimensions: usize) -> Vec<(String, String)> {
+    let report = Report::new::<E, A>(results, dimensions);
     vec![
         ("queries per second, functional model".to_string(), format!("{:.1}", report.queries_per_second)),
         ("distances".to_string(), report.work.evaluations.to_string()),

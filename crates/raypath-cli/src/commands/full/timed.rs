@@ -1,4 +1,4 @@
-//! The cycle-exact datapath and what surrounds it: shared by `render` and `search`.
+//! Simulated timing for `render` and `search`: options, printed results and reports.
 
 use crate::commands::full::view::{ViewArguments, print, recording};
 use crate::commands::numbers::whole;
@@ -13,51 +13,51 @@ use std::io::Write;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Timing: the cycle-exact datapath and what surrounds it")]
+#[command(next_help_heading = "Timing: simulation of the pipeline with memory and several agents in flight")]
 pub struct TimingArguments {
-    /// Cycles that memory takes for what is fetched: a node, a leaf, a vector
+    /// Latency of a fetch in cycles: a node, a leaf or a vector
     #[arg(long, default_value_t = 100, value_parser = whole(0..=1_000_000u64), value_name = "M")]
     memory_latency: u64,
-    /// The clock that rates are given for, in MHz: an assumption, not a measurement
+    /// Assumed clock frequency for rates, in MHz
     #[arg(long, default_value_t = 1000.0, value_parser = clock, value_name = "MHZ")]
     clock: f64,
-    /// Draw throughput against how many are in flight, for several memory latencies, of a sample of the work
+    /// Plot throughput over agents in flight, for several memory latencies, for a sample of the work
     #[arg(long, value_name = "FILE.svg")]
     sweep: Option<PathBuf>,
-    /// Leave the timing out
+    /// Skip the simulation
     #[arg(long, conflicts_with_all = ["sweep", "report", "konata"])]
     no_timing: bool,
 }
 
-/// What is timed.
+/// Work to simulate.
 pub trait Subject {
-    /// What it is: the title of a report.
+    /// The title of the report.
     fn title(&self) -> String;
-    /// What its agents are called, in plural and singular.
+    /// The name of its agents in plural and singular.
     fn names(&self) -> (&'static str, &'static str);
-    /// How many agents it has in all.
+    /// The number of agents.
     fn count(&self) -> usize;
-    /// Simulates those of them that are wanted.
+    /// Simulates the selected agents.
     fn time(&self, system: &System, recorder: &mut Recorder) -> Result<Timing, CliError>;
-    /// Simulates a sample of it on many machines.
+    /// Simulates a sample in several environments.
     fn sweep(&self, system: &System) -> Result<Sweep, CliError>;
-    /// What else there is to say about it at a clock of so many MHz.
+    /// Further results at a clock frequency, as labels and formatted values.
     fn rows(&self, timing: &Timing, clock_mhz: f64) -> Vec<(String, String)>;
 }
 
-/// What came of it: a report to be completed, and files to be written.
+/// The result of a simulation: the recording for a report, and files to write.
 pub struct Timed {
     pub recording: Recording,
     pub files: Vec<(PathBuf, Vec<u8>)>,
 }
 
 impl TimingArguments {
-    /// Whether a sweep is to be drawn.
+    /// Whether to plot a sweep.
     pub fn has_sweep(&self) -> bool {
         self.sweep.is_some()
     }
 
-    /// Simulates and prints, with so many agents in flight; nothing where it is not wanted.
+    /// Simulates with `in_flight` agents in flight and prints the results; `None` with `--no-timing`.
     pub fn run(
         &self,
         subject: &impl Subject,
@@ -97,7 +97,7 @@ impl TimingArguments {
     }
 }
 
-/// What a simulation of time found, as labels and printed values. `agents` are what it simulated: rays, queries.
+/// The results of a simulation as labels and formatted values. `agents` is the plural name of the agents.
 fn rows(timing: &Timing, agents: &str, clock_mhz: f64) -> Vec<(String, String)> {
     let rates = timing.rates(clock_mhz);
     let Starved { memory, outcomes, both, locked } = timing.starved;
@@ -113,9 +113,9 @@ fn rows(timing: &Timing, agents: &str, clock_mhz: f64) -> Vec<(String, String)> 
         ("cycles with a job accepted".to_string(), cycles(timing.accepted)),
         ("cycles with a job refused".to_string(), cycles(timing.refused)),
         ("cycles starved: all wait for memory".to_string(), cycles(memory)),
-        ("cycles starved: all wait for answers".to_string(), cycles(outcomes)),
-        ("cycles starved: some for each".to_string(), cycles(both)),
-        ("cycles starved: another holds the datapath".to_string(), cycles(locked)),
+        ("cycles starved: all wait for outcomes".to_string(), cycles(outcomes)),
+        ("cycles starved: some wait for each".to_string(), cycles(both)),
+        ("cycles starved: datapath locked by another".to_string(), cycles(locked)),
         (format!("{agents} per second at {clock_mhz} MHz"), format!("{:.4e}", rates.agents)),
         (format!("seconds at {clock_mhz} MHz"), format!("{:.4e}", rates.seconds)),
     ]);

@@ -1,4 +1,4 @@
-//! The timing view: the same rays through the cycle-exact datapath.
+//! Simulated timing of pictures and rays.
 
 use crate::commands::full::timed::Subject;
 use crate::error::CliError;
@@ -11,32 +11,32 @@ use raypath_render::{
 use raypath_timing::report::Recorder;
 use raypath_timing::{Observer, PortActivity, Sample, Sweep, System, Timing};
 
-/// How many pixels or rays each point of a sweep simulates.
+/// The number of pixels or rays at each point of a sweep.
 const SWEPT: usize = 4096;
 const IN_FLIGHT: [usize; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
 const LATENCIES: [u64; 5] = [0, 20, 100, 300, 1000];
 
-/// A picture.
+/// A picture to simulate.
 pub struct Pixels<'s> {
     pub name: String,
     pub scene: &'s Scene,
     pub camera: Camera,
     pub size: (u32, u32),
     pub shading: Shading,
-    /// How many rays all of it takes.
+    /// The number of rays of the whole picture.
     pub rays: u64,
-    /// How many pixels are timed.
-    pub most: usize,
+    /// The maximum number of simulated pixels.
+    pub max: usize,
 }
 
-/// Rays from a file.
+/// Rays of a file to simulate.
 pub struct Rays<'s> {
     pub name: String,
     pub scene: &'s Scene,
     pub rays: &'s [Ray<Binary32>],
     pub tracing: Tracing,
-    /// How many are timed.
-    pub most: usize,
+    /// The maximum number of simulated rays.
+    pub max: usize,
 }
 
 impl Pixels<'_> {
@@ -59,24 +59,24 @@ impl Subject for Pixels<'_> {
     }
 
     fn time(&self, system: &System, recorder: &mut Recorder) -> Result<Timing, CliError> {
-        let sample = Sample::spread(self.count(), self.most);
-        watched("pixels timed", sample.numbers(self.count()).len(), |watch| {
-            time_picture(&self.spec(), sample, system, &mut Owners { recorder, sample }, watch)
+        let sample = Sample::spread(self.count(), self.max);
+        watched("pixels timed", sample.numbers(self.count()).len(), |progress| {
+            time_picture(&self.spec(), sample, system, &mut Owners { recorder, sample }, progress)
                 .map(|(timing, _)| timing)
         })
     }
 
     fn sweep(&self, system: &System) -> Result<Sweep, CliError> {
         let sample = Sample::spread(self.count(), SWEPT);
-        watched("pixels swept", swept(sample, self.count()), |watch| {
-            sweep_picture(&self.spec(), sample, &IN_FLIGHT, &LATENCIES, system, watch)
+        watched("pixels swept", swept(sample, self.count()), |progress| {
+            sweep_picture(&self.spec(), sample, &IN_FLIGHT, &LATENCIES, system, progress)
         })
     }
 
     fn rows(&self, timing: &Timing, clock_mhz: f64) -> Vec<(String, String)> {
         let rays_per_pixel = self.rays as f64 / self.count() as f64;
         vec![
-            ("rays a pixel, in the whole picture".to_string(), format!("{rays_per_pixel:.3}")),
+            ("rays per pixel, in the whole picture".to_string(), format!("{rays_per_pixel:.3}")),
             (
                 format!("rays per second at {clock_mhz} MHz"),
                 format!("{:.4e}", rays_per_pixel * timing.rates(clock_mhz).agents),
@@ -99,16 +99,17 @@ impl Subject for Rays<'_> {
     }
 
     fn time(&self, system: &System, recorder: &mut Recorder) -> Result<Timing, CliError> {
-        let sample = Sample::spread(self.count(), self.most);
-        watched("rays timed", sample.numbers(self.count()).len(), |watch| {
-            time_rays(&self.batch(), sample, system, &mut Owners { recorder, sample }, watch).map(|(timing, _)| timing)
+        let sample = Sample::spread(self.count(), self.max);
+        watched("rays timed", sample.numbers(self.count()).len(), |progress| {
+            time_rays(&self.batch(), sample, system, &mut Owners { recorder, sample }, progress)
+                .map(|(timing, _)| timing)
         })
     }
 
     fn sweep(&self, system: &System) -> Result<Sweep, CliError> {
         let sample = Sample::spread(self.count(), SWEPT);
-        watched("rays swept", swept(sample, self.count()), |watch| {
-            sweep_rays(&self.batch(), sample, &IN_FLIGHT, &LATENCIES, system, watch)
+        watched("rays swept", swept(sample, self.count()), |progress| {
+            sweep_rays(&self.batch(), sample, &IN_FLIGHT, &LATENCIES, system, progress)
         })
     }
 
@@ -123,12 +124,12 @@ impl Rays<'_> {
     }
 }
 
-/// How many agents a sweep simulates at all its points.
+/// The number of agents at all points of a sweep.
 fn swept(sample: Sample, all: usize) -> usize {
     sample.numbers(all).len() * IN_FLIGHT.len() * LATENCIES.len()
 }
 
-/// Writes down whose jobs are whose by the numbers of pixels and rays, which are not those of a sample's agents.
+/// Records jobs with the numbers of their pixels or rays instead of those of the agents of a sample.
 struct Owners<'r> {
     recorder: &'r mut Recorder,
     sample: Sample,

@@ -1,51 +1,50 @@
-//! The timing view: the same queries through the cycle-exact datapath.
+//! Simulated timing of searches.
 
 use crate::commands::full::timed::Subject;
 use crate::error::CliError;
 use crate::progress::watched;
-use raypath_search::{Candidates, Dataset, Graph, Log, Metric, Subject as Searched, sweep_search, time_search};
+use raypath_search::{Candidates, Dataset, Graph, Metric, SearchSpec, SearchTrace, sweep_search, time_search};
 use raypath_timing::report::Recorder;
 use raypath_timing::{Sample, Sweep, System, Timing};
 
-/// Queries that are asked.
+/// The simulated queries of a search.
 pub struct Queries<'d, const E: usize, const A: usize> {
     pub name: String,
     pub dataset: &'d Dataset,
     pub metric: Metric,
-    /// How many are searched for.
+    /// The number of neighbours.
     pub neighbours: usize,
-    /// Candidates kept in a graph.
+    /// The number of candidates kept in a graph search.
     pub ef: usize,
-    /// What leads to few of the vectors; without it all are looked at.
+    /// The graph of an approximate search; `None` for an exact one.
     pub graph: Option<&'d Graph<'d, E, A>>,
-    /// How many are timed; else as many as [`BEATS`] allow.
-    pub most: Option<usize>,
+    /// The number of simulated queries; `None` for as many as [`BEATS`] allow.
+    pub max: Option<usize>,
 }
 
 /// The number of simulated beats if no number of queries is given.
 const BEATS: u64 = 5_000_000;
 
-/// How many queries each point of a sweep simulates, and with how many vectors at most where all are looked at: each
-/// vector is like the one before.
+/// The number of queries at each point of a sweep, and the maximum number of vectors in an exact search.
 const SWEPT: usize = 128;
 const SWEPT_VECTORS: usize = 256;
 const IN_FLIGHT: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
 const LATENCIES: [u64; 4] = [0, 100, 300, 1000];
 
 impl<const E: usize, const A: usize> Queries<'_, E, A> {
-    /// What the graph looks at for the first queries: so many, or as many as the beats allow, but one.
-    fn logs(&self, graph: &Graph<'_, E, A>, most: Option<usize>) -> Result<Vec<Log>, CliError> {
+    /// The traces of the first `max` queries, or of as many as [`BEATS`] allow, but at least one.
+    fn traces(&self, graph: &Graph<'_, E, A>, max: Option<usize>) -> Result<Vec<SearchTrace>, CliError> {
         let queries = &self.dataset.queries;
-        let first = queries.first(most.unwrap_or(usize::MAX));
-        let beats = if most.is_some() { u64::MAX } else { BEATS };
-        let mut logs = watched("queries looked through", first.len(), |watch| {
-            graph.logs(&first, self.neighbours, self.ef, beats, watch)
+        let first = queries.first(max.unwrap_or(usize::MAX));
+        let beats = if max.is_some() { u64::MAX } else { BEATS };
+        let mut traces = watched("queries traced", first.len(), |progress| {
+            graph.traces(&first, self.neighbours, self.ef, beats, progress)
         })?;
-        if logs.is_empty() {
+        if traces.is_empty() {
             let query = queries.get(0).unwrap_or_default();
-            logs.push(graph.log(query, self.neighbours, self.ef).map_err(CliError::unusable)?);
+            traces.push(graph.trace(query, self.neighbours, self.ef).map_err(CliError::unusable)?);
         }
-        Ok(logs)
+        Ok(traces)
     }
 }
 
@@ -66,45 +65,45 @@ impl<const E: usize, const A: usize> Subject for Queries<'_, E, A> {
 
     fn time(&self, system: &System, recorder: &mut Recorder) -> Result<Timing, CliError> {
         let Dataset { base, queries, .. } = self.dataset;
-        let logs = self.graph.map(|graph| self.logs(graph, self.most)).transpose()?;
-        let candidates = match &logs {
-            Some(logs) => Candidates::Logged(logs),
+        let traces = self.graph.map(|graph| self.traces(graph, self.max)).transpose()?;
+        let candidates = match &traces {
+            Some(traces) => Candidates::Traced(traces),
             None => Candidates::All { count: self.neighbours },
         };
-        let subject = Searched { base, queries, metric: self.metric, candidates };
-        let sample = match self.most {
-            Some(most) => Sample::first(most),
-            None => Sample::first(subject.within::<E, A>(BEATS).max.max(1)),
+        let spec = SearchSpec { base, queries, metric: self.metric, candidates };
+        let sample = match self.max {
+            Some(max) => Sample::first(max),
+            None => Sample::first(spec.within::<E, A>(BEATS).max.max(1)),
         };
-        watched("queries timed", sample.numbers(subject.len()).len(), |watch| {
-            time_search::<E, A>(&subject, sample, system, recorder, watch).map(|(timing, _)| timing)
+        watched("queries timed", sample.numbers(spec.len()).len(), |progress| {
+            time_search::<E, A>(&spec, sample, system, recorder, progress).map(|(timing, _)| timing)
         })
     }
 
     fn sweep(&self, system: &System) -> Result<Sweep, CliError> {
         let Dataset { base, queries, .. } = self.dataset;
-        let logs = self.graph.map(|graph| self.logs(graph, Some(SWEPT))).transpose()?;
+        let traces = self.graph.map(|graph| self.traces(graph, Some(SWEPT))).transpose()?;
         let few = base.first(SWEPT_VECTORS);
-        let (base, candidates) = match &logs {
-            Some(logs) => (base, Candidates::Logged(logs)),
+        let (base, candidates) = match &traces {
+            Some(traces) => (base, Candidates::Traced(traces)),
             None => (&few, Candidates::All { count: self.neighbours.min(few.len()) }),
         };
-        let subject = Searched { base, queries, metric: self.metric, candidates };
+        let spec = SearchSpec { base, queries, metric: self.metric, candidates };
         let sample = Sample::first(SWEPT);
-        let total = sample.numbers(subject.len()).len() * IN_FLIGHT.len() * LATENCIES.len();
-        watched("queries swept", total, |watch| {
-            sweep_search::<E, A>(&subject, sample, &IN_FLIGHT, &LATENCIES, system, watch)
+        let total = sample.numbers(spec.len()).len() * IN_FLIGHT.len() * LATENCIES.len();
+        watched("queries swept", total, |progress| {
+            sweep_search::<E, A>(&spec, sample, &IN_FLIGHT, &LATENCIES, system, progress)
         })
     }
 
     fn rows(&self, timing: &Timing, clock_mhz: f64) -> Vec<(String, String)> {
-        // With a beat in every cycle, which is what each metric can reach.
+        // The maximum rates, with a beat in every cycle.
         let dimensions = self.dataset.base.dimensions();
         let of_own = self.metric.beats::<E, A>(dimensions);
         let vectors = timing.total_jobs() as f64 / of_own as f64 / timing.agents.max(1) as f64;
         let rate = |metric: Metric| {
             let beats = metric.beats::<E, A>(dimensions) as f64;
-            let label = format!("queries per second at {clock_mhz} MHz, {metric}, a beat a cycle");
+            let label = format!("queries per second at {clock_mhz} MHz, {metric}, at one beat per cycle");
             (label, format!("{:.4e}", clock_mhz * 1e6 / (vectors * beats)))
         };
         Metric::ALL.map(rate).to_vec()
