@@ -9,15 +9,15 @@ pub type Named = (&'static str, fn(&Ray<Binary32>, [[f32; 3]; 3]) -> TriangleRes
 
 /// The wrong implementations: inputs and results with too few bits, and a missing factor.
 pub const WRONG: [Named; 4] = [
-    ("shear constants of 20 bits", |ray, corners| with_shear(ray, corners, |shear| shear.map(|x| truncate(x, 20)))),
+    ("shear constants of 16 bits", |ray, corners| with_shear(ray, corners, |shear| shear.map(|x| truncate(x, 16)))),
     ("depths without the factor of the shear", |ray, corners| with_shear(ray, corners, |[x, y, _]| [x, y, 1.0])),
-    ("t_num of 18 bits", |ray, corners| {
+    ("t_num of 16 bits", |ray, corners| {
         let right = with_shear(ray, corners, |shear| shear);
-        TriangleResult { t_num: truncate(right.t_num, 18), ..right }
+        TriangleResult { t_num: truncate(right.t_num, 16), ..right }
     }),
-    ("t_denom of 18 bits", |ray, corners| {
+    ("t_denom of 16 bits", |ray, corners| {
         let right = with_shear(ray, corners, |shear| shear);
-        TriangleResult { t_denom: truncate(right.t_denom, 18), ..right }
+        TriangleResult { t_denom: truncate(right.t_denom, 16), ..right }
     }),
 ];
 
