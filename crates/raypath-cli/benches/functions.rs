@@ -1,4 +1,5 @@
-//! The functions inside, one by one: `cargo bench -p raypath-cli --features full`. What users should expect is printed by `raypath bench`.
+//! The functions inside, one by one: `cargo bench -p raypath-cli --features full`. What users should expect is printed
+//! by `raypath bench`.
 
 #[path = "../src/commands/full/bench/workload.rs"]
 mod workload;

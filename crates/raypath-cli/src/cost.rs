@@ -1,5 +1,5 @@
-//! What an operation costs: units, flip-flops and, where the tools are there, area and the slowest path, beside a datapath
-//! without it.
+//! What an operation costs: units, flip-flops and, where the tools are there, area and the slowest path, beside a
+//! datapath without it.
 
 #[cfg(feature = "workbench")]
 use crate::{error::CliError, measure::measure};

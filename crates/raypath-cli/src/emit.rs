@@ -12,7 +12,8 @@ const PROPERTIES: &[&str] = &[
 ];
 
 /// Everything that is written, by path: each module in `rtl/`, listed in `raypath.f`, and all of them in `raypath.sv`;
-/// `raypath_properties.sv`; `pipeline.svg`; a wrapper with its package, and manifests ([`raypath_rtl::package::files`]). `banner` is the comment at the head of each file.
+/// `raypath_properties.sv`; `pipeline.svg`; a wrapper with its package, and manifests
+/// ([`raypath_rtl::package::files`]). `banner` is the comment at the head of each file.
 ///
 /// # Errors
 /// Names that cannot be printed.

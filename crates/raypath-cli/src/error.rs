@@ -47,8 +47,8 @@ impl CliError {
         matches!(self, Self::Output(error) if error.kind() == ErrorKind::BrokenPipe)
     }
 
-    /// 1 for a mismatch, 2 for input that cannot be used, 130 after Ctrl-C, 141 where the reader has closed standard output
-    /// (the codes of shells).
+    /// 1 for a mismatch, 2 for input that cannot be used, 130 after Ctrl-C, 141 where the reader has closed standard
+    /// output (the codes of shells).
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Self::Output(_) if self.is_silent() => ExitCode::from(141),
@@ -87,3 +87,6 @@ macro_rules! unusable {
 }
 
 unusable!(TransactionError, ConfigurationError, RecordedError, FileError, raypath_hdl::Error);
+
+#[cfg(feature = "full")]
+unusable!(raypath_wave::WaveError);

@@ -1,7 +1,7 @@
 //! What an operation of one's own is written with: `use raypath_cli::prelude::*`.
 
 pub use rand::RngExt;
-pub use rand_chacha::ChaCha8Rng;
+pub use rand::rngs::ChaCha8Rng;
 pub use raypath_model::Model;
 pub use raypath_ops::{
     Aabb, Binary32, Bit, Circuit, Flags, Num, Operation, Ray, Select, Slab, Triangle, Vec3, Word, bundle,

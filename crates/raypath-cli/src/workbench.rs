@@ -1,8 +1,9 @@
 //! The command line of a crate that has an operation of its own.
 //!
 //! An operation is one function over [`Circuit`](raypath_ops::Circuit), with its pipeline stages marked (or left to
-//! [`auto`](raypath_ops::Circuit::auto)). From it follow its ports, opcode, units, registers and SystemVerilog, a functional
-//! and a cycle-exact model, checks and its cost. [`main`] prints all of this for one operation. The same, step by step:
+//! [`auto`](raypath_ops::Circuit::auto)). From it follow its ports, opcode, units, registers and SystemVerilog, a
+//! functional and a cycle-exact model, checks and its cost. [`main`] prints all of this for one operation. The same,
+//! step by step:
 //!
 //! ```
 //! use raypath_cli::prelude::*;
@@ -99,8 +100,8 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Puts the operation into the datapath: SystemVerilog, checks against its oracle, the models and Verilator, and what it
-/// costs.
+/// Puts the operation into the datapath: SystemVerilog, checks against its oracle, the models and Verilator, and what
+/// it costs.
 #[derive(Debug, Clone, Parser)]
 #[command(after_help = "Exit codes: 0 all is well, 1 a wrong answer, 2 what cannot be used, 130 stopped by Ctrl-C.")]
 pub struct Arguments {
@@ -139,8 +140,8 @@ pub fn main(spec: impl Into<AnyOperationSpec>) -> ExitCode {
 /// Does it all, and says so on `out`.
 ///
 /// # Errors
-/// An operation that does not fit, a wrong answer, a file that cannot be written, a tool that fails; with `strict` a tool
-/// that is not installed.
+/// An operation that does not fit, a wrong answer, a file that cannot be written, a tool that fails; with `strict` a
+/// tool that is not installed.
 pub fn run(spec: &AnyOperationSpec, arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.preset.config;
     let base = if arguments.alone {

@@ -1,7 +1,7 @@
 //! Datapaths of any operations: their models are those of the typed operations, and what does not fit is told.
 
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_cli::prelude::*;
 use raypath_float::Format;
 use raypath_model::{Functional, Kind, Model, OnPorts, Soft};

@@ -40,12 +40,4 @@ pub enum Error {
     /// The code generator refused; a defect of ours.
     #[error("code generation: {0}")]
     Codegen(String),
-    /// A waveform could not be written.
-    #[error("waveform {path}: {problem}")]
-    Wave {
-        /// The file.
-        path: String,
-        /// What was wrong, or what the system said.
-        problem: String,
-    },
 }

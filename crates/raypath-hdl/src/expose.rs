@@ -4,11 +4,11 @@ use crate::netlist::{Driver, Instance, Item, Module, Port, Signal, SignalId};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// `module` with every register, in it and inside its instances, opened. The register `x_q` becomes an input port `x_q`;
-/// output ports `next_x_q`, `reset_x_q` and `has_reset_x_q` say what it takes at the next edge (its own value where it is
-/// not enabled), and to what, if anything, a reset sets it. For a register in an instance `u_y`, the port's names begin
-/// with `y_`. A name that is taken gets a number. Two modules whose registers and ports have the same names do the same
-/// in every cycle if they are the same after this.
+/// `module` with every register, in it and inside its instances, opened. The register `x_q` becomes an input port
+/// `x_q`; output ports `next_x_q`, `reset_x_q` and `has_reset_x_q` say what it takes at the next edge (its own value
+/// where it is not enabled), and to what, if anything, a reset sets it. For a register in an instance `u_y`, the port's
+/// names begin with `y_`. A name that is taken gets a number. Two modules whose registers and ports have the same names
+/// do the same in every cycle if they are the same after this.
 pub fn expose_registers(module: &Arc<Module>) -> Arc<Module> {
     Exposed::default().expose(module)
 }

@@ -48,7 +48,8 @@ impl Flat {
     /// Flattens `top`, keeping the named signals for whose hierarchical name `observed` holds.
     pub fn new(top: &Arc<Module>, observed: &dyn Fn(&str) -> bool) -> Result<Self, Error> {
         loop_free(top)?;
-        // A call has all outputs depend on all inputs. Where that seems to close a loop, the modules on it are expanded.
+        // A call has all outputs depend on all inputs. Where that seems to close a loop, the modules on it are
+        // expanded.
         let mut expanded: HashSet<*const Module> = HashSet::new();
         loop {
             let called = |prefix: &str, module: &Arc<Module>| {

@@ -66,8 +66,8 @@ impl Code {
     }
 }
 
-/// For each call that is remembered, where: one word that is 1 after the first time, the arguments, the results. And how
-/// many words that takes.
+/// For each call that is remembered, where: one word that is 1 after the first time, the arguments, the results. And
+/// how many words that takes.
 fn remembered(flat: &Flat) -> (Vec<Option<usize>>, usize) {
     let mut words = 0;
     let places = flat.calls.iter().map(|(function, call)| {

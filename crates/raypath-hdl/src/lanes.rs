@@ -29,8 +29,8 @@ const WORDS: usize = LANES / WORD;
 /// The stimuli that a [`LaneSimulator`] has at once. A slice is then a cache line and the widest register there is.
 pub const LANES: usize = 512;
 
-/// A module in simulation in [`LANES`] lanes, each as a [`Simulator`](crate::Simulator) of its own would be, but for the
-/// reset, which they share. Ports are the same as a `Simulator`'s.
+/// A module in simulation in [`LANES`] lanes, each as a [`Simulator`](crate::Simulator) of its own would be, but for
+/// the reset, which they share. Ports are the same as a `Simulator`'s.
 ///
 /// ```
 /// use raypath_hdl::{Builder, LANES, LaneSimulator};

@@ -34,7 +34,6 @@ mod names;
 mod netlist;
 mod simulator;
 pub mod verilog;
-mod wave;
 
 pub use builder::{Builder, Forward, Register, Wire};
 pub use error::Error;
@@ -44,4 +43,3 @@ pub use lanes::{LANES, LaneSimulator};
 pub use names::problem as name_problem;
 pub use netlist::{Arm, Driver, Instance, Item, Label, Module, Port, RegisterInfo, Signal, SignalId};
 pub use simulator::{InputPort, OutputPort, Probe, Simulator};
-pub use wave::WaveWriter;

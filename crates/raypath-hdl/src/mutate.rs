@@ -49,12 +49,12 @@ pub(crate) enum Change {
 /// The faults of a module itself, not of those that it instantiates, in the order of its signals. What nothing depends
 /// on, and what would not change the module's meaning by its form alone, is left out.
 ///
-/// Faults are: `And` for `Or` and the reverse, `Or` for `Xor`, `Sub` for `Add` and the reverse; comparisons, `Any`, `All`
-/// and names inverted, `Less` with its operands exchanged, `Any` for `All` and the reverse; multiplexers with an inverted
-/// select, or stuck at one side; arms of a `Case` exchanged with the next, left out, or taken by default; constants one
-/// more, one less, or with one bit flipped; slices one bit higher or lower; the other shift; neighbours of a `Concat`
-/// exchanged where they are as wide as each other; `Not` left out; any operand replaced by zero; registers that load
-/// always or never, or have another reset value; ports of instances at zero.
+/// Faults are: `And` for `Or` and the reverse, `Or` for `Xor`, `Sub` for `Add` and the reverse; comparisons, `Any`,
+/// `All` and names inverted, `Less` with its operands exchanged, `Any` for `All` and the reverse; multiplexers with an
+/// inverted select, or stuck at one side; arms of a `Case` exchanged with the next, left out, or taken by default;
+/// constants one more, one less, or with one bit flipped; slices one bit higher or lower; the other shift; neighbours
+/// of a `Concat` exchanged where they are as wide as each other; `Not` left out; any operand replaced by zero;
+/// registers that load always or never, or have another reset value; ports of instances at zero.
 pub fn faults(module: &Module) -> Vec<Fault> {
     list::faults(module)
 }

@@ -1,7 +1,7 @@
 //! What a simulation in lanes adds: lanes that do not see each other, and values that find their lanes.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_hdl::{Builder, LANES, LaneSimulator, Module, Simulator};
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! Every operator at widths around the interesting ones, against arithmetic on `u128`.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_hdl::{Builder, InputPort, LANES, Label, LaneSimulator, Module, OutputPort, Simulator};
 use std::collections::BTreeSet;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! Random netlists, compiled, against an interpreter of the netlist that shares no code with the simulator.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_hdl::{Builder, Driver, LANES, Label, LaneSimulator, Module, SignalId, Simulator, Wire};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -266,8 +266,8 @@ fn compare(module: &Arc<Module>, random: &mut ChaCha8Rng, seed: u64) {
     }
 }
 
-/// Other inputs in every lane, the same reset: each lane against a simulator that has only its inputs, a few against the
-/// interpreter too.
+/// Other inputs in every lane, the same reset: each lane against a simulator that has only its inputs, a few against
+/// the interpreter too.
 fn compare_lanes(module: &Arc<Module>, random: &mut ChaCha8Rng, seed: u64) {
     let mut lanes = LaneSimulator::new(module).unwrap();
     let mut single = Simulator::new(module).unwrap();

@@ -11,8 +11,8 @@ use raypath_ops::{
 };
 
 /// Sixteen functional models over binary32, computed in SIMD lanes. Each returns the results of a
-/// [`Functional`](crate::Functional), bit for bit except for the signs and payloads of NaNs. Jobs are in blocks of sixteen, one
-/// for each model; see [`pack`] and [`unpack`].
+/// [`Functional`](crate::Functional), bit for bit except for the signs and payloads of NaNs. Jobs are in blocks of
+/// sixteen, one for each model; see [`pack`] and [`unpack`].
 ///
 /// ```
 /// use raypath_model::{Batch, blank, pack, unpack};
@@ -74,15 +74,15 @@ impl<const E: usize, const A: usize> Batch<E, A> {
         dispatch!(self.level, simd => run(simd, &op, jobs, answers, &mut ()));
     }
 
-    /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain for the
-    /// next call.
+    /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain
+    /// for the next call.
     pub fn euclidean(&mut self, beats: &[EuclideanInput<Packed, E>], answers: &mut [EuclideanOutput<Packed>]) {
         let state = &mut self.euclidean;
         dispatch!(self.level, simd => run(simd, &Euclidean::<E>, beats, answers, state));
     }
 
-    /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain for the
-    /// next call.
+    /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain
+    /// for the next call.
     pub fn angular(&mut self, beats: &[AngularInput<Packed, A>], answers: &mut [AngularOutput<Packed>]) {
         let state = &mut self.angular;
         dispatch!(self.level, simd => run(simd, &Angular::<A>, beats, answers, state));

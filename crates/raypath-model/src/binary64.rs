@@ -1,8 +1,8 @@
 use crate::kernels::ModelCircuit;
 use raypath_ops::{Circuit, Concrete, Portable, Relation, Test};
 
-/// IEEE 754 binary64, computed by the machine's floating-point instructions. The accuracy of other formats is measured against
-/// it.
+/// IEEE 754 binary64, computed by the machine's floating-point instructions. The accuracy of other formats is measured
+/// against it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Binary64;
 

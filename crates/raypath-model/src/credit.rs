@@ -3,7 +3,8 @@
 use crate::position::{Occupancy, PipelinePosition, highest};
 use crate::shape::{Loop, Shape};
 
-/// The control of a pipeline with credits: a job is admitted if a credit is left, and returns it when it leaves the FIFO.
+/// The control of a pipeline with credits: a job is admitted if a credit is left, and returns it when it leaves the
+/// FIFO.
 #[derive(Debug, Clone)]
 pub struct Credits {
     /// A register: the number of jobs that may still enter.

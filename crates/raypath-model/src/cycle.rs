@@ -6,8 +6,8 @@ use crate::shape::Shape;
 
 /// The cycle-exact model of a datapath: in every cycle its ports show the same handshakes and outcomes as the netlist.
 ///
-/// To simulate a cycle, read [`input_ready`](Self::input_ready) and [`output`](Self::output), then call [`cycle`](Self::cycle)
-/// with the actions of source and sink.
+/// To simulate a cycle, read [`input_ready`](Self::input_ready) and [`output`](Self::output), then call
+/// [`cycle`](Self::cycle) with the actions of source and sink.
 #[derive(Debug, Clone)]
 pub struct CycleModel<M: Model = Functional> {
     model: M,
@@ -32,8 +32,8 @@ impl<M: Model> CycleModel<M> {
         self.pipeline.output()
     }
 
-    /// One clock cycle. The source offers `job` (`input_valid_i` = 1), which is accepted if `input_ready` was true for its
-    /// opcode. The sink takes the outcome at the output if `output_ready`.
+    /// One clock cycle. The source offers `job` (`input_valid_i` = 1), which is accepted if `input_ready` was true for
+    /// its opcode. The sink takes the outcome at the output if `output_ready`.
     #[inline]
     pub fn cycle(&mut self, job: Option<&M::Job>, output_ready: bool) -> Transfer<M::Outcome> {
         let Self { model, pipeline } = self;
@@ -43,8 +43,8 @@ impl<M: Model> CycleModel<M> {
         }
     }
 
-    /// Advances up to `limit` cycles in which the source offers nothing, and stops in the first with a valid output. Returns the
-    /// number of cycles. Equivalent to that many calls of [`cycle`](Self::cycle), but faster.
+    /// Advances up to `limit` cycles in which the source offers nothing, and stops in the first with a valid output.
+    /// Returns the number of cycles. Equivalent to that many calls of [`cycle`](Self::cycle), but faster.
     #[inline]
     pub fn idle(&mut self, limit: u64) -> u64 {
         self.pipeline.idle(limit)

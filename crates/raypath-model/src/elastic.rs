@@ -69,8 +69,8 @@ impl<T> Elastic<T> {
     }
 
     /// As [`cycle`](Self::cycle), with an item that is computed only if it is accepted.
-    // The item is computed in place. A copy would read it in pieces of other sizes than it was written in, which stalls the
-    // processor.
+    // The item is computed in place. A copy would read it in pieces of other sizes than it was written in, which stalls
+    // the processor.
     #[inline]
     pub(crate) fn cycle_with(
         &mut self,
@@ -91,8 +91,8 @@ impl<T> Elastic<T> {
         Transfer { accepted: entering.is_some(), output }
     }
 
-    /// Advances up to `limit` cycles in which the source offers nothing, and stops in the first with a valid output. Returns the
-    /// number of cycles. Equivalent to that many calls of [`cycle`](Self::cycle), but faster.
+    /// Advances up to `limit` cycles in which the source offers nothing, and stops in the first with a valid output.
+    /// Returns the number of cycles. Equivalent to that many calls of [`cycle`](Self::cycle), but faster.
     #[inline]
     pub fn idle(&mut self, limit: u64) -> u64 {
         match &mut self.flow {

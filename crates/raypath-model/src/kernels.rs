@@ -17,8 +17,8 @@ pub trait ModelCircuit: Concrete {
     const KERNELS: Self::Kernels;
 }
 
-/// The kernels over [`Binary32`] and [`Lanes`]. Over [`Binary32`] they compute four items of a [`LaneMap`] at a time, in the
-/// SIMD instructions that every machine of the architecture has.
+/// The kernels over [`Binary32`] and [`Lanes`]. Over [`Binary32`] they compute four items of a [`LaneMap`] at a time,
+/// in the SIMD instructions that every machine of the architecture has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SimdKernels;
 

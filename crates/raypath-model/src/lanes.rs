@@ -6,11 +6,12 @@ use raypath_ops::{Binary32, Circuit, Relation, Test};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// Binary32 arithmetic in SIMD registers. Each lane computes what [`Binary32`] computes, bit for bit except for the signs and
-/// payloads of NaNs.
+/// Binary32 arithmetic in SIMD registers. Each lane computes what [`Binary32`] computes, bit for bit except for the
+/// signs and payloads of NaNs.
 ///
-/// `S` is the instruction set, and a value of it proves that the machine has it. `W` is the number of lanes in a register. Code
-/// over this circuit must be inlined into a function that is compiled for the instruction set: call it inside
+/// `S` is the instruction set, and a value of it proves that the machine has it. `W` is the number of lanes in a
+/// register. Code over this circuit must be inlined into a function that is compiled for the instruction set: call it
+/// inside
 /// [`Simd::vectorize`] or [`fearless_simd::dispatch`].
 #[derive(Clone, Copy)]
 pub struct Lanes<S, W = Native> {
@@ -40,7 +41,8 @@ pub struct Native;
 #[derive(Debug, Clone, Copy)]
 pub struct Four;
 
-/// A register of a lane circuit. No two registers are equal, because [`Circuit`] requires an equality that lanes do not need.
+/// A register of a lane circuit. No two registers are equal, because [`Circuit`] requires an equality that lanes do not
+/// need.
 #[derive(Clone, Copy)]
 pub struct Register<T>(pub T);
 

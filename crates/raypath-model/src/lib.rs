@@ -1,5 +1,5 @@
-//! Models of the datapath: what it answers ([`Functional`]) and when ([`CycleModel`]); and circuits for the numbers that
-//! they compute in: any small format in software ([`Soft`]), and [`Binary64`].
+//! Models of the datapath: what it answers ([`Functional`]) and when ([`CycleModel`]); and circuits for the numbers
+//! that they compute in: any small format in software ([`Soft`]), and [`Binary64`].
 //!
 //! Arithmetic depends on the jobs and their order alone, time on handshakes and on the kinds of jobs alone. So the
 //! cycle-exact model computes a job's outcome once, when it enters, and carries it through a pipeline of the datapath's

@@ -5,8 +5,8 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use raypath_ops::{Binary32, Bit, Circuit, Gather, Num, Put, Relation, Scatter, Single, Test, Word, array_of};
 
-/// A circuit whose values belong to sixteen jobs, each value in one cache line: a `RayBoxInput<Packed>` is sixteen jobs as a
-/// structure of arrays. It is a storage format for [`Lanes`]; computing over it directly is correct but slow.
+/// A circuit whose values belong to sixteen jobs, each value in one cache line: a `RayBoxInput<Packed>` is sixteen jobs
+/// as a structure of arrays. It is a storage format for [`Lanes`]; computing over it directly is correct but slow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Packed;
 

@@ -6,11 +6,11 @@ pub type Occupancy = u128;
 /// The position of a job in the pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct PipelinePosition {
-    /// The number of clock edges after which a job is here in an empty pipeline: 1 after the input register, the latency at the
-    /// output.
+    /// The number of clock edges after which a job is here in an empty pipeline: 1 after the input register, the
+    /// latency at the output.
     pub stage: usize,
-    /// An older job has the same stage: this one is in the second register of a skid buffer, or in the FIFO at the output but
-    /// not its first.
+    /// An older job has the same stage: this one is in the second register of a skid buffer, or in the FIFO at the
+    /// output but not its first.
     pub waits: bool,
 }
 

@@ -4,13 +4,13 @@ use crate::position::Occupancy;
 /// The properties of a pipeline that determine its timing: latency, control, and accumulator loops.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shape {
-    /// Cycles from the acceptance of a job to the cycle that shows its outcome, in an empty pipeline. Values are clamped to 1 to
-    /// 128.
+    /// Cycles from the acceptance of a job to the cycle that shows its outcome, in an empty pipeline. Values are
+    /// clamped to 1 to 128.
     pub latency: usize,
     /// The flow control.
     pub control: Control,
-    /// The accumulators whose loop takes more than one cycle. Step i is between registers i - 1 and i; the input's register is 0.
-    /// A loop delays jobs only if 1 ≤ first < last < latency.
+    /// The accumulators whose loop takes more than one cycle. Step i is between registers i - 1 and i; the input's
+    /// register is 0. A loop delays jobs only if 1 ≤ first < last < latency.
     pub loops: Vec<Loop>,
 }
 
@@ -19,13 +19,13 @@ pub struct Shape {
 pub enum Control {
     /// `latency` skid buffers. Each holds two jobs, and its ready output is a flip-flop.
     Skid,
-    /// `latency - 1` registers that never stall, followed by a FIFO. A credit counter at the input admits at most `latency + 1`
-    /// jobs.
+    /// `latency - 1` registers that never stall, followed by a FIFO. A credit counter at the input admits at most
+    /// `latency + 1` jobs.
     Credit,
 }
 
-/// An accumulator that is read in one step and written in a later one. While a job of its operation is between the two, no
-/// other job of that operation may enter the first.
+/// An accumulator that is read in one step and written in a later one. While a job of its operation is between the two,
+/// no other job of that operation may enter the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Loop {
     /// The opcode of the accumulator's operation.
@@ -52,8 +52,8 @@ impl Shape {
         }
     }
 
-    /// The initiation interval of an operation: cycles between jobs with this opcode if the source always offers one and the
-    /// sink is always ready.
+    /// The initiation interval of an operation: cycles between jobs with this opcode if the source always offers one
+    /// and the sink is always ready.
     pub fn interval(&self, opcode: u64) -> usize {
         let own = self.loops().filter(|a_loop| a_loop.opcode == opcode);
         own.map(|Loop { first, last, .. }| last - first + 1).max().unwrap_or(1)

@@ -3,8 +3,8 @@
 use crate::position::{Occupancy, PipelinePosition, highest};
 use crate::shape::{Loop, Shape};
 
-/// The control of a pipeline of skid buffers. Each buffer holds two jobs, passes one per cycle, and has a registered ready
-/// output, so that there is no combinational path from the sink to the source.
+/// The control of a pipeline of skid buffers. Each buffer holds two jobs, passes one per cycle, and has a registered
+/// ready output, so that there is no combinational path from the sink to the source.
 ///
 /// Bit i of an [`Occupancy`] is buffer i; the input's buffer is 0.
 #[derive(Debug, Clone)]
@@ -108,8 +108,8 @@ impl Gate {
         if self.pending { self.front & self.before(self.around.first) } else { 0 }
     }
 
-    /// One clock edge. `moving` and `staying` are the fronts that move and stay. `entering` is 1 for a job of the loop's
-    /// operation.
+    /// One clock edge. `moving` and `staying` are the fronts that move and stay. `entering` is 1 for a job of the
+    /// loop's operation.
     #[inline]
     fn cycle(&mut self, moving: Occupancy, staying: Occupancy, entering: Occupancy) {
         let moving = self.front & moving;

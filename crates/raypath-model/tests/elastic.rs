@@ -1,7 +1,7 @@
 //! Elastic pipelines of many shapes against two independent reference models.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_model::{Control, Elastic, Loop, PipelinePosition, Shape, Transfer};
 use std::collections::HashMap;
 

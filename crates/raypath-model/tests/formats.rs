@@ -1,8 +1,8 @@
 //! The operations over software numbers and over binary64, against the same operations over the machine's binary32:
 //! bit for bit in binary32, and in every format where nothing is rounded.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_float::Format;
 use raypath_model::{Binary64, Functional, ModelCircuit, Soft};
 use raypath_ops::{

@@ -1,8 +1,8 @@
 //! Jobs side by side in SIMD lanes, with every instruction set that this machine has, against the same jobs one by one
 //! in software arithmetic.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_float::Format;
 use raypath_model::{Batch, Functional, Packed, Soft, blank, levels, pack, unpack};
 use raypath_ops::{

@@ -1,7 +1,7 @@
 //! The functional and the cycle-exact model: sums of any number of lanes, resets, and one in step with the other.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_model::{Control, CycleModel, Functional, LATENCY, Loop, Shape};
 use raypath_ops::{Job, JobKind, Outcome, Rules};
 

@@ -1,4 +1,5 @@
-//! Structures of numbers, bits and words with named fields. Ports, registers and file columns follow from the structure.
+//! Structures of numbers, bits and words with named fields. Ports, registers and file columns follow from the
+//! structure.
 
 use crate::circuit::Circuit;
 use crate::handle::{Bit, Flags, Num, Word};
@@ -55,8 +56,8 @@ impl Path {
         Self { name: name.to_string(), is_unnamed: false }
     }
 
-    /// A path without names, for sources and sinks that identify leaves by their order. Building names costs more time than
-    /// visiting the leaves.
+    /// A path without names, for sources and sinks that identify leaves by their order. Building names costs more time
+    /// than visiting the leaves.
     pub fn unnamed() -> Self {
         Self { name: String::new(), is_unnamed: true }
     }

@@ -1,7 +1,8 @@
 //! The macro that declares bundles.
 
-/// Declares a structure over a circuit `C` and implements [`Bundle`](crate::Bundle) and [`Family`](crate::Family) for it,
-/// so that its ports follow from its fields. It may have constant parameters, such as a number of lanes or a word's width.
+/// Declares a structure over a circuit `C` and implements [`Bundle`](crate::Bundle) and [`Family`](crate::Family) for
+/// it, so that its ports follow from its fields. It may have constant parameters, such as a number of lanes or a word's
+/// width.
 ///
 /// ```
 /// raypath_ops::bundle! {

@@ -7,9 +7,9 @@ use std::fmt::{Arguments, Debug};
 /// An interpretation of operations: native arithmetic, software floating point, SIMD lanes, or a recorder that builds
 /// hardware.
 ///
-/// An operation is generic over its circuit, so an implementation of this trait interprets all operations. Arithmetic is
-/// IEEE 754 with round to nearest even, and rounds once per operator. The sign of a NaN is unspecified: code that reads a
-/// sign must also test [`Num::is_nan`] where a NaN matters.
+/// An operation is generic over its circuit, so an implementation of this trait interprets all operations. Arithmetic
+/// is IEEE 754 with round to nearest even, and rounds once per operator. The sign of a NaN is unspecified: code that
+/// reads a sign must also test [`Num::is_nan`] where a NaN matters.
 pub trait Circuit: Copy + Debug + PartialEq {
     /// A floating-point number.
     type Num: Copy + Debug + PartialEq;
@@ -20,8 +20,8 @@ pub trait Circuit: Copy + Debug + PartialEq {
     /// The result of one comparison, from which every [`Relation`] can be read.
     type Order: Copy + Debug + PartialEq;
 
-    /// Marks the operators that follow as part of pipeline stage `number` (the first is 1). `what` describes the stage in
-    /// the printed schedule.
+    /// Marks the operators that follow as part of pipeline stage `number` (the first is 1). `what` describes the stage
+    /// in the printed schedule.
     fn stage(self, _number: u32, _what: &'static str) {}
 
     /// Requests automatic staging. An operation that calls this before its first operator marks no stages itself.
@@ -32,8 +32,8 @@ pub trait Circuit: Copy + Debug + PartialEq {
 
     /// A constant, which must be exact in the circuit's format.
     fn constant(self, value: f32) -> Self::Num;
-    /// The number `ulps` units in the last place above 1. `ulps` must be less than 2 to the power of the format's fraction
-    /// width.
+    /// The number `ulps` units in the last place above 1. `ulps` must be less than 2 to the power of the format's
+    /// fraction width.
     fn one_plus_ulps(self, ulps: u32) -> Self::Num;
     /// Sum.
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num;
@@ -47,8 +47,8 @@ pub trait Circuit: Copy + Debug + PartialEq {
     fn compare(self, a: Self::Num, b: Self::Num) -> Self::Order;
     /// Reads a relation from a comparison.
     fn relation(self, order: Self::Order, relation: Relation) -> Self::Bit;
-    /// Converts a word of `width` bits (at most 16) to a number, without an adder. The format must represent every value of
-    /// such a word exactly.
+    /// Converts a word of `width` bits (at most 16) to a number, without an adder. The format must represent every
+    /// value of such a word exactly.
     fn number_of(self, width: u32, word: Self::Word) -> Self::Num;
     /// Tests a number's sign and class, without a comparator.
     fn test(self, test: Test, a: Self::Num) -> Self::Bit;

@@ -11,8 +11,8 @@ use crate::operation::{KernelOperation, Operation};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Euclidean<const N: usize>;
 
-/// Dot product, and squared norm of the candidate, with `N` dimensions per beat: a power of two, at most 32. A datapath has
-/// half as many angular lanes as Euclidean ones.
+/// Dot product, and squared norm of the candidate, with `N` dimensions per beat: a power of two, at most 32. A datapath
+/// has half as many angular lanes as Euclidean ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Angular<const N: usize>;
 
@@ -86,8 +86,9 @@ bundle! {
     }
 }
 
-/// The stages for the levels of the adder trees, by preference: first those whose adders other operations need as well. A
-/// tree with fewer levels omits the later ones. A Euclidean tree may end in the stage in which an angular one accumulates.
+/// The stages for the levels of the adder trees, by preference: first those whose adders other operations need as well.
+/// A tree with fewer levels omits the later ones. A Euclidean tree may end in the stage in which an angular one
+/// accumulates.
 const EUCLIDEAN_TREE: [u32; 6] = [4, 6, 8, 9, 5, 7];
 const ANGULAR_TREE: [u32; 5] = [4, 6, 8, 5, 7];
 const TREE_TITLE: &str = "sums i + (i + half)";

@@ -5,11 +5,12 @@ use crate::bundle::Bundle;
 use crate::circuit::Circuit;
 use crate::handle::{Bit, Flags, Num, Word};
 
-/// A bundle type without its circuit. The family is named by its member over [`Binary32`]: for `Vec3<Binary32>`, the type
+/// A bundle type without its circuit. The family is named by its member over [`Binary32`]: for `Vec3<Binary32>`, the
+/// type
 /// `Of<C>` is `Vec3<C>`. Implemented for every type that implements [`Bundle`].
 ///
-/// The methods convert bundles between circuits whose values hold different numbers of jobs, such as scalars, SIMD registers
-/// and blocks of jobs in memory.
+/// The methods convert bundles between circuits whose values hold different numbers of jobs, such as scalars, SIMD
+/// registers and blocks of jobs in memory.
 pub trait Family {
     /// The bundle over circuit `C`.
     type Of<C: Circuit>: Bundle<C>;

@@ -5,8 +5,8 @@ use crate::circuit::{Circuit, Relation, Test};
 use crate::concrete::Concrete;
 use std::cell::Cell;
 
-/// IEEE 754 binary32 that records the exceptions of additions, subtractions and multiplications in a cell. Set the cell to 0
-/// before a job; after the job it holds the value of the datapath's `exception_flags` port.
+/// IEEE 754 binary32 that records the exceptions of additions, subtractions and multiplications in a cell. Set the cell
+/// to 0 before a job; after the job it holds the value of the datapath's `exception_flags` port.
 ///
 /// Tininess is detected before rounding, and underflow is raised only together with inexact. No NaN is signaling.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +25,8 @@ impl Flagged<'_> {
     /// Infinity minus infinity, or zero times infinity.
     pub const INVALID: u64 = 8;
 
-    /// Records the exceptions of `result`, whose exact value is `exact + more`: the sum of two binary64 numbers, because
+    /// Records the exceptions of `result`, whose exact value is `exact + more`: the sum of two binary64 numbers,
+    /// because
     /// `exact` alone may be rounded.
     #[inline]
     fn note(self, [a, b]: [Single; 2], result: Single, exact: f64, more: f64) -> Single {

@@ -1,4 +1,5 @@
-//! Handles on a circuit's numbers, bits and words. A handle carries its circuit, so that operators can be written as such:
+//! Handles on a circuit's numbers, bits and words. A handle carries its circuit, so that operators can be written as
+//! such:
 //! `(bound - origin) * inv`.
 
 use crate::circuit::{Circuit, Relation, Test};
@@ -197,8 +198,8 @@ impl<C: Circuit, const W: u32> Word<C, W> {
         Self { circuit, value }
     }
 
-    /// The word's value as a number. `W` must be at most 16, and the circuit's format must represent every value of `W` bits
-    /// exactly.
+    /// The word's value as a number. `W` must be at most 16, and the circuit's format must represent every value of `W`
+    /// bits exactly.
     #[inline(always)]
     pub fn number(self) -> Num<C> {
         const { assert!(W <= 16, "a word of at most 16 bits becomes a number") };

@@ -8,10 +8,10 @@ use std::fmt::Arguments;
 
 /// Implementations of the operations' inner parts over circuit `C`.
 ///
-/// The default of each method is written in circuit arithmetic and defines the result ([`Portable`] has all defaults). An
-/// implementation may override a method if it returns the same bits (signs and payloads of NaNs excepted) whenever the
-/// stated preconditions hold. [`KernelOperation::run_with`](crate::KernelOperation::run_with) takes the implementation to
-/// use.
+/// The default of each method is written in circuit arithmetic and defines the result ([`Portable`] has all defaults).
+/// An implementation may override a method if it returns the same bits (signs and payloads of NaNs excepted) whenever
+/// the stated preconditions hold. [`KernelOperation::run_with`](crate::KernelOperation::run_with) takes the
+/// implementation to use.
 pub trait Kernels<C: Circuit>: Copy {
     /// The numbers `(a, b)`, exchanged if `condition` holds.
     #[inline(always)]
@@ -66,7 +66,8 @@ pub trait Kernels<C: Circuit>: Copy {
     }
 }
 
-/// The kernels in circuit arithmetic alone. They define the result of all others, and are the ones that become hardware.
+/// The kernels in circuit arithmetic alone. They define the result of all others, and are the ones that become
+/// hardware.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Portable;
 

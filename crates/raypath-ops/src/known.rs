@@ -1,7 +1,7 @@
 //! Bits and words of circuits that compute values.
 
-/// The methods of [`Circuit`](crate::Circuit) on bits that are `bool` and words that are `u32`, and the multiplexers. They
-/// are the same for all [`Concrete`](crate::Concrete) circuits. Use it inside the `impl` block.
+/// The methods of [`Circuit`](crate::Circuit) on bits that are `bool` and words that are `u32`, and the multiplexers.
+/// They are the same for all [`Concrete`](crate::Concrete) circuits. Use it inside the `impl` block.
 #[macro_export]
 macro_rules! known_bits_and_words {
     () => {

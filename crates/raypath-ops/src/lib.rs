@@ -1,8 +1,8 @@
 //! The operations of a ray-tracing datapath, each written once.
 //!
-//! An [`Operation`] is a function that is generic over a [`Circuit`], with its pipeline stages marked. Over [`Binary32`] it
-//! computes with the machine's numbers and is the functional model. Over the recording circuit of crate `raypath-rtl` the same
-//! function becomes hardware.
+//! An [`Operation`] is a function that is generic over a [`Circuit`], with its pipeline stages marked. Over
+//! [`Binary32`] it computes with the machine's numbers and is the functional model. Over the recording circuit of crate
+//! `raypath-rtl` the same function becomes hardware.
 //!
 //! ```
 //! use raypath_ops::{Aabb, Binary32, Operation, Ray, RayBox, RayBoxInput, Rules};

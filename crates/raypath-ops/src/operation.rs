@@ -14,8 +14,8 @@ pub trait Operation {
     type Input<C: Circuit>: Bundle<C>;
     /// The values of a result.
     type Output<C: Circuit>: Bundle<C>;
-    /// The values that a job leaves for the next job of the same operation; all zeros initially and after a reset. `()` if
-    /// there are none.
+    /// The values that a job leaves for the next job of the same operation; all zeros initially and after a reset. `()`
+    /// if there are none.
     type State<C: Circuit>: Bundle<C>;
 
     /// Whether this configuration of the operation has the input port `port`. An absent input must not be read.
@@ -23,13 +23,14 @@ pub trait Operation {
         true
     }
 
-    /// Whether this configuration of the operation has the output port `port`. Absent outputs are not computed in hardware.
+    /// Whether this configuration of the operation has the output port `port`. Absent outputs are not computed in
+    /// hardware.
     fn has_output(&self, _port: &str) -> bool {
         true
     }
 
-    /// Computes one job, stage by stage. Returns the result and the state for the next job. The state must be read in the
-    /// stage that computes its next value, and in no other.
+    /// Computes one job, stage by stage. Returns the result and the state for the next job. The state must be read in
+    /// the stage that computes its next value, and in no other.
     fn run<C: Circuit>(&self, c: C, input: Self::Input<C>, state: Self::State<C>) -> (Self::Output<C>, Self::State<C>);
 }
 

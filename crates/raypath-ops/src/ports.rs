@@ -54,8 +54,8 @@ pub fn ports_of<B: Bundle<Binary32>>() -> Vec<Port> {
     source.0
 }
 
-/// Replaces the contents of `words` by a bundle's port values: one word per port, in the order of [`ports_of`]. Numbers keep
-/// their bits, including the payloads of NaNs.
+/// Replaces the contents of `words` by a bundle's port values: one word per port, in the order of [`ports_of`]. Numbers
+/// keep their bits, including the payloads of NaNs.
 pub fn to_words<C: Concrete>(bundle: &impl Bundle<C>, words: &mut Vec<u64>) {
     words.clear();
     bundle.each(&mut Path::unnamed(), &mut ToWords::new(words, C::raw_bits));
@@ -67,8 +67,8 @@ pub fn to_canonical_words<C: Concrete>(bundle: &impl Bundle<C>, words: &mut Vec<
     bundle.each(&mut Path::unnamed(), &mut ToWords::new(words, C::bits));
 }
 
-/// The bundle with these port values, in the order of [`ports_of`]. Missing words are 0, and bits beyond a port's width are
-/// ignored.
+/// The bundle with these port values, in the order of [`ports_of`]. Missing words are 0, and bits beyond a port's width
+/// are ignored.
 pub fn from_words<C: Concrete, B: Bundle<C>>(circuit: C, words: &[u64]) -> B {
     B::build(&mut Path::unnamed(), &mut FromWords::new(circuit, words, C::number))
 }
@@ -136,7 +136,8 @@ impl<C: Concrete> Sink<C> for ToPorts<C> {
     }
 }
 
-/// Reads port values by name. `port` is a trait object, so that the code of all bundles is not compiled for each closure.
+/// Reads port values by name. `port` is a trait object, so that the code of all bundles is not compiled for each
+/// closure.
 pub(crate) struct FromPorts<'p, C: Concrete> {
     pub circuit: C,
     pub port: &'p mut dyn FnMut(&str) -> u64,

@@ -24,7 +24,8 @@ bundle! {
         pub kx: Word<C, 2>,
         /// The axis that becomes y: 0, 1 or 2.
         pub ky: Word<C, 2>,
-        /// The axis that becomes z: that of the direction's greatest absolute component, the first one if several are equal.
+        /// The axis that becomes z: that of the direction's greatest absolute component, the first one if several are
+        /// equal.
         pub kz: Word<C, 2>,
     }
 }
@@ -61,8 +62,8 @@ impl Ray<Binary32> {
     /// The ray from `origin` along `direction` with the length `extent` times that of `direction`.
     ///
     /// # Errors
-    /// A direction that is zero, not finite, or so short that its inverse overflows; an origin that is not finite; an extent
-    /// that is negative or NaN.
+    /// A direction that is zero, not finite, or so short that its inverse overflows; an origin that is not finite; an
+    /// extent that is negative or NaN.
     pub fn new(origin: [f32; 3], direction: [f32; 3], extent: f32) -> Result<Self, RayError> {
         if !direction.iter().all(|d| d.is_finite()) {
             return Err(RayError::DirectionNotFinite(direction));
@@ -94,8 +95,8 @@ impl Ray<Binary32> {
     }
 }
 
-/// kx, ky, kz. kz is the axis of the greatest absolute component; kx and ky are swapped if that component is negative, so
-/// that the winding order of triangles is preserved.
+/// kx, ky, kz. kz is the axis of the greatest absolute component; kx and ky are swapped if that component is negative,
+/// so that the winding order of triangles is preserved.
 fn axes(direction: [f32; 3]) -> [usize; 3] {
     let mut kz = 0;
     for axis in 1..3 {

@@ -25,9 +25,10 @@ pub struct RayBoxConservative;
 
 /// The number of units in the last place of 1 by which the factor of [`RayBoxConservative`] exceeds 1.
 ///
-/// A slab distance has three roundings: of the inverse, of the difference, and of the product. Two equal exact distances may
-/// therefore differ by a factor of (1 + 2u)^3, where u is half a unit in the last place of 1: slightly more than three units.
-/// Two units (Ize, "Robust BVH Ray Traversal", JCGT 2013) are enough if the inverse counts as exact.
+/// A slab distance has three roundings: of the inverse, of the difference, and of the product. Two equal exact
+/// distances may therefore differ by a factor of (1 + 2u)^3, where u is half a unit in the last place of 1: slightly
+/// more than three units. Two units (Ize, "Robust BVH Ray Traversal", JCGT 2013) are enough if the inverse counts as
+/// exact.
 pub const WIDENING_ULPS: u32 = 3;
 
 bundle! {

@@ -181,8 +181,8 @@ impl LaneMap for Shear {
         ray: &Ray<C>,
         vertices: &[Vec3<C>; N],
     ) -> [Vec3<C>; N] {
-        // Table VII permutes the differences. Permuting their operands gives the same numbers, in stage 1, which has time
-        // for it.
+        // Table VII permutes the differences. Permuting their operands gives the same numbers, in stage 1, which has
+        // time for it.
         circuit.stage(1, "axes permuted so that the ray looks along z");
         let origin = ray.turned(ray.origin);
         let vertices: [Vec3<C>; N] = array_of!(i => ray.turned(vertices[i]));

@@ -13,8 +13,8 @@ use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
-/// [`RayTriangle`] with options. With all of them off, its results are those of [`RayTriangle`]. It has the same name, so a
-/// datapath has one or the other.
+/// [`RayTriangle`] with options. With all of them off, its results are those of [`RayTriangle`]. It has the same name,
+/// so a datapath has one or the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RayTriangleExtended {
     /// The rules for special cases.
@@ -54,8 +54,8 @@ bundle! {
 }
 
 bundle! {
-    /// The outputs of [`RayTriangleOutput`](crate::RayTriangleOutput) and the optional ones. All are computed for hits and
-    /// misses.
+    /// The outputs of [`RayTriangleOutput`](crate::RayTriangleOutput) and the optional ones. All are computed for hits
+    /// and misses.
     pub struct RayTriangleExtendedOutput<C> {
         /// Numerator of the distance, in units of the direction's length times `t_denom`.
         pub t_num: Num<C>,

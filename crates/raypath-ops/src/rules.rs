@@ -12,8 +12,8 @@ use thiserror::Error;
 /// A set of rules for zeros, NaNs, ties and touching boxes. Everything else is the same in both sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Rules {
-    /// The rules that this project chose where the paper is silent or contradicts itself. `docs/reference/semantics.md` gives the
-    /// reasons.
+    /// The rules that this project chose where the paper is silent or contradicts itself. `docs/reference/semantics.md`
+    /// gives the reasons.
     #[default]
     Paper,
     /// The behaviour of the original hardware, bit for bit, except for its accumulator fault.
@@ -40,8 +40,8 @@ impl Rules {
         }
     }
 
-    /// The greatest of the three near distances and zero: the distance at which the ray is inside all slabs. `name` labels
-    /// intermediate values.
+    /// The greatest of the three near distances and zero: the distance at which the ray is inside all slabs. `name`
+    /// labels intermediate values.
     #[inline(always)]
     pub(crate) fn entry<C: Circuit>(
         self,
@@ -129,8 +129,9 @@ impl Rules {
         }
     }
 
-    /// Whether a distance lies between the ends of a ray. `near` compares the near end with the distance, `far` the distance
-    /// with the far end, all multiplied by the denominator. The denominator of a back face is negative and reverses the order.
+    /// Whether a distance lies between the ends of a ray. `near` compares the near end with the distance, `far` the
+    /// distance with the far end, all multiplied by the denominator. The denominator of a back face is negative and
+    /// reverses the order.
     #[inline(always)]
     pub(crate) fn within<C: Circuit>(self, [near, far]: [Order<C>; 2], is_front: bool) -> Bit<C> {
         match (self, is_front) {
@@ -142,8 +143,8 @@ impl Rules {
     }
 }
 
-/// The order of the original hardware, descending: `a` and `b` change places unless `a` is greater or equal, so also if one is
-/// NaN.
+/// The order of the original hardware, descending: `a` and `b` change places unless `a` is greater or equal, so also if
+/// one is NaN.
 #[inline(always)]
 fn chisel_swaps<C: Circuit>(a: Num<C>, b: Num<C>) -> Bit<C> {
     !a.compare(b).greater_or_equal()

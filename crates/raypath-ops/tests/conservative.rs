@@ -1,8 +1,8 @@
 //! Conservative boxes against exact arithmetic: what a ray touches is never missed.
 
 use num_rational::BigRational;
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Aabb, Binary32, Operation, Ray, RayBox, RayBoxConservative, RayBoxInput, RayBoxOutput, Rules};
 
 /// A ray and a box, as numbers.
@@ -83,8 +83,8 @@ fn next_to(number: f32, places: i32) -> f32 {
     f32::from_bits(number.to_bits().wrapping_add_signed(places))
 }
 
-/// Rays that leave one slab about where they enter another: at an edge, or with the third axis at a corner. Around the edge
-/// stand four boxes that share faces.
+/// Rays that leave one slab about where they enter another: at an edge, or with the third axis at a corner. Around the
+/// edge stand four boxes that share faces.
 fn at_edges(rng: &mut ChaCha8Rng, corner: bool) -> Vec<Case> {
     let origin: [f32; 3] = std::array::from_fn(|_| rng.random_range(-8.0..8.0));
     let edge: [f32; 3] = std::array::from_fn(|axis| {
@@ -161,7 +161,8 @@ struct Worst {
     exact: f64,
 }
 
-/// Bounds beyond an origin at `origin`, which the difference loses, and whose distance comes out too small or too large.
+/// Bounds beyond an origin at `origin`, which the difference loses, and whose distance comes out too small or too
+/// large.
 fn worst(rng: &mut ChaCha8Rng, origin: f32, too_large: bool) -> Vec<Worst> {
     let ulp = f64::from(f32::EPSILON);
     let candidates = (0..4_000_000).filter_map(|_| {

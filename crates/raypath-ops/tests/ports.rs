@@ -1,7 +1,7 @@
 //! Jobs and outcomes as ports: names as `docs/integration/ports.md` has them, and no bit lost on the way.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Job, JobKind, Outcome, PortKind};
 use std::collections::BTreeMap;
 

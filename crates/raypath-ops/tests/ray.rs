@@ -1,7 +1,7 @@
 //! `Ray::new`: what it derives (`docs/reference/semantics.md`) and what it rejects.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray, RayError};
 
 const INF: f32 = f32::INFINITY;

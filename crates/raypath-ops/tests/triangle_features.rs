@@ -1,8 +1,8 @@
 //! A triangle's faces, coordinates and range against exact arithmetic, and several accumulators against exact sums.
 
 use num_rational::BigRational;
+use rand::rngs::ChaCha8Rng;
 use rand::{Rng, RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_ops::{
     AngularMany, AngularManyInput, AngularManyState, Beat, Binary32, Culling, EuclideanMany, EuclideanManyInput,
     EuclideanManyState, Flags, Operation, Ray, RayTriangle, RayTriangleExtended, RayTriangleExtendedInput,

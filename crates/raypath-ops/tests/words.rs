@@ -1,7 +1,7 @@
 //! Words: the same bits in the same order as ports, without names.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Binary32, Job, JobKind, Outcome};
 
 #[test]

@@ -1,8 +1,8 @@
 //! What is asked of operations in a datapath: the oracle, the models, and the emitted text in Verilator.
 
 use crate::spec::AnyOperationSpec;
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_float::Format;
 use raypath_model::{Model, OnPorts};
 use raypath_rtl as rtl;
@@ -62,8 +62,8 @@ const MOST_WRITTEN: usize = 10_000;
 const OWN: f64 = 0.5;
 
 impl Checks<'_> {
-    /// The operations' answers to their jobs: for each spec that has an oracle, as many jobs. None where the datapath is
-    /// not in binary32, which oracles speak of.
+    /// The operations' answers to their jobs: for each spec that has an oracle, as many jobs. None where the datapath
+    /// is not in binary32, which oracles speak of.
     pub fn against_the_oracles(&self) -> Vec<OracleReport> {
         let model = self.datapath.model();
         let reports = self.oracle_runs().into_iter().map(|mut run| {
@@ -74,8 +74,8 @@ impl Checks<'_> {
         reports.collect()
     }
 
-    /// The same jobs of one of the operations with the answers, for benches of one's own. None where the datapath does not
-    /// have it.
+    /// The same jobs of one of the operations with the answers, for benches of one's own. None where the datapath does
+    /// not have it.
     pub fn transactions(&self, spec: &AnyOperationSpec) -> Vec<Transaction<AnyModel>> {
         let kind = self.datapath.model().kind(spec.name());
         let answered = kind.into_iter().flat_map(|kind| self.answered(spec, kind));
@@ -83,8 +83,8 @@ impl Checks<'_> {
         numbered.map(|((job, expected), seq)| Transaction { seq, category: 0, job, expected }).collect()
     }
 
-    /// A file of transactions for each spec that the datapath has, `NAME.txt` in a folder: the first of those jobs, 10,000
-    /// at most.
+    /// A file of transactions for each spec that the datapath has, `NAME.txt` in a folder: the first of those jobs,
+    /// 10,000 at most.
     pub fn files(&self, folder: &Path) -> Vec<(PathBuf, String)> {
         let (model, first) = (self.datapath.model(), Checks { jobs: self.jobs.min(MOST_WRITTEN), ..*self });
         let file = |spec: &AnyOperationSpec| {
@@ -106,8 +106,8 @@ impl Checks<'_> {
         })
     }
 
-    /// Netlist, cycle-exact and functional model side by side: jobs of all operations, bubbles and stalls. `on_job` is told
-    /// how many have left, and says whether to go on.
+    /// Netlist, cycle-exact and functional model side by side: jobs of all operations, bubbles and stalls. `on_job` is
+    /// told how many have left, and says whether to go on.
     ///
     /// # Errors
     /// A netlist that cannot be compiled.

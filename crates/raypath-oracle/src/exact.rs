@@ -4,8 +4,8 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use raypath_ops::{Binary32, Num, Vec3};
 
-/// A number's place among all numbers: less where the number is less, equal where it is equal, so that both zeros are 0.
-/// None for a NaN.
+/// A number's place among all numbers: less where the number is less, equal where it is equal, so that both zeros are
+/// 0. None for a NaN.
 pub fn order(number: Num<Binary32>) -> Option<i64> {
     let bits = i64::from(number.to_bits());
     let magnitude = bits & 0x7fff_ffff;

@@ -1,8 +1,8 @@
 //! Random jobs of any datapath, by the specifications of its operations.
 
 use crate::AnyOperationSpec;
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_model::{Model, OnPorts};
 use raypath_ops::{JobKind, PortValue};
 use raypath_rtl::Config;
@@ -10,8 +10,8 @@ use raypath_sim::jobs::{any_job, random};
 use raypath_sim::models::{PaperModel, Visitor, with_model};
 use raypath_sim::{AnyKind, Datapath, Words};
 
-/// An endless stream of jobs for any datapath: the paper's operations as [`random`](fn@random) has them, those of `specs` as they
-/// say themselves, and of ports that are neither's any value. `kinds` must not be empty.
+/// An endless stream of jobs for any datapath: the paper's operations as [`random`](fn@random) has them, those of
+/// `specs` as they say themselves, and of ports that are neither's any value. `kinds` must not be empty.
 pub fn jobs(
     datapath: &Datapath,
     specs: &[AnyOperationSpec],

@@ -14,9 +14,9 @@ pub struct Place {
     pub index: u32,
 }
 
-/// Places must be sorted (nearer first, hits before misses, then by index), have each box once, and +∞ for a miss. Boxes
-/// that the ray hits by more than the bound must be hit, those that it misses by more must be missed, and the distance of
-/// a hit must be within the bound. `of` answers what is exact about a box; nothing, where no bound holds.
+/// Places must be sorted (nearer first, hits before misses, then by index), have each box once, and +∞ for a miss.
+/// Boxes that the ray hits by more than the bound must be hit, those that it misses by more must be missed, and the
+/// distance of a hit must be within the bound. `of` answers what is exact about a box; nothing, where no bound holds.
 ///
 /// # Errors
 /// The first box about which the answer is wrong, or the places if they are out of order.

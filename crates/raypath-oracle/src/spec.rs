@@ -1,6 +1,6 @@
 //! An operation, and what is needed to spec it: which jobs are worth running, and what their answers should be.
 
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_float::Format;
 use raypath_model::Model;
 use raypath_ops::{Binary32, Operation, from_words, to_words};
@@ -76,9 +76,9 @@ impl<O: Operation + Send + Sync + 'static> OperationSpec<O> {
         self
     }
 
-    /// Whom answers are held against; `name` says it in a few words. `check` says what is wrong with an answer, by other
-    /// means than the operation's own. It is told jobs in order, so that it may keep sums: it is cloned as it is here
-    /// where the datapath begins anew.
+    /// Whom answers are held against; `name` says it in a few words. `check` says what is wrong with an answer, by
+    /// other means than the operation's own. It is told jobs in order, so that it may keep sums: it is cloned as it is
+    /// here where the datapath begins anew.
     pub fn oracle(
         mut self,
         name: &'static str,

@@ -3,7 +3,7 @@
 
 use fearless_simd::Simd;
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_float::Format;
 use raypath_model::{BLOCK, Lanes, Packed, Part, Soft, SoftNumber};
 use raypath_ops::{Binary32, Bit, Concrete, Family, Gather, Num, Operation, Scatter, Word};

@@ -60,8 +60,8 @@ fn what_cannot_be_had_is_refused() {
     assert!(error.to_string().contains("expected the rules paper"), "{error}");
 }
 
-/// Ports that are not there are neither asked for nor shown: an oracle sees all others in their places, and a tag is any
-/// word.
+/// Ports that are not there are neither asked for nor shown: an oracle sees all others in their places, and a tag is
+/// any word.
 #[test]
 fn oracles_see_ports_in_their_places() {
     let extended = RayTriangleExtended {

@@ -8,7 +8,7 @@ use raypath_oracle::{draw, exact};
 
 #[test]
 fn encoding_encloses_and_is_tight() {
-    let mut rng = rand_chacha::ChaCha8Rng::from_seed([7; 32]);
+    let mut rng = rand::rngs::ChaCha8Rng::from_seed([7; 32]);
     for round in 0..5000 {
         let spread = [0..1, -3..4, -60..60, -149..127][round % 4].clone();
         let count = rng.random_range(1..=4);

@@ -4,8 +4,8 @@ mod common;
 
 use common::meshes::{self, Named};
 use common::patches::Patches;
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use raypath_ops::{Binary32, Ray};
 use raypath_render::{Mesh, Scene, Tracing, builtin, trace_closest};

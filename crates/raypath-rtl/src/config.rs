@@ -1,7 +1,7 @@
 //! The configuration of a datapath: what it computes ([`Semantics`]) and how it is built ([`Microarchitecture`]).
 //!
-//! Each parameter is declared once, in one of the three `declare_parameters!` blocks. The struct's field, its default, the
-//! command-line flag, the TOML key, the help text and the table in the documents follow from the declaration
+//! Each parameter is declared once, in one of the three `declare_parameters!` blocks. The struct's field, its default,
+//! the command-line flag, the TOML key, the help text and the table in the documents follow from the declaration
 //! ([`Parameter`]).
 
 mod choice;

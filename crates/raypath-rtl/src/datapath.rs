@@ -90,13 +90,14 @@ impl Operations {
         }
     }
 
-    /// Adds an operation under an opcode of its own, below [`MOST_OPERATIONS`]; the port is as wide as the largest needs.
+    /// Adds an operation under an opcode of its own, below [`MOST_OPERATIONS`]; the port is as wide as the largest
+    /// needs.
     ///
     /// # Errors
     /// An operation that does not fit the pipeline: a stage that is not there, a value that is read before it is made,
     /// state that is read elsewhere than its next value is made; stages that are marked beside
-    /// [`auto`](raypath_ops::Circuit::auto), or a chain of units that is too long for it; an opcode that is taken or too
-    /// large; a name that is taken or no identifier; a port that another has otherwise, or that it has twice.
+    /// [`auto`](raypath_ops::Circuit::auto), or a chain of units that is too long for it; an opcode that is taken or
+    /// too large; a name that is taken or no identifier; a port that another has otherwise, or that it has twice.
     pub fn with<O: Operation>(mut self, operation: &O, opcode: u64) -> Result<Self, Error> {
         let inputs = those(ports_of::<O::Input<Binary32>>(), &|port| operation.has_input(port));
         let outputs = those(ports_of::<O::Output<Binary32>>(), &|port| operation.has_output(port));
@@ -111,7 +112,8 @@ impl Operations {
         self
     }
 
-    /// Has every operation take a word of `width` bits along, from the port `tag_i` to the port `tag_o`, unchanged: 1 to
+    /// Has every operation take a word of `width` bits along, from the port `tag_i` to the port `tag_o`, unchanged: 1
+    /// to
     /// [`Features::MAX_TAG_WIDTH`]; 0 for none.
     pub fn tag(mut self, width: u32) -> Self {
         self.tag = width;
@@ -140,9 +142,9 @@ impl Operations {
         self
     }
 
-    /// Its opcode, its name and its ports are the operation's. Ports of one name are one port, which an operation must not
-    /// have twice. Outputs must be as wide as each other; of an input that is a word or flags, an operation may read the
-    /// lowest bits alone.
+    /// Its opcode, its name and its ports are the operation's. Ports of one name are one port, which an operation must
+    /// not have twice. Outputs must be as wide as each other; of an input that is a word or flags, an operation may
+    /// read the lowest bits alone.
     fn claim(
         &mut self,
         operation: &'static str,
@@ -260,9 +262,9 @@ impl Datapath {
     /// Elaborates any set of operations, built as by default.
     ///
     /// # Errors
-    /// More units in a stage than the budget allows; operations that use the units of a stage in orders that make a loop,
-    /// or whose names cannot be printed; an automatic schedule that reads state elsewhere than its next value is made; a
-    /// value that nothing brings to where it is read; a tag that is too wide, or whose port an operation has.
+    /// More units in a stage than the budget allows; operations that use the units of a stage in orders that make a
+    /// loop, or whose names cannot be printed; an automatic schedule that reads state elsewhere than its next value is
+    /// made; a value that nothing brings to where it is read; a tag that is too wide, or whose port an operation has.
     pub fn of(operations: Operations) -> Result<Self, Error> {
         Self::build(operations, Microarchitecture::DEFAULT)
     }

@@ -164,8 +164,8 @@ impl Traced {
         if self.is_auto { schedule::check(self) } else { Ok(()) }
     }
 
-    /// Leaves a constant where a value is not made, so that none takes a unit, a step or a state's time. Values keep their
-    /// numbers: names of others have them.
+    /// Leaves a constant where a value is not made, so that none takes a unit, a step or a state's time. Values keep
+    /// their numbers: names of others have them.
     pub fn forget_unread(&mut self) {
         let live = self.live();
         for (node, is_live) in self.nodes.iter_mut().zip(live) {
@@ -175,8 +175,8 @@ impl Traced {
         }
     }
 
-    /// Adds an output `exception_flags`: what any sum or product raises. The stages must be known: each adds what its units
-    /// raise, so that one word crosses the registers.
+    /// Adds an output `exception_flags`: what any sum or product raises. The stages must be known: each adds what its
+    /// units raise, so that one word crosses the registers.
     pub fn add_exception_flags(&mut self) -> Result<(), Error> {
         let port = self.new_port("exception_flags")?;
         let kind = Kind::Word(flags::COUNT);
@@ -245,7 +245,8 @@ impl Traced {
         }
     }
 
-    /// Assertions speak of a state's next value, or of what resets it to zero and what it is otherwise: these need names.
+    /// Assertions speak of a state's next value, or of what resets it to zero and what it is otherwise: these need
+    /// names.
     fn name_states(&mut self) {
         for number in 0..self.states.len() {
             let next = self.states[number].next;
@@ -344,8 +345,8 @@ impl Traced {
         matches!(self.node(id).op, Op::State(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_))
     }
 
-    /// Whether it may be made in any stage that has its operand. State is at hand in one stage only; a test of a constant
-    /// is a constant and never gets here.
+    /// Whether it may be made in any stage that has its operand. State is at hand in one stage only; a test of a
+    /// constant is a constant and never gets here.
     pub fn floats(&self, id: NodeId) -> bool {
         matches!(self.node(id).op, Op::Test(_, operand) if !matches!(self.node(operand).op, Op::State(_)))
     }

@@ -12,8 +12,8 @@ pub struct Work {
     pub carried: Vec<NodeId>,
 }
 
-/// The work of steps 0 to `last`, by going backwards from the outputs: a value is carried from the step that makes it to
-/// the last that reads it, and nowhere else; what nobody reads is not made.
+/// The work of steps 0 to `last`, by going backwards from the outputs: a value is carried from the step that makes it
+/// to the last that reads it, and nowhere else; what nobody reads is not made.
 pub fn work(traced: &Traced, last: u32) -> Vec<Work> {
     let mut steps = vec![Work::default(); last as usize + 1];
     let mut wanted: BTreeSet<NodeId> = traced.outputs.iter().map(|output| output.node).collect();

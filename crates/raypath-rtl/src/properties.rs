@@ -1,7 +1,7 @@
 //! What the pipeline's control promises, as SystemVerilog that checks it: checkers, and where each of them is bound.
 //!
-//! The checkers are clocked processes with immediate assertions, which simulators and Yosys read alike, so that the text
-//! that users bind is the text that is proved.
+//! The checkers are clocked processes with immediate assertions, which simulators and Yosys read alike, so that the
+//! text that users bind is the text that is proved.
 
 use crate::config::Control;
 use crate::graph::Traced;

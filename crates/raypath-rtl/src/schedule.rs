@@ -42,8 +42,8 @@ pub fn check(traced: &Traced) -> Result<(), Error> {
 /// What schedules are made for.
 #[derive(Debug, Clone, Copy)]
 pub struct Target {
-    /// The units that each operation may use. Without a budget, an operation uses those that others of the set have, and
-    /// as few more as possible.
+    /// The units that each operation may use. Without a budget, an operation uses those that others of the set have,
+    /// and as few more as possible.
     pub budget: Option<Budget>,
     /// Bits of a number in a register.
     pub number_width: u32,

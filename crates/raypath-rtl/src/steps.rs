@@ -31,8 +31,8 @@ impl fmt::Display for Step {
     }
 }
 
-/// Rewrites operations so that their values stand in steps, and gives the steps, the input's registers first. Adders and
-/// multipliers take `latency` steps, at least 1.
+/// Rewrites operations so that their values stand in steps, and gives the steps, the input's registers first. Adders
+/// and multipliers take `latency` steps, at least 1.
 pub fn expand(operations: &[Traced], latency: u32) -> (Vec<Traced>, Vec<Step>) {
     let times: Vec<Vec<Time>> = operations.iter().map(|traced| times(traced, latency)).collect();
     let mut steps = vec![Step { stage: 0, part: 1, parts: 1 }];

@@ -3,8 +3,8 @@
 use raypath_rtl::{Config, Lanes, parameters};
 use std::collections::BTreeSet;
 
-/// Every text that a parameter announces is accepted, selects another configuration than the parameter's other texts, and
-/// is shown again.
+/// Every text that a parameter announces is accepted, selects another configuration than the parameter's other texts,
+/// and is shown again.
 #[test]
 fn every_value_is_accepted_and_shown() {
     for parameter in parameters() {

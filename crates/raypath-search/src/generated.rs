@@ -1,8 +1,8 @@
 use crate::error::SearchError;
 use crate::files::Dataset;
 use crate::vectors::{MAX_DIMENSIONS, Vectors};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// A generator of random vectors in clusters. Base and queries come from the same clusters.

@@ -1,8 +1,8 @@
 //! Distances: the functional model against independent arithmetic, and searches against the functional model.
 
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
 use raypath_model::levels;
 use raypath_search::{Datapath, Exact, Metric, SearchError, Vectors, cosine_distance, euclidean_distance};
 use std::sync::atomic::{AtomicU64, Ordering};

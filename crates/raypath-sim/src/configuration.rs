@@ -71,8 +71,8 @@ fn keys() -> String {
 /// ```
 ///
 /// # Errors
-/// A file that cannot be read, is larger than 64 KiB or is no TOML, a key that is no parameter, a value that its parameter
-/// does not have.
+/// A file that cannot be read, is larger than 64 KiB or is no TOML, a key that is no parameter, a value that its
+/// parameter does not have.
 pub fn read(path: &Path) -> Result<Config, ConfigurationError> {
     parse(&text(path)?, path)
 }

@@ -119,9 +119,9 @@ impl Datapath {
     /// The netlist.
     ///
     /// # Errors
-    /// An operation that does not fit: an opcode or a name that is taken, a stage that is not there, a value that is read
-    /// before it is made, more units in a stage than the budget allows, a chain that is too long for the latency; two
-    /// operations whose shared units would feed each other.
+    /// An operation that does not fit: an opcode or a name that is taken, a stage that is not there, a value that is
+    /// read before it is made, more units in a stage than the budget allows, a chain that is too long for the latency;
+    /// two operations whose shared units would feed each other.
     pub fn elaborate(&self) -> Result<rtl::Datapath, Error> {
         self.config.check()?;
         let Semantics { format, features: Features { tag, exception_flags, .. }, .. } = self.config.semantics;

@@ -1,5 +1,5 @@
-//! Stimuli for an open-loop simulation: a model of the pipeline says beforehand when each job will be accepted, and what
-//! every port must show in every cycle.
+//! Stimuli for an open-loop simulation: a model of the pipeline says beforehand when each job will be accepted, and
+//! what every port must show in every cycle.
 
 use crate::engine::PortEncoding;
 use crate::traffic::{self, Traffic};

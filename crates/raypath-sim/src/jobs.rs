@@ -3,18 +3,18 @@
 use crate::model::{AnyKind, AnyModel, Words};
 use crate::models::PaperModel;
 use crate::numbers::edges;
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_float::Format;
 use raypath_model::Model;
 use raypath_ops::{Aabb, Job, JobKind, Port, PortKind, Ray, RayBoxInput, RayTriangleInput, Triangle};
 use std::collections::HashMap;
 
-/// An endless stream of jobs of these kinds for a model whose numbers have this format, reproducible by `seed`. Of rays,
-/// three in four are from a scene of any size, now and then on a grid, rounded into the format; in half of these a few
-/// numbers give way to NaN, to numbers from the format's edges (zeros, subnormals, infinities), and to other numbers of the
-/// job, so that differences are zero. Other jobs have small whole numbers, or numbers from the edges and raw bits among
-/// ordinary ones. `kinds` must not be empty.
+/// An endless stream of jobs of these kinds for a model whose numbers have this format, reproducible by `seed`. Of
+/// rays, three in four are from a scene of any size, now and then on a grid, rounded into the format; in half of these
+/// a few numbers give way to NaN, to numbers from the format's edges (zeros, subnormals, infinities), and to other
+/// numbers of the job, so that differences are zero. Other jobs have small whole numbers, or numbers from the edges and
+/// raw bits among ordinary ones. `kinds` must not be empty.
 pub fn random<M: PaperModel>(
     model: &M,
     format: Format,
@@ -79,8 +79,9 @@ impl<M: PaperModel> Generator<M> {
         }
     }
 
-    /// A ray aimed at one of the boxes, or at a place in or near the triangle; some scenes are very small or very large.
-    /// On a grid rays run along axes, in faces and through corners: zeros of both signs, ties, zero times infinity.
+    /// A ray aimed at one of the boxes, or at a place in or near the triangle; some scenes are very small or very
+    /// large. On a grid rays run along axes, in faces and through corners: zeros of both signs, ties, zero times
+    /// infinity.
     fn scene(&mut self, kind: JobKind) -> Job {
         let size = if self.rng.random_bool(0.2) { self.rng.random_range(-70.0f32..60.0).round().exp2() } else { 1.0 };
         let grid = self.rng.random_bool(0.25).then_some(0.5 * size);
@@ -148,8 +149,8 @@ impl<M: PaperModel> Generator<M> {
         self.model.job(job.kind(), |name| ports.get(name).copied().unwrap_or(0))
     }
 
-    /// A job whose ports are drawn one by one; in one of four many of its numbers are at the edges, in one most are small
-    /// whole numbers, of which many are equal.
+    /// A job whose ports are drawn one by one; in one of four many of its numbers are at the edges, in one most are
+    /// small whole numbers, of which many are equal.
     fn ports(&mut self, kind: JobKind) -> M::Job {
         let (edges, are_whole) = [(0.5, false), (0.05, false), (0.01, false), (0.1, true)][self.rng.random_range(0..4)];
         let model = self.model.clone();

@@ -1,8 +1,10 @@
 //! Simulation of a ray-tracer datapath of any operations.
 //!
 //! A [`Datapath`] is a set of operations and a configuration; from it follow its netlist, its functional model and its
-//! cycle-exact model. An [`engine`] carries jobs through any of the three, under [`traffic`] with bubbles and stalls, and
-//! [`lockstep`] compares them in every cycle. Jobs with their answers are read from and written to [`transactions`] files.
+//! cycle-exact model. An [`engine`] carries jobs through any of the three, under [`traffic`] with bubbles and stalls,
+//! and
+//! [`lockstep`] compares them in every cycle. Jobs with their answers are read from and written to [`transactions`]
+//! files.
 //!
 //! ```
 //! use raypath_ops::{RayBox, RayTriangle, Rules};
@@ -32,6 +34,7 @@ mod model;
 pub mod models;
 pub mod numbers;
 mod operation;
+pub mod random;
 pub mod traffic;
 pub mod transactions;
 

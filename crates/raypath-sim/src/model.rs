@@ -108,8 +108,8 @@ impl AnyModel {
         Some(self.job_of_words(kind, &words))
     }
 
-    /// An outcome as the operation's output; ports that are not there are 0. `None` where it is another operation's, or not
-    /// in binary32.
+    /// An outcome as the operation's output; ports that are not there are 0. `None` where it is another operation's, or
+    /// not in binary32.
     pub fn output_of<O: Operation>(&self, outcome: &Words) -> Option<O::Output<Binary32>> {
         let known =
             self.of(outcome.kind).filter(|_| outcome.kind.name == O::NAME && self.format == Format::BINARY32)?;

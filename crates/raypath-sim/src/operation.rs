@@ -23,8 +23,9 @@ pub trait AnyOperation: Send + Sync {
     /// Whether an output port is there: [`Operation::has_output`].
     fn has_output(&self, port: &str) -> bool;
 
-    /// Answers a job, given on all inputs, in numbers of `format`, on all outputs, there or not. `state` is what the job before left, empty at
-    /// first; this leaves another. In binary32 `raised` gets the exceptions of additions and multiplications.
+    /// Answers a job, given on all inputs, in numbers of `format`, on all outputs, there or not. `state` is what the
+    /// job before left, empty at first; this leaves another. In binary32 `raised` gets the exceptions of additions and
+    /// multiplications.
     fn answer(&self, format: Format, job: &[u64], state: &mut Vec<u64>, raised: Option<&Cell<u64>>) -> Vec<u64>;
 
     /// Adds it to the operations of a datapath.

@@ -1,13 +1,14 @@
 //! When the source offers and the sink takes, and in which order jobs of different modes come.
 
-mod habit;
+mod handshake;
 mod recorded;
 
 pub use recorded::{RecordedError, read_recorded, recorded_text};
 
-use habit::{Habit, Mood};
+use crate::random::CloneableRng;
+use handshake::{ActivityPhase, HandshakePattern};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, VecDeque};
 
 /// What happens around the datapath in one cycle.
@@ -32,25 +33,25 @@ pub struct Traffic {
 #[derive(Debug, Clone)]
 enum Pattern {
     Always,
-    Moods(Moods),
+    Phases(Phases),
     Eventful(Eventful),
     Recorded(VecDeque<Cycle>),
 }
 
 /// Source and sink change their minds: for some cycles each is eager, hesitant, rare, or does nothing at all.
 #[derive(Debug, Clone)]
-struct Moods {
-    rng: ChaCha8Rng,
-    source: Mood,
-    sink: Mood,
+struct Phases {
+    rng: CloneableRng,
+    source: ActivityPhase,
+    sink: ActivityPhase,
 }
 
-/// A habit of the source and one of the sink, with resets and withdrawn jobs; for so many cycles.
+/// A handshake pattern of the source and one of the sink, with resets and withdrawn jobs; for so many cycles.
 #[derive(Debug, Clone)]
 struct Eventful {
-    rng: ChaCha8Rng,
-    source: Habit,
-    sink: Habit,
+    rng: CloneableRng,
+    source: HandshakePattern,
+    sink: HandshakePattern,
     resets: f64,
     withdraws: f64,
     cycles_left: u32,
@@ -69,18 +70,30 @@ impl Traffic {
 
     /// Bubbles and stalls, reproducible by `seed`.
     pub fn random(seed: u64) -> Self {
-        let rng = ChaCha8Rng::seed_from_u64(seed);
-        Self { pattern: Pattern::Moods(Moods { rng, source: Mood::default(), sink: Mood::default() }) }
+        let rng = CloneableRng(ChaCha8Rng::seed_from_u64(seed));
+        Self {
+            pattern: Pattern::Phases(Phases { rng, source: ActivityPhase::default(), sink: ActivityPhase::default() }),
+        }
     }
 
-    /// For so many cycles everything that may happen: source and sink each have a habit (always, seldom, bursts, long
-    /// stalls, moods), in most seeds there are resets at any moment, and in many the source withdraws jobs. Then always.
+    /// For so many cycles everything that may happen: source and sink each have a handshake pattern (always, seldom, bursts, long
+    /// stalls, phases), in most seeds there are resets at any moment, and in many the source withdraws jobs. Then
+    /// always.
     pub fn eventful(seed: u64, cycles: u32) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let (source, sink) = (Habit::random(&mut rng), Habit::random(&mut rng));
+        let (source, sink) = (HandshakePattern::random(&mut rng), HandshakePattern::random(&mut rng));
         let mut one_of = |chances: [f64; 4]| chances[rng.random_range(0..chances.len())];
         let (resets, withdraws) = (one_of([0.0, 0.003, 0.01, 0.03]), one_of([0.0, 0.0, 0.02, 0.2]));
-        Self { pattern: Pattern::Eventful(Eventful { rng, source, sink, resets, withdraws, cycles_left: cycles }) }
+        Self {
+            pattern: Pattern::Eventful(Eventful {
+                rng: CloneableRng(rng),
+                source,
+                sink,
+                resets,
+                withdraws,
+                cycles_left: cycles,
+            }),
+        }
     }
 
     /// These cycles, then always.
@@ -92,8 +105,8 @@ impl Traffic {
     pub fn next_cycle(&mut self) -> Cycle {
         match &mut self.pattern {
             Pattern::Always => Cycle::BOTH,
-            Pattern::Moods(Moods { rng, source, sink }) => {
-                Cycle { offers: source.acts(rng), takes: sink.acts(rng), ..Cycle::default() }
+            Pattern::Phases(Phases { rng, source, sink }) => {
+                Cycle { offers: source.acts(&mut rng.0), takes: sink.acts(&mut rng.0), ..Cycle::default() }
             }
             Pattern::Recorded(cycles) => cycles.pop_front().unwrap_or(Cycle::BOTH),
             Pattern::Eventful(Eventful { cycles_left: 0, .. }) => Cycle::BOTH,
@@ -105,7 +118,7 @@ impl Traffic {
 impl Eventful {
     fn next_cycle(&mut self) -> Cycle {
         self.cycles_left -= 1;
-        let rng = &mut self.rng;
+        let rng = &mut self.rng.0;
         Cycle {
             offers: self.source.acts(rng),
             takes: self.sink.acts(rng),

@@ -138,8 +138,8 @@ fn lacking(kind: &str) -> String {
     }
 }
 
-/// Reads a file, plain or gzip, with jobs of one kind for a configuration, whose model is `model`: `kind`, or that which
-/// the file's name begins with. Empty lines and lines that begin with `#` are passed over.
+/// Reads a file, plain or gzip, with jobs of one kind for a configuration, whose model is `model`: `kind`, or that
+/// which the file's name begins with. Empty lines and lines that begin with `#` are passed over.
 ///
 /// # Errors
 /// A file that cannot be read, a kind that the name does not tell or the model does not answer, lines that do not

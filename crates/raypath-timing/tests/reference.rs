@@ -3,8 +3,8 @@
 mod common;
 
 use common::{Echo, Script, Tag, echo};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_model::{Control, CycleModel, Functional, Loop, Shape};
 use raypath_ops::{Beat, Binary32, EuclideanInput, Job, JobKind, Outcome, Rules};
 use raypath_timing::{Action, Agent, Environment, Sink, simulate};

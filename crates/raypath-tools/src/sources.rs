@@ -39,8 +39,8 @@ impl Sources {
         Ok(Self { files, all: path, top: top.name().to_string() })
     }
 
-    /// Writes `text` to `path` and adds the file to [`Self::files`], not to [`Self::all`]: for assertions that are bound
-    /// to the modules.
+    /// Writes `text` to `path` and adds the file to [`Self::files`], not to [`Self::all`]: for assertions that are
+    /// bound to the modules.
     ///
     /// # Errors
     /// The file cannot be written.

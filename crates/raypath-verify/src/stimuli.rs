@@ -5,10 +5,11 @@ mod scenes;
 
 use crate::layout::{Field, Layout};
 use numbers::{NumberClass, Numbers};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_ops::JobKind;
 use raypath_rtl::Config;
+use raypath_sim::random::CloneableRng;
 use scenes::Scene;
 
 /// An endless stream of jobs for a configuration, reproducible by seed.
@@ -18,7 +19,7 @@ pub struct Stimuli<'l> {
     kinds: &'static [JobKind],
     lanes: usize,
     numbers: Numbers,
-    rng: ChaCha8Rng,
+    rng: CloneableRng,
     last: JobKind,
     /// The words of the last few jobs of each operation.
     recent: [Vec<Vec<u64>>; JobKind::ALL.len()],
@@ -34,7 +35,7 @@ impl<'l> Stimuli<'l> {
             kinds: config.kinds(),
             lanes: config.semantics.lanes.count(),
             numbers: Numbers::of(config.semantics.format),
-            rng: ChaCha8Rng::seed_from_u64(seed),
+            rng: CloneableRng(ChaCha8Rng::seed_from_u64(seed)),
             last: JobKind::Triangle,
             recent: Default::default(),
         }
@@ -43,8 +44,8 @@ impl<'l> Stimuli<'l> {
     /// Writes the next job to `words` and returns its operation. About half of the jobs have the operation of the job
     /// before, so that beats follow beats.
     pub fn next(&mut self, words: &mut Vec<u64>) -> JobKind {
-        if self.rng.random_bool(0.6) {
-            self.last = self.kinds[self.rng.random_range(0..self.kinds.len())];
+        if self.rng.0.random_bool(0.6) {
+            self.last = self.kinds[self.rng.0.random_range(0..self.kinds.len())];
         }
         let kind = self.last;
         self.next_of(kind, words);
@@ -57,20 +58,20 @@ impl<'l> Stimuli<'l> {
             JobKind::Triangle | JobKind::Quadbox => self.ray(kind, words),
             JobKind::Euclidean | JobKind::Angular => self.beat(kind, words),
         }
-        if self.rng.random_bool(0.2) {
+        if self.rng.0.random_bool(0.2) {
             self.recombine(kind, words);
         }
         let recent = &mut self.recent[kind as usize];
         if recent.len() < RECENT {
             recent.push(words.clone());
         } else {
-            recent[self.rng.random_range(0..RECENT)].clone_from(words);
+            recent[self.rng.0.random_range(0..RECENT)].clone_from(words);
         }
     }
 
     /// Writes a ray with boxes or a triangle.
     fn ray(&mut self, kind: JobKind, words: &mut Vec<u64>) {
-        let (layout, rng, numbers) = (self.layout, &mut self.rng, &self.numbers);
+        let (layout, rng, numbers) = (self.layout, &mut self.rng.0, &self.numbers);
         let scene = match rng.random_range(0..100) {
             0..45 => Some(Scene::lattice(rng)),
             45..65 => Some(Scene::typical(rng)),
@@ -93,7 +94,7 @@ impl<'l> Stimuli<'l> {
     /// Writes a beat. Masked lanes often hold numbers that would change the sum.
     fn beat(&mut self, kind: JobKind, words: &mut Vec<u64>) {
         let lanes = if kind == JobKind::Angular { self.lanes / 2 } else { self.lanes };
-        let (layout, rng, numbers) = (self.layout, &mut self.rng, &self.numbers);
+        let (layout, rng, numbers) = (self.layout, &mut self.rng.0, &self.numbers);
         let mask = mask(lanes, rng);
         let class = if rng.random_bool(0.4) { NumberClass::Lattice } else { NumberClass::random(rng) };
         let disturbed = if rng.random_bool(0.5) { 0.3 } else { 0.0 };
@@ -114,10 +115,10 @@ impl<'l> Stimuli<'l> {
         if recent.is_empty() {
             return;
         }
-        let other = &recent[self.rng.random_range(0..recent.len())];
-        let share = [0.05, 0.5, 0.95][self.rng.random_range(0..3)];
+        let other = &recent[self.rng.0.random_range(0..recent.len())];
+        let share = [0.05, 0.5, 0.95][self.rng.0.random_range(0..3)];
         for (word, other) in words.iter_mut().zip(other) {
-            if self.rng.random_bool(share) {
+            if self.rng.0.random_bool(share) {
                 *word = *other;
             }
         }

@@ -1,9 +1,9 @@
 //! An open hardware ray-tracer datapath, described once in Rust.
 //!
-//! From one function for each operation ([`ops`]) come synthesizable SystemVerilog ([`rtl`]), a bit-exact functional model
-//! and a cycle-exact model ([`model`]). [`sim`] joins them: a datapath of any operations, engines that carry jobs
-//! through netlist and models, traffic with bubbles and stalls, and transaction files. [`oracle`] has what the test of an
-//! operation needs.
+//! From one function for each operation ([`ops`]) come synthesizable SystemVerilog ([`rtl`]), a bit-exact functional
+//! model and a cycle-exact model ([`model`]). [`sim`] joins them: a datapath of any operations, engines that carry jobs
+//! through netlist and models, traffic with bubbles and stalls, and transaction files. [`oracle`] has what the test of
+//! an operation needs.
 //!
 //! ```
 //! use raypath::ops::{Aabb, Job, Outcome, Ray, RayBoxInput, Rules};

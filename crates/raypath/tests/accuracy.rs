@@ -1,4 +1,5 @@
-//! The accuracy of formats: errors counted by hand, bounds on rounding errors, and changes that must not affect results.
+//! The accuracy of formats: errors counted by hand, bounds on rounding errors, and changes that must not affect
+//! results.
 
 use raypath::float::Format;
 use raypath::ops::Rules;

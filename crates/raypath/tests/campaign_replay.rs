@@ -39,8 +39,8 @@ fn raypath(arguments: &[String], more: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8_lossy(&text).into_owned())
 }
 
-/// Wrong outcomes: the failure of a netlist with other rules shrinks to at most three jobs. `replay` finds them wrong on
-/// that netlist, and right on the right one.
+/// Wrong outcomes: the failure of a netlist with other rules shrinks to at most three jobs. `replay` finds them wrong
+/// on that netlist, and right on the right one.
 #[test]
 fn wrong_answers_shrink_to_files_that_replay() {
     let chisel = Config::DEFAULT.rules(raypath::ops::Rules::Chisel);

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-/// What `cargo package` demands of each crate that is published: its dependencies in the workspace have a version and are
-/// published too, and it has a description and a licence. Dev-dependencies in the workspace have no version: Cargo leaves
-/// those out of a package, where they would form cycles.
+/// What `cargo package` demands of each crate that is published: its dependencies in the workspace have a version and
+/// are published too, and it has a description and a licence. Dev-dependencies in the workspace have no version: Cargo
+/// leaves those out of a package, where they would form cycles.
 #[test]
 fn crates_can_be_packaged() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

@@ -5,8 +5,8 @@ use raypath_verify::record::{Record, root, table};
 use std::fs;
 use std::process::Command;
 
-/// The table of `docs/development/verification.md` is the one that follows from `docs/records`: a result whose subject has
-/// changed is stale there.
+/// The table of `docs/development/verification.md` is the one that follows from `docs/records`: a result whose subject
+/// has changed is stale there.
 #[test]
 fn the_table_of_results_follows_from_the_records() {
     let root = root();

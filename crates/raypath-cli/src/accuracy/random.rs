@@ -1,8 +1,8 @@
 //! Random jobs: rays aimed at boxes and triangles near the origin, and vectors.
 
 use super::host::{HostJob, HostRay, Point, unit};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// The dimensions of vectors: several beats, so that accumulation is measured too.
 pub const DIMENSIONS: usize = 64;

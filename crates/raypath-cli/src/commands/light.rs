@@ -16,7 +16,8 @@ pub enum Command {
     Replay(Ignored),
     /// Run recorded transactions through the netlist and write a waveform (FST) (feature `full`)
     Wave(Ignored),
-    /// Measure the error of a number format: hits and distances against binary64, on random jobs and a scene (feature `full`)
+    /// Measure the error of a number format: hits and distances against binary64, on random jobs and a scene (feature
+    /// `full`)
     Accuracy(Ignored),
     /// Measure area and timing in a cell library, stage by stage, with Yosys and OpenSTA (feature `full`)
     Ppa(Ignored),

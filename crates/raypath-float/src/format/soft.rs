@@ -1,8 +1,8 @@
 //! Arithmetic on codes: exact in integers, then one rounding.
 //!
 //! Every operation takes its operands apart into [`Value`]s, computes with those exactly, and puts the result together
-//! with [`Format::code`], which is the only place that rounds. The hardware's units go other ways to the same bits; this
-//! is what they are compared with.
+//! with [`Format::code`], which is the only place that rounds. The hardware's units go other ways to the same bits;
+//! this is what they are compared with.
 //!
 //! Tests: `tests/host.rs` (the host's `f32`), `tests/exhaustive.rs` (all operands, by search among all numbers),
 //! `tests/apfloat.rs` (LLVM's soft float).

@@ -4,10 +4,10 @@
 //! guard, round and sticky bit, one adder that also subtracts and rounds, and a normalising shift left. A sum below the
 //! normal range is exact, so that it needs nothing of its own.
 //!
-//! The adder finds its carries first. With the bits that a carry into the last place would reach, they serve the sum and
-//! the sum plus one alike, and which of the two is right (rounding up, or the second half of a complement) need not be
-//! known before the leading bits are. Nothing is left to round behind the normalising shift: what it moves by more than
-//! one place is exact.
+//! The adder finds its carries first. With the bits that a carry into the last place would reach, they serve the sum
+//! and the sum plus one alike, and which of the two is right (rounding up, or the second half of a complement) need not
+//! be known before the leading bits are. Nothing is left to round behind the normalising shift: what it moves by more
+//! than one place is exact.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all operands, exact sums), `binary32.rs` (the host's `f32`),
 //! `other_formats.rs` (exact sums), `verilator.rs`; in all of them whole and in parts.

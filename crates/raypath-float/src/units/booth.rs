@@ -12,8 +12,8 @@ pub(crate) fn triple_above(multiplicand: Wire<'_>) -> Wire<'_> {
     multiplicand.upper(width - 1).extend(width + 1) + multiplicand.extend(width + 1)
 }
 
-/// Rows whose sum is `multiplicand * multiplier`, modulo 2 to the number of `columns`, at least as many as both have bits
-/// together. They are in the order of their lowest columns. `triple` is three times the multiplicand.
+/// Rows whose sum is `multiplicand * multiplier`, modulo 2 to the number of `columns`, at least as many as both have
+/// bits together. They are in the order of their lowest columns. `triple` is three times the multiplicand.
 pub(crate) fn rows<'m>(multiplicand: Wire<'m>, triple: Wire<'m>, multiplier: Wire<'m>, columns: u32) -> Vec<Row<'m>> {
     let m = multiplicand.builder();
     let digits = multiplier.width() / 3 + 1;

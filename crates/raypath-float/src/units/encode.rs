@@ -1,8 +1,8 @@
 //! IEEE 754's layout to the recoded format.
 //!
-//! Hardware: a normalising shift for subnormal fractions, which the hidden bit of a normal number stops before it begins,
-//! and one adder that gives the exponent its new bias. IEEE's infinity becomes the recoded infinity by that addition
-//! alone.
+//! Hardware: a normalising shift for subnormal fractions, which the hidden bit of a normal number stops before it
+//! begins, and one adder that gives the exponent its new bias. IEEE's infinity becomes the recoded infinity by that
+//! addition alone.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all numbers, by the format's definition), `binary32.rs`, `verilator.rs`.
 
@@ -30,7 +30,8 @@ pub fn encode(format: Format) -> Result<Arc<Module>, Error> {
     let zero = (!normalised.word.upper(2).any()).named("zero");
 
     m.section("Change the bias");
-    // Minus the leading zeros is their complement plus one; the smallest normal numbers' biased exponent is not 0 but 1.
+    // Minus the leading zeros is their complement plus one; the smallest normal numbers' biased exponent is not 0 but
+    // 1.
     let complement = !leading_zeros.extend(e + 1) & subnormal.replicate(e + 1);
     let step = (biased.extend(e + 1) | complement).named("step");
     let two_if_subnormal = m.concat(&[zeros(e - 1), subnormal, zeros(1)]);

@@ -1,5 +1,5 @@
-//! An adder whose carries go ahead in groups of three columns: between a ripple of full adders and a prefix tree in area
-//! as in time. What synthesis makes of `+` is smaller or faster, but not both.
+//! An adder whose carries go ahead in groups of three columns: between a ripple of full adders and a prefix tree in
+//! area as in time. What synthesis makes of `+` is smaller or faster, but not both.
 
 use raypath_hdl::Wire;
 

@@ -2,11 +2,11 @@
 //!
 //! Hardware: an adder for the exponents; for the significands nine multiples of the multiplicand, one for three bits of
 //! the multiplier (`booth.rs`), full adders that make two rows of them (`compress.rs`) and an adder whose carries go
-//! ahead (`lookahead.rs`); then rounding. The bits that the result loses are marked by a mask, in which the exponent sum
-//! alone sets the bits that are lost below the normal range; it is ready before the product is. What is below half of a
-//! last place is filled with ones, so that adding one rounds up, and the mask cuts the rest away, the last place itself
-//! too on a tie. Only then the result is normalised, by one place. Where operands or exponents settle the result, its
-//! class takes the exponent's place and the mask loses everything.
+//! ahead (`lookahead.rs`); then rounding. The bits that the result loses are marked by a mask, in which the exponent
+//! sum alone sets the bits that are lost below the normal range; it is ready before the product is. What is below half
+//! of a last place is filled with ones, so that adding one rounds up, and the mask cuts the rest away, the last place
+//! itself too on a tie. Only then the result is normalised, by one place. Where operands or exponents settle the
+//! result, its class takes the exponent's place and the mask loses everything.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all operands, exact products), `binary32.rs` (the host's `f32`),
 //! `other_formats.rs` (exact products), `verilator.rs`; in all of them whole and in parts.
@@ -149,7 +149,8 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
         let [invalid, ordinary] = ["invalid", "ordinary"].map(|stem| parts.along(stem).unwrap_or(zero));
         let overflow = (ordinary & result_exponent.upper(2).all()).named("overflow");
         let inexact = (overflow | (ordinary & ((word & lost).any() | sticky))).named("inexact");
-        // Below the normal range before it is rounded: by one place, which a product of 2 or more makes up for, or further.
+        // Below the normal range before it is rounded: by one place, which a product of 2 or more makes up for, or
+        // further.
         let tiny = (subnormal.bit(0) & (!carried | subnormal.bit(1))).named("tiny");
         let underflow = (inexact & tiny & !overflow).named("underflow");
         flags::output(m, [Some(invalid), Some(overflow), Some(underflow), Some(inexact)]);

@@ -1,7 +1,7 @@
 //! Operands that make sums, products and comparisons hard, in any format.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_float::Format;
 use std::ops::Range;
 

@@ -33,8 +33,8 @@ pub struct Function {
 }
 
 impl Program {
-    /// Adds the gates that `kept` depends on. Places from `first` on are free for them. Says where what is kept is until
-    /// the next evaluation, and after which place all are free.
+    /// Adds the gates that `kept` depends on. Places from `first` on are free for them. Says where what is kept is
+    /// until the next evaluation, and after which place all are free.
     pub fn add(&mut self, network: &Network, functions: &[Function], kept: &[Bit], first: u32) -> (Vec<u32>, u32) {
         let Schedule { gates, order } = Schedule::new(network, kept);
         let last_readers = last_readers(network, &gates, &order, kept);

@@ -133,8 +133,8 @@ fn add_register(module: &Module, blocks: &mut Vec<Entry<'_>>, register: usize) {
 }
 
 /// Whether a case may join a block: selector and labels are the same, and neither it depends on a case of the block nor
-/// one of them on it, as far as this module shows; that would look like a combinational loop to tools that see the block
-/// as a whole.
+/// one of them on it, as far as this module shows; that would look like a combinational loop to tools that see the
+/// block as a whole.
 fn belongs(module: &Module, operands: &[Vec<SignalId>], group: &[SignalId], new: SignalId) -> bool {
     alternatives(module, group[0]) == alternatives(module, new)
         && !reaches(module, operands, &[new], group)

@@ -65,8 +65,8 @@ impl Text {
     }
 }
 
-/// One `case` that drives all `targets`, which share a selector and labels. It is not `unique`: with a default that says
-/// nothing, and slang reports it.
+/// One `case` that drives all `targets`, which share a selector and labels. It is not `unique`: with a default that
+/// says nothing, and slang reports it.
 fn cases(plan: &Plan<'_>, targets: &[(&str, SignalId)]) -> Vec<String> {
     let alternatives = |id: SignalId| match &plan.module().signal(id).driver {
         Driver::Case { selector, arms, default } => Some((*selector, arms.as_slice(), *default)),

@@ -1,8 +1,9 @@
 //! A key against the separators of a B-tree's node (Barnes et al., "Extending GPU Ray-Tracing Units for Hierarchical
 //! Search Acceleration", MICRO 2024).
 //!
-//! Needs 36 comparators in stage 4, of which boxes have 24 there, and encoders for 37 numbers, of which the others have 32.
-//! Sorted separators answer the key like a thermometer: so the index comes out of choices alone, and nothing is counted.
+//! Needs 36 comparators in stage 4, of which boxes have 24 there, and encoders for 37 numbers, of which the others have
+//! 32. Sorted separators answer the key like a thermometer: so the index comes out of choices alone, and nothing is
+//!     counted.
 
 use crate::{Bit, Circuit, Num, Operation, Word, bundle};
 

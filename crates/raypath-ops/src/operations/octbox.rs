@@ -1,8 +1,8 @@
 //! A ray against eight boxes a job, as wide as RDNA 4's nodes (AMD, "RDNA4 Instruction Set Architecture",
 //! IMAGE_BVH8_INTERSECT_RAY).
 //!
-//! The slab method is that of the four boxes. Adds, where those are, 24 adders in stage 2, 24 multipliers in stage 3 and
-//! comparators: 24 in stage 4, 4 in stage 5, 10 in stage 9 and 4 in stage 10.
+//! The slab method is that of the four boxes. Adds, where those are, 24 adders in stage 2, 24 multipliers in stage 3
+//! and comparators: 24 in stage 4, 4 in stage 5, 10 in stage 9 and 4 in stage 10.
 
 use crate::{
     Aabb, Circuit, Entry, Flags, LaneMap, Num, Operation, Portable, Ray, Rules, Slabs, SortEntry, Word, bundle,
@@ -10,8 +10,8 @@ use crate::{
 
 /// Which of eight boxes a ray hits, nearest first.
 ///
-/// By the rules `paper` (`docs/reference/semantics.md`): boxes are hit and missed as by [`RayBox`](crate::RayBox), hits stand before
-/// misses, nearer
+/// By the rules `paper` (`docs/reference/semantics.md`): boxes are hit and missed as by [`RayBox`](crate::RayBox), hits
+/// stand before misses, nearer
 /// before farther, and equal distances by index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Octbox;

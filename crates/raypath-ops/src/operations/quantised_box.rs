@@ -1,9 +1,9 @@
-//! A ray against four boxes with 8 bits a bound: compressed wide nodes (Ylitie, Karras, Laine, "Efficient Incoherent Ray
-//! Traversal on GPUs Through Compressed Wide BVHs", HPG 2017; Vortex and RDNA 4 have such nodes as well).
+//! A ray against four boxes with 8 bits a bound: compressed wide nodes (Ylitie, Karras, Laine, "Efficient Incoherent
+//! Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017; Vortex and RDNA 4 have such nodes as well).
 //!
-//! A plane at `origin + offset · scale` is at the distance `(origin - ray.origin) · inv + offset · (scale · inv)`, so that three
-//! multiplications beside the 24 of the slabs suffice in stage 3. Adds 3 multipliers in stage 2 and 3 in stage 3, 16 adders in
-//! stage 4, 20 comparators in stage 5 and 4 in stage 6; the sort is that of the four boxes.
+//! A plane at `origin + offset · scale` is at the distance `(origin - ray.origin) · inv + offset · (scale · inv)`, so
+//! that three multiplications beside the 24 of the slabs suffice in stage 3. Adds 3 multipliers in stage 2 and 3 in
+//! stage 3, 16 adders in stage 4, 20 comparators in stage 5 and 4 in stage 6; the sort is that of the four boxes.
 
 mod node;
 
@@ -15,13 +15,14 @@ use crate::{Bit, Circuit, Flags, Kernels, Num, Operation, Portable, Ray, RayBoxO
 ///
 /// Rules as for boxes by `paper` (`docs/reference/semantics.md`): near and far change places where the sign bit of inv
 /// is set; along
-/// an axis in which the direction is ±0 a slab says nothing but that the ray is beside it; a NaN distance drops out; hit
-/// where tmin ≤ tmax; hits first, nearer first, ties by index. A box whose min exceeds its max is taken as it stands.
+/// an axis in which the direction is ±0 a slab says nothing but that the ray is beside it; a NaN distance drops out;
+/// hit where tmin ≤ tmax; hits first, nearer first, ties by index. A box whose min exceeds its max is taken as it
+/// stands.
 ///
-/// **How far it is not conservative.** With D = node.origin - ray.origin and P = offset · scale, a slab distance is within
-/// 5 u (|D| + |P|) / |dir| of the exact one, u = 2⁻²⁴, where nothing over- or underflows. A box whose slabs the ray is in
-/// together for less than twice that may be missed, and one that it misses by less may be hit. Unlike those of other
-/// boxes, planes close to the ray's origin are not known better than those far from it.
+/// **How far it is not conservative.** With D = node.origin - ray.origin and P = offset · scale, a slab distance is
+/// within 5 u (|D| + |P|) / |dir| of the exact one, u = 2⁻²⁴, where nothing over- or underflows. A box whose slabs the
+/// ray is in together for less than twice that may be missed, and one that it misses by less may be hit. Unlike those
+/// of other boxes, planes close to the ray's origin are not known better than those far from it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct QuantisedBox;
 

@@ -1,24 +1,25 @@
 //! A ray against a sphere: particles, the ends of curves, bounding spheres (Haines, Günther, Akenine-Möller, "Precision
 //! Improvements for Ray/Sphere Intersection", Ray Tracing Gems, chapter 7).
 //!
-//! Adds nothing: 3 adders in stage 2, 16 multipliers in 3, 6 adders in 4, 3 multipliers in 5, 4 adders in 6, a multiplier in 7,
-//! 2 adders in 8 and one in 9 are there for the paper's operations.
+//! Adds nothing: 3 adders in stage 2, 16 multipliers in 3, 6 adders in 4, 3 multipliers in 5, 4 adders in 6, a
+//! multiplier in 7, 2 adders in 8 and one in 9 are there for the paper's operations.
 
 use crate::{Bit, Circuit, Num, Operation, Ray, Vec3, bundle};
 
-/// The quadratic equation of a ray and a sphere: whether it has a solution before the ray, and what to divide and to take
-/// the root of.
+/// The quadratic equation of a ray and a sphere: whether it has a solution before the ray, and what to divide and to
+/// take the root of.
 ///
 /// With f from the ray's origin to the centre and d the direction, of any length, the ray meets the sphere at
-/// `a t² - 2 b t + c = 0`, where `a = d·d`, `b = f·d` and `c = f·f - r²`. A quarter of the discriminant, `b² - a c`, would
-/// lose the radius of a small sphere far away. It is computed as `r² a - |f × d|²` instead, which is the same number: the
-/// chapter's distance between the centre and the ray, times a so that nothing is divided. With `q = b + sqrt(discriminant)`,
-/// the root with the sign of b, the solutions are `q / a` and `c / q`, which is as good as c is: where the ray begins near the
-/// sphere, the difference in c cancels, and c is within 7 u f·f + 3 u r² of the exact one, u = 2⁻²⁴.
+/// `a t² - 2 b t + c = 0`, where `a = d·d`, `b = f·d` and `c = f·f - r²`. A quarter of the discriminant, `b² - a c`,
+/// would lose the radius of a small sphere far away. It is computed as `r² a - |f × d|²` instead, which is the same
+/// number: the chapter's distance between the centre and the ray, times a so that nothing is divided. With `q = b +
+/// sqrt(discriminant)`, the root with the sign of b, the solutions are `q / a` and `c / q`, which is as good as c is:
+/// where the ray begins near the sphere, the difference in c cancels, and c is within 7 u f·f + 3 u r² of the exact
+/// one, u = 2⁻²⁴.
 ///
-/// `hit` where `discriminant ≥ 0`, `a > 0`, and `b ≥ 0` or `c ≤ 0`: the sphere is touched at the ray's origin or before it.
-/// Whether that is within the extent is not tested, for the division that would tell is outside. With a NaN in any of
-/// these it is a miss; so it is for a direction whose square underflows to zero. The radius's sign does not matter.
+/// `hit` where `discriminant ≥ 0`, `a > 0`, and `b ≥ 0` or `c ≤ 0`: the sphere is touched at the ray's origin or before
+/// it. Whether that is within the extent is not tested, for the division that would tell is outside. With a NaN in any
+/// of these it is a miss; so it is for a direction whose square underflows to zero. The radius's sign does not matter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sphere;
 

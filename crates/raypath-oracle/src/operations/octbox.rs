@@ -15,7 +15,8 @@ pub fn spec() -> AnyOperationSpec {
         .into()
 }
 
-/// Eight boxes and a ray towards a point of one; boxes that are equal, inside out or at the edges of the format among them.
+/// Eight boxes and a ray towards a point of one; boxes that are equal, inside out or at the edges of the format among
+/// them.
 pub fn stimulus(rng: &mut impl Rng) -> OctboxInput<Binary32> {
     let mut aabb = [(); 8].map(|()| draw::aabb(rng));
     let aimed_at = aabb[rng.random_range(0..8)];
@@ -37,12 +38,12 @@ pub fn stimulus(rng: &mut impl Rng) -> OctboxInput<Binary32> {
     OctboxInput { ray, aabb }
 }
 
-/// Two oracles. Slab distances in exact rationals, and order; and, to the bit, the boxes four and four through [`RayBox`],
-/// which golden vectors hold, sorted by the standard library.
+/// Two oracles. Slab distances in exact rationals, and order; and, to the bit, the boxes four and four through
+/// [`RayBox`], which golden vectors hold, sorted by the standard library.
 ///
 /// # Errors
-/// The first box about which the answer is wrong, or the places if they are out of order; the first place that does not have
-/// the box that belongs there.
+/// The first box about which the answer is wrong, or the places if they are out of order; the first place that does not
+/// have the box that belongs there.
 pub fn check(job: &OctboxInput<Binary32>, answer: &OctboxOutput<Binary32>) -> Result<(), String> {
     let places = std::array::from_fn::<_, 8, _>(|place| slabs::Place {
         hit: answer.octbox_is_intersect.to_array()[place],

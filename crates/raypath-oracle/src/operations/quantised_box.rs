@@ -18,8 +18,8 @@ pub fn spec() -> AnyOperationSpec {
         .into()
 }
 
-/// A node of one to four boxes and a ray towards one of them; or any node and any ray, at the edges of the format now and
-/// then.
+/// A node of one to four boxes and a ray towards one of them; or any node and any ray, at the edges of the format now
+/// and then.
 pub fn stimulus(rng: &mut impl Rng) -> QuantisedBoxInput<Binary32> {
     let boxes = [(); 4].map(|()| draw::aabb(rng));
     let count = rng.random_range(1..=4);

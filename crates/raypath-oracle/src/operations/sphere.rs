@@ -15,8 +15,8 @@ pub fn spec() -> AnyOperationSpec {
         .into()
 }
 
-/// A ray that passes a sphere at a known share of its radius: through it, beside it, or grazing; small spheres far away, large
-/// ones that the ray begins in, spheres behind; numbers at the edges of the format now and then.
+/// A ray that passes a sphere at a known share of its radius: through it, beside it, or grazing; small spheres far
+/// away, large ones that the ray begins in, spheres behind; numbers at the edges of the format now and then.
 pub fn stimulus(rng: &mut impl Rng) -> SphereInput<Binary32> {
     let radius = draw::spread(rng, -6..6);
     let distance = rng.random_range(0.0..4.0) * 2.0_f32.powi(rng.random_range(-6..14));
@@ -65,17 +65,17 @@ pub fn stimulus(rng: &mut impl Rng) -> SphereInput<Binary32> {
 
 /// The equation in rationals, and how far rounding may take the answer from it.
 ///
-/// Every rounding adds at most u = 2⁻²⁴ of the result, or 2⁻¹⁵⁰ where it underflows. So, with `n = f × d`, and `m` the same
-/// with all products positive:
+/// Every rounding adds at most u = 2⁻²⁴ of the result, or 2⁻¹⁵⁰ where it underflows. So, with `n = f × d`, and `m` the
+/// same with all products positive:
 /// - a is within 4 u a, b within 5 u Σ|fᵢ dᵢ|, c within 7 u f·f + 3 u r²;
 /// - nᵢ within eᵢ = 4 u mᵢ, and the discriminant within Σ(2 |nᵢ| eᵢ + eᵢ²) + 6 u Σ(|nᵢ| + eᵢ)² + 8 u r² a.
 ///
-/// A discriminant computed as b² - a c would be within u (f·f)(d·d), by (|f| / r)² of r² a; this is within |f| / r of it. What
-/// overflows is not held to this.
+/// A discriminant computed as b² - a c would be within u (f·f)(d·d), by (|f| / r)² of r² a; this is within |f| / r of
+/// it. What overflows is not held to this.
 ///
 /// # Errors
-/// A number out of its bound; a hit bit that does not follow from the four numbers, or is wrong although the numbers are
-/// far enough from zero.
+/// A number out of its bound; a hit bit that does not follow from the four numbers, or is wrong although the numbers
+/// are far enough from zero.
 pub fn check(job: &SphereInput<Binary32>, answer: &SphereOutput<Binary32>) -> Result<(), String> {
     let Quadratic { a, b, c, discriminant, hit } = answer.sphere;
     let [af, bf, cf, df] = [a, b, c, discriminant].map(f32::from);

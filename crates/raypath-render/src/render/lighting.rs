@@ -4,8 +4,8 @@ use crate::camera::Camera;
 use crate::scene::Scene;
 use crate::trace::Hit;
 use crate::vector::{Vector, add, cross, dot, scale, single, subtract, unit, vector};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray};
 use std::f64::consts::TAU;
 

@@ -6,7 +6,7 @@ use crate::camera::{Camera, View};
 use crate::scene::Scene;
 use crate::trace::{Goal, Hit};
 use crate::vector::add;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray, RayError};
 
 /// The data that all pixels of a picture share.

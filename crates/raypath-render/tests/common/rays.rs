@@ -1,7 +1,7 @@
 //! Random rays of four kinds.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{Rng, RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray};
 use raypath_render::{Bounds, Mesh};
 

@@ -7,7 +7,8 @@ declare_parameters! {
     config.semantics.features;
     "Features that the paper's operations do not have";
 
-    /// Functions that the paper's operations do not have (`docs/reference/features.md`). A feature that is off has no hardware.
+    /// Functions that the paper's operations do not have (`docs/reference/features.md`). A feature that is off has no
+    /// hardware.
     pub struct Features {
         /// Bits of a word that every job carries from the port `tag_i` to the port `tag_o`; 0: no such ports.
         tag ("tag"): u32 as TagWidth = 0,

@@ -19,8 +19,8 @@ pub trait OperationVisitor {
 }
 
 impl Semantics {
-    /// Shows the operations to a visitor, in the order of ports, tables and comments. The operations do not handle the tag
-    /// or the exception flags, which are the same for any operation.
+    /// Shows the operations to a visitor, in the order of ports, tables and comments. The operations do not handle the
+    /// tag or the exception flags, which are the same for any operation.
     ///
     /// # Errors
     /// Those of the visitor.

@@ -15,7 +15,8 @@ declare_parameters! {
         lanes ("lanes"): Lanes = Lanes::Sixteen,
         /// The rules for edge cases: `paper` (this project's rulings) or `chisel` (those of the original hardware).
         rules ("rules"): Rules = Rules::Paper,
-        /// The number format; `eXsY` has X exponent bits (3 to 11) and Y significand bits, hidden bit included (3 to 24).
+        /// The number format; `eXsY` has X exponent bits (3 to 11) and Y significand bits, hidden bit included (3 to
+        /// 24).
         format ("format"): Format = Format::BINARY32,
     }
     /// Functions that the paper's operations do not have; off by default.
@@ -66,8 +67,8 @@ impl Semantics {
     /// Checks that the features can be combined with each other, the rules and the format.
     ///
     /// # Errors
-    /// A tag of more than [`Features::MAX_TAG_WIDTH`] bits; conservative boxes under the rules `chisel`; exception flags in
-    /// another format than binary32.
+    /// A tag of more than [`Features::MAX_TAG_WIDTH`] bits; conservative boxes under the rules `chisel`; exception
+    /// flags in another format than binary32.
     pub fn check(self) -> Result<(), Error> {
         let Features { tag, conservative, exception_flags, .. } = self.features;
         Features::check_tag(tag)?;

@@ -6,8 +6,8 @@ use std::sync::Arc;
 /// `raypath_skid`: valid, ready and the two enables of a skid buffer's data registers.
 ///
 /// The buffer has two registers: `front`, which the next stage sees, and `spare`, which catches whatever arrives and so
-/// has it where `front` cannot leave. Its ready comes from a flip-flop, so nothing of the sink reaches the source in the
-/// same cycle.
+/// has it where `front` cannot leave. Its ready comes from a flip-flop, so nothing of the sink reaches the source in
+/// the same cycle.
 ///
 /// What `front` loads is what arrives, or else what `spare` holds: the same choice that `spare` makes for itself. So a
 /// bit costs two multiplexers and not three.

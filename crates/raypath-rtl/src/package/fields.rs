@@ -92,8 +92,8 @@ fn nest(leaves: &[Leaf<'_>]) -> Vec<Field> {
     fields
 }
 
-/// What members with a common head are without it; nothing where that is not worth a structure, or none: one port alone,
-/// one whose name is the head and no more, one that would be a keyword.
+/// What members with a common head are without it; nothing where that is not worth a structure, or none: one port
+/// alone, one whose name is the head and no more, one that would be a keyword.
 fn group(members: &[Leaf<'_>]) -> Option<Vec<Field>> {
     let inner: Option<Vec<Leaf<'_>>> =
         members.iter().map(|leaf| Some(Leaf { name: split(leaf.name).1?, ..*leaf })).collect();

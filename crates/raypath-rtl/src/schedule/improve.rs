@@ -9,8 +9,8 @@ use std::collections::BTreeSet;
 /// Rounds over all changes. Each takes at least a bit away, and a handful is enough; this bounds the time.
 const ROUNDS: usize = 50;
 
-/// Moves single groups, all readers of a value together, and all that a group is made of or makes with it, until no such
-/// change makes the schedule cheaper.
+/// Moves single groups, all readers of a value together, and all that a group is made of or makes with it, until no
+/// such change makes the schedule cheaper.
 pub fn improve(problem: &Problem<'_>, sides: &Sides, costs: &Costs<'_>, start: Vec<u32>) -> Vec<u32> {
     let (mut stages, mut cost) = (start.clone(), costs.of(&start));
     let (earliest, latest) = (sides.earliest(), sides.latest());

@@ -19,8 +19,8 @@ pub fn backwards(problem: &Problem<'_>, sides: &Sides, allowed: &Budget) -> Vec<
     stages
 }
 
-/// From one side. Of a group, `last` is the last stage that leaves those after it time enough; where no stage until then
-/// has units left, it takes the one that has the most, of those the first.
+/// From one side. Of a group, `last` is the last stage that leaves those after it time enough; where no stage until
+/// then has units left, it takes the one that has the most, of those the first.
 fn list(problem: &Problem<'_>, side: &Side, last: Vec<u32>, allowed: &Budget) -> Vec<u32> {
     // Groups that are equally urgent keep their order; no group is more urgent than what it is made of.
     let mut order = side.order.clone();

@@ -1,7 +1,7 @@
 //! Random jobs through a configuration's netlist, held against its operations.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_hdl::Simulator;
 use raypath_ops::{Concrete, Operation, Port, PortKind, from_words, ports_of, to_canonical_words};
 use raypath_rtl::{Config, Datapath, Encoding, OperationVisitor};

@@ -1,5 +1,5 @@
-//! Features of the paper's operations: the netlist against the operations, bit for bit, and what is off against hardware
-//! that has never heard of it.
+//! Features of the paper's operations: the netlist against the operations, bit for bit, and what is off against
+//! hardware that has never heard of it.
 
 use crate::driver::Driver;
 use raypath_float::Format;

@@ -1,8 +1,8 @@
 //! The wrapper before the linters, and beside the bare datapath.
 
 use crate::folder::{PRESETS, Written, preset, write};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_hdl::{Builder, Module, Simulator};
 use raypath_ops::{Circuit, Num, Operation, bundle};
 use raypath_rtl::{Datapath, Operations};

@@ -6,8 +6,8 @@
 mod common;
 mod unread;
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_hdl::Simulator;
 use raypath_ops::{
     Angular, Binary32, Bit, Bundle, Circuit, Euclidean, Field, Num, Operation, Path, RayBox, RayTriangle, Rules,
@@ -157,8 +157,8 @@ impl<O: Operation> Reference<O> {
     }
 }
 
-/// Numbers of which many are alike, special ones among them; corners of boxes in order and an extent ahead, so that boxes are
-/// hit.
+/// Numbers of which many are alike, special ones among them; corners of boxes in order and an extent ahead, so that
+/// boxes are hit.
 struct Random<'r>(&'r mut ChaCha8Rng);
 
 const SPECIAL: [f32; 8] = [0.0, -0.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 1e-40, f32::MAX, -1e-20];

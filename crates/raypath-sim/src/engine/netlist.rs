@@ -150,8 +150,8 @@ impl<M: Model> NetlistEngine<M> {
         Handshake { input_ready: is_set(self.ports.input_ready), output_valid: is_set(self.ports.output_valid) }
     }
 
-    /// Whether the output ports, all of them, showed this outcome in the last cycle, as they should: ports of other modes
-    /// are zero, and a number has one encoding only.
+    /// Whether the output ports, all of them, showed this outcome in the last cycle, as they should: ports of other
+    /// modes are zero, and a number has one encoding only.
     pub fn shows(&mut self, outcome: &M::Outcome) -> bool {
         let (opcode, simulator, encoding) = (outcome.kind().opcode(), &self.simulator, self.encoding);
         outcome.words(&mut self.words);

@@ -6,8 +6,8 @@ use crate::lockstep::canonical::{WatchedNetlist, is_number_register};
 use crate::lockstep::{Timing, lockstep, timing};
 use crate::models::PaperModel;
 use crate::traffic::{Cycle, Traffic};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_ops::JobKind;
 use raypath_rtl::{Config, Encoding};
 

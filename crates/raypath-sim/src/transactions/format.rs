@@ -1,7 +1,7 @@
 //! The columns of transaction files (`docs/reference/transactions.md`): one transaction a line, fields separated by
 //! spaces,
-//! hexadecimal without `0x`. They follow from an operation's ports, in the ports' order; of the paper's operations those
-//! that the golden vectors have come first, as they were recorded.
+//! hexadecimal without `0x`. They follow from an operation's ports, in the ports' order; of the paper's operations
+//! those that the golden vectors have come first, as they were recorded.
 
 use raypath_float::Format;
 use raypath_model::{Model, OnPorts};
@@ -148,8 +148,8 @@ mod tests {
     use crate::Datapath;
     use raypath_rtl::{Config, Lanes};
 
-    /// Of the paper's operations all ports were recorded, each bit once, and no column stands for anything else: the one
-    /// list of ports that is written by hand cannot drift.
+    /// Of the paper's operations all ports were recorded, each bit once, and no column stands for anything else: the
+    /// one list of ports that is written by hand cannot drift.
     #[test]
     fn recorded_columns_are_the_ports() {
         for &lanes in Lanes::ALL {

@@ -1,7 +1,7 @@
 //! A simulated run with all features of a recording: all kinds of jobs, fetches, stalls, an accumulator loop.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_model::{Control, CycleModel, Functional, Loop, Shape};
 use raypath_ops::{Job, JobKind, Outcome, Rules};
 use raypath_timing::report::{Image, Recorder, Recording, StageUse, Table, UnitUse};

@@ -1,7 +1,7 @@
 //! Lints a module, and runs it in both simulators with the same stimuli.
 
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_hdl::{Module, Simulator};
 use raypath_tools::{Sources, Verilated};
 use std::sync::Arc;

@@ -3,7 +3,7 @@
 
 use crate::compare::agree;
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_hdl::{Builder, Label, Module, Wire};
 use std::cell::Cell;
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! Random netlists side by side in one top module.
 
 use crate::compare::agree;
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_hdl::{Builder, Label, Module, Wire};
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 
 use crate::compare::agree;
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_hdl::{Builder, Module};
 use std::sync::Arc;
 

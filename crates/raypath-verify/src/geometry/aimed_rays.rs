@@ -4,7 +4,7 @@ use super::mesh::{Mesh, Patch};
 use super::shapes::shapes;
 use super::vector::{Point, dot, minus, scaled, sum, unit};
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray};
 use std::borrow::Cow;
 

@@ -1,7 +1,7 @@
 //! Rays and boxes that touch or nearly touch.
 
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray};
 
 /// A ray and four boxes, each as its lower and upper corner.

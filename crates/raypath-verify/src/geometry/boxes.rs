@@ -7,7 +7,7 @@ use super::error_units::{U, ulps_of};
 use crate::error::Error;
 use crate::request::Request;
 use crate::verdict::Verdict;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_model::Functional;
 use raypath_ops::{Aabb, Job, Outcome, RayBoxInput, Rules};
 
@@ -196,7 +196,7 @@ impl Tally for Boxes {
 mod tests {
     use super::{Boxes, FAULTY};
     use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
+    use rand::rngs::ChaCha8Rng;
 
     /// The campaign passes the datapath, finds each deliberate fault, and has cases of every kind.
     #[test]

@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::pool::{self, Cases};
 use crate::request::{Progress, Request};
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use std::collections::BTreeMap;
 
 /// The counts of cases, which can be joined.
@@ -106,7 +106,7 @@ mod tests {
     use super::{Failures, Tally, run};
     use crate::request::{Level, Progress, Request, Shard};
     use rand::RngExt;
-    use rand_chacha::ChaCha8Rng;
+    use rand::rngs::ChaCha8Rng;
 
     #[derive(Default, PartialEq, Debug)]
     struct Numbers(Vec<u32>);

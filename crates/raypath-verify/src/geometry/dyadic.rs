@@ -159,8 +159,8 @@ pub fn within_gamma(n: u32, error: &Dyadic, magnitude: &Dyadic) -> bool {
 mod tests {
     use super::{Dyadic, within_gamma};
     use num_rational::Ratio;
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     fn ratio(x: f32) -> Ratio<i128> {
         Ratio::new((f64::from(x) * f64::from(1 << 20)) as i128, 1 << 20)

@@ -2,8 +2,8 @@
 
 use super::mesh::Mesh;
 use super::vector::{Point, cross, dot, minus, scaled, sum, unit};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use std::collections::HashMap;
 
 /// All meshes, with random ones by this seed.

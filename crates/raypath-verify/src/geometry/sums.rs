@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::request::Request;
 use crate::verdict::Verdict;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_model::Functional;
 use raypath_ops::{AngularInput, Beat, Binary32, EuclideanInput, Flags, Job, Outcome, Rules};
 
@@ -237,7 +237,7 @@ impl Tally for SumErrors {
 mod tests {
     use super::{Dyadic, Sum, SumErrors};
     use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
+    use rand::rngs::ChaCha8Rng;
 
     #[test]
     fn the_datapaths_sums_are_within_the_bound() {

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::request::Request;
 use crate::verdict::Verdict;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray, RayTriangleOutput, Rules};
 
 /// One case of this many also runs on the wrong implementations.
@@ -269,7 +269,7 @@ mod tests {
     use super::super::implementations::datapath;
     use super::{DistanceErrors, Exact, TriangleResult, WRONG, draw, ulps_of};
     use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
+    use rand::rngs::ChaCha8Rng;
     use raypath_ops::{Ray, Rules};
 
     #[test]

@@ -144,8 +144,8 @@ fn is_thin([a, b, c]: [[f64; 2]; 3], moved: f64) -> bool {
 mod tests {
     use super::super::mesh::Mesh;
     use super::{Visibility, distance_from_zero, exactly_towards, faces_direction, turns, visibility};
+    use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
     use raypath_ops::Ray;
 
     /// Faces nearly edge-on, which need exact arithmetic.

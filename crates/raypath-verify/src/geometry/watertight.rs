@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::request::Request;
 use crate::verdict::Verdict;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray};
 
 /// The number of cases after which each leaking implementation must have been found.
@@ -138,7 +138,7 @@ mod tests {
     use super::{Intersect, Rays, bodies};
     use crate::geometry::implementations::{LEAKY, datapath};
     use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
+    use rand::rngs::ChaCha8Rng;
     use raypath_ops::{Binary32, Ray, Rules};
 
     fn run_rays(is_hit: &dyn Intersect) -> Rays {

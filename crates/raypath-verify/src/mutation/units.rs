@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::units::bench::UnitResults;
 use crate::units::chain;
 use crate::units::operands::{self, CASES, RECODED_CASES, canonical, generator, host_results};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_float::Format;
 use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
 use raypath_rtl::Config;

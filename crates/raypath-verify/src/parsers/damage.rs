@@ -2,8 +2,8 @@
 
 use flate2::read::MultiGzDecoder;
 use flate2::{Compression, write::GzEncoder};
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use std::io::{Read, Write};
 
 /// Inserted words: punctuation of all formats, numbers at the ends of their ranges, and bytes that are not text.

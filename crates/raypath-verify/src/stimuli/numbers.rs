@@ -1,7 +1,7 @@
 //! Random numbers of a format.
 
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_float::Format;
 use raypath_sim::numbers::edges;
 

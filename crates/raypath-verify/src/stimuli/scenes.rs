@@ -2,7 +2,7 @@
 
 use crate::layout::Field;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_ops::Ray;
 
 type Point = [f32; 3];

@@ -3,8 +3,8 @@
 //! The unit tests run them on the units; [`mutation`](crate::mutation) runs the same operands on units with faults.
 
 use super::bench::UnitResults;
+use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_float::Format;
 
 /// Pairs of operands of each family: in the unit tests and, on units with faults, in mutation.

@@ -10,8 +10,8 @@
 //! one time in two a sign and exponent of the wider set, and else one from a window about 2, of any of several widths;
 //! its fraction is three times in four a sum of two pattern fractions, else random bits.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{Rng, RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// TestFloat's two levels, which differ in the fractions of the patterns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

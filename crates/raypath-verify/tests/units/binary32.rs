@@ -1,7 +1,7 @@
 //! binary32 against the host's `f32`.
 
 use crate::{bench, converter};
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath_float::{Format, decode, encode};
 use raypath_verify::units::bench::{PortFormat, UnitResults};
 use raypath_verify::units::operands::{self, CASES, RECODED_CASES, canonical, edges, generator, host_results};

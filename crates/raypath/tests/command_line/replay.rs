@@ -95,7 +95,8 @@ fn an_added_operation_is_replayed_and_shown() {
         assert_eq!(output.status.code(), Some(0), "{said}");
         assert_eq!(printed(&said, name).split_whitespace().collect::<Vec<_>>(), ["2000", "0"], "{said}");
     }
-    // The page has it in the legend, in the choice of utilisation and as a row; and the table for the terminal in its head.
+    // The page has it in the legend, in the choice of utilisation and as a row; and the table for the terminal in its
+    // head.
     let page = std::fs::read_to_string(&report).expect("a page");
     assert_eq!(page.matches(&format!("<i class=\"key op4\"></i>{name}")).count(), 3);
     assert!(page.contains(&format!("\"operations\":[\"triangle\",\"quadbox\",\"euclidean\",\"angular\",\"{name}\"]")));

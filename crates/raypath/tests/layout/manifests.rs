@@ -60,7 +60,7 @@ fn operations_depend_on_no_tool() {
 fn layers_depend_downwards() {
     let layers = [
         &["raypath-ops", "raypath-hdl"][..],
-        &["raypath-float"],
+        &["raypath-float", "raypath-wave"],
         &["raypath-model", "raypath-rtl", "raypath-tools"],
         &["raypath-sim", "raypath-timing", "raypath-ppa"],
         &["raypath-oracle", "raypath-render", "raypath-search"],

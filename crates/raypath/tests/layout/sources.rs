@@ -104,10 +104,13 @@ fn prose_is_plain() {
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
+/// Of comments: rustfmt keeps code within the width, and cannot break text.
 #[test]
 fn lines_fit() {
     let rust: Vec<PathBuf> =
         prose().into_iter().filter(|path| path.extension().is_some_and(|end| end == "rs")).collect();
-    let found = lines_with(&rust, |line| line.chars().count() > 120);
+    let found = lines_with(&rust, |line| {
+        line.chars().count() > 120 && line.trim().starts_with("//") && !line.contains("//! |")
+    });
     assert!(found.is_empty(), "{}", found.join("\n"));
 }

@@ -5,8 +5,8 @@
 //! products became +0; libm's `fma` (Rust, pull request 493) lost −0 in another way. t_num or an angular sum would have
 //! a wrong sign here.
 //!
-//! Mutation: in `raypath-float/src/units/add.rs` the sign of an exact cancellation taken from an operand; in `mul.rs` a sign
-//! that is 0 where the product is.
+//! Mutation: in `raypath-float/src/units/add.rs` the sign of an exact cancellation taken from an operand; in `mul.rs` a
+//! sign that is 0 where the product is.
 
 use raypath::float::{Format, add, mul};
 use raypath::hdl::{Module, Simulator};

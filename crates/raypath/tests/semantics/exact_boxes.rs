@@ -5,7 +5,7 @@ use crate::answers::{Hits, INF, answers, hits, quadbox, ray};
 use crate::exact::{Rational, rational, to_f32};
 use crate::random::rng;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath::ops::{Aabb, Rules};
 
 #[derive(Debug, Clone, Copy)]

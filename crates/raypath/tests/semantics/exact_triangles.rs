@@ -5,7 +5,7 @@ use crate::answers::{INF, answers, ray};
 use crate::exact::{Exact, Rational, rational, to_f32};
 use crate::random::rng;
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use raypath::ops::{Job, Outcome, RayTriangleInput, Rules, Triangle};
 
 type Vector = [Rational; 3];

@@ -1,7 +1,7 @@
 //! Random jobs, reproducible by seed.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath::ops::{Aabb, Job, JobKind, Ray, RayBoxInput, RayTriangleInput, Triangle};
 
 pub fn rng(seed: u64) -> ChaCha8Rng {

@@ -7,10 +7,10 @@ use crate::commands::numbers::whole;
 use crate::error::CliError;
 use crate::progress::Progress;
 use clap::Args;
-use raypath_hdl::WaveWriter;
 use raypath_rtl::UnitKind;
 use raypath_sim::engine::{Engine, NetlistEngine, Shown, drive};
 use raypath_sim::{AnyModel, Words};
+use raypath_wave::{WaveError, WaveWriter};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -65,7 +65,7 @@ struct Waving {
     netlist: NetlistEngine<AnyModel>,
     waves: WaveWriter,
     cycle: u64,
-    failed: Option<raypath_hdl::Error>,
+    failed: Option<WaveError>,
 }
 
 impl Engine<AnyModel> for Waving {

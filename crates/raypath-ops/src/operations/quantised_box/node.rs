@@ -8,8 +8,8 @@ bundle! {
     pub struct QuantisedNode<C> {
         /// Where offsets count from.
         pub origin: Vec3<C>,
-        /// What an offset of 1 is worth along each axis: a power of two, so that nothing is rounded but sums and distances.
-        /// Any other number is multiplied like any other.
+        /// What an offset of 1 is worth along each axis: a power of two, so that nothing is rounded but sums and
+        /// distances. Any other number is multiplied like any other.
         pub scale: Vec3<C>,
         /// The children's boxes.
         pub child: [OffsetBox<C>; 4],
@@ -61,8 +61,8 @@ pub enum QuantiseError {
 }
 
 impl QuantisedNode<Binary32> {
-    /// The node of one to four boxes: each is inside its quantised box, exactly, and along each axis the scale is the least
-    /// power of two, not below 2⁻¹²⁶, by which all boxes fit.
+    /// The node of one to four boxes: each is inside its quantised box, exactly, and along each axis the scale is the
+    /// least power of two, not below 2⁻¹²⁶, by which all boxes fit.
     ///
     /// # Errors
     /// No or more than four boxes, a bound that is not finite, a min that exceeds its max.

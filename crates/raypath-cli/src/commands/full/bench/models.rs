@@ -3,8 +3,8 @@
 use crate::commands::full::bench::result::Results;
 use crate::commands::full::bench::stopwatch::seconds;
 use crate::commands::full::bench::workload::Workload;
+use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_model::{Batch, CycleModel, Functional, Packed, Shape, blank, levels, pack};
 use raypath_ops::{
     AngularInput, AngularOutput, Binary32, EuclideanInput, EuclideanOutput, Family, Job, JobKind, Of, RayBoxInput,

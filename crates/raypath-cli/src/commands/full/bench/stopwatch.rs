@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 /// some runs are not interrupted.
 const RUN: Duration = Duration::from_millis(1);
 
-/// Seconds that `work` takes, which does the same each time: the best of `repetitions`, each of as many calls as it takes
-/// to be measured.
+/// Seconds that `work` takes, which does the same each time: the best of `repetitions`, each of as many calls as it
+/// takes to be measured.
 pub fn seconds(repetitions: usize, mut work: impl FnMut()) -> f64 {
     let once = best(1, 1, &mut work);
     let calls = (RUN.as_secs_f64() / once.max(1e-9)).ceil().clamp(1.0, 1e6) as usize;

@@ -1,8 +1,8 @@
 //! Jobs to measure with: rays aimed at boxes and triangles from all sides, and ordinary vectors. No special numbers,
 //! which some machines are slow with, and many different jobs, so that no branch predictor learns them by heart.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use raypath_ops::{
     Aabb, AngularInput, Beat, Binary32, EuclideanInput, Flags, Job, Num, Ray, RayBoxInput, RayTriangleInput, Triangle,
 };

@@ -1,11 +1,11 @@
 //! How a source or a sink behaves.
 
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 
 /// What a source or a sink does all the while.
 #[derive(Debug, Clone)]
-pub enum Habit {
+pub enum HandshakePattern {
     /// It acts in every cycle.
     Always,
     /// It acts in a cycle with this probability.
@@ -13,21 +13,21 @@ pub enum Habit {
     /// It acts for at most so many cycles, then does nothing for at most so many, and so on.
     Bursts { longest: [u32; 2], acting: bool, cycles_left: u32 },
     /// It changes its mind.
-    Moods(Mood),
+    Phases(ActivityPhase),
 }
 
 /// For some cycles it acts with one probability, then with another.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Mood {
+pub struct ActivityPhase {
     probability: f64,
     cycles_left: u32,
 }
 
-/// How likely source and sink are to act, by mood. Long stalls fill all places of the pipeline.
+/// How likely source and sink are to act, by phase. Long stalls fill all places of the pipeline.
 const PROBABILITIES: [f64; 6] = [1.0, 0.9, 0.5, 0.1, 0.01, 0.0];
-const LONGEST_MOOD: u32 = 80;
+const MAX_PHASE_CYCLES: u32 = 80;
 
-impl Habit {
+impl HandshakePattern {
     /// One of them. Those that keep the datapath busy are more likely than those that let it wait.
     pub fn random(rng: &mut ChaCha8Rng) -> Self {
         let bursts = |longest| Self::Bursts { longest, acting: true, cycles_left: 0 };
@@ -39,7 +39,7 @@ impl Habit {
             9 | 10 => bursts([12, 12]),
             11 => bursts([40, 3]),
             12 | 13 => bursts([60, 120]),
-            _ => Self::Moods(Mood::default()),
+            _ => Self::Phases(ActivityPhase::default()),
         }
     }
 
@@ -48,7 +48,7 @@ impl Habit {
         match self {
             Self::Always => true,
             Self::Chance(chance) => rng.random_bool(*chance),
-            Self::Moods(mood) => mood.acts(rng),
+            Self::Phases(phase) => phase.acts(rng),
             Self::Bursts { longest, acting, cycles_left } => {
                 if *cycles_left == 0 {
                     *acting = !*acting;
@@ -61,12 +61,12 @@ impl Habit {
     }
 }
 
-impl Mood {
+impl ActivityPhase {
     /// Whether it acts in the next cycle.
     pub fn acts(&mut self, rng: &mut ChaCha8Rng) -> bool {
         if self.cycles_left == 0 {
             self.probability = PROBABILITIES[rng.random_range(0..PROBABILITIES.len())];
-            self.cycles_left = rng.random_range(1..=LONGEST_MOOD);
+            self.cycles_left = rng.random_range(1..=MAX_PHASE_CYCLES);
         }
         self.cycles_left -= 1;
         rng.random_bool(self.probability)

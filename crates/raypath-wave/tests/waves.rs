@@ -1,6 +1,7 @@
 //! Waveforms, written and read back by another library.
 
-use raypath_hdl::{Builder, Error, Module, Simulator, WaveWriter};
+use raypath_hdl::{Builder, Module, Simulator};
+use raypath_wave::{WaveError, WaveWriter};
 use std::fs;
 use std::os::unix::fs::{FileTypeExt, symlink};
 use std::path::{Path, PathBuf};
@@ -200,12 +201,12 @@ fn errors_name_the_file() {
     let mut waves = WaveWriter::create(&path, &simulator).unwrap();
     waves.sample(&simulator, 5).unwrap();
     fs::create_dir(&path).unwrap();
-    assert!(matches!(waves.finish(), Err(Error::Wave { .. })), "a directory is in the way");
+    assert!(matches!(waves.finish(), Err(WaveError { .. })), "a directory is in the way");
     assert_eq!(directory.files(), ["run.fst"], "the temporary file is gone");
 }
 
-fn wave_error(path: &Path, problem: &str) -> Error {
-    Error::Wave { path: path.display().to_string(), problem: problem.to_string() }
+fn wave_error(path: &Path, problem: &str) -> WaveError {
+    WaveError { path: path.to_path_buf(), problem: problem.to_string() }
 }
 
 #[test]

@@ -1,11 +1,10 @@
 //! Waveforms of a simulation, as FST files (for GTKWave, Surfer and the like).
 
-use crate::netlist::Module;
-use crate::{Error, Probe, Simulator};
 use fst_writer::{
     FstBodyWriter, FstFileType, FstHeaderWriter, FstInfo, FstScopeType, FstSignalId, FstSignalType, FstVarDirection,
     FstVarType,
 };
+use raypath_hdl::{Module, Probe, Simulator};
 use std::collections::HashMap;
 use std::fs::{self, File};
 use std::io::{BufWriter, ErrorKind};
@@ -13,14 +12,25 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+/// A waveform cannot be written.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("waveform {}: {problem}", path.display())]
+pub struct WaveError {
+    /// The file.
+    pub path: PathBuf,
+    /// What went wrong.
+    pub problem: String,
+}
+
 /// Writes what a [`Simulator`] observes, with the clock and the reset of the top, at 10 ns a cycle.
 ///
 /// The file appears under its name when [`finish`](Self::finish) has written all of it; a writer that is dropped
 /// before, or has failed, leaves nothing behind.
 ///
 /// ```no_run
-/// # fn waves(module: &std::sync::Arc<raypath_hdl::Module>) -> Result<(), raypath_hdl::Error> {
-/// use raypath_hdl::{Simulator, WaveWriter};
+/// # fn waves(module: &std::sync::Arc<raypath_hdl::Module>) -> Result<(), raypath_wave::WaveError> {
+/// use raypath_hdl::Simulator;
+/// use raypath_wave::WaveWriter;
 /// let mut simulator = Simulator::observing(module, |_| true)?;
 /// let mut waves = WaveWriter::create("run.fst", &simulator)?;
 /// for cycle in 0..100 {
@@ -60,9 +70,9 @@ const NS_PER_CYCLE: u64 = 10;
 const FLUSH_AT: usize = 1 << 20;
 
 impl WaveWriter {
-    /// Begins a file that will be at `path`, of what `simulator` observes. It replaces a file that is there, the one that
-    /// a symbolic link leads to included; anything else there is an error.
-    pub fn create(path: impl AsRef<Path>, simulator: &Simulator) -> Result<Self, Error> {
+    /// Begins a file that will be at `path`, of what `simulator` observes. It replaces a file that is there, the one
+    /// that a symbolic link leads to included; anything else there is an error.
+    pub fn create(path: impl AsRef<Path>, simulator: &Simulator) -> Result<Self, WaveError> {
         let path = path.as_ref().to_path_buf();
         let target = target(&path)?;
         let temporary = beside(&target);
@@ -76,9 +86,9 @@ impl WaveWriter {
     }
 
     /// Writes what the signals were when `simulator`, the one given to [`create`](Self::create), was last evaluated,
-    /// as the values of this clock cycle. Cycles must increase. A waveform with a gap would mislead: after an error there
-    /// will be no file.
-    pub fn sample(&mut self, simulator: &Simulator, cycle: u64) -> Result<(), Error> {
+    /// as the values of this clock cycle. Cycles must increase. A waveform with a gap would mislead: after an error
+    /// there will be no file.
+    pub fn sample(&mut self, simulator: &Simulator, cycle: u64) -> Result<(), WaveError> {
         let Some(mut body) = self.body.take() else { return Err(self.broken()) };
         if cycle < self.next_cycle {
             let problem = format!("cycle {cycle} sampled after cycle {}", self.next_cycle - 1);
@@ -94,7 +104,7 @@ impl WaveWriter {
     }
 
     /// Completes the file and gives it its name.
-    pub fn finish(mut self) -> Result<(), Error> {
+    pub fn finish(mut self) -> Result<(), WaveError> {
         let Some(mut body) = self.body.take() else { return Err(self.broken()) };
         // The last cycle lasts as long as the others.
         body.time_change(self.next_cycle * NS_PER_CYCLE).map_err(|e| failed(&self.path, &e))?;
@@ -103,7 +113,7 @@ impl WaveWriter {
         fs::rename(&self.temporary, &self.target).map_err(|e| failed(&self.path, &e))
     }
 
-    fn broken(&self) -> Error {
+    fn broken(&self) -> WaveError {
         wave_error(&self.path, "incomplete, for a sample failed before".to_string())
     }
 
@@ -250,9 +260,9 @@ impl Scopes<'_> {
     }
 }
 
-/// Where a file of this name goes. A file is published by renaming, which would put it in the place of a link, a pipe or
-/// a device instead of writing to it.
-fn target(path: &Path) -> Result<PathBuf, Error> {
+/// Where a file of this name goes. A file is published by renaming, which would put it in the place of a link, a pipe
+/// or a device instead of writing to it.
+fn target(path: &Path) -> Result<PathBuf, WaveError> {
     let found = match fs::symlink_metadata(path) {
         Err(problem) if problem.kind() == ErrorKind::NotFound => return Ok(path.to_path_buf()),
         Ok(found) if found.is_symlink() => {
@@ -276,11 +286,11 @@ fn beside(path: &Path) -> PathBuf {
 }
 
 /// With the causes of `error`, which say more than itself.
-fn failed(path: &Path, error: &dyn std::error::Error) -> Error {
+fn failed(path: &Path, error: &dyn std::error::Error) -> WaveError {
     let causes = std::iter::successors(error.source(), |cause| cause.source());
     wave_error(path, causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}")))
 }
 
-fn wave_error(path: &Path, problem: String) -> Error {
-    Error::Wave { path: path.display().to_string(), problem }
+fn wave_error(path: &Path, problem: String) -> WaveError {
+    WaveError { path: path.to_path_buf(), problem }
 }
