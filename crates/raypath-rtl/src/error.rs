@@ -1,55 +1,56 @@
-use crate::budget::Shortage;
-use crate::datapath::MOST_OPERATIONS;
+use crate::ir::graph::MAX_OPERATIONS;
+use crate::ir::units::UnitKind;
+use std::fmt;
 use thiserror::Error;
 
-/// Why operations do not make a datapath.
+/// The reason why operations cannot be elaborated.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum Error {
-    /// A value is read in a stage before the one that makes it.
+    /// A value is read before the stage that computes it.
     #[error("operation {operation}: {reader} in stage {stage} reads {value}, which stage {made} makes")]
     UsedBeforeMade {
         /// The operation.
         operation: &'static str,
-        /// What reads it.
+        /// The value that reads it.
         reader: String,
-        /// Where it is read.
+        /// The stage that reads it.
         stage: u32,
-        /// What is read.
+        /// The value that is read.
         value: String,
-        /// Where it is made.
+        /// The stage that computes it.
         made: u32,
     },
-    /// A stage that the pipeline does not have.
+    /// A stage out of range.
     #[error(
-        "operation {operation}: {value} is in stage {stage}, expected 1 to {last}; stages begin with c.stage(number, what), or \
-         c.auto() finds them"
+        "operation {operation}: {value} is in stage {stage}, expected 1 to {last}; stages begin with \
+         c.stage(number, what), or c.auto() finds them"
     )]
     NoSuchStage {
         /// The operation.
         operation: &'static str,
-        /// What is there.
+        /// The value in that stage.
         value: String,
         /// The stage.
         stage: u32,
         /// The last stage that operations may use.
         last: u32,
     },
-    /// State that is read elsewhere than where its next value is made.
+    /// State that is not read in the stage that computes its next value.
     #[error(
-        "operation {operation}: {state} is read in stage {read}, but its next value is made in stage {made}; expected both \
-         in one stage, so that a job finds what the job before it left"
+        "operation {operation}: {state} is read in stage {read}, but its next value is made in stage {made}; expected \
+         both in one stage, so that a job finds what the job before it left"
     )]
     StateApart {
         /// The operation.
         operation: &'static str,
         /// The state.
         state: String,
-        /// Where it is read.
+        /// The stage that reads it.
         read: u32,
-        /// Where its next value is made.
+        /// The stage that computes its next value.
         made: u32,
     },
-    /// An operation that asks for automatic staging and marks stages as well.
+    /// An operation with automatic staging that marks stages as well.
     #[error(
         "operation {operation}: it asks for automatic staging and marks stage {stage}, expected one or the other: mark \
          every stage or none"
@@ -60,7 +61,7 @@ pub enum Error {
         /// The first stage that it marks.
         stage: u32,
     },
-    /// An operation whose longest chain of units has more stages than the pipeline, however it is staged.
+    /// An operation whose longest chain of units needs more stages than the pipeline has.
     #[error(
         "operation {operation}: its longest chain needs {needed} stages, and there are {last}: {}; an adder or a \
          multiplier takes a stage to itself, three comparators share one",
@@ -69,7 +70,7 @@ pub enum Error {
     TooLong {
         /// The operation.
         operation: &'static str,
-        /// The units of the chain, by the values that they make, first to last.
+        /// The values that the units of the chain compute, first to last.
         chain: Vec<String>,
         /// The stages that it needs.
         needed: u32,
@@ -78,19 +79,20 @@ pub enum Error {
     },
     /// More units in a stage than the budget allows.
     #[error(
-        "operation {operation}: it needs more units than the budget allows: {}; widen the budget to that, or have the operation do less",
+        "operation {operation}: it needs more units than the budget allows: {}; widen the budget to that, or have \
+         the operation do less",
         .shortages.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
     )]
     TooManyUnits {
         /// The operation.
         operation: &'static str,
-        /// Where, and of what kind; of an operation that is staged automatically, the least that was found.
+        /// The stages and kinds of units; with automatic staging, those of the best schedule found.
         shortages: Vec<Shortage>,
     },
-    /// A value that nothing brings to where it is read.
+    /// A value that is not available at the step that reads it.
     #[error(
-        "operation {operation}: {value} is read in a stage that nothing brings it to: state is there up to the stage that \
-         makes its next value, and an input only where has_input says so"
+        "operation {operation}: {value} is read in a stage that nothing brings it to: state is there up to the stage \
+         that makes its next value, and an input only where has_input says so"
     )]
     Unplaced {
         /// The operation.
@@ -98,62 +100,69 @@ pub enum Error {
         /// The value.
         value: String,
     },
-    /// An opcode that is taken or too large.
-    #[error("operation {operation}: opcode {opcode} {}", .taken.map_or(format!("is too large, expected 0 to {}", MOST_OPERATIONS - 1), |by| format!("is that of {by}")))]
+    /// An opcode that is in use or too large.
+    #[error(
+        "operation {operation}: opcode {opcode} {}",
+        .taken.map_or(format!("is too large, expected 0 to {}", MAX_OPERATIONS - 1), |by| format!("is that of {by}"))
+    )]
     Opcode {
         /// The operation.
         operation: &'static str,
-        /// The opcode asked for.
+        /// The opcode.
         opcode: u64,
-        /// The operation that has it.
+        /// The operation that uses it.
         taken: Option<&'static str>,
     },
-    /// A name that another operation has, or that is no identifier.
+    /// A name that another operation has, or that is not an identifier.
     #[error(
         "operation {operation}: its name {}",
-        if *.is_taken { "is another operation's as well" } else { "is no identifier, expected letters, digits and _, in snake_case" }
+        if *.is_taken {
+            "is another operation's as well"
+        } else {
+            "is no identifier, expected letters, digits and _, in snake_case"
+        }
     )]
     Name {
         /// The name.
         operation: &'static str,
-        /// Whether it is another's.
+        /// Whether another operation has it.
         is_taken: bool,
     },
-    /// A port that another operation has otherwise, or the operation itself.
+    /// A port that another operation has with another type, or that the operation has twice.
     #[error(
-        "operation {operation}: its port {port} is {ours}, and that of {other} {theirs}; ports of one name are one port, \
-         expected the same type or another name"
+        "operation {operation}: its port {port} is {ours}, and that of {other} {theirs}; ports of one name are one \
+         port, expected the same type or another name"
     )]
     Port {
         /// The operation.
         operation: &'static str,
         /// The port.
         port: String,
-        /// How wide it is, in words.
+        /// Its width in words.
         ours: String,
-        /// The operation that has it already; the same where it has it twice.
+        /// The operation that has it already, which may be the same operation.
         other: &'static str,
-        /// How wide that is.
+        /// The width there.
         theirs: String,
     },
-    /// A feature that cannot be had as it is asked for.
+    /// A feature with an invalid value, or that cannot be combined with the others.
     #[error("{feature}: {problem}")]
     Feature {
-        /// The feature, as [`Features`](crate::Features) has it.
+        /// The name of the feature.
         feature: &'static str,
-        /// What is in its way, and what was expected.
+        /// The problem, and what was expected.
         problem: String,
     },
-    /// Two operations whose shared units would feed each other in a circle.
+    /// Two operations whose shared units would make a combinational loop.
     #[error(
-        "stage {stage}: the operations use its units in orders that make a loop; expected chains of units in the same order \
-         everywhere, or in other stages"
+        "stage {stage}: the operations use its units in orders that make a loop; expected chains of units in the same \
+         order everywhere, or in other stages"
     )]
     UnitLoop {
         /// The stage.
         stage: u32,
     },
-    /// A part of a unit that the part before has handed nothing; a defect of ours.
+    /// A part of a unit without the part before it: a defect of the elaborator.
     #[error("step {step}: {unit} has no part before it")]
     PartApart {
         /// The unit's part.
@@ -161,7 +170,29 @@ pub enum Error {
         /// The step.
         step: String,
     },
-    /// The netlist did not build.
+    /// An error of the netlist.
     #[error(transparent)]
     Netlist(#[from] raypath_hdl::Error),
+}
+
+/// A stage whose budget is less than what an operation needs there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shortage {
+    /// The stage.
+    pub stage: u32,
+    /// The kind of unit.
+    pub kind: UnitKind,
+    /// The number that the operation needs.
+    pub needed: usize,
+    /// The number that the budget allows.
+    pub allowed: usize,
+}
+
+/// `stage 2 needs 24 adders, 20 allowed`.
+impl fmt::Display for Shortage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { stage, kind, needed, allowed } = self;
+        let plural = if *needed == 1 { "" } else { "s" };
+        write!(f, "stage {stage} needs {needed} {kind}{plural}, {allowed} allowed")
+    }
 }

@@ -1,7 +1,8 @@
-//! Elaboration: operations become an elastic pipeline of shared units.
+//! Elaboration of operations into an elastic pipeline of shared floating-point units.
 //!
-//! An operation is run once over a circuit that records it (`graph.rs`). From the record follow the units of each
-//! stage, the registers between them and the ports (`plan.rs`); from those the netlist ([`Datapath::top`]).
+//! The layers of the crate, in order: `config` declares the parameters; `ir` records each operation as a graph;
+//! `schedule` assigns stages and steps; `allocate` assigns units and registers; `emit` builds the netlist
+//! ([`Datapath::top`]); and [`package`] writes it as files for other flows.
 //!
 //! ```
 //! use raypath_rtl::{Config, Datapath, Lanes};
@@ -12,44 +13,27 @@
 //! # Ok::<(), raypath_rtl::Error>(())
 //! ```
 
-mod binding;
-mod boundary;
-mod budget;
+mod allocate;
 mod config;
-mod control;
 mod datapath;
-mod demand;
-mod elastic;
+mod emit;
 mod error;
-mod graph;
-mod input;
-mod library;
-mod liveness;
-mod output;
+mod ir;
+mod operations;
 pub mod package;
-mod place;
-mod plan;
-mod properties;
 pub mod report;
 mod schedule;
-mod stage;
-mod steps;
-mod top;
-mod tracer;
-mod units;
-mod values;
 
-pub use budget::{Budget, Shortage};
 pub use config::{
     Accumulators, Config, Control, Encoding, Features, Lanes, Microarchitecture, OperationVisitor, PARAMETER_GROUPS,
     PRESETS, Parameter, ParameterGroup, ParseChoiceError, Preset, Semantics, Sharing, UnitLatency, alternatives,
     parameters,
 };
-pub use datapath::{Datapath, MOST_OPERATIONS, Operations, Registers, StageNote, StateLoop};
-pub use error::Error;
-pub use properties::{Bind, Checker, Properties};
-pub use steps::Step;
-pub use units::{UnitKind, Units};
-
-/// The stages between the input's registers and the output's (Table VII).
-pub const STAGES: u32 = 11;
+pub use datapath::{Datapath, Registers, StageNote, StateLoop};
+pub use emit::properties::{Bind, Checker, Properties};
+pub use error::{Error, Shortage};
+pub use ir::graph::MAX_OPERATIONS;
+pub use ir::position::{STAGES, StepLabel};
+pub use ir::units::{UnitKind, Units};
+pub use operations::Operations;
+pub use schedule::Budget;

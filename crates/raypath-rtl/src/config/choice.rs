@@ -51,10 +51,10 @@ macro_rules! choices {
         }
 
         impl std::str::FromStr for $name {
-            type Err = $crate::config::ParseChoiceError;
+            type Err = $crate::config::choice::ParseChoiceError;
             fn from_str(text: &str) -> Result<Self, Self::Err> {
                 let found = Self::ALL.iter().copied().find(|value| value.to_string() == text);
-                found.ok_or_else(|| $crate::config::ParseChoiceError::new(text, $what, Self::ALL))
+                found.ok_or_else(|| $crate::config::choice::ParseChoiceError::new(text, $what, Self::ALL))
             }
         }
 
@@ -67,10 +67,10 @@ macro_rules! choices {
             }
         }
 
-        impl $crate::config::parameter::Values<Self> for $name {
+        impl $crate::config::values::Values<Self> for $name {
             const TEXTS: &'static str = concat!($first_text $(, "|", $text)*);
             fn parse(text: &str) -> Result<Self, String> {
-                text.parse().map_err(|problem: $crate::config::ParseChoiceError| problem.to_string())
+                text.parse().map_err(|problem: $crate::config::choice::ParseChoiceError| problem.to_string())
             }
             fn write(value: Self) -> String {
                 value.to_string()

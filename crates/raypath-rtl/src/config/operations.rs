@@ -1,6 +1,7 @@
 //! The operations of a configuration, for hardware and models alike.
 
-use super::{Accumulators, Lanes, Semantics};
+use super::declarations::Semantics;
+use super::enumerations::{Accumulators, Lanes};
 use raypath_ops::{
     Angular, AngularMany, Euclidean, EuclideanMany, JobKind, Operation, RayBox, RayBoxConservative, RayTriangle,
     RayTriangleExtended,

@@ -1,9 +1,6 @@
 //! Parameters: what the command line, configuration files and documents need to know of each field of a configuration.
 
-use super::{Config, Features, Microarchitecture, Semantics};
-use raypath_float::Format;
-use raypath_ops::{Culling, Rules};
-use std::str::FromStr;
+use super::declarations::Config;
 
 /// A parameter of a configuration.
 #[derive(Debug, Clone, Copy)]
@@ -27,15 +24,6 @@ pub struct ParameterGroup {
     pub heading: &'static str,
     /// The parameters, in the order in which they are shown.
     pub parameters: &'static [Parameter],
-}
-
-/// All parameters, by group.
-pub const PARAMETER_GROUPS: [ParameterGroup; 3] =
-    [Semantics::PARAMETERS, Microarchitecture::PARAMETERS, Features::PARAMETERS];
-
-/// All parameters, in the order in which they are shown.
-pub fn parameters() -> impl Iterator<Item = &'static Parameter> {
-    PARAMETER_GROUPS.iter().flat_map(|group| group.parameters)
 }
 
 impl Parameter {
@@ -64,65 +52,6 @@ impl Parameter {
     }
 }
 
-/// How a parameter's values of type `T` are written.
-pub trait Values<T> {
-    /// The accepted texts, separated by `|`.
-    const TEXTS: &'static str;
-    /// Whether the flag alone means `true`.
-    const IS_SWITCH: bool = false;
-
-    /// Reads a value; the message of an error quotes the text and says what was expected.
-    fn parse(text: &str) -> Result<T, String>;
-
-    /// Writes a value.
-    fn write(value: T) -> String;
-}
-
-fn parse<T: FromStr<Err: ToString>>(text: &str) -> Result<T, String> {
-    text.parse().map_err(|problem: T::Err| problem.to_string())
-}
-
-impl Values<Self> for bool {
-    const TEXTS: &'static str = "true|false";
-    const IS_SWITCH: bool = true;
-    fn parse(text: &str) -> Result<Self, String> {
-        text.parse().map_err(|_| format!("'{text}', expected true or false"))
-    }
-    fn write(value: Self) -> String {
-        value.to_string()
-    }
-}
-
-impl Values<Self> for Format {
-    const TEXTS: &'static str = "fp32|tf32|bf16|fp16|eXsY";
-    fn parse(text: &str) -> Result<Self, String> {
-        parse(text)
-    }
-    fn write(value: Self) -> String {
-        value.name()
-    }
-}
-
-impl Values<Self> for Rules {
-    const TEXTS: &'static str = "paper|chisel";
-    fn parse(text: &str) -> Result<Self, String> {
-        parse(text)
-    }
-    fn write(value: Self) -> String {
-        value.to_string()
-    }
-}
-
-impl Values<Self> for Culling {
-    const TEXTS: &'static str = "back|front|none";
-    fn parse(text: &str) -> Result<Self, String> {
-        parse(text)
-    }
-    fn write(value: Self) -> String {
-        value.to_string()
-    }
-}
-
 /// Declares a struct of parameters: for each field its name on the command line, its type and its default. The first
 /// line says where the struct is in a [`Config`], the second is the heading of the group. `as` names the type that
 /// says how the values of a field are written, if that is not the field's own type.
@@ -147,9 +76,9 @@ macro_rules! declare_parameters {
             /// Every parameter at its default.
             pub const DEFAULT: Self = Self { $($field: $default,)* $($inner: $inner_default,)* };
 
-            pub(super) const PARAMETERS: $crate::config::ParameterGroup = $crate::config::ParameterGroup {
+            pub(super) const PARAMETERS: ParameterGroup = ParameterGroup {
                 heading: $heading,
-                parameters: &[$($crate::config::Parameter {
+                parameters: &[$(Parameter {
                     name: $name,
                     values: <values!($type $(, $values)?) as Values<$type>>::TEXTS,
                     is_switch: <values!($type $(, $values)?) as Values<$type>>::IS_SWITCH,
@@ -162,11 +91,11 @@ macro_rules! declare_parameters {
                 },)*],
             };
 
-            const fn of(config: &$crate::config::Config) -> &Self {
+            const fn of(config: &Config) -> &Self {
                 &config$(.$path)+
             }
 
-            const fn of_mut(config: &mut $crate::config::Config) -> &mut Self {
+            const fn of_mut(config: &mut Config) -> &mut Self {
                 &mut config$(.$path)+
             }
         }
@@ -177,7 +106,7 @@ macro_rules! declare_parameters {
             }
         }
 
-        impl $crate::config::Config {
+        impl Config {
             $(
                 #[doc = concat!("This configuration with another value of `", $name, "`.")]
                 pub const fn $field(mut self, value: $type) -> Self {

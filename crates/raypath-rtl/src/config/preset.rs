@@ -1,6 +1,8 @@
 //! Presets: named configurations, for the command line, tests, documents and reports.
 
-use super::{Config, Control, Encoding, Lanes, ParseChoiceError, Sharing, UnitLatency};
+use super::choice::ParseChoiceError;
+use super::declarations::Config;
+use super::enumerations::{Control, Encoding, Lanes, Sharing, UnitLatency};
 use raypath_float::Format;
 use raypath_ops::Rules;
 use std::fmt;

@@ -1,6 +1,6 @@
 //! The datapath in tables: schedule (Table VII), units (Table VIII) and registers, all computed from the netlist.
 
-use crate::{Budget, Config, Datapath, Lanes, PRESETS, STAGES, StageNote, Step, UnitKind, UnitLatency, Units};
+use crate::{Budget, Config, Datapath, Lanes, PRESETS, STAGES, StageNote, StepLabel, UnitKind, UnitLatency, Units};
 use comfy_table::presets::ASCII_MARKDOWN;
 use comfy_table::{ContentArrangement, Table};
 use raypath_ops::{JobKind, Rules};
@@ -132,7 +132,7 @@ pub fn difference(datapath: &Datapath, config: Config, index: usize) -> Vec<&'st
     causes
 }
 
-fn paper_units(step: Step) -> Units {
+fn paper_units(step: StepLabel) -> Units {
     Budget::TABLE_VIII.units(step.stage)
 }
 

@@ -1,105 +1,105 @@
-//! What a schedule costs.
+//! The cost of a schedule.
 
-use super::problem::{Part, Problem, part};
-use crate::STAGES;
-use crate::budget::{Budget, KINDS};
-use crate::graph::{Kind, NodeId, Op, Traced};
-use crate::liveness;
-use crate::units::{UnitKind, Units, part as unit};
+use super::budget::{Budget, KINDS};
+use super::problem::{Class, Problem, class};
+use crate::ir::graph::{Kind, NodeId, Op, OperationGraph};
+use crate::ir::liveness;
+use crate::ir::position::{STAGES, Stage};
+use crate::ir::units::{UnitKind, Units};
 
-/// Less is better, the first thing first.
+/// The cost of a schedule. Lower is better; earlier fields take precedence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Cost {
-    /// Units beyond a budget, over all stages, and how often it has to be widened.
+    /// The number of units beyond the budget in all stages, and the number of limits exceeded.
     over_budget: (usize, usize),
-    /// Stages between the first state and the last: a job must wait so long for the one before it.
-    apart: u32,
-    /// Where there is no budget, units beyond those that others have.
+    /// The number of stages between the first state and the last: a job waits so long for the previous one.
+    state_span: u32,
+    /// Without a budget: the number of units beyond those of the other operations.
     new_units: usize,
-    /// Bits in the registers that it shares with the others of its set, over all boundaries.
+    /// Bits in the registers shared with the other operations, over all boundaries.
     shared: u64,
-    /// Bits in registers of its own, over all boundaries.
+    /// Bits in the registers of this operation alone, over all boundaries.
     bits: u64,
-    /// How often what a unit makes or takes has logic or another unit beside it in its stage.
-    strung: usize,
+    /// The number of dependences between a unit and another unit or logic in the same stage.
+    chained: usize,
 }
 
-/// What an operation has in registers at each boundary.
+/// The registers that an operation needs at each boundary.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Load {
+pub struct RegisterLoad {
     numbers: [u64; BOUNDARIES],
     /// Bits of small words.
     flags: [u64; BOUNDARIES],
 }
 
-/// One after each stage, and the input's.
+/// The boundary after each stage, and that of the input's registers.
 const BOUNDARIES: usize = STAGES as usize + 1;
 
-/// What a schedule has to live with.
-pub struct Given {
-    /// The units that it may use.
+/// The constraints and the context of a schedule.
+pub struct Constraints {
+    /// The units that the operation may use.
     pub allowed: Budget,
-    /// Whether more of them are an error.
+    /// Whether more units are an error.
     pub is_budget: bool,
-    /// What others of the set have in the same registers.
-    pub others: Load,
+    /// The registers of the other operations.
+    pub others: RegisterLoad,
     /// Bits of a number in a register.
     pub number_width: u32,
 }
 
-/// Everything that the cost of a schedule is computed from.
+/// The data for computing the cost of a schedule.
 pub struct Costs<'a> {
-    given: &'a Given,
+    constraints: &'a Constraints,
     values: Vec<Value>,
-    /// Units and their groups.
+    /// The kind of each unit, and its group.
     units: Vec<(UnitKind, usize)>,
-    /// Groups that are one unit's neighbours.
-    strings: Vec<(usize, usize)>,
+    /// Pairs of dependent groups, at least one of which has a unit.
+    dependences: Vec<(usize, usize)>,
     /// The groups of states.
     states: Vec<usize>,
 }
 
-/// A value, and what liveness asks of it.
+/// A value with its live range.
 struct Value {
-    /// Bits of a small word; none for a number.
+    /// Bits of a word; `None` for a number.
     width: Option<u32>,
-    /// Who makes it; none for an input.
+    /// The group that computes it; `None` for an input.
     made: Option<usize>,
     readers: Vec<usize>,
     is_output: bool,
-    /// Tests of it that float: who reads them, and whether they are outputs.
+    /// Its movable tests: the groups that read each, and whether it is an output.
     tests: Vec<(Vec<usize>, bool)>,
 }
 
 impl<'a> Costs<'a> {
-    pub fn new(problem: &Problem<'_>, given: &'a Given) -> Self {
-        let traced = problem.traced;
+    pub fn new(problem: &Problem<'_>, constraints: &'a Constraints) -> Self {
+        let graph = problem.graph;
         let group = |id: NodeId| problem.group_of[id.index()];
-        let mut readers: Vec<Vec<usize>> = vec![Vec::new(); traced.nodes.len()];
-        let (mut units, mut strings) = (Vec::new(), Vec::new());
+        let mut readers: Vec<Vec<usize>> = vec![Vec::new(); graph.nodes.len()];
+        let (mut units, mut dependences) = (Vec::new(), Vec::new());
         for (number, &id) in problem.groups.iter().enumerate().flat_map(|(g, ids)| ids.iter().map(move |id| (g, id))) {
-            traced.operands(id).into_iter().for_each(|operand| readers[operand.index()].push(number));
-            units.extend(unit(traced, id).map(|(kind, _)| (kind, number)));
-            let beside = problem.made_of(id).into_iter();
-            let beside = beside.filter(|&o| part(traced, o) != Part::Logic || part(traced, id) != Part::Logic);
-            strings.extend(beside.filter_map(group).filter(|&other| other != number).map(|other| (other, number)));
+            graph.operands(id).into_iter().for_each(|operand| readers[operand.index()].push(number));
+            units.extend(graph.unit_part(id).map(|(kind, _)| (kind, number)));
+            let near = problem.placed_operands(id).into_iter();
+            let near = near.filter(|&o| class(graph, o) != Class::Logic || class(graph, id) != Class::Logic);
+            dependences.extend(near.filter_map(group).filter(|&other| other != number).map(|other| (other, number)));
         }
-        for state in &traced.states {
+        for state in &graph.states {
             readers[state.next.index()].extend(group(state.next));
         }
-        let is_output = |id: NodeId| traced.outputs.iter().any(|output| output.node == id);
-        let is_test = |id: NodeId| traced.floats(id);
+        let is_output = |id: NodeId| graph.outputs.iter().any(|output| output.node == id);
+        let is_test = |id: NodeId| graph.is_movable(id);
         let tests = |of: NodeId| {
             let tests =
-                traced.ids().filter(move |&id| matches!(traced.node(id).op, Op::Test(_, operand) if operand == of));
+                graph.ids().filter(move |&id| matches!(graph.node(id).op, Op::Test(_, operand) if operand == of));
             let tests = tests.filter(|&id| is_test(id));
             tests.map(|id| (readers[id.index()].clone(), is_output(id))).collect::<Vec<_>>()
         };
-        let values = traced
+        let values = graph
             .ids()
-            .filter(|&id| !traced.is_everywhere(id) && !is_test(id))
+            .filter(|&id| !graph.is_everywhere(id) && !is_test(id))
             .map(|id| Value {
-                width: match traced.node(id).kind {
+                width: match graph.node(id).kind {
                     Kind::Word(width) => Some(width),
                     Kind::Number | Kind::Order | Kind::Cut(..) => None,
                 },
@@ -109,43 +109,43 @@ impl<'a> Costs<'a> {
                 tests: tests(id),
             })
             .collect();
-        Self { given, values, units, strings, states: problem.states.iter().flatten().copied().collect() }
+        Self { constraints, values, units, dependences, states: problem.states.iter().flatten().copied().collect() }
     }
 
-    /// The cost of a schedule, by the stage of each group.
+    /// The cost of a schedule, given as the stage of each group.
     pub fn of(&self, stages: &[u32]) -> Cost {
         let mut used = [Units::default(); STAGES as usize + 1];
         for &(kind, group) in &self.units {
             *used[stages[group] as usize].of_mut(kind) += 1;
         }
         let over = used.iter().enumerate().flat_map(|(stage, used)| {
-            let allowed = self.given.allowed.units(stage as u32);
+            let allowed = self.constraints.allowed.units(stage as u32);
             KINDS.map(|kind| used.of(kind).saturating_sub(allowed.of(kind)))
         });
         let excess = (over.clone().sum(), over.filter(|&over| over > 0).count());
         let states = self.states.iter().map(|&group| stages[group]);
         let (first, last) = (states.clone().min(), states.max());
-        let number_width = self.given.number_width.into();
-        let mut load = Load::default();
-        self.values.iter().for_each(|value| value.put(stages, &mut load));
+        let number_width = self.constraints.number_width.into();
+        let mut load = RegisterLoad::default();
+        self.values.iter().for_each(|value| value.add_to(stages, &mut load));
         Cost {
-            over_budget: if self.given.is_budget { excess } else { (0, 0) },
-            apart: last.unwrap_or(0).saturating_sub(first.unwrap_or(0)),
-            new_units: if self.given.is_budget { 0 } else { excess.0 },
-            shared: load.clone().or(&self.given.others).bits(number_width),
+            over_budget: if self.constraints.is_budget { excess } else { (0, 0) },
+            state_span: last.unwrap_or(0).saturating_sub(first.unwrap_or(0)),
+            new_units: if self.constraints.is_budget { 0 } else { excess.0 },
+            shared: load.clone().or(&self.constraints.others).bits(number_width),
             bits: load.bits(number_width),
-            strung: self.strings.iter().filter(|&&(a, b)| stages[a] == stages[b]).count(),
+            chained: self.dependences.iter().filter(|&&(a, b)| stages[a] == stages[b]).count(),
         }
     }
 }
 
-impl Load {
-    /// What an operation has whose stages are known.
-    pub fn of(traced: &Traced) -> Self {
+impl RegisterLoad {
+    /// The registers that an operation needs. Its stages must be assigned.
+    pub fn of(graph: &OperationGraph<Stage>) -> Self {
         let mut load = Self::default();
-        for (boundary, work) in liveness::work(traced, STAGES).iter().enumerate() {
-            for &id in &work.carried {
-                match traced.node(id).kind {
+        for (boundary, values) in liveness::analyse(graph, STAGES).iter().enumerate() {
+            for &id in &values.carried {
+                match graph.node(id).kind {
                     Kind::Word(width) => load.flags[boundary] += u64::from(width),
                     Kind::Number | Kind::Order | Kind::Cut(..) => load.numbers[boundary] += 1,
                 }
@@ -154,7 +154,7 @@ impl Load {
         load
     }
 
-    /// Boundary by boundary, whichever is more: a register holds one operation's value at a time.
+    /// The greater need of both at each boundary, because a register holds one operation's value at a time.
     pub fn or(mut self, other: &Self) -> Self {
         for boundary in 0..BOUNDARIES {
             self.numbers[boundary] = self.numbers[boundary].max(other.numbers[boundary]);
@@ -169,8 +169,9 @@ impl Load {
 }
 
 impl Value {
-    /// Puts it into the registers: itself until its last reader, then each test of it until that one's.
-    fn put(&self, stages: &[u32], load: &mut Load) {
+    /// Adds the value to the registers: the value itself until its last reader, then each of its tests until the test's
+    /// last reader.
+    fn add_to(&self, stages: &[u32], load: &mut RegisterLoad) {
         let last = |readers: &[usize], is_output: bool| {
             let read = readers.iter().map(|&group| stages[group]).max();
             if is_output { Some(STAGES + 1) } else { read }
@@ -179,7 +180,7 @@ impl Value {
         let tested = self.tests.iter().filter_map(|(readers, is_output)| last(readers, *is_output));
         let Some(all) = own.max(tested.clone().max()) else { return };
         let made = self.made.map_or(0, |group| stages[group]);
-        // A test of an input is made in stage 1 at the earliest.
+        // A test of an input is computed in stage 1 at the earliest.
         let end = own.unwrap_or(0).max(made).max(all.min(1));
         let boundaries = made as usize..end as usize;
         match self.width {

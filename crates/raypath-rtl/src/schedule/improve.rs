@@ -1,27 +1,27 @@
-//! Local improvement: small changes, each taken if it costs less.
+//! Local improvement: applies small changes that reduce the cost.
 
-use super::LAST;
 use super::cost::Costs;
 use super::problem::Problem;
-use super::settle::Sides;
+use super::settle::Directions;
+use crate::ir::position::LAST_STAGE;
 use std::collections::BTreeSet;
 
-/// Rounds over all changes. Each takes at least a bit away, and a handful is enough; this bounds the time.
-const ROUNDS: usize = 50;
+/// The greatest number of rounds over all changes. A few are usually enough; the limit bounds the time.
+const MAX_ROUNDS: usize = 50;
 
-/// Moves single groups, all readers of a value together, and all that a group is made of or makes with it, until no
-/// such change makes the schedule cheaper.
-pub fn improve(problem: &Problem<'_>, sides: &Sides, costs: &Costs<'_>, start: Vec<u32>) -> Vec<u32> {
+/// Moves single groups, all readers of a value together, and all groups with state together, each with the groups that
+/// must move along, until no such move reduces the cost.
+pub fn improve(problem: &Problem<'_>, directions: &Directions, costs: &Costs<'_>, start: Vec<u32>) -> Vec<u32> {
     let (mut stages, mut cost) = (start.clone(), costs.of(&start));
-    let (earliest, latest) = (sides.earliest(), sides.latest());
+    let (earliest, latest) = (directions.earliest(), directions.latest());
     let sets = sets(problem);
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let before = cost;
         for set in &sets {
             let first = set.iter().map(|&group| earliest[group]).min().unwrap_or(1);
             let last = set.iter().map(|&group| latest[group]).max().unwrap_or(1);
             for target in first..=last {
-                for changed in [later(sides, &stages, set, target), earlier(sides, &stages, set, target)] {
+                for changed in [later(directions, &stages, set, target), earlier(directions, &stages, set, target)] {
                     let Some(changed) = changed else { continue };
                     let new = costs.of(&changed);
                     if new < cost {
@@ -37,12 +37,12 @@ pub fn improve(problem: &Problem<'_>, sides: &Sides, costs: &Costs<'_>, start: V
     stages
 }
 
-/// Groups that are moved together: each alone, the readers of each value, and those with state.
+/// The sets of groups to move together: each group alone, the readers of each value, and the groups with state.
 fn sets(problem: &Problem<'_>) -> Vec<Vec<usize>> {
     let mut sets: Vec<Vec<usize>> = (0..problem.groups.len()).map(|group| vec![group]).collect();
-    let mut readers: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); problem.traced.nodes.len()];
+    let mut readers: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); problem.graph.nodes.len()];
     for (number, group) in problem.groups.iter().enumerate() {
-        for operand in group.iter().flat_map(|&id| problem.traced.operands(id)) {
+        for operand in group.iter().flat_map(|&id| problem.graph.operands(id)) {
             readers[operand.index()].insert(number);
         }
     }
@@ -52,17 +52,20 @@ fn sets(problem: &Problem<'_>) -> Vec<Vec<usize>> {
     sets
 }
 
-/// Moves whoever of the set is before `target` to it, and later what has to follow; none where that is nobody or too
-/// far.
-fn later(sides: &Sides, stages: &[u32], set: &[usize], target: u32) -> Option<Vec<u32>> {
+/// Moves the groups of the set that are before `target` to `target`, and the groups that depend on them to later
+/// stages.
+/// `None` if no group is before `target`, or a group would leave the pipeline.
+fn later(directions: &Directions, stages: &[u32], set: &[usize], target: u32) -> Option<Vec<u32>> {
     let moved: Vec<usize> = set.iter().copied().filter(|&group| stages[group] < target).collect();
-    change(stages, &moved, target, |stages| sides.settle_later(stages))
+    change(stages, &moved, target, |stages| directions.settle_later(stages))
 }
 
-/// Moves whoever is behind `target` to it, and earlier what has to come before.
-fn earlier(sides: &Sides, stages: &[u32], set: &[usize], target: u32) -> Option<Vec<u32>> {
+/// Moves the groups of the set that are after `target` to `target`, and the groups that they depend on to earlier
+/// stages.
+/// `None` if no group is after `target`, or a group would leave the pipeline.
+fn earlier(directions: &Directions, stages: &[u32], set: &[usize], target: u32) -> Option<Vec<u32>> {
     let moved: Vec<usize> = set.iter().copied().filter(|&group| stages[group] > target).collect();
-    change(stages, &moved, target, |stages| sides.settle_earlier(stages))
+    change(stages, &moved, target, |stages| directions.settle_earlier(stages))
 }
 
 fn change(stages: &[u32], moved: &[usize], target: u32, settle: impl Fn(&mut [u32])) -> Option<Vec<u32>> {
@@ -72,5 +75,5 @@ fn change(stages: &[u32], moved: &[usize], target: u32, settle: impl Fn(&mut [u3
     let mut changed = stages.to_vec();
     moved.iter().for_each(|&group| changed[group] = target);
     settle(&mut changed);
-    changed.iter().all(|stage| (1..=LAST).contains(stage)).then_some(changed)
+    changed.iter().all(|stage| (1..=LAST_STAGE).contains(stage)).then_some(changed)
 }

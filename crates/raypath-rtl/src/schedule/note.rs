@@ -1,32 +1,33 @@
-//! What the stages of an automatic schedule do, in words.
+//! Descriptions of the stages of an automatic schedule.
 
-use super::{LAST, is_made};
-use crate::graph::{NodeId, Op, Traced};
-use crate::liveness;
+use crate::ir::graph::{NodeId, Op, OperationGraph};
+use crate::ir::liveness;
+use crate::ir::position::{LAST_STAGE, Stage};
 use std::borrow::Cow;
 
-/// Names that a note lists.
-const NAMES: usize = 5;
+/// The greatest number of names in a description.
+const MAX_NAMES: usize = 5;
 
-/// What each stage makes, by the names that the operation gave; by operator where it gave none.
-pub fn notes(traced: &Traced) -> Vec<(u32, Cow<'static, str>)> {
-    let works = liveness::work(traced, LAST).into_iter().zip(0..);
-    let notes = works.map(|(work, stage)| (stage, note(traced, &work.made)));
+/// The values that each stage computes: their names in the operation's description, or their operators if they have
+/// none.
+pub fn notes(graph: &OperationGraph<Stage>) -> Vec<(u32, Cow<'static, str>)> {
+    let positions = liveness::analyse(graph, LAST_STAGE).into_iter().zip(0..);
+    let notes = positions.map(|(values, stage)| (stage, note(graph, &values.made)));
     let notes = notes.filter(|(stage, note)| *stage > 0 && !note.is_empty());
     notes.map(|(stage, note)| (stage, Cow::Owned(note))).collect()
 }
 
-fn note(traced: &Traced, made: &[NodeId]) -> String {
-    let made = made.iter().filter(|&&id| is_made(traced, id) && !traced.floats(id));
+fn note(graph: &OperationGraph<Stage>, made: &[NodeId]) -> String {
+    let made = made.iter().filter(|&&id| graph.is_computed(id) && !graph.is_movable(id));
     let mut named: Vec<String> = Vec::new();
     let mut counted: Vec<(usize, &'static str)> = Vec::new();
     for &id in made {
-        if let Some(name) = &traced.node(id).name {
+        if let Some(name) = &graph.node(id).name {
             let stem = stem(name);
             if !named.contains(&stem) {
                 named.push(stem);
             }
-        } else if let Some(operator) = operator(&traced.node(id).op) {
+        } else if let Some(operator) = operator(&graph.node(id).op) {
             match counted.iter_mut().find(|(_, known)| *known == operator) {
                 Some((count, _)) => *count += 1,
                 None => counted.push((1, operator)),
@@ -36,15 +37,15 @@ fn note(traced: &Traced, made: &[NodeId]) -> String {
     if named.is_empty() {
         named = counted.into_iter().map(|(count, operator)| format!("{count} {operator}")).collect();
     }
-    let more = named.len().saturating_sub(NAMES);
-    named.truncate(NAMES);
+    let more = named.len().saturating_sub(MAX_NAMES);
+    named.truncate(MAX_NAMES);
     if more > 0 {
         named.push(format!("{more} more"));
     }
     named.join(", ")
 }
 
-/// A name without what numbers one of many: `relative_0_x_min` is one of `relative`.
+/// A name without its index and what follows: `relative` for `relative_0_x_min`.
 fn stem(name: &str) -> String {
     let is_word = |segment: &&str| segment.parse::<u32>().is_err();
     let words: Vec<&str> = name.split('_').take_while(is_word).collect();

@@ -1,90 +1,90 @@
-//! What is to be scheduled: groups of values that share a stage, and what each is made of.
+//! The scheduling problem: groups of values that share a stage, and their dependences.
 
-use super::is_made;
-use crate::graph::{NodeId, Op, Traced};
+use crate::ir::graph::{NodeId, Op, OperationGraph};
+use crate::ir::position::Stage;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// An operation as the scheduler sees it. What nobody reads is left out, and so are tests that float: where they are
-/// made follows from the rest.
-pub struct Problem<'t> {
-    pub traced: &'t Traced,
-    /// Values that share a stage, operands first; groups come after those that they read.
+/// The scheduling problem of an operation. Dead values are left out, and so are movable tests, whose stages follow from
+/// those of the other values.
+pub struct Problem<'g> {
+    pub graph: &'g OperationGraph<Stage>,
+    /// Values that share a stage, operands first. Groups are in topological order.
     pub groups: Vec<Vec<NodeId>>,
-    /// The group of each value that has a stage to be found.
+    /// The group of each value that is to be scheduled.
     pub group_of: Vec<Option<usize>>,
-    /// The group that reads and writes each state; none where that needs no stage.
+    /// The group that reads and writes each state; `None` if no group does.
     pub states: Vec<Option<usize>>,
 }
 
-impl<'t> Problem<'t> {
-    pub fn new(traced: &'t Traced) -> Self {
-        let nexts: BTreeSet<NodeId> = traced.states.iter().map(|state| state.next).collect();
-        let live = traced.live();
-        let placed: Vec<bool> = traced
+impl<'g> Problem<'g> {
+    pub fn new(graph: &'g OperationGraph<Stage>) -> Self {
+        let nexts: BTreeSet<NodeId> = graph.states.iter().map(|state| state.next).collect();
+        let live = graph.live();
+        let placed: Vec<bool> = graph
             .ids()
-            .map(|id| live[id.index()] && is_made(traced, id) && (!traced.floats(id) || nexts.contains(&id)))
+            .map(|id| live[id.index()] && graph.is_computed(id) && (!graph.is_movable(id) || nexts.contains(&id)))
             .collect();
-        let fellows = fellows(traced, &placed);
+        let colocated = colocated(graph, &placed);
         let mut problem =
-            Self { traced, groups: Vec::new(), group_of: vec![None; traced.nodes.len()], states: Vec::new() };
-        problem.sort(&placed, &fellows);
-        // A constant that becomes state has no group, but fellows that read that state.
+            Self { graph, groups: Vec::new(), group_of: vec![None; graph.nodes.len()], states: Vec::new() };
+        problem.sort(&placed, &colocated);
+        // A constant that is the next value of a state has no group, but the readers of that state have one.
         let of_next = |next: NodeId| {
-            let mut fellows = traced.ids().filter(|&id| fellows.first(id) == fellows.first(next));
-            fellows.find_map(|id| problem.group_of[id.index()])
+            let mut group = graph.ids().filter(|&id| colocated.first(id) == colocated.first(next));
+            group.find_map(|id| problem.group_of[id.index()])
         };
-        problem.states = traced.states.iter().map(|state| of_next(state.next)).collect();
+        problem.states = graph.states.iter().map(|state| of_next(state.next)).collect();
         problem
     }
 
-    /// The values with a stage that a value is made of; a test that floats stands for what it tests.
-    pub fn made_of(&self, id: NodeId) -> Vec<NodeId> {
-        let operands = self.traced.operands(id).into_iter().filter_map(|operand| {
+    /// The scheduled operands of a value. A movable test is replaced by its operand.
+    pub fn placed_operands(&self, id: NodeId) -> Vec<NodeId> {
+        let operands = self.graph.operands(id).into_iter().filter_map(|operand| {
             let is_placed = |id: &NodeId| self.group_of[id.index()].is_some();
-            let tested = self.traced.operands(operand).first().copied().filter(|_| self.traced.floats(operand));
+            let tested = self.graph.operands(operand).first().copied().filter(|_| self.graph.is_movable(operand));
             Some(operand).filter(is_placed).or(tested.filter(is_placed))
         });
         operands.collect::<BTreeSet<_>>().into_iter().collect()
     }
 
-    /// The stages that groups have in the record.
+    /// The present stages of the groups.
     pub fn stages_of_groups(&self) -> Vec<u32> {
-        self.groups.iter().map(|group| self.traced.node(group[0]).stage).collect()
+        self.groups.iter().map(|group| self.graph.node(group[0]).position.0).collect()
     }
 
-    /// The stage of every value, given those of groups.
-    pub fn stages_of_nodes(&self, stages: &[u32]) -> Vec<u32> {
-        let mut of_nodes: Vec<u32> = vec![0; self.traced.nodes.len()];
-        for id in self.traced.ids() {
-            let operands = self.traced.operands(id);
-            of_nodes[id.index()] = match (self.group_of[id.index()], self.traced.node(id).op.clone()) {
-                (Some(group), _) => stages[group],
-                (None, Op::Input(_)) => 0,
-                // As early as can be: what floats, what is everywhere.
-                _ => operands.iter().map(|operand| of_nodes[operand.index()]).max().unwrap_or(0).max(1),
+    /// The stage of every value, given the stage of each group.
+    pub fn stages_of_nodes(&self, stages: &[u32]) -> Vec<Stage> {
+        let mut of_nodes = vec![Stage(0); self.graph.nodes.len()];
+        for id in self.graph.ids() {
+            let operands = self.graph.operands(id);
+            of_nodes[id.index()] = match (self.group_of[id.index()], self.graph.node(id).op.clone()) {
+                (Some(group), _) => Stage(stages[group]),
+                (None, Op::Input(_)) => Stage(0),
+                // Movable values and constants: as early as possible.
+                _ => operands.iter().map(|operand| of_nodes[operand.index()]).max().unwrap_or(Stage(1)).max(Stage(1)),
             };
         }
-        // State that becomes a constant does so where it is read.
-        for (state, group) in self.traced.states.iter().zip(&self.states) {
-            if let (true, &Some(group)) = (self.traced.is_everywhere(state.next), group) {
-                of_nodes[state.next.index()] = stages[group];
+        // A state whose next value is a constant is written in the stage that reads it.
+        for (state, group) in self.graph.states.iter().zip(&self.states) {
+            if let (true, &Some(group)) = (self.graph.is_everywhere(state.next), group) {
+                of_nodes[state.next.index()] = Stage(stages[group]);
             }
         }
         of_nodes
     }
 
-    /// The units along a chain of values that ends in the last of these stages, first to last.
+    /// The names of the units on a longest chain of values, first to last.
     pub fn longest_chain(&self, stages: &[u32]) -> Vec<String> {
         let mut chain = Vec::new();
         let mut at = (0..self.groups.len()).max_by_key(|&group| stages[group]);
         while let Some(group) = at {
-            for &id in self.groups[group].iter().rev().filter(|&&id| part(self.traced, id) != Part::Logic) {
-                let relation = self.groups[group].iter().find(|&&reader| self.traced.operands(reader).contains(&id));
+            for &id in self.groups[group].iter().rev().filter(|&&id| class(self.graph, id) != Class::Logic) {
+                let relation = self.groups[group].iter().find(|&&reader| self.graph.operands(reader).contains(&id));
                 let named = [Some(id), relation.copied()].into_iter().flatten();
-                let mut named = named.filter(|&id| self.traced.node(id).name.is_some());
-                chain.push(self.traced.name_of(named.next().unwrap_or(id)));
+                let mut named = named.filter(|&id| self.graph.node(id).name.is_some());
+                chain.push(self.graph.name_of(named.next().unwrap_or(id)));
             }
-            let before = self.groups[group].iter().flat_map(|&id| self.made_of(id));
+            let before = self.groups[group].iter().flat_map(|&id| self.placed_operands(id));
             let before = before.filter_map(|id| self.group_of[id.index()]).filter(|&other| other != group);
             at = before.max_by_key(|&group| (stages[group], group));
         }
@@ -92,11 +92,11 @@ impl<'t> Problem<'t> {
         chain
     }
 
-    /// Puts groups into an order in which each comes after those that it reads, otherwise as recorded.
-    fn sort(&mut self, placed: &[bool], fellows: &Fellows) {
+    /// Sorts the groups topologically; independent groups keep the order of the graph.
+    fn sort(&mut self, placed: &[bool], colocated: &DisjointSets) {
         let mut members: BTreeMap<NodeId, Vec<NodeId>> = BTreeMap::new();
-        for id in self.traced.ids().filter(|id| placed[id.index()]) {
-            members.entry(fellows.first(id)).or_default().push(id);
+        for id in self.graph.ids().filter(|id| placed[id.index()]) {
+            members.entry(colocated.first(id)).or_default().push(id);
         }
         let keys: Vec<NodeId> = members.keys().copied().collect();
         for (number, members) in members.values().enumerate() {
@@ -106,7 +106,7 @@ impl<'t> Problem<'t> {
             .iter()
             .enumerate()
             .map(|(number, key)| {
-                let read = members[key].iter().flat_map(|&id| self.made_of(id));
+                let read = members[key].iter().flat_map(|&id| self.placed_operands(id));
                 read.filter_map(|id| self.group_of[id.index()]).filter(|&other| other != number).collect()
             })
             .collect();
@@ -130,55 +130,59 @@ impl<'t> Problem<'t> {
     }
 }
 
-/// What a value is to a stage's time.
+/// The contribution of a value to the path through a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum Class {
     /// An adder or a multiplier.
     Unit,
+    /// A comparator.
     Compare,
+    /// Logic.
     Logic,
 }
 
-pub fn part(traced: &Traced, id: NodeId) -> Part {
-    match &traced.node(id).op {
-        op if op.rounds() => Part::Unit,
-        Op::Compare(..) => Part::Compare,
-        _ => Part::Logic,
+/// The class of a value.
+pub fn class(graph: &OperationGraph<Stage>, id: NodeId) -> Class {
+    match &graph.node(id).op {
+        op if op.rounds() => Class::Unit,
+        Op::Compare(..) => Class::Compare,
+        _ => Class::Logic,
     }
 }
 
-/// A comparison and its relations share a stage; so do all that read a state, its next value, and what lies between.
-fn fellows(traced: &Traced, placed: &[bool]) -> Fellows {
-    let mut fellows = Fellows((0..traced.nodes.len()).collect());
-    let placed = || traced.ids().filter(|id| placed[id.index()]);
+/// The values that must share a stage: a comparison and its relations; the readers of a state, its next value, and the
+/// values between them.
+fn colocated(graph: &OperationGraph<Stage>, placed: &[bool]) -> DisjointSets {
+    let mut sets = DisjointSets((0..graph.nodes.len()).collect());
+    let placed = || graph.ids().filter(|id| placed[id.index()]);
     for id in placed() {
-        if let Op::Relation(order, _) = traced.node(id).op {
-            fellows.join(order, id);
+        if let Op::Relation(order, _) = graph.node(id).op {
+            sets.join(order, id);
         }
     }
     let mut loops = BTreeSet::new();
-    for (number, state) in traced.states.iter().enumerate() {
-        let is_read = |id: &NodeId| traced.operands(*id).iter().any(|&o| traced.node(o).op == Op::State(number));
-        for reader in placed().filter(is_read).filter(|_| !matches!(traced.node(state.next).op, Op::Input(_))) {
-            fellows.join(state.next, reader);
+    for (number, state) in graph.states.iter().enumerate() {
+        let is_read = |id: &NodeId| graph.operands(*id).iter().any(|&o| graph.node(o).op == Op::State(number));
+        for reader in placed().filter(is_read).filter(|_| !matches!(graph.node(state.next).op, Op::Input(_))) {
+            sets.join(state.next, reader);
             loops.insert(state.next);
         }
     }
-    while loops.iter().any(|&next| close(traced, &mut fellows, next)) {}
-    fellows
+    while loops.iter().any(|&next| close(graph, &mut sets, next)) {}
+    sets
 }
 
-/// Joins what lies between members of a group to it; whether there was something.
-fn close(traced: &Traced, fellows: &mut Fellows, member: NodeId) -> bool {
-    let edges: Vec<(NodeId, NodeId)> = traced
+/// Adds the values between the members of a group to the group. Returns whether there were any.
+fn close(graph: &OperationGraph<Stage>, sets: &mut DisjointSets, member: NodeId) -> bool {
+    let edges: Vec<(NodeId, NodeId)> = graph
         .ids()
-        .filter(|&id| is_made(traced, id))
-        .flat_map(|id| traced.operands(id).into_iter().map(move |operand| (operand, id)))
-        .filter(|&(operand, _)| is_made(traced, operand))
-        .map(|(operand, id)| (fellows.first(operand), fellows.first(id)))
+        .filter(|&id| graph.is_computed(id))
+        .flat_map(|id| graph.operands(id).into_iter().map(move |operand| (operand, id)))
+        .filter(|&(operand, _)| graph.is_computed(operand))
+        .map(|(operand, id)| (sets.first(operand), sets.first(id)))
         .filter(|(operand, id)| operand != id)
         .collect();
-    let own = fellows.first(member);
+    let own = sets.first(member);
     let reach = |along: &dyn Fn((NodeId, NodeId)) -> (NodeId, NodeId)| {
         let mut next: BTreeMap<NodeId, Vec<NodeId>> = BTreeMap::new();
         for (from, to) in edges.iter().copied().map(along) {
@@ -193,14 +197,14 @@ fn close(traced: &Traced, fellows: &mut Fellows, member: NodeId) -> bool {
     };
     let (after, before) = (reach(&|edge| edge), reach(&|(operand, id)| (id, operand)));
     let between: Vec<NodeId> = after.intersection(&before).copied().filter(|&id| id != own).collect();
-    between.iter().for_each(|&id| fellows.join(own, id));
+    between.iter().for_each(|&id| sets.join(own, id));
     !between.is_empty()
 }
 
-/// Sets of values, each known by its first.
-struct Fellows(Vec<usize>);
+/// Disjoint sets of values. The first value of a set represents it.
+struct DisjointSets(Vec<usize>);
 
-impl Fellows {
+impl DisjointSets {
     fn first(&self, id: NodeId) -> NodeId {
         let mut at = id.index();
         while self.0[at] != at {

@@ -1,121 +1,122 @@
-//! When a group fits into a stage. The rules read the same from either end of the pipeline, so that going forwards and
-//! going backwards are one piece of code: seen from the back, stage 10 is stage 1, and who reads a value is what it is
-//! made of.
+//! The rules for placing groups in stages. They are symmetric, so the same code schedules forwards and backwards: in
+//! the backward direction, stage 10 counts as stage 1, and the readers of a value count as its operands.
 
-use super::LAST;
-use super::problem::{Part, Problem, part};
-use crate::graph::NodeId;
+use super::problem::{Class, Problem, class};
+use crate::ir::graph::NodeId;
+use crate::ir::position::LAST_STAGE;
 
-/// Comparators that may follow each other in a stage.
-const COMPARATORS: u8 = 3;
+/// The greatest number of comparators in a row in a stage.
+const MAX_COMPARATORS: u8 = 3;
 
-/// The operation, seen from the front and from the back.
-pub struct Sides {
-    pub front: Side,
-    pub back: Side,
+/// The problem in both directions.
+pub struct Directions {
+    pub forward: Direction,
+    pub backward: Direction,
 }
 
-/// An operation, seen from one end.
-pub struct Side {
-    /// Groups, each after those that it is made of.
+/// The problem in one direction.
+pub struct Direction {
+    /// The groups, operands first.
     pub order: Vec<usize>,
-    /// Values of each group in that order.
+    /// The values of each group, operands first.
     members: Vec<Vec<NodeId>>,
-    /// What each value is made of.
+    /// The operands of each value.
     near: Vec<Vec<NodeId>>,
-    parts: Vec<Part>,
+    classes: Vec<Class>,
     group_of: Vec<usize>,
-    /// Groups in which units follow each other whatever the stage is: loops that have to be.
+    /// The groups with chains of units that cannot be divided, because they are loops through state.
     chains: Vec<bool>,
-    is_back: bool,
+    is_backward: bool,
 }
 
-/// What follows each other in a stage up to a value.
+/// The units on the path from the beginning of a stage to a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Level {
-    /// An adder or a multiplier.
+    /// Whether there is an adder or a multiplier.
     unit: bool,
+    /// The number of comparators.
     compares: u8,
 }
 
-impl Sides {
+impl Directions {
     pub fn new(problem: &Problem<'_>) -> Self {
-        Self { front: Side::new(problem, false), back: Side::new(problem, true) }
+        Self { forward: Direction::new(problem, false), backward: Direction::new(problem, true) }
     }
 
-    /// The first stage in which each group can be, units being plenty; beyond the last one where there are too few.
+    /// The first possible stage of each group with unlimited units. It may be beyond the last stage.
     pub fn earliest(&self) -> Vec<u32> {
-        let mut stages = vec![1; self.front.order.len()];
-        self.front.settle(&mut stages);
+        let mut stages = vec![1; self.forward.order.len()];
+        self.forward.settle(&mut stages);
         stages
     }
 
-    /// The last one likewise.
+    /// The last possible stage of each group with unlimited units.
     pub fn latest(&self) -> Vec<u32> {
-        let mut stages = vec![1; self.back.order.len()];
-        self.back.settle(&mut stages);
+        let mut stages = vec![1; self.backward.order.len()];
+        self.backward.settle(&mut stages);
         mirror(&mut stages);
         stages
     }
 
-    /// Moves groups to later stages until each has what it is made of in time.
+    /// Moves groups to later stages until each has its operands.
     pub fn settle_later(&self, stages: &mut [u32]) {
-        self.front.settle(stages);
+        self.forward.settle(stages);
     }
 
-    /// Moves groups to earlier stages until each is in time for who reads it.
+    /// Moves groups to earlier stages until each is available to its readers.
     pub fn settle_earlier(&self, stages: &mut [u32]) {
         mirror(stages);
-        self.back.settle(stages);
+        self.backward.settle(stages);
         mirror(stages);
     }
 }
 
-/// Stages, seen from the other end. One that is out of range stays so.
+/// Renumbers stages for the other direction. A stage out of range stays out of range.
 pub fn mirror(stages: &mut [u32]) {
-    stages.iter_mut().for_each(|stage| *stage = (LAST + 1).wrapping_sub(*stage));
+    stages.iter_mut().for_each(|stage| *stage = (LAST_STAGE + 1).wrapping_sub(*stage));
 }
 
-impl Side {
-    fn new(problem: &Problem<'_>, is_back: bool) -> Self {
-        let traced = problem.traced;
-        let count = traced.nodes.len();
+impl Direction {
+    fn new(problem: &Problem<'_>, is_backward: bool) -> Self {
+        let graph = problem.graph;
+        let count = graph.nodes.len();
         let mut near = vec![Vec::new(); count];
         for id in problem.groups.iter().flatten() {
-            for operand in problem.made_of(*id) {
-                let (of, what) = if is_back { (operand, *id) } else { (*id, operand) };
+            for operand in problem.placed_operands(*id) {
+                let (of, what) = if is_backward { (operand, *id) } else { (*id, operand) };
                 near[of.index()].push(what);
             }
         }
         let mut order: Vec<usize> = (0..problem.groups.len()).collect();
         let mut members = problem.groups.clone();
-        if is_back {
+        if is_backward {
             order.reverse();
             members.iter_mut().for_each(|members| members.reverse());
         }
-        let parts = (0..count as u32).map(|id| part(traced, NodeId(id))).collect();
+        let classes = (0..count as u32).map(|id| class(graph, NodeId(id))).collect();
         let group_of = problem.group_of.iter().map(|group| group.unwrap_or(usize::MAX)).collect();
         let chains = vec![false; problem.groups.len()];
-        let mut side = Self { order, members, near, parts, group_of, chains, is_back };
-        let mut levels = side.levels();
-        for group in 0..side.members.len() {
-            let mut alone = vec![0; side.members.len()];
+        let mut direction = Self { order, members, near, classes, group_of, chains, is_backward };
+        let mut levels = direction.levels();
+        for group in 0..direction.members.len() {
+            let mut alone = vec![0; direction.members.len()];
             alone[group] = 1;
-            side.chains[group] = !side.enter(group, &alone, &mut levels);
+            direction.chains[group] = !direction.enter(group, &alone, &mut levels);
         }
-        side
+        direction
     }
 
     pub fn levels(&self) -> Vec<Level> {
         vec![Level::default(); self.near.len()]
     }
 
-    /// The stage that it counts as this one.
+    /// The stage that has this number in this direction.
     pub fn stage(&self, stage: u32) -> u32 {
-        if self.is_back { LAST + 1 - stage } else { stage }
+        if self.is_backward { LAST_STAGE + 1 - stage } else { stage }
     }
 
-    /// The first stage in which a group can be, given those of the groups before it; not before `least`.
+    /// Places a group in its first possible stage from `least`, given the stages of its operands, and returns the
+    /// stage.
     pub fn first(&self, group: usize, least: u32, stages: &mut [u32], levels: &mut [Level]) -> u32 {
         let near = self.members[group].iter().flat_map(|id| &self.near[id.index()]);
         let others = near.map(|id| self.group_of[id.index()]).filter(|&other| other != group);
@@ -134,7 +135,7 @@ impl Side {
         }
     }
 
-    /// Works out the levels of a group in its stage, and whether it fits there.
+    /// Computes the levels of a group in its stage. Returns whether the group fits there.
     fn enter(&self, group: usize, stages: &[u32], levels: &mut [Level]) -> bool {
         let (mut fits, mut is_apart) = (true, true);
         for &id in &self.members[group] {
@@ -146,20 +147,20 @@ impl Side {
                     level = Level { unit: level.unit | unit, compares: level.compares.max(compares) };
                 }
             }
-            match self.parts[id.index()] {
-                Part::Unit => {
+            match self.classes[id.index()] {
+                Class::Unit => {
                     fits &= level == Level::default();
                     level.unit = true;
                 }
-                Part::Compare => {
-                    fits &= !level.unit && level.compares < COMPARATORS;
+                Class::Compare => {
+                    fits &= !level.unit && level.compares < MAX_COMPARATORS;
                     level.compares = level.compares.saturating_add(1);
                 }
-                Part::Logic => {}
+                Class::Logic => {}
             }
             levels[id.index()] = level;
         }
-        // What has to be chained has no other units beside it.
+        // An indivisible chain shares its stage with no other unit of its operands.
         if self.chains[group] { is_apart } else { fits }
     }
 }

@@ -1,13 +1,14 @@
 //! What goes into the registers after a step: what each operation hands on, chosen by opcode.
 
+use crate::allocate::layout::{FLAG_REGISTER, Layout, Origin, RegisterSlot};
+use crate::allocate::plan::Plan;
 use crate::config::{Encoding, Sharing};
-use crate::elastic::Next;
+use crate::emit::elastic::Next;
+use crate::emit::library::Library;
 use crate::error::Error;
-use crate::graph::{NodeId, Traced};
-use crate::library::Library;
-use crate::place::{FLAG_REGISTER, Layout, Origin, Place};
-use crate::plan::Plan;
-use crate::units::Unit;
+use crate::ir::graph::{NodeId, OperationGraph};
+use crate::ir::position::Step;
+use crate::ir::units::Unit;
 use raypath_hdl::{Builder, Label, Wire};
 
 /// The name of a number register at a port.
@@ -21,7 +22,7 @@ pub fn flag_register(layout: &Layout, register: usize) -> String {
 }
 
 /// How comments and labels call an operation's opcode: `OpQuadbox`.
-pub fn label(traced: &Traced) -> Label {
+pub fn label(traced: &OperationGraph<Step>) -> Label {
     let mut name = String::from("Op");
     for word in traced.name.split('_') {
         let (first, rest) = word.split_at(word.len().min(1));
@@ -46,12 +47,12 @@ pub trait Wires<'m> {
 /// A choice by opcode: whose it is, what tells it from other nets, and the value; `true` inverts its sign.
 pub type Arm<K> = (usize, K, NodeId, bool);
 
-/// The value of the job's operation among `arms`. No multiplexer where all are the same net; an opcode that nobody
-/// uses takes what the first one does.
+/// The value of the job's operation among `arms`. No multiplexer where all are the same net; an opcode without
+/// an operation selects the first arm.
 pub fn by_opcode<'m, K: PartialEq>(
     m: &'m Builder,
     opcode: Wire<'m>,
-    operations: &[Traced],
+    operations: &[OperationGraph<Step>],
     arms: &[Arm<K>],
     wires: &mut dyn Wires<'m>,
 ) -> Result<Option<Wire<'m>>, Error> {
@@ -78,8 +79,8 @@ pub fn negate(number: Wire<'_>) -> Wire<'_> {
 }
 
 /// Who lives in a number register, in words.
-pub fn residents(plan: &Plan, layout: &Layout, place: usize) -> String {
-    let named = tenants(plan, layout, place).into_iter().map(|(op, id)| {
+pub fn live_value_names(plan: &Plan, layout: &Layout, place: usize) -> String {
+    let named = live_values(plan, layout, place).into_iter().map(|(op, id)| {
         let traced = &plan.operations[op];
         format!("{} {}", traced.name, traced.name_of(id))
     });
@@ -87,7 +88,7 @@ pub fn residents(plan: &Plan, layout: &Layout, place: usize) -> String {
 }
 
 /// What an operation keeps in the flag register, from bit 0, in words; runs of numbered bits as one.
-pub fn flag_residents(plan: &Plan, layout: &Layout, op: usize) -> String {
+pub fn live_flag_names(plan: &Plan, layout: &Layout, op: usize) -> String {
     let traced = &plan.operations[op];
     let mut words: Vec<String> = Vec::new();
     let mut run: Option<(String, u32, u32)> = None; // stem, first and last number
@@ -113,11 +114,11 @@ pub fn flag_residents(plan: &Plan, layout: &Layout, op: usize) -> String {
 
 /// An operation's fields of the flag register: lowest bit, width and value.
 fn flag_fields(layout: &Layout, op: usize) -> Vec<(u32, u32, NodeId)> {
-    let mut fields: Vec<(u32, u32, NodeId)> = layout.places[op]
+    let mut fields: Vec<(u32, u32, NodeId)> = layout.slots[op]
         .iter()
         .filter_map(|(&id, place)| match place {
-            Place::Flags { low, width } => Some((*low, *width, id)),
-            Place::Number(_) | Place::Cut(_) => None,
+            RegisterSlot::Flags { low, width } => Some((*low, *width, id)),
+            RegisterSlot::Number(_) | RegisterSlot::Cut(_) => None,
         })
         .collect();
     fields.sort_unstable();
@@ -135,20 +136,20 @@ pub fn next<'m>(
 ) -> Result<Vec<Next<'m>>, Error> {
     let layout = &plan.steps[step].layout;
     m.section("What the job's operation hands on");
-    let mut next = vec![Next { name: "opcode".to_string(), wire: opcode, residents: String::new() }];
+    let mut next = vec![Next { name: "opcode".to_string(), wire: opcode, live_values: String::new() }];
     for place in 0..layout.numbers {
         if let Some(wire) = next_number(m, plan, library, step, opcode, place, wires)? {
-            next.push(Next { name: number(place), wire, residents: residents(plan, layout, place) });
+            next.push(Next { name: number(place), wire, live_values: live_value_names(plan, layout, place) });
         }
     }
     for &unit in &layout.cuts {
         for (stem, wire) in wires.cut(unit)? {
-            next.push(Next { name: format!("{}_{stem}", unit.stem()), wire, residents: String::new() });
+            next.push(Next { name: format!("{}_{stem}", unit.stem()), wire, live_values: String::new() });
         }
     }
     for (register, width) in layout.flag_registers().enumerate() {
         if let Some(wire) = next_flags(m, plan, layout, register, width, opcode, wires)? {
-            next.push(Next { name: flag_register(layout, register), wire, residents: String::new() });
+            next.push(Next { name: flag_register(layout, register), wire, live_values: String::new() });
         }
     }
     Ok(next)
@@ -165,14 +166,14 @@ fn next_number<'m>(
     place: usize,
     wires: &mut dyn Wires<'m>,
 ) -> Result<Option<Wire<'m>>, Error> {
-    let tenants = tenants(plan, &plan.steps[step].layout, place);
-    let arms: Vec<_> = tenants.iter().map(|&(op, id)| (op, plan.origin(step, op, id), id, false)).collect();
+    let live_values = live_values(plan, &plan.steps[step].layout, place);
+    let arms: Vec<_> = live_values.iter().map(|&(op, id)| (op, plan.origin(step, op, id), id, false)).collect();
     let before = step.checked_sub(1).map(|before| plan.encoding(before));
     let decodes = plan.encoding(step) == Encoding::Ieee && before.is_some();
     if !decodes {
         return by_opcode(m, opcode, &plan.operations, &arms, wires);
     }
-    let passes = |origin: &Origin| before == Some(Encoding::Ieee) && matches!(origin, Origin::Place(_));
+    let passes = |origin: &Origin| before == Some(Encoding::Ieee) && matches!(origin, Origin::Register(_));
     let (passing, made): (Vec<_>, Vec<_>) = arms.into_iter().partition(|(_, origin, ..)| passes(origin));
     let decoded = by_opcode(m, opcode, &plan.operations, &made, wires)?.map(|wire| {
         let name = format!("u_decode_{}", number(place));
@@ -210,9 +211,9 @@ impl<'m> Wires<'m> for Registers<'_, 'm> {
 }
 
 /// Who lives in a number register: operations and their values.
-pub fn tenants(plan: &Plan, layout: &Layout, place: usize) -> Vec<(usize, NodeId)> {
+pub fn live_values(plan: &Plan, layout: &Layout, place: usize) -> Vec<(usize, NodeId)> {
     let lives =
-        |op: usize| layout.places[op].iter().find(|(_, p)| **p == Place::Number(place)).map(|(&id, _)| (op, id));
+        |op: usize| layout.slots[op].iter().find(|(_, p)| **p == RegisterSlot::Number(place)).map(|(&id, _)| (op, id));
     (0..plan.operations.len()).filter_map(lives).collect()
 }
 

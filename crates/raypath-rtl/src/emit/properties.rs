@@ -3,11 +3,12 @@
 //! The checkers are clocked processes with immediate assertions, which simulators and Yosys read alike, so that the
 //! text that users bind is the text that is proved.
 
+use crate::allocate::plan::Plan;
 use crate::config::Control;
-use crate::graph::Traced;
-use crate::plan::Plan;
-use crate::stage;
-use crate::top::Pipeline;
+use crate::emit::stage;
+use crate::emit::top::Pipeline;
+use crate::ir::graph::OperationGraph;
+use crate::ir::position::Step;
 use raypath_hdl::{Driver, Module, RegisterInfo};
 use std::collections::BTreeSet;
 use std::fmt;
@@ -219,7 +220,7 @@ fn port_or_one(module: &Module, port: &str) -> String {
 fn states(plan: &Plan, step: usize, module: &Module) -> Vec<Bind> {
     let mut binds = Vec::new();
     for traced in &plan.operations {
-        for state in traced.states.iter().filter(|state| state.written as usize == step) {
+        for state in traced.states.iter().filter(|state| state.written == Step(step as u32)) {
             let stem = stage::port(traced, state);
             let named = |register: &&RegisterInfo| module.signal(register.signal).name == Some(format!("{stem}_q"));
             let Some(register) = module.registers().iter().find(named) else { continue };
@@ -258,13 +259,13 @@ fn reset_and_sum(module: &Module, register: &RegisterInfo) -> (String, String) {
 }
 
 /// Beats between the step that reads a state and the one that writes it.
-fn beats(plan: &Plan, traced: &Traced) -> Bind {
-    let read = traced.states.iter().map(|state| state.read).min().unwrap_or(0) as usize;
-    let written = traced.states.iter().map(|state| state.written).max().unwrap_or(0) as usize;
+fn beats(plan: &Plan, traced: &OperationGraph<Step>) -> Bind {
+    let read = traced.first_read().0 as usize;
+    let written = traced.last_write().0 as usize;
     // What the top calls the wires around a step: after the instances that drive them.
-    let before = |step: usize| stage::name(plan.steps[step.saturating_sub(1)].step);
+    let before = |step: usize| stage::name(plan.steps[step.saturating_sub(1)].label);
     let ready = |step: usize| match plan.microarchitecture.control {
-        Control::Skid => format!("{}_ready", stage::name(plan.steps[step].step)),
+        Control::Skid => format!("{}_ready", stage::name(plan.steps[step].label)),
         Control::Credit => "1'b1".to_string(),
     };
     Bind { about: traced.name.to_string(), ..Bind::of_opcodes(plan, "raypath", Checker::Beats) }

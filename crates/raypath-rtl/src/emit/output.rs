@@ -1,15 +1,17 @@
-//! From the last registers to the ports: an operation's outputs, zero while another's job is there.
+//! The outputs: from the last registers to the ports. The outputs of an operation are zero for jobs of other
+//! operations.
 
-use crate::boundary::label;
+use crate::allocate::plan::Plan;
+use crate::emit::boundary::label;
+use crate::emit::library::Library;
+use crate::emit::values::StepInputs;
 use crate::error::Error;
-use crate::graph::NodeId;
-use crate::library::Library;
-use crate::plan::Plan;
-use crate::values::Before;
+use crate::ir::graph::NodeId;
 use raypath_hdl::{Builder, Label, Module, Wire};
 use std::sync::Arc;
 
-/// An output port, direction suffix excluded, and for each operation that has it the values of its bits, lowest first.
+/// An output port without its direction suffix, and for each operation that has it the values of its bits, lowest
+/// first.
 struct OutputPort {
     name: String,
     arms: Vec<(usize, Vec<NodeId>)>,
@@ -21,11 +23,11 @@ pub fn output(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
     m.doc("From the last registers to the ports. What does not belong to the job's opcode is zero.");
     let layout = &plan.steps[plan.last()].layout;
     let opcode = m.input("opcode_i", plan.opcode_width());
-    let before = Before::ports(&m, plan, library, plan.steps.len());
+    let before = StepInputs::ports(&m, plan, library, plan.steps.len());
 
     let read = |op: usize, id: NodeId| {
-        let place = layout.places[op].get(&id);
-        place.and_then(|&place| before.read(place)).ok_or_else(|| plan.operations[op].unplaced(id))
+        let slot = layout.slot(op, id);
+        slot.and_then(|slot| before.read(slot)).ok_or_else(|| plan.operations[op].unplaced(id))
     };
     for port in ports(plan) {
         let mut arms: Vec<(Label, Wire<'_>)> = Vec::new();
@@ -43,8 +45,8 @@ pub fn output(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
 
 fn ports(plan: &Plan) -> Vec<OutputPort> {
     let mut ports: Vec<OutputPort> = Vec::new();
-    for (op, traced) in plan.operations.iter().enumerate() {
-        for value in &traced.outputs {
+    for (op, graph) in plan.operations.iter().enumerate() {
+        for value in &graph.outputs {
             let known = ports.iter().position(|port| port.name == value.port.port).unwrap_or_else(|| {
                 ports.push(OutputPort { name: value.port.port.clone(), arms: Vec::new() });
                 ports.len() - 1

@@ -1,26 +1,27 @@
-//! The circuit that records: every operator leaves a node.
+//! The recorder: a circuit whose every operator adds a node to a graph.
 
-use crate::graph::{Kind, Node, NodeId, Op, OutputValue, PortBit, StateValue, Traced};
+use crate::ir::graph::{Kind, Node, NodeId, Op, OperationGraph, OutputValue, PortBit, StateValue};
+use crate::ir::position::{Position, Stage};
 use raypath_ops::{Binary32, Bit, Bundle, Circuit, Field, Num, Operation, Path, Relation, Single, Sink, Source, Test};
 use std::borrow::Cow;
 use std::cell::{Cell, RefCell};
 use std::fmt;
 
-/// What the stages that an operation marks are to the recorder.
+/// How the recorder treats the stages that an operation marks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Marks {
-    /// Where its values are made, unless it asks for automatic staging.
+    /// They are the stages of its values, unless it asks for automatic staging.
     #[default]
-    Heeded,
-    /// Nothing: it is staged automatically.
+    Used,
+    /// They are ignored, and the operation is staged automatically.
     Ignored,
 }
 
-/// Runs `operation` once and gives what it did, unchecked.
-pub fn record<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> Traced {
-    let graph = Graph { marks, auto: Cell::new(marks == Marks::Ignored), ..Graph::default() };
-    let c = Tracer { graph: &graph };
-    let mut inputs = InputSource { c, is_there: &|port| operation.has_input(port), inputs: Vec::new() };
+/// Runs `operation` once and returns its graph, unchecked.
+pub fn record<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> OperationGraph<Stage> {
+    let recording = Recording { marks, auto: Cell::new(marks == Marks::Ignored), ..Recording::default() };
+    let c = Recorder { recording: &recording };
+    let mut inputs = InputSource { c, is_present: &|port| operation.has_input(port), inputs: Vec::new() };
     let input = O::Input::build(&mut Path::default(), &mut inputs);
     let inputs = inputs.inputs;
     let mut states = StateSource { c, names: Vec::new() };
@@ -29,85 +30,86 @@ pub fn record<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> Traced 
 
     let (output, next) = operation.run(c, input, state);
 
-    let mut outputs = OutputSink { is_there: &|port| operation.has_output(port), outputs: Vec::new() };
+    let mut outputs = OutputSink { is_present: &|port| operation.has_output(port), outputs: Vec::new() };
     output.each(&mut Path::default(), &mut outputs);
     let outputs = outputs.outputs;
     let mut next_nodes = Leaves(Vec::new());
     next.each(&mut Path::default(), &mut next_nodes);
 
     let states = names.into_iter().zip(next_nodes.0).collect();
-    graph.traced(O::NAME, opcode, inputs, outputs, states)
+    recording.finish(O::NAME, opcode, inputs, outputs, states)
 }
 
+/// What has been recorded so far.
 #[derive(Default)]
-struct Graph {
-    nodes: RefCell<Vec<Node>>,
+struct Recording {
+    nodes: RefCell<Vec<Node<Stage>>>,
     notes: RefCell<Vec<(u32, Cow<'static, str>)>>,
     stage: Cell<u32>,
     marks: Marks,
     auto: Cell<bool>,
 }
 
-impl Graph {
-    fn traced(
+impl Recording {
+    fn finish(
         &self,
         name: &'static str,
         opcode: u64,
         inputs: Vec<NodeId>,
         outputs: Vec<OutputValue>,
         states: Vec<(String, NodeId)>,
-    ) -> Traced {
+    ) -> OperationGraph<Stage> {
         let nodes = self.nodes.take();
         let state = |(name, next): (String, NodeId)| {
-            let stage = nodes[next.index()].stage;
-            StateValue { name, next, written: stage, read: stage }
+            let position = nodes[next.index()].position;
+            StateValue { name, next, written: position, read: position }
         };
         let states = states.into_iter().map(state).collect();
         let (notes, is_auto) = (self.notes.take(), self.auto.get());
-        Traced { name, opcode, inputs, outputs, states, notes, is_auto, counts_exceptions: false, nodes }
+        OperationGraph { name, opcode, inputs, outputs, states, notes, is_auto, counts_exceptions: false, nodes }
     }
 }
 
-/// The circuit that records.
+/// The recording circuit.
 #[derive(Clone, Copy)]
-struct Tracer<'g> {
-    graph: &'g Graph,
+struct Recorder<'g> {
+    recording: &'g Recording,
 }
 
-impl Tracer<'_> {
+impl Recorder<'_> {
     fn push(self, kind: Kind, op: Op) -> NodeId {
-        self.push_at(self.graph.stage.get(), kind, op)
+        self.push_at(Stage(self.recording.stage.get()), kind, op)
     }
 
-    fn push_at(self, stage: u32, kind: Kind, op: Op) -> NodeId {
-        let mut nodes = self.graph.nodes.borrow_mut();
-        nodes.push(Node { op, kind, stage, name: None });
+    fn push_at(self, stage: Stage, kind: Kind, op: Op) -> NodeId {
+        let mut nodes = self.recording.nodes.borrow_mut();
+        nodes.push(Node { op, kind, position: stage, name: None });
         NodeId(nodes.len() as u32 - 1)
     }
 
-    /// The node of a value that costs no unit, made once however often it is written.
+    /// The node of a value that needs no unit. Equal values share one node.
     fn once(self, kind: Kind, op: Op) -> NodeId {
-        let found = self.graph.nodes.borrow().iter().position(|node| node.op == op && node.kind == kind);
+        let found = self.recording.nodes.borrow().iter().position(|node| node.op == op && node.kind == kind);
         found.map_or_else(|| self.push(kind, op), |index| NodeId(index as u32))
     }
 
-    /// A bit whose value follows from constants, such as the order of two boxes' numbers before they are sorted.
+    /// The value of a bit that is constant, such as the order of two boxes' indices before they are sorted.
     fn known_bit(self, id: NodeId) -> Option<bool> {
-        match self.graph.nodes.borrow()[id.index()].op {
+        match self.recording.nodes.borrow()[id.index()].op {
             Op::Bit(value) => Some(value),
             _ => None,
         }
     }
 
     fn known_word(self, id: NodeId) -> Option<u32> {
-        match self.graph.nodes.borrow()[id.index()].op {
+        match self.recording.nodes.borrow()[id.index()].op {
             Op::Word(value) => Some(value),
             _ => None,
         }
     }
 
     fn name(self, id: NodeId, name: &str) {
-        let mut nodes = self.graph.nodes.borrow_mut();
+        let mut nodes = self.recording.nodes.borrow_mut();
         let node = &mut nodes[id.index()];
         if !matches!(node.op, Op::Input(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_)) {
             node.name = Some(name.to_string());
@@ -117,18 +119,18 @@ impl Tracer<'_> {
 
 const BIT: Kind = Kind::Word(1);
 
-impl Circuit for Tracer<'_> {
+impl Circuit for Recorder<'_> {
     type Num = NodeId;
     type Bit = NodeId;
     type Word = NodeId;
     type Order = NodeId;
 
     fn stage(self, number: u32, what: &'static str) {
-        if self.graph.marks == Marks::Ignored {
+        if self.recording.marks == Marks::Ignored {
             return;
         }
-        self.graph.stage.set(number);
-        let mut notes = self.graph.notes.borrow_mut();
+        self.recording.stage.set(number);
+        let mut notes = self.recording.notes.borrow_mut();
         let note = (number, Cow::Borrowed(what));
         if !notes.contains(&note) {
             notes.push(note);
@@ -136,7 +138,7 @@ impl Circuit for Tracer<'_> {
     }
 
     fn auto(self) {
-        self.graph.auto.set(true);
+        self.recording.auto.set(true);
     }
 
     fn label<B: Bundle<Self>>(self, name: fmt::Arguments<'_>, value: &B) {
@@ -165,8 +167,8 @@ impl Circuit for Tracer<'_> {
         self.push(Kind::Order, Op::Compare(a, b))
     }
     fn relation(self, order: NodeId, relation: Relation) -> NodeId {
-        // Read where the comparison is made: one bit crosses the registers, not the comparator's three.
-        let stage = self.graph.nodes.borrow()[order.index()].stage;
+        // Computed with the comparison, so that one bit crosses the registers and not the comparator's three.
+        let stage = self.recording.nodes.borrow()[order.index()].position;
         self.push_at(stage, BIT, Op::Relation(order, relation))
     }
     fn number_of(self, _width: u32, word: NodeId) -> NodeId {
@@ -176,10 +178,10 @@ impl Circuit for Tracer<'_> {
         }
     }
     fn test(self, test: Test, a: NodeId) -> NodeId {
-        let op = self.graph.nodes.borrow()[a.index()].op.clone();
+        let op = self.recording.nodes.borrow()[a.index()].op.clone();
         match (op, test) {
             (Op::Number(bits), _) => self.constant_bit(Binary32.test(test, Single(f32::from_bits(bits)))),
-            // Of a negated number its original is asked, so that no number is made for its sign's sake.
+            // A test of a negated number is a test of the number itself, so that no negation is needed.
             (Op::Negate(a), Test::SignBit) => self.not(self.test(Test::SignBit, a)),
             (Op::Negate(a), Test::Zero | Test::Nan) => self.test(test, a),
             (Op::Negate(a), Test::AtLeastZero) => self.test(Test::AtMostZero, a),
@@ -231,20 +233,20 @@ impl Circuit for Tracer<'_> {
         self.push(BIT, Op::Select(condition, if_true, if_false))
     }
     fn select_word(self, condition: NodeId, if_true: NodeId, if_false: NodeId) -> NodeId {
-        let kind = self.graph.nodes.borrow()[if_true.index()].kind;
+        let kind = self.recording.nodes.borrow()[if_true.index()].kind;
         self.push(kind, Op::Select(condition, if_true, if_false))
     }
 }
 
-impl PartialEq for Tracer<'_> {
+impl PartialEq for Recorder<'_> {
     fn eq(&self, other: &Self) -> bool {
-        std::ptr::eq(self.graph, other.graph)
+        std::ptr::eq(self.recording, other.recording)
     }
 }
 
-impl fmt::Debug for Tracer<'_> {
+impl fmt::Debug for Recorder<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Tracer")
+        f.write_str("Recorder")
     }
 }
 
@@ -252,10 +254,10 @@ fn port_bit(field: &Field<'_>) -> PortBit {
     PortBit { port: field.name.to_string(), bit: field.bit }
 }
 
-/// Values that arrive at ports. It does not name the operation's type: every type would have a copy of all this.
+/// The source of input values. Not generic over the operation, so that it is compiled once.
 struct InputSource<'g> {
-    c: Tracer<'g>,
-    is_there: &'g dyn Fn(&str) -> bool,
+    c: Recorder<'g>,
+    is_present: &'g dyn Fn(&str) -> bool,
     inputs: Vec<NodeId>,
 }
 
@@ -265,72 +267,72 @@ impl InputSource<'_> {
             Some((bit, _)) => format!("{}_{bit}", field.name),
             None => field.name.to_string(),
         };
-        let id = self.c.push_at(0, kind, Op::Input(port_bit(&field)));
-        self.c.graph.nodes.borrow_mut()[id.index()].name = Some(name);
-        if (self.is_there)(field.name) {
+        let id = self.c.push_at(Position::INPUT, kind, Op::Input(port_bit(&field)));
+        self.c.recording.nodes.borrow_mut()[id.index()].name = Some(name);
+        if (self.is_present)(field.name) {
             self.inputs.push(id);
         }
         id
     }
 }
 
-impl<'g> Source<Tracer<'g>> for InputSource<'g> {
-    fn num(&mut self, field: Field<'_>) -> Num<Tracer<'g>> {
+impl<'g> Source<Recorder<'g>> for InputSource<'g> {
+    fn num(&mut self, field: Field<'_>) -> Num<Recorder<'g>> {
         Num::new(self.c, self.push(Kind::Number, field))
     }
-    fn bit(&mut self, field: Field<'_>) -> Bit<Tracer<'g>> {
+    fn bit(&mut self, field: Field<'_>) -> Bit<Recorder<'g>> {
         Bit::new(self.c, self.push(BIT, field))
     }
-    fn word(&mut self, field: Field<'_>, width: u32) -> (Tracer<'g>, NodeId) {
+    fn word(&mut self, field: Field<'_>, width: u32) -> (Recorder<'g>, NodeId) {
         (self.c, self.push(Kind::Word(width), field))
     }
 }
 
 struct StateSource<'g> {
-    c: Tracer<'g>,
+    c: Recorder<'g>,
     names: Vec<String>,
 }
 
 impl StateSource<'_> {
     fn push(&mut self, kind: Kind, field: Field<'_>) -> NodeId {
         self.names.push(field.name.to_string());
-        let id = self.c.push_at(0, kind, Op::State(self.names.len() - 1));
+        let id = self.c.push_at(Position::INPUT, kind, Op::State(self.names.len() - 1));
         self.c.name(id, field.name);
         id
     }
 }
 
-impl<'g> Source<Tracer<'g>> for StateSource<'g> {
-    fn num(&mut self, field: Field<'_>) -> Num<Tracer<'g>> {
+impl<'g> Source<Recorder<'g>> for StateSource<'g> {
+    fn num(&mut self, field: Field<'_>) -> Num<Recorder<'g>> {
         Num::new(self.c, self.push(Kind::Number, field))
     }
-    fn bit(&mut self, field: Field<'_>) -> Bit<Tracer<'g>> {
+    fn bit(&mut self, field: Field<'_>) -> Bit<Recorder<'g>> {
         Bit::new(self.c, self.push(BIT, field))
     }
-    fn word(&mut self, field: Field<'_>, width: u32) -> (Tracer<'g>, NodeId) {
+    fn word(&mut self, field: Field<'_>, width: u32) -> (Recorder<'g>, NodeId) {
         (self.c, self.push(Kind::Word(width), field))
     }
 }
 
-/// Values that leave at ports.
+/// The sink of output values.
 struct OutputSink<'o> {
-    is_there: &'o dyn Fn(&str) -> bool,
+    is_present: &'o dyn Fn(&str) -> bool,
     outputs: Vec<OutputValue>,
 }
 
 impl OutputSink<'_> {
     fn push(&mut self, field: Field<'_>, node: NodeId) {
-        if (self.is_there)(field.name) {
+        if (self.is_present)(field.name) {
             self.outputs.push(OutputValue { port: port_bit(&field), node });
         }
     }
 }
 
-impl<'g> Sink<Tracer<'g>> for OutputSink<'_> {
-    fn num(&mut self, field: Field<'_>, value: Num<Tracer<'g>>) {
+impl<'g> Sink<Recorder<'g>> for OutputSink<'_> {
+    fn num(&mut self, field: Field<'_>, value: Num<Recorder<'g>>) {
         self.push(field, value.value);
     }
-    fn bit(&mut self, field: Field<'_>, value: Bit<Tracer<'g>>) {
+    fn bit(&mut self, field: Field<'_>, value: Bit<Recorder<'g>>) {
         self.push(field, value.value);
     }
     fn word(&mut self, field: Field<'_>, _width: u32, value: NodeId) {
@@ -341,11 +343,11 @@ impl<'g> Sink<Tracer<'g>> for OutputSink<'_> {
 /// The leaves of a structure, in order.
 struct Leaves(Vec<NodeId>);
 
-impl<'g> Sink<Tracer<'g>> for Leaves {
-    fn num(&mut self, _: Field<'_>, value: Num<Tracer<'g>>) {
+impl<'g> Sink<Recorder<'g>> for Leaves {
+    fn num(&mut self, _: Field<'_>, value: Num<Recorder<'g>>) {
         self.0.push(value.value);
     }
-    fn bit(&mut self, _: Field<'_>, value: Bit<Tracer<'g>>) {
+    fn bit(&mut self, _: Field<'_>, value: Bit<Recorder<'g>>) {
         self.0.push(value.value);
     }
     fn word(&mut self, _: Field<'_>, _: u32, value: NodeId) {
@@ -353,13 +355,13 @@ impl<'g> Sink<Tracer<'g>> for Leaves {
     }
 }
 
-struct LabelSink<'g>(Tracer<'g>);
+struct LabelSink<'g>(Recorder<'g>);
 
-impl<'g> Sink<Tracer<'g>> for LabelSink<'g> {
-    fn num(&mut self, field: Field<'_>, value: Num<Tracer<'g>>) {
+impl<'g> Sink<Recorder<'g>> for LabelSink<'g> {
+    fn num(&mut self, field: Field<'_>, value: Num<Recorder<'g>>) {
         self.0.name(value.value, field.name);
     }
-    fn bit(&mut self, field: Field<'_>, value: Bit<Tracer<'g>>) {
+    fn bit(&mut self, field: Field<'_>, value: Bit<Recorder<'g>>) {
         match field.bit {
             Some((bit, _)) => self.0.name(value.value, &format!("{}_{bit}", field.name)),
             None => self.0.name(value.value, field.name),

@@ -1,26 +1,26 @@
-//! The values of one step, as wires: read from the registers before it, made by its units and by the operations' logic.
+//! The values of one step as wires: from the registers before it, from its units, and from the operations' logic.
 
-use crate::boundary::{self, Wires, by_opcode, negate};
+use crate::allocate::layout::{FLAG_REGISTER, Origin, RegisterSlot};
+use crate::allocate::plan::Plan;
 use crate::config::Encoding;
+use crate::emit::boundary::{self, Wires, by_opcode, negate};
+use crate::emit::library::Library;
 use crate::error::Error;
-use crate::graph::{Kind, NodeId, Op};
-use crate::library::Library;
-use crate::place::{FLAG_REGISTER, Origin, Place};
-use crate::plan::Plan;
-use crate::units::Unit;
+use crate::ir::graph::{Kind, NodeId, Op};
+use crate::ir::units::Unit;
 use raypath_float::Format;
 use raypath_hdl::{Builder, Wire};
 use raypath_ops::{Relation, Test};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Wires of values, made on demand and once.
+/// The wires of a step's values, built on demand.
 pub struct Values<'m, 'p> {
     m: &'m Builder,
     plan: &'p Plan,
     library: &'p Library,
     step: usize,
     opcode: Wire<'m>,
-    before: Before<'m>,
+    inputs: StepInputs<'m>,
     made: BTreeMap<(usize, NodeId), Wire<'m>>,
     /// Number registers, recoded.
     recoded: BTreeMap<usize, Wire<'m>>,
@@ -29,28 +29,28 @@ pub struct Values<'m, 'p> {
     names: BTreeSet<String>,
 }
 
-/// What a step finds when its job arrives.
-pub struct Before<'m> {
-    /// How numbers are encoded.
+/// The inputs of a step.
+pub struct StepInputs<'m> {
+    /// The encoding of the numbers.
     pub encoding: Encoding,
     /// Number registers before the step.
     pub numbers: Vec<Wire<'m>>,
     /// The flag registers before the step.
     pub flags: Vec<Wire<'m>>,
-    /// What units have handed to their next parts, by the stems of their ports.
+    /// The intermediate results of units for their next parts, with the stems of their ports.
     pub cuts: BTreeMap<Unit, Vec<(String, Wire<'m>)>>,
     /// State that the step reads, by operation and number.
     pub states: BTreeMap<(usize, usize), Wire<'m>>,
 }
 
-impl<'m> Before<'m> {
+impl<'m> StepInputs<'m> {
     /// The registers before a step as input ports.
     pub fn ports(m: &'m Builder, plan: &Plan, library: &Library, step: usize) -> Self {
         let layout = &plan.steps[step - 1].layout;
         let width = plan.number_width(step - 1);
-        let number = |place| {
-            let port = m.input(&format!("{}_i", boundary::number(place)), width);
-            port.comment(boundary::residents(plan, layout, place))
+        let number = |index| {
+            let port = m.input(&format!("{}_i", boundary::number(index)), width);
+            port.comment(boundary::live_value_names(plan, layout, index))
         };
         let numbers = (0..layout.numbers).map(number).collect();
         let cut = |unit: Unit| {
@@ -63,29 +63,29 @@ impl<'m> Before<'m> {
         Self { encoding: plan.encoding(step - 1), numbers, flags, cuts, states: BTreeMap::new() }
     }
 
-    /// What stands in a place, as it stands there.
-    pub fn read(&self, place: Place) -> Option<Wire<'m>> {
-        match place {
-            Place::Number(register) => self.numbers.get(register).copied(),
-            Place::Flags { low, width } => {
+    /// The contents of a slot in their encoding there; `None` for a cut.
+    pub fn read(&self, slot: RegisterSlot) -> Option<Wire<'m>> {
+        match slot {
+            RegisterSlot::Number(register) => self.numbers.get(register).copied(),
+            RegisterSlot::Flags { low, width } => {
                 let register = self.flags.get((low / FLAG_REGISTER) as usize)?;
                 let low = low % FLAG_REGISTER;
                 Some(register.bits(low + width - 1, low))
             }
-            Place::Cut(_) => None,
+            RegisterSlot::Cut(_) => None,
         }
     }
 }
 
 impl<'m, 'p> Values<'m, 'p> {
-    /// The values of a step, with what stands in its registers.
+    /// The values of a step with these inputs.
     pub fn new(
         m: &'m Builder,
         plan: &'p Plan,
         library: &'p Library,
         step: usize,
         opcode: Wire<'m>,
-        before: Before<'m>,
+        inputs: StepInputs<'m>,
     ) -> Self {
         Self {
             m,
@@ -93,7 +93,7 @@ impl<'m, 'p> Values<'m, 'p> {
             library,
             step,
             opcode,
-            before,
+            inputs,
             made: BTreeMap::new(),
             recoded: BTreeMap::new(),
             units: BTreeMap::new(),
@@ -104,20 +104,20 @@ impl<'m, 'p> Values<'m, 'p> {
 
     /// The values read from the registers before the step, in order.
     pub fn read_from_registers(&self) -> Vec<(usize, NodeId)> {
-        self.made.keys().copied().filter(|&(op, id)| self.place(op, id).is_some()).collect()
+        self.made.keys().copied().filter(|&(op, id)| self.slot(op, id).is_some()).collect()
     }
 
-    /// The wire of an operation's value, under the name that the algorithm has for it.
+    /// The wire of an operation's value, named as in the operation's description.
     pub fn get(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
         if let Some(&wire) = self.made.get(&(op, id)) {
             return Ok(wire);
         }
         let wire = self.make(op, id)?;
-        let traced = &self.plan.operations[op];
-        let wire = match &traced.node(id).name {
-            Some(name) if !traced.is_everywhere(id) => {
-                let repeats = name.strip_prefix(traced.name).is_some_and(|rest| rest.starts_with('_'));
-                let full = if repeats { name.clone() } else { format!("{}_{name}", traced.name) };
+        let graph = &self.plan.operations[op];
+        let wire = match &graph.node(id).name {
+            Some(name) if !graph.is_everywhere(id) => {
+                let repeats = name.strip_prefix(graph.name).is_some_and(|rest| rest.starts_with('_'));
+                let full = if repeats { name.clone() } else { format!("{}_{name}", graph.name) };
                 let name = self.free_name(&full);
                 wire.named(&name)
             }
@@ -133,7 +133,7 @@ impl<'m, 'p> Values<'m, 'p> {
             return Ok(wires.clone());
         }
         if !self.in_progress.insert(unit) {
-            return Err(Error::UnitLoop { stage: self.plan.steps[self.step].step.stage });
+            return Err(Error::UnitLoop { stage: self.plan.steps[self.step].label.stage });
         }
         let module = self.library.unit(unit);
         let mut connections = Vec::new();
@@ -141,7 +141,7 @@ impl<'m, 'p> Values<'m, 'p> {
             let wire = if unit.part == 0 {
                 self.operand(unit, operand, &format!("{}_{}", unit.stem(), port.stem()))?
             } else {
-                self.handed_on(unit, port.stem())?
+                self.result_of_part_before(unit, port.stem())?
             };
             connections.push((port.name.as_str(), wire));
         }
@@ -150,16 +150,15 @@ impl<'m, 'p> Values<'m, 'p> {
         Ok(wires)
     }
 
-    /// What the part before has handed on; its unit has the same number.
-    fn handed_on(&self, unit: Unit, stem: &str) -> Result<Wire<'m>, Error> {
-        let cut = self.before.cuts.get(&Unit { part: unit.part - 1, ..unit }).into_iter().flatten();
+    /// The intermediate result of the part before, whose unit has the same number.
+    fn result_of_part_before(&self, unit: Unit, stem: &str) -> Result<Wire<'m>, Error> {
+        let cut = self.inputs.cuts.get(&Unit { part: unit.part - 1, ..unit }).into_iter().flatten();
         let found = cut.into_iter().find(|(port, _)| port == stem).map(|(_, wire)| *wire);
-        let lost = || Error::PartApart { unit: unit.stem(), step: self.plan.steps[self.step].step.to_string() };
-        found.ok_or_else(lost)
+        let missing = || Error::PartApart { unit: unit.stem(), step: self.plan.steps[self.step].label.to_string() };
+        found.ok_or_else(missing)
     }
 
-    /// One operand of a unit: that of whichever operation the job belongs to. A difference is a sum with the second
-    /// operand's sign inverted.
+    /// One operand of a unit, selected by opcode. A difference is a sum with the sign of the second operand inverted.
     fn operand(&mut self, unit: Unit, operand: usize, name: &str) -> Result<Wire<'m>, Error> {
         let users: Vec<(usize, NodeId)> = self.users(unit);
         let inverted =
@@ -181,7 +180,7 @@ impl<'m, 'p> Values<'m, 'p> {
         Ok(if all_inverted { negate(chosen) } else { chosen })
     }
 
-    /// The operations that a unit serves, and what it makes for each.
+    /// The values that a unit computes, with their operations.
     fn users(&self, unit: Unit) -> Vec<(usize, NodeId)> {
         let bindings = &self.plan.steps[self.step].bindings;
         let made = |op: usize| bindings[op].iter().find(|(_, binding)| binding.unit == unit).map(|(&id, _)| (op, id));
@@ -190,14 +189,14 @@ impl<'m, 'p> Values<'m, 'p> {
 
     fn make(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
         let m = self.m;
-        if let Some(place) = self.place(op, id) {
-            return self.read(op, id, place);
+        if let Some(slot) = self.slot(op, id) {
+            return self.read(op, id, slot);
         }
-        let traced = &self.plan.operations[op];
-        let node = traced.node(id);
+        let graph = &self.plan.operations[op];
+        let node = graph.node(id);
         Ok(match node.op {
             Op::Input(_) => return Err(self.unplaced(op, id)),
-            Op::State(state) => *self.before.states.get(&(op, state)).ok_or_else(|| self.unplaced(op, id))?,
+            Op::State(state) => *self.inputs.states.get(&(op, state)).ok_or_else(|| self.unplaced(op, id))?,
             Op::Number(bits) => {
                 let format = self.library.format;
                 m.constant(format.recoded_width(), format.encode(format.from_f32(f32::from_bits(bits))))
@@ -227,7 +226,7 @@ impl<'m, 'p> Values<'m, 'p> {
             Op::Negate(a) => negate(self.get(op, a)?),
             Op::NumberOf(a) => {
                 let word = self.get(op, a)?;
-                let name = self.free_name(&format!("u_number_{}_{}", traced.name, traced.name_of(id)));
+                let name = self.free_name(&format!("u_number_{}_{}", graph.name, graph.name_of(id)));
                 let unit = self.library.number(word.width()).ok_or_else(|| self.unplaced(op, a))?;
                 m.instance(&name, unit, &[("word_i", word)])[0]
             }
@@ -244,16 +243,15 @@ impl<'m, 'p> Values<'m, 'p> {
         })
     }
 
-    fn place(&self, op: usize, id: NodeId) -> Option<Place> {
-        let before = &self.plan.steps[self.step.checked_sub(1)?].layout;
-        before.places[op].get(&id).copied()
+    fn slot(&self, op: usize, id: NodeId) -> Option<RegisterSlot> {
+        self.plan.steps[self.step.checked_sub(1)?].layout.slot(op, id)
     }
 
-    /// What stands in a place, recoded if it is a number.
-    fn read(&mut self, op: usize, id: NodeId, place: Place) -> Result<Wire<'m>, Error> {
-        let wire = self.before.read(place).ok_or_else(|| self.unplaced(op, id))?;
-        let Place::Number(register) = place else { return Ok(wire) };
-        if self.before.encoding == Encoding::Recoded {
+    /// The contents of a slot; a number is recoded.
+    fn read(&mut self, op: usize, id: NodeId, slot: RegisterSlot) -> Result<Wire<'m>, Error> {
+        let wire = self.inputs.read(slot).ok_or_else(|| self.unplaced(op, id))?;
+        let RegisterSlot::Number(register) = slot else { return Ok(wire) };
+        if self.inputs.encoding == Encoding::Recoded {
             return Ok(wire);
         }
         let (m, library) = (self.m, self.library);
@@ -262,14 +260,14 @@ impl<'m, 'p> Values<'m, 'p> {
         Ok(*self.recoded.entry(register).or_insert_with(encode))
     }
 
-    /// A test reads a number in whatever encoding it has, and no more of it than it must.
+    /// A test of a number, in the encoding of its register, so that it needs no encoder.
     fn test(&mut self, test: Test, op: usize, a: NodeId) -> Result<Wire<'m>, Error> {
-        match (self.place(op, a), self.before.encoding) {
-            (Some(place @ Place::Number(_)), Encoding::Ieee) => {
-                let number = self.before.read(place).ok_or_else(|| self.unplaced(op, a))?;
+        match (self.slot(op, a), self.inputs.encoding) {
+            (Some(slot @ RegisterSlot::Number(_)), Encoding::Ieee) => {
+                let number = self.inputs.read(slot).ok_or_else(|| self.unplaced(op, a))?;
                 Ok(test_ieee(test, number, self.library.format))
             }
-            // Four of its bits are read: the whole number gets a name for who reads all of it.
+            // The test reads four bits only, so the number is not named for it.
             _ => Ok(test_class(test, self.shared(op, a)?)),
         }
     }
@@ -294,14 +292,14 @@ impl<'m> Wires<'m> for Values<'m, '_> {
 
     fn shared(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
         match self.plan.origin(self.step, op, id) {
-            Origin::Place(place) => self.read(op, id, place),
+            Origin::Register(slot) => self.read(op, id, slot),
             Origin::Unit(unit) => Ok(self.unit(unit)?[0]),
             Origin::Port(_) | Origin::Logic(..) => self.get(op, id),
         }
     }
 
     fn register(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
-        self.place(op, id).and_then(|place| self.before.read(place)).ok_or_else(|| self.unplaced(op, id))
+        self.slot(op, id).and_then(|slot| self.inputs.read(slot)).ok_or_else(|| self.unplaced(op, id))
     }
 
     fn cut(&mut self, unit: Unit) -> Result<Vec<(String, Wire<'m>)>, Error> {
@@ -320,7 +318,7 @@ fn relate<'m>(less: Wire<'m>, equal: Wire<'m>, unordered: Wire<'m>, relation: Re
     }
 }
 
-/// Sign and class of a number in IEEE 754's layout.
+/// A test of a number in the IEEE 754 layout.
 fn test_ieee<'m>(test: Test, a: Wire<'m>, format: Format) -> Wire<'m> {
     let sign = a.top();
     let zero = || !a.lower(a.width() - 1).any();
@@ -337,7 +335,7 @@ fn test_ieee<'m>(test: Test, a: Wire<'m>, format: Format) -> Wire<'m> {
     }
 }
 
-/// Sign and class of a recoded number: the sign bit and the top three bits of the exponent
+/// A test of a recoded number: the sign bit and the top three bits of the exponent
 /// (`docs/reference/formats.md`).
 fn test_class(test: Test, a: Wire<'_>) -> Wire<'_> {
     let sign = a.top();

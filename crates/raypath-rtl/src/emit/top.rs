@@ -1,14 +1,14 @@
 //! The top module: input registers, stages, output, in a row.
 
-use crate::boundary::label;
+use crate::allocate::plan::Plan;
 use crate::config::Control;
-use crate::control::{self, Spacing};
+use crate::emit::boundary::label;
+use crate::emit::control::{self, Spacing};
+use crate::emit::input;
+use crate::emit::library::Library;
+use crate::emit::output;
+use crate::emit::stage;
 use crate::error::Error;
-use crate::input;
-use crate::library::Library;
-use crate::output;
-use crate::plan::Plan;
-use crate::stage;
 use raypath_hdl::{Builder, Forward, Module, Wire};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -49,7 +49,7 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
 
     let mut modules = vec![("input".to_string(), input::input(plan, library)?)];
     for step in 1..plan.steps.len() {
-        modules.push((stage::name(plan.steps[step].step), stage::stage(plan, library, step)?));
+        modules.push((stage::name(plan.steps[step].label), stage::stage(plan, library, step)?));
     }
     let mut credit = None;
     let mut leaves = None;

@@ -1,18 +1,18 @@
-//! The input's registers: ports of all operations, one job's worth of registers.
+//! The input's registers: the ports of all operations, selected by opcode.
 
-use crate::boundary::{self, Wires};
+use crate::allocate::plan::Plan;
 use crate::config::Control;
-use crate::elastic;
+use crate::emit::boundary::{self, Wires};
+use crate::emit::elastic;
+use crate::emit::library::Library;
 use crate::error::Error;
-use crate::graph::{Kind, NodeId, Op, PortBit};
-use crate::library::Library;
-use crate::plan::Plan;
-use crate::units::Unit;
+use crate::ir::graph::{Kind, NodeId, Op, PortBit};
+use crate::ir::units::Unit;
 use raypath_hdl::{Builder, Module, Wire};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A port of the datapath, direction suffix excluded.
+/// A port of the datapath, without its direction suffix.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Port {
     pub name: String,
@@ -21,18 +21,18 @@ pub struct Port {
     pub read: bool,
 }
 
-/// The input ports of all operations; those that operations name alike are one.
+/// The input ports of all operations. Ports of the same name are one port.
 pub fn ports(plan: &Plan) -> Vec<Port> {
     let mut ports: Vec<Port> = Vec::new();
-    for (op, traced) in plan.operations.iter().enumerate() {
-        for &id in &traced.inputs {
-            let Op::Input(PortBit { port, bit }) = &traced.node(id).op else { continue };
-            let width = match (traced.node(id).kind, bit) {
+    for (op, graph) in plan.operations.iter().enumerate() {
+        for &id in &graph.inputs {
+            let Op::Input(PortBit { port, bit }) = &graph.node(id).op else { continue };
+            let width = match (graph.node(id).kind, bit) {
                 (_, Some((_, width))) => *width,
                 (Kind::Word(width), None) => width,
                 (Kind::Number | Kind::Order | Kind::Cut(..), None) => plan.number_width(0),
             };
-            let read = plan.steps[0].layout.places[op].contains_key(&id);
+            let read = plan.steps[0].layout.slot(op, id).is_some();
             match ports.iter_mut().find(|known| known.name == *port) {
                 Some(known) => {
                     known.width = known.width.max(width);
@@ -45,7 +45,7 @@ pub fn ports(plan: &Plan) -> Vec<Port> {
     ports
 }
 
-/// The module `raypath_input`: what the job's operation reads of the ports, into registers that the operations share.
+/// The module `raypath_input`: the input ports that the job's operation reads, and shared registers.
 pub fn input(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_input");
     m.doc("The input's registers: each operation's ports, chosen by opcode, in registers that the operations share.");
@@ -72,10 +72,10 @@ struct Ports<'m, 'p> {
 
 impl<'m> Wires<'m> for Ports<'m, '_> {
     fn named(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
-        let traced = &self.plan.operations[op];
-        let Op::Input(PortBit { port, bit }) = &traced.node(id).op else { return Err(traced.unplaced(id)) };
-        let wire = *self.wires.get(port).ok_or_else(|| traced.unplaced(id))?;
-        Ok(match (traced.node(id).kind, bit) {
+        let graph = &self.plan.operations[op];
+        let Op::Input(PortBit { port, bit }) = &graph.node(id).op else { return Err(graph.unplaced(id)) };
+        let wire = *self.wires.get(port).ok_or_else(|| graph.unplaced(id))?;
+        Ok(match (graph.node(id).kind, bit) {
             (_, Some((bit, _))) => wire.bit(*bit),
             (Kind::Word(width), None) => wire.lower(width),
             (Kind::Number | Kind::Order | Kind::Cut(..), None) => wire,

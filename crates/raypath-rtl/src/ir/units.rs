@@ -1,29 +1,28 @@
-//! The units of a step.
+//! The floating-point units, and how many of each kind a step has.
 
-use crate::graph::{Kind, NodeId, Op, Traced};
 use std::fmt;
 use std::iter::Sum;
 use std::ops::Add;
 
-/// The floating-point units.
+/// The kinds of floating-point units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum UnitKind {
-    /// Binary32 to recoded.
+    /// Encoder: IEEE 754 to recoded.
     Encode,
-    /// Sum or difference.
+    /// Adder: sum or difference.
     Add,
-    /// Product.
+    /// Multiplier.
     Multiply,
-    /// Comparison.
+    /// Comparator.
     Compare,
-    /// Recoded to binary32.
+    /// Decoder: recoded to IEEE 754.
     Decode,
 }
 
-/// How many units a step has.
+/// The number of units of each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Units {
-    /// Encoders, binary32 to recoded.
+    /// Encoders, IEEE 754 to recoded.
     pub encode: usize,
     /// Adders.
     pub add: usize,
@@ -31,29 +30,29 @@ pub struct Units {
     pub multiply: usize,
     /// Comparators.
     pub compare: usize,
-    /// Decoders, recoded to binary32.
+    /// Decoders, recoded to IEEE 754.
     pub decode: usize,
 }
 
-/// A unit of a step, or the part of one that the step has.
+/// A unit of a step. A unit with a latency of several steps has a part in each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Unit {
     pub kind: UnitKind,
     /// The part, from 0.
     pub part: u32,
-    /// Which of the step's units of this kind and part, from 0.
+    /// Its number among the units of this kind and part in the step, from 0.
     pub number: usize,
 }
 
 impl Unit {
-    /// What its instance is called: `add_3`.
+    /// The stem of its instance name, such as `add_3`.
     pub fn stem(self) -> String {
         format!("{}_{}", self.kind.stem(), self.number)
     }
 }
 
 impl UnitKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 5] = [Self::Encode, Self::Add, Self::Multiply, Self::Compare, Self::Decode];
 
     /// The stem of its module's name, `raypath_fp_<stem>_<format>`.
@@ -92,7 +91,7 @@ impl Units {
         }
     }
 
-    /// The number of units of one kind, to be changed.
+    /// The number of units of one kind, for modification.
     pub(crate) fn of_mut(&mut self, kind: UnitKind) -> &mut usize {
         match kind {
             UnitKind::Encode => &mut self.encode,
@@ -120,19 +119,5 @@ impl Add for Units {
 impl Sum for Units {
     fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
         all.fold(Self::default(), Add::add)
-    }
-}
-
-/// The kind of unit that makes a value, and which of its parts.
-pub fn part(traced: &Traced, id: NodeId) -> Option<(UnitKind, u32)> {
-    match traced.node(id).op {
-        Op::Add(..) | Op::Subtract(..) => Some((UnitKind::Add, 0)),
-        Op::Multiply(..) => Some((UnitKind::Multiply, 0)),
-        Op::Compare(..) => Some((UnitKind::Compare, 0)),
-        Op::Continue(before) => match traced.node(before).kind {
-            Kind::Cut(kind, part) => Some((kind, part + 1)),
-            _ => None,
-        },
-        _ => None,
     }
 }

@@ -1,14 +1,14 @@
 //! One step as a module: the values of its registers under the algorithm's names, its units, its registers.
 
-use crate::boundary;
+use crate::allocate::plan::Plan;
 use crate::config::{Control, Encoding};
-use crate::elastic;
+use crate::emit::boundary;
+use crate::emit::elastic;
+use crate::emit::library::Library;
+use crate::emit::values::{StepInputs, Values};
 use crate::error::Error;
-use crate::graph::{Kind, NodeId, Op, StateValue, Traced};
-use crate::library::Library;
-use crate::plan::Plan;
-use crate::steps::Step;
-use crate::values::{Before, Values};
+use crate::ir::graph::{Kind, NodeId, Op, OperationGraph, StateValue};
+use crate::ir::position::{Step, StepLabel};
 use raypath_float::Format;
 use raypath_hdl::{Builder, Module, Register, Wire};
 use std::collections::BTreeMap;
@@ -19,18 +19,18 @@ pub fn stage(plan: &Plan, library: &Library, step: usize) -> Result<Arc<Module>,
     // Built once to learn which values are read by name, and once more to name them first.
     let scratch = Builder::new("scratch");
     let read = build(&scratch, plan, library, step, &[])?;
-    let m = Builder::new(&format!("raypath_{}", name(plan.steps[step].step)));
+    let m = Builder::new(&format!("raypath_{}", name(plan.steps[step].label)));
     describe(&m, plan, step);
     build(&m, plan, library, step, &read)?;
     Ok(m.finish()?)
 }
 
 /// What a step's instance is called: `stage_3`, `stage_3_2`.
-pub fn name(step: Step) -> String {
-    match step {
-        Step { stage: 0, .. } => "input".to_string(),
-        Step { stage, parts: 1, .. } => format!("stage_{stage}"),
-        Step { stage, part, .. } => format!("stage_{stage}_{part}"),
+pub fn name(label: StepLabel) -> String {
+    match label {
+        StepLabel { stage: 0, .. } => "input".to_string(),
+        StepLabel { stage, parts: 1, .. } => format!("stage_{stage}"),
+        StepLabel { stage, part, .. } => format!("stage_{stage}_{part}"),
     }
 }
 
@@ -43,7 +43,7 @@ fn build(
     names: &[(usize, NodeId)],
 ) -> Result<Vec<(usize, NodeId)>, Error> {
     let opcode = m.input("opcode_i", plan.opcode_width());
-    let mut before = Before::ports(m, plan, library, step);
+    let mut before = StepInputs::ports(m, plan, library, step);
     let states = States::new(m, plan, library, step);
     before.states = states.wires.clone();
     let mut values = Values::new(m, plan, library, step, opcode, before);
@@ -83,10 +83,12 @@ fn build(
 
 /// The head comment: Table VII, read along its row.
 fn describe(m: &Builder, plan: &Plan, step: usize) {
-    let at = plan.steps[step].step;
+    let at = plan.steps[step].label;
     m.doc(match at {
-        Step { stage, parts: 1, .. } => format!("Stage {stage} and the registers after it."),
-        Step { stage, part, parts } => format!("Stage {stage}, step {part} of {parts}, and the registers after it."),
+        StepLabel { stage, parts: 1, .. } => format!("Stage {stage} and the registers after it."),
+        StepLabel { stage, part, parts } => {
+            format!("Stage {stage}, step {part} of {parts}, and the registers after it.")
+        }
     });
     for traced in &plan.operations {
         let what = notes(plan, traced, step);
@@ -96,15 +98,15 @@ fn describe(m: &Builder, plan: &Plan, step: usize) {
     if after.flags > 0 {
         m.doc("Flags after it, lowest bit first:");
         for (op, traced) in plan.operations.iter().enumerate() {
-            m.doc(format!("  {:<10} {}", format!("{}:", traced.name), boundary::flag_residents(plan, after, op)));
+            m.doc(format!("  {:<10} {}", format!("{}:", traced.name), boundary::live_flag_names(plan, after, op)));
         }
     }
 }
 
 /// What an operation says that it does in a step's stage, and what the stage does with all numbers.
-pub fn notes(plan: &Plan, traced: &Traced, index: usize) -> String {
-    let step = plan.steps[index].step;
-    let own = traced.notes.iter().filter(|(at, _)| *at == step.stage).map(|(_, what)| what.as_ref());
+pub fn notes(plan: &Plan, traced: &OperationGraph<Step>, index: usize) -> String {
+    let label = plan.steps[index].label;
+    let own = traced.notes.iter().filter(|(at, _)| *at == label.stage).map(|(_, what)| what.as_ref());
     let ieee = if plan.format == Format::BINARY32 { "binary32" } else { "IEEE 754" };
     let conversion = match index.checked_sub(1).map(|before| (plan.encoding(before), plan.encoding(index))) {
         Some((Encoding::Ieee, Encoding::Recoded)) => Some(format!("{ieee} to recoded")),
@@ -128,20 +130,20 @@ impl<'m> States<'m> {
         let all = || {
             plan.operations.iter().enumerate().flat_map(|(op, t)| t.states.iter().enumerate().map(move |s| (op, t, s)))
         };
-        let reads = |op: usize, traced: &Traced, number: usize| {
+        let reads = |op: usize, traced: &OperationGraph<Step>, number: usize| {
             let mut operands = plan.steps[step].made[op].iter().flat_map(|&id| traced.operands(id));
             operands.any(|id| traced.node(id).op == Op::State(number))
         };
         for (op, traced, (number, state)) in all() {
-            if state.written as usize != step && reads(op, traced, number) {
+            if state.written != Step(step as u32) && reads(op, traced, number) {
                 let port = m.input(&format!("{}_i", port(traced, state)), width(traced, state, library));
                 states.wires.insert((op, number), port);
             }
         }
-        if all().any(|(_, _, (_, state))| state.written as usize == step) {
+        if all().any(|(_, _, (_, state))| state.written == Step(step as u32)) {
             m.section("State: changes once for each job, when the step hands it on");
         }
-        for (op, traced, (number, state)) in all().filter(|(_, _, (_, state))| state.written as usize == step) {
+        for (op, traced, (number, state)) in all().filter(|(_, _, (_, state))| state.written == Step(step as u32)) {
             let register = m.register(&format!("{}_q", port(traced, state)), width(traced, state, library)).reset_to(0);
             states.registers.insert((op, number), register);
             states.wires.insert((op, number), register.wire());
@@ -184,17 +186,17 @@ impl<'m> States<'m> {
 }
 
 /// A state as a port, or as the stem of its register.
-pub fn port(traced: &Traced, state: &StateValue) -> String {
+pub fn port(traced: &OperationGraph<Step>, state: &StateValue<Step>) -> String {
     format!("{}_{}_state", traced.name, state.name)
 }
 
 /// That an operation has written its state, as a port.
-fn written(traced: &Traced) -> String {
+fn written(traced: &OperationGraph<Step>) -> String {
     format!("{}_written", traced.name)
 }
 
 /// Bits of a state; numbers are recoded.
-pub fn width(traced: &Traced, state: &StateValue, library: &Library) -> u32 {
+pub fn width(traced: &OperationGraph<Step>, state: &StateValue<Step>, library: &Library) -> u32 {
     match traced.node(state.next).kind {
         Kind::Word(width) => width,
         Kind::Number | Kind::Order | Kind::Cut(..) => library.format.recoded_width(),
@@ -213,7 +215,7 @@ struct Busy<'m> {
 impl<'m> Busy<'m> {
     fn new(m: &'m Builder, plan: &Plan, step: usize, opcode: Wire<'m>) -> Vec<Self> {
         let loops = plan.operations.iter().filter(|traced| traced.is_loop());
-        let here = loops.filter(|traced| traced.states.iter().map(|state| state.read).min() == Some(step as u32));
+        let here = loops.filter(|traced| traced.first_read() == Step(step as u32));
         here.map(|traced| {
             m.section(format!("A job of {} waits until the one before it has written its state", traced.name));
             let written = m.input(&format!("{}_i", written(traced)), 1);

@@ -1,7 +1,8 @@
-use crate::control;
-use crate::graph::{Kind, Op, Traced};
-use crate::plan::Plan;
-use crate::units::{Unit, UnitKind};
+use crate::allocate::plan::Plan;
+use crate::emit::control;
+use crate::ir::graph::{Kind, Op, OperationGraph};
+use crate::ir::position::Step;
+use crate::ir::units::{Unit, UnitKind};
 use raypath_float::Format;
 use raypath_hdl::{Error, Module};
 use std::collections::BTreeMap;
@@ -84,7 +85,7 @@ impl Library {
 }
 
 /// The widths of the words that an operation makes numbers of.
-fn word_widths(traced: &Traced) -> impl Iterator<Item = u32> {
+fn word_widths(traced: &OperationGraph<Step>) -> impl Iterator<Item = u32> {
     traced.nodes.iter().filter_map(|node| match node.op {
         Op::NumberOf(word) => match traced.node(word).kind {
             Kind::Word(width) => Some(width),

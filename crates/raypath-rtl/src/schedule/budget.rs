@@ -1,13 +1,13 @@
-//! How many units each stage may have.
+//! Budgets: how many units an operation may use in each stage.
 
-use crate::STAGES;
-use crate::error::Error;
-use crate::graph::Traced;
-use crate::liveness;
-use crate::units::{UnitKind, Units, part};
-use std::fmt;
+use crate::error::{Error, Shortage};
+use crate::ir::graph::OperationGraph;
+use crate::ir::liveness;
+use crate::ir::position::{STAGES, Stage};
+use crate::ir::units::{UnitKind, Units};
 
-/// The most adders, multipliers and comparators that an operation may use in each stage. Conversions stand outside it.
+/// The greatest number of adders, multipliers and comparators that an operation may use in each stage. Conversions do
+/// not count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Budget([Units; STAGES as usize + 1]);
 
@@ -28,14 +28,14 @@ impl Budget {
         units(0, 0, 0),
     ]);
 
-    /// As many as anyone likes.
+    /// No limits.
     pub const UNLIMITED: Self = Self([units(usize::MAX, usize::MAX, usize::MAX); STAGES as usize + 1]);
 
     /// No units at all.
     pub(crate) const NOTHING: Self = Self([units(0, 0, 0); STAGES as usize + 1]);
 
-    /// What `limits` says of each stage from 1 on; where units take one step,
-    /// `Budget::by_stage(|stage| datapath.units(stage as usize))` is what another datapath has.
+    /// The budget with these limits for each stage, from 1. If units have a latency of one step,
+    /// `Budget::by_stage(|stage| datapath.units(stage as usize))` is the budget of the units of another datapath.
     pub fn by_stage(limits: impl Fn(u32) -> Units) -> Self {
         let mut budget = Self::NOTHING;
         for stage in 1..=STAGES {
@@ -44,23 +44,23 @@ impl Budget {
         budget
     }
 
-    /// What it allows in a stage; nothing where there is no such stage.
+    /// The limits of a stage; zero if there is no such stage.
     pub fn units(&self, stage: u32) -> Units {
         self.0.get(stage as usize).copied().unwrap_or_default()
     }
 
-    /// What an operation uses, its stages being known.
-    pub(crate) fn used_by(traced: &Traced) -> Self {
+    /// The units that an operation uses. Its stages must be assigned.
+    pub(crate) fn used_by(graph: &OperationGraph<Stage>) -> Self {
         let mut used = Self::NOTHING;
-        for (units, work) in used.0.iter_mut().zip(liveness::work(traced, STAGES)) {
-            for (kind, _) in work.made.iter().filter_map(|&id| part(traced, id)) {
+        for (units, values) in used.0.iter_mut().zip(liveness::analyse(graph, STAGES)) {
+            for (kind, _) in values.made.iter().filter_map(|&id| graph.unit_part(id)) {
                 *units.of_mut(kind) += 1;
             }
         }
         used
     }
 
-    /// Stage by stage, whichever is more.
+    /// The greater limit of both in each stage.
     pub(crate) fn or(self, other: &Self) -> Self {
         Self::by_stage(|stage| {
             let (mut units, other) = (self.units(stage), other.units(stage));
@@ -71,9 +71,9 @@ impl Budget {
         })
     }
 
-    /// That an operation whose stages are known keeps to it.
-    pub(crate) fn check(&self, traced: &Traced) -> Result<(), Error> {
-        let used = Self::used_by(traced);
+    /// Checks that an operation stays within the budget. Its stages must be assigned.
+    pub(crate) fn check(&self, graph: &OperationGraph<Stage>) -> Result<(), Error> {
+        let used = Self::used_by(graph);
         let cells = (1..=STAGES).flat_map(|stage| KINDS.map(|kind| (stage, kind)));
         let all = cells.map(|(stage, kind)| {
             let (needed, allowed) = (used.units(stage).of(kind), self.units(stage).of(kind));
@@ -83,35 +83,13 @@ impl Budget {
         if shortages.is_empty() {
             return Ok(());
         }
-        Err(Error::TooManyUnits { operation: traced.name, shortages })
+        Err(Error::TooManyUnits { operation: graph.name, shortages })
     }
 }
 
-/// What a budget counts.
+/// The kinds of units that a budget counts.
 pub const KINDS: [UnitKind; 3] = [UnitKind::Add, UnitKind::Multiply, UnitKind::Compare];
 
 const fn units(add: usize, multiply: usize, compare: usize) -> Units {
     Units { encode: 0, add, multiply, compare, decode: 0 }
-}
-
-/// A stage that has fewer units of a kind than an operation needs there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shortage {
-    /// The stage.
-    pub stage: u32,
-    /// The kind.
-    pub kind: UnitKind,
-    /// How many the operation needs.
-    pub needed: usize,
-    /// How many the budget allows.
-    pub allowed: usize,
-}
-
-/// `stage 2 needs 24 adders of 20 allowed`.
-impl fmt::Display for Shortage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { stage, kind, needed, allowed } = self;
-        let plural = if *needed == 1 { "" } else { "s" };
-        write!(f, "stage {stage} needs {needed} {kind}{plural}, {allowed} allowed")
-    }
 }

@@ -1,8 +1,8 @@
 //! The registers of a boundary: skid buffers that stall, registers that never do, or the FIFO that such end in.
 
-use crate::control;
+use crate::emit::control;
+use crate::emit::library::Library;
 use crate::error::Error;
-use crate::library::Library;
 use raypath_hdl::{Builder, Wire};
 
 /// What a register takes.
@@ -11,7 +11,7 @@ pub struct Next<'m> {
     pub name: String,
     pub wire: Wire<'m>,
     /// Who lives there, in words.
-    pub residents: String,
+    pub live_values: String,
 }
 
 /// Adds registers, their handshake and output ports. `hold` keeps the job in the registers before. Returns whether the
@@ -25,13 +25,13 @@ pub fn skid_buffers<'m>(m: &'m Builder, library: &Library, next: Vec<Next<'m>>, 
     let (ready, valid_out, load_front, arrives) = (control[0], control[1], control[2], control[3]);
     m.output("ready_o", hold.map_or(ready, |hold| ready & !hold));
     m.output("valid_o", valid_out);
-    for Next { name, wire, residents } in next {
+    for Next { name, wire, live_values } in next {
         let bits = wire.width();
         let wire = wire.named(&format!("{name}_d"));
         let spare = m.register(&format!("{name}_spare_q"), bits);
         let front = m.register(&format!("{name}_q"), bits);
-        if !residents.is_empty() {
-            front.wire().comment(residents);
+        if !live_values.is_empty() {
+            front.wire().comment(live_values);
         }
         spare.next_when(arrives, wire);
         front.next_when(load_front, arrives.mux(wire, spare.wire()));
@@ -47,10 +47,10 @@ pub fn plain<'m>(m: &'m Builder, next: Vec<Next<'m>>) -> Wire<'m> {
     let valid_out = m.register("valid_q", 1).reset_to(0);
     valid_out.next(valid);
     m.output("valid_o", valid_out.wire());
-    for Next { name, wire, residents } in next {
+    for Next { name, wire, live_values } in next {
         let register = m.register(&format!("{name}_q"), wire.width());
-        if !residents.is_empty() {
-            register.wire().comment(residents);
+        if !live_values.is_empty() {
+            register.wire().comment(live_values);
         }
         register.next(wire.named(&format!("{name}_d")));
         m.output(&format!("{name}_o"), register.wire());
@@ -66,7 +66,7 @@ pub fn exit<'m>(m: &'m Builder, next: Vec<Next<'m>>, depth: u32) -> Result<Wire<
     let control = m.instance("u_exit", &control::exit(depth)?, &[("valid_i", valid), ("ready_i", ready_after)]);
     let (valid_out, load_front, from_store, store, read) = (control[0], control[1], control[2], control[3], control[4]);
     m.output("valid_o", valid_out);
-    for Next { name, wire, residents } in next {
+    for Next { name, wire, live_values } in next {
         let bits = wire.width();
         let wire = wire.named(&format!("{name}_d"));
         let mut oldest: Option<Wire<'m>> = None;
@@ -78,8 +78,8 @@ pub fn exit<'m>(m: &'m Builder, next: Vec<Next<'m>>, depth: u32) -> Result<Wire<
         }
         let oldest = oldest.unwrap_or(wire).named(&format!("{name}_oldest"));
         let front = m.register(&format!("{name}_q"), bits);
-        if !residents.is_empty() {
-            front.wire().comment(residents);
+        if !live_values.is_empty() {
+            front.wire().comment(live_values);
         }
         front.next_when(load_front, from_store.mux(oldest, wire));
         m.output(&format!("{name}_o"), front.wire());

@@ -1,0 +1,162 @@
+//! The plan of a datapath: the units of every step and the registers of every boundary.
+
+use crate::allocate::affinity::Affinity;
+use crate::allocate::binding::{self, Bindings};
+use crate::allocate::layout::{Layout, Origin, RegisterSlot};
+use crate::allocate::registers;
+use crate::config::{Control, Encoding, Microarchitecture};
+use crate::ir::graph::{Kind, NodeId, Op, OperationGraph};
+use crate::ir::liveness::{self, PositionValues};
+use crate::ir::position::{Step, StepLabel};
+use crate::ir::units::{Unit, Units};
+use raypath_float::Format;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Bits of the paper's opcode. Datapaths with fewer operations have the same port.
+const PAPER_OPCODE_WIDTH: u32 = 2;
+
+/// The plan of a datapath, from which the netlist is emitted.
+#[derive(Debug)]
+pub struct Plan {
+    /// The format of all numbers.
+    pub format: Format,
+    /// How the datapath is built.
+    pub microarchitecture: Microarchitecture,
+    /// The operations, with their values in steps.
+    pub operations: Vec<OperationGraph<Step>>,
+    /// All steps; the first is the input's registers.
+    pub steps: Vec<StepPlan>,
+}
+
+/// A step and the registers after it.
+#[derive(Debug)]
+pub struct StepPlan {
+    /// Its name.
+    pub label: StepLabel,
+    /// The units of each operation's values.
+    pub bindings: Vec<Bindings>,
+    /// The values that each operation computes.
+    pub made: Vec<Vec<NodeId>>,
+    /// The registers after it.
+    pub layout: Layout,
+}
+
+impl Plan {
+    /// Allocates units and registers to operations that are expanded to the steps with these labels.
+    pub fn new(
+        operations: Vec<OperationGraph<Step>>,
+        labels: Vec<StepLabel>,
+        format: Format,
+        microarchitecture: Microarchitecture,
+    ) -> Self {
+        let last = labels.len() as u32 - 1;
+        let values: Vec<Vec<PositionValues>> = operations.iter().map(|graph| liveness::analyse(graph, last)).collect();
+        let affinities: Vec<Affinity> = operations.iter().map(Affinity::new).collect();
+        let mut steps: Vec<StepPlan> = Vec::new();
+        for (index, label) in labels.into_iter().enumerate() {
+            let here: Vec<&PositionValues> = values.iter().map(|values| &values[index]).collect();
+            let carried: Vec<Vec<NodeId>> = here.iter().map(|values| values.carried.clone()).collect();
+            let empty = Layout::default();
+            let before = steps.last().map_or(&empty, |plan| &plan.layout);
+            let bindings = binding::bind(&operations, &here, before);
+            let origin = |op, id| origin(&operations, before, &bindings, op, id);
+            let sharing = microarchitecture.sharing;
+            let layout = registers::allocate(sharing, &operations, &carried, &affinities, before, origin);
+            let made = here.iter().map(|values| values.made.clone()).collect();
+            steps.push(StepPlan { label, bindings, made, layout });
+        }
+        Self { format, microarchitecture, operations, steps }
+    }
+
+    /// Bits of the opcode: as many as the greatest needs, and at least as many as in the paper.
+    pub fn opcode_width(&self) -> u32 {
+        let largest = self.operations.iter().map(|graph| graph.opcode).max().unwrap_or(0);
+        (u64::BITS - largest.leading_zeros()).max(PAPER_OPCODE_WIDTH)
+    }
+
+    /// The last step.
+    pub fn last(&self) -> usize {
+        self.steps.len() - 1
+    }
+
+    /// Cycles from the acceptance of a job to its outcome: one for each boundary.
+    pub fn latency(&self) -> u32 {
+        self.steps.len() as u32
+    }
+
+    /// The number of jobs that the datapath can hold while the sink is not ready.
+    pub fn capacity(&self) -> u64 {
+        match self.microarchitecture.control {
+            Control::Skid => 2 * u64::from(self.latency()),
+            Control::Credit => u64::from(self.latency()) + 1,
+        }
+    }
+
+    /// The driver of a value in a step.
+    pub fn origin(&self, step: usize, op: usize, id: NodeId) -> Origin {
+        let none = Layout::default();
+        let before = step.checked_sub(1).map_or(&none, |before| &self.steps[before].layout);
+        origin(&self.operations, before, &self.steps[step].bindings, op, id)
+    }
+
+    /// The units of a step, or their parts, sorted by kind.
+    pub fn units(&self, step: usize) -> BTreeSet<Unit> {
+        self.steps[step].bindings.iter().flat_map(BTreeMap::values).map(|binding| binding.unit).collect()
+    }
+
+    /// The numbers of encoders and decoders that an operation uses in a step.
+    pub fn conversions(&self, step: usize, op: usize) -> Units {
+        let mut units = Units::default();
+        let Some(before) = step.checked_sub(1) else { return units };
+        let (after, layout) = (self.encoding(step), &self.steps[before].layout);
+        let number = |id: NodeId| match layout.slot(op, id) {
+            Some(RegisterSlot::Number(register)) => Some(register),
+            _ => None,
+        };
+        let graph = &self.operations[op];
+        let carried: Vec<NodeId> = self.steps[step].layout.slots[op].keys().copied().collect();
+        let carried = carried.into_iter().filter(|&id| graph.node(id).kind == Kind::Number);
+        let passing = |id: NodeId| number(id).is_some() && self.encoding(before) == Encoding::Ieee;
+        if after == Encoding::Ieee {
+            units.decode = carried.clone().filter(|&id| !passing(id)).count();
+        }
+        if self.encoding(before) == Encoding::Ieee {
+            let read = self.steps[step].made[op].iter().filter(|&&id| !matches!(graph.node(id).op, Op::Test(..)));
+            let read = read.flat_map(|&id| graph.operands(id));
+            let passed = carried.filter(|_| after == Encoding::Recoded);
+            units.encode = read.chain(passed).filter_map(number).collect::<BTreeSet<_>>().len();
+        }
+        units
+    }
+
+    /// The encoding of numbers in the registers after a step.
+    pub fn encoding(&self, step: usize) -> Encoding {
+        if step == 0 || step == self.last() { self.microarchitecture.io } else { self.microarchitecture.registers }
+    }
+
+    /// Bits of a number in the registers after a step.
+    pub fn number_width(&self, step: usize) -> u32 {
+        match self.encoding(step) {
+            Encoding::Ieee => self.format.ieee_width(),
+            Encoding::Recoded => self.format.recoded_width(),
+        }
+    }
+}
+
+fn origin(
+    operations: &[OperationGraph<Step>],
+    before: &Layout,
+    bindings: &[Bindings],
+    op: usize,
+    id: NodeId,
+) -> Origin {
+    if let Some(slot) = before.slot(op, id) {
+        return Origin::Register(slot);
+    }
+    match &operations[op].node(id).op {
+        Op::Input(port) => Origin::Port(port.clone()),
+        // A comparator has several results; the selection among them is the operation's logic.
+        Op::Compare(..) => Origin::Logic(op, id),
+        _ => bindings[op].get(&id).map_or(Origin::Logic(op, id), |binding| Origin::Unit(binding.unit)),
+    }
+}

@@ -1,0 +1,201 @@
+//! The parameters and the configuration that they make up.
+
+use super::enumerations::{Accumulators, Control, Encoding, Lanes, Sharing, UnitLatency};
+use super::parameter::{Parameter, ParameterGroup, declare_parameters, values};
+use super::values::{MAX_TAG_WIDTH, TagWidth, Values};
+use crate::error::Error;
+use raypath_float::Format;
+use raypath_ops::{Culling, JobKind, Rules};
+use std::fmt;
+
+declare_parameters! {
+    config.semantics;
+    "What the datapath computes";
+
+    /// What a datapath of the paper's operations computes: its operations and the values of its results.
+    pub struct Semantics {
+        /// Lanes of a Euclidean beat; an angular beat has half as many. `none`: no distance operations.
+        lanes ("lanes"): Lanes = Lanes::Sixteen,
+        /// The rules for edge cases: `paper` (this project's rulings) or `chisel` (those of the original hardware).
+        rules ("rules"): Rules = Rules::Paper,
+        /// The number format; `eXsY` has X exponent bits (3 to 11) and Y significand bits, hidden bit included (3 to
+        /// 24).
+        format ("format"): Format = Format::BINARY32,
+    }
+    /// Functions that the paper's operations do not have; off by default.
+    pub features: Features = Features::OFF,
+}
+
+declare_parameters! {
+    config.microarchitecture;
+    "How the datapath is built";
+
+    /// How a datapath is built: number encodings, control, registers and units. The same for any set of operations.
+    pub struct Microarchitecture {
+        /// Encoding of numbers at the ports.
+        io ("io"): Encoding = Encoding::Ieee,
+        /// Encoding of numbers in the registers between stages.
+        registers ("registers"): Encoding = Encoding::Recoded,
+        /// Flow control: a skid buffer after every stage, or credits and a FIFO at the exit.
+        control ("control"): Control = Control::Skid,
+        /// Whether operations share registers.
+        sharing ("sharing"): Sharing = Sharing::Union,
+        /// Pipeline steps of an adder or a multiplier.
+        unit_latency ("unit-latency"): UnitLatency = UnitLatency::One,
+    }
+}
+
+declare_parameters! {
+    config.semantics.features;
+    "Features that the paper's operations do not have";
+
+    /// Functions that the paper's operations do not have (`docs/reference/features.md`). A feature that is off has no
+    /// hardware.
+    pub struct Features {
+        /// Bits of a word that every job carries from the port `tag_i` to the port `tag_o`; 0: no such ports.
+        tag ("tag"): u32 as TagWidth = 0,
+        /// Output ports for a triangle's U, V and W.
+        barycentrics ("barycentrics"): bool = false,
+        /// The faces of triangles that are not hit.
+        culling ("culling"): Culling = Culling::Back,
+        /// An output port for the face of the triangle that the ray meets.
+        facing ("facing"): bool = false,
+        /// Triangles are hit only between the input port `t_min` and the ray's extent.
+        range ("range"): bool = false,
+        /// No box that a ray touches is missed through rounding; needs the rules `paper`.
+        conservative ("conservative"): bool = false,
+        /// Accumulators of each distance operation; an input port selects one, so that vectors can be interleaved.
+        accumulators ("accumulators"): Accumulators = Accumulators::One,
+        /// An output port for the floating-point exceptions of a job's additions and multiplications.
+        exception_flags ("exception-flags"): bool = false,
+    }
+}
+
+/// All parameters, by group.
+pub const PARAMETER_GROUPS: [ParameterGroup; 3] =
+    [Semantics::PARAMETERS, Microarchitecture::PARAMETERS, Features::PARAMETERS];
+
+/// All parameters, in the order in which they are shown.
+pub fn parameters() -> impl Iterator<Item = &'static Parameter> {
+    PARAMETER_GROUPS.iter().flat_map(|group| group.parameters)
+}
+
+/// A configuration of the paper's operations. The default has all four of them.
+///
+/// Each parameter has a method of its name that returns a changed copy:
+///
+/// ```
+/// use raypath_rtl::{Config, Control, Lanes};
+///
+/// let config = Config::DEFAULT.lanes(Lanes::Four).control(Control::Credit);
+/// assert_eq!(config.options(), "--lanes 4 --control credit");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Config {
+    /// What the datapath computes.
+    pub semantics: Semantics,
+    /// How the datapath is built.
+    pub microarchitecture: Microarchitecture,
+}
+
+impl Config {
+    /// Every parameter at its default.
+    pub const DEFAULT: Self = Self { semantics: Semantics::DEFAULT, microarchitecture: Microarchitecture::DEFAULT };
+
+    /// This configuration with these features.
+    pub const fn features(mut self, features: Features) -> Self {
+        self.semantics.features = features;
+        self
+    }
+
+    /// The kinds of jobs that the datapath accepts.
+    pub fn kinds(self) -> &'static [JobKind] {
+        self.semantics.kinds()
+    }
+
+    /// Checks that the parameters can be combined.
+    ///
+    /// # Errors
+    /// Those of [`Semantics::check`].
+    pub fn check(self) -> Result<(), Error> {
+        self.semantics.check()
+    }
+
+    /// The command-line options that select this configuration, such as `--lanes none --control credit`; empty for the
+    /// default.
+    pub fn options(self) -> String {
+        let option = |parameter: &Parameter| match parameter.get(&self).as_str() {
+            "true" => format!("--{}", parameter.name),
+            value => format!("--{} {value}", parameter.name),
+        };
+        let changed = parameters().filter(|parameter| parameter.get(&self) != parameter.default());
+        changed.map(option).collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// Parameters that [`Config`]'s `Display` shows even if they have their default values.
+const ALWAYS_SHOWN: [&str; 2] = ["lanes", "rules"];
+
+/// The lanes, the rules, and each other parameter that differs from its default.
+impl fmt::Display for Config {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut separator = "";
+        for parameter in parameters() {
+            let value = parameter.get(self);
+            if ALWAYS_SHOWN.contains(&parameter.name) || value != parameter.default() {
+                write!(f, "{separator}{} {value}", parameter.name.replace('-', " "))?;
+                separator = ", ";
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Semantics {
+    /// The kinds of jobs that the datapath accepts.
+    pub fn kinds(self) -> &'static [JobKind] {
+        if self.lanes == Lanes::None { &[JobKind::Triangle, JobKind::Quadbox] } else { &JobKind::ALL }
+    }
+
+    /// Checks that the features can be combined with each other, the rules and the format.
+    ///
+    /// # Errors
+    /// A tag of more than [`Features::MAX_TAG_WIDTH`] bits; conservative boxes under the rules `chisel`; exception
+    /// flags in another format than binary32.
+    pub fn check(self) -> Result<(), Error> {
+        let Features { tag, conservative, exception_flags, .. } = self.features;
+        Features::check_tag(tag)?;
+        if conservative && self.rules == Rules::Chisel {
+            let problem = "the rules chisel miss what a ray only touches, expected the rules paper".to_string();
+            return Err(Error::Feature { feature: "conservative", problem });
+        }
+        if exception_flags && self.format != Format::BINARY32 {
+            let problem =
+                format!("no model has them in format {}, to hold hardware against; expected format fp32", self.format);
+            return Err(Error::Feature { feature: "exception flags", problem });
+        }
+        Ok(())
+    }
+}
+
+impl Features {
+    /// The greatest width of a tag in bits.
+    pub const MAX_TAG_WIDTH: u32 = MAX_TAG_WIDTH;
+
+    /// No features: the paper's operations.
+    pub const OFF: Self = Self::DEFAULT;
+
+    /// Whether a feature changes what a triangle job computes.
+    pub(crate) fn extend_triangles(self) -> bool {
+        self.barycentrics || self.facing || self.range || self.culling != Culling::Back
+    }
+
+    /// Checks the width of a tag.
+    pub(crate) fn check_tag(width: u32) -> Result<(), Error> {
+        if width <= Self::MAX_TAG_WIDTH {
+            return Ok(());
+        }
+        let problem = format!("{width} bits, expected 1 to {}, or 0 for none", Self::MAX_TAG_WIDTH);
+        Err(Error::Feature { feature: "tag", problem })
+    }
+}

@@ -1,0 +1,120 @@
+//! The parameters with named values, except those of the operations themselves.
+
+use super::choice::choices;
+
+choices! {
+    /// The number of dimensions of a Euclidean beat. An angular beat has half as many.
+    pub enum Lanes ("number of lanes") {
+        /// No distance operations: their ports, registers and units are absent.
+        None = "none",
+        /// 2 Euclidean lanes, 1 angular.
+        Two = "2",
+        /// 4 Euclidean lanes, 2 angular.
+        Four = "4",
+        /// 8 Euclidean lanes, 4 angular.
+        Eight = "8",
+        /// 16 Euclidean lanes, 8 angular.
+        Sixteen = "16",
+        /// 32 Euclidean lanes, 16 angular.
+        ThirtyTwo = "32",
+        /// 64 Euclidean lanes, 32 angular.
+        SixtyFour = "64",
+    }
+}
+
+impl Lanes {
+    /// The number of Euclidean lanes; 0 without distance operations.
+    pub fn count(self) -> usize {
+        match self {
+            Self::None => 0,
+            Self::Two => 2,
+            Self::Four => 4,
+            Self::Eight => 8,
+            Self::Sixteen => 16,
+            Self::ThirtyTwo => 32,
+            Self::SixtyFour => 64,
+        }
+    }
+}
+
+choices! {
+    /// The encoding of a number in a word.
+    pub enum Encoding ("encoding of numbers") {
+        /// IEEE 754: a binary32 number has 32 bits.
+        Ieee = "ieee",
+        /// The format of the units' ports (`docs/reference/formats.md`): one bit more.
+        Recoded = "recoded",
+    }
+}
+
+choices! {
+    /// The flow control of the pipeline: how jobs are kept while the sink is not ready.
+    pub enum Control ("elastic control") {
+        /// A skid buffer after every stage: two registers, and ready from a flip-flop (the paper's).
+        Skid = "skid",
+        /// Registers that never stall, and a FIFO at the exit with an entry for every job in the pipeline.
+        Credit = "credit",
+    }
+}
+
+choices! {
+    /// Whether values of different operations share registers.
+    pub enum Sharing ("sharing of registers") {
+        /// All operations share all registers; the opcode selects the meaning of a register.
+        Union = "union",
+        /// Every operation has its own registers (the paper's).
+        Segregated = "segregated",
+    }
+}
+
+choices! {
+    /// The number of pipeline steps of an adder or a multiplier.
+    pub enum UnitLatency ("latency of units") {
+        /// One: units are combinational (the paper's).
+        One = "1",
+        /// Two.
+        Two = "2",
+        /// Three.
+        Three = "3",
+    }
+}
+
+impl UnitLatency {
+    /// The number of steps.
+    pub fn steps(self) -> u32 {
+        match self {
+            Self::One => 1,
+            Self::Two => 2,
+            Self::Three => 3,
+        }
+    }
+}
+
+choices! {
+    /// The number of accumulators of each distance operation. With several, an input port selects one.
+    pub enum Accumulators ("number of accumulators") {
+        /// One (the paper's).
+        One = "1",
+        /// Two.
+        Two = "2",
+        /// Four.
+        Four = "4",
+        /// Eight.
+        Eight = "8",
+        /// Sixteen.
+        Sixteen = "16",
+    }
+}
+
+impl Accumulators {
+    /// The number.
+    pub fn count(self) -> usize {
+        match self {
+            Self::One => 1,
+            Self::Two => 2,
+            Self::Four => 4,
+            Self::Eight => 8,
+            Self::Sixteen => 16,
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! Emission: the netlist of a plan, and the assertions about it.
+
+pub mod boundary;
+mod control;
+mod elastic;
+mod input;
+pub mod library;
+mod output;
+pub mod properties;
+pub mod stage;
+pub mod top;
+mod values;

@@ -1,0 +1,7 @@
+//! The intermediate representation: each operation as a graph of values.
+
+pub mod graph;
+pub mod liveness;
+pub mod position;
+pub mod recorder;
+pub mod units;

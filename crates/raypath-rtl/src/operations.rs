@@ -1,0 +1,212 @@
+//! The set of operations that a datapath is built from.
+
+use crate::config::{Encoding, Features, Microarchitecture, OperationVisitor};
+use crate::error::Error;
+use crate::ir::graph::{MAX_OPERATIONS, OperationGraph};
+use crate::ir::position::Stage;
+use crate::ir::recorder::{self, Marks};
+use crate::schedule::{self, Budget, Target};
+use raypath_float::Format;
+use raypath_ops::{Binary32, Operation, Port, ports_of};
+
+/// A set of operations, each with its opcode, in the order of ports, tables and comments.
+#[derive(Debug)]
+pub struct Operations {
+    graphs: Vec<OperationGraph<Stage>>,
+    marks: Marks,
+    budget: Option<Budget>,
+    pub(crate) format: Format,
+    tag: u32,
+    pub(crate) exception_flags: bool,
+    ports: Vec<PortUse>,
+}
+
+/// A port of an operation.
+#[derive(Debug)]
+struct PortUse {
+    name: String,
+    is_input: bool,
+    /// `None` for a number.
+    width: Option<u32>,
+    operation: &'static str,
+}
+
+impl PortUse {
+    fn clashes_with(&self, other: &Self) -> bool {
+        let is_same = (self.is_input, &self.name) == (other.is_input, &other.name);
+        let are_compatible = match (self.width, other.width) {
+            (Some(_), Some(_)) if self.is_input => true,
+            (ours, theirs) => ours == theirs,
+        };
+        is_same && (!are_compatible || self.operation == other.operation)
+    }
+}
+
+/// Records an operation as a graph and checks the graph.
+fn record<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> Result<OperationGraph<Stage>, Error> {
+    let mut graph = recorder::record(operation, opcode, marks);
+    if graph.is_auto {
+        schedule::check(&graph)?;
+    } else {
+        graph.check()?;
+    }
+    graph.name_tests();
+    graph.name_states();
+    Ok(graph)
+}
+
+/// The ports that are present.
+fn present(mut ports: Vec<Port>, is_present: &dyn Fn(&str) -> bool) -> Vec<Port> {
+    ports.retain(|port| is_present(&port.name));
+    ports
+}
+
+/// The width of a port in words: `a number`, `1 bit`, `4 bits`.
+fn width_text(width: Option<u32>) -> String {
+    match width {
+        None => "a number".to_string(),
+        Some(1) => "1 bit".to_string(),
+        Some(width) => format!("{width} bits"),
+    }
+}
+
+impl Operations {
+    /// The empty set of operations, in binary32.
+    pub fn new() -> Self {
+        Self {
+            graphs: Vec::new(),
+            marks: Marks::default(),
+            budget: None,
+            format: Format::BINARY32,
+            tag: 0,
+            exception_flags: false,
+            ports: Vec::new(),
+        }
+    }
+
+    /// Adds an operation under an opcode of its own, below [`MAX_OPERATIONS`]. The opcode port is as wide as the
+    /// greatest opcode needs.
+    ///
+    /// # Errors
+    /// A stage out of range; a value that is read before the stage that computes it; state that is not read in the
+    /// stage that writes it; stages marked in an operation with [`auto`](raypath_ops::Circuit::auto), or a chain of
+    /// units that is longer than the pipeline; an opcode or a name that is taken; an opcode too large; a name that is
+    /// not an identifier; a port that another operation has with another type, or that the operation has twice.
+    pub fn with<O: Operation>(mut self, operation: &O, opcode: u64) -> Result<Self, Error> {
+        let inputs = present(ports_of::<O::Input<Binary32>>(), &|port| operation.has_input(port));
+        let outputs = present(ports_of::<O::Output<Binary32>>(), &|port| operation.has_output(port));
+        self.reserve(O::NAME, opcode, inputs, outputs)?;
+        self.graphs.push(record(operation, opcode, self.marks)?);
+        Ok(self)
+    }
+
+    /// Sets the format of all numbers; binary32 by default.
+    pub fn format(mut self, format: Format) -> Self {
+        self.format = format;
+        self
+    }
+
+    /// Sets the width of a word that every job carries unchanged from the port `tag_i` to the port `tag_o`: 1 to
+    /// [`Features::MAX_TAG_WIDTH`] bits, or 0 for none.
+    pub fn tag(mut self, width: u32) -> Self {
+        self.tag = width;
+        self
+    }
+
+    /// Sets whether there is a port `exception_flags_o` for the exceptions of all additions and multiplications of a
+    /// job, as the bits of [`raypath_float::flags`].
+    pub fn exception_flags(mut self, are_present: bool) -> Self {
+        self.exception_flags = are_present;
+        self
+    }
+
+    /// Stages the operations added after this call automatically and ignores the stages that they mark
+    /// (`docs/extending/staging.md`).
+    pub fn auto(mut self) -> Self {
+        self.marks = Marks::Ignored;
+        self
+    }
+
+    /// Limits the units that each operation may use in a stage. Automatic staging observes the budget; marked stages
+    /// that exceed it are an error. Without a budget, automatic staging uses the units of the other operations and as
+    /// few more as possible.
+    pub fn within(mut self, budget: Budget) -> Self {
+        self.budget = Some(budget);
+        self
+    }
+
+    /// Reserves an operation's opcode, name and ports. Ports of the same name are one port, which an operation must not
+    /// have twice. Outputs of the same name must have the same width. Of an input word, an operation may read the
+    /// lowest bits alone.
+    fn reserve(
+        &mut self,
+        operation: &'static str,
+        opcode: u64,
+        inputs: Vec<Port>,
+        outputs: Vec<Port>,
+    ) -> Result<(), Error> {
+        let taken = self.graphs.iter().find(|graph| graph.opcode == opcode).map(|graph| graph.name);
+        if taken.is_some() || opcode >= MAX_OPERATIONS {
+            return Err(Error::Opcode { operation, opcode, taken });
+        }
+        let is_taken = self.graphs.iter().any(|graph| graph.name == operation);
+        if is_taken || !is_identifier(operation) {
+            return Err(Error::Name { operation, is_taken });
+        }
+        let inputs = inputs.into_iter().map(|port| (port, true));
+        for (port, is_input) in inputs.chain(outputs.into_iter().map(|port| (port, false))) {
+            let port_use = PortUse { name: port.name, is_input, width: port.width, operation };
+            if let Some(other) = self.ports.iter().find(|other| other.clashes_with(&port_use)) {
+                let [ours, theirs] = [port_use.width, other.width].map(width_text);
+                let port = format!("{}_{}", port_use.name, if is_input { "i" } else { "o" });
+                return Err(Error::Port { operation, port, ours, other: other.operation, theirs });
+            }
+            self.ports.push(port_use);
+        }
+        Ok(())
+    }
+
+    /// The graphs of the operations, with all stages assigned.
+    pub(crate) fn staged(mut self, microarchitecture: Microarchitecture) -> Result<Vec<OperationGraph<Stage>>, Error> {
+        Features::check_tag(self.tag)?;
+        if self.tag > 0 {
+            self.graphs.iter_mut().try_for_each(|graph| graph.add_tag(self.tag))?;
+        }
+        if self.exception_flags {
+            for graph in &mut self.graphs {
+                graph.counts_exceptions = true;
+                // Dead sums and products are live now and may make a chain too long.
+                if graph.is_auto {
+                    schedule::check(graph)?;
+                }
+            }
+        }
+        self.graphs.iter_mut().for_each(OperationGraph::eliminate_dead_values);
+        let Microarchitecture { registers, sharing, .. } = microarchitecture;
+        let number_width = match registers {
+            Encoding::Ieee => self.format.ieee_width(),
+            Encoding::Recoded => self.format.recoded_width(),
+        };
+        schedule::assign(self.graphs, &Target { budget: self.budget, number_width, sharing })
+    }
+}
+
+impl Default for Operations {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl OperationVisitor for Operations {
+    type Error = Error;
+
+    fn visit<O: Operation + Send + Sync + 'static>(&mut self, operation: O, opcode: u64) -> Result<(), Error> {
+        *self = std::mem::take(self).with(&operation, opcode)?;
+        Ok(())
+    }
+}
+
+/// Whether a name can be part of labels, states and ports.
+fn is_identifier(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
