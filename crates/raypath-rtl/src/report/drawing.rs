@@ -3,7 +3,8 @@
 use svg::Document;
 use svg::node::element::{Line, Rectangle, Style, Text, Title};
 
-const STYLE: &str = "text { font: 12px sans-serif; fill: #222 } .head { font-weight: bold } .small { font-size: 10.5px } \
+const STYLE: &str = "text { font: 12px sans-serif; fill: #222 } .head { font-weight: bold } \
+    .small { font-size: 10.5px } \
                      .on { fill: #fff } .right { text-anchor: end } .middle { text-anchor: middle }";
 
 /// An empty picture with a white ground.
