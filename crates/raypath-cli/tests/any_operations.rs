@@ -4,8 +4,8 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_cli::prelude::*;
 use raypath_float::Format;
-use raypath_model::{Functional, Kind, Model, OnPorts, Soft};
-use raypath_ops::{JobKind, RayBox, RayTriangle, Rules};
+use raypath_model::{Functional, Model, ModelCircuit, Soft};
+use raypath_ops::{Binary32, Job, JobKind, RayBox, RayTriangle, Rules};
 use raypath_rtl::{Budget, Config, Error, Lanes, Units};
 use raypath_sim::AnyModel;
 use raypath_sim::jobs::any_job;
@@ -46,11 +46,12 @@ impl<const LATE: u32> Operation for Before<LATE> {
 #[test]
 fn an_erased_model_answers_like_the_typed_one() {
     let binary16 = Config::DEFAULT.format(Format::BINARY16);
-    same_answers(Functional::<16, 8>::new(Rules::Paper), Config::DEFAULT);
-    same_answers(Functional::<16, 8, Soft>::over(Soft { format: Format::BINARY16 }, Rules::Paper), binary16);
+    same_answers(Binary32, Config::DEFAULT);
+    same_answers(Soft { format: Format::BINARY16 }, binary16);
 }
 
-fn same_answers<M: Model<Kind = JobKind>>(mut typed: M, config: Config) {
+fn same_answers<C: ModelCircuit>(circuit: C, config: Config) {
+    let mut typed = Functional::<16, 8, C>::over(circuit, Rules::Paper);
     let mut any: AnyModel = Datapath::paper(config).model();
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let names: Vec<&str> = any.kinds().iter().map(|kind| kind.name()).collect();
@@ -59,7 +60,8 @@ fn same_answers<M: Model<Kind = JobKind>>(mut typed: M, config: Config) {
         let kind = JobKind::ALL[number % 4];
         let job = any_job(&any, any.kind(kind.name()).expect("an operation"), &mut rng);
         assert_eq!(job.kind().opcode(), kind.opcode());
-        let (found, expected) = (any.run(&job), typed.run(&typed.job_of_words(kind, job.as_words())));
+        let typed_job = Job::from_words_in(circuit, kind, job.as_words());
+        let (found, expected) = (any.run(&job), typed.run(&typed_job));
         assert_eq!(found.ports(), expected.ports(), "{config}, job {number}: {job:?}");
         if number % 500 == 499 {
             any.reset();

@@ -1,7 +1,7 @@
 //! Transaction files of operations that the paper does not have: columns follow from their ports.
 
 use raypath_cli::prelude::*;
-use raypath_model::{Model, OnPorts};
+use raypath_model::Model;
 use raypath_rtl::Config;
 use raypath_sim::transactions::{Transaction, TransactionError, kind_named, read_from, text};
 use raypath_sim::{AnyKind, AnyModel};
@@ -67,7 +67,7 @@ fn model() -> AnyModel {
     Datapath::paper(CONFIG).with(Sum).with(SumOfTwo).model()
 }
 
-fn read(name: &str, text: &str) -> Result<Vec<Transaction<AnyModel>>, TransactionError> {
+fn read(name: &str, text: &str) -> Result<Vec<Transaction>, TransactionError> {
     read_from(text.as_bytes(), Path::new(name), None::<AnyKind>, &model(), CONFIG)
 }
 

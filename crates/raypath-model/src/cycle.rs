@@ -1,6 +1,6 @@
 use crate::elastic::{Elastic, Transfer};
 use crate::functional::Functional;
-use crate::model::{Kind, Model, OnPorts};
+use crate::model::{Kind, Model, OfKind};
 use crate::position::PipelinePosition;
 use crate::shape::Shape;
 

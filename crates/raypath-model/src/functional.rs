@@ -5,8 +5,9 @@ use raypath_ops::{
     RayTriangle, Rules,
 };
 
-/// What the datapath answers, job by job: the operations over the numbers of circuit `C`, by default the machine's own
-/// binary32, and their accumulators.
+/// The functional model of the paper's operations over circuit `C` (the machine's binary32 by default), with `E`
+/// Euclidean and
+/// `A` angular lanes. It computes jobs in their own types, which is faster than [`AnyModel`](crate::AnyModel).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Functional<const E: usize = 16, const A: usize = 8, C: ModelCircuit = Binary32> {
     circuit: C,
@@ -16,14 +17,14 @@ pub struct Functional<const E: usize = 16, const A: usize = 8, C: ModelCircuit =
 }
 
 impl<const E: usize, const A: usize> Functional<E, A> {
-    /// A datapath over binary32 whose accumulators are zero.
+    /// The model over binary32, with accumulators of zero.
     pub fn new(rules: Rules) -> Self {
         Self::over(Binary32, rules)
     }
 }
 
 impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
-    /// A datapath over the numbers of `circuit` whose accumulators are zero.
+    /// The model over `circuit`, with accumulators of zero.
     pub fn over(circuit: C, rules: Rules) -> Self {
         let zero = circuit.zero();
         Self {
@@ -34,7 +35,7 @@ impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
         }
     }
 
-    /// Answers a job; a beat of a distance job leaves its sum for the next.
+    /// Computes a job. A beat of a distance updates its accumulator.
     #[inline]
     pub fn run(&mut self, job: &Job<E, A, C>) -> Outcome<C> {
         let (circuit, rules) = (self.circuit, self.rules);
@@ -56,7 +57,7 @@ impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
         }
     }
 
-    /// A hardware reset: the accumulators are zero again.
+    /// A hardware reset: the accumulators are zero.
     pub fn reset(&mut self) {
         *self = Self::over(self.circuit, self.rules);
     }
@@ -67,28 +68,12 @@ impl<const E: usize, const A: usize, C: ModelCircuit> Model for Functional<E, A,
     type Job = Job<E, A, C>;
     type Outcome = Outcome<C>;
 
-    fn kinds(&self) -> Vec<JobKind> {
-        JobKind::ALL.to_vec()
-    }
-
-    /// Not inlined: a program that offers all configurations has this function for each of them.
+    // Not inlined, because it is compiled for every number of lanes.
     #[inline(never)]
     fn run(&mut self, job: &Job<E, A, C>) -> Outcome<C> {
         self.run(job)
     }
     fn reset(&mut self) {
         self.reset();
-    }
-    fn job(&self, kind: JobKind, port: impl FnMut(&str) -> u64) -> Job<E, A, C> {
-        Job::from_ports_in(self.circuit, kind, port)
-    }
-    fn outcome(&self, kind: JobKind, port: impl FnMut(&str) -> u64) -> Outcome<C> {
-        Outcome::from_ports_in(self.circuit, kind, port)
-    }
-    fn job_of_words(&self, kind: JobKind, words: &[u64]) -> Job<E, A, C> {
-        Job::from_words_in(self.circuit, kind, words)
-    }
-    fn outcome_of_words(&self, kind: JobKind, words: &[u64]) -> Outcome<C> {
-        Outcome::from_words_in(self.circuit, kind, words)
     }
 }

@@ -11,8 +11,7 @@ use std::marker::PhantomData;
 ///
 /// `S` is the instruction set, and a value of it proves that the machine has it. `W` is the number of lanes in a
 /// register. Code over this circuit must be inlined into a function that is compiled for the instruction set: call it
-/// inside
-/// [`Simd::vectorize`] or [`fearless_simd::dispatch`].
+/// inside [`Simd::vectorize`] or [`fearless_simd::dispatch`].
 #[derive(Clone, Copy)]
 pub struct Lanes<S, W = Native> {
     simd: S,

@@ -23,10 +23,12 @@
 //! # Ok::<(), raypath_ops::RayError>(())
 //! ```
 
+mod any_model;
 mod batch;
 mod binary64;
 mod credit;
 mod cycle;
+mod dynamic;
 mod elastic;
 mod functional;
 mod kernels;
@@ -37,7 +39,10 @@ mod position;
 mod shape;
 mod skid;
 mod soft;
+mod word_operation;
+mod words;
 
+pub use any_model::{AnyModel, ModelOptions};
 pub use batch::{Batch, blank, levels, pack, unpack};
 pub use binary64::{Binary64, Double};
 pub use cycle::CycleModel;
@@ -46,11 +51,13 @@ pub use fearless_simd::Level;
 pub use functional::Functional;
 pub use kernels::{ModelCircuit, SimdKernels};
 pub use lanes::{Four, Lanes, Native, Register, Width};
-pub use model::{Kind, Model, OnPorts};
+pub use model::{Kind, Model, OfKind};
 pub use packed::{BLOCK, Packed, Part, Sixteen};
 pub use position::PipelinePosition;
 pub use shape::{Control, Loop, Shape};
 pub use soft::{Soft, SoftNumber};
+pub use word_operation::WordOperation;
+pub use words::{AnyKind, Words};
 
 /// Cycles from the one in which a job is accepted to the one that shows its outcome, in an empty pipeline whose units
 /// take one stage.

@@ -5,7 +5,8 @@ use crate::position::Occupancy;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shape {
     /// Cycles from the acceptance of a job to the cycle that shows its outcome, in an empty pipeline. Values are
-    /// clamped to 1 to 128.
+    /// clamped to 1 to
+    /// 128.
     pub latency: usize,
     /// The flow control.
     pub control: Control,

@@ -4,7 +4,7 @@ use crate::spec::AnyOperationSpec;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
-use raypath_model::{Model, OnPorts};
+use raypath_model::Model;
 use raypath_rtl as rtl;
 use raypath_sim::Datapath;
 use raypath_sim::engine::{PortEncoding, shape};
@@ -76,7 +76,7 @@ impl Checks<'_> {
 
     /// The same jobs of one of the operations with the answers, for benches of one's own. None where the datapath does
     /// not have it.
-    pub fn transactions(&self, spec: &AnyOperationSpec) -> Vec<Transaction<AnyModel>> {
+    pub fn transactions(&self, spec: &AnyOperationSpec) -> Vec<Transaction> {
         let kind = self.datapath.model().kind(spec.name());
         let answered = kind.into_iter().flat_map(|kind| self.answered(spec, kind));
         let numbered = answered.zip(0..);

@@ -3,11 +3,7 @@
 use crate::AnyOperationSpec;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_model::{Model, OnPorts};
-use raypath_ops::{JobKind, PortValue};
-use raypath_rtl::Config;
 use raypath_sim::jobs::{any_job, random};
-use raypath_sim::models::{PaperModel, Visitor, with_model};
 use raypath_sim::{AnyKind, Datapath, Words};
 
 /// An endless stream of jobs for any datapath: the paper's operations as [`random`](fn@random) has them, those of
@@ -27,7 +23,9 @@ pub fn jobs(
             kind,
             match (paper, spec) {
                 (_, Some(spec)) => Source::Spec(spec.clone()),
-                (Some(&paper), None) => with_model(config, Ports { config, seed, kind: paper }),
+                (Some(&paper), None) => {
+                    Source::Paper(Box::new(random(&model, config.semantics.format, seed, &[paper])))
+                }
                 (None, None) => Source::Any,
             },
         ));
@@ -39,11 +37,7 @@ pub fn jobs(
         match source {
             Source::Spec(spec) => spec.job(&model, *kind, &mut rng),
             Source::Any => any_job(&model, *kind, &mut rng),
-            Source::Paper(ports) => {
-                let (given, other) = (ports(), any_job(&model, *kind, &mut rng).ports());
-                let value = |name: &str, values: &[PortValue]| values.iter().find(|v| v.name == name).map(|v| v.bits);
-                model.job(*kind, |name| value(name, &given).or(value(name, &other)).unwrap_or(0))
-            }
+            Source::Paper(jobs) => jobs.next().unwrap_or_else(|| any_job(&model, *kind, &mut rng)),
         }
     })
 }
@@ -51,22 +45,6 @@ pub fn jobs(
 /// Where the jobs of an operation come from.
 enum Source {
     Spec(AnyOperationSpec),
-    Paper(Box<dyn FnMut() -> Vec<PortValue>>),
+    Paper(Box<dyn Iterator<Item = Words>>),
     Any,
-}
-
-/// Makes the ports of one of the paper's operations.
-struct Ports {
-    config: Config,
-    seed: u64,
-    kind: JobKind,
-}
-
-impl Visitor for Ports {
-    type Answer = Source;
-
-    fn visit<M: PaperModel>(self, model: M) -> Source {
-        let mut jobs = random(&model, self.config.semantics.format, self.seed, &[self.kind]);
-        Source::Paper(Box::new(move || jobs.next().map(|job| job.ports()).unwrap_or_default()))
-    }
 }

@@ -2,7 +2,6 @@
 
 use rand::rngs::ChaCha8Rng;
 use raypath_float::Format;
-use raypath_model::Model;
 use raypath_ops::{Binary32, Operation, from_words, to_words};
 use raypath_sim::AnyOperation;
 use raypath_sim::jobs::any_job;

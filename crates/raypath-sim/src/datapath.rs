@@ -1,10 +1,9 @@
 //! A datapath of any operations: the one list from which hardware and models are made.
 
 use crate::engine::{NetlistEngine, shape};
-use crate::model::AnyModel;
 use crate::operation::AnyOperation;
 use raypath_float::Format;
-use raypath_model::{CycleModel, Shape};
+use raypath_model::{AnyModel, CycleModel, ModelOptions, Shape, WordOperation};
 use raypath_ops::Operation;
 use raypath_rtl::{
     self as rtl, Budget, Config, Error, Features, Microarchitecture, OperationVisitor, Operations, Semantics,
@@ -137,7 +136,9 @@ impl Datapath {
 
     /// What it answers, job by job.
     pub fn model(&self) -> AnyModel {
-        AnyModel::new(&self.operations, self.config)
+        let Semantics { format, features: Features { tag, exception_flags, .. }, .. } = self.config.semantics;
+        let operations = self.operations.iter().map(|(opcode, one)| (*opcode, one.clone() as Arc<dyn WordOperation>));
+        AnyModel::new(operations, ModelOptions { format, tag, exception_flags })
     }
 
     /// What it shows in every cycle.
@@ -153,7 +154,7 @@ impl Datapath {
     ///
     /// # Errors
     /// Those of [`elaborate`](Self::elaborate).
-    pub fn netlist(&self, elaborated: &rtl::Datapath) -> Result<NetlistEngine<AnyModel>, Error> {
+    pub fn netlist(&self, elaborated: &rtl::Datapath) -> Result<NetlistEngine, Error> {
         NetlistEngine::of(self.model(), self.config, elaborated, |_| false)
     }
 

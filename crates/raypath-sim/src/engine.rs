@@ -1,5 +1,4 @@
 //! Engines that carry jobs through the datapath: the functional model, the cycle-exact one, and the netlist itself.
-//! All of them are generic over the model.
 
 mod drive;
 mod encoding;
@@ -9,28 +8,27 @@ pub use drive::{Seen, drive, observe};
 pub use encoding::PortEncoding;
 pub use netlist::{Handshake, NetlistEngine};
 
-use raypath_model::{Control, CycleModel, Functional, Kind, Loop, Model, OnPorts, Shape};
-use raypath_ops::Outcome;
+use raypath_model::{AnyModel, Control, CycleModel, Loop, Model, Shape, Words};
 use raypath_rtl::{self as rtl, Config, Datapath};
 use std::borrow::Borrow;
 
 /// A datapath as seen from outside, cycle by cycle.
-pub trait Engine<M: Model = Functional> {
+pub trait Engine {
     /// Puts a job on the input ports, where it stays until the next.
-    fn present(&mut self, job: &M::Job);
+    fn present(&mut self, job: &Words);
     /// One clock cycle, in which `input_valid_i` and `output_ready_i` have these values.
-    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome>;
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown;
     /// A cycle in which `rst_ni` is 0.
     fn reset(&mut self);
 }
 
 /// What the ports showed in a cycle, before its clock edge.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shown<O = Outcome> {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shown {
     /// `input_ready_o`.
     pub input_ready: bool,
     /// The outcome, where `output_valid_o` was 1.
-    pub output: Option<O>,
+    pub output: Option<Words>,
 }
 
 /// What a run took.
@@ -61,10 +59,10 @@ pub fn shape(config: Config, datapath: &Datapath) -> Shape {
 }
 
 /// Answers jobs without time, until `on_outcome` answers false.
-pub fn evaluate<M: Model, J: Borrow<M::Job>>(
-    mut model: M,
+pub fn evaluate<J: Borrow<Words>>(
+    mut model: AnyModel,
     jobs: impl Iterator<Item = J>,
-    mut on_outcome: impl FnMut(usize, M::Outcome) -> bool,
+    mut on_outcome: impl FnMut(usize, Words) -> bool,
 ) -> Run {
     let mut run = Run::default();
     for job in jobs {
@@ -78,24 +76,24 @@ pub fn evaluate<M: Model, J: Borrow<M::Job>>(
 
 /// The cycle-exact model as an engine.
 #[derive(Debug, Clone)]
-pub struct CycleEngine<M: Model = Functional> {
-    model: CycleModel<M>,
-    presented: Option<M::Job>,
+pub struct CycleEngine {
+    model: CycleModel<AnyModel>,
+    presented: Option<Words>,
 }
 
-impl<M: Model> CycleEngine<M> {
+impl CycleEngine {
     /// An empty pipeline of this shape, which answers as `model` does.
-    pub fn new(model: M, shape: &Shape) -> Self {
+    pub fn new(model: AnyModel, shape: &Shape) -> Self {
         Self { model: CycleModel::new(model, shape), presented: None }
     }
 }
 
-impl<M: Model> Engine<M> for CycleEngine<M> {
-    fn present(&mut self, job: &M::Job) {
+impl Engine for CycleEngine {
+    fn present(&mut self, job: &Words) {
         self.presented = Some(job.clone());
     }
 
-    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
         // Before any job is there the port for the opcode is 0.
         let opcode = self.presented.as_ref().map_or(0, |job| job.kind().opcode());
         let shown = Shown { input_ready: self.model.input_ready(opcode), output: self.model.output().cloned() };

@@ -4,36 +4,36 @@
 use crate::engine::PortEncoding;
 use crate::traffic::{self, Traffic};
 use raypath_hdl::Module;
-use raypath_model::{Elastic, Kind, Model, OnPorts, Shape};
+use raypath_model::{AnyModel, Elastic, Model, Shape, Words};
 use std::collections::HashMap;
 
 /// What one cycle puts on the inputs, and what the outputs must show.
-pub struct Cycle<O> {
+pub struct Cycle {
     /// Values of `rst_ni` and the input ports.
     pub inputs: Vec<u64>,
     /// `None` where the outputs do not matter: while registers are still unknown.
-    pub expected: Option<Expected<O>>,
+    pub expected: Option<Expected>,
 }
 
 /// What the outputs must show in a cycle.
-pub struct Expected<O> {
+pub struct Expected {
     /// `input_ready_o`.
     pub input_ready: bool,
     /// The outcome, where `output_valid_o` is 1.
-    pub output: Option<O>,
+    pub output: Option<Words>,
     encoding: PortEncoding,
 }
 
 /// When the source, the sink and the reset act.
-pub struct Stimulus<'j, M: Model> {
+pub struct Stimulus<'j> {
     /// When the datapath shows what.
     pub shape: Shape,
     /// How numbers stand at its ports.
     pub encoding: PortEncoding,
     /// What goes in, in order.
-    pub jobs: &'j [M::Job],
+    pub jobs: &'j [Words],
     /// What should come out.
-    pub answers: Answers<'j, M>,
+    pub answers: Answers<'j>,
     /// When the source offers and the sink takes.
     pub traffic: Traffic,
     /// Cycles in which `rst_ni` falls; jobs in flight are lost. None for a run in which every job comes out.
@@ -41,16 +41,16 @@ pub struct Stimulus<'j, M: Model> {
 }
 
 /// Where the expected outcomes come from.
-pub enum Answers<'j, M: Model> {
+pub enum Answers<'j> {
     /// A record, job by job. It knows of no resets.
-    Recorded(&'j [M::Outcome]),
+    Recorded(&'j [Words]),
     /// The functional model.
-    Model(M),
+    Model(AnyModel),
 }
 
-impl<M: Model> Stimulus<'_, M> {
+impl Stimulus<'_> {
     /// Every cycle from power-on until the last job has left.
-    pub fn cycles(mut self, top: &Module) -> Vec<Cycle<M::Outcome>> {
+    pub fn cycles(mut self, top: &Module) -> Vec<Cycle> {
         let places: HashMap<&str, usize> =
             top.inputs().iter().enumerate().map(|(place, port)| (port.name.as_str(), place + 1)).collect();
         let mut inputs = vec![0; places.len() + 1];
@@ -95,8 +95,8 @@ impl<M: Model> Stimulus<'_, M> {
     }
 }
 
-impl<M: Model> Answers<'_, M> {
-    fn next(&mut self, index: usize, job: &M::Job) -> M::Outcome {
+impl Answers<'_> {
+    fn next(&mut self, index: usize, job: &Words) -> Words {
         match self {
             Self::Recorded(outcomes) => outcomes[index].clone(),
             Self::Model(model) => model.run(job),
@@ -110,10 +110,10 @@ impl<M: Model> Answers<'_, M> {
     }
 }
 
-impl<O: OnPorts> Expected<O> {
+impl Expected {
     /// What is wrong with the output ports' values, if anything.
     pub fn fault(&self, top: &Module, values: &[u64]) -> Option<String> {
-        let ports = self.output.iter().flat_map(O::ports);
+        let ports = self.output.iter().flat_map(Words::ports);
         let mut expected: HashMap<String, u64> =
             ports.map(|port| (format!("{}_o", port.name), self.encoding.to_port(port.kind, port.bits))).collect();
         expected.insert("input_ready_o".to_string(), self.input_ready.into());

@@ -1,28 +1,22 @@
 //! Random jobs that are worth running: scenes where rays are aimed at things, and numbers from the edges of the format.
 
-use crate::model::{AnyKind, AnyModel, Words};
-use crate::models::PaperModel;
 use crate::numbers::edges;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
-use raypath_model::Model;
+use raypath_model::{AnyKind, AnyModel, Words};
 use raypath_ops::{Aabb, Job, JobKind, Port, PortKind, Ray, RayBoxInput, RayTriangleInput, Triangle};
 use std::collections::HashMap;
 
-/// An endless stream of jobs of these kinds for a model whose numbers have this format, reproducible by `seed`. Of
-/// rays, three in four are from a scene of any size, now and then on a grid, rounded into the format; in half of these
-/// a few numbers give way to NaN, to numbers from the format's edges (zeros, subnormals, infinities), and to other
-/// numbers of the job, so that differences are zero. Other jobs have small whole numbers, or numbers from the edges and
-/// raw bits among ordinary ones. `kinds` must not be empty.
-pub fn random<M: PaperModel>(
-    model: &M,
-    format: Format,
-    seed: u64,
-    kinds: &[JobKind],
-) -> impl Iterator<Item = M::Job> + use<M> {
+/// An endless stream of jobs of the paper's operations `kinds`, which the model must have, in numbers of `format`,
+/// reproducible by `seed`. Three quarters of the rays are from a scene of any size, sometimes on a grid, rounded to the
+/// format. In half of these a few numbers are replaced by NaN, by edge values (zeros, subnormals, infinities), and by
+/// other numbers of the job, so that differences are zero. Other jobs have small integers, or edge values and random
+/// bits among ordinary numbers. `kinds` must not be empty.
+pub fn random(model: &AnyModel, format: Format, seed: u64, kinds: &[JobKind]) -> impl Iterator<Item = Words> + use<> {
     let rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut generator = Generator { model: model.clone(), format, edges: edges(format), rng, kinds: kinds.to_vec() };
+    let kinds = kinds.iter().filter_map(|&paper| Some((paper, model.kind(paper.name())?))).collect();
+    let mut generator = Generator { model: model.clone(), format, edges: edges(format), rng, kinds };
     std::iter::repeat_with(move || generator.job())
 }
 
@@ -59,21 +53,21 @@ fn value(port: &Port, format: Format, (at_edges, are_whole): (f64, bool), rng: &
     }
 }
 
-struct Generator<M> {
-    model: M,
+struct Generator {
+    model: AnyModel,
     format: Format,
     edges: [u64; 16],
     rng: ChaCha8Rng,
-    kinds: Vec<JobKind>,
+    kinds: Vec<(JobKind, AnyKind)>,
 }
 
-impl<M: PaperModel> Generator<M> {
-    fn job(&mut self) -> M::Job {
-        let kind = self.kinds[self.rng.random_range(0..self.kinds.len())];
-        match kind {
+impl Generator {
+    fn job(&mut self) -> Words {
+        let (paper, kind) = self.kinds[self.rng.random_range(0..self.kinds.len())];
+        match paper {
             JobKind::Triangle | JobKind::Quadbox if self.rng.random_bool(0.75) => {
-                let scene = self.scene(kind);
-                self.rounded(&scene)
+                let scene = self.scene(paper);
+                self.rounded(kind, &scene)
             }
             _ => self.ports(kind),
         }
@@ -112,7 +106,7 @@ impl<M: PaperModel> Generator<M> {
     }
 
     /// A job in binary32 as one of the model's.
-    fn rounded(&mut self, job: &Job) -> M::Job {
+    fn rounded(&mut self, kind: AnyKind, job: &Job) -> Words {
         let value = |kind, bits: u64| match kind {
             PortKind::Number => self.number(f32::from_bits(bits as u32)),
             PortKind::Flags | PortKind::Word => bits,
@@ -146,20 +140,28 @@ impl<M: PaperModel> Generator<M> {
             }
         }
         let ports: HashMap<String, u64> = ports.into_iter().map(|port| (port.name, port.bits)).collect();
-        self.model.job(job.kind(), |name| ports.get(name).copied().unwrap_or(0))
+        let has_more = self.model.inputs(kind).len() > ports.len();
+        let more = has_more.then(|| any_job(&self.model, kind, &mut self.rng));
+        let added = |name: &str| more.as_ref().map_or(0, |job| job.port(name));
+        self.model.job(kind, |name| ports.get(name).copied().unwrap_or_else(|| added(name)))
     }
 
-    /// A job whose ports are drawn one by one; in one of four many of its numbers are at the edges, in one most are
-    /// small whole numbers, of which many are equal.
-    fn ports(&mut self, kind: JobKind) -> M::Job {
+    /// A job whose ports are drawn one by one. In a quarter of the jobs half of the numbers are edge values, in another
+    /// quarter most are small integers, of which many are equal.
+    fn ports(&mut self, kind: AnyKind) -> Words {
         let (edges, are_whole) = [(0.5, false), (0.05, false), (0.01, false), (0.1, true)][self.rng.random_range(0..4)];
         let model = self.model.clone();
-        model.job(kind, |port| match port {
+        let inputs = model.inputs(kind).iter();
+        let words: Vec<u64> = inputs.map(|port| self.word(port, edges, are_whole)).collect();
+        model.job_of_words(kind, &words)
+    }
+
+    fn word(&mut self, port: &Port, edges: f64, are_whole: bool) -> u64 {
+        match port.name.as_str() {
             "ray_kx" | "ray_ky" | "ray_kz" => self.rng.random_range(0..4),
             "euclidean_mask" if self.rng.random_bool(0.5) => u64::MAX,
-            // A number would leave the lanes off that are beyond its width.
-            "euclidean_mask" => self.rng.random(),
             "euclidean_reset_accum" => self.rng.random_bool(0.1).into(),
+            _ if port.kind != PortKind::Number => self.rng.random(),
             _ if self.rng.random_bool(edges) => self.edges[self.rng.random_range(0..self.edges.len())],
             _ if are_whole => {
                 let number = self.rng.random_range(-2i8..=2);
@@ -170,7 +172,7 @@ impl<M: PaperModel> Generator<M> {
                 let number = self.rng.random_range(-1.0f32..1.0);
                 self.number(number)
             }
-        })
+        }
     }
 
     /// A number's bits in the format: the nearest.

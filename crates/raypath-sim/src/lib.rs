@@ -2,8 +2,7 @@
 //!
 //! A [`Datapath`] is a set of operations and a configuration; from it follow its netlist, its functional model and its
 //! cycle-exact model. An [`engine`] carries jobs through any of the three, under [`traffic`] with bubbles and stalls,
-//! and
-//! [`lockstep`] compares them in every cycle. Jobs with their answers are read from and written to [`transactions`]
+//! and [`lockstep`] compares them in every cycle. Jobs with their answers are read from and written to [`transactions`]
 //! files.
 //!
 //! ```
@@ -24,14 +23,11 @@
 
 pub mod configuration;
 mod datapath;
-mod dynamic;
 pub mod engine;
 pub mod files;
 pub mod frames;
 pub mod jobs;
 pub mod lockstep;
-mod model;
-pub mod models;
 pub mod numbers;
 mod operation;
 pub mod random;
@@ -39,5 +35,5 @@ pub mod traffic;
 pub mod transactions;
 
 pub use datapath::Datapath;
-pub use model::{AnyKind, AnyModel, Words};
 pub use operation::AnyOperation;
+pub use raypath_model::{AnyKind, AnyModel, Words};

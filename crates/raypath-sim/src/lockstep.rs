@@ -10,7 +10,7 @@ pub use side_by_side::{Difference, SideBySide};
 
 use crate::engine::{Engine, NetlistEngine, observe};
 use crate::traffic::Traffic;
-use raypath_model::{Kind, Model, OnPorts};
+use raypath_model::{AnyModel, Kind, Words};
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -60,10 +60,10 @@ const TOO_MANY: usize = 100;
 
 /// Streams jobs through the netlist and the cycle-exact model, comparing all that their ports show in every cycle, and
 /// each outcome with what `model` answers. `on_job` is told how many jobs have left and says whether to go on.
-pub fn lockstep<M: Model>(
-    netlist: &mut NetlistEngine<M>,
-    model: M,
-    jobs: impl Iterator<Item = M::Job>,
+pub fn lockstep(
+    netlist: &mut NetlistEngine,
+    model: AnyModel,
+    jobs: impl Iterator<Item = Words>,
     traffic: &mut Traffic,
     mut on_job: impl FnMut(usize) -> bool,
 ) -> Comparison {
@@ -85,7 +85,7 @@ pub fn lockstep<M: Model>(
 
 /// Measures latency and initiation interval at an engine's ports, after a reset. `job` may be any; a beat of a distance
 /// leaves its sum behind. `None` where nothing comes out.
-pub fn timing<M: Model>(engine: &mut dyn Engine<M>, job: &M::Job) -> Option<Timing> {
+pub fn timing(engine: &mut dyn Engine, job: &Words) -> Option<Timing> {
     const LONG_ENOUGH: u64 = 1000;
     const STREAM: usize = 100;
     engine.reset();

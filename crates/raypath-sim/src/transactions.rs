@@ -6,7 +6,7 @@ mod lines;
 
 use format::{Column, Columns, columns};
 use lines::Lines;
-use raypath_model::{Functional, Model, OnPorts};
+use raypath_model::{AnyKind, AnyModel, Words};
 use raypath_ops::operations::NAMES;
 use raypath_ops::{JobKind, PortValue};
 use raypath_rtl::{Config, alternatives};
@@ -18,15 +18,15 @@ use thiserror::Error;
 
 /// A job, where it stood in its stream, and what was answered.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Transaction<M: Model = Functional> {
+pub struct Transaction {
     /// Its position in the stream that the files share.
     pub seq: u64,
     /// The generator's category.
     pub category: u64,
     /// The job.
-    pub job: M::Job,
+    pub job: Words,
     /// The recorded outcome.
-    pub expected: M::Outcome,
+    pub expected: Words,
 }
 
 /// Why a file is no file of transactions.
@@ -144,12 +144,12 @@ fn lacking(kind: &str) -> String {
 /// # Errors
 /// A file that cannot be read, a kind that the name does not tell or the model does not answer, lines that do not
 /// fit the kind's ports or the format, and more than 4,194,304 transactions, 64 KiB in a line or 4 GiB of text.
-pub fn read<M: Model>(
+pub fn read(
     path: &Path,
-    kind: impl Into<Option<M::Kind>>,
-    model: &M,
+    kind: impl Into<Option<AnyKind>>,
+    model: &AnyModel,
     config: Config,
-) -> Result<Vec<Transaction<M>>, TransactionError> {
+) -> Result<Vec<Transaction>, TransactionError> {
     // Before the name is looked at: a file that is not there is the greater fault than a name that says nothing.
     let file = File::open(path).map_err(|problem| TransactionError::File { path: path.to_path_buf(), problem })?;
     read_from(file, path, kind, model, config)
@@ -159,13 +159,13 @@ pub fn read<M: Model>(
 ///
 /// # Errors
 /// As there.
-pub fn read_from<M: Model>(
+pub fn read_from(
     stream: impl Read,
     path: &Path,
-    kind: impl Into<Option<M::Kind>>,
-    model: &M,
+    kind: impl Into<Option<AnyKind>>,
+    model: &AnyModel,
     config: Config,
-) -> Result<Vec<Transaction<M>>, TransactionError> {
+) -> Result<Vec<Transaction>, TransactionError> {
     let mut lines =
         Lines::new(stream).map_err(|problem| TransactionError::File { path: path.to_path_buf(), problem })?;
     let kind = kind.into().map_or_else(|| kind_of(path, model, config), Ok)?;
@@ -189,14 +189,14 @@ pub fn read_from<M: Model>(
 ///
 /// # Errors
 /// A name that none of the model's has.
-pub fn kind_named<M: Model>(name: &str, model: &M) -> Result<M::Kind, TransactionError> {
+pub fn kind_named(name: &str, model: &AnyModel) -> Result<AnyKind, TransactionError> {
     let kind = model.kinds().into_iter().find(|kind| kind.to_string() == name);
     kind.ok_or_else(|| TransactionError::NoKind { name: name.to_string(), kinds: alternatives(&model.kinds()) })
 }
 
 /// The kind of job that a file's name begins with: `triangle.txt.gz` has triangles. Where it begins with several names
 /// the longest is meant, of the model's operations and of others that are known.
-fn kind_of<M: Model>(path: &Path, model: &M, config: Config) -> Result<M::Kind, TransactionError> {
+fn kind_of(path: &Path, model: &AnyModel, config: Config) -> Result<AnyKind, TransactionError> {
     let file = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
     let known = JobKind::ALL.iter().map(|kind| kind.name()).chain(NAMES);
     let own = model.kinds().into_iter().map(|kind| (kind.to_string(), Some(kind)));
@@ -215,15 +215,15 @@ fn kind_of<M: Model>(path: &Path, model: &M, config: Config) -> Result<M::Kind, 
     }
 }
 
-struct Parser<'p, M: Model> {
+struct Parser<'p> {
     path: &'p Path,
-    kind: M::Kind,
-    model: &'p M,
+    kind: AnyKind,
+    model: &'p AnyModel,
     columns: Columns,
 }
 
-impl<M: Model> Parser<'_, M> {
-    fn parse(&self, line: usize, text: &str) -> Result<Transaction<M>, TransactionError> {
+impl Parser<'_> {
+    fn parse(&self, line: usize, text: &str) -> Result<Transaction, TransactionError> {
         let Columns { inputs, outputs, lanes } = &self.columns;
         let fields: Vec<&str> = text.split_ascii_whitespace().collect();
         let first_output = 2 + inputs.len();
@@ -275,14 +275,14 @@ impl<M: Model> Parser<'_, M> {
 }
 
 /// One stream of all files, in the order of `seq`.
-pub fn merge<M: Model>(files: Vec<Vec<Transaction<M>>>) -> Vec<Transaction<M>> {
-    let mut stream: Vec<Transaction<M>> = files.into_iter().flatten().collect();
+pub fn merge(files: Vec<Vec<Transaction>>) -> Vec<Transaction> {
+    let mut stream: Vec<Transaction> = files.into_iter().flatten().collect();
     stream.sort_by_key(|transaction| transaction.seq);
     stream
 }
 
 /// Transactions of one of a model's kinds as the text of a file.
-pub fn text<M: Model>(model: &M, kind: M::Kind, transactions: &[Transaction<M>], config: Config) -> String {
+pub fn text(model: &AnyModel, kind: AnyKind, transactions: &[Transaction], config: Config) -> String {
     let columns = columns(model, kind, config.semantics.format);
     let mut text = String::new();
     for Transaction { seq, category, job, expected } in transactions {

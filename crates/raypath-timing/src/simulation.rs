@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use crate::timing::Timing;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_model::{CycleModel, Model, OnPorts};
+use raypath_model::{CycleModel, Model, OfKind};
 use raypath_ops::JobKind;
 use std::collections::VecDeque;
 use thiserror::Error;

@@ -16,10 +16,9 @@ use crate::pool::{self, Cases, Queue};
 use crate::request::Request;
 use crate::verdict::{Item, Verdict};
 use raypath_hdl::Module;
-use raypath_model::Shape;
+use raypath_model::{AnyModel, Shape};
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::engine::{NetlistEngine, shape};
-use raypath_sim::models::{PaperModel, Visitor, with_model};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -73,9 +72,10 @@ pub fn verify_module(
     let (config, seed) = (request.config, request.seed);
     let episodes = jobs.div_ceil(JOBS_PER_EPISODE as u64);
     let cases = Cases { total: episodes, shard: request.shard };
-    let finished =
-        pool::run(cases, request.proceed, |queue| with_model(config, Worker { config, seed, top, shape, queue }))?;
-    let (points, mut coverage) = with_model(config, NoCoverage { config, shape });
+    let campaign = Campaign { config, seed, top, shape, model: raypath_sim::Datapath::paper(config).model() };
+    let finished = pool::run(cases, request.proceed, |queue| campaign.work(queue))?;
+    let points = campaign.coverage_model();
+    let mut coverage = Coverage::new(&points);
     let mut tally = Tally::default();
     for (covered, counted) in finished.workers {
         coverage.add(&covered);
@@ -88,7 +88,7 @@ pub fn verify_module(
     files::write(&path, &coverage.table(&points))?;
     verdict.remarks.push(format!("{} ({})", coverage.remark(&points, true), path.display()));
     if let Some(failure) = tally.failure {
-        verdict.failures.push(with_model(config, Reporter { config, seed, top, shape, folder, failure })?);
+        verdict.failures.push(campaign.report(&failure, folder)?);
     }
     Ok(verdict)
 }
@@ -115,27 +115,25 @@ impl Tally {
     }
 }
 
-/// Runs episodes of the queue.
-struct Worker<'w> {
+/// The subject of a campaign.
+struct Campaign<'c> {
     config: Config,
     seed: u64,
-    top: &'w Arc<Module>,
-    shape: &'w Shape,
-    queue: &'w Queue,
+    top: &'c Arc<Module>,
+    shape: &'c Shape,
+    model: AnyModel,
 }
 
-impl Visitor for Worker<'_> {
-    type Answer = Result<(Coverage, Tally), Error>;
-
-    fn visit<M: PaperModel>(self, model: M) -> Self::Answer {
-        let Self { config, seed, top, shape, queue } = self;
-        let layout = Layout::of(&model);
-        let points = CoverageModel::new(config, shape, layout.clone());
-        let mut netlist = NetlistEngine::of_module(model.clone(), config, top, shape.clone(), |_| false)?;
+impl Campaign<'_> {
+    /// Runs episodes of the queue.
+    fn work(&self, queue: &Queue) -> Result<(Coverage, Tally), Error> {
+        let points = self.coverage_model();
+        let layout = Layout::of(&self.model);
+        let mut netlist = self.netlist()?;
         let (mut coverage, mut tally) = (Coverage::new(&points), Tally::default());
         queue.run(|number, stop| {
-            let episode = Episode::new(&model, &layout, config, seed, number);
-            let found = episode.run(&mut netlist, &model, Some((&points, &mut coverage)));
+            let episode = Episode::new(&self.model, &layout, self.config, self.seed, number);
+            let found = episode.run(&mut netlist, &self.model, Some((&points, &mut coverage)));
             let what = found.differences.into_iter().next();
             if what.is_some() {
                 stop.store(true, Ordering::Relaxed);
@@ -146,42 +144,20 @@ impl Visitor for Worker<'_> {
         });
         Ok((coverage, tally))
     }
-}
 
-/// The coverage of a campaign that has not begun.
-struct NoCoverage<'n> {
-    config: Config,
-    shape: &'n Shape,
-}
-
-impl Visitor for NoCoverage<'_> {
-    type Answer = (CoverageModel, Coverage);
-
-    fn visit<M: PaperModel>(self, model: M) -> Self::Answer {
-        let points = CoverageModel::new(self.config, self.shape, Layout::of(&model));
-        let coverage = Coverage::new(&points);
-        (points, coverage)
+    fn coverage_model(&self) -> CoverageModel {
+        CoverageModel::new(self.config, self.shape, Layout::of(&self.model))
     }
-}
 
-struct Reporter<'r> {
-    config: Config,
-    seed: u64,
-    top: &'r Arc<Module>,
-    shape: &'r Shape,
-    folder: &'r Path,
-    failure: Failure,
-}
+    fn netlist(&self) -> Result<NetlistEngine, Error> {
+        Ok(NetlistEngine::of_module(self.model.clone(), self.config, self.top, self.shape.clone(), |_| false)?)
+    }
 
-impl Visitor for Reporter<'_> {
-    type Answer = Result<String, Error>;
-
-    fn visit<M: PaperModel>(self, model: M) -> Self::Answer {
-        let Self { config, seed, top, shape, folder, failure } = self;
-        let mut netlist = NetlistEngine::of_module(model.clone(), config, top, shape.clone(), |_| false)?;
-        let layout = Layout::of(&model);
-        let episode = Episode::new(&model, &layout, config, seed, failure.episode);
-        let name = format!("failure-{seed}-{}", failure.episode);
-        report(&mut netlist, &model, config, episode.trace(), &failure, &folder.join(name))
+    /// Shrinks a failure and writes it to files.
+    fn report(&self, failure: &Failure, folder: &Path) -> Result<String, Error> {
+        let layout = Layout::of(&self.model);
+        let episode = Episode::new(&self.model, &layout, self.config, self.seed, failure.episode);
+        let folder = folder.join(format!("failure-{}-{}", self.seed, failure.episode));
+        report(&mut self.netlist()?, &self.model, self.config, episode.trace(), failure, &folder)
     }
 }

@@ -1,8 +1,7 @@
 //! The meaning of each word of a job.
 
-use raypath_model::OnPorts;
+use raypath_model::AnyModel;
 use raypath_ops::JobKind;
-use raypath_sim::models::PaperModel;
 
 /// The fields of each operation's jobs, in the order of the words.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,8 +57,9 @@ pub enum Field {
 
 impl Layout {
     /// The layout of a model's jobs.
-    pub fn of<M: PaperModel>(model: &M) -> Self {
-        let fields = |kind| model.job(kind, |_| 0).ports().iter().map(|port| Field::of(&port.name)).collect();
+    pub fn of(model: &AnyModel) -> Self {
+        let inputs = |kind: JobKind| model.kind(kind.name()).map_or(&[][..], |kind| model.inputs(kind));
+        let fields = |kind| inputs(kind).iter().map(|port| Field::of(&port.name)).collect();
         Self { fields: JobKind::ALL.map(fields) }
     }
 
@@ -108,12 +108,12 @@ impl Field {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raypath_model::Functional;
-    use raypath_ops::Rules;
+    use raypath_rtl::Config;
+    use raypath_sim::Datapath;
 
     #[test]
     fn every_port_is_known_and_distinct() {
-        let layout = Layout::of(&Functional::<16, 8>::new(Rules::Paper));
+        let layout = Layout::of(&Datapath::paper(Config::DEFAULT).model());
         for kind in JobKind::ALL {
             let fields = layout.fields(kind);
             assert!(!fields.contains(&Field::Unknown), "{kind}: {fields:?}");

@@ -15,6 +15,7 @@ use chunk::{Chunk, Failure, JOBS_PER_CHUNK};
 use raypath_model::{Functional, Shape};
 use raypath_ops::{Job, Rules};
 use raypath_rtl::Config;
+use raypath_sim::Datapath;
 use raypath_sim::transactions::{Transaction, text};
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -57,7 +58,7 @@ struct Tally {
 pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error> {
     let jobs = request.jobs.unwrap_or(request.level.pick(REGRESSION, FULL, LONG));
     let seed = request.seed;
-    let layout = Layout::of(&Functional::<16, 8>::new(Rules::Paper));
+    let layout = Layout::of(&Datapath::paper(CONFIG).model());
     let points = CoverageModel::new(CONFIG, &Shape::default(), layout.clone());
     let chunks = jobs.div_ceil(JOBS_PER_CHUNK);
     let cases = Cases { total: chunks, shard: request.shard };
@@ -107,13 +108,16 @@ fn report(layout: &Layout, seed: u64, wrong: &Failure, folder: &Path) -> Result<
     };
     // Earlier jobs matter for sums: the shortest sequence that still fails is enough.
     let fewest = (0..jobs.len()).rev().find(|&first| differs(&jobs[first..])).unwrap_or(0);
-    let mut oracle = Oracle::default();
-    let numbered = jobs[fewest..].iter().enumerate();
-    let stream: Vec<Transaction> = numbered
-        .map(|(seq, job)| Transaction { seq: seq as u64, category: 0, job: *job, expected: oracle.run(job) })
-        .collect();
+    let (mut oracle, model) = (Oracle::default(), Datapath::paper(CONFIG).model());
+    let numbered = (0..).zip(&jobs[fewest..]);
+    let transaction = |(seq, job): (u64, &Job)| {
+        let expected = model.paper_outcome(&oracle.run(job))?;
+        Some(Transaction { seq, category: 0, job: model.paper_job(job)?, expected })
+    };
+    let stream: Vec<Transaction> = numbered.filter_map(transaction).collect();
     let path = folder.join(format!("failure-models-{seed}-{chunk}")).join(format!("{kind}.txt"));
-    files::write(&path, &text(&Functional::new(Rules::Paper), kind, &stream, CONFIG))?;
+    let text = model.kind(kind.name()).map(|kind| text(&model, kind, &stream, CONFIG)).unwrap_or_default();
+    files::write(&path, &text)?;
     let command = format!("raypath replay {} --engine model", path.display());
     Ok(format!("chunk {chunk}, job {job}: {what}\n           shrunk to {} jobs; to replay it: {command}", stream.len()))
 }

@@ -1,15 +1,19 @@
 //! Coverage: it shows the points that are not covered.
 
-use raypath_model::{Functional, Shape};
-use raypath_ops::{Job, JobKind, Rules};
+use raypath_model::Shape;
+use raypath_ops::{Job, JobKind};
 use raypath_rtl::Config;
+use raypath_sim::Datapath;
 use raypath_verify::coverage::{Coverage, CoverageModel, JobPath};
 use raypath_verify::layout::Layout;
 use raypath_verify::stimuli::Stimuli;
 
 fn coverage_model() -> CoverageModel {
-    let model = Functional::<16, 8>::new(Rules::Paper);
-    CoverageModel::new(Config::DEFAULT, &Shape::default(), Layout::of(&model))
+    CoverageModel::new(Config::DEFAULT, &Shape::default(), layout())
+}
+
+fn layout() -> Layout {
+    Layout::of(&Datapath::paper(Config::DEFAULT).model())
 }
 
 /// The points that these jobs leave uncovered.
@@ -25,7 +29,7 @@ fn uncovered(jobs: impl Iterator<Item = Job>) -> Vec<String> {
 }
 
 fn stimuli(count: usize) -> Vec<Job> {
-    let layout = Layout::of(&Functional::<16, 8>::new(Rules::Paper));
+    let layout = layout();
     let mut stimuli = Stimuli::new(&layout, Config::DEFAULT, 4);
     let mut words = Vec::new();
     let job = |_| {

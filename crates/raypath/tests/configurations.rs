@@ -4,9 +4,9 @@
 use raypath::float::Format;
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
+use raypath::sim::Datapath;
 use raypath::sim::engine::NetlistEngine;
 use raypath::sim::lockstep::RegressionChecks;
-use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath_verify::mutation::CONFIGS;
 use std::path::Path;
 
@@ -41,7 +41,7 @@ const FEW_AND_MANY_LANES: &[Lanes] = &[Lanes::None, Lanes::Two, Lanes::Sixteen, 
 #[test]
 fn datapaths_that_mutation_puts_faults_in() {
     for config in CONFIGS {
-        with_model(config, Check { config, seed: 1, jobs: RegressionChecks::THOROUGH });
+        check(config, 1, RegressionChecks::THOROUGH);
     }
 }
 
@@ -154,7 +154,7 @@ fn documents_state_the_number_of_configurations() {
 impl Space {
     fn check(&self) {
         for (seed, config) in (1..).zip(self.configs()) {
-            with_model(config, Check { config, seed, jobs: 2000 });
+            check(config, seed, 2000);
         }
     }
 
@@ -182,25 +182,14 @@ fn vary<T: Copy>(configs: &mut Vec<Config>, values: &[T], set: impl Fn(&mut Conf
     *configs = configs.iter().flat_map(|config| values.iter().map(|&value| with(config, value))).collect();
 }
 
-/// What is asked of a configuration.
-struct Check {
-    config: Config,
-    seed: u64,
-    jobs: usize,
-}
-
-impl Visitor for Check {
-    type Answer = ();
-
-    fn visit<M: PaperModel>(self, model: M) {
-        let config = self.config;
-        let mut netlist = NetlistEngine::new(model.clone(), config, RegressionChecks::observes)
-            .unwrap_or_else(|error| panic!("{config}: {error}"));
-        let checks = RegressionChecks { config, seed: self.seed, jobs: self.jobs };
-        checks
-            .check(&mut netlist, &model)
-            .unwrap_or_else(|failed| panic!("{config}, {}: {}", failed.check, failed.what));
-    }
+/// Runs all checks of a configuration.
+fn check(config: Config, seed: u64, jobs: usize) {
+    let model = Datapath::paper(config).model();
+    let mut netlist = NetlistEngine::new(model.clone(), config, RegressionChecks::observes)
+        .unwrap_or_else(|error| panic!("{config}: {error}"));
+    RegressionChecks { config, seed, jobs }
+        .check(&mut netlist, &model)
+        .unwrap_or_else(|failed| panic!("{config}, {}: {}", failed.check, failed.what));
 }
 
 /// The combinations are what they seem to be.

@@ -2,15 +2,20 @@
 
 mod recorded;
 
-use raypath::model::{Functional, Shape};
-use raypath::ops::{Outcome, Rules};
+use raypath::model::{AnyModel, Shape, Words};
+use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Sharing, UnitLatency};
+use raypath::sim::Datapath;
 use raypath::sim::engine::{CycleEngine, NetlistEngine, Run, drive, evaluate};
 use raypath::sim::traffic::{Traffic, interleave};
 use raypath::sim::transactions::Transaction;
 use recorded::golden;
 
 const CHISEL: Config = Config::DEFAULT.rules(Rules::Chisel);
+
+fn model() -> AnyModel {
+    Datapath::paper(CHISEL).model()
+}
 
 /// The stream as recorded, and with the operations interleaved.
 fn orders() -> [(&'static str, Vec<Transaction>); 2] {
@@ -21,7 +26,7 @@ fn orders() -> [(&'static str, Vec<Transaction>); 2] {
 }
 
 /// Runs a stream and checks the order and every outcome.
-fn check(what: &str, stream: &[Transaction], run: impl FnOnce(&mut dyn FnMut(usize, Outcome) -> bool) -> Run) -> Run {
+fn check(what: &str, stream: &[Transaction], run: impl FnOnce(&mut dyn FnMut(usize, Words) -> bool) -> Run) -> Run {
     let mut mismatches = 0;
     let run = run(&mut |index, outcome| {
         let transaction = &stream[index];
@@ -40,7 +45,7 @@ fn check(what: &str, stream: &[Transaction], run: impl FnOnce(&mut dyn FnMut(usi
 #[test]
 fn functional_model_answers_as_the_original() {
     for (order, stream) in orders() {
-        check(order, &stream, |each| evaluate(Functional::new(Rules::Chisel), stream.iter().map(|t| &t.job), each));
+        check(order, &stream, |each| evaluate(model(), stream.iter().map(|t| &t.job), each));
     }
 }
 
@@ -48,7 +53,7 @@ fn functional_model_answers_as_the_original() {
 fn cycle_model_answers_as_the_original() {
     for (order, stream) in orders() {
         for (handshake, mut traffic) in [("always", Traffic::always()), ("random", Traffic::random(2))] {
-            let mut engine = CycleEngine::new(Functional::new(Rules::Chisel), &Shape::default());
+            let mut engine = CycleEngine::new(model(), &Shape::default());
             let jobs = stream.iter().map(|t| &t.job);
             let run =
                 check(&format!("{order}, {handshake}"), &stream, |each| drive(&mut engine, jobs, &mut traffic, each));
@@ -62,7 +67,7 @@ fn cycle_model_answers_as_the_original() {
 fn netlist_answers_as_the_original() {
     for (order, stream) in orders() {
         for (handshake, mut traffic) in [("always", Traffic::always()), ("random", Traffic::random(3))] {
-            let mut engine = NetlistEngine::new(Functional::new(Rules::Chisel), CHISEL, |_| false).expect("a datapath");
+            let mut engine = NetlistEngine::new(model(), CHISEL, |_| false).expect("a datapath");
             let jobs = stream.iter().map(|t| &t.job);
             let run =
                 check(&format!("{order}, {handshake}"), &stream, |each| drive(&mut engine, jobs, &mut traffic, each));
@@ -83,7 +88,7 @@ fn netlists_built_otherwise_answer_as_the_original() {
         CHISEL.unit_latency(UnitLatency::Three).control(Control::Credit),
     ];
     for config in configs {
-        let mut engine = NetlistEngine::new(Functional::new(Rules::Chisel), config, |_| false).expect("a datapath");
+        let mut engine = NetlistEngine::new(model(), config, |_| false).expect("a datapath");
         let jobs = stream.iter().map(|t| &t.job);
         let mut traffic = Traffic::random(4);
         check(&format!("{order}, {config}"), &stream, |each| drive(&mut engine, jobs, &mut traffic, each));

@@ -10,7 +10,7 @@ use crate::oracles::ask_oracles;
 use crate::progress::Progress;
 use clap::Args;
 use raypath_hdl::verilog;
-use raypath_model::{Kind, Model, Shape};
+use raypath_model::Shape;
 use raypath_oracle::Checks;
 use raypath_rtl::Datapath;
 use raypath_rtl::report::tables;

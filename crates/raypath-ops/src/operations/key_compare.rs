@@ -3,7 +3,7 @@
 //!
 //! Needs 36 comparators in stage 4, of which boxes have 24 there, and encoders for 37 numbers, of which the others have
 //! 32. Sorted separators answer the key like a thermometer: so the index comes out of choices alone, and nothing is
-//!     counted.
+//! counted.
 
 use crate::{Bit, Circuit, Num, Operation, Word, bundle};
 

@@ -11,8 +11,7 @@ use crate::{
 /// Which of eight boxes a ray hits, nearest first.
 ///
 /// By the rules `paper` (`docs/reference/semantics.md`): boxes are hit and missed as by [`RayBox`](crate::RayBox), hits
-/// stand before misses, nearer
-/// before farther, and equal distances by index.
+/// stand before misses, nearer before farther, and equal distances by index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Octbox;
 

@@ -1,16 +1,16 @@
 use crate::engine::{Engine, Run, Shown};
 use crate::traffic::{Cycle, Traffic};
-use raypath_model::Model;
+use raypath_model::Words;
 use std::borrow::Borrow;
 use std::collections::VecDeque;
 
 /// What was seen of an engine in one cycle. Jobs are told by their positions among those that were presented.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen<O> {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Seen {
     /// What source and sink did.
     pub cycle: Cycle,
     /// What the ports showed; in a cycle with a reset nothing is looked at.
-    pub shown: Shown<O>,
+    pub shown: Shown,
     /// The job that was withdrawn before the cycle.
     pub withdrawn: Option<usize>,
     /// The job that entered.
@@ -24,11 +24,11 @@ pub struct Seen<O> {
 /// Feeds `jobs` to an engine under `traffic`, each presented once, and shows each outcome as it leaves, with its job's
 /// position, until `on_outcome` answers false. Gives up when nothing has left for a long time: then fewer jobs come out
 /// than went in.
-pub fn drive<M: Model, J: Borrow<M::Job>>(
-    engine: &mut dyn Engine<M>,
+pub fn drive<J: Borrow<Words>>(
+    engine: &mut dyn Engine,
     jobs: impl Iterator<Item = J>,
     traffic: &mut Traffic,
-    mut on_outcome: impl FnMut(usize, M::Outcome) -> bool,
+    mut on_outcome: impl FnMut(usize, Words) -> bool,
 ) -> Run {
     observe(engine, jobs, traffic, |seen| match (seen.left, &seen.shown.output) {
         (Some(index), Some(outcome)) => on_outcome(index, outcome.clone()),
@@ -37,11 +37,11 @@ pub fn drive<M: Model, J: Borrow<M::Job>>(
 }
 
 /// The same, but shows every cycle.
-pub fn observe<M: Model, J: Borrow<M::Job>>(
-    engine: &mut dyn Engine<M>,
+pub fn observe<J: Borrow<Words>>(
+    engine: &mut dyn Engine,
     jobs: impl Iterator<Item = J>,
     traffic: &mut Traffic,
-    mut on_cycle: impl FnMut(&Seen<M::Outcome>) -> bool,
+    mut on_cycle: impl FnMut(&Seen) -> bool,
 ) -> Run {
     /// More idle cycles than any traffic makes by chance.
     const PATIENCE: u64 = 100_000;
@@ -93,9 +93,9 @@ struct Source<I: Iterator> {
 }
 
 impl<J, I: Iterator<Item = J>> Source<I> {
-    fn present<M: Model>(&mut self, engine: &mut dyn Engine<M>)
+    fn present(&mut self, engine: &mut dyn Engine)
     where
-        J: Borrow<M::Job>,
+        J: Borrow<Words>,
     {
         if let Some(job) = self.jobs.peek() {
             engine.present(job.borrow());
@@ -103,9 +103,9 @@ impl<J, I: Iterator<Item = J>> Source<I> {
     }
 
     /// Goes on to the next job. Gives the position of the one that is over; the last stays at the ports.
-    fn advance<M: Model>(&mut self, engine: &mut dyn Engine<M>) -> Option<usize>
+    fn advance(&mut self, engine: &mut dyn Engine) -> Option<usize>
     where
-        J: Borrow<M::Job>,
+        J: Borrow<Words>,
     {
         self.jobs.next()?;
         self.present(engine);

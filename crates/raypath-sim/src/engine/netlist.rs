@@ -1,23 +1,21 @@
 use crate::engine::{Engine, PortEncoding, Shown, shape};
 use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
-use raypath_model::{Functional, Kind, Model, OnPorts, Shape};
-use raypath_ops::{PortKind, PortValue};
+use raypath_model::{AnyKind, AnyModel, Shape, Words};
+use raypath_ops::{Port, PortKind};
 use raypath_rtl::{Config, Datapath};
 use std::sync::Arc;
 
 /// The netlist, simulated, as an engine.
-pub struct NetlistEngine<M: Model = Functional> {
-    model: M,
+pub struct NetlistEngine {
+    model: AnyModel,
     simulator: Simulator,
     encoding: PortEncoding,
     shape: Shape,
     /// The ports of each operation, by opcode.
-    operations: Vec<Option<OperationPorts<M::Kind>>>,
+    operations: Vec<Option<OperationPorts>>,
     /// All of them, by name.
     names: Vec<(String, OutputPort)>,
     ports: HandshakePorts,
-    /// Room for a job's or an outcome's words.
-    words: Vec<u64>,
 }
 
 /// What the handshake's ports showed in the last cycle, before its clock edge.
@@ -33,8 +31,8 @@ pub struct Handshake {
 type Place<P> = (Option<P>, PortKind);
 
 /// The ports of one operation.
-struct OperationPorts<K> {
-    kind: K,
+struct OperationPorts {
+    kind: AnyKind,
     /// Those of its jobs, in the order of their words; those that the configuration lacks are `None`.
     inputs: Vec<Place<InputPort>>,
     /// The same of outcomes.
@@ -52,13 +50,13 @@ struct HandshakePorts {
     opcode_out: OutputPort,
 }
 
-impl<M: Model> NetlistEngine<M> {
+impl NetlistEngine {
     /// Elaborates a configuration and compiles its netlist. `model`, which is one for the configuration, only says what
     /// jobs and outcomes are. `observed` says by hierarchical name which of its signals will be looked at.
     ///
     /// # Errors
     /// A configuration that cannot be elaborated.
-    pub fn new(model: M, config: Config, observed: impl Fn(&str) -> bool) -> Result<Self, raypath_rtl::Error> {
+    pub fn new(model: AnyModel, config: Config, observed: impl Fn(&str) -> bool) -> Result<Self, raypath_rtl::Error> {
         Self::of(model, config, &Datapath::new(config)?, observed)
     }
 
@@ -67,7 +65,7 @@ impl<M: Model> NetlistEngine<M> {
     /// # Errors
     /// A datapath that lacks one of the ports that all have.
     pub fn of(
-        model: M,
+        model: AnyModel,
         config: Config,
         datapath: &Datapath,
         observed: impl Fn(&str) -> bool,
@@ -80,7 +78,7 @@ impl<M: Model> NetlistEngine<M> {
     /// # Errors
     /// A module that lacks one of the ports that all datapaths have.
     pub fn of_module(
-        model: M,
+        model: AnyModel,
         config: Config,
         top: &Arc<Module>,
         shape: Shape,
@@ -101,11 +99,11 @@ impl<M: Model> NetlistEngine<M> {
             names.push((port.stem().to_string(), simulator.output(&port.name)?));
         }
         names.sort_by(|a, b| a.0.cmp(&b.0));
-        let output = |port: &PortValue| names.iter().find(|(name, _)| *name == port.name).map(|(_, output)| *output);
-        let input = |port: &PortValue| simulator.input(&format!("{}_i", port.name)).ok();
+        let output = |port: &Port| names.iter().find(|(name, _)| *name == port.name).map(|(_, output)| *output);
+        let input = |port: &Port| simulator.input(&format!("{}_i", port.name)).ok();
         let mut operations = Vec::new();
         for kind in model.kinds() {
-            let (job, outcome) = (model.job(kind, |_| 0).ports(), model.outcome(kind, |_| 0).ports());
+            let (job, outcome) = (model.inputs(kind), model.outputs(kind));
             let inputs = job.iter().map(|port| (input(port), port.kind)).collect();
             let outputs: Vec<Place<OutputPort>> = outcome.iter().map(|port| (output(port), port.kind)).collect();
             let is_own = |output: &OutputPort| outputs.iter().any(|(own, _)| *own == Some(*output));
@@ -114,8 +112,8 @@ impl<M: Model> NetlistEngine<M> {
             operations.resize_with(operations.len().max(opcode + 1), || None);
             operations[opcode] = Some(OperationPorts { kind, inputs, outputs, foreign });
         }
-        let (encoding, words) = (PortEncoding::of(config), Vec::new());
-        let mut engine = Self { model, simulator, encoding, shape, operations, names, ports, words };
+        let encoding = PortEncoding::of(config);
+        let mut engine = Self { model, simulator, encoding, shape, operations, names, ports };
         engine.reset();
         Ok(engine)
     }
@@ -152,11 +150,10 @@ impl<M: Model> NetlistEngine<M> {
 
     /// Whether the output ports, all of them, showed this outcome in the last cycle, as they should: ports of other
     /// modes are zero, and a number has one encoding only.
-    pub fn shows(&mut self, outcome: &M::Outcome) -> bool {
+    pub fn shows(&self, outcome: &Words) -> bool {
         let (opcode, simulator, encoding) = (outcome.kind().opcode(), &self.simulator, self.encoding);
-        outcome.words(&mut self.words);
         let Some(Some(operation)) = self.operations.get(opcode as usize) else { return false };
-        let places = operation.outputs.iter().zip(&self.words);
+        let places = operation.outputs.iter().zip(outcome.as_words());
         simulator.get(self.ports.opcode_out) == opcode
             && places
                 .into_iter()
@@ -166,7 +163,7 @@ impl<M: Model> NetlistEngine<M> {
 
     /// The output ports that do not show what they should if this was the outcome in the last cycle, in words: ports of
     /// other modes are zero, and a number has one encoding only. Whether the outcome is right it does not say.
-    pub fn improper_outputs(&self, outcome: &M::Outcome) -> Vec<String> {
+    pub fn improper_outputs(&self, outcome: &Words) -> Vec<String> {
         let values = outcome.ports();
         let proper = |name: &str| {
             let value = values.iter().find(|value| value.name == name);
@@ -178,7 +175,7 @@ impl<M: Model> NetlistEngine<M> {
     }
 
     /// What the output ports showed in the last cycle; `None` where the opcode is none.
-    pub fn outcome(&self) -> Option<M::Outcome> {
+    pub fn outcome(&self) -> Option<Words> {
         let opcode = self.simulator.get(self.ports.opcode_out);
         let operation = self.operations.get(opcode as usize)?.as_ref()?;
         let word = |&(port, kind): &Place<OutputPort>| {
@@ -189,20 +186,19 @@ impl<M: Model> NetlistEngine<M> {
     }
 }
 
-impl<M: Model> Engine<M> for NetlistEngine<M> {
-    fn present(&mut self, job: &M::Job) {
+impl Engine for NetlistEngine {
+    fn present(&mut self, job: &Words) {
         let opcode = job.kind().opcode();
         self.simulator.set(self.ports.opcode, opcode);
-        job.words(&mut self.words);
         let Some(Some(operation)) = self.operations.get(opcode as usize) else { return };
-        for (&(port, kind), &bits) in operation.inputs.iter().zip(&self.words) {
+        for (&(port, kind), &bits) in operation.inputs.iter().zip(job.as_words()) {
             if let Some(port) = port {
                 self.simulator.set(port, self.encoding.to_port(kind, bits));
             }
         }
     }
 
-    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
         let Handshake { input_ready, output_valid } = self.clock(input_valid, output_ready);
         Shown { input_ready, output: if output_valid { self.outcome() } else { None } }
     }

@@ -1,14 +1,14 @@
 use crate::engine::{Engine, NetlistEngine, Shown};
 use raypath_float::Format;
 use raypath_hdl::Probe;
-use raypath_model::Model;
+use raypath_model::Words;
 
 /// A netlist as an engine that checks its number registers in every cycle: their recoded words must be canonical. The
 /// ports do not show this, because units accept every encoding of a number.
-pub struct WatchedNetlist<'n, M: Model> {
+pub struct WatchedNetlist<'n> {
     /// The first word that is not canonical, as a message.
     pub found: Option<String>,
-    netlist: &'n mut NetlistEngine<M>,
+    netlist: &'n mut NetlistEngine,
     format: Format,
     registers: Vec<Register>,
 }
@@ -26,10 +26,10 @@ pub fn is_number_register(name: &str) -> bool {
     name.starts_with("num_") && name.ends_with("_q") || name.ends_with("_state_q")
 }
 
-impl<'n, M: Model> WatchedNetlist<'n, M> {
+impl<'n> WatchedNetlist<'n> {
     /// Watches a netlist that was compiled with observable number registers. Registers of the recoded width of this
     /// format hold recoded words.
-    pub fn new(netlist: &'n mut NetlistEngine<M>, format: Format) -> Self {
+    pub fn new(netlist: &'n mut NetlistEngine, format: Format) -> Self {
         let probes = netlist.simulator().probes();
         let recoded = probes.filter(|(name, width, _)| is_number_register(name) && *width == format.recoded_width());
         let zero = format.encode(0);
@@ -60,12 +60,12 @@ impl<'n, M: Model> WatchedNetlist<'n, M> {
     }
 }
 
-impl<M: Model> Engine<M> for WatchedNetlist<'_, M> {
-    fn present(&mut self, job: &M::Job) {
+impl Engine for WatchedNetlist<'_> {
+    fn present(&mut self, job: &Words) {
         self.netlist.present(job);
     }
 
-    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
         let shown = self.netlist.cycle(input_valid, output_ready);
         if self.found.is_none() {
             self.check_registers();

@@ -4,10 +4,10 @@ use crate::engine::{CycleEngine, Engine, NetlistEngine, drive};
 use crate::jobs::random;
 use crate::lockstep::canonical::{WatchedNetlist, is_number_register};
 use crate::lockstep::{Timing, lockstep, timing};
-use crate::models::PaperModel;
 use crate::traffic::{Cycle, Traffic};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
+use raypath_model::{AnyModel, Words};
 use raypath_ops::JobKind;
 use raypath_rtl::{Config, Encoding};
 
@@ -47,7 +47,7 @@ impl RegressionChecks {
     ///
     /// # Errors
     /// The check that failed.
-    pub fn check<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), FailedCheck> {
+    pub fn check(self, netlist: &mut NetlistEngine, model: &AnyModel) -> Result<(), FailedCheck> {
         let named = |check| move |what| FailedCheck { check, what };
         netlist.reset();
         self.agrees_with_the_models(netlist, model).map_err(named("lockstep"))?;
@@ -56,12 +56,12 @@ impl RegressionChecks {
         self.has_the_specified_timing(netlist, model).map_err(named("timing"))
     }
 
-    fn jobs<M: PaperModel>(self, model: &M, kinds: &[JobKind]) -> impl Iterator<Item = M::Job> + use<M> {
+    fn jobs(self, model: &AnyModel, kinds: &[JobKind]) -> impl Iterator<Item = Words> + use<> {
         random(model, self.config.semantics.format, self.seed, kinds)
     }
 
     /// Lockstep with the models, for random and edge jobs under random handshakes.
-    fn agrees_with_the_models<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+    fn agrees_with_the_models(self, netlist: &mut NetlistEngine, model: &AnyModel) -> Result<(), String> {
         let (kinds, count) = (self.config.kinds(), self.jobs);
         let jobs = self.jobs(model, kinds).take(count);
         let found = lockstep(netlist, model.clone(), jobs, &mut Traffic::random(self.seed), |_| true);
@@ -74,7 +74,7 @@ impl RegressionChecks {
     }
 
     /// With recoded registers, each register holds a canonical word in every cycle.
-    fn holds_canonical_words<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+    fn holds_canonical_words(self, netlist: &mut NetlistEngine, model: &AnyModel) -> Result<(), String> {
         let count = self.jobs;
         if self.config.microarchitecture.registers != Encoding::Recoded {
             return Ok(());
@@ -91,7 +91,7 @@ impl RegressionChecks {
 
     /// Lockstep with the cycle-exact model through resets at random cycles. The input ports hold other jobs while no
     /// job is offered.
-    fn agrees_through_resets<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+    fn agrees_through_resets(self, netlist: &mut NetlistEngine, model: &AnyModel) -> Result<(), String> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let mut traffic = Traffic::random(self.seed);
         let mut modelled = CycleEngine::new(model.clone(), netlist.shape());
@@ -117,7 +117,7 @@ impl RegressionChecks {
 
     /// Latency 12 if units take one step. The initiation interval is 1, but for beats of one accumulator the duration
     /// of an addition.
-    fn has_the_specified_timing<M: PaperModel>(self, netlist: &mut NetlistEngine<M>, model: &M) -> Result<(), String> {
+    fn has_the_specified_timing(self, netlist: &mut NetlistEngine, model: &AnyModel) -> Result<(), String> {
         let (kinds, unit_latency) = (self.config.kinds(), self.config.microarchitecture.unit_latency.steps());
         let latency = netlist.shape().latency as u64;
         let is_specified = if unit_latency == 1 { latency == 12 } else { latency > 12 };
@@ -137,7 +137,7 @@ impl RegressionChecks {
         const ROUNDS: usize = 50;
         let mut streams: Vec<_> = kinds.iter().map(|&kind| self.jobs(model, &[kind])).collect();
         let round = |_| streams.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
-        let jobs: Vec<M::Job> = (0..ROUNDS).flat_map(round).collect();
+        let jobs: Vec<Words> = (0..ROUNDS).flat_map(round).collect();
         netlist.reset();
         let run = drive(netlist, jobs.iter(), &mut Traffic::always(), |_, _| true);
         let is_full_speed = (run.jobs, run.cycles) == (jobs.len(), jobs.len() as u64 + latency);

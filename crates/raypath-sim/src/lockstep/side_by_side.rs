@@ -1,6 +1,6 @@
 use crate::engine::{Engine, Handshake, NetlistEngine, Shown};
 use crate::lockstep::DIFFERENCES_SHOWN;
-use raypath_model::{CycleModel, Kind, Model, OnPorts};
+use raypath_model::{AnyModel, CycleModel, Model, Words};
 use std::collections::VecDeque;
 
 /// How netlist and models differ in a cycle.
@@ -14,24 +14,24 @@ pub enum Difference {
 
 /// Netlist, cycle-exact model and functional model as one engine, which shows what the cycle-exact model shows where
 /// the netlist shows the same, else what the netlist shows.
-pub struct SideBySide<'n, M: Model, F> {
+pub struct SideBySide<'n, F> {
     /// The first few differences, in words.
     pub differences: Vec<String>,
-    netlist: &'n mut NetlistEngine<M>,
-    cycle_model: CycleModel<M>,
-    functional: M,
-    presented: Option<M::Job>,
+    netlist: &'n mut NetlistEngine,
+    cycle_model: CycleModel<AnyModel>,
+    functional: AnyModel,
+    presented: Option<Words>,
     /// What the functional model answers to the jobs that the netlist accepted, oldest first.
-    in_flight: VecDeque<M::Outcome>,
+    in_flight: VecDeque<Words>,
     cycles: u64,
     jobs: u64,
     on_difference: F,
 }
 
-impl<'n, M: Model, F: FnMut(Difference)> SideBySide<'n, M, F> {
+impl<'n, F: FnMut(Difference)> SideBySide<'n, F> {
     /// The engines as they are: the netlist as it comes, the models after a reset. `on_difference` is told each
     /// difference as it is seen.
-    pub fn new(netlist: &'n mut NetlistEngine<M>, model: M, on_difference: F) -> Self {
+    pub fn new(netlist: &'n mut NetlistEngine, model: AnyModel, on_difference: F) -> Self {
         Self {
             differences: Vec::new(),
             cycle_model: CycleModel::new(model.clone(), netlist.shape()),
@@ -52,7 +52,7 @@ impl<'n, M: Model, F: FnMut(Difference)> SideBySide<'n, M, F> {
         }
     }
 
-    fn compare_ports(&mut self, shown: &Shown<M::Outcome>, modelled: &Shown<M::Outcome>) {
+    fn compare_ports(&mut self, shown: &Shown, modelled: &Shown) {
         if shown != modelled {
             let words = || format!("the netlist shows {shown:?}, the cycle-exact model {modelled:?}");
             self.differs(Difference::Ports, words);
@@ -67,13 +67,13 @@ impl<'n, M: Model, F: FnMut(Difference)> SideBySide<'n, M, F> {
     }
 }
 
-impl<M: Model, F: FnMut(Difference)> Engine<M> for SideBySide<'_, M, F> {
-    fn present(&mut self, job: &M::Job) {
+impl<F: FnMut(Difference)> Engine for SideBySide<'_, F> {
+    fn present(&mut self, job: &Words) {
         self.netlist.present(job);
         self.presented = Some(job.clone());
     }
 
-    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<M::Outcome> {
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
         let Handshake { input_ready, output_valid } = self.netlist.clock(input_valid, output_ready);
         // Before any job is there the port for the opcode is 0.
         let opcode = self.presented.as_ref().map_or(0, |job| job.kind().opcode());

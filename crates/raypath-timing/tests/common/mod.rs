@@ -1,7 +1,7 @@
 //! A model without arithmetic, whose jobs carry the number of their owner, and agents that follow a list.
 
-use raypath_model::{CycleModel, Model, OnPorts, Shape};
-use raypath_ops::{JobKind, PortValue};
+use raypath_model::{CycleModel, Model, OfKind, Shape};
+use raypath_ops::JobKind;
 use raypath_timing::{Action, Agent};
 
 /// A job of a kind, with the number of its owner. Its outcome is the job itself.
@@ -12,17 +12,11 @@ pub struct Tag(pub JobKind, pub u64);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Echo;
 
-impl OnPorts for Tag {
+impl OfKind for Tag {
     type Kind = JobKind;
 
     fn kind(&self) -> JobKind {
         self.0
-    }
-    fn ports(&self) -> Vec<PortValue> {
-        Vec::new()
-    }
-    fn words(&self, words: &mut Vec<u64>) {
-        words.clear();
     }
 }
 
@@ -31,26 +25,10 @@ impl Model for Echo {
     type Job = Tag;
     type Outcome = Tag;
 
-    fn kinds(&self) -> Vec<JobKind> {
-        JobKind::ALL.to_vec()
-    }
-
     fn run(&mut self, job: &Tag) -> Tag {
         *job
     }
     fn reset(&mut self) {}
-    fn job(&self, kind: JobKind, _: impl FnMut(&str) -> u64) -> Tag {
-        Tag(kind, 0)
-    }
-    fn outcome(&self, kind: JobKind, _: impl FnMut(&str) -> u64) -> Tag {
-        Tag(kind, 0)
-    }
-    fn job_of_words(&self, kind: JobKind, _: &[u64]) -> Tag {
-        Tag(kind, 0)
-    }
-    fn outcome_of_words(&self, kind: JobKind, _: &[u64]) -> Tag {
-        Tag(kind, 0)
-    }
 }
 
 pub fn echo(shape: &Shape) -> CycleModel<Echo> {

@@ -5,11 +5,10 @@ use crate::coverage::{Coverage, CoverageModel, JobPoints, Tracker};
 use crate::layout::Layout;
 use crate::random::splitmix64;
 use crate::stimuli::Stimuli;
-use raypath_model::OnPorts;
+use raypath_model::{AnyModel, Words};
 use raypath_rtl::Config;
 use raypath_sim::engine::{NetlistEngine, observe};
 use raypath_sim::lockstep::{Difference, SideBySide};
-use raypath_sim::models::PaperModel;
 use raypath_sim::traffic::{Cycle, Traffic};
 
 /// The number of jobs in an episode.
@@ -19,8 +18,8 @@ const EVENTFUL_CYCLES: u32 = 1200;
 
 /// A sequence of jobs and handshakes that starts from a new netlist's state. An episode therefore fails alone as it
 /// fails in the campaign.
-pub struct Episode<M: PaperModel> {
-    jobs: Vec<M::Job>,
+pub struct Episode {
+    jobs: Vec<Words>,
     traffic: Traffic,
 }
 
@@ -33,33 +32,28 @@ pub struct Found {
     pub differences: Vec<String>,
 }
 
-impl<M: PaperModel> Episode<M> {
+impl Episode {
     /// The episode with this number in the campaign of this seed.
-    pub fn new(model: &M, layout: &Layout, config: Config, seed: u64, number: u64) -> Self {
+    pub fn new(model: &AnyModel, layout: &Layout, config: Config, seed: u64, number: u64) -> Self {
         let own = splitmix64(splitmix64(seed) ^ number);
         let mut stimuli = Stimuli::new(layout, config, own);
         let mut words = Vec::new();
         let jobs = (0..JOBS_PER_EPISODE).map(|_| {
             let kind = stimuli.next(&mut words);
-            model.job_of_words(kind, &words)
+            Some(model.job_of_words(model.kind(kind.name())?, &words))
         });
-        Self { jobs: jobs.collect(), traffic: Traffic::eventful(splitmix64(own), EVENTFUL_CYCLES) }
+        Self { jobs: jobs.flatten().collect(), traffic: Traffic::eventful(splitmix64(own), EVENTFUL_CYCLES) }
     }
 
     /// Runs the episode up to the first difference.
     pub fn run(
         &self,
-        netlist: &mut NetlistEngine<M>,
-        model: &M,
+        netlist: &mut NetlistEngine,
+        model: &AnyModel,
         coverage: Option<(&CoverageModel, &mut Coverage)>,
     ) -> Found {
-        let mut words = Vec::new();
         let points: Vec<JobPoints> = coverage.as_ref().map_or_else(Vec::new, |(model, _)| {
-            let of = |job: &M::Job| {
-                job.words(&mut words);
-                model.job_points(job.kind(), &words)
-            };
-            self.jobs.iter().map(of).collect()
+            self.jobs.iter().filter_map(|job| Some(model.job_points(job.kind().paper()?, job.as_words()))).collect()
         });
         let mut tracker = coverage.map(|(model, coverage)| Tracker::new(model, coverage, &points));
         netlist.restart();
@@ -75,7 +69,7 @@ impl<M: PaperModel> Episode<M> {
     }
 
     /// The episode as a trace of jobs and cycles.
-    pub fn trace(self) -> Trace<M> {
+    pub fn trace(self) -> Trace {
         let mut traffic = self.traffic;
         let cycles: Vec<Cycle> = (0..EVENTFUL_CYCLES).map(|_| traffic.next_cycle()).collect();
         Trace { jobs: self.jobs, cycles }

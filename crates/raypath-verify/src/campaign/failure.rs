@@ -3,11 +3,9 @@
 use super::shrink::{Mismatch, Trace, shrink};
 use crate::error::Error;
 use crate::files;
-use raypath_model::OnPorts;
-use raypath_ops::JobKind;
+use raypath_model::{AnyModel, Model, Words};
 use raypath_rtl::Config;
 use raypath_sim::engine::{CycleEngine, NetlistEngine, observe};
-use raypath_sim::models::PaperModel;
 use raypath_sim::traffic::{Traffic, recorded_text};
 use raypath_sim::transactions::{Transaction, text};
 use std::path::Path;
@@ -26,11 +24,11 @@ pub struct Failure {
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn report<M: PaperModel>(
-    netlist: &mut NetlistEngine<M>,
-    model: &M,
+pub fn report(
+    netlist: &mut NetlistEngine,
+    model: &AnyModel,
     config: Config,
-    trace: Trace<M>,
+    trace: Trace,
     failure: &Failure,
     folder: &Path,
 ) -> Result<String, Error> {
@@ -41,8 +39,8 @@ pub fn report<M: PaperModel>(
     };
     let stream = stream(netlist, model, &trace);
     let mut command = String::from("raypath replay");
-    for kind in JobKind::ALL {
-        let of_kind: Vec<Transaction<M>> = stream.iter().filter(|t| t.job.kind() == kind).cloned().collect();
+    for kind in model.kinds() {
+        let of_kind: Vec<Transaction> = stream.iter().filter(|t| t.job.kind() == kind).cloned().collect();
         if !of_kind.is_empty() {
             let path = folder.join(format!("{kind}.txt"));
             files::write(&path, &text(model, kind, &of_kind, config))?;
@@ -63,11 +61,11 @@ pub fn report<M: PaperModel>(
 }
 
 /// The jobs of a trace, with the functional model's outcomes for those that leave the pipeline.
-fn stream<M: PaperModel>(netlist: &NetlistEngine<M>, model: &M, trace: &Trace<M>) -> Vec<Transaction<M>> {
-    let no_outcome = |job: &M::Job| model.outcome(job.kind(), |_| 0);
+fn stream(netlist: &NetlistEngine, model: &AnyModel, trace: &Trace) -> Vec<Transaction> {
+    let no_outcome = |job: &Words| model.outcome(job.kind(), |_| 0);
     let numbered = trace.jobs.iter().enumerate();
-    let mut stream: Vec<Transaction<M>> = numbered
-        .map(|(seq, job)| Transaction { seq: seq as u64, category: 0, job: *job, expected: no_outcome(job) })
+    let mut stream: Vec<Transaction> = numbered
+        .map(|(seq, job)| Transaction { seq: seq as u64, category: 0, job: job.clone(), expected: no_outcome(job) })
         .collect();
     let mut functional = model.clone();
     let mut engine = CycleEngine::new(model.clone(), netlist.shape());

@@ -2,20 +2,19 @@
 //! Zeller and Hildebrandt, IEEE TSE 28(2), 2002).
 
 use crate::layout::Layout;
-use raypath_model::OnPorts;
+use raypath_model::{AnyModel, Words};
 use raypath_rtl::Config;
 use raypath_sim::engine::{NetlistEngine, observe};
 use raypath_sim::lockstep::{Difference, SideBySide};
-use raypath_sim::models::PaperModel;
 use raypath_sim::traffic::{Cycle, Traffic};
 use std::cell::Cell;
 
 /// Jobs, and the behaviour of source, sink and reset from a new netlist's state on. After the last recorded cycle
 /// source and sink are always ready.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Trace<M: PaperModel> {
+pub struct Trace {
     /// The jobs.
-    pub jobs: Vec<M::Job>,
+    pub jobs: Vec<Words>,
     /// The cycles.
     pub cycles: Vec<Cycle>,
 }
@@ -31,19 +30,14 @@ pub enum Mismatch {
 
 /// Shrinks a failing trace, and returns how it fails. A wrong outcome stays a wrong outcome. A trace that does not fail
 /// is returned unchanged.
-pub fn shrink<M: PaperModel>(
-    netlist: &mut NetlistEngine<M>,
-    model: &M,
-    config: Config,
-    mut trace: Trace<M>,
-) -> (Trace<M>, Mismatch) {
-    let mut fails = |trace: &Trace<M>, mismatch| fails(netlist, model, trace, mismatch);
+pub fn shrink(netlist: &mut NetlistEngine, model: &AnyModel, config: Config, mut trace: Trace) -> (Trace, Mismatch) {
+    let mut fails = |trace: &Trace, mismatch| fails(netlist, model, trace, mismatch);
     let mismatch = if fails(&trace, Mismatch::Outcome) { Mismatch::Outcome } else { Mismatch::Ports };
     if !fails(&trace, mismatch) {
         return (trace, mismatch);
     }
     let mut fails =
-        |jobs: &[M::Job], cycles: &[Cycle]| fails(&Trace { jobs: jobs.to_vec(), cycles: cycles.to_vec() }, mismatch);
+        |jobs: &[Words], cycles: &[Cycle]| fails(&Trace { jobs: jobs.to_vec(), cycles: cycles.to_vec() }, mismatch);
     // Fewer jobs can make more cycles superfluous, and the reverse.
     const ROUNDS: usize = 4;
     for _ in 0..ROUNDS {
@@ -65,7 +59,7 @@ pub fn shrink<M: PaperModel>(
 }
 
 /// Whether a trace shows this mismatch.
-pub fn fails<M: PaperModel>(netlist: &mut NetlistEngine<M>, model: &M, trace: &Trace<M>, mismatch: Mismatch) -> bool {
+pub fn fails(netlist: &mut NetlistEngine, model: &AnyModel, trace: &Trace, mismatch: Mismatch) -> bool {
     /// An upper bound of a job's cycles after the last recorded cycle.
     const CYCLES_PER_JOB: u64 = 64;
     netlist.restart();
@@ -125,19 +119,14 @@ fn reduced<T: Clone>(mut items: Vec<T>, mut fails: impl FnMut(&[T]) -> bool) -> 
 }
 
 /// Replaces operands by 0 or else 1 while the trace still fails.
-fn simplify_operands<M: PaperModel>(
-    model: &M,
-    config: Config,
-    trace: &mut Trace<M>,
-    mut fails: impl FnMut(&Trace<M>) -> bool,
-) {
+fn simplify_operands(model: &AnyModel, config: Config, trace: &mut Trace, mut fails: impl FnMut(&Trace) -> bool) {
     let layout = Layout::of(model);
     let one = config.semantics.format.from_f32(1.0);
-    let mut words = Vec::new();
     for index in 0..trace.jobs.len() {
         let kind = trace.jobs[index].kind();
-        trace.jobs[index].words(&mut words);
-        for (index_in_job, field) in layout.fields(kind).iter().enumerate() {
+        let mut words = trace.jobs[index].as_words().to_vec();
+        let fields = kind.paper().map_or(&[][..], |kind| layout.fields(kind));
+        for (index_in_job, field) in fields.iter().enumerate() {
             let original = words[index_in_job];
             let simple = if field.is_number() { [0, one] } else { [0, 1] };
             // An operand that is already simple stays.

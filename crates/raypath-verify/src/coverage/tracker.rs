@@ -4,7 +4,7 @@ use super::counts::Coverage;
 use super::model::{CoverageModel, JobPoints};
 use super::paths::{JobEnd, JobPath};
 use super::rules::AccumulatorState;
-use raypath_model::OnPorts;
+use raypath_model::Words;
 use raypath_ops::JobKind;
 use raypath_sim::engine::Seen;
 use std::collections::VecDeque;
@@ -25,7 +25,6 @@ pub struct Tracker<'t> {
     entered: Option<(JobKind, bool)>,
     /// What the next beat of each operation finds.
     accumulators: [AccumulatorState; JobKind::ALL.len()],
-    words: Vec<u64>,
 }
 
 const INITIAL: AccumulatorState = AccumulatorState { sum: 0, after_others: true, after_loss: false };
@@ -34,12 +33,12 @@ impl<'t> Tracker<'t> {
     /// A tracker of an empty pipeline.
     pub fn new(model: &'t CoverageModel, coverage: &'t mut Coverage, jobs: &'t [JobPoints]) -> Self {
         let accumulators = [INITIAL; JobKind::ALL.len()];
-        let (inside, words) = (VecDeque::new(), Vec::new());
-        Self { model, coverage, jobs, inside, refused: false, held: false, entered: None, accumulators, words }
+        let inside = VecDeque::new();
+        Self { model, coverage, jobs, inside, refused: false, held: false, entered: None, accumulators }
     }
 
     /// Counts one cycle.
-    pub fn observe<O: OnPorts>(&mut self, seen: &Seen<O>) {
+    pub fn observe(&mut self, seen: &Seen) {
         if let Some(job) = seen.withdrawn.and_then(|index| self.jobs.get(index)) {
             self.coverage.handshakes.withdrawn(job.kind, self.refused);
             self.refused = false;
@@ -68,15 +67,15 @@ impl<'t> Tracker<'t> {
         }
     }
 
-    fn leaves(&mut self, outcome: &impl OnPorts) {
+    fn leaves(&mut self, outcome: &Words) {
         let Some((index, waited)) = self.inside.pop_front() else { return };
         let mut covered = self.jobs[index];
         let kind = covered.kind;
         if matches!(kind, JobKind::Euclidean | JobKind::Angular) {
             self.model.add_exit_points(&mut covered, self.accumulators[kind as usize]);
-            outcome.words(&mut self.words);
-            let (sum, is_last) = (self.words.first(), self.words.last());
-            let sum = if is_last == Some(&1) { 0 } else { sum.copied().unwrap_or(0) };
+            let reset = if kind == JobKind::Euclidean { "euclidean_reset_accum" } else { "angular_reset_accum" };
+            let sum = outcome.as_words().first().copied().unwrap_or(0);
+            let sum = if outcome.port(reset) == 1 { 0 } else { sum };
             self.accumulators[kind as usize] = AccumulatorState { sum, after_others: false, after_loss: false };
         }
         let others = JobKind::ALL.into_iter().filter(|other| *other != kind);

@@ -8,7 +8,6 @@ use crate::sat::Prover;
 use raypath_hdl::Module;
 use raypath_sim::engine::NetlistEngine;
 use raypath_sim::lockstep::{FailedCheck, RegressionChecks};
-use raypath_sim::models::{PaperModel, Visitor, with_model};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
@@ -35,11 +34,19 @@ impl Trial<'_> {
         {
             return Ok(MutantResult::Killed(check));
         }
-        let Elaborated { config, .. } = *self.subject.datapath;
-        match with_model(config, DatapathChecks { datapath: &self.subject.datapath, top: &self.top })? {
+        match self.check_datapath()? {
             Err(failed) => Ok(MutantResult::Killed(failed.check)),
             Ok(()) => self.proof(proves_modules),
         }
+    }
+
+    /// Runs the checks of the whole datapath.
+    fn check_datapath(&self) -> Result<Result<(), FailedCheck>, Error> {
+        let Elaborated { config, ref shape, .. } = *self.subject.datapath;
+        let model = raypath_sim::Datapath::paper(config).model();
+        let mut netlist =
+            NetlistEngine::of_module(model.clone(), config, &self.top, shape.clone(), RegressionChecks::observes)?;
+        Ok(RegressionChecks { config, seed: 1, jobs: RegressionChecks::THOROUGH }.check(&mut netlist, &model))
     }
 
     /// The result of a mutant that passes all checks.
@@ -89,21 +96,4 @@ fn compared(original: &Arc<Module>, changed: &Arc<Module>) -> Result<Equivalence
         drop(done);
         Ok(found?.remove(0))
     })
-}
-
-/// Runs the checks of the whole datapath.
-struct DatapathChecks<'t> {
-    datapath: &'t Elaborated,
-    top: &'t Arc<Module>,
-}
-
-impl Visitor for DatapathChecks<'_> {
-    type Answer = Result<Result<(), FailedCheck>, Error>;
-
-    fn visit<M: PaperModel>(self, model: M) -> Self::Answer {
-        let Elaborated { config, shape, .. } = self.datapath;
-        let mut netlist =
-            NetlistEngine::of_module(model.clone(), *config, self.top, shape.clone(), RegressionChecks::observes)?;
-        Ok(RegressionChecks { config: *config, seed: 1, jobs: RegressionChecks::THOROUGH }.check(&mut netlist, &model))
-    }
 }

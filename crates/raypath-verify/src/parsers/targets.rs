@@ -2,12 +2,12 @@
 
 use crate::request::{Level, Shard};
 use raypath_float::Format;
+use raypath_model::Model;
 use raypath_ops::{JobKind, Ray, Rules};
 use raypath_ppa::{Baseline, parsers};
 use raypath_rtl::{Config, Control, Encoding, Lanes, Preset, Sharing, UnitLatency, parameters};
 use raypath_sim::configuration::{parse, parse_sweep};
-use raypath_sim::models::{PaperModel, Visitor, with_model};
-use raypath_sim::transactions::read_from;
+use raypath_sim::transactions::{Transaction, read_from};
 use std::fmt::Display;
 use std::path::Path;
 use std::str::FromStr;
@@ -43,27 +43,17 @@ const fn target(name: &'static str, format: &'static str, parse: fn(&[u8]) -> bo
 
 fn transactions(bytes: &[u8]) -> bool {
     let half = Config::DEFAULT.format(Format::BINARY16).lanes(Lanes::Two);
-    [Config::DEFAULT, half].map(|config| with_model(config, Transactions { bytes, config })).contains(&true)
-}
-
-struct Transactions<'b> {
-    bytes: &'b [u8],
-    config: Config,
-}
-
-impl Visitor for Transactions<'_> {
-    type Answer = bool;
-
-    fn visit<M: PaperModel>(self, model: M) -> bool {
-        let read = |&kind: &JobKind| read_from(self.bytes, Path::new("jobs.txt"), kind, &model, self.config);
-        // Jobs must also run.
-        let run = |jobs: Vec<raypath_sim::transactions::Transaction<M>>| {
-            let mut model = model.clone();
-            jobs.iter().take(4).for_each(|transaction| _ = model.run(&transaction.job));
-            !jobs.is_empty()
-        };
-        self.config.kinds().iter().map(|kind| read(kind).is_ok_and(run)).fold(false, |any, one| any | one)
-    }
+    let read = |config: Config| {
+        let mut model = raypath_sim::Datapath::paper(config).model();
+        let mut is_any = false;
+        for kind in model.kinds() {
+            let jobs = read_from(bytes, Path::new("jobs.txt"), kind, &model, config).unwrap_or_default();
+            jobs.iter().take(4).for_each(|Transaction { job, .. }| _ = model.run(job));
+            is_any |= !jobs.is_empty();
+        }
+        is_any
+    };
+    [Config::DEFAULT, half].map(read).contains(&true)
 }
 
 fn configuration(bytes: &[u8]) -> bool {

@@ -5,12 +5,12 @@
 //!
 //! Mutation: a level fewer in the tree of `raypath-ops/src/distance.rs`; a value more in `Lanes`.
 
-use raypath::model::OnPorts;
+use raypath::model::Words;
 use raypath::ops::JobKind;
 use raypath::rtl::{Config, Lanes};
+use raypath::sim::Datapath;
 use raypath::sim::configuration::{parse, parse_sweep};
 use raypath::sim::engine::{NetlistEngine, drive};
-use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath::sim::traffic::Traffic;
 use std::path::Path;
 
@@ -39,20 +39,11 @@ fn other_numbers_than_the_listed_are_refused_wherever_they_are_given() {
 fn every_lane_of_every_number_of_lanes_counts_once() {
     for &lanes in Lanes::ALL.iter().filter(|lanes| **lanes != Lanes::None) {
         let config = Config::DEFAULT.lanes(lanes);
-        with_model(config, EachLane(config));
-    }
-}
-
-struct EachLane(Config);
-
-impl Visitor for EachLane {
-    type Answer = ();
-
-    fn visit<M: PaperModel>(self, model: M) {
-        let lanes = self.0.semantics.lanes.count();
-        let mut netlist = NetlistEngine::new(model.clone(), self.0, |_| false).expect("a netlist");
+        let (lanes, model) = (lanes.count(), Datapath::paper(config).model());
+        let mut netlist = NetlistEngine::new(model.clone(), config, |_| false).expect("a netlist");
         for (kind, lanes, each) in [(JobKind::Euclidean, lanes, [1.0, 1.0]), (JobKind::Angular, lanes / 2, [2.0, 1.0])]
         {
+            let kind = model.kind(kind.name()).expect("a distance operation");
             let beat = |mask: u64| {
                 model.job(kind, |port| match port {
                     "euclidean_mask" => mask,
@@ -63,7 +54,7 @@ impl Visitor for EachLane {
             };
             let all = u64::MAX >> (64 - lanes);
             let masks: Vec<u64> = (0..lanes).map(|lane| 1 << lane).chain([all, 0]).collect();
-            let jobs: Vec<M::Job> = masks.iter().map(|&mask| beat(mask)).collect();
+            let jobs: Vec<Words> = masks.iter().map(|&mask| beat(mask)).collect();
             let mut seen = 0;
             drive(&mut netlist, jobs.iter(), &mut Traffic::always(), |index, outcome| {
                 let sums: Vec<f32> = outcome

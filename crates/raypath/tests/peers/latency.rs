@@ -7,16 +7,17 @@
 //! Mutation: `latency + 1` in `raypath-model/src/shape.rs` or `raypath_sim::engine::shape`; a number in `datapath.rs`'s
 //! text.
 
+use raypath::model::Words;
 use raypath::ops::JobKind;
 use raypath::rtl::{Config, Control, Datapath, PRESETS, UnitLatency};
+use raypath::sim;
 use raypath::sim::engine::{CycleEngine, Engine, NetlistEngine};
 use raypath::sim::jobs::random;
-use raypath::sim::models::{PaperModel, Visitor, with_model};
 
 #[test]
 fn every_preset() {
     for preset in PRESETS {
-        with_model(preset.config, StopWatch(preset.config));
+        measure(preset.config);
     }
 }
 
@@ -25,41 +26,35 @@ fn every_control_and_unit_latency() {
     for &control in Control::ALL {
         for &unit_latency in UnitLatency::ALL {
             let config = Config::DEFAULT.control(control).unit_latency(unit_latency);
-            with_model(config, StopWatch(config));
+            measure(config);
         }
     }
 }
 
-struct StopWatch(Config);
-
-impl Visitor for StopWatch {
-    type Answer = ();
-
-    fn visit<M: PaperModel>(self, model: M) {
-        let config = self.0;
-        let datapath = Datapath::new(config).expect("a datapath");
-        let mut netlist = NetlistEngine::of(model.clone(), config, &datapath, |_| false).expect("a netlist");
-        let mut modelled = CycleEngine::new(model.clone(), netlist.shape());
-        let printed = datapath.top().doc().join("\n");
-        for &kind in config.kinds() {
-            let job = random(&model, config.semantics.format, 5, &[kind]).next().expect("an endless stream");
-            let [hardware, software] = [&mut netlist as &mut dyn Engine<M>, &mut modelled].map(|engine| {
-                let alone = alone(engine, &job);
-                (alone, apart(engine, &job))
-            });
-            assert_eq!(hardware, software, "{config}, {kind}: latency and distance of jobs");
-            let (latency, apart) = hardware;
-            assert!(printed.contains(&format!("latency {latency},")), "{config}, {kind}: {latency} in {printed}");
-            let sums = matches!(kind, JobKind::Euclidean | JobKind::Angular);
-            let unit_latency = config.microarchitecture.unit_latency.steps() as usize;
-            assert_eq!(apart, if sums { unit_latency } else { 1 }, "{config}, {kind}");
-            assert!(if unit_latency == 1 { latency == 12 } else { latency > 12 }, "{config}: {latency}");
-        }
+fn measure(config: Config) {
+    let model = sim::Datapath::paper(config).model();
+    let datapath = Datapath::new(config).expect("a datapath");
+    let mut netlist = NetlistEngine::of(model.clone(), config, &datapath, |_| false).expect("a netlist");
+    let mut modelled = CycleEngine::new(model.clone(), netlist.shape());
+    let printed = datapath.top().doc().join("\n");
+    for &kind in config.kinds() {
+        let job = random(&model, config.semantics.format, 5, &[kind]).next().expect("an endless stream");
+        let [hardware, software] = [&mut netlist as &mut dyn Engine, &mut modelled].map(|engine| {
+            let alone = alone(engine, &job);
+            (alone, apart(engine, &job))
+        });
+        assert_eq!(hardware, software, "{config}, {kind}: latency and distance of jobs");
+        let (latency, apart) = hardware;
+        assert!(printed.contains(&format!("latency {latency},")), "{config}, {kind}: {latency} in {printed}");
+        let sums = matches!(kind, JobKind::Euclidean | JobKind::Angular);
+        let unit_latency = config.microarchitecture.unit_latency.steps() as usize;
+        assert_eq!(apart, if sums { unit_latency } else { 1 }, "{config}, {kind}");
+        assert!(if unit_latency == 1 { latency == 12 } else { latency > 12 }, "{config}: {latency}");
     }
 }
 
 /// Cycles from the one that accepts a job, in an empty pipeline, to the one that shows its outcome.
-fn alone<M: PaperModel>(engine: &mut dyn Engine<M>, job: &M::Job) -> usize {
+fn alone(engine: &mut dyn Engine, job: &Words) -> usize {
     engine.reset();
     engine.present(job);
     let shown = engine.cycle(true, true);
@@ -68,7 +63,7 @@ fn alone<M: PaperModel>(engine: &mut dyn Engine<M>, job: &M::Job) -> usize {
 }
 
 /// Cycles from one outcome to the next where the source always offers and the sink always takes.
-fn apart<M: PaperModel>(engine: &mut dyn Engine<M>, job: &M::Job) -> usize {
+fn apart(engine: &mut dyn Engine, job: &Words) -> usize {
     engine.reset();
     engine.present(job);
     let shown: Vec<usize> = (0..300).filter(|_| engine.cycle(true, true).output.is_some()).collect();

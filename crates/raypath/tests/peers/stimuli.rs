@@ -6,11 +6,11 @@
 //! Mutation: in `jobs.rs`, no edge cases (or only edge cases), masks of all ones, operations in a fixed sequence.
 
 use raypath::float::Format;
-use raypath::model::OnPorts;
+use raypath::model::Model;
 use raypath::ops::{JobKind, PortKind};
 use raypath::rtl::{Config, Lanes};
+use raypath::sim::Datapath;
 use raypath::sim::jobs::random;
-use raypath::sim::models::{PaperModel, Visitor, with_model};
 use std::collections::{BTreeMap, BTreeSet};
 
 const JOBS: usize = 20_000;
@@ -47,7 +47,7 @@ struct Census {
     /// The values of each other port.
     words: BTreeMap<String, BTreeSet<u64>>,
     /// Pairs of operations that followed each other.
-    pairs: BTreeSet<(usize, usize)>,
+    pairs: BTreeSet<(u64, u64)>,
     /// The outcomes: which boxes were hit and in which order, and whether triangles were hit.
     hits: BTreeMap<String, BTreeMap<u64, usize>>,
     /// Jobs with only normal, nonzero numbers.
@@ -55,47 +55,38 @@ struct Census {
 }
 
 fn take(config: Config) -> Census {
-    with_model(config, Take(config))
-}
-
-struct Take(Config);
-
-impl Visitor for Take {
-    type Answer = Census;
-
-    fn visit<M: PaperModel>(self, mut model: M) -> Census {
-        let mut census = Census::default();
-        let mut last = None;
-        for job in random(&model.clone(), self.0.semantics.format, 1, self.0.kinds()).take(JOBS) {
-            census.pairs.extend(last.map(|last| (last, job.kind() as usize)));
-            last = Some(job.kind() as usize);
-            let mut is_ordinary = true;
-            for port in job.ports() {
-                // Ports of different operations are counted separately.
-                let name = format!("{} {}", job.kind(), port.name);
-                if port.kind == PortKind::Number {
-                    let class = class(self.0.semantics.format, port.bits);
-                    is_ordinary &= matches!(class, Class::Normal(_));
-                    *census.classes.entry(name).or_default().entry(class).or_default() += 1;
-                } else {
-                    census.words.entry(name).or_default().insert(port.bits);
-                }
-            }
-            census.ordinary += usize::from(is_ordinary);
-            let outcome = model.run(&job);
-            for port in outcome.ports() {
-                if ["triangle_hit", "is_intersect"].contains(&port.name.as_str()) {
-                    *census.hits.entry(port.name).or_default().entry(port.bits).or_default() += 1;
-                }
-            }
-            if job.kind() == JobKind::Quadbox {
-                let places = outcome.ports().into_iter().filter(|port| port.name.starts_with("box_index"));
-                let order = places.fold(0, |order, port| order << 2 | port.bits);
-                *census.hits.entry("order".to_string()).or_default().entry(order).or_default() += 1;
+    let mut model = Datapath::paper(config).model();
+    let mut census = Census::default();
+    let mut last = None;
+    for job in random(&model.clone(), config.semantics.format, 1, config.kinds()).take(JOBS) {
+        census.pairs.extend(last.map(|last| (last, job.kind().opcode())));
+        last = Some(job.kind().opcode());
+        let mut is_ordinary = true;
+        for port in job.ports() {
+            // Ports of different operations are counted separately.
+            let name = format!("{} {}", job.kind(), port.name);
+            if port.kind == PortKind::Number {
+                let class = class(config.semantics.format, port.bits);
+                is_ordinary &= matches!(class, Class::Normal(_));
+                *census.classes.entry(name).or_default().entry(class).or_default() += 1;
+            } else {
+                census.words.entry(name).or_default().insert(port.bits);
             }
         }
-        census
+        census.ordinary += usize::from(is_ordinary);
+        let outcome = model.run(&job);
+        for port in outcome.ports() {
+            if ["triangle_hit", "is_intersect"].contains(&port.name.as_str()) {
+                *census.hits.entry(port.name).or_default().entry(port.bits).or_default() += 1;
+            }
+        }
+        if job.kind() == JobKind::Quadbox {
+            let places = outcome.ports().into_iter().filter(|port| port.name.starts_with("box_index"));
+            let order = places.fold(0, |order, port| order << 2 | port.bits);
+            *census.hits.entry("order".to_string()).or_default().entry(order).or_default() += 1;
+        }
     }
+    census
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Reads the golden vectors for the tests: the quarter in the repository, or the whole set in the folder that
 //! `RAYPATH_GOLDEN` names.
 
-use raypath::model::Functional;
-use raypath::ops::{JobKind, Rules};
+use raypath::ops::JobKind;
 use raypath::rtl::Config;
+use raypath::sim::Datapath;
 use raypath::sim::transactions::{Transaction, merge, read};
 use std::path::PathBuf;
 
@@ -12,11 +12,11 @@ pub fn golden() -> Vec<Transaction> {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/golden");
     let folder = std::env::var_os("RAYPATH_GOLDEN").map_or(PathBuf::from(default), PathBuf::from);
     // Reading depends on neither rules nor sums.
-    let model = Functional::new(Rules::Paper);
-    let files = JobKind::ALL.map(|kind| {
+    let model = Datapath::paper(Config::DEFAULT).model();
+    let files = model.kinds().into_iter().map(|kind| {
         read(&folder.join(format!("{kind}.txt.gz")), kind, &model, Config::DEFAULT).expect("golden vectors")
     });
-    let stream = merge(files.into());
+    let stream = merge(files.collect());
     assert!(stream.len() >= 24_576, "golden vectors are missing: {} jobs", stream.len());
     for kind in JobKind::ALL {
         assert!(stream.iter().any(|transaction| transaction.job.kind() == kind), "no {kind} jobs");

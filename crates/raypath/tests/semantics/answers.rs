@@ -1,8 +1,9 @@
 //! Runs jobs on the functional model, the cycle-exact model and the netlist, and requires equal outcomes.
 
-use raypath::model::{Functional, Shape};
+use raypath::model::{AnyModel, Functional, Shape, Words};
 use raypath::ops::{Aabb, Binary32, Job, Num, Outcome, Ray, RayBoxInput, Rules};
 use raypath::rtl::Config;
+use raypath::sim::Datapath;
 use raypath::sim::engine::{CycleEngine, Engine, NetlistEngine, drive};
 use raypath::sim::traffic::Traffic;
 use std::cell::RefCell;
@@ -21,18 +22,65 @@ pub fn answers(rules: Rules, jobs: &[Job]) -> Vec<Outcome> {
 pub fn answers_under(rules: Rules, jobs: &[Job], traffic: &Traffic) -> Vec<Outcome> {
     let mut functional = Functional::new(rules);
     let expected: Vec<Outcome> = jobs.iter().map(|job| functional.run(job)).collect();
+    let in_words: Vec<Words> = jobs.iter().map(words).collect();
     let check = |name: &str, engine: &mut dyn Engine| {
         let mut came_out = 0;
-        drive(engine, jobs.iter(), &mut traffic.clone(), |i, outcome| {
-            assert_eq!(outcome, expected[i], "{name} and functional model, job {i}: {:?}", jobs[i]);
+        drive(engine, in_words.iter(), &mut traffic.clone(), |i, outcome| {
+            assert_eq!(
+                outcome.paper_outcome(),
+                Some(expected[i]),
+                "{name} and functional model, job {i}: {:?}",
+                jobs[i]
+            );
             came_out += 1;
             true
         });
         assert_eq!(came_out, jobs.len(), "{name} lost or repeated jobs");
     };
-    check("cycle model", &mut CycleEngine::new(Functional::new(rules), &Shape::default()));
+    check("cycle model", &mut CycleEngine::new(model(rules), &Shape::default()));
     with_netlist(rules, |netlist| check("netlist", &mut ProperOnly(netlist)));
     expected
+}
+
+/// The functional model of the engines.
+pub fn model(rules: Rules) -> AnyModel {
+    Datapath::paper(Config::DEFAULT.rules(rules)).model()
+}
+
+/// A job as the engines take it.
+pub fn words(job: &Job) -> Words {
+    thread_local! {
+        static MODEL: AnyModel = model(Rules::Paper);
+    }
+    MODEL.with(|model| model.paper_job(job)).unwrap()
+}
+
+/// An engine with jobs and outcomes in their own types.
+pub struct Typed<'e>(pub &'e mut dyn Engine);
+
+#[derive(Debug, PartialEq)]
+pub struct Shown {
+    pub input_ready: bool,
+    pub output: Option<Outcome>,
+}
+
+impl Typed<'_> {
+    pub fn present(&mut self, job: &Job) {
+        self.0.present(&words(job));
+    }
+    pub fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
+        let raypath::sim::engine::Shown { input_ready, output } = self.0.cycle(input_valid, output_ready);
+        Shown { input_ready, output: output.and_then(|outcome| outcome.paper_outcome()) }
+    }
+    pub fn reset(&mut self) {
+        self.0.reset();
+    }
+}
+
+/// Every engine with time, from a reset on.
+pub fn on_engines(rules: Rules, scenario: impl Fn(&mut Typed<'_>)) {
+    with_netlist(rules, |netlist| scenario(&mut Typed(netlist)));
+    scenario(&mut Typed(&mut CycleEngine::new(model(rules), &Shape::default())));
 }
 
 pub fn answer(rules: Rules, job: Job) -> Outcome {
@@ -47,7 +95,7 @@ pub fn with_netlist<T>(rules: Rules, f: impl FnOnce(&mut NetlistEngine) -> T) ->
     NETLISTS.with_borrow_mut(|netlists| {
         let netlist = netlists.entry(rules).or_insert_with(|| {
             let config = Config::DEFAULT.rules(rules);
-            NetlistEngine::new(Functional::new(rules), config, |_| false).unwrap()
+            NetlistEngine::new(model(rules), config, |_| false).unwrap()
         });
         netlist.reset();
         f(netlist)
@@ -59,7 +107,7 @@ pub fn with_netlist<T>(rules: Rules, f: impl FnOnce(&mut NetlistEngine) -> T) ->
 struct ProperOnly<'e>(&'e mut NetlistEngine);
 
 impl Engine for ProperOnly<'_> {
-    fn present(&mut self, job: &Job) {
+    fn present(&mut self, job: &Words) {
         self.0.present(job);
     }
     fn cycle(&mut self, input_valid: bool, output_ready: bool) -> raypath::sim::engine::Shown {

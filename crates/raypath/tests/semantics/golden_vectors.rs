@@ -1,15 +1,16 @@
 //! The golden vectors under the rules `paper`: the same numbers, and other hits only where the rules differ.
 
-use crate::answers::answers;
+use crate::answers::{answers, model};
 use crate::oracle::Oracle;
 use crate::recorded::golden;
-use raypath::model::Functional;
+use raypath::model::Words;
 use raypath::ops::{Job, Outcome, Rules};
 use raypath::sim::engine::evaluate;
 use raypath::sim::transactions::Transaction;
 
 fn jobs(golden: &[Transaction]) -> Vec<Job> {
-    golden.iter().map(|transaction| transaction.job).collect()
+    let job = |words: &Words| Job::from_ports(words.kind().paper().unwrap(), |name| words.port(name));
+    golden.iter().map(|transaction| job(&transaction.job)).collect()
 }
 
 /// Rules decide hits, order and distances of boxes; they do not change the arithmetic.
@@ -18,7 +19,7 @@ fn rules_paper_change_hits_and_no_arithmetic() {
     let golden = golden();
     let (mut triangles, mut boxes) = (0, 0);
     for (transaction, outcome) in golden.iter().zip(answers(Rules::Paper, &jobs(&golden))) {
-        match (outcome, transaction.expected) {
+        match (outcome, transaction.expected.paper_outcome().unwrap()) {
             (Outcome::Triangle(ours), Outcome::Triangle(theirs)) => {
                 assert_eq!((ours.t_num, ours.t_denom), (theirs.t_num, theirs.t_denom), "seq {:x}", transaction.seq);
                 triangles += usize::from(ours.triangle_hit != theirs.triangle_hit);
@@ -36,7 +37,7 @@ fn rules_paper_change_hits_and_no_arithmetic() {
 fn rules_chisel_change_nothing() {
     let golden = golden();
     assert!(golden.len() > 20_000);
-    evaluate(Functional::new(Rules::Chisel), jobs(&golden).iter(), |i, outcome| {
+    evaluate(model(Rules::Chisel), golden.iter().map(|transaction| &transaction.job), |i, outcome| {
         assert_eq!(outcome, golden[i].expected, "seq {:x}", golden[i].seq);
         true
     });
@@ -46,8 +47,9 @@ fn rules_chisel_change_nothing() {
 #[test]
 fn the_oracle_agrees_with_the_original_arithmetic() {
     let mut oracle = Oracle::default();
-    for transaction in golden() {
-        match (oracle.run(&transaction.job), transaction.expected) {
+    let golden = golden();
+    for (job, transaction) in jobs(&golden).iter().zip(&golden) {
+        match (oracle.run(job), transaction.expected.paper_outcome().unwrap()) {
             (Outcome::Triangle(ours), Outcome::Triangle(theirs)) => {
                 assert_eq!((ours.t_num, ours.t_denom), (theirs.t_num, theirs.t_denom));
             }

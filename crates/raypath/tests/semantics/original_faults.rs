@@ -1,12 +1,10 @@
 //! The four accumulator faults of the original hardware: raypath reproduces none of them, under either rule set. A beat
 //! of these tests adds 16: sixteen lanes of (1 − 0)².
 
-use crate::answers::with_netlist;
-use raypath::model::{Functional, Shape};
+use crate::answers::{self, Typed};
 use raypath::ops::{
     Aabb, Beat, Binary32, EuclideanInput, Flags, Job, Outcome, Ray, RayBoxInput, RayTriangleInput, Rules, Triangle,
 };
-use raypath::sim::engine::{CycleEngine, Engine};
 
 fn beat(a: [f32; 16], reset: bool) -> Job {
     let (a, b) = (a.map(Into::into), [0.0.into(); 16]);
@@ -23,22 +21,19 @@ fn ray() -> Ray<Binary32> {
 }
 
 /// Every engine with a clock, under both rule sets, each after a reset.
-fn on_engines(scenario: impl Fn(&mut dyn Engine)) {
-    for rules in [Rules::Paper, Rules::Chisel] {
-        scenario(&mut CycleEngine::new(Functional::new(rules), &Shape::default()));
-        with_netlist(rules, |netlist| scenario(netlist));
-    }
+fn on_engines(scenario: impl Fn(&mut Typed<'_>)) {
+    [Rules::Paper, Rules::Chisel].into_iter().for_each(|rules| answers::on_engines(rules, &scenario));
 }
 
 /// Offers the job on the ports until it is accepted.
-fn offer(engine: &mut dyn Engine, output_ready: bool) -> Option<Outcome> {
+fn offer(engine: &mut Typed<'_>, output_ready: bool) -> Option<Outcome> {
     let shown = engine.cycle(true, output_ready);
     assert!(shown.input_ready);
     shown.output.filter(|_| output_ready)
 }
 
 /// The Euclidean sums that leave in the next cycles, without new jobs.
-fn drain(engine: &mut dyn Engine) -> Vec<f32> {
+fn drain(engine: &mut Typed<'_>) -> Vec<f32> {
     let outcomes = (0..100).filter_map(|_| engine.cycle(false, true).output);
     outcomes.filter_map(|outcome| euclidean_sum(&outcome)).collect()
 }

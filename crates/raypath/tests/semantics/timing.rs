@@ -1,18 +1,16 @@
 //! Latency 12, one job per cycle, 24 jobs while the sink is not ready, stable outputs.
 
-use crate::answers::with_netlist;
+use crate::answers::{self, Typed};
 use crate::random::mixed_jobs;
-use raypath::model::{Functional, Shape};
+use raypath::model::Functional;
 use raypath::ops::{Job, Outcome, Rules};
-use raypath::sim::engine::{CycleEngine, Engine};
 
 /// From the cycle that accepts a job to the cycle that shows its outcome.
 const LATENCY: usize = 12;
 const CAPACITY: usize = 24;
 
-fn on_engines(scenario: impl Fn(&mut dyn Engine)) {
-    with_netlist(Rules::Paper, |netlist| scenario(netlist));
-    scenario(&mut CycleEngine::new(Functional::new(Rules::Paper), &Shape::default()));
+fn on_engines(scenario: impl Fn(&mut Typed<'_>)) {
+    answers::on_engines(Rules::Paper, scenario);
 }
 
 fn outcomes(jobs: &[Job]) -> Vec<Outcome> {
@@ -86,7 +84,7 @@ fn full_throughput_returns_after_a_stall() {
     let expected = outcomes(&jobs);
     on_engines(|engine| {
         let (mut accepted, mut left) = (0, 0);
-        let mut drive = |engine: &mut dyn Engine, output_ready: bool| {
+        let mut drive = |engine: &mut Typed<'_>, output_ready: bool| {
             engine.present(&jobs[accepted]);
             let shown = engine.cycle(true, output_ready);
             accepted += usize::from(shown.input_ready);

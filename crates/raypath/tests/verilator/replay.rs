@@ -4,13 +4,13 @@ use crate::recorded::golden;
 use crate::representatives::REPRESENTATIVES;
 use rayon::prelude::*;
 use raypath::hdl::Module;
-use raypath::model::{Functional, OnPorts};
-use raypath::ops::{Job, Outcome, Rules};
+use raypath::model::Words;
+use raypath::ops::Rules;
 use raypath::rtl::{Config, Datapath, Lanes};
+use raypath::sim;
 use raypath::sim::engine::{PortEncoding, shape};
 use raypath::sim::frames::{Answers, Cycle, Stimulus};
 use raypath::sim::jobs::random;
-use raypath::sim::models::{PaperModel, Visitor, with_model};
 use raypath::sim::traffic::{Traffic, interleave};
 use raypath_tools::{Options, Sources, Verilated};
 
@@ -26,7 +26,7 @@ fn build(config: Config) -> (tempfile::TempDir, Datapath, Verilated) {
 }
 
 /// Runs cycles in Verilator and returns the number that differs from the model.
-fn faults(verilated: &Verilated, top: &Module, cycles: Vec<Cycle<impl OnPorts>>) -> usize {
+fn faults(verilated: &Verilated, top: &Module, cycles: Vec<Cycle>) -> usize {
     let (inputs, expected): (Vec<_>, Vec<_>) = cycles.into_iter().map(|cycle| (cycle.inputs, cycle.expected)).unzip();
     let mut faults = 0;
     let mut seen = 0;
@@ -52,9 +52,9 @@ fn golden_vectors() {
     let (_folder, datapath, verilated) = build(config);
     let recorded = golden();
     let mixed = interleave(recorded.clone(), |transaction| transaction.job.kind().opcode(), 11);
-    let faults_of = |jobs: &[Job], outcomes: &[Outcome], traffic: Traffic| {
+    let faults_of = |jobs: &[Words], outcomes: &[Words], traffic: Traffic| {
         let (shape, encoding) = (shape(config, &datapath), PortEncoding::of(config));
-        let answers: Answers<'_, Functional> = Answers::Recorded(outcomes);
+        let answers = Answers::Recorded(outcomes);
         let stimulus = Stimulus { shape, encoding, jobs, answers, traffic, resets: vec![] };
         faults(&verilated, datapath.top(), stimulus.cycles(datapath.top()))
     };
@@ -64,17 +64,15 @@ fn golden_vectors() {
         (&mixed, Traffic::always()),
         (&mixed, Traffic::random(13)),
     ] {
-        let jobs: Vec<Job> = stream.iter().map(|transaction| transaction.job).collect();
-        let outcomes: Vec<Outcome> = stream.iter().map(|transaction| transaction.expected).collect();
+        let jobs: Vec<Words> = stream.iter().map(|transaction| transaction.job.clone()).collect();
+        let outcomes: Vec<Words> = stream.iter().map(|transaction| transaction.expected.clone()).collect();
         assert_eq!(faults_of(&jobs, &outcomes, traffic), 0);
     }
     // Negative control: one wrong bit in the record is found.
-    let jobs: Vec<Job> = recorded[..100].iter().map(|transaction| transaction.job).collect();
-    let mut outcomes: Vec<Outcome> = recorded[..100].iter().map(|transaction| transaction.expected).collect();
-    let ports = outcomes[60].ports();
-    outcomes[60] = Outcome::from_ports(outcomes[60].kind(), |name| {
-        ports.iter().find(|port| port.name == name).map_or(0, |port| port.bits) ^ 1
-    });
+    let jobs: Vec<Words> = recorded[..100].iter().map(|transaction| transaction.job.clone()).collect();
+    let mut outcomes: Vec<Words> = recorded[..100].iter().map(|transaction| transaction.expected.clone()).collect();
+    let wrong: Vec<u64> = outcomes[60].as_words().iter().map(|word| word ^ 1).collect();
+    outcomes[60] = sim::Datapath::paper(config).model().outcome_of_words(outcomes[60].kind(), &wrong);
     assert_eq!(faults_of(&jobs, &outcomes, Traffic::always()), 1);
 }
 
@@ -98,32 +96,18 @@ fn random_jobs_and_resets_in_other_configurations() {
 
 fn random_campaign(config: Config) {
     let (_folder, datapath, verilated) = build(config);
-    with_model(config, Campaign { config, datapath: &datapath, verilated: &verilated });
-}
-
-struct Campaign<'d> {
-    config: Config,
-    datapath: &'d Datapath,
-    verilated: &'d Verilated,
-}
-
-impl Visitor for Campaign<'_> {
-    type Answer = ();
-
-    fn visit<M: PaperModel>(self, model: M) {
-        let Self { config, datapath, verilated } = self;
-        let jobs: Vec<M::Job> = random(&model, config.semantics.format, 21, config.kinds()).take(20_000).collect();
-        for seed in 0..2 {
-            let stimulus = Stimulus {
-                shape: shape(config, datapath),
-                encoding: PortEncoding::of(config),
-                jobs: &jobs,
-                answers: Answers::Model(model.clone()),
-                traffic: Traffic::random(seed),
-                resets: (0..40).map(|n| 500 + n * 997 + n * n).collect(),
-            };
-            let cycles = stimulus.cycles(datapath.top());
-            assert_eq!(faults(verilated, datapath.top(), cycles), 0, "{config}, seed {seed}");
-        }
+    let model = sim::Datapath::paper(config).model();
+    let jobs: Vec<Words> = random(&model, config.semantics.format, 21, config.kinds()).take(20_000).collect();
+    for seed in 0..2 {
+        let stimulus = Stimulus {
+            shape: shape(config, &datapath),
+            encoding: PortEncoding::of(config),
+            jobs: &jobs,
+            answers: Answers::Model(model.clone()),
+            traffic: Traffic::random(seed),
+            resets: (0..40).map(|n| 500 + n * 997 + n * n).collect(),
+        };
+        let cycles = stimulus.cycles(datapath.top());
+        assert_eq!(faults(&verilated, datapath.top(), cycles), 0, "{config}, seed {seed}");
     }
 }

@@ -9,7 +9,7 @@ use crate::error::CliError;
 use crate::progress::Progress;
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
-use raypath_model::{Elastic, Kind, Model, OnPorts};
+use raypath_model::Elastic;
 use raypath_ops::{PortKind, PortValue};
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::engine::{CycleEngine, Engine, NetlistEngine, Run, Seen, evaluate, observe, shape};
@@ -91,7 +91,7 @@ struct Hardware<'d> {
 fn carry(
     arguments: &Arguments,
     hardware: Hardware<'_>,
-    stream: &[Transaction<AnyModel>],
+    stream: &[Transaction],
     watcher: &mut Watcher,
     differences: &mut Vec<String>,
     mut on_outcome: impl FnMut(usize, &Words) -> bool,
@@ -107,14 +107,14 @@ fn carry(
     }
     let Hardware { model, config, datapath } = hardware;
     let jobs = stream.iter().map(|transaction| &transaction.job);
-    let mut on_cycle = |seen: &Seen<Words>| {
+    let mut on_cycle = |seen: &Seen| {
         watcher.look(seen, |index| stream[index].job.kind().opcode());
         match (seen.left, &seen.shown.output) {
             (Some(index), Some(outcome)) => on_outcome(index, outcome),
             _ => true,
         }
     };
-    let mut engine: Box<dyn Engine<AnyModel>> = match arguments.engine {
+    let mut engine: Box<dyn Engine> = match arguments.engine {
         EngineKind::Model => return Ok(evaluate(model, jobs, |index, outcome| on_outcome(index, &outcome))),
         EngineKind::Cycle => Box::new(CycleEngine::new(model, &shape(config, datapath))),
         EngineKind::Netlist => Box::new(NetlistEngine::of(model, config, datapath, |_| false)?),
@@ -142,7 +142,7 @@ impl Watcher {
         Self { recorder: view.recorder("transaction", datapath), pipeline, number: 0 }
     }
 
-    fn look<O>(&mut self, seen: &Seen<O>, opcode: impl Fn(usize) -> u64) {
+    fn look(&mut self, seen: &Seen, opcode: impl Fn(usize) -> u64) {
         let number = self.number;
         self.number += 1;
         if seen.cycle.resets {
@@ -175,7 +175,7 @@ impl Watcher {
 
 /// Outcomes compared with the recorded ones.
 struct Tally<'s> {
-    stream: &'s [Transaction<AnyModel>],
+    stream: &'s [Transaction],
     kinds: Vec<AnyKind>,
     format: Format,
     show: usize,
@@ -187,7 +187,7 @@ struct Tally<'s> {
 }
 
 impl<'s> Tally<'s> {
-    fn new(model: &AnyModel, stream: &'s [Transaction<AnyModel>], show: usize) -> Self {
+    fn new(model: &AnyModel, stream: &'s [Transaction], show: usize) -> Self {
         let kinds = model.kinds();
         let none = vec![0; kinds.iter().map(|kind| kind.opcode() as usize + 1).max().unwrap_or(0)];
         Self { stream, kinds, format: model.format(), show, jobs: none.clone(), mismatches: none, shown: Vec::new() }
@@ -246,7 +246,7 @@ impl<'s> Tally<'s> {
 }
 
 /// A mismatch, with every field that was answered and recorded.
-fn field_by_field(transaction: &Transaction<AnyModel>, outcome: &Words, format: Format) -> String {
+fn field_by_field(transaction: &Transaction, outcome: &Words, format: Format) -> String {
     let kind = transaction.job.kind();
     let mut text = format!("mismatch: {kind} job, seq {:06x}, cat {:x}", transaction.seq, transaction.category);
     text += &format!("\n    {:<24} {:<27} {:<27}", "field", "answered", "recorded");

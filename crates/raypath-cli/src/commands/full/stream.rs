@@ -3,7 +3,6 @@
 use crate::commands::numbers::whole;
 use crate::error::CliError;
 use clap::Args;
-use raypath_model::{Kind, OnPorts};
 use raypath_rtl::Config;
 use raypath_sim::AnyModel;
 use raypath_sim::traffic::{Traffic, interleave, read_recorded};
@@ -49,7 +48,7 @@ impl From<&str> for Handshake {
 
 impl StreamArguments {
     /// Reads all files into one stream for a configuration and its model.
-    pub fn read(&self, model: &AnyModel, config: Config) -> Result<Vec<Transaction<AnyModel>>, CliError> {
+    pub fn read(&self, model: &AnyModel, config: Config) -> Result<Vec<Transaction>, CliError> {
         let kind = self.kind.as_ref().map(|name| kind_named(name, model)).transpose()?;
         let mut files = Vec::new();
         for path in &self.files {

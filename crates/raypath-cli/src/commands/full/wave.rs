@@ -8,8 +8,8 @@ use crate::error::CliError;
 use crate::progress::Progress;
 use clap::Args;
 use raypath_rtl::UnitKind;
+use raypath_sim::Words;
 use raypath_sim::engine::{Engine, NetlistEngine, Shown, drive};
-use raypath_sim::{AnyModel, Words};
 use raypath_wave::{WaveError, WaveWriter};
 use std::io::Write;
 use std::path::PathBuf;
@@ -62,18 +62,18 @@ fn is_of_interest(name: &str, units: &[String]) -> bool {
 
 /// The netlist, sampled in every cycle.
 struct Waving {
-    netlist: NetlistEngine<AnyModel>,
+    netlist: NetlistEngine,
     waves: WaveWriter,
     cycle: u64,
     failed: Option<WaveError>,
 }
 
-impl Engine<AnyModel> for Waving {
+impl Engine for Waving {
     fn present(&mut self, job: &Words) {
         self.netlist.present(job);
     }
 
-    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown<Words> {
+    fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
         let shown = self.netlist.cycle(input_valid, output_ready);
         self.sample();
         shown

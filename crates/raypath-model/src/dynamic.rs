@@ -1,13 +1,13 @@
-//! Numbers whose format is known when they are computed, not when the operation is compiled.
+//! Arithmetic in a format that is chosen at run time.
 
+use crate::soft::{Soft, SoftNumber};
 use raypath_float::Format;
-use raypath_model::{Soft, SoftNumber};
 use raypath_ops::{Binary32, Circuit, Concrete, Flagged, Relation, Single, Test, known_bits_and_words};
 use std::cell::Cell;
 use std::cmp::Ordering;
 
-/// One of three circuits. An operation is compiled for this one instead of for each of them: datapaths hold dozens of
-/// operations, and most are never run.
+/// One of three circuits, chosen at run time. Operations are compiled once for this circuit instead of once for each of
+/// the three, which saves compile time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Dynamic<'f> {
     Native,
@@ -16,7 +16,7 @@ pub enum Dynamic<'f> {
 }
 
 impl<'f> Dynamic<'f> {
-    /// Numbers of `format`; in binary32 `raised` gets the exceptions of additions and multiplications.
+    /// The circuit for `format`. In binary32, `raised` collects the exceptions of additions and multiplications.
     pub fn new(format: Format, raised: Option<&'f Cell<u64>>) -> Self {
         match raised {
             _ if format != Format::BINARY32 => Self::Soft(Soft { format }),
@@ -34,7 +34,7 @@ fn number(single: Single) -> SoftNumber {
     SoftNumber(Binary32.raw_bits(single))
 }
 
-// Not inlined, so that an operation is so many calls.
+// Not inlined, because the inlined code of all operations takes long to compile.
 impl Circuit for Dynamic<'_> {
     type Num = SoftNumber;
     type Bit = bool;
