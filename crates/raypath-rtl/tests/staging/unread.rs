@@ -50,7 +50,7 @@ impl Operation for Sum {
 }
 
 #[test]
-fn what_nobody_reads_changes_nothing() {
+fn dead_values_change_nothing() {
     for is_auto in [false, true] {
         for unit_latency in UnitLatency::ALL.iter().copied() {
             let microarchitecture = Microarchitecture { unit_latency, ..Microarchitecture::DEFAULT };
@@ -95,7 +95,7 @@ fn what_is_made_for_its_exceptions_keeps_to_the_budget() {
 }
 
 #[test]
-fn exceptions_of_what_nobody_reads_are_an_output() {
+fn exceptions_of_dead_values_are_an_output() {
     let datapath = flagged(&Sums, units(1, 1, 1)).expect("a datapath");
     let mut simulator = Simulator::new(datapath.top()).expect("a netlist");
     for (numbers, expected) in [
