@@ -132,7 +132,7 @@ fn a_budget_is_kept() {
 
 /// An added operation leaves the others as they are: the same answers in as many cycles.
 #[test]
-fn what_is_added_disturbs_nobody() {
+fn an_added_operation_does_not_change_the_others() {
     let datapath = Datapath::paper(Config::DEFAULT).with(Before::<9>);
     let netlist = datapath.elaborate().expect("it fits");
     let mut engine = datapath.netlist(&netlist).expect("a netlist");

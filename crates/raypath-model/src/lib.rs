@@ -1,9 +1,10 @@
-//! Models of the datapath: what it answers ([`Functional`]) and when ([`CycleModel`]); and circuits for the numbers
-//! that they compute in: any small format in software ([`Soft`]), and [`Binary64`].
+//! Models of the datapath. The functional models compute the outcomes of jobs: [`AnyModel`] for any operations, as
+//! words at their ports, and [`Functional`] and [`Batch`] for the paper's operations in their own types, which are
+//! faster. [`CycleModel`] adds the timing. [`Soft`] and [`Binary64`] are circuits for other formats than binary32.
 //!
-//! Arithmetic depends on the jobs and their order alone, time on handshakes and on the kinds of jobs alone. So the
-//! cycle-exact model computes a job's outcome once, when it enters, and carries it through a pipeline of the datapath's
-//! [`Shape`], which knows nothing of numbers.
+//! Outcomes depend only on the jobs and their order, timing only on handshakes and the jobs' operations. The
+//! cycle-exact model therefore computes an outcome when its job enters, and moves it through a pipeline of the
+//! datapath's [`Shape`].
 //!
 //! ```
 //! use raypath_model::{CycleModel, Functional, LATENCY, Shape};

@@ -1,4 +1,4 @@
-//! Jobs and their outcomes as values: what goes in at the datapath's ports and what comes out.
+//! Jobs and outcomes of the paper's operations in their own types: the fast path of the functional model.
 
 use crate::binary32::Binary32;
 use crate::bundle::{Bundle, Path};
@@ -12,12 +12,12 @@ use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
-/// The operations of the paper; the discriminant is the opcode (`docs/integration/ports.md`).
+/// The paper's operations. The discriminant is the opcode (`docs/integration/ports.md`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum JobKind {
-    /// Ray against a triangle.
+    /// A ray against a triangle.
     Triangle = 0,
-    /// Ray against four boxes.
+    /// A ray against four boxes.
     Quadbox = 1,
     /// A beat of a Euclidean distance.
     Euclidean = 2,
@@ -25,13 +25,14 @@ pub enum JobKind {
     Angular = 3,
 }
 
-/// One job (one beat) in the numbers of circuit `C`, with `E` Euclidean and `A` angular lanes.
+/// A job of one of the paper's operations over circuit `C`, with `E` Euclidean and `A` angular lanes. A job of a
+/// distance is one beat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::large_enum_variant)] // jobs are streamed by value; boxing would allocate for each
 pub enum Job<const E: usize = 16, const A: usize = 8, C: Concrete = Binary32> {
-    /// Ray against a triangle.
+    /// A ray against a triangle.
     Triangle(RayTriangleInput<C>),
-    /// Ray against four boxes.
+    /// A ray against four boxes.
     Quadbox(RayBoxInput<C>),
     /// A beat of a Euclidean distance.
     Euclidean(EuclideanInput<C, E>),
@@ -39,12 +40,13 @@ pub enum Job<const E: usize = 16, const A: usize = 8, C: Concrete = Binary32> {
     Angular(AngularInput<C, A>),
 }
 
-/// What the datapath answers to a job. Equal where all bits are equal; made from ports, NaNs are canonical.
+/// The outcome of a [`Job`]. Two are equal if all bits are. NaNs are canonical in outcomes that are made from port
+/// values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome<C: Concrete = Binary32> {
-    /// Ray against a triangle.
+    /// A ray against a triangle.
     Triangle(RayTriangleOutput<C>),
-    /// Ray against four boxes.
+    /// A ray against four boxes.
     Quadbox(RayBoxOutput<C>),
     /// A beat of a Euclidean distance.
     Euclidean(EuclideanOutput<C>),
@@ -85,16 +87,16 @@ impl FromStr for JobKind {
     }
 }
 
-/// A name that is no kind of job.
+/// The error for a name of none of the paper's operations.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("'{0}' is no kind of job, expected triangle, quadbox, euclidean or angular")]
 pub struct ParseJobKindError(String);
 
-/// What a job and an outcome have in common: one variant a kind, each holding the ports of its operation.
+/// The methods that jobs and outcomes share: each variant holds the ports of its operation.
 macro_rules! by_kind {
     ($type:ident[$($n:ident),*], $number:expr, $bits:expr) => {
         impl<$(const $n: usize,)* C: Concrete> $type<$($n,)* C> {
-            /// Which operation it belongs to.
+            /// The operation.
             pub fn kind(&self) -> JobKind {
                 match self {
                     Self::Triangle(_) => JobKind::Triangle,
@@ -104,7 +106,7 @@ macro_rules! by_kind {
                 }
             }
 
-            /// The values of its ports; the opcode is not among them, and ports of other operations are zero.
+            /// The values of the operation's ports, with names. The opcode is not among them.
             pub fn ports(&self) -> Vec<PortValue> {
                 match self {
                     Self::Triangle(values) => ports_as(values, $bits),
@@ -114,7 +116,7 @@ macro_rules! by_kind {
                 }
             }
 
-            /// The bits of its ports, in the order of [`ports`](Self::ports), in place of what `words` held. Fast.
+            /// Replaces the contents of `words` by the port values, in the order of [`ports`](Self::ports).
             pub fn words(&self, words: &mut Vec<u64>) {
                 words.clear();
                 let (path, sink) = (&mut Path::unnamed(), &mut ToWords::new(words, $bits));
@@ -126,8 +128,8 @@ macro_rules! by_kind {
                 }
             }
 
-            /// The one of this kind whose [`words`](Self::words) are these; what is missing is 0, and bits beyond a
-            /// port's width are ignored. Fast.
+            /// The value with these [`words`](Self::words). Missing words are 0, and bits beyond a port's width are
+            /// ignored.
             pub fn from_words_in(circuit: C, kind: JobKind, words: &[u64]) -> Self {
                 let (path, source) = (&mut Path::unnamed(), &mut FromWords::new(circuit, words, $number));
                 match kind {
@@ -138,7 +140,7 @@ macro_rules! by_kind {
                 }
             }
 
-            /// The one of this kind whose ports have the values that `port` gives by name.
+            /// The value with the port values that `port` returns by name.
             pub fn from_ports_in(circuit: C, kind: JobKind, mut port: impl FnMut(&str) -> u64) -> Self {
                 Self::from_named(circuit, kind, &mut port)
             }
@@ -155,7 +157,7 @@ macro_rules! by_kind {
         }
 
         impl<$(const $n: usize),*> $type<$($n),*> {
-            /// The one of this kind whose ports have the values that `port` gives by name, in binary32.
+            /// The value in binary32 with the port values that `port` returns by name.
             pub fn from_ports(kind: JobKind, port: impl FnMut(&str) -> u64) -> Self {
                 Self::from_ports_in(Binary32, kind, port)
             }

@@ -76,9 +76,8 @@ impl Traffic {
         }
     }
 
-    /// For so many cycles everything that may happen: source and sink each have a handshake pattern (always, seldom, bursts, long
-    /// stalls, phases), in most seeds there are resets at any moment, and in many the source withdraws jobs. Then
-    /// always.
+    /// Random handshake patterns of source and sink (always, seldom, bursts, long stalls, phases) for this many cycles,
+    /// in most seeds with resets at any cycle, in many with withdrawn jobs; then always.
     pub fn eventful(seed: u64, cycles: u32) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (source, sink) = (HandshakePattern::random(&mut rng), HandshakePattern::random(&mut rng));

@@ -70,7 +70,7 @@ fn improper_outputs_are_named() {
 }
 
 #[test]
-fn whoever_watches_may_stop_it() {
+fn the_observer_can_stop_the_comparison() {
     let found =
         lockstep(&mut netlist(Rules::Paper), model(Rules::Paper), jobs(), &mut Traffic::always(), |done| done < 10);
     assert_eq!((found.jobs, found.different), (10, 0));
