@@ -1,64 +1,27 @@
 #!/usr/bin/env bash
-# Every test. Installs the programs that it needs where it can, and says what is missing where it cannot.
-#   ./test.sh                        every test but the long ones, some minutes
-#   ./test.sh --long                 also verifies at level full, about an hour
+# Every test. Installs missing programs with scripts/install-packages.sh.
+#   ./test.sh                        all tests, and `raypath verify` at level regression
+#   ./test.sh --quick                format, clippy and unit tests: the inner loop
+#   ./test.sh --long                 also verifies at level full, about an hour, and checks licences of dependencies
 #   RAYPATH_GOLDEN=DIR ./test.sh     also replays the whole set of golden vectors in DIR
 set -euo pipefail
 cd "$(dirname "$0")"
 
-is_long=false
+level=regression
+quick=false
 case "${1:-}" in
   '') ;;
-  --long) is_long=true ;;
-  *) echo "test.sh: unknown argument '$1', expected --long or nothing" >&2; exit 2 ;;
+  --quick) quick=true ;;
+  --long) level=full ;;
+  *) echo "test.sh: unknown argument '$1', expected --quick, --long or nothing" >&2; exit 2 ;;
 esac
 
 step() { printf '\n== %s (after %d s)\n' "$1" "$SECONDS"; }
 
-# ensure_debian WHAT PACKAGE: installs PACKAGE with apt-get unless WHAT, a program or a file by its path, is there.
-ensure_debian() {
-  is_there "$1" && return
-  local root=()
-  [ "$(id -u)" = 0 ] || root=(sudo -n)
-  if command -v apt-get >/dev/null; then
-    echo "installing $2"
-    "${root[@]}" apt-get update -qq && "${root[@]}" apt-get install -y -qq "$2" >/dev/null || true
-  fi
-  is_there "$1" && return
-  echo "test.sh: $1 is missing and could not be installed; try: sudo apt-get install $2" >&2
-  exit 1
-}
-
-is_there() { command -v "$1" >/dev/null || [ -f "$1" ]; }
-
-# ensure_python MODULE PACKAGE: installs PACKAGE with pip unless Python has MODULE.
-ensure_python() {
-  python3 -c "import $1" 2>/dev/null && return
-  echo "installing $2"
-  python3 -m pip install --quiet "$2" 2>/dev/null || python3 -m pip install --quiet --break-system-packages "$2" || true
-  python3 -c "import $1" 2>/dev/null && return
-  echo "test.sh: the Python module $1 is missing and could not be installed; try: python3 -m pip install $2" >&2
-  exit 1
-}
-
-step 'Programs'
-if ! command -v cargo >/dev/null; then
-  echo 'test.sh: cargo is missing; install Rust 1.95 or newer' >&2
-  exit 1
+if ! "$quick"; then
+  step 'Programs'
+  scripts/install-packages.sh
 fi
-ensure_debian c++ g++
-ensure_debian make make
-ensure_debian verilator verilator
-ensure_debian yosys yosys
-ensure_debian sta opensta
-ensure_debian chromium chromium
-ensure_debian /usr/share/qflow/tech/osu018/osu018_stdcells.lib qflow-tech-osu018
-ensure_debian python3 python3
-python3 -m pip --version >/dev/null 2>&1 || ensure_debian pip3 python3-pip
-ensure_python pyslang pyslang
-ensure_python pyosys pyosys
-ensure_python fusesoc fusesoc
-ensure_python cocotb 'cocotb<2'
 
 step 'Format'
 cargo fmt --all --check
@@ -67,6 +30,13 @@ step 'Clippy'
 # In the profile of the tests, so that macros and build scripts are compiled once.
 cargo clippy --workspace --all-targets --release --locked -- -D warnings
 
+if "$quick"; then
+  step 'Unit tests'
+  cargo test --workspace --lib --release --locked
+  step 'Done'
+  exit
+fi
+
 step 'Documentation'
 RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --release --locked --quiet
 
@@ -74,9 +44,13 @@ step 'Tests'
 cargo test --workspace --release --locked
 
 step 'Verification'
-level=regression
-if "$is_long"; then level=full; fi
-# The program that the tests were made with; `cargo run` would compile most of it once more, with other features.
+# The program that the tests were made with: `cargo run` would compile it once more, without the feature `full`.
 "${CARGO_TARGET_DIR:-target}/release/raypath" verify --level "$level"
+
+if [ "$level" = full ]; then
+  step 'Licences'
+  command -v cargo-deny >/dev/null || cargo install cargo-deny --locked
+  cargo deny check bans licenses sources
+fi
 
 step 'Done'
