@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// A set of operations and how they are built.
 ///
 /// ```
-/// use crate::Datapath;
+/// use raypath_sim::Datapath;
 /// use raypath_ops::{RayBox, RayTriangle, Rules};
 ///
 /// let rules = Rules::Paper;

@@ -20,7 +20,7 @@
 //! | feature | adds |
 //! | --- | --- |
 //! | `cli` (default) | the program `raypath` with the commands `generate`, `configs`, `operations`, `ray` |
-//! | `workbench` | [`workbench`](https://docs.rs/raypath-cli): the command line for a crate with an operation of its own |
+//! | `workbench` | modules `workbench` and `prelude`: the command line for a crate with an operation of its own |
 //! | `full` | all commands, and the modules `render`, `search` and `timing` |
 
 #[cfg(feature = "workbench")]

@@ -54,3 +54,27 @@ impl Command {
         Err(CliError::Unusable(needs_full(&words.join(" "))))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Light {
+        #[command(subcommand)]
+        command: Command,
+    }
+
+    #[test]
+    fn a_missing_command_names_the_command_that_has_it() {
+        for arguments in [&["render", "scene.obj", "--shadows", "--ao", "8"][..], &["verify"], &["search", "--help"]] {
+            let line = std::iter::once("raypath").chain(arguments.iter().copied());
+            let light = Light::try_parse_from(line).map_err(|error| error.to_string()).expect("a listed command");
+            let message = light.command.run(&mut Vec::new()).expect_err("it is missing").to_string();
+            let words = arguments.join(" ");
+            assert!(message.contains(&format!("cargo run --release --features full -- {words}`")), "{message}");
+            assert!(message.contains("`cargo install --path crates/raypath --features full`"), "{message}");
+        }
+    }
+}

@@ -11,12 +11,13 @@ mod ray;
 
 #[cfg(feature = "full")]
 mod full;
-#[cfg(not(feature = "full"))]
-#[path = "light.rs"]
-mod full;
+#[cfg(any(test, not(feature = "full")))]
+mod light;
 
 use crate::error::CliError;
 use clap::{Parser, Subcommand};
+#[cfg(not(feature = "full"))]
+use light as full;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -85,7 +86,7 @@ pub(crate) fn exit(command: impl FnOnce(&mut dyn Write) -> Result<(), CliError>)
 }
 
 /// The message for a command that this build does not have.
-#[cfg(not(feature = "full"))]
+#[cfg(any(test, not(feature = "full")))]
 fn needs_full(command: &str) -> String {
     format!(
         "this build has no `{command}`, expected a build with the feature `full`\n\
