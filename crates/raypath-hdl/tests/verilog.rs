@@ -183,7 +183,7 @@ fn registers_of_one_kind_share_a_block_at_their_sections_end() {
 }
 
 #[test]
-fn an_output_that_nobody_reads_says_so() {
+fn an_unread_output_is_named_unused() {
     assert_prints(&unit(), "  logic       unused_twice_carry;\n");
     assert_prints(&unit(), "    .carry_o (unused_twice_carry)\n");
     assert_prints(&unit(), "  assign unused_product = ^shifted[15:8];\n");

@@ -17,17 +17,17 @@ use thiserror::Error;
 /// # Padding of boxes
 /// Box tests and triangle tests round differently, so a ray through an edge could hit a triangle and miss the box
 /// around it. By `docs/reference/error-bounds.md`, tracing is watertight because the ray passes through the closed
-/// triangle A′B′C′ *as computed*. With R the greatest distance along any axis from the ray's origin to a vertex, and u
-/// = 2⁻²⁴:
+/// triangle A′B′C′ *as computed*. With R the greatest distance along any axis from the ray's origin to a vertex, and
+/// u = 2⁻²⁴:
 ///
 /// - each computed vertex is within γ₄·(|r_kx| + |Sx·r_kz|) ≤ 8.01·u·R of the exact one along kx, and along ky, and not
-///   moved along kz. So the same weights that make the ray out of A′, B′, C′ make a point Q of the exact triangle out of
-///   A, B, C that is within 8.01·u·R of the exact ray along each axis.
+///   moved along kz. So the same weights that make the ray out of A′, B′, C′ make a point Q of the exact triangle
+///   out of A, B, C that is within 8.01·u·R of the exact ray along each axis.
 /// - A slab distance has a relative error of at most 3.01·u, which along its axis is at most 3.01·u·R. A box that is
-///   larger by that much on each side has computed near distances at most, and computed far distances at least, those at
-///   which the exact ray passes Q.
-/// - The t of a hit is at least the least depth of the vertices up to γ₈, that is less by at most 8.01·u·R along kz. With
-///   the 3.01·u·R of the near distance along kz, the box is entered along kz no later than t.
+///   larger by that much on each side has computed near distances at most, and computed far distances at least, those
+///   at which the exact ray passes Q.
+/// - The t of a hit is at least the least depth of the vertices up to γ₈, that is less by at most 8.01·u·R along kz.
+///   With the 3.01·u·R of the near distance along kz, the box is entered along kz no later than t.
 ///
 /// So boxes padded by 12·u·R on every side, rounded outwards, are hit whenever one of their triangles has the ray in
 /// its closed computed triangle. R is the *reach* of the scene. A reach of 16 (in units of the longest side of the
