@@ -110,7 +110,7 @@ fn wrong_input_is_named() {
         (&[&npy, &queries], &["lies.npy"]),
         (&[&hdf5], &["wrong.hdf5"]),
         (&[&unknown, &queries], &["base.csv"]),
-        (&[&base, &queries, "-k", "6"], &["6 neighbours asked for, expected 1 to 5"]),
+        (&[&base, &queries, "-k", "6"], &["6 neighbours requested, expected 1 to 5"]),
         (&[&base, &queries, "-k", "0"], &["'0'", "expected a whole number from 1"]),
         (&[&base, &queries, "--metric", "manhattan"], &["manhattan", "euclidean or angular"]),
         (&[&base, &queries, "-k", "1", "--truth", &far], &["far.ivecs", "found index 5, expected 0 to 4"]),
