@@ -7,7 +7,7 @@
 //! ```
 //! use raypath_rtl::{Config, Datapath, Lanes, package};
 //!
-//! let datapath = Datapath::new(Config { lanes: Lanes::None, ..Config::default() })?;
+//! let datapath = Datapath::new(Config::DEFAULT.lanes(Lanes::None))?;
 //! let files = package::files(&datapath, &[])?;
 //! let (path, text) = &files[0];
 //! assert_eq!(path.to_str(), Some("rtl/raypath_pkg.sv"));

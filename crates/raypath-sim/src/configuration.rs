@@ -65,8 +65,8 @@ fn keys() -> String {
 /// Reads a configuration from a file. What the file does not say is as in its `preset`, or as in the default.
 ///
 /// ```no_run
-/// let config = raypath::configuration::read("small.toml".as_ref())?;
-/// let datapath = raypath::rtl::Datapath::new(config)?;
+/// let config = raypath_sim::configuration::read("small.toml".as_ref())?;
+/// let datapath = raypath_rtl::Datapath::new(config)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

@@ -28,7 +28,7 @@ pub struct WaveError {
 /// before, or has failed, leaves nothing behind.
 ///
 /// ```no_run
-/// # fn waves(module: &std::sync::Arc<raypath_hdl::Module>) -> Result<(), raypath_wave::WaveError> {
+/// # fn waves(module: &std::sync::Arc<raypath_hdl::Module>) -> Result<(), Box<dyn std::error::Error>> {
 /// use raypath_hdl::Simulator;
 /// use raypath_wave::WaveWriter;
 /// let mut simulator = Simulator::observing(module, |_| true)?;
@@ -37,7 +37,8 @@ pub struct WaveError {
 ///     simulator.cycle();
 ///     waves.sample(&simulator, cycle)?;
 /// }
-/// waves.finish()
+/// waves.finish()?;
+/// # Ok(())
 /// # }
 /// ```
 pub struct WaveWriter {
