@@ -26,7 +26,7 @@ use std::process::ExitCode;
 #[command(
     name = "raypath",
     version,
-    about,
+    about = "An open hardware ray-tracer datapath: SystemVerilog, and models that agree with it bit for bit",
     after_help = "Exit codes: 0 success, 1 a mismatch, 2 wrong input, 130 stopped by Ctrl-C."
 )]
 pub struct CommandLine {
