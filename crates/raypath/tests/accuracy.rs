@@ -129,7 +129,10 @@ fn the_command_prints_what_the_document_shows() {
     let document = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/reference/formats.md"));
     let document = document.expect("docs/reference/formats.md");
     for arguments in [&["accuracy"][..], &["accuracy", "--format", "fp16", "--scale", "64"]] {
-        assert!(document.contains(&format!("cargo run --release --features full -- {}\n", arguments.join(" "))), "{arguments:?}");
+        assert!(
+            document.contains(&format!("cargo run --release --features full -- {}\n", arguments.join(" "))),
+            "{arguments:?}"
+        );
         let output = raypath(arguments);
         assert!(output.status.success());
         let printed = String::from_utf8(output.stdout).expect("text");
