@@ -87,6 +87,7 @@ impl Progress {
 ///
 /// # Errors
 /// The work failed, or the user stopped it.
+#[cfg_attr(not(feature = "full"), allow(dead_code))]
 pub fn watched<T, E: std::fmt::Display>(
     what: &'static str,
     total: usize,

@@ -26,6 +26,7 @@ struct Base {
 
 impl ConfigArguments {
     /// The selected configuration, for commands that support the paper's operations only.
+    #[cfg_attr(not(feature = "full"), allow(dead_code))]
     pub fn paper(&self) -> Result<Config, CliError> {
         let config = self.config()?;
         if config.semantics.features == Features::OFF {

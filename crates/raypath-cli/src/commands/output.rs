@@ -11,6 +11,7 @@ pub fn write_all<T: AsRef<[u8]>>(files: &[(PathBuf, T)]) -> Result<(), CliError>
 }
 
 /// Writes all of these files, or none, and says where they are.
+#[cfg_attr(not(feature = "full"), allow(dead_code))]
 pub fn write_and_name<T: AsRef<[u8]>>(files: &[(PathBuf, T)], out: &mut dyn Write) -> Result<(), CliError> {
     write_all(files)?;
     files.iter().try_for_each(|(path, _)| writeln!(out, "wrote {}", path.display()))?;

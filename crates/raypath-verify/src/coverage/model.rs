@@ -47,7 +47,7 @@ impl CoveragePoint {
         !self.is_impossible && !self.is_known_at_exit_only
     }
 
-    /// Whether a job on this path, by its position in [`PATHS`], can cover the point. A job that is lost in a reset
+    /// Whether a job on this path, by its position in `PATHS`, can cover the point. A job that is lost in a reset
     /// does not show the accumulator. With one or two lanes, some mask rules coincide.
     pub fn is_reachable(&self, path: usize) -> bool {
         let is_lost = path % (PATHS.len() / 2) == JobEnd::Lost as usize;

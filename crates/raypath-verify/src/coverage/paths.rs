@@ -27,7 +27,7 @@ impl JobPath {
     /// Neither source nor sink stalled.
     pub const STRAIGHT: Self = Self { waited: false, end: JobEnd::Taken };
 
-    /// The path's position in [`PATHS`].
+    /// The path's position in `PATHS`.
     pub fn index(self) -> usize {
         3 * usize::from(self.waited) + self.end as usize
     }
