@@ -7,7 +7,7 @@ use raypath_float::Format;
 use raypath_model::{Functional, Model, ModelCircuit, Soft};
 use raypath_ops::{Binary32, Job, JobKind, RayBox, RayTriangle, Rules};
 use raypath_rtl::{Budget, Config, Error, Lanes, Units};
-use raypath_sim::AnyModel;
+use raypath_sim::WordModel;
 use raypath_sim::jobs::any_job;
 
 bundle! {
@@ -52,7 +52,7 @@ fn an_erased_model_answers_like_the_typed_one() {
 
 fn same_answers<C: ModelCircuit>(circuit: C, config: Config) {
     let mut typed = Functional::<16, 8, C>::over(circuit, Rules::Paper);
-    let mut any: AnyModel = Datapath::paper(config).model();
+    let mut any: WordModel = Datapath::paper(config).model();
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let names: Vec<&str> = any.kinds().iter().map(|kind| kind.name()).collect();
     assert_eq!(names, JobKind::ALL.map(JobKind::name));

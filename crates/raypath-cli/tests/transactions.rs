@@ -4,7 +4,7 @@ use raypath_cli::prelude::*;
 use raypath_model::Model;
 use raypath_rtl::Config;
 use raypath_sim::transactions::{Transaction, TransactionError, kind_named, read_from, text};
-use raypath_sim::{AnyKind, AnyModel};
+use raypath_sim::{OperationId, WordModel};
 use std::path::Path;
 
 bundle! {
@@ -63,12 +63,12 @@ impl Operation for SumOfTwo {
 
 const CONFIG: Config = Config::DEFAULT;
 
-fn model() -> AnyModel {
+fn model() -> WordModel {
     Datapath::paper(CONFIG).with(Sum).with(SumOfTwo).model()
 }
 
 fn read(name: &str, text: &str) -> Result<Vec<Transaction>, TransactionError> {
-    read_from(text.as_bytes(), Path::new(name), None::<AnyKind>, &model(), CONFIG)
+    read_from(text.as_bytes(), Path::new(name), None::<OperationId>, &model(), CONFIG)
 }
 
 fn fails(name: &str, text: &str) -> String {
@@ -129,7 +129,7 @@ fn the_longest_name_that_a_file_begins_with_is_meant() {
         Err(format!("total.txt: the name begins with no kind of job, {all} (or give --kind)"))
     );
     let model = model();
-    assert_eq!(kind_named("sum_of_two", &model).map(AnyKind::name).ok(), Some("sum_of_two"));
+    assert_eq!(kind_named("sum_of_two", &model).map(OperationId::name).ok(), Some("sum_of_two"));
     let error = kind_named("sum_of", &model).expect_err("a name");
     assert_eq!(error.to_string(), format!("'sum_of' is no kind of job, {all}"));
 }
@@ -154,7 +154,7 @@ fn faults_name_field_value_and_what_was_expected() {
     // What the datapath does not have, but others may.
     let alone = Datapath::new().with(Sum).model();
     let error =
-        read_from(&b""[..], Path::new("angular.txt"), None::<AnyKind>, &alone, CONFIG).expect_err("no such jobs");
+        read_from(&b""[..], Path::new("angular.txt"), None::<OperationId>, &alone, CONFIG).expect_err("no such jobs");
     let error = error.to_string();
     assert!(error.starts_with("angular.txt: angular jobs, but the datapath (lanes 16, rules paper)"), "{error}");
     assert!(error.ends_with("expected sum"), "{error}");

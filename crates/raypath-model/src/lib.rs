@@ -1,4 +1,4 @@
-//! Models of the datapath. The functional models compute the outcomes of jobs: [`AnyModel`] for any operations, as
+//! Models of the datapath. The functional models compute the outcomes of jobs: [`WordModel`] for any operations, as
 //! words at their ports, and [`Functional`] and [`Batch`] for the paper's operations in their own types, which are
 //! faster. [`CycleModel`] adds the timing. [`Soft`] and [`Binary64`] are circuits for other formats than binary32.
 //!
@@ -24,7 +24,6 @@
 //! # Ok::<(), raypath_ops::RayError>(())
 //! ```
 
-mod any_model;
 mod batch;
 mod binary64;
 mod credit;
@@ -40,10 +39,10 @@ mod position;
 mod shape;
 mod skid;
 mod soft;
+mod word_model;
 mod word_operation;
 mod words;
 
-pub use any_model::{AnyModel, ModelOptions};
 pub use batch::{Batch, blank, levels, pack, unpack};
 pub use binary64::{Binary64, Double};
 pub use cycle::CycleModel;
@@ -57,8 +56,9 @@ pub use packed::{BLOCK, Packed, Part, Sixteen};
 pub use position::PipelinePosition;
 pub use shape::{Control, Loop, Shape};
 pub use soft::{Soft, SoftNumber};
+pub use word_model::{ModelOptions, WordModel};
 pub use word_operation::WordOperation;
-pub use words::{AnyKind, Words};
+pub use words::{OperationId, Words};
 
 /// Cycles from the one in which a job is accepted to the one that shows its outcome, in an empty pipeline whose units
 /// take one stage.

@@ -4,7 +4,7 @@ use std::fmt::{Debug, Display};
 /// The arithmetic of a datapath, without time: computes the outcomes of jobs one after another, and keeps the
 /// accumulators between them. [`CycleModel`](crate::CycleModel) adds the timing.
 ///
-/// [`AnyModel`](crate::AnyModel) computes jobs of any operations, as words at their ports.
+/// [`WordModel`](crate::WordModel) computes jobs of any operations, as words at their ports.
 /// [`Functional`](crate::Functional) computes jobs of the paper's operations in their own types, which is faster.
 pub trait Model: Clone + Debug + PartialEq {
     /// The operation of a job.

@@ -7,14 +7,14 @@ use std::sync::Arc;
 /// layout.
 #[derive(Clone, PartialEq)]
 pub struct Words {
-    kind: AnyKind,
+    kind: OperationId,
     ports: Ports,
     words: Arc<[u64]>,
 }
 
-/// An operation of an [`AnyModel`](crate::AnyModel): its opcode and its name.
+/// An operation of a [`WordModel`](crate::WordModel): its opcode and its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct AnyKind {
+pub struct OperationId {
     opcode: u64,
     name: &'static str,
 }
@@ -23,12 +23,12 @@ pub struct AnyKind {
 pub(crate) type Ports = Arc<[Port]>;
 
 impl Words {
-    pub(crate) fn new(kind: AnyKind, ports: Ports, words: Arc<[u64]>) -> Self {
+    pub(crate) fn new(kind: OperationId, ports: Ports, words: Arc<[u64]>) -> Self {
         Self { kind, ports, words }
     }
 
     /// The operation.
-    pub fn kind(&self) -> AnyKind {
+    pub fn kind(&self) -> OperationId {
         self.kind
     }
 
@@ -55,7 +55,7 @@ impl Words {
     }
 }
 
-impl AnyKind {
+impl OperationId {
     pub(crate) fn new(opcode: u64, name: &'static str) -> Self {
         Self { opcode, name }
     }
@@ -76,31 +76,31 @@ impl AnyKind {
     }
 }
 
-impl PartialEq<JobKind> for AnyKind {
+impl PartialEq<JobKind> for OperationId {
     /// Whether the names are equal.
     fn eq(&self, other: &JobKind) -> bool {
         self.name == other.name()
     }
 }
 
-impl Kind for AnyKind {
+impl Kind for OperationId {
     #[inline]
     fn opcode(self) -> u64 {
         self.opcode
     }
 }
 
-impl fmt::Display for AnyKind {
+impl fmt::Display for OperationId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name)
     }
 }
 
 impl OfKind for Words {
-    type Kind = AnyKind;
+    type Kind = OperationId;
 
     #[inline]
-    fn kind(&self) -> AnyKind {
+    fn kind(&self) -> OperationId {
         self.kind
     }
 }

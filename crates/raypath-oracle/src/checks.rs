@@ -13,7 +13,7 @@ use raypath_sim::jobs::any_job;
 use raypath_sim::lockstep::{Comparison, lockstep};
 use raypath_sim::traffic::Traffic;
 use raypath_sim::transactions::{self, Transaction};
-use raypath_sim::{AnyKind, AnyModel, Words};
+use raypath_sim::{OperationId, WordModel, Words};
 use raypath_tools::{Sources, ToolError, Verilated};
 use std::path::{Path, PathBuf};
 
@@ -96,7 +96,7 @@ impl Checks<'_> {
     }
 
     /// An operation's own jobs, and what the functional model answers.
-    fn answered(&self, spec: &AnyOperationSpec, kind: AnyKind) -> impl Iterator<Item = (Words, Words)> {
+    fn answered(&self, spec: &AnyOperationSpec, kind: OperationId) -> impl Iterator<Item = (Words, Words)> {
         let mut model = self.datapath.model();
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         (0..self.jobs).map(move |_| {
@@ -181,10 +181,10 @@ impl Checks<'_> {
     fn mixed_jobs(&self) -> Vec<Words> {
         let model = self.datapath.model();
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        let own: Vec<(AnyKind, &AnyOperationSpec)> =
+        let own: Vec<(OperationId, &AnyOperationSpec)> =
             self.specs.iter().filter_map(|spec| Some((model.kind(spec.name())?, spec))).collect();
-        let is_other = |kind: &AnyKind| own.iter().all(|(own, _)| own != kind);
-        let others: Vec<AnyKind> = model.kinds().into_iter().filter(is_other).collect();
+        let is_other = |kind: &OperationId| own.iter().all(|(own, _)| own != kind);
+        let others: Vec<OperationId> = model.kinds().into_iter().filter(is_other).collect();
         let mut job = || {
             let take_own = others.is_empty() || !own.is_empty() && rng.random_bool(OWN);
             let place = rng.random_range(0..if take_own { own.len().max(1) } else { others.len() });
@@ -200,13 +200,13 @@ impl Checks<'_> {
 /// An oracle at work.
 struct OracleRun<'s> {
     spec: &'s AnyOperationSpec,
-    kind: AnyKind,
+    kind: OperationId,
     check: crate::spec::Check,
     report: OracleReport,
 }
 
 impl OracleRun<'_> {
-    fn check_answer(&mut self, model: &AnyModel, job: &Words, outcome: &Words) {
+    fn check_answer(&mut self, model: &WordModel, job: &Words, outcome: &Words) {
         self.report.jobs += 1;
         if let Err(fault) = (self.check)(&model.all_inputs(job), &model.all_outputs(outcome)) {
             self.report.wrong += 1;

@@ -4,7 +4,7 @@ use crate::AnyOperationSpec;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_sim::jobs::{any_job, random};
-use raypath_sim::{AnyKind, Datapath, Words};
+use raypath_sim::{Datapath, OperationId, Words};
 
 /// An endless stream of jobs for any datapath: the paper's operations as [`random`](fn@random) has them, those of
 /// `specs` as they say themselves, and of ports that are neither's any value. `kinds` must not be empty.
@@ -12,10 +12,10 @@ pub fn jobs(
     datapath: &Datapath,
     specs: &[AnyOperationSpec],
     seed: u64,
-    kinds: &[AnyKind],
+    kinds: &[OperationId],
 ) -> impl Iterator<Item = Words> + use<> {
     let (model, config) = (datapath.model(), datapath.config());
-    let mut sources: Vec<(AnyKind, Source)> = Vec::new();
+    let mut sources: Vec<(OperationId, Source)> = Vec::new();
     for (&kind, seed) in kinds.iter().zip(seed..) {
         let paper = config.kinds().iter().find(|paper| paper.name() == kind.name());
         let spec = specs.iter().find(|spec| spec.name() == kind.name());

@@ -5,7 +5,7 @@ use raypath_float::Format;
 use raypath_ops::{Binary32, Operation, from_words, to_words};
 use raypath_sim::AnyOperation;
 use raypath_sim::jobs::any_job;
-use raypath_sim::{AnyKind, AnyModel, Words};
+use raypath_sim::{OperationId, WordModel, Words};
 use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -116,7 +116,7 @@ impl AnyOperationSpec {
 
     /// A random job for a model that has the operation as `kind`: the spec's own where it has jobs and the model is in
     /// binary32, and any value at a port that is not the operation's, as that of a tag.
-    pub fn job(&self, model: &AnyModel, kind: AnyKind, rng: &mut ChaCha8Rng) -> Words {
+    pub fn job(&self, model: &WordModel, kind: OperationId, rng: &mut ChaCha8Rng) -> Words {
         match &self.stimulus {
             Some(stimulus) if model.format() == Format::BINARY32 => {
                 let mut words = model.present_inputs(kind, stimulus(rng));

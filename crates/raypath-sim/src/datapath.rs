@@ -3,7 +3,7 @@
 use crate::engine::{NetlistEngine, shape};
 use crate::operation::AnyOperation;
 use raypath_float::Format;
-use raypath_model::{AnyModel, CycleModel, ModelOptions, Shape, WordOperation};
+use raypath_model::{CycleModel, ModelOptions, Shape, WordModel, WordOperation};
 use raypath_ops::Operation;
 use raypath_rtl::{
     self as rtl, Budget, Config, Error, Features, Microarchitecture, OperationVisitor, Operations, Semantics,
@@ -135,17 +135,17 @@ impl Datapath {
     }
 
     /// What it answers, job by job.
-    pub fn model(&self) -> AnyModel {
+    pub fn model(&self) -> WordModel {
         let Semantics { format, features: Features { tag, exception_flags, .. }, .. } = self.config.semantics;
         let operations = self.operations.iter().map(|(opcode, one)| (*opcode, one.clone() as Arc<dyn WordOperation>));
-        AnyModel::new(operations, ModelOptions { format, tag, exception_flags })
+        WordModel::new(operations, ModelOptions { format, tag, exception_flags })
     }
 
     /// What it shows in every cycle.
     ///
     /// # Errors
     /// Those of [`elaborate`](Self::elaborate): the latency follows from the netlist's steps.
-    pub fn cycle_model(&self) -> Result<CycleModel<AnyModel>, Error> {
+    pub fn cycle_model(&self) -> Result<CycleModel<WordModel>, Error> {
         let shape = self.shape()?;
         Ok(CycleModel::new(self.model(), &shape))
     }

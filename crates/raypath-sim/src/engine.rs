@@ -8,7 +8,7 @@ pub use drive::{Seen, drive, observe};
 pub use encoding::PortEncoding;
 pub use netlist::{Handshake, NetlistEngine};
 
-use raypath_model::{AnyModel, Control, CycleModel, Loop, Model, Shape, Words};
+use raypath_model::{Control, CycleModel, Loop, Model, Shape, WordModel, Words};
 use raypath_rtl::{self as rtl, Config, Datapath};
 use std::borrow::Borrow;
 
@@ -60,7 +60,7 @@ pub fn shape(config: Config, datapath: &Datapath) -> Shape {
 
 /// Answers jobs without time, until `on_outcome` answers false.
 pub fn evaluate<J: Borrow<Words>>(
-    mut model: AnyModel,
+    mut model: WordModel,
     jobs: impl Iterator<Item = J>,
     mut on_outcome: impl FnMut(usize, Words) -> bool,
 ) -> Run {
@@ -77,13 +77,13 @@ pub fn evaluate<J: Borrow<Words>>(
 /// The cycle-exact model as an engine.
 #[derive(Debug, Clone)]
 pub struct CycleEngine {
-    model: CycleModel<AnyModel>,
+    model: CycleModel<WordModel>,
     presented: Option<Words>,
 }
 
 impl CycleEngine {
     /// An empty pipeline of this shape, which answers as `model` does.
-    pub fn new(model: AnyModel, shape: &Shape) -> Self {
+    pub fn new(model: WordModel, shape: &Shape) -> Self {
         Self { model: CycleModel::new(model, shape), presented: None }
     }
 }

@@ -4,7 +4,7 @@
 use crate::engine::PortEncoding;
 use crate::traffic::{self, Traffic};
 use raypath_hdl::Module;
-use raypath_model::{AnyModel, Elastic, Model, Shape, Words};
+use raypath_model::{Elastic, Model, Shape, WordModel, Words};
 use std::collections::HashMap;
 
 /// What one cycle puts on the inputs, and what the outputs must show.
@@ -45,7 +45,7 @@ pub enum Answers<'j> {
     /// A record, job by job. It knows of no resets.
     Recorded(&'j [Words]),
     /// The functional model.
-    Model(AnyModel),
+    Model(WordModel),
 }
 
 impl Stimulus<'_> {

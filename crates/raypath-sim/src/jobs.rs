@@ -4,7 +4,7 @@ use crate::numbers::edges;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
-use raypath_model::{AnyKind, AnyModel, Words};
+use raypath_model::{OperationId, WordModel, Words};
 use raypath_ops::{Aabb, Job, JobKind, Port, PortKind, Ray, RayBoxInput, RayTriangleInput, Triangle};
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use std::collections::HashMap;
 /// format. In half of these a few numbers are replaced by NaN, by edge values (zeros, subnormals, infinities), and by
 /// other numbers of the job, so that differences are zero. Other jobs have small integers, or edge values and random
 /// bits among ordinary numbers. `kinds` must not be empty.
-pub fn random(model: &AnyModel, format: Format, seed: u64, kinds: &[JobKind]) -> impl Iterator<Item = Words> + use<> {
+pub fn random(model: &WordModel, format: Format, seed: u64, kinds: &[JobKind]) -> impl Iterator<Item = Words> + use<> {
     let rng = ChaCha8Rng::seed_from_u64(seed);
     let kinds = kinds.iter().filter_map(|&paper| Some((paper, model.kind(paper.name())?))).collect();
     let mut generator = Generator { model: model.clone(), format, edges: edges(format), rng, kinds };
@@ -21,7 +21,7 @@ pub fn random(model: &AnyModel, format: Format, seed: u64, kinds: &[JobKind]) ->
 }
 
 /// An endless stream of jobs of all operations of a model, drawn port by port ([`any_job`]), reproducible by `seed`.
-pub fn any_jobs(model: AnyModel, seed: u64) -> impl Iterator<Item = Words> {
+pub fn any_jobs(model: WordModel, seed: u64) -> impl Iterator<Item = Words> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let kinds = model.kinds();
     std::iter::repeat_with(move || {
@@ -32,7 +32,7 @@ pub fn any_jobs(model: AnyModel, seed: u64) -> impl Iterator<Item = Words> {
 
 /// A job whose ports are drawn one by one: in one of four many of its numbers are from the format's edges (zeros,
 /// subnormals, infinities, NaN), in one most are small whole numbers, of which many are equal; raw bits now and then.
-pub fn any_job(model: &AnyModel, kind: AnyKind, rng: &mut ChaCha8Rng) -> Words {
+pub fn any_job(model: &WordModel, kind: OperationId, rng: &mut ChaCha8Rng) -> Words {
     let mood = [(0.5, false), (0.05, false), (0.01, false), (0.1, true)][rng.random_range(0..4)];
     let words: Vec<u64> = model.inputs(kind).iter().map(|port| value(port, model.format(), mood, rng)).collect();
     model.job_of_words(kind, &words)
@@ -54,11 +54,11 @@ fn value(port: &Port, format: Format, (at_edges, are_whole): (f64, bool), rng: &
 }
 
 struct Generator {
-    model: AnyModel,
+    model: WordModel,
     format: Format,
     edges: [u64; 16],
     rng: ChaCha8Rng,
-    kinds: Vec<(JobKind, AnyKind)>,
+    kinds: Vec<(JobKind, OperationId)>,
 }
 
 impl Generator {
@@ -106,7 +106,7 @@ impl Generator {
     }
 
     /// A job in binary32 as one of the model's.
-    fn rounded(&mut self, kind: AnyKind, job: &Job) -> Words {
+    fn rounded(&mut self, kind: OperationId, job: &Job) -> Words {
         let value = |kind, bits: u64| match kind {
             PortKind::Number => self.number(f32::from_bits(bits as u32)),
             PortKind::Flags | PortKind::Word => bits,
@@ -148,7 +148,7 @@ impl Generator {
 
     /// A job whose ports are drawn one by one. In a quarter of the jobs half of the numbers are edge values, in another
     /// quarter most are small integers, of which many are equal.
-    fn ports(&mut self, kind: AnyKind) -> Words {
+    fn ports(&mut self, kind: OperationId) -> Words {
         let (edges, are_whole) = [(0.5, false), (0.05, false), (0.01, false), (0.1, true)][self.rng.random_range(0..4)];
         let model = self.model.clone();
         let inputs = model.inputs(kind).iter();

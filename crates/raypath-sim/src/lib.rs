@@ -36,4 +36,4 @@ pub mod transactions;
 
 pub use datapath::Datapath;
 pub use operation::AnyOperation;
-pub use raypath_model::{AnyKind, AnyModel, Words};
+pub use raypath_model::{OperationId, WordModel, Words};

@@ -10,7 +10,7 @@ pub use side_by_side::{Difference, SideBySide};
 
 use crate::engine::{Engine, NetlistEngine, observe};
 use crate::traffic::Traffic;
-use raypath_model::{AnyModel, Kind, Words};
+use raypath_model::{Kind, WordModel, Words};
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -62,7 +62,7 @@ const TOO_MANY: usize = 100;
 /// each outcome with what `model` answers. `on_job` is told how many jobs have left and says whether to go on.
 pub fn lockstep(
     netlist: &mut NetlistEngine,
-    model: AnyModel,
+    model: WordModel,
     jobs: impl Iterator<Item = Words>,
     traffic: &mut Traffic,
     mut on_job: impl FnMut(usize) -> bool,

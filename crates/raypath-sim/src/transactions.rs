@@ -6,7 +6,7 @@ mod lines;
 
 use format::{Column, Columns, columns};
 use lines::Lines;
-use raypath_model::{AnyKind, AnyModel, Words};
+use raypath_model::{OperationId, WordModel, Words};
 use raypath_ops::operations::NAMES;
 use raypath_ops::{JobKind, PortValue};
 use raypath_rtl::{Config, alternatives};
@@ -146,8 +146,8 @@ fn lacking(kind: &str) -> String {
 /// fit the kind's ports or the format, and more than 4,194,304 transactions, 64 KiB in a line or 4 GiB of text.
 pub fn read(
     path: &Path,
-    kind: impl Into<Option<AnyKind>>,
-    model: &AnyModel,
+    kind: impl Into<Option<OperationId>>,
+    model: &WordModel,
     config: Config,
 ) -> Result<Vec<Transaction>, TransactionError> {
     // Before the name is looked at: a file that is not there is the greater fault than a name that says nothing.
@@ -162,8 +162,8 @@ pub fn read(
 pub fn read_from(
     stream: impl Read,
     path: &Path,
-    kind: impl Into<Option<AnyKind>>,
-    model: &AnyModel,
+    kind: impl Into<Option<OperationId>>,
+    model: &WordModel,
     config: Config,
 ) -> Result<Vec<Transaction>, TransactionError> {
     let mut lines =
@@ -189,14 +189,14 @@ pub fn read_from(
 ///
 /// # Errors
 /// A name that none of the model's has.
-pub fn kind_named(name: &str, model: &AnyModel) -> Result<AnyKind, TransactionError> {
+pub fn kind_named(name: &str, model: &WordModel) -> Result<OperationId, TransactionError> {
     let kind = model.kinds().into_iter().find(|kind| kind.to_string() == name);
     kind.ok_or_else(|| TransactionError::NoKind { name: name.to_string(), kinds: alternatives(&model.kinds()) })
 }
 
 /// The kind of job that a file's name begins with: `triangle.txt.gz` has triangles. Where it begins with several names
 /// the longest is meant, of the model's operations and of others that are known.
-fn kind_of(path: &Path, model: &AnyModel, config: Config) -> Result<AnyKind, TransactionError> {
+fn kind_of(path: &Path, model: &WordModel, config: Config) -> Result<OperationId, TransactionError> {
     let file = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
     let known = JobKind::ALL.iter().map(|kind| kind.name()).chain(NAMES);
     let own = model.kinds().into_iter().map(|kind| (kind.to_string(), Some(kind)));
@@ -217,8 +217,8 @@ fn kind_of(path: &Path, model: &AnyModel, config: Config) -> Result<AnyKind, Tra
 
 struct Parser<'p> {
     path: &'p Path,
-    kind: AnyKind,
-    model: &'p AnyModel,
+    kind: OperationId,
+    model: &'p WordModel,
     columns: Columns,
 }
 
@@ -282,7 +282,7 @@ pub fn merge(files: Vec<Vec<Transaction>>) -> Vec<Transaction> {
 }
 
 /// Transactions of one of a model's kinds as the text of a file.
-pub fn text(model: &AnyModel, kind: AnyKind, transactions: &[Transaction], config: Config) -> String {
+pub fn text(model: &WordModel, kind: OperationId, transactions: &[Transaction], config: Config) -> String {
     let columns = columns(model, kind, config.semantics.format);
     let mut text = String::new();
     for Transaction { seq, category, job, expected } in transactions {

@@ -16,7 +16,7 @@ use crate::pool::{self, Cases, Queue};
 use crate::request::Request;
 use crate::verdict::{Item, Verdict};
 use raypath_hdl::Module;
-use raypath_model::{AnyModel, Shape};
+use raypath_model::{Shape, WordModel};
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::engine::{NetlistEngine, shape};
 use std::path::Path;
@@ -121,7 +121,7 @@ struct Campaign<'c> {
     seed: u64,
     top: &'c Arc<Module>,
     shape: &'c Shape,
-    model: AnyModel,
+    model: WordModel,
 }
 
 impl Campaign<'_> {

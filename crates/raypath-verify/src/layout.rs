@@ -1,6 +1,6 @@
 //! The meaning of each word of a job.
 
-use raypath_model::AnyModel;
+use raypath_model::WordModel;
 use raypath_ops::JobKind;
 
 /// The fields of each operation's jobs, in the order of the words.
@@ -57,7 +57,7 @@ pub enum Field {
 
 impl Layout {
     /// The layout of a model's jobs.
-    pub fn of(model: &AnyModel) -> Self {
+    pub fn of(model: &WordModel) -> Self {
         let inputs = |kind: JobKind| model.kind(kind.name()).map_or(&[][..], |kind| model.inputs(kind));
         let fields = |kind| inputs(kind).iter().map(|port| Field::of(&port.name)).collect();
         Self { fields: JobKind::ALL.map(fields) }

@@ -1,7 +1,7 @@
 //! The comparison of `generate`: it finds no difference in a correct netlist, and finds deliberate faults.
 
 use raypath::float::Format;
-use raypath::model::{AnyModel, Model, Words};
+use raypath::model::{Model, WordModel, Words};
 use raypath::ops::{JobKind, Rules};
 use raypath::rtl::{Config, Datapath, Encoding};
 use raypath::sim;
@@ -16,7 +16,7 @@ fn netlist(rules: Rules) -> NetlistEngine {
     NetlistEngine::new(model(rules), Config::DEFAULT.rules(rules), |_| false).expect("a datapath")
 }
 
-fn model(rules: Rules) -> AnyModel {
+fn model(rules: Rules) -> WordModel {
     sim::Datapath::paper(Config::DEFAULT.rules(rules)).model()
 }
 

@@ -2,7 +2,7 @@
 
 mod recorded;
 
-use raypath::model::{AnyModel, Shape, Words};
+use raypath::model::{Shape, WordModel, Words};
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Sharing, UnitLatency};
 use raypath::sim::Datapath;
@@ -13,7 +13,7 @@ use recorded::golden;
 
 const CHISEL: Config = Config::DEFAULT.rules(Rules::Chisel);
 
-fn model() -> AnyModel {
+fn model() -> WordModel {
     Datapath::paper(CHISEL).model()
 }
 

@@ -14,7 +14,7 @@ use raypath_model::Shape;
 use raypath_oracle::Checks;
 use raypath_rtl::Datapath;
 use raypath_rtl::report::tables;
-use raypath_sim::AnyKind;
+use raypath_sim::OperationId;
 use raypath_sim::lockstep::{Comparison, Timing, lockstep, timing};
 use raypath_sim::traffic::Traffic;
 use std::io::Write;
@@ -86,7 +86,7 @@ fn check(
 ) -> Result<(), CliError> {
     let begin = Instant::now();
     let (seed, total, model) = (arguments.seed, arguments.jobs as usize, whole.model());
-    let stream = |kinds: &[AnyKind]| raypath_oracle::jobs(whole, &arguments.additions.specs, seed, kinds);
+    let stream = |kinds: &[OperationId]| raypath_oracle::jobs(whole, &arguments.additions.specs, seed, kinds);
     let mut netlist = whole.netlist(datapath)?;
     let mut measured = Vec::new();
     for kind in model.kinds() {
@@ -109,7 +109,11 @@ fn check(
 }
 
 /// What was measured with a stream of each kind of job; an error where the models are slower or faster.
-fn report_timing(measured: &[(AnyKind, Option<Timing>)], shape: &Shape, out: &mut dyn Write) -> Result<(), CliError> {
+fn report_timing(
+    measured: &[(OperationId, Option<Timing>)],
+    shape: &Shape,
+    out: &mut dyn Write,
+) -> Result<(), CliError> {
     for &(kind, timing) in measured {
         let Some(timing) = timing else {
             return Err(CliError::Mismatch(format!("the netlist answered no {kind} job in an empty pipeline")));
@@ -129,7 +133,7 @@ fn report_timing(measured: &[(AnyKind, Option<Timing>)], shape: &Shape, out: &mu
     Ok(())
 }
 
-fn report(found: &Comparison, kinds: &[AnyKind], begin: Instant, out: &mut dyn Write) -> std::io::Result<()> {
+fn report(found: &Comparison, kinds: &[OperationId], begin: Instant, out: &mut dyn Write) -> std::io::Result<()> {
     let by_kind: Vec<String> = kinds.iter().map(|kind| format!("{} {kind}", found.jobs_of(*kind))).collect();
     let (jobs, cycles, stalled, different) = (found.jobs, found.cycles, found.stalled, found.different);
     writeln!(out, "Checked {jobs} random jobs ({}) in {cycles} cycles with stalls and bubbles", by_kind.join(", "))?;

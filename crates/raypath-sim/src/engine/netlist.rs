@@ -1,13 +1,13 @@
 use crate::engine::{Engine, PortEncoding, Shown, shape};
 use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
-use raypath_model::{AnyKind, AnyModel, Shape, Words};
+use raypath_model::{OperationId, Shape, WordModel, Words};
 use raypath_ops::{Port, PortKind};
 use raypath_rtl::{Config, Datapath};
 use std::sync::Arc;
 
 /// The netlist, simulated, as an engine.
 pub struct NetlistEngine {
-    model: AnyModel,
+    model: WordModel,
     simulator: Simulator,
     encoding: PortEncoding,
     shape: Shape,
@@ -32,7 +32,7 @@ type Place<P> = (Option<P>, PortKind);
 
 /// The ports of one operation.
 struct OperationPorts {
-    kind: AnyKind,
+    kind: OperationId,
     /// Those of its jobs, in the order of their words; those that the configuration lacks are `None`.
     inputs: Vec<Place<InputPort>>,
     /// The same of outcomes.
@@ -56,7 +56,7 @@ impl NetlistEngine {
     ///
     /// # Errors
     /// A configuration that cannot be elaborated.
-    pub fn new(model: AnyModel, config: Config, observed: impl Fn(&str) -> bool) -> Result<Self, raypath_rtl::Error> {
+    pub fn new(model: WordModel, config: Config, observed: impl Fn(&str) -> bool) -> Result<Self, raypath_rtl::Error> {
         Self::of(model, config, &Datapath::new(config)?, observed)
     }
 
@@ -65,7 +65,7 @@ impl NetlistEngine {
     /// # Errors
     /// A datapath that lacks one of the ports that all have.
     pub fn of(
-        model: AnyModel,
+        model: WordModel,
         config: Config,
         datapath: &Datapath,
         observed: impl Fn(&str) -> bool,
@@ -78,7 +78,7 @@ impl NetlistEngine {
     /// # Errors
     /// A module that lacks one of the ports that all datapaths have.
     pub fn of_module(
-        model: AnyModel,
+        model: WordModel,
         config: Config,
         top: &Arc<Module>,
         shape: Shape,

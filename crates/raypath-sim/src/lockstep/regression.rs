@@ -7,7 +7,7 @@ use crate::lockstep::{Timing, lockstep, timing};
 use crate::traffic::{Cycle, Traffic};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_model::{AnyModel, Words};
+use raypath_model::{WordModel, Words};
 use raypath_ops::JobKind;
 use raypath_rtl::{Config, Encoding};
 
@@ -47,7 +47,7 @@ impl RegressionChecks {
     ///
     /// # Errors
     /// The check that failed.
-    pub fn check(self, netlist: &mut NetlistEngine, model: &AnyModel) -> Result<(), FailedCheck> {
+    pub fn check(self, netlist: &mut NetlistEngine, model: &WordModel) -> Result<(), FailedCheck> {
         let named = |check| move |what| FailedCheck { check, what };
         netlist.reset();
         self.agrees_with_the_models(netlist, model).map_err(named("lockstep"))?;
@@ -56,12 +56,12 @@ impl RegressionChecks {
         self.has_the_specified_timing(netlist, model).map_err(named("timing"))
     }
 
-    fn jobs(self, model: &AnyModel, kinds: &[JobKind]) -> impl Iterator<Item = Words> + use<> {
+    fn jobs(self, model: &WordModel, kinds: &[JobKind]) -> impl Iterator<Item = Words> + use<> {
         random(model, self.config.semantics.format, self.seed, kinds)
     }
 
     /// Lockstep with the models, for random and edge jobs under random handshakes.
-    fn agrees_with_the_models(self, netlist: &mut NetlistEngine, model: &AnyModel) -> Result<(), String> {
+    fn agrees_with_the_models(self, netlist: &mut NetlistEngine, model: &WordModel) -> Result<(), String> {
         let (kinds, count) = (self.config.kinds(), self.jobs);
         let jobs = self.jobs(model, kinds).take(count);
         let found = lockstep(netlist, model.clone(), jobs, &mut Traffic::random(self.seed), |_| true);
@@ -74,7 +74,7 @@ impl RegressionChecks {
     }
 
     /// With recoded registers, each register holds a canonical word in every cycle.
-    fn holds_canonical_words(self, netlist: &mut NetlistEngine, model: &AnyModel) -> Result<(), String> {
+    fn holds_canonical_words(self, netlist: &mut NetlistEngine, model: &WordModel) -> Result<(), String> {
         let count = self.jobs;
         if self.config.microarchitecture.registers != Encoding::Recoded {
             return Ok(());
@@ -91,7 +91,7 @@ impl RegressionChecks {
 
     /// Lockstep with the cycle-exact model through resets at random cycles. The input ports hold other jobs while no
     /// job is offered.
-    fn agrees_through_resets(self, netlist: &mut NetlistEngine, model: &AnyModel) -> Result<(), String> {
+    fn agrees_through_resets(self, netlist: &mut NetlistEngine, model: &WordModel) -> Result<(), String> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let mut traffic = Traffic::random(self.seed);
         let mut modelled = CycleEngine::new(model.clone(), netlist.shape());
@@ -117,7 +117,7 @@ impl RegressionChecks {
 
     /// Latency 12 if units take one step. The initiation interval is 1, but for beats of one accumulator the duration
     /// of an addition.
-    fn has_the_specified_timing(self, netlist: &mut NetlistEngine, model: &AnyModel) -> Result<(), String> {
+    fn has_the_specified_timing(self, netlist: &mut NetlistEngine, model: &WordModel) -> Result<(), String> {
         let (kinds, unit_latency) = (self.config.kinds(), self.config.microarchitecture.unit_latency.steps());
         let latency = netlist.shape().latency as u64;
         let is_specified = if unit_latency == 1 { latency == 12 } else { latency > 12 };

@@ -1,6 +1,6 @@
 use crate::engine::{Engine, Handshake, NetlistEngine, Shown};
 use crate::lockstep::DIFFERENCES_SHOWN;
-use raypath_model::{AnyModel, CycleModel, Model, Words};
+use raypath_model::{CycleModel, Model, WordModel, Words};
 use std::collections::VecDeque;
 
 /// How netlist and models differ in a cycle.
@@ -18,8 +18,8 @@ pub struct SideBySide<'n, F> {
     /// The first few differences, in words.
     pub differences: Vec<String>,
     netlist: &'n mut NetlistEngine,
-    cycle_model: CycleModel<AnyModel>,
-    functional: AnyModel,
+    cycle_model: CycleModel<WordModel>,
+    functional: WordModel,
     presented: Option<Words>,
     /// What the functional model answers to the jobs that the netlist accepted, oldest first.
     in_flight: VecDeque<Words>,
@@ -31,7 +31,7 @@ pub struct SideBySide<'n, F> {
 impl<'n, F: FnMut(Difference)> SideBySide<'n, F> {
     /// The engines as they are: the netlist as it comes, the models after a reset. `on_difference` is told each
     /// difference as it is seen.
-    pub fn new(netlist: &'n mut NetlistEngine, model: AnyModel, on_difference: F) -> Self {
+    pub fn new(netlist: &'n mut NetlistEngine, model: WordModel, on_difference: F) -> Self {
         Self {
             differences: Vec::new(),
             cycle_model: CycleModel::new(model.clone(), netlist.shape()),

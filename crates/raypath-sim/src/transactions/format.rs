@@ -4,7 +4,7 @@
 //! those that the golden vectors have come first, as they were recorded.
 
 use raypath_float::Format;
-use raypath_model::{AnyKind, AnyModel};
+use raypath_model::{OperationId, WordModel};
 use raypath_ops::{JobKind, PortKind, PortValue};
 
 /// A column, the port that it stands for, and how it is written.
@@ -30,7 +30,7 @@ pub struct Columns {
 }
 
 /// The columns for a kind of job of a model, whose numbers have this format.
-pub fn columns(model: &AnyModel, kind: AnyKind, format: Format) -> Columns {
+pub fn columns(model: &WordModel, kind: OperationId, format: Format) -> Columns {
     // A port that is all ones has as many bits as it is wide.
     let inputs = of_ports(&model.job(kind, |_| u64::MAX).ports(), format);
     let outputs = of_ports(&model.outcome(kind, |_| u64::MAX).ports(), format);

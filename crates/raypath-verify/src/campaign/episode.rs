@@ -5,7 +5,7 @@ use crate::coverage::{Coverage, CoverageModel, JobPoints, Tracker};
 use crate::layout::Layout;
 use crate::random::splitmix64;
 use crate::stimuli::Stimuli;
-use raypath_model::{AnyModel, Words};
+use raypath_model::{WordModel, Words};
 use raypath_rtl::Config;
 use raypath_sim::engine::{NetlistEngine, observe};
 use raypath_sim::lockstep::{Difference, SideBySide};
@@ -34,7 +34,7 @@ pub struct Found {
 
 impl Episode {
     /// The episode with this number in the campaign of this seed.
-    pub fn new(model: &AnyModel, layout: &Layout, config: Config, seed: u64, number: u64) -> Self {
+    pub fn new(model: &WordModel, layout: &Layout, config: Config, seed: u64, number: u64) -> Self {
         let own = splitmix64(splitmix64(seed) ^ number);
         let mut stimuli = Stimuli::new(layout, config, own);
         let mut words = Vec::new();
@@ -49,7 +49,7 @@ impl Episode {
     pub fn run(
         &self,
         netlist: &mut NetlistEngine,
-        model: &AnyModel,
+        model: &WordModel,
         coverage: Option<(&CoverageModel, &mut Coverage)>,
     ) -> Found {
         let points: Vec<JobPoints> = coverage.as_ref().map_or_else(Vec::new, |(model, _)| {

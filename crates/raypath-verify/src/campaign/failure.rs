@@ -3,7 +3,7 @@
 use super::shrink::{Mismatch, Trace, shrink};
 use crate::error::Error;
 use crate::files;
-use raypath_model::{AnyModel, Model, Words};
+use raypath_model::{Model, WordModel, Words};
 use raypath_rtl::Config;
 use raypath_sim::engine::{CycleEngine, NetlistEngine, observe};
 use raypath_sim::traffic::{Traffic, recorded_text};
@@ -26,7 +26,7 @@ pub struct Failure {
 /// A file cannot be written.
 pub fn report(
     netlist: &mut NetlistEngine,
-    model: &AnyModel,
+    model: &WordModel,
     config: Config,
     trace: Trace,
     failure: &Failure,
@@ -61,7 +61,7 @@ pub fn report(
 }
 
 /// The jobs of a trace, with the functional model's outcomes for those that leave the pipeline.
-fn stream(netlist: &NetlistEngine, model: &AnyModel, trace: &Trace) -> Vec<Transaction> {
+fn stream(netlist: &NetlistEngine, model: &WordModel, trace: &Trace) -> Vec<Transaction> {
     let no_outcome = |job: &Words| model.outcome(job.kind(), |_| 0);
     let numbered = trace.jobs.iter().enumerate();
     let mut stream: Vec<Transaction> = numbered

@@ -2,7 +2,7 @@
 //! Zeller and Hildebrandt, IEEE TSE 28(2), 2002).
 
 use crate::layout::Layout;
-use raypath_model::{AnyModel, Words};
+use raypath_model::{WordModel, Words};
 use raypath_rtl::Config;
 use raypath_sim::engine::{NetlistEngine, observe};
 use raypath_sim::lockstep::{Difference, SideBySide};
@@ -30,7 +30,7 @@ pub enum Mismatch {
 
 /// Shrinks a failing trace, and returns how it fails. A wrong outcome stays a wrong outcome. A trace that does not fail
 /// is returned unchanged.
-pub fn shrink(netlist: &mut NetlistEngine, model: &AnyModel, config: Config, mut trace: Trace) -> (Trace, Mismatch) {
+pub fn shrink(netlist: &mut NetlistEngine, model: &WordModel, config: Config, mut trace: Trace) -> (Trace, Mismatch) {
     let mut fails = |trace: &Trace, mismatch| fails(netlist, model, trace, mismatch);
     let mismatch = if fails(&trace, Mismatch::Outcome) { Mismatch::Outcome } else { Mismatch::Ports };
     if !fails(&trace, mismatch) {
@@ -59,7 +59,7 @@ pub fn shrink(netlist: &mut NetlistEngine, model: &AnyModel, config: Config, mut
 }
 
 /// Whether a trace shows this mismatch.
-pub fn fails(netlist: &mut NetlistEngine, model: &AnyModel, trace: &Trace, mismatch: Mismatch) -> bool {
+pub fn fails(netlist: &mut NetlistEngine, model: &WordModel, trace: &Trace, mismatch: Mismatch) -> bool {
     /// An upper bound of a job's cycles after the last recorded cycle.
     const CYCLES_PER_JOB: u64 = 64;
     netlist.restart();
@@ -119,7 +119,7 @@ fn reduced<T: Clone>(mut items: Vec<T>, mut fails: impl FnMut(&[T]) -> bool) -> 
 }
 
 /// Replaces operands by 0 or else 1 while the trace still fails.
-fn simplify_operands(model: &AnyModel, config: Config, trace: &mut Trace, mut fails: impl FnMut(&Trace) -> bool) {
+fn simplify_operands(model: &WordModel, config: Config, trace: &mut Trace, mut fails: impl FnMut(&Trace) -> bool) {
     let layout = Layout::of(model);
     let one = config.semantics.format.from_f32(1.0);
     for index in 0..trace.jobs.len() {

@@ -5,7 +5,7 @@ use raypath::model::Model;
 use raypath::oracle::added_operations;
 use raypath::rtl::Config;
 use raypath::sim::transactions::{Transaction, read, text as as_text};
-use raypath::sim::{AnyModel, Datapath};
+use raypath::sim::{Datapath, WordModel};
 
 #[test]
 fn recorded_jobs_in_a_report() {
@@ -40,7 +40,7 @@ fn recorded_jobs_in_a_report() {
 }
 
 /// The datapath of the paper with an operation besides, and so many of the operation's jobs with the model's answers.
-fn added(name: &str, seed: u64, count: usize) -> (AnyModel, Vec<Transaction>) {
+fn added(name: &str, seed: u64, count: usize) -> (WordModel, Vec<Transaction>) {
     let specs = added_operations();
     let spec = specs.iter().find(|spec| spec.name() == name).expect("an operation");
     let datapath = Datapath::paper(Config::DEFAULT).with_any(spec.operation());

@@ -1,6 +1,6 @@
 //! Runs jobs on the functional model, the cycle-exact model and the netlist, and requires equal outcomes.
 
-use raypath::model::{AnyModel, Functional, Shape, Words};
+use raypath::model::{Functional, Shape, WordModel, Words};
 use raypath::ops::{Aabb, Binary32, Job, Num, Outcome, Ray, RayBoxInput, Rules};
 use raypath::rtl::Config;
 use raypath::sim::Datapath;
@@ -43,14 +43,14 @@ pub fn answers_under(rules: Rules, jobs: &[Job], traffic: &Traffic) -> Vec<Outco
 }
 
 /// The functional model of the engines.
-pub fn model(rules: Rules) -> AnyModel {
+pub fn model(rules: Rules) -> WordModel {
     Datapath::paper(Config::DEFAULT.rules(rules)).model()
 }
 
 /// A job as the engines take it.
 pub fn words(job: &Job) -> Words {
     thread_local! {
-        static MODEL: AnyModel = model(Rules::Paper);
+        static MODEL: WordModel = model(Rules::Paper);
     }
     MODEL.with(|model| model.paper_job(job)).unwrap()
 }

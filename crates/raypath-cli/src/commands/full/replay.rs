@@ -15,7 +15,7 @@ use raypath_rtl::{Config, Datapath};
 use raypath_sim::engine::{CycleEngine, Engine, NetlistEngine, Run, Seen, evaluate, observe, shape};
 use raypath_sim::lockstep::SideBySide;
 use raypath_sim::transactions::Transaction;
-use raypath_sim::{AnyKind, AnyModel, Words};
+use raypath_sim::{OperationId, WordModel, Words};
 use raypath_timing::report::{Recorder, Recording};
 use raypath_timing::{Observer, PortActivity};
 use std::io::Write;
@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
 
 /// What jobs run on.
 struct Hardware<'d> {
-    model: AnyModel,
+    model: WordModel,
     config: Config,
     datapath: &'d Datapath,
 }
@@ -176,7 +176,7 @@ impl Watcher {
 /// Outcomes compared with the recorded ones.
 struct Tally<'s> {
     stream: &'s [Transaction],
-    kinds: Vec<AnyKind>,
+    kinds: Vec<OperationId>,
     format: Format,
     show: usize,
     /// By opcode.
@@ -187,7 +187,7 @@ struct Tally<'s> {
 }
 
 impl<'s> Tally<'s> {
-    fn new(model: &AnyModel, stream: &'s [Transaction], show: usize) -> Self {
+    fn new(model: &WordModel, stream: &'s [Transaction], show: usize) -> Self {
         let kinds = model.kinds();
         let none = vec![0; kinds.iter().map(|kind| kind.opcode() as usize + 1).max().unwrap_or(0)];
         Self { stream, kinds, format: model.format(), show, jobs: none.clone(), mismatches: none, shown: Vec::new() }

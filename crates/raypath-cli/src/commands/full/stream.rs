@@ -4,7 +4,7 @@ use crate::commands::numbers::whole;
 use crate::error::CliError;
 use clap::Args;
 use raypath_rtl::Config;
-use raypath_sim::AnyModel;
+use raypath_sim::WordModel;
 use raypath_sim::traffic::{Traffic, interleave, read_recorded};
 use raypath_sim::transactions::{Transaction, kind_named, merge, read};
 use std::path::PathBuf;
@@ -48,7 +48,7 @@ impl From<&str> for Handshake {
 
 impl StreamArguments {
     /// Reads all files into one stream for a configuration and its model.
-    pub fn read(&self, model: &AnyModel, config: Config) -> Result<Vec<Transaction>, CliError> {
+    pub fn read(&self, model: &WordModel, config: Config) -> Result<Vec<Transaction>, CliError> {
         let kind = self.kind.as_ref().map(|name| kind_named(name, model)).transpose()?;
         let mut files = Vec::new();
         for path in &self.files {

@@ -1,6 +1,6 @@
 use crate::model::Model;
 use crate::word_operation::WordOperation;
-use crate::words::{AnyKind, Ports, Words};
+use crate::words::{OperationId, Ports, Words};
 use raypath_float::Format;
 use raypath_ops::{Binary32, Job, Operation, Outcome, Port, PortKind, from_words, to_words};
 use std::cell::Cell;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// The functional model of a datapath of any operations. A job is an operation and the words at its ports ([`Words`]);
 /// [`job_of`](Self::job_of) and [`output_of`](Self::output_of) convert from and to the operation's own types.
 #[derive(Clone)]
-pub struct AnyModel {
+pub struct WordModel {
     options: ModelOptions,
     /// In the order of their opcodes.
     operations: Arc<[Known]>,
@@ -39,7 +39,7 @@ struct Buffers {
 
 /// An operation with its ports.
 struct Known {
-    kind: AnyKind,
+    kind: OperationId,
     operation: Arc<dyn WordOperation>,
     inputs: Ports,
     outputs: Ports,
@@ -54,14 +54,14 @@ const TAG: &str = "tag";
 /// The width of the exceptions' port.
 const FLAGS: u32 = 4;
 
-impl AnyModel {
+impl WordModel {
     /// The model of these operations, each with its opcode.
     pub fn new(operations: impl IntoIterator<Item = (u64, Arc<dyn WordOperation>)>, options: ModelOptions) -> Self {
         let ModelOptions { tag, exception_flags, .. } = options;
         let tag = (tag > 0).then(|| port(TAG, PortKind::Word, tag));
         let raised = exception_flags.then(|| port("exception_flags", PortKind::Word, FLAGS));
         let known = operations.into_iter().map(|(opcode, operation)| {
-            let kind = AnyKind::new(opcode, operation.name());
+            let kind = OperationId::new(opcode, operation.name());
             let (inputs, outputs) = (operation.inputs(), operation.outputs());
             let has_input: Vec<bool> = inputs.iter().map(|port| operation.has_input(&port.name)).collect();
             let has_output: Vec<bool> = outputs.iter().map(|port| operation.has_output(&port.name)).collect();
@@ -81,22 +81,22 @@ impl AnyModel {
     }
 
     /// The operations, in the order of their opcodes.
-    pub fn kinds(&self) -> Vec<AnyKind> {
+    pub fn kinds(&self) -> Vec<OperationId> {
         self.operations.iter().map(|known| known.kind).collect()
     }
 
     /// The operation with this name.
-    pub fn kind(&self, name: &str) -> Option<AnyKind> {
+    pub fn kind(&self, name: &str) -> Option<OperationId> {
         self.operations.iter().map(|known| known.kind).find(|kind| kind.name() == name)
     }
 
     /// The ports of an operation's jobs; empty if the model does not have the operation.
-    pub fn inputs(&self, kind: AnyKind) -> &[Port] {
+    pub fn inputs(&self, kind: OperationId) -> &[Port] {
         self.of(kind).map_or(&[], |known| &known.inputs)
     }
 
     /// The ports of an operation's outcomes; empty if the model does not have the operation.
-    pub fn outputs(&self, kind: AnyKind) -> &[Port] {
+    pub fn outputs(&self, kind: OperationId) -> &[Port] {
         self.of(kind).map_or(&[], |known| &known.outputs)
     }
 
@@ -136,7 +136,7 @@ impl AnyModel {
     }
 
     /// Selects the words of the present inputs from the words of all inputs that an operation may have.
-    pub fn present_inputs(&self, kind: AnyKind, words: Vec<u64>) -> Vec<u64> {
+    pub fn present_inputs(&self, kind: OperationId, words: Vec<u64>) -> Vec<u64> {
         self.of(kind).map_or_else(Vec::new, |known| present(words, &known.has_input).collect())
     }
 
@@ -156,27 +156,27 @@ impl AnyModel {
 
     /// The job of this operation with the port values that `port` returns by name. Bits beyond a port's width are
     /// ignored.
-    pub fn job(&self, kind: AnyKind, mut port: impl FnMut(&str) -> u64) -> Words {
+    pub fn job(&self, kind: OperationId, mut port: impl FnMut(&str) -> u64) -> Words {
         self.job_by(kind, |_, of| port(&of.name))
     }
 
     /// The outcome of this operation with the port values that `port` returns by name. Bits beyond a port's width are
     /// ignored, and every NaN becomes the canonical NaN.
-    pub fn outcome(&self, kind: AnyKind, mut port: impl FnMut(&str) -> u64) -> Words {
+    pub fn outcome(&self, kind: OperationId, mut port: impl FnMut(&str) -> u64) -> Words {
         self.outcome_by(kind, |_, of| port(&of.name))
     }
 
     /// As [`job`](Self::job), with the words in the order of the ports. Missing words are 0.
-    pub fn job_of_words(&self, kind: AnyKind, words: &[u64]) -> Words {
+    pub fn job_of_words(&self, kind: OperationId, words: &[u64]) -> Words {
         self.job_by(kind, |place, _| words.get(place).copied().unwrap_or(0))
     }
 
     /// As [`outcome`](Self::outcome), with the words in the order of the ports. Missing words are 0.
-    pub fn outcome_of_words(&self, kind: AnyKind, words: &[u64]) -> Words {
+    pub fn outcome_of_words(&self, kind: OperationId, words: &[u64]) -> Words {
         self.outcome_by(kind, |place, _| words.get(place).copied().unwrap_or(0))
     }
 
-    fn of(&self, kind: AnyKind) -> Option<&Known> {
+    fn of(&self, kind: OperationId) -> Option<&Known> {
         self.operations.iter().find(|known| known.kind == kind)
     }
 
@@ -189,11 +189,11 @@ impl AnyModel {
         }
     }
 
-    fn job_by(&self, kind: AnyKind, word: impl FnMut(usize, &Port) -> u64) -> Words {
+    fn job_by(&self, kind: OperationId, word: impl FnMut(usize, &Port) -> u64) -> Words {
         self.words(kind, self.of(kind).map(|known| &known.inputs), word)
     }
 
-    fn outcome_by(&self, kind: AnyKind, mut word: impl FnMut(usize, &Port) -> u64) -> Words {
+    fn outcome_by(&self, kind: OperationId, mut word: impl FnMut(usize, &Port) -> u64) -> Words {
         let format = self.format();
         let (infinity, magnitude) = (format.infinity(), u64::MAX >> (65 - format.ieee_width()));
         self.words(kind, self.of(kind).map(|known| &known.outputs), |place, port| match word(place, port) {
@@ -202,7 +202,7 @@ impl AnyModel {
         })
     }
 
-    fn words(&self, kind: AnyKind, ports: Option<&Ports>, mut word: impl FnMut(usize, &Port) -> u64) -> Words {
+    fn words(&self, kind: OperationId, ports: Option<&Ports>, mut word: impl FnMut(usize, &Port) -> u64) -> Words {
         let ports = ports.cloned().unwrap_or_else(|| [].into());
         let mask = |port: &Port| u64::MAX >> (64 - port.width.unwrap_or(self.format().ieee_width()));
         let words = ports.iter().enumerate().map(|(place, port)| word(place, port) & mask(port)).collect();
@@ -227,8 +227,8 @@ fn all(present: &[u64], are_present: &[bool], words: &mut Vec<u64>) {
     words.extend(are_present.iter().map(word));
 }
 
-impl Model for AnyModel {
-    type Kind = AnyKind;
+impl Model for WordModel {
+    type Kind = OperationId;
     type Job = Words;
     type Outcome = Words;
 
@@ -254,16 +254,16 @@ impl Model for AnyModel {
     }
 }
 
-impl PartialEq for AnyModel {
+impl PartialEq for WordModel {
     /// Whether both have the same operations in the same state.
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.operations, &other.operations) && self.options == other.options && self.states == other.states
     }
 }
 
-impl fmt::Debug for AnyModel {
+impl fmt::Debug for WordModel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let names: Vec<&str> = self.operations.iter().map(|known| known.kind.name()).collect();
-        f.debug_struct("AnyModel").field("operations", &names).field("states", &self.states).finish()
+        f.debug_struct("WordModel").field("operations", &names).field("states", &self.states).finish()
     }
 }
