@@ -1,10 +1,8 @@
 //! Progress: a bar on a terminal, plain lines elsewhere. Ctrl-C asks the work to stop.
 
-use crate::error::CliError;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -81,32 +79,6 @@ impl Progress {
         }
         if is_stopped() { Err(Stopped { done, total: self.total, what: self.what }) } else { Ok(()) }
     }
-}
-
-/// Does work that reports, from any thread, how many of `total` items are done, and shows its progress.
-///
-/// # Errors
-/// The work failed, or the user stopped it.
-#[cfg_attr(not(feature = "full"), allow(dead_code))]
-pub fn watched<T, E: std::fmt::Display>(
-    what: &'static str,
-    total: usize,
-    work: impl FnOnce(&(dyn Fn(u64) -> bool + Sync)) -> Result<T, E>,
-) -> Result<T, CliError> {
-    let progress = Mutex::new(Progress::new(what, total));
-    let reached = AtomicU64::new(0);
-    let watch = |done: u64| {
-        reached.fetch_max(done, Ordering::Relaxed);
-        // A thread that finds the bar in use does not wait for it.
-        match progress.try_lock() {
-            Ok(mut progress) => progress.at(done as usize),
-            Err(_) => !is_stopped(),
-        }
-    };
-    let result = work(&watch);
-    let progress = progress.into_inner().unwrap_or_else(PoisonError::into_inner);
-    progress.finish(reached.into_inner() as usize)?;
-    result.map_err(CliError::unusable)
 }
 
 /// Whether the user has asked to stop.

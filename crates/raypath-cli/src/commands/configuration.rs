@@ -2,7 +2,7 @@
 
 use crate::error::CliError;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
-use raypath_rtl::{Config, Features, PARAMETER_GROUPS, Parameter, Preset, parameters};
+use raypath_rtl::{Config, PARAMETER_GROUPS, Parameter, Preset, parameters};
 use raypath_sim::configuration;
 use std::path::PathBuf;
 
@@ -25,17 +25,6 @@ struct Base {
 }
 
 impl ConfigArguments {
-    /// The selected configuration, for commands that support the paper's operations only.
-    #[cfg_attr(not(feature = "full"), allow(dead_code))]
-    pub fn paper(&self) -> Result<Config, CliError> {
-        let config = self.config()?;
-        if config.semantics.features == Features::OFF {
-            return Ok(config);
-        }
-        let problem = "features are for generate, ppa, explore, replay and wave; expected none of them here";
-        Err(CliError::unusable(format!("{config}: {problem}")))
-    }
-
     /// The selected configuration.
     pub fn config(&self) -> Result<Config, CliError> {
         let mut config = match (&self.base.config, self.base.preset) {

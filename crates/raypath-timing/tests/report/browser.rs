@@ -1,81 +1,42 @@
 //! The page in Chromium: it loads, shows the numbers of the recording, zooms, and runs no embedded script.
 
+use crate::chromium::Tab;
 use crate::common;
-use headless_chrome::protocol::cdp::Input::{DispatchMouseEvent, DispatchMouseEventTypeOption as Mouse, MouseButton};
-use headless_chrome::protocol::cdp::types::Event;
-use headless_chrome::{Browser, LaunchOptions, Tab};
 use raypath_model::Control;
 use raypath_timing::report::{Recording, html};
-use std::ffi::OsStr;
-use std::path::Path;
-use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use serde_json::json;
+use std::cell::RefCell;
 
-const CHROMIUM: &str = "/usr/bin/chromium";
-const FLAGS: [&str; 6] = [
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--force-device-scale-factor=1",
-];
-
-/// A page in its own browser, with the messages of its console.
+/// A page in its own browser.
 struct Page {
-    tab: Arc<Tab>,
-    messages: Arc<Mutex<Vec<String>>>,
-    _browser: Browser,
+    tab: RefCell<Tab>,
     _folder: tempfile::TempDir,
 }
 
 impl Page {
     fn open(recording: &Recording) -> Self {
-        let page = html(recording);
-        assert!(Path::new(CHROMIUM).exists(), "{CHROMIUM} is missing. help: install the Debian package chromium");
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("page.html");
-        std::fs::write(&file, page).expect("a page");
-        let options = LaunchOptions::default_builder()
-            .path(Some(CHROMIUM.into()))
-            .headless(true)
-            .sandbox(false)
-            .enable_gpu(false)
-            .window_size(Some((1400, 1500)))
-            .user_data_dir(Some(folder.path().join("profile")))
-            .args(FLAGS.iter().map(OsStr::new).collect())
-            .idle_browser_timeout(Duration::from_secs(120))
-            .build()
-            .expect("options");
-        let browser = Browser::new(options).expect("Chromium starts");
-        let tab = browser.new_tab().expect("a tab");
-        let messages = Arc::new(Mutex::new(Vec::new()));
-        tab.enable_runtime().expect("runtime").enable_log().expect("log");
-        let collected = Arc::clone(&messages);
-        let listener = move |event: &Event| {
-            let message = match event {
-                Event::LogEntryAdded(entry) => format!("{:?}", entry.params.entry),
-                Event::RuntimeConsoleAPICalled(call) => format!("{:?}", call.params.args),
-                Event::RuntimeExceptionThrown(thrown) => format!("{:?}", thrown.params.exception_details),
-                _ => return,
-            };
-            collected.lock().expect("no panic").push(message);
-        };
-        tab.add_event_listener(Arc::new(listener)).expect("a listener");
-        tab.navigate_to(&format!("file://{}", file.display()))
-            .expect("the page")
-            .wait_until_navigated()
-            .expect("loads");
-        Self { tab, messages, _browser: browser, _folder: folder }
+        std::fs::write(&file, html(recording)).expect("a page");
+        let tab = Tab::open(&format!("file://{}", file.display()), &folder.path().join("profile"));
+        Self { tab: RefCell::new(tab), _folder: folder }
     }
 
     /// The value of a JavaScript expression as text.
     fn value(&self, expression: &str) -> String {
-        let value =
-            self.tab.evaluate(&format!("(async () => String(await ({expression})))()"), true).expect(expression).value;
-        value
-            .and_then(|value| value.as_str().map(str::to_string))
-            .unwrap_or_else(|| panic!("{expression} has no value"))
+        let expression = format!("(async () => String(await ({expression})))()");
+        let parameters = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
+        let value = self.tab.borrow_mut().call("Runtime.evaluate", parameters);
+        value["result"]["value"].as_str().unwrap_or_else(|| panic!("{expression} gave {value}")).to_string()
+    }
+
+    /// Messages of the console and uncaught exceptions, as JSON.
+    fn messages(&self) -> Vec<String> {
+        // The reply comes after all earlier events.
+        self.value("0");
+        let tab = self.tab.borrow();
+        let kinds = ["Log.entryAdded", "Runtime.consoleAPICalled", "Runtime.exceptionThrown"];
+        kinds.iter().flat_map(|kind| tab.events_of(kind)).map(ToString::to_string).collect()
     }
 
     /// The first and last cycle in view.
@@ -104,33 +65,25 @@ impl Page {
     }
 
     /// A mouse event of the browser at a position of the canvas; `delta` is the distance of a wheel event.
-    fn mouse(&self, kind: Mouse, x: f64, y: f64, delta: f64) {
-        let canvas = self.tab.find_element("#canvas").expect("a canvas").get_box_model().expect("a position").content;
-        let left = matches!(kind, Mouse::MousePressed | Mouse::MouseReleased).then_some(MouseButton::Left);
-        let held = u32::from(matches!(kind, Mouse::MousePressed | Mouse::MouseMoved));
-        let event = DispatchMouseEvent {
-            Type: kind,
-            x: canvas.top_left.x + x,
-            y: canvas.top_left.y + y,
-            button: left,
-            buttons: Some(held),
-            click_count: Some(1),
-            delta_x: Some(0.0),
-            delta_y: Some(delta),
-            modifiers: None,
-            timestamp: None,
-            force: None,
-            tangential_pressure: None,
-            tilt_x: None,
-            tilt_y: None,
-            twist: None,
-            pointer_Type: None,
-        };
-        self.tab.call_method(event).expect("a mouse");
+    fn mouse(&self, kind: &str, x: f64, y: f64, delta: f64) {
+        let corner = self.value(
+            "(() => { const b = document.getElementById('canvas').getBoundingClientRect(); \
+             return JSON.stringify([b.left, b.top]); })()",
+        );
+        let [left, top]: [f64; 2] = serde_json::from_str(&corner).expect("a position");
+        let button = if ["mousePressed", "mouseReleased"].contains(&kind) { "left" } else { "none" };
+        let held = u32::from(["mousePressed", "mouseMoved"].contains(&kind));
+        self.tab.borrow_mut().call(
+            "Input.dispatchMouseEvent",
+            json!({
+                "type": kind, "x": left + x, "y": top + y, "button": button, "buttons": held, "clickCount": 1,
+                "deltaX": 0, "deltaY": delta,
+            }),
+        );
     }
 
     fn assert_console_empty(&self) {
-        assert_eq!(*self.messages.lock().expect("no panic"), Vec::<String>::new());
+        assert_eq!(self.messages(), Vec::<String>::new());
     }
 }
 
@@ -251,13 +204,13 @@ fn the_timeline_zooms_moves_and_shows_tips() {
 fn a_mouse_zooms_and_drags() {
     let page = Page::open(&common::recording(Control::Credit, 2000, 0.15));
     let start = page.range();
-    page.mouse(Mouse::MouseWheel, 400.0, 200.0, -300.0);
+    page.mouse("mouseWheel", 400.0, 200.0, -300.0);
     let closer = page.range();
     assert!(closer.1 - closer.0 < start.1 - start.0, "{start:?} {closer:?}");
     page.value("document.getElementById('reset').click()");
-    page.mouse(Mouse::MousePressed, 600.0, 200.0, 0.0);
-    page.mouse(Mouse::MouseMoved, 240.0, 200.0, 0.0);
-    page.mouse(Mouse::MouseReleased, 240.0, 200.0, 0.0);
+    page.mouse("mousePressed", 600.0, 200.0, 0.0);
+    page.mouse("mouseMoved", 240.0, 200.0, 0.0);
+    page.mouse("mouseReleased", 240.0, 200.0, 0.0);
     assert_eq!(page.range().0, start.0 + 20);
     page.assert_console_empty();
 }
@@ -334,7 +287,7 @@ fn console_messages_are_collected() {
     page.value("console.error('a message')");
     page.value("setTimeout(() => nothing.here, 0)");
     page.value("new Promise(done => setTimeout(done, 200))");
-    let messages = page.messages.lock().expect("no panic").join("\n");
+    let messages = page.messages().join("\n");
     assert!(messages.contains("a message") && messages.contains("nothing is not defined"), "{messages}");
 }
 

@@ -20,6 +20,9 @@ fn rates_are_printed_and_written() {
         "cycle-exact model, the sink stalls",
         "netlist, compiled",
         "netlist in lanes",
+        "netlist, compiling",
+        "unpacking",
+        "rays from origin",
         "rays from the eye",
         "exact search",
     ] {

@@ -99,3 +99,20 @@ fn the_first_command_compiles_at_most_100_crates() {
     let crates: BTreeSet<&str> = tree.lines().filter_map(|line| line.split(" (").next()).map(str::trim).collect();
     assert!(crates.len() <= 100, "{} crates: {crates:#?}", crates.len());
 }
+
+/// `./test.sh` leaves no dependency to compile for README's commands: what two builds share has the same features.
+#[test]
+fn all_builds_share_their_dependencies() {
+    let features = |arguments: &[&str]| -> BTreeSet<String> {
+        let tree =
+            cargo(&[&["tree", "--format", "{p} {f}", "--prefix", "none", "--offline", "--locked"], arguments].concat());
+        let lines = tree.lines().map(|line| line.replace(" (*)", "").replace(" (proc-macro)", ""));
+        lines.filter(|line| !line.contains(" (")).collect()
+    };
+    let tests = features(&["--workspace", "-e", "normal,build,dev"]);
+    for chosen in ["default", "full"] {
+        let build = features(&["-p", "raypath", "--features", chosen, "-e", "normal,build"]);
+        let again: Vec<&String> = build.difference(&tests).collect();
+        assert!(again.is_empty(), "features unlike in the tests; select them in raypath-cli/Cargo.toml: {again:#?}");
+    }
+}

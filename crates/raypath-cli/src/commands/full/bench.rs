@@ -42,6 +42,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let _ = say("the functional model");
     models::functional(&mut results, LONGER * repetitions);
     models::batches(&mut results, LONGER * repetitions);
+    models::rays(&mut results, LONGER * repetitions);
     let _ = say("the cycle-exact model");
     models::cycle_exact(&mut results, LONGER * repetitions);
     let _ = say("the netlist");

@@ -2,9 +2,12 @@
 
 mod accuracy;
 mod bench;
+mod configuration;
 mod explore;
 mod measuring;
+mod output;
 mod ppa;
+mod progress;
 mod render;
 mod replay;
 mod search;

@@ -4,12 +4,12 @@ mod scene;
 mod timing;
 
 use crate::commands::configuration::ConfigArguments;
+use crate::commands::full::output::write_and_name;
+use crate::commands::full::progress::watched;
 use crate::commands::full::timed::{Subject, Timed, TimingArguments};
 use crate::commands::full::view::ViewArguments;
 use crate::commands::numbers::whole;
-use crate::commands::output::write_and_name;
 use crate::error::CliError;
-use crate::progress::watched;
 use clap::Args;
 use raypath_float::Format;
 use raypath_ops::{Binary32, Ray};

@@ -3,12 +3,12 @@
 mod timing;
 
 use crate::commands::configuration::ConfigArguments;
+use crate::commands::full::output::write_and_name;
+use crate::commands::full::progress::watched;
 use crate::commands::full::timed::{Timed, TimingArguments};
 use crate::commands::full::view::{ViewArguments, print_rows};
 use crate::commands::numbers::whole;
-use crate::commands::output::write_and_name;
 use crate::error::CliError;
-use crate::progress::watched;
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
 use raypath_rtl::{Config, Lanes};

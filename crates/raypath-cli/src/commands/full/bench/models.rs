@@ -5,9 +5,9 @@ use crate::commands::full::bench::stopwatch::seconds;
 use crate::commands::full::bench::workload::Workload;
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
-use raypath_model::{Batch, CycleModel, Functional, Packed, Shape, blank, levels, pack};
+use raypath_model::{Batch, CycleModel, Functional, Packed, Shape, blank, levels, pack, unpack};
 use raypath_ops::{
-    AngularInput, AngularOutput, Binary32, EuclideanInput, EuclideanOutput, Family, Job, JobKind, Of, RayBoxInput,
+    AngularInput, AngularOutput, Binary32, EuclideanInput, EuclideanOutput, Family, Job, JobKind, Of, Ray, RayBoxInput,
     RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules,
 };
 use std::hint::black_box;
@@ -44,6 +44,15 @@ pub fn batches(results: &mut Results, repetitions: usize) {
     let triangles: Vec<_> = (0..BATCH).map(|_| workload.triangle()).collect();
     let euclidean: Vec<_> = (0..BATCH).map(|i| EuclideanInput { euclidean: workload.beat(i % 64 == 0) }).collect();
     let angular: Vec<_> = (0..BATCH).map(|i| AngularInput { euclidean: workload.beat(i % 64 == 0) }).collect();
+    let blocks = pack::<EuclideanInput<Binary32, 16>>(&euclidean);
+    let time = seconds(repetitions, || drop(black_box(pack::<EuclideanInput<Binary32, 16>>(black_box(&euclidean)))));
+    results.rate("batches, packing euclidean jobs", "jobs", BATCH as f64 / time, None);
+    let time = seconds(repetitions, || {
+        unpack::<EuclideanInput<Binary32, 16>>(black_box(&blocks), BATCH).for_each(|beat| {
+            black_box(beat);
+        });
+    });
+    results.rate("batches, unpacking euclidean jobs", "jobs", BATCH as f64 / time, None);
     for level in levels() {
         let mut batch = Batch::<16, 8>::at(level, Rules::Paper);
         let name = format!("{level:?}");
@@ -68,6 +77,15 @@ pub fn batches(results: &mut Results, repetitions: usize) {
         let per_second = timed::<AngularInput<Binary32, 8>, AngularOutput<Binary32>>(&angular, repetitions, run);
         rate(JobKind::Angular, None, per_second);
     }
+}
+
+/// The values that the ports expect of a ray, from its origin and direction.
+pub fn rays(results: &mut Results, repetitions: usize) {
+    let [origin, direction] = [[0.1, 0.2, 0.3], [0.4, -0.5, 0.6]];
+    let time = seconds(repetitions, || {
+        let _ = black_box(Ray::<Binary32>::new(black_box(origin), black_box(direction), f32::INFINITY));
+    });
+    results.rate("rays from origin and direction", "rays prepared", 1.0 / time, None);
 }
 
 /// Jobs a second of a batch.

@@ -23,6 +23,8 @@ pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> R
     let top = datapath.top();
     let jobs = Workload::new().mixed(CYCLES);
     let mut simulator = Simulator::new(top)?;
+    let time = seconds(repetitions.div_ceil(8), || drop(black_box(Simulator::new(black_box(top)))));
+    results.rate("netlist, compiling it", "netlists", 1.0 / time, None);
     let ports = Ports::of(&simulator)?;
     let per_second = compiled(&mut simulator, &ports, &jobs, RUNS * repetitions);
     results.rate("netlist, compiled, a mixed job each cycle", "cycles", per_second, None);

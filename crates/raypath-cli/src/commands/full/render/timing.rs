@@ -1,8 +1,8 @@
 //! Simulated timing of pictures and rays.
 
+use crate::commands::full::progress::watched;
 use crate::commands::full::timed::Subject;
 use crate::error::CliError;
-use crate::progress::watched;
 use raypath_model::PipelinePosition;
 use raypath_ops::{Binary32, Ray};
 use raypath_render::{
