@@ -1,8 +1,6 @@
 use crate::progress::Stopped;
-use raypath_sim::configuration::ConfigurationError;
+use raypath_sim::InputError;
 use raypath_sim::files::FileError;
-use raypath_sim::traffic::RecordedError;
-use raypath_sim::transactions::TransactionError;
 use raypath_tools::ToolError;
 use std::fmt::Display;
 use std::io::ErrorKind;
@@ -86,7 +84,7 @@ macro_rules! unusable {
     )*};
 }
 
-unusable!(TransactionError, ConfigurationError, RecordedError, FileError, raypath_hdl::Error);
+unusable!(InputError, FileError, raypath_hdl::Error);
 
 #[cfg(feature = "full")]
 unusable!(raypath_wave::WaveError);

@@ -3,8 +3,8 @@
 use raypath_cli::prelude::*;
 use raypath_model::Model;
 use raypath_rtl::Config;
-use raypath_sim::transactions::{Transaction, TransactionError, kind_named, read_from, text};
-use raypath_sim::{OperationId, WordModel};
+use raypath_sim::transactions::{Transaction, kind_named, read_from, text};
+use raypath_sim::{InputError, OperationId, WordModel};
 use std::path::Path;
 
 bundle! {
@@ -67,7 +67,7 @@ fn model() -> WordModel {
     Datapath::paper(CONFIG).with(Sum).with(SumOfTwo).model()
 }
 
-fn read(name: &str, text: &str) -> Result<Vec<Transaction>, TransactionError> {
+fn read(name: &str, text: &str) -> Result<Vec<Transaction>, InputError> {
     read_from(text.as_bytes(), Path::new(name), None::<OperationId>, &model(), CONFIG)
 }
 

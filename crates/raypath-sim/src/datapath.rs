@@ -1,9 +1,9 @@
-//! A datapath of any operations: the one list from which hardware and models are made.
+//! A datapath of any operations, from which netlist and models are made.
 
 use crate::engine::{NetlistEngine, shape};
 use crate::operation::AnyOperation;
 use raypath_float::Format;
-use raypath_model::{CycleModel, ModelOptions, Shape, WordModel, WordOperation};
+use raypath_model::{CycleModel, ModelOptions, WordModel, WordOperation};
 use raypath_ops::Operation;
 use raypath_rtl::{
     self as rtl, Budget, Config, Error, Features, Microarchitecture, OperationVisitor, Operations, Semantics,
@@ -12,7 +12,7 @@ use std::convert::Infallible;
 use std::fmt;
 use std::sync::Arc;
 
-/// A set of operations and how they are built.
+/// A set of operations and the configuration of their datapath.
 ///
 /// ```
 /// use raypath_sim::Datapath;
@@ -32,12 +32,12 @@ pub struct Datapath {
 }
 
 impl Datapath {
-    /// None yet, built as by default.
+    /// A datapath without operations, in the default configuration.
     pub fn new() -> Self {
         Self { config: Config::DEFAULT, budget: None, operations: Vec::new() }
     }
 
-    /// The operations that a configuration has, with its features, under the paper's opcodes.
+    /// The paper's operations that a configuration has, with its features and the paper's opcodes.
     pub fn paper(config: Config) -> Self {
         let mut datapath = Self { config, ..Self::new() };
         match config.semantics.operations(&mut datapath) {
@@ -45,18 +45,18 @@ impl Datapath {
         }
     }
 
-    /// Adds an operation under the lowest opcode that is free.
+    /// Adds an operation with the lowest free opcode.
     pub fn with(self, operation: impl Operation + Send + Sync + 'static) -> Self {
         self.with_any(Arc::new(operation))
     }
 
-    /// Adds an operation under an opcode, which is checked when the datapath is elaborated.
+    /// Adds an operation with an opcode, which [`elaborate`](Self::elaborate) checks.
     pub fn with_opcode(mut self, opcode: u64, operation: impl Operation + Send + Sync + 'static) -> Self {
         self.operations.push((opcode, Arc::new(operation)));
         self
     }
 
-    /// [`with`](Self::with), of an operation whose type is forgotten.
+    /// As [`with`](Self::with), for an operation of any type.
     pub fn with_any(mut self, operation: Arc<dyn AnyOperation>) -> Self {
         let is_taken = |opcode: &u64| self.operations.iter().any(|(taken, _)| taken == opcode);
         let opcode = (0..).find(|opcode| !is_taken(opcode)).unwrap_or_default();
@@ -64,7 +64,7 @@ impl Datapath {
         self
     }
 
-    /// Sets how the datapath is built.
+    /// Sets the microarchitecture.
     pub fn built_as(mut self, microarchitecture: Microarchitecture) -> Self {
         self.config.microarchitecture = microarchitecture;
         self
@@ -76,51 +76,51 @@ impl Datapath {
         self
     }
 
-    /// Has every job carry a word of so many bits from the port `tag_i` to the port `tag_o`; 0 for none.
+    /// Sets the width in bits of a tag that each job carries from the port `tag_i` to the port `tag_o`; 0 for none.
     pub fn tag(mut self, width: u32) -> Self {
         self.config = self.config.tag(width);
         self
     }
 
-    /// Adds an output port for the exceptions of all additions and multiplications of a job.
+    /// Sets whether there is an output port for the exceptions of the additions and multiplications of a job.
     pub fn exception_flags(mut self, are_present: bool) -> Self {
         self.config = self.config.exception_flags(are_present);
         self
     }
 
-    /// Allows no operation more units in a stage than this.
+    /// Limits the units that an operation may use in a stage.
     pub fn within(mut self, budget: Budget) -> Self {
         self.budget = Some(budget);
         self
     }
 
-    /// How they are built.
+    /// The configuration.
     pub fn config(&self) -> Config {
         self.config
     }
 
-    /// Whether it has an operation of this name.
+    /// Whether the datapath has an operation with this name.
     pub fn has(&self, name: &str) -> bool {
         self.operations.iter().any(|(_, operation)| operation.name() == name)
     }
 
-    /// Whether it has no operation.
+    /// Whether the datapath has no operations.
     pub fn is_empty(&self) -> bool {
         self.operations.is_empty()
     }
 
-    /// The same without the operation of this name; others keep their opcodes.
+    /// Removes the operation with this name. The others keep their opcodes.
     pub fn without(mut self, name: &str) -> Self {
         self.operations.retain(|(_, operation)| operation.name() != name);
         self
     }
 
-    /// The netlist.
+    /// Elaborates the netlist.
     ///
     /// # Errors
-    /// An operation that does not fit: an opcode or a name that is taken, a stage that is not there, a value that is
-    /// read before it is made, more units in a stage than the budget allows, a chain that is too long for the latency;
-    /// two operations whose shared units would feed each other.
+    /// An opcode or a name that occurs twice; an operation with a stage that does not exist, a value that is read before
+    /// it is computed, more units in a stage than the budget, or a chain that is too long for the latency; two operations
+    /// whose shared units would form a loop.
     pub fn elaborate(&self) -> Result<rtl::Datapath, Error> {
         self.config.check()?;
         let Semantics { format, features: Features { tag, exception_flags, .. }, .. } = self.config.semantics;
@@ -134,32 +134,27 @@ impl Datapath {
         rtl::Datapath::build(operations, self.config.microarchitecture)
     }
 
-    /// What it answers, job by job.
+    /// The functional model.
     pub fn model(&self) -> WordModel {
         let Semantics { format, features: Features { tag, exception_flags, .. }, .. } = self.config.semantics;
         let operations = self.operations.iter().map(|(opcode, one)| (*opcode, one.clone() as Arc<dyn WordOperation>));
         WordModel::new(operations, ModelOptions { format, tag, exception_flags })
     }
 
-    /// What it shows in every cycle.
+    /// The cycle-exact model.
     ///
     /// # Errors
-    /// Those of [`elaborate`](Self::elaborate): the latency follows from the netlist's steps.
+    /// The errors of [`elaborate`](Self::elaborate), which determines the latency.
     pub fn cycle_model(&self) -> Result<CycleModel<WordModel>, Error> {
-        let shape = self.shape()?;
-        Ok(CycleModel::new(self.model(), &shape))
+        Ok(CycleModel::new(self.model(), &shape(self.config, &self.elaborate()?)))
     }
 
-    /// The netlist, compiled, as an engine.
+    /// Compiles the elaborated netlist for simulation.
     ///
     /// # Errors
-    /// Those of [`elaborate`](Self::elaborate).
+    /// None occur for a result of [`elaborate`](Self::elaborate).
     pub fn netlist(&self, elaborated: &rtl::Datapath) -> Result<NetlistEngine, Error> {
         NetlistEngine::of(self.model(), self.config, elaborated, |_| false)
-    }
-
-    fn shape(&self) -> Result<Shape, Error> {
-        Ok(shape(self.config, &self.elaborate()?))
     }
 }
 

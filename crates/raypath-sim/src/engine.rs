@@ -1,4 +1,4 @@
-//! Engines that carry jobs through the datapath: the functional model, the cycle-exact one, and the netlist itself.
+//! Engines that run jobs cycle by cycle: the cycle-exact model and the simulated netlist.
 
 mod drive;
 mod encoding;
@@ -12,9 +12,9 @@ use raypath_model::{Control, CycleModel, Loop, Model, Shape, WordModel, Words};
 use raypath_rtl::{self as rtl, Config, Datapath};
 use std::borrow::Borrow;
 
-/// A datapath as seen from outside, cycle by cycle.
+/// A datapath that is simulated cycle by cycle at its ports.
 pub trait Engine {
-    /// Puts a job on the input ports, where it stays until the next.
+    /// Puts a job on the input ports, where it stays until the next call.
     fn present(&mut self, job: &Words);
     /// One clock cycle, in which `input_valid_i` and `output_ready_i` have these values.
     fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown;
@@ -22,29 +22,29 @@ pub trait Engine {
     fn reset(&mut self);
 }
 
-/// What the ports showed in a cycle, before its clock edge.
+/// The values of the output ports in a cycle, before its clock edge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shown {
     /// `input_ready_o`.
     pub input_ready: bool,
-    /// The outcome, where `output_valid_o` was 1.
+    /// The outcome, if `output_valid_o` was 1.
     pub output: Option<Words>,
 }
 
-/// What a run took.
+/// The counts of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Run {
-    /// Clock cycles; 0 where the engine knows no time.
+    /// Clock cycles; 0 for the functional model.
     pub cycles: u64,
-    /// Jobs that came out.
+    /// Jobs whose outcome was taken.
     pub jobs: usize,
-    /// Jobs that could not come out: withdrawn, or lost in a reset.
+    /// Jobs that were withdrawn or lost in a reset.
     pub dropped: usize,
-    /// Outcomes that came out with no job inside.
+    /// Outcomes that were taken while no job was inside.
     pub spurious: usize,
 }
 
-/// When a configuration's datapath shows what: how its cycle-exact model is shaped.
+/// The shape of the cycle-exact model of a datapath.
 pub fn shape(config: Config, datapath: &Datapath) -> Shape {
     let control = match config.microarchitecture.control {
         rtl::Control::Skid => Control::Skid,
@@ -58,7 +58,8 @@ pub fn shape(config: Config, datapath: &Datapath) -> Shape {
     Shape { latency: datapath.latency() as usize, control, loops: loops.collect() }
 }
 
-/// Answers jobs without time, until `on_outcome` answers false.
+/// Runs jobs through the functional model. `on_outcome` gets the position of each job and its outcome; the run ends when
+/// it returns false.
 pub fn evaluate<J: Borrow<Words>>(
     mut model: WordModel,
     jobs: impl Iterator<Item = J>,
@@ -78,11 +79,12 @@ pub fn evaluate<J: Borrow<Words>>(
 #[derive(Debug, Clone)]
 pub struct CycleEngine {
     model: CycleModel<WordModel>,
-    presented: Option<Words>,
+    /// The job at the input ports.
+    pub(crate) presented: Option<Words>,
 }
 
 impl CycleEngine {
-    /// An empty pipeline of this shape, which answers as `model` does.
+    /// An empty pipeline of this shape, with `model` for the outcomes.
     pub fn new(model: WordModel, shape: &Shape) -> Self {
         Self { model: CycleModel::new(model, shape), presented: None }
     }
@@ -94,7 +96,7 @@ impl Engine for CycleEngine {
     }
 
     fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
-        // Before any job is there the port for the opcode is 0.
+        // The opcode port is 0 until the first job is presented.
         let opcode = self.presented.as_ref().map_or(0, |job| job.kind().opcode());
         let shown = Shown { input_ready: self.model.input_ready(opcode), output: self.model.output().cloned() };
         self.model.cycle(self.presented.as_ref().filter(|_| input_valid), output_ready);

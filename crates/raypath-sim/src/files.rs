@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Writing of files, all or none.
 
 use std::fs;
 use std::io::{Error, Write};
@@ -6,20 +6,20 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 use thiserror::Error as ThisError;
 
-/// The operating system refused something about a file.
+/// A file or folder that cannot be written.
 #[derive(Debug, ThisError)]
 #[error("{}: cannot {doing}: {problem}", path.display())]
 pub struct FileError {
     /// The file or folder.
     pub path: PathBuf,
-    /// What was to be done.
+    /// The action that failed.
     pub doing: &'static str,
-    /// What was said.
+    /// The error of the operating system.
     pub problem: Error,
 }
 
-/// Writes all of these files, or none: each is written beside its place first, and moved when every one is there.
-/// Folders that are made for them go again where that fails.
+/// Writes all of these files, or none. Writes temporary files beside the targets first and then renames them. Creates
+/// missing folders, and removes them if a file cannot be written.
 ///
 /// # Errors
 /// A folder or a file that cannot be written.
@@ -46,7 +46,7 @@ pub fn write_all<T: AsRef<[u8]>>(files: &[(PathBuf, T)]) -> Result<(), FileError
     Ok(())
 }
 
-/// Where a file really goes: a link's end. What is there may be replaced only if it is a file.
+/// The target of a symbolic link, or the path itself. Only a regular file may be replaced.
 fn target(path: &Path) -> Result<PathBuf, FileError> {
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     match fs::metadata(&target) {
@@ -57,7 +57,7 @@ fn target(path: &Path) -> Result<PathBuf, FileError> {
     }
 }
 
-/// Folders that were not there before; removed when dropped, if they are still empty.
+/// The created folders, which are removed on drop if they are empty.
 struct NewFolders(Vec<PathBuf>);
 
 impl NewFolders {
@@ -74,13 +74,13 @@ impl NewFolders {
 impl Drop for NewFolders {
     fn drop(&mut self) {
         for folder in self.0.iter().rev() {
-            // A folder that is not empty has other files by now, and stays.
+            // A folder that has other files by now stays.
             let _ = fs::remove_dir(folder);
         }
     }
 }
 
-/// Temporary files are private; these are for everybody, as far as the folder is.
+/// Makes a temporary file, which is private at first, readable for all users.
 #[cfg(unix)]
 fn make_readable(file: &NamedTempFile) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt;

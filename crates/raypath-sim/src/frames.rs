@@ -1,5 +1,5 @@
-//! Stimuli for an open-loop simulation: a model of the pipeline says beforehand when each job will be accepted, and
-//! what every port must show in every cycle.
+//! Stimuli for an open-loop simulation. A model of the pipeline predicts when each job is accepted, and the values of all
+//! output ports in every cycle.
 
 use crate::engine::PortEncoding;
 use crate::traffic::{self, Traffic};
@@ -7,53 +7,53 @@ use raypath_hdl::Module;
 use raypath_model::{Elastic, Model, Shape, WordModel, Words};
 use std::collections::HashMap;
 
-/// What one cycle puts on the inputs, and what the outputs must show.
+/// The input values of one cycle, and the expected output values.
 pub struct Cycle {
-    /// Values of `rst_ni` and the input ports.
+    /// The values of `rst_ni` and of the input ports, in order.
     pub inputs: Vec<u64>,
-    /// `None` where the outputs do not matter: while registers are still unknown.
+    /// `None` while registers are still unknown.
     pub expected: Option<Expected>,
 }
 
-/// What the outputs must show in a cycle.
+/// The expected output values of a cycle.
 pub struct Expected {
     /// `input_ready_o`.
     pub input_ready: bool,
-    /// The outcome, where `output_valid_o` is 1.
+    /// The outcome, if `output_valid_o` is 1.
     pub output: Option<Words>,
     encoding: PortEncoding,
 }
 
-/// When the source, the sink and the reset act.
+/// The jobs of a simulation and their timing.
 pub struct Stimulus<'j> {
-    /// When the datapath shows what.
+    /// The shape of the pipeline.
     pub shape: Shape,
-    /// How numbers stand at its ports.
+    /// The encoding of numbers at the ports.
     pub encoding: PortEncoding,
-    /// What goes in, in order.
+    /// The jobs, in order.
     pub jobs: &'j [Words],
-    /// What should come out.
+    /// The expected outcomes.
     pub answers: Answers<'j>,
-    /// When the source offers and the sink takes.
+    /// The handshakes of source and sink.
     pub traffic: Traffic,
-    /// Cycles in which `rst_ni` falls; jobs in flight are lost. None for a run in which every job comes out.
+    /// The numbers of cycles with a reset, in which jobs in flight are lost.
     pub resets: Vec<usize>,
 }
 
-/// Where the expected outcomes come from.
+/// The source of the expected outcomes.
 pub enum Answers<'j> {
-    /// A record, job by job. It knows of no resets.
+    /// Recorded outcomes, one for each job, for a run without resets.
     Recorded(&'j [Words]),
     /// The functional model.
     Model(WordModel),
 }
 
 impl Stimulus<'_> {
-    /// Every cycle from power-on until the last job has left.
+    /// All cycles from power-on until the last job has left.
     pub fn cycles(mut self, top: &Module) -> Vec<Cycle> {
-        let places: HashMap<&str, usize> =
-            top.inputs().iter().enumerate().map(|(place, port)| (port.name.as_str(), place + 1)).collect();
-        let mut inputs = vec![0; places.len() + 1];
+        let positions: HashMap<&str, usize> =
+            (1..).zip(top.inputs()).map(|(at, port)| (port.name.as_str(), at)).collect();
+        let mut inputs = vec![0; positions.len() + 1];
         let mut cycles =
             vec![Cycle { inputs: inputs.clone(), expected: None }, Cycle { inputs: inputs.clone(), expected: None }];
         let mut pipeline = Elastic::new(&self.shape);
@@ -68,19 +68,19 @@ impl Stimulus<'_> {
             let traffic::Cycle { offers, takes: output_ready, .. } = self.traffic.next_cycle();
             let job = self.jobs.get(accepted);
             if let Some(job) = job {
-                inputs[places["opcode_i"]] = job.kind().opcode();
+                inputs[positions["opcode_i"]] = job.kind().opcode();
                 for port in job.ports() {
-                    if let Some(&place) = places.get(format!("{}_i", port.name).as_str()) {
-                        inputs[place] = self.encoding.to_port(port.kind, port.bits);
+                    if let Some(&at) = positions.get(format!("{}_i", port.name).as_str()) {
+                        inputs[at] = self.encoding.to_port(port.kind, port.bits);
                     }
                 }
             }
             let offered = job.filter(|_| offers);
             inputs[0] = (!reset).into();
-            inputs[places["input_valid_i"]] = offered.is_some().into();
-            inputs[places["output_ready_i"]] = output_ready.into();
-            // After the last job its opcode is still at the port.
-            let input_ready = pipeline.input_ready(inputs[places["opcode_i"]]);
+            inputs[positions["input_valid_i"]] = offered.is_some().into();
+            inputs[positions["output_ready_i"]] = output_ready.into();
+            // The opcode of the last job stays at the port.
+            let input_ready = pipeline.input_ready(inputs[positions["opcode_i"]]);
             let expected = Expected { input_ready, output: pipeline.output().cloned(), encoding: self.encoding };
             cycles.push(Cycle { inputs: inputs.clone(), expected: Some(expected) });
             if !reset {
@@ -111,7 +111,7 @@ impl Answers<'_> {
 }
 
 impl Expected {
-    /// What is wrong with the output ports' values, if anything.
+    /// A message about the first wrong output value; `None` if all values are as expected.
     pub fn fault(&self, top: &Module, values: &[u64]) -> Option<String> {
         let ports = self.output.iter().flat_map(Words::ports);
         let mut expected: HashMap<String, u64> =
@@ -122,7 +122,7 @@ impl Expected {
             expected.insert("opcode_o".to_string(), outcome.kind().opcode());
         }
         top.outputs().iter().zip(values).find_map(|(port, &value)| {
-            // Where the output is not valid its data mean nothing; where it is, other modes' outputs are zero.
+            // The data are unspecified while the output is not valid. The outputs of other operations are zero.
             let right = match (expected.get(&port.name), &self.output) {
                 (Some(&right), _) => right,
                 (None, Some(_)) => 0,

@@ -1,9 +1,8 @@
 //! Simulation of a ray-tracer datapath of any operations.
 //!
-//! A [`Datapath`] is a set of operations and a configuration; from it follow its netlist, its functional model and its
-//! cycle-exact model. An [`engine`] carries jobs through any of the three, under [`traffic`] with bubbles and stalls,
-//! and [`lockstep`] compares them in every cycle. Jobs with their answers are read from and written to [`transactions`]
-//! files.
+//! A [`Datapath`] is a set of operations and a configuration. It determines a netlist, a functional model and a
+//! cycle-exact model. An [`engine`] runs jobs through any of the three, under [`traffic`] with bubbles and stalls, and
+//! [`lockstep`] compares them in every cycle. [`transactions`] are files of jobs with their outcomes.
 //!
 //! ```
 //! use raypath_ops::{RayBox, RayTriangle, Rules};
@@ -26,6 +25,7 @@ mod datapath;
 pub mod engine;
 pub mod files;
 pub mod frames;
+mod input;
 pub mod jobs;
 pub mod lockstep;
 pub mod numbers;
@@ -35,5 +35,6 @@ pub mod traffic;
 pub mod transactions;
 
 pub use datapath::Datapath;
+pub use input::InputError;
 pub use operation::AnyOperation;
 pub use raypath_model::{OperationId, WordModel, Words};

@@ -1,4 +1,4 @@
-//! Netlist and models side by side.
+//! Comparison of a netlist with its models, cycle by cycle.
 
 mod canonical;
 mod regression;
@@ -15,36 +15,36 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// What a comparison found.
+/// The result of a comparison.
 #[derive(Debug, Clone, Default)]
 pub struct Comparison {
-    /// Jobs that left the netlist.
+    /// The number of jobs whose outcome was taken.
     pub jobs: usize,
-    /// Of them, by opcode.
+    /// The number of these jobs by opcode.
     pub by_opcode: BTreeMap<u64, usize>,
-    /// Clock cycles.
+    /// The number of clock cycles.
     pub cycles: u64,
-    /// Cycles in which the source was held back.
+    /// The number of cycles in which a job was offered and not accepted.
     pub stalled: u64,
-    /// Cycles, or jobs, in which the engines differed, in words; the first few.
+    /// Messages about the first differences.
     pub differences: Vec<String>,
-    /// How many differences there were.
+    /// The number of differences.
     pub different: usize,
 }
 
 impl Comparison {
-    /// How many jobs of one kind left the netlist.
+    /// The number of jobs of one operation whose outcome was taken.
     pub fn jobs_of(&self, kind: impl Kind) -> usize {
         self.by_opcode.get(&kind.opcode()).copied().unwrap_or(0)
     }
 }
 
-/// Timing as measured at the ports.
+/// The timing of an operation, measured at the ports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Timing {
     /// Cycles from an accepted job to its valid output, in an empty pipeline with a ready sink.
     pub latency: u64,
-    /// Cycles from one output to the next while the source always offers this job and the sink always takes.
+    /// Cycles from one output to the next if the source always offers this job and the sink is always ready.
     pub initiation_interval: u64,
 }
 
@@ -55,11 +55,11 @@ impl fmt::Display for Timing {
 }
 
 const DIFFERENCES_SHOWN: usize = 5;
-/// After so many differences the rest tells nothing new.
-const TOO_MANY: usize = 100;
+/// A comparison ends after this number of differences.
+const MAX_DIFFERENCES: usize = 100;
 
-/// Streams jobs through the netlist and the cycle-exact model, comparing all that their ports show in every cycle, and
-/// each outcome with what `model` answers. `on_job` is told how many jobs have left and says whether to go on.
+/// Runs jobs through a netlist and its cycle-exact model. Compares all output ports in every cycle, and each outcome with
+/// that of `model`. `on_job` gets the number of jobs so far; the comparison ends when it returns false.
 pub fn lockstep(
     netlist: &mut NetlistEngine,
     model: WordModel,
@@ -76,15 +76,15 @@ pub fn lockstep(
         if let Some(outcome) = seen.shown.output.as_ref().filter(|_| seen.cycle.takes) {
             *found.by_opcode.entry(outcome.kind().opcode()).or_default() += 1;
             found.jobs += 1;
-            return different.get() < TOO_MANY && on_job(found.jobs);
+            return different.get() < MAX_DIFFERENCES && on_job(found.jobs);
         }
-        different.get() < TOO_MANY
+        different.get() < MAX_DIFFERENCES
     });
     Comparison { differences: engines.differences, different: different.get(), ..found }
 }
 
-/// Measures latency and initiation interval at an engine's ports, after a reset. `job` may be any; a beat of a distance
-/// leaves its sum behind. `None` where nothing comes out.
+/// Measures latency and initiation interval at the ports of an engine, with a reset before and after. `job` may be of any
+/// operation. `None` if the engine shows no outcome.
 pub fn timing(engine: &mut dyn Engine, job: &Words) -> Option<Timing> {
     const LONG_ENOUGH: u64 = 1000;
     const STREAM: usize = 100;

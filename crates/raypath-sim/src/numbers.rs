@@ -1,8 +1,9 @@
-//! Numbers that are worth trying.
+//! Numbers at the limits of a format.
 
 use raypath_float::Format;
 
-/// Numbers at which rules decide.
+/// Numbers for which operations have special rules, and their neighbours: zeros, subnormals, ones, numbers whose squares
+/// leave the normal range, infinities and NaN.
 pub fn edges(format: Format) -> [u64; 16] {
     let last_place = 1;
     let power = |exponent: i64| (bias(format) + exponent).unsigned_abs() << format.fraction_width();
@@ -20,8 +21,8 @@ pub fn edges(format: Format) -> [u64; 16] {
         power(0) + last_place,
         power(-1),
         power(1),
-        power((1 - bias(format)) / 2) - last_place, // a square of it is subnormal
-        power(bias(format) / 2),                    // a square of it is near the largest
+        power((1 - bias(format)) / 2) - last_place, // its square is subnormal
+        power(bias(format) / 2),                    // its square is near the largest number
         largest,
         format.infinity(),
         minus | format.infinity(),
@@ -29,7 +30,7 @@ pub fn edges(format: Format) -> [u64; 16] {
     ]
 }
 
-/// What an exponent field has more than the exponent.
+/// The exponent bias.
 fn bias(format: Format) -> i64 {
     (1 << (format.exponent() - 1)) - 1
 }
@@ -38,7 +39,7 @@ fn bias(format: Format) -> i64 {
 mod tests {
     use super::*;
 
-    /// In binary32 and binary16, written down by hand.
+    /// Expected values were written by hand.
     #[test]
     fn edges_are_those_of_the_format() {
         let binary32 = [

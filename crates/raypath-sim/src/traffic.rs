@@ -1,9 +1,9 @@
-//! When the source offers and the sink takes, and in which order jobs of different modes come.
+//! The handshakes of the source and the sink of a datapath, and the order of jobs.
 
 mod handshake;
 mod recorded;
 
-pub use recorded::{RecordedError, read_recorded, recorded_text};
+pub use recorded::{read_recorded, recorded_text};
 
 use crate::random::CloneableRng;
 use handshake::{ActivityPhase, HandshakePattern};
@@ -11,112 +11,95 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use std::collections::{BTreeMap, VecDeque};
 
-/// What happens around the datapath in one cycle.
+/// The events at the ports of the datapath in one cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cycle {
-    /// The source offers the job at the ports: `input_valid_i`.
+    /// The source offers the job at the input ports: `input_valid_i` is 1.
     pub offers: bool,
-    /// The sink takes what the output shows: `output_ready_i`.
+    /// The sink is ready: `output_ready_i` is 1.
     pub takes: bool,
-    /// Before the cycle the source withdraws the job at the ports, offered or not, and shows the next.
+    /// Before the cycle, the source replaces the job at the input ports by the next one, whether it was offered or not.
     pub withdraws: bool,
-    /// `rst_ni` is 0: source and sink go on as in the cycle before, and nothing passes.
+    /// `rst_ni` is 0, and no job is transferred.
     pub resets: bool,
 }
 
-/// What source and sink do, cycle by cycle.
+/// A generator of the events of one cycle after another.
 #[derive(Debug, Clone)]
-pub struct Traffic {
-    pattern: Pattern,
-}
+pub struct Traffic(Pattern);
 
 #[derive(Debug, Clone)]
 enum Pattern {
-    Always,
-    Phases(Phases),
-    Eventful(Eventful),
+    Random(Box<RandomTraffic>),
     Recorded(VecDeque<Cycle>),
 }
 
-/// Source and sink change their minds: for some cycles each is eager, hesitant, rare, or does nothing at all.
 #[derive(Debug, Clone)]
-struct Phases {
-    rng: CloneableRng,
-    source: ActivityPhase,
-    sink: ActivityPhase,
-}
-
-/// A handshake pattern of the source and one of the sink, with resets and withdrawn jobs; for so many cycles.
-#[derive(Debug, Clone)]
-struct Eventful {
+struct RandomTraffic {
     rng: CloneableRng,
     source: HandshakePattern,
     sink: HandshakePattern,
+    /// The probability of a reset in a cycle.
     resets: f64,
+    /// The probability that the source withdraws its job before a cycle.
     withdraws: f64,
-    cycles_left: u32,
+    /// The number of cycles, after which the source always offers and the sink is always ready; `None` for no end.
+    cycles_left: Option<u32>,
 }
 
 impl Cycle {
-    /// The source offers and the sink takes.
+    /// The source offers and the sink is ready.
     pub const BOTH: Self = Self { offers: true, takes: true, withdraws: false, resets: false };
 }
 
 impl Traffic {
-    /// A source that always offers and a sink that always takes.
+    /// A source that always offers and a sink that is always ready.
     pub fn always() -> Self {
-        Self { pattern: Pattern::Always }
+        Self::recorded(Vec::new())
     }
 
-    /// Bubbles and stalls, reproducible by `seed`.
+    /// Random bubbles and stalls, reproducible by `seed`.
     pub fn random(seed: u64) -> Self {
         let rng = CloneableRng(ChaCha8Rng::seed_from_u64(seed));
-        Self {
-            pattern: Pattern::Phases(Phases { rng, source: ActivityPhase::default(), sink: ActivityPhase::default() }),
-        }
+        let [source, sink] = [(); 2].map(|()| HandshakePattern::Phases(ActivityPhase::default()));
+        let random = RandomTraffic { rng, source, sink, resets: 0.0, withdraws: 0.0, cycles_left: None };
+        Self(Pattern::Random(Box::new(random)))
     }
 
-    /// Random handshake patterns of source and sink (always, seldom, bursts, long stalls, phases) for this many cycles,
-    /// in most seeds with resets at any cycle, in many with withdrawn jobs; then always.
+    /// Random handshake patterns of source and sink (always, seldom, bursts, long stalls, phases) for this many cycles.
+    /// Most seeds add resets in random cycles, and many add withdrawn jobs. Afterwards the source always offers and the
+    /// sink is always ready.
     pub fn eventful(seed: u64, cycles: u32) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (source, sink) = (HandshakePattern::random(&mut rng), HandshakePattern::random(&mut rng));
         let mut one_of = |chances: [f64; 4]| chances[rng.random_range(0..chances.len())];
         let (resets, withdraws) = (one_of([0.0, 0.003, 0.01, 0.03]), one_of([0.0, 0.0, 0.02, 0.2]));
-        Self {
-            pattern: Pattern::Eventful(Eventful {
-                rng: CloneableRng(rng),
-                source,
-                sink,
-                resets,
-                withdraws,
-                cycles_left: cycles,
-            }),
-        }
+        let rng = CloneableRng(rng);
+        let random = RandomTraffic { rng, source, sink, resets, withdraws, cycles_left: Some(cycles) };
+        Self(Pattern::Random(Box::new(random)))
     }
 
-    /// These cycles, then always.
+    /// These cycles. Afterwards the source always offers and the sink is always ready.
     pub fn recorded(cycles: Vec<Cycle>) -> Self {
-        Self { pattern: Pattern::Recorded(cycles.into()) }
+        Self(Pattern::Recorded(cycles.into()))
     }
 
-    /// What happens in the next cycle.
+    /// The events of the next cycle.
     pub fn next_cycle(&mut self) -> Cycle {
-        match &mut self.pattern {
-            Pattern::Always => Cycle::BOTH,
-            Pattern::Phases(Phases { rng, source, sink }) => {
-                Cycle { offers: source.acts(&mut rng.0), takes: sink.acts(&mut rng.0), ..Cycle::default() }
-            }
+        match &mut self.0 {
+            Pattern::Random(random) => random.next_cycle(),
             Pattern::Recorded(cycles) => cycles.pop_front().unwrap_or(Cycle::BOTH),
-            Pattern::Eventful(Eventful { cycles_left: 0, .. }) => Cycle::BOTH,
-            Pattern::Eventful(eventful) => eventful.next_cycle(),
         }
     }
 }
 
-impl Eventful {
+impl RandomTraffic {
     fn next_cycle(&mut self) -> Cycle {
-        self.cycles_left -= 1;
+        match &mut self.cycles_left {
+            Some(0) => return Cycle::BOTH,
+            Some(left) => *left -= 1,
+            None => {}
+        }
         let rng = &mut self.rng.0;
         Cycle {
             offers: self.source.acts(rng),
@@ -127,8 +110,8 @@ impl Eventful {
     }
 }
 
-/// Mixes the modes freely while each keeps its own order, so that other jobs come between the beats of a distance.
-/// `opcode` tells modes apart.
+/// Mixes the operations of a stream at random, while the jobs of each operation keep their order. Other jobs then come
+/// between the beats of a distance. `opcode` identifies the operation of an item.
 pub fn interleave<T>(stream: Vec<T>, opcode: impl Fn(&T) -> u64, seed: u64) -> Vec<T> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let total = stream.len();
@@ -137,9 +120,8 @@ pub fn interleave<T>(stream: Vec<T>, opcode: impl Fn(&T) -> u64, seed: u64) -> V
         queues.entry(opcode(&item)).or_default().push_back(item);
     }
     let mut mixed = Vec::with_capacity(total);
-    let mut left = total;
-    while left > 0 {
-        // Weighted by what is left, so that all modes last to the end.
+    for left in (1..=total).rev() {
+        // Weighted by the remaining jobs, so that no operation ends early.
         let mut chosen = rng.random_range(0..left);
         for queue in queues.values_mut() {
             if chosen < queue.len() {
@@ -148,7 +130,6 @@ pub fn interleave<T>(stream: Vec<T>, opcode: impl Fn(&T) -> u64, seed: u64) -> V
             }
             chosen -= queue.len();
         }
-        left -= 1;
     }
     mixed
 }

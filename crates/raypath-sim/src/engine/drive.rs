@@ -4,26 +4,25 @@ use raypath_model::Words;
 use std::borrow::Borrow;
 use std::collections::VecDeque;
 
-/// What was seen of an engine in one cycle. Jobs are told by their positions among those that were presented.
+/// The events of an engine in one cycle. Jobs are identified by their positions in the stream.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Seen {
-    /// What source and sink did.
+    /// The actions of source and sink.
     pub cycle: Cycle,
-    /// What the ports showed; in a cycle with a reset nothing is looked at.
+    /// The values of the output ports; not read in a cycle with a reset.
     pub shown: Shown,
     /// The job that was withdrawn before the cycle.
     pub withdrawn: Option<usize>,
-    /// The job that entered.
+    /// The job that was accepted.
     pub entered: Option<usize>,
-    /// The job whose outcome the sink took; none where no job is inside.
+    /// The job whose outcome the sink took; `None` also if no job was inside.
     pub left: Option<usize>,
-    /// How many jobs were inside as the cycle began.
+    /// The number of jobs inside at the start of the cycle.
     pub inside: usize,
 }
 
-/// Feeds `jobs` to an engine under `traffic`, each presented once, and shows each outcome as it leaves, with its job's
-/// position, until `on_outcome` answers false. Gives up when nothing has left for a long time: then fewer jobs come out
-/// than went in.
+/// Runs `jobs` through an engine under `traffic`. `on_outcome` gets the position of each job and its outcome; the run ends
+/// when it returns false. The run also ends after 100,000 cycles without progress, with fewer outcomes than jobs.
 pub fn drive<J: Borrow<Words>>(
     engine: &mut dyn Engine,
     jobs: impl Iterator<Item = J>,
@@ -36,14 +35,14 @@ pub fn drive<J: Borrow<Words>>(
     })
 }
 
-/// The same, but shows every cycle.
+/// As [`drive`], but `on_cycle` gets every cycle.
 pub fn observe<J: Borrow<Words>>(
     engine: &mut dyn Engine,
     jobs: impl Iterator<Item = J>,
     traffic: &mut Traffic,
     mut on_cycle: impl FnMut(&Seen) -> bool,
 ) -> Run {
-    /// More idle cycles than any traffic makes by chance.
+    /// More cycles without progress than random traffic causes.
     const PATIENCE: u64 = 100_000;
     let mut source = Source { jobs: jobs.peekable(), index: 0 };
     let mut run = Run::default();
@@ -85,28 +84,22 @@ pub fn observe<J: Borrow<Words>>(
     run
 }
 
-/// The jobs to come; the first of them is at the ports.
+/// The remaining jobs, of which the first is at the ports.
 struct Source<I: Iterator> {
     jobs: std::iter::Peekable<I>,
-    /// Position of the job at the ports.
+    /// The position of the job at the ports.
     index: usize,
 }
 
-impl<J, I: Iterator<Item = J>> Source<I> {
-    fn present(&mut self, engine: &mut dyn Engine)
-    where
-        J: Borrow<Words>,
-    {
+impl<J: Borrow<Words>, I: Iterator<Item = J>> Source<I> {
+    fn present(&mut self, engine: &mut dyn Engine) {
         if let Some(job) = self.jobs.peek() {
             engine.present(job.borrow());
         }
     }
 
-    /// Goes on to the next job. Gives the position of the one that is over; the last stays at the ports.
-    fn advance(&mut self, engine: &mut dyn Engine) -> Option<usize>
-    where
-        J: Borrow<Words>,
-    {
+    /// Presents the next job and returns the position of the previous one. The last job stays at the ports.
+    fn advance(&mut self, engine: &mut dyn Engine) -> Option<usize> {
         self.jobs.next()?;
         self.present(engine);
         self.index += 1;

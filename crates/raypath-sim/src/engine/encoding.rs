@@ -2,7 +2,7 @@ use raypath_float::Format;
 use raypath_ops::PortKind;
 use raypath_rtl::{Config, Encoding};
 
-/// How numbers stand at a datapath's ports, while jobs and outcomes have them in IEEE 754's layout.
+/// The encoding of numbers at the ports of a datapath. Jobs and outcomes have numbers in the IEEE 754 layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PortEncoding {
     format: Format,
@@ -10,12 +10,12 @@ pub struct PortEncoding {
 }
 
 impl PortEncoding {
-    /// That of a configuration.
+    /// The encoding of a configuration.
     pub fn of(config: Config) -> Self {
         Self { format: config.semantics.format, io: config.microarchitecture.io }
     }
 
-    /// The bits that stand at the port for a value. For a number of an outcome there are no others.
+    /// The bits at a port for a value. The encoding of each number of an outcome is unique.
     #[inline]
     pub fn to_port(self, kind: PortKind, bits: u64) -> u64 {
         match (kind, self.io) {
@@ -24,7 +24,7 @@ impl PortEncoding {
         }
     }
 
-    /// The value for which these bits stand at a port.
+    /// The value of the bits at a port.
     #[inline]
     pub fn from_port(self, kind: PortKind, bits: u64) -> u64 {
         match (kind, self.io) {

@@ -5,20 +5,20 @@ use raypath_ops::{Port, PortKind};
 use raypath_rtl::{Config, Datapath};
 use std::sync::Arc;
 
-/// The netlist, simulated, as an engine.
+/// A simulated netlist as an engine.
 pub struct NetlistEngine {
     model: WordModel,
     simulator: Simulator,
     encoding: PortEncoding,
     shape: Shape,
-    /// The ports of each operation, by opcode.
+    /// The ports of each operation, indexed by opcode.
     operations: Vec<Option<OperationPorts>>,
-    /// All of them, by name.
-    names: Vec<(String, OutputPort)>,
+    /// The output ports except those of the handshake, sorted by name.
+    outputs: Vec<(String, OutputPort)>,
     ports: HandshakePorts,
 }
 
-/// What the handshake's ports showed in the last cycle, before its clock edge.
+/// The values of the handshake ports in a cycle, before its clock edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Handshake {
     /// `input_ready_o`.
@@ -27,17 +27,17 @@ pub struct Handshake {
     pub output_valid: bool,
 }
 
-/// A port, if there is one, and what its bits mean.
-type Place<P> = (Option<P>, PortKind);
+/// A port of the netlist, `None` if the configuration lacks it, and the meaning of its bits.
+type NetlistPort<P> = (Option<P>, PortKind);
 
 /// The ports of one operation.
 struct OperationPorts {
     kind: OperationId,
-    /// Those of its jobs, in the order of their words; those that the configuration lacks are `None`.
-    inputs: Vec<Place<InputPort>>,
-    /// The same of outcomes.
-    outputs: Vec<Place<OutputPort>>,
-    /// The output ports, but the handshake's, that its outcomes do not have.
+    /// The ports of its jobs, in the order of their words.
+    inputs: Vec<NetlistPort<InputPort>>,
+    /// The ports of its outcomes, in the order of their words.
+    outputs: Vec<NetlistPort<OutputPort>>,
+    /// The output ports that belong to other operations only.
     foreign: Vec<OutputPort>,
 }
 
@@ -51,8 +51,8 @@ struct HandshakePorts {
 }
 
 impl NetlistEngine {
-    /// Elaborates a configuration and compiles its netlist. `model`, which is one for the configuration, only says what
-    /// jobs and outcomes are. `observed` says by hierarchical name which of its signals will be looked at.
+    /// Elaborates a configuration and compiles its netlist. `model` is a model of the configuration, which provides the
+    /// ports of jobs and outcomes. `observed` selects the observable signals by hierarchical name.
     ///
     /// # Errors
     /// A configuration that cannot be elaborated.
@@ -60,10 +60,10 @@ impl NetlistEngine {
         Self::of(model, config, &Datapath::new(config)?, observed)
     }
 
-    /// Compiles the netlist of a configuration that was elaborated before.
+    /// Compiles the netlist of an elaborated configuration.
     ///
     /// # Errors
-    /// A datapath that lacks one of the ports that all have.
+    /// A datapath without the ports of the handshake.
     pub fn of(
         model: WordModel,
         config: Config,
@@ -73,10 +73,11 @@ impl NetlistEngine {
         Self::of_module(model, config, datapath.top(), shape(config, datapath), observed)
     }
 
-    /// Compiles a module that has a datapath's ports, and should behave as one of this shape does.
+    /// Compiles a module with the ports of a datapath, such as a mutated netlist. `shape` is the shape of its
+    /// cycle-exact model.
     ///
     /// # Errors
-    /// A module that lacks one of the ports that all datapaths have.
+    /// A module without the ports of the handshake.
     pub fn of_module(
         model: WordModel,
         config: Config,
@@ -93,48 +94,48 @@ impl NetlistEngine {
             output_valid: simulator.output("output_valid_o")?,
             opcode_out: simulator.output("opcode_o")?,
         };
-        let mut names = Vec::new();
         let not_handshake = |stem: &str| !["input_ready", "output_valid", "opcode"].contains(&stem);
+        let mut all_outputs = Vec::new();
         for port in top.outputs().iter().filter(|port| not_handshake(port.stem())) {
-            names.push((port.stem().to_string(), simulator.output(&port.name)?));
+            all_outputs.push((port.stem().to_string(), simulator.output(&port.name)?));
         }
-        names.sort_by(|a, b| a.0.cmp(&b.0));
-        let output = |port: &Port| names.iter().find(|(name, _)| *name == port.name).map(|(_, output)| *output);
+        all_outputs.sort_by(|a, b| a.0.cmp(&b.0));
+        let output = |port: &Port| all_outputs.iter().find(|(name, _)| *name == port.name).map(|(_, output)| *output);
         let input = |port: &Port| simulator.input(&format!("{}_i", port.name)).ok();
         let mut operations = Vec::new();
         for kind in model.kinds() {
             let (job, outcome) = (model.inputs(kind), model.outputs(kind));
             let inputs = job.iter().map(|port| (input(port), port.kind)).collect();
-            let outputs: Vec<Place<OutputPort>> = outcome.iter().map(|port| (output(port), port.kind)).collect();
+            let outputs: Vec<NetlistPort<OutputPort>> = outcome.iter().map(|port| (output(port), port.kind)).collect();
             let is_own = |output: &OutputPort| outputs.iter().any(|(own, _)| *own == Some(*output));
-            let foreign = names.iter().map(|(_, output)| *output).filter(|output| !is_own(output)).collect();
+            let foreign = all_outputs.iter().map(|(_, output)| *output).filter(|output| !is_own(output)).collect();
             let opcode = kind.opcode() as usize;
             operations.resize_with(operations.len().max(opcode + 1), || None);
             operations[opcode] = Some(OperationPorts { kind, inputs, outputs, foreign });
         }
         let encoding = PortEncoding::of(config);
-        let mut engine = Self { model, simulator, encoding, shape, operations, names, ports };
+        let mut engine = Self { model, simulator, encoding, shape, operations, outputs: all_outputs, ports };
         engine.reset();
         Ok(engine)
     }
 
-    /// The simulator inside, for waveforms.
+    /// The simulator, for waveforms.
     pub fn simulator(&self) -> &Simulator {
         &self.simulator
     }
 
-    /// How its cycle-exact model is shaped.
+    /// The shape of its cycle-exact model.
     pub fn shape(&self) -> &Shape {
         &self.shape
     }
 
-    /// Begins again as a new engine does: unlike [`reset`](Engine::reset) this forgets the data registers too.
+    /// Returns to the state of a new engine. Unlike [`reset`](Engine::reset), this clears the data registers too.
     pub fn restart(&mut self) {
         self.simulator.restart();
         self.reset();
     }
 
-    /// What [`Engine::cycle`] does, without a look at the outcome: what [`shows`](Self::shows) is for.
+    /// As [`Engine::cycle`], but does not read the outcome. [`shows`](Self::shows) compares it faster.
     pub fn clock(&mut self, input_valid: bool, output_ready: bool) -> Handshake {
         self.simulator.set(self.ports.input_valid, input_valid.into());
         self.simulator.set(self.ports.output_ready, output_ready.into());
@@ -142,43 +143,42 @@ impl NetlistEngine {
         self.handshake()
     }
 
-    /// What the handshake's ports showed in the last cycle, or in the last one of a reset.
+    /// The values of the handshake ports in the last cycle, which may be one of a reset.
     pub fn handshake(&self) -> Handshake {
         let is_set = |port| self.simulator.get(port) == 1;
         Handshake { input_ready: is_set(self.ports.input_ready), output_valid: is_set(self.ports.output_valid) }
     }
 
-    /// Whether the output ports, all of them, showed this outcome in the last cycle, as they should: ports of other
-    /// modes are zero, and a number has one encoding only.
+    /// Whether all output ports showed exactly this outcome in the last cycle: ports of other operations are zero, and
+    /// numbers have their unique encoding.
     pub fn shows(&self, outcome: &Words) -> bool {
         let (opcode, simulator, encoding) = (outcome.kind().opcode(), &self.simulator, self.encoding);
         let Some(Some(operation)) = self.operations.get(opcode as usize) else { return false };
-        let places = operation.outputs.iter().zip(outcome.as_words());
+        let mut values = operation.outputs.iter().zip(outcome.as_words());
         simulator.get(self.ports.opcode_out) == opcode
-            && places
-                .into_iter()
+            && values
                 .all(|(&(port, of), &bits)| port.is_none_or(|port| simulator.get(port) == encoding.to_port(of, bits)))
             && operation.foreign.iter().all(|&port| simulator.get(port) == 0)
     }
 
-    /// The output ports that do not show what they should if this was the outcome in the last cycle, in words: ports of
-    /// other modes are zero, and a number has one encoding only. Whether the outcome is right it does not say.
+    /// Messages about output ports that did not show exactly this outcome in the last cycle: ports of other operations
+    /// that are not zero, and numbers in another encoding.
     pub fn improper_outputs(&self, outcome: &Words) -> Vec<String> {
         let values = outcome.ports();
         let proper = |name: &str| {
             let value = values.iter().find(|value| value.name == name);
             value.map_or(0, |value| self.encoding.to_port(value.kind, value.bits))
         };
-        let shown = self.names.iter().map(|(name, port)| (name, self.simulator.get(*port), proper(name)));
+        let shown = self.outputs.iter().map(|(name, port)| (name, self.simulator.get(*port), proper(name)));
         let improper = shown.filter(|(_, bits, proper)| bits != proper);
         improper.map(|(name, bits, proper)| format!("{name}_o is {bits:x}, expected {proper:x}")).collect()
     }
 
-    /// What the output ports showed in the last cycle; `None` where the opcode is none.
+    /// The outcome at the output ports in the last cycle; `None` if the opcode is unknown.
     pub fn outcome(&self) -> Option<Words> {
         let opcode = self.simulator.get(self.ports.opcode_out);
         let operation = self.operations.get(opcode as usize)?.as_ref()?;
-        let word = |&(port, kind): &Place<OutputPort>| {
+        let word = |&(port, kind): &NetlistPort<OutputPort>| {
             port.map_or(0, |port| self.encoding.from_port(kind, self.simulator.get(port)))
         };
         let words: Vec<u64> = operation.outputs.iter().map(word).collect();

@@ -32,8 +32,7 @@ pub struct FailedCheck {
 }
 
 impl RegressionChecks {
-    /// The number of jobs that finds nearly every fault: `raypath verify mutation` and the tests of its datapaths run
-    /// as many.
+    /// A number of jobs that finds nearly every fault. `raypath verify mutation` and its tests use it.
     pub const THOROUGH: usize = 20_000;
 
     /// Whether the checks observe the signal of this hierarchical name. The netlist must be compiled so that it is
@@ -115,8 +114,8 @@ impl RegressionChecks {
         expect(resets > 3 && left > 100, || format!("{resets} resets, {left} jobs"))
     }
 
-    /// Latency 12 if units take one step. The initiation interval is 1, but for beats of one accumulator the duration
-    /// of an addition.
+    /// Latency 12 if units take one step. The initiation interval is the duration of an addition for distances, and 1
+    /// for other operations.
     fn has_the_specified_timing(self, netlist: &mut NetlistEngine, model: &WordModel) -> Result<(), String> {
         let (kinds, unit_latency) = (self.config.kinds(), self.config.microarchitecture.unit_latency.steps());
         let latency = netlist.shape().latency as u64;
@@ -127,13 +126,13 @@ impl RegressionChecks {
             let initiation_interval = if sums { unit_latency.into() } else { 1 };
             let shaped = netlist.shape().interval(kind.opcode()) as u64;
             expect(shaped == initiation_interval, || format!("{kind}: an interval of {shaped}"))?;
-            let (measured, promised) = match self.jobs(model, &[kind]).next() {
+            let (measured, specified) = match self.jobs(model, &[kind]).next() {
                 Some(job) => (timing(netlist, &job), Timing { latency, initiation_interval }),
                 None => continue,
             };
-            expect(measured == Some(promised), || format!("{kind}: {measured:?}, expected {promised}"))?;
+            expect(measured == Some(specified), || format!("{kind}: {measured:?}, expected {specified}"))?;
         }
-        // Beats of an operation are further apart than an addition takes, so that no job waits.
+        // Jobs of one operation are farther apart than an addition takes, so no job waits.
         const ROUNDS: usize = 50;
         let mut streams: Vec<_> = kinds.iter().map(|&kind| self.jobs(model, &[kind])).collect();
         let round = |_| streams.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();

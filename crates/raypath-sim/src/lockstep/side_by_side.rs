@@ -1,27 +1,26 @@
-use crate::engine::{Engine, Handshake, NetlistEngine, Shown};
+use crate::engine::{CycleEngine, Engine, Handshake, NetlistEngine, Shown};
 use crate::lockstep::DIFFERENCES_SHOWN;
-use raypath_model::{CycleModel, Model, WordModel, Words};
+use raypath_model::{Model, WordModel, Words};
 use std::collections::VecDeque;
 
-/// How netlist and models differ in a cycle.
+/// A kind of difference between netlist and models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Difference {
-    /// Netlist and cycle-exact model show something else at their ports.
+    /// The ports of the netlist differ from those of the cycle-exact model.
     Ports,
-    /// The sink took an outcome that the functional model does not answer to that job.
+    /// The sink took an outcome that differs from that of the functional model.
     Answer,
 }
 
-/// Netlist, cycle-exact model and functional model as one engine, which shows what the cycle-exact model shows where
-/// the netlist shows the same, else what the netlist shows.
+/// An engine that runs a netlist, a cycle-exact model and a functional model side by side and compares them. It shows the
+/// ports of the netlist.
 pub struct SideBySide<'n, F> {
-    /// The first few differences, in words.
+    /// Messages about the first differences.
     pub differences: Vec<String>,
     netlist: &'n mut NetlistEngine,
-    cycle_model: CycleModel<WordModel>,
+    cycle_model: CycleEngine,
     functional: WordModel,
-    presented: Option<Words>,
-    /// What the functional model answers to the jobs that the netlist accepted, oldest first.
+    /// The expected outcomes of the jobs that the netlist accepted, oldest first.
     in_flight: VecDeque<Words>,
     cycles: u64,
     jobs: u64,
@@ -29,15 +28,13 @@ pub struct SideBySide<'n, F> {
 }
 
 impl<'n, F: FnMut(Difference)> SideBySide<'n, F> {
-    /// The engines as they are: the netlist as it comes, the models after a reset. `on_difference` is told each
-    /// difference as it is seen.
+    /// The netlist in its present state, with models after a reset. `on_difference` is called for each difference.
     pub fn new(netlist: &'n mut NetlistEngine, model: WordModel, on_difference: F) -> Self {
         Self {
             differences: Vec::new(),
-            cycle_model: CycleModel::new(model.clone(), netlist.shape()),
+            cycle_model: CycleEngine::new(model.clone(), netlist.shape()),
             netlist,
             functional: model,
-            presented: None,
             in_flight: VecDeque::new(),
             cycles: 0,
             jobs: 0,
@@ -70,24 +67,22 @@ impl<'n, F: FnMut(Difference)> SideBySide<'n, F> {
 impl<F: FnMut(Difference)> Engine for SideBySide<'_, F> {
     fn present(&mut self, job: &Words) {
         self.netlist.present(job);
-        self.presented = Some(job.clone());
+        self.cycle_model.present(job);
     }
 
     fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
         let Handshake { input_ready, output_valid } = self.netlist.clock(input_valid, output_ready);
-        // Before any job is there the port for the opcode is 0.
-        let opcode = self.presented.as_ref().map_or(0, |job| job.kind().opcode());
-        let modelled =
-            Shown { input_ready: self.cycle_model.input_ready(opcode), output: self.cycle_model.output().cloned() };
+        let modelled = self.cycle_model.cycle(input_valid, output_ready);
         let same = modelled.input_ready == input_ready
             && modelled.output.is_some() == output_valid
             && modelled.output.as_ref().is_none_or(|outcome| self.netlist.shows(outcome));
-        let mut shown = modelled.clone();
-        if !same {
-            shown = Shown { input_ready, output: if output_valid { self.netlist.outcome() } else { None } };
+        let shown = if same {
+            modelled
+        } else {
+            let shown = Shown { input_ready, output: if output_valid { self.netlist.outcome() } else { None } };
             self.compare_ports(&shown, &modelled);
-        }
-        self.cycle_model.cycle(self.presented.as_ref().filter(|_| input_valid), output_ready);
+            shown
+        };
         if let Some(outcome) = shown.output.as_ref().filter(|_| output_ready) {
             let expected = self.in_flight.pop_front();
             if expected.as_ref() != Some(outcome) {
@@ -96,7 +91,7 @@ impl<F: FnMut(Difference)> Engine for SideBySide<'_, F> {
             }
             self.jobs += 1;
         }
-        if let Some(job) = self.presented.as_ref().filter(|_| input_valid && input_ready) {
+        if let Some(job) = self.cycle_model.presented.as_ref().filter(|_| input_valid && input_ready) {
             self.in_flight.push_back(self.functional.run(job));
         }
         self.cycles += 1;

@@ -1,34 +1,35 @@
-//! How a source or a sink behaves.
+//! Random handshakes of a source or a sink.
 
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 
-/// What a source or a sink does all the while.
+/// The handshakes of a source or a sink. To act is to offer a job or to be ready.
 #[derive(Debug, Clone)]
 pub enum HandshakePattern {
-    /// It acts in every cycle.
+    /// Acts in every cycle.
     Always,
-    /// It acts in a cycle with this probability.
+    /// Acts in each cycle with this probability.
     Chance(f64),
-    /// It acts for at most so many cycles, then does nothing for at most so many, and so on.
+    /// Alternates between acting and pausing. Each takes a random number of cycles, at most `longest[0]` to act and
+    /// `longest[1]` to pause.
     Bursts { longest: [u32; 2], acting: bool, cycles_left: u32 },
-    /// It changes its mind.
+    /// Acts with a probability that changes.
     Phases(ActivityPhase),
 }
 
-/// For some cycles it acts with one probability, then with another.
+/// A probability of acting that is drawn again after a random number of cycles.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ActivityPhase {
     probability: f64,
     cycles_left: u32,
 }
 
-/// How likely source and sink are to act, by phase. Long stalls fill all places of the pipeline.
+/// The probabilities of a phase. Phases with low probability are long enough to fill or drain the pipeline.
 const PROBABILITIES: [f64; 6] = [1.0, 0.9, 0.5, 0.1, 0.01, 0.0];
 const MAX_PHASE_CYCLES: u32 = 80;
 
 impl HandshakePattern {
-    /// One of them. Those that keep the datapath busy are more likely than those that let it wait.
+    /// A random pattern. Patterns that keep the datapath busy are more likely than those that make it wait.
     pub fn random(rng: &mut ChaCha8Rng) -> Self {
         let bursts = |longest| Self::Bursts { longest, acting: true, cycles_left: 0 };
         match rng.random_range(0..16) {
@@ -43,7 +44,7 @@ impl HandshakePattern {
         }
     }
 
-    /// Whether it acts in the next cycle.
+    /// Whether the source or sink acts in the next cycle.
     pub fn acts(&mut self, rng: &mut ChaCha8Rng) -> bool {
         match self {
             Self::Always => true,
@@ -62,7 +63,7 @@ impl HandshakePattern {
 }
 
 impl ActivityPhase {
-    /// Whether it acts in the next cycle.
+    /// Whether the source or sink acts in the next cycle.
     pub fn acts(&mut self, rng: &mut ChaCha8Rng) -> bool {
         if self.cycles_left == 0 {
             self.probability = PROBABILITIES[rng.random_range(0..PROBABILITIES.len())];

@@ -1,39 +1,19 @@
-//! Handshakes as text (`docs/reference/transactions.md`): a letter a cycle.
+//! Recorded handshakes as text (`docs/reference/transactions.md`): one letter per cycle.
 
+use crate::InputError;
 use crate::traffic::Cycle;
-use std::path::{Path, PathBuf};
-use thiserror::Error;
+use std::path::Path;
 
-/// Why a file is no recorded handshake.
-#[derive(Debug, Error)]
-pub enum RecordedError {
-    /// It cannot be read.
-    #[error("{}: {problem}, expected text", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        problem: std::io::Error,
-    },
-    /// A letter that means nothing.
-    #[error("{}:{line}: '{letter}' is no cycle, expected b (both act), s (source), k (sink), - (neither), r (reset), or w before a cycle (withdraw)", path.display())]
-    Letter {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// What is there.
-        letter: char,
-    },
-}
+const CYCLES_PER_LINE: usize = 80;
 
-const CYCLES_A_LINE: usize = 80;
+const LETTERS: &str =
+    "expected b (both act), s (source), k (sink), - (neither), r (reset), or w before a cycle (withdraw)";
 
-/// Cycles as the text of a file.
+/// The text of a file with these cycles.
 pub fn recorded_text(cycles: &[Cycle]) -> String {
     let mut text =
         String::from("# a letter a cycle: b both act, s source, k sink, - neither, r reset; w before it: withdrawn\n");
-    for line in cycles.chunks(CYCLES_A_LINE) {
+    for line in cycles.chunks(CYCLES_PER_LINE) {
         for cycle in line {
             text.extend(cycle.withdraws.then_some('w'));
             text.push(match (cycle.resets, cycle.offers, cycle.takes) {
@@ -49,13 +29,13 @@ pub fn recorded_text(cycles: &[Cycle]) -> String {
     text
 }
 
-/// Reads the cycles of a file. Blanks and lines that begin with `#` are passed over.
+/// Reads the cycles of a file. White space and lines that begin with `#` are ignored.
 ///
 /// # Errors
-/// A file that cannot be read, or with letters that mean nothing.
-pub fn read_recorded(path: &Path) -> Result<Vec<Cycle>, RecordedError> {
+/// A file that cannot be read, or with an unknown letter.
+pub fn read_recorded(path: &Path) -> Result<Vec<Cycle>, InputError> {
     let text = std::fs::read_to_string(path);
-    let text = text.map_err(|problem| RecordedError::File { path: path.to_path_buf(), problem })?;
+    let text = text.map_err(|problem| InputError::in_file(path, format!("{problem}, expected text")))?;
     let mut cycles = Vec::new();
     let mut withdraws = false;
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.starts_with('#')) {
@@ -69,7 +49,7 @@ pub fn read_recorded(path: &Path) -> Result<Vec<Cycle>, RecordedError> {
                     withdraws = true;
                     continue;
                 }
-                _ => return Err(RecordedError::Letter { path: path.to_path_buf(), line: index + 1, letter }),
+                _ => return Err(InputError::at_line(path, index + 1, format!("'{letter}' is no cycle, {LETTERS}"))),
             };
             cycles.push(Cycle { offers, takes, withdraws, resets: letter == 'r' });
             withdraws = false;

@@ -1,44 +1,43 @@
-//! The columns of transaction files (`docs/reference/transactions.md`): one transaction a line, fields separated by
-//! spaces,
-//! hexadecimal without `0x`. They follow from an operation's ports, in the ports' order; of the paper's operations
-//! those that the golden vectors have come first, as they were recorded.
+//! The columns of transaction files (`docs/reference/transactions.md`). A line has one transaction: hexadecimal numbers
+//! without `0x`, separated by spaces. The columns are the operation's ports in order. For the paper's operations, the
+//! columns of the golden vectors come first, in the order in which they were recorded.
 
 use raypath_float::Format;
 use raypath_model::{OperationId, WordModel};
 use raypath_ops::{JobKind, PortKind, PortValue};
 
-/// A column, the port that it stands for, and how it is written.
+/// A column: a port, or one bit of a port.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
-    /// The port without its direction suffix; what it is called in messages.
+    /// The name of the port without direction suffix.
     pub port: String,
-    /// The bit of the port, where a column holds one bit of several.
+    /// The bit of the port; `None` for the whole port.
     pub bit: Option<u32>,
-    /// Bits of the value.
+    /// The width of the value in bits.
     pub width: u32,
 }
 
-/// The columns of one kind of file, `seq` and `cat` excluded.
+/// The columns of the files of one operation, except `seq` and `cat`.
 #[derive(Debug, Clone)]
 pub struct Columns {
-    /// What the job brings.
+    /// The columns of the job.
     pub inputs: Vec<Column>,
-    /// What was answered.
+    /// The columns of the outcome.
     pub outputs: Vec<Column>,
-    /// Lanes of a beat, where the job is one.
+    /// The lanes of a beat; `None` for operations other than distances.
     pub lanes: Option<usize>,
 }
 
-/// The columns for a kind of job of a model, whose numbers have this format.
+/// The columns for an operation of a model with numbers of `format`.
 pub fn columns(model: &WordModel, kind: OperationId, format: Format) -> Columns {
-    // A port that is all ones has as many bits as it is wide.
+    // The width of a port is the number of its ones when all bits are set.
     let inputs = of_ports(&model.job(kind, |_| u64::MAX).ports(), format);
     let outputs = of_ports(&model.outcome(kind, |_| u64::MAX).ports(), format);
     let Ok(kind) = kind.to_string().parse() else { return Columns { inputs, outputs, lanes: None } };
     let lanes = inputs.iter().filter(|column| column.port.starts_with("euclidean_a_")).count();
     let recorded = recorded(kind, lanes);
     let lanes = matches!(kind, JobKind::Euclidean | JobKind::Angular).then_some(lanes);
-    Columns { inputs: arranged(&recorded.inputs, inputs), outputs: arranged(&recorded.outputs, outputs), lanes }
+    Columns { inputs: arranged(&recorded.inputs.0, inputs), outputs: arranged(&recorded.outputs.0, outputs), lanes }
 }
 
 fn of_ports(ports: &[PortValue], format: Format) -> Vec<Column> {
@@ -49,34 +48,36 @@ fn of_ports(ports: &[PortValue], format: Format) -> Vec<Column> {
     ports.iter().map(|port| Column { port: port.name.clone(), bit: None, width: width(port) }).collect()
 }
 
-/// Columns in the recorded order, then those that were not recorded.
-fn arranged(recorded: &[Place], mut columns: Vec<Column>) -> Vec<Column> {
-    let of_place = |place: &Place| {
-        let column = columns.iter().find(|column| column.port == place.port)?;
-        let width = if place.bit.is_some() { 1 } else { column.width };
-        Some(Column { port: place.port.clone(), bit: place.bit, width })
+/// The columns in the recorded order, followed by those that were not recorded.
+fn arranged(recorded: &[RecordedColumn], mut columns: Vec<Column>) -> Vec<Column> {
+    let present = |RecordedColumn { port, bit }: &RecordedColumn| {
+        let column = columns.iter().find(|column| column.port == *port)?;
+        let width = if bit.is_some() { 1 } else { column.width };
+        Some(Column { port: port.clone(), bit: *bit, width })
     };
-    let mut arranged: Vec<Column> = recorded.iter().filter_map(of_place).collect();
-    columns.retain(|column| recorded.iter().all(|place| place.port != column.port));
+    let mut arranged: Vec<Column> = recorded.iter().filter_map(present).collect();
+    columns.retain(|column| recorded.iter().all(|known| known.port != column.port));
     arranged.append(&mut columns);
     arranged
 }
 
-/// What a column of the golden vectors holds: a port, or one of its bits.
+/// A column of the golden vectors: a port, or one bit of it.
 #[derive(Debug)]
-struct Place {
+struct RecordedColumn {
     port: String,
     bit: Option<u32>,
 }
 
-/// The columns of the golden vectors.
+/// The columns of the golden vectors for one operation.
+#[derive(Default)]
 struct Recorded {
-    inputs: Vec<Place>,
-    outputs: Vec<Place>,
+    inputs: List,
+    outputs: List,
 }
 
 fn recorded(kind: JobKind, lanes: usize) -> Recorded {
-    let (mut inputs, mut outputs) = (List::default(), List::default());
+    let mut recorded = Recorded::default();
+    let Recorded { inputs, outputs } = &mut recorded;
     match kind {
         JobKind::Triangle | JobKind::Quadbox => {
             for vector in ["origin", "dir", "inv"] {
@@ -122,11 +123,11 @@ fn recorded(kind: JobKind, lanes: usize) -> Recorded {
             ["dot_product", "norm", "reset_accum"].iter().for_each(|port| outputs.port(&format!("angular_{port}")));
         }
     }
-    Recorded { inputs: inputs.0, outputs: outputs.0 }
+    recorded
 }
 
 #[derive(Default)]
-struct List(Vec<Place>);
+struct List(Vec<RecordedColumn>);
 
 impl List {
     fn vector(&mut self, port: &str) {
@@ -134,11 +135,11 @@ impl List {
     }
 
     fn port(&mut self, port: &str) {
-        self.0.push(Place { port: port.to_string(), bit: None });
+        self.0.push(RecordedColumn { port: port.to_string(), bit: None });
     }
 
     fn flag(&mut self, port: &str, bit: u32) {
-        self.0.push(Place { port: port.to_string(), bit: Some(bit) });
+        self.0.push(RecordedColumn { port: port.to_string(), bit: Some(bit) });
     }
 }
 
@@ -147,9 +148,10 @@ mod tests {
     use super::*;
     use crate::Datapath;
     use raypath_rtl::{Config, Lanes};
+    use std::collections::BTreeMap;
 
-    /// Of the paper's operations all ports were recorded, each bit once, and no column stands for anything else: the
-    /// one list of ports that is written by hand cannot drift.
+    /// The recorded columns of the paper's operations are all ports, each bit once, and nothing else. This keeps the
+    /// list above, which is written by hand, in agreement with the operations.
     #[test]
     fn recorded_columns_are_the_ports() {
         for &lanes in Lanes::ALL {
@@ -161,33 +163,26 @@ mod tests {
                     _ => 0,
                 };
                 let expected = recorded(kind.name().parse().expect("one of the paper's"), lanes);
-                for (places, ports) in [(expected.inputs, model.inputs(kind)), (expected.outputs, model.outputs(kind))]
+                for (columns, ports) in [(expected.inputs, model.inputs(kind)), (expected.outputs, model.outputs(kind))]
                 {
-                    let mut found: Vec<(&str, u32)> = Vec::new();
-                    for place in &places {
-                        let bits = place.bit.map_or(u32::MAX, |bit| 1 << bit);
-                        match found.iter_mut().find(|(port, _)| *port == place.port) {
-                            Some((_, others)) => *others += bits,
-                            None => found.push((&place.port, bits)),
-                        }
+                    let mut found: BTreeMap<&str, u32> = BTreeMap::new();
+                    for column in &columns.0 {
+                        *found.entry(&column.port).or_default() += column.bit.map_or(u32::MAX, |bit| 1 << bit);
                     }
                     let bits = |name: &str| if name == "is_intersect" { 0xf } else { u32::MAX };
-                    let mut wanted: Vec<(&str, u32)> =
-                        ports.iter().map(|port| (port.name.as_str(), bits(&port.name))).collect();
-                    found.sort_unstable();
-                    wanted.sort_unstable();
-                    assert_eq!(found, wanted, "{kind}, {lanes} lanes");
+                    let expected = ports.iter().map(|port| (port.name.as_str(), bits(&port.name))).collect();
+                    assert_eq!(found, expected, "{kind}, {lanes} lanes");
                 }
             }
         }
     }
 
-    /// What was not recorded follows, and what is not there has no column.
+    /// Ports that were not recorded follow the recorded ones; a recorded port that the model lacks has no column.
     #[test]
     fn further_ports_follow_the_recorded_ones() {
-        let place = |port: &str, bit| Place { port: port.to_string(), bit };
+        let known = |port: &str, bit| RecordedColumn { port: port.to_string(), bit };
         let column = |port: &str, bit, width| Column { port: port.to_string(), bit, width };
-        let recorded = [place("b", None), place("gone", None), place("a", Some(0)), place("a", Some(1))];
+        let recorded = [known("b", None), known("gone", None), known("a", Some(0)), known("a", Some(1))];
         let ports = vec![column("tag", None, 8), column("a", None, 2), column("b", None, 32), column("u", None, 32)];
         let expected = [
             column("b", None, 32),

@@ -1,31 +1,31 @@
-//! The lines of a transaction file, plain or gzip, one at a time and within bounds: gzip of a megabyte can unpack to a
-//! gigabyte, and a line need not end.
+//! The lines of a transaction file, plain or gzip, within bounds. A line may lack an end, and a megabyte of gzip can
+//! unpack to a gigabyte.
 
 use raypath_tools::plain_or_gzip;
 use std::io::{BufRead, Error, ErrorKind, Read, Result};
 
-/// What is read at most.
+/// The maximum sizes in bytes.
 #[derive(Debug, Clone, Copy)]
 struct Bounds {
-    /// Bytes of a line; the longest, of 64 lanes, has 2,400.
+    /// One line. Lines for 64 lanes, the longest, have 2,400.
     line: u64,
-    /// Bytes of all lines, unpacked.
+    /// All lines, unpacked.
     text: u64,
 }
 
 const BOUNDS: Bounds = Bounds { line: 64 << 10, text: 4 << 30 };
 
-/// A stream, line by line.
+/// Reads a stream line by line.
 pub struct Lines<'s> {
     stream: Box<dyn BufRead + 's>,
     line: Vec<u8>,
     bounds: Bounds,
-    /// Bytes that may still come.
+    /// The number of bytes that may still be read.
     left: u64,
 }
 
 impl<'s> Lines<'s> {
-    /// Looks at the first bytes of a stream, which say whether it is gzip.
+    /// Starts to read a stream. Its first bytes determine whether it is gzip.
     pub fn new(stream: impl Read + 's) -> Result<Self> {
         Self::within(stream, BOUNDS)
     }
@@ -34,17 +34,17 @@ impl<'s> Lines<'s> {
         Ok(Self { stream: plain_or_gzip(stream)?, line: Vec::new(), bounds, left: bounds.text })
     }
 
-    /// The next line without its end, or nothing behind the last.
+    /// The next line without its end; `None` after the last.
     pub fn next(&mut self) -> Result<Option<&str>> {
-        let Bounds { line: most_in_line, text: most } = self.bounds;
+        let Bounds { line: max_line, text: max } = self.bounds;
         self.line.clear();
-        // One byte more than there may be tells what is too long from what just fits.
-        let length = (&mut self.stream).take(most_in_line + 1).read_until(b'\n', &mut self.line)? as u64;
+        // One byte more than allowed, to detect a longer line.
+        let length = (&mut self.stream).take(max_line + 1).read_until(b'\n', &mut self.line)? as u64;
         let too_large = |what: String| Error::new(ErrorKind::FileTooLarge, what);
-        if length > most_in_line {
-            return Err(too_large(format!("more than {most_in_line} bytes in a line")));
+        if length > max_line {
+            return Err(too_large(format!("more than {max_line} bytes in a line")));
         }
-        self.left = self.left.checked_sub(length).ok_or_else(|| too_large(format!("more than {most} bytes in all")))?;
+        self.left = self.left.checked_sub(length).ok_or_else(|| too_large(format!("more than {max} bytes in all")))?;
         if length == 0 {
             return Ok(None);
         }
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_as_the_standard_library_has_them() {
+    fn lines_equal_those_of_the_standard_library() {
         for text in ["", "\n", "a", "a\n", "a\r\nb\n\n c", "\r", "a\r\r\n"] {
             let expected: Vec<String> = text.as_bytes().lines().collect::<Result<_>>().expect("text");
             for stream in [text.as_bytes().to_vec(), gzip(text.as_bytes())] {
@@ -86,14 +86,14 @@ mod tests {
     }
 
     #[test]
-    fn what_just_fits_is_read_and_one_byte_more_is_not() {
-        let read = |text: &str, line, most| {
-            let found = [text.as_bytes().to_vec(), gzip(text.as_bytes())].map(|stream| {
-                let lines = Lines::within(stream.as_slice(), Bounds { line, text: most }).expect("a stream");
+    fn one_byte_more_than_a_bound_is_an_error() {
+        let read = |text: &str, line, all_lines| {
+            let [plain, unpacked] = [text.as_bytes().to_vec(), gzip(text.as_bytes())].map(|stream| {
+                let lines = Lines::within(stream.as_slice(), Bounds { line, text: all_lines }).expect("a stream");
                 all(lines).map(|lines| lines.len()).map_err(|error| error.to_string())
             });
-            assert_eq!(found[0], found[1], "plain and gzip");
-            found[0].clone()
+            assert_eq!(plain, unpacked);
+            plain
         };
         assert_eq!(read("ab\nab\n", 3, 6), Ok(2));
         assert_eq!(read("ab\nab\n", 3, 5), Err("more than 5 bytes in all".to_string()));
@@ -101,7 +101,7 @@ mod tests {
         assert_eq!(read("ab\nabc", 3, 9), Ok(2));
     }
 
-    /// 64 MiB of zeros in one line, and a line that never ends.
+    /// A line of 64 MiB in a small gzip file, and a line without an end.
     #[test]
     fn bombs_are_errors() {
         let bomb = gzip(&vec![b'0'; 64 << 20]);
