@@ -11,7 +11,7 @@ use std::io::Write;
 pub fn ask_oracles(checks: &Checks<'_>, out: &mut dyn Write) -> Result<(), CliError> {
     for spec in checks.specs {
         let name = spec.name();
-        let Some(oracle) = spec.verified_by() else {
+        let Some(oracle) = spec.oracle_name() else {
             writeln!(out, "Oracle of {name}: none; only netlist and models are compared.")?;
             continue;
         };

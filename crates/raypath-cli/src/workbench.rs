@@ -173,7 +173,7 @@ pub fn run(spec: &AnyOperationSpec, arguments: &Arguments, out: &mut dyn Write) 
 
 fn in_words(spec: &AnyOperationSpec, arguments: &Arguments, config: Config) -> String {
     let place = if arguments.alone { "alone".to_string() } else { format!("in the datapath '{}'", arguments.preset) };
-    let purpose = spec.for_what();
+    let purpose = spec.purpose();
     let what = if purpose.is_empty() { String::new() } else { format!("{purpose}; ") };
     format!("{what}{place} ({config})")
 }

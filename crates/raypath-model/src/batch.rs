@@ -5,9 +5,9 @@ use crate::lanes::Lanes;
 use crate::packed::{BLOCK, Packed, Part, Sixteen};
 use fearless_simd::{Level, Simd, dispatch};
 use raypath_ops::{
-    Angular, AngularInput, AngularOutput, AngularState, Binary32, Bit, Bundle, Circuit, Euclidean, EuclideanInput,
-    EuclideanOutput, EuclideanState, Family, Field, KernelOperation, Num, Of, Path, RayBox, RayBoxInput, RayBoxOutput,
-    RayTriangle, RayTriangleInput, RayTriangleOutput, Rules, Source, array_of,
+    Angular, AngularOutput, AngularState, BeatInput, Binary32, Bit, Bundle, Circuit, Euclidean, EuclideanOutput,
+    EuclideanState, Family, Field, KernelOperation, Num, Of, Path, RayBox, RayBoxInput, RayBoxOutput, RayTriangle,
+    RayTriangleInput, RayTriangleOutput, Rules, Source, array_of,
 };
 
 /// Sixteen functional models over binary32, computed in SIMD lanes. Each returns the results of a
@@ -76,14 +76,14 @@ impl<const E: usize, const A: usize> Batch<E, A> {
 
     /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain
     /// for the next call.
-    pub fn euclidean(&mut self, beats: &[EuclideanInput<Packed, E>], answers: &mut [EuclideanOutput<Packed>]) {
+    pub fn euclidean(&mut self, beats: &[BeatInput<Packed, E>], answers: &mut [EuclideanOutput<Packed>]) {
         let state = &mut self.euclidean;
         dispatch!(self.level, simd => run(simd, &Euclidean::<E>, beats, answers, state));
     }
 
     /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain
     /// for the next call.
-    pub fn angular(&mut self, beats: &[AngularInput<Packed, A>], answers: &mut [AngularOutput<Packed>]) {
+    pub fn angular(&mut self, beats: &[BeatInput<Packed, A>], answers: &mut [AngularOutput<Packed>]) {
         let state = &mut self.angular;
         dispatch!(self.level, simd => run(simd, &Angular::<A>, beats, answers, state));
     }

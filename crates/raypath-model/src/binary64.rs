@@ -1,8 +1,8 @@
 use crate::kernels::ModelCircuit;
-use raypath_ops::{Circuit, Concrete, Portable, Relation, Test};
+use raypath_ops::{Circuit, Concrete, Portable};
 
-/// IEEE 754 binary64, computed by the machine's floating-point instructions. The accuracy of other formats is measured
-/// against it.
+/// IEEE 754 binary64, computed by the floating-point instructions of the machine. It is the reference for the accuracy of
+/// other formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Binary64;
 
@@ -25,64 +25,19 @@ impl PartialEq for Double {
 }
 
 impl Circuit for Binary64 {
-    type Num = Double;
-    type Bit = bool;
-    type Word = u32;
-    type Order = (f64, f64);
+    raypath_ops::native_numbers!(Double(f64));
 
-    #[inline]
-    fn constant(self, value: f32) -> Double {
-        Double(value.into())
-    }
-    #[inline]
-    fn one_plus_ulps(self, ulps: u32) -> Double {
-        Double(1.0 + f64::from(ulps) * f64::EPSILON)
-    }
-    #[inline]
+    #[inline(always)]
     fn add(self, a: Double, b: Double) -> Double {
         Double(a.0 + b.0)
     }
-    #[inline]
+    #[inline(always)]
     fn subtract(self, a: Double, b: Double) -> Double {
         Double(a.0 - b.0)
     }
-    #[inline]
+    #[inline(always)]
     fn multiply(self, a: Double, b: Double) -> Double {
         Double(a.0 * b.0)
-    }
-    #[inline]
-    fn negate(self, a: Double) -> Double {
-        Double(-a.0)
-    }
-    #[inline]
-    fn compare(self, a: Double, b: Double) -> (f64, f64) {
-        (a.0, b.0)
-    }
-    #[inline]
-    fn relation(self, (a, b): (f64, f64), relation: Relation) -> bool {
-        match relation {
-            Relation::Less => a < b,
-            Relation::LessOrEqual => a <= b,
-            Relation::Equal => a == b,
-            Relation::GreaterOrEqual => a >= b,
-            Relation::Greater => a > b,
-        }
-    }
-    #[inline]
-    fn number_of(self, _width: u32, word: u32) -> Double {
-        Double(word.into())
-    }
-    #[inline]
-    fn test(self, test: Test, a: Double) -> bool {
-        match test {
-            Test::SignBit => a.0.is_sign_negative(),
-            Test::Zero => a.0 == 0.0,
-            Test::Nan => a.0.is_nan(),
-            Test::AtLeastZero => a.0 >= 0.0,
-            Test::AboveZero => a.0 > 0.0,
-            Test::AtMostZero => a.0 <= 0.0,
-            Test::BelowZero => a.0 < 0.0,
-        }
     }
 
     raypath_ops::known_bits_and_words!();

@@ -66,7 +66,7 @@ impl Circuit for Packed {
         (a, b)
     }
     fn relation(self, (a, b): Self::Order, relation: Relation) -> Self::Bit {
-        a.zip(b, |a, b| mask(Binary32.relation((Single(a), Single(b)), relation)))
+        a.zip(b, |a, b| mask(Binary32.relation((a, b), relation)))
     }
     fn number_of(self, _width: u32, word: Self::Word) -> Self::Num {
         word.map(|word| word as f32)

@@ -6,8 +6,8 @@ use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
 use raypath_model::{Batch, Functional, Packed, Soft, blank, levels, pack, unpack};
 use raypath_ops::{
-    AngularInput, AngularOutput, Binary32, EuclideanInput, EuclideanOutput, Family, Job, JobKind, Of, Operation,
-    Outcome, RayBox, RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules,
+    AngularOutput, BeatInput, Binary32, EuclideanOutput, Family, Job, JobKind, Of, Operation, Outcome, RayBox,
+    RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules,
 };
 
 const JOBS: usize = 16 * 200;
@@ -129,7 +129,7 @@ fn triangles_side_by_side() {
 #[test]
 fn euclidean_beats_side_by_side() {
     let input = |job| if let Job::Euclidean(input) = job { input } else { unreachable!() };
-    check::<EuclideanInput<Binary32, 16>, EuclideanOutput<Binary32>>(
+    check::<BeatInput<Binary32, 16>, EuclideanOutput<Binary32>>(
         JobKind::Euclidean,
         &words(JobKind::Euclidean, 3),
         input,
@@ -141,7 +141,7 @@ fn euclidean_beats_side_by_side() {
 #[test]
 fn angular_beats_side_by_side() {
     let input = |job| if let Job::Angular(input) = job { input } else { unreachable!() };
-    check::<AngularInput<Binary32, 8>, AngularOutput<Binary32>>(
+    check::<BeatInput<Binary32, 8>, AngularOutput<Binary32>>(
         JobKind::Angular,
         &words(JobKind::Angular, 4),
         input,

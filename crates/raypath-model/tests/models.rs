@@ -1,4 +1,4 @@
-//! The functional and the cycle-exact model: sums of any number of lanes, resets, and one in step with the other.
+//! The functional and the cycle-exact model: exact sums for any number of lanes, resets, and agreement of the two.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -80,8 +80,8 @@ fn a_reset_zeroes_the_sums() {
     }
 }
 
-/// The cycle model of any shape answers with the functional model's outcomes, each once and in order, whatever source
-/// and sink do; a job that is offered and not accepted leaves no trace in the sums.
+/// A cycle-exact model of any shape gives the outcomes of the functional model, each once and in order, for random
+/// handshakes. A job that is offered and not accepted does not change the sums.
 #[test]
 fn the_cycle_model_gives_the_functional_models_outcomes() {
     let loops = vec![

@@ -1,7 +1,7 @@
 //! Whole vectors through the model: distances of any dimension, against integers.
 
 use raypath_model::Functional;
-use raypath_ops::{AngularInput, Beat, Binary32, EuclideanInput, Job, Outcome, Rules, VectorError};
+use raypath_ops::{Beat, BeatInput, Binary32, Job, Outcome, Rules, VectorError};
 
 /// Coordinates small enough for every sum to be exact.
 fn vector(dimensions: usize, seed: i32) -> Vec<f32> {
@@ -20,7 +20,7 @@ fn distances_of_every_dimension() {
         let pairs = || query.iter().zip(&candidate).map(|(&a, &b)| (a as i64, b as i64));
 
         let beats = Beat::<Binary32, 16>::of(&query, &candidate).expect("beats");
-        let jobs: Vec<Job> = beats.map(|euclidean| Job::Euclidean(EuclideanInput { euclidean })).collect();
+        let jobs: Vec<Job> = beats.map(|euclidean| Job::Euclidean(BeatInput { euclidean })).collect();
         assert_eq!(jobs.len(), dimensions.div_ceil(16));
         let last = jobs.iter().map(|job| datapath.run(job)).last();
         let Some(Outcome::Euclidean(output)) = last else { panic!("{last:?}") };
@@ -28,7 +28,7 @@ fn distances_of_every_dimension() {
         assert!(bool::from(output.euclidean_reset_accum));
 
         let beats = Beat::<Binary32, 8>::of(&query, &candidate).expect("beats");
-        let last = beats.map(|euclidean| datapath.run(&Job::Angular(AngularInput { euclidean }))).last();
+        let last = beats.map(|euclidean| datapath.run(&Job::Angular(BeatInput { euclidean }))).last();
         let Some(Outcome::Angular(output)) = last else { panic!("{last:?}") };
         assert_eq!(f32::from(output.angular_dot_product), sum_of(pairs(), |a, b| a * b));
         assert_eq!(f32::from(output.angular_norm), sum_of(pairs(), |_, b| b * b));

@@ -1,11 +1,11 @@
-//! The machine's binary32 arithmetic.
+//! Native binary32 arithmetic.
 
-use crate::circuit::{Circuit, Relation, Test};
+use crate::circuit::Circuit;
 use crate::concrete::Concrete;
 use crate::handle::{Bit, Flags, Num, Word};
 use std::fmt;
 
-/// IEEE 754 binary32, computed by the machine's floating-point instructions.
+/// IEEE 754 binary32, computed by the floating-point instructions of the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Binary32;
 
@@ -14,7 +14,7 @@ pub struct Binary32;
 pub struct Single(pub f32);
 
 impl Single {
-    /// The number's bits; a NaN becomes the canonical NaN, so that the machine's signs and payloads do not matter.
+    /// The number's bits; a NaN becomes the canonical NaN.
     #[inline(always)]
     pub fn to_bits(self) -> u32 {
         if self.0.is_nan() { 0x7fc0_0000 } else { self.0.to_bits() }
@@ -34,19 +34,8 @@ impl fmt::Debug for Single {
 }
 
 impl Circuit for Binary32 {
-    type Num = Single;
-    type Bit = bool;
-    type Word = u32;
-    type Order = (Single, Single);
+    crate::native_numbers!(Single(f32));
 
-    #[inline(always)]
-    fn constant(self, value: f32) -> Single {
-        Single(value)
-    }
-    #[inline(always)]
-    fn one_plus_ulps(self, ulps: u32) -> Single {
-        Single(1.0 + ulps as f32 * f32::EPSILON)
-    }
     #[inline(always)]
     fn add(self, a: Single, b: Single) -> Single {
         Single(a.0 + b.0)
@@ -58,40 +47,6 @@ impl Circuit for Binary32 {
     #[inline(always)]
     fn multiply(self, a: Single, b: Single) -> Single {
         Single(a.0 * b.0)
-    }
-    #[inline(always)]
-    fn negate(self, a: Single) -> Single {
-        Single(-a.0)
-    }
-    #[inline(always)]
-    fn compare(self, a: Single, b: Single) -> (Single, Single) {
-        (a, b)
-    }
-    #[inline(always)]
-    fn relation(self, (a, b): (Single, Single), relation: Relation) -> bool {
-        match relation {
-            Relation::Less => a.0 < b.0,
-            Relation::LessOrEqual => a.0 <= b.0,
-            Relation::Equal => a.0 == b.0,
-            Relation::GreaterOrEqual => a.0 >= b.0,
-            Relation::Greater => a.0 > b.0,
-        }
-    }
-    #[inline(always)]
-    fn number_of(self, _width: u32, word: u32) -> Single {
-        Single(word as f32)
-    }
-    #[inline(always)]
-    fn test(self, test: Test, a: Single) -> bool {
-        match test {
-            Test::SignBit => a.0.is_sign_negative(),
-            Test::Zero => a.0 == 0.0,
-            Test::Nan => a.0.is_nan(),
-            Test::AtLeastZero => a.0 >= 0.0,
-            Test::AboveZero => a.0 > 0.0,
-            Test::AtMostZero => a.0 <= 0.0,
-            Test::BelowZero => a.0 < 0.0,
-        }
     }
 
     crate::known_bits_and_words!();

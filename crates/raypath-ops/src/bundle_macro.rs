@@ -1,8 +1,8 @@
 //! The macro that declares bundles.
 
-/// Declares a structure over a circuit `C` and implements [`Bundle`](crate::Bundle) and [`Family`](crate::Family) for
-/// it, so that its ports follow from its fields. It may have constant parameters, such as a number of lanes or a word's
-/// width.
+/// Declares one or more structures over a circuit `C`, and implements [`Bundle`](crate::Bundle) and
+/// [`Family`](crate::Family) for them. The fields determine the ports. A structure may have constant parameters, such as
+/// a number of lanes or the width of a word.
 ///
 /// ```
 /// raypath_ops::bundle! {
@@ -17,11 +17,13 @@
 /// ```
 #[macro_export]
 macro_rules! bundle {
+    () => {};
     (
         $(#[$attribute:meta])*
         pub struct $name:ident<C $(, const $n:ident: $kind:ident)*> {
             $($(#[$field_attribute:meta])* pub $field:ident: $type:ty,)*
         }
+        $($others:tt)*
     ) => {
         $(#[$attribute])*
         #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,6 +86,8 @@ macro_rules! bundle {
                 )*
             }
         }
+
+        $crate::bundle! { $($others)* }
     };
 }
 pub use bundle;

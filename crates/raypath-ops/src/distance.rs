@@ -28,17 +28,13 @@ bundle! {
         /// This beat is the last of its vectors: the sums restart at zero after it.
         pub reset_accum: Bit<C>,
     }
-}
 
-bundle! {
-    /// One Euclidean beat.
-    pub struct EuclideanInput<C, const N: usize> {
+    /// The input of [`Euclidean`] and [`Angular`], which share their ports.
+    pub struct BeatInput<C, const N: usize> {
         /// The beat.
         pub euclidean: Beat<C, N>,
     }
-}
 
-bundle! {
     /// The sum up to and including this beat.
     pub struct EuclideanOutput<C> {
         /// Sum of squared differences over all beats since the last reset, including this one.
@@ -46,25 +42,13 @@ bundle! {
         /// The beat's reset.
         pub euclidean_reset_accum: Bit<C>,
     }
-}
 
-bundle! {
     /// The accumulator of Euclidean beats.
     pub struct EuclideanState<C> {
         /// Sum of squared differences since the last reset.
         pub accumulator: Num<C>,
     }
-}
 
-bundle! {
-    /// One angular beat, on the ports of a Euclidean one.
-    pub struct AngularInput<C, const N: usize> {
-        /// The beat.
-        pub euclidean: Beat<C, N>,
-    }
-}
-
-bundle! {
     /// The sums up to and including this beat.
     pub struct AngularOutput<C> {
         /// Sum of a·b over all beats since the last reset, including this one.
@@ -74,9 +58,7 @@ bundle! {
         /// The beat's reset.
         pub angular_reset_accum: Bit<C>,
     }
-}
 
-bundle! {
     /// The accumulators of angular beats.
     pub struct AngularState<C> {
         /// Sum of a·b since the last reset.
@@ -86,16 +68,15 @@ bundle! {
     }
 }
 
-/// The stages for the levels of the adder trees, by preference: first those whose adders other operations need as well.
-/// A tree with fewer levels omits the later ones. A Euclidean tree may end in the stage in which an angular one
-/// accumulates.
+/// The stages for the levels of the adder trees, by preference: first the stages whose adders other operations need as
+/// well. A tree with fewer levels omits the last stages of the list.
 const EUCLIDEAN_TREE: [u32; 6] = [4, 6, 8, 9, 5, 7];
 const ANGULAR_TREE: [u32; 5] = [4, 6, 8, 5, 7];
 const TREE_TITLE: &str = "sums i + (i + half)";
 
 impl<const N: usize> Operation for Euclidean<N> {
     const NAME: &'static str = "euclidean";
-    type Input<C: Circuit> = EuclideanInput<C, N>;
+    type Input<C: Circuit> = BeatInput<C, N>;
     type Output<C: Circuit> = EuclideanOutput<C>;
     type State<C: Circuit> = EuclideanState<C>;
 
@@ -103,7 +84,7 @@ impl<const N: usize> Operation for Euclidean<N> {
     fn run<C: Circuit>(
         &self,
         c: C,
-        input: EuclideanInput<C, N>,
+        input: BeatInput<C, N>,
         state: EuclideanState<C>,
     ) -> (EuclideanOutput<C>, EuclideanState<C>) {
         self.run_with(c, Portable, input, state)
@@ -116,7 +97,7 @@ impl<const N: usize> KernelOperation for Euclidean<N> {
         &self,
         c: C,
         kernels: K,
-        input: EuclideanInput<C, N>,
+        input: BeatInput<C, N>,
         state: EuclideanState<C>,
     ) -> (EuclideanOutput<C>, EuclideanState<C>) {
         let reset_accum = input.euclidean.reset_accum;
@@ -132,7 +113,7 @@ impl<const N: usize> KernelOperation for Euclidean<N> {
 
 impl<const N: usize> Operation for Angular<N> {
     const NAME: &'static str = "angular";
-    type Input<C: Circuit> = AngularInput<C, N>;
+    type Input<C: Circuit> = BeatInput<C, N>;
     type Output<C: Circuit> = AngularOutput<C>;
     type State<C: Circuit> = AngularState<C>;
 
@@ -140,7 +121,7 @@ impl<const N: usize> Operation for Angular<N> {
     fn run<C: Circuit>(
         &self,
         c: C,
-        input: AngularInput<C, N>,
+        input: BeatInput<C, N>,
         state: AngularState<C>,
     ) -> (AngularOutput<C>, AngularState<C>) {
         self.run_with(c, Portable, input, state)
@@ -153,7 +134,7 @@ impl<const N: usize> KernelOperation for Angular<N> {
         &self,
         c: C,
         kernels: K,
-        input: AngularInput<C, N>,
+        input: BeatInput<C, N>,
         state: AngularState<C>,
     ) -> (AngularOutput<C>, AngularState<C>) {
         let reset_accum = input.euclidean.reset_accum;

@@ -16,34 +16,20 @@ pub struct EuclideanMany<const N: usize, const M: usize, const W: u32>;
 pub struct AngularMany<const N: usize, const M: usize, const W: u32>;
 
 bundle! {
-    /// One Euclidean beat and its accumulator.
-    pub struct EuclideanManyInput<C, const N: usize, const W: u32> {
+    /// The input of [`EuclideanMany`] and [`AngularMany`], which share their ports.
+    pub struct BeatManyInput<C, const N: usize, const W: u32> {
         /// The beat.
         pub euclidean: Beat<C, N>,
-        /// The accumulator to which the beat is added, and which its reset clears.
+        /// The index of the accumulator, or pair of accumulators, to which the beat is added, and which its reset clears.
         pub accumulator: Word<C, W>,
     }
-}
 
-bundle! {
     /// The accumulators of Euclidean beats.
     pub struct EuclideanManyState<C, const M: usize> {
         /// Sums of squared differences, each since the last reset of its accumulator.
         pub accumulator: [Num<C>; M],
     }
-}
 
-bundle! {
-    /// One angular beat and its accumulators, on the ports of a Euclidean one.
-    pub struct AngularManyInput<C, const N: usize, const W: u32> {
-        /// The beat.
-        pub euclidean: Beat<C, N>,
-        /// The pair of accumulators to which the beat is added, and which its reset clears.
-        pub accumulator: Word<C, W>,
-    }
-}
-
-bundle! {
     /// The accumulators of angular beats.
     pub struct AngularManyState<C, const M: usize> {
         /// Sums of a·b, each since the last reset of its accumulator.
@@ -55,7 +41,7 @@ bundle! {
 
 impl<const N: usize, const M: usize, const W: u32> Operation for EuclideanMany<N, M, W> {
     const NAME: &'static str = Euclidean::<N>::NAME;
-    type Input<C: Circuit> = EuclideanManyInput<C, N, W>;
+    type Input<C: Circuit> = BeatManyInput<C, N, W>;
     type Output<C: Circuit> = EuclideanOutput<C>;
     type State<C: Circuit> = EuclideanManyState<C, M>;
 
@@ -63,7 +49,7 @@ impl<const N: usize, const M: usize, const W: u32> Operation for EuclideanMany<N
     fn run<C: Circuit>(
         &self,
         c: C,
-        input: EuclideanManyInput<C, N, W>,
+        input: BeatManyInput<C, N, W>,
         state: EuclideanManyState<C, M>,
     ) -> (EuclideanOutput<C>, EuclideanManyState<C, M>) {
         let reset_accum = input.euclidean.reset_accum;
@@ -81,7 +67,7 @@ impl<const N: usize, const M: usize, const W: u32> Operation for EuclideanMany<N
 
 impl<const N: usize, const M: usize, const W: u32> Operation for AngularMany<N, M, W> {
     const NAME: &'static str = Angular::<N>::NAME;
-    type Input<C: Circuit> = AngularManyInput<C, N, W>;
+    type Input<C: Circuit> = BeatManyInput<C, N, W>;
     type Output<C: Circuit> = AngularOutput<C>;
     type State<C: Circuit> = AngularManyState<C, M>;
 
@@ -89,7 +75,7 @@ impl<const N: usize, const M: usize, const W: u32> Operation for AngularMany<N, 
     fn run<C: Circuit>(
         &self,
         c: C,
-        input: AngularManyInput<C, N, W>,
+        input: BeatManyInput<C, N, W>,
         state: AngularManyState<C, M>,
     ) -> (AngularOutput<C>, AngularManyState<C, M>) {
         let (reset_accum, which) = (input.euclidean.reset_accum, input.accumulator);
@@ -111,20 +97,18 @@ impl<const N: usize, const M: usize, const W: u32> Operation for AngularMany<N, 
     }
 }
 
-/// The number at index `which`, by a tree of multiplexers of the least depth.
+/// The number at index `which`, by a tree of multiplexers.
 #[inline(always)]
 fn chosen<C: Circuit, const M: usize, const W: u32>(c: C, which: Word<C, W>, numbers: &[Num<C>; M]) -> Num<C> {
     const { assert!(M == 1 << W, "as many accumulators as the word has values") };
-    let mut left = *numbers;
-    let mut apart = 1;
-    while apart < M {
-        for first in (0..M).step_by(2 * apart) {
-            let second = first + apart;
-            left[first] = which.less(c.word(second as u32)).select(left[first], left[second]);
+    let mut chosen = *numbers;
+    for level in 0..W {
+        for first in (0..M).step_by(2 << level) {
+            let second = first + (1 << level);
+            chosen[first] = which.less(c.word(second as u32)).select(chosen[first], chosen[second]);
         }
-        apart *= 2;
     }
-    left[0]
+    chosen[0]
 }
 
 /// The numbers, with the one at index `which` replaced by `by`.

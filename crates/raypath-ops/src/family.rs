@@ -5,8 +5,7 @@ use crate::bundle::Bundle;
 use crate::circuit::Circuit;
 use crate::handle::{Bit, Flags, Num, Word};
 
-/// A bundle type without its circuit. The family is named by its member over [`Binary32`]: for `Vec3<Binary32>`, the
-/// type
+/// A bundle type without its circuit. The member over [`Binary32`] represents the family: for `Vec3<Binary32>`, the type
 /// `Of<C>` is `Vec3<C>`. Implemented for every type that implements [`Bundle`].
 ///
 /// The methods convert bundles between circuits whose values hold different numbers of jobs, such as scalars, SIMD

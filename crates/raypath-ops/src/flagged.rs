@@ -1,7 +1,7 @@
 //! Binary32 arithmetic with exception flags.
 
 use crate::binary32::{Binary32, Single};
-use crate::circuit::{Circuit, Relation, Test};
+use crate::circuit::Circuit;
 use crate::concrete::Concrete;
 use std::cell::Cell;
 
@@ -25,9 +25,7 @@ impl Flagged<'_> {
     /// Infinity minus infinity, or zero times infinity.
     pub const INVALID: u64 = 8;
 
-    /// Records the exceptions of `result`, whose exact value is `exact + more`: the sum of two binary64 numbers,
-    /// because
-    /// `exact` alone may be rounded.
+    /// Records the exceptions of `result`. Its exact value is `exact + more`, because `exact` alone may be rounded.
     #[inline]
     fn note(self, [a, b]: [Single; 2], result: Single, exact: f64, more: f64) -> Single {
         let rounded = f64::from(result.0);
@@ -50,26 +48,15 @@ impl Flagged<'_> {
 }
 
 impl Circuit for Flagged<'_> {
-    type Num = Single;
-    type Bit = bool;
-    type Word = u32;
-    type Order = (Single, Single);
+    crate::native_numbers!(Single(f32));
 
-    #[inline]
-    fn constant(self, value: f32) -> Single {
-        Single(value)
-    }
-    #[inline]
-    fn one_plus_ulps(self, ulps: u32) -> Single {
-        Binary32.one_plus_ulps(ulps)
-    }
     #[inline]
     fn add(self, a: Single, b: Single) -> Single {
         let (x, y) = (f64::from(a.0), f64::from(b.0));
         let sum = x + y;
         // The rounding error of the binary64 sum (Knuth's two-sum).
-        let most = sum - x;
-        let lost = (x - (sum - most)) + (y - most);
+        let rounded_y = sum - x;
+        let lost = (x - (sum - rounded_y)) + (y - rounded_y);
         self.note([a, b], Single(a.0 + b.0), sum, lost)
     }
     #[inline]
@@ -79,26 +66,6 @@ impl Circuit for Flagged<'_> {
     #[inline]
     fn multiply(self, a: Single, b: Single) -> Single {
         self.note([a, b], Single(a.0 * b.0), f64::from(a.0) * f64::from(b.0), 0.0)
-    }
-    #[inline]
-    fn negate(self, a: Single) -> Single {
-        Single(-a.0)
-    }
-    #[inline]
-    fn compare(self, a: Single, b: Single) -> (Single, Single) {
-        (a, b)
-    }
-    #[inline]
-    fn relation(self, order: (Single, Single), relation: Relation) -> bool {
-        Binary32.relation(order, relation)
-    }
-    #[inline]
-    fn number_of(self, width: u32, word: u32) -> Single {
-        Binary32.number_of(width, word)
-    }
-    #[inline]
-    fn test(self, test: Test, a: Single) -> bool {
-        Binary32.test(test, a)
     }
 
     crate::known_bits_and_words!();

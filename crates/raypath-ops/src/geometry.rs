@@ -16,9 +16,7 @@ bundle! {
         /// The z coordinate.
         pub z: Num<C>,
     }
-}
 
-bundle! {
     /// The space between two parallel planes: the extent of a box along one axis.
     pub struct Slab<C> {
         /// The lesser bound.
@@ -26,9 +24,7 @@ bundle! {
         /// The greater bound.
         pub max: Num<C>,
     }
-}
 
-bundle! {
     /// An axis-aligned bounding box: three slabs. Bounds with `min` greater than `max` are not reordered.
     pub struct Aabb<C> {
         /// The bounds along x.
@@ -38,9 +34,7 @@ bundle! {
         /// The bounds along z.
         pub z: Slab<C>,
     }
-}
 
-bundle! {
     /// A triangle. Its vertices are counter-clockwise as seen from its front.
     pub struct Triangle<C> {
         /// The first vertex.

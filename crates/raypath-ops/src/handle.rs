@@ -1,5 +1,4 @@
-//! Handles on a circuit's numbers, bits and words. A handle carries its circuit, so that operators can be written as
-//! such:
+//! Handles on the numbers, bits and words of a circuit. A handle contains its circuit, which allows expressions such as
 //! `(bound - origin) * inv`.
 
 use crate::circuit::{Circuit, Relation, Test};
@@ -79,90 +78,54 @@ impl<C: Circuit> Num<C> {
     pub fn smaller(self, other: Self) -> Self {
         (self.compare(other).less() | other.is_nan()).select(self, other)
     }
-
-    /// The sign bit; unspecified for a NaN.
-    #[inline(always)]
-    pub fn sign_bit(self) -> Bit<C> {
-        self.test(Test::SignBit)
-    }
-
-    /// Whether it is +0 or −0.
-    #[inline(always)]
-    pub fn is_zero(self) -> Bit<C> {
-        self.test(Test::Zero)
-    }
-
-    /// Whether it is a NaN.
-    #[inline(always)]
-    pub fn is_nan(self) -> Bit<C> {
-        self.test(Test::Nan)
-    }
-
-    /// Whether it is ≥ 0 (a NaN is not).
-    #[inline(always)]
-    pub fn is_at_least_zero(self) -> Bit<C> {
-        self.test(Test::AtLeastZero)
-    }
-
-    /// Whether it is > 0 (a NaN is not).
-    #[inline(always)]
-    pub fn is_above_zero(self) -> Bit<C> {
-        self.test(Test::AboveZero)
-    }
-
-    /// Whether it is ≤ 0 (a NaN is not).
-    #[inline(always)]
-    pub fn is_at_most_zero(self) -> Bit<C> {
-        self.test(Test::AtMostZero)
-    }
-
-    /// Whether it is < 0 (a NaN is not).
-    #[inline(always)]
-    pub fn is_below_zero(self) -> Bit<C> {
-        self.test(Test::BelowZero)
-    }
-
-    #[inline(always)]
-    fn test(self, test: Test) -> Bit<C> {
-        Bit::new(self.circuit, self.circuit.test(test, self.value))
-    }
 }
 
-impl<C: Circuit> Order<C> {
+/// Declares methods of a handle without arguments, which read a bit by a method of the circuit.
+macro_rules! bits {
+    ($handle:ident, |$circuit:ident, $value:ident, $what:ident| $bit:expr; $($(#[$doc:meta])* $name:ident = $of:expr;)*) => {
+        impl<C: Circuit> $handle<C> {
+            $(
+                $(#[$doc])*
+                #[inline(always)]
+                pub fn $name(self) -> Bit<C> {
+                    let ($circuit, $value, $what) = (self.circuit, self.value, $of);
+                    Bit::new($circuit, $bit)
+                }
+            )*
+        }
+    };
+}
+
+bits! {
+    Num, |circuit, value, test| circuit.test(test, value);
+    /// The sign bit; unspecified for a NaN.
+    sign_bit = Test::SignBit;
+    /// Whether the number is +0 or −0.
+    is_zero = Test::Zero;
+    /// Whether the number is a NaN.
+    is_nan = Test::Nan;
+    /// Whether the number is ≥ 0 (a NaN is not).
+    is_at_least_zero = Test::AtLeastZero;
+    /// Whether the number is > 0 (a NaN is not).
+    is_above_zero = Test::AboveZero;
+    /// Whether the number is ≤ 0 (a NaN is not).
+    is_at_most_zero = Test::AtMostZero;
+    /// Whether the number is < 0 (a NaN is not).
+    is_below_zero = Test::BelowZero;
+}
+
+bits! {
+    Order, |circuit, value, relation| circuit.relation(value, relation);
     /// a < b
-    #[inline(always)]
-    pub fn less(self) -> Bit<C> {
-        self.relation(Relation::Less)
-    }
-
+    less = Relation::Less;
     /// a ≤ b
-    #[inline(always)]
-    pub fn less_or_equal(self) -> Bit<C> {
-        self.relation(Relation::LessOrEqual)
-    }
-
+    less_or_equal = Relation::LessOrEqual;
     /// a = b
-    #[inline(always)]
-    pub fn equal(self) -> Bit<C> {
-        self.relation(Relation::Equal)
-    }
-
+    equal = Relation::Equal;
     /// a ≥ b
-    #[inline(always)]
-    pub fn greater_or_equal(self) -> Bit<C> {
-        self.relation(Relation::GreaterOrEqual)
-    }
-
+    greater_or_equal = Relation::GreaterOrEqual;
     /// a > b
-    #[inline(always)]
-    pub fn greater(self) -> Bit<C> {
-        self.relation(Relation::Greater)
-    }
-
-    #[inline(always)]
-    fn relation(self, relation: Relation) -> Bit<C> {
-        Bit::new(self.circuit, self.circuit.relation(self.value, relation))
-    }
+    greater = Relation::Greater;
 }
 
 impl<C: Circuit> Bit<C> {
@@ -219,60 +182,27 @@ impl<C: Circuit, const W: u32> Word<C, W> {
     }
 }
 
-impl<C: Circuit> Add for Num<C> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self::new(self.circuit, self.circuit.add(self.value, other.value))
-    }
+/// Implements operators of a handle by methods of the circuit.
+macro_rules! operators {
+    ($($handle:ident: $operator:ident::$method:ident($($other:ident)?) = $by:ident;)*) => {$(
+        impl<C: Circuit> $operator for $handle<C> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self $(, $other: Self)?) -> Self {
+                Self::new(self.circuit, self.circuit.$by(self.value $(, $other.value)?))
+            }
+        }
+    )*};
 }
 
-impl<C: Circuit> Sub for Num<C> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self::new(self.circuit, self.circuit.subtract(self.value, other.value))
-    }
-}
-
-impl<C: Circuit> Mul for Num<C> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self::new(self.circuit, self.circuit.multiply(self.value, other.value))
-    }
-}
-
-impl<C: Circuit> Neg for Num<C> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self::new(self.circuit, self.circuit.negate(self.value))
-    }
-}
-
-impl<C: Circuit> BitAnd for Bit<C> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        Self::new(self.circuit, self.circuit.and(self.value, other.value))
-    }
-}
-
-impl<C: Circuit> BitOr for Bit<C> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Self::new(self.circuit, self.circuit.or(self.value, other.value))
-    }
-}
-
-impl<C: Circuit> Not for Bit<C> {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self::new(self.circuit, self.circuit.not(self.value))
-    }
+operators! {
+    Num: Add::add(other) = add;
+    Num: Sub::sub(other) = subtract;
+    Num: Mul::mul(other) = multiply;
+    Num: Neg::neg() = negate;
+    Bit: BitAnd::bitand(other) = and;
+    Bit: BitOr::bitor(other) = or;
+    Bit: Not::not() = not;
 }
 
 impl<C: Circuit> Select<C> for Num<C> {

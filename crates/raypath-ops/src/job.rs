@@ -1,9 +1,9 @@
 //! Jobs and outcomes of the paper's operations in their own types: the fast path of the functional model.
 
 use crate::binary32::Binary32;
-use crate::bundle::{Bundle, Path};
+use crate::bundle::{Bundle, Path, Source};
 use crate::concrete::Concrete;
-use crate::distance::{Angular, AngularInput, AngularOutput, Euclidean, EuclideanInput, EuclideanOutput};
+use crate::distance::{Angular, AngularOutput, BeatInput, Euclidean, EuclideanOutput};
 use crate::operation::Operation;
 use crate::ports::{FromPorts, FromWords, PortValue, ToWords, canonical, ports_as};
 use crate::ray_box::{RayBox, RayBoxInput, RayBoxOutput};
@@ -35,9 +35,9 @@ pub enum Job<const E: usize = 16, const A: usize = 8, C: Concrete = Binary32> {
     /// A ray against four boxes.
     Quadbox(RayBoxInput<C>),
     /// A beat of a Euclidean distance.
-    Euclidean(EuclideanInput<C, E>),
+    Euclidean(BeatInput<C, E>),
     /// A beat of an angular distance.
-    Angular(AngularInput<C, A>),
+    Angular(BeatInput<C, A>),
 }
 
 /// The outcome of a [`Job`]. Two are equal if all bits are. NaNs are canonical in outcomes that are made from port
@@ -92,7 +92,19 @@ impl FromStr for JobKind {
 #[error("'{0}' is no kind of job, expected triangle, quadbox, euclidean or angular")]
 pub struct ParseJobKindError(String);
 
-/// The methods that jobs and outcomes share: each variant holds the ports of its operation.
+/// Evaluates an expression for the values of any variant of a job or an outcome.
+macro_rules! each_variant {
+    ($of:expr, $values:ident => $result:expr) => {
+        match $of {
+            Self::Triangle($values) => $result,
+            Self::Quadbox($values) => $result,
+            Self::Euclidean($values) => $result,
+            Self::Angular($values) => $result,
+        }
+    };
+}
+
+/// The methods that jobs and outcomes share: each variant has the ports of its operation.
 macro_rules! by_kind {
     ($type:ident[$($n:ident),*], $number:expr, $bits:expr) => {
         impl<$(const $n: usize,)* C: Concrete> $type<$($n,)* C> {
@@ -108,45 +120,29 @@ macro_rules! by_kind {
 
             /// The values of the operation's ports, with names. The opcode is not among them.
             pub fn ports(&self) -> Vec<PortValue> {
-                match self {
-                    Self::Triangle(values) => ports_as(values, $bits),
-                    Self::Quadbox(values) => ports_as(values, $bits),
-                    Self::Euclidean(values) => ports_as(values, $bits),
-                    Self::Angular(values) => ports_as(values, $bits),
-                }
+                each_variant!(self, values => ports_as(values, $bits))
             }
 
             /// Replaces the contents of `words` by the port values, in the order of [`ports`](Self::ports).
             pub fn words(&self, words: &mut Vec<u64>) {
                 words.clear();
                 let (path, sink) = (&mut Path::unnamed(), &mut ToWords::new(words, $bits));
-                match self {
-                    Self::Triangle(values) => values.each(path, sink),
-                    Self::Quadbox(values) => values.each(path, sink),
-                    Self::Euclidean(values) => values.each(path, sink),
-                    Self::Angular(values) => values.each(path, sink),
-                }
+                each_variant!(self, values => values.each(path, sink));
             }
 
             /// The value with these [`words`](Self::words). Missing words are 0, and bits beyond a port's width are
             /// ignored.
             pub fn from_words_in(circuit: C, kind: JobKind, words: &[u64]) -> Self {
-                let (path, source) = (&mut Path::unnamed(), &mut FromWords::new(circuit, words, $number));
-                match kind {
-                    JobKind::Triangle => Self::Triangle(Bundle::build(path, source)),
-                    JobKind::Quadbox => Self::Quadbox(Bundle::build(path, source)),
-                    JobKind::Euclidean => Self::Euclidean(Bundle::build(path, source)),
-                    JobKind::Angular => Self::Angular(Bundle::build(path, source)),
-                }
+                Self::build(kind, &mut Path::unnamed(), &mut FromWords::new(circuit, words, $number))
             }
 
             /// The value with the port values that `port` returns by name.
             pub fn from_ports_in(circuit: C, kind: JobKind, mut port: impl FnMut(&str) -> u64) -> Self {
-                Self::from_named(circuit, kind, &mut port)
+                let mut source = FromPorts { circuit, port: &mut port, number: $number };
+                Self::build(kind, &mut Path::default(), &mut source)
             }
 
-            fn from_named(circuit: C, kind: JobKind, port: &mut dyn FnMut(&str) -> u64) -> Self {
-                let (path, source) = (&mut Path::default(), &mut FromPorts { circuit, port, number: $number });
+            fn build<S: Source<C>>(kind: JobKind, path: &mut Path, source: &mut S) -> Self {
                 match kind {
                     JobKind::Triangle => Self::Triangle(Bundle::build(path, source)),
                     JobKind::Quadbox => Self::Quadbox(Bundle::build(path, source)),

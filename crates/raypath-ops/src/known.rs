@@ -1,4 +1,4 @@
-//! Bits and words of circuits that compute values.
+//! Methods of circuits that compute values.
 
 /// The methods of [`Circuit`](crate::Circuit) on bits that are `bool` and words that are `u32`, and the multiplexers.
 /// They are the same for all [`Concrete`](crate::Concrete) circuits. Use it inside the `impl` block.
@@ -44,6 +44,62 @@ macro_rules! known_bits_and_words {
         #[inline(always)]
         fn select_word(self, condition: bool, if_true: u32, if_false: u32) -> u32 {
             if condition { if_true } else { if_false }
+        }
+    };
+}
+
+/// The associated types and the number methods of [`Circuit`](crate::Circuit), except addition, subtraction and
+/// multiplication, for a circuit whose numbers are a tuple structure `$number` of the native type `$float`. Use it inside
+/// the `impl` block.
+#[macro_export]
+macro_rules! native_numbers {
+    ($number:ident($float:ty)) => {
+        type Num = $number;
+        type Bit = bool;
+        type Word = u32;
+        type Order = ($float, $float);
+
+        #[inline(always)]
+        fn constant(self, value: f32) -> $number {
+            $number(value.into())
+        }
+        #[inline(always)]
+        fn one_plus_ulps(self, ulps: u32) -> $number {
+            $number(1.0 + ulps as $float * <$float>::EPSILON)
+        }
+        #[inline(always)]
+        fn negate(self, a: $number) -> $number {
+            $number(-a.0)
+        }
+        #[inline(always)]
+        fn compare(self, a: $number, b: $number) -> ($float, $float) {
+            (a.0, b.0)
+        }
+        #[inline(always)]
+        fn relation(self, (a, b): ($float, $float), relation: $crate::Relation) -> bool {
+            match relation {
+                $crate::Relation::Less => a < b,
+                $crate::Relation::LessOrEqual => a <= b,
+                $crate::Relation::Equal => a == b,
+                $crate::Relation::GreaterOrEqual => a >= b,
+                $crate::Relation::Greater => a > b,
+            }
+        }
+        #[inline(always)]
+        fn number_of(self, _width: u32, word: u32) -> $number {
+            $number(word as $float)
+        }
+        #[inline(always)]
+        fn test(self, test: $crate::Test, a: $number) -> bool {
+            match test {
+                $crate::Test::SignBit => a.0.is_sign_negative(),
+                $crate::Test::Zero => a.0 == 0.0,
+                $crate::Test::Nan => a.0.is_nan(),
+                $crate::Test::AtLeastZero => a.0 >= 0.0,
+                $crate::Test::AboveZero => a.0 > 0.0,
+                $crate::Test::AtMostZero => a.0 <= 0.0,
+                $crate::Test::BelowZero => a.0 < 0.0,
+            }
         }
     };
 }

@@ -1,7 +1,7 @@
 //! The operations of a ray-tracing datapath, each written once.
 //!
 //! An [`Operation`] is a function that is generic over a [`Circuit`], with its pipeline stages marked. Over
-//! [`Binary32`] it computes with the machine's numbers and is the functional model. Over the recording circuit of crate
+//! [`Binary32`] it computes with native numbers and is the functional model. Over the recording circuit of crate
 //! `raypath-rtl` the same function becomes hardware.
 //!
 //! ```
@@ -53,13 +53,8 @@ pub use binary32::{Binary32, Single};
 pub use bundle::{Bundle, Field, Path, Sink, Source};
 pub use circuit::{Circuit, Relation, Test};
 pub use concrete::Concrete;
-pub use distance::{
-    Angular, AngularInput, AngularOutput, AngularState, Beat, Euclidean, EuclideanInput, EuclideanOutput,
-    EuclideanState,
-};
-pub use distance_many::{
-    AngularMany, AngularManyInput, AngularManyState, EuclideanMany, EuclideanManyInput, EuclideanManyState,
-};
+pub use distance::{Angular, AngularOutput, AngularState, Beat, BeatInput, Euclidean, EuclideanOutput, EuclideanState};
+pub use distance_many::{AngularMany, AngularManyState, BeatManyInput, EuclideanMany, EuclideanManyState};
 pub use family::{Family, Gather, Of, Put, Scatter};
 pub use flagged::Flagged;
 pub use geometry::{Aabb, Slab, Triangle, Vec3};

@@ -1,4 +1,4 @@
-//! Operations beside the paper's, a file each. A datapath has only those that are added to it.
+//! Operations in addition to the paper's, one per file. A datapath has only those that are added to it.
 
 pub mod key_compare;
 pub mod octbox;

@@ -39,9 +39,7 @@ bundle! {
         /// The boxes.
         pub aabb: [Aabb<C>; 4],
     }
-}
 
-bundle! {
     /// The four boxes sorted by distance: hits before misses, nearer before farther.
     pub struct RayBoxOutput<C> {
         /// Whether the box at each position of the order is hit.
@@ -103,10 +101,17 @@ fn nearest_first<C: Circuit>(c: C, kernels: impl Kernels<C>, input: RayBoxInput<
     let sorted = slabs.rules.sort(c, kernels, unsorted);
     c.label(format_args!("sorted"), &sorted);
 
-    RayBoxOutput {
-        is_intersect: Flags(array_of!(i => sorted[i].hit)),
-        tmin: array_of!(i => sorted[i].tmin),
-        box_index: array_of!(i => sorted[i].index),
+    RayBoxOutput::of_sorted(&sorted)
+}
+
+impl<C: Circuit> RayBoxOutput<C> {
+    #[inline(always)]
+    pub(crate) fn of_sorted(sorted: &[SortEntry<C, 2>; 4]) -> Self {
+        Self {
+            is_intersect: Flags(array_of!(i => sorted[i].hit)),
+            tmin: array_of!(i => sorted[i].tmin),
+            box_index: array_of!(i => sorted[i].index),
+        }
     }
 }
 

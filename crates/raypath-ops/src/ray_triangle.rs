@@ -25,9 +25,7 @@ bundle! {
         /// The triangle.
         pub triangle: Triangle<C>,
     }
-}
 
-bundle! {
     /// The distance as a fraction; the datapath does not divide. Both parts are computed for hits and misses.
     pub struct RayTriangleOutput<C> {
         /// Numerator of the distance, in units of the direction's length times `t_denom`.
@@ -37,9 +35,7 @@ bundle! {
         /// Whether the ray hits the triangle.
         pub triangle_hit: Bit<C>,
     }
-}
 
-bundle! {
     /// The scaled barycentric coordinates U, V, W. Their signs say on which side of each edge the ray passes.
     pub struct Edges<C> {
         /// U: the side of edge BC.

@@ -51,9 +51,7 @@ bundle! {
         /// The least distance of a hit, in units of the direction's length. Read only if the range is tested.
         pub t_min: Num<C>,
     }
-}
 
-bundle! {
     /// The outputs of [`RayTriangleOutput`](crate::RayTriangleOutput) and the optional ones. All are computed for hits
     /// and misses.
     pub struct RayTriangleExtendedOutput<C> {

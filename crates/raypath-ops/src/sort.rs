@@ -66,12 +66,12 @@ pub(crate) fn sort_four<C: Circuit, T: Select<C> + Bundle<C>>(
     items
 }
 
-/// Step number `step` of a network: items `i` and `j`.
+/// Step number `step` of a sorting network: exchanges items `i` and `j` if `swaps` holds for them.
 #[inline(always)]
-fn compare_and_swap<C: Circuit, T: Select<C> + Bundle<C>>(
+pub(crate) fn compare_and_swap<C: Circuit, T: Select<C> + Bundle<C>, const N: usize>(
     c: C,
     name: impl Display,
-    items: &mut [T; 4],
+    items: &mut [T; N],
     [step, i, j]: [usize; 3],
     swaps: &impl Fn(T, T) -> Bit<C>,
 ) {

@@ -4,9 +4,9 @@ use num_rational::BigRational;
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, RngExt, SeedableRng};
 use raypath_ops::{
-    AngularMany, AngularManyInput, AngularManyState, Beat, Binary32, Culling, EuclideanMany, EuclideanManyInput,
-    EuclideanManyState, Flags, Operation, Ray, RayTriangle, RayTriangleExtended, RayTriangleExtendedInput,
-    RayTriangleExtendedOutput, RayTriangleInput, Rules, Triangle, Word, from_words, ports_of,
+    AngularMany, AngularManyState, Beat, BeatManyInput, Binary32, Culling, EuclideanMany, EuclideanManyState, Flags,
+    Operation, Ray, RayTriangle, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,
+    RayTriangleInput, Rules, Triangle, Word, from_words, ports_of,
 };
 
 const PLAIN: RayTriangleExtended = RayTriangleExtended {
@@ -271,10 +271,10 @@ fn accumulators_do_not_mix() {
         let accumulator = Word::truncate(which as u32);
         let found;
         (found, euclidean) =
-            EuclideanMany::<4, 8, 3>.run(Binary32, EuclideanManyInput { euclidean: beat, accumulator }, euclidean);
+            EuclideanMany::<4, 8, 3>.run(Binary32, BeatManyInput { euclidean: beat, accumulator }, euclidean);
         let products;
         (products, angular) =
-            AngularMany::<4, 8, 3>.run(Binary32, AngularManyInput { euclidean: beat, accumulator }, angular);
+            AngularMany::<4, 8, 3>.run(Binary32, BeatManyInput { euclidean: beat, accumulator }, angular);
         for lane in (0..4).filter(|&lane| mask[lane]) {
             sums[which][0] += (a[lane] - b[lane]).pow(2);
             sums[which][1] += a[lane] * b[lane];

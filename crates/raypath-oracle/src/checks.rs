@@ -1,4 +1,4 @@
-//! What is asked of operations in a datapath: the oracle, the models, and the emitted text in Verilator.
+//! Checks of the operations of a datapath against oracles, models, and the SystemVerilog in Verilator.
 
 use crate::spec::AnyOperationSpec;
 use rand::rngs::ChaCha8Rng;
@@ -17,76 +17,75 @@ use raypath_sim::{OperationId, WordModel, Words};
 use raypath_tools::{Sources, ToolError, Verilated};
 use std::path::{Path, PathBuf};
 
-/// The checks of some of a datapath's operations, reproducible by `seed`.
+/// The checks of some operations of a datapath, reproducible by `seed`.
 pub struct Checks<'d> {
-    /// The datapath, which has these operations.
+    /// The datapath.
     pub datapath: &'d Datapath,
-    /// The same, elaborated.
+    /// The elaborated datapath.
     pub netlist: &'d rtl::Datapath,
-    /// The operations, with their jobs and oracles.
+    /// The specifications of the operations to check.
     pub specs: &'d [AnyOperationSpec],
-    /// Seed of jobs and traffic.
+    /// The seed of jobs and traffic.
     pub seed: u64,
-    /// How many jobs.
+    /// The number of jobs of each check.
     pub jobs: usize,
 }
 
-/// Answers of the functional model, held against the oracle.
+/// The result of a comparison of outcomes with an oracle.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct OracleReport {
-    /// How many jobs.
+    /// The number of jobs.
     pub jobs: usize,
-    /// How many answers were wrong.
+    /// The number of wrong outcomes.
     pub wrong: usize,
-    /// The first few of them, in words.
+    /// Messages about the first of them.
     pub faults: Vec<String>,
 }
 
-/// Cycles of the emitted text in Verilator.
+/// The result of a simulation in Verilator.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Simulated {
-    /// How many cycles.
+    /// The number of cycles.
     pub cycles: usize,
-    /// Cycles in which a port showed something else than the cycle-exact model.
+    /// The number of cycles in which an output port differed from the cycle-exact model.
     pub different: usize,
-    /// The first few of them, in words.
+    /// Messages about the first of them.
     pub faults: Vec<String>,
-    /// Answers that Verilator showed, held against the oracles: for each spec that has one.
+    /// The comparison of the outcomes with the oracle of each specification that has one.
     pub reports: Vec<OracleReport>,
 }
 
-const SHOWN: usize = 5;
-/// Transactions of a file at most.
-const MOST_WRITTEN: usize = 10_000;
-/// Part of the jobs that are of the studied operations; the others are of the rest of the datapath.
-const OWN: f64 = 0.5;
+const MAX_MESSAGES: usize = 5;
+/// The maximum number of transactions in a file.
+const MAX_WRITTEN: usize = 10_000;
+/// The fraction of mixed jobs that belong to the operations to check.
+const SPECIFIED: f64 = 0.5;
 
 impl Checks<'_> {
-    /// The operations' answers to their jobs: for each spec that has an oracle, as many jobs. None where the datapath
-    /// is not in binary32, which oracles speak of.
+    /// Compares outcomes of the functional model with the oracle of each specification that has one. Returns no reports if
+    /// the datapath is not in binary32, because oracles are.
     pub fn against_the_oracles(&self) -> Vec<OracleReport> {
         let model = self.datapath.model();
         let reports = self.oracle_runs().into_iter().map(|mut run| {
-            let answered = self.answered(run.spec, run.kind);
-            answered.for_each(|(job, outcome)| run.check_answer(&model, &job, &outcome));
+            let outcomes = self.outcomes(run.spec, run.kind);
+            outcomes.for_each(|(job, outcome)| run.check(&model, &job, &outcome));
             run.report
         });
         reports.collect()
     }
 
-    /// The same jobs of one of the operations with the answers, for benches of one's own. None where the datapath does
-    /// not have it.
+    /// The jobs of [`against_the_oracles`](Self::against_the_oracles) for one operation, with their outcomes. Empty if the
+    /// datapath does not have the operation.
     pub fn transactions(&self, spec: &AnyOperationSpec) -> Vec<Transaction> {
         let kind = self.datapath.model().kind(spec.name());
-        let answered = kind.into_iter().flat_map(|kind| self.answered(spec, kind));
-        let numbered = answered.zip(0..);
-        numbered.map(|((job, expected), seq)| Transaction { seq, category: 0, job, expected }).collect()
+        let outcomes = kind.into_iter().flat_map(|kind| self.outcomes(spec, kind));
+        outcomes.zip(0..).map(|((job, expected), seq)| Transaction { seq, category: 0, job, expected }).collect()
     }
 
-    /// A file of transactions for each spec that the datapath has, `NAME.txt` in a folder: the first of those jobs,
-    /// 10,000 at most.
+    /// The paths and texts of transaction files, `NAME.txt` in a folder, one for each specified operation that the datapath
+    /// has. A file has at most 10,000 [`transactions`](Self::transactions).
     pub fn files(&self, folder: &Path) -> Vec<(PathBuf, String)> {
-        let (model, first) = (self.datapath.model(), Checks { jobs: self.jobs.min(MOST_WRITTEN), ..*self });
+        let (model, first) = (self.datapath.model(), Checks { jobs: self.jobs.min(MAX_WRITTEN), ..*self });
         let file = |spec: &AnyOperationSpec| {
             let kind = model.kind(spec.name())?;
             let text = transactions::text(&model, kind, &first.transactions(spec), self.datapath.config());
@@ -95,8 +94,8 @@ impl Checks<'_> {
         self.specs.iter().filter_map(file).collect()
     }
 
-    /// An operation's own jobs, and what the functional model answers.
-    fn answered(&self, spec: &AnyOperationSpec, kind: OperationId) -> impl Iterator<Item = (Words, Words)> {
+    /// Random jobs of an operation, with the outcomes of the functional model.
+    fn outcomes(&self, spec: &AnyOperationSpec, kind: OperationId) -> impl Iterator<Item = (Words, Words)> {
         let mut model = self.datapath.model();
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         (0..self.jobs).map(move |_| {
@@ -106,8 +105,8 @@ impl Checks<'_> {
         })
     }
 
-    /// Netlist, cycle-exact and functional model side by side: jobs of all operations, bubbles and stalls. `on_job` is
-    /// told how many have left, and says whether to go on.
+    /// Compares the netlist with the models in every cycle, for jobs of all operations with bubbles and stalls. `on_job`
+    /// gets the number of jobs so far; the comparison ends when it returns false.
     ///
     /// # Errors
     /// A netlist that cannot be compiled.
@@ -117,9 +116,9 @@ impl Checks<'_> {
         Ok(lockstep(&mut netlist, self.datapath.model(), self.mixed_jobs().into_iter(), &mut traffic, on_job))
     }
 
-    /// Checks the emitted text. Verilator, Yosys and slang must report nothing. Then Verilator simulates it with the
-    /// assertions of the control bound, and compares every cycle with the cycle-exact model and every result of these
-    /// operations with its oracle.
+    /// Checks the SystemVerilog. Lints it with Verilator, Yosys and slang, which must report nothing. Then simulates it in
+    /// Verilator with the assertions about the control, and compares every cycle with the cycle-exact model and every
+    /// outcome of the operations with its oracle.
     ///
     /// # Errors
     /// A tool is not installed or reports something, or an assertion fails.
@@ -143,24 +142,24 @@ impl Checks<'_> {
             stimulus.cycles(top).into_iter().map(|cycle| (cycle.inputs, cycle.expected)).unzip();
         let mut found = Simulated { cycles: inputs.len(), ..Simulated::default() };
         let is_taken = output_ready(top, &inputs);
-        // Each with the jobs of its operation that have not left yet.
+        // Each with an iterator over the jobs whose outcomes are still to come.
         let mut runs: Vec<(OracleRun<'_>, _)> = self.oracle_runs().into_iter().map(|run| (run, jobs.iter())).collect();
         verilated.run(inputs, |cycle, values| {
             let Some(expected) = expected.get(cycle).and_then(Option::as_ref) else { return };
             if let Some(fault) = expected.fault(top, values) {
                 found.different += 1;
-                if found.faults.len() < SHOWN {
+                if found.faults.len() < MAX_MESSAGES {
                     found.faults.push(format!("cycle {cycle}: {fault}"));
                 }
             }
-            // What the ports show is this outcome, or else a fault was found above.
+            // The ports show this outcome, unless a fault was found above.
             let outcome = expected.output.as_ref().filter(|_| is_taken.get(cycle).copied().unwrap_or(false));
             for (run, waiting) in &mut runs {
                 let kind = run.kind;
                 if let Some(outcome) = outcome.filter(|outcome| outcome.kind() == kind)
                     && let Some(job) = waiting.find(|job| job.kind() == kind)
                 {
-                    run.check_answer(&model, job, outcome);
+                    run.check(&model, job, outcome);
                 }
             }
         })?;
@@ -172,12 +171,12 @@ impl Checks<'_> {
         let model = self.datapath.model();
         let runs = self.specs.iter().filter(|_| model.format() == Format::BINARY32).filter_map(|spec| {
             let (oracle, kind) = (spec.oracle.as_ref()?, model.kind(spec.name())?);
-            Some(OracleRun { spec, kind, check: (oracle.check)(), report: OracleReport::default() })
+            Some(OracleRun { spec, kind, oracle: (oracle.check)(), report: OracleReport::default() })
         });
         runs.collect()
     }
 
-    /// Jobs of all operations, half of them of those that are studied.
+    /// Random jobs of all operations, half of them of the specified ones.
     fn mixed_jobs(&self) -> Vec<Words> {
         let model = self.datapath.model();
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
@@ -186,39 +185,39 @@ impl Checks<'_> {
         let is_other = |kind: &OperationId| own.iter().all(|(own, _)| own != kind);
         let others: Vec<OperationId> = model.kinds().into_iter().filter(is_other).collect();
         let mut job = || {
-            let take_own = others.is_empty() || !own.is_empty() && rng.random_bool(OWN);
-            let place = rng.random_range(0..if take_own { own.len().max(1) } else { others.len() });
-            Some(match (take_own, own.get(place)) {
+            let take_own = others.is_empty() || !own.is_empty() && rng.random_bool(SPECIFIED);
+            let index = rng.random_range(0..if take_own { own.len().max(1) } else { others.len() });
+            Some(match (take_own, own.get(index)) {
                 (true, Some((kind, spec))) => spec.job(&model, *kind, &mut rng),
-                _ => any_job(&model, *others.get(place)?, &mut rng),
+                _ => any_job(&model, *others.get(index)?, &mut rng),
             })
         };
         (0..self.jobs).filter_map(|_| job()).collect()
     }
 }
 
-/// An oracle at work.
+/// The comparison of a stream of outcomes with an oracle.
 struct OracleRun<'s> {
     spec: &'s AnyOperationSpec,
     kind: OperationId,
-    check: crate::spec::Check,
+    oracle: crate::spec::Check,
     report: OracleReport,
 }
 
 impl OracleRun<'_> {
-    fn check_answer(&mut self, model: &WordModel, job: &Words, outcome: &Words) {
+    fn check(&mut self, model: &WordModel, job: &Words, outcome: &Words) {
         self.report.jobs += 1;
-        if let Err(fault) = (self.check)(&model.all_inputs(job), &model.all_outputs(outcome)) {
+        if let Err(fault) = (self.oracle)(&model.all_inputs(job), &model.all_outputs(outcome)) {
             self.report.wrong += 1;
-            if self.report.faults.len() < SHOWN {
+            if self.report.faults.len() < MAX_MESSAGES {
                 self.report.faults.push(format!("job {}: {fault}; {job:?} -> {outcome:?}", self.report.jobs - 1));
             }
         }
     }
 }
 
-/// In which cycles the sink takes.
+/// Whether the sink is ready in each cycle.
 fn output_ready(top: &raypath_hdl::Module, inputs: &[Vec<u64>]) -> Vec<bool> {
-    let place = top.inputs().iter().position(|port| port.name == "output_ready_i").map_or(0, |place| place + 1);
-    inputs.iter().map(|frame| frame.get(place) == Some(&1)).collect()
+    let port = top.inputs().iter().position(|port| port.name == "output_ready_i").map_or(0, |index| index + 1);
+    inputs.iter().map(|values| values.get(port) == Some(&1)).collect()
 }

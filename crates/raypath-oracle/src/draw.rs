@@ -1,9 +1,10 @@
-//! What stimuli are made of.
+//! Random values for stimuli.
 
 use rand::{Rng, RngExt};
 use raypath_ops::{Aabb, Binary32, Ray};
 
-/// Numbers at which something is decided: zeros, subnormals, the least and the greatest normal number, infinities, NaN.
+/// Numbers for which operations have special rules: zeros, subnormals, the least and the greatest normal number,
+/// infinities, NaN.
 const EDGES: [f32; 14] = [
     0.0,
     -0.0,
@@ -21,28 +22,28 @@ const EDGES: [f32; 14] = [
     f32::NAN,
 ];
 
-/// One of the numbers at which something is decided.
+/// A number for which operations have special rules: a zero, a subnormal, one, a number at the limits of binary32, or NaN.
 pub fn edge(rng: &mut impl Rng) -> f32 {
     EDGES[rng.random_range(0..EDGES.len())]
 }
 
-/// A number of either sign whose magnitude is between these powers of two, each power as likely as the next.
+/// A number of either sign, with an exponent from `powers`. All exponents are equally likely.
 pub fn spread(rng: &mut impl Rng, powers: std::ops::Range<i32>) -> f32 {
     let sign = if rng.random() { 1.0 } else { -1.0 };
     sign * rng.random_range(1.0_f32..2.0) * 2.0_f32.powi(rng.random_range(powers))
 }
 
-/// Three of them.
+/// An array of three values from a generator.
 pub fn three<T>(mut number: impl FnMut() -> T) -> [T; 3] {
     [number(), number(), number()]
 }
 
-/// A small whole number, so that ties are frequent.
+/// An integer from -4 to 4, which makes ties frequent.
 pub fn whole(rng: &mut impl Rng) -> f32 {
     rng.random_range(-4_i32..=4) as f32
 }
 
-/// A box between -4 and 4: in general position, or on whole numbers, where it may be flat.
+/// A box with coordinates from -4 to 4. In 30 % of the boxes they are integers, and the box may be flat.
 pub fn aabb(rng: &mut impl Rng) -> Aabb<Binary32> {
     let on_whole = rng.random_bool(0.3);
     let coordinate = |rng: &mut _| if on_whole { whole(rng) } else { RngExt::random_range(rng, -4.0_f32..4.0) };
@@ -51,7 +52,7 @@ pub fn aabb(rng: &mut impl Rng) -> Aabb<Binary32> {
     Aabb::new(axis(f32::min), axis(f32::max))
 }
 
-/// A ray towards a point, from near by or far away, along an axis or not, and as often as not with an end.
+/// A ray towards a point, from an origin near or far, sometimes along an axis. Three of eight rays have a finite extent.
 pub fn ray_at(rng: &mut impl Rng, target: [f32; 3]) -> Ray<Binary32> {
     loop {
         let reach = 2.0_f32.powi(rng.random_range(0..12));
@@ -77,14 +78,14 @@ pub fn ray_at(rng: &mut impl Rng, target: [f32; 3]) -> Ray<Binary32> {
             2 => 0.0,
             _ => f32::INFINITY,
         };
-        // Towards where it begins there is no direction; another one has one.
+        // The direction is zero if the origin is the target.
         if let Ok(ray) = Ray::new(origin, direction, extent) {
             return ray;
         }
     }
 }
 
-/// A point of a box, a corner or on a face now and then.
+/// A point of a box, sometimes a corner or a point on a face.
 pub fn point_of(rng: &mut impl Rng, aabb: Aabb<Binary32>) -> [f32; 3] {
     [aabb.x, aabb.y, aabb.z].map(|slab| {
         let share = [0.0, 1.0, 0.5, rng.random_range(0.0..1.0)][rng.random_range(0..4)];

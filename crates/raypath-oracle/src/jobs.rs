@@ -6,8 +6,9 @@ use rand::{RngExt, SeedableRng};
 use raypath_sim::jobs::{any_job, random};
 use raypath_sim::{Datapath, OperationId, Words};
 
-/// An endless stream of jobs for any datapath: the paper's operations as [`random`](fn@random) has them, those of
-/// `specs` as they say themselves, and of ports that are neither's any value. `kinds` must not be empty.
+/// An endless stream of jobs of the operations `kinds` of a datapath, reproducible by `seed`. Jobs of an operation in
+/// `specs` come from its specification, jobs of the paper's operations from [`random`](fn@random), and others from
+/// [`any_job`]. `kinds` must not be empty.
 pub fn jobs(
     datapath: &Datapath,
     specs: &[AnyOperationSpec],
@@ -15,36 +16,25 @@ pub fn jobs(
     kinds: &[OperationId],
 ) -> impl Iterator<Item = Words> + use<> {
     let (model, config) = (datapath.model(), datapath.config());
-    let mut sources: Vec<(OperationId, Source)> = Vec::new();
-    for (&kind, seed) in kinds.iter().zip(seed..) {
-        let paper = config.kinds().iter().find(|paper| paper.name() == kind.name());
-        let spec = specs.iter().find(|spec| spec.name() == kind.name());
-        sources.push((
-            kind,
-            match (paper, spec) {
-                (_, Some(spec)) => Source::Spec(spec.clone()),
-                (Some(&paper), None) => {
-                    Source::Paper(Box::new(random(&model, config.semantics.format, seed, &[paper])))
-                }
-                (None, None) => Source::Any,
-            },
-        ));
-    }
+    let source = |(&kind, seed): (&OperationId, u64)| -> Source {
+        let model = model.clone();
+        let paper = config.kinds().iter().find(|paper| kind == **paper);
+        if let Some(spec) = specs.iter().find(|spec| spec.name() == kind.name()).cloned() {
+            Box::new(move |rng| spec.job(&model, kind, rng))
+        } else if let Some(&paper) = paper {
+            let mut jobs = random(&model, config.semantics.format, seed, &[paper]);
+            Box::new(move |rng| jobs.next().unwrap_or_else(|| any_job(&model, kind, rng)))
+        } else {
+            Box::new(move |rng| any_job(&model, kind, rng))
+        }
+    };
+    let mut sources: Vec<Source> = kinds.iter().zip(seed..).map(source).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     std::iter::repeat_with(move || {
         let chosen = rng.random_range(0..sources.len());
-        let (kind, source) = &mut sources[chosen];
-        match source {
-            Source::Spec(spec) => spec.job(&model, *kind, &mut rng),
-            Source::Any => any_job(&model, *kind, &mut rng),
-            Source::Paper(jobs) => jobs.next().unwrap_or_else(|| any_job(&model, *kind, &mut rng)),
-        }
+        sources[chosen](&mut rng)
     })
 }
 
-/// Where the jobs of an operation come from.
-enum Source {
-    Spec(AnyOperationSpec),
-    Paper(Box<dyn Iterator<Item = Words>>),
-    Any,
-}
+/// A generator of jobs of one operation.
+type Source = Box<dyn FnMut(&mut ChaCha8Rng) -> Words>;

@@ -1,10 +1,9 @@
-//! What the test of an operation needs: its specification, stimuli, exact arithmetic, and checks.
+//! Specifications and tests of operations: stimuli, oracles, exact arithmetic, and checks.
 //!
-//! An [`OperationSpec`] joins an operation with random jobs and an oracle. The added operations of
-//! [`raypath_ops::operations`] have their specifications in [`operations`], a file each; [`added_operations`] lists
-//! them. An oracle decides by exact arithmetic or by counting, not by the operation's own equations. [`Checks`] holds a
-//! datapath's operations against their oracles, the models against the netlist, and the emitted text in Verilator
-//! against both.
+//! An [`OperationSpec`] combines an operation with random jobs and an oracle. An oracle checks results by exact
+//! arithmetic or by counting, not by the equations of the operation. [`added_operations`] lists the specifications of
+//! the operations in [`raypath_ops::operations`]; each has a file in [`operations`]. [`Checks`] compares the operations
+//! of a datapath with their oracles, the netlist with the models, and the SystemVerilog in Verilator with both.
 //!
 //! ```
 //! use raypath_oracle::added_operations;

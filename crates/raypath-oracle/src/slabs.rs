@@ -1,47 +1,47 @@
-//! Rays and boxes in exact rationals: where a ray enters a box and where it leaves it, and answers held against that.
+//! Rays and boxes in exact rationals, for oracles of box operations.
 
 use crate::exact;
 use num_rational::BigRational;
 use raypath_ops::{Binary32, Num, Ray};
 
-/// What an answer has in one place.
-pub struct Place {
-    /// The box is hit.
+/// A box in the sorted result of an operation.
+pub struct SortedBox {
+    /// The ray hits the box.
     pub hit: bool,
-    /// Where the ray enters it.
+    /// The distance at which the ray enters the box.
     pub tmin: Num<Binary32>,
-    /// Which box it is.
+    /// The index of the box in the job.
     pub index: u32,
 }
 
-/// Places must be sorted (nearer first, hits before misses, then by index), have each box once, and +∞ for a miss.
-/// Boxes that the ray hits by more than the bound must be hit, those that it misses by more must be missed, and the
-/// distance of a hit must be within the bound. `of` answers what is exact about a box; nothing, where no bound holds.
+/// Checks a sorted result. The boxes must be sorted (nearer first, hits before misses, then by index), each must occur
+/// once, and a miss must have a distance of +∞. With the exact passage of a box from `passage`, a box that the ray hits
+/// or misses by more than the error bound must be a hit or a miss, and the distance of a hit must be within the bound.
+/// `passage` returns `None` if no error bound is known.
 ///
 /// # Errors
-/// The first box about which the answer is wrong, or the places if they are out of order.
-pub fn check<const N: usize>(places: [Place; N], of: impl Fn(usize) -> Option<Passage>) -> Result<(), String> {
-    let keys = places.map(|Place { hit, tmin, index }| (tmin.to_bits(), !hit, index));
+/// The first wrong box, or the order of the boxes.
+pub fn check<const N: usize>(boxes: [SortedBox; N], passage: impl Fn(usize) -> Option<Passage>) -> Result<(), String> {
+    let keys = boxes.map(|SortedBox { hit, tmin, index }| (tmin.to_bits(), !hit, index));
     if !keys.is_sorted() {
-        return Err(format!("places (tmin, miss, index) {keys:x?} are out of order"));
+        return Err(format!("boxes (tmin, miss, index) {keys:x?} are out of order"));
     }
     let mut seen = [false; N];
     for (tmin, miss, index) in keys {
         let index = index as usize;
         if std::mem::replace(&mut seen[index], true) {
-            return Err(format!("box {index} stands in two places"));
+            return Err(format!("box {index} occurs twice"));
         }
         let infinite = f32::INFINITY.to_bits();
         if tmin > infinite || (miss && tmin != infinite) {
             return Err(format!("box {index}: tmin has the bits {tmin:08x}, expected a distance, +∞ of a miss"));
         }
-        let Some(passage) = of(index) else { continue };
-        let place = exact::value(Num::from_bits(tmin));
-        let near = place.is_some_and(|tmin| passage.entry[0] <= tmin && tmin <= passage.entry[1]);
+        let Some(passage) = passage(index) else { continue };
+        let [least, greatest] = &passage.entry;
+        let near = exact::value(Num::from_bits(tmin)).is_some_and(|tmin| (least..=greatest).contains(&&tmin));
         match passage.hit() {
             Some(hit) if hit == miss => return Err(format!("box {index}: hit is {}, but exactly it is {hit}", !miss)),
             _ if !miss && !near => {
-                let [least, greatest] = passage.entry;
                 return Err(format!("box {index}: tmin is {:e}, expected {least} to {greatest}", f32::from_bits(tmin)));
             }
             _ => {}
@@ -50,26 +50,26 @@ pub fn check<const N: usize>(places: [Place; N], of: impl Fn(usize) -> Option<Pa
     Ok(())
 }
 
-/// A plane across an axis.
+/// A plane perpendicular to an axis.
 pub struct Plane {
-    /// How far it is from the ray's origin, along the axis.
+    /// The exact coordinate, relative to the origin of the ray.
     pub at: BigRational,
-    /// By how much an answer may go by another place; its distances are then off by this over the direction.
+    /// The bound of the error of the coordinate. Divided by the direction, it bounds the error of the distance.
     pub bound: BigRational,
 }
 
-/// Where the ray enters a box and where it leaves it: the least and the greatest distance that the answer may go by.
+/// The distances at which a ray enters and leaves a box, each as the least and the greatest value within the error bound.
 pub struct Passage {
     entry: [BigRational; 2],
-    /// None is infinite.
+    /// `None` if the ray has no end.
     exit: Option<[BigRational; 2]>,
-    /// Whether it is beside a slab along which it runs; none if too close to a plane to say.
+    /// Whether the ray runs parallel to a slab and outside it; `None` if the error bound does not decide.
     beside: Option<bool>,
 }
 
 impl Passage {
-    /// Through the box of these planes: least and greatest, along x, y and z. None where a number is not finite, where
-    /// `inv` is not the inverse, or where one is so large or small that bounds do not hold.
+    /// The passage through the box between these planes, `[min, max]` for each axis. `None` if no error bound is known: a
+    /// number is not finite, `inv` is not the inverse of the direction, or magnitudes are not between 2^-60 and 2^60.
     pub fn new(ray: &Ray<Binary32>, planes: [[Plane; 2]; 3]) -> Option<Self> {
         let zero = BigRational::default();
         let extent = match f32::from(ray.extent) {
@@ -98,7 +98,7 @@ impl Passage {
         Some(passage)
     }
 
-    /// A slab that the ray runs along.
+    /// Adds a slab that is parallel to the ray.
     fn along(&mut self, [min, max]: [Plane; 2]) {
         if min.at > min.bound || max.at < -&max.bound {
             self.beside = Some(true);
@@ -107,7 +107,7 @@ impl Passage {
         }
     }
 
-    /// A slab that the ray crosses.
+    /// Adds a slab that the ray crosses.
     fn across(&mut self, planes: [Plane; 2], direction: &BigRational) {
         let [near, far] = planes.map(|Plane { at, bound }| {
             let bound = bound / exact::absolute(direction) + exact::power(-130);
@@ -115,19 +115,19 @@ impl Passage {
             [&distance - &bound, distance + bound]
         });
         let (near, far) = if *direction < BigRational::default() { (far, near) } else { (near, far) };
-        let [least, greatest] = near;
-        let [entry_least, entry_greatest] = self.entry.clone();
-        self.entry = [exact::greater(entry_least, least), exact::greater(entry_greatest, greatest)];
-        let [least, greatest] = far;
+        for (entry, near) in self.entry.iter_mut().zip(near) {
+            *entry = near.max(entry.clone());
+        }
         self.exit = Some(match self.exit.take() {
             Some([exit_least, exit_greatest]) => {
-                [exact::lesser(exit_least, least), exact::lesser(exit_greatest, greatest)]
+                let [least, greatest] = far;
+                [exit_least.min(least), exit_greatest.min(greatest)]
             }
-            None => [least, greatest],
+            None => far,
         });
     }
 
-    /// Whether it is hit, if by more than the bound.
+    /// Whether the ray hits the box; `None` if the error bound does not decide.
     pub fn hit(&self) -> Option<bool> {
         let [entry_least, entry_greatest] = &self.entry;
         let misses = self.exit.as_ref().is_some_and(|[_, greatest]| entry_least > greatest);

@@ -1,4 +1,4 @@
-//! An operation, and what is needed to spec it: which jobs are worth running, and what their answers should be.
+//! Specifications: operations with stimuli and oracles.
 
 use rand::rngs::ChaCha8Rng;
 use raypath_float::Format;
@@ -10,14 +10,14 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-/// An operation of one's own, with jobs that are worth running and an oracle for their answers.
+/// The specification of an operation: random jobs, and an oracle that checks their results.
 ///
 /// ```
 /// use raypath_oracle::{AnyOperationSpec, OperationSpec};
 /// use raypath_ops::{RayTriangle, Rules};
 ///
 /// let spec = OperationSpec::of(RayTriangle { rules: Rules::Paper })
-///     .purpose("no triangle is hit behind the ray's beginning")
+///     .purpose("a ray against a triangle")
 ///     .oracle("the sign of the distance", |_, answer| {
 ///         let (t_num, hit) = (f32::from(answer.t_num), bool::from(answer.triangle_hit));
 ///         if hit && t_num <= 0.0 { Err(format!("a hit at t_num = {t_num}")) } else { Ok(()) }
@@ -29,7 +29,7 @@ pub struct OperationSpec<O> {
     operation: PhantomData<O>,
 }
 
-/// A [`OperationSpec`] whose operation's type is forgotten.
+/// An [`OperationSpec`] for an operation of any type.
 #[derive(Clone)]
 pub struct AnyOperationSpec {
     pub(crate) operation: Arc<dyn AnyOperation>,
@@ -38,34 +38,34 @@ pub struct AnyOperationSpec {
     pub(crate) oracle: Option<Oracle>,
 }
 
-/// Makes a job: its words.
+/// Generates a job as the words of its input ports.
 pub(crate) type Stimulus = Arc<dyn Fn(&mut ChaCha8Rng) -> Vec<u64> + Send + Sync>;
-/// Says what is wrong with an answer to a job, both as words; jobs come in order.
+/// Checks the result of a job, both as words. The jobs are passed in order. The error describes a wrong result.
 pub(crate) type Check = Box<dyn FnMut(&[u64], &[u64]) -> Result<(), String>>;
 
-/// Whom answers are held against.
+/// An oracle with its name.
 #[derive(Clone)]
 pub(crate) struct Oracle {
-    /// In a few words.
+    /// A short description, such as `exact rationals`.
     pub name: &'static str,
-    /// Begins anew, as the operation does after a reset.
+    /// Creates the check for a stream of jobs that starts after a reset.
     pub check: Arc<dyn Fn() -> Check + Send + Sync>,
 }
 
 impl<O: Operation + Send + Sync + 'static> OperationSpec<O> {
-    /// Of an operation; its jobs are drawn port by port until [`stimulus`](Self::stimulus) says better.
+    /// The specification of an operation without an oracle, whose jobs are drawn port by port.
     pub fn of(operation: O) -> Self {
         let inner = AnyOperationSpec { operation: Arc::new(operation), purpose: "", stimulus: None, oracle: None };
         Self { inner, operation: PhantomData }
     }
 
-    /// What the operation is for, in a few words.
+    /// Sets a short description of the use of the operation.
     pub fn purpose(mut self, purpose: &'static str) -> Self {
         self.inner.purpose = purpose;
         self
     }
 
-    /// Jobs that are worth running: `job` makes one.
+    /// Sets the generator of random jobs.
     pub fn stimulus(mut self, job: impl Fn(&mut ChaCha8Rng) -> O::Input<Binary32> + Send + Sync + 'static) -> Self {
         self.inner.stimulus = Some(Arc::new(move |rng| {
             let mut words = Vec::new();
@@ -75,9 +75,9 @@ impl<O: Operation + Send + Sync + 'static> OperationSpec<O> {
         self
     }
 
-    /// Whom answers are held against; `name` says it in a few words. `check` says what is wrong with an answer, by
-    /// other means than the operation's own. It is told jobs in order, so that it may keep sums: it is cloned as it is
-    /// here where the datapath begins anew.
+    /// Sets the oracle. `name` is a short description of its method. `check` returns an error that describes a wrong
+    /// result, and should not use the equations of the operation. It gets the jobs in order and may keep a state. It is
+    /// cloned in its initial state for each stream of jobs that starts after a reset.
     pub fn oracle(
         mut self,
         name: &'static str,
@@ -104,18 +104,18 @@ impl AnyOperationSpec {
         self.operation.name()
     }
 
-    /// What it is for, in a few words; may be empty.
-    pub fn for_what(&self) -> &'static str {
+    /// A short description of its use; may be empty.
+    pub fn purpose(&self) -> &'static str {
         self.purpose
     }
 
-    /// Whom its answers are held against, in a few words.
-    pub fn verified_by(&self) -> Option<&'static str> {
+    /// The description of the oracle, if there is one.
+    pub fn oracle_name(&self) -> Option<&'static str> {
         self.oracle.as_ref().map(|oracle| oracle.name)
     }
 
-    /// A random job for a model that has the operation as `kind`: the spec's own where it has jobs and the model is in
-    /// binary32, and any value at a port that is not the operation's, as that of a tag.
+    /// A random job for a model that has the operation as `kind`. It comes from the generator of the specification if the
+    /// model is in binary32, otherwise from [`any_job`], which also provides the values of other ports, such as a tag.
     pub fn job(&self, model: &WordModel, kind: OperationId, rng: &mut ChaCha8Rng) -> Words {
         match &self.stimulus {
             Some(stimulus) if model.format() == Format::BINARY32 => {
@@ -127,7 +127,7 @@ impl AnyOperationSpec {
         }
     }
 
-    /// The operation itself.
+    /// The operation.
     pub fn operation(&self) -> Arc<dyn AnyOperation> {
         self.operation.clone()
     }
@@ -137,7 +137,7 @@ impl fmt::Debug for AnyOperationSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("AnyOperationSpec")
             .field("operation", &self.name())
-            .field("oracle", &self.verified_by())
+            .field("oracle", &self.oracle_name())
             .finish()
     }
 }

@@ -1,5 +1,4 @@
-//! What the tests of all operations do alike: many random jobs before the check, and every circuit against the native
-//! one.
+//! Tests that all operations share: random jobs are checked by the oracle, and all circuits give the same results.
 
 use fearless_simd::Simd;
 use rand::SeedableRng;
@@ -11,13 +10,13 @@ use raypath_ops::{Binary32, Bit, Concrete, Family, Gather, Num, Operation, Scatt
 /// Software arithmetic of binary32.
 pub const SOFT: Soft = Soft { format: Format::BINARY32 };
 
-/// `count` jobs of a stimulus.
+/// `count` random jobs from a stimulus.
 pub fn jobs<T>(stimulus: impl Fn(&mut ChaCha8Rng) -> T, count: usize) -> Vec<T> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     (0..count).map(|_| stimulus(&mut rng)).collect()
 }
 
-/// Binary32 into software arithmetic, and back.
+/// Converts from binary32 to software arithmetic, and back.
 pub struct ToSoft;
 
 impl Gather<Binary32, Soft, 1> for ToSoft {
@@ -45,7 +44,7 @@ impl Scatter<Soft, Binary32, 1> for ToSoft {
     }
 }
 
-/// Answers blocks of jobs in SIMD lanes.
+/// Computes blocks of jobs in SIMD lanes.
 #[inline(always)]
 pub fn in_lanes<S: Simd, O>(simd: S, operation: &O, jobs: &[O::Input<Packed>], answers: &mut [O::Output<Packed>])
 where
@@ -64,7 +63,7 @@ where
     }
 }
 
-/// The tests that every operation has, of what its file calls `stimulus` and `check`.
+/// The tests of an operation, with the functions `stimulus` and `check` of its module.
 macro_rules! check_operation {
     ($operation:expr, $input:ident, $output:ident) => {
         #[test]

@@ -1,4 +1,4 @@
-//! The paper's operations with features that the paper does not have: what is printed, before the tools.
+//! The paper's operations with additional features: the emitted SystemVerilog in the tools, and oracles.
 
 use rand::RngExt;
 use raypath_float::Format;
@@ -9,7 +9,7 @@ use raypath_rtl::{Accumulators, Config, Control, Features, Lanes, UnitLatency};
 use raypath_sim::Datapath;
 use std::collections::BTreeSet;
 
-/// Everything on.
+/// All features.
 const ALL: Features = Features {
     tag: 32,
     barycentrics: true,
@@ -21,13 +21,13 @@ const ALL: Features = Features {
     exception_flags: true,
 };
 
-/// Verilator, Yosys and slang have nothing to say, and Verilator shows in every cycle what the cycle-exact model shows.
+/// Verilator, Yosys and slang report nothing, and Verilator agrees with the cycle-exact model in every cycle.
 #[test]
 fn all_features_in_verilator() {
     in_verilator(Config::DEFAULT.features(ALL));
 }
 
-/// The same where beats wait for each other, and jobs for credits.
+/// The same with accumulators that take several cycles, and with credits.
 #[test]
 fn all_features_with_credits_and_units_of_two_steps() {
     let config = Config::DEFAULT.features(ALL).lanes(Lanes::Four);
@@ -39,15 +39,14 @@ fn in_verilator(config: Config) {
     let netlist = datapath.elaborate().expect("a datapath");
     let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &[], seed: 8, jobs: 8000 };
     let folder = tempfile::tempdir().expect("a folder");
-    let found = checks.in_verilator(folder.path()).expect("the tools are there and content");
+    let found = checks.in_verilator(folder.path()).expect("no report from the tools");
     assert!(found.different == 0 && found.cycles > 8000, "{config}: {found:?}");
     let found = checks.against_the_models(|_| true).expect("a netlist");
     assert_eq!((found.jobs, found.different), (8000, 0), "{config}: {:?}", found.differences);
 }
 
-/// A feature that cannot be had is refused, and says what could be.
 #[test]
-fn what_cannot_be_had_is_refused() {
+fn unsupported_features_are_errors() {
     let features = |features| Datapath::paper(Config::DEFAULT.features(features)).elaborate();
     let error = features(Features { tag: 33, ..Features::OFF }).expect_err("too wide");
     assert!(error.to_string().contains("33 bits, expected 1 to 32"), "{error}");
@@ -60,10 +59,9 @@ fn what_cannot_be_had_is_refused() {
     assert!(error.to_string().contains("expected the rules paper"), "{error}");
 }
 
-/// Ports that are not there are neither asked for nor shown: an oracle sees all others in their places, and a tag is
-/// any word.
+/// An oracle gets all other ports correctly if optional ports are absent. The tag is a random word.
 #[test]
-fn oracles_see_ports_in_their_places() {
+fn oracles_get_the_present_ports() {
     let extended = RayTriangleExtended {
         rules: Rules::Paper,
         culling: Culling::None,
@@ -80,7 +78,7 @@ fn oracles_see_ports_in_their_places() {
         })
         .oracle("the sign of the denominator", |job, answer| {
             if f32::from(job.t_min) != 0.0 {
-                return Err("a port that is not there has a value".to_string());
+                return Err("an absent port has a value".to_string());
             }
             let is_front = f32::from(answer.t_denom) > 0.0;
             if bool::from(answer.facing) == is_front { Ok(()) } else { Err(format!("front: {is_front}")) }

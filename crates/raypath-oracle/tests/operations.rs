@@ -1,4 +1,4 @@
-//! All operations of this crate beside the paper's four, as hardware.
+//! A datapath with the paper's operations and all added ones.
 
 use raypath_oracle::{AnyOperationSpec, Checks, added_operations};
 use raypath_rtl::{Config, Control, Encoding, Sharing, UnitLatency};
@@ -17,19 +17,19 @@ fn every_operation_has_a_specification_with_an_oracle() {
     files.sort();
     assert_eq!(all.iter().map(AnyOperationSpec::name).collect::<Vec<_>>(), files);
     assert_eq!(raypath_ops::operations::NAMES.to_vec(), files);
-    assert!(all.iter().all(|spec| spec.verified_by().is_some() && !spec.for_what().is_empty()));
+    assert!(all.iter().all(|spec| spec.oracle_name().is_some() && !spec.purpose().is_empty()));
 }
 
-/// Past three linters, then in Verilator, all answers before the operations' oracles.
+/// Three linters report nothing, and the outcomes in Verilator agree with the oracles.
 #[test]
-fn verilator_answers_like_the_oracles() {
+fn verilator_agrees_with_the_oracles() {
     let specs = added_operations();
     let datapath = with_all(Config::DEFAULT, &specs);
     let netlist = datapath.elaborate().expect("they fit");
     assert_eq!(netlist.latency(), 12);
     let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 5, jobs: 10_000 };
     let folder = tempfile::tempdir().expect("a folder");
-    let found = checks.in_verilator(folder.path()).expect("the tools are there and content");
+    let found = checks.in_verilator(folder.path()).expect("no report from the tools");
     assert_eq!(found.different, 0, "{:?}", found.faults);
     assert_eq!(found.reports.len(), specs.len());
     for (reports, spec) in found.reports.iter().zip(&specs) {
@@ -37,9 +37,8 @@ fn verilator_answers_like_the_oracles() {
     }
 }
 
-/// Netlist, cycle-exact and functional model in every cycle, however the datapath is built.
 #[test]
-fn the_netlist_is_like_the_models_in_every_configuration() {
+fn the_netlist_agrees_with_the_models_in_several_configurations() {
     let specs = added_operations();
     let default = Config::DEFAULT;
     let configurations = [

@@ -1,4 +1,4 @@
-//! Encoding of boxes into compressed nodes, in exact rationals.
+//! Encoding of boxes into compressed nodes, compared with exact rationals.
 
 use num_rational::BigRational;
 use rand::{RngExt, SeedableRng};
@@ -23,23 +23,19 @@ fn encoding_encloses_and_is_tight() {
         for axis in 0..3 {
             let origin = &exact::values(node.origin).expect("finite")[axis];
             let scale = &exact::values(node.scale).expect("finite")[axis];
-            assert!(
-                f32::from([node.scale.x, node.scale.y, node.scale.z][axis]).to_bits() & 0x7f_ffff == 0,
-                "a power of two"
-            );
+            let fraction = f32::from([node.scale.x, node.scale.y, node.scale.z][axis]).to_bits() & 0x7f_ffff;
+            assert_eq!(fraction, 0, "a power of two");
             let offset = |word: Word<Binary32, 8>| BigRational::from_integer(u32::from(word).into());
             let one = exact::power(0);
             let mut greatest = BigRational::default();
             for (child, aabb) in node.child.iter().zip(&boxes) {
                 let slab = [aabb.x, aabb.y, aabb.z][axis];
                 let [min, max] = [slab.min, slab.max].map(|bound| exact::value(bound).expect("finite"));
-                let [low, high] = {
-                    let slab = [child.x, child.y, child.z][axis];
-                    [offset(slab.min), offset(slab.max)]
-                };
+                let slab = [child.x, child.y, child.z][axis];
+                let [low, high] = [slab.min, slab.max].map(offset);
                 assert!(origin + &low * scale <= min && min < origin + (&low + &one) * scale, "{boxes:?} {node:?}");
                 assert!(max <= origin + &high * scale && origin + (&high - &one) * scale < max, "{boxes:?} {node:?}");
-                greatest = exact::greater(greatest, max - origin);
+                greatest = greatest.max(max - origin);
             }
             let half = scale / BigRational::from_integer(2.into()) * BigRational::from_integer(255.into());
             assert!(*scale <= exact::power(-126) || greatest > half, "a smaller scale would do: {boxes:?}");
@@ -48,7 +44,7 @@ fn encoding_encloses_and_is_tight() {
 }
 
 #[test]
-fn boxes_that_make_no_node() {
+fn invalid_boxes_are_errors() {
     let unit = Aabb::new([0.0; 3], [1.0; 3]);
     let said = |boxes: &[Aabb<Binary32>]| QuantisedNode::encode(boxes).expect_err("no node").to_string();
     assert_eq!(said(&[]), "0 boxes, expected 1 to 4");

@@ -6,7 +6,7 @@ use crate::nearest::{Candidate, Nearest};
 use crate::results::Neighbour;
 use crate::vectors::Vectors;
 use raypath_model::Functional;
-use raypath_ops::{AngularInput, Beat, Binary32, EuclideanInput, Job, Outcome};
+use raypath_ops::{Beat, BeatInput, Binary32, Job, Outcome};
 use raypath_timing::{Action, Agent};
 use std::collections::HashSet;
 
@@ -139,8 +139,8 @@ impl<const E: usize, const A: usize> Agent<Functional<E, A>> for QueryAgent<'_> 
     #[inline]
     fn next_action(&mut self) -> Action<Job<E, A>> {
         let job = match self.metric {
-            Metric::Euclidean => self.beat().map(|euclidean| Job::Euclidean(EuclideanInput { euclidean })),
-            Metric::Angular => self.beat().map(|euclidean| Job::Angular(AngularInput { euclidean })),
+            Metric::Euclidean => self.beat().map(|euclidean| Job::Euclidean(BeatInput { euclidean })),
+            Metric::Angular => self.beat().map(|euclidean| Job::Angular(BeatInput { euclidean })),
         };
         if let Some(job) = job {
             self.outstanding += 1;

@@ -1,6 +1,6 @@
 use crate::metric::{Metric, cosine_distance, euclidean_distance};
 use raypath_model::Functional;
-use raypath_ops::{AngularInput, Beat, EuclideanInput, Job, Outcome, Rules, VectorError};
+use raypath_ops::{Beat, BeatInput, Job, Outcome, Rules, VectorError};
 
 /// A distance evaluator that runs each beat as a job of the functional model. Searches compute the same bits faster.
 ///
@@ -35,7 +35,7 @@ impl<const E: usize, const A: usize> Datapath<E, A> {
         let mut sum = 0.0;
         for euclidean in Beat::of(query, candidate)? {
             self.beats += 1;
-            if let Outcome::Euclidean(output) = self.model.run(&Job::Euclidean(EuclideanInput { euclidean })) {
+            if let Outcome::Euclidean(output) = self.model.run(&Job::Euclidean(BeatInput { euclidean })) {
                 sum = output.euclidean_accumulator.into();
             }
         }
@@ -50,7 +50,7 @@ impl<const E: usize, const A: usize> Datapath<E, A> {
         let mut angle = Angle { dot_product: 0.0, norm: 0.0 };
         for euclidean in Beat::of(query, candidate)? {
             self.beats += 1;
-            if let Outcome::Angular(output) = self.model.run(&Job::Angular(AngularInput { euclidean })) {
+            if let Outcome::Angular(output) = self.model.run(&Job::Angular(BeatInput { euclidean })) {
                 angle = Angle { dot_product: output.angular_dot_product.into(), norm: output.angular_norm.into() };
             }
         }

@@ -5,8 +5,8 @@ use crate::vectors::Vectors;
 use fearless_simd::Simd;
 use raypath_model::{BLOCK, Lanes, Packed, Part, SimdKernels, Sixteen};
 use raypath_ops::{
-    Angular, AngularInput, AngularState, Beat, Binary32, Circuit, Euclidean, EuclideanInput, EuclideanState, Family,
-    Flags, KernelOperation, Kernels, Num, array_of,
+    Angular, AngularState, Beat, BeatInput, Binary32, Circuit, Euclidean, EuclideanState, Family, Flags,
+    KernelOperation, Kernels, Num, array_of,
 };
 
 /// One coordinate of all candidates of a block.
@@ -48,30 +48,20 @@ impl Blocks {
     }
 }
 
-/// A distance operation with `N` dimensions per beat.
-pub(crate) trait Distance<const N: usize>: KernelOperation {
-    /// The input of a beat.
-    fn input<C: Circuit>(beat: Beat<C, N>) -> Self::Input<C>;
+/// A distance operation.
+pub(crate) trait Distance: KernelOperation {
     /// Accumulators at zero.
     fn begin<C: Circuit>(c: C) -> Self::State<C>;
 }
 
-impl<const N: usize> Distance<N> for Euclidean<N> {
-    #[inline(always)]
-    fn input<C: Circuit>(euclidean: Beat<C, N>) -> EuclideanInput<C, N> {
-        EuclideanInput { euclidean }
-    }
+impl<const N: usize> Distance for Euclidean<N> {
     #[inline(always)]
     fn begin<C: Circuit>(c: C) -> EuclideanState<C> {
         EuclideanState { accumulator: c.zero() }
     }
 }
 
-impl<const N: usize> Distance<N> for Angular<N> {
-    #[inline(always)]
-    fn input<C: Circuit>(euclidean: Beat<C, N>) -> AngularInput<C, N> {
-        AngularInput { euclidean }
-    }
+impl<const N: usize> Distance for Angular<N> {
     #[inline(always)]
     fn begin<C: Circuit>(c: C) -> AngularState<C> {
         AngularState { dot_product: c.zero(), norm: c.zero() }
@@ -98,7 +88,10 @@ pub(crate) fn norm<const A: usize>(vector: &[f32]) -> f32 {
 
 /// The sums of a query and one candidate of the same dimension.
 #[inline(always)]
-fn pair<O: Distance<N>, const N: usize>(op: &O, query: &[f32], candidate: &[f32]) -> O::State<Binary32> {
+fn pair<O, const N: usize>(op: &O, query: &[f32], candidate: &[f32]) -> O::State<Binary32>
+where
+    O: Distance<Input<Binary32> = BeatInput<Binary32, N>>,
+{
     let ((query, query_end), (candidate, candidate_end)) = (query.as_chunks::<N>(), candidate.as_chunks::<N>());
     let whole = query.iter().zip(candidate).map(
         #[inline(always)]
@@ -112,7 +105,7 @@ fn pair<O: Distance<N>, const N: usize>(op: &O, query: &[f32], candidate: &[f32]
 /// The sums, selected by `sum`, of a query and the candidates of a block. Both are padded to a multiple of `N`; the
 /// first `dimensions` coordinates count.
 #[inline(always)]
-pub(crate) fn block<S: Simd, O: Distance<N>, const N: usize>(
+pub(crate) fn block<S: Simd, O: Distance<Input<Lanes<S>> = BeatInput<Lanes<S>, N>>, const N: usize>(
     simd: S,
     op: &O,
     sum: impl Fn(O::State<Lanes<S>>) -> Num<Lanes<S>>,
@@ -150,7 +143,7 @@ fn registers<S: Simd, const N: usize>(part: &Part<S>, a: &[f32; N], b: &[Lane; N
 /// Runs the beats of a pair of vectors: the whole ones, then `end` with `width` enabled lanes, if present. No beat
 /// resets the accumulators, so the final state has the sums.
 #[inline(always)]
-fn run<C: Circuit, O: Distance<N>, const N: usize>(
+fn run<C: Circuit, O: Distance<Input<C> = BeatInput<C, N>>, const N: usize>(
     c: C,
     kernels: impl Kernels<C>,
     op: &O,
@@ -161,11 +154,11 @@ fn run<C: Circuit, O: Distance<N>, const N: usize>(
     let (all, reset_accum) = (Flags(array_of!(_ => c.bit(true))), c.bit(false));
     let mut state = O::begin(c);
     for [a, b] in whole {
-        state = op.run_with(c, kernels, O::input(Beat { a, b, mask: all, reset_accum }), state).1;
+        state = op.run_with(c, kernels, BeatInput { euclidean: Beat { a, b, mask: all, reset_accum } }, state).1;
     }
     if let Some([a, b]) = end {
         let mask = Flags(array_of!(i => c.bit(i < width)));
-        state = op.run_with(c, kernels, O::input(Beat { a, b, mask, reset_accum }), state).1;
+        state = op.run_with(c, kernels, BeatInput { euclidean: Beat { a, b, mask, reset_accum } }, state).1;
     }
     state
 }

@@ -6,7 +6,7 @@ use common::{Echo, Script, Tag, echo};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_model::{Control, CycleModel, Functional, Loop, Shape};
-use raypath_ops::{Beat, Binary32, EuclideanInput, Job, JobKind, Outcome, Rules};
+use raypath_ops::{Beat, BeatInput, Binary32, Job, JobKind, Outcome, Rules};
 use raypath_timing::{Action, Agent, Environment, Sink, simulate};
 use std::collections::{HashMap, VecDeque};
 
@@ -233,7 +233,7 @@ fn beats_of_locked_vectors_do_not_interleave() {
                 let ones = vec![1.0; numbers.len()];
                 for beat in Beat::<Binary32, 16>::of(&numbers, &ones).expect("beats") {
                     let lock = !bool::from(beat.reset_accum);
-                    actions.push_back(Action::Issue { job: Job::Euclidean(EuclideanInput { euclidean: beat }), lock });
+                    actions.push_back(Action::Issue { job: Job::Euclidean(BeatInput { euclidean: beat }), lock });
                     actions.extend([Action::Fetch].into_iter().filter(|_| rng.random_bool(0.2)));
                 }
                 if matches!(actions.back(), Some(Action::Issue { .. })) {

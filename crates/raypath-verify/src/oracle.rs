@@ -6,8 +6,8 @@
 //! exact (products have 48 bits, and sums that small are multiples of 2^-149).
 
 use raypath_ops::{
-    AngularInput, AngularOutput, Beat, Binary32, EuclideanInput, EuclideanOutput, Flags, Job, Num, Outcome,
-    RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Word,
+    AngularOutput, Beat, BeatInput, Binary32, EuclideanOutput, Flags, Job, Num, Outcome, RayBoxInput, RayBoxOutput,
+    RayTriangleInput, RayTriangleOutput, Word,
 };
 
 /// The sum, rounded once.
@@ -51,7 +51,7 @@ impl Oracle {
         }
     }
 
-    fn euclidean(&mut self, input: &EuclideanInput<Binary32, 16>) -> Outcome {
+    fn euclidean(&mut self, input: &BeatInput<Binary32, 16>) -> Outcome {
         let Beat { a, b, mask, reset_accum } = input.euclidean;
         let lane = |i: usize| if bool::from(mask.0[i]) { sub(a[i].into(), b[i].into()) } else { 0.0 };
         let squares: [f32; 16] = std::array::from_fn(|i| mul(lane(i), lane(i)));
@@ -60,7 +60,7 @@ impl Oracle {
         Outcome::Euclidean(EuclideanOutput { euclidean_accumulator: sum.into(), euclidean_reset_accum: reset_accum })
     }
 
-    fn angular(&mut self, input: &AngularInput<Binary32, 8>) -> Outcome {
+    fn angular(&mut self, input: &BeatInput<Binary32, 8>) -> Outcome {
         let Beat { a, b, mask, reset_accum } = input.euclidean;
         let lane = |v: [Num<Binary32>; 8], i: usize| if bool::from(mask.0[i]) { f32::from(v[i]) } else { 0.0 };
         let dots: [f32; 8] = std::array::from_fn(|i| mul(lane(a, i), lane(b, i)));

@@ -1,8 +1,8 @@
 //! Jobs in binary64, as a host has them before it rounds them to a format.
 
 use raypath_ops::{
-    Aabb, AngularInput, Beat, Bit, Concrete, EuclideanInput, Flags, Job, Num, Ray, RayBoxInput, RayTriangleInput, Slab,
-    Triangle, Vec3, Word,
+    Aabb, Beat, BeatInput, Bit, Concrete, Flags, Job, Num, Ray, RayBoxInput, RayTriangleInput, Slab, Triangle, Vec3,
+    Word,
 };
 
 /// Coordinates along x, y and z.
@@ -56,8 +56,8 @@ impl HostJob {
                 let [a, b, c] = vertices.map(|vertex| rounding.point(vertex));
                 Job::Triangle(RayTriangleInput { ray: rounding.ray(ray), triangle: Triangle { a, b, c } })
             }
-            Self::Euclidean { a, b, last } => Job::Euclidean(EuclideanInput { euclidean: rounding.beat(a, b, *last) }),
-            Self::Angular { a, b, last } => Job::Angular(AngularInput { euclidean: rounding.beat(a, b, *last) }),
+            Self::Euclidean { a, b, last } => Job::Euclidean(BeatInput { euclidean: rounding.beat(a, b, *last) }),
+            Self::Angular { a, b, last } => Job::Angular(BeatInput { euclidean: rounding.beat(a, b, *last) }),
         }
     }
 }

@@ -105,8 +105,8 @@ fn paper(config: Config) -> Vec<Entry> {
 fn extra() -> impl Iterator<Item = Entry> {
     raypath_oracle::added_operations().into_iter().map(|spec| Entry {
         name: spec.name(),
-        purpose: spec.for_what(),
-        verified: spec.verified_by().unwrap_or("models alone"),
+        purpose: spec.purpose(),
+        verified: spec.oracle_name().unwrap_or("models alone"),
         spec: Some(spec),
     })
 }

@@ -1,21 +1,20 @@
 //! A key against the separators of a B-tree's node (Barnes et al., "Extending GPU Ray-Tracing Units for Hierarchical
 //! Search Acceleration", MICRO 2024).
 //!
-//! Needs 36 comparators in stage 4, of which boxes have 24 there, and encoders for 37 numbers, of which the others have
-//! 32. Sorted separators answer the key like a thermometer: so the index comes out of choices alone, and nothing is
-//! counted.
+//! It uses 36 comparators in stage 4, of which a datapath for boxes has 24, and encoders for 37 numbers, of which the
+//! paper's datapath has 32. The comparisons with sorted separators form a thermometer code, from which a tree of
+//! multiplexers selects the index without counting.
 
 use crate::{Bit, Circuit, Num, Operation, Word, bundle};
 
-/// Separators of a node, so that it has one more child.
+/// The number of separators of a node, which has one more child.
 pub const SEPARATORS: usize = 36;
 
-/// Which child of a node a key belongs to.
+/// Finds the child of a node to which a key belongs.
 ///
-/// Child i has the keys from separator i - 1, which is one of them, to separator i, which is not: a key that equals a
-/// separator goes to its right. -0 equals +0. Separators are in ascending order; where there are fewer than
-/// [`SEPARATORS`], +∞ stands for the rest, or NaN, which no key reaches, not even +∞. A NaN key belongs to child 0.
-/// Among separators that are in no order a binary search goes on, whose answer is some child.
+/// Child i has the keys from separator i - 1 (included) to separator i (excluded). -0 equals +0, and a NaN key belongs to
+/// child 0. The separators must be in ascending order. If there are fewer than [`SEPARATORS`], the remaining ones must be
+/// +∞, or NaN, which is greater than every key. For unsorted separators the result is the index of some child.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KeyCompare;
 
@@ -24,15 +23,13 @@ bundle! {
     pub struct KeyCompareInput<C> {
         /// The key.
         pub key: Num<C>,
-        /// The node's separators, ascending.
+        /// The separators of the node, in ascending order.
         pub separator: [Num<C>; SEPARATORS],
     }
-}
 
-bundle! {
-    /// The child.
+    /// The child of the key.
     pub struct KeyCompareOutput<C> {
-        /// How many separators the key reaches: the child's index, 0 to 36.
+        /// The index of the child, 0 to 36: the number of separators that are not greater than the key.
         pub child_index: Word<C, 6>,
     }
 }
@@ -47,7 +44,7 @@ impl Operation for KeyCompare {
     fn run<C: Circuit>(&self, c: C, input: KeyCompareInput<C>, _state: ()) -> (KeyCompareOutput<C>, ()) {
         let KeyCompareInput { key, separator } = input;
 
-        c.stage(4, "the key against every separator; the index by a tree of choices");
+        c.stage(4, "the key against every separator; the index by a tree of multiplexers");
         let reached: [Bit<C>; SEPARATORS] = array_of!(i => key.compare(separator[i]).greater_or_equal());
         c.label(format_args!("reached"), &reached);
 

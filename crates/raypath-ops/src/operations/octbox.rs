@@ -1,46 +1,46 @@
-//! A ray against eight boxes a job, as wide as RDNA 4's nodes (AMD, "RDNA4 Instruction Set Architecture",
+//! A ray against eight boxes per job, as in the nodes of RDNA 4 (AMD, "RDNA4 Instruction Set Architecture",
 //! IMAGE_BVH8_INTERSECT_RAY).
 //!
-//! The slab method is that of the four boxes. Adds, where those are, 24 adders in stage 2, 24 multipliers in stage 3
-//! and comparators: 24 in stage 4, 4 in stage 5, 10 in stage 9 and 4 in stage 10.
+//! It uses the slab method of the operation for four boxes. A datapath with that operation needs these additional units:
+//! 24 adders in stage 2, 24 multipliers in stage 3, and 24, 4, 10 and 4 comparators in stages 4, 5, 9 and 10.
 
+use crate::sort::compare_and_swap;
 use crate::{
     Aabb, Circuit, Entry, Flags, LaneMap, Num, Operation, Portable, Ray, Rules, Slabs, SortEntry, Word, bundle,
 };
 
-/// Which of eight boxes a ray hits, nearest first.
+/// Tests a ray against eight boxes and sorts the boxes by distance, the nearest hit first.
 ///
-/// By the rules `paper` (`docs/reference/semantics.md`): boxes are hit and missed as by [`RayBox`](crate::RayBox), hits
-/// stand before misses, nearer before farther, and equal distances by index.
+/// Hits and distances are those of [`RayBox`](crate::RayBox) under the rules `paper` (`docs/reference/semantics.md`).
+/// Hits come before misses, nearer boxes before farther ones, and boxes at equal distances are in the order of their
+/// indices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Octbox;
 
 bundle! {
-    /// A ray and eight boxes; the first four are on the ports of the four boxes.
+    /// A ray and eight boxes. The first four have the ports of [`RayBoxInput`](crate::RayBoxInput).
     pub struct OctboxInput<C> {
         /// The ray.
         pub ray: Ray<C>,
         /// The boxes.
         pub aabb: [Aabb<C>; 8],
     }
-}
 
-bundle! {
-    /// The eight boxes by distance.
+    /// The eight boxes sorted by distance: hits before misses, nearer before farther.
     pub struct OctboxOutput<C> {
-        /// Whether the box in each place is hit.
+        /// Whether the box at each position of the order is hit.
         pub octbox_is_intersect: Flags<C, 8>,
-        /// Where the ray enters it, in units of the direction's length; +∞ for a miss.
+        /// The distance at which the ray enters the box, in units of the direction's length; +∞ for a miss.
         pub octbox_tmin: [Num<C>; 8],
-        /// Which of the job's boxes it is.
+        /// The index of the box in the job.
         pub octbox_box_index: [Word<C, 3>; 8],
     }
 }
 
-/// Batcher's odd-even merge sort: 19 exchanges, six deep. These sort each half.
+/// The steps of Batcher's odd-even merge sort that sort each half. In total it has 19 steps and a depth of six.
 const SORT_HALVES: [(usize, usize); 10] =
     [(0, 1), (2, 3), (4, 5), (6, 7), (0, 2), (1, 3), (4, 6), (5, 7), (1, 2), (5, 6)];
-/// And these merge the halves.
+/// The steps that merge the halves.
 const MERGE: [(usize, usize); 9] = [(0, 4), (1, 5), (2, 6), (3, 7), (2, 4), (3, 5), (1, 2), (3, 4), (5, 6)];
 
 impl Operation for Octbox {
@@ -54,35 +54,31 @@ impl Operation for Octbox {
         let OctboxInput { ray, aabb } = input;
 
         let hits: [Entry<C>; 8] = Slabs { rules: Rules::Paper, is_conservative: false }.run(c, Portable, &ray, &aabb);
-        let mut places: [SortEntry<C, 3>; 8] =
+        let mut entries: [SortEntry<C, 3>; 8] =
             array_of!(i => SortEntry { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) });
-        c.label(format_args!("unsorted"), &places);
+        c.label(format_args!("unsorted"), &entries);
 
         c.stage(9, "sort each half by tmin, values and indices");
-        exchange(c, "half", &mut places, &SORT_HALVES);
+        sort_by(c, "half", &mut entries, &SORT_HALVES);
 
         c.stage(10, "merge the halves");
-        exchange(c, "merge", &mut places, &MERGE);
-        c.label(format_args!("sorted"), &places);
+        sort_by(c, "merge", &mut entries, &MERGE);
+        c.label(format_args!("sorted"), &entries);
 
         let output = OctboxOutput {
-            octbox_is_intersect: Flags(array_of!(i => places[i].hit)),
-            octbox_tmin: array_of!(i => places[i].tmin),
-            octbox_box_index: array_of!(i => places[i].index),
+            octbox_is_intersect: Flags(array_of!(i => entries[i].hit)),
+            octbox_tmin: array_of!(i => entries[i].tmin),
+            octbox_box_index: array_of!(i => entries[i].index),
         };
         (output, ())
     }
 }
 
-/// Each pair in order, one after another.
+/// The steps of a sorting network on these pairs, in order.
 #[inline(always)]
-fn exchange<C: Circuit>(c: C, name: &str, places: &mut [SortEntry<C, 3>; 8], pairs: &[(usize, usize)]) {
+fn sort_by<C: Circuit>(c: C, name: &str, entries: &mut [SortEntry<C, 3>; 8], pairs: &[(usize, usize)]) {
     for (step, &(i, j)) in pairs.iter().enumerate() {
-        let swap = places[j].precedes(places[i]);
-        (places[i], places[j]) = swap.exchange(places[i], places[j]);
-        c.label(format_args!("{name}_swap_{step}"), &swap);
-        c.label(format_args!("{name}_{step}_first"), &places[i]);
-        c.label(format_args!("{name}_{step}_second"), &places[j]);
+        compare_and_swap(c, name, entries, [step, i, j], &|a, b| b.precedes(a));
     }
 }
 
@@ -90,7 +86,7 @@ fn exchange<C: Circuit>(c: C, name: &str, places: &mut [SortEntry<C, 3>; 8], pai
 mod tests {
     use super::*;
 
-    /// A network sorts everything if it sorts all zeros and ones.
+    /// By the zero-one principle, a network that sorts all sequences of zeros and ones sorts every sequence.
     #[test]
     fn the_network_sorts() {
         for word in 0..256_u32 {

@@ -1,13 +1,13 @@
-//! A point against four boxes: range search, point location, and where rays begin in a hierarchy.
+//! A point against four boxes, for range search, point location, and the first node of rays in a hierarchy.
 //!
-//! Adds nothing: its 24 comparators in stage 4 are those that the slab method has for four boxes.
+//! A datapath with the operation for a ray and four boxes needs no additional units: both use 24 comparators in stage 4.
 
 use crate::{Aabb, Bit, Circuit, Flags, Num, Operation, Slab, Vec3, bundle};
 
-/// Which of four boxes a point is in.
+/// Tests whether a point is in each of four boxes.
 ///
-/// A box has its faces: a point is inside where min ≤ coordinate ≤ max along all axes. With a NaN, in the point or a
-/// bound, it is not; nor in a box whose min exceeds its max. -0 equals +0, infinities are numbers like others.
+/// A point is in a box if min ≤ coordinate ≤ max along all axes; the faces belong to the box. A point is not in a box if
+/// a coordinate or a bound is NaN, or if a min exceeds its max. -0 equals +0.
 ///
 /// ```
 /// use raypath_ops::operations::point_in_box::{PointInBox, PointInBoxInput};
@@ -22,19 +22,17 @@ use crate::{Aabb, Bit, Circuit, Flags, Num, Operation, Slab, Vec3, bundle};
 pub struct PointInBox;
 
 bundle! {
-    /// A point and four boxes, on the same ports as a ray's boxes.
+    /// A point and four boxes. The boxes have the ports of [`RayBoxInput`](crate::RayBoxInput).
     pub struct PointInBoxInput<C> {
         /// The point.
         pub point: Vec3<C>,
         /// The boxes.
         pub aabb: [Aabb<C>; 4],
     }
-}
 
-bundle! {
-    /// The boxes that have it.
+    /// The boxes that contain the point.
     pub struct PointInBoxOutput<C> {
-        /// Whether the point is in box i.
+        /// Whether the point is in each box.
         pub is_inside: Flags<C, 4>,
     }
 }

@@ -1,28 +1,29 @@
-//! A ray against four boxes with 8 bits a bound: compressed wide nodes (Ylitie, Karras, Laine, "Efficient Incoherent
-//! Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017; Vortex and RDNA 4 have such nodes as well).
+//! A ray against four boxes with bounds of 8 bits, for compressed wide nodes (Ylitie, Karras, Laine, "Efficient
+//! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017; Vortex and RDNA 4 have such nodes as well).
 //!
-//! A plane at `origin + offset · scale` is at the distance `(origin - ray.origin) · inv + offset · (scale · inv)`, so
-//! that three multiplications beside the 24 of the slabs suffice in stage 3. Adds 3 multipliers in stage 2 and 3 in
-//! stage 3, 16 adders in stage 4, 20 comparators in stage 5 and 4 in stage 6; the sort is that of the four boxes.
+//! A plane at `origin + offset · scale` has the distance `(origin - ray.origin) · inv + offset · (scale · inv)`. Stage 3
+//! therefore takes only three multiplications in addition to the 24 of the slab method. A datapath with the operation
+//! for a ray and four boxes needs these additional units: 3 multipliers each in stages 2 and 3, 16 adders in stage 4, 20
+//! comparators in stage 5 and 4 in stage 6.
 
 mod node;
 
 pub use node::{OffsetBox, OffsetSlab, QuantiseError, QuantisedNode};
 
-use crate::{Bit, Circuit, Flags, Kernels, Num, Operation, Portable, Ray, RayBoxOutput, Slab, SortEntry, Vec3, bundle};
+use crate::{Bit, Circuit, Kernels, Num, Operation, Portable, Ray, RayBoxOutput, Slab, SortEntry, Vec3, bundle};
 
-/// Which of four quantised boxes a ray hits, nearest first.
+/// Tests a ray against four quantised boxes and sorts the boxes by distance, the nearest hit first.
 ///
-/// Rules as for boxes by `paper` (`docs/reference/semantics.md`): near and far change places where the sign bit of inv
-/// is set; along
-/// an axis in which the direction is ±0 a slab says nothing but that the ray is beside it; a NaN distance drops out;
-/// hit where tmin ≤ tmax; hits first, nearer first, ties by index. A box whose min exceeds its max is taken as it
-/// stands.
+/// The rules are those of `paper` for boxes (`docs/reference/semantics.md`): near and far are exchanged if the sign bit of
+/// inv is set; a NaN distance is ignored; a box is hit if tmin ≤ tmax; hits come before misses, nearer boxes before
+/// farther ones, then in the order of indices. Along an axis in which the direction is ±0, a slab only excludes rays
+/// outside it. Bounds with min greater than max are not reordered.
 ///
-/// **How far it is not conservative.** With D = node.origin - ray.origin and P = offset · scale, a slab distance is
-/// within 5 u (|D| + |P|) / |dir| of the exact one, u = 2⁻²⁴, where nothing over- or underflows. A box whose slabs the
-/// ray is in together for less than twice that may be missed, and one that it misses by less may be hit. Unlike those
-/// of other boxes, planes close to the ray's origin are not known better than those far from it.
+/// # Accuracy
+/// The test is not conservative. With D = node.origin - ray.origin and P = offset · scale, the error of a slab distance
+/// is at most 5 u (|D| + |P|) / |dir|, u = 2⁻²⁴, without overflow and underflow. A hit or miss is certain only if the
+/// distances of entry and exit differ by more than twice this error. In contrast to other boxes, the error is not smaller
+/// for planes near the origin of the ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct QuantisedBox;
 
@@ -50,7 +51,7 @@ impl Operation for QuantisedBox {
         let [parallel, backwards] = [each(ray.dir, Num::is_zero), each(ray.inv, Num::sign_bit)];
         let relative = coordinates(node.origin - ray.origin);
         let (inv, scale) = (coordinates(ray.inv), coordinates(node.scale));
-        // Where the ray runs along a slab, distances across it instead: inv is infinite.
+        // If the ray is parallel to a slab, inv is infinite; the coordinates across the slab are used instead.
         let step: [Num<C>; 3] = array_of!(k => parallel[k].select(scale[k], scale[k] * inv[k]));
         c.label(format_args!("relative"), &relative);
         c.label(format_args!("step"), &step);
@@ -92,16 +93,12 @@ impl Operation for QuantisedBox {
         let sorted = Portable.sort(c, unsorted);
         c.label(format_args!("sorted"), &sorted);
 
-        let output = RayBoxOutput {
-            is_intersect: Flags(array_of!(i => sorted[i].hit)),
-            tmin: array_of!(i => sorted[i].tmin),
-            box_index: array_of!(i => sorted[i].index),
-        };
-        (output, ())
+        (RayBoxOutput::of_sorted(&sorted), ())
     }
 }
 
-/// Where the ray enters a slab and where it leaves it. Along the slab: at no place, or beside it everywhere.
+/// The distances at which the ray enters and leaves a slab. If the ray is parallel to the slab, the interval is infinite
+/// for a ray inside and empty for a ray outside.
 #[inline(always)]
 fn near_and_far<C: Circuit>(c: C, distance: Slab<C>, parallel: Bit<C>, backwards: Bit<C>) -> Slab<C> {
     let Slab { min, max } = distance;

@@ -1,25 +1,26 @@
-//! A ray against a sphere: particles, the ends of curves, bounding spheres (Haines, Günther, Akenine-Möller, "Precision
-//! Improvements for Ray/Sphere Intersection", Ray Tracing Gems, chapter 7).
+//! A ray against a sphere, for particles, the ends of curves, and bounding spheres (Haines, Günther, Akenine-Möller,
+//! "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, chapter 7).
 //!
-//! Adds nothing: 3 adders in stage 2, 16 multipliers in 3, 6 adders in 4, 3 multipliers in 5, 4 adders in 6, a
-//! multiplier in 7, 2 adders in 8 and one in 9 are there for the paper's operations.
+//! A datapath with the paper's operations needs no additional units. The operation uses 3 adders in stage 2, 16
+//! multipliers in stage 3, 6 adders in stage 4, 3 multipliers in stage 5, 4 adders in stage 6, a multiplier in stage 7, 2
+//! adders in stage 8 and one in stage 9.
 
 use crate::{Bit, Circuit, Num, Operation, Ray, Vec3, bundle};
 
-/// The quadratic equation of a ray and a sphere: whether it has a solution before the ray, and what to divide and to
-/// take the root of.
+/// Tests a ray against a sphere and computes the coefficients of the distances. The division and the square root are left
+/// to the external circuit.
 ///
-/// With f from the ray's origin to the centre and d the direction, of any length, the ray meets the sphere at
-/// `a t² - 2 b t + c = 0`, where `a = d·d`, `b = f·d` and `c = f·f - r²`. A quarter of the discriminant, `b² - a c`,
-/// would lose the radius of a small sphere far away. It is computed as `r² a - |f × d|²` instead, which is the same
-/// number: the chapter's distance between the centre and the ray, times a so that nothing is divided. With `q = b +
-/// sqrt(discriminant)`, the root with the sign of b, the solutions are `q / a` and `c / q`, which is as good as c is:
-/// where the ray begins near the sphere, the difference in c cancels, and c is within 7 u f·f + 3 u r² of the exact
-/// one, u = 2⁻²⁴.
+/// Let f be the vector from the origin of the ray to the centre, d the direction, of any length, and r the radius. The ray
+/// meets the sphere at the solutions of `a t² - 2 b t + c = 0` with `a = d·d`, `b = f·d` and `c = f·f - r²`. With
+/// `q = b ± sqrt(discriminant)`, where the sign is that of b, the solutions are `q / a` and `c / q`.
 ///
-/// `hit` where `discriminant ≥ 0`, `a > 0`, and `b ≥ 0` or `c ≤ 0`: the sphere is touched at the ray's origin or before
-/// it. Whether that is within the extent is not tested, for the division that would tell is outside. With a NaN in any
-/// of these it is a miss; so it is for a direction whose square underflows to zero. The radius's sign does not matter.
+/// The discriminant, `b² - a c`, is computed as `r² a - |f × d|²`, which has the same value but does not lose the radius of
+/// a small distant sphere. If the ray starts near the sphere, the difference in c cancels: the error of c is at most
+/// 7 u f·f + 3 u r², u = 2⁻²⁴.
+///
+/// The result is a hit if `discriminant ≥ 0`, `a > 0`, and `b ≥ 0` or `c ≤ 0`: the ray starts inside the sphere or meets it
+/// in front of its origin. The extent of the ray is not tested. A NaN in any of the four numbers, or a direction whose
+/// square underflows to zero, is a miss. The sign of the radius has no effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sphere;
 
@@ -31,36 +32,30 @@ bundle! {
         /// The radius.
         pub radius: Num<C>,
     }
-}
 
-bundle! {
-    /// A ray, of which origin and direction are read, and a sphere.
+    /// A ray and a sphere. The operation reads the ray's origin and direction.
     pub struct SphereInput<C> {
         /// The ray.
         pub ray: Ray<C>,
         /// The sphere.
         pub sphere: Ball<C>,
     }
-}
 
-bundle! {
     /// A quadratic equation.
     pub struct Quadratic<C> {
-        /// The direction's square, `d·d`.
+        /// The square of the direction, `d·d`.
         pub a: Num<C>,
-        /// Half the linear coefficient, negated: `f·d`. It is positive where the ray runs towards the centre.
+        /// Half the linear coefficient, negated: `f·d`. It is positive if the ray runs towards the centre.
         pub b: Num<C>,
-        /// `f·f - r²`: negative where the ray begins inside.
+        /// `f·f - r²`. It is negative if the ray starts inside the sphere.
         pub c: Num<C>,
-        /// A quarter of the discriminant, `r² a - |f × d|²`: negative where the ray's line misses the sphere.
+        /// A quarter of the discriminant, `r² a - |f × d|²`. It is negative if the line of the ray misses the sphere.
         pub discriminant: Num<C>,
-        /// Whether the ray meets the sphere.
+        /// Whether the ray hits the sphere.
         pub hit: Bit<C>,
     }
-}
 
-bundle! {
-    /// What the division outside needs.
+    /// The coefficients, with the names of the ports.
     pub struct SphereOutput<C> {
         /// The equation.
         pub sphere: Quadratic<C>,

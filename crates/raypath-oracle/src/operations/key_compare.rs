@@ -1,4 +1,4 @@
-//! Stimulus and oracle of [`KeyCompare`]: the separators that are not above the key are counted.
+//! Stimulus and oracle of [`KeyCompare`]: the oracle counts the separators that are not greater than the key.
 
 use crate::{AnyOperationSpec, OperationSpec, draw, exact};
 use rand::{Rng, RngExt};
@@ -14,7 +14,7 @@ pub fn spec() -> AnyOperationSpec {
         .into()
 }
 
-/// A node of any number of children, its separators close together, spread out or equal, and a key at or between them.
+/// A node with a random number of separators, which are close together, far apart or equal, and a key at or between them.
 pub fn stimulus(rng: &mut impl Rng) -> KeyCompareInput<Binary32> {
     let count = if rng.random() { SEPARATORS } else { rng.random_range(0..=SEPARATORS) };
     let kind = rng.random_range(0..4);
@@ -40,17 +40,17 @@ pub fn stimulus(rng: &mut impl Rng) -> KeyCompareInput<Binary32> {
     KeyCompareInput { key: key.into(), separator: std::array::from_fn(|i| separators[i].into()) }
 }
 
-/// Counts the separators, by their places among all numbers, that are not above the key.
+/// Compares a result with the number of separators that are not greater than the key, counted as ordered integers.
 ///
 /// # Errors
-/// An answer that is not that count, or a job whose separators are not sorted: it has no right answer.
+/// A wrong count, or a job whose separators are not sorted, which has no correct result.
 pub fn check(job: &KeyCompareInput<Binary32>, answer: &KeyCompareOutput<Binary32>) -> Result<(), String> {
-    let places: Vec<Option<i64>> = job.separator.iter().map(|&separator| exact::order(separator)).collect();
-    if !places.is_sorted_by_key(|place| place.unwrap_or(i64::MAX)) {
+    let separators: Vec<Option<i64>> = job.separator.iter().map(|&separator| exact::order(separator)).collect();
+    if !separators.is_sorted_by_key(|separator| separator.unwrap_or(i64::MAX)) {
         return Err("the job's separators are not in ascending order".to_string());
     }
     let key = exact::order(job.key);
-    let expected = key.map_or(0, |key| places.iter().flatten().filter(|&&place| place <= key).count());
+    let expected = key.map_or(0, |key| separators.iter().flatten().filter(|&&separator| separator <= key).count());
     let found = u32::from(answer.child_index) as usize;
     if found != expected {
         return Err(format!("child_index is {found}, but the key reaches {expected} separators"));

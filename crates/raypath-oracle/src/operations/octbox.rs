@@ -1,6 +1,6 @@
 //! Stimulus and oracle of [`Octbox`]: slab distances in exact rationals, and two jobs of four boxes.
 
-use crate::slabs::{self, Passage, Plane};
+use crate::slabs::{self, Passage, Plane, SortedBox};
 use crate::{AnyOperationSpec, OperationSpec, draw, exact};
 use rand::{Rng, RngExt};
 use raypath_ops::operations::octbox::{Octbox, OctboxInput, OctboxOutput};
@@ -15,8 +15,8 @@ pub fn spec() -> AnyOperationSpec {
         .into()
 }
 
-/// Eight boxes and a ray towards a point of one; boxes that are equal, inside out or at the edges of the format among
-/// them.
+/// Eight boxes and a ray towards a point of one of them. Some boxes are equal, inverted, or have bounds at the limits of
+/// binary32.
 pub fn stimulus(rng: &mut impl Rng) -> OctboxInput<Binary32> {
     let mut aabb = [(); 8].map(|()| draw::aabb(rng));
     let aimed_at = aabb[rng.random_range(0..8)];
@@ -38,23 +38,22 @@ pub fn stimulus(rng: &mut impl Rng) -> OctboxInput<Binary32> {
     OctboxInput { ray, aabb }
 }
 
-/// Two oracles. Slab distances in exact rationals, and order; and, to the bit, the boxes four and four through
-/// [`RayBox`], which golden vectors hold, sorted by the standard library.
+/// Compares a result with two oracles: with slab distances in exact rationals; and bit by bit with the boxes in two jobs
+/// of [`RayBox`], which is verified by golden vectors, sorted by the standard library.
 ///
 /// # Errors
-/// The first box about which the answer is wrong, or the places if they are out of order; the first place that does not
-/// have the box that belongs there.
+/// The first wrong box, or the order of the boxes.
 pub fn check(job: &OctboxInput<Binary32>, answer: &OctboxOutput<Binary32>) -> Result<(), String> {
-    let places = std::array::from_fn::<_, 8, _>(|place| slabs::Place {
-        hit: answer.octbox_is_intersect.to_array()[place],
-        tmin: answer.octbox_tmin[place],
-        index: answer.octbox_box_index[place].into(),
+    let boxes = std::array::from_fn::<_, 8, _>(|i| SortedBox {
+        hit: answer.octbox_is_intersect.to_array()[i],
+        tmin: answer.octbox_tmin[i],
+        index: answer.octbox_box_index[i].into(),
     });
-    slabs::check(places, |index| passage(&job.ray, &job.aabb[index]))?;
-    to_the_bit(job, answer)
+    slabs::check(boxes, |index| passage(&job.ray, &job.aabb[index]))?;
+    check_bits(job, answer)
 }
 
-/// The ray's way through a box. Three roundings make a distance: that of the difference, of `inv`, and of the product.
+/// The passage of a ray through a box. A distance has three roundings: of the difference, of `inv`, and of the product.
 fn passage(ray: &Ray<Binary32>, aabb: &Aabb<Binary32>) -> Option<Passage> {
     let origin = exact::values(ray.origin)?;
     let plane = |bound, k: usize| {
@@ -65,23 +64,22 @@ fn passage(ray: &Ray<Binary32>, aabb: &Aabb<Binary32>) -> Option<Passage> {
     Passage::new(ray, [planes(aabb.x, 0)?, planes(aabb.y, 1)?, planes(aabb.z, 2)?])
 }
 
-fn to_the_bit(job: &OctboxInput<Binary32>, answer: &OctboxOutput<Binary32>) -> Result<(), String> {
+fn check_bits(job: &OctboxInput<Binary32>, answer: &OctboxOutput<Binary32>) -> Result<(), String> {
     let mut expected = Vec::new();
     for (first, half) in [(0, [0, 1, 2, 3]), (4, [4, 5, 6, 7])] {
         let four = RayBoxInput { ray: job.ray, aabb: half.map(|i| job.aabb[i]) };
         let (four, ()) = RayBox { rules: Rules::Paper }.run(Binary32, four, ());
-        for place in 0..4 {
-            let (hit, index) = (four.is_intersect.to_array()[place], first + u32::from(four.box_index[place]));
-            expected.push((hit, four.tmin[place].to_bits(), index));
+        for (i, hit) in four.is_intersect.to_array().into_iter().enumerate() {
+            expected.push((hit, four.tmin[i].to_bits(), first + u32::from(four.box_index[i])));
         }
     }
-    // Distances are not negative, and so in the order of their bits.
+    // Numbers that are not negative have the order of their bits.
     expected.sort_by_key(|&(hit, tmin, index)| (tmin, !hit, index));
-    for (place, expected) in expected.into_iter().enumerate() {
-        let hit = answer.octbox_is_intersect.to_array()[place];
-        let found = (hit, answer.octbox_tmin[place].to_bits(), u32::from(answer.octbox_box_index[place]));
+    for (i, expected) in expected.into_iter().enumerate() {
+        let hit = answer.octbox_is_intersect.to_array()[i];
+        let found = (hit, answer.octbox_tmin[i].to_bits(), u32::from(answer.octbox_box_index[i]));
         if found != expected {
-            return Err(format!("place {place} has (hit, tmin, index) {found:x?}, expected {expected:x?}"));
+            return Err(format!("position {i} has (hit, tmin, index) {found:x?}, expected {expected:x?}"));
         }
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Stimulus and oracle of [`PointInBox`]: coordinates and bounds are compared as ordered integers.
+//! Stimulus and oracle of [`PointInBox`]: the oracle compares coordinates and bounds as ordered integers.
 
 use crate::{AnyOperationSpec, OperationSpec, draw, exact};
 use rand::{Rng, RngExt};
@@ -14,7 +14,7 @@ pub fn spec() -> AnyOperationSpec {
         .into()
 }
 
-/// Four boxes, and a point of one of them or beside it by one place.
+/// Four boxes, and a point that is in one of them or next to it.
 pub fn stimulus(rng: &mut impl Rng) -> PointInBoxInput<Binary32> {
     let mut aabb = [(); 4].map(|()| draw::aabb(rng));
     let mut point = draw::point_of(rng, aabb[0]);
@@ -38,10 +38,10 @@ pub fn stimulus(rng: &mut impl Rng) -> PointInBoxInput<Binary32> {
     PointInBoxInput { point: point.into(), aabb }
 }
 
-/// Looks for each coordinate's place among all numbers, which must be between those of the bounds.
+/// Compares a result with comparisons of ordered integers.
 ///
 /// # Errors
-/// A box about which the answer is wrong.
+/// The first wrong box.
 pub fn check(job: &PointInBoxInput<Binary32>, answer: &PointInBoxOutput<Binary32>) -> Result<(), String> {
     let Vec3 { x, y, z } = job.point;
     for (i, (aabb, found)) in job.aabb.iter().zip(answer.is_inside.to_array()).enumerate() {

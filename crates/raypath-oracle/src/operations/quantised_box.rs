@@ -18,8 +18,8 @@ pub fn spec() -> AnyOperationSpec {
         .into()
 }
 
-/// A node of one to four boxes and a ray towards one of them; or any node and any ray, at the edges of the format now
-/// and then.
+/// A node of one to four boxes and a ray towards one of them, or a node with random fields. Some jobs have a number at the
+/// limits of binary32.
 pub fn stimulus(rng: &mut impl Rng) -> QuantisedBoxInput<Binary32> {
     let boxes = [(); 4].map(|()| draw::aabb(rng));
     let count = rng.random_range(1..=4);
@@ -67,23 +67,23 @@ mod tests {
         let unit = |z: f32| Aabb::new([-1.0, -1.0, z], [1.0, 1.0, z + 1.0]);
         let ray = Ray::new([0.0; 3], [0.0, 0.0, 2.0], f32::INFINITY).expect("a ray");
         let answer = run(ray, &[unit(9.0), unit(1.0), unit(-5.0)]);
-        assert_eq!(answer.is_intersect.to_array(), [true, true, false, false], "the fourth box is none");
+        assert_eq!(answer.is_intersect.to_array(), [true, true, false, false], "the fourth box is not used");
         assert_eq!(answer.box_index.map(u32::from), [1, 0, 2, 3]);
         assert_eq!(answer.tmin.map(f32::from), [0.5, 4.5, f32::INFINITY, f32::INFINITY]);
     }
 
-    /// From so far away that all planes of the node are at the same distance.
+    /// The ray starts so far away that all planes of the node are at the same distance.
     #[test]
-    fn children_that_are_not_there_are_missed() {
+    fn unused_children_are_missed() {
         let ray = Ray::new([0.5, 0.5, -1e12], [0.0, 0.0, 1.0], f32::INFINITY).expect("a ray");
         let answer = run(ray, &[Aabb::new([0.0; 3], [1.0; 3])]);
         assert_eq!(answer.is_intersect.to_array(), [true, false, false, false]);
         assert_eq!(answer.box_index.map(u32::from), [0, 1, 2, 3]);
     }
 
-    /// A ray along an axis, or in a plane: beside a box, in its face, inside.
+    /// Rays parallel to two axes: outside a box, in a face, inside.
     #[test]
-    fn along_slabs() {
+    fn parallel_rays() {
         let cube = Aabb::new([1.0; 3], [2.0; 3]);
         for (x, hits) in [(0.875, false), (1.0, true), (1.5, true), (2.0, true), (2.125, false)] {
             for zero in [0.0, -0.0] {

@@ -1,4 +1,4 @@
-//! Stimulus and oracle of [`Sphere`]: the quadratic equation in exact rationals.
+//! Stimulus and oracle of [`Sphere`]: the oracle computes the quadratic equation in exact rationals.
 
 use crate::{AnyOperationSpec, OperationSpec, draw, exact};
 use num_rational::BigRational;
@@ -15,8 +15,9 @@ pub fn spec() -> AnyOperationSpec {
         .into()
 }
 
-/// A ray that passes a sphere at a known share of its radius: through it, beside it, or grazing; small spheres far
-/// away, large ones that the ray begins in, spheres behind; numbers at the edges of the format now and then.
+/// A ray that passes the centre of a sphere at a known fraction of its radius: through it, beside it, or grazing. There
+/// are small distant spheres, large spheres around the origin, and spheres behind the ray. Some jobs have a number at the
+/// limits of binary32.
 pub fn stimulus(rng: &mut impl Rng) -> SphereInput<Binary32> {
     let radius = draw::spread(rng, -6..6);
     let distance = rng.random_range(0.0..4.0) * 2.0_f32.powi(rng.random_range(-6..14));
@@ -31,7 +32,7 @@ pub fn stimulus(rng: &mut impl Rng) -> SphereInput<Binary32> {
         }
     };
     let (towards, other) = (unit(rng), unit(rng));
-    // Across the direction by this share of the radius.
+    // The distance between centre and ray.
     let share = [0.0, 0.5, 0.999, 0.999_999, 1.0, 1.000_001, 1.001, 2.0][rng.random_range(0..8)] * radius;
     let along: f32 = (0..3).map(|k| towards[k] * other[k]).sum();
     let across: [f32; 3] = std::array::from_fn(|k| other[k] - along * towards[k]);
@@ -55,7 +56,7 @@ pub fn stimulus(rng: &mut impl Rng) -> SphereInput<Binary32> {
         };
         *field = draw::edge(rng);
     }
-    // What the operation does not read is that of some ray.
+    // The fields that the operation does not read come from another ray.
     let ray = draw::ray_at(rng, [1.0; 3]);
     SphereInput {
         ray: Ray { origin: origin.into(), dir: dir.into(), ..ray },
@@ -63,19 +64,19 @@ pub fn stimulus(rng: &mut impl Rng) -> SphereInput<Binary32> {
     }
 }
 
-/// The equation in rationals, and how far rounding may take the answer from it.
+/// Compares a result with the exact equation, within bounds of the rounding errors.
 ///
-/// Every rounding adds at most u = 2⁻²⁴ of the result, or 2⁻¹⁵⁰ where it underflows. So, with `n = f × d`, and `m` the
-/// same with all products positive:
-/// - a is within 4 u a, b within 5 u Σ|fᵢ dᵢ|, c within 7 u f·f + 3 u r²;
-/// - nᵢ within eᵢ = 4 u mᵢ, and the discriminant within Σ(2 |nᵢ| eᵢ + eᵢ²) + 6 u Σ(|nᵢ| + eᵢ)² + 8 u r² a.
+/// Each rounding has a relative error of at most u = 2⁻²⁴, or an absolute error of at most 2⁻¹⁵⁰ if it underflows. With
+/// `n = f × d`, and `m` the same sum with all products positive, the error bounds are:
+/// - 4 u a for a, 5 u Σ|fᵢ dᵢ| for b, and 7 u f·f + 3 u r² for c;
+/// - eᵢ = 4 u mᵢ for nᵢ, and Σ(2 |nᵢ| eᵢ + eᵢ²) + 6 u Σ(|nᵢ| + eᵢ)² + 8 u r² a for the discriminant.
 ///
-/// A discriminant computed as b² - a c would be within u (f·f)(d·d), by (|f| / r)² of r² a; this is within |f| / r of
-/// it. What overflows is not held to this.
+/// Relative to r² a, the error of the discriminant is of order u |f| / r. That of b² - a c would be of order u (|f| / r)².
+/// No bounds hold if a value overflows.
 ///
 /// # Errors
-/// A number out of its bound; a hit bit that does not follow from the four numbers, or is wrong although the numbers
-/// are far enough from zero.
+/// A number outside its bound; a hit bit that does not follow from the four numbers, or that is wrong although the bounds
+/// determine it.
 pub fn check(job: &SphereInput<Binary32>, answer: &SphereOutput<Binary32>) -> Result<(), String> {
     let Quadratic { a, b, c, discriminant, hit } = answer.sphere;
     let [af, bf, cf, df] = [a, b, c, discriminant].map(f32::from);
@@ -105,12 +106,12 @@ pub fn check(job: &SphereInput<Binary32>, answer: &SphereOutput<Binary32>) -> Re
         _ => None,
     };
     match expected.filter(|_| above_zero(&exact.a) == Some(true)) {
-        Some(expected) if expected != hit => Err(format!("hit is {hit}, but the ray's line says {expected}")),
+        Some(expected) if expected != hit => Err(format!("hit is {hit}, but exactly it is {expected}")),
         _ => Ok(()),
     }
 }
 
-/// The equation's numbers, each with the bound of its error.
+/// The exact numbers of the equation, each with the bound of its error.
 struct Exact {
     a: [BigRational; 2],
     b: [BigRational; 2],
@@ -119,7 +120,7 @@ struct Exact {
 }
 
 impl Exact {
-    /// None where a number is not finite, or could overflow.
+    /// `None` if an input is not finite or a value could overflow.
     fn of(job: &SphereInput<Binary32>) -> Option<Self> {
         let (centre, origin) = (exact::values(job.sphere.centre)?, exact::values(job.ray.origin)?);
         let d = exact::values(job.ray.dir)?;
@@ -180,7 +181,7 @@ mod tests {
     #[test]
     fn by_hand() {
         let along_z = [0.0, 0.0, 2.0];
-        // At 4 and 6 of its length, that is at t = 2 and 3.
+        // The solutions are t = 2 and 3, at 4 and 6 along z.
         assert_eq!(run(job([0.0; 3], along_z, [0.0, 0.0, 5.0], 1.0)), ([4.0, 10.0, 24.0, 4.0], true));
         assert_eq!(run(job([0.0; 3], along_z, [0.0, 0.0, -5.0], 1.0)), ([4.0, -10.0, 24.0, 4.0], false));
         assert_eq!(run(job([0.0; 3], along_z, [0.0, 0.0, -0.5], 1.0)), ([4.0, -1.0, -0.75, 4.0], true));
@@ -192,9 +193,9 @@ mod tests {
     fn at_the_edges() {
         let (inf, nan) = (f32::INFINITY, f32::NAN);
         let hit = |job| run(job).1;
-        assert!(hit(job([0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.0; 3], 1.0)), "begins on the sphere, looks inside");
-        assert!(hit(job([0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0; 3], 1.0)), "begins on the sphere, looks away");
-        assert!(hit(job([0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 3.0], 0.0)), "a point that the ray meets");
+        assert!(hit(job([0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.0; 3], 1.0)), "starts on the sphere, towards the inside");
+        assert!(hit(job([0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0; 3], 1.0)), "starts on the sphere, away from it");
+        assert!(hit(job([0.0; 3], [0.0, 0.0, 1.0], [0.0, 0.0, 3.0], 0.0)), "a point on the ray");
         assert!(!hit(job([0.0; 3], [0.0; 3], [0.0; 3], 1.0)), "no direction");
         assert!(!hit(job([0.0; 3], [0.0, 0.0, 1e-30], [0.0, 0.0, 3.0], 1.0)), "a direction whose square is zero");
         assert!(!hit(job([0.0; 3], [0.0, nan, 1.0], [0.0, 0.0, 3.0], 1.0)));
@@ -202,7 +203,7 @@ mod tests {
         assert!(!hit(job([0.0; 3], [0.0, 0.0, inf], [0.0, 0.0, 3.0], 1.0)), "0 times infinity");
     }
 
-    /// A sphere of radius 1, 4,096 away and passed at 1.1 or 0.9: of b² - a c nothing would be left.
+    /// A sphere of radius 1 at a distance of 4,096, passed at 0.9 or 1.1. b² - a c would be 0.
     #[test]
     fn small_spheres_far_away() {
         let (a, distance) = (1.0_f32, 4096.0_f32);
@@ -242,6 +243,6 @@ mod tests {
                 }
             }
         }
-        assert!(negated > 2500 && (300..700).contains(&hits), "{negated} with a sign, {hits} hits");
+        assert!(negated > 2500 && (300..700).contains(&hits), "{negated} numbers with a certain sign, {hits} hits");
     }
 }

@@ -10,7 +10,7 @@ use crate::verdict::Verdict;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Functional;
-use raypath_ops::{AngularInput, Beat, Binary32, EuclideanInput, Flags, Job, Outcome, Rules};
+use raypath_ops::{Beat, BeatInput, Binary32, Flags, Job, Outcome, Rules};
 
 /// One case of this many also runs on the wrong implementations.
 const CONTROL_INTERVAL: u64 = 16;
@@ -198,7 +198,7 @@ fn draw<const N: usize>(rng: &mut ChaCha8Rng, numbers: Numbers, last: bool) -> B
 /// The datapath's Euclidean sum over beats.
 pub fn euclidean<const E: usize, const A: usize>(beats: &[Beat<Binary32, E>]) -> f32 {
     let mut datapath = Functional::<E, A>::new(Rules::Paper);
-    let sum = |beat: &Beat<Binary32, E>| match datapath.run(&Job::Euclidean(EuclideanInput { euclidean: *beat })) {
+    let sum = |beat: &Beat<Binary32, E>| match datapath.run(&Job::Euclidean(BeatInput { euclidean: *beat })) {
         Outcome::Euclidean(output) => output.euclidean_accumulator.into(),
         other => unreachable!("a Euclidean outcome is no {other:?}"),
     };
@@ -208,7 +208,7 @@ pub fn euclidean<const E: usize, const A: usize>(beats: &[Beat<Binary32, E>]) ->
 /// The datapath's dot product and norm over beats.
 pub fn angular<const E: usize, const A: usize>(beats: &[Beat<Binary32, A>]) -> [f32; 2] {
     let mut datapath = Functional::<E, A>::new(Rules::Paper);
-    let sums = |beat: &Beat<Binary32, A>| match datapath.run(&Job::Angular(AngularInput { euclidean: *beat })) {
+    let sums = |beat: &Beat<Binary32, A>| match datapath.run(&Job::Angular(BeatInput { euclidean: *beat })) {
         Outcome::Angular(output) => [output.angular_dot_product.into(), output.angular_norm.into()],
         other => unreachable!("an angular outcome is no {other:?}"),
     };

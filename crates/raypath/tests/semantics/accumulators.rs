@@ -4,7 +4,7 @@ use crate::answers::{answers, answers_under, numbers};
 use crate::random::{Numbers, any_job, rng, scene_job};
 use rand::RngExt;
 use rand::seq::SliceRandom;
-use raypath::ops::{AngularInput, Beat, Binary32, EuclideanInput, Flags, Job, Num, Outcome, Rules};
+use raypath::ops::{Beat, BeatInput, Binary32, Flags, Job, Num, Outcome, Rules};
 use raypath::sim::traffic::Traffic;
 
 fn beat<const N: usize>(a: f32, b: f32, reset: bool) -> Beat<Binary32, N> {
@@ -16,12 +16,12 @@ fn beat<const N: usize>(a: f32, b: f32, reset: bool) -> Beat<Binary32, N> {
 
 /// Adds `a²`.
 fn euclidean(a: f32, reset: bool) -> Job {
-    Job::Euclidean(EuclideanInput { euclidean: beat(a, 0.0, reset) })
+    Job::Euclidean(BeatInput { euclidean: beat(a, 0.0, reset) })
 }
 
 /// Adds a·b and b².
 fn angular(a: f32, b: f32, reset: bool) -> Job {
-    Job::Angular(AngularInput { euclidean: beat(a, b, reset) })
+    Job::Angular(BeatInput { euclidean: beat(a, b, reset) })
 }
 
 fn sums(outcomes: &[Outcome]) -> Vec<Vec<f32>> {

@@ -3,13 +3,13 @@
 
 use crate::answers::{self, Typed};
 use raypath::ops::{
-    Aabb, Beat, Binary32, EuclideanInput, Flags, Job, Outcome, Ray, RayBoxInput, RayTriangleInput, Rules, Triangle,
+    Aabb, Beat, BeatInput, Binary32, Flags, Job, Outcome, Ray, RayBoxInput, RayTriangleInput, Rules, Triangle,
 };
 
 fn beat(a: [f32; 16], reset: bool) -> Job {
     let (a, b) = (a.map(Into::into), [0.0.into(); 16]);
     let mask = Flags::from_mask(0xffff);
-    Job::Euclidean(EuclideanInput { euclidean: Beat { a, b, mask, reset_accum: reset.into() } })
+    Job::Euclidean(BeatInput { euclidean: Beat { a, b, mask, reset_accum: reset.into() } })
 }
 
 fn adds_16() -> Job {

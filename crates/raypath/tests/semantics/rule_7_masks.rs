@@ -1,7 +1,7 @@
 //! Ruling 7: a masked-off lane contributes +0.0 for any contents.
 
 use crate::answers::answers;
-use raypath::ops::{AngularInput, Beat, EuclideanInput, Flags, Job, Num, Outcome, Rules};
+use raypath::ops::{Beat, BeatInput, Flags, Job, Num, Outcome, Rules};
 
 const HOLDS: [u32; 10] = [
     0x7fc0_0000,
@@ -40,11 +40,11 @@ fn a_masked_off_lane_counts_for_nothing() {
                 if which & 2 == 2 {
                     b[lane] = held;
                 }
-                jobs.push(Job::Euclidean(EuclideanInput { euclidean: beat(a, b, !(1 << lane)) }));
+                jobs.push(Job::Euclidean(BeatInput { euclidean: beat(a, b, !(1 << lane)) }));
                 expected.push(vec![60f32.to_bits()]); // 15 · (3 − 1)²
                 if lane < 8 {
                     let half = |v: [u32; 16]| std::array::from_fn(|i| v[i]);
-                    jobs.push(Job::Angular(AngularInput { euclidean: beat::<8>(half(a), half(b), !(1 << lane)) }));
+                    jobs.push(Job::Angular(BeatInput { euclidean: beat::<8>(half(a), half(b), !(1 << lane)) }));
                     expected.push(vec![21f32.to_bits(), 7f32.to_bits()]); // 7 · 3·1, 7 · 1²
                 }
             }
@@ -62,8 +62,8 @@ fn a_masked_off_lane_counts_for_nothing() {
 fn a_beat_without_lanes_is_plus_zero() {
     for held in HOLDS {
         let jobs = [
-            Job::Euclidean(EuclideanInput { euclidean: beat([held; 16], [held; 16], 0) }),
-            Job::Angular(AngularInput { euclidean: beat([held; 8], [held; 8], 0) }),
+            Job::Euclidean(BeatInput { euclidean: beat([held; 16], [held; 16], 0) }),
+            Job::Angular(BeatInput { euclidean: beat([held; 8], [held; 8], 0) }),
         ];
         let outcomes = answers(Rules::Paper, &jobs);
         assert_eq!(sums(&outcomes[0]), [0]);
@@ -80,12 +80,12 @@ fn mask_bit_i_is_lane_i() {
     let mut expected: Vec<Vec<u32>> = Vec::new();
     for mask in (0..16).map(|i| 1 << i).chain([0xffff, 0x8001, 0x5555]) {
         let squares: f32 = (0..16).filter(|i| mask >> i & 1 == 1).map(|i| 4f32.powi(i)).sum();
-        jobs.push(Job::Euclidean(EuclideanInput { euclidean: beat(powers, [0; 16], mask) }));
+        jobs.push(Job::Euclidean(BeatInput { euclidean: beat(powers, [0; 16], mask) }));
         expected.push(vec![squares.to_bits()]);
         let lanes = || (0..8).filter(|i| mask >> i & 1 == 1);
         let (dot, norm): (f32, f32) = (lanes().fold(0.0, |sum, i| sum + 2f32.powi(i)), lanes().count() as f32);
         let low = std::array::from_fn(|i| powers[i]);
-        jobs.push(Job::Angular(AngularInput { euclidean: beat::<8>(low, ones, mask) }));
+        jobs.push(Job::Angular(BeatInput { euclidean: beat::<8>(low, ones, mask) }));
         expected.push(vec![dot.to_bits(), norm.to_bits()]);
     }
     let found: Vec<Vec<u32>> = answers(Rules::Paper, &jobs).iter().map(sums).collect();
@@ -100,9 +100,9 @@ fn a_lane_that_counts_contributes_what_it_holds() {
         a[lane] = 0xff80_0000;
         let low = std::array::from_fn(|i| a[i]);
         let jobs = [
-            Job::Euclidean(EuclideanInput { euclidean: beat(a, [0; 16], !0) }),
-            Job::Angular(AngularInput { euclidean: beat::<8>(low, [1f32.to_bits(); 8], !0) }),
-            Job::Angular(AngularInput { euclidean: beat::<8>(low, [0; 8], !0) }),
+            Job::Euclidean(BeatInput { euclidean: beat(a, [0; 16], !0) }),
+            Job::Angular(BeatInput { euclidean: beat::<8>(low, [1f32.to_bits(); 8], !0) }),
+            Job::Angular(BeatInput { euclidean: beat::<8>(low, [0; 8], !0) }),
         ];
         let outcomes = answers(Rules::Paper, &jobs);
         assert_eq!(sums(&outcomes[0]), [0x7f80_0000]);

@@ -1,37 +1,33 @@
-//! Nodes in the compressed form, and how boxes come into it.
+//! Compressed nodes, and the encoding of boxes.
 
 use crate::{Aabb, Binary32, Flags, Vec3, Word, bundle};
 use thiserror::Error;
 
 bundle! {
-    /// A node with four children.
+    /// A compressed node with up to four children.
     pub struct QuantisedNode<C> {
-        /// Where offsets count from.
+        /// The point at which all offsets are 0.
         pub origin: Vec3<C>,
-        /// What an offset of 1 is worth along each axis: a power of two, so that nothing is rounded but sums and
-        /// distances. Any other number is multiplied like any other.
+        /// The distance of an offset of 1 along each axis: a power of two, so that products with it are exact. Other
+        /// values are allowed.
         pub scale: Vec3<C>,
         /// The children's boxes.
         pub child: [OffsetBox<C>; 4],
-        /// Which children there are; one that is not there is missed, whatever its box.
+        /// Whether each child is used. An unused child is a miss.
         pub used: Flags<C, 4>,
     }
-}
 
-bundle! {
-    /// A box in offsets.
+    /// A box with bounds as offsets from the origin of its node.
     pub struct OffsetBox<C> {
-        /// Along x.
+        /// The bounds along x.
         pub x: OffsetSlab<C>,
-        /// Along y.
+        /// The bounds along y.
         pub y: OffsetSlab<C>,
-        /// Along z.
+        /// The bounds along z.
         pub z: OffsetSlab<C>,
     }
-}
 
-bundle! {
-    /// One axis of a box in offsets.
+    /// The bounds of an [`OffsetBox`] along one axis.
     pub struct OffsetSlab<C> {
         /// The lesser bound, rounded down.
         pub min: Word<C, 8>,
@@ -40,32 +36,32 @@ bundle! {
     }
 }
 
-/// Why boxes make no node.
+/// The reason why boxes cannot be encoded as a node.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum QuantiseError {
-    /// There are too many, or none.
+    /// The number of boxes is not 1 to 4.
     #[error("{0} boxes, expected 1 to 4")]
     Count(usize),
-    /// A bound is infinite or NaN, or a box's min exceeds its max.
+    /// A bound is infinite or NaN, or a min exceeds its max.
     #[error("box {child}, axis {axis}: from {min} to {max}, expected two finite numbers in order")]
     Bounds {
-        /// Which box.
+        /// The index of the box.
         child: usize,
-        /// Along which axis: 0 is x.
+        /// The axis; 0 is x.
         axis: usize,
-        /// Its lesser bound.
+        /// The lesser bound.
         min: f32,
-        /// Its greater bound.
+        /// The greater bound.
         max: f32,
     },
 }
 
 impl QuantisedNode<Binary32> {
-    /// The node of one to four boxes: each is inside its quantised box, exactly, and along each axis the scale is the
-    /// least power of two, not below 2⁻¹²⁶, by which all boxes fit.
+    /// Encodes one to four boxes. Each box is exactly inside its quantised box. The scale of each axis is the least power of
+    /// two, at least 2⁻¹²⁶, with which all boxes fit.
     ///
     /// # Errors
-    /// No or more than four boxes, a bound that is not finite, a min that exceeds its max.
+    /// No box or more than four, a bound that is not finite, a min that exceeds its max.
     pub fn encode(boxes: &[Aabb<Binary32>]) -> Result<Self, QuantiseError> {
         if !(1..=4).contains(&boxes.len()) {
             return Err(QuantiseError::Count(boxes.len()));
@@ -100,17 +96,17 @@ impl QuantisedNode<Binary32> {
     }
 }
 
-/// A power of two of which more than 255 are between two numbers, or the least that is a scale.
+/// A power of two that is less than the scale for an axis from `from` to `to`, or the least scale.
 fn least_unit(from: f32, to: f32) -> f32 {
     let extent = f64::from(to) - f64::from(from);
     let power = f64::from_bits(extent.to_bits() & f64::INFINITY.to_bits());
     ((power / 512.0) as f32).max(f32::MIN_POSITIVE)
 }
 
-/// How many units, a power of two, `to` is above `from`: rounded down, and rounded up.
+/// The distance from `from` to `to` in units of `unit`, a power of two, rounded down and rounded up.
 fn offset(from: f32, to: f32, unit: f32) -> [f64; 2] {
     let (from, to) = (f64::from(from), f64::from(to));
-    // What the difference lost to rounding (Knuth's two-sum); it decides only where what is left is a whole number.
+    // The rounding error of the difference (Knuth's two-sum). It matters only if the rounded difference is an integer.
     let difference = to - from;
     let back = difference - to;
     let lost = (to - (difference - back)) - (from + back);

@@ -1,31 +1,30 @@
-//! What a node's children are to a ray, in exact rationals.
+//! The oracle of [`QuantisedBox`](raypath_ops::operations::quantised_box::QuantisedBox), in exact rationals.
 
 use super::{OffsetBox, QuantisedBoxInput};
 use crate::exact;
-use crate::slabs::{self, Passage, Place, Plane};
+use crate::slabs::{self, Passage, Plane, SortedBox};
 use num_rational::BigRational;
 use raypath_ops::{Binary32, RayBoxOutput};
 
-/// Slab distances in rationals, and order. Which box stands where follows from what is answered.
+/// Compares a result with slab distances in exact rationals, and checks the order of the boxes.
 ///
 /// # Errors
-/// The first box about which the answer is wrong, or the places if they are out of order.
+/// The first wrong box, or the order of the boxes.
 pub fn check(job: &QuantisedBoxInput<Binary32>, answer: &RayBoxOutput<Binary32>) -> Result<(), String> {
     let used = job.node.used.to_array();
-    let places = [0, 1, 2, 3].map(|place| Place {
-        hit: answer.is_intersect.to_array()[place],
-        tmin: answer.tmin[place],
-        index: answer.box_index[place].into(),
+    let boxes = [0, 1, 2, 3].map(|i| SortedBox {
+        hit: answer.is_intersect.to_array()[i],
+        tmin: answer.tmin[i],
+        index: answer.box_index[i].into(),
     });
-    let absent = places.iter().find(|place| place.hit && !used[place.index as usize]);
-    if let Some(Place { index, .. }) = absent {
-        return Err(format!("box {index} is hit, but is not there"));
+    if let Some(SortedBox { index, .. }) = boxes.iter().find(|found| found.hit && !used[found.index as usize]) {
+        return Err(format!("box {index} is hit, but is not used"));
     }
-    slabs::check(places, |index| if used[index] { passage(job, index) } else { None })
+    slabs::check(boxes, |index| if used[index] { passage(job, index) } else { None })
 }
 
-/// The ray's way through a child's box, offsets and scale taken at their word. None where a number is so large that the
-/// bound does not hold, though what is left of it after offsets and differences may be small.
+/// The passage of a ray through the box of a child, from the encoded offsets and scale. `None` if no error bound is known,
+/// because a coordinate or a scale is too large, even if the differences are small.
 fn passage(job: &QuantisedBoxInput<Binary32>, index: usize) -> Option<Passage> {
     let QuantisedBoxInput { ray, node } = job;
     let (from, to) = (exact::values(ray.origin)?, exact::values(node.origin)?);
@@ -54,9 +53,9 @@ mod tests {
     use crate::test_support::jobs;
     use raypath_ops::{Flags, Operation, Ray, Word};
 
-    /// A scale whose product with inv overflows makes NaN of an offset of 0, which drops out: no bound speaks of that.
+    /// If the product of scale and inverse overflows, an offset of 0 gives a NaN, which is ignored. No error bound holds.
     #[test]
-    fn a_product_that_overflows_is_not_judged() {
+    fn an_overflowing_product_has_no_bound() {
         let ray = Ray::new([0.5, 5.0, -5.0], [0.0, 0.5, 1.0], f32::INFINITY).expect("a ray");
         let slab = |max: u32| OffsetSlab { min: Word::truncate(0), max: Word::truncate(max) };
         let child = [OffsetBox { x: slab(1), y: slab(0), z: slab(1) }; 4];
@@ -82,7 +81,7 @@ mod tests {
                 let index = u32::from(right.box_index[place]) as usize;
                 let mut wrong = right;
                 wrong.box_index[place] = right.box_index[(place + 1) % 4];
-                assert!(check(&job, &wrong).is_err(), "a box in two places");
+                assert!(check(&job, &wrong).is_err(), "a box occurs twice");
                 let used = job.node.used.to_array()[index];
                 if !used || passage(&job, index).is_some_and(|passage| passage.hit().is_some()) {
                     certain += 1;

@@ -7,7 +7,7 @@ use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
 use raypath_model::{Batch, CycleModel, Functional, Packed, Shape, blank, levels, pack, unpack};
 use raypath_ops::{
-    AngularInput, AngularOutput, Binary32, EuclideanInput, EuclideanOutput, Family, Job, JobKind, Of, Ray, RayBoxInput,
+    BeatInput, AngularOutput, Binary32, EuclideanOutput, Family, Job, JobKind, Of, Ray, RayBoxInput,
     RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules,
 };
 use std::hint::black_box;
@@ -42,13 +42,13 @@ pub fn batches(results: &mut Results, repetitions: usize) {
     let mut workload = Workload::new();
     let boxes: Vec<_> = (0..BATCH).map(|_| workload.quadbox()).collect();
     let triangles: Vec<_> = (0..BATCH).map(|_| workload.triangle()).collect();
-    let euclidean: Vec<_> = (0..BATCH).map(|i| EuclideanInput { euclidean: workload.beat(i % 64 == 0) }).collect();
-    let angular: Vec<_> = (0..BATCH).map(|i| AngularInput { euclidean: workload.beat(i % 64 == 0) }).collect();
-    let blocks = pack::<EuclideanInput<Binary32, 16>>(&euclidean);
-    let time = seconds(repetitions, || drop(black_box(pack::<EuclideanInput<Binary32, 16>>(black_box(&euclidean)))));
+    let euclidean: Vec<_> = (0..BATCH).map(|i| BeatInput { euclidean: workload.beat(i % 64 == 0) }).collect();
+    let angular: Vec<_> = (0..BATCH).map(|i| BeatInput { euclidean: workload.beat(i % 64 == 0) }).collect();
+    let blocks = pack::<BeatInput<Binary32, 16>>(&euclidean);
+    let time = seconds(repetitions, || drop(black_box(pack::<BeatInput<Binary32, 16>>(black_box(&euclidean)))));
     results.rate("batches, packing euclidean jobs", "jobs", BATCH as f64 / time, None);
     let time = seconds(repetitions, || {
-        unpack::<EuclideanInput<Binary32, 16>>(black_box(&blocks), BATCH).for_each(|beat| {
+        unpack::<BeatInput<Binary32, 16>>(black_box(&blocks), BATCH).for_each(|beat| {
             black_box(beat);
         });
     });
@@ -71,10 +71,10 @@ pub fn batches(results: &mut Results, repetitions: usize) {
         let per_second = timed::<RayTriangleInput<Binary32>, RayTriangleOutput<Binary32>>(&triangles, repetitions, run);
         rate(JobKind::Triangle, None, per_second);
         let run = |jobs: &_, answers: &mut _| batch.euclidean(jobs, answers);
-        let per_second = timed::<EuclideanInput<Binary32, 16>, EuclideanOutput<Binary32>>(&euclidean, repetitions, run);
+        let per_second = timed::<BeatInput<Binary32, 16>, EuclideanOutput<Binary32>>(&euclidean, repetitions, run);
         rate(JobKind::Euclidean, Some(400e6), per_second);
         let run = |jobs: &_, answers: &mut _| batch.angular(jobs, answers);
-        let per_second = timed::<AngularInput<Binary32, 8>, AngularOutput<Binary32>>(&angular, repetitions, run);
+        let per_second = timed::<BeatInput<Binary32, 8>, AngularOutput<Binary32>>(&angular, repetitions, run);
         rate(JobKind::Angular, None, per_second);
     }
 }

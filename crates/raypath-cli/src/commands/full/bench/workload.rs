@@ -3,9 +3,7 @@
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_ops::{
-    Aabb, AngularInput, Beat, Binary32, EuclideanInput, Flags, Job, Num, Ray, RayBoxInput, RayTriangleInput, Triangle,
-};
+use raypath_ops::{Aabb, Beat, BeatInput, Binary32, Flags, Job, Num, Ray, RayBoxInput, RayTriangleInput, Triangle};
 
 /// Random jobs, always the same.
 pub struct Workload {
@@ -22,8 +20,8 @@ impl Workload {
         let job = |i| match i % 4 {
             0 => Job::Triangle(self.triangle()),
             1 => Job::Quadbox(self.quadbox()),
-            2 => Job::Euclidean(EuclideanInput { euclidean: self.beat(i % 64 == 2) }),
-            _ => Job::Angular(AngularInput { euclidean: self.beat(i % 64 == 3) }),
+            2 => Job::Euclidean(BeatInput { euclidean: self.beat(i % 64 == 2) }),
+            _ => Job::Angular(BeatInput { euclidean: self.beat(i % 64 == 3) }),
         };
         (0..count).map(job).collect()
     }
