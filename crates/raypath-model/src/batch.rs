@@ -2,7 +2,7 @@
 
 use crate::kernels::SimdKernels;
 use crate::lanes::Lanes;
-use crate::packed::{BLOCK, Packed, Part, Sixteen};
+use crate::packed::{BLOCK, BlockSlice, BlockValue, Packed};
 use fearless_simd::{Level, Simd, dispatch};
 use raypath_ops::{
     Angular, AngularOutput, AngularState, BeatInput, Binary32, Bit, Bundle, Circuit, Euclidean, EuclideanOutput,
@@ -10,7 +10,7 @@ use raypath_ops::{
     RayTriangleInput, RayTriangleOutput, Rules, Source, array_of,
 };
 
-/// Sixteen functional models over binary32, computed in SIMD lanes. Each returns the results of a
+/// BlockValue functional models over binary32, computed in SIMD lanes. Each returns the results of a
 /// [`Functional`](crate::Functional), bit for bit except for the signs and payloads of NaNs. Jobs are in blocks of
 /// sixteen, one for each model; see [`pack`] and [`unpack`].
 ///
@@ -39,7 +39,7 @@ pub struct Batch<const E: usize = 16, const A: usize = 8> {
 }
 
 impl<const E: usize, const A: usize> Batch<E, A> {
-    /// Sixteen models whose accumulators are zero, for the widest registers of this machine.
+    /// BlockValue models whose accumulators are zero, for the widest registers of this machine.
     pub fn new(rules: Rules) -> Self {
         Self::at(Level::new(), rules)
     }
@@ -130,7 +130,7 @@ impl Source<Packed> for Zeros {
     fn bit(&mut self, _: Field<'_>) -> Bit<Packed> {
         Packed.bit(false)
     }
-    fn word(&mut self, _: Field<'_>, width: u32) -> (Packed, Sixteen<u32>) {
+    fn word(&mut self, _: Field<'_>, width: u32) -> (Packed, BlockValue<u32>) {
         (Packed, Packed.constant_word(width, 0))
     }
 }
@@ -150,7 +150,7 @@ fn run<S: Simd, O: KernelOperation>(
 {
     for first in (0..BLOCK).step_by(Lanes::<S>::COUNT) {
         let lanes = Lanes::new(simd);
-        let part = Part { lanes, first };
+        let part = BlockSlice { lanes, first };
         let mut now = <O::State<Binary32> as Family>::gather([&*state], &part);
         for (job, answer) in jobs.iter().zip(&mut *answers) {
             let input = <O::Input<Binary32> as Family>::gather([job], &part);

@@ -10,8 +10,11 @@ use std::cmp::Ordering;
 /// the three, which saves compile time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Dynamic<'f> {
+    /// Native binary32.
     Native,
+    /// Binary32 with exception flags.
     Flagged(Flagged<'f>),
+    /// Software arithmetic in another format.
     Soft(Soft),
 }
 
@@ -34,6 +37,16 @@ fn number(single: Single) -> SoftNumber {
     SoftNumber(Binary32.raw_bits(single))
 }
 
+/// Evaluates `$native` for binary32, and `$by_soft` for the software circuit `$soft`.
+macro_rules! either {
+    ($circuit:expr, $native:expr, $soft:ident => $by_soft:expr) => {
+        match $circuit {
+            Dynamic::Native | Dynamic::Flagged(_) => $native,
+            Dynamic::Soft($soft) => $by_soft,
+        }
+    };
+}
+
 // Not inlined, because the inlined code of all operations takes long to compile.
 impl Circuit for Dynamic<'_> {
     type Num = SoftNumber;
@@ -43,17 +56,11 @@ impl Circuit for Dynamic<'_> {
 
     #[inline(never)]
     fn constant(self, value: f32) -> SoftNumber {
-        match self {
-            Self::Native | Self::Flagged(_) => number(Single(value)),
-            Self::Soft(soft) => soft.constant(value),
-        }
+        either!(self, number(Single(value)), soft => soft.constant(value))
     }
     #[inline(never)]
     fn one_plus_ulps(self, ulps: u32) -> SoftNumber {
-        match self {
-            Self::Native | Self::Flagged(_) => number(Binary32.one_plus_ulps(ulps)),
-            Self::Soft(soft) => soft.one_plus_ulps(ulps),
-        }
+        either!(self, number(Binary32.one_plus_ulps(ulps)), soft => soft.one_plus_ulps(ulps))
     }
     #[inline(never)]
     fn add(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {
@@ -81,17 +88,11 @@ impl Circuit for Dynamic<'_> {
     }
     #[inline(never)]
     fn negate(self, a: SoftNumber) -> SoftNumber {
-        match self {
-            Self::Native | Self::Flagged(_) => number(Binary32.negate(single(a))),
-            Self::Soft(soft) => soft.negate(a),
-        }
+        either!(self, number(Binary32.negate(single(a))), soft => soft.negate(a))
     }
     #[inline(never)]
     fn compare(self, a: SoftNumber, b: SoftNumber) -> Option<Ordering> {
-        match self {
-            Self::Native | Self::Flagged(_) => single(a).0.partial_cmp(&single(b).0),
-            Self::Soft(soft) => soft.compare(a, b),
-        }
+        either!(self, single(a).0.partial_cmp(&single(b).0), soft => soft.compare(a, b))
     }
     #[inline(never)]
     fn relation(self, order: Option<Ordering>, relation: Relation) -> bool {
@@ -99,17 +100,11 @@ impl Circuit for Dynamic<'_> {
     }
     #[inline(never)]
     fn number_of(self, width: u32, word: u32) -> SoftNumber {
-        match self {
-            Self::Native | Self::Flagged(_) => number(Binary32.number_of(width, word)),
-            Self::Soft(soft) => soft.number_of(width, word),
-        }
+        either!(self, number(Binary32.number_of(width, word)), soft => soft.number_of(width, word))
     }
     #[inline(never)]
     fn test(self, test: Test, a: SoftNumber) -> bool {
-        match self {
-            Self::Native | Self::Flagged(_) => Binary32.test(test, single(a)),
-            Self::Soft(soft) => soft.test(test, a),
-        }
+        either!(self, Binary32.test(test, single(a)), soft => soft.test(test, a))
     }
 
     known_bits_and_words!();
@@ -117,16 +112,10 @@ impl Circuit for Dynamic<'_> {
 
 impl Concrete for Dynamic<'_> {
     fn number(self, ieee_bits: u64) -> SoftNumber {
-        match self {
-            Self::Native | Self::Flagged(_) => number(Binary32.number(ieee_bits)),
-            Self::Soft(soft) => soft.number(ieee_bits),
-        }
+        either!(self, number(Binary32.number(ieee_bits)), soft => soft.number(ieee_bits))
     }
     fn bits(self, number: SoftNumber) -> u64 {
-        match self {
-            Self::Native | Self::Flagged(_) => Binary32.bits(single(number)),
-            Self::Soft(soft) => soft.bits(number),
-        }
+        either!(self, Binary32.bits(single(number)), soft => soft.bits(number))
     }
     fn raw_bits(self, number: SoftNumber) -> u64 {
         number.0

@@ -16,39 +16,39 @@ pub const BLOCK: usize = 16;
 /// One value of each of sixteen jobs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(align(64))]
-pub struct Sixteen<T>(pub [T; BLOCK]);
+pub struct BlockValue<T>(pub [T; BLOCK]);
 
 /// Loads and stores the jobs of a block that fill one register of [`Lanes`].
 #[derive(Clone, Copy)]
-pub struct Part<S> {
+pub struct BlockSlice<S> {
     /// The circuit that computes.
     pub lanes: Lanes<S>,
     /// The first job: a multiple of the number of lanes.
     pub first: usize,
 }
 
-impl<T: Copy> Sixteen<T> {
-    fn map<U: Copy>(self, f: impl Fn(T) -> U) -> Sixteen<U> {
-        Sixteen(self.0.map(f))
+impl<T: Copy> BlockValue<T> {
+    fn map<U: Copy>(self, f: impl Fn(T) -> U) -> BlockValue<U> {
+        BlockValue(self.0.map(f))
     }
 
-    fn zip<O: Copy, U: Copy>(self, other: Sixteen<O>, f: impl Fn(T, O) -> U) -> Sixteen<U> {
-        Sixteen(array_of!(i => f(self.0[i], other.0[i])))
+    fn zip<O: Copy, U: Copy>(self, other: BlockValue<O>, f: impl Fn(T, O) -> U) -> BlockValue<U> {
+        BlockValue(array_of!(i => f(self.0[i], other.0[i])))
     }
 }
 
 impl Circuit for Packed {
-    type Num = Sixteen<f32>;
+    type Num = BlockValue<f32>;
     /// All ones for true, zero for false.
-    type Bit = Sixteen<i32>;
-    type Word = Sixteen<u32>;
-    type Order = (Sixteen<f32>, Sixteen<f32>);
+    type Bit = BlockValue<i32>;
+    type Word = BlockValue<u32>;
+    type Order = (BlockValue<f32>, BlockValue<f32>);
 
     fn constant(self, value: f32) -> Self::Num {
-        Sixteen([value; BLOCK])
+        BlockValue([value; BLOCK])
     }
     fn one_plus_ulps(self, ulps: u32) -> Self::Num {
-        Sixteen([Binary32.one_plus_ulps(ulps).0; BLOCK])
+        BlockValue([Binary32.one_plus_ulps(ulps).0; BLOCK])
     }
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num {
         a.zip(b, |a, b| a + b)
@@ -75,7 +75,7 @@ impl Circuit for Packed {
         a.map(|a| mask(Binary32.test(test, Single(a))))
     }
     fn constant_bit(self, value: bool) -> Self::Bit {
-        Sixteen([mask(value); BLOCK])
+        BlockValue([mask(value); BLOCK])
     }
     fn and(self, a: Self::Bit, b: Self::Bit) -> Self::Bit {
         a.zip(b, |a, b| a & b)
@@ -87,7 +87,7 @@ impl Circuit for Packed {
         a.map(|a| !a)
     }
     fn constant_word(self, _width: u32, value: u32) -> Self::Word {
-        Sixteen([value; BLOCK])
+        BlockValue([value; BLOCK])
     }
     fn word_equal(self, a: Self::Word, b: Self::Word) -> Self::Bit {
         a.zip(b, |a, b| mask(a == b))
@@ -110,23 +110,23 @@ fn mask(bit: bool) -> i32 {
     -i32::from(bit)
 }
 
-fn choose<T: Copy>(condition: Sixteen<i32>, if_true: Sixteen<T>, if_false: Sixteen<T>) -> Sixteen<T> {
-    Sixteen(array_of!(i => if condition.0[i] == 0 { if_false.0[i] } else { if_true.0[i] }))
+fn choose<T: Copy>(condition: BlockValue<i32>, if_true: BlockValue<T>, if_false: BlockValue<T>) -> BlockValue<T> {
+    BlockValue(array_of!(i => if condition.0[i] == 0 { if_false.0[i] } else { if_true.0[i] }))
 }
 
 /// Packs sixteen jobs into a block.
 impl Gather<Binary32, Packed, BLOCK> for Packed {
     #[inline]
     fn num(&self, values: [&Num<Binary32>; BLOCK]) -> Num<Packed> {
-        Num::new(Packed, Sixteen(values.map(|num| num.value.0)))
+        Num::new(Packed, BlockValue(values.map(|num| num.value.0)))
     }
     #[inline]
     fn bit(&self, values: [&Bit<Binary32>; BLOCK]) -> Bit<Packed> {
-        Bit::new(Packed, Sixteen(values.map(|bit| mask(bit.value))))
+        Bit::new(Packed, BlockValue(values.map(|bit| mask(bit.value))))
     }
     #[inline]
     fn word<const W: u32>(&self, values: [&Word<Binary32, W>; BLOCK]) -> Word<Packed, W> {
-        Word::new(Packed, Sixteen(values.map(|word| word.value)))
+        Word::new(Packed, BlockValue(values.map(|word| word.value)))
     }
 }
 
@@ -152,7 +152,7 @@ type Bits<S> = <Native as Width<S>>::Bits;
 type Ints<S> = <Bits<S> as SimdMask<S>>::Ints;
 
 /// Loads jobs of a block into registers.
-impl<S: Simd> Gather<Packed, Lanes<S>, 1> for Part<S> {
+impl<S: Simd> Gather<Packed, Lanes<S>, 1> for BlockSlice<S> {
     #[inline(always)]
     fn num(&self, [value]: [&Num<Packed>; 1]) -> Num<Lanes<S>> {
         let (first, count) = (self.first, Lanes::<S>::COUNT);
@@ -174,7 +174,7 @@ impl<S: Simd> Gather<Packed, Lanes<S>, 1> for Part<S> {
 }
 
 /// Stores registers into jobs of a block.
-impl<S: Simd> Put<Lanes<S>, Packed> for Part<S> {
+impl<S: Simd> Put<Lanes<S>, Packed> for BlockSlice<S> {
     #[inline(always)]
     fn num(&self, value: &Num<Lanes<S>>, target: &mut Num<Packed>) {
         value.value.0.store_slice(&mut target.value.0[self.first..self.first + Lanes::<S>::COUNT]);

@@ -1,3 +1,4 @@
+use crate::dynamic::Dynamic;
 use crate::model::Model;
 use crate::word_operation::WordOperation;
 use crate::words::{OperationId, Ports, Words};
@@ -37,7 +38,7 @@ struct Buffers {
     answer: Vec<u64>,
 }
 
-/// An operation with its ports.
+/// An operation of the model with its ports.
 struct Known {
     kind: OperationId,
     operation: Arc<dyn WordOperation>,
@@ -107,7 +108,7 @@ impl WordModel {
         let mut words = Vec::new();
         to_words(input, &mut words);
         let words = self.present_inputs(kind, words);
-        Some(self.job_by(kind, |place, port| self.rounded(port.kind, words.get(place).copied().unwrap_or(0))))
+        Some(self.job_by(kind, |index, port| self.rounded(port.kind, words.get(index).copied().unwrap_or(0))))
     }
 
     /// A job of the paper's operations. Numbers are rounded if the model's format is narrower than binary32; ports that
@@ -168,12 +169,12 @@ impl WordModel {
 
     /// As [`job`](Self::job), with the words in the order of the ports. Missing words are 0.
     pub fn job_of_words(&self, kind: OperationId, words: &[u64]) -> Words {
-        self.job_by(kind, |place, _| words.get(place).copied().unwrap_or(0))
+        self.job_by(kind, |index, _| words.get(index).copied().unwrap_or(0))
     }
 
     /// As [`outcome`](Self::outcome), with the words in the order of the ports. Missing words are 0.
     pub fn outcome_of_words(&self, kind: OperationId, words: &[u64]) -> Words {
-        self.outcome_by(kind, |place, _| words.get(place).copied().unwrap_or(0))
+        self.outcome_by(kind, |index, _| words.get(index).copied().unwrap_or(0))
     }
 
     fn of(&self, kind: OperationId) -> Option<&Known> {
@@ -196,7 +197,7 @@ impl WordModel {
     fn outcome_by(&self, kind: OperationId, mut word: impl FnMut(usize, &Port) -> u64) -> Words {
         let format = self.format();
         let (infinity, magnitude) = (format.infinity(), u64::MAX >> (65 - format.ieee_width()));
-        self.words(kind, self.of(kind).map(|known| &known.outputs), |place, port| match word(place, port) {
+        self.words(kind, self.of(kind).map(|known| &known.outputs), |index, port| match word(index, port) {
             bits if port.kind == PortKind::Number && bits & magnitude > infinity => format.nan(),
             bits => bits,
         })
@@ -205,7 +206,7 @@ impl WordModel {
     fn words(&self, kind: OperationId, ports: Option<&Ports>, mut word: impl FnMut(usize, &Port) -> u64) -> Words {
         let ports = ports.cloned().unwrap_or_else(|| [].into());
         let mask = |port: &Port| u64::MAX >> (64 - port.width.unwrap_or(self.format().ieee_width()));
-        let words = ports.iter().enumerate().map(|(place, port)| word(place, port) & mask(port)).collect();
+        let words = ports.iter().enumerate().map(|(index, port)| word(index, port) & mask(port)).collect();
         Words::new(kind, ports, words)
     }
 }
@@ -215,7 +216,7 @@ fn port(name: &str, kind: PortKind, width: u32) -> Port {
 }
 
 /// The present items among all.
-fn present<T>(all: Vec<T>, are_present: &[bool]) -> impl Iterator<Item = T> {
+fn present<T>(all: impl IntoIterator<Item = T>, are_present: &[bool]) -> impl Iterator<Item = T> {
     all.into_iter().zip(are_present).filter_map(|(one, is_present)| is_present.then_some(one))
 }
 
@@ -242,10 +243,10 @@ impl Model for WordModel {
         };
         let raised = options.exception_flags.then(Cell::default);
         all(job.as_words(), &known.has_input, inputs);
-        known.operation.answer(options.format, inputs, state, raised.as_ref(), answer);
+        known.operation.run_words(Dynamic::new(options.format, raised.as_ref()), inputs, state, answer);
         let tag = (options.tag > 0).then(|| job.as_words().last().copied().unwrap_or(0));
-        let own = answer.iter().zip(&known.has_output).filter_map(|(&word, is_present)| is_present.then_some(word));
-        let words = own.chain(raised.map(Cell::into_inner)).chain(tag).collect();
+        let words =
+            present(answer.iter().copied(), &known.has_output).chain(raised.map(Cell::into_inner)).chain(tag).collect();
         Words::new(kind, known.outputs.clone(), words)
     }
 

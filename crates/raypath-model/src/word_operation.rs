@@ -1,10 +1,8 @@
 use crate::dynamic::Dynamic;
-use raypath_float::Format;
 use raypath_ops::{Binary32, Operation, Port, from_words, ports_of, to_canonical_words, to_words};
-use std::cell::Cell;
 
-/// An operation as a function on the words at its ports. It is object-safe, so that a list can hold operations of any
-/// type, and implemented for every [`Operation`].
+/// An operation as a function on the words at its ports. The trait is object-safe, and implemented for every
+/// [`Operation`].
 pub trait WordOperation: Send + Sync {
     /// [`Operation::NAME`].
     fn name(&self) -> &'static str;
@@ -21,18 +19,10 @@ pub trait WordOperation: Send + Sync {
     /// Whether the operation has an output port: [`Operation::has_output`].
     fn has_output(&self, port: &str) -> bool;
 
-    /// Computes one job in numbers of `format`. `job` has a word for each of [`inputs`](Self::inputs). `answer` is
-    /// replaced by a word for each of [`outputs`](Self::outputs). `state` is what the previous job left (empty
-    /// initially) and is replaced by what this job leaves. In binary32, `raised` collects the exceptions of additions
-    /// and multiplications.
-    fn answer(
-        &self,
-        format: Format,
-        job: &[u64],
-        state: &mut Vec<u64>,
-        raised: Option<&Cell<u64>>,
-        answer: &mut Vec<u64>,
-    );
+    /// Computes one job over `circuit`. `job` has a word for each of [`inputs`](Self::inputs). `output` is replaced by a
+    /// word for each of [`outputs`](Self::outputs). `state` has the words that the previous job left, initially none, and
+    /// is replaced by those that this job leaves.
+    fn run_words(&self, circuit: Dynamic<'_>, job: &[u64], state: &mut Vec<u64>, output: &mut Vec<u64>);
 }
 
 impl<O: Operation + Send + Sync> WordOperation for O {
@@ -56,17 +46,9 @@ impl<O: Operation + Send + Sync> WordOperation for O {
         Operation::has_output(self, port)
     }
 
-    fn answer(
-        &self,
-        format: Format,
-        job: &[u64],
-        state: &mut Vec<u64>,
-        raised: Option<&Cell<u64>>,
-        answer: &mut Vec<u64>,
-    ) {
-        let circuit = Dynamic::new(format, raised);
-        let (output, next) = self.run(circuit, from_words(circuit, job), from_words(circuit, state));
+    fn run_words(&self, circuit: Dynamic<'_>, job: &[u64], state: &mut Vec<u64>, output: &mut Vec<u64>) {
+        let (result, next) = self.run(circuit, from_words(circuit, job), from_words(circuit, state));
         to_words(&next, state);
-        to_canonical_words(&output, answer);
+        to_canonical_words(&result, output);
     }
 }

@@ -12,7 +12,7 @@ use raypath_ops::{
 
 const JOBS: usize = 16 * 200;
 
-/// Numbers at which something is decided: zeros, subnormals, infinities, NaN of both signs, neighbours of one.
+/// Numbers with special rules: zeros, subnormals, infinities, NaN of both signs, and neighbours of one.
 const EDGES: [u32; 14] = [
     0,
     1 << 31,
@@ -58,8 +58,8 @@ fn words(kind: JobKind, seed: u64) -> Vec<Vec<u64>> {
         .collect()
 }
 
-/// What software arithmetic answers, one job after another, in canonical words. Of distances every sixteenth job is of
-/// the same datapath.
+/// The outcomes in software arithmetic, one job after another, in canonical words. Every sixteenth job uses the same
+/// model, as in a block.
 fn answers(kind: JobKind, rules: Rules, jobs: &[Vec<u64>]) -> Vec<Vec<u64>> {
     let soft = Soft { format: Format::BINARY32 };
     let mut datapaths = vec![Functional::<16, 8, Soft>::over(soft, rules); 16];
@@ -89,7 +89,7 @@ fn check<I, O>(
         for level in levels() {
             let mut batch = Batch::at(level, rules);
             let mut outputs = vec![blank::<O>(); blocks.len()];
-            // In two calls, so that sums stay between them.
+            // In two calls, between which the sums remain.
             let (first, rest) = outputs.split_at_mut(7);
             run(&mut batch, &blocks[..7], first);
             run(&mut batch, &blocks[7..], rest);
@@ -102,55 +102,30 @@ fn check<I, O>(
     }
 }
 
-#[test]
-fn boxes_side_by_side() {
-    let input = |job| if let Job::Quadbox(input) = job { input } else { unreachable!() };
-    check::<RayBoxInput<Binary32>, RayBoxOutput<Binary32>>(
-        JobKind::Quadbox,
-        &words(JobKind::Quadbox, 1),
-        input,
-        |batch, jobs, answers| batch.quadbox(jobs, answers),
-        Outcome::Quadbox,
-    );
+/// Defines a test of the jobs of one kind.
+macro_rules! side_by_side {
+    ($test:ident, $kind:ident, $seed:literal, $method:ident, $input:ty, $output:ty) => {
+        #[test]
+        fn $test() {
+            let input = |job| if let Job::$kind(input) = job { input } else { unreachable!() };
+            let jobs = words(JobKind::$kind, $seed);
+            check::<$input, $output>(
+                JobKind::$kind,
+                &jobs,
+                input,
+                |batch, jobs, outputs| batch.$method(jobs, outputs),
+                Outcome::$kind,
+            );
+        }
+    };
 }
 
-#[test]
-fn triangles_side_by_side() {
-    let input = |job| if let Job::Triangle(input) = job { input } else { unreachable!() };
-    check::<RayTriangleInput<Binary32>, RayTriangleOutput<Binary32>>(
-        JobKind::Triangle,
-        &words(JobKind::Triangle, 2),
-        input,
-        |batch, jobs, answers| batch.triangle(jobs, answers),
-        Outcome::Triangle,
-    );
-}
+side_by_side!(boxes_side_by_side, Quadbox, 1, quadbox, RayBoxInput<Binary32>, RayBoxOutput<Binary32>);
+side_by_side!(triangles_side_by_side, Triangle, 2, triangle, RayTriangleInput<Binary32>, RayTriangleOutput<Binary32>);
+side_by_side!(euclidean_beats_side_by_side, Euclidean, 3, euclidean, BeatInput<Binary32, 16>, EuclideanOutput<Binary32>);
+side_by_side!(angular_beats_side_by_side, Angular, 4, angular, BeatInput<Binary32, 8>, AngularOutput<Binary32>);
 
-#[test]
-fn euclidean_beats_side_by_side() {
-    let input = |job| if let Job::Euclidean(input) = job { input } else { unreachable!() };
-    check::<BeatInput<Binary32, 16>, EuclideanOutput<Binary32>>(
-        JobKind::Euclidean,
-        &words(JobKind::Euclidean, 3),
-        input,
-        |batch, jobs, answers| batch.euclidean(jobs, answers),
-        Outcome::Euclidean,
-    );
-}
-
-#[test]
-fn angular_beats_side_by_side() {
-    let input = |job| if let Job::Angular(input) = job { input } else { unreachable!() };
-    check::<BeatInput<Binary32, 8>, AngularOutput<Binary32>>(
-        JobKind::Angular,
-        &words(JobKind::Angular, 4),
-        input,
-        |batch, jobs, answers| batch.angular(jobs, answers),
-        Outcome::Angular,
-    );
-}
-
-/// Blocks can be computed over directly, too.
+/// Computing over blocks directly gives the same results.
 #[test]
 fn blocks_compute_as_jobs_do() {
     let jobs: Vec<Vec<u64>> = words(JobKind::Quadbox, 5);

@@ -2,7 +2,7 @@
 
 use fearless_simd::{Simd, dispatch};
 use raypath_float::Format;
-use raypath_model::{BLOCK, Binary64, Lanes, Packed, Part, Sixteen, Soft, levels};
+use raypath_model::{BLOCK, Binary64, BlockSlice, BlockValue, Lanes, Packed, Soft, levels};
 use raypath_ops::{Binary32, Circuit, Gather, Num, Put, Word};
 
 #[test]
@@ -22,7 +22,7 @@ fn every_word_is_exact() {
 #[test]
 fn in_lanes_as_well() {
     for first in (0..=u16::MAX).step_by(BLOCK) {
-        let words = Word::<Packed, 16>::new(Packed, Sixteen(std::array::from_fn(|i| u32::from(first) + i as u32)));
+        let words = Word::<Packed, 16>::new(Packed, BlockValue(std::array::from_fn(|i| u32::from(first) + i as u32)));
         let expected = std::array::from_fn::<_, BLOCK, _>(|i| f32::from(first + i as u16).to_bits());
         assert_eq!(words.number().value.0.map(f32::to_bits), expected);
         for level in levels() {
@@ -36,7 +36,7 @@ fn in_lanes_as_well() {
 fn numbers<S: Simd>(simd: S, words: &Word<Packed, 16>) -> Num<Packed> {
     let (lanes, mut numbers) = (Lanes::new(simd), Packed.zero());
     for first in (0..BLOCK).step_by(Lanes::<S>::COUNT) {
-        let part = Part { lanes, first };
+        let part = BlockSlice { lanes, first };
         let word: Word<Lanes<S>, 16> = Gather::word(&part, [words]);
         Put::num(&part, &word.number(), &mut numbers);
     }

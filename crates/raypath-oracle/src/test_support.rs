@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_float::Format;
-use raypath_model::{BLOCK, Lanes, Packed, Part, Soft, SoftNumber};
+use raypath_model::{BLOCK, BlockSlice, Lanes, Packed, Soft, SoftNumber};
 use raypath_ops::{Binary32, Bit, Concrete, Family, Gather, Num, Operation, Scatter, Word};
 
 /// Software arithmetic of binary32.
@@ -54,7 +54,7 @@ where
 {
     let lanes = Lanes::new(simd);
     for first in (0..BLOCK).step_by(Lanes::<S>::COUNT) {
-        let part = Part { lanes, first };
+        let part = BlockSlice { lanes, first };
         for (job, answer) in jobs.iter().zip(&mut *answers) {
             let input = <O::Input<Binary32> as Family>::gather([job], &part);
             let (output, ()) = operation.run(lanes, input, ());

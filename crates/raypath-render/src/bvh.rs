@@ -181,9 +181,9 @@ struct Collapse<'m> {
     bvh: Bvh4,
 }
 
-/// A part of the binary tree that becomes a child.
+/// A part of the binary tree that becomes a child of a node.
 #[derive(Debug, Clone, Copy)]
-enum Part {
+enum Subtree {
     /// An inner node of the binary tree.
     Inner(u32),
     /// A range of its list of triangles.
@@ -193,7 +193,7 @@ enum Part {
 /// A node to convert.
 struct Task {
     node: usize,
-    part: Part,
+    part: Subtree,
     /// The stack entries that may be in use when a ray reaches the node.
     stacked: usize,
 }
@@ -214,7 +214,7 @@ impl<'m> Collapse<'m> {
             self.bvh.stack = self.bvh.stack.max(stacked + 1);
             for (child, part) in parts.into_iter().enumerate() {
                 let reference = match part {
-                    Part::Range { first, count } if count <= Reference::MAX_IN_LEAF => self.leaf(tree, first, count),
+                    Subtree::Range { first, count } if count <= Reference::MAX_IN_LEAF => self.leaf(tree, first, count),
                     _ => {
                         let node = self.bvh.nodes.len();
                         self.bvh.nodes.push(Node::empty());
@@ -239,14 +239,14 @@ impl<'m> Collapse<'m> {
         Reference::leaf(slot, count)
     }
 
-    fn bounds(&self, tree: &Bvh2, part: Part) -> Bounds {
+    fn bounds(&self, tree: &Bvh2, part: Subtree) -> Bounds {
         match part {
             // obvhs selects coordinates and does not compute them, so its boxes are exact.
-            Part::Inner(node) => {
+            Subtree::Inner(node) => {
                 let aabb = tree.nodes[node as usize].aabb();
                 Bounds { min: aabb.min.into(), max: aabb.max.into() }
             }
-            Part::Range { first, count } => {
+            Subtree::Range { first, count } => {
                 let corners = range(tree, first, count).iter().flat_map(|&index| self.mesh.corners(index));
                 corners.fold(Bounds::EMPTY, Bounds::with)
             }
@@ -262,9 +262,13 @@ impl Node {
     }
 }
 
-fn part(tree: &Bvh2, node: u32) -> Part {
+fn part(tree: &Bvh2, node: u32) -> Subtree {
     let data = &tree.nodes[node as usize];
-    if data.is_leaf() { Part::Range { first: data.first_index, count: data.prim_count } } else { Part::Inner(node) }
+    if data.is_leaf() {
+        Subtree::Range { first: data.first_index, count: data.prim_count }
+    } else {
+        Subtree::Inner(node)
+    }
 }
 
 fn range(tree: &Bvh2, first: u32, count: u32) -> &[u32] {
@@ -273,7 +277,7 @@ fn range(tree: &Bvh2, first: u32, count: u32) -> &[u32] {
 
 /// Splits a part into up to four, by repeatedly splitting the part with the greatest surface, which rays hit most
 /// often.
-fn split(tree: &Bvh2, part: Part) -> Vec<Part> {
+fn split(tree: &Bvh2, part: Subtree) -> Vec<Subtree> {
     let mut parts = vec![part];
     while parts.len() < 4 {
         let divisible = parts.iter().enumerate().filter_map(|(index, part)| Some((index, surface(tree, *part)?)));
@@ -285,22 +289,22 @@ fn split(tree: &Bvh2, part: Part) -> Vec<Part> {
 }
 
 /// The surface of a divisible part, for comparison; `None` for a leaf.
-fn surface(tree: &Bvh2, part: Part) -> Option<f32> {
+fn surface(tree: &Bvh2, part: Subtree) -> Option<f32> {
     match part {
-        Part::Inner(node) => Some(tree.nodes[node as usize].aabb().half_area()),
-        Part::Range { count, .. } => (count > Reference::MAX_IN_LEAF).then_some(f32::INFINITY),
+        Subtree::Inner(node) => Some(tree.nodes[node as usize].aabb().half_area()),
+        Subtree::Range { count, .. } => (count > Reference::MAX_IN_LEAF).then_some(f32::INFINITY),
     }
 }
 
-fn halves(tree: &Bvh2, inner: Part) -> [Part; 2] {
+fn halves(tree: &Bvh2, inner: Subtree) -> [Subtree; 2] {
     match inner {
-        Part::Inner(node) => {
+        Subtree::Inner(node) => {
             let first = tree.nodes[node as usize].first_index;
             [part(tree, first), part(tree, first + 1)]
         }
-        Part::Range { first, count } => {
+        Subtree::Range { first, count } => {
             let half = count / 2;
-            [Part::Range { first, count: half }, Part::Range { first: first + half, count: count - half }]
+            [Subtree::Range { first, count: half }, Subtree::Range { first: first + half, count: count - half }]
         }
     }
 }

@@ -9,56 +9,23 @@
 //! units of the direction's length. Of several triangles at the closest t, the file has the one with the lowest index.
 
 use crate::trace::Hit;
-use raypath_ops::{Binary32, Ray, RayError};
+use raypath_ops::{Binary32, Ray};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 const FIELDS: [&str; 7] = ["ox", "oy", "oz", "dx", "dy", "dz", "extent"];
 
-/// The reason why a file of rays could not be read. Messages begin with path and line.
-#[derive(Debug, Error)]
-pub enum RaysError {
-    /// The file could not be read as text.
-    #[error("{}: cannot read: {problem}", .path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// The error.
-        problem: io::Error,
-    },
-    /// A line does not have seven numbers.
-    #[error("{}:{line}: {found} numbers, expected 7: {}", .path.display(), FIELDS.join(" "))]
-    Fields {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// The number of numbers found.
-        found: usize,
-    },
-    /// A field is not a number.
-    #[error("{}:{line}: {field} = '{value}', expected a decimal number", .path.display())]
-    Number {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// The field.
-        field: &'static str,
-        /// The text found.
-        value: String,
-    },
-    /// The numbers are not a valid ray.
-    #[error("{}:{line}: {problem}", .path.display())]
-    Ray {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// The error.
-        problem: RayError,
-    },
+/// A file of rays that cannot be read or has an invalid line. The message has the form `path:line: problem`.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{}:{} {problem}", path.display(), line.map_or(String::new(), |line| format!("{line}:")))]
+pub struct RaysError {
+    /// The file.
+    pub path: PathBuf,
+    /// The line, from 1; `None` if the file cannot be read.
+    pub line: Option<usize>,
+    /// What was found, and what was expected.
+    pub problem: String,
 }
 
 /// Reads a file of rays.
@@ -66,7 +33,10 @@ pub enum RaysError {
 /// # Errors
 /// A file that cannot be read, or a line that is not a valid ray.
 pub fn read_rays(path: &Path) -> Result<Vec<Ray<Binary32>>, RaysError> {
-    let text = std::fs::read_to_string(path).map_err(|problem| RaysError::File { path: path.to_owned(), problem })?;
+    let text = std::fs::read_to_string(path).map_err(|problem| {
+        let problem = format!("cannot read: {problem}");
+        RaysError { path: path.to_owned(), line: None, problem }
+    })?;
     parse_rays(&text, path)
 }
 
@@ -77,22 +47,23 @@ pub fn read_rays(path: &Path) -> Result<Vec<Ray<Binary32>>, RaysError> {
 pub fn parse_rays(text: &str, path: &Path) -> Result<Vec<Ray<Binary32>>, RaysError> {
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.split('#').next().unwrap_or("")));
     let rays = lines.filter(|(_, line)| !line.trim().is_empty());
-    rays.map(|(line, text)| parse_ray(text, line, path)).collect()
+    let ray = |(line, text)| {
+        parse_ray(text).map_err(|problem| RaysError { path: path.to_owned(), line: Some(line), problem })
+    };
+    rays.map(ray).collect()
 }
 
-fn parse_ray(text: &str, line: usize, path: &Path) -> Result<Ray<Binary32>, RaysError> {
-    let path = || path.to_owned();
+fn parse_ray(text: &str) -> Result<Ray<Binary32>, String> {
     let found = text.split_whitespace().count();
     if found != FIELDS.len() {
-        return Err(RaysError::Fields { path: path(), line, found });
+        return Err(format!("{found} numbers, expected 7: {}", FIELDS.join(" ")));
     }
     let mut numbers = [0.0; 7];
     for ((number, field), value) in numbers.iter_mut().zip(FIELDS).zip(text.split_whitespace()) {
-        let wrong = |_| RaysError::Number { path: path(), line, field, value: value.to_string() };
-        *number = value.parse().map_err(wrong)?;
+        *number = value.parse().map_err(|_| format!("{field} = '{value}', expected a decimal number"))?;
     }
     let [ox, oy, oz, dx, dy, dz, extent] = numbers;
-    Ray::new([ox, oy, oz], [dx, dy, dz], extent).map_err(|problem| RaysError::Ray { path: path(), line, problem })
+    Ray::new([ox, oy, oz], [dx, dy, dz], extent).map_err(|problem| problem.to_string())
 }
 
 /// Writes a line for each ray, after two lines of comment that describe the fields.

@@ -5,8 +5,7 @@ mod obj;
 mod ply;
 mod stl;
 
-use crate::mesh::{Mesh, MeshError};
-use std::fmt;
+use crate::mesh::Mesh;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -24,41 +23,14 @@ pub enum Format {
     Stl,
 }
 
-/// The reason why a mesh file could not be read. Messages begin with the path.
-#[derive(Debug, Error)]
-pub enum ReadError {
-    /// The extension is unknown.
-    #[error("{}: extension {found}, expected one of {}", .path.display(), KnownExtensions)]
-    Extension {
-        /// The file.
-        path: PathBuf,
-        /// The extension in quotes, or "none".
-        found: String,
-    },
-    /// The operating system could not read the file.
-    #[error("{}: cannot read: {problem}", .path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// The error.
-        problem: std::io::Error,
-    },
-    /// The content is not of the format, or is incomplete.
-    #[error("{}: {problem}", .path.display())]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// The position in the file, what was found there, and what was expected.
-        problem: String,
-    },
-    /// The content is not a valid mesh.
-    #[error("{}: {problem}", .path.display())]
-    Mesh {
-        /// The file.
-        path: PathBuf,
-        /// The error.
-        problem: MeshError,
-    },
+/// A mesh file that cannot be read, is not of its format, or has no valid mesh. The message begins with the path.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{}: {problem}", path.display())]
+pub struct ReadError {
+    /// The file.
+    pub path: PathBuf,
+    /// The position in the file, what was found there, and what was expected.
+    pub problem: String,
 }
 
 /// Reads a mesh from a file. The extension determines the format.
@@ -67,7 +39,7 @@ pub enum ReadError {
 /// An unknown extension; a file that cannot be read, is not of its format, is truncated, or has no valid mesh.
 pub fn read_mesh(path: &Path) -> Result<Mesh, ReadError> {
     let format = Format::of(path)?;
-    let bytes = std::fs::read(path).map_err(|problem| ReadError::File { path: path.to_owned(), problem })?;
+    let bytes = std::fs::read(path).map_err(|problem| ReadError::new(path, format!("cannot read: {problem}")))?;
     parse_mesh(format, &bytes, path)
 }
 
@@ -83,9 +55,14 @@ pub fn parse_mesh(format: Format, bytes: &[u8], path: &Path) -> Result<Mesh, Rea
         Format::Ply => ply::parse(bytes),
         Format::Stl => stl::parse(bytes),
     };
-    let RawMesh { positions, triangles } =
-        parsed.map_err(|problem| ReadError::Content { path: path.to_owned(), problem })?;
-    Mesh::new(positions, triangles).map_err(|problem| ReadError::Mesh { path: path.to_owned(), problem })
+    let RawMesh { positions, triangles } = parsed.map_err(|problem| ReadError::new(path, problem))?;
+    Mesh::new(positions, triangles).map_err(|problem| ReadError::new(path, problem.to_string()))
+}
+
+impl ReadError {
+    fn new(path: &Path, problem: String) -> Self {
+        Self { path: path.to_owned(), problem }
+    }
 }
 
 impl Format {
@@ -100,20 +77,11 @@ impl Format {
     pub fn of(path: &Path) -> Result<Self, ReadError> {
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
         let known = Self::EXTENSIONS.into_iter().find(|(name, _)| extension.as_deref() == Some(name));
-        known.map(|(_, format)| format).ok_or_else(|| ReadError::Extension {
-            path: path.to_owned(),
-            found: extension.map_or("none".to_string(), |extension| format!("'{extension}'")),
+        known.map(|(_, format)| format).ok_or_else(|| {
+            let found = extension.map_or("none".to_string(), |extension| format!("'{extension}'"));
+            let expected = Self::EXTENSIONS.map(|(name, _)| name).join(", ");
+            ReadError::new(path, format!("extension {found}, expected one of {expected}"))
         })
-    }
-}
-
-/// Displays the known extensions.
-struct KnownExtensions;
-
-impl fmt::Display for KnownExtensions {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<&str> = Format::EXTENSIONS.iter().map(|(name, _)| *name).collect();
-        f.write_str(&names.join(", "))
     }
 }
 

@@ -4,13 +4,14 @@ mod common;
 
 use common::meshes;
 use common::rays::{Kind, rays};
-use raypath_model::{Control, PipelinePosition, Shape};
+use raypath_model::{Control, Shape};
 use raypath_ops::{JobKind, Ray, RayError};
 use raypath_render::{
     Camera, Counts, Mesh, PictureError, PictureSpec, RayBatch, RenderError, Scene, Shading, Tracing, render,
     sweep_picture, sweep_rays, time_picture, time_rays, trace_closest,
 };
-use raypath_timing::{Environment, Observer, PortActivity, Sample, SimulationError, Sink, System, Timing};
+use raypath_timing::report::Recorder;
+use raypath_timing::{Environment, Sample, SimulationError, Sink, System, Timing};
 use std::num::NonZeroUsize;
 
 fn systems() -> [System; 4] {
@@ -115,34 +116,31 @@ fn cycles_follow_from_the_latencies() {
     assert_eq!(time(one_sided, 3), 226 + 2);
 }
 
-/// Records the owners of accepted jobs.
-#[derive(Default)]
-struct Owners(Vec<u64>);
+fn new_recorder() -> Recorder {
+    Recorder::new("ray", Shape::default().latency, 0, usize::MAX)
+}
 
-impl Observer for Owners {
-    fn next_observed(&self, cycle: u64) -> Option<u64> {
-        Some(cycle)
-    }
-    fn observe(&mut self, ports: &PortActivity, _: impl Iterator<Item = PipelinePosition>) {
-        self.0.extend(ports.offered.filter(|_| ports.accepted).map(|(_, owner)| owner));
-    }
+/// The owners of the recorded jobs, in the order of acceptance.
+fn owners(recorder: Recorder) -> Vec<u64> {
+    recorder.window().jobs.iter().map(|job| job.owner).collect()
 }
 
 #[test]
 fn owners_are_numbers_of_rays_and_pixels() {
     let (scene, rays) = (triangle(), three().unwrap());
-    let mut owners = Owners::default();
+    let mut recorder = new_recorder();
     let batch = RayBatch { scene: &scene, rays: &rays, tracing: Tracing::default() };
-    time_rays(&batch, Sample::ALL, &System::default(), &mut owners, &|_| true).unwrap();
-    assert_eq!(owners.0, [0, 1, 2, 1, 2]);
+    time_rays(&batch, Sample::ALL, &System::default(), &mut recorder, &|_| true).unwrap();
+    assert_eq!(owners(recorder), [0, 1, 2, 1, 2]);
 
     let camera = Camera::framing(scene.mesh(), 2.0);
     let (size, shading) = ((20, 10), Shading { shadows: true, ambient_occlusion: 2, ..Shading::default() });
     let jobs = render(&scene, &camera, size, &shading, &|_| true).unwrap().jobs;
-    let mut owners = Owners::default();
+    let mut recorder = new_recorder();
     let spec = PictureSpec { scene: &scene, camera, size, shading };
-    time_picture(&spec, Sample::ALL, &System::default(), &mut owners, &|_| true).unwrap();
-    let of = |pixel| owners.0.iter().filter(|&&owner| owner == pixel).count() as u32;
+    time_picture(&spec, Sample::ALL, &System::default(), &mut recorder, &|_| true).unwrap();
+    let owners = owners(recorder);
+    let of = |pixel| owners.iter().filter(|&&owner| owner == pixel).count() as u32;
     assert_eq!((0..200).map(of).collect::<Vec<u32>>(), jobs);
 }
 

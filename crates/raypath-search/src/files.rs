@@ -46,12 +46,8 @@ impl Dataset {
             dataset.queries = Some(read_vectors(queries)?);
         }
         let Some(own_queries) = dataset.queries else {
-            return Err(FileError::content(
-                base,
-                "queries",
-                "no file of queries",
-                "a file of queries, or an .hdf5 file",
-            ));
+            let expected = "a file of queries, or an .hdf5 file";
+            return Err(FileError::content(base, "queries", "no file of queries", expected));
         };
         if own_queries.dimensions() != dataset.base.dimensions() {
             let expected = format!("{} as in {}", dataset.base.dimensions(), base.display());
@@ -68,13 +64,8 @@ impl Dataset {
             let file = truth.unwrap_or(base);
             return Err(FileError::content(file, "rows of neighbours", neighbours.queries(), expected));
         }
-        Ok(Self {
-            base: dataset.base,
-            queries: own_queries,
-            truth: dataset.truth,
-            distances: dataset.distances,
-            metric: dataset.metric,
-        })
+        let hdf5::Parts { base, truth, distances, metric, .. } = dataset;
+        Ok(Self { base, queries: own_queries, truth, distances, metric })
     }
 }
 
@@ -92,7 +83,7 @@ pub fn read_vectors(file: &Path) -> Result<Vectors, FileError> {
         "hdf5" => return Ok(hdf5::dataset(file, false, false)?.base),
         other => return Err(unknown(file, other, "fvecs, bvecs, ivecs, npy or hdf5")),
     };
-    Vectors::new(dimensions, data).map_err(|source| FileError::Vectors { file: file.to_owned(), source })
+    Vectors::new(dimensions, data).map_err(FileError::of(file))
 }
 
 /// Reads true neighbours in a base of `base` vectors from `.ivecs`, `.npy`, or from `neighbors` of an `.hdf5` file.
@@ -110,7 +101,7 @@ pub fn read_neighbours(file: &Path, base: usize) -> Result<Neighbours, FileError
 }
 
 fn neighbours(file: &Path, count: usize, indices: &[i64], base: usize) -> Result<Neighbours, FileError> {
-    Neighbours::new(count, indices, base).map_err(|source| FileError::Neighbours { file: file.to_owned(), source })
+    Neighbours::new(count, indices, base).map_err(FileError::of(file))
 }
 
 /// The extension in lower case; `hdf5` for `h5`.

@@ -3,7 +3,7 @@
 
 use crate::vectors::Vectors;
 use fearless_simd::Simd;
-use raypath_model::{BLOCK, Lanes, Packed, Part, SimdKernels, Sixteen};
+use raypath_model::{BLOCK, BlockSlice, BlockValue, Lanes, Packed, SimdKernels};
 use raypath_ops::{
     Angular, AngularState, Beat, BeatInput, Binary32, Circuit, Euclidean, EuclideanState, Family, Flags,
     KernelOperation, Kernels, Num, array_of,
@@ -31,7 +31,7 @@ impl Blocks {
                 for (x, row) in lane.iter_mut().zip(rows.chunks_exact(vectors.dimensions())) {
                     *x = row.get(coordinate).copied().unwrap_or(0.0);
                 }
-                Num::new(Packed, Sixteen(lane))
+                Num::new(Packed, BlockValue(lane))
             }));
         }
         Self { lanes: blocks, padded }
@@ -118,7 +118,7 @@ pub(crate) fn block<S: Simd, O: Distance<Input<Lanes<S>> = BeatInput<Lanes<S>, N
     let ((queries, query_end), (candidates, candidate_end)) = (queries.split_at(whole), candidates.split_at(whole));
     let mut sums = Packed.zero();
     for first in (0..BLOCK).step_by(Lanes::<S>::COUNT) {
-        let part = Part { lanes: Lanes::new(simd), first };
+        let part = BlockSlice { lanes: Lanes::new(simd), first };
         let whole = queries.iter().zip(candidates).map(
             #[inline(always)]
             |(a, b)| registers(&part, a, b),
@@ -135,7 +135,7 @@ pub(crate) fn block<S: Simd, O: Distance<Input<Lanes<S>> = BeatInput<Lanes<S>, N
 
 /// The coordinates of a query, each in all lanes, and those of a part of the candidates.
 #[inline(always)]
-fn registers<S: Simd, const N: usize>(part: &Part<S>, a: &[f32; N], b: &[Lane; N]) -> [[Num<Lanes<S>>; N]; 2] {
+fn registers<S: Simd, const N: usize>(part: &BlockSlice<S>, a: &[f32; N], b: &[Lane; N]) -> [[Num<Lanes<S>>; N]; 2] {
     let lanes = part.lanes;
     [array_of!(i => Num::new(lanes, lanes.constant(a[i]))), <[Num<Binary32>; N]>::gather([b], part)]
 }

@@ -1,12 +1,13 @@
 //! The cycle-exact simulation: neighbours, beats and fetches equal those of a search.
 
-use raypath_model::{Control, Loop, PipelinePosition, Shape};
+use raypath_model::{Control, Loop, Shape};
 use raypath_ops::JobKind;
 use raypath_search::{
     Candidates, Clusters, Dataset, Exact, Graph, GraphParameters, Metric, QueryAgent, SearchError, SearchSpec,
     SearchTrace, TimingError, Vectors, Work, sweep_search, time_search,
 };
-use raypath_timing::{Environment, Observer, PortActivity, Sample, SimulationError, Sink, System, Timing};
+use raypath_timing::report::Recorder;
+use raypath_timing::{Environment, Sample, SimulationError, Sink, System, Timing};
 use std::num::NonZeroUsize;
 
 fn systems() -> [System; 5] {
@@ -113,17 +114,13 @@ fn cycles_follow_from_the_latencies() {
     assert_eq!(time(Metric::Euclidean, all, 2, 0), 2 * 3 * 2 + 12);
 }
 
-/// Records the owners of accepted jobs.
-#[derive(Default)]
-struct Owners(Vec<u64>);
+fn new_recorder() -> Recorder {
+    Recorder::new("query", Shape::default().latency, 0, usize::MAX)
+}
 
-impl Observer for Owners {
-    fn next_observed(&self, cycle: u64) -> Option<u64> {
-        Some(cycle)
-    }
-    fn observe(&mut self, ports: &PortActivity, _: impl Iterator<Item = PipelinePosition>) {
-        self.0.extend(ports.offered.filter(|_| ports.accepted).map(|(_, owner)| owner));
-    }
+/// The owners of the recorded jobs, in the order of acceptance.
+fn owners(recorder: Recorder) -> Vec<u64> {
+    recorder.window().jobs.iter().map(|job| job.owner).collect()
 }
 
 #[test]
@@ -133,11 +130,12 @@ fn beats_of_a_vector_are_consecutive() {
     let candidates = Candidates::All { count: 1 };
     let spec = SearchSpec { base: &base, queries: &queries, metric: Metric::Euclidean, candidates };
     for system in systems() {
-        let mut owners = Owners::default();
-        time_search::<16, 8>(&spec, Sample::ALL, &system, &mut owners, &|_| true).expect("a timing");
-        assert_eq!(owners.0.len(), 9 * 20 * 3);
-        assert!(owners.0.as_chunks::<3>().0.iter().all(|[a, b, c]| a == b && b == c));
-        let turns = owners.0.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        let mut recorder = new_recorder();
+        time_search::<16, 8>(&spec, Sample::ALL, &system, &mut recorder, &|_| true).expect("a timing");
+        let owners = owners(recorder);
+        assert_eq!(owners.len(), 9 * 20 * 3);
+        assert!(owners.as_chunks::<3>().0.iter().all(|[a, b, c]| a == b && b == c));
+        let turns = owners.windows(2).filter(|pair| pair[0] != pair[1]).count();
         // A single query in flight finishes before the next; several take turns, vector by vector.
         assert!(if system.environment.in_flight == 1 { turns == 8 } else { turns > 100 }, "{turns}");
     }

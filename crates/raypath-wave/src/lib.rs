@@ -1,4 +1,4 @@
-//! Waveforms of a simulation, as FST files (for GTKWave, Surfer and the like).
+//! Waveforms of a simulation as FST files, for GTKWave, Surfer and other viewers.
 
 use fst_writer::{
     FstBodyWriter, FstFileType, FstHeaderWriter, FstInfo, FstScopeType, FstSignalId, FstSignalType, FstVarDirection,
@@ -10,22 +10,22 @@ use std::fs::{self, File};
 use std::io::{BufWriter, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use tempfile::NamedTempFile;
 
-/// A waveform cannot be written.
+/// A waveform that cannot be written.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("waveform {}: {problem}", path.display())]
 pub struct WaveError {
     /// The file.
     pub path: PathBuf,
-    /// What went wrong.
+    /// The error.
     pub problem: String,
 }
 
-/// Writes what a [`Simulator`] observes, with the clock and the reset of the top, at 10 ns a cycle.
+/// A writer of the signals that a [`Simulator`] observes, with the clock and the reset of the top module. A cycle takes
+/// 10 ns.
 ///
-/// The file appears under its name when [`finish`](Self::finish) has written all of it; a writer that is dropped
-/// before, or has failed, leaves nothing behind.
+/// [`finish`](Self::finish) creates the file. A writer that failed or is dropped before leaves no file.
 ///
 /// ```no_run
 /// # fn waves(module: &std::sync::Arc<raypath_hdl::Module>) -> Result<(), Box<dyn std::error::Error>> {
@@ -42,53 +42,52 @@ pub struct WaveError {
 /// # }
 /// ```
 pub struct WaveWriter {
-    /// As given; what errors name.
+    /// The path as given, for errors.
     path: PathBuf,
-    /// Where the file will be: what `path` leads to, if it is a symbolic link.
+    /// The path of the file: the target if `path` is a symbolic link.
     target: PathBuf,
-    temporary: PathBuf,
-    /// Present until finished, failed or dropped.
+    /// `None` after an error. It writes to a temporary file, which is removed on drop.
     body: Option<Body>,
     clock: Option<FstSignalId>,
     reset: Option<Wave>,
     waves: Vec<(Probe, Wave)>,
-    /// The first cycle that may be sampled next.
+    /// The least cycle that may be sampled next.
     next_cycle: u64,
 }
 
-/// One signal in the file, and the value that it showed last.
+/// A signal in the file, with the value that was written last.
 struct Wave {
     id: FstSignalId,
     width: u32,
     shown: Option<u64>,
 }
 
-type Body = FstBodyWriter<BufWriter<File>>;
+type Body = FstBodyWriter<BufWriter<NamedTempFile>>;
 
 const NS_PER_CYCLE: u64 = 10;
 
-/// Changes are kept in memory up to this many bytes.
+/// The maximum size in bytes of the changes in memory.
 const FLUSH_AT: usize = 1 << 20;
 
 impl WaveWriter {
-    /// Begins a file that will be at `path`, of what `simulator` observes. It replaces a file that is there, the one
-    /// that a symbolic link leads to included; anything else there is an error.
+    /// Starts a file for the signals that `simulator` observes. It will replace a regular file at `path`, or the target of
+    /// a symbolic link.
+    ///
+    /// # Errors
+    /// A path to something else, or a file that cannot be created.
     pub fn create(path: impl AsRef<Path>, simulator: &Simulator) -> Result<Self, WaveError> {
         let path = path.as_ref().to_path_buf();
         let target = target(&path)?;
-        let temporary = beside(&target);
-        let begun = begin(&temporary, simulator).map_err(|problem| {
-            // What was wrong is reported; a file that cannot be removed either adds nothing to that.
-            let _ = fs::remove_file(&temporary);
-            failed(&path, &problem)
-        })?;
+        let begun = begin(&target, simulator).map_err(|problem| failed(&path, &problem))?;
         let Begun { body, clock, reset, waves } = begun;
-        Ok(Self { path, target, temporary, body: Some(body), clock, reset, waves, next_cycle: 0 })
+        Ok(Self { path, target, body: Some(body), clock, reset, waves, next_cycle: 0 })
     }
 
-    /// Writes what the signals were when `simulator`, the one given to [`create`](Self::create), was last evaluated,
-    /// as the values of this clock cycle. Cycles must increase. A waveform with a gap would mislead: after an error
-    /// there will be no file.
+    /// Writes the values of the signals as those of clock cycle `cycle`. `simulator` must be the one given to
+    /// [`create`](Self::create). After an error there will be no file, because a waveform with a gap would mislead.
+    ///
+    /// # Errors
+    /// A cycle that is not greater than the previous one, or an error of the file.
     pub fn sample(&mut self, simulator: &Simulator, cycle: u64) -> Result<(), WaveError> {
         let Some(mut body) = self.body.take() else { return Err(self.broken()) };
         if cycle < self.next_cycle {
@@ -104,18 +103,22 @@ impl WaveWriter {
         Ok(())
     }
 
-    /// Completes the file and gives it its name.
+    /// Completes the file and moves it to its path.
+    ///
+    /// # Errors
+    /// A sample that failed before, or an error of the file.
     pub fn finish(mut self) -> Result<(), WaveError> {
         let Some(mut body) = self.body.take() else { return Err(self.broken()) };
-        // The last cycle lasts as long as the others.
+        // The last cycle has the same duration as the others.
         body.time_change(self.next_cycle * NS_PER_CYCLE).map_err(|e| failed(&self.path, &e))?;
         let written = body.finish().map_err(|e| failed(&self.path, &e))?;
-        written.into_inner().map_err(|e| failed(&self.path, e.error()))?;
-        fs::rename(&self.temporary, &self.target).map_err(|e| failed(&self.path, &e))
+        let file = written.into_inner().map_err(|e| failed(&self.path, e.error()))?;
+        file.persist(&self.target).map_err(|e| failed(&self.path, &e.error))?;
+        Ok(())
     }
 
     fn broken(&self) -> WaveError {
-        wave_error(&self.path, "incomplete, for a sample failed before".to_string())
+        wave_error(&self.path, "incomplete, because a sample failed before".to_string())
     }
 
     fn write_cycle(&mut self, body: &mut Body, simulator: &Simulator, cycle: u64) -> fst_writer::Result<()> {
@@ -141,14 +144,6 @@ impl WaveWriter {
     }
 }
 
-impl Drop for WaveWriter {
-    fn drop(&mut self) {
-        self.body = None;
-        // After `finish` the file has moved. Otherwise an error cannot be reported here.
-        let _ = fs::remove_file(&self.temporary);
-    }
-}
-
 impl Wave {
     fn show(&mut self, value: u64, body: &mut Body) -> fst_writer::Result<()> {
         if self.shown.replace(value) == Some(value) {
@@ -170,15 +165,18 @@ struct Begun {
     waves: Vec<(Probe, Wave)>,
 }
 
-fn begin(temporary: &Path, simulator: &Simulator) -> fst_writer::Result<Begun> {
+/// Writes the header to a temporary file in the folder of `target`.
+fn begin(target: &Path, simulator: &Simulator) -> fst_writer::Result<Begun> {
     let info = FstInfo {
         start_time: 0,
         timescale_exponent: -9,
         version: concat!("raypath-hdl ", env!("CARGO_PKG_VERSION")).to_string(),
-        date: String::new(), // the same run gives the same file
+        date: String::new(), // none, because equal runs give equal files
         file_type: FstFileType::Verilog,
     };
-    let file = File::options().read(true).write(true).create_new(true).open(temporary)?;
+    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let create = |path: &Path| File::options().read(true).write(true).create_new(true).open(path);
+    let file = tempfile::Builder::new().suffix(".part").make_in(folder, create)?;
     let header = FstHeaderWriter::new(BufWriter::new(file), &info)?;
     let mut scopes = Scopes { header, by_scope: signals_by_scope(simulator), ids: HashMap::new(), waves: Vec::new() };
 
@@ -191,16 +189,16 @@ fn begin(temporary: &Path, simulator: &Simulator) -> fst_writer::Result<Begun> {
     Ok(Begun { body, clock, reset: reset.map(|id| Wave { id, width: 1, shown: None }), waves: scopes.waves })
 }
 
-/// The hierarchy being written.
+/// The hierarchy of the file during its construction.
 struct Scopes<'s> {
-    header: FstHeaderWriter<BufWriter<File>>,
+    header: FstHeaderWriter<BufWriter<NamedTempFile>>,
     by_scope: HashMap<&'s str, Vec<(&'s str, u32, Probe)>>,
-    /// Signals with the same value at all times are one in the file.
+    /// The signal in the file for each probe. Signals that always have the same value share one.
     ids: HashMap<Probe, FstSignalId>,
     waves: Vec<(Probe, Wave)>,
 }
 
-/// Observed signals by the prefix of their scope; scopes with none but inside their instances too.
+/// The observed signals by the prefix of their scope, with entries for all enclosing scopes.
 fn signals_by_scope(simulator: &Simulator) -> HashMap<&str, Vec<(&str, u32, Probe)>> {
     let mut by_scope: HashMap<&str, Vec<_>> = HashMap::new();
     for (name, width, probe) in simulator.probes() {
@@ -261,8 +259,8 @@ impl Scopes<'_> {
     }
 }
 
-/// Where a file of this name goes. A file is published by renaming, which would put it in the place of a link, a pipe
-/// or a device instead of writing to it.
+/// The path of the file: `path`, or the target of a symbolic link. Anything but a regular file is an error, because
+/// renaming would replace it.
 fn target(path: &Path) -> Result<PathBuf, WaveError> {
     let found = match fs::symlink_metadata(path) {
         Err(problem) if problem.kind() == ErrorKind::NotFound => return Ok(path.to_path_buf()),
@@ -278,15 +276,7 @@ fn target(path: &Path) -> Result<PathBuf, WaveError> {
     }
 }
 
-/// A name in the same directory, so that renaming stays within the file system, that no other writer has.
-fn beside(path: &Path) -> PathBuf {
-    static COUNT: AtomicU64 = AtomicU64::new(0);
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
-    path.with_file_name(name)
-}
-
-/// With the causes of `error`, which say more than itself.
+/// An error with its causes.
 fn failed(path: &Path, error: &dyn std::error::Error) -> WaveError {
     let causes = std::iter::successors(error.source(), |cause| cause.source());
     wave_error(path, causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}")))

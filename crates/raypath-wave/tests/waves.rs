@@ -4,9 +4,10 @@ use raypath_hdl::{Builder, Module, Simulator};
 use raypath_wave::{WaveError, WaveWriter};
 use std::fs;
 use std::os::unix::fs::{FileTypeExt, symlink};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
+use tempfile::TempDir;
 use wellen::simple::Waveform;
 
 /// An accumulator inside an instance, in a top that doubles its input.
@@ -26,26 +27,9 @@ fn nested() -> Arc<Module> {
     m.finish().unwrap()
 }
 
-/// An empty directory of this test's own, removed with everything in it.
-struct Directory(PathBuf);
-
-impl Directory {
-    fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("raypath-waves-{test}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn files(&self) -> Vec<String> {
-        let entries = fs::read_dir(&self.0).unwrap();
-        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
-    }
-}
-
-impl Drop for Directory {
-    fn drop(&mut self) {
-        fs::remove_dir_all(&self.0).unwrap();
-    }
+fn files(directory: &TempDir) -> Vec<String> {
+    let entries = fs::read_dir(directory.path()).unwrap();
+    entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
 }
 
 /// The changes of a variable: time in ns and digits.
@@ -67,8 +51,8 @@ fn value_at(changes: &[(u64, String)], time: u64) -> u64 {
 
 #[test]
 fn what_is_written_is_read_back() {
-    let directory = Directory::new("read-back");
-    let path = directory.0.join("run.fst");
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.fst");
     let mut simulator = Simulator::observing(&nested(), |_| true).unwrap();
     let mut waves = WaveWriter::create(&path, &simulator).unwrap();
     let names: Vec<(String, u32)> = simulator.signals().map(|(name, width)| (name.to_string(), width)).collect();
@@ -90,7 +74,7 @@ fn what_is_written_is_read_back() {
     }
     assert!(!path.exists(), "not there before it is complete");
     waves.finish().unwrap();
-    assert_eq!(directory.files(), ["run.fst"]);
+    assert_eq!(files(&directory), ["run.fst"]);
 
     let mut read = wellen::simple::read(&path).unwrap();
     assert_eq!(names.len(), 10, "{names:?}");
@@ -126,8 +110,8 @@ fn what_is_written_is_read_back() {
 
 #[test]
 fn a_single_sample_of_a_module_without_a_clock_is_kept() {
-    let directory = Directory::new("single");
-    let path = directory.0.join("single.fst");
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("single.fst");
     let m = Builder::new("plain");
     m.output("not_o", !m.input("a_i", 8));
     let mut simulator = Simulator::observing(&m.finish().unwrap(), |_| true).unwrap();
@@ -143,8 +127,8 @@ fn a_single_sample_of_a_module_without_a_clock_is_kept() {
 
 #[test]
 fn only_what_is_observed_is_written() {
-    let directory = Directory::new("observed");
-    let path = directory.0.join("some.fst");
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("some.fst");
     let simulator = Simulator::observing(&nested(), |name| name == "u_sum.sum_q").unwrap();
     WaveWriter::create(&path, &simulator).unwrap().finish().unwrap();
     let read = wellen::simple::read(&path).unwrap();
@@ -156,23 +140,23 @@ fn only_what_is_observed_is_written() {
 
 #[test]
 fn a_writer_dropped_before_the_end_leaves_nothing() {
-    let directory = Directory::new("dropped");
-    let path = directory.0.join("run.fst");
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.fst");
     fs::write(&path, "of an earlier run").unwrap();
     let mut simulator = Simulator::observing(&nested(), |_| true).unwrap();
     let mut waves = WaveWriter::create(&path, &simulator).unwrap();
     simulator.cycle();
     waves.sample(&simulator, 0).unwrap();
-    assert_eq!(directory.files().len(), 2, "a temporary file beside the target");
+    assert_eq!(files(&directory).len(), 2, "a temporary file beside the target");
     drop(waves);
-    assert_eq!(directory.files(), ["run.fst"]);
+    assert_eq!(files(&directory), ["run.fst"]);
     assert_eq!(fs::read_to_string(&path).unwrap(), "of an earlier run");
 }
 
 #[test]
 fn two_writers_of_one_path_do_not_disturb_each_other() {
-    let directory = Directory::new("two");
-    let path = directory.0.join("run.fst");
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.fst");
     let mut simulator = Simulator::observing(&nested(), |_| true).unwrap();
     let mut first = WaveWriter::create(&path, &simulator).unwrap();
     let mut second = WaveWriter::create(&path, &simulator).unwrap();
@@ -185,24 +169,24 @@ fn two_writers_of_one_path_do_not_disturb_each_other() {
     let once = fs::read(&path).unwrap();
     second.finish().unwrap();
     assert_eq!(fs::read(&path).unwrap(), once, "the same run gives the same file");
-    assert_eq!(directory.files(), ["run.fst"]);
+    assert_eq!(files(&directory), ["run.fst"]);
 }
 
 #[test]
 fn errors_name_the_file() {
     let simulator = Simulator::new(&nested()).unwrap();
-    let directory = Directory::new("errors");
-    let path = directory.0.join("missing").join("run.fst");
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("missing").join("run.fst");
     let found = WaveWriter::create(&path, &simulator).map(|_| ());
     let problem = "I/O operation failed: No such file or directory (os error 2)";
     assert_eq!(found, Err(wave_error(&path, problem)));
 
-    let path = directory.0.join("run.fst");
+    let path = directory.path().join("run.fst");
     let mut waves = WaveWriter::create(&path, &simulator).unwrap();
     waves.sample(&simulator, 5).unwrap();
     fs::create_dir(&path).unwrap();
     assert!(matches!(waves.finish(), Err(WaveError { .. })), "a directory is in the way");
-    assert_eq!(directory.files(), ["run.fst"], "the temporary file is gone");
+    assert_eq!(files(&directory), ["run.fst"], "the temporary file is gone");
 }
 
 fn wave_error(path: &Path, problem: &str) -> WaveError {
@@ -211,18 +195,18 @@ fn wave_error(path: &Path, problem: &str) -> WaveError {
 
 #[test]
 fn after_a_failed_sample_there_is_no_file() {
-    let directory = Directory::new("failed");
-    let path = directory.0.join("run.fst");
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.fst");
     let simulator = Simulator::observing(&nested(), |_| true).unwrap();
     let too_late = "cycle 18446744073709551615 is later than a waveform's times reach";
     for (cycle, problem) in [(5, "cycle 5 sampled after cycle 5"), (u64::MAX, too_late)] {
         let mut waves = WaveWriter::create(&path, &simulator).unwrap();
         waves.sample(&simulator, 5).unwrap();
         assert_eq!(waves.sample(&simulator, cycle), Err(wave_error(&path, problem)));
-        let incomplete = Err(wave_error(&path, "incomplete, for a sample failed before"));
+        let incomplete = Err(wave_error(&path, "incomplete, because a sample failed before"));
         assert_eq!(waves.sample(&simulator, 6), incomplete);
         assert_eq!(waves.finish(), incomplete);
-        assert!(directory.files().is_empty());
+        assert!(files(&directory).is_empty());
     }
     // The last cycle that there can be.
     let mut waves = WaveWriter::create(&path, &simulator).unwrap();
@@ -232,24 +216,24 @@ fn after_a_failed_sample_there_is_no_file() {
 
 #[test]
 fn only_files_are_replaced() {
-    let directory = Directory::new("special");
+    let directory = tempfile::tempdir().unwrap();
     let simulator = Simulator::new(&nested()).unwrap();
     let create = |path: &Path| WaveWriter::create(path, &simulator).map(|_| ());
-    let (pipe, link) = (directory.0.join("pipe"), directory.0.join("link"));
+    let (pipe, link) = (directory.path().join("pipe"), directory.path().join("link"));
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     symlink(&pipe, &link).unwrap();
     let problem = "is no regular file, expected a file or nothing";
-    for path in [&pipe, &link, &directory.0] {
+    for path in [pipe.as_path(), &link, directory.path()] {
         assert_eq!(create(path), Err(wave_error(path, problem)));
     }
     assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
-    assert_eq!(directory.files().len(), 2);
+    assert_eq!(files(&directory).len(), 2);
 }
 
 #[test]
 fn a_link_stays_and_what_it_leads_to_is_replaced() {
-    let directory = Directory::new("link");
-    let (folder, link) = (directory.0.join("elsewhere"), directory.0.join("run.fst"));
+    let directory = tempfile::tempdir().unwrap();
+    let (folder, link) = (directory.path().join("elsewhere"), directory.path().join("run.fst"));
     fs::create_dir(&folder).unwrap();
     fs::write(folder.join("real.fst"), "of an earlier run").unwrap();
     symlink(folder.join("real.fst"), &link).unwrap();

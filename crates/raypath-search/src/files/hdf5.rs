@@ -41,14 +41,14 @@ pub(super) fn neighbours(file: &Path) -> Result<(usize, Vec<i64>), FileError> {
 }
 
 fn open(file: &Path) -> Result<File, FileError> {
-    std::fs::File::open(file).map_err(FileError::read(file))?;
+    std::fs::File::open(file).map_err(FileError::of(file))?;
     File::open_streaming(file).map_err(|error| wrong(file, "file", &error))
 }
 
 fn vectors(file: &Path, hdf5: &File, name: &str) -> Result<Vectors, FileError> {
     let (dataset, columns) = table(file, hdf5, name, "numbers", |kind| matches!(kind, DType::F32 | DType::F64))?;
     let data = dataset.read_f32().map_err(|error| wrong(file, name, &error))?;
-    Vectors::new(columns, data).map_err(|source| FileError::Vectors { file: file.to_owned(), source })
+    Vectors::new(columns, data).map_err(FileError::of(file))
 }
 
 fn indices(file: &Path, hdf5: &File) -> Result<(usize, Vec<i64>), FileError> {
@@ -83,7 +83,7 @@ fn table(
     if !(integer || allowed(&kind)) {
         return Err(FileError::content(file, name, format_args!("type {kind}"), expected));
     }
-    let length = std::fs::metadata(file).map_err(FileError::read(file))?.len();
+    let length = std::fs::metadata(file).map_err(FileError::of(file))?.len();
     let capacity = capacity(&dataset, rows, columns, length).map_err(fail)?;
     let size = dataset.element_size().map_err(fail)?;
     if rows.checked_mul(columns).and_then(|count| count.checked_mul(size)).is_none_or(|bytes| bytes > capacity) {

@@ -22,7 +22,7 @@ pub(super) fn vectors(file: &Path) -> Result<(usize, Vec<f32>), FileError> {
         (TypeChar::Uint, 8) => array.read(|x: u64| x as f32),
         _ => return Err(array.wrong_type("floats of 4 or 8 bytes, or integers of 1, 2, 4 or 8")),
     };
-    coordinates.map_err(FileError::read(file))
+    coordinates.map_err(FileError::of(file))
 }
 
 /// Reads the number of neighbours per query, and all indices. An index that exceeds `i64` becomes −1.
@@ -39,7 +39,7 @@ pub(super) fn indices(file: &Path) -> Result<(usize, Vec<i64>), FileError> {
         (TypeChar::Uint, 8) => array.read(|x: u64| x.try_into().unwrap_or(-1)),
         _ => return Err(array.wrong_type("integers of 1, 2, 4 or 8 bytes")),
     };
-    indices.map_err(FileError::read(file))
+    indices.map_err(FileError::of(file))
 }
 
 /// An array with a validated header.
@@ -54,7 +54,7 @@ struct Array<'f> {
 impl<'f> Array<'f> {
     /// Reads the header and checks it against the length of the file.
     fn open(file: &'f Path) -> Result<Self, FileError> {
-        let io = FileError::read(file);
+        let io = FileError::of(file);
         let mut source = BufReader::new(File::open(file).map_err(&io)?);
         let length = source.get_ref().metadata().map_err(&io)?.len();
 
@@ -107,7 +107,7 @@ const MAX_HEADER: usize = 10_000;
 fn header_bytes(file: &Path, source: &mut impl Read) -> Result<Vec<u8>, FileError> {
     let mut bytes = Vec::new();
     let mut take = |count: usize, bytes: &mut Vec<u8>| {
-        let read = source.take(count as u64).read_to_end(bytes).map_err(FileError::read(file))?;
+        let read = source.take(count as u64).read_to_end(bytes).map_err(FileError::of(file))?;
         let found = format!("the end of the file after {} bytes", bytes.len());
         if read < count { Err(FileError::content(file, "header", found, "a NumPy header")) } else { Ok(()) }
     };

@@ -11,7 +11,7 @@ pub(super) fn read<const S: usize, T>(
     file: &Path,
     decode: impl Fn([u8; S]) -> T,
 ) -> Result<(usize, Vec<T>), FileError> {
-    let io = FileError::read(file);
+    let io = FileError::of(file);
     let source = File::open(file).map_err(&io)?;
     let length = source.metadata().map_err(&io)?.len();
     let mut source = Bytes { file, source: BufReader::new(source), at: 0, length };
@@ -67,7 +67,7 @@ impl Bytes<'_> {
             let expected = format!("{} more of vector {vector}", bytes.len());
             return Err(FileError::content(self.file, format_args!("byte {}", self.at), left_over(left), expected));
         }
-        self.source.read_exact(bytes).map_err(FileError::read(self.file))?;
+        self.source.read_exact(bytes).map_err(FileError::of(self.file))?;
         self.at += bytes.len() as u64;
         Ok(())
     }

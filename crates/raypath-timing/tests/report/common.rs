@@ -112,7 +112,8 @@ pub fn recording(control: Control, jobs: usize, stalls: f64) -> Recording {
         operations: JobKind::ALL.map(|kind| kind.name().to_string()).to_vec(),
         utilisation: utilisation.collect(),
         window: recorder.window(),
-        image: Some(Image { title: "Rendered picture".to_string(), png: picture() }),
+        // 5 × 3 pixels.
+        image: Some(Image { title: "Rendered picture".to_string(), png: include_bytes!("picture.png").to_vec() }),
         sweep: None,
         tables: vec![Table {
             title: "Recall".to_string(),
@@ -120,40 +121,4 @@ pub fn recording(control: Control, jobs: usize, stalls: f64) -> Recording {
             rows: vec![vec!["1".to_string(), "0.981".to_string()], vec!["10".to_string(), "0.954".to_string()]],
         }],
     }
-}
-
-/// A PNG of 5 × 3 pixels, with stored zlib blocks, which need no compressor.
-pub fn picture() -> Vec<u8> {
-    const WIDTH: u32 = 5;
-    const HEIGHT: u32 = 3;
-    let rows = (0..HEIGHT).flat_map(|y| {
-        let pixels = (0..WIDTH).flat_map(move |x| [50 * x as u8, 80 * y as u8, 128]);
-        std::iter::once(0).chain(pixels)
-    });
-    let raw: Vec<u8> = rows.collect();
-    let (mut a, mut b) = (1_u32, 0_u32);
-    for byte in &raw {
-        a = (a + u32::from(*byte)) % 65521;
-        b = (b + a) % 65521;
-    }
-    let length = raw.len() as u16;
-    let mut zlib = vec![0x78, 0x01, 1];
-    zlib.extend(length.to_le_bytes().into_iter().chain((!length).to_le_bytes()).chain(raw));
-    zlib.extend((b << 16 | a).to_be_bytes());
-    let mut header = Vec::new();
-    header.extend(WIDTH.to_be_bytes().into_iter().chain(HEIGHT.to_be_bytes()).chain([8, 2, 0, 0, 0]));
-    let mut png = b"\x89PNG\r\n\x1a\n".to_vec();
-    for (kind, data) in [(b"IHDR", header), (b"IDAT", zlib), (b"IEND", Vec::new())] {
-        let checked: Vec<u8> = kind.iter().copied().chain(data).collect();
-        png.extend((checked.len() as u32 - 4).to_be_bytes());
-        png.extend(&checked);
-        png.extend(crc(&checked).to_be_bytes());
-    }
-    png
-}
-
-fn crc(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(u32::MAX, |crc, byte| {
-        (0..8).fold(crc ^ u32::from(*byte), |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 })
-    })
 }
