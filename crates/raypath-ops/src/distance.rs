@@ -4,8 +4,8 @@ use crate::binary32::Binary32;
 use crate::bundle_macro::bundle;
 use crate::circuit::Circuit;
 use crate::handle::{Bit, Flags, Num};
-use crate::kernels::{Kernels, LaneMap, Portable};
-use crate::operation::{KernelOperation, Operation};
+use crate::kernels::{Kernels, LaneMap};
+use crate::operation::{KernelOperation, Operation, run_portable};
 
 /// Squared Euclidean distance with `N` dimensions per beat: a power of two, at most 64.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,15 +80,7 @@ impl<const N: usize> Operation for Euclidean<N> {
     type Output<C: Circuit> = EuclideanOutput<C>;
     type State<C: Circuit> = EuclideanState<C>;
 
-    #[inline(always)]
-    fn run<C: Circuit>(
-        &self,
-        c: C,
-        input: BeatInput<C, N>,
-        state: EuclideanState<C>,
-    ) -> (EuclideanOutput<C>, EuclideanState<C>) {
-        self.run_with(c, Portable, input, state)
-    }
+    run_portable!();
 }
 
 impl<const N: usize> KernelOperation for Euclidean<N> {
@@ -117,15 +109,7 @@ impl<const N: usize> Operation for Angular<N> {
     type Output<C: Circuit> = AngularOutput<C>;
     type State<C: Circuit> = AngularState<C>;
 
-    #[inline(always)]
-    fn run<C: Circuit>(
-        &self,
-        c: C,
-        input: BeatInput<C, N>,
-        state: AngularState<C>,
-    ) -> (AngularOutput<C>, AngularState<C>) {
-        self.run_with(c, Portable, input, state)
-    }
+    run_portable!();
 }
 
 impl<const N: usize> KernelOperation for Angular<N> {

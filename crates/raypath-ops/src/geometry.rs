@@ -54,56 +54,33 @@ impl<C: Circuit> Vec3<C> {
     }
 }
 
-impl<C: Circuit> Mul<Num<C>> for Vec3<C> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, by: Num<C>) -> Self {
-        Self { x: self.x * by, y: self.y * by, z: self.z * by }
-    }
+/// Implements operators that apply to each field.
+macro_rules! fieldwise {
+    ($($(#[$doc:meta])* $of:ident: $operator:ident::$method:ident($other:ident: $type:ty) {
+        $($field:ident: $operand:expr),*
+    })*) => {$(
+        impl<C: Circuit> $operator<$type> for $of<C> {
+            type Output = Self;
+            $(#[$doc])*
+            #[inline(always)]
+            fn $method(self, $other: $type) -> Self {
+                Self { $($field: self.$field.$method($operand)),* }
+            }
+        }
+    )*};
 }
 
-impl<C: Circuit> Sub for Vec3<C> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
-    }
-}
-
-impl<C: Circuit> Sub<Num<C>> for Slab<C> {
-    type Output = Self;
+fieldwise! {
+    Vec3: Mul::mul(by: Num<C>) { x: by, y: by, z: by }
+    Vec3: Sub::sub(other: Self) { x: other.x, y: other.y, z: other.z }
     /// Both bounds relative to a coordinate.
-    #[inline(always)]
-    fn sub(self, from: Num<C>) -> Self {
-        Self { min: self.min - from, max: self.max - from }
-    }
-}
-
-impl<C: Circuit> Mul<Num<C>> for Slab<C> {
-    type Output = Self;
+    Slab: Sub::sub(from: Num<C>) { min: from, max: from }
     /// Both bounds multiplied by a number.
-    #[inline(always)]
-    fn mul(self, by: Num<C>) -> Self {
-        Self { min: self.min * by, max: self.max * by }
-    }
-}
-
-impl<C: Circuit> Sub<Vec3<C>> for Aabb<C> {
-    type Output = Self;
+    Slab: Mul::mul(by: Num<C>) { min: by, max: by }
     /// The box relative to a point.
-    #[inline(always)]
-    fn sub(self, from: Vec3<C>) -> Self {
-        Self { x: self.x - from.x, y: self.y - from.y, z: self.z - from.z }
-    }
-}
-
-impl<C: Circuit> Mul<Vec3<C>> for Aabb<C> {
-    type Output = Self;
+    Aabb: Sub::sub(from: Vec3<C>) { x: from.x, y: from.y, z: from.z }
     /// Each slab multiplied by the coordinate along its axis.
-    #[inline(always)]
-    fn mul(self, by: Vec3<C>) -> Self {
-        Self { x: self.x * by.x, y: self.y * by.y, z: self.z * by.z }
-    }
+    Aabb: Mul::mul(by: Vec3<C>) { x: by.x, y: by.y, z: by.z }
 }
 
 impl From<[f32; 3]> for Vec3<Binary32> {

@@ -87,7 +87,7 @@ impl FromStr for JobKind {
     }
 }
 
-/// The error for a name of none of the paper's operations.
+/// The error of a name that is not one of the paper's operations.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("'{0}' is no kind of job, expected triangle, quadbox, euclidean or angular")]
 pub struct ParseJobKindError(String);

@@ -22,6 +22,8 @@
 
 #[macro_use]
 mod array;
+#[macro_use]
+mod names;
 mod binary32;
 mod bundle;
 mod bundle_macro;

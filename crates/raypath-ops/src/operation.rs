@@ -45,3 +45,19 @@ pub trait KernelOperation: Operation {
         state: Self::State<C>,
     ) -> (Self::Output<C>, Self::State<C>);
 }
+
+/// Implements [`Operation::run`] for a [`KernelOperation`], by its portable kernels. Use it inside the `impl` block.
+macro_rules! run_portable {
+    () => {
+        #[inline(always)]
+        fn run<C: Circuit>(
+            &self,
+            c: C,
+            input: Self::Input<C>,
+            state: Self::State<C>,
+        ) -> (Self::Output<C>, Self::State<C>) {
+            self.run_with(c, $crate::Portable, input, state)
+        }
+    };
+}
+pub(crate) use run_portable;

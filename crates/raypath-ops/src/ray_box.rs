@@ -6,7 +6,7 @@ use crate::circuit::Circuit;
 use crate::geometry::Aabb;
 use crate::handle::{Bit, Flags, Num, Word};
 use crate::kernels::{Kernels, LaneMap, Portable};
-use crate::operation::{KernelOperation, Operation};
+use crate::operation::{KernelOperation, Operation, run_portable};
 use crate::ray::Ray;
 use crate::rules::{Interval, Rules};
 use crate::sort::SortEntry;
@@ -57,10 +57,7 @@ impl Operation for RayBox {
     type Output<C: Circuit> = RayBoxOutput<C>;
     type State<C: Circuit> = ();
 
-    #[inline(always)]
-    fn run<C: Circuit>(&self, c: C, input: RayBoxInput<C>, _state: ()) -> (RayBoxOutput<C>, ()) {
-        self.run_with(c, Portable, input, ())
-    }
+    run_portable!();
 }
 
 impl KernelOperation for RayBox {

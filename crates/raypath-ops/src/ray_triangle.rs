@@ -5,8 +5,8 @@ use crate::bundle_macro::bundle;
 use crate::circuit::Circuit;
 use crate::geometry::{Triangle, Vec3};
 use crate::handle::{Bit, Num};
-use crate::kernels::{Kernels, LaneMap, Portable};
-use crate::operation::{KernelOperation, Operation};
+use crate::kernels::{Kernels, LaneMap};
+use crate::operation::{KernelOperation, Operation, run_portable};
 use crate::ray::Ray;
 use crate::rules::Rules;
 
@@ -61,10 +61,7 @@ impl Operation for RayTriangle {
     type Output<C: Circuit> = RayTriangleOutput<C>;
     type State<C: Circuit> = ();
 
-    #[inline(always)]
-    fn run<C: Circuit>(&self, circuit: C, input: RayTriangleInput<C>, _state: ()) -> (RayTriangleOutput<C>, ()) {
-        self.run_with(circuit, Portable, input, ())
-    }
+    run_portable!();
 }
 
 impl KernelOperation for RayTriangle {

@@ -9,9 +9,6 @@ use crate::operation::Operation;
 use crate::ray::Ray;
 use crate::ray_triangle::{Distance, Edges, RayTriangle, Sums, distance};
 use crate::rules::Rules;
-use std::fmt;
-use std::str::FromStr;
-use thiserror::Error;
 
 /// [`RayTriangle`] with options. With all of them off, its results are those of [`RayTriangle`]. It has the same name,
 /// so a datapath has one or the other.
@@ -164,25 +161,8 @@ impl<C: Circuit> Bounds<C> {
     }
 }
 
-impl fmt::Display for Culling {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Culling::Back => "back",
-            Culling::Front => "front",
-            Culling::None => "none",
-        })
-    }
-}
-
-/// The error for a name of no culling mode.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("'{0}' is no culling mode, expected back, front or none")]
-pub struct ParseCullingError(String);
-
-impl FromStr for Culling {
-    type Err = ParseCullingError;
-    fn from_str(name: &str) -> Result<Self, ParseCullingError> {
-        let all = [Culling::Back, Culling::Front, Culling::None];
-        all.into_iter().find(|one| one.to_string() == name).ok_or_else(|| ParseCullingError(name.to_string()))
-    }
+names! {
+    Culling { Back = "back", Front = "front", None = "none" },
+    /// The error of an unknown name of a culling mode.
+    ParseCullingError, "'{0}' is no culling mode, expected back, front or none"
 }

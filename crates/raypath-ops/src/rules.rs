@@ -5,9 +5,7 @@ use crate::circuit::Circuit;
 use crate::handle::{Bit, Num, Order};
 use crate::kernels::Kernels;
 use crate::sort::{SortEntry, sort_four};
-use std::fmt::{self, Arguments};
-use std::str::FromStr;
-use thiserror::Error;
+use std::fmt::Arguments;
 
 /// A set of rules for zeros, NaNs, ties and touching boxes. Everything else is the same in both sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -150,27 +148,8 @@ fn chisel_swaps<C: Circuit>(a: Num<C>, b: Num<C>) -> Bit<C> {
     !a.compare(b).greater_or_equal()
 }
 
-/// The error for a name of no rule set.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("'{0}' is no rule set, expected paper or chisel")]
-pub struct ParseRulesError(String);
-
-impl FromStr for Rules {
-    type Err = ParseRulesError;
-    fn from_str(name: &str) -> Result<Self, ParseRulesError> {
-        match name {
-            "paper" => Ok(Rules::Paper),
-            "chisel" => Ok(Rules::Chisel),
-            _ => Err(ParseRulesError(name.to_string())),
-        }
-    }
-}
-
-impl fmt::Display for Rules {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Rules::Paper => "paper",
-            Rules::Chisel => "chisel",
-        })
-    }
+names! {
+    Rules { Paper = "paper", Chisel = "chisel" },
+    /// The error of an unknown name of a rule set.
+    ParseRulesError, "'{0}' is no rule set, expected paper or chisel"
 }

@@ -99,125 +99,110 @@ fn polygons_become_triangles() {
 
 #[test]
 fn invalid_obj_files_are_errors() {
-    assert_error(Format::Obj, "", &["0 triangles"]);
-    assert_error(Format::Obj, "v 0 0 0\nv 1 0 0\nv 0 1 0\n", &["0 triangles, expected at least 1"]);
-    assert_error(Format::Obj, &OBJ[..OBJ.len() - 14], &["line 10"]);
-    assert_error(Format::Obj, OBJ.replace("1.5", "nan"), &["line 5", "y = 'nan'", "finite"]);
-    assert_error(Format::Obj, OBJ.replace("1.5", "1e39"), &["line 5", "y = '1e39'", "finite"]);
-    assert_error(Format::Obj, OBJ.replace("1.5", "1e38"), &["y = 100000000000000000000000000000000000000", "2^40"]);
-    assert_error(Format::Obj, OBJ.replace("v 0 1.5 0", "v 0 1.5"), &["line 5", "without z"]);
-    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2 5"), &["line 7", "'5'", "from 1 to 4"]);
-    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f 0 2 3"), &["line 7", "'0'"]);
-    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2 -5"), &["line 7", "'-5'"]);
-    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2 9223372036854775807"), &["line 7", "9223372036854775807"]);
-    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2"), &["line 7", "2 corners", "at least 3"]);
-    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f"), &["line 7", "0 corners"]);
-    assert_error(Format::Obj, OBJ.replace("f 1 2 3", "f 1 2 x"), &["line 7", "'x'"]);
-    assert_error(Format::Obj, b"v 0 0 0\nv \xff", &["line 2", "not UTF-8"]);
+    fn error(bytes: impl AsRef<[u8]>, parts: &[&str]) {
+        assert_error(Format::Obj, bytes, parts);
+    }
+    error("", &["0 triangles"]);
+    error("v 0 0 0\nv 1 0 0\nv 0 1 0\n", &["0 triangles, expected at least 1"]);
+    error(&OBJ[..OBJ.len() - 14], &["line 10"]);
+    error(OBJ.replace("1.5", "nan"), &["line 5", "y = 'nan'", "finite"]);
+    error(OBJ.replace("1.5", "1e39"), &["line 5", "y = '1e39'", "finite"]);
+    error(OBJ.replace("1.5", "1e38"), &["y = 100000000000000000000000000000000000000", "2^40"]);
+    error(OBJ.replace("v 0 1.5 0", "v 0 1.5"), &["line 5", "without z"]);
+    error(OBJ.replace("f 1 2 3", "f 1 2 5"), &["line 7", "'5'", "from 1 to 4"]);
+    error(OBJ.replace("f 1 2 3", "f 0 2 3"), &["line 7", "'0'"]);
+    error(OBJ.replace("f 1 2 3", "f 1 2 -5"), &["line 7", "'-5'"]);
+    error(OBJ.replace("f 1 2 3", "f 1 2 9223372036854775807"), &["line 7", "9223372036854775807"]);
+    error(OBJ.replace("f 1 2 3", "f 1 2"), &["line 7", "2 corners", "at least 3"]);
+    error(OBJ.replace("f 1 2 3", "f"), &["line 7", "0 corners"]);
+    error(OBJ.replace("f 1 2 3", "f 1 2 x"), &["line 7", "'x'"]);
+    error(b"v 0 0 0\nv \xff", &["line 2", "not UTF-8"]);
 }
 
 #[test]
 fn invalid_ply_files_are_errors() {
-    assert_error(Format::Ply, "", &["not PLY"]);
-    assert_error(Format::Ply, "solid x", &["not PLY"]);
-    assert_error(Format::Ply, PLY.replace("end_header\n", ""), &["not PLY"]);
-    assert_error(Format::Ply, &PLY[..PLY.len() - 16], &["element face", "expected 4, got 2"]);
-    assert_error(Format::Ply, PLY.replace("1.5", "nan"), &["element vertex: Line 12", "'0 nan 0 '"]);
-    assert_error(Format::Ply, PLY.replace("3 0 1 2", "3 0 1 4"), &["triangle 0 names vertex 4", "less than 4"]);
-    assert_error(Format::Ply, PLY.replace("3 0 1 2", "3 0 1 -1"), &["face 0", "index -1"]);
-    assert_error(Format::Ply, PLY.replace("3 0 1 2", "2 0 1"), &["face 0", "2 corners"]);
-    assert_error(Format::Ply, PLY.replace("3 0 1 2", "4000000000 0 1 2"), &["element face"]);
-    assert_error(
-        Format::Ply,
-        PLY.replace("vertex 4", "vertex 4000000000"),
-        &["4000000000 of element vertex", "bytes of the file"],
-    );
-    assert_error(
-        Format::Ply,
-        PLY.replace("element face", "element none 18446744073709551615\nelement face"),
-        &["element none"],
-    );
-    assert_error(Format::Ply, PLY.replace("property float y\n", ""), &["no property y of element vertex"]);
-    assert_error(Format::Ply, PLY.replace("vertex_indices", "corners"), &["no list vertex_indices or vertex_index"]);
+    fn error(bytes: impl AsRef<[u8]>, parts: &[&str]) {
+        assert_error(Format::Ply, bytes, parts);
+    }
+    error("", &["not PLY"]);
+    error("solid x", &["not PLY"]);
+    error(PLY.replace("end_header\n", ""), &["not PLY"]);
+    error(&PLY[..PLY.len() - 16], &["element face", "expected 4, got 2"]);
+    error(PLY.replace("1.5", "nan"), &["element vertex: Line 12", "'0 nan 0 '"]);
+    error(PLY.replace("3 0 1 2", "3 0 1 4"), &["triangle 0 names vertex 4", "less than 4"]);
+    error(PLY.replace("3 0 1 2", "3 0 1 -1"), &["face 0", "index -1"]);
+    error(PLY.replace("3 0 1 2", "2 0 1"), &["face 0", "2 corners"]);
+    error(PLY.replace("3 0 1 2", "4000000000 0 1 2"), &["element face"]);
+    error(PLY.replace("vertex 4", "vertex 4000000000"), &["4000000000 of element vertex", "bytes of the file"]);
+    error(PLY.replace("element face", "element none 18446744073709551615\nelement face"), &["element none"]);
+    error(PLY.replace("property float y\n", ""), &["no property y of element vertex"]);
+    error(PLY.replace("vertex_indices", "corners"), &["no list vertex_indices or vertex_index"]);
     let binary = binary_ply("binary_little_endian", f32::to_le_bytes, i32::to_le_bytes);
-    assert_error(Format::Ply, &binary[..binary.len() - 5], &["element face", "expected 4, got 3"]);
+    error(&binary[..binary.len() - 5], &["element face", "expected 4, got 3"]);
     let mut nan = binary.clone();
     let at = nan.windows(4).position(|bytes| bytes == 1.5_f32.to_le_bytes()).unwrap();
     nan[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
-    assert_error(Format::Ply, nan, &["vertex 2 has y = NaN"]);
+    error(nan, &["vertex 2 has y = NaN"]);
     let no_faces = PLY.replace("element face 4", "element face 0");
-    assert_error(Format::Ply, no_faces, &["0 triangles"]);
+    error(no_faces, &["0 triangles"]);
 }
 
 #[test]
 fn invalid_stl_files_are_errors() {
-    assert_error(Format::Stl, "", &["0 bytes", "header of 84"]);
-    assert_error(Format::Stl, "ply\n", &["4 bytes", "header of 84"]);
-    assert_error(
-        Format::Stl,
-        binary_stl(b"", 4_000_000_000),
-        &["284 bytes", "expected 200000000084", "4000000000 facets"],
-    );
-    assert_error(Format::Stl, &binary_stl(b"", 4)[..283], &["283 bytes, expected 284"]);
-    assert_error(Format::Stl, binary_stl(b"", 0), &["0 triangles"]);
-    assert_error(Format::Stl, "solid none\nendsolid none\n", &["0 triangles"]);
+    fn error(bytes: impl AsRef<[u8]>, parts: &[&str]) {
+        assert_error(Format::Stl, bytes, parts);
+    }
+    error("", &["0 bytes", "header of 84"]);
+    error("ply\n", &["4 bytes", "header of 84"]);
+    error(binary_stl(b"", 4_000_000_000), &["284 bytes", "expected 200000000084", "4000000000 facets"]);
+    error(&binary_stl(b"", 4)[..283], &["283 bytes, expected 284"]);
+    error(binary_stl(b"", 0), &["0 triangles"]);
+    error("solid none\nendsolid none\n", &["0 triangles"]);
     let text = text_stl("solid four");
-    assert_error(Format::Stl, &text[..text.len() / 2], &["facet 2", "EOF"]);
-    assert_error(Format::Stl, text.replace("1.5", "nan"), &["facet 0", "NaN"]);
-    assert_error(Format::Stl, text.replace("1.5", "x"), &["facet 0", "invalid float"]);
-    assert_error(Format::Stl, text.replace("outer loop", "loop"), &["facet 0", "outer"]);
+    error(&text[..text.len() / 2], &["facet 2", "EOF"]);
+    error(text.replace("1.5", "nan"), &["facet 0", "NaN"]);
+    error(text.replace("1.5", "x"), &["facet 0", "invalid float"]);
+    error(text.replace("outer loop", "loop"), &["facet 0", "outer"]);
     let mut infinite = binary_stl(b"", 4);
     infinite[96..100].copy_from_slice(&f32::INFINITY.to_le_bytes());
-    assert_error(Format::Stl, infinite, &["vertex 0 has x = inf"]);
+    error(infinite, &["vertex 0 has x = inf"]);
 }
 
 #[test]
 fn invalid_gltf_files_are_errors() {
+    fn error(bytes: impl AsRef<[u8]>, parts: &[&str]) {
+        assert_error(Format::Gltf, bytes, parts);
+    }
+    let changed = |fields: Gltf, parts: &[&str]| error(gltf(&fields), parts);
     let good = Gltf::default();
-    assert_error(Format::Gltf, "", &["not glTF 2"]);
-    assert_error(Format::Gltf, "{}", &["not glTF 2"]);
-    assert_error(Format::Gltf, "glTF", &["4 bytes", "header of 12"]);
+    error("", &["not glTF 2"]);
+    error("{}", &["not glTF 2"]);
+    error("glTF", &["4 bytes", "header of 12"]);
     let text = gltf(&good);
-    assert_error(Format::Gltf, &text[..text.len() - 20], &["not glTF 2"]);
+    error(&text[..text.len() - 20], &["not glTF 2"]);
     let binary = glb(&Gltf { uri: "", ..good });
-    assert_error(Format::Gltf, &binary[..binary.len() - 4], &["bytes, expected", "by its header"]);
+    error(&binary[..binary.len() - 4], &["bytes, expected", "by its header"]);
     let mut wrong = binary.clone();
     wrong[8..12].copy_from_slice(&3_u32.to_le_bytes());
-    assert_error(Format::Gltf, wrong, &["expected 3 by its header"]);
+    error(wrong, &["expected 3 by its header"]);
     let mut wrong = binary;
     wrong[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
-    assert_error(Format::Gltf, wrong, &["not glTF 2"]);
-    assert_error(
-        Format::Gltf,
-        gltf(&Gltf { length: 1_000_000_000, ..good }),
-        &["buffer 0: 96 bytes, expected 1000000000"],
-    );
-    assert_error(
-        Format::Gltf,
-        gltf(&Gltf { vertices: 4_000_000_000, ..good }),
-        &["POSITION: 4000000000 items of 12 bytes"],
-    );
-    assert_error(Format::Gltf, gltf(&Gltf { vertices: u64::MAX, ..good }), &["file"]);
-    assert_error(Format::Gltf, gltf(&Gltf { vertices: 0, ..good }), &["0 items"]);
-    assert_error(Format::Gltf, gltf(&Gltf { vertices: 3, ..good }), &["index 3, expected less than 3"]);
-    assert_error(Format::Gltf, gltf(&Gltf { stride: 4, ..good }), &["stride of 4, expected at least 12"]);
-    assert_error(Format::Gltf, gltf(&Gltf { offset: 1000, ..good }), &["a view of 48 bytes at 1000"]);
-    assert_error(Format::Gltf, gltf(&Gltf { offset: u64::MAX, ..good }), &["file"]);
-    assert_error(Format::Gltf, gltf(&Gltf { children: "0", ..good }), &["node 0 has two parents"]);
-    assert_error(Format::Gltf, gltf(&Gltf { uri: "absent.bin", ..good }), &["a/absent.bin: cannot read"]);
-    assert_error(
-        Format::Gltf,
-        gltf(&Gltf { uri: "https://example.org/x", ..good }),
-        &["expected a data URI or a file"],
-    );
-    assert_error(Format::Gltf, gltf(&Gltf { uri: "data:x;base64,&", ..good }), &["not base64"]);
-    assert_error(
-        Format::Gltf,
-        gltf(&good).replace("POSITION\": 1", "POSITION\": 2"),
-        &["mesh 0 names accessor 2", "less than 2"],
-    );
-    assert_error(Format::Gltf, gltf(&Gltf { mode: 1, ..good }), &["0 triangles"]);
-    assert_error(Format::Gltf, gltf(&Gltf { scale: "[1e39, 1, 1]", ..good }), &["file"]);
+    error(wrong, &["not glTF 2"]);
+    changed(Gltf { length: 1_000_000_000, ..good }, &["buffer 0: 96 bytes, expected 1000000000"]);
+    changed(Gltf { vertices: 4_000_000_000, ..good }, &["POSITION: 4000000000 items of 12 bytes"]);
+    changed(Gltf { vertices: u64::MAX, ..good }, &["file"]);
+    changed(Gltf { vertices: 0, ..good }, &["0 items"]);
+    changed(Gltf { vertices: 3, ..good }, &["index 3, expected less than 3"]);
+    changed(Gltf { stride: 4, ..good }, &["stride of 4, expected at least 12"]);
+    changed(Gltf { offset: 1000, ..good }, &["a view of 48 bytes at 1000"]);
+    changed(Gltf { offset: u64::MAX, ..good }, &["file"]);
+    changed(Gltf { children: "0", ..good }, &["node 0 has two parents"]);
+    changed(Gltf { uri: "absent.bin", ..good }, &["a/absent.bin: cannot read"]);
+    changed(Gltf { uri: "https://example.org/x", ..good }, &["expected a data URI or a file"]);
+    changed(Gltf { uri: "data:x;base64,&", ..good }, &["not base64"]);
+    error(gltf(&good).replace("POSITION\": 1", "POSITION\": 2"), &["mesh 0 names accessor 2", "less than 2"]);
+    changed(Gltf { mode: 1, ..good }, &["0 triangles"]);
+    changed(Gltf { scale: "[1e39, 1, 1]", ..good }, &["file"]);
 }
 
 #[test]

@@ -10,6 +10,14 @@ fn header(kind: &str, shape: &str) -> String {
     format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}")
 }
 
+fn vectors_error(bytes: &[u8], parts: &[&str]) {
+    assert_vectors_error("a.npy", bytes, parts);
+}
+
+fn neighbours_error(bytes: &[u8], base: usize, parts: &[&str]) {
+    assert_neighbours_error("a.npy", bytes, base, parts);
+}
+
 fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
@@ -62,66 +70,58 @@ fn cut_files() {
     for length in 0..whole.len() {
         assert!(Written::new("a.npy", &whole[..length]).vectors().is_err(), "{length} bytes");
     }
-    assert_vectors_error("a.npy", &whole[..7], &["header", "found the end of the file after 7 bytes"]);
-    assert_vectors_error(
-        "a.npy",
-        &whole[..whole.len() - 1],
-        &["data", "found 15 bytes", "expected 2 x 2 of type '<f4'"],
-    );
+    vectors_error(&whole[..7], &["header", "found the end of the file after 7 bytes"]);
+    vectors_error(&whole[..whole.len() - 1], &["data", "found 15 bytes", "expected 2 x 2 of type '<f4'"]);
     let longer = [&whole[..], &[0]].concat();
-    assert_vectors_error("a.npy", &longer, &["data", "found 17 bytes", "expected 2 x 2"]);
+    vectors_error(&longer, &["data", "found 17 bytes", "expected 2 x 2"]);
 }
 
 #[test]
 fn wrong_files() {
     let data = floats(&[1.0, 2.0]);
-    assert_vectors_error("a.npy", b"PK\x03\x04 a zip file", &["first bytes", "found \"PK"]);
-    assert_vectors_error("a.npy", &npy(&header("<f4", "(2,)"), &data), &["shape [2]", "expected two axes"]);
+    vectors_error(b"PK\x03\x04 a zip file", &["first bytes", "found \"PK"]);
+    vectors_error(&npy(&header("<f4", "(2,)"), &data), &["shape [2]", "expected two axes"]);
     assert_vectors_error("a.npy", &npy(&header("<f4", "(2, 1, 1)"), &data), &["shape [2, 1, 1]", "expected two axes"]);
     assert_vectors_error(
         "a.npy",
         &npy(&header("<f2", "(2, 2)"), &data),
         &["type '<f2'", "expected floats of 4 or 8 bytes"],
     );
-    assert_vectors_error("a.npy", &npy(&header("<c8", "(1, 1)"), &data), &["type '<c8'"]);
-    assert_vectors_error("a.npy", &npy(&header("|b1", "(4, 2)"), &data), &["type '|b1'"]);
-    assert_vectors_error("a.npy", &npy(&header("|O", "(4, 2)"), &data), &["type '|O'"]);
-    assert_vectors_error("a.npy", &npy(&header("<q4", "(1, 2)"), &data), &["header", "Invalid type-string"]);
-    assert_vectors_error("a.npy", &npy("{'descr': '<f4'}", &data), &["header", "fortran_order"]);
-    assert_vectors_error("a.npy", &npy("words", &data), &["header", "expected a NumPy header"]);
+    vectors_error(&npy(&header("<c8", "(1, 1)"), &data), &["type '<c8'"]);
+    vectors_error(&npy(&header("|b1", "(4, 2)"), &data), &["type '|b1'"]);
+    vectors_error(&npy(&header("|O", "(4, 2)"), &data), &["type '|O'"]);
+    vectors_error(&npy(&header("<q4", "(1, 2)"), &data), &["header", "Invalid type-string"]);
+    vectors_error(&npy("{'descr': '<f4'}", &data), &["header", "fortran_order"]);
+    vectors_error(&npy("words", &data), &["header", "expected a NumPy header"]);
     let record = "{'descr': [('a', '<f4')], 'fortran_order': False, 'shape': (1, 2), }";
-    assert_vectors_error("a.npy", &npy(record, &data), &["type [('a', '<f4'), ]"]);
+    vectors_error(&npy(record, &data), &["type [('a', '<f4'), ]"]);
     assert_vectors_error(
         "a.npy",
         &npy(&header("<f4", "(1, 2)"), &floats(&[0.0, f32::NAN])),
         &["coordinate 1", "found NaN"],
     );
-    assert_vectors_error(
-        "a.npy",
-        &npy(&header("<f8", "(1, 1)"), &1e300f64.to_le_bytes()),
-        &["coordinate 0", "found inf"],
-    );
+    vectors_error(&npy(&header("<f8", "(1, 1)"), &1e300f64.to_le_bytes()), &["coordinate 0", "found inf"]);
 
-    assert_neighbours_error("a.npy", &npy(&header("<f4", "(1, 2)"), &data), 9, &["type '<f4'", "expected integers"]);
+    neighbours_error(&npy(&header("<f4", "(1, 2)"), &data), 9, &["type '<f4'", "expected integers"]);
     let index = |index: i64| npy(&header("<i8", "(1, 1)"), &index.to_le_bytes());
-    assert_neighbours_error("a.npy", &index(9), 9, &["query 0, neighbour 0", "found index 9", "expected 0 to 8"]);
-    assert_neighbours_error("a.npy", &index(-1), 9, &["found index -1"]);
-    assert_neighbours_error("a.npy", &index(1 << 32), 9, &["found index 4294967296"]);
-    assert_neighbours_error("a.npy", &npy(&header("<u8", "(1, 1)"), &[0xff; 8]), 9, &["found index -1"]);
+    neighbours_error(&index(9), 9, &["query 0, neighbour 0", "found index 9", "expected 0 to 8"]);
+    neighbours_error(&index(-1), 9, &["found index -1"]);
+    neighbours_error(&index(1 << 32), 9, &["found index 4294967296"]);
+    neighbours_error(&npy(&header("<u8", "(1, 1)"), &[0xff; 8]), 9, &["found index -1"]);
 }
 
 #[test]
 fn hostile_files() {
-    assert_vectors_error("a.npy", &npy(&header("<f4", "(0, 5)"), &[]), &["0 vectors, expected at least 1"]);
-    assert_vectors_error("a.npy", &npy(&header("<f4", "(5, 0)"), &[]), &["0 dimensions"]);
-    assert_vectors_error("a.npy", &npy(&header("<f4", "(0, 0)"), &[]), &["0 dimensions"]);
-    assert_vectors_error("a.npy", &npy(&header("<f4", "(1, 65537)"), &vec![0; 4 * 65537]), &["65537 dimensions"]);
-    assert_neighbours_error("a.npy", &npy(&header("<i4", "(0, 5)"), &[]), 1, &["no neighbours"]);
-    assert_neighbours_error("a.npy", &npy(&header("<i4", "(5, 0)"), &[]), 1, &["no neighbours"]);
+    vectors_error(&npy(&header("<f4", "(0, 5)"), &[]), &["0 vectors, expected at least 1"]);
+    vectors_error(&npy(&header("<f4", "(5, 0)"), &[]), &["0 dimensions"]);
+    vectors_error(&npy(&header("<f4", "(0, 0)"), &[]), &["0 dimensions"]);
+    vectors_error(&npy(&header("<f4", "(1, 65537)"), &vec![0; 4 * 65537]), &["65537 dimensions"]);
+    neighbours_error(&npy(&header("<i4", "(0, 5)"), &[]), 1, &["no neighbours"]);
+    neighbours_error(&npy(&header("<i4", "(5, 0)"), &[]), 1, &["no neighbours"]);
     for shape in ["(2147483648, 1024)", "(1, 4611686018427387)", "(4294967296, 0)"] {
         let parts: &[&str] = if shape.ends_with("0)") { &["0 dimensions"] } else { &["found 4 bytes", "expected "] };
         let data: &[u8] = if shape.ends_with("0)") { &[] } else { &[0; 4] };
-        assert_vectors_error("a.npy", &npy(&header("<f4", shape), data), parts);
+        vectors_error(&npy(&header("<f4", shape), data), parts);
     }
     for shape in [
         "(4294967296, 4294967296)",
@@ -132,11 +132,11 @@ fn hostile_files() {
         "(1_8446744073709551615, 9)",
         "((((((((((((((((((((1,),),),),),),),),),),),),),),),),),),), 1)",
     ] {
-        assert_vectors_error("a.npy", &npy(&header("<f4", shape), &[0; 16]), &["header", "expected sizes of 64 bits"]);
+        vectors_error(&npy(&header("<f4", shape), &[0; 16]), &["header", "expected sizes of 64 bits"]);
     }
-    assert_vectors_error("a.npy", &npy(&header("<f4", "(-1, 2)"), &[0; 16]), &["header", "negative"]);
+    vectors_error(&npy(&header("<f4", "(-1, 2)"), &[0; 16]), &["header", "negative"]);
     let long = [b"\x93NUMPY\x02\x00", &u32::MAX.to_le_bytes()[..], &[b' '; 100]].concat();
-    assert_vectors_error("a.npy", &long, &["header", "found 4294967295 bytes", "expected 10000 at most"]);
+    vectors_error(&long, &["header", "found 4294967295 bytes", "expected 10000 at most"]);
     let bytes = npy(&header("<f4", "(2, 2)"), &floats(&[1.0, 2.0, 3.0, 4.0]));
     let file = Written::new("a.npy", &bytes);
     for position in 0..bytes.len() {

@@ -1,0 +1,28 @@
+/// Implements [`Display`](std::fmt::Display) and [`FromStr`](std::str::FromStr) for an enumeration with named variants, and
+/// declares the error of an unknown name.
+macro_rules! names {
+    ($type:ident { $($variant:ident = $name:literal),* }, $(#[$doc:meta])* $error:ident, $message:literal) => {
+        impl std::fmt::Display for $type {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str(match self {
+                    $(Self::$variant => $name,)*
+                })
+            }
+        }
+
+        impl std::str::FromStr for $type {
+            type Err = $error;
+            fn from_str(name: &str) -> Result<Self, $error> {
+                match name {
+                    $($name => Ok(Self::$variant),)*
+                    _ => Err($error(name.to_string())),
+                }
+            }
+        }
+
+        $(#[$doc])*
+        #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+        #[error($message)]
+        pub struct $error(String);
+    };
+}
