@@ -1,4 +1,4 @@
-//! The cycle-exact model: latency, and what a sink does that refuses.
+//! The cycle-exact model: latency and back pressure.
 
 use raypath_model::{CycleModel, Functional, Shape};
 use raypath_ops::{Aabb, Job, Ray, RayBoxInput, Rules};
@@ -24,13 +24,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     while datapath.cycle(Some(&job), false).accepted {
         inside += 1;
     }
-    println!("{inside} jobs fit while the sink refuses");
+    println!("{inside} jobs fit while the sink is not ready");
 
     let mut taken = 0;
     while datapath.output().is_some() {
         taken += u32::from(datapath.cycle(None, true).output.is_some());
     }
-    println!("{taken} leave, one a cycle");
+    println!("{taken} leave, one per cycle");
     // ANCHOR_END: pressure
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! A distance between vectors that are longer than the datapath is wide.
+//! A distance of vectors with more dimensions than the datapath has lanes.
 
 use raypath_model::Functional;
 use raypath_ops::{Beat, BeatInput, Job, Outcome, Rules};

@@ -1,4 +1,4 @@
-//! Elastic pipelines of many shapes against two independent reference models.
+//! Elastic pipelines of many shapes, compared with an independent reference model and with formulas.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -127,8 +127,8 @@ impl Reference {
     }
 }
 
-/// Random kinds, bubbles, stalls and resets: in every cycle the same as the reference, and what comes out is what went
-/// in, in order.
+/// With random operations, bubbles, stalls and resets, the pipeline agrees with the reference in every cycle, and items
+/// leave once and in order.
 #[test]
 fn every_shape_matches_the_reference() {
     for shape in shapes() {
@@ -186,7 +186,7 @@ fn every_shape_matches_the_reference() {
     }
 }
 
-/// Cycles without input, skipped: as many as walking takes until there is an output, and what follows is the same.
+/// Skipping cycles without input gives the same state as simulating them one by one.
 #[test]
 fn idle_equals_single_cycles() {
     let mut at_once = 0;
@@ -216,7 +216,7 @@ fn idle_equals_single_cycles() {
     assert!(at_once > 1000, "{at_once}");
 }
 
-/// Cycles in which items of one kind leave, while the source always offers one and the sink always takes.
+/// The cycles in which items of one kind leave if the source always offers one and the sink is always ready.
 fn departures(shape: &Shape, kind: u64) -> Vec<usize> {
     let mut pipeline = Elastic::new(shape);
     (0..400).filter(|_| pipeline.cycle(Some((kind, ())), true).output.is_some()).collect()
@@ -230,7 +230,7 @@ fn an_item_takes_the_latency_and_the_next_follows_at_once() {
     }
 }
 
-/// An item of a loop's kind follows another after as many cycles as the loop has steps; one of another kind at once.
+/// Items of a loop are as many cycles apart as the loop has steps. Other items follow in the next cycle.
 #[test]
 fn items_of_a_loop_keep_their_distance_and_no_others() {
     for control in [Control::Skid, Control::Credit] {
@@ -268,7 +268,7 @@ fn capacity_while_the_sink_is_not_ready() {
     }
 }
 
-/// Ready is a register: it says what was true before this cycle's transfer.
+/// Ready is a register, whose value does not depend on the transfer of the same cycle.
 #[test]
 fn a_full_pipeline_accepts_one_cycle_after_an_item_left() {
     for control in [Control::Skid, Control::Credit] {
@@ -277,7 +277,7 @@ fn a_full_pipeline_accepts_one_cycle_after_an_item_left() {
         assert!(cycle(1, false).accepted);
         assert!(cycle(2, false).accepted);
         assert!(!cycle(3, false).accepted, "two fit");
-        assert_eq!(cycle(3, true), Transfer { accepted: false, output: Some(1) }, "though one leaves");
+        assert_eq!(cycle(3, true), Transfer { accepted: false, output: Some(1) }, "ready is registered");
         assert_eq!(cycle(3, true), Transfer { accepted: true, output: Some(2) });
         assert_eq!(one.output(), Some(&3));
     }

@@ -1,5 +1,5 @@
-//! The operations over software numbers and over binary64, against the same operations over the machine's binary32:
-//! bit for bit in binary32, and in every format where nothing is rounded.
+//! The operations in software arithmetic and in binary64, compared with native binary32: bit by bit in binary32, and in
+//! other formats for values that need no rounding.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -29,7 +29,7 @@ const EDGES: [u32; 16] = [
     0xffc0_1234, // NaN with sign and payload
 ];
 
-/// Every method that looks at values, on pairs of edges.
+/// All comparisons and tests, on pairs of special values.
 #[test]
 fn circuits_agree() {
     agree(Soft { format: Format::BINARY32 }, |number| number.to_bits().into());
@@ -68,7 +68,7 @@ fn agree<C: Concrete>(circuit: C, code: impl Fn(f32) -> u64) {
     }
 }
 
-/// The code that the circuit's own infinity minus itself has, where `code` is a NaN.
+/// `code`, or the canonical NaN of the circuit if it is a NaN.
 fn canonical<C: Concrete>(code: u64, circuit: C) -> u64 {
     let infinity = circuit.constant(f32::INFINITY);
     let is_nan = circuit.test(Test::Nan, circuit.number(code));
@@ -92,12 +92,12 @@ fn soft_binary32_is_binary32() {
             assert_eq!(in_software.run(&same).ports(), expected.ports(), "{job:?}");
             seen.count(&expected);
         }
-        // Answers of one kind would prove little.
+        // All kinds of outcomes must occur.
         assert!(seen.fewest() >= JOBS / 1000, "{seen:?}");
     }
 }
 
-/// Zeros, ones, infinities and NaNs: all that the operations make of them is in every one of these formats.
+/// The results for zeros, ones, infinities and NaN are exact in all of these formats.
 #[test]
 fn where_nothing_is_rounded_all_formats_agree() {
     let widest = Format::new(11, 24).expect("a format");
@@ -145,7 +145,7 @@ fn agree_exactly<C: ModelCircuit>(circuit: C, rules: Rules, code: impl Fn(f32) -
     assert!(fewest >= Some(JOBS / 1000), "{seen:?}");
 }
 
-/// Ports are asked for in the order in which they are listed; flags are asked for bit by bit.
+/// Returns a port by name. Ports are requested in the order of the list, flags once for each bit.
 fn in_order<'p>(ports: &'p [PortValue]) -> impl FnMut(&str) -> &'p PortValue {
     let mut place = 0;
     move |name| {
@@ -156,7 +156,7 @@ fn in_order<'p>(ports: &'p [PortValue]) -> impl FnMut(&str) -> &'p PortValue {
     }
 }
 
-/// An outcome's ports, its numbers widened; one NaN for all.
+/// The port values of an outcome, with numbers in binary64 and one code for all NaNs.
 fn values<C: Concrete>(outcome: &Outcome<C>, number: impl Fn(u64) -> f64) -> Vec<(String, u64)> {
     let bits = |port: &PortValue| match port.kind {
         PortKind::Number if number(port.bits).is_nan() => f64::NAN.to_bits(),
@@ -166,7 +166,7 @@ fn values<C: Concrete>(outcome: &Outcome<C>, number: impl Fn(u64) -> f64) -> Vec
     outcome.ports().into_iter().map(|port| (port.name.clone(), bits(&port))).collect()
 }
 
-/// A ray aimed at boxes or a triangle, or ports drawn one by one, many of them from the edges.
+/// A job with a ray aimed at boxes or a triangle, or with random port values, many of them special.
 fn job(rng: &mut ChaCha8Rng) -> Job {
     let kind = JobKind::ALL[rng.random_range(0..4)];
     let mut point = |reach: f32| -> [f32; 3] { std::array::from_fn(|_| rng.random_range(-reach..reach)) };
@@ -197,7 +197,7 @@ fn job(rng: &mut ChaCha8Rng) -> Job {
     }
 }
 
-/// How many answers were of each kind.
+/// The number of outcomes of each kind.
 #[derive(Debug, Default)]
 struct Seen {
     box_hits: usize,

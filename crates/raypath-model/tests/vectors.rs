@@ -1,9 +1,9 @@
-//! Whole vectors through the model: distances of any dimension, against integers.
+//! Distances of vectors of any dimension in the functional model, compared with integers.
 
 use raypath_model::Functional;
 use raypath_ops::{Beat, BeatInput, Binary32, Job, Outcome, Rules, VectorError};
 
-/// Coordinates small enough for every sum to be exact.
+/// Small integer coordinates, for which every sum is exact.
 fn vector(dimensions: usize, seed: i32) -> Vec<f32> {
     (0..dimensions as i32).map(|i| ((i * 37 + seed * 101) % 19 - 9) as f32).collect()
 }
@@ -36,7 +36,7 @@ fn distances_of_every_dimension() {
 }
 
 #[test]
-fn vectors_without_a_distance_are_refused() {
+fn invalid_vectors_are_errors() {
     let error = |query: &[f32], candidate: &[f32]| Beat::<Binary32, 16>::of(query, candidate).err();
     assert_eq!(error(&[1.0; 3], &[1.0; 4]), Some(VectorError::Unequal { query: 3, candidate: 4 }));
     assert_eq!(error(&[], &[]), Some(VectorError::Empty));

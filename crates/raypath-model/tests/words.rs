@@ -1,4 +1,4 @@
-//! Words as numbers, in every circuit.
+//! The conversion of words to numbers in every circuit.
 
 use fearless_simd::{Simd, dispatch};
 use raypath_float::Format;
@@ -20,7 +20,7 @@ fn every_word_is_exact() {
 }
 
 #[test]
-fn in_lanes_as_well() {
+fn every_word_is_exact_in_lanes() {
     for first in (0..=u16::MAX).step_by(BLOCK) {
         let words = Word::<Packed, 16>::new(Packed, BlockValue(std::array::from_fn(|i| u32::from(first) + i as u32)));
         let expected = std::array::from_fn::<_, BLOCK, _>(|i| f32::from(first + i as u16).to_bits());

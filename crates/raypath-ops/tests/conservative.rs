@@ -1,11 +1,11 @@
-//! Conservative boxes against exact arithmetic: what a ray touches is never missed.
+//! The conservative box test, compared with exact arithmetic: a box that a ray touches is never missed.
 
 use num_rational::BigRational;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_ops::{Aabb, Binary32, Operation, Ray, RayBox, RayBoxConservative, RayBoxInput, RayBoxOutput, Rules};
 
-/// A ray and a box, as numbers.
+/// A ray and a box.
 #[derive(Debug, Clone, Copy)]
 struct Case {
     origin: [f32; 3],
@@ -20,7 +20,7 @@ fn exact(number: f32) -> BigRational {
 }
 
 impl Case {
-    /// Where the ray is inside all slabs and between its ends, without any rounding.
+    /// The exact interval in which the ray is inside all slabs and between its ends.
     fn interval(&self) -> Option<[BigRational; 2]> {
         let mut from = exact(0.0);
         let mut to = self.extent.is_finite().then(|| exact(self.extent));
@@ -45,7 +45,7 @@ impl Case {
         self.interval().is_some_and(|[from, to]| from <= to)
     }
 
-    /// What the plain operation says, and what the conservative one does.
+    /// The results of the plain and of the conservative operation.
     fn hits(&self) -> (bool, bool) {
         let ray = Ray::new(self.origin, self.direction, self.extent).expect("a ray");
         let job = RayBoxInput { ray, aabb: [Aabb::new(self.min, self.max); 4] };
@@ -59,8 +59,9 @@ impl Case {
     }
 }
 
-/// How many of the cases that touch are missed without the feature; with it none is.
-fn missed_without(cases: impl Iterator<Item = Case>) -> [usize; 2] {
+/// The number of touched boxes, and how many of them the plain operation misses. Checks that the conservative operation
+/// misses none.
+fn touched_and_missed(cases: impl Iterator<Item = Case>) -> [usize; 2] {
     let mut touched = 0;
     let mut missed = 0;
     for case in cases {
@@ -70,7 +71,7 @@ fn missed_without(cases: impl Iterator<Item = Case>) -> [usize; 2] {
             assert!(conservative, "{case:?} is touched and missed");
             missed += usize::from(!plain);
         } else if conservative {
-            // What is hit and not touched is almost touched.
+            // A box that is hit without being touched is almost touched.
             let almost = case.interval().is_some_and(|[from, to]| from <= to * exact(1.0 + 2.0 * f32::powi(2.0, -20)));
             assert!(almost, "{case:?} is far from touched and hit");
         }
@@ -83,8 +84,8 @@ fn next_to(number: f32, places: i32) -> f32 {
     f32::from_bits(number.to_bits().wrapping_add_signed(places))
 }
 
-/// Rays that leave one slab about where they enter another: at an edge, or with the third axis at a corner. Around the
-/// edge stand four boxes that share faces.
+/// Rays that leave one slab near the point at which they enter another, at an edge, or at a corner with the third axis.
+/// Boxes that share faces surround the edge or corner.
 fn at_edges(rng: &mut ChaCha8Rng, corner: bool) -> Vec<Case> {
     let origin: [f32; 3] = std::array::from_fn(|_| rng.random_range(-8.0..8.0));
     let edge: [f32; 3] = std::array::from_fn(|axis| {
@@ -116,12 +117,12 @@ fn edges_and_corners_are_not_missed() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for corner in [false, true] {
         let cases: Vec<Case> = (0..6_000).flat_map(|_| at_edges(&mut rng, corner)).collect();
-        let [touched, missed] = missed_without(cases.into_iter());
+        let [touched, missed] = touched_and_missed(cases.into_iter());
         assert!(touched > 3_000 && missed > 50, "{touched} touched, {missed} of them missed without the feature");
     }
 }
 
-/// A ray between two boxes, in the plane of the face that they share, hits both; so does one that ends there.
+/// A ray in the plane of the face that two boxes share hits both, and so does a ray that ends in the face.
 #[test]
 fn shared_faces_are_not_missed() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -140,7 +141,7 @@ fn shared_faces_are_not_missed() {
             max: [face, 99.0, 99.0],
         };
         cases.extend([along, Case { min: [face, -99.0, -99.0], max: above, ..along }]);
-        // The ray ends about where it meets the face.
+        // The ray ends near the point at which it meets the face.
         let distance = ((f64::from(face) - f64::from(origin[0])) / f64::from(direction[0])) as f32;
         if distance > 0.0 {
             let extent = next_to(distance, rng.random_range(-1..=1));
@@ -149,11 +150,11 @@ fn shared_faces_are_not_missed() {
             cases.push(Case { origin, direction, extent, min, max });
         }
     }
-    let [touched, missed] = missed_without(cases.into_iter());
+    let [touched, missed] = touched_and_missed(cases.into_iter());
     assert!(touched > 10_000 && missed > 10, "{touched} touched, {missed} of them missed without the feature");
 }
 
-/// A slab distance whose three roundings go the same way, about as far as they can.
+/// A slab distance with three roundings in the same direction, near their maximum.
 #[derive(Clone, Copy)]
 struct Worst {
     bound: f32,
@@ -161,8 +162,7 @@ struct Worst {
     exact: f64,
 }
 
-/// Bounds beyond an origin at `origin`, which the difference loses, and whose distance comes out too small or too
-/// large.
+/// Bounds whose computed distance is too small or too large. The difference from `origin` loses the origin.
 fn worst(rng: &mut ChaCha8Rng, origin: f32, too_large: bool) -> Vec<Worst> {
     let ulp = f64::from(f32::EPSILON);
     let candidates = (0..4_000_000).filter_map(|_| {
@@ -178,7 +178,7 @@ fn worst(rng: &mut ChaCha8Rng, origin: f32, too_large: bool) -> Vec<Worst> {
     worst
 }
 
-/// Against the direction as it is, not its rounded inverse, a factor of 1 + 2 ulps (1.00000024) would not be enough.
+/// Compared with the exact direction instead of its rounded inverse, a factor of 1 + 2 ulps (1.00000024) is not enough.
 #[test]
 fn the_worst_roundings_need_three_units() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -186,7 +186,7 @@ fn the_worst_roundings_need_three_units() {
     let (left, entered) = (worst(&mut rng, -lost, false), worst(&mut rng, lost, true));
     let mut missed = [0; 4];
     for x in left {
-        // What is entered last before x is left.
+        // The last slab that is entered before x is left.
         let Some(y) = entered.partition_point(|y| y.exact <= x.exact).checked_sub(1).map(|at| entered[at]) else {
             continue;
         };

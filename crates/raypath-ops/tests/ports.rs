@@ -1,11 +1,11 @@
-//! Jobs and outcomes as ports: names as `docs/integration/ports.md` has them, and no bit lost on the way.
+//! The ports of jobs and outcomes: names as in `docs/integration/ports.md`, and values without loss of bits.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_ops::{Job, JobKind, Outcome, PortKind};
 use std::collections::BTreeMap;
 
-/// The names of `docs/integration/ports.md` for a kind of job, written out.
+/// The names of the input ports in `docs/integration/ports.md`.
 fn inputs(kind: JobKind) -> Vec<String> {
     let on = |stem: &str, axes: &str| axes.chars().map(|axis| format!("{stem}_{axis}")).collect::<Vec<_>>();
     let ray = || {
@@ -53,7 +53,7 @@ fn outputs(kind: JobKind) -> Vec<&'static str> {
 }
 
 #[test]
-fn ports_are_named_as_the_specification_names_them() {
+fn ports_have_the_documented_names() {
     for kind in JobKind::ALL {
         let job: Job = Job::from_ports(kind, |_| 0);
         let mut names: Vec<String> = job.ports().into_iter().map(|port| port.name).collect();
@@ -72,7 +72,7 @@ fn opcodes_are_those_of_the_paper() {
     assert_eq!(opcodes, [("triangle", 0), ("quadbox", 1), ("euclidean", 2), ("angular", 3)]);
 }
 
-/// How many bits a port has.
+/// The width of a port in bits.
 fn width(name: &str, kind: PortKind, job: JobKind) -> u32 {
     match (kind, name) {
         (PortKind::Number, _) => 32,
@@ -84,8 +84,7 @@ fn width(name: &str, kind: PortKind, job: JobKind) -> u32 {
     }
 }
 
-/// Any bits on a job's ports are there again when the job is put on ports: NaN payloads too, for the hardware sees
-/// them. Of an outcome NaNs are canonical.
+/// All bits of port values are kept, including the payloads of NaNs of jobs. NaNs of outcomes become canonical.
 #[test]
 fn every_bit_survives() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);

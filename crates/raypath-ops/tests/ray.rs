@@ -1,4 +1,4 @@
-//! `Ray::new`: what it derives (`docs/reference/semantics.md`) and what it rejects.
+//! `Ray::new`: derived values (`docs/reference/semantics.md`) and errors.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -22,14 +22,14 @@ fn kz_is_the_axis_of_the_greatest_absolute_value() {
     assert_eq!(axes([0.3, 0.1, 0.2]), [1, 2, 0]);
 }
 
-/// The paper's listing forgets the absolute value: by it kz would be 0 for the first of these. x and y are swapped.
+/// The paper's listing omits the absolute value, which would give a kz of 0 for the first direction.
 #[test]
 fn a_negative_greatest_component_counts_and_swaps_kx_and_ky() {
     assert_eq!(axes([0.1, 0.2, -0.3]), [1, 0, 2]);
     assert_eq!(axes([0.1, -0.3, 0.2]), [0, 2, 1]);
     assert_eq!(axes([-0.3, 0.1, 0.2]), [2, 1, 0]);
     assert_eq!(axes([-0.1, -0.2, -0.3]), [1, 0, 2]);
-    // Others may be negative: only dir[kz] swaps.
+    // Only the sign of dir[kz] swaps kx and ky.
     assert_eq!(axes([-0.1, -0.2, 0.3]), [0, 1, 2]);
 }
 
@@ -49,7 +49,8 @@ fn a_tie_takes_the_first_axis() {
     }
 }
 
-/// Among all directions of a grid: kz by the definition, and kx, ky, kz a cyclic order that the sign reverses.
+/// For all directions of a grid, kz follows the definition, and kx, ky, kz have a cyclic order that a negative sign
+/// reverses.
 #[test]
 fn the_axes_of_a_grid_of_directions() {
     let values = [-2.0, -1.0, -0.0, 0.0, 1.0, 2.0];
@@ -93,7 +94,7 @@ fn shear_is_by_the_permuted_axes() {
 }
 
 #[test]
-fn what_is_given_is_kept_bit_for_bit() {
+fn origin_direction_and_extent_keep_their_bits() {
     let (origin, direction) = ([-0.0, 1e-45, f32::MAX], [-0.0, -1e-40, 3.0]);
     for extent in [0.0, -0.0, 1e-45, 2.5, INF] {
         let ray = Ray::new(origin, direction, extent).unwrap();
@@ -115,7 +116,7 @@ fn is_correctly_rounded(quotient: f32, n: f32, d: f32) -> bool {
     let midpoint = |a: f32, b: f32| (f64::from(a) + f64::from(b)) / 2.0;
     let above_lower = match q {
         0.0 => true,
-        // Half a step above the largest number is where infinity begins.
+        // Numbers from half a step above the largest number round to infinity.
         INF => n >= (f64::from(f32::MAX) + 2f64.powi(103)) * d,
         _ => {
             let lower = midpoint(q.next_down(), q) * d;
@@ -158,7 +159,7 @@ fn the_quotients_are_correctly_rounded() {
     assert!(rays > 50_000, "{rays}");
 }
 
-/// The check itself tells a neighbour from the nearest.
+/// A test of `is_correctly_rounded`.
 #[test]
 fn a_neighbour_is_not_correctly_rounded() {
     let third = 1.0_f32 / 3.0;
@@ -170,7 +171,7 @@ fn a_neighbour_is_not_correctly_rounded() {
     assert!(is_correctly_rounded(INF, 1.0, 1e-45));
 }
 
-/// What a problem is reported as and the words it is reported in.
+/// The error and its message.
 fn rejected(origin: [f32; 3], direction: [f32; 3], extent: f32) -> (RayError, String) {
     let error = Ray::new(origin, direction, extent).unwrap_err();
     (error, error.to_string())
@@ -203,7 +204,7 @@ fn directions_origins_and_extents_that_are_no_numbers_are_rejected() {
                 message.starts_with("origin (") && message.ends_with("is not finite, expected three finite numbers")
             );
         }
-        // Among zeros too, where the direction is not the zero vector.
+        // Also among zeros.
         assert!(matches!(rejected([0.0; 3], [0.0, bad, 0.0], INF).0, RayError::DirectionNotFinite(_)));
     }
     for bad in [f32::NAN, -1.0, -f32::from_bits(1), -INF] {

@@ -1,4 +1,5 @@
-//! A triangle's faces, coordinates and range against exact arithmetic, and several accumulators against exact sums.
+//! Faces, barycentric coordinates and range of the extended triangle test, and several accumulators, compared with exact
+//! arithmetic.
 
 use num_rational::BigRational;
 use rand::rngs::ChaCha8Rng;
@@ -34,7 +35,8 @@ fn determinant(a: &Vector, b: &Vector, c: &Vector) -> BigRational {
     &a[0] * cross(1, 2) + &a[1] * cross(2, 0) + &a[2] * cross(0, 1)
 }
 
-/// Where a ray meets a triangle's plane, by Cramer's rule: the weights of the vertices, the distance, and the face.
+/// The intersection of a ray with the plane of a triangle, by Cramer's rule: the weights of the vertices, the distance,
+/// and the face.
 struct Met {
     weights: [BigRational; 3],
     distance: BigRational,
@@ -70,7 +72,7 @@ fn run(
     operation.run(Binary32, job, ()).0
 }
 
-/// Small whole numbers, and a direction whose shear is exact, so that nothing is rounded before the bounds.
+/// Small integers, and a direction whose shear is exact, which make all results before the bounds exact.
 fn whole(rng: &mut impl Rng) -> ([f32; 3], [f32; 3], [[f32; 3]; 3]) {
     let mut small = || rng.random_range(-4..=4) as f32;
     let origin = std::array::from_fn(|_| small());
@@ -96,7 +98,7 @@ fn faces_and_coordinates_are_exact() {
                 let operation = RayTriangleExtended { rules, culling, facing: true, barycentrics: true, ..PLAIN };
                 let found = run(operation, ray, vertices, 0.0);
                 let expected = met.as_ref().is_some_and(|met| {
-                    // The original takes a distance of zero for a hit.
+                    // Under the rules `chisel`, a distance of zero is a hit.
                     let before = met.distance > zero || rules == Rules::Chisel && met.distance == zero;
                     let seen = match culling {
                         Culling::Back => met.is_front,
@@ -121,8 +123,8 @@ fn faces_and_coordinates_are_exact() {
     assert!(hits[2] == hits[0] + hits[1]);
 }
 
-/// Bounds at, just before and just after the distance: what is in range is never refused, and what is out of it by more
-/// than one rounding never taken.
+/// With bounds at, just before and just after the distance, a hit in range is never missed, and a hit out of range by
+/// more than one rounding is never reported.
 #[test]
 fn range_is_exact_but_for_one_rounding() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -154,7 +156,7 @@ fn range_is_exact_but_for_one_rounding() {
                 let is_inside = within(0.0);
                 assert!(hit || !is_inside, "{operation:?} {ray:?} {t_min} {vertices:?} is refused");
                 assert!(!hit || within(f32::EPSILON), "{operation:?} {ray:?} {t_min} {vertices:?} is taken");
-                // Where the products are exact, so is the answer.
+                // Exact products give an exact result.
                 let is_exact = |bound: f32| {
                     let product = exact(bound) * exact(found.t_denom.into());
                     product == exact(bound * f32::from(found.t_denom))
@@ -164,7 +166,7 @@ fn range_is_exact_but_for_one_rounding() {
                 }
                 (inside, outside) = (inside + usize::from(is_inside), outside + usize::from(!is_inside));
                 rounded += usize::from(hit != is_inside);
-                // The other face alone is never hit.
+                // The other face is not hit.
                 let other = RayTriangleExtended { culling: facing_only(!met.is_front), ..operation };
                 assert!(!bool::from(run(other, ray, vertices, t_min).triangle_hit));
             }
@@ -173,7 +175,7 @@ fn range_is_exact_but_for_one_rounding() {
     assert!(rounded > 0, "no rounding was met, so the bound on it is not tested");
 }
 
-/// The culling under which only this face is hit.
+/// The culling mode with which only this face is hit.
 fn facing_only(is_front: bool) -> Culling {
     if is_front { Culling::Back } else { Culling::Front }
 }
@@ -202,17 +204,17 @@ fn what_breaks_down_is_ruled() {
             assert!(!hit(rules, culling, seen, 2.5, infinity) && !hit(rules, culling, seen, 0.0, 1.5));
             assert!(!hit(rules, culling, hidden, 0.0, infinity));
             assert!(hit(rules, Culling::None, seen, 0.0, infinity) && hit(rules, Culling::None, hidden, 2.0, 2.0));
-            // A bound that is no number: not shown to be in range, not shown to be out of it.
+            // A NaN bound is neither in range nor out of range.
             assert_eq!(hit(rules, culling, seen, nan, infinity), chisel);
             assert_eq!(hit(rules, culling, seen, 0.0, nan), chisel);
             // A NaN among the vertices.
             let broken = [[nan, 0.0, 2.0], seen[1], seen[2]];
             assert_eq!(hit(rules, culling, broken, 0.0, infinity), chisel);
             assert_eq!(hit(rules, Culling::None, broken, 0.0, infinity), chisel);
-            // An edge-on triangle has a denominator of zero: a miss, and no face.
+            // An edge-on triangle has a denominator of zero and is a miss.
             let edge_on = [[0.0, -1.0, 1.0], [0.0, 1.0, 1.0], [0.0, 0.0, 2.0]];
             assert!(!hit(rules, culling, edge_on, 0.0, infinity) && !hit(rules, Culling::None, edge_on, 0.0, 1e9));
-            // A denominator that overflows: an end at zero is no number then.
+            // If the denominator overflows, its product with a bound of zero is NaN.
             let huge = seen.map(|[x, y, z]| [x * 1e25, y * 1e25, z]);
             assert_eq!(hit(rules, culling, huge, 0.0, infinity), chisel);
         }
@@ -248,7 +250,7 @@ fn without_options_it_is_the_papers() {
     }
 }
 
-/// Beats of several vectors, interleaved at random: each sum is that of its own vector.
+/// Beats of several vectors are interleaved at random, and each sum belongs to its own vector.
 #[test]
 fn accumulators_do_not_mix() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);

@@ -1,4 +1,4 @@
-//! Words: the same bits in the same order as ports, without names.
+//! Words have the bits of the ports in their order, without names.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -21,7 +21,7 @@ fn words_are_the_ports_in_order() {
             assert_eq!(words, outcome.ports().iter().map(|port| port.bits).collect::<Vec<_>>());
             assert_eq!(Outcome::from_words_in(Binary32, kind, &words), outcome);
         }
-        // What is missing is 0.
+        // Missing words are 0.
         assert_eq!(
             Job::<16, 8>::from_words_in(Binary32, kind, &[]).ports(),
             Job::<16, 8>::from_ports(kind, |_| 0).ports()

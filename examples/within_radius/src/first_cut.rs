@@ -1,9 +1,9 @@
-//! The same operation as it is first written down: the arithmetic, and stages left to the elaborator.
+//! The same operation with automatic staging.
 
 use crate::{Near, Points};
 use raypath::prelude::*;
 
-/// Which of four points lie within a radius of another, staged automatically.
+/// Tests which of four points lie within a radius of a query point, staged automatically.
 pub struct FirstCut;
 
 impl Operation for FirstCut {

@@ -7,29 +7,29 @@ use raypath::prelude::*;
 
 // ANCHOR: structures
 bundle! {
-    /// A query, and four points that may be near it.
+    /// A query point with a radius, and four candidate points.
     pub struct Points<C> {
-        /// Around which.
+        /// The query point.
         pub query: Vec3<C>,
-        /// How far is near.
+        /// The radius.
         pub radius: Num<C>,
-        /// The candidates.
+        /// The candidate points.
         pub point: [Vec3<C>; 4],
     }
 }
 
 bundle! {
-    /// Which of them are near, and how far each is.
+    /// The results for the four points.
     pub struct Near<C> {
-        /// No farther than the radius.
+        /// Whether each point lies within the radius.
         pub is_near: Flags<C, 4>,
-        /// The square of its distance.
+        /// The square of the distance of each point.
         pub squared_distance: [Num<C>; 4],
     }
 }
 // ANCHOR_END: structures
 
-/// Which of four points lie within a radius of another.
+/// Tests which of four points lie within a radius of a query point.
 pub struct WithinRadius;
 
 impl Operation for WithinRadius {
@@ -58,15 +58,15 @@ impl Operation for WithinRadius {
 // ANCHOR_END: operation
 
 // ANCHOR: spec
-/// The operation with jobs that are worth running and an oracle that knows nothing of its equations.
+/// The operation with random jobs and an independent oracle.
 pub fn spec() -> OperationSpec<WithinRadius> {
     OperationSpec::of(WithinRadius)
         .purpose("which of four points are near another")
         .stimulus(stimulus)
-        .oracle("f64", judge)
+        .oracle("f64", check)
 }
 
-/// Points on and about a sphere, of any size.
+/// Random points at scales from 2^-20 to 2^20. Some coordinates are equal, which gives distances equal to the radius.
 pub fn stimulus(rng: &mut ChaCha8Rng) -> Points<Binary32> {
     let size = 2.0_f32.powi(rng.random_range(-20..20));
     let mut number = || size * if rng.random_bool(0.2) { 0.5 } else { rng.random_range(-1.0..1.0) };
@@ -74,8 +74,8 @@ pub fn stimulus(rng: &mut ChaCha8Rng) -> Points<Binary32> {
     Points { query: vector(), point: [vector(), vector(), vector(), vector()], radius: number().abs().into() }
 }
 
-/// Distances in binary64; who is nearer to the sphere than binary32 can tell may be on either side of it.
-pub fn judge(job: &Points<Binary32>, answer: &Near<Binary32>) -> Result<(), String> {
+/// Compares a result with distances in binary64, within the rounding errors of binary32.
+pub fn check(job: &Points<Binary32>, answer: &Near<Binary32>) -> Result<(), String> {
     const ROUNDINGS: f64 = 6.0 / (1 << 24) as f64;
     let limit = f64::from(f32::from(job.radius)).powi(2);
     let query: [f32; 3] = job.query.into();

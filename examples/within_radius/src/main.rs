@@ -1,4 +1,4 @@
-//! `cargo run --release`: the operation as hardware, checked, and what it costs.
+//! The command line of the operation: `cargo run --release` generates its hardware, checks it and reports its cost.
 
 use std::process::ExitCode;
 

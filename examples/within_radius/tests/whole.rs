@@ -1,11 +1,11 @@
-//! What a user gets from this crate: text that tools accept, answers that the oracle finds right, and a price.
+//! The generated files, the checks and the cost of the operation.
 
 use raypath::ops::{RayBox, RayTriangle, Rules};
 use raypath::oracle::{AnyOperationSpec, Checks};
 use raypath::prelude::*;
 use raypath::sim::transactions::read;
 use raypath::workbench::{Arguments, Cost, run};
-use within_radius::{Near, Points, WithinRadius, judge, spec, stimulus};
+use within_radius::{Near, Points, WithinRadius, check, spec, stimulus};
 
 const NAME: &str = "within_radius";
 
@@ -24,7 +24,7 @@ fn the_function_has_at_most_50_lines() {
     assert!(lines <= 50, "{lines} lines");
 }
 
-/// In the paper's datapath it shares every unit: nothing but multiplexers and registers is added.
+/// The operation shares all units with the paper's operations, and adds only multiplexers and registers.
 #[test]
 fn it_adds_no_unit() {
     let datapath = Datapath::paper(Default::default()).with(WithinRadius);
@@ -34,32 +34,33 @@ fn it_adds_no_unit() {
     assert!(cost.with.flip_flops > cost.without.flip_flops);
 }
 
-/// Lint, Verilator against the cycle-exact model, and the oracle for what Verilator shows.
+/// The linters report nothing, and Verilator agrees with the cycle-exact model and the oracle.
 #[test]
-fn verilator_answers_like_the_oracle() {
+fn verilator_agrees_with_the_oracle() {
     let datapath = Datapath::paper(Default::default()).with(WithinRadius);
     let netlist = datapath.elaborate().expect("it fits");
     let specs = [AnyOperationSpec::from(spec())];
     let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 3, jobs: 5000 };
     let folder = tempfile::tempdir().expect("a folder");
-    let found = checks.in_verilator(folder.path()).expect("the tools are there and content");
+    let found = checks.in_verilator(folder.path()).expect("no report from the tools");
     assert_eq!((found.different, found.reports[0].wrong), (0, 0), "{found:?}");
     assert!(found.reports[0].jobs > 2000, "{found:?}");
 }
 
-/// An oracle that expects something else finds every answer wrong, and the command fails.
+/// With an oracle that rejects every result, the command fails.
 #[test]
 fn a_wrong_answer_is_found() {
-    let spec = OperationSpec::of(WithinRadius).oracle("an oracle that is never content", |_, _| Err("no".to_string()));
+    let spec =
+        OperationSpec::of(WithinRadius).oracle("an oracle that rejects everything", |_, _| Err("no".to_string()));
     let folder = tempfile::tempdir().expect("a folder");
     let mut out = Vec::new();
     let error = run(&spec.into(), &arguments(folder.path(), &["--jobs", "100"]), &mut out).expect_err("wrong answers");
     assert_eq!(error.to_string(), "100 of 100 answers of within_radius are wrong");
 }
 
-/// In binary16, whose units are small, so that the price is there in a minute.
+/// The area of the operation, measured in binary16, which is fast to synthesise.
 #[test]
-fn it_has_a_price() {
+fn it_has_an_area() {
     let half: raypath::rtl::Preset = "half".parse().expect("a preset");
     let datapath = Datapath::paper(half.config).with(WithinRadius);
     let cache = std::env::temp_dir().join("raypath-within-radius");
@@ -70,7 +71,7 @@ fn it_has_a_price() {
 }
 
 #[test]
-fn the_command_writes_and_says_what_it_found() {
+fn the_command_writes_files_and_reports_results() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut out = Vec::new();
     run(&spec().into(), &arguments(folder.path(), &["--jobs", "500"]), &mut out).expect("all is well");
@@ -83,7 +84,7 @@ fn the_command_writes_and_says_what_it_found() {
     let text = std::fs::read_to_string(folder.path().join("raypath.sv")).expect("a file");
     assert!(text.contains("input  logic [2:0]  opcode_i") || text.contains("[2:0]"), "five operations need three bits");
     assert!(text.contains("point_3_z_i") && text.contains("squared_distance_0_o"));
-    // Its jobs are those that the oracle has reports.
+    // The file has the jobs that were compared with the oracle.
     let datapath = Datapath::paper(Default::default()).with(WithinRadius);
     let (netlist, specs) = (datapath.elaborate().expect("it fits"), [AnyOperationSpec::from(spec())]);
     let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 1, jobs: 500 };
@@ -93,7 +94,7 @@ fn the_command_writes_and_says_what_it_found() {
     assert_eq!(recorded.len(), 500);
 }
 
-/// The first cut, without a stage marked, answers the same, with no more registers than the one by hand.
+/// The automatically staged operation gives the same results with at most as many registers.
 #[test]
 fn a_first_cut_needs_no_stages() {
     use within_radius::first_cut::FirstCut;
@@ -114,7 +115,7 @@ fn a_first_cut_needs_no_stages() {
     assert_eq!(checks.against_the_models(|_| true).expect("a netlist").different, 0);
 }
 
-/// The models from Rust, beside boxes and triangles: as the book shows them.
+/// The models in Rust, as the documentation shows them.
 #[test]
 fn the_models_are_a_few_lines() {
     let rules = Rules::Paper;
@@ -123,19 +124,19 @@ fn the_models_are_a_few_lines() {
     let datapath = Datapath::new().with(RayBox { rules }).with(RayTriangle { rules }).with(WithinRadius);
     let netlist = datapath.elaborate().expect("it fits");
 
-    // The function itself, at native speed: the points 1 to 4 away along x, which of them within 2.5?
+    // The function itself, at native speed, for points at distances 1 to 4 and a radius of 2.5.
     let point = [1.0, 2.0, 3.0, 4.0].map(|x| [x, 0.0, 0.0].into());
     let points = Points { query: [0.0; 3].into(), radius: 2.5.into(), point };
     let (near, ()) = WithinRadius.run(Binary32, points, ());
     assert_eq!(near.is_near.to_array(), [true, true, false, false]);
 
-    // The functional model: jobs of any operation, answered one by one.
+    // The functional model, which computes jobs of any operation.
     let mut functional = datapath.model();
     let job = functional.job_of::<WithinRadius>(&points).expect("one of its operations");
     let outcome = functional.run(&job);
     assert_eq!(functional.output_of::<WithinRadius>(&outcome), Some(near));
 
-    // The cycle-exact model: the same answers, and when.
+    // The cycle-exact model, which adds the timing.
     let mut cycles = datapath.cycle_model().expect("it fits");
     assert!(cycles.cycle(Some(&job), true).accepted);
     assert_eq!(1 + cycles.idle(100), u64::from(netlist.latency()));
@@ -144,9 +145,8 @@ fn the_models_are_a_few_lines() {
     assert_eq!(netlist.latency(), 12);
 }
 
-/// No number is a right distance.
 #[test]
-fn the_oracle_refuses_nan() {
+fn the_oracle_rejects_nan() {
     struct NoNumber;
     impl Operation for NoNumber {
         const NAME: &'static str = "no_number";
@@ -159,16 +159,16 @@ fn the_oracle_refuses_nan() {
             (Near { is_near: Flags([c.bit(false); 4]), squared_distance: [none; 4] }, ())
         }
     }
-    let spec: AnyOperationSpec = OperationSpec::of(NoNumber).stimulus(stimulus).oracle("f64", judge).into();
+    let spec: AnyOperationSpec = OperationSpec::of(NoNumber).stimulus(stimulus).oracle("f64", check).into();
     let datapath = Datapath::new().with_any(spec.operation());
     let (netlist, specs) = (datapath.elaborate().expect("it fits"), [spec]);
     let checks = Checks { datapath: &datapath, netlist: &netlist, specs: &specs, seed: 1, jobs: 100 };
     assert_eq!(checks.against_the_oracles()[0].wrong, 100);
 }
 
-/// An operation that adds no unit is no reason for the units that a stage has.
+/// The report does not name an operation that adds no units as a cause of units.
 #[test]
-fn it_is_not_blamed_for_units() {
+fn it_is_not_a_cause_of_units() {
     let config = Default::default();
     let netlist = Datapath::paper(config).with(WithinRadius).elaborate().expect("it fits");
     for step in 0..netlist.steps().count() {

@@ -7,8 +7,8 @@ use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
 use raypath_model::{Batch, CycleModel, Functional, Packed, Shape, blank, levels, pack, unpack};
 use raypath_ops::{
-    BeatInput, AngularOutput, Binary32, EuclideanOutput, Family, Job, JobKind, Of, Ray, RayBoxInput,
-    RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules,
+    AngularOutput, BeatInput, Binary32, EuclideanOutput, Family, Job, JobKind, Of, Ray, RayBoxInput, RayBoxOutput,
+    RayTriangleInput, RayTriangleOutput, Rules,
 };
 use std::hint::black_box;
 
