@@ -46,13 +46,7 @@ impl<const E: usize, const A: usize> Batch<E, A> {
 
     /// As [`new`](Self::new), with the instruction set `level`.
     pub fn at(level: Level, rules: Rules) -> Self {
-        let zero = Packed.zero();
-        Self {
-            rules,
-            level,
-            euclidean: EuclideanState { accumulator: zero },
-            angular: AngularState { dot_product: zero, norm: zero },
-        }
+        Self { rules, level, euclidean: EuclideanState::zero(Packed), angular: AngularState::zero(Packed) }
     }
 
     /// Computes blocks of jobs into `answers`; stops at the end of the shorter slice.

@@ -26,13 +26,7 @@ impl<const E: usize, const A: usize> Functional<E, A> {
 impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
     /// The model over `circuit`, with accumulators of zero.
     pub fn over(circuit: C, rules: Rules) -> Self {
-        let zero = circuit.zero();
-        Self {
-            circuit,
-            rules,
-            euclidean: EuclideanState { accumulator: zero },
-            angular: AngularState { dot_product: zero, norm: zero },
-        }
+        Self { circuit, rules, euclidean: EuclideanState::zero(circuit), angular: AngularState::zero(circuit) }
     }
 
     /// Computes a job. A beat of a distance updates its accumulator.

@@ -19,9 +19,9 @@ pub trait WordOperation: Send + Sync {
     /// Whether the operation has an output port: [`Operation::has_output`].
     fn has_output(&self, port: &str) -> bool;
 
-    /// Computes one job over `circuit`. `job` has a word for each of [`inputs`](Self::inputs). `output` is replaced by a
-    /// word for each of [`outputs`](Self::outputs). `state` has the words that the previous job left, initially none, and
-    /// is replaced by those that this job leaves.
+    /// Computes one job over `circuit`. `job` has a word for each of [`inputs`](Self::inputs). `output` is replaced by
+    /// a word for each of [`outputs`](Self::outputs). `state` has the words that the previous job left, initially none,
+    /// and is replaced by those that this job leaves.
     fn run_words(&self, circuit: Dynamic<'_>, job: &[u64], state: &mut Vec<u64>, output: &mut Vec<u64>);
 }
 

@@ -1,6 +1,9 @@
 //! The operations in software arithmetic and in binary64, compared with native binary32: bit by bit in binary32, and in
 //! other formats for values that need no rounding.
 
+mod common;
+
+use common::EDGES;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
@@ -9,25 +12,6 @@ use raypath_ops::{
     Aabb, Binary32, Circuit, Concrete, Job, JobKind, Outcome, PortKind, PortValue, Ray, RayBoxInput, RayTriangleInput,
     Relation, Rules, Test, Triangle,
 };
-
-const EDGES: [u32; 16] = [
-    0x0000_0000, // 0
-    0x8000_0000, // -0
-    0x0000_0001, // smallest subnormal
-    0x807f_ffff, // largest subnormal, negative
-    0x0080_0000, // smallest normal
-    0x3f80_0000, // 1
-    0xbf80_0000, // -1
-    0x3f80_0001, // 1 and an ulp
-    0x4000_0000, // 2
-    0x1a80_0000, // 2^-74: its square is subnormal
-    0x5f80_0000, // 2^64: its square overflows
-    0x7f7f_ffff, // largest
-    0x7f80_0000, // infinity
-    0xff80_0000, // -infinity
-    0x7fc0_0000, // NaN
-    0xffc0_1234, // NaN with sign and payload
-];
 
 /// All comparisons and tests, on pairs of special values.
 #[test]

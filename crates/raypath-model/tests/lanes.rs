@@ -1,6 +1,9 @@
 //! Jobs side by side in SIMD lanes, with every instruction set that this machine has, against the same jobs one by one
 //! in software arithmetic.
 
+mod common;
+
+use common::EDGES;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
@@ -11,24 +14,6 @@ use raypath_ops::{
 };
 
 const JOBS: usize = 16 * 200;
-
-/// Numbers with special rules: zeros, subnormals, infinities, NaN of both signs, and neighbours of one.
-const EDGES: [u32; 14] = [
-    0,
-    1 << 31,
-    1,
-    0x8000_0001,
-    0x007f_ffff,
-    0x0080_0000,
-    0x3f80_0000,
-    0x3f80_0001,
-    0xbf80_0000,
-    0x7f7f_ffff,
-    0x7f80_0000,
-    0xff80_0000,
-    0x7fc0_0000,
-    0xffc1_2345,
-];
 
 /// Words of random jobs: ordinary numbers of both signs, many edges among them, and equal ones.
 fn words(kind: JobKind, seed: u64) -> Vec<Vec<u64>> {

@@ -1,8 +1,8 @@
 //! The macro that declares bundles.
 
 /// Declares one or more structures over a circuit `C`, and implements [`Bundle`](crate::Bundle) and
-/// [`Family`](crate::Family) for them. The fields determine the ports. A structure may have constant parameters, such as
-/// a number of lanes or the width of a word.
+/// [`Family`](crate::Family) for them. The fields determine the ports. A structure may have constant parameters, such
+/// as a number of lanes or the width of a word.
 ///
 /// ```
 /// raypath_ops::bundle! {

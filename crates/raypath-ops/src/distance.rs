@@ -68,6 +68,22 @@ bundle! {
     }
 }
 
+impl<C: Circuit> EuclideanState<C> {
+    /// An accumulator of zero.
+    #[inline(always)]
+    pub fn zero(c: C) -> Self {
+        Self { accumulator: c.zero() }
+    }
+}
+
+impl<C: Circuit> AngularState<C> {
+    /// Accumulators of zero.
+    #[inline(always)]
+    pub fn zero(c: C) -> Self {
+        Self { dot_product: c.zero(), norm: c.zero() }
+    }
+}
+
 /// The stages for the levels of the adder trees, by preference: first the stages whose adders other operations need as
 /// well. A tree with fewer levels omits the last stages of the list.
 const EUCLIDEAN_TREE: [u32; 6] = [4, 6, 8, 9, 5, 7];

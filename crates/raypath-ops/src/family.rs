@@ -5,8 +5,8 @@ use crate::bundle::Bundle;
 use crate::circuit::Circuit;
 use crate::handle::{Bit, Flags, Num, Word};
 
-/// A bundle type without its circuit. The member over [`Binary32`] represents the family: for `Vec3<Binary32>`, the type
-/// `Of<C>` is `Vec3<C>`. Implemented for every type that implements [`Bundle`].
+/// A bundle type without its circuit. The member over [`Binary32`] represents the family: for `Vec3<Binary32>`, the
+/// type `Of<C>` is `Vec3<C>`. Implemented for every type that implements [`Bundle`].
 ///
 /// The methods convert bundles between circuits whose values hold different numbers of jobs, such as scalars, SIMD
 /// registers and blocks of jobs in memory.

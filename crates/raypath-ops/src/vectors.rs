@@ -22,8 +22,8 @@ pub enum VectorError {
 }
 
 impl<const N: usize> Beat<Binary32, N> {
-    /// The beats of two vectors, `N` dimensions each. Lanes beyond the end of the vectors are masked off. The last beat has
-    /// `reset_accum` set: its result is the distance of the vectors, and the next pair starts at zero.
+    /// The beats of two vectors, `N` dimensions each. Lanes beyond the end of the vectors are masked off. The last beat
+    /// has `reset_accum` set: its result is the distance of the vectors, and the next pair starts at zero.
     ///
     /// ```
     /// use raypath_ops::{Beat, Binary32};

@@ -1,5 +1,5 @@
-//! Faces, barycentric coordinates and range of the extended triangle test, and several accumulators, compared with exact
-//! arithmetic.
+//! Faces, barycentric coordinates and range of the extended triangle test, and several accumulators, compared with
+//! exact arithmetic.
 
 use num_rational::BigRational;
 use rand::rngs::ChaCha8Rng;

@@ -62,8 +62,8 @@ const MAX_WRITTEN: usize = 10_000;
 const SPECIFIED: f64 = 0.5;
 
 impl Checks<'_> {
-    /// Compares outcomes of the functional model with the oracle of each specification that has one. Returns no reports if
-    /// the datapath is not in binary32, because oracles are.
+    /// Compares outcomes of the functional model with the oracle of each specification that has one. Returns no reports
+    /// if the datapath is not in binary32, because oracles are.
     pub fn against_the_oracles(&self) -> Vec<OracleReport> {
         let model = self.datapath.model();
         let reports = self.oracle_runs().into_iter().map(|mut run| {
@@ -74,16 +74,16 @@ impl Checks<'_> {
         reports.collect()
     }
 
-    /// The jobs of [`against_the_oracles`](Self::against_the_oracles) for one operation, with their outcomes. Empty if the
-    /// datapath does not have the operation.
+    /// The jobs of [`against_the_oracles`](Self::against_the_oracles) for one operation, with their outcomes. Empty if
+    /// the datapath does not have the operation.
     pub fn transactions(&self, spec: &AnyOperationSpec) -> Vec<Transaction> {
         let kind = self.datapath.model().kind(spec.name());
         let outcomes = kind.into_iter().flat_map(|kind| self.outcomes(spec, kind));
         outcomes.zip(0..).map(|((job, expected), seq)| Transaction { seq, category: 0, job, expected }).collect()
     }
 
-    /// The paths and texts of transaction files, `NAME.txt` in a folder, one for each specified operation that the datapath
-    /// has. A file has at most 10,000 [`transactions`](Self::transactions).
+    /// The paths and texts of transaction files, `NAME.txt` in a folder, one for each specified operation that the
+    /// datapath has. A file has at most 10,000 [`transactions`](Self::transactions).
     pub fn files(&self, folder: &Path) -> Vec<(PathBuf, String)> {
         let (model, first) = (self.datapath.model(), Checks { jobs: self.jobs.min(MAX_WRITTEN), ..*self });
         let file = |spec: &AnyOperationSpec| {
@@ -105,8 +105,8 @@ impl Checks<'_> {
         })
     }
 
-    /// Compares the netlist with the models in every cycle, for jobs of all operations with bubbles and stalls. `on_job`
-    /// gets the number of jobs so far; the comparison ends when it returns false.
+    /// Compares the netlist with the models in every cycle, for jobs of all operations with bubbles and stalls.
+    /// `on_job` gets the number of jobs so far; the comparison ends when it returns false.
     ///
     /// # Errors
     /// A netlist that cannot be compiled.
@@ -116,9 +116,9 @@ impl Checks<'_> {
         Ok(lockstep(&mut netlist, self.datapath.model(), self.mixed_jobs().into_iter(), &mut traffic, on_job))
     }
 
-    /// Checks the SystemVerilog. Lints it with Verilator, Yosys and slang, which must report nothing. Then simulates it in
-    /// Verilator with the assertions about the control, and compares every cycle with the cycle-exact model and every
-    /// outcome of the operations with its oracle.
+    /// Checks the SystemVerilog. Lints it with Verilator, Yosys and slang, which must report nothing. Then simulates it
+    /// in Verilator with the assertions about the control, and compares every cycle with the cycle-exact model and
+    /// every outcome of the operations with its oracle.
     ///
     /// # Errors
     /// A tool is not installed or reports something, or an assertion fails.

@@ -22,7 +22,8 @@ const EDGES: [f32; 14] = [
     f32::NAN,
 ];
 
-/// A number for which operations have special rules: a zero, a subnormal, one, a number at the limits of binary32, or NaN.
+/// A number for which operations have special rules: a zero, a subnormal, one, a number at the limits of binary32, or
+/// NaN.
 pub fn edge(rng: &mut impl Rng) -> f32 {
     EDGES[rng.random_range(0..EDGES.len())]
 }
@@ -52,7 +53,8 @@ pub fn aabb(rng: &mut impl Rng) -> Aabb<Binary32> {
     Aabb::new(axis(f32::min), axis(f32::max))
 }
 
-/// A ray towards a point, from an origin near or far, sometimes along an axis. Three of eight rays have a finite extent.
+/// A ray towards a point, from an origin near or far, sometimes along an axis. Three of eight rays have a finite
+/// extent.
 pub fn ray_at(rng: &mut impl Rng, target: [f32; 3]) -> Ray<Binary32> {
     loop {
         let reach = 2.0_f32.powi(rng.random_range(0..12));

@@ -58,7 +58,8 @@ pub struct Plane {
     pub bound: BigRational,
 }
 
-/// The distances at which a ray enters and leaves a box, each as the least and the greatest value within the error bound.
+/// The distances at which a ray enters and leaves a box, each as the least and the greatest value within the error
+/// bound.
 pub struct Passage {
     entry: [BigRational; 2],
     /// `None` if the ray has no end.
@@ -68,8 +69,8 @@ pub struct Passage {
 }
 
 impl Passage {
-    /// The passage through the box between these planes, `[min, max]` for each axis. `None` if no error bound is known: a
-    /// number is not finite, `inv` is not the inverse of the direction, or magnitudes are not between 2^-60 and 2^60.
+    /// The passage through the box between these planes, `[min, max]` for each axis. `None` if no error bound is known:
+    /// a number is not finite, `inv` is not the inverse of the direction, or magnitudes are not between 2^-60 and 2^60.
     pub fn new(ray: &Ray<Binary32>, planes: [[Plane; 2]; 3]) -> Option<Self> {
         let zero = BigRational::default();
         let extent = match f32::from(ray.extent) {

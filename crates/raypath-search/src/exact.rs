@@ -7,7 +7,7 @@ use crate::vectors::Vectors;
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use raypath_model::BLOCK;
-use raypath_ops::{Angular, Euclidean, array_of};
+use raypath_ops::{Angular, AngularState, Euclidean, EuclideanState, array_of};
 use raypath_timing::{Progress, ProgressCounter};
 use std::time::Instant;
 
@@ -118,6 +118,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
                         let squared = kernel::block(
                             simd,
                             &Euclidean::<E>,
+                            EuclideanState::zero,
                             |sums| sums.accumulator,
                             &query.padded,
                             block,
@@ -131,6 +132,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
                         let dots = kernel::block(
                             simd,
                             &Angular::<A>,
+                            AngularState::zero,
                             |sums| sums.dot_product,
                             &query.padded,
                             block,

@@ -48,49 +48,29 @@ impl Blocks {
     }
 }
 
-/// A distance operation.
-pub(crate) trait Distance: KernelOperation {
-    /// Accumulators at zero.
-    fn begin<C: Circuit>(c: C) -> Self::State<C>;
-}
-
-impl<const N: usize> Distance for Euclidean<N> {
-    #[inline(always)]
-    fn begin<C: Circuit>(c: C) -> EuclideanState<C> {
-        EuclideanState { accumulator: c.zero() }
-    }
-}
-
-impl<const N: usize> Distance for Angular<N> {
-    #[inline(always)]
-    fn begin<C: Circuit>(c: C) -> AngularState<C> {
-        AngularState { dot_product: c.zero(), norm: c.zero() }
-    }
-}
-
 /// The squared Euclidean distance of a query and one candidate.
 #[inline(always)]
 pub(crate) fn squared<const E: usize>(query: &[f32], candidate: &[f32]) -> f32 {
-    pair(&Euclidean::<E>, query, candidate).accumulator.into()
+    pair(&Euclidean::<E>, EuclideanState::zero(Binary32), query, candidate).accumulator.into()
 }
 
 /// The dot product of a query and one candidate.
 #[inline(always)]
 pub(crate) fn dot_product<const A: usize>(query: &[f32], candidate: &[f32]) -> f32 {
-    pair(&Angular::<A>, query, candidate).dot_product.into()
+    pair(&Angular::<A>, AngularState::zero(Binary32), query, candidate).dot_product.into()
 }
 
 /// The squared norm of a vector.
 #[inline(always)]
 pub(crate) fn norm<const A: usize>(vector: &[f32]) -> f32 {
-    pair(&Angular::<A>, vector, vector).norm.into()
+    pair(&Angular::<A>, AngularState::zero(Binary32), vector, vector).norm.into()
 }
 
 /// The sums of a query and one candidate of the same dimension.
 #[inline(always)]
-fn pair<O, const N: usize>(op: &O, query: &[f32], candidate: &[f32]) -> O::State<Binary32>
+fn pair<O, const N: usize>(op: &O, zero: O::State<Binary32>, query: &[f32], candidate: &[f32]) -> O::State<Binary32>
 where
-    O: Distance<Input<Binary32> = BeatInput<Binary32, N>>,
+    O: KernelOperation<Input<Binary32> = BeatInput<Binary32, N>>,
 {
     let ((query, query_end), (candidate, candidate_end)) = (query.as_chunks::<N>(), candidate.as_chunks::<N>());
     let whole = query.iter().zip(candidate).map(
@@ -99,15 +79,16 @@ where
     );
     let coordinate = |of: &[f32], i: usize| of.get(i).copied().unwrap_or(0.0).into();
     let end = [array_of!(i => coordinate(query_end, i)), array_of!(i => coordinate(candidate_end, i))];
-    run(Binary32, SimdKernels, op, whole, (!query_end.is_empty()).then_some(end), query_end.len())
+    run(Binary32, SimdKernels, op, zero, whole, (!query_end.is_empty()).then_some(end), query_end.len())
 }
 
 /// The sums, selected by `sum`, of a query and the candidates of a block. Both are padded to a multiple of `N`; the
 /// first `dimensions` coordinates count.
 #[inline(always)]
-pub(crate) fn block<S: Simd, O: Distance<Input<Lanes<S>> = BeatInput<Lanes<S>, N>>, const N: usize>(
+pub(crate) fn block<S: Simd, O: KernelOperation<Input<Lanes<S>> = BeatInput<Lanes<S>, N>>, const N: usize>(
     simd: S,
     op: &O,
+    zero: impl Fn(Lanes<S>) -> O::State<Lanes<S>>,
     sum: impl Fn(O::State<Lanes<S>>) -> Num<Lanes<S>>,
     query: &[f32],
     block: &[Lane],
@@ -127,7 +108,7 @@ pub(crate) fn block<S: Simd, O: Distance<Input<Lanes<S>> = BeatInput<Lanes<S>, N
             ([a, ..], [b, ..]) => Some(registers(&part, a, b)),
             _ => None,
         };
-        let state = run(part.lanes, SimdKernels, op, whole, end, dimensions % N);
+        let state = run(part.lanes, SimdKernels, op, zero(part.lanes), whole, end, dimensions % N);
         Num::<Binary32>::put(&sum(state), &mut sums, &part);
     }
     sums.value.0
@@ -140,19 +121,19 @@ fn registers<S: Simd, const N: usize>(part: &BlockSlice<S>, a: &[f32; N], b: &[L
     [array_of!(i => Num::new(lanes, lanes.constant(a[i]))), <[Num<Binary32>; N]>::gather([b], part)]
 }
 
-/// Runs the beats of a pair of vectors: the whole ones, then `end` with `width` enabled lanes, if present. No beat
-/// resets the accumulators, so the final state has the sums.
+/// Runs the beats of a pair of vectors from accumulators `state`: the whole beats, then `end` with `width` enabled
+/// lanes, if present. No beat resets the accumulators, so the final state has the sums.
 #[inline(always)]
-fn run<C: Circuit, O: Distance<Input<C> = BeatInput<C, N>>, const N: usize>(
+fn run<C: Circuit, O: KernelOperation<Input<C> = BeatInput<C, N>>, const N: usize>(
     c: C,
     kernels: impl Kernels<C>,
     op: &O,
+    mut state: O::State<C>,
     whole: impl Iterator<Item = [[Num<C>; N]; 2]>,
     end: Option<[[Num<C>; N]; 2]>,
     width: usize,
 ) -> O::State<C> {
     let (all, reset_accum) = (Flags(array_of!(_ => c.bit(true))), c.bit(false));
-    let mut state = O::begin(c);
     for [a, b] in whole {
         state = op.run_with(c, kernels, BeatInput { euclidean: Beat { a, b, mask: all, reset_accum } }, state).1;
     }

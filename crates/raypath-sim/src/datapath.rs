@@ -118,9 +118,9 @@ impl Datapath {
     /// Elaborates the netlist.
     ///
     /// # Errors
-    /// An opcode or a name that occurs twice; an operation with a stage that does not exist, a value that is read before
-    /// it is computed, more units in a stage than the budget, or a chain that is too long for the latency; two operations
-    /// whose shared units would form a loop.
+    /// An opcode or a name that occurs twice; an operation with a stage that does not exist, a value that is read
+    /// before it is computed, more units in a stage than the budget, or a chain that is too long for the latency; two
+    /// operations whose shared units would form a loop.
     pub fn elaborate(&self) -> Result<rtl::Datapath, Error> {
         self.config.check()?;
         let Semantics { format, features: Features { tag, exception_flags, .. }, .. } = self.config.semantics;

@@ -1,5 +1,5 @@
-//! Stimuli for an open-loop simulation. A model of the pipeline predicts when each job is accepted, and the values of all
-//! output ports in every cycle.
+//! Stimuli for an open-loop simulation. A model of the pipeline predicts when each job is accepted, and the values of
+//! all output ports in every cycle.
 
 use crate::engine::PortEncoding;
 use crate::traffic::{self, Traffic};

@@ -58,8 +58,8 @@ const DIFFERENCES_SHOWN: usize = 5;
 /// A comparison ends after this number of differences.
 const MAX_DIFFERENCES: usize = 100;
 
-/// Runs jobs through a netlist and its cycle-exact model. Compares all output ports in every cycle, and each outcome with
-/// that of `model`. `on_job` gets the number of jobs so far; the comparison ends when it returns false.
+/// Runs jobs through a netlist and its cycle-exact model. Compares all output ports in every cycle, and each outcome
+/// with that of `model`. `on_job` gets the number of jobs so far; the comparison ends when it returns false.
 pub fn lockstep(
     netlist: &mut NetlistEngine,
     model: WordModel,
@@ -83,8 +83,8 @@ pub fn lockstep(
     Comparison { differences: engines.differences, different: different.get(), ..found }
 }
 
-/// Measures latency and initiation interval at the ports of an engine, with a reset before and after. `job` may be of any
-/// operation. `None` if the engine shows no outcome.
+/// Measures latency and initiation interval at the ports of an engine, with a reset before and after. `job` may be of
+/// any operation. `None` if the engine shows no outcome.
 pub fn timing(engine: &mut dyn Engine, job: &Words) -> Option<Timing> {
     const LONG_ENOUGH: u64 = 1000;
     const STREAM: usize = 100;

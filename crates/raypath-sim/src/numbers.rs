@@ -2,8 +2,8 @@
 
 use raypath_float::Format;
 
-/// Numbers for which operations have special rules, and their neighbours: zeros, subnormals, ones, numbers whose squares
-/// leave the normal range, infinities and NaN.
+/// Numbers for which operations have special rules, and their neighbours: zeros, subnormals, ones, numbers whose
+/// squares leave the normal range, infinities and NaN.
 pub fn edges(format: Format) -> [u64; 16] {
     let last_place = 1;
     let power = |exponent: i64| (bias(format) + exponent).unsigned_abs() << format.fraction_width();

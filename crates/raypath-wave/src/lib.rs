@@ -70,8 +70,8 @@ const NS_PER_CYCLE: u64 = 10;
 const FLUSH_AT: usize = 1 << 20;
 
 impl WaveWriter {
-    /// Starts a file for the signals that `simulator` observes. It will replace a regular file at `path`, or the target of
-    /// a symbolic link.
+    /// Starts a file for the signals that `simulator` observes. It will replace a regular file at `path`, or the target
+    /// of a symbolic link.
     ///
     /// # Errors
     /// A path to something else, or a file that cannot be created.

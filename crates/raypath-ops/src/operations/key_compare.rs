@@ -12,9 +12,9 @@ pub const SEPARATORS: usize = 36;
 
 /// Finds the child of a node to which a key belongs.
 ///
-/// Child i has the keys from separator i - 1 (included) to separator i (excluded). -0 equals +0, and a NaN key belongs to
-/// child 0. The separators must be in ascending order. If there are fewer than [`SEPARATORS`], the remaining ones must be
-/// +∞, or NaN, which is greater than every key. For unsorted separators the result is the index of some child.
+/// Child i has the keys from separator i - 1 (included) to separator i (excluded). -0 equals +0, and a NaN key belongs
+/// to child 0. The separators must be in ascending order. If there are fewer than [`SEPARATORS`], the remaining ones
+/// must be +∞, or NaN, which is greater than every key. For unsorted separators the result is the index of some child.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KeyCompare;
 

@@ -1,8 +1,8 @@
 //! A ray against eight boxes per job, as in the nodes of RDNA 4 (AMD, "RDNA4 Instruction Set Architecture",
 //! IMAGE_BVH8_INTERSECT_RAY).
 //!
-//! It uses the slab method of the operation for four boxes. A datapath with that operation needs these additional units:
-//! 24 adders in stage 2, 24 multipliers in stage 3, and 24, 4, 10 and 4 comparators in stages 4, 5, 9 and 10.
+//! It uses the slab method of the operation for four boxes. A datapath with that operation needs these additional
+//! units: 24 adders in stage 2, 24 multipliers in stage 3, and 24, 4, 10 and 4 comparators in stages 4, 5, 9 and 10.
 
 use crate::sort::compare_and_swap;
 use crate::{

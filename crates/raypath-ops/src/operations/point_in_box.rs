@@ -1,13 +1,14 @@
 //! A point against four boxes, for range search, point location, and the first node of rays in a hierarchy.
 //!
-//! A datapath with the operation for a ray and four boxes needs no additional units: both use 24 comparators in stage 4.
+//! A datapath with the operation for a ray and four boxes needs no additional units: both use 24 comparators in stage
+//! 4.
 
 use crate::{Aabb, Bit, Circuit, Flags, Num, Operation, Slab, Vec3, bundle};
 
 /// Tests whether a point is in each of four boxes.
 ///
-/// A point is in a box if min ≤ coordinate ≤ max along all axes; the faces belong to the box. A point is not in a box if
-/// a coordinate or a bound is NaN, or if a min exceeds its max. -0 equals +0.
+/// A point is in a box if min ≤ coordinate ≤ max along all axes; the faces belong to the box. A point is not in a box
+/// if a coordinate or a bound is NaN, or if a min exceeds its max. -0 equals +0.
 ///
 /// ```
 /// use raypath_ops::operations::point_in_box::{PointInBox, PointInBoxInput};

@@ -1,10 +1,11 @@
 //! A ray against four boxes with bounds of 8 bits, for compressed wide nodes (Ylitie, Karras, Laine, "Efficient
-//! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017; Vortex and RDNA 4 have such nodes as well).
+//! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017; Vortex and RDNA 4 have such nodes as
+//! well).
 //!
-//! A plane at `origin + offset · scale` has the distance `(origin - ray.origin) · inv + offset · (scale · inv)`. Stage 3
-//! therefore takes only three multiplications in addition to the 24 of the slab method. A datapath with the operation
-//! for a ray and four boxes needs these additional units: 3 multipliers each in stages 2 and 3, 16 adders in stage 4, 20
-//! comparators in stage 5 and 4 in stage 6.
+//! A plane at `origin + offset · scale` has the distance `(origin - ray.origin) · inv + offset · (scale · inv)`. Stage
+//! 3 therefore takes only three multiplications in addition to the 24 of the slab method. A datapath with the operation
+//! for a ray and four boxes needs these additional units: 3 multipliers each in stages 2 and 3, 16 adders in stage 4,
+//! 20 comparators in stage 5 and 4 in stage 6.
 
 mod node;
 
@@ -14,16 +15,16 @@ use crate::{Bit, Circuit, Kernels, Num, Operation, Portable, Ray, RayBoxOutput, 
 
 /// Tests a ray against four quantised boxes and sorts the boxes by distance, the nearest hit first.
 ///
-/// The rules are those of `paper` for boxes (`docs/reference/semantics.md`): near and far are exchanged if the sign bit of
-/// inv is set; a NaN distance is ignored; a box is hit if tmin ≤ tmax; hits come before misses, nearer boxes before
+/// The rules are those of `paper` for boxes (`docs/reference/semantics.md`): near and far are exchanged if the sign bit
+/// of inv is set; a NaN distance is ignored; a box is hit if tmin ≤ tmax; hits come before misses, nearer boxes before
 /// farther ones, then in the order of indices. Along an axis in which the direction is ±0, a slab only excludes rays
 /// outside it. Bounds with min greater than max are not reordered.
 ///
 /// # Accuracy
 /// The test is not conservative. With D = node.origin - ray.origin and P = offset · scale, the error of a slab distance
 /// is at most 5 u (|D| + |P|) / |dir|, u = 2⁻²⁴, without overflow and underflow. A hit or miss is certain only if the
-/// distances of entry and exit differ by more than twice this error. In contrast to other boxes, the error is not smaller
-/// for planes near the origin of the ray.
+/// distances of entry and exit differ by more than twice this error. In contrast to other boxes, the error is not
+/// smaller for planes near the origin of the ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct QuantisedBox;
 
@@ -97,8 +98,8 @@ impl Operation for QuantisedBox {
     }
 }
 
-/// The distances at which the ray enters and leaves a slab. If the ray is parallel to the slab, the interval is infinite
-/// for a ray inside and empty for a ray outside.
+/// The distances at which the ray enters and leaves a slab. If the ray is parallel to the slab, the interval is
+/// infinite for a ray inside and empty for a ray outside.
 #[inline(always)]
 fn near_and_far<C: Circuit>(c: C, distance: Slab<C>, parallel: Bit<C>, backwards: Bit<C>) -> Slab<C> {
     let Slab { min, max } = distance;

@@ -2,25 +2,25 @@
 //! "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems, chapter 7).
 //!
 //! A datapath with the paper's operations needs no additional units. The operation uses 3 adders in stage 2, 16
-//! multipliers in stage 3, 6 adders in stage 4, 3 multipliers in stage 5, 4 adders in stage 6, a multiplier in stage 7, 2
-//! adders in stage 8 and one in stage 9.
+//! multipliers in stage 3, 6 adders in stage 4, 3 multipliers in stage 5, 4 adders in stage 6, a multiplier in stage 7,
+//! 2 adders in stage 8 and one in stage 9.
 
 use crate::{Bit, Circuit, Num, Operation, Ray, Vec3, bundle};
 
-/// Tests a ray against a sphere and computes the coefficients of the distances. The division and the square root are left
-/// to the external circuit.
+/// Tests a ray against a sphere and computes the coefficients of the distances. The division and the square root are
+/// left to the external circuit.
 ///
-/// Let f be the vector from the origin of the ray to the centre, d the direction, of any length, and r the radius. The ray
-/// meets the sphere at the solutions of `a t² - 2 b t + c = 0` with `a = d·d`, `b = f·d` and `c = f·f - r²`. With
+/// Let f be the vector from the origin of the ray to the centre, d the direction, of any length, and r the radius. The
+/// ray meets the sphere at the solutions of `a t² - 2 b t + c = 0` with `a = d·d`, `b = f·d` and `c = f·f - r²`. With
 /// `q = b ± sqrt(discriminant)`, where the sign is that of b, the solutions are `q / a` and `c / q`.
 ///
-/// The discriminant, `b² - a c`, is computed as `r² a - |f × d|²`, which has the same value but does not lose the radius of
-/// a small distant sphere. If the ray starts near the sphere, the difference in c cancels: the error of c is at most
-/// 7 u f·f + 3 u r², u = 2⁻²⁴.
+/// The discriminant, `b² - a c`, is computed as `r² a - |f × d|²`, which has the same value but does not lose the
+/// radius of a small distant sphere. If the ray starts near the sphere, the difference in c cancels: the error of c is
+/// at most 7 u f·f + 3 u r², u = 2⁻²⁴.
 ///
-/// The result is a hit if `discriminant ≥ 0`, `a > 0`, and `b ≥ 0` or `c ≤ 0`: the ray starts inside the sphere or meets it
-/// in front of its origin. The extent of the ray is not tested. A NaN in any of the four numbers, or a direction whose
-/// square underflows to zero, is a miss. The sign of the radius has no effect.
+/// The result is a hit if `discriminant ≥ 0`, `a > 0`, and `b ≥ 0` or `c ≤ 0`: the ray starts inside the sphere or
+/// meets it in front of its origin. The extent of the ray is not tested. A NaN in any of the four numbers, or a
+/// direction whose square underflows to zero, is a miss. The sign of the radius has no effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sphere;
 

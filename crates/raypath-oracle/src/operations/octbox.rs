@@ -15,8 +15,8 @@ pub fn spec() -> AnyOperationSpec {
         .into()
 }
 
-/// Eight boxes and a ray towards a point of one of them. Some boxes are equal, inverted, or have bounds at the limits of
-/// binary32.
+/// Eight boxes and a ray towards a point of one of them. Some boxes are equal, inverted, or have bounds at the limits
+/// of binary32.
 pub fn stimulus(rng: &mut impl Rng) -> OctboxInput<Binary32> {
     let mut aabb = [(); 8].map(|()| draw::aabb(rng));
     let aimed_at = aabb[rng.random_range(0..8)];
@@ -38,8 +38,8 @@ pub fn stimulus(rng: &mut impl Rng) -> OctboxInput<Binary32> {
     OctboxInput { ray, aabb }
 }
 
-/// Compares a result with two oracles: with slab distances in exact rationals; and bit by bit with the boxes in two jobs
-/// of [`RayBox`], which is verified by golden vectors, sorted by the standard library.
+/// Compares a result with two oracles: with slab distances in exact rationals; and bit by bit with the boxes in two
+/// jobs of [`RayBox`], which is verified by golden vectors, sorted by the standard library.
 ///
 /// # Errors
 /// The first wrong box, or the order of the boxes.

@@ -18,8 +18,8 @@ pub fn spec() -> AnyOperationSpec {
         .into()
 }
 
-/// A node of one to four boxes and a ray towards one of them, or a node with random fields. Some jobs have a number at the
-/// limits of binary32.
+/// A node of one to four boxes and a ray towards one of them, or a node with random fields. Some jobs have a number at
+/// the limits of binary32.
 pub fn stimulus(rng: &mut impl Rng) -> QuantisedBoxInput<Binary32> {
     let boxes = [(); 4].map(|()| draw::aabb(rng));
     let count = rng.random_range(1..=4);

@@ -16,8 +16,8 @@ pub fn spec() -> AnyOperationSpec {
 }
 
 /// A ray that passes the centre of a sphere at a known fraction of its radius: through it, beside it, or grazing. There
-/// are small distant spheres, large spheres around the origin, and spheres behind the ray. Some jobs have a number at the
-/// limits of binary32.
+/// are small distant spheres, large spheres around the origin, and spheres behind the ray. Some jobs have a number at
+/// the limits of binary32.
 pub fn stimulus(rng: &mut impl Rng) -> SphereInput<Binary32> {
     let radius = draw::spread(rng, -6..6);
     let distance = rng.random_range(0.0..4.0) * 2.0_f32.powi(rng.random_range(-6..14));
@@ -71,12 +71,12 @@ pub fn stimulus(rng: &mut impl Rng) -> SphereInput<Binary32> {
 /// - 4 u a for a, 5 u Σ|fᵢ dᵢ| for b, and 7 u f·f + 3 u r² for c;
 /// - eᵢ = 4 u mᵢ for nᵢ, and Σ(2 |nᵢ| eᵢ + eᵢ²) + 6 u Σ(|nᵢ| + eᵢ)² + 8 u r² a for the discriminant.
 ///
-/// Relative to r² a, the error of the discriminant is of order u |f| / r. That of b² - a c would be of order u (|f| / r)².
-/// No bounds hold if a value overflows.
+/// Relative to r² a, the error of the discriminant is of order u |f| / r. That of b² - a c would be of order u (|f| /
+/// r)². No bounds hold if a value overflows.
 ///
 /// # Errors
-/// A number outside its bound; a hit bit that does not follow from the four numbers, or that is wrong although the bounds
-/// determine it.
+/// A number outside its bound; a hit bit that does not follow from the four numbers, or that is wrong although the
+/// bounds determine it.
 pub fn check(job: &SphereInput<Binary32>, answer: &SphereOutput<Binary32>) -> Result<(), String> {
     let Quadratic { a, b, c, discriminant, hit } = answer.sphere;
     let [af, bf, cf, df] = [a, b, c, discriminant].map(f32::from);

@@ -21,8 +21,8 @@ pub struct Seen {
     pub inside: usize,
 }
 
-/// Runs `jobs` through an engine under `traffic`. `on_outcome` gets the position of each job and its outcome; the run ends
-/// when it returns false. The run also ends after 100,000 cycles without progress, with fewer outcomes than jobs.
+/// Runs `jobs` through an engine under `traffic`. `on_outcome` gets the position of each job and its outcome; the run
+/// ends when it returns false. The run also ends after 100,000 cycles without progress, with fewer outcomes than jobs.
 pub fn drive<J: Borrow<Words>>(
     engine: &mut dyn Engine,
     jobs: impl Iterator<Item = J>,

@@ -58,13 +58,12 @@ impl<'s> Lines<'s> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flate2::{Compression, write::GzEncoder};
-    use std::io::Write;
+    use flate2::{Compression, bufread::GzEncoder};
 
     fn gzip(bytes: &[u8]) -> Vec<u8> {
-        let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
-        encoder.write_all(bytes).expect("compressed");
-        encoder.finish().expect("compressed")
+        let mut compressed = Vec::new();
+        GzEncoder::new(bytes, Compression::fast()).read_to_end(&mut compressed).expect("gzip");
+        compressed
     }
 
     fn all(mut lines: Lines<'_>) -> Result<Vec<String>> {

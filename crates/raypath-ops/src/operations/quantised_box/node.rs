@@ -57,8 +57,8 @@ pub enum QuantiseError {
 }
 
 impl QuantisedNode<Binary32> {
-    /// Encodes one to four boxes. Each box is exactly inside its quantised box. The scale of each axis is the least power of
-    /// two, at least 2⁻¹²⁶, with which all boxes fit.
+    /// Encodes one to four boxes. Each box is exactly inside its quantised box. The scale of each axis is the least
+    /// power of two, at least 2⁻¹²⁶, with which all boxes fit.
     ///
     /// # Errors
     /// No box or more than four, a bound that is not finite, a min that exceeds its max.

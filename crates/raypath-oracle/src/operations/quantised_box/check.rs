@@ -23,8 +23,8 @@ pub fn check(job: &QuantisedBoxInput<Binary32>, answer: &RayBoxOutput<Binary32>)
     slabs::check(boxes, |index| if used[index] { passage(job, index) } else { None })
 }
 
-/// The passage of a ray through the box of a child, from the encoded offsets and scale. `None` if no error bound is known,
-/// because a coordinate or a scale is too large, even if the differences are small.
+/// The passage of a ray through the box of a child, from the encoded offsets and scale. `None` if no error bound is
+/// known, because a coordinate or a scale is too large, even if the differences are small.
 fn passage(job: &QuantisedBoxInput<Binary32>, index: usize) -> Option<Passage> {
     let QuantisedBoxInput { ray, node } = job;
     let (from, to) = (exact::values(ray.origin)?, exact::values(node.origin)?);
@@ -53,7 +53,8 @@ mod tests {
     use crate::test_support::jobs;
     use raypath_ops::{Flags, Operation, Ray, Word};
 
-    /// If the product of scale and inverse overflows, an offset of 0 gives a NaN, which is ignored. No error bound holds.
+    /// If the product of scale and inverse overflows, an offset of 0 gives a NaN, which is ignored. No error bound
+    /// holds.
     #[test]
     fn an_overflowing_product_has_no_bound() {
         let ray = Ray::new([0.5, 5.0, -5.0], [0.0, 0.5, 1.0], f32::INFINITY).expect("a ray");
