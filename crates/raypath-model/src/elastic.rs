@@ -30,6 +30,16 @@ enum Flow {
     Credit(Credits),
 }
 
+/// Evaluates an expression for either control.
+macro_rules! each_control {
+    ($flow:expr, $control:ident => $result:expr) => {
+        match $flow {
+            Flow::Skid($control) => $result,
+            Flow::Credit($control) => $result,
+        }
+    };
+}
+
 impl<T> Elastic<T> {
     /// An empty pipeline.
     pub fn new(shape: &Shape) -> Self {
@@ -44,7 +54,7 @@ impl<T> Elastic<T> {
     #[inline]
     pub fn input_ready(&self, opcode: u64) -> bool {
         match &self.flow {
-            Flow::Skid(row) => row.input_ready(),
+            Flow::Skid(buffers) => buffers.input_ready(),
             Flow::Credit(credits) => credits.input_ready(opcode),
         }
     }
@@ -52,10 +62,7 @@ impl<T> Elastic<T> {
     /// The item at the output in this cycle, if the output is valid. It stays until the sink is ready.
     #[inline]
     pub fn output(&self) -> Option<&T> {
-        let valid = match &self.flow {
-            Flow::Skid(row) => row.output_valid(),
-            Flow::Credit(credits) => credits.output_valid(),
-        };
+        let valid = each_control!(&self.flow, control => control.output_valid());
         if valid { self.inside.front() } else { None }
     }
 
@@ -80,10 +87,7 @@ impl<T> Elastic<T> {
     ) -> Transfer<T> {
         let taken = output_ready && self.output().is_some();
         let entering = offered.filter(|opcode| self.input_ready(*opcode));
-        match &mut self.flow {
-            Flow::Skid(row) => row.cycle(entering, taken),
-            Flow::Credit(credits) => credits.cycle(entering, taken),
-        }
+        each_control!(&mut self.flow, control => control.cycle(entering, taken));
         let output = if taken { self.inside.pop_front() } else { None };
         if entering.is_some() {
             self.inside.push_back(item());
@@ -95,27 +99,21 @@ impl<T> Elastic<T> {
     /// Returns the number of cycles. Equivalent to that many calls of [`cycle`](Self::cycle), but faster.
     #[inline]
     pub fn idle(&mut self, limit: u64) -> u64 {
-        match &mut self.flow {
-            Flow::Skid(row) => row.idle(limit),
-            Flow::Credit(credits) => credits.idle(limit),
-        }
+        each_control!(&mut self.flow, control => control.idle(limit))
     }
 
     /// The positions of the items, oldest first.
     pub fn positions(&self) -> impl Iterator<Item = PipelinePosition> + '_ {
-        let (row, credits) = match &self.flow {
-            Flow::Skid(row) => (Some(row.positions()), None),
+        let (buffers, credits) = match &self.flow {
+            Flow::Skid(buffers) => (Some(buffers.positions()), None),
             Flow::Credit(credits) => (None, Some(credits.positions())),
         };
-        row.into_iter().flatten().chain(credits.into_iter().flatten())
+        buffers.into_iter().flatten().chain(credits.into_iter().flatten())
     }
 
     /// A hardware reset: all items are lost.
     pub fn reset(&mut self) {
         self.inside.clear();
-        match &mut self.flow {
-            Flow::Skid(row) => row.reset(),
-            Flow::Credit(credits) => credits.reset(),
-        }
+        each_control!(&mut self.flow, control => control.reset());
     }
 }

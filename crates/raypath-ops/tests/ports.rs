@@ -31,25 +31,14 @@ fn inputs(kind: JobKind) -> Vec<String> {
     names
 }
 
-fn outputs(kind: JobKind) -> Vec<&'static str> {
-    let mut names = match kind {
-        JobKind::Triangle => vec!["t_num", "t_denom", "triangle_hit"],
-        JobKind::Quadbox => vec![
-            "is_intersect",
-            "tmin_0",
-            "tmin_1",
-            "tmin_2",
-            "tmin_3",
-            "box_index_0",
-            "box_index_1",
-            "box_index_2",
-            "box_index_3",
-        ],
-        JobKind::Euclidean => vec!["euclidean_accumulator", "euclidean_reset_accum"],
-        JobKind::Angular => vec!["angular_dot_product", "angular_norm", "angular_reset_accum"],
-    };
-    names.sort_unstable();
-    names
+/// The names of the output ports, sorted.
+fn outputs(kind: JobKind) -> &'static str {
+    match kind {
+        JobKind::Triangle => "t_denom t_num triangle_hit",
+        JobKind::Quadbox => "box_index_0 box_index_1 box_index_2 box_index_3 is_intersect tmin_0 tmin_1 tmin_2 tmin_3",
+        JobKind::Euclidean => "euclidean_accumulator euclidean_reset_accum",
+        JobKind::Angular => "angular_dot_product angular_norm angular_reset_accum",
+    }
 }
 
 #[test]
@@ -62,7 +51,7 @@ fn ports_have_the_documented_names() {
         let mut names: Vec<String> =
             Outcome::from_ports(kind, |_| 0).ports().into_iter().map(|port| port.name).collect();
         names.sort();
-        assert_eq!(names, outputs(kind), "{kind}");
+        assert_eq!(names.join(" "), outputs(kind), "{kind}");
     }
 }
 

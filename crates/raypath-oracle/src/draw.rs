@@ -1,31 +1,14 @@
 //! Random values for stimuli.
 
 use rand::{Rng, RngExt};
+use raypath_float::Format;
 use raypath_ops::{Aabb, Binary32, Ray};
+use raypath_sim::numbers::edges;
 
-/// Numbers for which operations have special rules: zeros, subnormals, the least and the greatest normal number,
-/// infinities, NaN.
-const EDGES: [f32; 14] = [
-    0.0,
-    -0.0,
-    f32::from_bits(1),
-    -f32::from_bits(1),
-    f32::from_bits(0x007f_ffff),
-    f32::MIN_POSITIVE,
-    -f32::MIN_POSITIVE,
-    1.0,
-    -1.0,
-    f32::MAX,
-    f32::MIN,
-    f32::INFINITY,
-    f32::NEG_INFINITY,
-    f32::NAN,
-];
-
-/// A number for which operations have special rules: a zero, a subnormal, one, a number at the limits of binary32, or
-/// NaN.
+/// A binary32 number for which operations have special rules, from [`edges`].
 pub fn edge(rng: &mut impl Rng) -> f32 {
-    EDGES[rng.random_range(0..EDGES.len())]
+    let edges = edges(Format::BINARY32);
+    f32::from_bits(edges[rng.random_range(0..edges.len())] as u32)
 }
 
 /// A number of either sign, with an exponent from `powers`. All exponents are equally likely.

@@ -7,6 +7,7 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_model::{Control, CycleModel, Functional, Loop, Shape};
 use raypath_ops::{Beat, BeatInput, Binary32, Job, JobKind, Outcome, Rules};
+use raypath_timing::report::Recorder;
 use raypath_timing::{Action, Agent, Environment, Sink, simulate};
 use std::collections::{HashMap, VecDeque};
 
@@ -124,23 +125,9 @@ fn reference(agents: &[Vec<Action<Tag>>], in_flight: usize, memory: u64, latency
     unreachable!("the range of cycles has no end")
 }
 
-/// Records the cycle and the owner of each accepted job.
-#[derive(Default)]
-struct Entries(Vec<(u64, u64)>);
-
-impl raypath_timing::Observer for Entries {
-    fn next_observed(&self, cycle: u64) -> Option<u64> {
-        Some(cycle)
-    }
-    fn observe(
-        &mut self,
-        ports: &raypath_timing::PortActivity,
-        _: impl Iterator<Item = raypath_model::PipelinePosition>,
-    ) {
-        if let (Some((_, owner)), true) = (ports.offered, ports.accepted) {
-            self.0.push((ports.cycle, owner));
-        }
-    }
+/// The cycle and the owner of each recorded job.
+fn entries(recorder: Recorder) -> Vec<(u64, u64)> {
+    recorder.window().jobs.iter().map(|job| (job.accepted, job.owner)).collect()
 }
 
 #[test]
@@ -159,14 +146,14 @@ fn acceptance_cycles_equal_those_of_the_reference_simulator() {
         let shape = Shape { latency: rng.random_range(1..15), control, loops: Vec::new() };
         let environment = Environment { in_flight, memory_latency: memory, sink: Sink::Always };
         let scripts = || agents.iter().cloned().map(Script::<Echo>::new);
-        let mut seen = Entries::default();
-        let timing = simulate(scripts(), &environment, echo(&shape), &mut seen, &|_| true).expect("runs");
-        let (cycles, entries) = reference(&agents, in_flight, memory, shape.latency as u64);
-        assert_eq!(seen.0, entries, "seed {seed}");
+        let mut recorder = Recorder::new("agent", shape.latency, 0, usize::MAX);
+        let timing = simulate(scripts(), &environment, echo(&shape), &mut recorder, &|_| true).expect("runs");
+        let (cycles, expected) = reference(&agents, in_flight, memory, shape.latency as u64);
+        assert_eq!(entries(recorder), expected, "seed {seed}");
         assert_eq!(timing.cycles, cycles, "seed {seed}");
         // Skipping unobserved idle cycles does not change the timing.
         assert_eq!(simulate(scripts(), &environment, echo(&shape), &mut (), &|_| true), Ok(timing));
-        jobs += entries.len();
+        jobs += expected.len();
     }
     assert!(jobs > 10_000, "{jobs}");
 }
@@ -260,10 +247,10 @@ fn arbitration_is_fair() {
     let agents =
         (0..8).map(|agent| Script::<Echo>::new((0..jobs).map(move |_| common::issue(JobKind::Quadbox, agent))));
     let environment = Environment { in_flight: 8, memory_latency: 0, sink: Sink::Always };
-    let mut seen = Entries::default();
-    simulate(agents, &environment, echo(&Shape::default()), &mut seen, &|_| true).expect("runs");
+    let mut recorder = Recorder::new("agent", Shape::default().latency, 0, usize::MAX);
+    simulate(agents, &environment, echo(&Shape::default()), &mut recorder, &|_| true).expect("runs");
     let mut counts = HashMap::new();
-    for (cycle, owner) in seen.0 {
+    for (cycle, owner) in entries(recorder) {
         assert_eq!(owner, cycle % 8);
         *counts.entry(owner).or_insert(0) += 1;
     }

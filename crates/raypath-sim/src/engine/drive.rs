@@ -43,13 +43,13 @@ pub fn observe<J: Borrow<Words>>(
     mut on_cycle: impl FnMut(&Seen) -> bool,
 ) -> Run {
     /// More cycles without progress than random traffic causes.
-    const PATIENCE: u64 = 100_000;
+    const MAX_IDLE_CYCLES: u64 = 100_000;
     let mut source = Source { jobs: jobs.peekable(), index: 0 };
     let mut run = Run::default();
     let mut inside = VecDeque::new();
     let mut last_progress = 0;
     source.present(engine);
-    while (source.jobs.peek().is_some() || !inside.is_empty()) && run.cycles - last_progress < PATIENCE {
+    while (source.jobs.peek().is_some() || !inside.is_empty()) && run.cycles - last_progress < MAX_IDLE_CYCLES {
         let mut cycle = traffic.next_cycle();
         let withdrawn = if cycle.withdraws { source.advance(engine) } else { None };
         run.dropped += usize::from(withdrawn.is_some());
