@@ -1,5 +1,6 @@
 //! Measures designs: from netlists to reports.
 
+use crate::Error;
 use crate::attribution::{Attribution, CellRole};
 use crate::design::{Block, Design, RegisterKind};
 use crate::library::Library;
@@ -8,7 +9,7 @@ use crate::report::{Area, Path, Report, Setting, Slowest, Stage, Step, thousandt
 use crate::structural;
 use crate::synthesis::Synthesis;
 use crate::timing::{self, Endpoints, RawPath};
-use crate::{Error, parallel};
+use raypath_tools::pool;
 use raypath_tools::{Cache, Key, OpenSta, ToolError, Yosys, read_within, temporary_folder, write};
 use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
@@ -62,10 +63,13 @@ impl Bench {
         let synthesise = |(plan, block): &(&Plan<'_>, usize), stop: &AtomicBool| {
             self.netlist(plan, *block, &cache, stop).map(|_| Some(()))
         };
-        all(parallel::map(&blocks, self.jobs, synthesise, |done| proceed(Progress { done, total }))?)?;
+        let mut synthesised = |blocks: pool::Progress| proceed(Progress { done: blocks.done as usize, total });
+        all(pool::map(&blocks, self.jobs, &mut synthesised, synthesise)?)?;
 
         let known = plans.len() - wanted.len();
-        let done = |reports: usize| Progress { done: blocks.len() + reports.saturating_sub(known), total };
+        let mut reported = |plans: pool::Progress| {
+            proceed(Progress { done: blocks.len() + (plans.done as usize).saturating_sub(known), total })
+        };
         let report = |plan: &Plan<'_>, stop: &AtomicBool| match cache.get(&plan.key) {
             Some(report) => Ok::<_, Error>(Some(report)),
             None => {
@@ -74,7 +78,7 @@ impl Bench {
                 Ok(Some(report))
             }
         };
-        Ok(all(parallel::map(&plans, self.jobs, report, |reports| proceed(done(reports)))?)?)
+        Ok(all(pool::map(&plans, self.jobs, &mut reported, report)?)?)
     }
 
     fn plan<'d>(&self, design: &'d Design) -> Result<Plan<'d>, Error> {

@@ -34,7 +34,6 @@ mod liberty;
 mod library;
 mod names;
 mod netlist;
-mod parallel;
 #[doc(hidden)]
 pub mod parsers;
 mod recipe;

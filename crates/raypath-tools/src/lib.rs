@@ -33,6 +33,8 @@ mod files;
 mod input;
 mod lint;
 mod opensta;
+#[cfg(feature = "pool")]
+pub mod pool;
 mod program;
 mod sources;
 mod verilator;

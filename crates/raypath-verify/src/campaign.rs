@@ -12,13 +12,13 @@ use crate::coverage::{Coverage, CoverageModel};
 use crate::error::Error;
 use crate::files;
 use crate::layout::Layout;
-use crate::pool::{self, Cases, Queue};
 use crate::request::Request;
 use crate::verdict::{Item, Verdict};
 use raypath_hdl::Module;
 use raypath_model::{Shape, WordModel};
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::engine::{NetlistEngine, shape};
+use raypath_tools::pool::{self, Cases, Queue};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -73,7 +73,7 @@ pub fn verify_module(
     let episodes = jobs.div_ceil(JOBS_PER_EPISODE as u64);
     let cases = Cases { total: episodes, shard: request.shard };
     let campaign = Campaign { config, seed, top, shape, model: raypath_sim::Datapath::paper(config).model() };
-    let finished = pool::run(cases, request.proceed, |queue| campaign.work(queue))?;
+    let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| campaign.work(queue))?;
     let points = campaign.coverage_model();
     let mut coverage = Coverage::new(&points);
     let mut tally = Tally::default();
@@ -126,7 +126,7 @@ struct Campaign<'c> {
 
 impl Campaign<'_> {
     /// Runs episodes of the queue.
-    fn work(&self, queue: &Queue) -> Result<(Coverage, Tally), Error> {
+    fn work(&self, queue: &Queue<Error>) -> Result<(Coverage, Tally), Error> {
         let points = self.coverage_model();
         let layout = Layout::of(&self.model);
         let mut netlist = self.netlist()?;

@@ -18,11 +18,11 @@ pub use properties::{ModuleTexts, TextFault, never_leaves, problems};
 pub use structure::structural_faults;
 
 use crate::error::Error;
-use crate::pool;
 use crate::request::Request;
 use crate::verdict::{Item, Verdict};
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control, Datapath, Lanes, Sharing, UnitLatency};
+use raypath_tools::pool;
 use std::collections::HashMap;
 
 /// The proofs of the pipeline's control.
@@ -123,6 +123,7 @@ fn check_all(
             different.len() - 1
         }));
     }
-    let results = pool::map(&different, request.proceed, |problem, stop| checker.check(problem, stop))?;
+    let results =
+        pool::map(&different, pool::ALL_CORES, request.proceed, |problem, stop| checker.check(problem, stop))?;
     Ok(indices.into_iter().map(|index| results[index]).collect())
 }

@@ -8,7 +8,6 @@ use crate::error::Error;
 use crate::files;
 use crate::layout::Layout;
 use crate::oracle::Oracle;
-use crate::pool::{self, Cases};
 use crate::request::Request;
 use crate::verdict::{Item, Verdict};
 use chunk::{Chunk, Failure, JOBS_PER_CHUNK};
@@ -17,6 +16,7 @@ use raypath_ops::{Job, Rules};
 use raypath_rtl::Config;
 use raypath_sim::Datapath;
 use raypath_sim::transactions::{Transaction, text};
+use raypath_tools::pool::{self, Cases};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
@@ -62,7 +62,7 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
     let points = CoverageModel::new(CONFIG, &Shape::default(), layout.clone());
     let chunks = jobs.div_ceil(JOBS_PER_CHUNK);
     let cases = Cases { total: chunks, shard: request.shard };
-    let finished = pool::run(cases, request.proceed, |queue| {
+    let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
         let mut tally = Tally { jobs: 0, coverage: Coverage::new(&points), wrong: None };
         queue.run(|number, stop| {
             tally.jobs += JOBS_PER_CHUNK;

@@ -11,12 +11,12 @@ mod trial;
 mod units;
 
 use crate::error::Error;
-use crate::pool::{self, Cases};
 use crate::request::{Level, Request};
 use crate::verdict::{Item, Verdict};
 use mutant::{Mutant, MutantResult, Subject};
 use raypath_hdl::mutate::replace;
 use raypath_rtl::{Config, Control, Lanes, UnitLatency};
+use raypath_tools::pool::{self, Cases};
 use report::Report;
 use sample::{choose, subjects};
 use std::path::Path;
@@ -75,7 +75,7 @@ fn check_all<'s>(
     check: Check<'_>,
 ) -> Result<Report<'s>, Error> {
     let cases = Cases { total: mutants.len() as u64, shard: request.shard };
-    let finished = pool::run(cases, request.proceed, |queue| {
+    let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
         let mut results = Vec::new();
         queue.run(|number, _| {
             let mutant = &mutants[number as usize];

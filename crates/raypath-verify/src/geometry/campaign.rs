@@ -1,10 +1,10 @@
 //! Random cases on all cores. The result does not depend on the number of cores.
 
 use crate::error::Error;
-use crate::pool::{self, Cases};
 use crate::request::{Progress, Request};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
+use raypath_tools::pool::{self, Cases};
 use std::collections::BTreeMap;
 
 /// The counts of cases, which can be joined.
@@ -33,7 +33,7 @@ pub fn run<T: Tally>(
     let lacking = if blocks > 0 && shard.takes(blocks - 1) { BLOCK - size(blocks - 1) } else { 0 };
     let total = shard.share(blocks) * BLOCK - lacking;
     let mut proceed = |blocks: Progress| (request.proceed)(Progress { done: total.min(blocks.done * BLOCK), total });
-    let finished = pool::run(Cases { total: blocks, shard }, &mut proceed, |queue| {
+    let finished = pool::run::<_, Error>(Cases { total: blocks, shard }, pool::ALL_CORES, &mut proceed, |queue| {
         let mut tallies = Vec::new();
         queue.run(|block, _| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);

@@ -1,9 +1,9 @@
 //! Numbered cases in phases, on all cores.
 
 use crate::error::Error;
-use crate::pool::{self, Cases};
 use crate::request::{Progress, Request};
 use crate::verdict::Verdict;
+use raypath_tools::pool::{self, Cases};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
@@ -67,7 +67,7 @@ impl<'r, 'w> Campaign<'r, 'w> {
         let (done, found) = (AtomicU64::new(before), AtomicUsize::new(self.failures.len()));
         let cases = Cases { total: phase.pieces(), shard: self.request.shard };
         let mut proceed = |_| (self.request.proceed)(Progress { done: done.load(Ordering::Relaxed), total });
-        let finished = pool::run(cases, &mut proceed, |queue| {
+        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, &mut proceed, |queue| {
             let (mut worker, mut failures) = (begin()?, Vec::new());
             queue.run(|piece, stop| {
                 let range = phase.range(piece);

@@ -15,11 +15,11 @@ pub use claim::{Claim, Fault, Operands, Subject};
 pub use result::{ClaimResult, check};
 
 use crate::error::Error;
-use crate::pool;
 use crate::request::{Level, Request};
 use crate::sat::Prover;
 use crate::verdict::{Item, Verdict};
 use raypath_float::Format;
+use raypath_tools::pool;
 use std::time::Duration;
 
 /// Proofs of all units, in formats that are small enough for one proof each.
@@ -77,7 +77,8 @@ pub fn unit_proofs(request: &mut Request<'_>) -> Result<Verdict, Error> {
     claims.retain(|_| number.next().is_some_and(|number| shard.takes(number)));
     let limit = Duration::from_secs(request.level.pick(300, 1800, 7200));
     let total = claims.len();
-    let found = pool::map(&claims, request.proceed, |claim, stop| check(&prover, *claim, true, limit, stop))?;
+    let found =
+        pool::map(&claims, pool::ALL_CORES, request.proceed, |claim, stop| check(&prover, *claim, true, limit, stop))?;
     let results: Vec<ClaimResult> = found.into_iter().flatten().collect();
     let proved: Vec<String> =
         results.iter().filter(|done| done.outcome.is_ok()).map(|done| done.claim.to_string()).collect();

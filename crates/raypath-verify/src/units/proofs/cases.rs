@@ -5,11 +5,11 @@ use super::cache::ProofCache;
 use super::claim::{Claim, Operands, Subject};
 use super::result::{ClaimResult, check};
 use crate::error::Error;
-use crate::pool;
 use crate::request::{Level, Request};
 use crate::sat::Prover;
 use crate::verdict::Verdict;
 use raypath_float::Format;
+use raypath_tools::pool;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -103,7 +103,7 @@ impl Cases {
         let one = |&(claim, with_fault): &(Claim, bool), stop: &AtomicBool| {
             prove_once(&prover, &cache, claim, with_fault, limit, stop)
         };
-        let found = pool::map(&work, request.proceed, one)?;
+        let found = pool::map(&work, pool::ALL_CORES, request.proceed, one)?;
         let (first, rest) = found.split_at(1);
         let proved = rest.iter().flatten().filter(|case| case.result.outcome.is_ok()).count();
         let cached = rest.iter().flatten().filter(|case| case.is_cached).count();

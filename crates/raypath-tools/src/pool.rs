@@ -1,19 +1,23 @@
-//! The pool of workers: numbered cases on all cores, with progress and cancellation.
+//! The pool of workers: numbered cases on several threads, with progress and cancellation.
 //!
 //! The threads are rayon's. Cases begin in the order of their numbers, so that all cases before a case that has run
 //! have run too: the first failure does not depend on the number of workers.
 
-use crate::error::Error;
-use crate::request::{Progress, Shard};
+use crate::ToolError;
 use rayon::ThreadPoolBuilder;
-use raypath_tools::ToolError;
+use std::fmt;
+use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
+use thiserror::Error;
 
 /// Bytes of a worker's stack: proofs recurse from a netlist's outputs to its inputs.
 const STACK: usize = 64 << 20;
+
+/// One thread for each core.
+pub const ALL_CORES: usize = 0;
 
 /// How often progress is reported.
 const REPORT_INTERVAL: Duration = Duration::from_millis(100);
@@ -29,19 +33,19 @@ pub struct Cases {
 
 /// The cases of a run that no worker has taken yet.
 #[derive(Debug)]
-pub struct Queue {
+pub struct Queue<E> {
     cases: Cases,
     next: AtomicU64,
     done: AtomicU64,
     stop: AtomicBool,
     /// The smallest number of a case that failed, and its error.
-    failure: Mutex<Option<(u64, Error)>>,
+    failure: Mutex<Option<(u64, E)>>,
 }
 
-impl Queue {
+impl<E> Queue<E> {
     /// Runs cases until none is left or the run ends. `case` is also given the flag that ends the run: it may set it,
     /// and returns early when it is set. An error ends the run too.
-    pub fn run(&self, mut case: impl FnMut(u64, &AtomicBool) -> Result<(), Error>) {
+    pub fn run(&self, mut case: impl FnMut(u64, &AtomicBool) -> Result<(), E>) {
         while let Some(number) = self.take() {
             match case(number, &self.stop) {
                 Ok(()) => _ = self.done.fetch_add(1, Ordering::Relaxed),
@@ -63,7 +67,7 @@ impl Queue {
         None
     }
 
-    fn fail(&self, number: u64, error: Error) {
+    fn fail(&self, number: u64, error: E) {
         self.stop.store(true, Ordering::Relaxed);
         let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
         if failure.as_ref().is_none_or(|(first, _)| number < *first) {
@@ -85,16 +89,17 @@ pub struct Finished<T> {
     pub is_stopped: bool,
 }
 
-/// Runs cases on all cores: each worker prepares its state and calls [`Queue::run`]. `proceed` is called on this thread
+/// Runs cases on `threads` threads ([`ALL_CORES`]: one for each core): each worker prepares its state and calls [`Queue::run`]. `proceed` is called on this thread
 /// several times a second with the number of cases that have run; when it returns false, the run ends.
 ///
 /// # Errors
 /// The error of the case with the smallest number that failed, or of a worker's preparation.
-pub fn run<T: Send>(
+pub fn run<T: Send, E: Send + From<ToolError>>(
     cases: Cases,
+    threads: usize,
     proceed: &mut dyn FnMut(Progress) -> bool,
-    worker: impl Fn(&Queue) -> Result<T, Error> + Sync,
-) -> Result<Finished<T>, Error> {
+    worker: impl Fn(&Queue<E>) -> Result<T, E> + Sync,
+) -> Result<Finished<T>, E> {
     let zero = || AtomicU64::new(0);
     let queue = Queue { cases, next: zero(), done: zero(), stop: AtomicBool::new(false), failure: Mutex::new(None) };
     // The user can stop before anything runs.
@@ -103,7 +108,7 @@ pub fn run<T: Send>(
     let no_threads = |problem: rayon::ThreadPoolBuildError| {
         ToolError::unexpected("rayon", problem.to_string(), "a thread for each core")
     };
-    let threads = ThreadPoolBuilder::new().stack_size(STACK).build().map_err(no_threads)?;
+    let threads = ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build().map_err(no_threads)?;
     let (sender, receiver) = channel();
     let mut workers = Vec::new();
     threads.in_place_scope(|scope| {
@@ -139,23 +144,82 @@ pub fn run<T: Send>(
 ///
 /// # Errors
 /// The error of the first item that failed.
-pub fn map<I: Sync, T: Send>(
+pub fn map<I: Sync, T: Send, E: Send + From<ToolError>>(
     items: &[I],
+    threads: usize,
     proceed: &mut dyn FnMut(Progress) -> bool,
-    run: impl Fn(&I, &AtomicBool) -> Result<Option<T>, Error> + Sync,
-) -> Result<Vec<Option<T>>, Error> {
-    let finished = self::run(Cases { total: items.len() as u64, shard: Shard::ALL }, proceed, |queue| {
-        let mut results = Vec::new();
-        queue.run(|number, stop| {
-            let index = number as usize;
-            results.push((index, run(&items[index], stop)?));
-            Ok(())
-        });
-        Ok(results)
-    })?;
+    run: impl Fn(&I, &AtomicBool) -> Result<Option<T>, E> + Sync,
+) -> Result<Vec<Option<T>>, E> {
+    let finished =
+        self::run::<_, E>(Cases { total: items.len() as u64, shard: Shard::ALL }, threads, proceed, |queue| {
+            let mut results = Vec::new();
+            queue.run(|number, stop| {
+                let index = number as usize;
+                results.push((index, run(&items[index], stop)?));
+                Ok(())
+            });
+            Ok(results)
+        })?;
     let mut in_order: Vec<Option<T>> = items.iter().map(|_| None).collect();
     finished.workers.into_iter().flatten().for_each(|(index, result)| in_order[index] = result);
     Ok(in_order)
+}
+
+/// How much of the work is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Cases that have run.
+    pub done: u64,
+    /// Cases to run.
+    pub total: u64,
+}
+
+/// One of several equal parts of the work, so that machines can divide it: `2/5` is the second of five.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    number: u64,
+    of: u64,
+}
+
+/// A text that names no shard.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("'{0}' is no shard, expected i/n with 1 ≤ i ≤ n, such as 2/5")]
+pub struct ShardError(String);
+
+impl Shard {
+    /// The whole of the work.
+    pub const ALL: Self = Self { number: 0, of: 1 };
+
+    /// Whether the case with this number belongs to the shard. Each number belongs to one of the n shards.
+    pub fn takes(self, number: u64) -> bool {
+        number % self.of == self.number
+    }
+
+    /// How many of the numbers below `total` belong to the shard.
+    pub fn share(self, total: u64) -> u64 {
+        total / self.of + u64::from(total % self.of > self.number)
+    }
+
+    /// The shard's number, from 0.
+    pub fn number(self) -> u64 {
+        self.number
+    }
+}
+
+impl FromStr for Shard {
+    type Err = ShardError;
+
+    fn from_str(text: &str) -> Result<Self, ShardError> {
+        let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse::<u64>().ok()?, n.parse::<u64>().ok()?)));
+        let valid = numbers.filter(|&(i, n)| (1..=n).contains(&i));
+        valid.map(|(i, of)| Self { number: i - 1, of }).ok_or_else(|| ShardError(text.to_string()))
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.number + 1, self.of)
+    }
 }
 
 #[cfg(test)]
@@ -171,12 +235,16 @@ mod tests {
             last = progress.done;
             true
         };
-        let all = map(&items, &mut watch, |item, _| Ok(Some(item * 2))).expect("results");
+        let all = map(&items, ALL_CORES, &mut watch, |item, _| Ok::<_, ToolError>(Some(item * 2))).expect("results");
         assert_eq!(all, items.iter().map(|item| Some(item * 2)).collect::<Vec<_>>());
         assert_eq!(last, 100);
-        assert!(map(&[] as &[usize], &mut |_| true, |item, _| Ok(Some(*item))).expect("nothing").is_empty());
+        assert!(
+            map(&[] as &[usize], ALL_CORES, &mut |_| true, |item, _| Ok::<_, ToolError>(Some(*item)))
+                .expect("nothing")
+                .is_empty()
+        );
 
-        let until_stopped = |_: &usize, stop: &AtomicBool| -> Result<Option<()>, Error> {
+        let until_stopped = |_: &usize, stop: &AtomicBool| -> Result<Option<()>, ToolError> {
             while !stop.load(Ordering::Relaxed) {
                 std::thread::sleep(Duration::from_millis(1));
             }
@@ -187,37 +255,51 @@ mod tests {
             reports += 1;
             reports < 3
         };
-        assert_eq!(map(&items, &mut watch, until_stopped).expect("nothing"), vec![None; 100]);
+        assert_eq!(map(&items, ALL_CORES, &mut watch, until_stopped).expect("nothing"), vec![None; 100]);
     }
 
     #[test]
     fn the_first_failure_stops_the_others_and_is_returned() {
-        let error = |item: usize| Error::Program {
-            program: format!("{item}"),
-            problem: String::new(),
-            expected: String::new(),
-        };
+        let error = |item: usize| ToolError::unexpected("a program", item.to_string(), "");
         let items: Vec<usize> = (0..10_000).collect();
         let fail = |&item: &usize, _: &AtomicBool| if item >= 17 { Err(error(item)) } else { Ok(Some(())) };
-        let found = map(&items, &mut |_| true, fail).expect_err("a failure");
-        assert!(matches!(&found, Error::Program { program, .. } if program == "17"), "{found}");
+        let found = map(&items, ALL_CORES, &mut |_| true, fail).expect_err("a failure");
+        assert!(found.to_string().contains("17"), "{found}");
     }
 
     #[test]
     fn each_worker_keeps_its_state_and_a_shard_has_its_cases() {
         let shard = "2/3".parse().expect("a shard");
-        let finished = run(Cases { total: 1000, shard }, &mut |_| true, |queue| {
+        let finished = run(Cases { total: 1000, shard }, 3, &mut |_| true, |queue| {
             let mut seen = Vec::new();
             queue.run(|number, _| {
                 seen.push(number);
                 Ok(())
             });
-            Ok(seen)
+            Ok::<_, ToolError>(seen)
         });
         let finished = finished.expect("numbers");
         let mut seen = finished.workers.concat();
         seen.sort_unstable();
         assert_eq!(seen, (0..1000).filter(|number| number % 3 == 1).collect::<Vec<_>>());
         assert!(!finished.is_stopped);
+    }
+
+    #[test]
+    fn shards_divide_the_work() {
+        for of in 1..=7 {
+            let shards: Vec<Shard> = (1..=of).map(|i| format!("{i}/{of}").parse().expect("a shard")).collect();
+            for total in 0..30 {
+                let of_each = |shard: &Shard| (0..total).filter(|&item| shard.takes(item)).count() as u64;
+                assert!(shards.iter().all(|shard| of_each(shard) == shard.share(total)), "{of}, {total}");
+                assert_eq!(shards.iter().map(|shard| shard.share(total)).sum::<u64>(), total);
+            }
+        }
+        // Sums of such numbers overflow.
+        let last: Shard = format!("{0}/{0}", u64::MAX).parse().expect("a shard");
+        assert_eq!((last.share(u64::MAX), last.share(u64::MAX - 1)), (1, 0));
+        for text in ["", "1", "0/3", "4/3", "-1/3", "1/0", "1/2/3", "a/b"] {
+            assert_eq!(text.parse::<Shard>(), Err(ShardError(text.to_string())));
+        }
     }
 }
