@@ -5,11 +5,11 @@ module nearest_box (
   input  logic                   rst_ni,
   input  logic                   ray_valid_i,
   output logic                   ray_ready_o,
-  input  raypath_pkg::job_ray_t  ray_i,
-  input  raypath_pkg::job_aabb_t box_0_i,
-  input  raypath_pkg::job_aabb_t box_1_i,
-  input  raypath_pkg::job_aabb_t box_2_i,
-  input  raypath_pkg::job_aabb_t box_3_i,
+  input  raypath_wrapper_pkg::job_ray_t  ray_i,
+  input  raypath_wrapper_pkg::job_aabb_t box_0_i,
+  input  raypath_wrapper_pkg::job_aabb_t box_1_i,
+  input  raypath_wrapper_pkg::job_aabb_t box_2_i,
+  input  raypath_wrapper_pkg::job_aabb_t box_3_i,
   output logic                   hit_valid_o,
   input  logic                   hit_ready_i,
   output logic                   is_hit_o,
@@ -18,8 +18,8 @@ module nearest_box (
 );
 
   // ANCHOR: body
-  raypath_pkg::job_t     job;
-  raypath_pkg::outcome_t outcome;
+  raypath_wrapper_pkg::job_t     job;
+  raypath_wrapper_pkg::outcome_t outcome;
 
   always_comb begin
     job        = '0;

@@ -25,12 +25,15 @@ pub fn files(
 ) -> Result<Vec<(PathBuf, String)>, Error> {
     let mut files = Vec::new();
     let mut list = String::new();
+    let license = format!("// {}\n", verilog::LICENSE);
     let mut all = head(banner, datapath.top().doc());
-    for module in verilog::modules(datapath.top())? {
-        let name = format!("rtl/{}.sv", module.name());
+    for (source, alone) in
+        verilog::sources(datapath.top(), banner)?.into_iter().zip(verilog::sources(datapath.top(), &[])?)
+    {
+        let name = format!("rtl/{}.sv", source.name);
         list += &format!("{name}\n");
-        all += &format!("\n{}", verilog::print_module(&module, &[])?);
-        files.push((folder.join(name), verilog::print_module(&module, banner)?));
+        all += &format!("\n{}", alone.text.trim_start_matches(&license));
+        files.push((folder.join(name), source.text));
     }
     files.push((folder.join("raypath.f"), list));
     files.push((folder.join("raypath.sv"), all));
@@ -43,6 +46,9 @@ pub fn files(
 
 /// The comment at the head of the file that has all modules: what it came from, and Table VII.
 fn head(banner: &[String], doc: &[impl AsRef<str>]) -> String {
-    let lines = banner.iter().map(String::as_str).chain([""]).chain(doc.iter().map(AsRef::as_ref));
+    let lines = std::iter::once(verilog::LICENSE)
+        .chain(banner.iter().map(String::as_str))
+        .chain([""])
+        .chain(doc.iter().map(AsRef::as_ref));
     lines.map(|line| format!("// {line}").trim_end().to_string() + "\n").collect()
 }

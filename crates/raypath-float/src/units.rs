@@ -5,6 +5,7 @@ mod align;
 mod booth;
 mod compare;
 mod compress;
+mod constants;
 mod decode;
 mod encode;
 pub mod flags;

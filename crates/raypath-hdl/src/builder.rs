@@ -3,11 +3,16 @@
 //! The first thing that does not fit (a width, a name, a register without a next value) is kept and returned by
 //! [`Builder::finish`]; until then building goes on, so that descriptions need no `?` at every operator.
 
+mod simplify;
+mod text;
 mod wire;
 
 use crate::Error;
+use crate::formula::Formula;
 use crate::names;
 use crate::netlist::{Arm, Driver, Instance, Item, Label, Module, Port, RegisterInfo, Signal, SignalId, fits};
+use crate::text::Text;
+use simplify::Simplified;
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -40,6 +45,7 @@ impl Builder {
             registers: Vec::new(),
             instances: Vec::new(),
             items: Vec::new(),
+            text: Text::default(),
         };
         let names = ["clk_i", "rst_ni"].map(String::from).into();
         let (labels, undriven) = (HashMap::new(), Vec::new());
@@ -103,13 +109,44 @@ impl Builder {
         Forward { wire }
     }
 
+    /// A wire that is driven later, and has the name of what drives it.
+    pub fn forward_unnamed(&self, width: u32) -> Forward<'_> {
+        let wire = self.push(width, Driver::Constant(0));
+        let mut state = self.state.borrow_mut();
+        state.module.signals[wire.id.index()].driver = Driver::Alias(wire.id);
+        state.undriven.push(wire.id);
+        Forward { wire }
+    }
+
+    /// A named constant of `width` bits, which the text declares with its formula. Asked for again, with the same
+    /// value, it is the same.
+    pub fn parameter(&self, name: &str, width: u32, formula: impl Into<Formula>) -> Wire<'_> {
+        let formula = formula.into();
+        let known = {
+            let signals = &self.state.borrow().module.signals;
+            let same = |signal: &Signal| {
+                signal.name.as_deref() == Some(name) && signal.driver == Driver::Constant(formula.value())
+            };
+            signals.iter().position(same)
+        };
+        if let Some(known) = known {
+            return Wire { builder: self, id: SignalId(known as u32) };
+        }
+        let wire = self.declare(name, width, Driver::Constant(formula.value()));
+        if !fits(wire.width(), formula.value()) {
+            self.fail_width(wire.id, format!("constant {} does not fit {width} bits", formula.value()));
+        }
+        self.item(Item::Parameter(wire.id, formula));
+        wire
+    }
+
     /// Concatenation, most significant part first.
     pub fn concat(&self, parts: &[Wire<'_>]) -> Wire<'_> {
         match parts {
             [one] => Wire { builder: self, id: self.own(*one) },
             _ => {
                 let width = parts.iter().fold(0, |sum: u32, part| sum.saturating_add(part.width()));
-                self.push(width, Driver::Concat(self.own_all(parts)))
+                self.push_simplified(width, Driver::Concat(self.own_all(parts)))
             }
         }
     }
@@ -194,6 +231,14 @@ impl Builder {
             });
         }
         Ok(Arc::new(state.module))
+    }
+
+    /// A signal with this driver or a simpler one of the same value.
+    fn push_simplified(&self, width: u32, driver: Driver) -> Wire<'_> {
+        match self.simplify(width, driver) {
+            Simplified::Signal(id) => Wire { builder: self, id },
+            Simplified::Driver(driver) => self.push(width, driver),
+        }
     }
 
     fn push(&self, width: u32, driver: Driver) -> Wire<'_> {

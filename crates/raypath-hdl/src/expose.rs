@@ -1,6 +1,7 @@
 //! A module's function without its state: for proofs that take registers as given.
 
 use crate::netlist::{Driver, Instance, Item, Module, Port, Signal, SignalId};
+use crate::text::Text;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -23,6 +24,7 @@ impl Exposed {
             return done.clone();
         }
         let mut open = Open { module: (**module).clone(), taken: names(module) };
+        open.module.text = Text::default();
         open.registers();
         for index in 0..open.module.instances.len() {
             let inside = self.expose(&open.module.instances[index].module);

@@ -1,5 +1,7 @@
 //! The netlist as data: what the printer prints and the simulator executes.
 
+use crate::formula::Formula;
+use crate::text::Text;
 use std::sync::Arc;
 
 /// A signal of one module, by position in [`Module::signals`].
@@ -258,6 +260,8 @@ pub enum Item {
     Register(usize),
     /// Signals without a reader, under one name that begins with `unused_`.
     Unused(String, Vec<SignalId>),
+    /// A named constant, and the formula of its value.
+    Parameter(SignalId, Formula),
 }
 
 /// A finished module: widths checked, everything driven, names unique. Built by [`crate::Builder`] only.
@@ -271,6 +275,7 @@ pub struct Module {
     pub(crate) registers: Vec<RegisterInfo>,
     pub(crate) instances: Vec<Instance>,
     pub(crate) items: Vec<Item>,
+    pub(crate) text: Text,
 }
 
 impl Module {

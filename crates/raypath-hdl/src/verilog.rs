@@ -6,26 +6,34 @@
 
 mod entries;
 mod expression;
+mod hierarchy;
 mod labels;
 mod layout;
+mod package;
 mod plan;
 mod statements;
+mod structures;
 
 use crate::netlist::{Module, Port};
 use crate::{Error, SignalId};
 use entries::{Chunk, Entry};
-use layout::{comment, range, table};
+pub use hierarchy::{Source, modules, sources, text};
+use layout::{comment, logic};
+pub use package::print_package;
 use plan::Plan;
-use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
+use std::collections::HashSet;
 
-/// The SystemVerilog text of one module, without those that it instantiates; see [`modules`]. The lines of `banner`
-/// become its head comment, followed by the module's own.
+/// The licence, as the first comment of every file says it.
+pub const LICENSE: &str = "SPDX-License-Identifier: MIT OR Apache-2.0";
+
+/// The SystemVerilog text of one module, without those that it instantiates and the package that it refers to; see
+/// [`sources`]. The lines of `banner` become its head comment, followed by the module's own.
 pub fn print_module(module: &Module, banner: &[String]) -> Result<String, Error> {
     let plan = Plan::new(module);
-    let mut lines = head_comment(module, banner);
+    let mut lines = head_comment(banner, module.doc());
     lines.extend(ports(module));
     lines.extend(plan.labels().declarations());
+    lines.extend(enumerated_input(module));
     let mut declared = HashSet::new();
     for chunk in plan.chunks() {
         lines.extend(section(&plan, chunk, &mut declared));
@@ -34,52 +42,19 @@ pub fn print_module(module: &Module, banner: &[String]) -> Result<String, Error>
     Ok(lines.into_iter().map(|line| line + "\n").collect())
 }
 
-/// `top` and every module below it, each once, those that are instantiated before those that instantiate them.
-/// Different modules of one name are an error.
-pub fn modules(top: &Arc<Module>) -> Result<Vec<Arc<Module>>, Error> {
-    let mut found = Found::default();
-    found.visit(top)?;
-    Ok(found.order)
-}
-
-#[derive(Default)]
-struct Found {
-    order: Vec<Arc<Module>>,
-    visited: HashSet<*const Module>,
-    by_name: HashMap<String, Arc<Module>>,
-}
-
-impl Found {
-    fn visit(&mut self, module: &Arc<Module>) -> Result<(), Error> {
-        if !self.visited.insert(Arc::as_ptr(module)) {
-            return Ok(());
-        }
-        for instance in module.instances() {
-            self.visit(&instance.module)?;
-        }
-        match self.by_name.get(module.name()) {
-            None => {
-                self.by_name.insert(module.name().to_string(), module.clone());
-                self.order.push(module.clone());
-                Ok(())
-            }
-            // Built twice, alike: one text serves both. What they instantiate has been compared before.
-            Some(other) if print_module(other, &[])? == print_module(module, &[])? => Ok(()),
-            Some(_) => Err(Error::Name {
-                module: module.name().to_string(),
-                name: module.name().to_string(),
-                problem: "is the name of two different modules".to_string(),
-            }),
-        }
+fn head_comment(banner: &[String], doc: &[String]) -> Vec<String> {
+    let comments = |texts: &[String]| -> Vec<String> {
+        texts
+            .iter()
+            .flat_map(|text| text.split('\n').map(str::to_string).collect::<Vec<_>>())
+            .flat_map(|line| comment(&line))
+            .collect()
+    };
+    let mut lines = comments(banner);
+    if !banner.is_empty() && !doc.is_empty() {
+        lines.extend(comment(""));
     }
-}
-
-fn head_comment(module: &Module, banner: &[String]) -> Vec<String> {
-    let mut lines: Vec<String> = banner.iter().flat_map(|text| text.split('\n')).map(comment).collect();
-    if !banner.is_empty() && !module.doc().is_empty() {
-        lines.push(comment(""));
-    }
-    lines.extend(module.doc().iter().flat_map(|text| text.split('\n')).map(comment));
+    lines.extend(comments(doc));
     if !lines.is_empty() {
         lines.push(String::new());
     }
@@ -87,29 +62,41 @@ fn head_comment(module: &Module, banner: &[String]) -> Vec<String> {
 }
 
 fn ports(module: &Module) -> Vec<String> {
-    let mut rows: Vec<[String; 5]> = Vec::new();
-    let mut row = |direction: &str, width: u32, name: &str, remark: &Option<String>| {
-        let remark = remark.as_deref().map(layout::remark).unwrap_or_default();
-        rows.push([direction.to_string(), "logic".to_string(), range(width), format!("{name},"), remark]);
-    };
-    for (name, present) in [("clk_i", module.is_clocked()), ("rst_ni", module.has_reset())] {
-        if present {
-            row("input", 1, name, &None);
+    let mut rows: Vec<(String, String, Option<String>)> = Vec::new();
+    let mut row = |kind: String, name: &str, remark: Option<String>| rows.push((kind, format!("{name},"), remark));
+    for (name, is_there) in [("clk_i", module.is_clocked()), ("rst_ni", module.has_reset())] {
+        if is_there {
+            row("input  logic".to_string(), name, None);
         }
     }
-    for port in module.inputs() {
-        let signal = module.signal(port.signal);
-        row("input", signal.width, &port.name, &signal.comment);
+    let text = module.text();
+    let groups = [("input ", text.input.as_ref()), ("output", text.bank.as_ref().map(|bank| &bank.output))];
+    for ((direction, group), ports) in groups.into_iter().zip([module.inputs(), module.outputs()]) {
+        for port in ports {
+            match group.filter(|group| group.select(&port.name).is_some()) {
+                None => {
+                    let signal = module.signal(port.signal);
+                    let remark =
+                        if direction == "output" { output_remark(module, port) } else { signal.comment.clone() };
+                    row(format!("{direction} {}", logic(module, signal.width)), &port.name, remark);
+                }
+                Some(group) if group.members[0].0 == port.name => {
+                    row(format!("{direction} {}", group.structure), &group.name, None);
+                }
+                Some(_) => {}
+            }
+        }
     }
-    for port in module.outputs() {
-        row("output", module.signal(port.signal).width, &port.name, &output_remark(module, port));
-    }
+    let parameter = match text.has_width_parameter {
+        true => " #(\n  parameter int unsigned Width = 1\n)",
+        false => "",
+    };
     match rows.last_mut() {
-        None => return vec![format!("module {};", module.name())],
-        Some(last) => last[3].truncate(last[3].len() - 1),
+        None => return vec![format!("module {}{parameter};", module.name())],
+        Some((_, last, _)) => last.truncate(last.len() - 1),
     }
-    let mut lines = vec![format!("module {} (", module.name())];
-    lines.extend(table("  ", &rows));
+    let mut lines = vec![format!("module {}{parameter} (", module.name())];
+    lines.extend(layout::declarations("  ", &rows));
     lines.push(");".to_string());
     lines
 }
@@ -120,18 +107,29 @@ fn output_remark(module: &Module, port: &Port) -> Option<String> {
     if signal.name.is_none() { signal.comment.clone() } else { None }
 }
 
+/// The variable through which the module reads an input port as an enumeration.
+fn enumerated_input(module: &Module) -> Vec<String> {
+    let Some(input) = &module.text().enumerated else { return Vec::new() };
+    vec![
+        String::new(),
+        format!("  {} {};", input.structure, input.variable),
+        String::new(),
+        format!("  assign {} = {};", input.variable, input.port),
+    ]
+}
+
 fn section(plan: &Plan<'_>, chunk: &Chunk<'_>, declared: &mut HashSet<SignalId>) -> Vec<String> {
+    let declarations = declarations(plan, chunk, declared);
+    let statements = statements::print(plan, &chunk.entries);
     let mut lines = Vec::new();
-    if let Some(title) = chunk.title {
+    if let Some(title) = chunk.title.filter(|_| !declarations.is_empty() || !statements.is_empty()) {
         lines.extend([String::new(), layout::title(title)]);
     }
     let untitled = chunk.title.is_none();
-    let declarations = declarations(plan, chunk, declared);
     if !declarations.is_empty() {
         lines.extend(untitled.then(String::new));
         lines.extend_from_slice(&declarations);
     }
-    let statements = statements::print(plan, &chunk.entries);
     if !statements.is_empty() {
         lines.extend((untitled || !declarations.is_empty()).then(String::new));
         lines.extend(statements);
@@ -145,21 +143,33 @@ fn declarations(plan: &Plan<'_>, chunk: &Chunk<'_>, declared: &mut HashSet<Signa
     let mut new: Vec<SignalId> =
         chunk.entries.iter().flat_map(|e| plan.mentioned(e)).filter(|&id| declared.insert(id)).collect();
     new.sort();
-    let mut rows: Vec<[String; 4]> = Vec::new();
+    let mut rows: Vec<(String, String, Option<String>)> = Vec::new();
     for id in new {
         if let Some(name) = plan.declaration(id) {
             let signal = plan.module().signal(id);
             // A nameless signal that only drives this one has no declaration of its own to stand beside.
             let driver = plan.module().signal(plan.driven_by(id));
             let remark = signal.comment.as_ref().or(driver.comment.as_ref());
-            let remark = remark.map(|remark| layout::remark(remark)).unwrap_or_default();
-            rows.push(["logic".to_string(), range(signal.width), format!("{name};"), remark]);
+            rows.push((logic(plan.module(), signal.width), format!("{name};"), remark.cloned()));
         }
     }
+    let mut structures: Vec<(String, String, Option<String>)> = Vec::new();
     for entry in &chunk.entries {
-        if let Entry::Unused(name, _) = entry {
-            rows.push(["logic".to_string(), String::new(), format!("{name};"), String::new()]);
+        match entry {
+            Entry::Unused(name, _) => rows.push(("logic".to_string(), format!("{name};"), None)),
+            Entry::Instance(index) => {
+                let group = plan.module().instances()[*index].module.text().bank.as_ref().map(|bank| &bank.output);
+                if let (Some(group), Some(variable)) = (group, plan.structures().of_instance(*index)) {
+                    structures.push((group.structure.clone(), format!("{variable};"), None));
+                }
+            }
+            Entry::Bank(bank, _) => {
+                structures.push((bank.output.structure.clone(), format!("{};", plan.structures().next()), None));
+            }
+            _ => {}
         }
     }
-    table("  ", &rows)
+    let mut lines = layout::declarations("  ", &rows);
+    lines.extend(layout::declarations("  ", &structures));
+    lines
 }

@@ -185,15 +185,17 @@ fn registers_of_one_kind_share_a_block_at_their_sections_end() {
 #[test]
 fn an_unread_output_is_named_unused() {
     assert_prints(&unit(), "  logic       unused_twice_carry;\n");
-    assert_prints(&unit(), "    .carry_o (unused_twice_carry)\n");
+    assert_prints(&unit(), ", .carry_o (unused_twice_carry)\n");
     assert_prints(&unit(), "  assign unused_product = ^shifted[15:8];\n");
 }
 
 #[test]
 fn expressions_stay_short_and_mean_the_same() {
     assert_prints(&unit(), "  assign product        = 16'(held_q) * 16'(twin_q);\n");
-    assert_prints(&unit(), "  assign shifted_t1     = (product & overflows_q) + (product | overflows_q);\n");
-    assert_prints(&unit(), "(shifted_t1 - {16{held_q[7]}}) ^ (product << opcode_i);\n");
+    assert_prints(
+        &unit(),
+        "= (((product & overflows_q) + (product | overflows_q)) - {16{held_q[7]}}) ^\n      (product << opcode_i);\n",
+    );
     assert_prints(&unit(), "= 32'h3f80_0000;\n");
 }
 
@@ -223,7 +225,7 @@ fn comments_cannot_leave_their_lines() {
     m.doc("first\nsecond");
     m.section("over\ntwo lines");
     let a = m.input("a_i", 1).comment("a\nb");
-    m.output("a_o", a);
+    m.output("a_o", (!a).named("inverted"));
     let text = text(&m.finish().unwrap());
     for fragment in ["// first\n// second\n", "// ---- over two lines ---", "// a b\n"] {
         assert!(text.contains(fragment), "no {fragment} in\n{text}");

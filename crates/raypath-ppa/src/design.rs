@@ -24,7 +24,13 @@ pub(crate) struct Block {
     /// SystemVerilog of the module and all modules below it. Of units inside, only the ports.
     pub text: String,
     pub is_unit: bool,
+    /// Words of the text that hold several registers of the netlist.
+    pub words: Words,
 }
+
+/// Words of the flattened text, such as `u_stage_3.u_skid.data_q`, and the names and widths of the registers that they
+/// hold, the most significant first.
+pub(crate) type Words = BTreeMap<String, Vec<(String, u32)>>;
 
 /// The operation of a unit, and its part if the unit is pipelined in several parts.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -69,17 +75,21 @@ impl Design {
         let mut surroundings = String::new();
         for unit in units {
             let mut text = String::new();
-            for module in verilog::modules(unit)? {
-                text += &verilog::print_module(&module, &[])?;
-                inside_units.insert(module.name().to_string());
+            for source in verilog::sources(unit, &[])? {
+                text += &source.text;
+                inside_units.insert(source.name);
             }
             surroundings += &ports_only(unit)?;
-            blocks.push(Block { module: unit.name().to_string(), text, is_unit: true });
+            blocks.push(Block { module: unit.name().to_string(), text, is_unit: true, words: Words::new() });
         }
-        for module in modules.iter().filter(|module| !inside_units.contains(module.name())) {
-            surroundings += &verilog::print_module(module, &[])?;
+        for source in verilog::sources(&self.top, &[])? {
+            if !inside_units.contains(&source.name) {
+                surroundings += &source.text;
+            }
         }
-        blocks.push(Block { module: self.top().to_string(), text: surroundings, is_unit: false });
+        let mut words = Words::new();
+        self::words(&self.top, "", &mut words);
+        blocks.push(Block { module: self.top().to_string(), text: surroundings, is_unit: false, words });
         Ok(blocks)
     }
 
@@ -130,6 +140,16 @@ fn registers(module: &Module, path: &str, group: usize, found: &mut BTreeMap<Str
     own_registers(module, path, group, found);
     for instance in module.instances().iter().filter(|instance| !is_unit(&instance.module)) {
         registers(&instance.module, &format!("{path}{}.", instance.name), group, found);
+    }
+}
+
+fn words(module: &Module, path: &str, found: &mut Words) {
+    for (word, registers) in module.banked_registers() {
+        let registers = registers.into_iter().map(|(name, width)| (format!("{path}{name}"), width)).collect();
+        found.insert(format!("{path}{word}"), registers);
+    }
+    for instance in module.instances().iter().filter(|instance| !is_unit(&instance.module)) {
+        words(&instance.module, &format!("{path}{}.", instance.name), found);
     }
 }
 

@@ -2,7 +2,7 @@
 //! returns whether it accepted the bytes, and panics if the result violates an invariant.
 
 use crate::attribution::Attribution;
-use crate::design::RegisterKind;
+use crate::design::{RegisterKind, Words};
 use crate::library::Library;
 use crate::names::RegisterNames;
 use crate::netlist::Netlist;
@@ -28,7 +28,8 @@ pub fn library(bytes: &[u8]) -> bool {
 /// A synthesised module in Yosys's JSON, and what follows from it: attribution, areas, Verilog for OpenSTA.
 pub fn yosys_netlist(bytes: &[u8]) -> bool {
     let registers = registers();
-    let names = json(bytes).map(|names| RegisterNames::new(names, "raypath", &registers)).unwrap_or_default();
+    let names =
+        json(bytes).map(|names| RegisterNames::new(names, "raypath", &registers, &Words::new())).unwrap_or_default();
     let Ok(top) = netlist(bytes, "raypath", &names, &CELLS) else { return false };
     let unit = netlist(bytes, "raypath_fp_add", &RegisterNames::default(), &CELLS).ok();
     let units: BTreeMap<String, Netlist> = unit.into_iter().map(|unit| (unit.module.clone(), unit)).collect();

@@ -45,7 +45,7 @@ impl Synthesis<'_> {
         let bytes = |name: &str| read_within(&folder.join(name), MAX_RESULT_BYTES);
         let names = match block.is_unit {
             true => RegisterNames::default(),
-            false => RegisterNames::new(json(&bytes(recipe::NAMES)?)?, &block.module, registers),
+            false => RegisterNames::new(json(&bytes(recipe::NAMES)?)?, &block.module, registers, &block.words),
         };
         let netlist = netlist(&bytes(recipe::NETLIST)?, &block.module, &names, self.library)?;
         let statistics = bytes(recipe::STATISTICS).unwrap_or_default();

@@ -4,6 +4,7 @@ pub mod boundary;
 mod control;
 mod elastic;
 mod input;
+pub mod interface;
 pub mod library;
 mod output;
 pub mod properties;

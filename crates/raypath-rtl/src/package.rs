@@ -1,8 +1,7 @@
-//! Files for those who put the datapath into something larger: a wrapper whose ports are structures, their package,
-//! a list of files, and manifests for FuseSoC and Bender.
+//! Files for integration: a wrapper with structures as ports, its package, a list of files, and manifests for FuseSoC
+//! and Bender.
 //!
-//! All of it follows from the ports of the elaborated top module and from its opcodes, so a datapath of any operations
-//! has it.
+//! They are derived from the ports of the top module, so they exist for every set of operations.
 //!
 //! ```
 //! use raypath_rtl::{Config, Datapath, Lanes, package};
@@ -10,8 +9,7 @@
 //! let datapath = Datapath::new(Config::DEFAULT.lanes(Lanes::None))?;
 //! let files = package::files(&datapath, &[])?;
 //! let (path, text) = &files[0];
-//! assert_eq!(path.to_str(), Some("rtl/raypath_pkg.sv"));
-//! assert!(text.contains("    OpQuadbox  = 2'd1\n  } opcode_e;"));
+//! assert_eq!(path.to_str(), Some("rtl/raypath_wrapper_pkg.sv"));
 //! assert!(text.contains("    logic [31:0] extent;\n"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -25,13 +23,13 @@ mod wrapper;
 use crate::Datapath;
 use fields::{Direction, Field};
 use manifest::Sources;
-use raypath_hdl::{Error, Module, verilog};
+use raypath_hdl::{Error, verilog};
 use std::path::PathBuf;
 use structures::Structures;
 
-/// The files, each with its path in the folder where `raypath generate` writes its own: `rtl/raypath_pkg.sv`,
-/// `rtl/raypath_wrapper.sv`, `raypath_wrapper.f`, `raypath.core` and `Bender.yml`. They name the modules' files in
-/// `rtl` and `raypath_properties.sv`, which are not among them. The lines of `banner` begin each file as a comment.
+/// The files, each with its path in the output folder: `rtl/raypath_wrapper_pkg.sv`, `rtl/raypath_wrapper.sv`,
+/// `raypath_wrapper.f`, `raypath.core` and `Bender.yml`. They refer to the files of the package and the modules in
+/// `rtl` and to `raypath_properties.sv`, which are not among them. The lines of `banner` begin each file as a comment.
 ///
 /// # Errors
 /// A datapath that cannot be printed: different modules of one name.
@@ -42,9 +40,9 @@ pub fn files(datapath: &Datapath, banner: &[String]) -> Result<Vec<(PathBuf, Str
     let structures = Structures::new(&job, &outcome);
 
     let name = top.name();
-    let package = format!("rtl/{name}_pkg.sv");
+    let package = format!("rtl/{name}_wrapper_pkg.sv");
     let wrapper = format!("rtl/{name}_wrapper.sv");
-    let modules = verilog::modules(top)?.iter().map(|module| module_file(module)).collect();
+    let modules = verilog::sources(top, &[])?.iter().map(|source| format!("rtl/{}.sv", source.name)).collect();
     let sources = Sources { name, modules, wrapper: vec![package.clone(), wrapper.clone()] };
     Ok(vec![
         (package.into(), wrapper::package(datapath, &structures, banner)),
@@ -53,9 +51,4 @@ pub fn files(datapath: &Datapath, banner: &[String]) -> Result<Vec<(PathBuf, Str
         (format!("{name}.core").into(), sources.fusesoc(banner)),
         ("Bender.yml".into(), sources.bender(banner)),
     ])
-}
-
-/// Where `raypath generate` writes a module.
-fn module_file(module: &Module) -> String {
-    format!("rtl/{}.sv", module.name())
 }

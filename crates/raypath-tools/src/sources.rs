@@ -2,7 +2,8 @@
 
 use crate::ToolError;
 use crate::files::write;
-use raypath_hdl::{Module, verilog};
+use raypath_hdl::Module;
+use raypath_hdl::verilog::{self, Source};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -25,9 +26,8 @@ impl Sources {
     pub fn write(top: &Arc<Module>, folder: &Path) -> Result<Self, ToolError> {
         let mut files = Vec::new();
         let mut all = String::new();
-        for module in verilog::modules(top)? {
-            let text = verilog::print_module(&module, &[])?;
-            let path = folder.join(format!("{}.sv", module.name()));
+        for Source { name, text } in verilog::sources(top, &[])? {
+            let path = folder.join(format!("{name}.sv"));
             write(&path, &text)?;
             files.push(path);
             all += &text;

@@ -104,8 +104,7 @@ fn miter(pair: &[Arc<Module>; 2]) -> Result<Miter, Error> {
 
 /// A module and all modules below it as SystemVerilog.
 pub(crate) fn text(module: &Arc<Module>) -> Result<String, Error> {
-    let texts = verilog::modules(module)?.into_iter().map(|module| verilog::print_module(&module, &[]));
-    Ok(texts.collect::<Result<Vec<String>, _>>()?.concat())
+    Ok(verilog::text(module)?)
 }
 
 /// The ports with their widths.

@@ -45,17 +45,15 @@ fn a_register_that_loads_while_it_waits_is_found() {
 
 #[test]
 fn a_ready_that_is_the_sinks_is_found() {
-    let fault = TextFault {
-        module: "raypath_skid",
-        from: "assign ready_o      = spare_empty_q",
-        to: "assign ready_o = ready_i",
-    };
+    let fault =
+        TextFault { module: "raypath_skid", from: "assign ready_o = spare_empty_q", to: "assign ready_o = ready_i" };
     assert_found(config(Control::Skid), "raypath_input: ", fault);
 }
 
 #[test]
 fn an_accumulator_that_is_written_while_it_waits_is_found() {
-    let fault = TextFault { module: "raypath_stage_9_2", from: "= advance & (opcode_i", to: "= valid_i & (opcode_i" };
+    let fault =
+        TextFault { module: "raypath_stage_9_2", from: "= advance & (data_i.opcode", to: "= valid_i & (data_i.opcode" };
     assert_found(config(Control::Skid), "raypath_stage_9_2: ", fault);
 }
 

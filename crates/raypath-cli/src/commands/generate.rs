@@ -56,7 +56,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     writeln!(out, "Units (Table VIII) and registers, counted in the netlist\n")?;
     writeln!(out, "{}\n", tables::units_and_registers(&datapath, config))?;
     let folder = arguments.out.display();
-    let modules = verilog::modules(datapath.top())?.len();
+    let modules = verilog::sources(datapath.top(), &[])?.len();
     writeln!(out, "Wrote {modules} modules to {folder}/rtl, listed in {folder}/raypath.f, and all of them to")?;
     writeln!(out, "{folder}/raypath.sv; assertions for simulators to {folder}/raypath_properties.sv; a wrapper whose")?;
     writeln!(out, "ports are structures to {folder}/rtl/raypath_wrapper.sv; {folder}/raypath.core (FuseSoC) and")?;

@@ -14,6 +14,7 @@
 
 use crate::Format;
 use crate::units::align::shift_right_sticky;
+use crate::units::constants::Constants;
 use crate::units::flags;
 use crate::units::normalise::Normalised;
 use crate::units::parts::Parts;
@@ -79,7 +80,8 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let hidden = m.constant(1, 1);
     let swapped = m.concat(&[m.constant(1, 0), hidden, a.fraction(), m.constant(2, 0)]);
     let unaligned = swap.mux(swapped, m.concat(&[hidden, b.fraction(), m.constant(3, 0)])).named("unaligned");
-    let smaller = shift_right_sticky(unaligned, distance, a.is_zero() | b.is_zero()).named("smaller");
+    let smaller =
+        shift_right_sticky(unaligned, distance, (a.is_zero() | b.is_zero()).named("either_zero")).named("smaller");
 
     let [exponent, fraction, sign, subtract, special, nan_or_zero, smaller] = parts.cut(
         1,
@@ -121,7 +123,7 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
 
     m.section("Round");
     let reach = (propagate ^ (propagate + m.constant(s + 1, 1))).named("reach");
-    let carry_out = propagate.top() ^ carries.top();
+    let carry_out = (propagate.top() ^ carries.top()).named("carry_out");
     let [guard, round, sticky] = [2, 1, 0].map(|place| tail.bit(place));
     let below_guard = (round | sticky).named("below_guard");
     let inexact = (guard | below_guard).named("inexact");
@@ -144,7 +146,8 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let below = (half ^ (quarter & (sticky | half))).named("below");
     let sum = m.concat(&[carried, rounded, below]).named("sum");
 
-    let overflow = (carried & exponent.is((0b110 << (e - 2)) - 1)).named("overflow");
+    let overflow =
+        (carried & exponent.equals(m.parameter("MaxExp", e + 1, Constants(format).max_finite()))).named("overflow");
     if with_flags {
         // What the normalising shift brings back is not lost, and what it pushes out is.
         let lost = carry_out.mux(inexact | (last & !subtract), below_one.mux(below_guard, inexact));

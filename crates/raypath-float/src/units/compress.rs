@@ -57,12 +57,14 @@ fn full_adders<'m>(mut rows: [Row<'m>; 3], columns: u32, index: u32) -> Vec<Row<
     let mut ends = rows.map(|row| row.end().min(columns));
     ends.sort();
     let [_, carry_end, end] = ends;
-    let [x, y, z] = rows.map(|row| row.columns(low, end));
+    let names = ["x", "y", "z"].map(|name| format!("{name}_{index}"));
+    let [x, y, z] = [0, 1, 2].map(|row| rows[row].columns(low, end).named(&names[row]));
     let differ = (x ^ z).named(&format!("differ_{index}"));
     let sum = differ ^ y;
     let carry_end = (carry_end + 1).min(columns);
     let width = carry_end - 1 - low;
     let carry = (differ.lower(width) & y.lower(width)) | (!differ.lower(width) & x.lower(width));
+    let carry = carry.named(&format!("carry_out_{index}"));
     let below = |row: Row<'m>| if row.low < low { vec![row.columns(row.low, low)] } else { vec![] };
     let sum = [vec![sum], below(a)].concat();
     let carry = [vec![carry, m.constant(1, 0)], below(b)].concat();

@@ -5,6 +5,7 @@
 //! Tests in `tests/units`: `small_formats.rs` (all numbers, by the format's definition), `binary32.rs`, `verilator.rs`.
 
 use crate::Format;
+use crate::units::constants::Constants;
 use crate::units::recoded::Magnitude;
 use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
@@ -20,7 +21,7 @@ pub fn decode(format: Format) -> Result<Arc<Module>, Error> {
     let exponent = number.exponent().named("exponent");
 
     m.section("Below the normal range the hidden bit shows");
-    let subnormal = exponent.less(m.constant(e + 1, format.least_normal())).named("subnormal");
+    let subnormal = exponent.less(m.parameter("MinNormal", e + 1, Constants(format).min_normal())).named("subnormal");
     let layers = s.next_power_of_two().ilog2();
     let depth = m.constant(layers, format.least_normal() & ((1 << layers) - 1)) - exponent.lower(layers);
     let depth = (depth & subnormal.replicate(layers)).named("depth");
@@ -40,7 +41,7 @@ pub fn decode(format: Format) -> Result<Arc<Module>, Error> {
     let fraction = (take_0.replicate(f) & shifted.lower(f))
         | (take_1.replicate(f) & shifted.upper(f))
         | m.concat(&[nan, m.constant(f - 1, 0)]);
-    let biased = exponent.lower(e) - m.constant(e, format.least_normal() - 1);
+    let biased = exponent.lower(e) - m.parameter("Bias", e, Constants(format).min_normal() - 1);
     let biased = ((biased & (!subnormal).replicate(e)) | special.replicate(e)).named("biased");
     m.output("ieee_o", m.concat(&[recoded_i.top() & !nan, biased, fraction]));
     m.finish()

@@ -7,6 +7,7 @@
 //! Tests in `tests/units`: `small_formats.rs` (all numbers, by the format's definition), `binary32.rs`, `verilator.rs`.
 
 use crate::Format;
+use crate::units::constants::Constants;
 use crate::units::normalise::Normalised;
 use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
@@ -27,7 +28,7 @@ pub fn encode(format: Format) -> Result<Arc<Module>, Error> {
     let significand = m.concat(&[!subnormal, fraction]).named("significand");
     let normalised = Normalised::of(significand);
     let leading_zeros = normalised.leading_zeros();
-    let zero = (!normalised.word.upper(2).any()).named("zero");
+    let filled = normalised.word.upper(2).any().named("filled");
 
     m.section("Change the bias");
     // Minus the leading zeros is their complement plus one; the smallest normal numbers' biased exponent is not 0 but
@@ -35,7 +36,7 @@ pub fn encode(format: Format) -> Result<Arc<Module>, Error> {
     let complement = !leading_zeros.extend(e + 1) & subnormal.replicate(e + 1);
     let step = (biased.extend(e + 1) | complement).named("step");
     let two_if_subnormal = m.concat(&[zeros(e - 1), subnormal, zeros(1)]);
-    let bias = m.constant(e + 1, format.least_normal() - 1) | two_if_subnormal;
+    let bias = m.parameter("Bias", e + 1, Constants(format).min_normal() - 1) | two_if_subnormal;
     let exponent = (step + bias).named("exponent");
 
     m.section("Result");
@@ -45,7 +46,7 @@ pub fn encode(format: Format) -> Result<Arc<Module>, Error> {
         "recoded_o",
         m.concat(&[
             sign & !nan,
-            ((exponent & (!zero).replicate(e + 1)) | m.concat(&[zeros(2), nan, zeros(e - 2)])).named("result_exponent"),
+            ((exponent & filled.replicate(e + 1)) | m.concat(&[zeros(2), nan, zeros(e - 2)])).named("result_exponent"),
             (number | m.concat(&[nan, zeros(s - 2)])).named("result_fraction"),
         ]),
     );

@@ -1,5 +1,5 @@
-//! An adder whose carries go ahead in groups of three columns: between a ripple of full adders and a prefix tree in
-//! area as in time. What synthesis makes of `+` is smaller or faster, but not both.
+//! An adder with carry lookahead in groups of three columns: between a ripple-carry adder and a prefix tree in area and
+//! in time. What synthesis makes of `+` is smaller or faster, but not both.
 
 use raypath_hdl::Wire;
 
@@ -12,25 +12,36 @@ pub(crate) struct Sum<'m> {
     pub carry: Wire<'m>,
 }
 
-/// Adds two words of one width and a carry. `name` begins the names of what is inside.
-pub(crate) fn add<'m>(a: Wire<'m>, b: Wire<'m>, entering: Wire<'m>, name: &str) -> Sum<'m> {
+/// Adds two words of one width and a carry, if there is one. `name` begins the names of what is inside.
+pub(crate) fn add<'m>(a: Wire<'m>, b: Wire<'m>, entering: Option<Wire<'m>>, name: &str) -> Sum<'m> {
     let m = a.builder();
+    let width = a.width();
     let generates = (a & b).named(&format!("{name}_generates"));
-    let propagates = (a | b).named(&format!("{name}_propagates"));
-    let step = |column: u32, carry: Wire<'m>| generates.bit(column) | (propagates.bit(column) & carry);
-    let mut carries = Vec::new();
+    // Without a carry that enters, the lowest column has nothing to propagate.
+    let lowest = u32::from(entering.is_none());
+    let propagates = (a.upper(width - lowest) | b.upper(width - lowest)).named(&format!("{name}_propagates"));
+    let propagates = |high: u32, low: u32| propagates.bits(high - lowest, low - lowest);
+    let step = |column: u32, carry: Option<Wire<'m>>| match carry {
+        Some(carry) => generates.bit(column) | (propagates(column, column) & carry),
+        None => generates.bit(column),
+    };
     let mut entering = entering;
-    for low in (0..a.width()).step_by(GROUP as usize) {
-        let end = (low + GROUP).min(a.width());
+    let mut carries = Vec::new();
+    for low in (0..width).step_by(GROUP as usize) {
+        let end = (low + GROUP).min(width);
         let mut carry = entering;
         for column in low..end {
-            carries.push(carry);
-            carry = step(column, carry);
+            carries.push(carry.unwrap_or_else(|| m.constant(1, 0)));
+            if column + 1 < end {
+                carry = Some(step(column, carry).named(&format!("{name}_carry_{}", column + 1)));
+            }
         }
-        let ahead = (low + 1..end).fold(generates.bit(low), |carry, column| step(column, carry));
-        entering = ahead | (propagates.bits(end - 1, low).all() & entering);
-        entering = entering.named(&format!("{name}_carry_{end}"));
+        let ahead = (low + 1..end).fold(generates.bit(low), |carry, column| step(column, Some(carry)));
+        let passed = entering.map(|carry| propagates(end - 1, low).all() & carry);
+        let leaving = passed.map_or(ahead, |passed| ahead | passed);
+        entering = Some(leaving.named(&format!("{name}_carry_{end}")));
     }
     carries.reverse();
-    Sum { word: (a ^ b) ^ m.concat(&carries), carry: entering }
+    let carries = m.concat(&carries).named(&format!("{name}_carries"));
+    Sum { word: (a ^ b) ^ carries, carry: entering.unwrap_or_else(|| m.constant(1, 0)) }
 }

@@ -14,11 +14,12 @@
 use crate::Format;
 use crate::units::booth;
 use crate::units::compress::{Row, compress};
+use crate::units::constants::Constants;
 use crate::units::flags;
 use crate::units::lookahead;
 use crate::units::parts::Parts;
 use crate::units::recoded::Magnitude;
-use raypath_hdl::{Error, Module};
+use raypath_hdl::{Error, Formula, Module};
 use std::sync::Arc;
 
 /// The module `raypath_fp_mul_<format>`: `product_o = a_i * b_i`.
@@ -56,15 +57,18 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     m.section("Exponent; the result's class where that is settled");
     let exponent_sum = (a.exponent().extend(e + 2) + b.exponent().extend(e + 2)).named("exponent_sum");
     // With a smaller exponent sum, a product of significands in [1, 4) is less than half the smallest subnormal.
-    let least_sum = format.least_normal() + (1 << e) - u64::from(s + 1);
-    let vanishes = exponent_sum.less(m.constant(e + 2, least_sum)).named("vanishes");
-    let overflows = (!exponent_sum.less(m.constant(e + 2, 5 << (e - 1)))).named("overflows");
+    let constants = Constants(format);
+    let bias = Formula::from(1) << constants.exp_bits();
+    let least_sum = constants.min_normal() + bias.clone() - (constants.sig_bits() + 1);
+    let vanishes = exponent_sum.less(m.parameter("MinExpSum", e + 2, least_sum)).named("vanishes");
+    let overflow_sum = Formula::from(5) << (constants.exp_bits() - 1);
+    let overflows = (!exponent_sum.less(m.parameter("InfiniteExpSum", e + 2, overflow_sum))).named("overflows");
     let zero_times_infinity = (a.is_zero() & b.is_infinite()) | (a.is_infinite() & b.is_zero());
     let nan = (a.is_nan() | b.is_nan() | zero_times_infinity).named("nan");
     let special = (nan | a.is_infinite() | b.is_infinite() | overflows).named("special");
     let settled = (special | a.is_zero() | b.is_zero() | vanishes).named("settled");
     let class = m.concat(&[special, special, nan, m.constant(e - 2, 0)]);
-    let biased = exponent_sum.lower(e + 1) - m.constant(e + 1, 1 << e);
+    let biased = exponent_sum.lower(e + 1) - m.parameter("Bias", e + 1, bias);
     let exponent = settled.mux(class, biased).named("exponent");
     let sign = ((a_i.top() ^ b_i.top()) & !nan).named("sign");
 
@@ -96,9 +100,10 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     rows.push(Row { word: multiplicand, low: s - 1 });
     let rows = compress(rows, 2 * s);
     let [addend, augend] = [0, 1].map(|row| rows[row].columns(0, 2 * s));
+    let (addend, augend) = (addend.named("addend"), augend.named("augend"));
 
     m.section("Add; the lower columns give a carry and a sticky bit");
-    let low = lookahead::add(addend.lower(s - 2), augend.lower(s - 2), m.constant(1, 0), "low");
+    let low = lookahead::add(addend.lower(s - 2), augend.lower(s - 2), None, "low");
     let sticky = low.word.any().named("sticky");
     let values = [
         ("addend", addend.upper(s + 2)),
@@ -111,23 +116,24 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     ];
     let [addend, augend, low_carry, sticky, exponent, settled, sign] = parts.cut_at(&[(1, 2), (2, 3)], values);
     let m = parts.builder();
-    let word = lookahead::add(addend, augend, low_carry, "high");
+    let word = lookahead::add(addend, augend, Some(low_carry), "high");
     m.unused("unused_carry", &[word.carry]);
     let word = word.word.named("word");
 
     m.section("Mark the bits to lose: one or two, and more below the normal range");
     let zero = m.constant(1, 0);
-    let least = m.constant(e + 1, format.least_normal() - u64::from(s + 1));
+    let least = m.parameter("MinExp", e + 1, constants.min_normal() - (constants.sig_bits() + 1));
     // A result that is settled loses every bit.
     let above_least = ((exponent - least) & (!settled).replicate(e + 1)).named("above_least");
-    let subnormal = m.constant(s + 1, (1 << (s + 1)) - 1).shift_right(above_least).named("subnormal");
+    let all = m.parameter("AllBits", s + 1, (1 << (s + 1)) - 1);
+    let subnormal = all.shift_right(above_least).named("subnormal");
     let carried = word.top().named("carried");
     let lost_half = subnormal.bit(0) | carried;
     let lost = m.concat(&[settled, subnormal.upper(s), lost_half, m.constant(1, 1)]).named("lost");
     let below_half = m.concat(&[zero, lost.upper(s + 2)]).named("below_half");
 
     m.section("Round");
-    let word = word.extend(s + 3);
+    let word = word.extend(s + 3).named("unrounded");
     let exact = (!((word & below_half).any() | sticky)).named("exact");
     let filled = (word | below_half).named("filled");
     let rounded = (filled + m.constant(s + 3, 1)).named("rounded");
@@ -139,7 +145,7 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     m.section("Normalise");
     let any = settled | kept.upper(3).any();
     let result_exponent = ((exponent + kept.upper(2).extend(e + 1)) & any.replicate(e + 1)).named("result_exponent");
-    let largest = exponent.is((3 << (e - 1)) - 1).named("largest");
+    let largest = exponent.equals(m.parameter("MaxExp", e + 1, constants.max_finite())).named("largest");
     let fraction = carried.mux(kept.bits(s, 2), kept.bits(s - 1, 1)).named("fraction");
     let fraction = fraction & (!(largest & carried)).replicate(s - 1);
     let quiet = m.concat(&[exponent.upper(3).all(), m.constant(s - 2, 0)]);

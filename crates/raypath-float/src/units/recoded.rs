@@ -1,6 +1,7 @@
 //! Taking a recoded number apart.
 
 use crate::Format;
+use crate::units::constants::Class;
 use raypath_hdl::Wire;
 
 /// Exponent and fraction of a recoded number. As words, magnitudes of finite numbers are in the order of their values.
@@ -25,14 +26,18 @@ impl<'m> Magnitude<'m> {
     }
 
     pub fn is_zero(self) -> Wire<'m> {
-        self.word.upper(3).is(0b000)
+        self.is(Class::Zero)
     }
 
     pub fn is_infinite(self) -> Wire<'m> {
-        self.word.upper(3).is(0b110)
+        self.is(Class::Infinity)
     }
 
     pub fn is_nan(self) -> Wire<'m> {
-        self.word.upper(3).is(0b111)
+        self.is(Class::Nan)
+    }
+
+    fn is(self, class: Class) -> Wire<'m> {
+        self.word.upper(3).equals(class.wire(self.word.builder()))
     }
 }

@@ -71,7 +71,7 @@ impl<'m> Wire<'m> {
         if low == 0 && high + 1 == width {
             return self;
         }
-        self.builder.push(high - low + 1, Driver::Slice { source: self.id, low })
+        self.builder.push_simplified(high - low + 1, Driver::Slice { source: self.id, low })
     }
 
     /// Its most significant bit.
@@ -146,7 +146,7 @@ impl<'m> Wire<'m> {
     pub fn mux(self, if_true: Self, if_false: Self) -> Self {
         let (yes, no) = (self.builder.own(if_true), self.builder.own(if_false));
         let driver = Driver::Mux { select: self.id, if_true: yes, if_false: no };
-        let wire = self.builder.push(if_true.width(), driver);
+        let wire = self.builder.push_simplified(if_true.width(), driver);
         self.builder.expect_width(wire.id, self.width(), 1);
         self.builder.expect_width(wire.id, if_false.width(), if_true.width());
         wire
@@ -184,7 +184,7 @@ impl<'m> Wire<'m> {
     }
 
     fn binary(self, width: u32, other: Self, driver: Binary) -> Self {
-        self.builder.push(width, driver(self.id, self.builder.own(other)))
+        self.builder.push_simplified(width, driver(self.id, self.builder.own(other)))
     }
 }
 
@@ -268,6 +268,6 @@ impl Mul for Wire<'_> {
 impl Not for Wire<'_> {
     type Output = Self;
     fn not(self) -> Self {
-        self.builder.push(self.width(), Driver::Not(self.id))
+        self.builder.push_simplified(self.width(), Driver::Not(self.id))
     }
 }

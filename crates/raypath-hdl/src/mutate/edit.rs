@@ -2,10 +2,13 @@
 
 use super::Change;
 use crate::netlist::{Driver, Item, Module, Signal, SignalId};
+use crate::text::Text;
 
 /// The module with the change; `None` where the module has nothing to change there.
 pub fn changed(module: &Module, change: &Change) -> Option<Module> {
     let mut new = module.clone();
+    // The text shows every register and port as the netlist has it, so that it shows the change.
+    new.text = Text::default();
     match change {
         Change::Driver { signal, was, becomes, .. } => {
             let changed = new.signals.get_mut(signal.index()).filter(|found| found.driver == *was)?;
@@ -73,7 +76,7 @@ fn insert(module: &mut Module, before: SignalId, width: u32, driver: Driver) -> 
     }
     for item in &mut module.items {
         match item {
-            Item::Signal(id) => shift(id),
+            Item::Signal(id) | Item::Parameter(id, _) => shift(id),
             Item::Unused(_, ids) => ids.iter_mut().for_each(shift),
             Item::Section(_) | Item::Instance(_) | Item::Register(_) => {}
         }

@@ -1,6 +1,7 @@
 //! What is printed, in order: a module's items, gathered into sections.
 
 use crate::netlist::{Driver, Item, Label, Module, SignalId};
+use crate::text::Bank;
 use std::collections::HashSet;
 
 /// A section of the text.
@@ -24,6 +25,8 @@ pub enum Entry<'m> {
     Registers(Vec<usize>),
     /// Signals without a reader, and their common name.
     Unused(&'m str, &'m [SignalId]),
+    /// The values that a bank of registers stores, and its instance.
+    Bank(&'m Bank, Vec<Entry<'m>>),
     /// The assignment of an output port.
     Output(usize),
 }
@@ -39,8 +42,10 @@ pub enum Reader<'m> {
     Enable(usize),
     /// At an instance's input.
     Port(usize, usize),
-    /// In the signal of this name that only says that nothing else reads it.
+    /// In the signal of this name, which marks it as unused.
     Unused(&'m str),
+    /// At a bank of registers: its instance, and the port.
+    Bank(&'m str, &'m str),
     /// At an output port.
     Output(usize),
 }
@@ -49,6 +54,8 @@ pub enum Reader<'m> {
 pub fn chunks<'m>(module: &'m Module, operands: &[Vec<SignalId>]) -> Vec<Chunk<'m>> {
     let mut chunks = vec![Chunk { title: None, entries: Vec::new() }];
     let mut registers: Vec<Entry<'m>> = Vec::new();
+    let bank = module.text.bank.as_ref();
+    let mut open_bank = bank;
     for item in module.items() {
         let last = chunks.len() - 1;
         let entries = &mut chunks[last].entries;
@@ -57,23 +64,56 @@ pub fn chunks<'m>(module: &'m Module, operands: &[Vec<SignalId>]) -> Vec<Chunk<'
                 entries.append(&mut registers);
                 chunks.push(Chunk { title: Some(title), entries: Vec::new() });
             }
-            Item::Signal(id) if is_case(module, *id) => match entries.last_mut() {
-                Some(Entry::Cases(group)) if belongs(module, operands, group, *id) => group.push(*id),
-                _ => entries.push(Entry::Cases(vec![*id])),
-            },
-            Item::Signal(id) => entries.push(Entry::Signal(*id)),
+            Item::Signal(id) if bank.is_some_and(|bank| bank.next.contains(id)) => {}
+            Item::Signal(id) => add_signal(module, operands, entries, *id),
+            Item::Instance(instance) if bank.is_some_and(|bank| bank.replaces == Some(*instance)) => {
+                entries.extend(open_bank.take().map(|bank| bank_entry(module, operands, bank)));
+            }
             Item::Instance(instance) => entries.push(Entry::Instance(*instance)),
+            Item::Register(register) if bank.is_some_and(|bank| bank.registers.contains(register)) => {
+                entries.extend(open_bank.take().map(|bank| bank_entry(module, operands, bank)));
+            }
             Item::Register(register) => add_register(module, &mut registers, *register),
             Item::Unused(name, signals) => entries.push(Entry::Unused(name, signals)),
+            Item::Parameter(..) => {}
         }
     }
     if let Some(last) = chunks.last_mut() {
         last.entries.append(&mut registers);
     }
-    let outputs = (0..module.outputs().len()).map(Entry::Output).collect();
+    let is_banked = |port: &str| bank.is_some_and(|bank| bank.output.select(port).is_some());
+    let outputs = (0..module.outputs().len()).filter(|&port| !is_banked(&module.outputs()[port].name));
     let title = (chunks.len() > 1).then_some("Outputs");
-    chunks.push(Chunk { title, entries: outputs });
+    chunks.push(Chunk { title, entries: outputs.map(Entry::Output).collect() });
     chunks
+}
+
+fn add_signal<'m>(module: &'m Module, operands: &[Vec<SignalId>], entries: &mut Vec<Entry<'m>>, id: SignalId) {
+    if !is_case(module, id) {
+        return entries.push(Entry::Signal(id));
+    }
+    match entries.last_mut() {
+        Some(Entry::Cases(group)) if belongs(module, operands, group, id) => group.push(id),
+        _ => entries.push(Entry::Cases(vec![id])),
+    }
+}
+
+/// Assignments first, then cases, because all of them stand in one block.
+fn bank_entry<'m>(module: &'m Module, operands: &[Vec<SignalId>], bank: &'m Bank) -> Entry<'m> {
+    let mut entries = Vec::new();
+    let (cases, others): (Vec<SignalId>, Vec<SignalId>) = bank.next.iter().partition(|&&id| is_case(module, id));
+    others.into_iter().for_each(|id| entries.push(Entry::Signal(id)));
+    for id in cases {
+        let of_same_labels = entries.iter_mut().find_map(|entry| match entry {
+            Entry::Cases(group) if belongs(module, operands, group, id) => Some(group),
+            _ => None,
+        });
+        match of_same_labels {
+            Some(group) => group.push(id),
+            None => entries.push(Entry::Cases(vec![id])),
+        }
+    }
+    Entry::Bank(bank, entries)
 }
 
 /// Whether a case drives the signal.
@@ -102,6 +142,11 @@ impl<'m> Entry<'m> {
             }
             Self::Unused(name, ids) => ids.iter().map(|&id| (id, Reader::Unused(name))).collect(),
             Self::Output(port) => vec![(module.outputs()[*port].signal, Reader::Output(*port))],
+            Self::Bank(bank, next) => {
+                let inputs = bank.ports.iter().filter(|(port, _)| bank.is_input(port));
+                let inputs = inputs.map(|(port, id)| (*id, Reader::Bank(&bank.name, port)));
+                next.iter().flat_map(|entry| entry.reads(module, operands)).chain(inputs).collect()
+            }
         }
     }
 
@@ -113,6 +158,10 @@ impl<'m> Entry<'m> {
             Self::Instance(instance) => module.instances()[*instance].outputs.clone(),
             Self::Registers(group) => group.iter().map(|&register| module.registers()[register].signal).collect(),
             Self::Unused(..) | Self::Output(_) => Vec::new(),
+            Self::Bank(bank, _) => {
+                let outputs = bank.ports.iter().filter(|(port, _)| !bank.is_input(port));
+                outputs.map(|(_, id)| *id).collect()
+            }
         }
     }
 }

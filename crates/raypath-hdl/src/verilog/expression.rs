@@ -4,8 +4,10 @@
 //! shift amounts and parts of concatenations stand alone by the language's rules, and factors are extended to the width
 //! of their product; so an expression means the same alone and inside another.
 
+use super::layout::width_text;
 use super::plan::Place;
 use crate::netlist::{Driver, Module, SignalId, mask};
+use crate::text::PAYLOAD;
 
 /// Text, and what its reader must know to place it.
 #[derive(Debug, Clone)]
@@ -44,6 +46,10 @@ pub fn render(module: &Module, places: &[Place], id: SignalId) -> Expression {
     };
     match &module.signal(id).driver {
         Driver::Input | Driver::Register(_) | Driver::Instance { .. } | Driver::Case { .. } => read(id),
+        Driver::Constant(_) if module.signal(id).name.is_some() => read(id),
+        Driver::Constant(0) if module.text().has_width_parameter && width == PAYLOAD => {
+            Expression::primary("'0".to_string())
+        }
         Driver::Constant(value) => Expression::primary(constant(width, *value)),
         Driver::Not(a) => match (&places[a.index()], &module.signal(*a).driver) {
             (Place::Text(_), Driver::Equal(x, y)) => binary(x, "!=", y),
@@ -72,7 +78,7 @@ pub fn render(module: &Module, places: &[Place], id: SignalId) -> Expression {
             let depth = 1 + select.depth.max(yes.depth).max(no.depth);
             Expression { text, depth, shape: Shape::Conditional }
         }
-        Driver::Concat(parts) => concat(parts, read),
+        Driver::Concat(parts) => concat(module, parts, read),
         Driver::Slice { source, low } => {
             let (root, low) = slice_root(module, *source, *low);
             select(module, places, root, low, width)
@@ -170,12 +176,12 @@ fn read(places: &[Place], id: SignalId) -> Expression {
     }
 }
 
-fn concat(parts: &[SignalId], read: impl Fn(SignalId) -> Expression) -> Expression {
+fn concat(module: &Module, parts: &[SignalId], read: impl Fn(SignalId) -> Expression) -> Expression {
     let parts: Vec<(Expression, usize)> = repetitions(parts).into_iter().map(|(id, n)| (read(id), n)).collect();
     let depth = 1 + parts.iter().map(|(part, _)| part.depth).max().unwrap_or(0);
     let print = |(part, count): &(Expression, usize)| match count {
         1 => part.part().to_string(),
-        _ => format!("{{{count}{{{}}}}}", part.part()),
+        _ => format!("{{{}{{{}}}}}", width_text(module, *count as u32), part.part()),
     };
     let texts: Vec<String> = parts.iter().map(print).collect();
     match parts.as_slice() {

@@ -1,36 +1,120 @@
-//! Labels of cases, as local parameters of the module.
+//! Named constants: labels of cases, and parameters.
 
 use super::expression::constant;
-use super::layout::{range, table};
-use crate::netlist::{Driver, Module};
-use std::collections::{BTreeSet, HashSet};
+use super::layout::{range, table, wrap};
+use crate::formula::Formula;
+use crate::netlist::{Arm, Driver, Item, Module, SignalId};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
-/// The labels that a module uses, each once, by width and value.
+/// The named constants of a module: those of its package by the package's name, the others as local parameters.
 pub struct Labels<'m> {
-    entries: Vec<(u32, u64, &'m str)>,
+    module: &'m Module,
+    /// By width and value, each once.
+    local: BTreeSet<(u32, u64, &'m str)>,
+    formulas: HashMap<&'m str, &'m Formula>,
+    constants: HashSet<SignalId>,
 }
 
 impl<'m> Labels<'m> {
-    /// Collects the labels of the signals for which `printed` holds, and reserves their names among those `taken`.
-    pub fn new(module: &'m Module, printed: impl Fn(usize) -> bool, taken: &mut HashSet<String>) -> Self {
-        let mut entries = BTreeSet::new();
-        for (_, signal) in module.signals().iter().enumerate().filter(|(index, _)| printed(*index)) {
-            let Driver::Case { selector, arms, .. } = &signal.driver else { continue };
-            let width = module.signal(*selector).width;
-            entries.extend(arms.iter().map(|arm| (width, arm.label.value, arm.label.name.as_str())));
+    /// Collects the constants of the signals for which `is_printed` holds, and reserves their names among those
+    /// `taken`.
+    pub fn new(module: &'m Module, is_printed: impl Fn(SignalId) -> bool, taken: &mut HashSet<String>) -> Self {
+        let constants = named_constants(module);
+        let mut labels = Self { module, local: BTreeSet::new(), formulas: HashMap::new(), constants };
+        let package = module.text().package.as_ref();
+        let local = &mut labels.local;
+        let mut add = |width: u32, value: u64, name: &'m str| {
+            if package.is_none_or(|package| package.label(name).is_none()) {
+                local.insert((width, value, name));
+            }
+        };
+        for (index, signal) in module.signals().iter().enumerate() {
+            let id = SignalId(index as u32);
+            match (&signal.driver, &signal.name) {
+                (Driver::Case { selector, arms, .. }, _) if is_printed(id) => {
+                    let width = module.signal(*selector).width;
+                    arms.iter().for_each(|arm| add(width, arm.label.value, &arm.label.name));
+                }
+                (Driver::Constant(value), Some(name)) if labels.constants.contains(&id) && is_printed(id) => {
+                    add(signal.width, *value, name);
+                }
+                _ => {}
+            }
         }
-        taken.extend(entries.iter().map(|(.., name)| name.to_string()));
-        Self { entries: entries.into_iter().collect() }
+        labels.formulas.extend(module.items().iter().filter_map(|item| match item {
+            Item::Parameter(id, formula) => Some((module.signal(*id).name.as_deref()?, formula)),
+            _ => None,
+        }));
+        taken.extend(labels.local.iter().map(|(.., name)| name.to_string()));
+        labels
     }
 
-    /// Their declarations, after a blank line; nothing if there are none.
-    pub fn declarations(&self) -> Vec<String> {
-        let row = |&(width, value, name): &(u32, u64, &str)| {
-            let parameter = "localparam logic".to_string();
-            [parameter, range(width), name.to_string(), format!("= {};", constant(width, value))]
-        };
-        let rows: Vec<_> = self.entries.iter().map(row).collect();
-        let blank = (!rows.is_empty()).then(String::new);
-        blank.into_iter().chain(table("  ", &rows)).collect()
+    /// How the text refers to a constant.
+    pub fn read(&self, name: &str) -> String {
+        self.in_package(name).unwrap_or_else(|| name.to_string())
     }
+
+    /// Whether a signal is a label or a parameter.
+    pub fn has(&self, id: SignalId) -> bool {
+        self.constants.contains(&id)
+    }
+
+    /// The labels of the package's enumeration that a case leaves to its default.
+    pub fn others(&self, arms: &[Arm]) -> Vec<String> {
+        let known = |name: &str| arms.iter().any(|arm| arm.label.name == name);
+        let package = self.module.text().package.as_ref();
+        let Some(package) = package.filter(|package| arms.iter().any(|arm| package.label(&arm.label.name).is_some()))
+        else {
+            return Vec::new();
+        };
+        let labels = package.enumeration.iter().flat_map(|enumeration| &enumeration.labels);
+        labels.filter(|label| !known(&label.name)).filter_map(|label| package.label(&label.name)).collect()
+    }
+
+    fn in_package(&self, name: &str) -> Option<String> {
+        self.module.text().package.as_ref()?.label(name)
+    }
+
+    /// The declarations, after a blank line; nothing if there are none.
+    pub fn declarations(&self) -> Vec<String> {
+        let formula = |value: u64, name: &str| {
+            self.formulas.get(name).copied().filter(|formula| formula.value() == value && formula.is_derived())
+        };
+        let mut numbers: BTreeMap<&str, u64> = BTreeMap::new();
+        for (_, value, name) in &self.local {
+            let names = formula(*value, name).map(Formula::names).unwrap_or_default();
+            numbers.extend(names.iter().map(|(name, value)| (name.as_str(), *value)));
+        }
+        let numbers = numbers
+            .into_iter()
+            .map(|(name, value)| [String::from("localparam int unsigned"), name.to_string(), format!("= {value};")]);
+        let row = |&(width, value, name): &(u32, u64, &str)| {
+            let value = match formula(value, name) {
+                Some(formula) => format!("{width}'({})", formula.text()),
+                None => constant(width, value),
+            };
+            let kind = format!("localparam logic {}", range(self.module, width));
+            [kind.trim_end().to_string(), name.to_string(), format!("= {value};")]
+        };
+        let rows: Vec<_> = numbers.chain(self.local.iter().map(row)).collect();
+        let blank = (!rows.is_empty()).then(String::new);
+        blank.into_iter().chain(table("  ", &rows).into_iter().flat_map(wrap)).collect()
+    }
+}
+
+/// Labels and parameters, without wires that a constant drives.
+fn named_constants(module: &Module) -> HashSet<SignalId> {
+    let wires: HashSet<SignalId> = module
+        .items()
+        .iter()
+        .filter_map(|item| match item {
+            Item::Signal(id) => Some(*id),
+            _ => None,
+        })
+        .collect();
+    let is_constant = |id: &SignalId| {
+        let signal = module.signal(*id);
+        matches!(signal.driver, Driver::Constant(_)) && signal.name.is_some() && !wires.contains(id)
+    };
+    (0..module.signals().len() as u32).map(SignalId).filter(is_constant).collect()
 }

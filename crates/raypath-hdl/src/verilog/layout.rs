@@ -1,26 +1,57 @@
 //! Columns and line breaks.
 
-/// The longest line that is not broken.
-const COLUMNS: usize = 100;
+use crate::netlist::Module;
+use crate::text::PAYLOAD;
 
-/// A line of comment.
-pub fn comment(text: &str) -> String {
-    format!("// {}", text.replace(['\n', '\r'], " ")).trim_end().to_string()
+/// The longest line.
+pub const COLUMNS: usize = 100;
+
+/// Lines of comment; a long text is broken at spaces, and goes on under its last gap of two spaces.
+pub fn comment(text: &str) -> Vec<String> {
+    let text = text.replace(['\n', '\r'], " ");
+    let hanging = text.trim_end().rfind("  ").map_or(0, |at| at + 2).min(COLUMNS / 2);
+    let mut lines = Vec::new();
+    let mut rest = format!("// {text}").trim_end().to_string();
+    while rest.len() > COLUMNS {
+        let from = "// ".len() + hanging + 1;
+        let Some(at) = rest.get(from..=COLUMNS).and_then(|within| within.rfind(' ')).map(|at| from + at) else { break };
+        let tail = format!("// {:hanging$}{}", "", rest[at..].trim_start());
+        rest.truncate(at);
+        lines.push(rest.trim_end().to_string());
+        rest = tail;
+    }
+    lines.push(rest);
+    lines
 }
 
 /// A comment at a line's end.
 pub fn remark(text: &str) -> String {
-    format!(" {}", comment(text))
+    format!(" // {}", text.replace(['\n', '\r'], " ")).trim_end().to_string()
 }
 
 /// The comment over a section.
 pub fn title(text: &str) -> String {
-    format!("  {:-<78}", comment(&format!("---- {text}")) + " ").trim_end().to_string()
+    let text = format!("// ---- {}", text.replace(['\n', '\r'], " "));
+    format!("  {:-<78}", text + " ").trim_end().to_string()
+}
+
+/// A number of bits, or the parameter that stands for it.
+pub fn width_text(module: &Module, width: u32) -> String {
+    if module.text().has_width_parameter && width == PAYLOAD { "Width".to_string() } else { width.to_string() }
 }
 
 /// The packed dimension of a word; nothing for a single bit.
-pub fn range(width: u32) -> String {
-    if width == 1 { String::new() } else { format!("[{}:0]", width - 1) }
+pub fn range(module: &Module, width: u32) -> String {
+    match width_text(module, width).as_str() {
+        "1" => String::new(),
+        "Width" => "[Width-1:0]".to_string(),
+        _ => format!("[{}:0]", width - 1),
+    }
+}
+
+/// The type of a word.
+pub fn logic(module: &Module, width: u32) -> String {
+    format!("logic {}", range(module, width)).trim_end().to_string()
 }
 
 /// Rows with their cells under each other. A column that is empty throughout takes no space.
@@ -34,6 +65,40 @@ pub fn table<const N: usize>(indent: &str, rows: &[[String; N]]) -> Vec<String> 
     rows.iter().map(line).collect()
 }
 
+/// Types and names in columns, each with a remark. A remark that does not fit beside its row stands above it.
+pub fn declarations(indent: &str, rows: &[(String, String, Option<String>)]) -> Vec<String> {
+    let cells: Vec<[String; 2]> = rows.iter().map(|(kind, name, _)| [kind.clone(), name.clone()]).collect();
+    let lines = table(indent, &cells);
+    let longest = lines.iter().map(|line| line.chars().count()).max().unwrap_or(0);
+    let mut text = Vec::new();
+    for (line, (.., note)) in lines.into_iter().zip(rows) {
+        match note.as_ref().map(|note| remark(note)) {
+            Some(note) if longest + 1 + note.chars().count() <= COLUMNS => text.push(format!("{line:longest$} {note}")),
+            Some(note) => {
+                let note = note.trim_start().trim_start_matches("// ");
+                text.extend(comment(note).into_iter().flat_map(|line| wrap_comment(indent, line)));
+                text.push(line);
+            }
+            None => text.push(line),
+        }
+    }
+    text
+}
+
+fn wrap_comment(indent: &str, line: String) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut rest = format!("{indent}{line}");
+    while rest.len() > COLUMNS {
+        let Some(at) = rest[..=COLUMNS].rfind(' ').filter(|at| *at > indent.len() + 3) else { break };
+        let tail = format!("{indent}// {}", rest[at..].trim_start());
+        rest.truncate(at);
+        lines.push(rest);
+        rest = tail;
+    }
+    lines.push(rest);
+    lines
+}
+
 /// Breaks a line that is too long at spaces; what follows is indented by four more.
 pub fn wrap(line: String) -> Vec<String> {
     let indent = line.len() - line.trim_start().len();
@@ -41,7 +106,7 @@ pub fn wrap(line: String) -> Vec<String> {
     let mut rest = line;
     while rest.len() > COLUMNS {
         let start = rest.len() - rest.trim_start().len();
-        let within = rest[start..COLUMNS].rfind(' ').or_else(|| rest[start..].find(' '));
+        let within = rest[start..=COLUMNS].rfind(' ').or_else(|| rest[start..].find(' '));
         let Some(at) = within else { break };
         let tail = format!("{:1$}{2}", "", indent + 4, rest[start + at..].trim_start());
         rest.truncate(start + at);
@@ -49,5 +114,20 @@ pub fn wrap(line: String) -> Vec<String> {
         rest = tail;
     }
     lines.push(rest);
+    lines
+}
+
+/// Items that follow each other on lines as full as they may be.
+pub fn fill(indent: &str, items: &[String]) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for item in items {
+        match lines.last_mut().filter(|line| line.len() + 1 + item.len() <= COLUMNS) {
+            Some(line) => {
+                line.push(' ');
+                line.push_str(item);
+            }
+            None => lines.push(format!("{indent}{item}")),
+        }
+    }
     lines
 }

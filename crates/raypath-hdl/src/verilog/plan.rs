@@ -3,14 +3,15 @@
 use super::entries::{self, Chunk, Entry, Reader, is_case};
 use super::expression::{Expression, render, repetitions, slice_root};
 use super::labels::Labels;
+use super::structures::Structures;
 use crate::netlist::{Driver, Item, Module, SignalId};
 use std::collections::{BTreeSet, HashSet};
 
-/// The most that is written inside another expression, as a register's next value, and at an instance's port.
-const INSIDE: usize = 48;
-const INSIDE_LEVELS: u32 = 3;
-const NEXT: usize = 72;
-const PORT: usize = 40;
+/// The longest text that is written inside another expression, as a register's next value, and at an instance's port.
+const INSIDE: usize = 120;
+const INSIDE_LEVELS: u32 = 5;
+const NEXT: usize = 90;
+const PORT: usize = 60;
 
 /// How a signal appears where it is read.
 #[derive(Debug, Clone)]
@@ -31,6 +32,9 @@ pub struct Plan<'m> {
     labels: Labels<'m>,
     uses: Vec<Uses<'m>>,
     places: Vec<Place>,
+    structures: Structures,
+    /// Signals whose names are declared otherwise: ports, parts of structures, constants.
+    undeclared: HashSet<SignalId>,
 }
 
 #[derive(Clone, Default)]
@@ -55,13 +59,22 @@ impl<'m> Plan<'m> {
     /// Plans the text of a module.
     pub fn new(module: &'m Module) -> Self {
         let operands: Vec<Vec<SignalId>> = module.signals().iter().map(|signal| operands(&signal.driver)).collect();
-        let chunks = entries::chunks(module, &operands);
-        let uses = uses(module, &operands, &chunks);
+        let mut chunks = entries::chunks(module, &operands);
+        let mut uses = uses(module, &operands, &chunks);
+        // What only banked registers read is not printed.
+        while module.text().bank.is_some() && drop_unread(&mut chunks, &uses) {
+            uses = self::uses(module, &operands, &chunks);
+        }
         let mut names = names(module);
-        let printed = |index: usize| module.signals()[index].name.is_some() || uses[index].count > 0;
-        let labels = Labels::new(module, printed, &mut names);
+        let is_wire = |id: SignalId| {
+            let signal = module.signal(id);
+            signal.name.is_some() && !matches!(signal.driver, Driver::Constant(_))
+        };
+        let labels = Labels::new(module, |id| is_wire(id) || uses[id.index()].count > 0, &mut names);
+        let structures = Structures::new(module, |name| fresh(&mut names, name));
         let places = vec![Place::Nowhere; operands.len()];
-        let mut plan = Self { module, operands, chunks, labels, uses, places };
+        let undeclared = HashSet::new();
+        let mut plan = Self { module, operands, chunks, labels, uses, places, structures, undeclared };
         plan.place_named(&mut names);
         plan.place_unnamed(&mut names);
         plan
@@ -117,9 +130,15 @@ impl<'m> Plan<'m> {
             }
     }
 
+    /// The structures of the text.
+    pub fn structures(&self) -> &Structures {
+        &self.structures
+    }
+
     /// The name under which a signal has to be declared.
     pub fn declaration(&self, id: SignalId) -> Option<&str> {
         let is_port = matches!(self.module.signal(id).driver, Driver::Input) || self.is_renamed(id);
+        let is_port = is_port || self.undeclared.contains(&id);
         match &self.places[id.index()] {
             Place::Name(name) if !is_port => Some(name),
             _ => None,
@@ -144,7 +163,15 @@ impl<'m> Plan<'m> {
 
     fn place_named(&mut self, names: &mut HashSet<String>) {
         for (index, signal) in self.module.signals().iter().enumerate() {
+            let id = SignalId(index as u32);
             let Some(name) = &signal.name else { continue };
+            let elsewhere = self.structures.member(id).map(str::to_string).or_else(|| self.port_shown(id));
+            let elsewhere = elsewhere.or_else(|| self.labels.has(id).then(|| self.labels.read(name)));
+            if let Some(name) = elsewhere {
+                self.undeclared.insert(id);
+                self.places[index] = Place::Name(name);
+                continue;
+            }
             self.places[index] = Place::Name(match signal.driver {
                 Driver::Instance { instance, output } if self.uses[index].count == 0 => {
                     let name = self.module.instances()[instance].output_name(output);
@@ -153,6 +180,28 @@ impl<'m> Plan<'m> {
                 _ => name.clone(),
             });
         }
+    }
+
+    /// The output port at which alone an instance's output is read: it is connected to the port itself.
+    fn port_shown(&self, id: SignalId) -> Option<String> {
+        let Uses { count: 1, reader: Some(Reader::Output(port)) } = &self.uses[id.index()] else { return None };
+        let signal = self.module.signal(id);
+        let is_output = match signal.driver {
+            Driver::Instance { instance, output } => {
+                signal.name.as_deref() == Some(&self.module.instances()[instance].output_name(output))
+            }
+            Driver::Register(register) => {
+                self.module.text().bank.as_ref().is_some_and(|bank| bank.registers.contains(&register))
+            }
+            _ => false,
+        };
+        is_output.then(|| self.module.outputs()[*port].name.clone())
+    }
+
+    /// Whether an output port is connected to an instance, so that nothing is assigned to it.
+    pub fn is_connected(&self, output: usize) -> bool {
+        let port = &self.module.outputs()[output];
+        self.undeclared.contains(&port.signal) && self.read(port.signal) == port.name
     }
 
     fn place_unnamed(&mut self, names: &mut HashSet<String>) {
@@ -197,7 +246,7 @@ impl<'m> Plan<'m> {
             return false;
         }
         match signal.driver {
-            Driver::Constant(_) | Driver::Slice { .. } => return true,
+            Driver::Constant(_) | Driver::Slice { .. } | Driver::Alias(_) => return true,
             Driver::Not(_) if expression.depth == 0 => return true,
             _ => {}
         }
@@ -244,17 +293,46 @@ impl<'m> Plan<'m> {
                 (instance.stem().to_string(), Some(instance.input_name(input)))
             }
             Reader::Unused(name) => (name.to_string(), None),
+            Reader::Bank(name, port) => (name.to_string(), Some(stem(port, "_i").to_string())),
             Reader::Output(port) => (self.module.outputs()[port].name.clone(), None),
         }
     }
 }
 
-/// What a driver reads; a repeated part of a concatenation is written, and so read, once.
+/// What a driver reads; a repeated part of a concatenation is written once, and so is a value of several arms of a
+/// case.
 fn operands(driver: &Driver) -> Vec<SignalId> {
-    if let Driver::Concat(parts) = driver {
-        return repetitions(parts).into_iter().map(|(part, _)| part).collect();
+    match driver {
+        Driver::Concat(parts) => repetitions(parts).into_iter().map(|(part, _)| part).collect(),
+        Driver::Case { .. } => {
+            let mut found = Vec::new();
+            driver.operands().for_each(|id| {
+                if !found.contains(&id) {
+                    found.push(id)
+                }
+            });
+            found
+        }
+        _ => driver.operands().collect(),
     }
-    driver.operands().collect()
+}
+
+/// Removes assignments of signals without a reader. Says whether there were any.
+fn drop_unread(chunks: &mut [Chunk<'_>], uses: &[Uses<'_>]) -> bool {
+    let mut found = false;
+    for chunk in chunks {
+        chunk.entries.retain(|entry| {
+            let ids: &[SignalId] = match entry {
+                Entry::Signal(id) => std::slice::from_ref(id),
+                Entry::Cases(ids) => ids,
+                _ => return true,
+            };
+            let is_read = ids.iter().any(|id| uses[id.index()].count > 0);
+            found |= !is_read;
+            is_read
+        });
+    }
+    found
 }
 
 /// Counts readers that are printed. Signals without a name follow their operands, so that going backwards meets every

@@ -2,9 +2,11 @@
 
 use super::entries::{Entry, is_case};
 use super::expression::constant;
-use super::layout::{table, wrap};
+use super::layout::{COLUMNS, fill, table, wrap};
 use super::plan::Plan;
-use crate::netlist::{Arm, Driver, SignalId};
+use crate::netlist::{Arm, Driver, Instance, Module, SignalId};
+use crate::text::{Bank, PortGroup};
+use std::collections::HashMap;
 
 /// The statements of a section: assignments in columns, blocks with blank lines around them.
 pub fn print(plan: &Plan<'_>, entries: &[Entry<'_>]) -> Vec<String> {
@@ -22,6 +24,11 @@ pub fn print(plan: &Plan<'_>, entries: &[Entry<'_>]) -> Vec<String> {
             Entry::Instance(index) => text.block(instance(plan, *index)),
             Entry::Registers(group) => text.block(registers(plan, group)),
             Entry::Unused(name, ids) => text.assign(name, unused(plan, ids)),
+            Entry::Bank(bank, next) => {
+                text.block(next_values(plan, next));
+                text.block(bank_instance(plan, bank));
+            }
+            Entry::Output(index) if plan.is_connected(*index) => {}
             Entry::Output(index) => {
                 let port = &plan.module().outputs()[*index];
                 if !plan.is_renamed(port.signal) {
@@ -65,9 +72,36 @@ impl Text {
     }
 }
 
-/// One `case` that drives all `targets`, which share a selector and labels. It is not `unique`: with a default that
-/// says nothing, and slang reports it.
+/// One block for all that a bank of registers stores.
+fn next_values(plan: &Plan<'_>, entries: &[Entry<'_>]) -> Vec<String> {
+    let assignments = entries.iter().filter_map(|entry| match entry {
+        Entry::Signal(id) => Some([plan.read(*id).to_string(), format!("= {};", plan.expression(*id))]),
+        _ => None,
+    });
+    let mut lines = vec!["  always_comb begin".to_string()];
+    lines.extend(table("    ", &assignments.collect::<Vec<_>>()));
+    for entry in entries {
+        if let Entry::Cases(group) = entry {
+            let targets: Vec<_> = group.iter().map(|&id| (plan.read(id), id)).collect();
+            lines.extend(case(plan, &targets));
+        }
+    }
+    lines.push("  end".to_string());
+    lines
+}
+
+/// A block with one `case`.
 fn cases(plan: &Plan<'_>, targets: &[(&str, SignalId)]) -> Vec<String> {
+    let mut lines = vec!["  always_comb begin".to_string()];
+    lines.extend(case(plan, targets));
+    lines.push("  end".to_string());
+    lines
+}
+
+/// One `case` that drives all `targets`, which share a selector and labels. It is not `unique`: beside a default that
+/// says nothing, and slang reports it. Labels of an enumeration are all there, because slang reports those that are
+/// not.
+fn case(plan: &Plan<'_>, targets: &[(&str, SignalId)]) -> Vec<String> {
     let alternatives = |id: SignalId| match &plan.module().signal(id).driver {
         Driver::Case { selector, arms, default } => Some((*selector, arms.as_slice(), *default)),
         _ => None,
@@ -77,17 +111,28 @@ fn cases(plan: &Plan<'_>, targets: &[(&str, SignalId)]) -> Vec<String> {
         .filter_map(|&(name, id)| alternatives(id).map(|(selector, arms, default)| (name, selector, arms, default)))
         .collect();
     let Some(&(_, selector, labels, _)) = targets.first() else { return Vec::new() };
-    let mut rows: Vec<(String, Vec<SignalId>)> = Vec::new();
+    let mut rows: Vec<(Vec<String>, Vec<SignalId>)> = Vec::new();
     for (place, arm) in labels.iter().enumerate() {
         let values: Vec<SignalId> = targets.iter().map(|(_, _, arms, _)| arms[place].value).collect();
+        let label = plan.labels().read(&arm.label.name);
         match rows.last_mut() {
-            Some((label, last)) if *last == values => label.push_str(&format!(", {}", arm.label.name)),
-            _ => rows.push((arm.label.name.clone(), values)),
+            Some((row, last)) if *last == values => row.push(label),
+            _ => rows.push((vec![label], values)),
         }
     }
-    rows.push(("default".to_string(), targets.iter().map(|(.., default)| *default).collect()));
+    let defaults: Vec<SignalId> = targets.iter().map(|(.., default)| *default).collect();
+    let others = plan.labels().others(labels);
+    if !others.is_empty() {
+        match rows.iter_mut().find(|(_, values)| *values == defaults) {
+            Some((row, _)) => row.extend(others),
+            None => rows.push((others, defaults.clone())),
+        }
+    }
+    rows.push((vec!["default".to_string()], defaults));
+    let rows: Vec<(String, Vec<SignalId>)> =
+        rows.into_iter().map(|(labels, values)| (labels.join(", "), values)).collect();
 
-    let mut lines = vec!["  always_comb begin".to_string(), format!("    case ({})", plan.read(selector))];
+    let mut lines = vec![format!("    case ({})", plan.read(selector))];
     if let [(target, ..)] = targets.as_slice() {
         let row = |(label, values): &(String, Vec<SignalId>)| {
             [format!("{label}:"), format!("{target} = {};", plan.read(values[0]))]
@@ -105,29 +150,94 @@ fn cases(plan: &Plan<'_>, targets: &[(&str, SignalId)]) -> Vec<String> {
             lines.push("      end".to_string());
         }
     }
-    lines.extend(["    endcase", "  end"].map(String::from));
+    lines.push("    endcase".to_string());
     lines
 }
 
 fn instance(plan: &Plan<'_>, index: usize) -> Vec<String> {
     let instance = &plan.module().instances()[index];
     let inside = &instance.module;
-    let mut rows: Vec<[String; 2]> = Vec::new();
-    for (name, present) in [("clk_i", inside.is_clocked()), ("rst_ni", inside.has_reset())] {
-        if present {
-            rows.push([format!(".{name}"), format!("({name}),")]);
+    let mut connections = Connections::new(inside);
+    for (port, &id) in inside.inputs().iter().zip(&instance.inputs) {
+        match inside.text().input.as_ref().filter(|group| group.select(&port.name).is_some()) {
+            None => connections.add(&port.name, plan.read(id)),
+            Some(group) if group.members[0].0 == port.name => {
+                connections.add(&group.name, &structure(plan, group, instance));
+            }
+            Some(_) => {}
         }
     }
-    let ports = inside.inputs().iter().zip(&instance.inputs).chain(inside.outputs().iter().zip(&instance.outputs));
-    rows.extend(ports.map(|(port, &id)| [format!(".{}", port.name), format!("({}),", plan.read(id))]));
-    match rows.last_mut() {
-        None => return vec![format!("  {} {} ();", inside.name(), instance.name)],
-        Some(last) => last[1].truncate(last[1].len() - 1),
+    let output = inside.text().bank.as_ref().map(|bank| &bank.output);
+    for (port, &id) in inside.outputs().iter().zip(&instance.outputs) {
+        match output.filter(|group| group.select(&port.name).is_some()) {
+            None => connections.add(&port.name, plan.read(id)),
+            Some(group) if group.members[0].0 == port.name => {
+                connections.add(&group.name, plan.structures().of_instance(index).unwrap_or_default());
+            }
+            Some(_) => {}
+        }
     }
-    let mut lines = vec![format!("  {} {} (", inside.name(), instance.name)];
-    lines.extend(table("    ", &rows));
-    lines.push("  );".to_string());
-    lines
+    connections.print(&format!("{} {}", inside.name(), instance.name))
+}
+
+/// What is connected to input ports of a structure: a structure as a whole, or its parts.
+fn structure(plan: &Plan<'_>, group: &PortGroup, instance: &Instance) -> String {
+    let inputs = instance.module.inputs().iter().zip(&instance.inputs);
+    let by_port: HashMap<&str, SignalId> = inputs.map(|(port, &id)| (port.name.as_str(), id)).collect();
+    let signals: Vec<SignalId> =
+        group.members.iter().filter_map(|(port, _)| by_port.get(port.as_str()).copied()).collect();
+    plan.structures().whole(plan.module(), group, &signals).unwrap_or_else(|| {
+        let parts: Vec<&str> = signals.iter().map(|&id| plan.read(id)).collect();
+        format!("{{{}}}", parts.join(", "))
+    })
+}
+
+/// The instance that holds a bank of registers.
+fn bank_instance(plan: &Plan<'_>, bank: &Bank) -> Vec<String> {
+    let next = plan.structures().next();
+    let mut connections = Connections::new(&bank.module);
+    for port in bank.module.inputs().iter().chain(bank.module.outputs()) {
+        match bank.ports.iter().find(|(name, _)| *name == port.name) {
+            Some((_, id)) => connections.add(&port.name, plan.read(*id)),
+            None if port.name == "data_i" => connections.add("data_i", next),
+            None if port.name == "data_o" => connections.add("data_o", &bank.output.name),
+            None => {}
+        }
+    }
+    connections.print(&format!("{} #(.Width ($bits({next}))) {}", bank.module.name(), bank.name))
+}
+
+/// The connections of an instance.
+struct Connections {
+    items: Vec<String>,
+}
+
+impl Connections {
+    fn new(inside: &Module) -> Self {
+        let clock = [("clk_i", inside.is_clocked()), ("rst_ni", inside.has_reset())];
+        let items = clock.iter().filter(|(_, is_there)| *is_there).map(|(name, _)| format!(".{name}")).collect();
+        Self { items }
+    }
+
+    fn add(&mut self, port: &str, net: &str) {
+        self.items.push(if port == net { format!(".{port}") } else { format!(".{port} ({net})") });
+    }
+
+    /// On one line if it fits, otherwise on lines as full as they may be.
+    fn print(self, instance: &str) -> Vec<String> {
+        let line = format!("  {instance} ({});", self.items.join(", "));
+        if line.len() <= COLUMNS {
+            return vec![line];
+        }
+        let last = self.items.len().saturating_sub(1);
+        let items = self.items.into_iter().enumerate();
+        let items: Vec<String> =
+            items.map(|(place, item)| if place < last { format!("{item},") } else { item }).collect();
+        let mut lines = vec![format!("  {instance} (")];
+        lines.extend(fill("    ", &items));
+        lines.push("  );".to_string());
+        lines
+    }
 }
 
 /// Registers that share their enable and either all have a reset or none.

@@ -78,7 +78,7 @@ pub fn negate(number: Wire<'_>) -> Wire<'_> {
     number.builder().concat(&[!number.top(), number.lower(number.width() - 1)])
 }
 
-/// Who lives in a number register, in words.
+/// The values that share a number register, in words.
 pub fn live_value_names(plan: &Plan, layout: &Layout, place: usize) -> String {
     let named = live_values(plan, layout, place).into_iter().map(|(op, id)| {
         let traced = &plan.operations[op];
@@ -87,7 +87,7 @@ pub fn live_value_names(plan: &Plan, layout: &Layout, place: usize) -> String {
     named.collect::<Vec<_>>().join(", ")
 }
 
-/// What an operation keeps in the flag register, from bit 0, in words; runs of numbered bits as one.
+/// The values of an operation in the flag registers, from bit 0, in words; runs of numbered bits as one.
 pub fn live_flag_names(plan: &Plan, layout: &Layout, op: usize) -> String {
     let traced = &plan.operations[op];
     let mut words: Vec<String> = Vec::new();
@@ -136,20 +136,20 @@ pub fn next<'m>(
 ) -> Result<Vec<Next<'m>>, Error> {
     let layout = &plan.steps[step].layout;
     m.section("What the job's operation hands on");
-    let mut next = vec![Next { name: "opcode".to_string(), wire: opcode, live_values: String::new() }];
+    let mut next = vec![Next { name: "opcode".to_string(), wire: opcode }];
     for place in 0..layout.numbers {
         if let Some(wire) = next_number(m, plan, library, step, opcode, place, wires)? {
-            next.push(Next { name: number(place), wire, live_values: live_value_names(plan, layout, place) });
+            next.push(Next { name: number(place), wire });
         }
     }
     for &unit in &layout.cuts {
         for (stem, wire) in wires.cut(unit)? {
-            next.push(Next { name: format!("{}_{stem}", unit.stem()), wire, live_values: String::new() });
+            next.push(Next { name: format!("{}_{stem}", unit.stem()), wire });
         }
     }
     for (register, width) in layout.flag_registers().enumerate() {
         if let Some(wire) = next_flags(m, plan, layout, register, width, opcode, wires)? {
-            next.push(Next { name: flag_register(layout, register), wire, live_values: String::new() });
+            next.push(Next { name: flag_register(layout, register), wire });
         }
     }
     Ok(next)
@@ -210,11 +210,11 @@ impl<'m> Wires<'m> for Registers<'_, 'm> {
     }
 }
 
-/// Who lives in a number register: operations and their values.
-pub fn live_values(plan: &Plan, layout: &Layout, place: usize) -> Vec<(usize, NodeId)> {
-    let lives =
+/// The operations that use a number register, and their values in it.
+fn live_values(plan: &Plan, layout: &Layout, place: usize) -> Vec<(usize, NodeId)> {
+    let value =
         |op: usize| layout.slots[op].iter().find(|(_, p)| **p == RegisterSlot::Number(place)).map(|(&id, _)| (op, id));
-    (0..plan.operations.len()).filter_map(lives).collect()
+    (0..plan.operations.len()).filter_map(value).collect()
 }
 
 /// A flag register's next value: for each operation its bits, and zeros where it has none.

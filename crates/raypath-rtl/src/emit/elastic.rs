@@ -1,8 +1,11 @@
-//! The registers of a boundary: skid buffers that stall, registers that never do, or the FIFO that such end in.
+//! The registers after a step: a skid buffer, a register that never stalls, or the FIFO at the exit.
 
-use crate::emit::control;
+use crate::allocate::plan::Plan;
+use crate::emit::control::{Exit, Register, Skid};
+use crate::emit::interface;
 use crate::emit::library::Library;
 use crate::error::Error;
+use raypath_hdl::text::PortGroup;
 use raypath_hdl::{Builder, Wire};
 
 /// What a register takes.
@@ -10,79 +13,89 @@ pub struct Next<'m> {
     /// The register's name without `_q`.
     pub name: String,
     pub wire: Wire<'m>,
-    /// Who lives there, in words.
-    pub live_values: String,
 }
 
-/// Adds registers, their handshake and output ports. `hold` keeps the job in the registers before. Returns whether the
-/// step hands on its job in this cycle.
-pub fn skid_buffers<'m>(m: &'m Builder, library: &Library, next: Vec<Next<'m>>, hold: Option<Wire<'m>>) -> Wire<'m> {
-    m.section("Registers: a skid buffer");
-    let valid = m.input("valid_i", 1);
-    let ready_after = m.input("ready_i", 1);
-    let valid = hold.map_or(valid, |hold| valid & !hold);
-    let control = m.instance("u_skid", &library.skid, &[("valid_i", valid), ("ready_i", ready_after)]);
-    let (ready, valid_out, load_front, arrives) = (control[0], control[1], control[2], control[3]);
-    m.output("ready_o", hold.map_or(ready, |hold| ready & !hold));
-    m.output("valid_o", valid_out);
-    for Next { name, wire, live_values } in next {
-        let bits = wire.width();
-        let wire = wire.named(&format!("{name}_d"));
-        let spare = m.register(&format!("{name}_spare_q"), bits);
-        let front = m.register(&format!("{name}_q"), bits);
-        if !live_values.is_empty() {
-            front.wire().comment(live_values);
-        }
-        spare.next_when(arrives, wire);
-        front.next_when(load_front, arrives.mux(wire, spare.wire()));
-        m.output(&format!("{name}_o"), front.wire());
-    }
-    valid & ready
+/// The registers after a step.
+pub struct Registers<'m, 'p> {
+    m: &'m Builder,
+    library: &'p Library,
+    /// The output port that shows them.
+    output: PortGroup,
+    next: Vec<Next<'m>>,
 }
 
-/// Adds registers that take what comes in every cycle.
-pub fn plain<'m>(m: &'m Builder, next: Vec<Next<'m>>) -> Wire<'m> {
-    m.section("Registers, which never stall");
-    let valid = m.input("valid_i", 1);
-    let valid_out = m.register("valid_q", 1).reset_to(0);
-    valid_out.next(valid);
-    m.output("valid_o", valid_out.wire());
-    for Next { name, wire, live_values } in next {
-        let register = m.register(&format!("{name}_q"), wire.width());
-        if !live_values.is_empty() {
-            register.wire().comment(live_values);
-        }
-        register.next(wire.named(&format!("{name}_d")));
-        m.output(&format!("{name}_o"), register.wire());
+impl<'m, 'p> Registers<'m, 'p> {
+    /// The registers after a step of a plan, which take `next`.
+    pub fn new(m: &'m Builder, plan: &Plan, library: &'p Library, step: usize, mut next: Vec<Next<'m>>) -> Self {
+        let output = interface::output(plan, library, step);
+        next.iter_mut().for_each(|next| next.wire = next.wire.named(&format!("{}_d", next.name)));
+        Self { m, library, output, next }
     }
-    valid
-}
 
-/// Adds the exit FIFO: a register that the sink sees, and `depth` behind it.
-pub fn exit<'m>(m: &'m Builder, next: Vec<Next<'m>>, depth: u32) -> Result<Wire<'m>, Error> {
-    m.section("Registers: a FIFO with a place for every job that was let in");
-    let valid = m.input("valid_i", 1);
-    let ready_after = m.input("ready_i", 1);
-    let control = m.instance("u_exit", &control::exit(depth)?, &[("valid_i", valid), ("ready_i", ready_after)]);
-    let (valid_out, load_front, from_store, store, read) = (control[0], control[1], control[2], control[3], control[4]);
-    m.output("valid_o", valid_out);
-    for Next { name, wire, live_values } in next {
-        let bits = wire.width();
-        let wire = wire.named(&format!("{name}_d"));
-        let mut oldest: Option<Wire<'m>> = None;
-        for place in 0..depth {
-            let stored = m.register(&format!("{name}_store_{place}_q"), bits);
-            stored.next_when(store.bit(place), wire);
-            let shown = stored.wire() & read.bit(place).replicate(bits);
-            oldest = Some(oldest.map_or(shown, |others| others | shown));
-        }
-        let oldest = oldest.unwrap_or(wire).named(&format!("{name}_oldest"));
-        let front = m.register(&format!("{name}_q"), bits);
-        if !live_values.is_empty() {
-            front.wire().comment(live_values);
-        }
-        front.next_when(load_front, from_store.mux(oldest, wire));
-        m.output(&format!("{name}_o"), front.wire());
+    /// Adds skid buffers, their handshake and output ports. `hold` keeps the job in the registers before. Returns
+    /// whether the step hands on its job in this cycle.
+    pub fn skid_buffers(self, hold: Option<Wire<'m>>) -> Wire<'m> {
+        let (m, library) = (self.m, self.library);
+        m.section("Registers: a skid buffer");
+        let valid = m.input("valid_i", 1);
+        let ready_after = m.input("ready_i", 1);
+        let valid = hold.map_or(valid, |hold| valid & !hold);
+        let control = m.instance("u_skid", &library.skid, &[("valid_i", valid), ("ready_i", ready_after)]);
+        let skid = Skid { ready: control[0], valid: control[1], load_front: control[2], arrives: control[3] };
+        m.output("ready_o", hold.map_or(skid.ready, |hold| skid.ready & !hold));
+        m.output("valid_o", skid.valid);
+        let ports = [("valid_i", valid), ("ready_i", ready_after), ("ready_o", skid.ready), ("valid_o", skid.valid)];
+        self.store("u_skid", &library.skid_buffer, &ports, |name, wire| skid.store(m, name, wire).to_vec());
+        valid & skid.ready
     }
-    Ok(valid)
+
+    /// Adds registers that take a job in every cycle.
+    pub fn plain(self) -> Wire<'m> {
+        let (m, library) = (self.m, self.library);
+        m.section("Registers, which never stall");
+        let valid = m.input("valid_i", 1);
+        let register = Register::new(m, valid);
+        m.output("valid_o", register.valid.wire());
+        let ports = [("valid_i", valid), ("valid_o", register.valid.wire())];
+        let mut own = Some(register.valid);
+        self.store("u_register", &library.register, &ports, |name, wire| {
+            own.take().into_iter().chain([register.store(m, name, wire)]).collect()
+        });
+        valid
+    }
+
+    /// Adds the FIFO at the exit: a register that the sink sees, and `depth` jobs behind it.
+    pub fn exit(self, depth: u32) -> Result<Wire<'m>, Error> {
+        let m = self.m;
+        m.section("Registers: a FIFO with a place for every job that was let in");
+        let valid = m.input("valid_i", 1);
+        let ready_after = m.input("ready_i", 1);
+        let inputs = [("valid_i", valid), ("ready_i", ready_after)];
+        let control = m.instance("u_exit", &Exit::module(depth)?, &inputs);
+        let [valid_out, load_front, from_store, store, read] = [0, 1, 2, 3, 4].map(|output| control[output]);
+        let exit = Exit { valid: valid_out, load_front, from_store, store, read };
+        m.output("valid_o", exit.valid);
+        let ports = [inputs[0], inputs[1], ("valid_o", exit.valid)];
+        self.store("u_exit", &Exit::buffer(depth)?, &ports, |name, wire| exit.store(m, name, wire));
+        Ok(valid)
+    }
+
+    /// Adds the data registers that `registers` gives for each word, the one that is shown last, and their ports.
+    fn store(
+        self,
+        instance: &str,
+        buffer: &std::sync::Arc<raypath_hdl::Module>,
+        ports: &[(&str, Wire<'m>)],
+        mut registers: impl FnMut(&str, Wire<'m>) -> Vec<raypath_hdl::Register<'m>>,
+    ) {
+        let mut all = Vec::new();
+        for Next { name, wire } in &self.next {
+            let own = registers(name, *wire);
+            self.m.output(&format!("{name}_o"), own[own.len() - 1].wire());
+            all.extend(own);
+        }
+        let of = |port: &str| self.next.iter().find(|next| port == format!("{}_o", next.name));
+        let next: Vec<Wire<'m>> = self.output.members.iter().filter_map(|(port, _)| of(port)).map(|n| n.wire).collect();
+        self.m.bank(instance, buffer, ports, &next, &all, self.output);
+    }
 }

@@ -3,11 +3,13 @@
 use crate::allocate::plan::Plan;
 use crate::config::Control;
 use crate::emit::boundary::{self, Wires};
-use crate::emit::elastic;
+use crate::emit::elastic::Registers;
+use crate::emit::interface;
 use crate::emit::library::Library;
 use crate::error::Error;
 use crate::ir::graph::{Kind, NodeId, Op, PortBit};
 use crate::ir::units::Unit;
+use raypath_hdl::text::Package;
 use raypath_hdl::{Builder, Module, Wire};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -46,10 +48,12 @@ pub fn ports(plan: &Plan) -> Vec<Port> {
 }
 
 /// The module `raypath_input`: the input ports that the job's operation reads, and shared registers.
-pub fn input(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
+pub fn input(plan: &Plan, library: &Library, package: &Arc<Package>) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_input");
+    m.package(package);
     m.doc("The input's registers: each operation's ports, chosen by opcode, in registers that the operations share.");
     let opcode = m.input("opcode_i", plan.opcode_width());
+    m.enumerate_input(interface::opcode_input());
     let wires: BTreeMap<String, Wire<'_>> = ports(plan)
         .into_iter()
         .filter(|port| port.read)
@@ -57,9 +61,10 @@ pub fn input(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
         .collect();
     let mut wires = Ports { plan, wires };
     let next = boundary::next(&m, plan, library, 0, opcode, &mut wires)?;
+    let registers = Registers::new(&m, plan, library, 0, next);
     match plan.microarchitecture.control {
-        Control::Skid => elastic::skid_buffers(&m, library, next, None),
-        Control::Credit => elastic::plain(&m, next),
+        Control::Skid => registers.skid_buffers(None),
+        Control::Credit => registers.plain(),
     };
     Ok(m.finish()?)
 }

@@ -1,5 +1,5 @@
 use crate::allocate::plan::Plan;
-use crate::emit::control;
+use crate::emit::control::{Register, Skid};
 use crate::ir::graph::{Kind, Op, OperationGraph};
 use crate::ir::position::Step;
 use crate::ir::units::{Unit, UnitKind};
@@ -12,14 +12,18 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Library {
     pub format: Format,
-    /// The skid buffers' control.
+    /// The control of skid buffers.
     pub skid: Arc<Module>,
+    /// A skid buffer as the text has it.
+    pub skid_buffer: Arc<Module>,
+    /// A register that never stalls, as the text has it.
+    pub register: Arc<Module>,
     pub encode: Arc<Module>,
     pub decode: Arc<Module>,
     add: Vec<Arc<Module>>,
     multiply: Vec<Arc<Module>>,
     compare: Arc<Module>,
-    /// What makes numbers of words, by the words' width.
+    /// Converters of words to numbers, by the words' width.
     numbers: BTreeMap<u32, Arc<Module>>,
 }
 
@@ -38,7 +42,9 @@ impl Library {
         };
         Ok(Self {
             format,
-            skid: control::skid()?,
+            skid: Skid::module()?,
+            skid_buffer: Skid::buffer()?,
+            register: Register::buffer()?,
             encode: raypath_float::encode(format)?,
             decode: raypath_float::decode(format)?,
             add,
@@ -60,7 +66,7 @@ impl Library {
         }
     }
 
-    /// What makes a number of a word of `width` bits, of those that the plan has.
+    /// The converter of words of `width` bits to numbers, if the plan has one.
     pub fn number(&self, width: u32) -> Option<&Arc<Module>> {
         self.numbers.get(&width)
     }

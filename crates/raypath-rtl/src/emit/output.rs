@@ -3,10 +3,12 @@
 
 use crate::allocate::plan::Plan;
 use crate::emit::boundary::label;
+use crate::emit::interface;
 use crate::emit::library::Library;
 use crate::emit::values::StepInputs;
 use crate::error::Error;
 use crate::ir::graph::NodeId;
+use raypath_hdl::text::Package;
 use raypath_hdl::{Builder, Label, Module, Wire};
 use std::sync::Arc;
 
@@ -18,12 +20,14 @@ struct OutputPort {
 }
 
 /// The module `raypath_output`, without registers.
-pub fn output(plan: &Plan, library: &Library) -> Result<Arc<Module>, Error> {
+pub fn output(plan: &Plan, library: &Library, package: &Arc<Package>) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_output");
+    m.package(package);
     m.doc("From the last registers to the ports. What does not belong to the job's opcode is zero.");
     let layout = &plan.steps[plan.last()].layout;
     let opcode = m.input("opcode_i", plan.opcode_width());
     let before = StepInputs::ports(&m, plan, library, plan.steps.len());
+    m.group_inputs(interface::input(plan, library, plan.last()));
 
     let read = |op: usize, id: NodeId| {
         let slot = layout.slot(op, id);

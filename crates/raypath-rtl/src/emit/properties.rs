@@ -205,10 +205,10 @@ fn order_of_step(plan: &Plan, step: usize, module: &Module) -> Bind {
         .parameter("Patience", 1)
         .connect("enter_valid_i", "valid_i")
         .connect("enter_ready_i", port_or_one(module, "ready_o"))
-        .connect("enter_opcode_i", "opcode_i")
+        .connect("enter_opcode_i", module.port_text("opcode_i"))
         .connect("leave_valid_i", "valid_o")
         .connect("leave_ready_i", port_or_one(module, "ready_i"))
-        .connect("leave_opcode_i", "opcode_o")
+        .connect("leave_opcode_i", module.port_text("opcode_o"))
 }
 
 /// The port, or 1 where the module never stalls and has none.
@@ -231,7 +231,7 @@ fn states(plan: &Plan, step: usize, module: &Module) -> Vec<Bind> {
                     .parameter("Opcode", traced.opcode)
                     .connect("valid_i", "valid_i")
                     .connect("ready_i", port_or_one(module, "ready_o"))
-                    .connect("opcode_i", "opcode_i")
+                    .connect("opcode_i", module.port_text("opcode_i"))
                     .connect("reset_i", reset)
                     .connect("sum_i", sum)
                     .connect("state_i", format!("{stem}_q")),
@@ -272,8 +272,8 @@ fn beats(plan: &Plan, traced: &OperationGraph<Step>) -> Bind {
         .parameter("Opcode", traced.opcode)
         .connect("read_valid_i", format!("{}_valid", before(read)))
         .connect("read_ready_i", ready(read))
-        .connect("read_opcode_i", format!("{}_opcode", before(read)))
+        .connect("read_opcode_i", format!("{}_data.opcode", before(read)))
         .connect("write_valid_i", format!("{}_valid", before(written)))
         .connect("write_ready_i", ready(written))
-        .connect("write_opcode_i", format!("{}_opcode", before(written)))
+        .connect("write_opcode_i", format!("{}_data.opcode", before(written)))
 }

@@ -3,23 +3,26 @@
 use crate::allocate::plan::Plan;
 use crate::config::{Control, Encoding};
 use crate::emit::boundary;
-use crate::emit::elastic;
+use crate::emit::elastic::Registers;
+use crate::emit::interface;
 use crate::emit::library::Library;
 use crate::emit::values::{StepInputs, Values};
 use crate::error::Error;
 use crate::ir::graph::{Kind, NodeId, Op, OperationGraph, StateValue};
 use crate::ir::position::{Step, StepLabel};
 use raypath_float::Format;
+use raypath_hdl::text::Package;
 use raypath_hdl::{Builder, Module, Register, Wire};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The module `raypath_stage_<stage>`, or `raypath_stage_<stage>_<part>` where the stage has several steps.
-pub fn stage(plan: &Plan, library: &Library, step: usize) -> Result<Arc<Module>, Error> {
+pub fn stage(plan: &Plan, library: &Library, package: &Arc<Package>, step: usize) -> Result<Arc<Module>, Error> {
     // Built once to learn which values are read by name, and once more to name them first.
     let scratch = Builder::new("scratch");
     let read = build(&scratch, plan, library, step, &[])?;
     let m = Builder::new(&format!("raypath_{}", name(plan.steps[step].label)));
+    m.package(package);
     describe(&m, plan, step);
     build(&m, plan, library, step, &read)?;
     Ok(m.finish()?)
@@ -44,6 +47,7 @@ fn build(
 ) -> Result<Vec<(usize, NodeId)>, Error> {
     let opcode = m.input("opcode_i", plan.opcode_width());
     let mut before = StepInputs::ports(m, plan, library, step);
+    m.group_inputs(interface::input(plan, library, step - 1));
     let states = States::new(m, plan, library, step);
     before.states = states.wires.clone();
     let mut values = Values::new(m, plan, library, step, opcode, before);
@@ -51,7 +55,7 @@ fn build(
     for (op, traced) in plan.operations.iter().enumerate() {
         let mut names = names.iter().filter(|(whose, _)| *whose == op).peekable();
         if names.peek().is_some() {
-            m.section(format!("The registers as {} knows them", traced.name));
+            m.section(format!("Register aliases for {}", traced.name));
         }
         for &(op, id) in names {
             values.get(op, id)?;
@@ -66,16 +70,17 @@ fn build(
     }
     let next = boundary::next(m, plan, library, step, opcode, &mut values)?;
     let last = step == plan.last();
+    let registers = Registers::new(m, plan, library, step, next);
     let advance = match plan.microarchitecture.control {
         Control::Skid => {
             let busy = Busy::new(m, plan, step, opcode);
             let hold = busy.iter().map(|busy| busy.hold).reduce(|a, b| a | b);
-            let advance = elastic::skid_buffers(m, library, next, hold);
+            let advance = registers.skid_buffers(hold);
             busy.into_iter().for_each(|busy| busy.follow(advance));
             advance
         }
-        Control::Credit if last => elastic::exit(m, next, plan.latency())?,
-        Control::Credit => elastic::plain(m, next),
+        Control::Credit if last => registers.exit(plan.latency())?,
+        Control::Credit => registers.plain(),
     };
     states.write(m, plan, advance, opcode, &mut values)?;
     Ok(values.read_from_registers())
@@ -95,8 +100,14 @@ fn describe(m: &Builder, plan: &Plan, step: usize) {
         m.doc(format!("  {:<10} {}", format!("{}:", traced.name), if what.is_empty() { "passes" } else { &what }));
     }
     let after = &plan.steps[step].layout;
+    if after.numbers > 0 {
+        m.doc("Number registers after it:");
+    }
+    for place in 0..after.numbers {
+        m.doc(format!("  {:<8} {}", format!("num[{place}]"), boundary::live_value_names(plan, after, place)));
+    }
     if after.flags > 0 {
-        m.doc("Flags after it, lowest bit first:");
+        m.doc("Flag registers after it, lowest bit first:");
         for (op, traced) in plan.operations.iter().enumerate() {
             m.doc(format!("  {:<10} {}", format!("{}:", traced.name), boundary::live_flag_names(plan, after, op)));
         }
@@ -170,7 +181,7 @@ impl<'m> States<'m> {
             let traced = &plan.operations[op];
             let state = &traced.states[number];
             let next = values.get(op, state.next)?;
-            let named = || (advance & opcode.is(traced.opcode)).named(&format!("{}_advances", traced.name));
+            let named = || (advance & is(opcode, traced)).named(&format!("{}_advances", traced.name));
             register.next_when(*advances.entry(op).or_insert_with(named), next);
             if state.read < state.written {
                 m.output(&format!("{}_o", port(traced, state)), register.wire());
@@ -183,6 +194,11 @@ impl<'m> States<'m> {
         }
         Ok(())
     }
+}
+
+/// Whether the job belongs to an operation.
+fn is<'m>(opcode: Wire<'m>, traced: &OperationGraph<Step>) -> Wire<'m> {
+    opcode.equals(opcode.builder().label(&boundary::label(traced), opcode.width()))
 }
 
 /// A state as a port, or as the stem of its register.
@@ -220,7 +236,7 @@ impl<'m> Busy<'m> {
             m.section(format!("A job of {} waits until the one before it has written its state", traced.name));
             let written = m.input(&format!("{}_i", written(traced)), 1);
             let pending = m.register(&format!("{}_pending_q", traced.name), 1).reset_to(0);
-            let is_own = opcode.is(traced.opcode).named(&format!("is_{}", traced.name));
+            let is_own = is(opcode, traced).named(&format!("is_{}", traced.name));
             let hold = (pending.wire() & is_own).named(&format!("{}_waits", traced.name));
             Self { pending, written, is_own, hold }
         })

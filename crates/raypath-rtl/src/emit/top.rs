@@ -5,6 +5,7 @@ use crate::config::Control;
 use crate::emit::boundary::label;
 use crate::emit::control::{self, Spacing};
 use crate::emit::input;
+use crate::emit::interface;
 use crate::emit::library::Library;
 use crate::emit::output;
 use crate::emit::stage;
@@ -25,6 +26,8 @@ pub struct Pipeline {
 /// Builds the module `raypath` and all below it. `doc` is its head comment.
 pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeline, Error> {
     let m = Builder::new("raypath");
+    let package = interface::package(plan, library);
+    m.package(&package);
     for line in doc {
         m.doc(line);
     }
@@ -47,15 +50,15 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
         m.unused("unused_ports", &unread);
     }
 
-    let mut modules = vec![("input".to_string(), input::input(plan, library)?)];
+    let mut modules = vec![("input".to_string(), input::input(plan, library, &package)?)];
     for step in 1..plan.steps.len() {
-        modules.push((stage::name(plan.steps[step].label), stage::stage(plan, library, step)?));
+        modules.push((stage::name(plan.steps[step].label), stage::stage(plan, library, &package, step)?));
     }
     let mut credit = None;
     let mut leaves = None;
     if plan.microarchitecture.control == Control::Credit {
         m.section("A job enters while the exit has a place for it");
-        let module = control::credit(plan.latency() + 1, plan.opcode_width(), &spacings(plan))?;
+        let module = control::credit(plan.latency() + 1, plan.opcode_width(), &spacings(plan), &package)?;
         let returned = m.forward("job_leaves", 1);
         wires.insert("returned".to_string(), returned.wire());
         let outputs = instance(&m, "credit", &module, &wires);
@@ -69,7 +72,7 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
     let mut ready_before: Option<Forward<'_>> = None;
     for (index, (name, module)) in modules.iter().enumerate() {
         let next = modules.get(index + 1).filter(|_| plan.microarchitecture.control == Control::Skid);
-        let ready_after = next.map(|(next, _)| m.forward(&format!("ready_of_{next}"), 1));
+        let ready_after = next.map(|_| m.forward_unnamed(1));
         wires.insert("ready".to_string(), ready_after.map_or(output_ready, |forward| forward.wire()));
         backward.supply(module, &mut wires);
         wires = instance(&m, name, module, &wires);
@@ -88,7 +91,7 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
     }
     m.output("output_valid_o", wires["valid"]);
     m.output("opcode_o", wires["opcode"]);
-    let output = output::output(plan, library)?;
+    let output = output::output(plan, library, &package)?;
     for (name, wire) in instance(&m, "output", &output, &wires) {
         m.output(&format!("{name}_o"), wire);
     }

@@ -48,10 +48,7 @@ impl<'m> StepInputs<'m> {
     pub fn ports(m: &'m Builder, plan: &Plan, library: &Library, step: usize) -> Self {
         let layout = &plan.steps[step - 1].layout;
         let width = plan.number_width(step - 1);
-        let number = |index| {
-            let port = m.input(&format!("{}_i", boundary::number(index)), width);
-            port.comment(boundary::live_value_names(plan, layout, index))
-        };
+        let number = |index| m.input(&format!("{}_i", boundary::number(index)), width);
         let numbers = (0..layout.numbers).map(number).collect();
         let cut = |unit: Unit| {
             let port = |(stem, width)| (String::from(stem), m.input(&format!("{}_{stem}_i", unit.stem()), width));

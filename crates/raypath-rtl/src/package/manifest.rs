@@ -13,9 +13,9 @@ const DESCRIPTION: &str = "A ray-tracer datapath";
 pub struct Sources<'a> {
     /// The name of the top module.
     pub name: &'a str,
-    /// The top module and all below it.
+    /// The package of the datapath, and the top module and all below it.
     pub modules: Vec<String>,
-    /// Package and wrapper.
+    /// The wrapper and its package.
     pub wrapper: Vec<String>,
 }
 

@@ -3,8 +3,8 @@
 use crate::package::fields::{Field, OPCODE};
 use crate::package::text::packed;
 
-/// The enumeration of opcodes.
-pub const OPCODE_TYPE: &str = "opcode_e";
+/// The enumeration of opcodes, in the package of the datapath.
+pub const OPCODE_TYPE: &str = "raypath_pkg::opcode_e";
 
 /// A job.
 pub const JOB_TYPE: &str = "job_t";

@@ -1,7 +1,15 @@
 //! Lines of SystemVerilog.
 
-/// A comment at the head of a file: the lines of `banner`, then those of `doc`. `mark` begins a comment.
+use raypath_hdl::verilog::LICENSE;
+
+/// The banner of a file, with the licence.
+pub fn licensed(banner: &[String]) -> Vec<String> {
+    std::iter::once(LICENSE.to_string()).chain(banner.iter().cloned()).collect()
+}
+
+/// A comment at the head of a file: the licence, the lines of `banner`, then those of `doc`. `mark` begins a comment.
 pub fn head(mark: &str, banner: &[String], doc: &[String]) -> String {
+    let banner = licensed(banner);
     let gap = (!banner.is_empty() && !doc.is_empty()).then(String::new);
     let lines = banner.iter().cloned().chain(gap).chain(doc.iter().cloned());
     lines.map(|line| format!("{mark} {}", line.replace(['\n', '\r'], " ")).trim_end().to_string() + "\n").collect()

@@ -1,47 +1,39 @@
-//! The package and the wrapper.
+//! The wrapper and its package.
 
 use crate::Datapath;
 use crate::package::fields::Field;
-use crate::package::structures::{JOB_TYPE, OPCODE_TYPE, OUTCOME_TYPE, Structures};
-use crate::package::text::{columns, head, packed};
+use crate::package::structures::{JOB_TYPE, OUTCOME_TYPE, Structures};
+use crate::package::text::{columns, head, licensed};
+use raypath_hdl::text::{Package, Structure};
+use raypath_hdl::verilog::print_package;
 
-/// The package: opcodes and structures.
+/// The package of the wrapper's structures. Opcodes are in the package of the datapath.
 pub fn package(datapath: &Datapath, structures: &Structures, banner: &[String]) -> String {
     let name = datapath.top().name();
-    let doc = [
-        format!(
-            "What goes into {name}_wrapper and what comes out. The fields are the ports of the module {name}, by the"
-        ),
-        "words of their names; numbers stand in them as at the ports.".to_string(),
-    ];
-    let mut text = head("//", banner, &doc) + &format!("\npackage {name}_pkg;\n");
-    text += &opcodes(datapath);
-    for structure in structures.iter() {
-        let fields: Vec<_> = structure.fields.iter().map(|(kind, name)| (kind.clone(), format!("{name};"))).collect();
-        text += &format!(
-            "\n  typedef struct packed {{\n{}\n  }} {};\n",
-            columns("    ", &fields).join("\n"),
-            structure.name
-        );
-    }
-    text + &format!("\nendpackage : {name}_pkg\n")
+    let structure = |structure: &crate::package::structures::Structure| Structure {
+        name: structure.name.clone(),
+        doc: None,
+        fields: structure.fields.clone(),
+    };
+    let package = Package {
+        name: format!("{name}_wrapper_pkg"),
+        doc: vec![
+            format!("The inputs and outputs of {name}_wrapper as structures. Their fields are the ports of the module"),
+            format!("{name}, grouped by the words of their names. Numbers are encoded as at the ports."),
+        ],
+        enumeration: None,
+        structures: structures.iter().map(structure).collect(),
+    };
+    print_package(&package, &licensed(banner))
 }
 
-/// The opcodes as an enumeration.
-fn opcodes(datapath: &Datapath) -> String {
-    let width = datapath.top().port_width("opcode_i").unwrap_or(1);
-    let labels = datapath.opcodes();
-    let rows: Vec<_> = labels.iter().map(|label| (label.name.clone(), format!("= {width}'d{}", label.value))).collect();
-    format!("\n  typedef enum {} {{\n{}\n  }} {OPCODE_TYPE};\n", packed(width), columns("    ", &rows).join(",\n"))
-}
-
-/// The wrapper: nothing but wires.
+/// The wrapper, which has no logic of its own.
 pub fn module(datapath: &Datapath, job: &[Field], outcome: &[Field], banner: &[String]) -> String {
     let top = datapath.top();
     let name = top.name();
     let doc = [
         format!(
-            "The module {name} with job and outcome as structures; nothing is added. Latency {}.",
+            "The module {name} with its inputs and outputs as structures, without logic of its own. Latency {}.",
             datapath.latency()
         ),
         "A job enters where input_valid_i and input_ready_o are 1; an outcome leaves where output_valid_o and"
@@ -55,10 +47,10 @@ pub fn module(datapath: &Datapath, job: &[Field], outcome: &[Field], banner: &[S
             port("input  logic", "rst_ni,"),
             port("input  logic", "input_valid_i,"),
             port("output logic", "input_ready_o,"),
-            port(&format!("input  {name}_pkg::{JOB_TYPE}"), "job_i,"),
+            port(&format!("input  {name}_wrapper_pkg::{JOB_TYPE}"), "job_i,"),
             port("output logic", "output_valid_o,"),
             port("input  logic", "output_ready_i,"),
-            port(&format!("output {name}_pkg::{OUTCOME_TYPE}"), "outcome_o"),
+            port(&format!("output {name}_wrapper_pkg::{OUTCOME_TYPE}"), "outcome_o"),
         ],
     );
     let own = ["clk_i", "rst_ni", "input_valid_i", "input_ready_o", "output_valid_o", "output_ready_i"];

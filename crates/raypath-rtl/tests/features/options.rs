@@ -49,8 +49,7 @@ const SMALL: Config = Config::DEFAULT.lanes(Lanes::Two);
 
 /// All modules as text.
 fn text(datapath: &Datapath) -> String {
-    let modules = verilog::modules(datapath.top()).expect("modules");
-    modules.iter().map(|module| verilog::print_module(module, &[]).expect("text")).collect()
+    verilog::text(datapath.top()).expect("modules")
 }
 
 #[test]

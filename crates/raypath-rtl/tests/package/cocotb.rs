@@ -9,7 +9,7 @@ fn the_example_passes() {
     let datapath = preset("original");
     let written = write(&datapath);
     // What `generate` writes as `raypath.f`: the modules alone.
-    let listed = written.text("raypath_wrapper.f").lines().filter(|file| !file.ends_with("_pkg.sv"));
+    let listed = written.text("raypath_wrapper.f").lines().filter(|file| !file.ends_with("_wrapper_pkg.sv"));
     let modules = listed.filter(|file| !file.ends_with("_wrapper.sv")).map(|file| format!("{file}\n"));
     std::fs::write(written.path().join("raypath.f"), modules.collect::<String>()).expect("a list");
 

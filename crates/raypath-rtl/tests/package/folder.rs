@@ -23,8 +23,8 @@ pub fn write(datapath: &Datapath) -> Written {
     let folder = tempfile::tempdir().expect("a folder");
     let files = raypath_rtl::package::files(datapath, &["Made by a test.".to_string()]).expect("files");
     let module = |name: &str, text: String| put(&folder.path().join(format!("rtl/{name}.sv")), &text);
-    for each in verilog::modules(datapath.top()).expect("modules") {
-        module(each.name(), verilog::print_module(&each, &[]).expect("text"));
+    for source in verilog::sources(datapath.top(), &[]).expect("modules") {
+        module(&source.name, source.text);
     }
     let properties = format!("{}_properties.sv", datapath.top().name());
     put(&folder.path().join(properties), &datapath.properties().to_string());

@@ -45,7 +45,7 @@ fn fusesoc_runs_its_lint() {
 #[test]
 fn fusesoc_misses_a_file() {
     let written = write(&preset("graphics"));
-    std::fs::remove_file(written.path().join("rtl/raypath_pkg.sv")).expect("a file less");
+    std::fs::remove_file(written.path().join("rtl/raypath_wrapper_pkg.sv")).expect("a file less");
     assert!(!fusesoc(&written).status.success());
 }
 

@@ -54,7 +54,7 @@ fn lint_files(files: &[PathBuf], written: &Written, top: &str) -> Result<(), Too
 #[test]
 fn a_fault_in_the_wrapper_is_found() {
     let written = write(&preset("graphics"));
-    let package = written.path().join("rtl/raypath_pkg.sv");
+    let package = written.path().join("rtl/raypath_wrapper_pkg.sv");
     let text = fs::read_to_string(&package).expect("text");
     fs::write(&package, text.replace("logic [31:0] extent", "logic [30:0] extent")).expect("a file");
     lint_verilator(&written.listed(), "raypath_wrapper", &[]).expect_err("Verilator");
@@ -143,8 +143,8 @@ fn flattened(top: &Module) -> String {
     }
     let handshakes = HANDSHAKES.map(|name| format!(".{name}({name})")).join(", ");
     format!(
-        "module flat (\n{}\n);\n  raypath_pkg::job_t job;\n  raypath_pkg::outcome_t outcome;\n{wires}  raypath_wrapper \
-         u_wrapper (.clk_i(clk_i), .rst_ni(rst_ni), {handshakes}, .job_i(job), .outcome_o(outcome));\nendmodule\n",
+        "module flat (\n{}\n);\n  raypath_wrapper_pkg::job_t job;\n  raypath_wrapper_pkg::outcome_t \
+         outcome;\n{wires}  raypath_wrapper u_wrapper (.clk_i(clk_i), .rst_ni(rst_ni), {handshakes}, .job_i(job), .outcome_o(outcome));\nendmodule\n",
         ports.join(",\n")
     )
 }
@@ -245,7 +245,7 @@ fn any_operation_is_wrapped() {
     let operations = Operations::new().with(&Sum, 5).expect("an operation");
     let written = write(&Datapath::of(operations).expect("a datapath"));
     lint(&written).unwrap_or_else(|fault| panic!("{fault}"));
-    let package = written.text("rtl/raypath_pkg.sv");
+    let package = written.text("rtl/raypath_wrapper_pkg.sv");
     assert!(package.contains("OpSumOfAll = 3'd5"), "{package}");
     let wrapper = written.text("rtl/raypath_wrapper.sv");
     for port in

@@ -4,13 +4,14 @@
 //! Lemmas are assertions in the proof only, not in the emitted design. They are proved together with the checker's
 //! assertions.
 
+use raypath_hdl::Module;
 use raypath_rtl::{Config, Control, Datapath};
 
 /// The lemmas for the whole pipeline, as text to insert into its module.
 pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
-    let mut steps: Vec<String> = (0..datapath.steps().count())
+    let mut steps: Vec<Step> = (0..datapath.steps().count())
         .filter_map(|step| datapath.module(step))
-        .map(|module| format!("{}.", module.name().replacen("raypath", "u", 1)))
+        .map(|module| Step::new(format!("{}.", module.name().replacen("raypath", "u", 1)), module))
         .collect();
     let (latency, full) = (steps.len(), capacity(datapath, config));
     let mut lemmas = Lemmas::new(full, latency);
@@ -30,8 +31,9 @@ pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
         match config.microarchitecture.control {
             Control::Skid => lemmas.skid_buffer(index, step, behind),
             Control::Credit => {
-                let valid = lemmas.observe(&format!("valid_{index}"), 1, &format!("{step}valid_q"));
-                lemmas.slot(&valid, &format!("{step}opcode_q"), Some(behind));
+                let valid = lemmas.observe(&format!("valid_{index}"), 1, &format!("{}u_register.valid_q", step.path));
+                let opcode = lemmas.observe_opcode(&format!("opcode_{index}"), step, "u_register.data_q");
+                lemmas.slot(&valid, &opcode, Some(behind));
             }
         }
     }
@@ -42,7 +44,9 @@ pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
 pub fn of_exit(datapath: &Datapath, config: Config) -> String {
     let full = capacity(datapath, config);
     let mut lemmas = Lemmas::new(full, 1);
-    lemmas.exit("", full - 1);
+    if let Some(module) = datapath.module(datapath.steps().count() - 1) {
+        lemmas.exit(&Step::new(String::new(), module), full - 1);
+    }
     lemmas.assert("environment_q == lemma_count".to_string());
     lemmas.end()
 }
@@ -53,6 +57,22 @@ pub fn capacity(datapath: &Datapath, config: Config) -> usize {
     match config.microarchitecture.control {
         Control::Skid => 2 * latency,
         Control::Credit => latency + 1,
+    }
+}
+
+/// A step of the pipeline.
+struct Step {
+    /// The path of its instance, with a dot at the end.
+    path: String,
+    /// The width of its data registers, whose highest bits are the opcode.
+    width: u32,
+}
+
+impl Step {
+    fn new(path: String, module: &Module) -> Self {
+        let words = module.banked_registers();
+        let width = words.first().map(|(_, registers)| registers.iter().map(|(_, width)| width).sum());
+        Self { path, width: width.unwrap_or(0) }
     }
 }
 
@@ -87,6 +107,16 @@ impl Lemmas {
         format!("lemma_{name}")
     }
 
+    /// The opcode in a data register of a step.
+    fn observe_opcode(&mut self, name: &str, step: &Step, register: &str) -> String {
+        let Step { path, width } = step;
+        let net = format!("\\{path}{register} ");
+        self.nets += &format!("  (* hierconn *) logic [{}:0] {net};\n", width - 1);
+        self.nets +=
+            &format!("  logic [1:0] lemma_{name};\n  assign lemma_{name} = {net}[{}:{}];\n", width - 1, width - 2);
+        format!("lemma_{name}")
+    }
+
     fn assert(&mut self, lemma: String) {
         self.lemmas.push(lemma);
     }
@@ -100,7 +130,6 @@ impl Lemmas {
     /// Asserts that a slot's job, if `full`, is the next job of the scoreboard.
     fn slot(&mut self, full: &str, opcode: &str, max_waits: Option<usize>) {
         let before = self.before;
-        let opcode = self.observe(&format!("opcode_{before}"), 2, opcode);
         self.nets += &format!(
             "  logic [{}:0] from_{before};\n  assign from_{before} = lemma_inside >> {{before_{before}, 1'b0}};\n",
             2 * self.full + 1
@@ -114,23 +143,26 @@ impl Lemmas {
     }
 
     /// The two slots of a skid buffer: the front's job is older than the spare's.
-    fn skid_buffer(&mut self, index: usize, step: &str, behind: usize) {
-        let front = self.observe(&format!("front_{index}"), 1, &format!("{step}u_skid.front_full_q"));
-        let empty = self.observe(&format!("empty_{index}"), 1, &format!("{step}u_skid.spare_empty_q"));
+    fn skid_buffer(&mut self, index: usize, step: &Step, behind: usize) {
+        let front = self.observe(&format!("front_{index}"), 1, &format!("{}u_skid.front_full_q", step.path));
+        let empty = self.observe(&format!("empty_{index}"), 1, &format!("{}u_skid.spare_empty_q", step.path));
+        let opcode = self.observe_opcode(&format!("opcode_{index}"), step, "u_skid.data_q");
+        let spare = self.observe_opcode(&format!("opcode_spare_{index}"), step, "u_skid.data_spare_q");
         self.nets += &format!("  logic spare_{index};\n  assign spare_{index} = !{empty};\n");
         self.lemmas.push(format!("{front} || {empty}"));
-        self.slot(&front, &format!("{step}opcode_q"), Some(behind));
-        self.slot(&format!("spare_{index}"), &format!("{step}opcode_spare_q"), None);
+        self.slot(&front, &opcode, Some(behind));
+        self.slot(&format!("spare_{index}"), &spare, None);
     }
 
     /// The slots of an exit: the front, then the waiting jobs of the circular buffer from its read pointer on.
-    fn exit(&mut self, step: &str, depth: usize) {
-        let front = self.observe("front", 1, &format!("{step}u_exit.front_full_q"));
-        let waiting = self.observe("waiting", bits(depth), &format!("{step}u_exit.waiting_q"));
-        let write = self.observe("write", depth, &format!("{step}u_exit.write_q"));
-        let read = self.observe("read", depth, &format!("{step}u_exit.read_q"));
+    fn exit(&mut self, step: &Step, depth: usize) {
+        let path = &step.path;
+        let front = self.observe("front", 1, &format!("{path}u_exit.front_full_q"));
+        let waiting = self.observe("waiting", bits(depth), &format!("{path}u_exit.waiting_q"));
+        let write = self.observe("write", depth, &format!("{path}u_exit.write_q"));
+        let read = self.observe("read", depth, &format!("{path}u_exit.read_q"));
         let stored: Vec<String> = (0..depth)
-            .map(|index| self.observe(&format!("store_{index}"), 2, &format!("{step}opcode_store_{index}_q")))
+            .map(|index| self.observe_opcode(&format!("store_{index}"), step, &format!("u_exit.data_store_{index}_q")))
             .collect();
         let stored: Vec<&str> = stored.iter().rev().map(String::as_str).collect();
         let high = 2 * depth - 1;
@@ -152,7 +184,8 @@ impl Lemmas {
         );
         self.nets +=
             &format!("  logic [{high}:0] write_back;\n  assign write_back = {{{write}, {write}}} >> {waiting};\n");
-        self.slot(&front, &format!("{step}opcode_q"), None);
+        let opcode = self.observe_opcode("opcode_front", step, "u_exit.data_q");
+        self.slot(&front, &opcode, None);
         self.lemmas.push(format!("{front} || {waiting} == 0"));
         self.lemmas.push(format!("!{front} || lemma_waits < {}", self.max_waits));
         self.lemmas.push(format!("{waiting} <= {depth}"));

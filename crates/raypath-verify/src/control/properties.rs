@@ -3,8 +3,10 @@
 use super::lemmas;
 use super::model_checker::{Method, SafetyProblem};
 use crate::error::Error;
-use raypath_hdl::{Module, verilog};
+use raypath_hdl::Module;
+use raypath_hdl::verilog::{self, Source};
 use raypath_rtl::{Bind, Checker, Config, Control, Datapath, UnitLatency};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A deliberate fault: a text in a module, and its replacement.
@@ -30,14 +32,14 @@ impl ModuleTexts {
     /// # Errors
     /// It cannot be printed.
     pub fn new(top: &Arc<Module>) -> Result<Self, Error> {
-        let print = |module: &Arc<Module>| {
-            let name = module.name().to_string();
-            let text =
-                if name.starts_with("raypath_fp_") { shell(module) } else { verilog::print_module(module, &[])? };
-            Ok((name, text))
-        };
         let modules = verilog::modules(top)?;
-        Ok(Self { modules: modules.iter().map(print).collect::<Result<_, Error>>()? })
+        let units = modules.iter().filter(|module| module.name().starts_with("raypath_fp_"));
+        let shells: HashMap<&str, String> = units.map(|unit| (unit.name(), shell(unit))).collect();
+        let text = |source: Source| {
+            let text = shells.get(source.name.as_str()).cloned().unwrap_or(source.text);
+            (source.name, text)
+        };
+        Ok(Self { modules: verilog::sources(top, &[])?.into_iter().map(text).collect() })
     }
 
     /// Inserts a fault. Returns false if its original text does not occur.
@@ -61,7 +63,8 @@ impl ModuleTexts {
             below.extend(new);
         }
         let mut all = String::new();
-        for (name, text) in self.modules.iter().filter(|(name, _)| below.contains(&name.as_str())) {
+        let is_needed = |name: &str, text: &str| below.contains(&name) || text.contains("\nendpackage");
+        for (name, text) in self.modules.iter().filter(|(name, text)| is_needed(name, text)) {
             match text.rsplit_once("endmodule").filter(|_| name == module) {
                 Some((head, _)) => all += &format!("{head}{inside}\nendmodule\n"),
                 None => all += text,

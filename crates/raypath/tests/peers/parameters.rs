@@ -13,8 +13,8 @@ use std::collections::HashMap;
 /// The text of all modules without comments, because comments name the configuration.
 fn printed(config: Config) -> String {
     let datapath = Datapath::new(config).expect("a datapath");
-    let modules = verilog::modules(datapath.top()).expect("modules");
-    let texts = modules.iter().map(|module| verilog::print_module(module, &[]).expect("a module"));
+    let sources = verilog::sources(datapath.top(), &[]).expect("modules");
+    let texts = sources.into_iter().map(|source| source.text);
     let text: String = texts.collect();
     let code = text.lines().map(|line| line.split("//").next().unwrap_or_default().trim_end());
     code.filter(|line| !line.is_empty()).collect::<Vec<_>>().join("\n")

@@ -1,5 +1,6 @@
 //! Credits: how many more jobs may enter a pipeline that cannot stall.
 
+use raypath_hdl::text::Package;
 use raypath_hdl::{Builder, Label, Module};
 use std::sync::Arc;
 
@@ -15,8 +16,14 @@ pub struct Spacing {
 }
 
 /// `raypath_credit`: lets a job in while the exit has a place for it. `credits` is how many places there are.
-pub fn credit(credits: u32, opcode_width: u32, spacings: &[Spacing]) -> Result<Arc<Module>, raypath_hdl::Error> {
+pub fn credit(
+    credits: u32,
+    opcode_width: u32,
+    spacings: &[Spacing],
+    package: &Arc<Package>,
+) -> Result<Arc<Module>, raypath_hdl::Error> {
     let m = Builder::new("raypath_credit");
+    m.package(package);
     m.doc(format!("Lets a job in while one of {credits} credits is left; a job that leaves gives its credit back."));
     m.doc("ready comes from a flip-flop, so nothing of the sink reaches the source in the same cycle.");
     let valid = m.input("valid_i", 1);
@@ -33,7 +40,7 @@ pub fn credit(credits: u32, opcode_width: u32, spacings: &[Spacing]) -> Result<A
         m.section("A job of an operation with a loop waits for the one before");
         for spacing in spacings {
             let recent = m.register(&format!("{}_recent_q", spacing.name), spacing.cycles).reset_to(0);
-            let same = opcode.is(spacing.label.value).named(&format!("is_{}", spacing.name));
+            let same = opcode.equals(m.label(&spacing.label, opcode_width)).named(&format!("is_{}", spacing.name));
             ready = ready & !(same & recent.wire().any());
             spaced.push((spacing, recent, same));
         }

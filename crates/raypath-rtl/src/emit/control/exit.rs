@@ -1,47 +1,97 @@
-//! The control of the exit of a pipeline that cannot stall.
+//! The FIFO at the exit of a pipeline that cannot stall.
 
-use raypath_hdl::{Builder, Module};
+use super::buffer;
+use raypath_hdl::{Builder, Module, Register, Wire};
 use std::sync::Arc;
 
-/// `raypath_exit`: which of its registers the exit FIFO loads. `depth` is how many items it stores behind the one that
-/// the sink sees, 1 to 64.
+/// Which of its registers the FIFO at the exit loads.
 ///
-/// An arriving item goes straight to `front` where nothing waits, so that the FIFO adds no cycle. Places are named by
-/// one-hot pointers, which are the write enables and the read selects as they stand.
-pub fn exit(depth: u32) -> Result<Arc<Module>, raypath_hdl::Error> {
-    let m = Builder::new("raypath_exit");
-    m.doc(format!("Control of the exit: front, which the sink sees, and a FIFO of {depth} behind it."));
-    m.doc("Credits see to it that nothing arrives while all are full.");
-    let valid = m.input("valid_i", 1);
-    let ready_after = m.input("ready_i", 1);
+/// An arriving job goes straight to `data`, which the sink sees, if nothing waits, so the FIFO adds no cycle. One-hot
+/// pointers select the stored jobs; they are the write enables and the read selects without a decoder.
+#[derive(Clone, Copy)]
+pub struct Exit<'m> {
+    pub valid: Wire<'m>,
+    pub load_front: Wire<'m>,
+    pub from_store: Wire<'m>,
+    pub store: Wire<'m>,
+    pub read: Wire<'m>,
+}
 
-    let front_full = m.register("front_full_q", 1).reset_to(0);
-    let waiting = m.register("waiting_q", u32::BITS - depth.leading_zeros()).reset_to(0);
-    let write = m.register("write_q", depth).reset_to(1);
-    let read = m.register("read_q", depth).reset_to(1);
+impl<'m> Exit<'m> {
+    /// The control's registers. `depth` is the number of jobs stored behind the one that the sink sees, 1 to 63.
+    pub fn new(m: &'m Builder, valid: Wire<'m>, ready_after: Wire<'m>, depth: u32) -> Self {
+        let front_full = m.register("front_full_q", 1).reset_to(0);
+        let waiting = m.register("waiting_q", u32::BITS - depth.leading_zeros()).reset_to(0);
+        let write = m.register("write_q", depth).reset_to(1);
+        let read = m.register("read_q", depth).reset_to(1);
 
-    let leaves = (!front_full.wire() | ready_after).named("leaves").comment("front is free after this edge");
-    let stored = waiting.wire().any().named("stored");
-    let fetches = (leaves & stored).named("fetches");
-    let stores = (valid & (stored | !leaves)).named("stores");
-    let load_front = (leaves & (stored | valid)).named("load_front");
-    front_full.next(!leaves | load_front);
-    let width = waiting.wire().width();
-    waiting.next(waiting.wire() + stores.extend(width) - fetches.extend(width));
-    if depth > 1 {
-        for (pointer, turns) in [(write, stores), (read, fetches)] {
-            let wire = pointer.wire();
-            pointer.next_when(turns, m.concat(&[wire.lower(depth - 1), wire.top()]));
+        let leaves = (!front_full.wire() | ready_after).named("leaves").comment("data_q is free after this edge");
+        let stored = waiting.wire().any().named("stored");
+        let fetches = (leaves & stored).named("fetches");
+        let stores = (valid & (stored | !leaves)).named("stores");
+        let load_front = (leaves & (stored | valid)).named("load_front");
+        front_full.next(!leaves | load_front);
+        let width = waiting.wire().width();
+        waiting.next(waiting.wire() + stores.extend(width) - fetches.extend(width));
+        if depth > 1 {
+            for (pointer, turns) in [(write, stores), (read, fetches)] {
+                let wire = pointer.wire();
+                pointer.next_when(turns, m.concat(&[wire.lower(depth - 1), wire.top()]));
+            }
+        } else {
+            write.next(write.wire());
+            read.next(read.wire());
         }
-    } else {
-        write.next(write.wire());
-        read.next(read.wire());
+        let store = write.wire() & stores.replicate(depth);
+        Self { valid: front_full.wire(), load_front, from_store: stored, store, read: read.wire() }
     }
 
-    m.output("valid_o", front_full.wire());
-    m.output("load_front_o", load_front);
-    m.output("from_store_o", stored);
-    m.output("store_o", write.wire() & stores.replicate(depth));
-    m.output("read_o", read.wire());
-    m.finish()
+    /// The control as a module, `raypath_exit`.
+    pub fn module(depth: u32) -> Result<Arc<Module>, raypath_hdl::Error> {
+        let m = Builder::new("raypath_exit");
+        m.doc("Control of the FIFO at the exit.");
+        let exit = Exit::new(&m, m.input("valid_i", 1), m.input("ready_i", 1), depth);
+        m.output("valid_o", exit.valid);
+        m.output("load_front_o", exit.load_front);
+        m.output("from_store_o", exit.from_store);
+        m.output("store_o", exit.store);
+        m.output("read_o", exit.read);
+        m.finish()
+    }
+
+    /// Control and data registers as a module, `raypath_exit`, with the width as a parameter.
+    pub fn buffer(depth: u32) -> Result<Arc<Module>, raypath_hdl::Error> {
+        let doc = [
+            &format!(
+                "The exit: data_q, which the sink sees, and a FIFO of {depth} jobs behind it, each of Width bits."
+            ),
+            "Credits ensure that no job arrives while all are full.",
+        ];
+        buffer("raypath_exit", &doc, |m, data| {
+            let exit = Exit::new(m, m.input("valid_i", 1), m.input("ready_i", 1), depth);
+            let store = exit.store.named("store");
+            m.output("valid_o", exit.valid);
+            let registers = Exit { store, ..exit }.store(m, "data", data);
+            registers[registers.len() - 1].wire()
+        })
+    }
+
+    /// The data registers of a word: the stored ones, then the one that the sink sees.
+    pub fn store(self, m: &'m Builder, name: &str, word: Wire<'m>) -> Vec<Register<'m>> {
+        let bits = word.width();
+        let mut registers = Vec::new();
+        let mut oldest: Option<Wire<'m>> = None;
+        for place in 0..self.store.width() {
+            let stored = m.register(&format!("{name}_store_{place}_q"), bits);
+            stored.next_when(self.store.bit(place), word);
+            registers.push(stored);
+            let shown = stored.wire() & self.read.bit(place).replicate(bits);
+            oldest = Some(oldest.map_or(shown, |others| others | shown));
+        }
+        let oldest = oldest.unwrap_or(word).named(&format!("{name}_oldest"));
+        let front = m.register(&format!("{name}_q"), bits);
+        front.next_when(self.load_front, self.from_store.mux(oldest, word));
+        registers.push(front);
+        registers
+    }
 }

@@ -1,0 +1,92 @@
+//! How the module is to be printed.
+
+use super::{Builder, Register, Wire};
+use crate::netlist::{Driver, Label, Module};
+use crate::text::{Bank, EnumeratedInput, Package, PortGroup};
+use std::sync::Arc;
+
+impl Builder {
+    /// Refers to the declarations of a package.
+    pub fn package(&self, package: &Arc<Package>) {
+        self.state.borrow_mut().module.text.package = Some(package.clone());
+    }
+
+    /// Prints input ports as one port of a structure.
+    pub fn group_inputs(&self, group: PortGroup) {
+        self.expect_members(&group, |module| module.inputs());
+        self.state.borrow_mut().module.text.input = Some(group);
+    }
+
+    /// Prints an input port as a variable of an enumeration.
+    pub fn enumerate_input(&self, input: EnumeratedInput) {
+        self.claim(&input.variable);
+        self.state.borrow_mut().module.text.enumerated = Some(input);
+    }
+
+    /// Prints registers in an instance of `module`. `ports` are its ports other than `data_i` and `data_o`, `next` what
+    /// it stores, in the order of the members of `output`. If the netlist has an instance of this name, the text has
+    /// that of `module` in its place.
+    pub fn bank(
+        &self,
+        name: &str,
+        module: &Arc<Module>,
+        ports: &[(&str, Wire<'_>)],
+        next: &[Wire<'_>],
+        registers: &[Register<'_>],
+        output: PortGroup,
+    ) {
+        self.expect_members(&output, |module| module.outputs());
+        let replaces = self.state.borrow().module.instances.iter().position(|instance| instance.name == name);
+        if replaces.is_none() {
+            self.claim(name);
+        }
+        let bank = Bank {
+            name: name.to_string(),
+            module: module.clone(),
+            replaces,
+            registers: registers.iter().map(|register| register.index).collect(),
+            ports: ports.iter().map(|(port, wire)| (port.to_string(), self.own(*wire))).collect(),
+            next: self.own_all(next),
+            output,
+        };
+        if bank.next.len() != bank.output.members.len() {
+            self.fail_drive(name, "stores another number of words than it shows");
+        }
+        self.state.borrow_mut().module.text.bank = Some(bank);
+    }
+
+    /// Prints words of [`PAYLOAD`](crate::text::PAYLOAD) bits as words of a parameter's width.
+    pub fn parameterise_width(&self) {
+        self.state.borrow_mut().module.text.has_width_parameter = true;
+    }
+
+    /// The value of a label, under its name.
+    pub fn label(&self, label: &Label, width: u32) -> Wire<'_> {
+        let known = {
+            let signals = &self.state.borrow().module.signals;
+            signals.iter().position(|signal| {
+                signal.name.as_ref() == Some(&label.name) && signal.driver == Driver::Constant(label.value)
+            })
+        };
+        if let Some(known) = known {
+            return Wire { builder: self, id: crate::SignalId(known as u32) };
+        }
+        self.claim_label(label, width);
+        let wire = self.constant(width, label.value);
+        self.state.borrow_mut().module.signals[wire.id.index()].name = Some(label.name.clone());
+        wire
+    }
+
+    /// The members of a group are ports.
+    fn expect_members(&self, group: &PortGroup, ports: impl Fn(&Module) -> &[crate::Port]) {
+        let missing = {
+            let state = self.state.borrow();
+            let is_port = |name: &String| ports(&state.module).iter().any(|port| port.name == *name);
+            group.members.iter().find(|(name, _)| !is_port(name)).map(|(name, _)| name.clone())
+        };
+        if let Some(name) = missing {
+            self.fail_name(&name, &format!("is in {} and is no port", group.name));
+        }
+        self.claim(&group.name);
+    }
+}

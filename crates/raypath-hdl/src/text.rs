@@ -1,0 +1,165 @@
+//! What the printed text of a module has in another form than the netlist.
+//!
+//! The netlist has words of at most 64 bits, and a module for every set of ports. The text groups ports into packed
+//! structures, which a package declares, and holds registers of all widths in one module with a parameter.
+
+use crate::netlist::{Label, Module, SignalId};
+use std::sync::Arc;
+
+/// Declarations that the modules of a design share. They are printed before the modules.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Package {
+    /// Its name.
+    pub name: String,
+    /// The lines of its head comment.
+    pub doc: Vec<String>,
+    /// Names for the values of a word, such as opcodes.
+    pub enumeration: Option<Enumeration>,
+    /// Packed structures; a structure comes after those that it contains.
+    pub structures: Vec<Structure>,
+}
+
+/// An enumeration. Cases that use its labels refer to the package; they declare no labels of their own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Enumeration {
+    /// The name of its type.
+    pub name: String,
+    /// Its width in bits.
+    pub width: u32,
+    /// Names and values.
+    pub labels: Vec<Label>,
+}
+
+/// A packed structure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Structure {
+    /// The name of its type.
+    pub name: String,
+    /// The comment above it.
+    pub doc: Option<String>,
+    /// Types and names of its fields, the most significant first.
+    pub fields: Vec<(String, String)>,
+}
+
+/// Ports that the text has as one port of a structure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PortGroup {
+    /// The port's name: `data_i`.
+    pub name: String,
+    /// The structure's type: `raypath_pkg::stage_2_t`.
+    pub structure: String,
+    /// Names of ports and what selects each in the structure, such as `.num[3]`; the most significant first.
+    pub members: Vec<(String, String)>,
+}
+
+/// An input port that the module reads as an enumeration. The text converts it through a structure with one field,
+/// because a cast to a type of a package is beyond Yosys 0.23.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnumeratedInput {
+    /// The port.
+    pub port: String,
+    /// The name of the structure's variable.
+    pub variable: String,
+    /// The structure's type.
+    pub structure: String,
+    /// Its field.
+    pub field: String,
+}
+
+/// Registers that the text holds in an instance of another module. The netlist has them in the module itself.
+#[derive(Debug, Clone)]
+pub struct Bank {
+    /// The instance's name.
+    pub name: String,
+    /// The module that the text instantiates, with the ports `data_i` and `data_o` of [`PAYLOAD`] bits.
+    pub module: Arc<Module>,
+    /// The instance in the netlist that it takes the place of, by position; it has the same name.
+    pub replaces: Option<usize>,
+    /// The registers in it, by position in [`Module::registers`].
+    pub registers: Vec<usize>,
+    /// Its other ports and the signals at them.
+    pub ports: Vec<(String, SignalId)>,
+    /// What it stores, in the order of the members of `output`.
+    pub next: Vec<SignalId>,
+    /// The output ports that show what it has stored.
+    pub output: PortGroup,
+}
+
+/// The width that stands for the parameter `Width` in the text of a module with [`Text::has_width_parameter`].
+pub const PAYLOAD: u32 = 64;
+
+/// How a module is printed. By default, ports and registers are printed as the netlist has them.
+#[derive(Debug, Clone, Default)]
+pub struct Text {
+    /// The declarations that it refers to.
+    pub package: Option<Arc<Package>>,
+    /// Input ports in a structure.
+    pub input: Option<PortGroup>,
+    /// An input port as an enumeration.
+    pub enumerated: Option<EnumeratedInput>,
+    /// Registers that are printed in another module, and output ports in a structure.
+    pub bank: Option<Bank>,
+    /// Whether the text has a parameter `Width` instead of words of [`PAYLOAD`] bits.
+    pub has_width_parameter: bool,
+}
+
+impl Package {
+    /// The name by which modules refer to a label, if the package has it.
+    pub(crate) fn label(&self, name: &str) -> Option<String> {
+        let labels = self.enumeration.iter().flat_map(|enumeration| &enumeration.labels);
+        labels.into_iter().find(|label| label.name == name).map(|label| format!("{}::{}", self.name, label.name))
+    }
+}
+
+impl PortGroup {
+    /// Its name without the suffix of its direction.
+    pub(crate) fn stem(&self) -> &str {
+        self.name.strip_suffix("_i").or_else(|| self.name.strip_suffix("_o")).unwrap_or(&self.name)
+    }
+
+    /// What selects a port in the structure.
+    pub(crate) fn select(&self, port: &str) -> Option<&str> {
+        self.members.iter().find(|(name, _)| name == port).map(|(_, select)| select.as_str())
+    }
+}
+
+impl Bank {
+    /// Whether this port of its module is an input.
+    pub(crate) fn is_input(&self, port: &str) -> bool {
+        self.module.inputs().iter().any(|input| input.name == port)
+    }
+}
+
+impl Module {
+    /// How it is printed.
+    pub fn text(&self) -> &Text {
+        &self.text
+    }
+
+    /// How its text refers to one of its ports: `data_i.num[3]` for a port in a structure, otherwise its name.
+    pub fn port_text(&self, port: &str) -> String {
+        let groups = self.text.input.iter().chain(self.text.bank.iter().map(|bank| &bank.output));
+        let mut found = groups.filter_map(|group| group.select(port).map(|select| format!("{}{select}", group.name)));
+        found.next().unwrap_or_else(|| port.to_string())
+    }
+
+    /// The registers that its text holds in one word of another module: the word's name, as in
+    /// `u_skid.data_q`, and the names and widths of the registers, the most significant first.
+    pub fn banked_registers(&self) -> Vec<(String, Vec<(String, u32)>)> {
+        let Some(bank) = &self.text.bank else { return Vec::new() };
+        let words = bank.module.registers().iter().filter_map(|register| {
+            let word = bank.module.signal(register.signal);
+            word.name.as_ref().filter(|_| word.width == PAYLOAD)
+        });
+        words
+            .map(|word| {
+                let suffix = word.strip_prefix("data").unwrap_or(word);
+                let member = |(port, _): &(String, String)| {
+                    let stem = port.strip_suffix("_o").unwrap_or(port);
+                    (format!("{stem}{suffix}"), self.port_width(port).unwrap_or(0))
+                };
+                (format!("{}.{word}", bank.name), bank.output.members.iter().map(member).collect())
+            })
+            .collect()
+    }
+}

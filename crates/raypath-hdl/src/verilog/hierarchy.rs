@@ -1,0 +1,100 @@
+//! The modules of a design, and its text as files.
+
+use super::{LICENSE, print_module, print_package};
+use crate::Error;
+use crate::netlist::Module;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// A package or a module as text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Source {
+    /// The name of the package or module.
+    pub name: String,
+    /// Its text, with the licence, the banner and its own comment at the head.
+    pub text: String,
+}
+
+/// The text of `top` and everything that it needs, in the order of compilation: the package, then modules, those that
+/// are instantiated before those that instantiate them. The lines of `banner` stand at the head of each.
+///
+/// # Errors
+/// Different modules or packages of one name.
+pub fn sources(top: &Arc<Module>, banner: &[String]) -> Result<Vec<Source>, Error> {
+    let mut found = Found { is_text: true, ..Found::default() };
+    found.visit(top)?;
+    let banner: Vec<String> = std::iter::once(LICENSE.to_string()).chain(banner.iter().cloned()).collect();
+    let mut sources: Vec<Source> = Vec::new();
+    for package in found.order.iter().filter_map(|module| module.text().package.as_ref()) {
+        let source = Source { name: package.name.clone(), text: print_package(package, &banner) };
+        match sources.iter().find(|other| other.name == source.name) {
+            None => sources.push(source),
+            Some(other) if *other == source => {}
+            Some(_) => return Err(two_of_a_name(&source.name)),
+        }
+    }
+    for module in &found.order {
+        sources.push(Source { name: module.name().to_string(), text: print_module(module, &banner)? });
+    }
+    Ok(sources)
+}
+
+/// The text of `top` and everything that it needs.
+///
+/// # Errors
+/// Different modules or packages of one name.
+pub fn text(top: &Arc<Module>) -> Result<String, Error> {
+    Ok(sources(top, &[])?.into_iter().map(|source| source.text).collect())
+}
+
+/// `top` and every module below it in the netlist, each once, those that are instantiated before those that instantiate
+/// them.
+///
+/// # Errors
+/// Different modules of one name.
+pub fn modules(top: &Arc<Module>) -> Result<Vec<Arc<Module>>, Error> {
+    let mut found = Found::default();
+    found.visit(top)?;
+    Ok(found.order)
+}
+
+#[derive(Default)]
+struct Found {
+    /// Whether to find what the text instantiates, not the netlist.
+    is_text: bool,
+    order: Vec<Arc<Module>>,
+    visited: HashSet<*const Module>,
+    by_name: HashMap<String, Arc<Module>>,
+}
+
+impl Found {
+    fn visit(&mut self, module: &Arc<Module>) -> Result<(), Error> {
+        if !self.visited.insert(Arc::as_ptr(module)) {
+            return Ok(());
+        }
+        let bank = module.text().bank.as_ref().filter(|_| self.is_text);
+        if let Some(bank) = bank {
+            self.visit(&bank.module)?;
+        }
+        for (index, instance) in module.instances().iter().enumerate() {
+            if bank.is_none_or(|bank| bank.replaces != Some(index)) {
+                self.visit(&instance.module)?;
+            }
+        }
+        match self.by_name.get(module.name()) {
+            None => {
+                self.by_name.insert(module.name().to_string(), module.clone());
+                self.order.push(module.clone());
+                Ok(())
+            }
+            // Built twice with one text. The modules that they instantiate have been compared before.
+            Some(other) if print_module(other, &[])? == print_module(module, &[])? => Ok(()),
+            Some(_) => Err(two_of_a_name(module.name())),
+        }
+    }
+}
+
+fn two_of_a_name(name: &str) -> Error {
+    let problem = "is the name of two different modules".to_string();
+    Error::Name { module: name.to_string(), name: name.to_string(), problem }
+}
