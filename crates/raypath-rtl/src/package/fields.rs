@@ -36,7 +36,7 @@ pub enum Direction {
 const HANDSHAKES: [&str; 4] = ["input_valid_i", "input_ready_o", "output_valid_o", "output_ready_i"];
 
 /// The port that says which operation a job or an outcome is of; its field is the first.
-pub const OPCODE: &str = "opcode";
+const OPCODE: &str = "opcode";
 
 impl Field {
     /// The ports of one direction, handshakes left out, the opcode first.

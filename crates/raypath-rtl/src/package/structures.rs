@@ -1,10 +1,7 @@
 //! Fields as types: one for each distinct structure.
 
-use crate::package::fields::{Field, OPCODE};
+use crate::package::fields::Field;
 use crate::package::text::packed;
-
-/// The enumeration of opcodes, in the package of the datapath.
-pub const OPCODE_TYPE: &str = "raypath_pkg::opcode_e";
 
 /// A job.
 pub const JOB_TYPE: &str = "job_t";
@@ -33,11 +30,8 @@ pub struct Structure {
 impl Structures {
     pub fn new(job: &[Field], outcome: &[Field]) -> Self {
         let mut structures = Self { types: Vec::new() };
-        let mut fields = structures.fields(job, "job");
-        // What drives the datapath is one of the opcodes; what it shows is whatever it was given.
-        for (kind, _) in fields.iter_mut().filter(|(_, name)| name == OPCODE) {
-            *kind = OPCODE_TYPE.to_string();
-        }
+        // The opcode is a vector: Yosys 0.23 finds no type of another package in a package.
+        let fields = structures.fields(job, "job");
         structures.types.push(Structure { name: JOB_TYPE.to_string(), fields });
         let fields = structures.fields(outcome, "outcome");
         structures.types.push(Structure { name: OUTCOME_TYPE.to_string(), fields });

@@ -134,7 +134,7 @@ fn flattened(top: &Module) -> String {
             }
             let (stem, name) = (port.stem(), &port.name);
             let wire = match (direction, stem) {
-                ("input", "opcode") => format!("job.opcode = raypath_pkg::opcode_e'({name})"),
+                ("input", "opcode") => format!("job.opcode = {name}"),
                 ("input", _) => format!("job.{} = {name}", field(stem)),
                 _ => format!("{name} = outcome.{}", field(stem)),
             };
@@ -144,7 +144,8 @@ fn flattened(top: &Module) -> String {
     let handshakes = HANDSHAKES.map(|name| format!(".{name}({name})")).join(", ");
     format!(
         "module flat (\n{}\n);\n  raypath_wrapper_pkg::job_t job;\n  raypath_wrapper_pkg::outcome_t \
-         outcome;\n{wires}  raypath_wrapper u_wrapper (.clk_i(clk_i), .rst_ni(rst_ni), {handshakes}, .job_i(job), .outcome_o(outcome));\nendmodule\n",
+         outcome;\n{wires}  raypath_wrapper u_wrapper (.clk_i(clk_i), .rst_ni(rst_ni), {handshakes}, .job_i(job), \
+         .outcome_o(outcome));\nendmodule\n",
         ports.join(",\n")
     )
 }
@@ -245,7 +246,7 @@ fn any_operation_is_wrapped() {
     let operations = Operations::new().with(&Sum, 5).expect("an operation");
     let written = write(&Datapath::of(operations).expect("a datapath"));
     lint(&written).unwrap_or_else(|fault| panic!("{fault}"));
-    let package = written.text("rtl/raypath_wrapper_pkg.sv");
+    let package = fs::read_to_string(written.path().join("rtl/raypath_pkg.sv")).expect("text");
     assert!(package.contains("OpSumOfAll = 3'd5"), "{package}");
     let wrapper = written.text("rtl/raypath_wrapper.sv");
     for port in
