@@ -143,16 +143,21 @@ impl Module {
         found.next().unwrap_or_else(|| port.to_string())
     }
 
-    /// The registers that its text holds in one word of another module: the word's name, as in
-    /// `u_skid.data_q`, and the names and widths of the registers, the most significant first.
+    /// The registers that its text holds in another module: the name there, as in `u_skid.data_q`, and the names and
+    /// widths of the registers, the most significant first.
     pub fn banked_registers(&self) -> Vec<(String, Vec<(String, u32)>)> {
         let Some(bank) = &self.text.bank else { return Vec::new() };
         let words = bank.module.registers().iter().filter_map(|register| {
             let word = bank.module.signal(register.signal);
-            word.name.as_ref().filter(|_| word.width == PAYLOAD)
+            word.name.as_ref().map(|name| (name, word.width))
         });
         words
-            .map(|word| {
+            // If the netlist has the control in an instance of this name, its registers have equal names.
+            .filter(|(_, width)| *width == PAYLOAD || bank.replaces.is_none())
+            .map(|(word, width)| {
+                if width != PAYLOAD {
+                    return (format!("{}.{word}", bank.name), vec![(word.clone(), width)]);
+                }
                 let suffix = word.strip_prefix("data").unwrap_or(word);
                 let member = |(port, _): &(String, String)| {
                     let stem = port.strip_suffix("_o").unwrap_or(port);

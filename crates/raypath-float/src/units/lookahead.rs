@@ -17,6 +17,9 @@ pub(crate) fn add<'m>(a: Wire<'m>, b: Wire<'m>, entering: Option<Wire<'m>>, name
     let m = a.builder();
     let width = a.width();
     let generates = (a & b).named(&format!("{name}_generates"));
+    if width == 1 && entering.is_none() {
+        return Sum { word: a ^ b, carry: generates };
+    }
     // Without a carry that enters, the lowest column has nothing to propagate.
     let lowest = u32::from(entering.is_none());
     let propagates = (a.upper(width - lowest) | b.upper(width - lowest)).named(&format!("{name}_propagates"));

@@ -199,7 +199,11 @@ fn select(module: &Module, places: &[Place], root: SignalId, low: u32, width: u3
             Place::Text(expression) => expression.clone(),
             _ => read(places, root),
         },
-        _ if width == 1 => Expression::primary(format!("{}[{low}]", read(places, root).text)),
-        _ => Expression::primary(format!("{}[{high}:{low}]", read(places, root).text)),
+        _ => {
+            let root = read(places, root).text;
+            // Yosys 0.23 crashes on one bit of an array's element in a structure, but not on a range of one bit.
+            let is_bit = width == 1 && !root.ends_with(']');
+            Expression::primary(if is_bit { format!("{root}[{low}]") } else { format!("{root}[{high}:{low}]") })
+        }
     }
 }

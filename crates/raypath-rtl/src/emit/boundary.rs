@@ -3,7 +3,6 @@
 use crate::allocate::layout::{FLAG_REGISTER, Layout, Origin, RegisterSlot};
 use crate::allocate::plan::Plan;
 use crate::config::{Encoding, Sharing};
-use crate::emit::elastic::Next;
 use crate::emit::library::Library;
 use crate::error::Error;
 use crate::ir::graph::{NodeId, OperationGraph};
@@ -123,6 +122,13 @@ fn flag_fields(layout: &Layout, op: usize) -> Vec<(u32, u32, NodeId)> {
         .collect();
     fields.sort_unstable();
     fields
+}
+
+/// The next value of a register.
+pub struct Next<'m> {
+    /// The register's name without `_q`.
+    pub name: String,
+    pub wire: Wire<'m>,
 }
 
 /// What each operation hands on after a step, register by register.

@@ -1,19 +1,13 @@
 //! The registers after a step: a skid buffer, a register that never stalls, or the FIFO at the exit.
 
 use crate::allocate::plan::Plan;
+use crate::emit::boundary::Next;
 use crate::emit::control::{Exit, Register, Skid};
 use crate::emit::interface;
 use crate::emit::library::Library;
 use crate::error::Error;
 use raypath_hdl::text::PortGroup;
 use raypath_hdl::{Builder, Wire};
-
-/// What a register takes.
-pub struct Next<'m> {
-    /// The register's name without `_q`.
-    pub name: String,
-    pub wire: Wire<'m>,
-}
 
 /// The registers after a step.
 pub struct Registers<'m, 'p> {

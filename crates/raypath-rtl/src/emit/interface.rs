@@ -3,7 +3,7 @@
 use crate::allocate::plan::Plan;
 use crate::emit::boundary::{flag_register, label, number};
 use crate::emit::library::Library;
-use crate::emit::stage;
+use crate::ir::position::StepLabel;
 use raypath_hdl::text::{EnumeratedInput, Enumeration, Package, PortGroup, Structure};
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ pub fn package(plan: &Plan, library: &Library) -> Arc<Package> {
     labels.sort_by_key(|label| label.value);
     let operation = Structure {
         name: "operation_t".to_string(),
-        doc: Some("A vector as an opcode.".to_string()),
+        doc: Some("The opcode port as an enumeration.".to_string()),
         fields: vec![("opcode_e".to_string(), "opcode".to_string())],
     };
     let registers = (0..plan.steps.len()).map(|step| Structure {
@@ -63,8 +63,17 @@ pub fn opcode_input() -> EnumeratedInput {
     }
 }
 
+/// The name of a step's instance: `stage_3`, `stage_3_2`.
+pub fn step_name(label: StepLabel) -> String {
+    match label {
+        StepLabel { stage: 0, .. } => "input".to_string(),
+        StepLabel { stage, parts: 1, .. } => format!("stage_{stage}"),
+        StepLabel { stage, part, .. } => format!("stage_{stage}_{part}"),
+    }
+}
+
 fn structure(plan: &Plan, step: usize) -> String {
-    format!("{}_t", stage::name(plan.steps[step].label))
+    format!("{}_t", step_name(plan.steps[step].label))
 }
 
 fn group(plan: &Plan, library: &Library, step: usize, direction: &str) -> PortGroup {

@@ -263,9 +263,9 @@ fn beats(plan: &Plan, traced: &OperationGraph<Step>) -> Bind {
     let read = traced.first_read().0 as usize;
     let written = traced.last_write().0 as usize;
     // What the top calls the wires around a step: after the instances that drive them.
-    let before = |step: usize| stage::name(plan.steps[step.saturating_sub(1)].label);
+    let before = |step: usize| interface::step_name(plan.steps[step.saturating_sub(1)].label);
     let ready = |step: usize| match plan.microarchitecture.control {
-        Control::Skid => format!("{}_ready", stage::name(plan.steps[step].label)),
+        Control::Skid => format!("{}_ready", interface::step_name(plan.steps[step].label)),
         Control::Credit => "1'b1".to_string(),
     };
     Bind { about: traced.name.to_string(), ..Bind::of_opcodes(plan, "raypath", Checker::Beats) }

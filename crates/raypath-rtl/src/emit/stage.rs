@@ -21,20 +21,11 @@ pub fn stage(plan: &Plan, library: &Library, package: &Arc<Package>, step: usize
     // Built once to learn which values are read by name, and once more to name them first.
     let scratch = Builder::new("scratch");
     let read = build(&scratch, plan, library, step, &[])?;
-    let m = Builder::new(&format!("raypath_{}", name(plan.steps[step].label)));
+    let m = Builder::new(&format!("raypath_{}", interface::step_name(plan.steps[step].label)));
     m.package(package);
     describe(&m, plan, step);
     build(&m, plan, library, step, &read)?;
     Ok(m.finish()?)
-}
-
-/// What a step's instance is called: `stage_3`, `stage_3_2`.
-pub fn name(label: StepLabel) -> String {
-    match label {
-        StepLabel { stage: 0, .. } => "input".to_string(),
-        StepLabel { stage, parts: 1, .. } => format!("stage_{stage}"),
-        StepLabel { stage, part, .. } => format!("stage_{stage}_{part}"),
-    }
 }
 
 /// Builds a step whose algorithms begin with `names` for the registers before it. Gives those that it needs.

@@ -52,7 +52,7 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
 
     let mut modules = vec![("input".to_string(), input::input(plan, library, &package)?)];
     for step in 1..plan.steps.len() {
-        modules.push((stage::name(plan.steps[step].label), stage::stage(plan, library, &package, step)?));
+        modules.push((interface::step_name(plan.steps[step].label), stage::stage(plan, library, &package, step)?));
     }
     let mut credit = None;
     let mut leaves = None;

@@ -1,6 +1,6 @@
 //! The FIFO at the exit of a pipeline that cannot stall.
 
-use super::buffer;
+use super::buffer::buffer;
 use raypath_hdl::{Builder, Module, Register, Wire};
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 //! A register that never stalls.
 
-use super::buffer;
+use super::buffer::buffer;
 use raypath_hdl::{Builder, Module, Wire};
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 //! A skid buffer.
 
-use super::buffer;
+use super::buffer::buffer;
 use raypath_hdl::{Builder, Module, Register, Wire};
 use std::sync::Arc;
 
