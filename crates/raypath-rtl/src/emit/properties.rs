@@ -5,8 +5,8 @@
 
 use crate::allocate::plan::Plan;
 use crate::config::Control;
-use crate::emit::stage;
 use crate::emit::top::Pipeline;
+use crate::emit::{interface, stage};
 use crate::ir::graph::OperationGraph;
 use crate::ir::position::Step;
 use raypath_hdl::{Driver, Module, RegisterInfo};
