@@ -1,20 +1,20 @@
 // The first of four boxes on a ray: an example that instantiates the wrapper of the datapath.
 
 module nearest_box (
-  input  logic                   clk_i,
-  input  logic                   rst_ni,
-  input  logic                   ray_valid_i,
-  output logic                   ray_ready_o,
+  input  logic                           clk_i,
+  input  logic                           rst_ni,
+  input  logic                           ray_valid_i,
+  output logic                           ray_ready_o,
   input  raypath_wrapper_pkg::job_ray_t  ray_i,
   input  raypath_wrapper_pkg::job_aabb_t box_0_i,
   input  raypath_wrapper_pkg::job_aabb_t box_1_i,
   input  raypath_wrapper_pkg::job_aabb_t box_2_i,
   input  raypath_wrapper_pkg::job_aabb_t box_3_i,
-  output logic                   hit_valid_o,
-  input  logic                   hit_ready_i,
-  output logic                   is_hit_o,
-  output logic [1:0]             box_o,
-  output logic [31:0]            distance_o
+  output logic                           hit_valid_o,
+  input  logic                           hit_ready_i,
+  output logic                           is_hit_o,
+  output logic [1:0]                     box_o,
+  output logic [31:0]                    distance_o
 );
 
   // ANCHOR: body
