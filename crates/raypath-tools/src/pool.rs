@@ -89,8 +89,9 @@ pub struct Finished<T> {
     pub is_stopped: bool,
 }
 
-/// Runs cases on `threads` threads ([`ALL_CORES`]: one for each core): each worker prepares its state and calls [`Queue::run`]. `proceed` is called on this thread
-/// several times a second with the number of cases that have run; when it returns false, the run ends.
+/// Runs cases on `threads` threads ([`ALL_CORES`]: one for each core). Each worker prepares its state and calls
+/// [`Queue::run`]. `proceed` is called on this thread several times a second with the number of cases that have run. If
+/// it returns false, the run ends.
 ///
 /// # Errors
 /// The error of the case with the smallest number that failed, or of a worker's preparation.
