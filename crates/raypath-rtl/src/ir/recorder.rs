@@ -21,12 +21,23 @@ pub enum Marks {
 pub fn record<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> OperationGraph<Stage> {
     let recording = Recording { marks, auto: Cell::new(marks == Marks::Ignored), ..Recording::default() };
     let c = Recorder { recording: &recording };
-    let mut inputs = InputSource { c, is_present: &|port| operation.has_input(port), inputs: Vec::new() };
-    let input = O::Input::build(&mut Path::default(), &mut inputs);
-    let inputs = inputs.inputs;
-    let mut states = StateSource { c, names: Vec::new() };
-    let state = O::State::build(&mut Path::default(), &mut states);
-    let names = states.names;
+    let mut inputs = Vec::new();
+    let mut add_input = |kind, field: Field<'_>| {
+        let id = c.add_input(kind, &field);
+        if operation.has_input(field.name) {
+            inputs.push(id);
+        }
+        id
+    };
+    let input = O::Input::build(&mut Path::default(), &mut ValueSource { c, add: &mut add_input });
+    let mut names = Vec::new();
+    let mut add_state = |kind, field: Field<'_>| {
+        names.push(field.name.to_string());
+        let id = c.push_at(Position::INPUT, kind, Op::State(names.len() - 1));
+        c.name(id, field.name);
+        id
+    };
+    let state = O::State::build(&mut Path::default(), &mut ValueSource { c, add: &mut add_state });
 
     let (output, next) = operation.run(c, input, state);
 
@@ -85,6 +96,17 @@ impl Recorder<'_> {
         let mut nodes = self.recording.nodes.borrow_mut();
         nodes.push(Node { op, kind, position: stage, name: None });
         NodeId(nodes.len() as u32 - 1)
+    }
+
+    /// A node for a field of the input, named like its port.
+    fn add_input(self, kind: Kind, field: &Field<'_>) -> NodeId {
+        let name = match field.bit {
+            Some((bit, _)) => format!("{}_{bit}", field.name),
+            None => field.name.to_string(),
+        };
+        let id = self.push_at(Position::INPUT, kind, Op::Input(port_bit(field)));
+        self.recording.nodes.borrow_mut()[id.index()].name = Some(name);
+        id
     }
 
     /// The node of a value that needs no unit. Equal values share one node.
@@ -254,63 +276,22 @@ fn port_bit(field: &Field<'_>) -> PortBit {
     PortBit { port: field.name.to_string(), bit: field.bit }
 }
 
-/// The source of input values. Not generic over the operation, so that it is compiled once.
-struct InputSource<'g> {
+/// The source of input values or of states: `add` adds a node. Not generic over the operation, so that it is compiled
+/// once.
+struct ValueSource<'s, 'g> {
     c: Recorder<'g>,
-    is_present: &'g dyn Fn(&str) -> bool,
-    inputs: Vec<NodeId>,
+    add: &'s mut dyn FnMut(Kind, Field<'_>) -> NodeId,
 }
 
-impl InputSource<'_> {
-    fn push(&mut self, kind: Kind, field: Field<'_>) -> NodeId {
-        let name = match field.bit {
-            Some((bit, _)) => format!("{}_{bit}", field.name),
-            None => field.name.to_string(),
-        };
-        let id = self.c.push_at(Position::INPUT, kind, Op::Input(port_bit(&field)));
-        self.c.recording.nodes.borrow_mut()[id.index()].name = Some(name);
-        if (self.is_present)(field.name) {
-            self.inputs.push(id);
-        }
-        id
-    }
-}
-
-impl<'g> Source<Recorder<'g>> for InputSource<'g> {
+impl<'g> Source<Recorder<'g>> for ValueSource<'_, 'g> {
     fn num(&mut self, field: Field<'_>) -> Num<Recorder<'g>> {
-        Num::new(self.c, self.push(Kind::Number, field))
+        Num::new(self.c, (self.add)(Kind::Number, field))
     }
     fn bit(&mut self, field: Field<'_>) -> Bit<Recorder<'g>> {
-        Bit::new(self.c, self.push(BIT, field))
+        Bit::new(self.c, (self.add)(BIT, field))
     }
     fn word(&mut self, field: Field<'_>, width: u32) -> (Recorder<'g>, NodeId) {
-        (self.c, self.push(Kind::Word(width), field))
-    }
-}
-
-struct StateSource<'g> {
-    c: Recorder<'g>,
-    names: Vec<String>,
-}
-
-impl StateSource<'_> {
-    fn push(&mut self, kind: Kind, field: Field<'_>) -> NodeId {
-        self.names.push(field.name.to_string());
-        let id = self.c.push_at(Position::INPUT, kind, Op::State(self.names.len() - 1));
-        self.c.name(id, field.name);
-        id
-    }
-}
-
-impl<'g> Source<Recorder<'g>> for StateSource<'g> {
-    fn num(&mut self, field: Field<'_>) -> Num<Recorder<'g>> {
-        Num::new(self.c, self.push(Kind::Number, field))
-    }
-    fn bit(&mut self, field: Field<'_>) -> Bit<Recorder<'g>> {
-        Bit::new(self.c, self.push(BIT, field))
-    }
-    fn word(&mut self, field: Field<'_>, width: u32) -> (Recorder<'g>, NodeId) {
-        (self.c, self.push(Kind::Word(width), field))
+        (self.c, (self.add)(Kind::Word(width), field))
     }
 }
 
