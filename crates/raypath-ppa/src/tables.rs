@@ -3,6 +3,7 @@
 use crate::{Area, Baseline, Exploration, Report};
 use comfy_table::{CellAlignment, Table};
 use raypath_rtl::report::tables::new_table;
+use raypath_tools::grouped;
 
 /// A table of area by stage and kind, and of flip-flops by stage.
 pub fn areas(report: &Report) -> String {
@@ -152,17 +153,4 @@ fn ratio(ours: f64, theirs: f64) -> String {
 
 fn millions(per_second: f64) -> String {
     if per_second == 0.0 { String::new() } else { format!("{} M", grouped((per_second / 1e6).round() as u64)) }
-}
-
-/// A number with commas between thousands.
-pub(crate) fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (position, digit) in digits.chars().enumerate() {
-        if position > 0 && (digits.len() - position).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }

@@ -20,12 +20,15 @@ mod wrong_sums;
 
 use crate::verdict::Item;
 
+/// The sources that each result of this module depends on.
+const SUBJECT: &[&str] = &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath-verify/src/geometry"];
+
 /// Ray against triangle: no ray passes between adjacent faces.
 pub const WATERTIGHT: Item = Item {
     name: "watertight",
     claim: "a ray through an edge or vertex shared by faces that all face the ray hits at least one of them",
     oracle: "which faces face the ray, and where it passes them, by exact arithmetic",
-    subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath-verify/src/geometry"],
+    subject: SUBJECT,
     run: watertight::verify,
 };
 
@@ -35,7 +38,7 @@ pub const BOXES: Item = Item {
     claim: "a ray that crosses a box by more than the rounding bound hits it, a ray that misses it by more does not, \
             and tmin has an error of at most three roundings",
     oracle: "exact arithmetic on integers times powers of two",
-    subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath-verify/src/geometry"],
+    subject: SUBJECT,
     run: boxes::verify,
 };
 
@@ -45,7 +48,7 @@ pub const TRIANGLE_DISTANCE: Item = Item {
     claim: "t_num, t_denom and, for hits, their quotient have errors within the bounds of \
             docs/reference/error-bounds.md",
     oracle: "exact arithmetic on integers times powers of two",
-    subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath-verify/src/geometry"],
+    subject: SUBJECT,
     run: triangle_distances::verify,
 };
 
@@ -54,6 +57,6 @@ pub const SUMS: Item = Item {
     name: "sums",
     claim: "Euclidean sums, dot products and norms have errors within the bounds of docs/reference/error-bounds.md",
     oracle: "exact arithmetic on integers times powers of two",
-    subject: &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath-verify/src/geometry"],
+    subject: SUBJECT,
     run: sums::verify,
 };

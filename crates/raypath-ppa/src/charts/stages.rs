@@ -1,9 +1,9 @@
 //! The stages of a design as bars of area and of delay.
 
 use super::round_step;
-use crate::tables::grouped;
 use crate::{Area, Path, Report};
 use raypath_rtl::report::drawing::{self, line, rectangle, text};
+use raypath_tools::grouped;
 use svg::node::element::{Group, Title};
 
 const LEFT: i32 = 64;
@@ -15,7 +15,7 @@ const TIME_TOP: i32 = 470;
 const TIME_HEIGHT: i32 = 150;
 const LEGEND: i32 = 150;
 
-/// The colours of the parts of a path: the register at its start, gates, units, set-up time.
+/// The colours of the segments of a path: the register at its start, gates, units, set-up time.
 const REGISTER: &str = "#555555";
 const GATES: &str = "#999999";
 const UNIT: &str = "#0072b2";
@@ -59,27 +59,27 @@ pub fn stages(report: &Report) -> String {
         if let Some(path) = &stage.slowest {
             let top = TIME_TOP + TIME_HEIGHT - scaled(path.ns, max_time, TIME_HEIGHT);
             picture = picture
-                .add(bar(x, TIME_TOP + TIME_HEIGHT, TIME_HEIGHT, max_time, &parts(path)))
+                .add(bar(x, TIME_TOP + TIME_HEIGHT, TIME_HEIGHT, max_time, &delays(path)))
                 .add(text(middle, top - 4, "small middle", &format!("{:.2}", path.ns)))
                 .add(text(middle, TIME_TOP + TIME_HEIGHT + 16, "middle", stage.name.trim_start_matches("stage ")));
         }
     }
-    let present = kinds(&report.area).into_iter().map(|part| (part.name, part.colour));
+    let present = kinds(&report.area).into_iter().map(|segment| (segment.name, segment.colour));
     let times = [("register", REGISTER), ("gates", GATES), ("unit", UNIT), ("set-up", SETUP)];
     let times = times.map(|(name, colour)| (name.to_string(), colour)).into_iter();
     picture = picture.add(legend(right + 20, AREA_TOP, present)).add(legend(right + 20, TIME_TOP, times));
     picture.to_string() + "\n"
 }
 
-/// A part of a bar.
-struct Part {
+/// A segment of a stacked bar.
+struct Segment {
     name: String,
     colour: &'static str,
     size: f64,
 }
 
 /// A stage's area by kind, from the bottom, in colours that colour-blind readers distinguish (Okabe and Ito).
-fn kinds(area: &Area) -> Vec<Part> {
+fn kinds(area: &Area) -> Vec<Segment> {
     let unit = |kind: &str| match kind.split(' ').next() {
         Some("mul") => "#0072b2",
         Some("add") => "#d55e00",
@@ -88,17 +88,17 @@ fn kinds(area: &Area) -> Vec<Part> {
         _ => "#e69f00",
     };
     let units =
-        area.units.iter().map(|(kind, units)| Part { name: kind.clone(), colour: unit(kind), size: units.area });
+        area.units.iter().map(|(kind, units)| Segment { name: kind.clone(), colour: unit(kind), size: units.area });
     let colours = ["#555555", "#56b4e9", "#999999", "#f0e442", "#c8c8c8", "#000000"];
     let others = area.other_kinds().into_iter().zip(colours);
-    let others = others.map(|((name, size), colour)| Part { name: name.to_string(), colour, size });
-    units.chain(others).filter(|part| part.size > 0.0).collect()
+    let others = others.map(|((name, size), colour)| Segment { name: name.to_string(), colour, size });
+    units.chain(others).filter(|segment| segment.size > 0.0).collect()
 }
 
 /// A path's delay by element, from the bottom.
-fn parts(path: &Path) -> Vec<Part> {
+fn delays(path: &Path) -> Vec<Segment> {
     let mut before = 0.0;
-    let mut parts = Vec::new();
+    let mut segments = Vec::new();
     for (number, step) in path.steps.iter().enumerate() {
         let colour = match step.through.as_str() {
             _ if number == 0 => REGISTER,
@@ -106,23 +106,23 @@ fn parts(path: &Path) -> Vec<Part> {
             unit if unit.starts_with("u_") => UNIT,
             _ => GATES,
         };
-        parts.push(Part { name: step.through.clone(), colour, size: step.ns - before });
+        segments.push(Segment { name: step.through.clone(), colour, size: step.ns - before });
         before = step.ns;
     }
-    parts.push(Part { name: "set-up".to_string(), colour: SETUP, size: path.setup_ns });
-    parts
+    segments.push(Segment { name: "set-up".to_string(), colour: SETUP, size: path.setup_ns });
+    segments
 }
 
-fn bar(x: i32, bottom: i32, height: i32, max: f64, parts: &[Part]) -> Group {
+fn bar(x: i32, bottom: i32, height: i32, max: f64, segments: &[Segment]) -> Group {
     let mut reached = 0.0;
     let mut group = Group::new();
-    for part in parts {
+    for segment in segments {
         // Edges, not heights, are rounded, so that errors do not add up.
-        let (low, high) = (scaled(reached, max, height), scaled(reached + part.size, max, height));
-        reached += part.size;
+        let (low, high) = (scaled(reached, max, height), scaled(reached + segment.size, max, height));
+        reached += segment.size;
         if high > low {
-            let title = Title::new(format!("{}: {:.2}", part.name, part.size));
-            group = group.add(rectangle(x, bottom - high, BAR, high - low, part.colour).add(title));
+            let title = Title::new(format!("{}: {:.2}", segment.name, segment.size));
+            group = group.add(rectangle(x, bottom - high, BAR, high - low, segment.colour).add(title));
         }
     }
     group

@@ -2,7 +2,7 @@
 
 use super::box_cases::{Case, draw};
 use super::box_intersection::ExactIntersection;
-use super::campaign::{self, Failures, Largest, Tally};
+use super::campaign::{self, Failures, Largest, add_controls, tally_of_fields};
 use super::error_units::{U, ulps_of};
 use crate::error::Error;
 use crate::request::Request;
@@ -147,7 +147,6 @@ impl Boxes {
             "{checked} boxes, {hits} hit; {touched} touched in one point, {flat} flat, {empty} empty, {along} with the \
              ray along a slab, {in_plane} in its plane"
         );
-        let found: Vec<String> = FAULTY.iter().zip(self.found).map(|((name, _), n)| format!("{name} {n}")).collect();
         let remarks = vec![
             format!("error of tmin: at most {:.3} ulps, {:.3} u; bound 3", self.tmin_ulps.0, self.tmin_units.0),
             format!(
@@ -156,14 +155,11 @@ impl Boxes {
                 self.undetermined, self.differing, self.gap.0
             ),
             format!("beyond the range of binary32, which the claim excludes: {} boxes", self.out_of_range),
-            format!("wrong results of faulty implementations: {}", found.join(", ")),
         ];
-        let mut failures = self.failures.lines();
-        if checked >= ENOUGH {
-            let missed = FAULTY.iter().zip(self.found).filter(|(_, found)| *found == 0);
-            failures.extend(missed.map(|((name, _), _)| format!("the campaign cannot fail: it does not find {name}")));
-        }
-        Verdict { covered, remarks, failures, is_stopped }
+        let mut verdict = Verdict { covered, remarks, failures: self.failures.lines(), is_stopped };
+        let names = FAULTY.map(|(name, _)| name);
+        add_controls(&mut verdict, "wrong results of faulty implementations", names, self.found, checked >= ENOUGH);
+        verdict
     }
 }
 
@@ -172,25 +168,23 @@ fn is_right(geometry: &ExactIntersection, (hit, tmin): Answer) -> bool {
     geometry.required_hit.is_none_or(|required_hit| hit == required_hit) && (!hit || geometry.entry.may_round_to(tmin))
 }
 
-impl Tally for Boxes {
-    fn join(&mut self, later: Self) {
-        self.checked += later.checked;
-        self.hits += later.hits;
-        self.undetermined += later.undetermined;
-        self.differing += later.differing;
-        self.out_of_range += later.out_of_range;
-        self.flat += later.flat;
-        self.empty += later.empty;
-        self.along += later.along;
-        self.in_plane += later.in_plane;
-        self.touched += later.touched;
-        self.tmin_ulps.add(later.tmin_ulps.0);
-        self.tmin_units.add(later.tmin_units.0);
-        self.gap.add(later.gap.0);
-        self.found.iter_mut().zip(later.found).for_each(|(a, b)| *a += b);
-        self.failures.join(later.failures);
-    }
-}
+tally_of_fields!(Boxes {
+    checked,
+    hits,
+    undetermined,
+    differing,
+    out_of_range,
+    flat,
+    empty,
+    along,
+    in_plane,
+    touched,
+    tmin_ulps,
+    tmin_units,
+    gap,
+    found,
+    failures
+});
 
 #[cfg(test)]
 mod tests {

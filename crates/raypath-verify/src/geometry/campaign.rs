@@ -2,16 +2,42 @@
 
 use crate::error::Error;
 use crate::request::{Progress, Request};
+use crate::verdict::Verdict;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_tools::pool::{self, Cases};
 use std::collections::BTreeMap;
 
 /// The counts of cases, which can be joined.
-pub trait Tally: Default + Send {
+pub trait Tally: Send {
     /// Adds the counts of later cases.
     fn join(&mut self, later: Self);
 }
+
+impl Tally for u64 {
+    fn join(&mut self, later: Self) {
+        *self += later;
+    }
+}
+
+impl<T: Tally, const N: usize> Tally for [T; N] {
+    fn join(&mut self, later: Self) {
+        self.iter_mut().zip(later).for_each(|(sum, count)| sum.join(count));
+    }
+}
+
+/// Implements [`Tally`] for a structure, by joining all of its fields.
+macro_rules! tally_of_fields {
+    ($name:ident { $($field:ident),+ $(,)? }) => {
+        impl $crate::geometry::campaign::Tally for $name {
+            fn join(&mut self, later: Self) {
+                let Self { $($field),+ } = later;
+                $($crate::geometry::campaign::Tally::join(&mut self.$field, $field);)+
+            }
+        }
+    };
+}
+pub(super) use tally_of_fields;
 
 /// The number of cases in a block. Each block has a random stream of its own.
 const BLOCK: u64 = 512;
@@ -21,7 +47,7 @@ const BLOCK: u64 = 512;
 ///
 /// # Errors
 /// The threads cannot start.
-pub fn run<T: Tally>(
+pub fn run<T: Tally + Default>(
     request: &mut Request<'_>,
     stream: u64,
     cases: u64,
@@ -70,13 +96,6 @@ impl Failures {
         self.count += 1;
     }
 
-    /// Adds the failures of later cases.
-    pub fn join(&mut self, later: Self) {
-        self.shown.extend(later.shown);
-        self.shown.truncate(Self::SHOWN);
-        self.count += later.count;
-    }
-
     /// The number of all failures.
     pub fn count(&self) -> u64 {
         self.count
@@ -90,6 +109,14 @@ impl Failures {
     }
 }
 
+impl Tally for Failures {
+    fn join(&mut self, later: Self) {
+        self.shown.extend(later.shown);
+        self.shown.truncate(Self::SHOWN);
+        self.count += later.count;
+    }
+}
+
 /// The largest of some values; 0 if there are none.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Largest(pub f64);
@@ -99,6 +126,27 @@ impl Largest {
     pub fn add(&mut self, value: f64) {
         self.0 = self.0.max(value);
     }
+}
+
+impl Tally for Largest {
+    fn join(&mut self, later: Self) {
+        self.add(later.0);
+    }
+}
+
+/// Adds the negative controls to a verdict: a remark of what the campaign found of each faulty implementation, `found`,
+/// after `label`. After enough cases, a faulty implementation without a finding is a failure.
+pub fn add_controls<const N: usize>(
+    verdict: &mut Verdict,
+    label: &str,
+    names: [&str; N],
+    found: [u64; N],
+    is_enough: bool,
+) {
+    let counts: Vec<String> = names.iter().zip(found).map(|(name, found)| format!("{name} {found}")).collect();
+    verdict.remarks.push(format!("{label}: {}", counts.join(", ")));
+    let missed = names.iter().zip(found).filter(|(_, found)| is_enough && *found == 0);
+    verdict.failures.extend(missed.map(|(name, _)| format!("the campaign cannot fail: it does not refute {name}")));
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The errors of the accumulated sums.
 
-use super::campaign::{self, Failures, Largest, Tally};
+use super::campaign::{self, Failures, Largest, add_controls, tally_of_fields};
 use super::dyadic::{Dyadic, within_gamma};
 use super::error_units::U;
 use super::wrong_sums::Wrong;
@@ -166,21 +166,12 @@ impl SumErrors {
             let ([units, parts], name) = ([self.units[kind].0, self.parts[kind].0], NAMES[kind]);
             format!("{name}: at most {units:.2} u of the sum of magnitudes, and {parts:.2} of the bound")
         };
-        let mut remarks: Vec<String> = (0..NAMES.len()).map(remark).collect();
-        let refuted = || Wrong::ALL.into_iter().zip(self.refuted);
-        let found: Vec<String> = refuted().map(|(wrong, n)| format!("{} {n}", wrong.name())).collect();
-        remarks.push(format!(
-            "wrong sums found of each wrong implementation, tried in one case in {CONTROL_INTERVAL}: {}",
-            found.join(", ")
-        ));
+        let remarks = (0..NAMES.len()).map(remark).collect();
         let covered = format!("{} sums of 1 to 64 beats with 2 to 64 lanes", self.sums);
-        let mut failures = self.failures.clone().lines();
-        if self.sums >= ENOUGH {
-            let missed = refuted().filter(|(_, refuted)| *refuted == 0);
-            let cannot_fail = |wrong: Wrong| format!("the campaign cannot fail: it does not refute {}", wrong.name());
-            failures.extend(missed.map(|(wrong, _)| cannot_fail(wrong)));
-        }
-        Verdict { covered, remarks, failures, is_stopped }
+        let mut verdict = Verdict { covered, remarks, failures: self.failures.lines(), is_stopped };
+        let label = format!("wrong sums found of each wrong implementation, tried in one case in {CONTROL_INTERVAL}");
+        add_controls(&mut verdict, &label, Wrong::ALL.map(Wrong::name), self.refuted, self.sums >= ENOUGH);
+        verdict
     }
 }
 
@@ -221,17 +212,7 @@ pub fn lanes<const N: usize>(beat: &Beat<Binary32, N>) -> impl Iterator<Item = [
     pairs.zip(beat.mask.to_array()).filter(|(_, on)| *on).map(|(pair, _)| pair)
 }
 
-impl Tally for SumErrors {
-    fn join(&mut self, later: Self) {
-        self.sums += later.sums;
-        for kind in 0..NAMES.len() {
-            self.units[kind].add(later.units[kind].0);
-            self.parts[kind].add(later.parts[kind].0);
-        }
-        self.refuted.iter_mut().zip(later.refuted).for_each(|(a, b)| *a += b);
-        self.failures.join(later.failures);
-    }
-}
+tally_of_fields!(SumErrors { sums, units, parts, refuted, failures });
 
 #[cfg(test)]
 mod tests {

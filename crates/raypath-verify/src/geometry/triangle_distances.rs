@@ -1,6 +1,6 @@
 //! Ray against triangle: the error of t = t_num / t_denom, the distance of the intersection.
 
-use super::campaign::{self, Failures, Largest, Tally};
+use super::campaign::{self, Failures, Largest, add_controls, tally_of_fields};
 use super::dyadic::{Dyadic, within_gamma};
 use super::error_units::{U, ulps_of};
 use super::implementations::datapath;
@@ -220,7 +220,6 @@ impl DistanceErrors {
 
     fn verdict(self, is_stopped: bool) -> Verdict {
         let covered = format!("{} rays and triangles, {} hits", self.checked, self.hits);
-        let found: Vec<String> = WRONG.iter().zip(self.refuted).map(|((name, _), n)| format!("{name} {n}")).collect();
         let remarks = vec![
             format!(
                 "t_denom: at most {:.2} u of the sum of magnitudes, bound 12; t_num: {:.2}, bound 16",
@@ -232,37 +231,29 @@ impl DistanceErrors {
                  bound and {:.1} ulps in all hits",
                 self.benign_ulps.0, self.benign, self.part_of_bound.0, self.ulps.0
             ),
-            format!(
-                "wrong results found in {} cases of each wrong implementation: {}",
-                self.checked / CONTROL_INTERVAL,
-                found.join(", ")
-            ),
         ];
-        let mut failures = self.failures.lines();
-        if self.checked >= ENOUGH {
-            let missed = WRONG.iter().zip(self.refuted).filter(|(_, refuted)| *refuted == 0);
-            failures
-                .extend(missed.map(|((name, _), _)| format!("the campaign cannot fail: it does not refute {name}")));
-        }
-        Verdict { covered, remarks, failures, is_stopped }
+        let mut verdict = Verdict { covered, remarks, failures: self.failures.lines(), is_stopped };
+        let tried = self.checked / CONTROL_INTERVAL;
+        let label = format!("wrong results found in {tried} cases of each wrong implementation");
+        let names = WRONG.map(|(name, _)| name);
+        add_controls(&mut verdict, &label, names, self.refuted, self.checked >= ENOUGH);
+        verdict
     }
 }
 
-impl Tally for DistanceErrors {
-    fn join(&mut self, later: Self) {
-        self.checked += later.checked;
-        self.hits += later.hits;
-        self.benign += later.benign;
-        self.denominator.add(later.denominator.0);
-        self.numerator.add(later.numerator.0);
-        self.outside.add(later.outside.0);
-        self.benign_ulps.add(later.benign_ulps.0);
-        self.part_of_bound.add(later.part_of_bound.0);
-        self.ulps.add(later.ulps.0);
-        self.refuted.iter_mut().zip(later.refuted).for_each(|(a, b)| *a += b);
-        self.failures.join(later.failures);
-    }
-}
+tally_of_fields!(DistanceErrors {
+    checked,
+    hits,
+    denominator,
+    numerator,
+    outside,
+    benign,
+    benign_ulps,
+    part_of_bound,
+    ulps,
+    refuted,
+    failures
+});
 
 #[cfg(test)]
 mod tests {

@@ -1,7 +1,7 @@
 //! No ray passes through an edge or vertex that is shared by faces which all face it.
 
 use super::aimed_rays::{AimedRay, PlacedMesh, Target, bodies};
-use super::campaign::{self, Failures, Tally};
+use super::campaign::{self, Failures, add_controls, tally_of_fields};
 use super::implementations::{LEAKY, datapath};
 use super::visibility::{Visibility, visibility};
 use crate::error::Error;
@@ -95,43 +95,27 @@ impl Rays {
         let [edges, vertices, whole] =
             [Target::Edge, Target::Vertex, Target::Whole].map(|target| self.checked[target as usize]);
         let checked = edges + vertices + whole;
-        let mut remarks = vec![
+        let remarks = vec![
             format!("{} random rays; {} of the checked ones hit two faces or more", self.drawn, self.hit_several),
             format!(
                 "through patches with a thin face, which the claim excludes: {} rays, {} of them without a hit",
                 self.thin, self.thin_leaks
             ),
         ];
-        let leaked_through: Vec<String> =
-            LEAKY.iter().zip(self.leaks).map(|((name, _), leaks)| format!("{name} {leaks}")).collect();
-        remarks.push(format!("the same rays leak through other implementations: {}", leaked_through.join(", ")));
-        let mut failures = self.leaked.lines();
-        if self.tried >= ENOUGH {
-            let tight = LEAKY.iter().zip(self.leaks).filter(|(_, leaks)| *leaks == 0);
-            failures
-                .extend(tight.map(|((name, _), _)| format!("the campaign cannot fail: no ray leaks through {name}")));
-        }
         let covered = format!(
             "{checked} rays at closed meshes ({} of them): {edges} at edges, {vertices} at vertices, {whole} at \
              whole meshes",
             bodies.len()
         );
-        Verdict { covered, failures, remarks, is_stopped }
+        let mut verdict = Verdict { covered, remarks, failures: self.leaked.lines(), is_stopped };
+        let names = LEAKY.map(|(name, _)| name);
+        let label = "the same rays leak through other implementations";
+        add_controls(&mut verdict, label, names, self.leaks, self.tried >= ENOUGH);
+        verdict
     }
 }
 
-impl Tally for Rays {
-    fn join(&mut self, later: Self) {
-        self.drawn += later.drawn;
-        self.hit_several += later.hit_several;
-        self.thin += later.thin;
-        self.thin_leaks += later.thin_leaks;
-        self.tried += later.tried;
-        self.checked.iter_mut().zip(later.checked).for_each(|(a, b)| *a += b);
-        self.leaks.iter_mut().zip(later.leaks).for_each(|(a, b)| *a += b);
-        self.leaked.join(later.leaked);
-    }
-}
+tally_of_fields!(Rays { drawn, checked, hit_several, thin, thin_leaks, tried, leaks, leaked });
 
 #[cfg(test)]
 mod tests {

@@ -113,20 +113,6 @@ impl<'r, 'w> Campaign<'r, 'w> {
     }
 }
 
-/// A number with commas between groups of three digits.
-pub fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let places = digits.len();
-    let mut text = String::new();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (places - place).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -203,10 +189,5 @@ mod tests {
             },
         );
         assert_eq!((verdict.failures.len(), verdict.is_stopped), (0, true));
-    }
-
-    #[test]
-    fn thousands_are_grouped() {
-        assert_eq!([0, 999, 1000, 7_496_192].map(grouped), ["0", "999", "1,000", "7,496,192"]);
     }
 }

@@ -1,12 +1,13 @@
 //! The encoding and decoding units of binary32, on all numbers.
 
 use super::bench::{Converter, Units};
-use super::campaign::{Campaign, Phase, grouped};
+use super::campaign::{Campaign, Phase};
 use super::testfloat::{Level, singles};
 use crate::error::Error;
 use crate::request::Request;
 use crate::verdict::Verdict;
 use raypath_float::Format;
+use raypath_tools::grouped;
 
 const SIGN: u64 = 1 << 31;
 const INFINITY: u64 = 0x7f80_0000;

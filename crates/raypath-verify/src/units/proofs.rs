@@ -22,18 +22,21 @@ use raypath_float::Format;
 use raypath_tools::pool;
 use std::time::Duration;
 
+/// The sources that each proof's result depends on.
+const SUBJECT: &[&str] = &[
+    "crates/raypath-float/src",
+    "crates/raypath-hdl/src",
+    "crates/raypath-verify/src/sat",
+    "crates/raypath-verify/src/units",
+];
+
 /// Proofs of all units, in formats that are small enough for one proof each.
 pub const UNIT_PROOFS: Item = Item {
     name: "unit-proofs",
     claim: "adders, multipliers, comparison and conversions give IEEE 754's result for all operands; split units give \
             the result of the unsplit ones",
     oracle: "Yosys's symfpu, by SAT (ABC)",
-    subject: &[
-        "crates/raypath-float/src",
-        "crates/raypath-hdl/src",
-        "crates/raypath-verify/src/sat",
-        "crates/raypath-verify/src/units",
-    ],
+    subject: SUBJECT,
     run: unit_proofs,
 };
 
@@ -42,12 +45,7 @@ pub const ADDER_PROOF: Item = Item {
     name: "adder-proof",
     claim: "the binary32 adder gives IEEE 754's sum for all operands",
     oracle: "Yosys's symfpu, by SAT (ABC), for each of the 511 differences of exponents",
-    subject: &[
-        "crates/raypath-float/src",
-        "crates/raypath-hdl/src",
-        "crates/raypath-verify/src/sat",
-        "crates/raypath-verify/src/units",
-    ],
+    subject: SUBJECT,
     run: adder_proof,
 };
 
@@ -56,12 +54,7 @@ pub const MULTIPLIER_PROOF: Item = Item {
     name: "multiplier-proof",
     claim: "the binary16 multiplier gives IEEE 754's product for all operands",
     oracle: "Yosys's symfpu, by SAT (ABC), for each of the 1024 fractions of the second operand",
-    subject: &[
-        "crates/raypath-float/src",
-        "crates/raypath-hdl/src",
-        "crates/raypath-verify/src/sat",
-        "crates/raypath-verify/src/units",
-    ],
+    subject: SUBJECT,
     run: multiplier_proof,
 };
 

@@ -1,11 +1,12 @@
 //! All pairs of operands of small formats, against LLVM's soft float.
 
 use super::bench::{Bench, PortFormat, UnitResults, Units};
-use super::campaign::{Campaign, Phase, grouped};
+use super::campaign::{Campaign, Phase};
 use crate::error::Error;
 use crate::request::{Level, Request};
 use crate::verdict::Verdict;
 use raypath_float::Format;
+use raypath_tools::grouped;
 use rustc_apfloat::Float;
 use rustc_apfloat::ieee::{HalfS, IeeeFloat, Semantics};
 use std::cmp::Ordering;

@@ -2,12 +2,13 @@
 
 use super::bench::{Bench, PortFormat, Units};
 use super::berkeley::oracle;
-use super::campaign::{Campaign, Phase, grouped};
+use super::campaign::{Campaign, Phase};
 use super::testfloat::{BLOCK, Level, Pairs};
 use crate::error::Error;
 use crate::request::Request;
 use crate::verdict::Verdict;
 use raypath_float::Format;
+use raypath_tools::grouped;
 
 /// Compares sums, differences, products and comparisons of TestFloat's cases. The netlist holds the units, unsplit and
 /// split, between the encoding and decoding units. All cases of TestFloat's level 1 run; of level 2 every fifth, at
