@@ -6,20 +6,24 @@ mod timing;
 use crate::commands::configuration::ConfigArguments;
 use crate::commands::full::output::write_and_name;
 use crate::commands::full::progress::watched;
-use crate::commands::full::timed::{Subject, Timed, TimingArguments};
+use crate::commands::full::timed::{Timed, TimingArguments};
 use crate::commands::full::view::ViewArguments;
 use crate::commands::numbers::whole;
 use crate::error::CliError;
 use clap::Args;
 use raypath_float::Format;
 use raypath_ops::{Binary32, Ray};
-use raypath_render::{Counts, Hit, Rendering, Scene, Shading, Tracing, read_rays, render, trace_closest, write_hits};
+use raypath_render::{
+    Counts, Hit, PictureSpec, RayBatch, Rendering, Scene, Shading, Tracing, read_rays, render, trace_closest,
+    write_hits,
+};
 use raypath_rtl::Config;
 use raypath_timing::report::Image;
 use scene::{CameraArguments, Size};
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
+use timing::{Simulated, Work};
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -112,16 +116,8 @@ fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dy
         files.push((path.clone(), text(&trace(&scene, &rays, tracing)?)?));
     }
     let rays = [rendering.primary, rendering.shadow, rendering.occlusion].iter().map(|costs| costs.rays).sum();
-    let pixels = timing::Pixels {
-        name: scene::name(arguments.scene.as_deref()),
-        scene: &scene,
-        camera,
-        size: (width, height),
-        shading,
-        rays,
-        max: arguments.timed,
-    };
-    time(arguments, config, &pixels, Some(png), &mut files, out)?;
+    let work = Work::Picture { spec: PictureSpec { scene: &scene, camera, size: (width, height), shading }, rays };
+    time(arguments, config, work, Some(png), &mut files, out)?;
     write_and_name(&files, out)
 }
 
@@ -149,26 +145,22 @@ fn rays(
     if let Some(path) = &arguments.hits {
         files.push((path.clone(), text(&hits)?));
     }
-    let subject = timing::Rays {
-        name: scene::name(arguments.scene.as_deref()),
-        scene: &scene,
-        rays: &rays,
-        tracing,
-        max: arguments.timed,
-    };
-    time(arguments, config, &subject, None, &mut files, out)?;
+    let work = Work::Rays(RayBatch { scene: &scene, rays: &rays, tracing });
+    time(arguments, config, work, None, &mut files, out)?;
     write_and_name(&files, out)
 }
 
-/// Simulates and prints; the files that were asked for join the others.
+/// Simulates the work, prints the results, and adds the requested files to `files`.
 fn time(
     arguments: &Arguments,
     config: Config,
-    subject: &impl Subject,
+    work: Work<'_>,
     png: Option<Vec<u8>>,
     files: &mut Vec<(PathBuf, Vec<u8>)>,
     out: &mut dyn Write,
 ) -> Result<(), CliError> {
+    let name = scene::name(arguments.scene.as_deref());
+    let subject = &Simulated { name, work, max: arguments.timed };
     let timed = arguments.timing.run(subject, arguments.rays_in_flight, config, &arguments.view, out)?;
     if let Some(Timed { mut recording, files: more }) = timed {
         recording.image = png.map(|png| Image { title: "The picture".to_string(), png });

@@ -4,10 +4,7 @@ use crate::commands::full::progress::watched;
 use crate::commands::full::timed::Subject;
 use crate::error::CliError;
 use raypath_model::PipelinePosition;
-use raypath_ops::{Binary32, Ray};
-use raypath_render::{
-    Camera, PictureSpec, RayBatch, Scene, Shading, Tracing, sweep_picture, sweep_rays, time_picture, time_rays,
-};
+use raypath_render::{PictureSpec, RayBatch, sweep_picture, sweep_rays, time_picture, time_rays};
 use raypath_timing::report::Recorder;
 use raypath_timing::{Observer, PortActivity, Sample, Sweep, System, Timing};
 
@@ -16,117 +13,79 @@ const SWEPT: usize = 4096;
 const IN_FLIGHT: [usize; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
 const LATENCIES: [u64; 5] = [0, 20, 100, 300, 1000];
 
-/// A picture to simulate.
-pub struct Pixels<'s> {
+/// Pixels or rays to simulate.
+pub struct Simulated<'s> {
+    /// The name of the scene.
     pub name: String,
-    pub scene: &'s Scene,
-    pub camera: Camera,
-    pub size: (u32, u32),
-    pub shading: Shading,
-    /// The number of rays of the whole picture.
-    pub rays: u64,
-    /// The maximum number of simulated pixels.
+    pub work: Work<'s>,
+    /// The maximum number of simulated pixels or rays.
     pub max: usize,
 }
 
-/// Rays of a file to simulate.
-pub struct Rays<'s> {
-    pub name: String,
-    pub scene: &'s Scene,
-    pub rays: &'s [Ray<Binary32>],
-    pub tracing: Tracing,
-    /// The maximum number of simulated rays.
-    pub max: usize,
+/// A picture with the number of rays of all its pixels, or the rays of a file.
+pub enum Work<'s> {
+    Picture { spec: PictureSpec<'s>, rays: u64 },
+    Rays(RayBatch<'s>),
 }
 
-impl Pixels<'_> {
-    fn spec(&self) -> PictureSpec<'_> {
-        PictureSpec { scene: self.scene, camera: self.camera, size: self.size, shading: self.shading }
-    }
-}
-
-impl Subject for Pixels<'_> {
+impl Subject for Simulated<'_> {
     fn title(&self) -> String {
-        format!("{}, {} x {} pixels", self.name, self.size.0, self.size.1)
+        match &self.work {
+            Work::Picture { spec, .. } => format!("{}, {} x {} pixels", self.name, spec.size.0, spec.size.1),
+            Work::Rays(batch) => format!("{}, {} rays", self.name, batch.rays.len()),
+        }
     }
 
     fn names(&self) -> (&'static str, &'static str) {
-        ("pixels", "pixel")
+        match self.work {
+            Work::Picture { .. } => ("pixels", "pixel"),
+            Work::Rays(_) => ("rays", "ray"),
+        }
     }
 
     fn count(&self) -> usize {
-        self.size.0 as usize * self.size.1 as usize
+        match &self.work {
+            Work::Picture { spec, .. } => spec.size.0 as usize * spec.size.1 as usize,
+            Work::Rays(batch) => batch.rays.len(),
+        }
     }
 
     fn time(&self, system: &System, recorder: &mut Recorder) -> Result<Timing, CliError> {
         let sample = Sample::spread(self.count(), self.max);
-        watched("pixels timed", sample.numbers(self.count()).len(), |progress| {
-            time_picture(&self.spec(), sample, system, &mut Owners { recorder, sample }, progress)
-                .map(|(timing, _)| timing)
-        })
+        let observer = &mut Owners { recorder, sample };
+        let total = sample.numbers(self.count()).len();
+        match &self.work {
+            Work::Picture { spec, .. } => watched("pixels timed", total, |progress| {
+                time_picture(spec, sample, system, observer, progress).map(|(timing, _)| timing)
+            }),
+            Work::Rays(batch) => watched("rays timed", total, |progress| {
+                time_rays(batch, sample, system, observer, progress).map(|(timing, _)| timing)
+            }),
+        }
     }
 
     fn sweep(&self, system: &System) -> Result<Sweep, CliError> {
         let sample = Sample::spread(self.count(), SWEPT);
-        watched("pixels swept", swept(sample, self.count()), |progress| {
-            sweep_picture(&self.spec(), sample, &IN_FLIGHT, &LATENCIES, system, progress)
-        })
+        let total = sample.numbers(self.count()).len() * IN_FLIGHT.len() * LATENCIES.len();
+        match &self.work {
+            Work::Picture { spec, .. } => watched("pixels swept", total, |progress| {
+                sweep_picture(spec, sample, &IN_FLIGHT, &LATENCIES, system, progress)
+            }),
+            Work::Rays(batch) => watched("rays swept", total, |progress| {
+                sweep_rays(batch, sample, &IN_FLIGHT, &LATENCIES, system, progress)
+            }),
+        }
     }
 
     fn rows(&self, timing: &Timing, clock_mhz: f64) -> Vec<(String, String)> {
-        let rays_per_pixel = self.rays as f64 / self.count() as f64;
+        let Work::Picture { rays, .. } = self.work else { return Vec::new() };
+        let rays_per_pixel = rays as f64 / self.count() as f64;
+        let rays_per_second = rays_per_pixel * timing.rates(clock_mhz).agents;
         vec![
             ("rays per pixel, in the whole picture".to_string(), format!("{rays_per_pixel:.3}")),
-            (
-                format!("rays per second at {clock_mhz} MHz"),
-                format!("{:.4e}", rays_per_pixel * timing.rates(clock_mhz).agents),
-            ),
+            (format!("rays per second at {clock_mhz} MHz"), format!("{rays_per_second:.4e}")),
         ]
     }
-}
-
-impl Subject for Rays<'_> {
-    fn title(&self) -> String {
-        format!("{}, {} rays", self.name, self.rays.len())
-    }
-
-    fn names(&self) -> (&'static str, &'static str) {
-        ("rays", "ray")
-    }
-
-    fn count(&self) -> usize {
-        self.rays.len()
-    }
-
-    fn time(&self, system: &System, recorder: &mut Recorder) -> Result<Timing, CliError> {
-        let sample = Sample::spread(self.count(), self.max);
-        watched("rays timed", sample.numbers(self.count()).len(), |progress| {
-            time_rays(&self.batch(), sample, system, &mut Owners { recorder, sample }, progress)
-                .map(|(timing, _)| timing)
-        })
-    }
-
-    fn sweep(&self, system: &System) -> Result<Sweep, CliError> {
-        let sample = Sample::spread(self.count(), SWEPT);
-        watched("rays swept", swept(sample, self.count()), |progress| {
-            sweep_rays(&self.batch(), sample, &IN_FLIGHT, &LATENCIES, system, progress)
-        })
-    }
-
-    fn rows(&self, _: &Timing, _: f64) -> Vec<(String, String)> {
-        Vec::new()
-    }
-}
-
-impl Rays<'_> {
-    fn batch(&self) -> RayBatch<'_> {
-        RayBatch { scene: self.scene, rays: self.rays, tracing: self.tracing }
-    }
-}
-
-/// The number of agents at all points of a sweep.
-fn swept(sample: Sample, all: usize) -> usize {
-    sample.numbers(all).len() * IN_FLIGHT.len() * LATENCIES.len()
 }
 
 /// Records jobs with the numbers of their pixels or rays instead of those of the agents of a sample.
