@@ -1,9 +1,8 @@
-//! The command line of a crate that has an operation of its own.
+//! The command line of a crate that adds an operation.
 //!
 //! An operation is one function over [`Circuit`](raypath_ops::Circuit), with its pipeline stages marked (or left to
-//! [`auto`](raypath_ops::Circuit::auto)). From it follow its ports, opcode, units, registers and SystemVerilog, a
-//! functional and a cycle-exact model, checks and its cost. [`main`] prints all of this for one operation. The same,
-//! step by step:
+//! [`auto`](raypath_ops::Circuit::auto)). Ports, opcode, units, registers, SystemVerilog, models, checks and cost are
+//! derived from this function. [`main`] prints them for one operation. The same, step by step:
 //!
 //! ```
 //! use raypath_cli::prelude::*;
@@ -17,22 +16,22 @@
 //!         pub point: Vec3<C>,
 //!         /// The plane's normal, of any length.
 //!         pub normal: Vec3<C>,
-//!         /// Where the plane is along it.
+//!         /// The plane's position along the normal.
 //!         pub offset: Num<C>,
 //!     }
 //! }
 //!
 //! bundle! {
-//!     /// On which side the point is.
+//!     /// The side of the point.
 //!     pub struct Above<C> {
 //!         /// normal · p - offset; divided by the normal's length it is the distance.
 //!         pub height: Num<C>,
-//!         /// It is above 0.
+//!         /// Whether the height is above 0.
 //!         pub is_above: Bit<C>,
 //!     }
 //! }
 //!
-//! /// On which side of a plane a point is.
+//! /// The side of a plane on which a point lies.
 //! struct PointPlane;
 //!
 //! impl Operation for PointPlane {
@@ -52,18 +51,18 @@
 //!     }
 //! }
 //!
-//! // Beside the paper's four operations it needs no unit of its own.
+//! // Added to the paper's four operations, it needs no further unit.
 //! let datapath = Datapath::paper(Default::default()).with(PointPlane);
 //! let netlist = datapath.elaborate()?;
 //! assert_eq!(netlist.latency(), 12);
 //! assert_eq!(Cost::of(&datapath, "point_plane")?.added_units(), Default::default());
 //!
-//! // One job, by the functional model: 2 above the plane z = 1.
+//! // One job in the functional model: a point 2 above the plane z = 1.
 //! let side = Side { point: [5.0, 5.0, 3.0].into(), normal: [0.0, 0.0, 1.0].into(), offset: 1.0.into() };
 //! let (above, ()) = PointPlane.run(Binary32, side, ());
 //! assert_eq!((f32::from(above.height), bool::from(above.is_above)), (2.0, true));
 //!
-//! // The same job, cycle by cycle, among the jobs of the others.
+//! // The same job in the cycle-exact model.
 //! let mut cycles = datapath.cycle_model()?;
 //! let job = datapath.model().job_of::<PointPlane>(&side).expect("one of its operations");
 //! assert!(cycles.cycle(Some(&job), true).accepted);
@@ -71,7 +70,7 @@
 //! let outcome = cycles.output().expect("an answer");
 //! assert_eq!(datapath.model().output_of::<PointPlane>(outcome).map(|above| f32::from(above.height)), Some(2.0));
 //!
-//! // Random jobs before an oracle, and the netlist beside both models in every cycle.
+//! // Random jobs compared with an oracle, and the netlist compared with both models in every cycle.
 //! let spec = OperationSpec::of(PointPlane).oracle("the sign alone", |_, answer| {
 //!     let height = f32::from(answer.height);
 //!     if bool::from(answer.is_above) == (height > 0.0) { Ok(()) } else { Err(format!("at {height}")) }
@@ -100,18 +99,18 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Puts the operation into the datapath: SystemVerilog, checks against its oracle, the models and Verilator, and what
-/// it costs.
+/// Adds the operation to a datapath: writes SystemVerilog, checks it against its oracle, the models and Verilator, and
+/// prints its cost.
 #[derive(Debug, Clone, Parser)]
-#[command(after_help = "Exit codes: 0 all is well, 1 a wrong answer, 2 what cannot be used, 130 stopped by Ctrl-C.")]
+#[command(after_help = "Exit codes: 0 success, 1 a wrong result, 2 wrong input, 130 stopped by Ctrl-C.")]
 pub struct Arguments {
-    /// The configuration that it is added to; `raypath configs` lists them
+    /// The configuration to add it to; `raypath configs` lists them
     #[arg(long, value_name = "NAME", default_value = "paper")]
     pub preset: Preset,
-    /// A datapath of this operation alone
+    /// Build a datapath with this operation only
     #[arg(long)]
     pub alone: bool,
-    /// How many random jobs: 1 to 100000, which are all in memory at a time
+    /// The number of random jobs, from 1 to 100000; all are in memory at once
     #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub jobs: u32,
     /// Seed of jobs, bubbles and stalls
@@ -120,28 +119,28 @@ pub struct Arguments {
     /// The folder to write to
     #[arg(long, default_value = "build", value_name = "DIR")]
     pub out: PathBuf,
-    /// Where measurements are kept, so that nothing is done twice
+    /// The folder of cached measurements
     #[arg(long, default_value = "build/ppa-cache", value_name = "DIR")]
     pub cache: PathBuf,
-    /// Leave out what needs other programs: lint, Verilator, area
+    /// Skip the steps that need other programs: lint, Verilator, area
     #[arg(long)]
     pub quick: bool,
-    /// Fail where a program that is needed is not installed, instead of saying so and going on
+    /// Fail if a required program is not installed, instead of skipping its step
     #[arg(long, conflicts_with = "quick")]
     pub strict: bool,
 }
 
-/// Does what the command line asks for with an operation: what a crate with an operation of its own calls in `main`.
+/// Runs the command line for an operation: the body of `main` in a crate that adds one.
 pub fn main(spec: impl Into<AnyOperationSpec>) -> ExitCode {
     let spec = spec.into();
     exit(|out| run(&spec, &Arguments::parse(), out))
 }
 
-/// Does it all, and says so on `out`.
+/// Schedules, writes, checks and measures the operation, and prints the results to `out`.
 ///
 /// # Errors
-/// An operation that does not fit, a wrong answer, a file that cannot be written, a tool that fails; with `strict` a
-/// tool that is not installed.
+/// The operation does not fit the datapath, a result is wrong, a file cannot be written, or a tool fails; with `strict`
+/// also if a tool is not installed.
 pub fn run(spec: &AnyOperationSpec, arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.preset.config;
     let base = if arguments.alone {
@@ -195,7 +194,7 @@ fn write(
     write_all(&files)?;
     let (folder, name) = (arguments.out.display(), spec.name());
     writeln!(out, "Wrote {folder}/raypath.sv, its modules to {folder}/rtl, its schedule to {folder}/pipeline.svg;")?;
-    writeln!(out, "jobs with their answers, for benches of one's own, to {folder}/{name}.txt.")?;
+    writeln!(out, "jobs with their results, for other test benches, to {folder}/{name}.txt.")?;
     Ok(())
 }
 
@@ -227,16 +226,18 @@ fn check(
     })?;
     let simulated = checks.in_verilator(folder.path());
     if is_stopped() {
-        // Ctrl-C ends the tool as well, which then seems to have failed.
+        // Ctrl-C also ends the tool, which then reports a failure.
         return Err(Stopped { done: 0, total: 1, what: "simulations" }.into());
     }
     match simulated {
         Ok(found) => {
             let (cycles, different) = (found.cycles, found.different);
-            writeln!(out, "Lint: Verilator, Yosys and slang have nothing to say.")?;
-            write!(out, "Verilator: {cycles} cycles, {different} unlike the cycle-exact model")?;
+            writeln!(out, "Lint: Verilator, Yosys and slang report nothing.")?;
+            write!(out, "Verilator: {cycles} cycles, {different} mismatches with the cycle-exact model")?;
             match found.reports.first() {
-                Some(report) => writeln!(out, "; of {} answers the oracle finds {} wrong.", report.jobs, report.wrong)?,
+                Some(report) => {
+                    writeln!(out, "; the oracle finds {1} of {0} results wrong.", report.jobs, report.wrong)?
+                }
                 None => writeln!(out, ".")?,
             }
             same(different, &found.faults, "Verilator and the cycle-exact model", out)?;
@@ -246,19 +247,19 @@ fn check(
     }
 }
 
-fn same(different: usize, faults: &[String], who: &str, out: &mut dyn Write) -> Result<(), CliError> {
+fn same(different: usize, faults: &[String], compared: &str, out: &mut dyn Write) -> Result<(), CliError> {
     faults.iter().try_for_each(|fault| writeln!(out, "  {fault}"))?;
     match different {
         0 => Ok(()),
-        _ => Err(CliError::Mismatch(format!("{who} differ {different} times"))),
+        _ => Err(CliError::Mismatch(format!("{compared} differ {different} times"))),
     }
 }
 
-/// Goes on without a tool that is not installed, unless asked not to.
+/// Reports a tool that is not installed and continues, except with `--strict`.
 fn tolerate(error: CliError, without: &str, arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     if arguments.strict || !error.is_missing_tool() {
         return Err(error);
     }
-    writeln!(out, "{error}; {without} until then.")?;
+    writeln!(out, "{error}; {without} without it.")?;
     Ok(())
 }

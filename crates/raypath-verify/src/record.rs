@@ -1,7 +1,7 @@
-//! Records of runs: what ran, on which source text and with which programs, how long, and the result.
+//! Records of verification runs: the command, commit, versions of programs, duration and result.
 //!
 //! A [`Recorder`] writes one JSON file for each item. [`table`] shows the records of a folder in Markdown. A record has
-//! the hash of its item's subject, so that it is known to be stale once the subject has changed.
+//! the hash of its item's subject: it is stale if the subject has changed since.
 
 mod subject;
 mod table;
@@ -26,7 +26,7 @@ pub struct Record {
     pub item: String,
     /// The arguments of `raypath` that repeat the run.
     pub command: String,
-    /// The configuration, which matters to some items.
+    /// The configuration, which affects some items only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub configuration: Option<String>,
     /// The commit that was checked out. None outside of a Git repository.
@@ -43,7 +43,7 @@ pub struct Record {
     pub seconds: Option<f64>,
     /// "as claimed" or "wrong"; "incomplete" in records that were not written by a [`Recorder`].
     pub result: String,
-    /// What was tried or proved.
+    /// What the verdict covers: the cases run or the proofs made.
     pub covered: String,
     /// The verdict's remarks.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -51,7 +51,7 @@ pub struct Record {
     /// The verdict's failures.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub failures: Vec<String>,
-    /// What a reader has to know about a record that was not written by a [`Recorder`].
+    /// The origin of a record that was not written by a [`Recorder`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -75,10 +75,10 @@ const VERSIONS: [(&str, &[&str]); 5] = [
 ];
 
 impl Recorder {
-    /// Prepares to write into `folder`, and finds out commit and versions.
+    /// Creates the folder, and reads the commit and the versions of programs.
     ///
     /// # Errors
-    /// The folder cannot be made.
+    /// The folder cannot be created.
     pub fn new(folder: &Path) -> Result<Self, Error> {
         fs::create_dir_all(folder).map_err(|problem| Error::File { path: folder.to_path_buf(), problem })?;
         let root = root();
@@ -93,11 +93,10 @@ impl Recorder {
         })
     }
 
-    /// Runs an item and writes the record of its run, which replaces an earlier one of the item. A run that was stopped
-    /// leaves none.
+    /// Runs an item and writes its record, which replaces an earlier one of the item. A stopped run writes none.
     ///
     /// # Errors
-    /// The item cannot run; the repository that this program was built from is not there; a file cannot be written.
+    /// The item cannot run, the repository of this program's sources is missing, or a file cannot be written.
     pub fn run(&self, item: &Item, request: &mut Request<'_>) -> Result<Verdict, Error> {
         let subject = subject::hash(&root(), item.subject)?;
         let (level, jobs, seed, shard) = (request.level, request.jobs, request.seed, request.shard);
@@ -137,7 +136,7 @@ impl Record {
     /// Reads all records of a folder, in the order of their files' names.
     ///
     /// # Errors
-    /// A file cannot be read, or is no record.
+    /// A file cannot be read or is not a record.
     pub fn read_all(folder: &Path) -> Result<Vec<Self>, Error> {
         let refused = |path: &Path| {
             let path = path.to_path_buf();
@@ -157,7 +156,7 @@ impl Record {
         paths.iter().map(read).collect()
     }
 
-    /// Whether the item's subject in the repository at `root` is another than the one that ran.
+    /// Whether the item's subject in the repository at `root` differs from the recorded one.
     ///
     /// # Errors
     /// The subject cannot be read.
@@ -171,7 +170,7 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// What a command prints, without white space around it. None if it fails.
+/// The trimmed output of a command. None if it fails.
 fn printed(folder: &Path, command: &[&str]) -> Option<String> {
     let [program, arguments @ ..] = command else { return None };
     let output = Command::new(program).args(arguments).current_dir(folder).output().ok()?;

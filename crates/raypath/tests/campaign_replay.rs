@@ -106,5 +106,5 @@ fn handshake_files_are_read_with_care() {
     assert_eq!(code, Some(2));
     assert!(text.contains("handshake.txt:2: 'x' is no cycle, expected b"), "{text}");
     let (code, text) = run("sk", "model");
-    assert!(code == Some(2) && text.contains("--engine model knows no cycles"), "{text}");
+    assert!(code == Some(2) && text.contains("--engine model has no cycles"), "{text}");
 }

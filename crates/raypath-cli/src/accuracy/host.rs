@@ -1,4 +1,4 @@
-//! Jobs in binary64, as a host has them before it rounds them to a format.
+//! Jobs in binary64, before a host rounds them to a format.
 
 use raypath_ops::{
     Aabb, Beat, BeatInput, Bit, Concrete, Flags, Job, Num, Ray, RayBoxInput, RayTriangleInput, Slab, Triangle, Vec3,

@@ -75,7 +75,7 @@ mod tests {
     use super::{RAYS, bounds, cross, rays, triangles};
     use std::collections::HashSet;
 
-    /// Every edge is walked once in each direction, and the volume inside is positive: closed, and outside is outside.
+    /// Every edge occurs once in each direction, so the mesh is closed. The volume is positive, so it faces outwards.
     #[test]
     fn the_torus_is_closed_and_faces_outwards() {
         let triangles = triangles();
@@ -87,7 +87,7 @@ mod tests {
 
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let volume: f64 = triangles.iter().map(|[a, b, c]| dot(*a, cross(*b, *c)) / 6.0).sum();
-        // A torus has 2 pi^2 R r^2; one of polygons has a little less.
+        // A torus has the volume 2 pi^2 R r^2; the mesh has a little less.
         let round = 2.0 * std::f64::consts::PI.powi(2) * 0.4_f64.powi(2);
         assert!((0.9 * round..round).contains(&volume), "{volume} of {round}");
         assert!(triangles.len().is_multiple_of(4), "quadbox jobs take four");

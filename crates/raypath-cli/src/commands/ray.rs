@@ -7,13 +7,13 @@ use std::io::Write;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Where the ray begins: three numbers
+    /// The origin: three numbers
     #[arg(long, num_args = 3, allow_hyphen_values = true, value_names = ["X", "Y", "Z"], required = true)]
     origin: Vec<f32>,
-    /// Its direction, of any length but zero: three numbers
+    /// The direction, of any length except zero: three numbers
     #[arg(long, num_args = 3, allow_hyphen_values = true, value_names = ["X", "Y", "Z"], required = true)]
     direction: Vec<f32>,
-    /// How far it reaches, in units of its direction's length
+    /// The extent, in units of the direction's length
     #[arg(long, default_value_t = f32::INFINITY, allow_hyphen_values = true)]
     extent: f32,
 }

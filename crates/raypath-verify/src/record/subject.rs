@@ -5,8 +5,8 @@ use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The SHA-256, in hexadecimal digits, of the files under these paths of the repository at `root`. Comments that have a
-/// line of their own, empty lines and indentation do not count.
+/// The SHA-256, in hexadecimal digits, of the files under these paths of the repository at `root`. Lines with only a
+/// comment, empty lines and indentation have no effect.
 pub fn hash(root: &Path, subject: &[&str]) -> Result<String, Error> {
     let mut files = Vec::new();
     for path in subject {
@@ -48,7 +48,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn code_counts_and_comments_do_not() {
+    fn the_hash_depends_on_code_and_not_on_comments() {
         let folder = tempfile::tempdir().expect("a folder");
         let hash_of = |text: &str| {
             fs::write(folder.path().join("a.rs"), text).expect("a file");
@@ -61,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_that_is_not_there_is_an_error() {
+    fn a_missing_path_is_an_error() {
         let folder = tempfile::tempdir().expect("a folder");
         let problem = hash(folder.path(), &["nothing"]).expect_err("no such path");
         assert!(problem.to_string().contains("nothing"), "{problem}");

@@ -1,4 +1,4 @@
-//! Records as a table of a document.
+//! The table of records for the documents.
 
 use super::Record;
 use crate::error::Error;
@@ -6,8 +6,8 @@ use crate::verdict::Item;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// A row in Markdown for each item, with what its record states. `root` is the repository in which subjects are looked
-/// up: a record of another subject is shown as stale.
+/// A table in Markdown with a row for each item and its record. A record is shown as stale if its subject differs from
+/// the one in the repository at `root`.
 ///
 /// # Errors
 /// A subject cannot be read.
@@ -35,7 +35,7 @@ pub fn table(items: &[Item], records: &[Record], root: &Path) -> Result<String, 
     Ok(text)
 }
 
-/// The abbreviated commit, with a mark if the tree differed from it.
+/// The abbreviated commit, and whether the files differed from it.
 fn commit(record: &Record) -> String {
     let commit = record.commit.as_ref().map_or("unknown", |commit| commit.get(..7).unwrap_or(commit));
     let dirty = if record.is_dirty == Some(true) { ", changed" } else { "" };
@@ -64,11 +64,11 @@ mod tests {
         claim: "sums are right",
         oracle: "exact arithmetic",
         subject: &["subject.rs"],
-        run: |_| unreachable!("it does not run here"),
+        run: |_| unreachable!("this test does not run the item"),
     };
 
     #[test]
-    fn a_record_is_stale_once_its_subject_has_changed() {
+    fn a_record_is_stale_after_its_subject_has_changed() {
         let folder = tempfile::tempdir().expect("a folder");
         let (root, file) = (folder.path(), folder.path().join("subject.rs"));
         std::fs::write(&file, "let a = 1;\n").expect("a file");
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn times_have_the_unit_that_fits() {
+    fn the_unit_of_a_time_depends_on_its_length() {
         assert_eq!([24.0, 660.0, 7505.0].map(time), ["24 s", "11 min", "2 h 5 min"]);
     }
 }

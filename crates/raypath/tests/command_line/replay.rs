@@ -31,12 +31,8 @@ fn recorded_jobs_in_a_report() {
         let lines = |kind: &str| log.lines().filter(|line| line.starts_with(kind)).count();
         assert_eq!((lines("I\t"), lines("R\t")), (500, 500));
     }
-    // The functional model knows no cycles.
-    ends_with(
-        &["replay", "--rules", "chisel", &files[0], "--report", "r.html"],
-        2,
-        &["--engine model knows no cycles"],
-    );
+    // The functional model has no cycles.
+    ends_with(&["replay", "--rules", "chisel", &files[0], "--report", "r.html"], 2, &["--engine model has no cycles"]);
 }
 
 /// The datapath of the paper with an operation besides, and so many of the operation's jobs with the model's answers.

@@ -1,4 +1,4 @@
-//! `raypath accuracy`: what a format costs, against binary64.
+//! `raypath accuracy`: the errors of number formats, compared with binary64.
 
 use crate::accuracy::{Accuracy, DIMENSIONS, RAYS, SCALES, table};
 use crate::commands::numbers::whole;
@@ -20,10 +20,10 @@ pub struct Arguments {
     /// Seed of the random jobs
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
-    /// The rules on the edges: paper (this project's rulings) or chisel (the original hardware's)
+    /// The rules for edge cases: paper (this project's rulings) or chisel (the original hardware's)
     #[arg(long, default_value_t = Rules::Paper, value_name = "paper|chisel")]
     rules: Rules,
-    /// A factor on all coordinates: 1 has them between -4 and 4
+    /// A factor on all coordinates, which are between -4 and 4 without it
     #[arg(long, default_value_t = 1.0, value_parser = scale)]
     scale: f64,
 }
@@ -49,10 +49,16 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     writeln!(out, "{}\n", table(&random))?;
     writeln!(out, "Scene: a torus in {RAYS} pixels.\n")?;
     writeln!(out, "{}\n", table(&scene))?;
-    writeln!(out, "Rules {rules}, scale {scale}. Compared with binary64, a: on the inputs rounded into the format,")?;
-    writeln!(out, "b: on the inputs as they were. differ: a hit in one, a miss in the other, in % of the hits.")?;
-    writeln!(out, "50 %, 99 %, max: so many of the errors are at most so many ulps of the format.")?;
-    writeln!(out, "no number: infinite or NaN.")?;
+    writeln!(
+        out,
+        "Rules {rules}, scale {scale}. Columns a compare with binary64 on the inputs rounded to the format,"
+    )?;
+    writeln!(out, "columns b with binary64 on the original inputs. differ: results that hit where the reference")?;
+    writeln!(
+        out,
+        "misses or miss where it hits, and their share of the hits. 50 %, 99 %, max: bounds of that share of"
+    )?;
+    writeln!(out, "the errors, in ulps of the format. no number: results that are infinite or NaN.")?;
     Ok(())
 }
 

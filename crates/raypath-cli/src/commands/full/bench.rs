@@ -1,4 +1,4 @@
-//! `raypath bench`: how fast the models are, beside Verilator on the same hardware and obvhs on the same rays.
+//! `raypath bench`: the speed of the models, compared with Verilator on the same hardware and obvhs on the same rays.
 
 mod growth;
 mod models;
@@ -17,40 +17,40 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Print JSON, not a table
+    /// Print JSON instead of a table
     #[arg(long)]
     json: bool,
-    /// Write the JSON to a file too
+    /// Also write the JSON to a file
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Leave Verilator out, whose C++ takes minutes to compile; otherwise it is measured where it is installed
+    /// Skip Verilator, whose C++ takes minutes to compile; by default it is measured if it is installed
     #[arg(long)]
     no_verilator: bool,
-    /// A tenth of the repetitions: for a look, not for figures to quote
+    /// Run a tenth of the repetitions: faster, but less precise
     #[arg(long)]
     quick: bool,
 }
 
-/// What takes a thousandth of a second is repeated so much more often: machines that others use are slow for a while.
-const LONGER: usize = 8;
+/// The factor on the repetitions of measurements of a millisecond, so that some run while a shared machine is idle.
+const SHORT_RUN_FACTOR: usize = 8;
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let repetitions = if arguments.quick { 4 } else { 40 };
     let mut results = Results::default();
-    let say = |what: &str| writeln!(std::io::stderr(), "measuring {what}");
     // A failed write of the progress does not stop the measurement.
-    let _ = say("the functional model");
-    models::functional(&mut results, LONGER * repetitions);
-    models::batches(&mut results, LONGER * repetitions);
-    models::rays(&mut results, LONGER * repetitions);
-    let _ = say("the cycle-exact model");
-    models::cycle_exact(&mut results, LONGER * repetitions);
-    let _ = say("the netlist");
+    let say = |what: &str| drop(writeln!(std::io::stderr(), "measuring {what}"));
+    say("the functional model");
+    models::functional(&mut results, SHORT_RUN_FACTOR * repetitions);
+    models::batches(&mut results, SHORT_RUN_FACTOR * repetitions);
+    models::rays(&mut results, SHORT_RUN_FACTOR * repetitions);
+    say("the cycle-exact model");
+    models::cycle_exact(&mut results, SHORT_RUN_FACTOR * repetitions);
+    say("the netlist");
     netlist::run(&mut results, repetitions, !arguments.no_verilator)?;
-    let _ = say("rays beside obvhs, and distances");
+    say("rays, compared with obvhs, and distances");
     peers::rays(&mut results, repetitions)?;
     peers::distances(&mut results, repetitions)?;
-    let _ = say("how cost grows");
+    say("the growth of cost with the amount of work");
     growth::run(&mut results, repetitions)?;
     let json = results.json()?;
     if let Some(path) = &arguments.out {

@@ -1,4 +1,4 @@
-//! `raypath replay`: recorded transactions through an engine, compared with what was recorded.
+//! `raypath replay`: runs recorded transactions through an engine and compares the outcomes with the recorded ones.
 
 use crate::commands::additions::Additions;
 use crate::commands::configuration::ConfigArguments;
@@ -25,10 +25,10 @@ use std::time::Instant;
 pub struct Arguments {
     #[command(flatten)]
     stream: StreamArguments,
-    /// What runs the jobs: the functional model, the cycle-exact model, the netlist, or the latter two side by side
+    /// The engine: the functional model, the cycle-exact model, the netlist, or the latter two in lockstep
     #[arg(long, value_enum, default_value_t = EngineKind::Model)]
     engine: EngineKind,
-    /// How many mismatches to show field by field
+    /// The number of mismatches to show field by field
     #[arg(long, default_value_t = 3)]
     show: usize,
     #[command(flatten)]
@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let datapath = whole.elaborate()?;
     let mut watcher = Watcher::new(&arguments.view, config, &datapath);
     let hardware = Hardware { model, config, datapath: &datapath };
-    let run = carry(arguments, hardware, &stream, &mut watcher, &mut differences, |index, outcome| {
+    let run = simulate(arguments, hardware, &stream, &mut watcher, &mut differences, |index, outcome| {
         tally.compare(index, outcome);
         progress.at(index + 1)
     })?;
@@ -79,16 +79,16 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     }
 }
 
-/// What jobs run on.
+/// The datapath that runs the jobs, with its model and configuration.
 struct Hardware<'d> {
     model: WordModel,
     config: Config,
     datapath: &'d Datapath,
 }
 
-/// Runs the stream through the engine that was asked for, until `on_outcome` says stop. `differences` gets the first
-/// few between two engines.
-fn carry(
+/// Runs the stream through the selected engine until `on_outcome` returns false. `differences` receives the first
+/// differences between two engines.
+fn simulate(
     arguments: &Arguments,
     hardware: Hardware<'_>,
     stream: &[Transaction],
@@ -98,11 +98,11 @@ fn carry(
 ) -> Result<Run, CliError> {
     let mut traffic = arguments.stream.traffic()?;
     if arguments.view.is_wanted() && arguments.engine == EngineKind::Model {
-        let problem = "--engine model knows no cycles, expected cycle, netlist or both with --report or --konata";
+        let problem = "--engine model has no cycles, expected cycle, netlist or both with --report or --konata";
         return Err(CliError::unusable(problem));
     }
     if arguments.stream.is_recorded() && arguments.engine == EngineKind::Model {
-        let problem = "--engine model knows no cycles, expected cycle, netlist or both with recorded handshakes";
+        let problem = "--engine model has no cycles, expected cycle, netlist or both with recorded handshakes";
         return Err(CliError::unusable(problem));
     }
     let Hardware { model, config, datapath } = hardware;
@@ -129,7 +129,7 @@ fn carry(
     Ok(observe(engine.as_mut(), jobs, &mut traffic, &mut on_cycle))
 }
 
-/// Writes down where jobs are. What engines show says it: a pipeline of the same shape goes along with them.
+/// Records the positions of jobs. They follow from the ports: a pipeline of the same shape gets the same handshakes.
 struct Watcher {
     recorder: Recorder,
     pipeline: Elastic<()>,
@@ -151,7 +151,7 @@ impl Watcher {
         }
         let output_valid = seen.shown.output.is_some();
         let entering = seen.entered.map(opcode);
-        // Of what was offered in vain only this is of interest, that it was.
+        // Of an offer that is not accepted, only its presence is recorded.
         let offered = seen.cycle.offers.then(|| (entering.unwrap_or(0), seen.entered.unwrap_or(0) as u64));
         let accepted = entering.is_some();
         let output_taken = output_valid && seen.cycle.takes;
@@ -173,7 +173,7 @@ impl Watcher {
     }
 }
 
-/// Outcomes compared with the recorded ones.
+/// The comparison of outcomes with the recorded ones.
 struct Tally<'s> {
     stream: &'s [Transaction],
     kinds: Vec<OperationId>,
@@ -227,7 +227,7 @@ impl<'s> Tally<'s> {
         self.shown.iter().try_for_each(|text| writeln!(out, "\n{text}"))
     }
 
-    /// What was found weighs more than that the user stopped the search.
+    /// The result of the run. A mismatch takes precedence over a stop by the user.
     fn verdict(&self, run: &Run, stopped: Result<(), CliError>) -> Result<(), CliError> {
         let mismatches = self.mismatches();
         if mismatches > 0 {
@@ -236,27 +236,27 @@ impl<'s> Tally<'s> {
         }
         stopped?;
         if run.spurious > 0 {
-            return Err(CliError::Mismatch(format!("{} outcomes came out that belong to no job", run.spurious)));
+            return Err(CliError::Mismatch(format!("{} outcomes belong to no job", run.spurious)));
         }
         match self.stream.len() - run.jobs - run.dropped {
             0 => Ok(()),
-            lost => Err(CliError::Mismatch(format!("{lost} jobs never came out"))),
+            lost => Err(CliError::Mismatch(format!("{lost} jobs have no outcome"))),
         }
     }
 }
 
-/// A mismatch, with every field that was answered and recorded.
+/// A mismatch as text: each field of the outcome beside the recorded one.
 fn field_by_field(transaction: &Transaction, outcome: &Words, format: Format) -> String {
     let kind = transaction.job.kind();
     let mut text = format!("mismatch: {kind} job, seq {:06x}, cat {:x}", transaction.seq, transaction.category);
-    text += &format!("\n    {:<24} {:<27} {:<27}", "field", "answered", "recorded");
+    text += &format!("\n    {:<24} {:<27} {:<27}", "field", "found", "recorded");
     if outcome.kind() != kind {
-        return text + &format!("\n  * answered as {} job", outcome.kind());
+        return text + &format!("\n  * outcome of a {} job", outcome.kind());
     }
-    for (answered, recorded) in outcome.ports().iter().zip(transaction.expected.ports()) {
-        let mark = if answered.bits == recorded.bits { ' ' } else { '*' };
-        let (name, answered, recorded) = (&answered.name, show(answered, format), show(&recorded, format));
-        text += &format!("\n  {mark} {name:<24} {answered:<27} {recorded:<27}");
+    for (found, recorded) in outcome.ports().iter().zip(transaction.expected.ports()) {
+        let mark = if found.bits == recorded.bits { ' ' } else { '*' };
+        let (name, found, recorded) = (&found.name, show(found, format), show(&recorded, format));
+        text += &format!("\n  {mark} {name:<24} {found:<27} {recorded:<27}");
     }
     text
 }
@@ -266,7 +266,7 @@ fn show(port: &PortValue, format: Format) -> String {
         PortKind::Number => {
             let (bits, digits, number) =
                 (port.bits, format.ieee_width().div_ceil(4) as usize, format.to_f64(port.bits));
-            // Binary32 needs fewer digits to say which of its numbers it is.
+            // A binary32 number is identified by fewer digits.
             match number as f32 {
                 single if f64::from(single) == number => format!("{bits:0digits$x} {single:e}"),
                 _ => format!("{bits:0digits$x} {number:e}"),

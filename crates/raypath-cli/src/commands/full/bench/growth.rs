@@ -1,4 +1,4 @@
-//! How cost grows with what there is to do: nanoseconds an item, which stay the same where it grows linearly.
+//! The growth of cost with the number of items: nanoseconds per item, which are constant if the cost grows linearly.
 
 use crate::commands::full::bench::models::each;
 use crate::commands::full::bench::result::Results;
@@ -11,7 +11,7 @@ use raypath_render::{Camera, Scene, Tracing, builtin, trace_closest};
 use raypath_search::{Clusters, Exact, Metric};
 use std::hint::black_box;
 
-/// Jobs, rays and vectors, a hundred times as many at the end as at the beginning.
+/// Measures jobs, rays and vectors, from 1,000 to 100,000 of each.
 pub fn run(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
     let repetitions = repetitions.div_ceil(8);
     let jobs = Workload::new().mixed(100_000);
@@ -23,7 +23,7 @@ pub fn run(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
 
     let scene = Scene::new(builtin().map_err(CliError::unusable)?).map_err(CliError::unusable)?;
     let in_rows = Camera::framing(scene.mesh(), 1.0).rays(400, 250).map_err(CliError::unusable)?;
-    // In steps through the picture, so that the first thousand are like all of them.
+    // The rays are reordered, so that any first part is a sample of the whole picture.
     let rays: Vec<_> = (0..in_rows.len()).map(|i| in_rows[i * 7919 % in_rows.len()]).collect();
     let mut stopped = false;
     results.growth(
@@ -51,7 +51,7 @@ pub fn run(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
     if stopped { Err(CliError::unusable("the work stopped although nothing stops it")) } else { Ok(()) }
 }
 
-/// Nanoseconds an item for so many items.
+/// Each count with its nanoseconds per item. `time` returns the seconds of a count.
 fn points(counts: [usize; 3], mut time: impl FnMut(usize) -> f64) -> Vec<(u64, f64)> {
     counts.into_iter().map(|count| (count as u64, 1e9 * time(count) / count as f64)).collect()
 }

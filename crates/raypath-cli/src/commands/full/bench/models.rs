@@ -1,4 +1,4 @@
-//! The models, on one core.
+//! Rates of the models on one core.
 
 use crate::commands::full::bench::result::Results;
 use crate::commands::full::bench::stopwatch::seconds;
@@ -12,13 +12,13 @@ use raypath_ops::{
 };
 use std::hint::black_box;
 
-/// Jobs that one measurement goes through: more than a predictor remembers, less than a second-level cache holds.
+/// The jobs of a measurement: more than a branch predictor remembers, fewer than a second-level cache holds.
 const JOBS: usize = 4096;
 
-/// Jobs of a batch: in and out they fit into a first-level cache.
+/// The jobs of a batch. Jobs and outcomes fit into a first-level cache.
 const BATCH: usize = 128;
 
-/// One job after another.
+/// Measures the functional model, one job after another.
 pub fn functional(results: &mut Results, repetitions: usize) {
     let jobs = Workload::new().mixed(JOBS);
     let mut model = Functional::<16, 8>::new(Rules::Paper);
@@ -37,7 +37,7 @@ pub fn each(model: &mut Functional, jobs: &[Job]) {
     }
 }
 
-/// In SIMD lanes, with every instruction set of the machine.
+/// Measures batches in SIMD lanes, with each instruction set of the machine.
 pub fn batches(results: &mut Results, repetitions: usize) {
     let mut workload = Workload::new();
     let boxes: Vec<_> = (0..BATCH).map(|_| workload.quadbox()).collect();
@@ -79,7 +79,7 @@ pub fn batches(results: &mut Results, repetitions: usize) {
     }
 }
 
-/// The values that the ports expect of a ray, from its origin and direction.
+/// Measures the preparation of a ray: the values of its ports from origin and direction.
 pub fn rays(results: &mut Results, repetitions: usize) {
     let [origin, direction] = [[0.1, 0.2, 0.3], [0.4, -0.5, 0.6]];
     let time = seconds(repetitions, || {
@@ -88,7 +88,7 @@ pub fn rays(results: &mut Results, repetitions: usize) {
     results.rate("rays from origin and direction", "rays prepared", 1.0 / time, None);
 }
 
-/// Jobs a second of a batch.
+/// The jobs per second of a batch.
 fn timed<I: Family, O: Family>(
     jobs: &[Of<I, Binary32>],
     repetitions: usize,
@@ -103,7 +103,8 @@ fn timed<I: Family, O: Family>(
     jobs.len() as f64 / time
 }
 
-/// A job offered in every cycle; a sink that takes always, one that stalls at random, and cycles without jobs.
+/// Measures the cycle-exact model: with a job in every cycle and a sink that is always ready, with a sink that stalls
+/// at random, and with idle cycles between jobs.
 pub fn cycle_exact(results: &mut Results, repetitions: usize) {
     let jobs = Workload::new().mixed(JOBS);
     let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -123,7 +124,7 @@ pub fn cycle_exact(results: &mut Results, repetitions: usize) {
         };
         results.rate(what, "cycles", stalls.len() as f64 / seconds(repetitions, run), goal);
     }
-    // A job, and then nothing for a thousand cycles.
+    // A job every thousand cycles.
     const IDLE: u64 = 1000;
     let run = || {
         for job in &jobs[..64] {

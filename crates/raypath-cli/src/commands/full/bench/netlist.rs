@@ -11,13 +11,13 @@ use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
 use std::hint::black_box;
 use std::sync::Arc;
 
-/// Cycles of one run: few, so that some of many runs are not interrupted.
+/// The cycles of a run: few, so that some of many runs are not interrupted.
 const CYCLES: usize = 128;
 
-/// So many of these runs for each run of what takes longer.
+/// The number of these runs for each repetition.
 const RUNS: usize = 8;
 
-/// A mixed job in every cycle, none refused.
+/// Measures the netlist with a job in every cycle, of all operations in turn.
 pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> Result<(), CliError> {
     let datapath = Datapath::new(Config::DEFAULT)?;
     let top = datapath.top();
@@ -55,7 +55,7 @@ impl Ports {
     }
 }
 
-/// Cycles a second; setting and reading all ports included.
+/// The cycles per second, including writes and reads of all ports.
 fn compiled(simulator: &mut Simulator, ports: &Ports, jobs: &[Job], repetitions: usize) -> f64 {
     let top = simulator.module();
     let stimuli: Vec<Vec<u64>> = jobs.iter().map(|job| stimulus(top, job)).collect();
@@ -73,9 +73,9 @@ fn compiled(simulator: &mut Simulator, ports: &Ports, jobs: &[Job], repetitions:
     jobs.len() as f64 / time
 }
 
-/// The same of all lanes together, each with jobs of its own.
+/// The cycles per second of all lanes together, each with its own jobs.
 fn lanes(simulator: &mut LaneSimulator, ports: &Ports, repetitions: usize) -> f64 {
-    // A few cycles, for there are many lanes.
+    // Few cycles, because there are many lanes.
     const CYCLES: usize = 8;
     let top = simulator.module();
     let jobs = Workload::new().mixed(CYCLES * LANES);
@@ -105,18 +105,18 @@ fn lanes(simulator: &mut LaneSimulator, ports: &Ports, repetitions: usize) -> f6
     jobs.len() as f64 / time
 }
 
-/// Cycles a second of Verilator, one thread, all of its and the compiler's optimisation.
+/// The cycles per second of Verilator, with one thread and all optimisations of Verilator and the C++ compiler.
 fn verilator(top: &Arc<Module>, jobs: &[Job], repetitions: usize) -> Result<f64, ToolError> {
     let folder = temporary_folder()?;
     let options = Options { c_optimisation: 3, native: true, ..Options::default() };
     let verilated = Verilated::build_with(top, folder.path(), &options)?;
-    // The first of a frame is the reset, which is low when active.
+    // The first value of a frame is the reset, which is active low.
     let frames = jobs.iter().map(|job| [vec![1], stimulus(top, job)].concat());
     let times = verilated.time(frames, repetitions)?;
     Ok(jobs.len() as f64 / times.into_iter().fold(f64::INFINITY, f64::min))
 }
 
-/// What the inputs get in a cycle that offers a job: valid, and the sink is ready.
+/// The values of the inputs in a cycle that offers a job to a ready sink.
 fn stimulus(top: &Module, job: &Job) -> Vec<u64> {
     let ports = job.ports();
     let value = |name: &str| match name {

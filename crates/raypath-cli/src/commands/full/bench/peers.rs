@@ -1,4 +1,4 @@
-//! Rays and distances, beside other libraries and on all cores.
+//! Rates of rays and distances: rays on one core, compared with obvhs; distances on one core and on all cores.
 
 use crate::commands::full::bench::result::Results;
 use crate::error::CliError;
@@ -6,7 +6,7 @@ use raypath_render::compare::compare;
 use raypath_render::{Camera, Scene, Tracing, builtin};
 use raypath_search::{Clusters, Metric, speed};
 
-/// Closest hits of the built-in scene on one core, beside obvhs' own traversal of the tree that ours is made of.
+/// Measures closest hits in the built-in scene on one core, compared with obvhs' traversal of the same tree.
 pub fn rays(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
     let scene = Scene::new(builtin().map_err(CliError::unusable)?).map_err(CliError::unusable)?;
     const SIZE: (u32, u32) = (256, 192);
@@ -18,7 +18,7 @@ pub fn rays(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
             compare(&scene, &rays, tracing, repetitions.div_ceil(4) as u32, &|_| true).map_err(CliError::unusable)?;
         let per_second = compared.nanoseconds().map(|nanoseconds| 1e9 / nanoseconds);
         let (what, unit) = if two_sided { ("two-sided", "rays both sides") } else { ("one-sided", "rays") };
-        // obvhs tests both sides at no cost; a third of its rate is the goal.
+        // obvhs tests both sides at no cost. The goal is a third of its rate.
         results.rate(
             format!("rays from the eye, built-in scene, {what}, one core"),
             unit,
@@ -30,7 +30,7 @@ pub fn rays(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Exact search, on one core and on all.
+/// Measures exact search, on one core and on all cores.
 pub fn distances(results: &mut Results, repetitions: usize) -> Result<(), CliError> {
     let clusters = Clusters { vectors: 20_000, queries: 256, dimensions: 128, ..Clusters::default() };
     let set = clusters.generate().map_err(CliError::unusable)?;

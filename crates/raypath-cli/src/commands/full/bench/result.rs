@@ -1,4 +1,4 @@
-//! What was measured, as a table and as JSON.
+//! The results of measurements, as a table and as JSON.
 
 use crate::error::CliError;
 use comfy_table::presets::ASCII_MARKDOWN;
@@ -6,38 +6,38 @@ use comfy_table::{CellAlignment, Table};
 use serde::Serialize;
 use std::fmt;
 
-/// All that was measured.
+/// The results of all measurements.
 #[derive(Debug, Default, Serialize)]
 pub struct Results {
-    /// Rates, each under a name that stays.
+    /// Rates. Their names are stable, so that runs can be compared.
     rates: Vec<Rate>,
-    /// How cost grows with what there is to do.
+    /// The growth of cost with the number of items.
     growth: Vec<Growth>,
-    /// What could not be measured, and why.
+    /// The measurements that failed, each with the reason.
     missing: Vec<String>,
 }
 
-/// So many of something a second.
+/// A rate.
 #[derive(Debug, Clone, Serialize)]
 pub struct Rate {
-    /// What was measured.
+    /// The subject of the measurement.
     pub what: String,
-    /// What is counted: "jobs", "cycles".
+    /// The unit that is counted, for example "jobs" or "cycles".
     pub unit: &'static str,
-    /// How many of them in a second.
+    /// The number of units per second.
     pub per_second: f64,
-    /// What our goal is, if there is one.
+    /// The goal, in units per second.
     pub goal: Option<f64>,
-    /// The rate of another program that did the same in this run, and its name.
+    /// Another program that did the same work in this run: its name and its rate.
     pub peer: Option<(String, f64)>,
 }
 
-/// Nanoseconds an item, for ever more items.
+/// The cost per item for growing numbers of items.
 #[derive(Debug, Clone, Serialize)]
 pub struct Growth {
-    /// What was measured.
+    /// The subject of the measurement.
     pub what: String,
-    /// How many items, and nanoseconds for each.
+    /// The number of items, and the nanoseconds per item.
     pub points: Vec<(u64, f64)>,
 }
 
@@ -46,7 +46,7 @@ impl Results {
         self.rates.push(Rate { what: what.into(), unit, per_second, goal, peer: None });
     }
 
-    /// Names a peer's rate beside all rates that count `unit`.
+    /// Adds a peer's rate to all rates in `unit`.
     pub fn beside(&mut self, unit: &str, peer: &str, per_second: f64) {
         for rate in self.rates.iter_mut().filter(|rate| rate.unit == unit) {
             rate.peer = Some((peer.to_string(), per_second));
@@ -84,7 +84,7 @@ impl fmt::Display for Results {
         writeln!(f, "{table}")?;
         for Growth { what, points } in &self.growth {
             let points: Vec<String> = points.iter().map(|(items, ns)| format!("{items}: {ns:.2}")).collect();
-            writeln!(f, "\n{what}, ns each, by how many: {}", points.join(", "))?;
+            writeln!(f, "\n{what}, ns per item by number of items: {}", points.join(", "))?;
         }
         for missing in &self.missing {
             writeln!(f, "\nnot measured: {missing}")?;
@@ -93,7 +93,7 @@ impl fmt::Display for Results {
     }
 }
 
-/// Three digits and a unit.
+/// A number with three digits and a prefix: `1.23 M`.
 fn count(number: f64) -> String {
     let (scale, name) = match number {
         n if n >= 1e9 => (1e9, " G"),

@@ -1,13 +1,13 @@
-//! Time, on a machine that others use too.
+//! The measurement of time on a shared machine.
 
 use std::time::{Duration, Instant};
 
-/// The least time that one run is to take: far more than reading the clock, less than a slice of the scheduler, so that
-/// some runs are not interrupted.
+/// The minimum duration of a run: far longer than a read of the clock, and shorter than a time slice of the scheduler,
+/// so that some runs are not interrupted.
 const RUN: Duration = Duration::from_millis(1);
 
-/// Seconds that `work` takes, which does the same each time: the best of `repetitions`, each of as many calls as it
-/// takes to be measured.
+/// The seconds of a call of `work`, which does the same each time: the minimum of `repetitions` runs, each with as many
+/// calls as last a millisecond.
 pub fn seconds(repetitions: usize, mut work: impl FnMut()) -> f64 {
     let once = best(1, 1, &mut work);
     let calls = (RUN.as_secs_f64() / once.max(1e-9)).ceil().clamp(1.0, 1e6) as usize;

@@ -1,11 +1,11 @@
-//! Jobs to measure with: rays aimed at boxes and triangles from all sides, and ordinary vectors. No special numbers,
-//! which some machines are slow with, and many different jobs, so that no branch predictor learns them by heart.
+//! The jobs of the measurements: rays aimed at boxes and triangles from all sides, and vectors. There are no subnormal
+//! or special numbers, which are slow on some machines. The jobs differ, so that a branch predictor cannot learn them.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_ops::{Aabb, Beat, BeatInput, Binary32, Flags, Job, Num, Ray, RayBoxInput, RayTriangleInput, Triangle};
 
-/// Random jobs, always the same.
+/// Random jobs with a fixed seed.
 pub struct Workload {
     rng: ChaCha8Rng,
 }
@@ -15,7 +15,7 @@ impl Workload {
         Self { rng: ChaCha8Rng::seed_from_u64(1) }
     }
 
-    /// Jobs of the four kinds in turn.
+    /// Jobs of the four operations in turn.
     pub fn mixed(&mut self, count: usize) -> Vec<Job> {
         let job = |i| match i % 4 {
             0 => Job::Triangle(self.triangle()),
@@ -26,7 +26,7 @@ impl Workload {
         (0..count).map(job).collect()
     }
 
-    /// Half of the boxes are hit.
+    /// A ray and four boxes. About half of the boxes are hit.
     pub fn quadbox(&mut self) -> RayBoxInput<Binary32> {
         let ray = self.ray();
         let corner = |a: f32, b: f32| (a.min(b), a.max(b));
