@@ -1,11 +1,11 @@
-//! Operations beside the paper's, and features of the paper's, as a user meets them.
+//! Added operations, and features of the paper's operations, on the command line.
 
 use crate::{ends_with, file, folder, raypath, said, text};
 use raypath::oracle::{AnyOperationSpec, added_operations};
 use std::fs::read_to_string;
 
 #[test]
-fn operations_are_listed_with_what_they_cost() {
+fn operations_are_listed_with_their_cost() {
     let output = raypath(&["operations"]);
     assert!(output.status.success());
     let table = said(&output);
@@ -33,7 +33,7 @@ fn an_operation_is_added_by_its_name() {
     let written = read_to_string(folder.path().join("with/raypath.sv")).expect("a file");
     assert!(written.contains(&format!("4 {last}, 5 {first}")), "opcodes in the head comment");
     assert!(folder.path().join("with/rtl/raypath_wrapper.sv").is_file());
-    // Its jobs, with the answers, are a file that can be replayed.
+    // The file of its jobs and outcomes can be replayed.
     let recorded = text(&folder.path().join(format!("with/{last}.txt")));
     ends_with(
         &["replay", "--with", last, "--engine", "both", &recorded],
@@ -59,14 +59,14 @@ fn features_are_options() {
         assert!(written.contains(port), "{port}");
     }
 
-    // From a file the same.
+    // The same features in a file.
     let features =
         file(folder.path(), "features.toml", "lanes = \"none\"\ntag = 8\nrange = true\nculling = \"none\"\n");
     ends_with(&["generate", "--config", &features, "--jobs", "100", "--out", &out], 0, &["tag 8", ": 0 mismatches"]);
 }
 
 #[test]
-fn features_that_cannot_be_had_are_refused() {
+fn impossible_features_are_refused() {
     let folder = folder();
     let out = text(&folder.path().join("none"));
     for (arguments, words) in [
@@ -74,7 +74,7 @@ fn features_that_cannot_be_had_are_refused() {
         (vec!["generate", "--conservative", "--rules", "chisel", "--out", &out], "expected the rules paper"),
         (vec!["generate", "--exception-flags", "--format", "fp16", "--out", &out], "expected format fp32"),
         (vec!["replay", "--exception-flags", "--format", "fp16", "triangle.txt"], "expected format fp32"),
-        // A file is no value of the option before it.
+        // The file name is not taken as the value of the option before it.
         (vec!["replay", "--facing", "triangle.txt"], "triangle.txt: No such file"),
         (vec!["replay", "--facing=maybe", "triangle.txt"], "'maybe'"),
         (vec!["render", "--tag", "8"], "features are for generate"),

@@ -5,11 +5,11 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A square in the plane z = 0, of two triangles that face +z, and a triangle behind it that looks the other way.
+/// A square of two triangles in the plane z = 0 that face +z, and behind it a triangle that faces -z.
 const SQUARE: &str =
     "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv -1 -1 -1\nv 1 -1 -1\nv 0 1 -1\nf 1 2 3\nf 1 3 4\nf 5 7 6\n";
 
-/// Width and height of a PNG file, as its header says.
+/// Width and height of a PNG file, from its header.
 fn size(png: &Path) -> (u32, u32) {
     let bytes = std::fs::read(png).expect("a picture");
     assert_eq!(bytes[..8], *b"\x89PNG\r\n\x1a\n");
@@ -18,55 +18,22 @@ fn size(png: &Path) -> (u32, u32) {
 }
 
 #[test]
-fn pictures_and_what_they_cost() {
+fn pictures_and_their_cost() {
     let folder = folder();
     let below = |name: &str| folder.path().join(name);
     let scene = file(folder.path(), "square.obj", SQUARE);
-    let output = raypath(&[
-        "render",
-        &scene,
-        "--size",
-        "48x32",
-        "--shadows",
-        "--ao",
-        "2",
-        "--camera",
-        "0",
-        "0",
-        "4",
-        "0",
-        "0",
-        "0",
-        "--out",
-        &text(&below("image.png")),
-        "--heatmap",
-        &text(&below("heat.png")),
-        "--hits",
-        &text(&below("hits.txt")),
-        "--sweep",
-        &text(&below("sweep.svg")),
-        "--report",
-        &text(&below("report.html")),
-        "--konata",
-        &text(&below("log.txt")),
-        "--rays-in-flight",
-        "8",
-        "--memory-latency",
-        "30",
-        "--clock",
-        "500",
-    ]);
-    let said = said(&output);
-    assert_eq!(output.status.code(), Some(0), "{said}");
+    let options =
+        "--size 48x32 --shadows --ao 2 --camera 0 0 4 0 0 0 --rays-in-flight 8 --memory-latency 30 --clock 500";
+    let arguments: Vec<&str> = ["render", &scene].into_iter().chain(options.split(' ')).collect();
+    let pictures = [("--out", "image.png"), ("--heatmap", "heat.png"), ("--sweep", "sweep.svg")];
+    let others = [("--hits", "hits.txt"), ("--report", "report.html"), ("--konata", "log.txt")];
+    let said = page::writes(&arguments, folder.path(), &[pictures, others].concat());
     assert_eq!(size(&below("image.png")), (48, 32));
     assert_eq!(size(&below("heat.png")).0, 48);
-    for name in ["image.png", "heat.png", "hits.txt", "sweep.svg", "report.html", "log.txt"] {
-        assert!(said.contains(&format!("wrote {}", text(&below(name)))), "{name}: {said}");
-    }
     assert!(std::fs::read_to_string(below("log.txt")).expect("a log").starts_with("Kanata\t0004\n"));
     assert!(std::fs::read_to_string(below("sweep.svg")).expect("a plot").contains("<svg"));
 
-    // The camera looks at the middle of the square: a ray through a pixel's centre hits it where geometry says.
+    // The camera looks at the middle of the square. Each ray passes through the centre of a pixel.
     let hits = std::fs::read_to_string(below("hits.txt")).expect("hits");
     let hits: Vec<&str> = hits.lines().filter(|line| !line.starts_with('#')).collect();
     assert_eq!(hits.len(), 48 * 32);
@@ -80,12 +47,12 @@ fn pictures_and_what_they_cost() {
             continue;
         }
         hit += 1;
-        // On the edge between the two it is one of them.
+        // On the common edge either triangle is right.
         let triangles = [(x > y - 1e-6, "0"), (x < y + 1e-6, "1")];
         let triangle = line.split(' ').next().expect("a triangle");
         assert!(triangles.contains(&(true, triangle)), "pixel {pixel}, ({x}, {y}): {line}");
     }
-    // A ray from the eye for each pixel, and from each hit one to the sun and two to the sky, of which nothing is hit.
+    // Each pixel has one ray from the eye; each hit has one to the sun and two to the sky, which hit nothing.
     let row = |name: &str| -> Vec<u64> {
         printed(&said, name).split_whitespace().map(|number| number.parse().expect("a number")).collect()
     };
@@ -115,24 +82,23 @@ fn rays_are_traced_from_files() {
         text.lines().filter(|line| !line.starts_with('#')).map(str::to_string).collect()
     };
     let hits = lines(&[]);
-    // t is in units of the direction's length; t_num / t_denom is t, and the bits say the same once more.
+    // t is in units of the direction's length; t_num / t_denom is t, and the last columns are the bits of the three.
     let first: Vec<&str> = hits[0].split(' ').collect();
     assert_eq!((first[0], first[1], first[4]), ("0", "1.5e0", "3fc00000"));
     let number = |text: &str| text.parse::<f32>().expect("a number");
     assert_eq!(number(first[2]) / number(first[3]), 1.5);
     assert_eq!(hits[1..], ["miss", "miss", "miss"]);
-    // Seen from both sides the last hits the square's back.
+    // With --two-sided the last ray hits the back of the square.
     let hits = lines(&["--two-sided"]);
     assert!(hits[3].starts_with("1b 5e-1 "), "{}", hits[3]);
 
     let out = folder.path().join("hits.txt");
-    let output = raypath(&["render", &scene, "--rays", &rays, "--hits", &text(&out)]);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
-    assert!(said(&output).contains("4 rays, 1 hits") && said(&output).contains("rays timed"), "{}", said(&output));
+    let said = page::succeeds(&["render", &scene, "--rays", &rays, "--hits", &text(&out)]);
+    assert!(said.contains("4 rays, 1 hits") && said.contains("rays timed"), "{said}");
     assert_eq!(std::fs::read_to_string(&out).expect("hits").lines().filter(|line| *line == "miss").count(), 3);
 }
 
-/// Every format, in its plain and its binary form, by the same four triangles.
+/// The same four triangles in every format; glTF as text and as binary.
 #[test]
 fn every_format_is_read() {
     let folder = folder();
@@ -183,12 +149,10 @@ fn every_format_is_read() {
         file(folder.path(), "mesh.glb", &glb),
     ];
     for mesh in &files {
-        let output = raypath(&["render", mesh, "--rays", &rays]);
-        let said = said(&output);
-        assert_eq!(output.status.code(), Some(0), "{mesh}: {said}");
+        let said = page::succeeds(&["render", mesh, "--rays", &rays]);
         let hits: Vec<&str> = said.lines().filter(|line| !line.starts_with('#')).collect();
         assert!(hits[0].starts_with("0 2e0 ") && hits[1].starts_with("2 ") && hits[2] == "miss", "{mesh}: {said}");
-        // The same file cut short, or with a coordinate that is no number, says so and writes nothing.
+        // A truncated file is an error that names the file, and nothing is written.
         let whole = std::fs::read(mesh).expect("the mesh");
         let extension = mesh.rsplit('.').next().expect("an extension");
         let cut = file(folder.path(), &format!("cut.{extension}"), &whole[..whole.len() * 2 / 3]);
@@ -244,7 +208,7 @@ fn wrong_input_is_named() {
     ends_with(&["render", &square, "--no-timing", "--report", "r.html"], 2, &["cannot be used with"]);
 }
 
-/// Ctrl-C ends a long run soon, says how far it came, and leaves no file.
+/// Ctrl-C ends a long run within a minute. The message has the progress, and no file is written.
 #[cfg(unix)]
 #[test]
 fn long_runs_stop_cleanly() {

@@ -1,6 +1,6 @@
-//! `raypath replay` of any operations, and `--report`.
+//! `raypath replay` of added operations, and its reports.
 
-use crate::{GOLDEN, ends_with, file, folder, page, printed, raypath, said, text};
+use crate::{GOLDEN, ends_with, file, folder, page, printed, text};
 use raypath::model::Model;
 use raypath::oracle::added_operations;
 use raypath::rtl::Config;
@@ -14,19 +14,15 @@ fn recorded_jobs_in_a_report() {
     let files = ["triangle", "quadbox", "euclidean", "angular"].map(|kind| format!("{GOLDEN}/{kind}.txt.gz"));
     for engine in ["cycle", "netlist"] {
         let mut arguments = vec!["replay", "--rules", "chisel", "--engine", engine, "--interleave", "--handshake"];
-        let (report, log) = (text(&report), text(&log));
-        arguments.extend(["random", "--report", &report, "--konata", &log, "--window-jobs", "500"]);
+        arguments.extend(["random", "--window-jobs", "500"]);
         arguments.extend(files.iter().map(String::as_str));
-        let output = raypath(&arguments);
-        let said = said(&output);
-        assert_eq!(output.status.code(), Some(0), "{said}");
-        assert!(said.contains(&format!("wrote {report}")) && said.contains(&format!("wrote {log}")), "{said}");
-        page::agrees(report.as_ref(), &said);
-        // 24,576 jobs went in, and as many answers came out as recorded.
-        let counts = page::counts(report.as_ref());
+        let said = page::writes(&arguments, folder.path(), &[("--report", "report.html"), ("--konata", "log.txt")]);
+        page::agrees(&report, &said);
+        // All 24,576 jobs have the recorded outcomes.
+        let counts = page::counts(&report);
         assert!(counts.contains(&("jobs".to_string(), "24576".to_string())), "{counts:?}");
         assert!(counts.contains(&("mismatches".to_string(), "0".to_string())), "{counts:?}");
-        // The log has the window's jobs, each of which begins and retires.
+        // In the log each job of the window begins and retires.
         let log = std::fs::read_to_string(&log).expect("a log");
         let lines = |kind: &str| log.lines().filter(|line| line.starts_with(kind)).count();
         assert_eq!((lines("I\t"), lines("R\t")), (500, 500));
@@ -35,7 +31,7 @@ fn recorded_jobs_in_a_report() {
     ends_with(&["replay", "--rules", "chisel", &files[0], "--report", "r.html"], 2, &["--engine model has no cycles"]);
 }
 
-/// The datapath of the paper with an operation besides, and so many of the operation's jobs with the model's answers.
+/// The model of the paper's datapath with an added operation, and `count` jobs of the operation with their outcomes.
 fn added(name: &str, seed: u64, count: usize) -> (WordModel, Vec<Transaction>) {
     let specs = added_operations();
     let spec = specs.iter().find(|spec| spec.name() == name).expect("an operation");
@@ -49,7 +45,7 @@ fn added(name: &str, seed: u64, count: usize) -> (WordModel, Vec<Transaction>) {
     (model, stream)
 }
 
-/// Every operation that can be added: written, read and written again.
+/// The transactions of each operation that can be added are equal after they were written and read.
 #[test]
 fn transactions_of_any_operation_survive_a_file() {
     let (folder, all) = (folder(), added_operations());
@@ -71,7 +67,7 @@ fn transactions_of_any_operation_survive_a_file() {
 #[test]
 fn an_added_operation_is_replayed_and_shown() {
     let folder = folder();
-    // Whichever it is: operations come and go with their files.
+    // Any registered operation.
     let name = added_operations().first().expect("an operation").name();
     let (model, stream) = added(name, 3, 2000);
     let kind = model.kind(name).expect("an operation");
@@ -86,19 +82,16 @@ fn an_added_operation_is_replayed_and_shown() {
             "model" => [&common[..], &["random", &jobs, &boxes]].concat(),
             _ => [&common[..], &shown].concat(),
         };
-        let output = raypath(&arguments);
-        let said = said(&output);
-        assert_eq!(output.status.code(), Some(0), "{said}");
+        let said = page::succeeds(&arguments);
         assert_eq!(printed(&said, name).split_whitespace().collect::<Vec<_>>(), ["2000", "0"], "{said}");
     }
-    // The page has it in the legend, in the choice of utilisation and as a row; and the table for the terminal in its
-    // head.
+    // The page shows the operation in the legend, in the choice of utilisation and as a row.
     let page = std::fs::read_to_string(&report).expect("a page");
     assert_eq!(page.matches(&format!("<i class=\"key op4\"></i>{name}")).count(), 3);
     assert!(page.contains(&format!("\"operations\":[\"triangle\",\"quadbox\",\"euclidean\",\"angular\",\"{name}\"]")));
     page::counts(report.as_ref());
 
-    // One changed digit of an answer is found, and the field is named.
+    // A changed digit of an outcome is found, and its field is named.
     let mut lines: Vec<String> = written.lines().map(str::to_string).collect();
     let digit = lines[1000].len() - 1;
     let other = if lines[1000].ends_with('0') { "1" } else { "0" };

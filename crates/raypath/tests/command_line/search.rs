@@ -1,6 +1,6 @@
 //! `raypath search`.
 
-use crate::{ends_with, file, folder, page, printed, raypath, said, text};
+use crate::{ends_with, file, folder, page, printed, text};
 use std::path::Path;
 
 fn fvecs(folder: &Path, name: &str, rows: &[&[f32]]) -> String {
@@ -15,7 +15,7 @@ fn ivecs(rows: &[&[u32]]) -> Vec<u8> {
     rows.iter().flat_map(|row| [&[row.len() as u32], *row].concat()).flat_map(u32::to_le_bytes).collect()
 }
 
-/// Five points in three dimensions, and two queries, whose neighbours are known by hand.
+/// Five points in three dimensions, and two queries, whose neighbours were computed by hand.
 const BASE: [&[f32]; 5] = [&[0.0, 0.0, 9.0], &[1.0, 0.0, 0.0], &[0.0, 2.0, 0.0], &[3.0, 3.0, 0.0], &[-5.0, 0.0, 0.0]];
 const QUERIES: [&[f32]; 2] = [&[1.0, 0.0, 1.0], &[0.0, 4.0, 0.5]];
 
@@ -24,15 +24,13 @@ fn neighbours_are_found() {
     let folder = folder();
     let (base, queries) = (fvecs(folder.path(), "base.fvecs", &BASE), fvecs(folder.path(), "queries.fvecs", &QUERIES));
     let out = folder.path().join("found.ivecs");
-    // Squared distances of the first: 65, 1, 6, 14, 37; of the second: 88.25, 17.25, 4.25, 10.25, 41.25. Cosines of the
-    // first: .707, .707 (less by a rounding or not), 0, .5, -.707; of the second: .124, 0, .992, .702, 0.
+    // Squared distances to the first query: 65, 1, 6, 14, 37; to the second: 88.25, 17.25, 4.25, 10.25, 41.25. Cosines of the
+    // first: .707, .707 (equal or different by a rounding), 0, .5, -.707; of the second: .124, 0, .992, .702, 0.
     let truth = file(folder.path(), "truth.ivecs", ivecs(&[&[1, 2, 3], &[2, 3, 1]]));
     for lanes in ["2", "4", "8", "16", "32", "64"] {
         for index in [&[][..], &["--index", "hnsw"]] {
             let arguments = ["search", &base, &queries, "-k", "3", "--truth", &truth, "--lanes", lanes];
-            let output = raypath(&[&arguments, index, &["--out", &text(&out)]].concat());
-            let said = said(&output);
-            assert_eq!(output.status.code(), Some(0), "{said}");
+            let said = page::succeeds(&[&arguments, index, &["--out", &text(&out)]].concat());
             assert_eq!(std::fs::read(&out).expect("neighbours"), ivecs(&[&[1, 2, 3], &[2, 3, 1]]), "{lanes} {index:?}");
             assert_eq!(printed(&said, "recall at 3 against the file's truth"), "1.0000");
             assert!(said.contains("5 vectors of 3 dimensions, 2 queries, euclidean distance"), "{said}");
@@ -45,37 +43,24 @@ fn neighbours_are_found() {
             }
         }
     }
-    // Angular: three of the second query; -k 2 leaves the ties out.
-    let output = raypath(&["search", &base, &queries, "-k", "2", "--metric", "angular", "--out", &text(&out)]);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    // Angular distance; -k 2 excludes the ties of the second query.
+    page::succeeds(&["search", &base, &queries, "-k", "2", "--metric", "angular", "--out", &text(&out)]);
     assert_eq!(std::fs::read(&out).expect("neighbours")[12..], ivecs(&[&[0, 1], &[2, 3]])[12..]);
 }
 
 #[test]
-fn the_report_says_what_was_printed() {
+fn the_report_agrees_with_the_output() {
     let folder = folder();
     let (base, queries) = (fvecs(folder.path(), "base.fvecs", &BASE), fvecs(folder.path(), "queries.fvecs", &QUERIES));
     let below = |name: &str| folder.path().join(name);
     for index in [&["--exact"][..], &["--index", "hnsw"]] {
         let arguments = ["search", &base, &queries, "-k", "2", "--metric", "angular", "--queries-in-flight", "2"];
-        let files = [
-            "--report",
-            &text(&below("r.html")),
-            "--konata",
-            &text(&below("k.txt")),
-            "--sweep",
-            &text(&below("s.svg")),
-        ];
-        let output = raypath(&[&arguments, index, &files].concat());
-        let said = said(&output);
-        assert_eq!(output.status.code(), Some(0), "{said}");
-        for name in ["r.html", "k.txt", "s.svg"] {
-            assert!(said.contains(&format!("wrote {}", text(&below(name)))), "{name}: {said}");
-        }
+        let files = [("--report", "r.html"), ("--konata", "k.txt"), ("--sweep", "s.svg")];
+        let said = page::writes(&[&arguments[..], index].concat(), folder.path(), &files);
         assert_eq!(printed(&said, "queries timed"), "2 of 2");
         page::agrees(&below("r.html"), &said);
         let html = std::fs::read_to_string(below("r.html")).expect("a page");
-        assert!(html.contains("distances of a query"), "the search in the report");
+        assert!(html.contains("distances of a query"), "the report describes the search");
     }
 }
 
@@ -128,16 +113,14 @@ fn wrong_input_is_named() {
     assert!(!at.join("found.ivecs").exists());
 }
 
-/// Without files there is a set of its own, the same each time.
+/// Without files the program generates a data set, which the seed determines.
 #[test]
-fn a_set_is_generated() {
+fn a_data_set_is_generated() {
     let folder = folder();
     let found = |name: &str, more: &[&str]| {
         let out = folder.path().join(name);
         let arguments = ["search", "-k", "5", "--no-timing", "--out", &text(&out)];
-        let output = raypath(&[&arguments, more].concat());
-        let said = said(&output);
-        assert_eq!(output.status.code(), Some(0), "{said}");
+        let said = page::succeeds(&[&arguments, more].concat());
         assert!(said.contains("10000 vectors of 128 dimensions, 100 queries"), "{said}");
         std::fs::read(out).expect("neighbours")
     };
