@@ -1,4 +1,4 @@
-//! Datapaths of any operations: their models are those of the typed operations, and what does not fit is told.
+//! Datapaths of any operations: their models equal the typed ones, and operations that do not fit are refused.
 
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
@@ -13,20 +13,20 @@ use raypath_sim::jobs::any_job;
 bundle! {
     /// A number.
     pub struct One<C> {
-        /// It.
+        /// The number.
         pub number: Num<C>,
     }
 }
 
 bundle! {
-    /// What is left of the one before.
+    /// The state: the number of the previous job.
     pub struct Kept<C> {
-        /// It.
+        /// The number.
         pub before: Num<C>,
     }
 }
 
-/// Answers the number before: `LATE` says in which stage.
+/// Returns the number of the previous job. `LATE` is the stage of the change.
 struct Before<const LATE: u32>;
 
 impl<const LATE: u32> Operation for Before<LATE> {
@@ -42,15 +42,15 @@ impl<const LATE: u32> Operation for Before<LATE> {
     }
 }
 
-/// The erased model answers as the typed one does, whatever the numbers, sums and resets included.
+/// The erased model has the outcomes of the typed one for any numbers, including sums and resets.
 #[test]
-fn an_erased_model_answers_like_the_typed_one() {
+fn an_erased_model_equals_the_typed_one() {
     let binary16 = Config::DEFAULT.format(Format::BINARY16);
-    same_answers(Binary32, Config::DEFAULT);
-    same_answers(Soft { format: Format::BINARY16 }, binary16);
+    same_outcomes(Binary32, Config::DEFAULT);
+    same_outcomes(Soft { format: Format::BINARY16 }, binary16);
 }
 
-fn same_answers<C: ModelCircuit>(circuit: C, config: Config) {
+fn same_outcomes<C: ModelCircuit>(circuit: C, config: Config) {
     let mut typed = Functional::<16, 8, C>::over(circuit, Rules::Paper);
     let mut any: WordModel = Datapath::paper(config).model();
     let mut rng = ChaCha8Rng::seed_from_u64(1);
@@ -70,9 +70,9 @@ fn same_answers<C: ModelCircuit>(circuit: C, config: Config) {
     }
 }
 
-/// Typed jobs go in, typed answers come out; what is none of the datapath's operations is told, not answered.
+/// Typed jobs have typed outcomes. An operation that the datapath does not have gives `None`.
 #[test]
-fn typed_jobs_and_answers() {
+fn typed_jobs_and_outcomes() {
     let datapath = Datapath::new().with(Before::<4>);
     let mut model = datapath.model();
     let job = model.job_of::<Before<4>>(&One { number: 2.5.into() }).expect("its operation");
@@ -89,13 +89,14 @@ fn typed_jobs_and_answers() {
             .is_none()
     );
     assert!(model.output_of::<RayTriangle>(&first).is_none());
-    // A kind of another datapath has no ports here.
+    // An operation of another datapath has no ports in this one.
     let other = Datapath::paper(Config::DEFAULT).model();
     let foreign = model.job(other.kind("angular").expect("an operation"), |_| u64::MAX);
     assert!(foreign.as_words().is_empty() && model.run(&foreign).as_words().is_empty());
 }
 
-/// The lowest free opcode, a port as wide as the largest needs, and no narrower than the paper's.
+/// An operation gets the lowest free opcode. The port is as wide as the largest opcode, and at least as wide as the
+/// paper's.
 #[test]
 fn opcodes_are_assigned() {
     let rules = Rules::Paper;
@@ -112,15 +113,15 @@ fn opcodes_are_assigned() {
     assert_eq!(error.to_string(), "operation before: its name is another operation's as well");
     let error = Datapath::new().with_opcode(64, Before::<4>).elaborate().expect_err("too large");
     assert!(error.to_string().contains("opcode 64 is too large, expected 0 to 63"), "{error}");
-    // What no opcode can be is refused where a netlist is needed, and no model minds.
+    // A model accepts any opcode; a netlist refuses one that is too large.
     let set = Datapath::new().with_opcode(u64::MAX, Before::<4>);
     assert_eq!(set.model().kinds().len(), 1);
     assert!(matches!(set.cycle_model(), Err(Error::Opcode { opcode: u64::MAX, .. })));
 }
 
-/// An operation that needs more units than there may be says which, and where.
+/// The error of an operation that exceeds the budget of units names the operation and the stage.
 #[test]
-fn a_budget_is_kept() {
+fn a_budget_limits_the_units() {
     let graphics = Config::DEFAULT.lanes(Lanes::None);
     assert!(Datapath::paper(graphics).within(Budget::TABLE_VIII).elaborate().is_ok());
     let narrow = Budget::by_stage(|_| Units { add: 9, multiply: 99, compare: 99, ..Units::default() });
@@ -130,7 +131,7 @@ fn a_budget_is_kept() {
     assert!(text.contains("stage 2") && text.contains("24") && text.contains('9') && text.contains("widen"), "{text}");
 }
 
-/// An added operation leaves the others as they are: the same answers in as many cycles.
+/// An added operation changes neither the outcomes nor the latency of the others.
 #[test]
 fn an_added_operation_does_not_change_the_others() {
     let datapath = Datapath::paper(Config::DEFAULT).with(Before::<9>);

@@ -1,4 +1,4 @@
-//! Transaction files of operations that the paper does not have: columns follow from their ports.
+//! Transaction files of added operations, whose columns are their ports.
 
 use raypath_cli::prelude::*;
 use raypath_model::Model;
@@ -8,11 +8,11 @@ use raypath_sim::{InputError, OperationId, WordModel};
 use std::path::Path;
 
 bundle! {
-    /// Two numbers that travel under a tag.
+    /// Two numbers with a tag.
     pub struct Tagged<C> {
-        /// Whose they are.
+        /// The tag.
         pub tag: Word<C, 5>,
-        /// Which of them count.
+        /// The numbers that are added.
         pub used: Flags<C, 2>,
         /// The numbers.
         pub number: [Num<C>; 2],
@@ -20,18 +20,18 @@ bundle! {
 }
 
 bundle! {
-    /// Their sum.
+    /// The sum.
     pub struct Total<C> {
-        /// Of those that count.
+        /// The sum of the selected numbers.
         pub total: Num<C>,
-        /// It is above 0.
+        /// Whether the sum is above 0.
         pub is_above: Bit<C>,
-        /// Whose it is.
+        /// The tag of the numbers.
         pub total_tag: Word<C, 5>,
     }
 }
 
-/// Adds; two names of which one begins with the other.
+/// Two operations that add. The name of one is a prefix of the other's.
 struct Sum;
 struct SumOfTwo;
 
@@ -75,7 +75,7 @@ fn fails(name: &str, text: &str) -> String {
     read(name, text).expect_err("a fault").to_string()
 }
 
-/// By hand: 1.5 + 2.5 = 4 under the tag 1f; -1 alone counts; and a sum that is NaN, with a payload.
+/// Computed by hand: 1.5 + 2.5 = 4 with the tag 1f; -1 alone; and a sum that is NaN, with a payload.
 const LINES: &str = "0 7 1f 3 3fc00000 40200000 40800000 1 1f\n\
                      1 7 0 2 3fc00000 bf800000 bf800000 0 0\n\
                      2 7 3 3 7f800000 ff800000 ffc12345 0 3\n";
@@ -91,7 +91,7 @@ fn columns_are_the_ports_in_their_order() {
     }
     let names: Vec<String> = jobs[0].job.ports().into_iter().map(|port| port.name).collect();
     assert_eq!(names, ["tag", "used", "number_0", "number_1"]);
-    // A NaN is written as the canonical one.
+    // NaNs are written as the canonical NaN.
     let kind = kind_named("sum", &model).expect("an operation");
     assert_eq!(text(&model, kind, &jobs, CONFIG), LINES.replace("ffc12345", "7fc00000"));
 }
@@ -109,7 +109,7 @@ fn one_changed_digit_is_another_transaction() {
             Err(error) => panic!("digit {digit}: {error}"),
         }
     }
-    // Of an answer the model tells.
+    // A changed outcome is found by comparison with the model.
     let changed = LINES.replacen("40800000 1 1f", "40800001 1 1f", 1);
     let jobs = read("sum.txt", &changed).expect("transactions");
     let differ: Vec<u64> =
@@ -118,7 +118,7 @@ fn one_changed_digit_is_another_transaction() {
 }
 
 #[test]
-fn the_longest_name_that_a_file_begins_with_is_meant() {
+fn a_file_has_the_operation_with_the_longest_matching_name() {
     let kind = |name: &str| read(name, LINES).map(|jobs| jobs[0].job.kind().name()).map_err(|error| error.to_string());
     assert_eq!(kind("sum.txt"), Ok("sum"));
     assert_eq!(kind("somewhere/sum_of_twelve.txt.gz"), Ok("sum"));
@@ -151,7 +151,7 @@ fn faults_name_field_value_and_what_was_expected() {
     );
     assert_eq!(fails("sum.txt", "0 0 1 3 0\n"), "sum.txt:1: 5 fields, expected 9 for sum");
 
-    // What the datapath does not have, but others may.
+    // An operation that this datapath does not have.
     let alone = Datapath::new().with(Sum).model();
     let error =
         read_from(&b""[..], Path::new("angular.txt"), None::<OperationId>, &alone, CONFIG).expect_err("no such jobs");

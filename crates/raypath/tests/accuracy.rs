@@ -13,7 +13,7 @@ const FP32: Accuracy = Accuracy { format: Format::BINARY32, rules: Rules::Paper,
 fn errors_are_counted_in_ulps_of_the_format() {
     let mut errors = Errors::default();
     assert_eq!(errors.quantiles(), None);
-    // An ulp of binary16 is 2^-10 from 1 on, half of that below, and 2^-24 about zero.
+    // An ulp of binary16 is 2^-10 from 1 to 2, 2^-11 from 0.5 to 1, and 2^-24 near zero.
     let half = Format::BINARY16;
     for step in (0..200).rev() {
         errors.add(half, Some(1.0 + f64::from(step) / 1024.0), Some(1.0));
@@ -44,13 +44,14 @@ fn hits_misses_and_non_numbers() {
     assert_eq!(errors.quantiles(), Some(Quantiles { median: 0.0, percentile_99: 0.0, max: 0.0 }));
 }
 
-/// A result of n roundings that nothing cancels is off by at most n ulps and a little; of the same inputs.
+/// The error of a result with n roundings and no cancellation is at most n ulps, with a margin of 5 %. The inputs are
+/// those rounded to the format.
 #[test]
 fn errors_obey_their_bounds() {
     for format in [Format::BINARY32, Format::TF32, Format::BFLOAT16, Format::BINARY16] {
         let rows = Accuracy { format, ..FP32 }.random_jobs(3, 3_000, || true);
-        // A difference and a product; a difference that counts twice, a square, four levels of a tree and three more
-        // beats; a square, three levels and seven more beats.
+        // Roundings: a difference and a product; a difference that counts twice, a square, four levels of a tree and
+        // three further beats; a square, three levels and seven further beats.
         for (quantity, roundings) in [(Quantity::BoxEntry, 2.0), (Quantity::EuclideanSum, 10.0), (Quantity::Norm, 11.0)]
         {
             let Some(Quantiles { median, max, .. }) = of(&rows, quantity).on_rounded.quantiles() else {
@@ -59,16 +60,16 @@ fn errors_obey_their_bounds() {
             assert!(max <= roundings * 1.05, "{format} {quantity}: {max}");
             assert!(median > 0.2 && median < max, "{format} {quantity}: {median}");
         }
-        // Inputs are rounded as well.
+        // The rounding of the inputs adds to the error.
         let entry = of(&rows, Quantity::BoxEntry);
         let median = |errors: &Errors| errors.quantiles().map(|quantiles| quantiles.median);
         assert!(median(&entry.on_original) > median(&entry.on_rounded), "{format}");
     }
 }
 
-/// As long as no number leaves the range, a wider exponent changes nothing.
+/// A wider exponent has no effect if all numbers are in the range.
 #[test]
-fn range_matters_only_at_its_ends() {
+fn the_range_matters_only_on_overflow_and_underflow() {
     let wide = |significand| Format::new(11, significand).expect("a format");
     same(&Accuracy { format: wide(24), ..FP32 }.scene(|| true), fp32_scene());
     for format in [Format::TF32, Format::BFLOAT16] {
@@ -81,7 +82,7 @@ fn range_matters_only_at_its_ends() {
     assert_eq!((sums.results, sums.not_finite, sums.quantiles()), (100, 100, None));
 }
 
-/// A scene of another size by a power of two has all its significands.
+/// Scaling by a power of two does not change the significands of a scene.
 #[test]
 fn scale_by_a_power_of_two_changes_no_error() {
     let large = Accuracy { scale: 1024.0, ..FP32 };
@@ -93,14 +94,14 @@ fn scale_by_a_power_of_two_changes_no_error() {
 }
 
 #[test]
-fn a_scene_is_a_picture() {
+fn a_scene_is_measured_in_pixels() {
     let rows = fp32_scene();
     let (boxes, triangles, pixels) =
         (of(rows, Quantity::BoxEntry), of(rows, Quantity::TriangleDistance), of(rows, Quantity::Pixel));
     assert_eq!(pixels.on_original.results, RAYS);
     let (entered, hits, seen) = (boxes.on_original.hits, triangles.on_original.hits, pixels.on_original.hits);
     assert!(RAYS / 4 < seen && seen <= hits && hits < entered && entered <= triangles.on_original.results);
-    // 24 bits see every pixel as 53 do; 8 do not.
+    // Significands of 24 bits hit the same pixels as 53 bits; significands of 8 bits do not.
     assert_eq!(pixels.on_original.disagreements, 0);
     let rows = Accuracy { format: Format::BFLOAT16, ..FP32 }.scene(|| true);
     assert!(of(&rows, Quantity::Pixel).on_original.disagreements > 0);
@@ -125,7 +126,7 @@ fn a_measurement_can_be_stopped() {
 }
 
 #[test]
-fn the_command_prints_what_the_document_shows() {
+fn the_document_quotes_the_output_of_the_command() {
     let document = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/reference/formats.md"));
     let document = document.expect("docs/reference/formats.md");
     for arguments in [&["accuracy"][..], &["accuracy", "--format", "fp16", "--scale", "64"]] {

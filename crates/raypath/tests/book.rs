@@ -67,7 +67,7 @@ fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_chapter_is_listed_and_there() {
+fn every_chapter_is_listed_and_exists() {
     let listed: BTreeSet<_> = chapters().into_iter().map(|chapter| chapter.file).collect();
     let mut there: BTreeSet<_> = files(&book(), "md").into_iter().collect();
     there.remove(&book().join("SUMMARY.md"));
@@ -112,7 +112,7 @@ fn every_path_that_documents_name_exists() {
 
 /// Links of the documents outside of the book lead to files.
 #[test]
-fn every_link_outside_of_the_book_leads_somewhere() {
+fn every_link_outside_of_the_book_resolves() {
     let root = book().join("..");
     for name in
         ["README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "fuzz/README.md", "examples/cocotb/README.md"]
@@ -163,7 +163,7 @@ fn anchors_are_distinguished() {
 
 /// Links lead to files of the book, so that they also work in its pages, or to other sites.
 #[test]
-fn every_link_leads_somewhere() {
+fn every_link_resolves() {
     let folder = book().canonicalize().expect("the book");
     let mut seen = 0;
     for chapter in chapters() {
@@ -180,7 +180,7 @@ fn every_link_leads_somewhere() {
 
 /// The output that a chapter quotes after an include of an example is the complete output of that example.
 #[test]
-fn examples_print_what_is_quoted() {
+fn quoted_output_is_that_of_the_examples() {
     let mut seen = 0;
     for chapter in chapters() {
         let mut rest = chapter.text.as_str();

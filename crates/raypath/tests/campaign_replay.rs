@@ -39,10 +39,10 @@ fn raypath(arguments: &[String], more: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8_lossy(&text).into_owned())
 }
 
-/// Wrong outcomes: the failure of a netlist with other rules shrinks to at most three jobs. `replay` finds them wrong
-/// on that netlist, and right on the right one.
+/// Wrong outcomes: the failure of a netlist with other rules shrinks to at most three jobs. `replay` reports mismatches
+/// on that netlist, and none on the right one.
 #[test]
-fn wrong_answers_shrink_to_files_that_replay() {
+fn wrong_outcomes_shrink_to_files_that_replay() {
     let chisel = Config::DEFAULT.rules(raypath::ops::Rules::Chisel);
     for seed in 1..=3 {
         let folder = folder();
@@ -81,7 +81,7 @@ fn wrong_times_shrink_to_files_and_handshakes_that_replay() {
 }
 
 #[test]
-fn handshake_files_are_read_with_care() {
+fn handshake_files_reproduce_withdrawals_and_resets() {
     let folder = folder();
     let (jobs, handshake) = (folder.path().join("euclidean.txt"), folder.path().join("handshake.txt"));
     let beat =

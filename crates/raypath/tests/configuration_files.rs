@@ -1,10 +1,10 @@
-//! Configurations in TOML: what a file says is what is built, and the table of presets is the only one.
+//! Configurations in TOML: presets, parameters, sweeps, and errors.
 
 use raypath::rtl::{Config, Control, Lanes, PRESETS, UnitLatency};
 use raypath::sim::configuration::{parse_sweep, read, sweep};
 use std::path::Path;
 
-/// What a file with this text means, or what is wrong with it.
+/// The configuration of a file with this text, or the error.
 fn parse(text: &str) -> Result<Config, String> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("raypath.toml");
@@ -25,7 +25,7 @@ fn presets_by_name_and_parameter_by_parameter() {
         assert_eq!(parse(&format!("preset = \"{}\"", preset.name)), Ok(preset.config));
         assert_eq!(parse(&lines(&preset.config.options())), Ok(preset.config), "{}", preset.name);
     }
-    // Every parameter differs from the default in one of these.
+    // For every parameter there is a preset that differs from the default.
     let all = PRESETS.iter().map(|preset| preset.config.options()).collect::<String>() + "--format";
     for key in ["lanes", "rules", "format", "io", "registers", "control", "sharing", "unit-latency"] {
         assert!(all.contains(&format!("--{key}")), "{key}: {all}");
@@ -41,7 +41,7 @@ fn a_file_overrides_its_preset_wherever_that_stands() {
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn wrong_input_is_named() {
     let cases = [
         ("\nlans = 2", "raypath.toml:2: 'lans' is no parameter, expected preset, lanes, rules, format,"),
         ("unit_latency = 2", "raypath.toml:1: 'unit_latency' is no parameter"),
@@ -57,7 +57,7 @@ fn what_is_wrong_is_named() {
         ("rules = ''", "raypath.toml:1: rules: '' is no rule set, expected paper or chisel"),
         ("format = 'e5s90'", "raypath.toml:1: format: 'e5s90': format with a significand of 90 bits, expected 3 to 11"),
         ("preset = 'big'", "raypath.toml:1: preset: 'big' is no preset, expected paper, original, graphics,"),
-        // The first in the file, not in the alphabet.
+        // The first wrong line of the file is reported.
         ("io = 1\ncontrol = 1", "raypath.toml:1: io: '1' is no encoding of numbers, expected ieee or recoded"),
         ("io = 'ieee'\nlanes = none", "raypath.toml:2: 'lanes = none': "),
         (
@@ -79,19 +79,19 @@ fn what_is_wrong_is_named() {
 }
 
 #[test]
-fn what_is_too_large_is_an_error() {
+fn a_file_that_is_too_large_is_an_error() {
     let comment = |bytes: usize| format!("#{}", "a".repeat(bytes - 1));
     assert_eq!(parse(&comment(65536)), Ok(Config::DEFAULT));
     let error = parse(&comment(65537)).expect_err("too large");
     assert_eq!(error, "raypath.toml: more than 65536 bytes, expected at most that");
-    // A message has room for the beginning of a value or a key; and none is made valid by its end's missing.
+    // A message shows the beginning of a long value or key. The cut does not make a wrong value valid.
     for text in [format!("format = 'e5s{}11x'", "0".repeat(75)), format!("{} = 1", "k".repeat(10_000))] {
         let error = parse(&text).expect_err("too long");
         assert!(error.contains('…') && error.len() < 400, "{error}");
     }
 }
 
-/// Values in values are calls in calls.
+/// The parser recurses into nested values.
 #[test]
 fn depth_is_bounded() {
     for (open, close) in [("[", "]"), ("{a=", "}"), ("a.", "")] {
@@ -101,7 +101,7 @@ fn depth_is_bounded() {
     }
 }
 
-/// Seven lists of a few hundred values each were 10¹⁷ configurations.
+/// A sweep of seven lists with a few hundred values each would have 10¹⁷ configurations.
 #[test]
 fn a_sweep_is_bounded() {
     let path = Path::new("sweep.toml");

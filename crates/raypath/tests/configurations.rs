@@ -1,5 +1,5 @@
-//! Every configuration: its netlist in every cycle like the cycle-exact model, every outcome like the functional model,
-//! and as fast as is promised.
+//! Configurations: the netlist equals the cycle-exact model in every cycle, every outcome equals that of the functional
+//! model, and latency and throughput are as documented.
 
 use raypath::float::Format;
 use raypath::ops::Rules;
@@ -10,7 +10,7 @@ use raypath::sim::lockstep::RegressionChecks;
 use raypath_verify::mutation::CONFIGS;
 use std::path::Path;
 
-/// Configurations: every combination of these values.
+/// A set of configurations: all combinations of these values.
 struct Space {
     rules: &'static [Rules],
     lanes: &'static [Lanes],
@@ -22,7 +22,7 @@ struct Space {
     unit_latency: &'static [UnitLatency],
 }
 
-/// The default alone.
+/// Only the default configuration.
 const DEFAULT: Space = Space {
     rules: &[Rules::Paper],
     lanes: &[Lanes::Sixteen],
@@ -37,15 +37,15 @@ const DEFAULT: Space = Space {
 const RULES: &[Rules] = &[Rules::Paper, Rules::Chisel];
 const FEW_AND_MANY_LANES: &[Lanes] = &[Lanes::None, Lanes::Two, Lanes::Sixteen, Lanes::SixtyFour];
 
-/// Configurations in which a fault anywhere must show: `raypath verify mutation` measures for how many faults it does.
+/// The configurations into which `raypath verify mutation` inserts faults, with as many jobs as it runs.
 #[test]
-fn datapaths_that_mutation_puts_faults_in() {
+fn configurations_of_mutation_testing() {
     for config in CONFIGS {
         check(config, 1, RegressionChecks::THOROUGH);
     }
 }
 
-/// What the tests below run.
+/// The configurations of the tests below.
 const SPACES: [Space; 7] = [
     LANES_AND_RULES,
     ENCODINGS,
@@ -86,7 +86,7 @@ fn control_and_sharing_and_unit_latency_with_distances() {
     CONTROL_WITH_DISTANCES.check();
 }
 
-/// Encodings meet everything else that changes what a register is.
+/// Encodings with all parameters that change the registers.
 const ENCODINGS_WITH_CONTROL: Space =
     Space { lanes: &[Lanes::Four], registers: &[Encoding::Ieee], io: Encoding::ALL, ..CONTROL };
 
@@ -95,7 +95,7 @@ fn encodings_with_every_control_and_unit_latency() {
     ENCODINGS_WITH_CONTROL.check();
 }
 
-/// From the smallest format to the largest.
+/// Formats from the smallest to the largest.
 const FORMATS: Space = Space {
     formats: &["tf32", "bf16", "fp16", "e3s3", "e4s4", "e5s3", "e11s24"],
     io: Encoding::ALL,
@@ -172,7 +172,7 @@ impl Space {
     }
 }
 
-/// Each of the configurations with each of a parameter's values.
+/// Replaces each configuration by its variants with each value of a parameter.
 fn vary<T: Copy>(configs: &mut Vec<Config>, values: &[T], set: impl Fn(&mut Config, T)) {
     let with = |config: &Config, value: T| {
         let mut config = *config;
@@ -192,7 +192,6 @@ fn check(config: Config, seed: u64, jobs: usize) {
         .unwrap_or_else(|failed| panic!("{config}, {}: {}", failed.check, failed.what));
 }
 
-/// The combinations are what they seem to be.
 #[test]
 fn a_space_has_every_combination_once() {
     let space = Space { lanes: Lanes::ALL, formats: &["fp32", "fp16"], control: Control::ALL, ..DEFAULT };

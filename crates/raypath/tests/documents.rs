@@ -48,7 +48,7 @@ fn every_dependency_has_a_reason() {
 
 /// The table of `docs/reference/operations.md` has the latency, units and flip-flops that are counted in the netlists.
 #[test]
-fn the_table_of_operations_is_what_is_counted() {
+fn the_table_of_operations_has_the_counted_figures() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let document = fs::read_to_string(root.join("docs/reference/operations.md")).expect("the document");
     let table =
@@ -73,9 +73,9 @@ fn the_table_of_operations_is_what_is_counted() {
     }
 }
 
-/// The table of parameters in the document of configurations follows from their declarations.
+/// The table of parameters in the document of configurations is generated from their declarations.
 #[test]
-fn the_table_of_parameters_is_what_is_declared() {
+fn the_table_of_parameters_has_the_declarations() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let document = fs::read_to_string(root.join("docs/reference/configurations.md")).expect("the document");
     for group in PARAMETER_GROUPS {

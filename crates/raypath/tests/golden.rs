@@ -73,7 +73,7 @@ fn netlist_answers_as_the_original() {
 
 /// Every microarchitecture gives the original's outcomes.
 #[test]
-fn netlists_built_otherwise_answer_as_the_original() {
+fn netlists_of_other_microarchitectures_answer_as_the_original() {
     let [_, (order, stream)] = orders();
     let configs = [
         CHISEL.io(Encoding::Recoded).registers(Encoding::Ieee).sharing(Sharing::Segregated),

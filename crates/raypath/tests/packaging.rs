@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-/// What `cargo package` demands of each crate that is published: its dependencies in the workspace have a version and
-/// are published too, and it has a description and a licence. Dev-dependencies in the workspace have no version: Cargo
-/// leaves those out of a package, where they would form cycles.
+/// The requirements of `cargo package` on each published crate: its dependencies in the workspace have a version and
+/// are published, and it has a description and a licence. Dev-dependencies in the workspace have no version, so that
+/// Cargo omits them from the package, where they would form cycles.
 #[test]
 fn crates_can_be_packaged() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
@@ -20,7 +20,7 @@ fn crates_can_be_packaged() {
     let metadata: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let packages = metadata["packages"].as_array().expect("packages");
     let name = |value: &Value| value["name"].as_str().expect("a name").to_string();
-    // `publish` is null for crates that any registry may have, and empty for those that none may have.
+    // `publish` is null for crates that may be published, and empty for the others.
     let published: BTreeMap<String, &Value> = packages
         .iter()
         .filter(|package| package["publish"].is_null())

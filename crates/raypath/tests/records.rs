@@ -1,12 +1,12 @@
-//! Records of verification runs, and the table that the documents have of them.
+//! Records of verification runs, and their table in the documents.
 
 use raypath_verify::ITEMS;
 use raypath_verify::record::{Record, root, table};
 use std::fs;
 use std::process::Command;
 
-/// The table of `docs/development/verification.md` is the one that follows from `docs/records`: a result whose subject
-/// has changed is stale there.
+/// The table of `docs/development/verification.md` equals that of `docs/records`. Results whose subject has changed are
+/// marked as stale.
 #[test]
 fn the_table_of_results_follows_from_the_records() {
     let root = root();
@@ -32,7 +32,7 @@ fn the_table_of_results_follows_from_the_records() {
 }
 
 #[test]
-fn verify_records_what_it_ran() {
+fn verify_writes_a_record_of_its_run() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut raypath = Command::new(env!("CARGO_BIN_EXE_raypath"));
     let raypath = raypath.args(["verify", "sums", "--jobs", "20", "--seed", "3", "--record"]).arg(folder.path());

@@ -31,7 +31,7 @@ const TABLE_VIII: [(usize, usize, usize); 11] = [
 ];
 
 #[test]
-fn units_equal_table_viii_or_say_why_not() {
+fn units_equal_table_viii_or_have_a_reason() {
     let paper: Vec<_> = (1..=STAGES).map(|stage| arithmetic(Budget::TABLE_VIII.units(stage))).collect();
     assert_eq!(paper, TABLE_VIII);
     for rules in [Rules::Paper, Rules::Chisel] {
@@ -68,7 +68,7 @@ fn differences_have_reasons() {
 }
 
 #[test]
-fn distance_modes_leave_nothing_behind_where_they_are_off() {
+fn datapaths_without_distance_modes_have_none_of_their_units() {
     let datapath = datapath(Lanes::None, Rules::Paper);
     let expected =
         [(24, 0, 0), (0, 24, 0), (6, 0, 24), (0, 6, 4), (3, 0, 0), (0, 3, 0), (2, 0, 0), (2, 0, 0), (0, 0, 5)];
@@ -80,15 +80,15 @@ fn distance_modes_leave_nothing_behind_where_they_are_off() {
     assert_eq!((0..=STAGES).map(|stage| datapath.registers(stage as usize).state).sum::<u64>(), 0);
 }
 
-/// The live bits after stages 1 to 10 that a prototype with shared registers had. Tests that move forward make them
-/// fewer in stages 8 and 9; small words and bits of other operations can add a few bits.
+/// The registers hold at most the live bits of a prototype with shared registers, after stages 1 to 10. Comparisons in
+/// earlier stages save bits in stages 8 and 9; words and bits of other operations can add a few.
 #[test]
-fn registers_hold_what_is_live_and_no_more() {
-    let trial = [1075, 929, 830, 299, 299, 200, 200, 200, 167, 146];
+fn registers_hold_only_live_bits() {
+    let prototype = [1075, 929, 830, 299, 299, 200, 200, 200, 167, 146];
     let datapath = datapath(Lanes::Sixteen, Rules::Paper);
-    for (stage, trial) in (1..).zip(trial) {
+    for (stage, most) in (1..).zip(prototype) {
         let registers = datapath.registers(stage);
-        assert!(registers.live <= trial + 4, "stage {stage}: {} bits, the trial had {trial}", registers.live);
+        assert!(registers.live <= most + 4, "stage {stage}: {} bits, the prototype had {most}", registers.live);
         assert_eq!((registers.data, registers.control), (2 * registers.live, 2), "stage {stage}");
     }
     let total: u64 = datapath.top().register_bits();
@@ -122,7 +122,7 @@ fn readme_has_the_figures_of_every_preset() {
     }
 }
 
-/// The picture in README.md is the one that `generate` draws.
+/// The picture in README.md equals that of `generate`.
 #[test]
 fn picture_in_the_documents_is_current() {
     let drawn = pipeline(&datapath(Lanes::Sixteen, Rules::Paper), DEFAULT);

@@ -4,7 +4,7 @@ use crate::{files, root, text};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Files in one import cycle at most: a type, what makes it and what it is made of.
+/// The maximum number of files in an import cycle: a type, its constructor and its parts.
 const MAX_CYCLE: usize = 3;
 
 /// The path of a module inside its crate: `["engine", "netlist"]` for `crate::engine::netlist`.
@@ -45,7 +45,7 @@ fn paths_are_read_from_nested_imports() {
     assert_eq!(paths(text), expected.map(String::from).into());
 }
 
-/// The imports of the files below `src`. What the root re-exports counts for the module that has it.
+/// The imports of the files below `src`. An import of a name that the root re-exports counts as one of its module.
 fn imports(src: &Path) -> Imports {
     let sources: BTreeMap<Module, String> =
         files(src, "rs").into_iter().map(|file| (module(src, &file), code(&file))).collect();
@@ -73,7 +73,7 @@ fn imports(src: &Path) -> Imports {
     imports
 }
 
-/// The module that a file is: `main.rs` and `lib.rs` are the root.
+/// The module of a file: `main.rs` and `lib.rs` are the root.
 fn module(src: &Path, file: &Path) -> Module {
     let path = file.strip_prefix(src).expect("below src").with_extension("");
     let names = path.iter().map(|name| name.to_string_lossy().into_owned());

@@ -1,4 +1,4 @@
-//! Which crate may depend on which.
+//! The permitted dependencies between crates.
 
 use crate::root;
 use serde_json::Value;
@@ -42,7 +42,7 @@ fn reached(all: &Dependencies, name: &str) -> BTreeSet<String> {
     found
 }
 
-/// An operation is described without tools, files or options: an added operation compiles only what it needs.
+/// Crates that describe operations depend on no tools, files or options, so that an added operation compiles fast.
 #[test]
 fn operations_depend_on_no_tool() {
     let all = dependencies();
@@ -55,7 +55,7 @@ fn operations_depend_on_no_tool() {
     );
 }
 
-/// Each layer knows only those below it.
+/// Each layer depends only on those below it.
 #[test]
 fn layers_depend_downwards() {
     let layers = [
@@ -80,7 +80,7 @@ fn layers_depend_downwards() {
     }
 }
 
-/// Units are verified by a crate above them, and not the other way round; the facade is not verification.
+/// Units do not depend on the crate that verifies them; neither does the facade's library.
 #[test]
 fn verification_is_above_what_it_verifies() {
     let all = dependencies();
@@ -92,7 +92,7 @@ fn verification_is_above_what_it_verifies() {
     assert!(!all["raypath"]["normal"].contains("raypath-verify"), "the facade depends on raypath-verify");
 }
 
-/// What `cargo run --release -- generate` compiles, this workspace's own crates included.
+/// The crates that `cargo run --release -- generate` compiles, including those of this workspace.
 #[test]
 fn the_first_command_compiles_at_most_100_crates() {
     let tree = cargo(&["tree", "-p", "raypath", "-e", "normal,build", "--prefix", "none", "--offline", "--locked"]);
@@ -100,7 +100,7 @@ fn the_first_command_compiles_at_most_100_crates() {
     assert!(crates.len() <= 100, "{} crates: {crates:#?}", crates.len());
 }
 
-/// `./test.sh` leaves no dependency to compile for README's commands: what two builds share has the same features.
+/// After `./test.sh`, README's commands compile no dependency again: both builds select the same features.
 #[test]
 fn all_builds_share_their_dependencies() {
     let features = |arguments: &[&str]| -> BTreeSet<String> {
@@ -113,6 +113,9 @@ fn all_builds_share_their_dependencies() {
     for chosen in ["default", "full"] {
         let build = features(&["-p", "raypath", "--features", chosen, "-e", "normal,build"]);
         let again: Vec<&String> = build.difference(&tests).collect();
-        assert!(again.is_empty(), "features unlike in the tests; select them in raypath-cli/Cargo.toml: {again:#?}");
+        assert!(
+            again.is_empty(),
+            "features that the tests do not select; select them in raypath-cli/Cargo.toml: {again:#?}"
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! What the sources must not have.
+//! Limits on sources and prose.
 
 use crate::{files, root, text};
 use std::path::PathBuf;
@@ -28,7 +28,7 @@ fn lines_with(paths: &[PathBuf], is_wrong: impl Fn(&str) -> bool) -> Vec<String>
     found
 }
 
-/// Users depend on the facade for its modules alone.
+/// The facade only re-exports modules of other crates.
 #[test]
 fn the_facade_is_small() {
     let lines: usize =
@@ -47,7 +47,7 @@ fn there_is_one_pool_of_workers() {
     assert!(found.is_empty(), "threads beside rayon's:\n{}", found.join("\n"));
 }
 
-/// `Circuit` is arithmetic: faster ways for particular operations are in a trait beside it.
+/// `Circuit` has arithmetic only. Faster implementations of particular operations are in a trait beside it.
 #[test]
 fn the_circuit_trait_has_arithmetic_only() {
     let text = text(&root().join("crates/raypath-ops/src/circuit.rs"));
@@ -91,7 +91,7 @@ fn the_circuit_trait_has_arithmetic_only() {
 #[test]
 fn prose_is_plain() {
     let words = ["nobody", "somebody", "whoever", "for who", "who wants", "who asks", "who reads"];
-    // This file lists them.
+    // This file contains the words.
     let paths: Vec<PathBuf> = prose().into_iter().filter(|path| !path.ends_with("layout/sources.rs")).collect();
     let is_word = |line: &str, word: &str| {
         let line = line.to_lowercase();
@@ -104,7 +104,7 @@ fn prose_is_plain() {
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
-/// Of comments: rustfmt keeps code within the width, and cannot break text.
+/// Comments fit the width. rustfmt ensures it for code, and cannot break text.
 #[test]
 fn lines_fit() {
     let rust: Vec<PathBuf> =

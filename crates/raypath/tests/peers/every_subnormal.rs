@@ -20,7 +20,7 @@ fn recoded(code: u32) -> u64 {
 }
 
 #[test]
-fn every_subnormal_is_recoded_and_comes_back() {
+fn every_subnormal_is_recoded_and_converted_back() {
     let format = Format::BINARY32;
     let mut encoder = Simulator::new(&encode(format).expect("an encoder")).expect("it runs");
     let mut decoder = Simulator::new(&decode(format).expect("a decoder")).expect("it runs");

@@ -15,7 +15,7 @@ use raypath::sim::traffic::Traffic;
 use std::path::Path;
 
 #[test]
-fn other_numbers_than_the_listed_are_refused_wherever_they_are_given() {
+fn unlisted_numbers_of_lanes_are_refused_from_every_source() {
     let expected = "expected none, 2, 4, 8, 16, 32 or 64";
     for lanes in
         ["0", "1", "3", "5", "6", "7", "12", "15", "17", "24", "48", "63", "65", "128", "-2", "2.0", "0x2", "٢"]

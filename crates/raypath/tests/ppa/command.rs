@@ -1,4 +1,4 @@
-//! The commands as a user meets them where something is missing or wrong, and where they are stopped.
+//! Missing programs, wrong input, and stops of the commands.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ fn text(path: &Path) -> &str {
     path.to_str().expect("a plain path")
 }
 
-/// Runs in `folder`, where no path but `folder/bin` has programs.
+/// The program in `folder`. It finds other programs only in `folder/bin`.
 fn raypath(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_raypath"));
     command.args(arguments).current_dir(folder).env("PATH", folder.join("bin"));
@@ -29,7 +29,7 @@ fn ends_with(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) {
     assert!(!folder.join("build").exists(), "{arguments:?} wrote something");
 }
 
-/// A library with what must be there.
+/// A library with the required cells.
 const LIBRARY: &str = r#"library (small) {
   cell (BUFX2) { area : 1; pin (A) { direction : input; } pin (Y) { direction : output; function : "A"; } }
   cell (NAND2X1) { area : 1; pin (A) { direction : input; } pin (B) { direction : input; }
@@ -115,14 +115,14 @@ fn a_failing_synthesiser_is_quoted() {
     assert!(!folder.join("cache").exists());
 }
 
-/// Ctrl-C, and what `kill` sends.
+/// A stop by Ctrl-C or `kill` ends the child programs, and no file is written.
 #[test]
-fn stopped_it_ends_its_programs_and_writes_nothing() {
+fn a_stop_ends_all_programs_and_writes_nothing() {
     for signal in ["INT", "TERM"] {
         let folder = folder();
         let folder = folder.path();
         let started = folder.join("started");
-        // The child's own child must end as well.
+        // The child of the child must also end.
         let script = format!("/bin/sleep 600 & echo $! > {0}.new && /bin/mv {0}.new {0}; wait", text(&started));
         program(folder, "yosys", &format!("[ \"$1\" = -V ] && {{ echo 'Yosys 0.0 (none)'; exit; }}\n{script}"));
         program(folder, "sta", "echo 0.0");

@@ -7,11 +7,11 @@ use raypath::sim::Datapath;
 use raypath::sim::transactions::{Transaction, merge, read};
 use std::path::PathBuf;
 
-/// All of them as one stream.
+/// All golden vectors as one stream.
 pub fn golden() -> Vec<Transaction> {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/golden");
     let folder = std::env::var_os("RAYPATH_GOLDEN").map_or(PathBuf::from(default), PathBuf::from);
-    // Reading depends on neither rules nor sums.
+    // Rules and sums do not affect the reading.
     let model = Datapath::paper(Config::DEFAULT).model();
     let files = model.kinds().into_iter().map(|kind| {
         read(&folder.join(format!("{kind}.txt.gz")), kind, &model, Config::DEFAULT).expect("golden vectors")

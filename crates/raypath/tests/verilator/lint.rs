@@ -18,7 +18,7 @@ fn presets_and_representatives_are_clean() {
     });
 }
 
-/// Verilator, the strictest linter, for all of Table VI, but for configurations that the test above lints.
+/// Verilator, the strictest linter, for all of Table VI except the configurations of the test above.
 #[test]
 fn all_of_table_vi_is_clean() {
     let linted = presets_and_representatives();
@@ -65,7 +65,7 @@ fn sources(config: Config) -> (tempfile::TempDir, Sources) {
 
 /// All three linters on the files that `generate` lists.
 #[test]
-fn what_generate_writes_is_clean() {
+fn the_files_of_generate_are_clean() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut generate = Command::new(env!("CARGO_BIN_EXE_raypath"));
     let output = generate.args(["generate", "--jobs", "1", "--out"]).arg(folder.path()).output().expect("the program");
@@ -84,7 +84,7 @@ fn what_generate_writes_is_clean() {
 
 /// Negative control: each linter reports a fault.
 #[test]
-fn linters_find_fault() {
+fn linters_report_a_fault() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = |name: &str, text: &str| {
         let path = folder.path().join(name);

@@ -34,7 +34,7 @@ fn simulate(fault: Option<(&str, &str)>) -> Result<(), ToolError> {
 }
 
 #[test]
-fn assertions_are_silent_on_the_design_and_not_on_a_fault() {
+fn assertions_hold_in_the_design_and_fail_with_a_fault() {
     simulate(None).expect("no assertion fails");
     assert!(simulate(Some(("= leaves & refill", "= refill"))).is_err(), "a front that is overwritten while it waits");
 }

@@ -82,13 +82,13 @@ fn random_jobs_and_resets() {
     random_campaign(Config::DEFAULT);
 }
 
-/// The same without distance modes.
+/// The same jobs for a datapath without distance modes.
 #[test]
 fn random_jobs_and_resets_without_distance_modes() {
     random_campaign(Config::DEFAULT.lanes(Lanes::None));
 }
 
-/// And every value of every other parameter.
+/// The same jobs with every value of every other parameter.
 #[test]
 fn random_jobs_and_resets_in_other_configurations() {
     REPRESENTATIVES.into_par_iter().for_each(random_campaign);
