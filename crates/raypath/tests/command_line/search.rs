@@ -24,8 +24,9 @@ fn neighbours_are_found() {
     let folder = folder();
     let (base, queries) = (fvecs(folder.path(), "base.fvecs", &BASE), fvecs(folder.path(), "queries.fvecs", &QUERIES));
     let out = folder.path().join("found.ivecs");
-    // Squared distances to the first query: 65, 1, 6, 14, 37; to the second: 88.25, 17.25, 4.25, 10.25, 41.25. Cosines of the
-    // first: .707, .707 (equal or different by a rounding), 0, .5, -.707; of the second: .124, 0, .992, .702, 0.
+    // Squared distances to the first query: 65, 1, 6, 14, 37; to the second: 88.25, 17.25, 4.25, 10.25, 41.25.
+    // Cosines of the first: .707, .707 (equal or different by a rounding), 0, .5, -.707; of the second: .124, 0, .992,
+    // .702, 0.
     let truth = file(folder.path(), "truth.ivecs", ivecs(&[&[1, 2, 3], &[2, 3, 1]]));
     for lanes in ["2", "4", "8", "16", "32", "64"] {
         for index in [&[][..], &["--index", "hnsw"]] {
