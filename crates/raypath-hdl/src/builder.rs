@@ -83,9 +83,7 @@ impl Builder {
     /// A constant of `width` bits; an error where `value` needs more.
     pub fn constant(&self, width: u32, value: u64) -> Wire<'_> {
         let wire = self.push(width, Driver::Constant(value));
-        if !fits(wire.width(), value) {
-            self.fail_width(wire.id, format!("constant {value} does not fit {width} bits"));
-        }
+        self.expect_fits(wire, width, value);
         wire
     }
 
@@ -122,20 +120,11 @@ impl Builder {
     /// value, it is the same.
     pub fn parameter(&self, name: &str, width: u32, formula: impl Into<Formula>) -> Wire<'_> {
         let formula = formula.into();
-        let known = {
-            let signals = &self.state.borrow().module.signals;
-            let same = |signal: &Signal| {
-                signal.name.as_deref() == Some(name) && signal.driver == Driver::Constant(formula.value())
-            };
-            signals.iter().position(same)
-        };
-        if let Some(known) = known {
-            return Wire { builder: self, id: SignalId(known as u32) };
+        if let Some(known) = self.named_constant(name, formula.value()) {
+            return known;
         }
         let wire = self.declare(name, width, Driver::Constant(formula.value()));
-        if !fits(wire.width(), formula.value()) {
-            self.fail_width(wire.id, format!("constant {} does not fit {width} bits", formula.value()));
-        }
+        self.expect_fits(wire, width, formula.value());
         self.item(Item::Parameter(wire.id, formula));
         wire
     }
@@ -257,8 +246,21 @@ impl Builder {
     fn declare(&self, name: &str, width: u32, driver: Driver) -> Wire<'_> {
         self.claim(name);
         let wire = self.push(width, driver);
-        self.state.borrow_mut().module.signals[wire.id.index()].name = Some(name.to_string());
+        self.name(wire, name);
         wire
+    }
+
+    fn name(&self, wire: Wire<'_>, name: &str) {
+        self.state.borrow_mut().module.signals[wire.id.index()].name = Some(name.to_string());
+    }
+
+    /// The constant that already has this name and value.
+    fn named_constant(&self, name: &str, value: u64) -> Option<Wire<'_>> {
+        let signals = &self.state.borrow().module.signals;
+        let is_same =
+            |signal: &Signal| signal.name.as_deref() == Some(name) && signal.driver == Driver::Constant(value);
+        let id = SignalId(signals.iter().position(is_same)? as u32);
+        Some(Wire { builder: self, id })
     }
 
     fn claim(&self, name: &str) {
@@ -320,6 +322,12 @@ impl Builder {
     fn expect_width(&self, id: SignalId, found: u32, expected: u32) {
         if found != expected {
             self.fail_width(id, format!("operand of {found} bits, expected {expected}"));
+        }
+    }
+
+    fn expect_fits(&self, constant: Wire<'_>, width: u32, value: u64) {
+        if !fits(constant.width(), value) {
+            self.fail_width(constant.id, format!("constant {value} does not fit {width} bits"));
         }
     }
 

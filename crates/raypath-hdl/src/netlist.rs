@@ -155,59 +155,46 @@ pub struct Instance {
     pub outputs: Vec<SignalId>,
 }
 
+/// A method that lists the operands of a driver, by reference or by mutable reference.
+macro_rules! operands {
+    ($name:ident, $iterate:ident, $($reference:tt)+) => {
+        fn $name($($reference)+ self) -> Vec<$($reference)+ SignalId> {
+            match self {
+                Self::Input | Self::Constant(_) | Self::Register(_) | Self::Instance { .. } => Vec::new(),
+                Self::Not(a) | Self::Any(a) | Self::All(a) | Self::Alias(a) | Self::Slice { source: a, .. } => vec![a],
+                Self::And(a, b)
+                | Self::Or(a, b)
+                | Self::Xor(a, b)
+                | Self::Add(a, b)
+                | Self::Sub(a, b)
+                | Self::Mul(a, b)
+                | Self::Equal(a, b)
+                | Self::Less(a, b)
+                | Self::ShiftLeft(a, b)
+                | Self::ShiftRight(a, b) => vec![a, b],
+                Self::Mux { select, if_true, if_false } => vec![select, if_true, if_false],
+                Self::Case { selector, arms, default } => {
+                    let values = arms.$iterate().map(|Arm { value, .. }| value);
+                    [selector].into_iter().chain(values).chain([default]).collect()
+                }
+                Self::Concat(parts) => parts.$iterate().collect(),
+            }
+        }
+    };
+}
+
 impl Driver {
+    operands!(operand_references, iter, &);
+    operands!(operands_mut, iter_mut, &mut);
+
     /// The signals that it reads within the cycle and within the module.
     pub(crate) fn operands(&self) -> impl Iterator<Item = SignalId> {
-        let (few, arms, parts, last): (_, &[Arm], &[SignalId], _) = match self {
-            Self::Input | Self::Constant(_) | Self::Register(_) | Self::Instance { .. } => ([None; 3], &[], &[], None),
-            Self::Not(a) | Self::Any(a) | Self::All(a) | Self::Alias(a) | Self::Slice { source: a, .. } => {
-                ([Some(*a), None, None], &[], &[], None)
-            }
-            Self::And(a, b)
-            | Self::Or(a, b)
-            | Self::Xor(a, b)
-            | Self::Add(a, b)
-            | Self::Sub(a, b)
-            | Self::Mul(a, b)
-            | Self::Equal(a, b)
-            | Self::Less(a, b)
-            | Self::ShiftLeft(a, b)
-            | Self::ShiftRight(a, b) => ([Some(*a), Some(*b), None], &[], &[], None),
-            Self::Mux { select, if_true, if_false } => {
-                ([Some(*select), Some(*if_true), Some(*if_false)], &[], &[], None)
-            }
-            Self::Case { selector, arms, default } => ([Some(*selector), None, None], arms, &[], Some(*default)),
-            Self::Concat(parts) => ([None; 3], &[], parts, None),
-        };
-        let arms = arms.iter().map(|arm| arm.value);
-        few.into_iter().flatten().chain(arms).chain(parts.iter().copied()).chain(last)
+        self.operand_references().into_iter().copied()
     }
 
     /// Replaces every operand.
     pub(crate) fn renumber(&mut self, new: impl Fn(SignalId) -> SignalId) {
-        match self {
-            Self::Input | Self::Constant(_) | Self::Register(_) | Self::Instance { .. } => {}
-            Self::Not(a) | Self::Any(a) | Self::All(a) | Self::Alias(a) | Self::Slice { source: a, .. } => *a = new(*a),
-            Self::And(a, b)
-            | Self::Or(a, b)
-            | Self::Xor(a, b)
-            | Self::Add(a, b)
-            | Self::Sub(a, b)
-            | Self::Mul(a, b)
-            | Self::Equal(a, b)
-            | Self::Less(a, b)
-            | Self::ShiftLeft(a, b)
-            | Self::ShiftRight(a, b) => (*a, *b) = (new(*a), new(*b)),
-            Self::Mux { select, if_true, if_false } => {
-                (*select, *if_true, *if_false) = (new(*select), new(*if_true), new(*if_false));
-            }
-            Self::Case { selector, arms, default } => {
-                *selector = new(*selector);
-                arms.iter_mut().for_each(|arm| arm.value = new(arm.value));
-                *default = new(*default);
-            }
-            Self::Concat(parts) => parts.iter_mut().for_each(|part| *part = new(*part)),
-        }
+        self.operands_mut().into_iter().for_each(|operand| *operand = new(*operand));
     }
 }
 

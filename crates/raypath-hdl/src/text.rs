@@ -111,10 +111,27 @@ impl Package {
     }
 }
 
+impl Text {
+    /// The structure of output ports.
+    pub(crate) fn output(&self) -> Option<&PortGroup> {
+        self.bank.as_ref().map(|bank| &bank.output)
+    }
+}
+
 impl PortGroup {
     /// Its name without the suffix of its direction.
     pub(crate) fn stem(&self) -> &str {
         self.name.strip_suffix("_i").or_else(|| self.name.strip_suffix("_o")).unwrap_or(&self.name)
+    }
+
+    /// Whether this port is a member.
+    pub(crate) fn contains(&self, port: &str) -> bool {
+        self.select(port).is_some()
+    }
+
+    /// Whether this port is the first member: the text has the group in its place.
+    pub(crate) fn begins_with(&self, port: &str) -> bool {
+        self.members[0].0 == port
     }
 
     /// What selects a port in the structure.
@@ -138,7 +155,7 @@ impl Module {
 
     /// How its text refers to one of its ports: `data_i.num[3]` for a port in a structure, otherwise its name.
     pub fn port_text(&self, port: &str) -> String {
-        let groups = self.text.input.iter().chain(self.text.bank.iter().map(|bank| &bank.output));
+        let groups = self.text.input.iter().chain(self.text.output());
         let mut found = groups.filter_map(|group| group.select(port).map(|select| format!("{}{select}", group.name)));
         found.next().unwrap_or_else(|| port.to_string())
     }

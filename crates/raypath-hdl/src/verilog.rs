@@ -14,7 +14,7 @@ mod plan;
 mod statements;
 mod structures;
 
-use crate::netlist::{Module, Port};
+use crate::netlist::Module;
 use crate::{Error, SignalId};
 use entries::{Chunk, Entry};
 pub use hierarchy::{Source, modules, sources, text};
@@ -70,17 +70,17 @@ fn ports(module: &Module) -> Vec<String> {
         }
     }
     let text = module.text();
-    let groups = [("input ", text.input.as_ref()), ("output", text.bank.as_ref().map(|bank| &bank.output))];
+    let groups = [("input ", text.input.as_ref()), ("output", text.output())];
     for ((direction, group), ports) in groups.into_iter().zip([module.inputs(), module.outputs()]) {
         for port in ports {
-            match group.filter(|group| group.select(&port.name).is_some()) {
+            match group.filter(|group| group.contains(&port.name)) {
                 None => {
                     let signal = module.signal(port.signal);
-                    let remark =
-                        if direction == "output" { output_remark(module, port) } else { signal.comment.clone() };
+                    // A named signal at an output port has its remark beside its own declaration.
+                    let remark = signal.comment.clone().filter(|_| direction == "input " || signal.name.is_none());
                     row(format!("{direction} {}", logic(module, signal.width)), &port.name, remark);
                 }
-                Some(group) if group.members[0].0 == port.name => {
+                Some(group) if group.begins_with(&port.name) => {
                     row(format!("{direction} {}", group.structure), &group.name, None);
                 }
                 Some(_) => {}
@@ -99,12 +99,6 @@ fn ports(module: &Module) -> Vec<String> {
     lines.extend(layout::declarations("  ", &rows));
     lines.push(");".to_string());
     lines
-}
-
-/// A named signal has its remark beside its own declaration.
-fn output_remark(module: &Module, port: &Port) -> Option<String> {
-    let signal = module.signal(port.signal);
-    if signal.name.is_none() { signal.comment.clone() } else { None }
 }
 
 /// The variable through which the module reads an input port as an enumeration.
@@ -158,7 +152,7 @@ fn declarations(plan: &Plan<'_>, chunk: &Chunk<'_>, declared: &mut HashSet<Signa
         match entry {
             Entry::Unused(name, _) => rows.push(("logic".to_string(), format!("{name};"), None)),
             Entry::Instance(index) => {
-                let group = plan.module().instances()[*index].module.text().bank.as_ref().map(|bank| &bank.output);
+                let group = plan.module().instances()[*index].module.text().output();
                 if let (Some(group), Some(variable)) = (group, plan.structures().of_instance(*index)) {
                     structures.push((group.structure.clone(), format!("{variable};"), None));
                 }

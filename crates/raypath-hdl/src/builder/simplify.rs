@@ -26,22 +26,17 @@ impl Builder {
                 Driver::Constant(value) => kept(Driver::Constant(!value & ones)),
                 _ => kept(Driver::Not(a)),
             },
-            Driver::And(a, b) if fits(a) && fits(b) => match (self.constant_of(a), self.constant_of(b)) {
-                (Some(0), _) => Signal(a),
-                (_, Some(0)) => Signal(b),
-                (Some(value), _) if value == ones => Signal(b),
-                (_, Some(value)) if value == ones => Signal(a),
-                _ if a == b => Signal(a),
-                _ => kept(Driver::And(a, b)),
-            },
-            Driver::Or(a, b) if fits(a) && fits(b) => match (self.constant_of(a), self.constant_of(b)) {
-                (Some(0), _) => Signal(b),
-                (_, Some(0)) => Signal(a),
-                (Some(value), _) if value == ones => Signal(a),
-                (_, Some(value)) if value == ones => Signal(b),
-                _ if a == b => Signal(a),
-                _ => kept(Driver::Or(a, b)),
-            },
+            Driver::And(a, b) | Driver::Or(a, b) if fits(a) && fits(b) => {
+                let (dominant, neutral) = if matches!(driver, Driver::And(..)) { (0, ones) } else { (ones, 0) };
+                match [a, b].map(|operand| self.constant_of(operand)) {
+                    [Some(value), _] if value == dominant => Signal(a),
+                    [_, Some(value)] if value == dominant => Signal(b),
+                    [Some(value), _] if value == neutral => Signal(b),
+                    [_, Some(value)] if value == neutral => Signal(a),
+                    _ if a == b => Signal(a),
+                    _ => kept(driver),
+                }
+            }
             Driver::Xor(a, b) if fits(a) && fits(b) => match (self.constant_of(a), self.constant_of(b)) {
                 (Some(0), _) => Signal(b),
                 (_, Some(0)) => Signal(a),

@@ -1,7 +1,7 @@
 //! How the module is to be printed.
 
 use super::{Builder, Register, Wire};
-use crate::netlist::{Driver, Label, Module};
+use crate::netlist::{Label, Module};
 use crate::text::{Bank, EnumeratedInput, Package, PortGroup};
 use std::sync::Arc;
 
@@ -62,18 +62,12 @@ impl Builder {
 
     /// The value of a label, under its name.
     pub fn label(&self, label: &Label, width: u32) -> Wire<'_> {
-        let known = {
-            let signals = &self.state.borrow().module.signals;
-            signals.iter().position(|signal| {
-                signal.name.as_ref() == Some(&label.name) && signal.driver == Driver::Constant(label.value)
-            })
-        };
-        if let Some(known) = known {
-            return Wire { builder: self, id: crate::SignalId(known as u32) };
+        if let Some(known) = self.named_constant(&label.name, label.value) {
+            return known;
         }
         self.claim_label(label, width);
         let wire = self.constant(width, label.value);
-        self.state.borrow_mut().module.signals[wire.id.index()].name = Some(label.name.clone());
+        self.name(wire, &label.name);
         wire
     }
 

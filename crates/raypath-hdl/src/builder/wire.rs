@@ -43,10 +43,8 @@ impl<'m> Wire<'m> {
         self.builder.claim(name);
         let taken = self.builder.state.borrow().module.signals[self.id.index()].name.is_some();
         let wire = if taken { self.builder.push(self.width(), Driver::Alias(self.id)) } else { self };
-        let mut state = self.builder.state.borrow_mut();
-        state.module.signals[wire.id.index()].name = Some(name.to_string());
-        state.module.items.push(Item::Signal(wire.id));
-        drop(state);
+        self.builder.name(wire, name);
+        self.builder.item(Item::Signal(wire.id));
         wire
     }
 

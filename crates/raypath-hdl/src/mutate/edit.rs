@@ -20,12 +20,10 @@ pub fn changed(module: &Module, change: &Change) -> Option<Module> {
             new.signals[outside.index()].driver = Driver::Not(inside);
         }
         Change::OperandInverted { signal, operand } => {
-            let width = module.signals.get(operand.index())?.width;
-            substitute(&mut new, *signal, *operand, width, Driver::Not(*operand))?;
+            substitute(&mut new, *signal, *operand, Driver::Not(*operand))?;
         }
         Change::OperandZero { signal, operand } => {
-            let width = module.signals.get(operand.index())?.width;
-            substitute(&mut new, *signal, *operand, width, Driver::Constant(0))?;
+            substitute(&mut new, *signal, *operand, Driver::Constant(0))?;
         }
         Change::AlwaysLoads { register } => {
             new.registers.get_mut(*register)?.enable.take()?;
@@ -49,7 +47,8 @@ pub fn changed(module: &Module, change: &Change) -> Option<Module> {
 }
 
 /// Lets `signal` read something new, with this driver, where it reads `operand`.
-fn substitute(module: &mut Module, signal: SignalId, operand: SignalId, width: u32, driver: Driver) -> Option<()> {
+fn substitute(module: &mut Module, signal: SignalId, operand: SignalId, driver: Driver) -> Option<()> {
+    let width = module.signals.get(operand.index())?.width;
     module.signals.get(signal.index()).filter(|found| found.driver.operands().any(|id| id == operand))?;
     let (new, reader) = insert(module, signal, width, driver);
     let shifted = after(signal, operand);

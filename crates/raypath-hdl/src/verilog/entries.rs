@@ -81,7 +81,7 @@ pub fn chunks<'m>(module: &'m Module, operands: &[Vec<SignalId>]) -> Vec<Chunk<'
     if let Some(last) = chunks.last_mut() {
         last.entries.append(&mut registers);
     }
-    let is_banked = |port: &str| bank.is_some_and(|bank| bank.output.select(port).is_some());
+    let is_banked = |port: &str| bank.is_some_and(|bank| bank.output.contains(port));
     let outputs = (0..module.outputs().len()).filter(|&port| !is_banked(&module.outputs()[port].name));
     let title = (chunks.len() > 1).then_some("Outputs");
     chunks.push(Chunk { title, entries: outputs.map(Entry::Output).collect() });

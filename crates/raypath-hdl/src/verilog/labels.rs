@@ -51,7 +51,8 @@ impl<'m> Labels<'m> {
 
     /// How the text refers to a constant.
     pub fn read(&self, name: &str) -> String {
-        self.in_package(name).unwrap_or_else(|| name.to_string())
+        let package = self.module.text().package.as_ref();
+        package.and_then(|package| package.label(name)).unwrap_or_else(|| name.to_string())
     }
 
     /// Whether a signal is a label or a parameter.
@@ -69,10 +70,6 @@ impl<'m> Labels<'m> {
         };
         let labels = package.enumeration.iter().flat_map(|enumeration| &enumeration.labels);
         labels.filter(|label| !known(&label.name)).filter_map(|label| package.label(&label.name)).collect()
-    }
-
-    fn in_package(&self, name: &str) -> Option<String> {
-        self.module.text().package.as_ref()?.label(name)
     }
 
     /// The declarations, after a blank line; nothing if there are none.

@@ -10,18 +10,7 @@ pub const COLUMNS: usize = 100;
 pub fn comment(text: &str) -> Vec<String> {
     let text = text.replace(['\n', '\r'], " ");
     let hanging = text.trim_end().rfind("  ").map_or(0, |at| at + 2).min(COLUMNS / 2);
-    let mut lines = Vec::new();
-    let mut rest = format!("// {text}").trim_end().to_string();
-    while rest.len() > COLUMNS {
-        let from = "// ".len() + hanging + 1;
-        let Some(at) = rest.get(from..=COLUMNS).and_then(|within| within.rfind(' ')).map(|at| from + at) else { break };
-        let tail = format!("// {:hanging$}{}", "", rest[at..].trim_start());
-        rest.truncate(at);
-        lines.push(rest.trim_end().to_string());
-        rest = tail;
-    }
-    lines.push(rest);
-    lines
+    break_line(format!("// {text}"), &format!("// {:hanging$}", ""))
 }
 
 /// A comment at a line's end.
@@ -76,7 +65,8 @@ pub fn declarations(indent: &str, rows: &[(String, String, Option<String>)]) -> 
             Some(note) if longest + 1 + note.chars().count() <= COLUMNS => text.push(format!("{line:longest$} {note}")),
             Some(note) => {
                 let note = note.trim_start().trim_start_matches("// ");
-                text.extend(comment(note).into_iter().flat_map(|line| wrap_comment(indent, line)));
+                let next = format!("{indent}// ");
+                text.extend(comment(note).into_iter().flat_map(|line| break_line(format!("{indent}{line}"), &next)));
                 text.push(line);
             }
             None => text.push(line),
@@ -85,31 +75,23 @@ pub fn declarations(indent: &str, rows: &[(String, String, Option<String>)]) -> 
     text
 }
 
-fn wrap_comment(indent: &str, line: String) -> Vec<String> {
-    let mut lines = Vec::new();
-    let mut rest = format!("{indent}{line}");
-    while rest.len() > COLUMNS {
-        let Some(at) = rest[..=COLUMNS].rfind(' ').filter(|at| *at > indent.len() + 3) else { break };
-        let tail = format!("{indent}// {}", rest[at..].trim_start());
-        rest.truncate(at);
-        lines.push(rest);
-        rest = tail;
-    }
-    lines.push(rest);
-    lines
-}
-
 /// Breaks a line that is too long at spaces; what follows is indented by four more.
 pub fn wrap(line: String) -> Vec<String> {
     let indent = line.len() - line.trim_start().len();
+    break_line(line, &" ".repeat(indent + 4))
+}
+
+/// Breaks a line that is too long at spaces, behind at least as many characters as `next` has, which begins each line
+/// that follows.
+fn break_line(line: String, next: &str) -> Vec<String> {
+    let from = next.len();
     let mut lines = Vec::new();
-    let mut rest = line;
+    let mut rest = line.trim_end().to_string();
     while rest.len() > COLUMNS {
-        let start = rest.len() - rest.trim_start().len();
-        let within = rest[start..=COLUMNS].rfind(' ').or_else(|| rest[start..].find(' '));
-        let Some(at) = within else { break };
-        let tail = format!("{:1$}{2}", "", indent + 4, rest[start + at..].trim_start());
-        rest.truncate(start + at);
+        let last = rest.get(from..=COLUMNS).and_then(|within| within.rfind(' '));
+        let Some(at) = last.or_else(|| rest.get(from..)?.find(' ')) else { break };
+        let tail = format!("{next}{}", rest[from + at..].trim_start());
+        rest.truncate(from + at);
         lines.push(rest.trim_end().to_string());
         rest = tail;
     }

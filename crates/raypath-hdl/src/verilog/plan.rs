@@ -371,36 +371,28 @@ fn names(module: &Module) -> HashSet<String> {
 
 /// `name`, or `name_2` and so on if it is taken; taken from now on.
 fn fresh(names: &mut HashSet<String>, name: &str) -> String {
-    let name = single_underscores(name);
-    let mut candidate = name.clone();
-    let mut number = 2;
-    while crate::names::problem(&candidate).is_some() || !names.insert(candidate.clone()) {
-        candidate = format!("{name}_{number}");
-        number += 1;
-    }
-    candidate
+    let numbered = (2..).map(|number| format!("{name}_{number}"));
+    first_free(names, std::iter::once(name.to_string()).chain(numbered))
 }
 
 /// A term of `whole`: the first of `whole_t1`, `whole_t2` and so on that is not taken; taken from now on.
 fn numbered(names: &mut HashSet<String>, whole: &str) -> String {
     let whole = stem(whole, "_o");
-    let mut number = 1;
-    loop {
-        let candidate = single_underscores(&format!("{whole}_t{number}"));
-        if names.insert(candidate.clone()) {
-            return candidate;
-        }
-        number += 1;
-    }
+    first_free(names, (1..).map(|number| format!("{whole}_t{number}")))
 }
 
-/// Names that end or begin in an underscore, put together, may have two in a row, which no name may.
-fn single_underscores(name: &str) -> String {
-    let mut name = name.to_string();
-    while name.contains("__") {
-        name = name.replace("__", "_");
-    }
-    name
+/// The first candidate that can be a name and is not taken; taken from now on. Joined names may have two underscores in
+/// a row, which no name may have.
+fn first_free(names: &mut HashSet<String>, candidates: impl Iterator<Item = String>) -> String {
+    let single = |mut name: String| {
+        while name.contains("__") {
+            name = name.replace("__", "_");
+        }
+        name
+    };
+    let mut candidates = candidates.map(single);
+    let is_free = |name: &String| crate::names::problem(name).is_none() && names.insert(name.clone());
+    candidates.find(is_free).unwrap_or_default()
 }
 
 fn stem<'a>(name: &'a str, suffix: &str) -> &'a str {

@@ -158,21 +158,16 @@ fn instance(plan: &Plan<'_>, index: usize) -> Vec<String> {
     let instance = &plan.module().instances()[index];
     let inside = &instance.module;
     let mut connections = Connections::new(inside);
-    for (port, &id) in inside.inputs().iter().zip(&instance.inputs) {
-        match inside.text().input.as_ref().filter(|group| group.select(&port.name).is_some()) {
+    let (input, output) = (inside.text().input.as_ref(), inside.text().output());
+    let inputs = inside.inputs().iter().zip(&instance.inputs).map(|(port, id)| (port, id, input));
+    let outputs = inside.outputs().iter().zip(&instance.outputs).map(|(port, id)| (port, id, output));
+    for (port, &id, group) in inputs.chain(outputs) {
+        match group.filter(|group| group.contains(&port.name)) {
             None => connections.add(&port.name, plan.read(id)),
-            Some(group) if group.members[0].0 == port.name => {
-                connections.add(&group.name, &structure(plan, group, instance));
-            }
-            Some(_) => {}
-        }
-    }
-    let output = inside.text().bank.as_ref().map(|bank| &bank.output);
-    for (port, &id) in inside.outputs().iter().zip(&instance.outputs) {
-        match output.filter(|group| group.select(&port.name).is_some()) {
-            None => connections.add(&port.name, plan.read(id)),
-            Some(group) if group.members[0].0 == port.name => {
-                connections.add(&group.name, plan.structures().of_instance(index).unwrap_or_default());
+            Some(group) if group.begins_with(&port.name) => {
+                let variable = plan.structures().of_instance(index).filter(|_| Some(group) == output);
+                let net = variable.map_or_else(|| structure(plan, group, instance), str::to_string);
+                connections.add(&group.name, &net);
             }
             Some(_) => {}
         }
