@@ -13,7 +13,7 @@ use crate::Error;
 use crate::flatten::Flat;
 use crate::graph::Operation;
 use crate::netlist::{Module, SignalId};
-use crate::simulator::{InputPort, OutputPort};
+use crate::simulator::{InputPort, OutputPort, common_methods};
 use fearless_simd::{Level, Simd, dispatch};
 use network::{Bit, Kind, Network};
 use operators::{Bits, operator};
@@ -119,20 +119,7 @@ impl LaneSimulator {
         Ok(simulator)
     }
 
-    /// The module that it executes.
-    pub fn module(&self) -> &Arc<Module> {
-        &self.module
-    }
-
-    /// The input port of this name.
-    pub fn input(&self, name: &str) -> Result<InputPort, Error> {
-        InputPort::of(&self.module, name)
-    }
-
-    /// The output port of this name.
-    pub fn output(&self, name: &str) -> Result<OutputPort, Error> {
-        OutputPort::of(&self.module, name)
-    }
+    common_methods!();
 
     /// Sets an input in each lane, until it is set again. Bits above its width are ignored.
     pub fn set(&mut self, input: InputPort, values: &[u64; LANES]) {
@@ -176,15 +163,6 @@ impl LaneSimulator {
         dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || evaluation.run(memory)));
     }
 
-    /// Drives `rst_ni` in all lanes: low where `asserted`. What that does is what
-    /// [`Simulator::set_reset`](crate::Simulator::set_reset) does.
-    pub fn set_reset(&mut self, asserted: bool) {
-        self.reset = asserted;
-        if asserted {
-            self.apply_reset();
-        }
-    }
-
     /// Begins again as a new simulator of the module does: all registers, those without a reset value too, are as they
     /// were at first. Inputs are 0.
     pub fn restart(&mut self) {
@@ -192,11 +170,6 @@ impl LaneSimulator {
         self.memory.fill(Slice::ZEROS);
         self.memory[ONE] = Slice::ONES;
         self.apply_reset();
-    }
-
-    /// Whether the reset is asserted.
-    pub fn is_reset(&self) -> bool {
-        self.reset
     }
 
     fn apply_reset(&mut self) {

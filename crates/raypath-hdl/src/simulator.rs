@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::flatten::Flat;
 use crate::jit::Code;
-use crate::netlist::{Module, mask};
+use crate::netlist::Module;
 use std::sync::Arc;
 
 /// A module in simulation.
@@ -31,7 +31,7 @@ pub struct Simulator {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct InputPort {
     pub(crate) slot: usize,
-    mask: u64,
+    pub(crate) mask: u64,
 }
 
 /// An output of a [`Simulator`]; valid for others of the same module too.
@@ -46,18 +46,42 @@ pub struct Probe {
     slot: usize,
 }
 
-impl InputPort {
-    pub(crate) fn of(module: &Module, name: &str) -> Result<Self, Error> {
-        let slot = module.input_position(name)?;
-        Ok(Self { slot, mask: mask(module.signal(module.inputs[slot].signal).width) })
-    }
-}
+/// The methods that [`Simulator`] and [`LaneSimulator`](crate::LaneSimulator) share.
+macro_rules! common_methods {
+    () => {
+        /// The module that it executes.
+        pub fn module(&self) -> &Arc<Module> {
+            &self.module
+        }
 
-impl OutputPort {
-    pub(crate) fn of(module: &Module, name: &str) -> Result<Self, Error> {
-        Ok(Self { slot: module.inputs.len() + module.output_position(name)? })
-    }
+        /// The input port of this name.
+        pub fn input(&self, name: &str) -> Result<InputPort, Error> {
+            let slot = self.module.input_position(name)?;
+            let width = self.module.signal(self.module.inputs[slot].signal).width;
+            Ok(InputPort { slot, mask: $crate::netlist::mask(width) })
+        }
+
+        /// The output port of this name.
+        pub fn output(&self, name: &str) -> Result<OutputPort, Error> {
+            Ok(OutputPort { slot: self.module.inputs.len() + self.module.output_position(name)? })
+        }
+
+        /// Drives `rst_ni`: low if `asserted`. The reset is asynchronous: registers with a reset value take it at once,
+        /// without an edge, and hold it until the reset ends. Outputs follow at the next evaluation.
+        pub fn set_reset(&mut self, asserted: bool) {
+            self.reset = asserted;
+            if asserted {
+                self.apply_reset();
+            }
+        }
+
+        /// Whether the reset is asserted.
+        pub fn is_reset(&self) -> bool {
+            self.reset
+        }
+    };
 }
+pub(crate) use common_methods;
 
 impl Simulator {
     /// Compiles `module`. What no output depends on, not even through registers, is left out.
@@ -90,20 +114,7 @@ impl Simulator {
         Ok(simulator)
     }
 
-    /// The module that it executes.
-    pub fn module(&self) -> &Arc<Module> {
-        &self.module
-    }
-
-    /// The input port of this name.
-    pub fn input(&self, name: &str) -> Result<InputPort, Error> {
-        InputPort::of(&self.module, name)
-    }
-
-    /// The output port of this name.
-    pub fn output(&self, name: &str) -> Result<OutputPort, Error> {
-        OutputPort::of(&self.module, name)
-    }
+    common_methods!();
 
     /// Sets an input, until it is set again. Bits above its width are ignored.
     pub fn set(&mut self, input: InputPort, value: u64) {
@@ -129,15 +140,6 @@ impl Simulator {
         self.code.run(&self.current, &mut self.next, &mut self.io, &mut self.memory);
     }
 
-    /// Drives `rst_ni`: low where `asserted`. The reset is asynchronous: registers that have a reset value take it at
-    /// once, without an edge, and hold it until the reset ends. Outputs follow when next evaluated.
-    pub fn set_reset(&mut self, asserted: bool) {
-        self.reset = asserted;
-        if asserted {
-            self.apply_reset();
-        }
-    }
-
     /// Begins again as a new simulator of the module does: all registers, those without a reset value too, are as they
     /// were at first. Inputs are 0.
     pub fn restart(&mut self) {
@@ -145,11 +147,6 @@ impl Simulator {
         self.current.fill(0);
         self.io.fill(0);
         self.apply_reset();
-    }
-
-    /// Whether the reset is asserted.
-    pub fn is_reset(&self) -> bool {
-        self.reset
     }
 
     /// Hierarchical names and widths of the signals that can be observed.
