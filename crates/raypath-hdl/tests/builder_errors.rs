@@ -79,9 +79,7 @@ fn cases_that_do_not_fit() {
 
 #[test]
 fn widths_out_of_range() {
-    let found = error_of(|m| {
-        m.input("a_i", 0);
-    });
+    let found = error_of(|m| _ = m.input("a_i", 0));
     assert!(matches!(&found, Error::Width { problem, .. } if problem == "width 0, expected 1 to 64"), "{found}");
     let found = error_of(|m| {
         let a = m.input("a_i", 64);
@@ -93,18 +91,12 @@ fn widths_out_of_range() {
         let _ = a * a;
     });
     assert_eq!(found, width("Mul 1", "width 66, expected 1 to 64"));
-    let found = error_of(|m| {
-        m.concat(&[]);
-    });
-    assert_eq!(found, width("Concat 0", "width 0, expected 1 to 64"));
+    assert_eq!(error_of(|m| _ = m.concat(&[])), width("Concat 0", "width 0, expected 1 to 64"));
 }
 
 #[test]
 fn constants_and_reset_values_that_do_not_fit() {
-    let found = error_of(|m| {
-        m.constant(3, 8);
-    });
-    assert_eq!(found, width("Constant 0", "constant 8 does not fit 3 bits"));
+    assert_eq!(error_of(|m| _ = m.constant(3, 8)), width("Constant 0", "constant 8 does not fit 3 bits"));
     let found = error_of(|m| {
         let count = m.register("count_q", 3).reset_to(8);
         count.next(count.wire());
@@ -127,23 +119,20 @@ fn cuts_and_extensions_that_do_not_fit() {
         (|a| a.extend(7), "8 bits extended to 7"),
     ];
     for (cut, problem) in cases {
-        let found = error_of(|m| {
-            cut(m.input("a_i", 8));
-        });
-        assert_eq!(found, width("a_i", problem));
+        assert_eq!(error_of(|m| _ = cut(m.input("a_i", 8))), width("a_i", problem));
     }
 }
 
 #[test]
 fn shift_amounts_that_are_too_wide() {
-    let found = error_of(|m| {
-        m.input("a_i", 8).shift_left(m.input("b_i", 33));
-    });
-    assert_eq!(found, width("ShiftLeft 2", "shift amount of 33 bits, expected 1 to 32"));
-    let found = error_of(|m| {
-        m.input("a_i", 8).shift_right(m.input("b_i", 64));
-    });
-    assert_eq!(found, width("ShiftRight 2", "shift amount of 64 bits, expected 1 to 32"));
+    assert_eq!(
+        error_of(|m| _ = m.input("a_i", 8).shift_left(m.input("b_i", 33))),
+        width("ShiftLeft 2", "shift amount of 33 bits, expected 1 to 32")
+    );
+    assert_eq!(
+        error_of(|m| _ = m.input("a_i", 8).shift_right(m.input("b_i", 64))),
+        width("ShiftRight 2", "shift amount of 64 bits, expected 1 to 32")
+    );
 }
 
 #[test]
@@ -227,35 +216,30 @@ fn labels_that_cannot_be() {
 
 #[test]
 fn registers_and_forwards_of_another_width() {
-    let found = error_of(|m| m.register("count_q", 4).next(m.input("a_i", 8)));
-    assert_eq!(found, width("count_q", "operand of 8 bits, expected 4"));
+    assert_eq!(
+        error_of(|m| m.register("count_q", 4).next(m.input("a_i", 8))),
+        width("count_q", "operand of 8 bits, expected 4")
+    );
     let found = error_of(|m| {
         let a = m.input("a_i", 4);
         m.register("count_q", 4).next_when(a, a);
     });
     assert_eq!(found, width("count_q", "operand of 4 bits, expected 1"));
-    let found = error_of(|m| m.forward("later", 4).drive(m.input("a_i", 8)));
-    assert_eq!(found, width("later", "operand of 8 bits, expected 4"));
-    let found = error_of(|m| {
-        m.input("a_i", 8).replicate(2);
-    });
-    assert_eq!(found, width("a_i", "operand of 8 bits, expected 1"));
-    let found = error_of(|m| {
-        m.input("a_i", 1).replicate(u32::MAX);
-    });
-    assert_eq!(found, width("a_i", "4294967295 copies, expected 1 to 64"));
+    assert_eq!(
+        error_of(|m| m.forward("later", 4).drive(m.input("a_i", 8))),
+        width("later", "operand of 8 bits, expected 4")
+    );
+    assert_eq!(error_of(|m| _ = m.input("a_i", 8).replicate(2)), width("a_i", "operand of 8 bits, expected 1"));
+    assert_eq!(
+        error_of(|m| _ = m.input("a_i", 1).replicate(u32::MAX)),
+        width("a_i", "4294967295 copies, expected 1 to 64")
+    );
 }
 
 #[test]
 fn what_is_never_driven_or_driven_twice() {
-    let found = error_of(|m| {
-        m.register("count_q", 4);
-    });
-    assert_eq!(found, drive("count_q", "is never driven"));
-    let found = error_of(|m| {
-        m.forward("later", 4);
-    });
-    assert_eq!(found, drive("later", "is never driven"));
+    assert_eq!(error_of(|m| _ = m.register("count_q", 4)), drive("count_q", "is never driven"));
+    assert_eq!(error_of(|m| _ = m.forward("later", 4)), drive("later", "is never driven"));
     let found = error_of(|m| {
         let count = m.register("count_q", 4);
         count.next(count.wire());
@@ -337,8 +321,7 @@ fn instances_whose_ports_do_not_match() {
 
 #[test]
 fn unused_signals_are_declared_as_such() {
-    let found = error_of(|m| m.unused("rest", &[m.input("a_i", 8)]));
-    assert_eq!(found, name("rest", "must begin with unused_"));
+    assert_eq!(error_of(|m| m.unused("rest", &[m.input("a_i", 8)])), name("rest", "must begin with unused_"));
 }
 
 /// What went wrong first is what is reported.

@@ -17,14 +17,15 @@ fn stage() -> Arc<Module> {
     m.finish().unwrap()
 }
 
-/// Two stages: the ready of the second goes back into the first.
-fn two_stages() -> Arc<Module> {
-    let stage = stage();
-    let m = Builder::new("two");
+/// Two instances of `stage`, one after the other: the ready of the second goes back into the first.
+fn pair(name: &str, stage: &Arc<Module>, instances: [&str; 2]) -> Arc<Module> {
+    let m = Builder::new(name);
     let (valid, data, ready) = (m.input("valid_i", 1), m.input("data_i", 8), m.input("ready_i", 1));
     let back = m.forward("back", 1);
-    let first = m.instance("u_a", &stage, &[("valid_i", valid), ("data_i", data), ("ready_i", back.wire())]);
-    let second = m.instance("u_b", &stage, &[("valid_i", first[1]), ("data_i", first[2]), ("ready_i", ready)]);
+    let first = [("valid_i", valid), ("data_i", data), ("ready_i", back.wire())];
+    let first = m.instance(instances[0], stage, &first);
+    let second = [("valid_i", first[1]), ("data_i", first[2]), ("ready_i", ready)];
+    let second = m.instance(instances[1], stage, &second);
     back.drive(second[0]);
     for (name, wire) in [("ready_o", first[0]), ("valid_o", second[1]), ("data_o", second[2])] {
         m.output(name, wire);
@@ -32,19 +33,9 @@ fn two_stages() -> Arc<Module> {
     m.finish().unwrap()
 }
 
-/// `two_stages` once more inside: stages are nested two deep.
+/// Stages are nested two deep.
 fn four_stages() -> Arc<Module> {
-    let two = two_stages();
-    let m = Builder::new("four");
-    let (valid, data, ready) = (m.input("valid_i", 1), m.input("data_i", 8), m.input("ready_i", 1));
-    let back = m.forward("back", 1);
-    let first = m.instance("u_near", &two, &[("valid_i", valid), ("data_i", data), ("ready_i", back.wire())]);
-    let second = m.instance("u_far", &two, &[("valid_i", first[1]), ("data_i", first[2]), ("ready_i", ready)]);
-    back.drive(second[0]);
-    for (name, wire) in [("ready_o", first[0]), ("valid_o", second[1]), ("data_o", second[2])] {
-        m.output(name, wire);
-    }
-    m.finish().unwrap()
+    pair("four", &pair("two", &stage(), ["u_a", "u_b"]), ["u_near", "u_far"])
 }
 
 #[test]

@@ -90,20 +90,11 @@ impl<'m> Scope<'m> {
             Driver::Less(a, b) => u128::from(self.value(*a) < self.value(*b)),
             Driver::Any(a) => u128::from(self.value(*a) != 0),
             Driver::All(a) => u128::from(self.value(*a) == (1 << self.module.signal(*a).width) - 1),
-            Driver::ShiftLeft(a, by) => {
-                let (value, by) = (self.value(*a), self.value(*by));
-                if by < 64 { (value << by) % size } else { 0 }
-            }
-            Driver::ShiftRight(a, by) => {
-                let (value, by) = (self.value(*a), self.value(*by));
-                if by < 64 { value >> by } else { 0 }
-            }
+            Driver::ShiftLeft(a, by) => (self.value(*a) << self.value(*by).min(64)) % size,
+            Driver::ShiftRight(a, by) => self.value(*a) >> self.value(*by).min(64),
             Driver::Mux { select, if_true, if_false } => {
-                if self.value(*select) == 1 {
-                    self.value(*if_true)
-                } else {
-                    self.value(*if_false)
-                }
+                let chosen = if self.value(*select) == 1 { if_true } else { if_false };
+                self.value(*chosen)
             }
             Driver::Case { selector, arms, default } => {
                 let selector = self.value(*selector);
@@ -137,10 +128,7 @@ fn random_module(
     inside: &[Arc<Module>],
 ) -> Arc<Module> {
     let m = Builder::new(name);
-    let mut wires: Vec<Wire<'_>> = Vec::new();
-    for n in 0..4 {
-        wires.push(m.input(&format!("in{n}_i"), random_width(random)));
-    }
+    let mut wires: Vec<Wire<'_>> = (0..4).map(|n| m.input(&format!("in{n}_i"), random_width(random))).collect();
     let mut pending = Vec::new();
     for n in 0..registers {
         let width = random_width(random);
@@ -153,9 +141,8 @@ fn random_module(
     }
     for (n, module) in inside.iter().enumerate() {
         grow(&m, &mut wires, random, operators / (inside.len() + 1));
-        let ports: Vec<_> =
-            module.inputs().iter().map(|port| (port.name.as_str(), module.signal(port.signal).width)).collect();
-        let inputs: Vec<_> = ports.iter().map(|&(port, width)| (port, pick(&m, &wires, random, width))).collect();
+        let ports = module.inputs().iter().map(|port| (port.name.as_str(), module.signal(port.signal).width));
+        let inputs: Vec<_> = ports.map(|(port, width)| (port, pick(&m, &wires, random, width))).collect();
         wires.extend(m.instance(&format!("u_i{n}"), module, &inputs));
     }
     grow(&m, &mut wires, random, operators);
@@ -179,6 +166,14 @@ fn random_width(random: &mut ChaCha8Rng) -> u32 {
         2 => 64,
         3 => 33,
         _ => random.random_range(1..=64),
+    }
+}
+
+fn random_word(random: &mut ChaCha8Rng) -> u64 {
+    match random.random_range(0..4) {
+        0 => 0,
+        1 => u64::MAX,
+        _ => random.random(),
     }
 }
 
@@ -243,11 +238,7 @@ fn compare(module: &Arc<Module>, random: &mut ChaCha8Rng, seed: u64) {
         observing.set_reset(reset);
         scope.begin_cycle(reset);
         for (place, (&port, info)) in inputs.iter().zip(module.inputs()).enumerate() {
-            let value = match random.random_range(0..4) {
-                0 => 0,
-                1 => u64::MAX,
-                _ => random.random::<u64>(),
-            };
+            let value = random_word(random);
             plain.set(port, value);
             observing.set(port, value);
             scope.inputs[place] = Some(u128::from(value) % (1 << module.signal(info.signal).width));
@@ -277,14 +268,8 @@ fn compare_lanes(module: &Arc<Module>, random: &mut ChaCha8Rng, seed: u64) {
     for _ in 0..20 {
         let reset = random.random_range(0..10) == 0;
         lanes.set_reset(reset);
-        let mut values = || -> [u64; LANES] {
-            std::array::from_fn(|_| match random.random_range(0..4) {
-                0 => 0,
-                1 => u64::MAX,
-                _ => random.random::<u64>(),
-            })
-        };
-        let given: Vec<_> = inputs.iter().map(|_| values()).collect();
+        let mut lanes_of_words = || -> [u64; LANES] { std::array::from_fn(|_| random_word(random)) };
+        let given: Vec<_> = inputs.iter().map(|_| lanes_of_words()).collect();
         for (&port, values) in inputs.iter().zip(&given) {
             lanes.set(port, values);
         }
