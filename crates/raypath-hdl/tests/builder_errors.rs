@@ -125,14 +125,10 @@ fn cuts_and_extensions_that_do_not_fit() {
 
 #[test]
 fn shift_amounts_that_are_too_wide() {
-    assert_eq!(
-        error_of(|m| _ = m.input("a_i", 8).shift_left(m.input("b_i", 33))),
-        width("ShiftLeft 2", "shift amount of 33 bits, expected 1 to 32")
-    );
-    assert_eq!(
-        error_of(|m| _ = m.input("a_i", 8).shift_right(m.input("b_i", 64))),
-        width("ShiftRight 2", "shift amount of 64 bits, expected 1 to 32")
-    );
+    let found = error_of(|m| _ = m.input("a_i", 8).shift_left(m.input("b_i", 33)));
+    assert_eq!(found, width("ShiftLeft 2", "shift amount of 33 bits, expected 1 to 32"));
+    let found = error_of(|m| _ = m.input("a_i", 8).shift_right(m.input("b_i", 64)));
+    assert_eq!(found, width("ShiftRight 2", "shift amount of 64 bits, expected 1 to 32"));
 }
 
 #[test]
@@ -216,24 +212,18 @@ fn labels_that_cannot_be() {
 
 #[test]
 fn registers_and_forwards_of_another_width() {
-    assert_eq!(
-        error_of(|m| m.register("count_q", 4).next(m.input("a_i", 8))),
-        width("count_q", "operand of 8 bits, expected 4")
-    );
+    let found = error_of(|m| m.register("count_q", 4).next(m.input("a_i", 8)));
+    assert_eq!(found, width("count_q", "operand of 8 bits, expected 4"));
     let found = error_of(|m| {
         let a = m.input("a_i", 4);
         m.register("count_q", 4).next_when(a, a);
     });
     assert_eq!(found, width("count_q", "operand of 4 bits, expected 1"));
-    assert_eq!(
-        error_of(|m| m.forward("later", 4).drive(m.input("a_i", 8))),
-        width("later", "operand of 8 bits, expected 4")
-    );
+    let found = error_of(|m| m.forward("later", 4).drive(m.input("a_i", 8)));
+    assert_eq!(found, width("later", "operand of 8 bits, expected 4"));
     assert_eq!(error_of(|m| _ = m.input("a_i", 8).replicate(2)), width("a_i", "operand of 8 bits, expected 1"));
-    assert_eq!(
-        error_of(|m| _ = m.input("a_i", 1).replicate(u32::MAX)),
-        width("a_i", "4294967295 copies, expected 1 to 64")
-    );
+    let found = error_of(|m| _ = m.input("a_i", 1).replicate(u32::MAX));
+    assert_eq!(found, width("a_i", "4294967295 copies, expected 1 to 64"));
 }
 
 #[test]
