@@ -6,8 +6,10 @@ use crate::netlist::{Driver, Module, RegisterInfo, SignalId};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// Whether output port `output` of `module` depends on input port `input` within one cycle, through whatever is
-/// inside; an error where there is no such port, or where signals depend on themselves.
+/// Whether output port `output` of `module` depends on input port `input` within one cycle.
+///
+/// # Errors
+/// No such port, or signals that depend on themselves.
 pub fn depends_combinationally(module: &Arc<Module>, output: &str, input: &str) -> Result<bool, Error> {
     let from = module.input_position(input)?;
     let to = module.output_position(output)?;
@@ -181,11 +183,11 @@ impl Module {
     }
 }
 
-/// Below this many signals, passing values costs more than compiling them once more.
-const SMALLEST_CALL: usize = 24;
+/// The fewest signals for which calling a module as a function is faster than expanding it.
+const MIN_CALL_SIGNALS: usize = 24;
 
 fn worth_a_call(module: &Module) -> bool {
-    module.registers.is_empty() && module.instances.is_empty() && module.signals.len() >= SMALLEST_CALL
+    module.registers.is_empty() && module.instances.is_empty() && module.signals.len() >= MIN_CALL_SIGNALS
 }
 
 /// Hierarchical names of the output ports and named signals of a module, and what they are in it.
@@ -220,7 +222,7 @@ fn live(graph: &Graph, roots: impl Iterator<Item = SignalId>) -> Vec<bool> {
     live
 }
 
-/// The graph of every signal; an error where signals depend on themselves, whether or not anybody needs them.
+/// The graph of every signal. Signals that depend on themselves are an error, even if no output needs them.
 fn loop_free(top: &Arc<Module>) -> Result<Graph, Error> {
     let graph = Graph::new(top, |_, _| false);
     match graph.order(std::iter::empty()) {

@@ -28,9 +28,9 @@ pub struct Code {
 
 type Cycle = extern "C" fn(*const u64, *mut u64, *mut u64, *mut u64);
 
-/// Operations from which on a function's last arguments and results are remembered at each of its calls, so that it is
-/// called again only where an argument has changed: hardware that waits or idles costs next to nothing.
-const WORTH_REMEMBERING: usize = 64;
+/// The number of operations from which on the results of a function are cached at each of its calls. The function is
+/// called again only if an argument has changed, so idle hardware costs little.
+const MIN_CACHED_OPERATIONS: usize = 64;
 
 impl Code {
     /// Compiles a netlist and the functions that it calls.
@@ -41,8 +41,8 @@ impl Code {
             let parameters = flat.calls.iter().find(|(f, _)| *f == place).map_or(0, |(_, call)| call.inputs.len());
             functions.push(compiler.define(function, &[], Frame::Function { inputs: parameters })?);
         }
-        let (remembered, memory) = remembered(flat);
-        let id = compiler.define(flat, &functions, Frame::Cycle { inputs, remembered: &remembered })?;
+        let (cached, memory) = cached(flat);
+        let id = compiler.define(flat, &functions, Frame::Cycle { inputs, cached: &cached })?;
         compiler.module.finalize_definitions().map_err(codegen)?;
         let address = compiler.module.get_finalized_function(id);
         // SAFETY: `define` gave this function four pointer parameters, no result, and the host's C convention.
@@ -66,13 +66,13 @@ impl Code {
     }
 }
 
-/// For each call that is remembered, where: one word that is 1 after the first time, the arguments, the results. And
-/// how many words that takes.
-fn remembered(flat: &Flat) -> (Vec<Option<usize>>, usize) {
+/// The position in memory of each cached call, and the size of the memory in words. A cached call has a word that is 1
+/// after the first call, then its arguments, then its results.
+fn cached(flat: &Flat) -> (Vec<Option<usize>>, usize) {
     let mut words = 0;
     let places = flat.calls.iter().map(|(function, call)| {
         let function = &flat.functions[*function];
-        (function.nodes.len() >= WORTH_REMEMBERING).then(|| {
+        (function.nodes.len() >= MIN_CACHED_OPERATIONS).then(|| {
             let place = words;
             words += 1 + call.inputs.len() + function.outputs.len();
             place
@@ -93,8 +93,8 @@ impl Drop for Code {
 /// How a function receives and returns values.
 #[derive(Clone, Copy)]
 enum Frame<'f> {
-    /// `(current, next, io, memory)`; inputs come first in `io`. Where in `memory` each call is remembered.
-    Cycle { inputs: usize, remembered: &'f [Option<usize>] },
+    /// `(current, next, io, memory)`; inputs come first in `io`. Where in `memory` each call is cached.
+    Cycle { inputs: usize, cached: &'f [Option<usize>] },
     /// Each input a parameter; the last parameter points to where the outputs go.
     Function { inputs: usize },
 }
@@ -291,10 +291,10 @@ impl Body<'_> {
         let flat = self.flat;
         let (function, inputs) = (flat.calls[call].0, &flat.calls[call].1.inputs);
         let arguments: Vec<Value> = inputs.iter().map(|&id| self.clean(id)).collect();
-        if let Frame::Cycle { remembered, .. } = self.frame
-            && let Some(place) = remembered[call]
+        if let Frame::Cycle { cached, .. } = self.frame
+            && let Some(place) = cached[call]
         {
-            return self.call_where_changed(function, &arguments, place);
+            return self.call_if_changed(function, &arguments, place);
         }
         let bytes = self.flat.functions[function].outputs.len() as u32 * 8;
         let slot = self.builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, bytes, 3));
@@ -303,8 +303,8 @@ impl Body<'_> {
         Results::Stack(slot)
     }
 
-    /// A call that is made only where its arguments are not those of the last time.
-    fn call_where_changed(&mut self, function: usize, arguments: &[Value], place: usize) -> Results {
+    /// A call that is skipped if its arguments are those of the last call.
+    fn call_if_changed(&mut self, function: usize, arguments: &[Value], place: usize) -> Results {
         let memory = self.parameters[3];
         let one = self.constant(1);
         let now: Vec<Value> = std::iter::once(one).chain(arguments.iter().copied()).collect();

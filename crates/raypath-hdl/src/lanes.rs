@@ -1,7 +1,7 @@
-//! Executing a netlist for many stimuli at once: every bit is a slice, and each stimulus has a bit of it.
+//! Bit-parallel simulation: executes a netlist for many stimuli at once. A slice holds the same bit of all stimuli.
 //!
-//! No native code is made for this: the machine's widest registers do a gate for all stimuli in one instruction or a
-//! few, so that reading what to do next costs little, and the same list of gates serves every machine.
+//! The gates are interpreted. A SIMD instruction or a few evaluate a gate for all stimuli, so the cost of reading the
+//! gate list is small, and the same list serves every machine.
 
 mod network;
 mod operators;
@@ -26,11 +26,12 @@ use transpose::{Slice, from_slices, to_slices};
 const WORD: usize = 32;
 const WORDS: usize = LANES / WORD;
 
-/// The stimuli that a [`LaneSimulator`] has at once. A slice is then a cache line and the widest register there is.
+/// The number of stimuli that a [`LaneSimulator`] simulates at once. A slice then fills a cache line, and the widest
+/// SIMD register.
 pub const LANES: usize = 512;
 
-/// A module in simulation in [`LANES`] lanes, each as a [`Simulator`](crate::Simulator) of its own would be, but for
-/// the reset, which they share. Ports are the same as a `Simulator`'s.
+/// A simulation of a module in [`LANES`] lanes. Each lane behaves like a [`Simulator`](crate::Simulator) of its own,
+/// except that all lanes share the reset. Ports are the same as those of a `Simulator`.
 ///
 /// ```
 /// use raypath_hdl::{Builder, LANES, LaneSimulator};
@@ -54,10 +55,10 @@ pub struct LaneSimulator {
     module: Arc<Module>,
     level: Level,
     evaluation: Program,
-    /// What registers take, to where they are.
+    /// Copies the next values into the registers.
     edge: Program,
     memory: Vec<Slice>,
-    /// The place of each input's lowest bit, and of the end.
+    /// The place of each input's lowest bit, then the place after the last input.
     inputs: Vec<u32>,
     /// The places of each output's bits.
     outputs: Vec<Vec<u32>>,
@@ -67,8 +68,11 @@ pub struct LaneSimulator {
 }
 
 impl LaneSimulator {
-    /// Prepares `module`, for the widest registers that this machine has. What no output depends on, not even through
+    /// Prepares `module` for the widest SIMD registers of this machine. Logic on which no output depends, even through
     /// registers, is left out.
+    ///
+    /// # Errors
+    /// A combinational loop.
     pub fn new(module: &Arc<Module>) -> Result<Self, Error> {
         let flat = Flat::new(module, &|_| false)?;
         let mut evaluation = Program::default();
@@ -76,14 +80,14 @@ impl LaneSimulator {
         for (function, call) in &flat.calls {
             // Functions are in the order of their first calls.
             if *function == functions.len() {
-                functions.push(translated(&mut evaluation, &flat.functions[*function], &call.module));
+                functions.push(add_function(&mut evaluation, &flat.functions[*function], &call.module));
             }
         }
         let mut end = functions.iter().fold(AFTER_CONSTANTS, |end, function| end.max(function.end));
 
-        let inputs = laid_out(input_widths(module), &mut end);
+        let inputs = lay_out(input_widths(module), &mut end);
         let widths = flat.registers.iter().map(|register| flat.nodes[register.signal.index()].width);
-        let registers = laid_out(widths, &mut end);
+        let registers = lay_out(widths, &mut end);
         let mut network = Network::new();
         let values = values(&mut network, &flat, &inputs, &registers);
 
@@ -92,18 +96,18 @@ impl LaneSimulator {
             let Some(value) = register.reset else { continue };
             resets.extend((places[0]..places[1]).zip(0..).map(|(place, bit)| (place, slice(value, bit))));
         }
-        let takes = takes(&mut network, &flat, &values, &registers);
+        let loads = loads(&mut network, &flat, &values, &registers);
         let mut kept = |output: &SignalId| values[output.index()].iter().map(|&bit| network.kept(bit)).collect();
         let shown: Vec<Bits> = flat.outputs.iter().map(&mut kept).collect();
         let kept: Bits =
-            takes.iter().flat_map(|take| [take.enable, take.next]).chain(shown.iter().flatten().copied()).collect();
+            loads.iter().flat_map(|load| [load.enable, load.next]).chain(shown.iter().flatten().copied()).collect();
         let (places, end) = evaluation.add(&network, &functions, &kept, end);
-        let (of_takes, mut of_outputs) = places.split_at(takes.len() * 2);
+        let (of_loads, mut of_outputs) = places.split_at(loads.len() * 2);
         let mut edge = Program::default();
-        for (take, places) in takes.iter().zip(of_takes.as_chunks::<2>().0) {
-            match take.enable {
-                Bit::ONE => edge.gate(Kind::Copy, &[places[1], take.place]),
-                _ => edge.gate(Kind::Mux, &[places[0], places[1], take.place, take.place]),
+        for (load, places) in loads.iter().zip(of_loads.as_chunks::<2>().0) {
+            match load.enable {
+                Bit::ONE => edge.gate(Kind::Copy, &[places[1], load.place]),
+                _ => edge.gate(Kind::Mux, &[places[0], places[1], load.place, load.place]),
             }
         }
         let outputs = shown.iter().map(|bits| {
@@ -127,7 +131,7 @@ impl LaneSimulator {
         dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || to_slices(values, slices)));
     }
 
-    /// Sets an input to the same in all lanes, until it is set again. Bits above its width are ignored.
+    /// Sets an input to the same value in all lanes, until it is set again. Bits above its width are ignored.
     pub fn set_all(&mut self, input: InputPort, value: u64) {
         let slices = &mut self.memory[self.inputs[input.slot] as usize..self.inputs[input.slot + 1] as usize];
         for (place, slice) in slices.iter_mut().enumerate() {
@@ -135,8 +139,8 @@ impl LaneSimulator {
         }
     }
 
-    /// What an output showed in each lane when last evaluated: in the last cycle before its clock edge, or when last
-    /// settled.
+    /// The value of an output in each lane at the last evaluation: in the last cycle before its clock edge, or at the
+    /// last call of [`settle`](Self::settle).
     pub fn get(&self, output: OutputPort) -> [u64; LANES] {
         let places = &self.outputs[output.slot - self.module.inputs.len()];
         let mut slices = [Slice::ZEROS; u64::BITS as usize];
@@ -163,8 +167,7 @@ impl LaneSimulator {
         dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || evaluation.run(memory)));
     }
 
-    /// Begins again as a new simulator of the module does: all registers, those without a reset value too, are as they
-    /// were at first. Inputs are 0.
+    /// Restores the state of a new simulator: all registers have their initial values, and inputs are 0.
     pub fn restart(&mut self) {
         self.reset = false;
         self.memory.fill(Slice::ZEROS);
@@ -179,18 +182,18 @@ impl LaneSimulator {
     }
 }
 
-/// What a register bit takes at the edge, where it is enabled.
-struct Take {
+/// The value that a register bit loads at the clock edge, if it is enabled.
+struct Load {
     enable: Bit,
     next: Bit,
     /// The register bit's.
     place: u32,
 }
 
-/// What registers take, in an order in which what is taken has not been overwritten: registers that read others mostly
-/// come after them in the netlist, and so before them here. Where they do not, copies are made first.
-fn takes(network: &mut Network, flat: &Flat, values: &[Bits], registers: &[u32]) -> Vec<Take> {
-    let mut takes = Vec::new();
+/// The loads of all registers, in an order in which no load overwrites a value that a later one reads. Registers that
+/// read others mostly follow them in the netlist, and so precede them here. Other values are copied first.
+fn loads(network: &mut Network, flat: &Flat, values: &[Bits], registers: &[u32]) -> Vec<Load> {
+    let mut loads = Vec::new();
     let mut written = HashSet::new();
     for (register, &first) in flat.registers.iter().zip(registers).rev() {
         let mut as_before = |bit: Bit| if written.contains(&bit) { network.kept(bit) } else { bit };
@@ -199,17 +202,17 @@ fn takes(network: &mut Network, flat: &Flat, values: &[Bits], registers: &[u32])
         let next: Bits = values[register.next.index()].iter().map(|&bit| as_before(bit)).collect();
         let own: HashSet<Bit> = current.iter().copied().collect();
         for (place, (bit, current)) in next.into_iter().zip(current).enumerate() {
-            // Bits of a register that change places among themselves.
+            // Bits of the same register may be exchanged.
             let (enable, next) =
                 [enable, bit].map(|bit| if own.contains(&bit) { network.kept(bit) } else { bit }).into();
-            takes.push(Take { enable, next, place: first + place as u32 });
+            loads.push(Load { enable, next, place: first + place as u32 });
             written.insert(*current);
         }
     }
-    takes
+    loads
 }
 
-/// A bit of a value that is the same in all lanes.
+/// A bit of a value that all lanes share.
 fn slice(value: u64, bit: u32) -> Slice {
     if value >> bit & 1 == 1 { Slice::ONES } else { Slice::ZEROS }
 }
@@ -222,8 +225,8 @@ fn input_widths(module: &Module) -> impl Iterator<Item = u32> {
     module.inputs.iter().map(|port| module.signal(port.signal).width)
 }
 
-/// The places of the lowest bits of words of these widths, one after the other from `end` on, and of the end.
-fn laid_out(widths: impl Iterator<Item = u32>, end: &mut u32) -> Vec<u32> {
+/// Places consecutive words of these widths from `end` on. Returns the place of each word's lowest bit, and the end.
+fn lay_out(widths: impl Iterator<Item = u32>, end: &mut u32) -> Vec<u32> {
     let mut places = vec![*end];
     for width in widths {
         *end += width;
@@ -232,10 +235,10 @@ fn laid_out(widths: impl Iterator<Item = u32>, end: &mut u32) -> Vec<u32> {
     places
 }
 
-/// Adds a function to a program. All functions use the same places: none calls another.
-fn translated(program: &mut Program, flat: &Flat, module: &Module) -> Function {
+/// Adds a function to a program. All functions use the same places, because none calls another.
+fn add_function(program: &mut Program, flat: &Flat, module: &Module) -> Function {
     let mut end = AFTER_CONSTANTS;
-    let inputs = laid_out(input_widths(module), &mut end);
+    let inputs = lay_out(input_widths(module), &mut end);
     let mut network = Network::new();
     let values = values(&mut network, flat, &inputs, &[]);
     let outputs: Bits = flat.outputs.iter().flat_map(|output| &values[output.index()]).copied().collect();
@@ -245,7 +248,7 @@ fn translated(program: &mut Program, flat: &Flat, module: &Module) -> Function {
 /// The bits of every node.
 fn values(network: &mut Network, flat: &Flat, inputs: &[u32], registers: &[u32]) -> Vec<Bits> {
     let mut values: Vec<Bits> = Vec::with_capacity(flat.nodes.len());
-    // What each call that has been made answers, by output.
+    // The results of each call that has been added, by output.
     let mut answers: Vec<Option<Vec<Bits>>> = vec![None; flat.calls.len()];
     for node in &flat.nodes {
         let mut sources = |first: u32| (first..first + node.width).map(|place| network.source(place)).collect();
@@ -253,7 +256,7 @@ fn values(network: &mut Network, flat: &Flat, inputs: &[u32], registers: &[u32])
             Operation::Input(input) => sources(inputs[*input]),
             Operation::Register(register) => sources(registers[*register]),
             Operation::Result { call, output } => {
-                answers[*call].get_or_insert_with(|| called(network, flat, *call, &values))[*output].clone()
+                answers[*call].get_or_insert_with(|| add_call(network, flat, *call, &values))[*output].clone()
             }
             Operation::Operator(driver) => operator(network, &values, driver, node.width),
         };
@@ -262,8 +265,8 @@ fn values(network: &mut Network, flat: &Flat, inputs: &[u32], registers: &[u32])
     values
 }
 
-/// Makes a call and takes all that it answers: the next call has its answers in the same places.
-fn called(network: &mut Network, flat: &Flat, call: usize, values: &[Bits]) -> Vec<Bits> {
+/// Adds a call and copies all its results, because the next call overwrites them.
+fn add_call(network: &mut Network, flat: &Flat, call: usize, values: &[Bits]) -> Vec<Bits> {
     let (function, call) = &flat.calls[call];
     let arguments = call.inputs.iter().flat_map(|input| &values[input.index()]).copied().collect();
     let made = network.call(*function, arguments);

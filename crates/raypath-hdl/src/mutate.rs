@@ -1,7 +1,7 @@
-//! Faults in a netlist: what a slip of the hand or a broken gate makes of a module.
+//! Mutation of netlists: small faults, as a design error or a broken gate causes them.
 //!
-//! Tests that pass on a module as well as on one with a fault say nothing about that fault. [`faults`] lists the faults
-//! of a module, [`Fault::apply`] makes the faulty module, and [`replace`] puts it where the good one was.
+//! A test that passes on a faulty module does not detect the fault. [`faults`] lists the faults of a module,
+//! [`Fault::apply`] makes the faulty module, and [`replace`] puts it in the place of the good one.
 
 mod edit;
 mod list;
@@ -46,8 +46,8 @@ pub(crate) enum Change {
     PortZero { instance: usize, input: usize },
 }
 
-/// The faults of a module itself, not of those that it instantiates, in the order of its signals. What nothing depends
-/// on, and what would not change the module's meaning by its form alone, is left out.
+/// The faults of a module itself, not of those that it instantiates, in the order of its signals. Dead signals, and
+/// changes that obviously keep the function, have no faults.
 ///
 /// Faults are: `And` for `Or` and the reverse, `Or` for `Xor`, `Sub` for `Add` and the reverse; comparisons, `Any`,
 /// `All` and names inverted, `Less` with its operands exchanged, `Any` for `All` and the reverse; multiplexers with an
@@ -60,7 +60,7 @@ pub fn faults(module: &Module) -> Vec<Fault> {
 }
 
 impl Fault {
-    /// The name of the module that it is a fault of.
+    /// The name of the module that it changes.
     pub fn module(&self) -> &str {
         &self.module
     }
@@ -68,7 +68,7 @@ impl Fault {
     /// The module with this fault.
     ///
     /// # Errors
-    /// A module that this is no fault of: of another name, or changed since the fault was listed.
+    /// The module has another name, or has changed since the fault was listed.
     pub fn apply(&self, module: &Module) -> Result<Module, Error> {
         if module.name() != self.module {
             let problem = format!("is not the module of the fault '{self}'");

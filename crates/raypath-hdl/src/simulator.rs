@@ -6,19 +6,19 @@ use crate::jit::Code;
 use crate::netlist::Module;
 use std::sync::Arc;
 
-/// A module in simulation.
+/// A simulation of a module.
 ///
-/// Set inputs, let a [`cycle`](Self::cycle) pass, and get what the outputs showed in it. Registers begin with their
-/// reset values, those without one with 0, as if a reset had just ended.
+/// Set inputs, simulate a [`cycle`](Self::cycle), and get the values of the outputs in it. Registers begin with their
+/// reset values, or 0 if they have none, as if a reset had just ended.
 pub struct Simulator {
     module: Arc<Module>,
     code: Code,
-    /// The registers now, and where the next values go.
+    /// The values of the registers, and their next values.
     current: Vec<u64>,
     next: Vec<u64>,
     /// Inputs, outputs, observed signals.
     io: Vec<u64>,
-    /// What `code` remembers from one evaluation to the next.
+    /// The memory of `code` between evaluations.
     memory: Vec<u64>,
     /// Registers that have a reset value.
     resets: Vec<(usize, u64)>,
@@ -84,7 +84,10 @@ macro_rules! common_methods {
 pub(crate) use common_methods;
 
 impl Simulator {
-    /// Compiles `module`. What no output depends on, not even through registers, is left out.
+    /// Compiles `module`. Logic on which no output depends, even through registers, is left out.
+    ///
+    /// # Errors
+    /// A combinational loop.
     pub fn new(module: &Arc<Module>) -> Result<Self, Error> {
         Self::observing(module, |_| false)
     }
@@ -121,7 +124,8 @@ impl Simulator {
         self.io[input.slot] = value & input.mask;
     }
 
-    /// What an output showed when last evaluated: in the last cycle before its clock edge, or when last settled.
+    /// The value of an output at the last evaluation: in the last cycle before its clock edge, or at the last call of
+    /// [`settle`](Self::settle).
     pub fn get(&self, output: OutputPort) -> u64 {
         self.io[output.slot]
     }
@@ -140,8 +144,7 @@ impl Simulator {
         self.code.run(&self.current, &mut self.next, &mut self.io, &mut self.memory);
     }
 
-    /// Begins again as a new simulator of the module does: all registers, those without a reset value too, are as they
-    /// were at first. Inputs are 0.
+    /// Restores the state of a new simulator: all registers have their initial values, and inputs are 0.
     pub fn restart(&mut self) {
         self.reset = false;
         self.current.fill(0);
@@ -154,7 +157,8 @@ impl Simulator {
         self.observed.iter().map(|(name, width, _)| (name.as_str(), *width))
     }
 
-    /// The same, with what to [`peek`](Self::peek) at. Names of the same value share a probe.
+    /// Hierarchical names, widths and probes of the signals that can be observed. Signals of the same value share a
+    /// probe.
     pub fn probes(&self) -> impl Iterator<Item = (&str, u32, Probe)> {
         self.observed.iter().map(|(name, width, slot)| (name.as_str(), *width, Probe { slot: *slot }))
     }
@@ -169,7 +173,7 @@ impl Simulator {
         })
     }
 
-    /// What an observed signal was when last evaluated, like [`get`](Self::get).
+    /// The value of an observed signal at the last evaluation, like [`get`](Self::get).
     pub fn peek(&self, probe: Probe) -> u64 {
         self.io[probe.slot]
     }

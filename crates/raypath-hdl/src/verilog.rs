@@ -16,7 +16,7 @@ mod structures;
 
 use crate::netlist::Module;
 use crate::{Error, SignalId};
-use entries::{Chunk, Entry};
+use entries::{Entry, Section};
 pub use hierarchy::{Source, modules, sources, text};
 use layout::{comment, logic};
 pub use package::print_package;
@@ -35,8 +35,8 @@ pub fn print_module(module: &Module, banner: &[String]) -> Result<String, Error>
     lines.extend(plan.labels().declarations());
     lines.extend(enumerated_input(module));
     let mut declared = HashSet::new();
-    for chunk in plan.chunks() {
-        lines.extend(section(&plan, chunk, &mut declared));
+    for section in plan.sections() {
+        lines.extend(print_section(&plan, section, &mut declared));
     }
     lines.extend([String::new(), format!("endmodule : {}", module.name())]);
     Ok(lines.into_iter().map(|line| line + "\n").collect())
@@ -112,14 +112,14 @@ fn enumerated_input(module: &Module) -> Vec<String> {
     ]
 }
 
-fn section(plan: &Plan<'_>, chunk: &Chunk<'_>, declared: &mut HashSet<SignalId>) -> Vec<String> {
-    let declarations = declarations(plan, chunk, declared);
-    let statements = statements::print(plan, &chunk.entries);
+fn print_section(plan: &Plan<'_>, section: &Section<'_>, declared: &mut HashSet<SignalId>) -> Vec<String> {
+    let declarations = declarations(plan, section, declared);
+    let statements = statements::print(plan, &section.entries);
     let mut lines = Vec::new();
-    if let Some(title) = chunk.title.filter(|_| !declarations.is_empty() || !statements.is_empty()) {
+    if let Some(title) = section.title.filter(|_| !declarations.is_empty() || !statements.is_empty()) {
         lines.extend([String::new(), layout::title(title)]);
     }
-    let untitled = chunk.title.is_none();
+    let untitled = section.title.is_none();
     if !declarations.is_empty() {
         lines.extend(untitled.then(String::new));
         lines.extend_from_slice(&declarations);
@@ -133,9 +133,9 @@ fn section(plan: &Plan<'_>, chunk: &Chunk<'_>, declared: &mut HashSet<SignalId>)
 
 /// What the section defines, or is the first to read, unless it is a port: every tool then sees a declaration before
 /// its use.
-fn declarations(plan: &Plan<'_>, chunk: &Chunk<'_>, declared: &mut HashSet<SignalId>) -> Vec<String> {
+fn declarations(plan: &Plan<'_>, section: &Section<'_>, declared: &mut HashSet<SignalId>) -> Vec<String> {
     let mut new: Vec<SignalId> =
-        chunk.entries.iter().flat_map(|e| plan.mentioned(e)).filter(|&id| declared.insert(id)).collect();
+        section.entries.iter().flat_map(|e| plan.mentioned(e)).filter(|&id| declared.insert(id)).collect();
     new.sort();
     let mut rows: Vec<(String, String, Option<String>)> = Vec::new();
     for id in new {
@@ -148,7 +148,7 @@ fn declarations(plan: &Plan<'_>, chunk: &Chunk<'_>, declared: &mut HashSet<Signa
         }
     }
     let mut structures: Vec<(String, String, Option<String>)> = Vec::new();
-    for entry in &chunk.entries {
+    for entry in &section.entries {
         match entry {
             Entry::Unused(name, _) => rows.push(("logic".to_string(), format!("{name};"), None)),
             Entry::Instance(index) => {

@@ -8,11 +8,11 @@ use super::transpose::Slice;
 #[derive(Default)]
 pub struct Program {
     steps: Vec<Step>,
-    /// Of each gate: the operands' places, then the result's.
+    /// For each gate, the places of its operands, then that of its result.
     places: Vec<u32>,
 }
 
-/// Gates of one kind; each may read what those before it have made.
+/// Gates of one kind. A gate may read the results of earlier ones.
 #[derive(Clone, Copy)]
 struct Step {
     kind: Kind,
@@ -26,19 +26,19 @@ pub struct Function {
     steps: Vec<Step>,
     /// Where its arguments go, bit by bit.
     pub inputs: Vec<u32>,
-    /// Where its answers are, bit by bit.
+    /// Where its results are, bit by bit.
     pub outputs: Vec<u32>,
-    /// After the places that it uses.
+    /// The place after those that it uses.
     pub end: u32,
 }
 
 impl Program {
-    /// Adds the gates that `kept` depends on. Places from `first` on are free for them. Says where what is kept is
-    /// until the next evaluation, and after which place all are free.
+    /// Adds the gates that `kept` depends on. They use places from `first` on. Returns the places that hold the kept
+    /// bits until the next evaluation, and the place from which on all are free.
     pub fn add(&mut self, network: &Network, functions: &[Function], kept: &[Bit], first: u32) -> (Vec<u32>, u32) {
         let Schedule { gates, order } = Schedule::new(network, kept);
         let last_readers = last_readers(network, &gates, &order, kept);
-        let mut room = Room { free: Vec::new(), end: first };
+        let mut slots = SlotAllocator { free: Vec::new(), end: first };
         let mut places = vec![u32::MAX; gates.len()];
         for gate in order {
             // A result may take the place of an operand that has no later reader.
@@ -46,7 +46,7 @@ impl Program {
                 for (position, &bit) in operands.iter().enumerate() {
                     let is_last = last_readers[bit.index()] == Some(gate) && !operands[..position].contains(&bit);
                     if is_last && !matches!(gates[bit.index()], Gate::Source(_)) {
-                        room.free.push(places[bit.index()]);
+                        slots.free.push(places[bit.index()]);
                     }
                 }
             };
@@ -64,20 +64,20 @@ impl Program {
                 Gate::Result(call, bit) => {
                     let Gate::Call(call) = gates[call.index()] else { unreachable!("only calls have results") };
                     let answer = functions[network.calls[call as usize].function].outputs[bit as usize];
-                    places[gate] = room.take();
+                    places[gate] = slots.allocate();
                     self.gate(Kind::Copy, &[answer, places[gate]]);
                 }
                 Gate::Operation(kind, operands) => {
                     let operands = &operands[..kind.operands()];
                     let mut all: Vec<u32> = operands.iter().map(|bit| places[bit.index()]).collect();
                     release(operands, &places);
-                    places[gate] = room.take();
+                    places[gate] = slots.allocate();
                     all.push(places[gate]);
                     self.gate(kind, &all);
                 }
             }
         }
-        (kept.iter().map(|bit| places[bit.index()]).collect(), room.end)
+        (kept.iter().map(|bit| places[bit.index()]).collect(), slots.end)
     }
 
     /// Adds a function of `inputs` bits, which are the sources from `first` on.
@@ -158,14 +158,14 @@ fn three(memory: &mut [Slice], places: &[u32], gate: impl Fn(u32, u32, u32) -> u
     }
 }
 
-/// Places for bits: those that are free again first, so that few are in use.
-struct Room {
+/// Allocates places for bits. It reuses released places first, so that the memory stays small.
+struct SlotAllocator {
     free: Vec<u32>,
     end: u32,
 }
 
-impl Room {
-    fn take(&mut self) -> u32 {
+impl SlotAllocator {
+    fn allocate(&mut self) -> u32 {
         self.free.pop().unwrap_or_else(|| {
             self.end += 1;
             self.end - 1

@@ -7,17 +7,17 @@ use std::collections::BTreeSet;
 
 /// See [`super::faults`].
 pub fn faults(module: &Module) -> Vec<Fault> {
-    let places = Places::new(module);
+    let live = LiveSignals::new(module);
     let mut faults = Vec::new();
     let mut add = |place: String, change: Change| {
         faults.push(Fault { module: module.name.clone(), place, how: change.words(module), change });
     };
     for (index, signal) in module.signals.iter().enumerate() {
         let id = SignalId(index as u32);
-        if places.is_live(id) {
+        if live.is_live(id) {
             let mut changes = Changes { module, id, width: signal.width, found: Vec::new() };
             changes.of(&signal.driver);
-            changes.found.into_iter().for_each(|change| add(places.name(id), change));
+            changes.found.into_iter().for_each(|change| add(live.name(id), change));
         }
     }
     for (register, info) in module.registers.iter().enumerate() {
@@ -188,14 +188,14 @@ impl Changes<'_> {
     }
 }
 
-/// Where signals are, in words; and which of them matter.
-struct Places<'m> {
+/// The signals on which something depends, and their descriptions.
+struct LiveSignals<'m> {
     module: &'m Module,
-    /// Of each signal that matters: itself if it has a name, else something with a name that depends on it.
+    /// For each live signal, its own name, or that of something that depends on it.
     readers: Vec<Option<String>>,
 }
 
-impl<'m> Places<'m> {
+impl<'m> LiveSignals<'m> {
     fn new(module: &'m Module) -> Self {
         let mut open: Vec<(SignalId, String)> = Vec::new();
         for port in &module.outputs {

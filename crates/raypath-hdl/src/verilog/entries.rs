@@ -5,7 +5,7 @@ use crate::text::Bank;
 use std::collections::HashSet;
 
 /// A section of the text.
-pub struct Chunk<'m> {
+pub struct Section<'m> {
     /// The comment over it.
     pub title: Option<&'m str>,
     /// What it consists of; registers last.
@@ -51,18 +51,18 @@ pub enum Reader<'m> {
 }
 
 /// The sections of a module; `operands` are those of each of its signals.
-pub fn chunks<'m>(module: &'m Module, operands: &[Vec<SignalId>]) -> Vec<Chunk<'m>> {
-    let mut chunks = vec![Chunk { title: None, entries: Vec::new() }];
+pub fn sections<'m>(module: &'m Module, operands: &[Vec<SignalId>]) -> Vec<Section<'m>> {
+    let mut sections = vec![Section { title: None, entries: Vec::new() }];
     let mut registers: Vec<Entry<'m>> = Vec::new();
     let bank = module.text.bank.as_ref();
     let mut open_bank = bank;
     for item in module.items() {
-        let last = chunks.len() - 1;
-        let entries = &mut chunks[last].entries;
+        let last = sections.len() - 1;
+        let entries = &mut sections[last].entries;
         match item {
             Item::Section(title) => {
                 entries.append(&mut registers);
-                chunks.push(Chunk { title: Some(title), entries: Vec::new() });
+                sections.push(Section { title: Some(title), entries: Vec::new() });
             }
             Item::Signal(id) if bank.is_some_and(|bank| bank.next.contains(id)) => {}
             Item::Signal(id) => add_signal(module, operands, entries, *id),
@@ -78,14 +78,14 @@ pub fn chunks<'m>(module: &'m Module, operands: &[Vec<SignalId>]) -> Vec<Chunk<'
             Item::Parameter(..) => {}
         }
     }
-    if let Some(last) = chunks.last_mut() {
+    if let Some(last) = sections.last_mut() {
         last.entries.append(&mut registers);
     }
     let is_banked = |port: &str| bank.is_some_and(|bank| bank.output.contains(port));
     let outputs = (0..module.outputs().len()).filter(|&port| !is_banked(&module.outputs()[port].name));
-    let title = (chunks.len() > 1).then_some("Outputs");
-    chunks.push(Chunk { title, entries: outputs.map(Entry::Output).collect() });
-    chunks
+    let title = (sections.len() > 1).then_some("Outputs");
+    sections.push(Section { title, entries: outputs.map(Entry::Output).collect() });
+    sections
 }
 
 fn add_signal<'m>(module: &'m Module, operands: &[Vec<SignalId>], entries: &mut Vec<Entry<'m>>, id: SignalId) {

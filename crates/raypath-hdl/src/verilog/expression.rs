@@ -5,7 +5,7 @@
 //! of their product; so an expression means the same alone and inside another.
 
 use super::layout::width_text;
-use super::plan::Place;
+use super::plan::Rendering;
 use crate::netlist::{Driver, Module, SignalId, mask};
 use crate::text::PAYLOAD;
 
@@ -32,9 +32,9 @@ enum Shape {
 }
 
 /// The expression that drives a signal.
-pub fn render(module: &Module, places: &[Place], id: SignalId) -> Expression {
+pub fn render(module: &Module, renderings: &[Rendering], id: SignalId) -> Expression {
     let width = module.signal(id).width;
-    let read = |id: SignalId| read(places, id);
+    let read = |id: SignalId| read(renderings, id);
     let binary = |a: &SignalId, operator, b: &SignalId| {
         let (a, b) = (read(*a), read(*b));
         let text = format!("{} {operator} {}", a.beside(operator), b.beside(operator));
@@ -51,8 +51,8 @@ pub fn render(module: &Module, places: &[Place], id: SignalId) -> Expression {
             Expression::primary("'0".to_string())
         }
         Driver::Constant(value) => Expression::primary(constant(width, *value)),
-        Driver::Not(a) => match (&places[a.index()], &module.signal(*a).driver) {
-            (Place::Text(_), Driver::Equal(x, y)) => binary(x, "!=", y),
+        Driver::Not(a) => match (&renderings[a.index()], &module.signal(*a).driver) {
+            (Rendering::Inline(_), Driver::Equal(x, y)) => binary(x, "!=", y),
             _ => unary("~", a, Shape::Not),
         },
         Driver::Any(a) => unary("|", a, Shape::Reduce),
@@ -81,7 +81,7 @@ pub fn render(module: &Module, places: &[Place], id: SignalId) -> Expression {
         Driver::Concat(parts) => concat(module, parts, read),
         Driver::Slice { source, low } => {
             let (root, low) = slice_root(module, *source, *low);
-            select(module, places, root, low, width)
+            select(module, renderings, root, low, width)
         }
         Driver::Alias(source) => read(*source),
     }
@@ -168,11 +168,11 @@ impl Expression {
     }
 }
 
-fn read(places: &[Place], id: SignalId) -> Expression {
-    match &places[id.index()] {
-        Place::Name(name) => Expression::primary(name.clone()),
-        Place::Text(expression) => expression.clone(),
-        Place::Nowhere => Expression::primary(String::new()),
+fn read(renderings: &[Rendering], id: SignalId) -> Expression {
+    match &renderings[id.index()] {
+        Rendering::Name(name) => Expression::primary(name.clone()),
+        Rendering::Inline(expression) => expression.clone(),
+        Rendering::Unread => Expression::primary(String::new()),
     }
 }
 
@@ -190,17 +190,19 @@ fn concat(module: &Module, parts: &[SignalId], read: impl Fn(SignalId) -> Expres
     }
 }
 
-fn select(module: &Module, places: &[Place], root: SignalId, low: u32, width: u32) -> Expression {
+fn select(module: &Module, renderings: &[Rendering], root: SignalId, low: u32, width: u32) -> Expression {
     let signal = module.signal(root);
     let high = low + width - 1;
-    match (&places[root.index()], &signal.driver) {
-        (Place::Text(_), Driver::Constant(value)) => Expression::primary(constant(width, (value >> low) & mask(width))),
-        (place, _) if width == signal.width => match place {
-            Place::Text(expression) => expression.clone(),
-            _ => read(places, root),
+    match (&renderings[root.index()], &signal.driver) {
+        (Rendering::Inline(_), Driver::Constant(value)) => {
+            Expression::primary(constant(width, (value >> low) & mask(width)))
+        }
+        (rendering, _) if width == signal.width => match rendering {
+            Rendering::Inline(expression) => expression.clone(),
+            _ => read(renderings, root),
         },
         _ => {
-            let root = read(places, root).text;
+            let root = read(renderings, root).text;
             // Yosys 0.23 crashes on one bit of an array's element in a structure, but not on a range of one bit.
             let is_bit = width == 1 && !root.ends_with(']');
             Expression::primary(if is_bit { format!("{root}[{low}]") } else { format!("{root}[{high}:{low}]") })

@@ -1,6 +1,6 @@
 //! Decides which signals have a name in the text, and which are part of an expression.
 
-use super::entries::{self, Chunk, Entry, Reader, is_case};
+use super::entries::{self, Entry, Reader, Section, is_case};
 use super::expression::{Expression, render, repetitions, slice_root};
 use super::labels::Labels;
 use super::structures::Structures;
@@ -15,23 +15,23 @@ const PORT: usize = 60;
 
 /// How a signal appears where it is read.
 #[derive(Debug, Clone)]
-pub enum Place {
-    /// Not at all, because nothing reads it.
-    Nowhere,
+pub enum Rendering {
+    /// Nothing reads it.
+    Unread,
     /// Under its own name, its output port's, or one made for it.
     Name(String),
     /// As an expression.
-    Text(Expression),
+    Inline(Expression),
 }
 
 /// Everything about the text of a module that is not layout.
 pub struct Plan<'m> {
     module: &'m Module,
     operands: Vec<Vec<SignalId>>,
-    chunks: Vec<Chunk<'m>>,
+    sections: Vec<Section<'m>>,
     labels: Labels<'m>,
     uses: Vec<Uses<'m>>,
-    places: Vec<Place>,
+    renderings: Vec<Rendering>,
     structures: Structures,
     /// Signals whose names are declared otherwise: ports, parts of structures, constants.
     undeclared: HashSet<SignalId>,
@@ -47,7 +47,7 @@ struct Uses<'m> {
 /// Where a signal without a name is first needed, which is where it is assigned if it gets one.
 #[derive(Clone)]
 struct Owner {
-    chunk: usize,
+    section: usize,
     entry: usize,
     /// The name that says best what it is, if there is one.
     role: Option<String>,
@@ -59,11 +59,11 @@ impl<'m> Plan<'m> {
     /// Plans the text of a module.
     pub fn new(module: &'m Module) -> Self {
         let operands: Vec<Vec<SignalId>> = module.signals().iter().map(|signal| operands(&signal.driver)).collect();
-        let mut chunks = entries::chunks(module, &operands);
-        let mut uses = uses(module, &operands, &chunks);
+        let mut sections = entries::sections(module, &operands);
+        let mut uses = uses(module, &operands, &sections);
         // What only banked registers read is not printed.
-        while module.text().bank.is_some() && drop_unread(&mut chunks, &uses) {
-            uses = self::uses(module, &operands, &chunks);
+        while module.text().bank.is_some() && drop_unread(&mut sections, &uses) {
+            uses = self::uses(module, &operands, &sections);
         }
         let mut names = names(module);
         let is_wire = |id: SignalId| {
@@ -72,11 +72,11 @@ impl<'m> Plan<'m> {
         };
         let labels = Labels::new(module, |id| is_wire(id) || uses[id.index()].count > 0, &mut names);
         let structures = Structures::new(module, |name| fresh(&mut names, name));
-        let places = vec![Place::Nowhere; operands.len()];
+        let renderings = vec![Rendering::Unread; operands.len()];
         let undeclared = HashSet::new();
-        let mut plan = Self { module, operands, chunks, labels, uses, places, structures, undeclared };
-        plan.place_named(&mut names);
-        plan.place_unnamed(&mut names);
+        let mut plan = Self { module, operands, sections, labels, uses, renderings, structures, undeclared };
+        plan.render_named(&mut names);
+        plan.render_unnamed(&mut names);
         plan
     }
 
@@ -86,8 +86,8 @@ impl<'m> Plan<'m> {
     }
 
     /// The text's sections.
-    pub fn chunks(&self) -> &[Chunk<'m>] {
-        &self.chunks
+    pub fn sections(&self) -> &[Section<'m>] {
+        &self.sections
     }
 
     /// The labels that it uses.
@@ -97,16 +97,16 @@ impl<'m> Plan<'m> {
 
     /// A signal as its readers see it.
     pub fn read(&self, id: SignalId) -> &str {
-        match &self.places[id.index()] {
-            Place::Nowhere => "",
-            Place::Name(name) => name,
-            Place::Text(expression) => &expression.text,
+        match &self.renderings[id.index()] {
+            Rendering::Unread => "",
+            Rendering::Name(name) => name,
+            Rendering::Inline(expression) => &expression.text,
         }
     }
 
     /// The expression that drives a signal.
     pub fn expression(&self, id: SignalId) -> String {
-        render(self.module, &self.places, self.driven_by(id)).text
+        render(self.module, &self.renderings, self.driven_by(id)).text
     }
 
     /// The signal itself, or the nameless one of which it is the only reader and another name.
@@ -139,8 +139,8 @@ impl<'m> Plan<'m> {
     pub fn declaration(&self, id: SignalId) -> Option<&str> {
         let is_port = matches!(self.module.signal(id).driver, Driver::Input) || self.is_renamed(id);
         let is_port = is_port || self.undeclared.contains(&id);
-        match &self.places[id.index()] {
-            Place::Name(name) if !is_port => Some(name),
+        match &self.renderings[id.index()] {
+            Rendering::Name(name) if !is_port => Some(name),
             _ => None,
         }
     }
@@ -151,8 +151,8 @@ impl<'m> Plan<'m> {
         let reads = entry.reads(self.module, &self.operands);
         let mut open: Vec<SignalId> = reads.into_iter().map(|(id, _)| id).collect();
         while let Some(id) = open.pop() {
-            match self.places[id.index()] {
-                Place::Name(_) if !self.is_renamed(id) => {
+            match self.renderings[id.index()] {
+                Rendering::Name(_) if !self.is_renamed(id) => {
                     found.insert(id);
                 }
                 _ => open.extend(&self.operands[id.index()]),
@@ -161,7 +161,7 @@ impl<'m> Plan<'m> {
         found
     }
 
-    fn place_named(&mut self, names: &mut HashSet<String>) {
+    fn render_named(&mut self, names: &mut HashSet<String>) {
         for (index, signal) in self.module.signals().iter().enumerate() {
             let id = SignalId(index as u32);
             let Some(name) = &signal.name else { continue };
@@ -169,10 +169,10 @@ impl<'m> Plan<'m> {
             let elsewhere = elsewhere.or_else(|| self.labels.has(id).then(|| self.labels.read(name)));
             if let Some(name) = elsewhere {
                 self.undeclared.insert(id);
-                self.places[index] = Place::Name(name);
+                self.renderings[index] = Rendering::Name(name);
                 continue;
             }
-            self.places[index] = Place::Name(match signal.driver {
+            self.renderings[index] = Rendering::Name(match signal.driver {
                 Driver::Instance { instance, output } if self.uses[index].count == 0 => {
                     let name = self.module.instances()[instance].output_name(output);
                     fresh(names, &format!("unused_{name}"))
@@ -204,9 +204,9 @@ impl<'m> Plan<'m> {
         self.undeclared.contains(&port.signal) && self.read(port.signal) == port.name
     }
 
-    fn place_unnamed(&mut self, names: &mut HashSet<String>) {
+    fn render_unnamed(&mut self, names: &mut HashSet<String>) {
         let owners = self.owners();
-        let mut needs_name = vec![false; self.places.len()];
+        let mut needs_name = vec![false; self.renderings.len()];
         for (index, signal) in self.module.signals().iter().enumerate() {
             if let (true, Driver::Slice { source, low }) = (self.uses[index].count > 0, &signal.driver) {
                 let (root, _) = slice_root(self.module, *source, *low);
@@ -218,15 +218,15 @@ impl<'m> Plan<'m> {
             let Some(owner) = owner else { continue };
             let id = SignalId(index as u32);
             if self.is_renamed(id) {
-                self.places[index] = Place::Name(owner.whole);
+                self.renderings[index] = Rendering::Name(owner.whole);
                 continue;
             }
-            let expression = render(self.module, &self.places, id);
-            self.places[index] = if !needs_name[index] && self.is_inline(id, &expression) {
-                Place::Text(expression)
+            let expression = render(self.module, &self.renderings, id);
+            self.renderings[index] = if !needs_name[index] && self.is_inline(id, &expression) {
+                Rendering::Inline(expression)
             } else {
-                assigned.push((owner.chunk, owner.entry, id));
-                Place::Name(match owner.role {
+                assigned.push((owner.section, owner.entry, id));
+                Rendering::Name(match owner.role {
                     Some(role) => fresh(names, &role),
                     None => numbered(names, &owner.whole),
                 })
@@ -234,9 +234,9 @@ impl<'m> Plan<'m> {
         }
         // From the last on, so that positions stay true.
         assigned.sort_by_key(|&assignment| std::cmp::Reverse(assignment));
-        for (chunk, entry, id) in assigned {
+        for (section, entry, id) in assigned {
             let assignment = if is_case(self.module, id) { Entry::Cases(vec![id]) } else { Entry::Signal(id) };
-            self.chunks[chunk].entries.insert(entry, assignment);
+            self.sections[section].entries.insert(entry, assignment);
         }
     }
 
@@ -260,15 +260,15 @@ impl<'m> Plan<'m> {
 
     /// The owners of the signals without a name that have a reader.
     fn owners(&self) -> Vec<Option<Owner>> {
-        let mut owners: Vec<Option<Owner>> = vec![None; self.places.len()];
-        for (chunk, list) in self.chunks.iter().enumerate() {
+        let mut owners: Vec<Option<Owner>> = vec![None; self.renderings.len()];
+        for (section, list) in self.sections.iter().enumerate() {
             for (entry, reading) in list.entries.iter().enumerate() {
                 for (id, reader) in reading.reads(self.module, &self.operands) {
                     let (whole, role) = self.describe(reader);
                     let mut open = vec![(id, role)];
                     while let Some((id, role)) = open.pop() {
                         if self.module.signal(id).name.is_none() && owners[id.index()].is_none() {
-                            owners[id.index()] = Some(Owner { chunk, entry, role, whole: whole.clone() });
+                            owners[id.index()] = Some(Owner { section, entry, role, whole: whole.clone() });
                             open.extend(self.operands[id.index()].iter().map(|&operand| (operand, None)));
                         }
                     }
@@ -318,10 +318,10 @@ fn operands(driver: &Driver) -> Vec<SignalId> {
 }
 
 /// Removes assignments of signals without a reader. Says whether there were any.
-fn drop_unread(chunks: &mut [Chunk<'_>], uses: &[Uses<'_>]) -> bool {
+fn drop_unread(sections: &mut [Section<'_>], uses: &[Uses<'_>]) -> bool {
     let mut found = false;
-    for chunk in chunks {
-        chunk.entries.retain(|entry| {
+    for section in sections {
+        section.entries.retain(|entry| {
             let ids: &[SignalId] = match entry {
                 Entry::Signal(id) => std::slice::from_ref(id),
                 Entry::Cases(ids) => ids,
@@ -337,13 +337,15 @@ fn drop_unread(chunks: &mut [Chunk<'_>], uses: &[Uses<'_>]) -> bool {
 
 /// Counts readers that are printed. Signals without a name follow their operands, so that going backwards meets every
 /// reader before what it reads.
-fn uses<'m>(module: &'m Module, operands: &[Vec<SignalId>], chunks: &[Chunk<'m>]) -> Vec<Uses<'m>> {
+fn uses<'m>(module: &'m Module, operands: &[Vec<SignalId>], sections: &[Section<'m>]) -> Vec<Uses<'m>> {
     let mut uses = vec![Uses::default(); operands.len()];
     let note = |uses: &mut Vec<Uses<'m>>, id: SignalId, reader| {
         uses[id.index()].count += 1;
         uses[id.index()].reader = Some(reader);
     };
-    for (id, reader) in chunks.iter().flat_map(|chunk| &chunk.entries).flat_map(|entry| entry.reads(module, operands)) {
+    for (id, reader) in
+        sections.iter().flat_map(|section| &section.entries).flat_map(|entry| entry.reads(module, operands))
+    {
         note(&mut uses, id, reader);
     }
     for (index, signal) in module.signals().iter().enumerate().rev() {
