@@ -97,25 +97,16 @@ impl Open {
 
     fn fresh(&mut self, name: String) -> String {
         let numbered = (2..).map(|number| format!("{name}_{number}"));
-        let free = std::iter::once(name.clone()).chain(numbered).find(|name| !self.taken.contains(name));
-        let free = free.unwrap_or(name);
-        self.taken.insert(free.clone());
-        free
+        let mut names = std::iter::once(name.clone()).chain(numbered);
+        names.find(|name| self.taken.insert(name.clone())).unwrap_or(name)
     }
 }
 
-/// Every name that the module uses.
+/// All names in a module.
 fn names(module: &Module) -> HashSet<String> {
-    let signals = module.signals.iter().filter_map(|signal| signal.name.clone());
-    let ports = module.inputs.iter().chain(&module.outputs).map(|port| port.name.clone());
-    let instances = module.instances.iter().map(|instance| instance.name.clone());
-    let unused = module.items.iter().filter_map(|item| match item {
-        Item::Unused(name, _) => Some(name.clone()),
-        _ => None,
-    });
     let labels = module.signals.iter().flat_map(|signal| match &signal.driver {
         Driver::Case { arms, .. } => arms.iter().map(|arm| arm.label.name.clone()).collect(),
         _ => Vec::new(),
     });
-    signals.chain(ports).chain(instances).chain(unused).chain(labels).collect()
+    module.names().chain(labels).collect()
 }

@@ -312,6 +312,19 @@ impl Module {
         &self.items
     }
 
+    /// The names of its ports, signals and instances.
+    pub(crate) fn names(&self) -> impl Iterator<Item = String> {
+        let implied = ["clk_i", "rst_ni"].map(String::from);
+        let ports = self.inputs.iter().chain(&self.outputs).map(|port| port.name.clone());
+        let signals = self.signals.iter().filter_map(|signal| signal.name.clone());
+        let instances = self.instances.iter().map(|instance| instance.name.clone());
+        let unused = self.items.iter().filter_map(|item| match item {
+            Item::Unused(name, _) => Some(name.clone()),
+            _ => None,
+        });
+        implied.into_iter().chain(ports).chain(signals).chain(instances).chain(unused)
+    }
+
     /// The width of an input or output port of this name.
     pub fn port_width(&self, name: &str) -> Option<u32> {
         let port = self.inputs.iter().chain(&self.outputs).find(|p| p.name == name)?;

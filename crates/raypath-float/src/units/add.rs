@@ -17,7 +17,7 @@ use crate::units::align::shift_right_sticky;
 use crate::units::constants::Constants;
 use crate::units::flags;
 use crate::units::normalise::Normalised;
-use crate::units::parts::Parts;
+use crate::units::parts::{Parts, cut};
 use crate::units::recoded::Magnitude;
 use raypath_hdl::{Error, Module};
 use std::sync::Arc;
@@ -83,19 +83,7 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let smaller =
         shift_right_sticky(unaligned, distance, (a.is_zero() | b.is_zero()).named("either_zero")).named("smaller");
 
-    let [exponent, fraction, sign, subtract, special, nan_or_zero, smaller] = parts.cut(
-        1,
-        3,
-        [
-            ("exponent", exponent),
-            ("fraction", fraction),
-            ("sign", sign),
-            ("subtract", subtract),
-            ("special", special),
-            ("nan_or_zero", nan_or_zero),
-            ("smaller", smaller),
-        ],
-    );
+    cut!(parts, [(1, 3)], exponent, fraction, sign, subtract, special, nan_or_zero, smaller);
     let m = parts.builder();
 
     m.section("Add, for now without a carry into the last place");
@@ -104,18 +92,8 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let addend = smaller.upper(s).named("addend");
     let propagate = (augend ^ addend).extend(s + 1).named("propagate");
     let carries = ((augend.extend(s + 1) + addend.extend(s + 1)) ^ propagate).named("carries");
-    let tail = smaller.lower(3);
-
-    let values = [
-        ("exponent", exponent),
-        ("sign", sign),
-        ("subtract", subtract),
-        ("special", special),
-        ("nan_or_zero", nan_or_zero),
-        ("without_carry", propagate ^ carries),
-        ("tail", tail),
-    ];
-    let [exponent, sign, subtract, special, nan_or_zero, without_carry, tail] = parts.cut(1, 2, values);
+    let (tail, without_carry) = (smaller.lower(3), propagate ^ carries);
+    cut!(parts, [(1, 2)], exponent, sign, subtract, special, nan_or_zero, without_carry, tail);
     let m = parts.builder();
     // The sum without that carry is what a second addition, of nothing, would propagate.
     let (propagate, carries) =
@@ -160,9 +138,7 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let sign = ((sign ^ (subtract & carry_out)) & !((cancelled | nan_or_zero) & subtract)).named("sum_sign");
     let nan_or_zero = (nan_or_zero | cancelled).named("nan_or_zero_sum");
 
-    let values =
-        [("exponent", exponent), ("sum", sum), ("sign", sign), ("special", special), ("nan_or_zero", nan_or_zero)];
-    let [exponent, sum, sign, special, nan_or_zero] = parts.cut(2, 3, values);
+    cut!(parts, [(2, 3)], exponent, sum, sign, special, nan_or_zero);
     let m = parts.builder();
 
     m.section("Normalise");

@@ -17,7 +17,7 @@ use crate::units::compress::{Row, compress};
 use crate::units::constants::Constants;
 use crate::units::flags;
 use crate::units::lookahead;
-use crate::units::parts::Parts;
+use crate::units::parts::{Parts, cut};
 use crate::units::recoded::Magnitude;
 use raypath_hdl::{Error, Formula, Module};
 use std::sync::Arc;
@@ -80,19 +80,12 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
 
     m.section("Multiples");
     let multiplicand = m.concat(&[m.constant(1, 1), a.fraction()]).named("multiplicand");
-    let triple = booth::triple_above(multiplicand).named("triple_above");
-    let values = [
-        ("multiplicand", multiplicand.lower(s - 1)),
-        ("triple_above", triple),
-        ("multiplier", b.fraction()),
-        ("exponent", exponent),
-        ("settled", settled),
-        ("sign", sign),
-    ];
-    let [fraction, triple, multiplier, exponent, settled, sign] = parts.cut(1, 3, values);
+    let triple_above = booth::triple_above(multiplicand).named("triple_above");
+    let (multiplicand, multiplier) = (multiplicand.lower(s - 1), b.fraction());
+    cut!(parts, [(1, 3)], multiplicand, triple_above, multiplier, exponent, settled, sign);
     let m = parts.builder();
-    let multiplicand = m.concat(&[m.constant(1, 1), fraction]).named("factor");
-    let triple = m.concat(&[triple, multiplicand.bit(0)]);
+    let multiplicand = m.concat(&[m.constant(1, 1), multiplicand]).named("factor");
+    let triple = m.concat(&[triple_above, multiplicand.bit(0)]);
 
     m.section("Multiply");
     let mut rows = booth::rows(multiplicand, triple, multiplier, 2 * s);
@@ -105,16 +98,8 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     m.section("Add; the lower columns give a carry and a sticky bit");
     let low = lookahead::add(addend.lower(s - 2), augend.lower(s - 2), None, "low");
     let sticky = low.word.any().named("sticky");
-    let values = [
-        ("addend", addend.upper(s + 2)),
-        ("augend", augend.upper(s + 2)),
-        ("low_carry", low.carry),
-        ("sticky", sticky),
-        ("exponent", exponent),
-        ("settled", settled),
-        ("sign", sign),
-    ];
-    let [addend, augend, low_carry, sticky, exponent, settled, sign] = parts.cut_at(&[(1, 2), (2, 3)], values);
+    let (addend, augend, low_carry) = (addend.upper(s + 2), augend.upper(s + 2), low.carry);
+    cut!(parts, [(1, 2), (2, 3)], addend, augend, low_carry, sticky, exponent, settled, sign);
     let m = parts.builder();
     let word = lookahead::add(addend, augend, Some(low_carry), "high");
     m.unused("unused_carry", &[word.carry]);

@@ -63,14 +63,16 @@ impl<'m> Parts<'m> {
         self.along.iter().find(|(known, _)| *known == stem).map(|(_, wire)| *wire)
     }
 
-    /// Ends part `part` of `of`, if there are to be that many, and begins the next: a value of stem `x` leaves by the
-    /// port `x_o` and enters by `x_i`. Gives the values as the description is to go on with.
-    pub fn cut<const N: usize>(&mut self, part: usize, of: usize, values: [(&str, Wire<'m>); N]) -> [Wire<'m>; N] {
-        if of != self.builders.len() || part != self.current + 1 || part == of {
+    /// Ends the current part and begins the next one if `cuts`, pairs of a part and a number of parts, contain it. A
+    /// value of stem `x` leaves the part by the port `x_o` and enters the next by `x_i`. Returns the values in the part
+    /// that is current then. [`cut`] is the usual way to call it.
+    pub fn cut<const N: usize>(&mut self, cuts: &[(usize, usize)], values: [(&str, Wire<'m>); N]) -> [Wire<'m>; N] {
+        let next = self.current + 1;
+        if next == self.count() || !cuts.contains(&(next, self.count())) {
             return values.map(|(_, wire)| wire);
         }
-        let (from, to) = (&self.builders[self.current], &self.builders[part]);
-        self.current = part;
+        let (from, to) = (&self.builders[self.current], &self.builders[next]);
+        self.current = next;
         let over = |stem: &str, wire: Wire<'m>| {
             from.output(&format!("{stem}_o"), wire);
             to.input(&format!("{stem}_i"), wire.width())
@@ -81,14 +83,16 @@ impl<'m> Parts<'m> {
         }
         values
     }
-
-    /// One place that serves several divisions: at most one of the `cuts`, each a part and of how many, takes place.
-    pub fn cut_at<const N: usize>(&mut self, cuts: &[(usize, usize)], values: [(&str, Wire<'m>); N]) -> [Wire<'m>; N] {
-        let chosen = cuts.iter().copied().find(|(_, of)| *of == self.count());
-        let (part, of) = chosen.unwrap_or((0, 0));
-        self.cut(part, of, values)
-    }
 }
+
+/// Cuts a unit with [`Parts::cut`]: ports have the names of the variables, which hold the values of the current part
+/// afterwards.
+macro_rules! cut {
+    ($parts:ident, $cuts:expr, $($value:ident),+) => {
+        let [$($value),+] = $parts.cut(&$cuts, [$((stringify!($value), $value)),+]);
+    };
+}
+pub(crate) use cut;
 
 fn begin(name: &str, doc: &str, part: u32, count: u32) -> Builder {
     if count == 1 {

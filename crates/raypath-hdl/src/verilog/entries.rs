@@ -100,9 +100,8 @@ fn add_signal<'m>(module: &'m Module, operands: &[Vec<SignalId>], entries: &mut 
 
 /// Assignments first, then cases, because all of them stand in one block.
 fn bank_entry<'m>(module: &'m Module, operands: &[Vec<SignalId>], bank: &'m Bank) -> Entry<'m> {
-    let mut entries = Vec::new();
     let (cases, others): (Vec<SignalId>, Vec<SignalId>) = bank.next.iter().partition(|&&id| is_case(module, id));
-    others.into_iter().for_each(|id| entries.push(Entry::Signal(id)));
+    let mut entries: Vec<Entry<'m>> = others.into_iter().map(Entry::Signal).collect();
     for id in cases {
         let of_same_labels = entries.iter_mut().find_map(|entry| match entry {
             Entry::Cases(group) if belongs(module, operands, group, id) => Some(group),

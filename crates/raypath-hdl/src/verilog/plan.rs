@@ -4,7 +4,7 @@ use super::entries::{self, Entry, Reader, Section, is_case};
 use super::expression::{Expression, render, repetitions, slice_root};
 use super::labels::Labels;
 use super::structures::Structures;
-use crate::netlist::{Driver, Item, Module, SignalId};
+use crate::netlist::{Driver, Module, SignalId};
 use std::collections::{BTreeSet, HashSet};
 
 /// The longest text that is written inside another expression, as a register's next value, and at an instance's port.
@@ -65,7 +65,7 @@ impl<'m> Plan<'m> {
         while module.text().bank.is_some() && drop_unread(&mut sections, &uses) {
             uses = self::uses(module, &operands, &sections);
         }
-        let mut names = names(module);
+        let mut names: HashSet<String> = module.names().collect();
         let is_wire = |id: SignalId| {
             let signal = module.signal(id);
             signal.name.is_some() && !matches!(signal.driver, Driver::Constant(_))
@@ -356,19 +356,6 @@ fn uses<'m>(module: &'m Module, operands: &[Vec<SignalId>], sections: &[Section<
         }
     }
     uses
-}
-
-fn names(module: &Module) -> HashSet<String> {
-    let ports = module.inputs().iter().chain(module.outputs()).map(|port| &port.name);
-    let signals = module.signals().iter().filter_map(|signal| signal.name.as_ref());
-    let instances = module.instances().iter().map(|instance| &instance.name);
-    let mut names: HashSet<String> = ports.chain(signals).chain(instances).cloned().collect();
-    names.extend(["clk_i", "rst_ni"].map(String::from));
-    names.extend(module.items().iter().filter_map(|item| match item {
-        Item::Unused(name, _) => Some(name.clone()),
-        _ => None,
-    }));
-    names
 }
 
 /// `name`, or `name_2` and so on if it is taken; taken from now on.

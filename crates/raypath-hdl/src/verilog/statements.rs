@@ -13,10 +13,7 @@ pub fn print(plan: &Plan<'_>, entries: &[Entry<'_>]) -> Vec<String> {
     let mut text = Text::default();
     for entry in entries {
         match entry {
-            Entry::Signal(id) if is_case(plan.module(), plan.driven_by(*id)) => {
-                text.block(cases(plan, &[(plan.read(*id), plan.driven_by(*id))]));
-            }
-            Entry::Signal(id) => text.assign(plan.read(*id), plan.expression(*id)),
+            Entry::Signal(id) => text.drive(plan, plan.read(*id), *id),
             Entry::Cases(group) => {
                 let targets: Vec<_> = group.iter().map(|&id| (plan.read(id), id)).collect();
                 text.block(cases(plan, &targets));
@@ -31,12 +28,10 @@ pub fn print(plan: &Plan<'_>, entries: &[Entry<'_>]) -> Vec<String> {
             Entry::Output(index) if plan.is_connected(*index) => {}
             Entry::Output(index) => {
                 let port = &plan.module().outputs()[*index];
-                if !plan.is_renamed(port.signal) {
-                    text.assign(&port.name, plan.read(port.signal).to_string());
-                } else if is_case(plan.module(), port.signal) {
-                    text.block(cases(plan, &[(&port.name, port.signal)]));
+                if plan.is_renamed(port.signal) {
+                    text.drive(plan, &port.name, port.signal);
                 } else {
-                    text.assign(&port.name, plan.expression(port.signal));
+                    text.assign(&port.name, plan.read(port.signal).to_string());
                 }
             }
         }
@@ -54,6 +49,16 @@ struct Text {
 impl Text {
     fn assign(&mut self, target: &str, expression: String) {
         self.assignments.push([format!("assign {target}"), format!("= {expression};")]);
+    }
+
+    /// Drives `target` with what drives a signal.
+    fn drive(&mut self, plan: &Plan<'_>, target: &str, id: SignalId) {
+        let driver = plan.driven_by(id);
+        if is_case(plan.module(), driver) {
+            self.block(cases(plan, &[(target, driver)]));
+        } else {
+            self.assign(target, plan.expression(id));
+        }
     }
 
     fn block(&mut self, lines: Vec<String>) {
@@ -92,10 +97,7 @@ fn next_values(plan: &Plan<'_>, entries: &[Entry<'_>]) -> Vec<String> {
 
 /// A block with one `case`.
 fn cases(plan: &Plan<'_>, targets: &[(&str, SignalId)]) -> Vec<String> {
-    let mut lines = vec!["  always_comb begin".to_string()];
-    lines.extend(case(plan, targets));
-    lines.push("  end".to_string());
-    lines
+    [vec!["  always_comb begin".to_string()], case(plan, targets), vec!["  end".to_string()]].concat()
 }
 
 /// One `case` that drives all `targets`, which share a selector and labels. It is not `unique`: beside a default that
