@@ -1,13 +1,13 @@
 //! Sum of two recoded numbers. A difference is a sum with one sign bit inverted.
 //!
-//! Hardware: the operands put in order of exponent, the smaller one shifted right to the larger one's exponent with
-//! guard, round and sticky bit, one adder that also subtracts and rounds, and a normalising shift left. A sum below the
-//! normal range is exact, so that it needs nothing of its own.
+//! Hardware: the operands are ordered by exponent. The smaller one is shifted right to the exponent of the larger one,
+//! with guard, round and sticky bits. One adder adds, subtracts and rounds, and a normalising shift left follows. A sum
+//! below the normal range is exact and needs no special case.
 //!
-//! The adder finds its carries first. With the bits that a carry into the last place would reach, they serve the sum
-//! and the sum plus one alike, and which of the two is right (rounding up, or the second half of a complement) need not
-//! be known before the leading bits are. Nothing is left to round behind the normalising shift: what it moves by more
-//! than one place is exact.
+//! The adder computes its carries first. Together with the bits that a carry into the last place would reach, they give
+//! both the sum and the sum plus one. The choice between the two (rounding up, or completing a complement) is made
+//! late, once the leading bits are known. Nothing is rounded after the normalising shift, because a sum that it moves
+//! by more than one place is exact.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all operands, exact sums), `binary32.rs` (the host's `f32`),
 //! `other_formats.rs` (exact sums), `verilator.rs`; in all of them whole and in parts.
@@ -27,8 +27,8 @@ pub fn add(format: Format) -> Result<Arc<Module>, Error> {
     Ok(add_parts(format, 1)?.remove(0))
 }
 
-/// The adder in 1, 2 or 3 parts, in the order in which a sum passes through them; together they are the module that
-/// [`add`] gives. What leaves a part by the port `x_o` enters the next by `x_i`.
+/// The adder in 1, 2 or 3 parts, in the order of computation. Connected, they compute the same as the module of
+/// [`add`]: output port `x_o` of a part drives input port `x_i` of the next.
 ///
 /// # Errors
 /// Another number of parts.

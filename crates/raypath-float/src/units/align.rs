@@ -1,10 +1,10 @@
-//! Shifting right without forgetting what was shifted out.
+//! Shift right with a sticky bit.
 
 use raypath_hdl::Wire;
 
-/// `word`, which is not zero, shifted right by `amount`, whatever that is; the lowest bit of the result is also set
-/// where a set bit was lost ("sticky"). Rounding needs no more. Where `zero` is set, `word` counts as zero after all.
-/// `amount` must have more bits than the width of `word` needs.
+/// `word` shifted right by any `amount`. The lowest bit of the result is the sticky bit: it is also set if a set bit
+/// was shifted out, which is all that rounding needs. If `zero` is set, `word` counts as zero; otherwise it must not be
+/// zero. `amount` must have more bits than the width of `word` needs.
 pub(crate) fn shift_right_sticky<'m>(word: Wire<'m>, amount: Wire<'m>, zero: Wire<'m>) -> Wire<'m> {
     let m = word.builder();
     let width = word.width();
@@ -16,7 +16,7 @@ pub(crate) fn shift_right_sticky<'m>(word: Wire<'m>, amount: Wire<'m>, zero: Wir
         let select = amount.bit(layer);
         let shifted = word.shift_right(m.constant(layers, step.into()));
         let aligned = match layer {
-            // The last layer takes neither where nothing is left.
+            // The last layer selects neither word if no bit is left.
             0 => (word & (!select & !vanishes).replicate(width)) | (shifted & (select & !vanishes).replicate(width)),
             _ => select.mux(shifted, word),
         };

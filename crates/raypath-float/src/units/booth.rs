@@ -1,7 +1,7 @@
 //! Products as rows to be added: one multiple of the multiplicand for three bits of the multiplier.
 //!
-//! Three bits and the one to their right, which belongs to the digit below, say a digit from -4 to 4 (Booth, radix 8).
-//! So few rows are worth the one multiple, three times, that takes an adder.
+//! Radix-8 Booth encoding: three bits of the multiplier and the bit to their right give a digit from -4 to 4. The small
+//! number of rows is worth the adder that the multiple by three needs.
 
 use crate::units::compress::Row;
 use raypath_hdl::Wire;

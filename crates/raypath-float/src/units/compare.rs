@@ -1,7 +1,7 @@
 //! Comparison of two recoded numbers.
 //!
-//! Hardware: a comparison of the magnitudes as words, exponents and fractions side by side, that tells the greater word
-//! as well as equal ones; all infinities are one magnitude, and so are all zeros.
+//! Hardware: exponents and fractions are compared in parallel as unsigned words, for less and for equal. All infinities
+//! have one magnitude, and so have all zeros.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all operands), `binary32.rs` (the host's `f32`), `other_formats.rs`,
 //! `verilator.rs`.

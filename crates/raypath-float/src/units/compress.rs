@@ -1,7 +1,7 @@
-//! Many words to add made two, without carries that travel.
+//! Carry-save addition: reduces many words to two with the same sum, without carry propagation.
 //!
-//! A compressor is a row of full adders: three rows in, their sum without carries and their carries out. Columns in
-//! which only two rows have begun are left as they are.
+//! A compressor is a row of full adders: it replaces three rows by their sum without carries and their carries. Columns
+//! that only two rows have reached are left as they are.
 
 use raypath_hdl::Wire;
 

@@ -1,12 +1,12 @@
 //! Product of two recoded numbers.
 //!
-//! Hardware: an adder for the exponents; for the significands nine multiples of the multiplicand, one for three bits of
-//! the multiplier (`booth.rs`), full adders that make two rows of them (`compress.rs`) and an adder whose carries go
-//! ahead (`lookahead.rs`); then rounding. The bits that the result loses are marked by a mask, in which the exponent
-//! sum alone sets the bits that are lost below the normal range; it is ready before the product is. What is below half
-//! of a last place is filled with ones, so that adding one rounds up, and the mask cuts the rest away, the last place
-//! itself too on a tie. Only then the result is normalised, by one place. Where operands or exponents settle the
-//! result, its class takes the exponent's place and the mask loses everything.
+//! Hardware: an adder for the exponents. For the significands, one multiple of the multiplicand for every three bits of
+//! the multiplier (`booth.rs`), full adders that reduce them to two rows (`compress.rs`), and a carry-lookahead adder
+//! (`lookahead.rs`). Then the product is rounded. A mask marks the bits that the result loses. Below the normal range,
+//! the exponent sum alone sets its bits, before the product is ready. The bits below half of the last place are set, so
+//! that adding one rounds up, and the mask clears the lost bits; on a tie, the last place is cleared too. Then the
+//! result is normalised by one place. If operands or exponents alone determine the result, its class replaces the
+//! exponent, and the mask clears every bit.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all operands, exact products), `binary32.rs` (the host's `f32`),
 //! `other_formats.rs` (exact products), `verilator.rs`; in all of them whole and in parts.
@@ -27,8 +27,8 @@ pub fn mul(format: Format) -> Result<Arc<Module>, Error> {
     Ok(mul_parts(format, 1)?.remove(0))
 }
 
-/// The multiplier in 1, 2 or 3 parts, in the order in which a product passes through them; together they are the module
-/// that [`mul`] gives. What leaves a part by the port `x_o` enters the next by `x_i`.
+/// The multiplier in 1, 2 or 3 parts, in the order of computation. Connected, they compute the same as the module of
+/// [`mul`]: output port `x_o` of a part drives input port `x_i` of the next.
 ///
 /// # Errors
 /// Another number of parts.

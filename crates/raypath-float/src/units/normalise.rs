@@ -1,7 +1,7 @@
-//! Shifting a word's leading one to the top, and counting the zeros passed.
+//! Normalising shift: moves the leading one of a word to the top, and counts the leading zeros.
 //!
-//! The zeros are counted in groups of four first, beside the shifts and not between them. Within the last group, a
-//! layer's answer is a bit of the count as well as its multiplexers' select.
+//! The zeros are first counted in groups of four, in parallel with the shifts. Within the last group, the select of a
+//! layer's multiplexers is also a bit of the count.
 
 use raypath_hdl::Wire;
 
@@ -58,7 +58,7 @@ impl<'m> Normalised<'m> {
         Self { word, shift: m.concat(&shift) }
     }
 
-    /// How many zeros were before the leading one; all ones where the word is zero.
+    /// The number of leading zeros; all ones if the word is zero.
     pub fn leading_zeros(&self) -> Wire<'m> {
         self.word.builder().concat(&[self.shift, !self.word.top()]).named("leading_zeros")
     }

@@ -10,16 +10,16 @@ use std::sync::Arc;
 /// The parts of a unit under construction.
 pub(crate) struct Parts<'m> {
     builders: &'m [Builder],
-    /// The place of the part that is described now.
+    /// The index of the part that is described now.
     current: usize,
-    /// Bits that go along through all parts, besides what cuts hand over.
+    /// Values that pass through all later parts, besides those that a cut names.
     along: Vec<(&'static str, Wire<'m>)>,
 }
 
 impl<'m> Parts<'m> {
-    /// Has a unit described and gives its parts in order: the module `name` if `count` is 1, else the modules
-    /// `<name>_part_1_of_<count>` and so on. `doc` becomes the head comment. An error where the description has no cuts
-    /// for this count.
+    /// Builds a unit and returns its parts in order: the module `name` if `count` is 1, otherwise the modules
+    /// `<name>_part_1_of_<count>` and so on. `doc` becomes the head comment. It is an error if the description has no
+    /// cuts for this count.
     pub fn build(
         name: &str,
         doc: &str,
@@ -43,22 +43,22 @@ impl<'m> Parts<'m> {
         builders.into_iter().map(Builder::finish).collect()
     }
 
-    /// How many parts were asked for.
+    /// The number of parts.
     pub fn count(&self) -> usize {
         self.builders.len()
     }
 
-    /// The builder of the part that is described now. Ask again behind a cut.
+    /// The builder of the current part. It is another one after a cut.
     pub fn builder(&self) -> &'m Builder {
         &self.builders[self.current]
     }
 
-    /// Takes a value along through all cuts that follow.
+    /// Passes a value through all cuts that follow.
     pub fn take_along(&mut self, stem: &'static str, wire: Wire<'m>) {
         self.along.push((stem, wire));
     }
 
-    /// A value that was taken along, as the part that is described now has it.
+    /// A value passed with [`take_along`](Self::take_along), in the current part.
     pub fn along(&self, stem: &str) -> Option<Wire<'m>> {
         self.along.iter().find(|(known, _)| *known == stem).map(|(_, wire)| *wire)
     }
