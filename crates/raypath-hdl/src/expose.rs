@@ -1,20 +1,20 @@
-//! A module's function without its state: for proofs that take registers as given.
+//! Modules without state, for proofs about next values of registers.
 
 use crate::netlist::{Driver, Instance, Item, Module, Port, Signal, SignalId};
 use crate::text::Text;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// `module` with every register, in it and inside its instances, opened. The register `x_q` becomes an input port
-/// `x_q`; output ports `next_x_q`, `reset_x_q` and `has_reset_x_q` say what it takes at the next edge (its own value
-/// where it is not enabled), and to what, if anything, a reset sets it. For a register in an instance `u_y`, the port's
-/// names begin with `y_`. A name that is taken gets a number. Two modules whose registers and ports have the same names
-/// do the same in every cycle if they are the same after this.
+/// `module` with every register, in it and inside its instances, replaced by ports. The register `x_q` becomes an input
+/// port `x_q`. The output ports `next_x_q`, `reset_x_q` and `has_reset_x_q` show its value after the next edge (its own
+/// value if it is not enabled), its reset value, and whether it has one. For a register in an instance `u_y`, the
+/// port's names begin with `y_`. A name that is taken gets a number. Two modules with the same names of registers and
+/// ports behave the same in every cycle if the results are equivalent.
 pub fn expose_registers(module: &Arc<Module>) -> Arc<Module> {
     Exposed::default().expose(module)
 }
 
-/// Modules that are done, so that instances of one module go on sharing it.
+/// Finished modules. Instances of the same module keep sharing it.
 #[derive(Default)]
 struct Exposed(HashMap<*const Module, Arc<Module>>);
 
@@ -66,7 +66,7 @@ impl Open {
         }
     }
 
-    /// Puts the opened module in place of the instance's, and leads its new ports out.
+    /// Replaces the instance's module by the opened one, and connects its new ports to ports of this module.
     fn instance(&mut self, index: usize, inside: Arc<Module>) {
         let Instance { inputs, outputs, .. } = &self.module.instances[index];
         let (inputs, outputs) = (inputs.len(), outputs.len());

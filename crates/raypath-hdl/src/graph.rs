@@ -14,10 +14,10 @@ pub struct Graph {
     starts: Vec<u32>,
 }
 
-/// One module in the place where it is instantiated; the first is the top.
+/// An instance in the hierarchy. The first scope is the top.
 pub struct Scope {
     pub module: Arc<Module>,
-    /// What goes before a signal's name: empty, or instance names that each end in a dot.
+    /// The prefix of a signal's name: empty, or instance names that each end in a dot.
     pub prefix: String,
     /// The node of the module's first signal.
     pub first: u32,
@@ -28,7 +28,7 @@ pub struct Node {
     pub operation: Operation,
 }
 
-/// How a node comes by its value.
+/// How a node gets its value.
 pub enum Operation {
     /// An input port of the top.
     Input(usize),

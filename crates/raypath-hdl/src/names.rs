@@ -1,4 +1,4 @@
-//! What may be a name in the output.
+//! Valid names for the printed text.
 
 /// The words of SystemVerilog (IEEE 1800-2017, Annex B).
 const KEYWORDS: &str = "
@@ -37,7 +37,7 @@ const CPP_COMMON_WORDS: &str = "
     set stack synchronized transaction_safe transaction_safe_dynamic uint32_t uint8_t vector
 ";
 
-/// What is wrong with `name` as an identifier in SystemVerilog that is to go through Verilator, if anything.
+/// The reason why `name` is not a valid identifier in SystemVerilog for Verilator, or `None` if it is valid.
 pub fn problem(name: &str) -> Option<&'static str> {
     let mut characters = name.chars();
     let first_fits = characters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_');

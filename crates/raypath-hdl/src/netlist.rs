@@ -1,4 +1,4 @@
-//! The netlist as data: what the printer prints and the simulator executes.
+//! The netlist as data, which the printer prints and the simulators execute.
 
 use crate::formula::Formula;
 use crate::text::Text;
@@ -24,7 +24,7 @@ pub struct Signal {
     pub width: u32,
     /// What drives it.
     pub driver: Driver,
-    /// A remark for the reader of the output, printed beside the declaration.
+    /// A comment that is printed beside the declaration.
     pub comment: Option<String>,
 }
 
@@ -111,7 +111,7 @@ pub struct Arm {
     pub value: SignalId,
 }
 
-/// A constant that a reader knows by name, such as an opcode.
+/// A named constant, such as an opcode.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
     /// An identifier, declared as a `localparam` where it is used.
@@ -134,11 +134,11 @@ pub struct Port {
 pub struct RegisterInfo {
     /// The signal that holds its value.
     pub signal: SignalId,
-    /// What it takes at the edge.
+    /// The signal that it loads at the edge.
     pub next: SignalId,
-    /// Takes `next` only in cycles where this one-bit signal is 1.
+    /// If present, it loads `next` only in cycles in which this one-bit signal is 1.
     pub enable: Option<SignalId>,
-    /// Its value while `rst_ni` is 0 (asynchronous); data registers have none.
+    /// Its value while `rst_ni` is 0 (asynchronous). Data registers have no reset value.
     pub reset: Option<u64>,
 }
 
@@ -147,7 +147,7 @@ pub struct RegisterInfo {
 pub struct Instance {
     /// Its name, unique in the parent.
     pub name: String,
-    /// What it is an instance of.
+    /// The instantiated module.
     pub module: Arc<Module>,
     /// The parent's signals at the module's inputs, in the order of [`Module::inputs`].
     pub inputs: Vec<SignalId>,
@@ -199,19 +199,19 @@ impl Driver {
 }
 
 impl Port {
-    /// Its name without the customary suffix of its direction, `_i` or `_o`.
+    /// Its name without the usual suffix of its direction, `_i` or `_o`.
     pub fn stem(&self) -> &str {
         self.name.strip_suffix("_i").or_else(|| self.name.strip_suffix("_o")).unwrap_or(&self.name)
     }
 }
 
 impl Instance {
-    /// Its name without the customary `u_`: what signals around it are named after.
+    /// Its name without the usual prefix `u_`. Names of signals at its ports begin with it.
     pub fn stem(&self) -> &str {
         self.name.strip_prefix("u_").unwrap_or(&self.name)
     }
 
-    /// What a signal at this input, by position, is named if it has no name of its own.
+    /// The name for an unnamed signal at this input, by position.
     pub(crate) fn input_name(&self, input: usize) -> String {
         let port = &self.module.inputs[input].name;
         format!("{}_{}", self.stem(), port.strip_suffix("_i").unwrap_or(port))
@@ -234,7 +234,7 @@ pub(crate) fn fits(width: u32, value: u64) -> bool {
     value <= mask(width)
 }
 
-/// Something that the printed text has a place for, in the order of building.
+/// An element of the printed text. A module has them in the order of building.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Item {
     /// A comment over what follows.
@@ -251,7 +251,8 @@ pub enum Item {
     Parameter(SignalId, Formula),
 }
 
-/// A finished module: widths checked, everything driven, names unique. Built by [`crate::Builder`] only.
+/// A finished module: widths are checked, every signal is driven, and names are unique. Only [`crate::Builder`] makes
+/// one.
 #[derive(Debug, Clone)]
 pub struct Module {
     pub(crate) name: String,
@@ -307,7 +308,7 @@ impl Module {
         &self.instances
     }
 
-    /// What is printed, in order.
+    /// The elements of its text, in order.
     pub fn items(&self) -> &[Item] {
         &self.items
     }

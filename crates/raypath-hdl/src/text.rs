@@ -1,4 +1,4 @@
-//! What the printed text of a module has in another form than the netlist.
+//! Differences between the printed text of a module and its netlist.
 //!
 //! The netlist has words of at most 64 bits, and a module for every set of ports. The text groups ports into packed
 //! structures, which a package declares, and holds registers of all widths in one module with a parameter.
@@ -41,7 +41,7 @@ pub struct Structure {
     pub fields: Vec<(String, String)>,
 }
 
-/// Ports that the text has as one port of a structure.
+/// Ports that are printed as one port of a structure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PortGroup {
     /// The port's name: `data_i`.
@@ -66,29 +66,29 @@ pub struct EnumeratedInput {
     pub field: String,
 }
 
-/// Registers that the text holds in an instance of another module. The netlist has them in the module itself.
+/// Registers that are printed in an instance of another module. The netlist has them in the module itself.
 #[derive(Debug, Clone)]
 pub struct Bank {
     /// The instance's name.
     pub name: String,
     /// The module that the text instantiates, with the ports `data_i` and `data_o` of [`PAYLOAD`] bits.
     pub module: Arc<Module>,
-    /// The instance in the netlist that it takes the place of, by position; it has the same name.
+    /// The position of the instance in the netlist that it replaces, which has the same name.
     pub replaces: Option<usize>,
     /// The registers in it, by position in [`Module::registers`].
     pub registers: Vec<usize>,
     /// Its other ports and the signals at them.
     pub ports: Vec<(String, SignalId)>,
-    /// What it stores, in the order of the members of `output`.
+    /// The signals that it stores, in the order of the members of `output`.
     pub next: Vec<SignalId>,
-    /// The output ports that show what it has stored.
+    /// The output ports that show the stored values.
     pub output: PortGroup,
 }
 
 /// The width that stands for the parameter `Width` in the text of a module with [`Text::has_width_parameter`].
 pub const PAYLOAD: u32 = 64;
 
-/// How a module is printed. By default, ports and registers are printed as the netlist has them.
+/// How a module is printed. By default, ports and registers are printed as they are in the netlist.
 #[derive(Debug, Clone, Default)]
 pub struct Text {
     /// The declarations that it refers to.

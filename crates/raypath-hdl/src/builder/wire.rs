@@ -1,4 +1,4 @@
-//! Wires, and what can be done with them.
+//! Wires, registers and forward wires, and the operations on them.
 
 use super::Builder;
 use crate::netlist::{Driver, Item, RegisterInfo, SignalId, fits};

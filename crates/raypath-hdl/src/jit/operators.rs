@@ -1,7 +1,7 @@
 //! Code for the operators of a netlist on words of 64 bits.
 //!
-//! A word may have bits above its signal's width that mean nothing: they are cut off where a reader would see them, not
-//! where they arise. A sum that is only added to, or a replicated bit that is only a gate, then costs one instruction.
+//! The bits of a word above its signal's width may be undefined. They are cleared only before a reader that depends on
+//! them, so a sum that is only an operand of another sum costs one instruction.
 
 use super::Body;
 use crate::netlist::{Arm, Driver, SignalId, mask};

@@ -1,4 +1,4 @@
-//! A netlist's bits as a network of gates, each bit made once and only where it is not known.
+//! A netlist as a network of gates on bits, with constants folded and equal gates shared.
 
 use std::collections::HashMap;
 
@@ -25,24 +25,24 @@ impl From<bool> for Bit {
     }
 }
 
-/// What a gate does with its operands `a`, `b`, `c`; those that it has not are `ZERO`.
+/// The function of a gate of the operands `a`, `b` and `c`. Unused operands are `ZERO`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// `a` as it is at this point of the evaluation.
     Copy,
     /// `!a`
     Not,
-    /// This of `a` and `b`.
+    /// This function of `a` and `b`.
     Two(Two),
-    /// The second of the first of `a` and `b`, and `c`.
+    /// The first function of `a` and `b`, then the second function of the result and `c`.
     Pair(Two, Two),
     /// `a ? b : c`
     Mux,
-    /// Two or three of `a`, `b` and `c`.
+    /// Whether at least two of `a`, `b` and `c` are set.
     Majority,
 }
 
-/// What a gate does with two operands.
+/// A function of two operands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Two {
     /// `a & b`
@@ -69,11 +69,11 @@ impl Kind {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Gate {
-    /// What is in this place when the evaluation begins.
+    /// The content of this place at the start of the evaluation.
     Source(u32),
     /// The call of this position in [`Network::calls`].
     Call(u32),
-    /// A bit of what the call at this gate answers.
+    /// A bit of the results of the call at this gate.
     Result(Bit, u32),
     Operation(Kind, [Bit; 3]),
 }
@@ -92,7 +92,7 @@ pub struct Network {
 }
 
 impl Network {
-    /// The two constants, which are in the first two places.
+    /// A network of the two constants, which are in the first two places.
     pub fn new() -> Self {
         let mut network = Self { gates: Vec::new(), calls: Vec::new(), known: HashMap::new() };
         network.source(0);
@@ -104,7 +104,7 @@ impl Network {
         self.gate(Gate::Source(place))
     }
 
-    /// Calls a function; the bit is what [`result`](Self::result) takes.
+    /// Calls a function. Pass the returned bit to [`result`](Self::result).
     pub fn call(&mut self, function: usize, arguments: Vec<Bit>) -> Bit {
         self.calls.push(Call { function, arguments });
         self.gate(Gate::Call(self.calls.len() as u32 - 1))
@@ -114,7 +114,7 @@ impl Network {
         self.gate(Gate::Result(call, bit))
     }
 
-    /// What a gate, which may be one of its own, depends on.
+    /// The operands of a gate.
     pub fn operands<'a>(&'a self, gate: &'a Gate) -> &'a [Bit] {
         match gate {
             Gate::Source(_) => &[],
@@ -124,7 +124,7 @@ impl Network {
         }
     }
 
-    /// A bit that has a place of its own, and stays there what it is now when the registers and inputs change.
+    /// A copy of a bit in a place of its own, which keeps its value when registers and inputs change.
     pub fn kept(&mut self, a: Bit) -> Bit {
         match self.gates[a.index()] {
             Gate::Source(_) if a != Bit::ZERO => self.operation(Kind::Copy, [a, Bit::ZERO, Bit::ZERO]),
@@ -207,7 +207,7 @@ impl Network {
             }
             _ => match (self.complemented(select), self.pair(Two::Xor, select)) {
                 (Some(select), _) => self.mux(select, if_false, if_true),
-                // How full adders are often written.
+                // A common form of the carry of a full adder.
                 (_, Some([a, b])) if if_false == a || if_false == b => self.majority(a, b, if_true),
                 _ => self.operation(Kind::Mux, [select, if_true, if_false]),
             },
@@ -240,7 +240,7 @@ impl Network {
         }
     }
 
-    /// Whether any bit is set. A tree, so that gates do not wait for each other.
+    /// Whether any bit is set, as a tree of gates.
     pub fn any(&mut self, bits: &[Bit]) -> Bit {
         self.tree(bits, Self::or).unwrap_or(Bit::ZERO)
     }
@@ -258,7 +258,7 @@ impl Network {
         row.first().copied()
     }
 
-    /// What `a` is the complement of.
+    /// The operand of `a`, if `a` is a complement.
     fn complemented(&self, a: Bit) -> Option<Bit> {
         match self.gates[a.index()] {
             Gate::Operation(Kind::Not, [inside, ..]) => Some(inside),
@@ -266,7 +266,7 @@ impl Network {
         }
     }
 
-    /// The operands of `a`, where it is this of two.
+    /// The operands of `a`, if it is this function of two operands.
     fn pair(&self, two: Two, a: Bit) -> Option<[Bit; 2]> {
         match self.gates[a.index()] {
             Gate::Operation(kind, [a, b, _]) if kind == Kind::Two(two) => Some([a, b]),

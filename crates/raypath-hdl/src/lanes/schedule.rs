@@ -1,13 +1,12 @@
-//! Fewer gates than a network has, in an order in which many of a kind follow each other.
+//! Merges gates of a network, and orders them so that many of one kind follow each other.
 
 use super::network::{Bit, Gate, Kind, Network, Two};
 use std::collections::VecDeque;
 
-/// Gates that are looked at together: the more, the longer are the runs of a kind, and the more values wait for their
-/// readers.
+/// The number of gates that are ordered together. With more, runs of one kind are longer, and more values are live.
 const WINDOW: usize = 8192;
 
-/// What remains of a network, and when.
+/// The needed gates of a network, in order.
 pub struct Schedule {
     /// By position in the network.
     pub gates: Vec<Gate>,
@@ -28,7 +27,7 @@ impl Schedule {
             if is_operation(&part[0]) {
                 part.chunks(WINDOW).for_each(|window| by_kind(&gates, window, &mut places, &mut order));
             } else {
-                // A call's results are taken at once: these stay as they are.
+                // A call's results are copied at once: their order stays as it is.
                 order.extend(part);
             }
         }
@@ -36,7 +35,7 @@ impl Schedule {
     }
 }
 
-/// How many read each gate, of those that something kept depends on; one more for what is kept.
+/// The number of readers of each gate, among the gates that `kept` depends on. A kept bit has one reader more.
 fn readers(network: &Network, gates: &[Gate], kept: &[Bit]) -> Vec<u32> {
     let mut readers = vec![0; gates.len()];
     for bit in kept {
@@ -72,8 +71,8 @@ fn pair(gates: &mut [Gate], readers: &[u32]) {
     }
 }
 
-/// Adds a window's gates to the order: always the kind of which most can be next, until none of it can. `places` says
-/// where in its window a gate is.
+/// Adds a window's gates to the order: always all ready gates of the kind that has most of them. `places` holds the
+/// position of each gate in its window.
 fn by_kind(gates: &[Gate], window: &[usize], places: &mut [usize], order: &mut Vec<usize>) {
     for (place, &gate) in window.iter().enumerate() {
         places[gate] = place;
@@ -110,7 +109,7 @@ fn by_kind(gates: &[Gate], window: &[usize], places: &mut [usize], order: &mut V
     }
 }
 
-/// Gates whose operands are there.
+/// Gates whose operands are computed, by kind.
 #[derive(Default)]
 struct Ready {
     queues: Vec<(Kind, VecDeque<usize>)>,

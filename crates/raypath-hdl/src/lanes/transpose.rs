@@ -1,9 +1,9 @@
-//! From one number a lane to one slice a bit, and back.
+//! Conversion between one number for each lane and one slice for each bit.
 
 use super::{LANES, WORD, WORDS};
 
-/// The same bit of every lane: lane `l` is bit `l / WORDS` of word `l % WORDS`. Then neighbouring lanes are in
-/// neighbouring words, and a transposition goes on in all words at once.
+/// The same bit of every lane: lane `l` is bit `l / WORDS` of word `l % WORDS`. Neighbouring lanes are in neighbouring
+/// words, so a transposition works on all words in parallel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(align(64))]
 pub struct Slice(pub [u32; WORDS]);
@@ -58,8 +58,8 @@ pub fn from_slices(bits: &[Slice]) -> [u64; LANES] {
     all
 }
 
-/// Transposes the squares of `size` rows and `size` bits, a power of two, that lie side by side in the words: halves
-/// change places, then halves of halves.
+/// Transposes the adjacent squares of `size` rows and `size` bits, a power of two, by exchanging halves, then halves of
+/// halves.
 #[inline(always)]
 fn transpose(block: &mut Block, size: usize) {
     let mut step = size / 2;

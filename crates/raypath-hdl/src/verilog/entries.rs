@@ -1,4 +1,4 @@
-//! What is printed, in order: a module's items, gathered into sections.
+//! The sections of a module's text and their statements, in order.
 
 use crate::netlist::{Driver, Item, Label, Module, SignalId};
 use crate::text::Bank;
