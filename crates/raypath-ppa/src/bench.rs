@@ -61,7 +61,7 @@ impl Bench {
         let total = blocks.len() + wanted.len();
 
         let synthesise = |(plan, block): &(&Plan<'_>, usize), stop: &AtomicBool| {
-            self.netlist(plan, *block, &cache, stop).map(|_| Some(()))
+            unless_stopped(self.netlist(plan, *block, &cache, stop).map(|_| ()))
         };
         let mut synthesised = |blocks: pool::Progress| proceed(Progress { done: blocks.done as usize, total });
         all(pool::map(&blocks, self.jobs, &mut synthesised, synthesise)?)?;
@@ -72,11 +72,10 @@ impl Bench {
         };
         let report = |plan: &Plan<'_>, stop: &AtomicBool| match cache.get(&plan.key) {
             Some(report) => Ok::<_, Error>(Some(report)),
-            None => {
-                let report = self.report(plan, &cache, stop)?;
+            None => unless_stopped(self.report(plan, &cache, stop).and_then(|report| {
                 cache.put(&plan.key, &report)?;
-                Ok(Some(report))
-            }
+                Ok(report)
+            })),
         };
         Ok(all(pool::map(&plans, self.jobs, &mut reported, report)?)?)
     }
@@ -221,6 +220,14 @@ impl Bench {
 /// One was left out, because the user stopped the work.
 fn all<T>(results: Vec<Option<T>>) -> Result<Vec<T>, ToolError> {
     results.into_iter().collect::<Option<_>>().ok_or(ToolError::Stopped)
+}
+
+/// No result if the run ended while a tool ran: an error that ended the run is reported, not its consequence.
+fn unless_stopped<T>(result: Result<T, Error>) -> Result<Option<T>, Error> {
+    match result {
+        Err(Error::Tool(ToolError::Stopped)) => Ok(None),
+        other => other.map(Some),
+    }
 }
 
 /// A design, and the cache keys of its results.
