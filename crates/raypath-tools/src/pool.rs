@@ -46,9 +46,14 @@ impl<E> Queue<E> {
     /// Runs cases until none is left or the run ends. `case` is also given the flag that ends the run: it may set it,
     /// and returns early when it is set. An error ends the run too.
     pub fn run(&self, mut case: impl FnMut(u64, &AtomicBool) -> Result<(), E>) {
+        self.run_counted(|number, stop| case(number, stop).map(|()| true));
+    }
+
+    /// Like `run`; `case` returns whether the case has run to its end.
+    fn run_counted(&self, mut case: impl FnMut(u64, &AtomicBool) -> Result<bool, E>) {
         while let Some(number) = self.take() {
             match case(number, &self.stop) {
-                Ok(()) => _ = self.done.fetch_add(1, Ordering::Relaxed),
+                Ok(is_done) => _ = self.done.fetch_add(u64::from(is_done), Ordering::Relaxed),
                 Err(error) => self.fail(number, error),
             }
         }
@@ -154,10 +159,12 @@ pub fn map<I: Sync, T: Send, E: Send + From<ToolError>>(
     let finished =
         self::run::<_, E>(Cases { total: items.len() as u64, shard: Shard::ALL }, threads, proceed, |queue| {
             let mut results = Vec::new();
-            queue.run(|number, stop| {
+            queue.run_counted(|number, stop| {
                 let index = number as usize;
-                results.push((index, run(&items[index], stop)?));
-                Ok(())
+                let result = run(&items[index], stop)?;
+                let is_done = result.is_some();
+                results.push((index, result));
+                Ok(is_done)
             });
             Ok(results)
         })?;
@@ -252,7 +259,8 @@ mod tests {
             Ok(None)
         };
         let mut reports = 0;
-        let mut watch = |_| {
+        let mut watch = |progress: Progress| {
+            assert_eq!(progress.done, 0, "an item that was stopped counts as done");
             reports += 1;
             reports < 3
         };
