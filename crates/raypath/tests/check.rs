@@ -8,7 +8,7 @@ use raypath::sim;
 use raypath::sim::engine::{Engine, NetlistEngine};
 use raypath::sim::jobs::random;
 use raypath::sim::lockstep::lockstep;
-use raypath::sim::traffic::Traffic;
+use raypath::sim::traffic::{Cycle, Traffic};
 
 const JOBS: usize = 2000;
 
@@ -22,6 +22,41 @@ fn model(rules: Rules) -> WordModel {
 
 fn jobs() -> impl Iterator<Item = Words> {
     random(&model(Rules::Paper), Format::BINARY32, 4, &JobKind::ALL).take(JOBS)
+}
+
+/// Bubbles, stalls, withdrawn jobs and resets at any time.
+#[test]
+fn the_same_rules_agree_through_events() {
+    for rules in [Rules::Paper, Rules::Chisel] {
+        let mut resets = 0;
+        for seed in 0..8 {
+            let mut traffic = Traffic::eventful(seed, 12_000);
+            let mut events = traffic.clone();
+            resets += (0..12_000).filter(|_| events.next_cycle().resets).count();
+            let jobs = random(&model(rules), Format::BINARY32, seed, &JobKind::ALL).take(12_000);
+            let found = lockstep(&mut netlist(rules), model(rules), jobs, &mut traffic, |_| true);
+            assert_eq!(found.different, 0, "{rules}, seed {seed}: {:?}", found.differences);
+        }
+        assert!(resets > 100, "{resets}");
+    }
+}
+
+/// A reset in the cycle of each handshake, and several resets in a row.
+#[test]
+fn the_same_rules_agree_through_resets_at_every_moment_of_a_burst() {
+    let mut netlist = netlist(Rules::Paper);
+    for moment in 0..50 {
+        let cycle = |cycle| Cycle {
+            offers: cycle < 60,
+            takes: cycle % 3 != 0 && !(15..30).contains(&cycle),
+            withdraws: false,
+            resets: [moment, moment + 1, moment + 20].contains(&cycle),
+        };
+        netlist.reset();
+        let mut traffic = Traffic::recorded((0..90).map(cycle).collect());
+        let found = lockstep(&mut netlist, model(Rules::Paper), jobs().take(64), &mut traffic, |_| true);
+        assert_eq!(found.different, 0, "reset at {moment}: {:?}", found.differences);
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! test; the jobs here make every output number a NaN.)
 
 use crate::answers::{answers, numbers};
-use crate::random::{Numbers, any_job, rng};
+use crate::random::mixed_jobs;
 use raypath::ops::{Job, JobKind, Num, Outcome, Rules};
 
 const NANS: [u32; 7] = [0x7fc0_0000, 0xffc0_0000, 0x7f80_0001, 0xff80_0001, 0x7fff_ffff, 0xffff_ffff, 0x7fd5_5555];
@@ -33,10 +33,8 @@ fn every_nan_that_comes_out_is_canonical() {
 
 #[test]
 fn one_nan_input_makes_canonical_nans() {
-    let mut rng = rng(1);
     let mut seen = [0; 4];
-    let jobs: Vec<Job> = (0..8000).map(|i| any_job(JobKind::ALL[i % 4], Numbers::Specials, &mut rng)).collect();
-    for outcome in answers(Rules::Paper, &jobs) {
+    for outcome in answers(Rules::Paper, &mixed_jobs(8000, 1)) {
         let nans = numbers(&outcome).into_iter().filter(|number| f32::from(*number).is_nan());
         seen[outcome.kind() as usize] += nans.inspect(|nan| assert_eq!(nan.to_bits(), 0x7fc0_0000)).count();
         if let Outcome::Quadbox(boxes) = outcome {

@@ -7,6 +7,7 @@ use crate::random::rng;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath::ops::{Job, Outcome, RayTriangleInput, Rules, Triangle};
+use std::collections::BTreeMap;
 
 type Vector = [Rational; 3];
 
@@ -59,6 +60,20 @@ impl Geometry {
     fn is_hit(&self) -> bool {
         let zero = rational(0.0);
         self.area > zero && self.area_times_t > zero && self.scaled_barycentric.iter().all(|&x| x >= zero)
+    }
+
+    fn class(&self) -> &'static str {
+        let zero = rational(0.0);
+        match self.scaled_barycentric.iter().filter(|&&x| x == zero).count() {
+            _ if self.area == zero => "flat",
+            _ if self.area < zero => "back",
+            _ if self.scaled_barycentric.iter().any(|&x| x < zero) => "outside",
+            _ if self.area_times_t < zero => "behind",
+            _ if self.area_times_t == zero => "at the origin",
+            2 => "vertex",
+            1 => "edge",
+            _ => "inside",
+        }
     }
 }
 
@@ -115,46 +130,14 @@ fn triangles_are_hit_where_geometry_says_so() {
             Job::Triangle(RayTriangleInput { ray, triangle: Triangle::new(a, b, c) })
         })
         .collect();
-    let mut seen = Seen::default();
+    let mut seen = BTreeMap::new();
     for (case, outcome) in cases.iter().zip(answers(Rules::Paper, &jobs)) {
         let Outcome::Triangle(outcome) = outcome else { unreachable!() };
         let geometry = Geometry::of(case);
         assert_eq!(rational(outcome.t_denom.into()), geometry.area, "t_denom of {case:?}");
         assert_eq!(rational(outcome.t_num.into()), geometry.area_times_t, "t_num of {case:?}");
         assert_eq!(bool::from(outcome.triangle_hit), geometry.is_hit(), "{case:?}");
-        seen.count(&geometry);
+        *seen.entry(geometry.class()).or_insert(0) += 1;
     }
-    let Seen { inside, edge, vertex, outside, behind, at_origin, back, flat } = seen;
-    let counts = [inside, edge, vertex, outside, behind, at_origin, back, flat];
-    assert!(counts.iter().all(|&count| count > 200), "{seen:?}");
-}
-
-#[derive(Debug, Clone, Copy, Default)]
-struct Seen {
-    inside: u32,
-    edge: u32,
-    vertex: u32,
-    outside: u32,
-    behind: u32,
-    at_origin: u32,
-    back: u32,
-    flat: u32,
-}
-
-impl Seen {
-    fn count(&mut self, geometry: &Geometry) {
-        let zero = rational(0.0);
-        let zeros = geometry.scaled_barycentric.iter().filter(|&&x| x == zero).count();
-        let counter = match geometry {
-            g if g.area == zero => &mut self.flat,
-            g if g.area < zero => &mut self.back,
-            g if g.scaled_barycentric.iter().any(|&x| x < zero) => &mut self.outside,
-            g if g.area_times_t < zero => &mut self.behind,
-            g if g.area_times_t == zero => &mut self.at_origin,
-            _ if zeros == 2 => &mut self.vertex,
-            _ if zeros == 1 => &mut self.edge,
-            _ => &mut self.inside,
-        };
-        *counter += 1;
-    }
+    assert!(seen.len() == 8 && seen.values().all(|&count| count > 200), "{seen:?}");
 }

@@ -24,7 +24,6 @@ mod exact_boxes;
 mod exact_sums;
 mod exact_triangles;
 mod golden_vectors;
-mod lockstep;
 mod no_combinational_path;
 mod original_faults;
 mod rounding;

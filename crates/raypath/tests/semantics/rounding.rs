@@ -1,61 +1,27 @@
 //! Rounding: each operation in the order of Table VII, and none fused (see `oracle`).
 
-use crate::answers::{answers, numbers};
+use crate::answers::answers;
 use crate::oracle::{Oracle, TriangleSteps, add, mul, sub};
-use crate::random::{Numbers, any_job, mixed_jobs, rng, scene_job};
-use raypath::ops::{Job, JobKind, Outcome, Rules};
+use crate::random::{mixed_jobs, rng};
+use rand::RngExt;
+use raypath::ops::Rules;
 
-fn check(jobs: &[Job]) -> Vec<Outcome> {
-    let outcomes = answers(Rules::Paper, jobs);
-    let mut oracle = Oracle::default();
-    for (i, (job, outcome)) in jobs.iter().zip(&outcomes).enumerate() {
-        assert_eq!(*outcome, oracle.run(job), "job {i}: {job:?}");
-    }
-    outcomes
-}
-
-/// Each operation with each distribution of numbers.
 #[test]
 fn every_job_rounds_step_by_step() {
-    for (seed, numbers_from) in Numbers::ALL.into_iter().enumerate() {
-        for kind in JobKind::ALL {
-            let mut rng = rng(seed as u64);
-            let jobs: Vec<Job> = (0..2000).map(|_| any_job(kind, numbers_from, &mut rng)).collect();
-            let outcomes = check(&jobs);
-            let finite = outcomes.iter().filter(|o| numbers(o).iter().any(|&x| f32::from(x).is_finite())).count();
-            // Sums of random bits soon become infinite or NaN until the next reset.
-            assert!(finite > 20, "{kind} from {numbers_from:?}: {finite} answers are finite");
-        }
+    let jobs = mixed_jobs(30_000, 9);
+    let mut oracle = Oracle::default();
+    for (i, (job, outcome)) in jobs.iter().zip(answers(Rules::Paper, &jobs)).enumerate() {
+        assert_eq!(outcome, oracle.run(job), "job {i}: {job:?}");
     }
 }
 
-#[test]
-fn rays_in_a_scene_round_step_by_step() {
-    let mut rng = rng(7);
-    let outcomes = check(&(0..10_000).map(|_| scene_job(&mut rng)).collect::<Vec<_>>());
-    let (mut boxes, mut triangles) = (0, 0);
-    for outcome in outcomes {
-        match outcome {
-            Outcome::Quadbox(o) => boxes += o.is_intersect.to_array().into_iter().filter(|&hit| hit).count(),
-            Outcome::Triangle(o) => triangles += usize::from(bool::from(o.triangle_hit)),
-            _ => {}
-        }
-    }
-    assert!(boxes > 3000 && triangles > 300, "{boxes} boxes and {triangles} triangles are hit");
-}
-
-#[test]
-fn all_modes_mixed_round_step_by_step() {
-    check(&mixed_jobs(15_000, 9));
-}
-
-/// Negative control: the tests above detect another order of additions and a fused product.
+/// Negative control: the test above detects another order of additions and a fused product.
 #[test]
 fn another_order_of_operations_rounds_otherwise() {
     let mut rng = rng(10);
     let (mut reordered, mut fused) = (0, 0);
     for _ in 0..1000 {
-        let [a, b, c]: [f32; 3] = std::array::from_fn(|_| Numbers::Unit.draw(&mut rng));
+        let [a, b, c]: [f32; 3] = std::array::from_fn(|_| rng.random_range(-1.0..=1.0_f64) as f32);
         reordered += usize::from(add(add(a, b), c) != add(a, add(b, c)));
         fused += usize::from(a.mul_add(b, -c) != sub(mul(a, b), c));
     }

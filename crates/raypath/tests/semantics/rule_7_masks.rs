@@ -71,27 +71,6 @@ fn a_beat_without_lanes_is_plus_zero() {
     }
 }
 
-/// Every mask bit belongs to the lane of its number: 2^i is the only sum with lane i alone.
-#[test]
-fn mask_bit_i_is_lane_i() {
-    let powers: [u32; 16] = std::array::from_fn(|i| 2f32.powi(i as i32).to_bits());
-    let ones = [1f32.to_bits(); 8];
-    let mut jobs = Vec::new();
-    let mut expected: Vec<Vec<u32>> = Vec::new();
-    for mask in (0..16).map(|i| 1 << i).chain([0xffff, 0x8001, 0x5555]) {
-        let squares: f32 = (0..16).filter(|i| mask >> i & 1 == 1).map(|i| 4f32.powi(i)).sum();
-        jobs.push(Job::Euclidean(BeatInput { euclidean: beat(powers, [0; 16], mask) }));
-        expected.push(vec![squares.to_bits()]);
-        let lanes = || (0..8).filter(|i| mask >> i & 1 == 1);
-        let (dot, norm): (f32, f32) = (lanes().fold(0.0, |sum, i| sum + 2f32.powi(i)), lanes().count() as f32);
-        let low = std::array::from_fn(|i| powers[i]);
-        jobs.push(Job::Angular(BeatInput { euclidean: beat::<8>(low, ones, mask) }));
-        expected.push(vec![dot.to_bits(), norm.to_bits()]);
-    }
-    let found: Vec<Vec<u32>> = answers(Rules::Paper, &jobs).iter().map(sums).collect();
-    assert_eq!(found, expected);
-}
-
 /// A lane that is not masked off contributes its NaN and infinities to the sum.
 #[test]
 fn a_lane_that_counts_contributes_what_it_holds() {

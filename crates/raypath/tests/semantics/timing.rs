@@ -1,4 +1,5 @@
-//! Latency 12, one job per cycle, 24 jobs while the sink is not ready, stable outputs.
+//! 24 jobs while the sink is not ready, full throughput after a stall, stable outputs. `golden.rs` and `peers/latency.rs`
+//! test the latency and the throughput without stalls.
 
 use crate::answers::{self, Typed};
 use crate::random::mixed_jobs;
@@ -16,38 +17,6 @@ fn on_engines(scenario: impl Fn(&mut Typed<'_>)) {
 fn outcomes(jobs: &[Job]) -> Vec<Outcome> {
     let mut model = Functional::new(Rules::Paper);
     jobs.iter().map(|job| model.run(job)).collect()
-}
-
-#[test]
-fn a_job_takes_twelve_cycles() {
-    for (i, job) in mixed_jobs(40, 11).iter().enumerate() {
-        on_engines(|engine| {
-            engine.reset();
-            engine.present(job);
-            let shown = engine.cycle(true, true);
-            assert!(shown.input_ready && shown.output.is_none());
-            let waited = (1..100).find(|_| engine.cycle(false, true).output.is_some());
-            assert_eq!(waited, Some(LATENCY), "job {i}, {}", job.kind());
-            assert_eq!(engine.cycle(false, true).output, None, "it leaves once");
-        });
-    }
-}
-
-#[test]
-fn a_job_enters_and_leaves_in_every_cycle() {
-    let jobs = mixed_jobs(500, 12);
-    let expected = outcomes(&jobs);
-    on_engines(|engine| {
-        for cycle in 0..jobs.len() + LATENCY {
-            if let Some(job) = jobs.get(cycle) {
-                engine.present(job);
-            }
-            let shown = engine.cycle(cycle < jobs.len(), true);
-            assert!(shown.input_ready, "cycle {cycle}");
-            assert_eq!(shown.output, cycle.checked_sub(LATENCY).map(|i| expected[i]), "cycle {cycle}");
-        }
-        assert_eq!(engine.cycle(false, true).output, None);
-    });
 }
 
 /// Exactly 24 jobs enter while the sink is not ready; the output is stable; then all leave in order, one per cycle.
