@@ -3,8 +3,8 @@
 #[macro_use]
 mod common;
 
+use common::drive::drive;
 use raypath_float::Format;
-use raypath_hdl::Simulator;
 use raypath_ops::{Bit, Circuit, Flags, Num, Operation, Word, bundle};
 use raypath_rtl::{Config, Control, Datapath, Encoding, Error, Operations, Sharing, UnitLatency};
 
@@ -73,39 +73,18 @@ fn answers(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)]) -> Vec<(f
 fn answers_of(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)], config: Config) -> Vec<(f32, bool, u64)> {
     let operations = Operations::new().with(operation, 2).expect("an operation");
     let datapath = Datapath::build(operations, config.microarchitecture).expect("a datapath");
-    let mut simulator = Simulator::new(datapath.top()).expect("a netlist");
-    let input = |name: &str| simulator.input(name).expect(name);
-    // What an operation does not read is no port of it; every input here is, read or not.
-    let (valid, ready, opcode) = (input("input_valid_i"), input("output_ready_i"), input("opcode_i"));
-    let (a, b, flag, word) = (input("a_i"), input("b_i"), input("flag_i"), input("word_i"));
-    let output = |name: &str| simulator.output(name).expect(name);
-    let (number, is_so, code) = (output("number_o"), output("is_so_o"), output("code_o"));
-    let (accepts, shown) = (output("input_ready_o"), output("output_valid_o"));
     let recoded = config.microarchitecture.io == Encoding::Recoded;
     let to_port =
         |value: f32| if recoded { Format::BINARY32.encode(value.to_bits().into()) } else { value.to_bits().into() };
     let from_port = |bits: u64| if recoded { Format::BINARY32.decode(bits) } else { bits };
-    simulator.set(ready, 1);
-    simulator.set(opcode, 2);
-    let (mut answers, mut next) = (Vec::new(), jobs.iter().peekable());
-    for cycle in 0..10 * (jobs.len() as u32 + datapath.latency()) {
-        simulator.set(valid, next.peek().is_some().into());
-        if let Some(&&(x, y, f, w)) = next.peek() {
-            let values = [(a, to_port(x)), (b, to_port(y)), (flag, f.into()), (word, w)];
-            values.into_iter().for_each(|(port, value)| simulator.set(port, value));
-        }
-        simulator.cycle();
-        if simulator.get(accepts) == 1 {
-            next.next();
-        }
-        if simulator.get(shown) == 1 {
-            assert!(cycle >= datapath.latency() && (cycle == datapath.latency() || !answers.is_empty()), "{config}");
-            let bits = u32::try_from(from_port(simulator.get(number))).expect("32 bits");
-            answers.push((f32::from_bits(bits), simulator.get(is_so) == 1, simulator.get(code)));
-        }
-    }
-    assert_eq!(answers.len(), jobs.len(), "{config}");
-    answers
+    let given = jobs.iter().map(|&(a, b, flag, word)| {
+        let ports = [("opcode", 2), ("a", to_port(a)), ("b", to_port(b)), ("flag", flag.into()), ("word", word)];
+        ports.map(|(name, value)| (name.to_string(), value)).into()
+    });
+    let (answers, first) = drive(&datapath, &given.collect::<Vec<_>>(), || false);
+    assert_eq!(first, datapath.latency(), "{config}");
+    let number = |bits: u64| f32::from_bits(u32::try_from(from_port(bits)).expect("32 bits"));
+    answers.iter().map(|ports| (number(ports["number"]), ports["is_so"] == 1, ports["code"])).collect()
 }
 
 fn flip_flops(operation: &impl Operation) -> u64 {

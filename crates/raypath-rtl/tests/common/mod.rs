@@ -1,5 +1,7 @@
 //! What tests of operations that are none of the paper's begin with.
 
+pub mod drive;
+
 /// An operation without state that is a function of `Input` to `Output`, whatever these are where it stands.
 macro_rules! operation {
     ($name:ident, |$c:ident, $input:ident| $body:expr) => {

@@ -1,6 +1,6 @@
 //! Exceptions: of the units against exact arithmetic, and of whole jobs against a circuit that collects them.
 
-use crate::driver::Driver;
+use crate::check;
 use raypath_float::{Format, add_parts_with_flags, flags, mul_parts_with_flags};
 use raypath_hdl::{Module, Simulator};
 use raypath_ops::{Flagged, Rules};
@@ -105,7 +105,7 @@ fn jobs_raise_what_a_circuit_that_collects_does() {
     ];
     for config in configs {
         let raised: &'static Cell<u64> = Box::leak(Box::default());
-        Driver::new(Flagged { raised }, config).raising(raised).run(&config.to_string(), 1_500);
+        check(Flagged { raised }, config, Some(raised), 1_500);
     }
 }
 

@@ -1,5 +1,22 @@
 //! Features of the paper's operations, and of all operations.
 
+#[path = "../common/drive.rs"]
+mod drive;
+#[path = "../common/driver.rs"]
 mod driver;
 mod exceptions;
 mod options;
+
+use driver::Driver;
+use raypath_ops::Concrete;
+use raypath_rtl::{Config, Datapath};
+use std::cell::Cell;
+
+/// Holds random jobs of a configuration against its operations over a circuit, and against its exceptions if it leaves
+/// them in a cell.
+fn check(circuit: impl Concrete + 'static, config: Config, raised: Option<&'static Cell<u64>>, jobs: usize) {
+    let mut driver = Driver::new(circuit, config);
+    driver.raised = raised;
+    let Ok(()) = config.semantics.operations(&mut driver);
+    driver.run(&config.to_string(), &Datapath::new(config).expect("a datapath"), jobs);
+}

@@ -1,7 +1,7 @@
 //! Features of the paper's operations: the netlist against the operations, bit for bit, and what is off against
 //! hardware that has never heard of it.
 
-use crate::driver::Driver;
+use crate::check;
 use raypath_float::Format;
 use raypath_hdl::verilog;
 use raypath_model::{Soft, SoftNumber};
@@ -71,10 +71,8 @@ fn what_is_off_leaves_nothing_behind() {
 #[test]
 fn each_feature_is_as_its_operation_says() {
     // Exceptions are a circuit's that collects them: `exceptions.rs`.
-    for (name, features) in every_feature() {
-        let features = Features { exception_flags: false, ..features };
-        let driver = Driver::new(Binary32, SMALL.features(features));
-        driver.run(name, 1_500);
+    for (_, features) in every_feature() {
+        check(Binary32, SMALL.features(Features { exception_flags: false, ..features }), None, 1_500);
     }
 }
 
@@ -82,10 +80,8 @@ fn each_feature_is_as_its_operation_says() {
 fn features_are_the_same_however_they_are_built() {
     let all = SMALL.features(ALL);
     let mut configs = Vec::new();
-    for control in [Control::Skid, Control::Credit] {
-        for unit_latency in [UnitLatency::One, UnitLatency::Two, UnitLatency::Three] {
-            configs.push(all.control(control).unit_latency(unit_latency));
-        }
+    for &control in Control::ALL {
+        configs.extend(UnitLatency::ALL.iter().map(|&latency| all.control(control).unit_latency(latency)));
     }
     configs.push(all.io(Encoding::Recoded));
     configs.push(all.registers(Encoding::Ieee).sharing(Sharing::Segregated));
@@ -96,7 +92,7 @@ fn features_are_the_same_however_they_are_built() {
         configs.push(all.rules(Rules::Chisel).features(Features { culling, ..features }));
     }
     for config in configs {
-        Driver::new(Binary32, config).run(&config.to_string(), 1_000);
+        check(Binary32, config, None, 1_000);
     }
 }
 
@@ -105,7 +101,7 @@ fn features_are_the_same_however_they_are_built() {
 fn features_are_the_same_in_other_formats() {
     for format in [Format::BINARY16, Format::BFLOAT16] {
         let config = SMALL.format(format).features(ALL);
-        Driver::new(Soft { format }, config).run(&config.to_string(), 1_000);
+        check(Soft { format }, config, None, 1_000);
     }
 }
 

@@ -4,26 +4,24 @@
 #[macro_use]
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/driver.rs"]
+mod driver;
 mod unread;
 
-use rand::rngs::ChaCha8Rng;
-use rand::{RngExt, SeedableRng};
-use raypath_hdl::Simulator;
-use raypath_ops::{
-    Angular, Binary32, Bit, Bundle, Circuit, Euclidean, Field, Num, Operation, Path, RayBox, RayTriangle, Rules,
-    Single, Sink, Source, bundle,
-};
+use common::drive;
+use driver::Driver;
+use raypath_ops::{Angular, Binary32, Bit, Circuit, Euclidean, Num, Operation, RayBox, RayTriangle, Rules, bundle};
 use raypath_rtl::{
-    Budget, Config, Control, Datapath, Error, Microarchitecture, Operations, STAGES, Sharing, UnitKind, UnitLatency,
+    Budget, Config, Control, Datapath, Error, OperationVisitor, Operations, STAGES, Sharing, UnitKind, UnitLatency,
     Units,
 };
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Adds the operations with these numbers: boxes, triangles, Euclidean and angular distances.
+/// Adds the operations with these opcodes: triangles, boxes, Euclidean and angular distances.
 fn with<const E: usize, const A: usize>(set: Operations, which: &[u64], rules: Rules) -> Result<Operations, Error> {
     which.iter().try_fold(set, |set, &which| match which {
-        0 => set.with(&RayBox { rules }, which),
-        1 => set.with(&RayTriangle { rules }, which),
+        0 => set.with(&RayTriangle { rules }, which),
+        1 => set.with(&RayBox { rules }, which),
         2 => set.with(&Euclidean::<E>, which),
         _ => set.with(&Angular::<A>, which),
     })
@@ -33,9 +31,9 @@ fn build<const E: usize, const A: usize>(set: Operations, which: &[u64], rules: 
     with::<E, A>(set, which, rules).and_then(Datapath::of).expect("a datapath")
 }
 
-const ALL: [u64; 4] = [0, 1, 2, 3];
+const ALL: [u64; 4] = [1, 0, 2, 3];
 const SETS: [(&str, &[u64]); 5] =
-    [("quadbox", &[0]), ("triangle", &[1]), ("euclidean", &[2]), ("angular", &[3]), ("all four", &ALL)];
+    [("quadbox", &[1]), ("triangle", &[0]), ("euclidean", &[2]), ("angular", &[3]), ("all four", &ALL)];
 
 fn budget_of(datapath: &Datapath) -> Budget {
     Budget::by_stage(|stage| datapath.units(stage as usize))
@@ -99,8 +97,8 @@ fn other_lanes_need_no_more_either() {
 /// Beside boxes and triangles that are staged by hand, distances of few lanes find all units that they need.
 #[test]
 fn without_a_budget_others_units_are_used() {
-    let hand = build::<4, 2>(Operations::new(), &[0, 1], Rules::Paper);
-    let mixed = with::<4, 2>(Operations::new(), &[0, 1], Rules::Paper).map(Operations::auto);
+    let hand = build::<4, 2>(Operations::new(), &[1, 0], Rules::Paper);
+    let mixed = with::<4, 2>(Operations::new(), &[1, 0], Rules::Paper).map(Operations::auto);
     let mixed = mixed.and_then(|set| with::<4, 2>(set, &[2, 3], Rules::Paper)).and_then(Datapath::of);
     let mixed = mixed.expect("a datapath");
     assert!(mixed.loops().is_empty());
@@ -128,150 +126,8 @@ fn stages_say_what_they_do() {
     assert_eq!(what(9)[2], "sum");
 }
 
-/// A job's ports and what it must answer.
-struct Job {
-    opcode: u64,
-    inputs: BTreeMap<String, u64>,
-    outputs: BTreeMap<String, u64>,
-}
-
-/// An operation over binary32, job after job.
-struct Reference<O: Operation> {
-    operation: O,
-    state: O::State<Binary32>,
-}
-
-impl<O: Operation> Reference<O> {
-    fn new(operation: O) -> Self {
-        Self { operation, state: O::State::build(&mut Path::default(), &mut Zeros) }
-    }
-
-    fn job(&mut self, opcode: u64, rng: &mut ChaCha8Rng) -> Job {
-        let input = O::Input::<Binary32>::build(&mut Path::default(), &mut Random(rng));
-        let (mut inputs, mut outputs) = (Ports::default(), Ports::default());
-        input.each(&mut Path::default(), &mut inputs);
-        let (output, next) = self.operation.run(Binary32, input, self.state);
-        self.state = next;
-        output.each(&mut Path::default(), &mut outputs);
-        Job { opcode, inputs: inputs.0, outputs: outputs.0 }
-    }
-}
-
-/// Numbers of which many are alike, special ones among them; corners of boxes in order and an extent ahead, so that
-/// boxes are hit.
-struct Random<'r>(&'r mut ChaCha8Rng);
-
-const SPECIAL: [f32; 8] = [0.0, -0.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 1e-40, f32::MAX, -1e-20];
-
-impl Source<Binary32> for Random<'_> {
-    fn num(&mut self, field: Field<'_>) -> Num<Binary32> {
-        let value = match self.0.random_range(0..40) {
-            0 => SPECIAL[self.0.random_range(0..SPECIAL.len())],
-            1 => f32::from_bits(self.0.random()),
-            2..20 => self.0.random_range(-4i8..=4).into(),
-            _ => self.0.random_range(-8.0_f32..8.0),
-        };
-        let value = match field.name.rsplit('_').next() {
-            Some("min") => -value.abs(),
-            Some("max" | "extent") => value.abs(),
-            _ => value,
-        };
-        Num::new(Binary32, Single(value))
-    }
-    fn bit(&mut self, _: Field<'_>) -> Bit<Binary32> {
-        Bit::new(Binary32, self.0.random())
-    }
-    fn word(&mut self, _: Field<'_>, width: u32) -> (Binary32, u32) {
-        (Binary32, self.0.random_range(0..1 << width))
-    }
-}
-
-struct Zeros;
-
-impl Source<Binary32> for Zeros {
-    fn num(&mut self, _: Field<'_>) -> Num<Binary32> {
-        Binary32.zero()
-    }
-    fn bit(&mut self, _: Field<'_>) -> Bit<Binary32> {
-        Binary32.bit(false)
-    }
-    fn word(&mut self, _: Field<'_>, _: u32) -> (Binary32, u32) {
-        (Binary32, 0)
-    }
-}
-
-/// What stands at each port, by name without its direction.
-#[derive(Default)]
-struct Ports(BTreeMap<String, u64>);
-
-impl Sink<Binary32> for Ports {
-    fn num(&mut self, field: Field<'_>, value: Num<Binary32>) {
-        self.0.insert(field.name.to_string(), value.value.to_bits().into());
-    }
-    fn bit(&mut self, field: Field<'_>, value: Bit<Binary32>) {
-        let place = field.bit.map_or(0, |(bit, _)| bit);
-        *self.0.entry(field.name.to_string()).or_default() |= u64::from(value.value) << place;
-    }
-    fn word(&mut self, field: Field<'_>, _: u32, value: u32) {
-        self.0.insert(field.name.to_string(), value.into());
-    }
-}
-
-fn random_jobs(rules: Rules, count: usize, rng: &mut ChaCha8Rng) -> Vec<Job> {
-    let (mut boxes, mut triangles) = (Reference::new(RayBox { rules }), Reference::new(RayTriangle { rules }));
-    let (mut euclidean, mut angular) = (Reference::new(Euclidean::<16>), Reference::new(Angular::<8>));
-    let jobs = (0..count).map(|_| match rng.random_range(0..4) {
-        0 => boxes.job(0, rng),
-        1 => triangles.job(1, rng),
-        2 => euclidean.job(2, rng),
-        _ => angular.job(3, rng),
-    });
-    jobs.collect()
-}
-
-/// Sends jobs through a datapath, source and sink stalling now and then, and compares every answer bit for bit.
-fn run(datapath: &Datapath, jobs: Vec<Job>, rng: &mut ChaCha8Rng) {
-    let mut simulator = Simulator::new(datapath.top()).expect("a netlist");
-    let input = |simulator: &Simulator, name: &str| simulator.input(name).expect(name);
-    let output = |simulator: &Simulator, name: &str| simulator.output(name).expect(name);
-    let (valid, ready) = (input(&simulator, "input_valid_i"), input(&simulator, "output_ready_i"));
-    let opcode = input(&simulator, "opcode_i");
-    let (accepts, shown) = (output(&simulator, "input_ready_o"), output(&simulator, "output_valid_o"));
-    let (mut waiting, mut inside, mut answered) = (VecDeque::from(jobs), VecDeque::<Job>::new(), 0);
-    let (count, mut bound) = (waiting.len(), 40 * waiting.len() + 1000);
-    while answered < count {
-        bound = bound.checked_sub(1).unwrap_or_else(|| panic!("{answered} answered of {count}"));
-        let offers = !waiting.is_empty() && rng.random_range(0..8) > 0;
-        let takes = rng.random_range(0..8) > 0;
-        simulator.set(valid, offers.into());
-        simulator.set(ready, takes.into());
-        if let Some(job) = waiting.front() {
-            simulator.set(opcode, job.opcode);
-            for (name, &value) in &job.inputs {
-                // What an operation does not read is no port.
-                if let Ok(port) = simulator.input(&format!("{name}_i")) {
-                    simulator.set(port, value);
-                }
-            }
-        }
-        simulator.cycle();
-        if offers && simulator.get(accepts) == 1 {
-            inside.extend(waiting.pop_front());
-        }
-        if takes && simulator.get(shown) == 1 {
-            let job = inside.pop_front().expect("an answer belongs to a job");
-            for (name, &expected) in &job.outputs {
-                let found = simulator.get(output(&simulator, &format!("{name}_o")));
-                assert_eq!(found, expected, "{name} of job {answered}, opcode {}", job.opcode);
-            }
-            answered += 1;
-        }
-    }
-}
-
 #[test]
 fn answers_are_those_of_the_operations() {
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
     let default = Config::DEFAULT;
     let configs = [
         (default, 4000),
@@ -283,12 +139,13 @@ fn answers_are_those_of_the_operations() {
     for rules in [Rules::Paper, Rules::Chisel] {
         for budget in [Budget::TABLE_VIII, Budget::UNLIMITED] {
             for (config, count) in configs {
-                let jobs = random_jobs(rules, count, &mut rng);
-                for (name, &value) in jobs.iter().flat_map(|job| &job.outputs) {
-                    seen.entry(name.clone()).or_default().insert(value);
-                }
                 let set = with::<16, 8>(Operations::new().auto().within(budget), &ALL, rules).expect("operations");
-                run(&Datapath::build(set, config.microarchitecture).expect("a datapath"), jobs, &mut rng);
+                let datapath = Datapath::build(set, config.microarchitecture).expect("a datapath");
+                let mut driver = Driver::new(Binary32, config);
+                let Ok(()) = config.rules(rules).semantics.operations(&mut driver);
+                for (port, values) in driver.run(&config.to_string(), &datapath, count) {
+                    seen.entry(port).or_default().extend(values);
+                }
             }
         }
     }
@@ -330,6 +187,15 @@ fn of<O: Operation>(operation: &O) -> Datapath {
     Operations::new().with(operation, 0).and_then(Datapath::of).expect("a datapath")
 }
 
+/// Holds random jobs of an operation against the operation.
+fn run(operation: impl Operation + Send + Sync + 'static, config: Config) {
+    let set = Operations::new().with(&operation, 0).expect("an operation");
+    let datapath = Datapath::build(set, config.microarchitecture).expect("a datapath");
+    let mut driver = Driver::new(Binary32, config);
+    let Ok(()) = driver.visit(operation, 0);
+    driver.run(&config.to_string(), &datapath, 500);
+}
+
 fn arithmetic(datapath: &Datapath) -> Vec<(usize, usize, usize)> {
     let stages = (1..=STAGES as usize).map(|stage| datapath.units(stage));
     stages.map(|units| (units.add, units.multiply, units.compare)).collect()
@@ -356,9 +222,7 @@ fn units_are_chained_as_the_rules_say() {
     let compares: Vec<(usize, usize, usize)> = used.into_iter().filter(|units| units.2 > 0).collect();
     assert_eq!(compares.iter().map(|units| units.2).sum::<usize>(), 4);
     assert!(compares.len() >= 2 && compares.iter().all(|units| (units.0, units.1) == (0, 0)), "{compares:?}");
-    let mut rng = ChaCha8Rng::seed_from_u64(2);
-    let mut reference = Reference::new(Chained);
-    run(&of(&Chained), (0..500).map(|_| reference.job(0, &mut rng)).collect(), &mut rng);
+    run(Chained, Config::DEFAULT);
 }
 
 /// State that goes through two units, a flag that becomes a constant, and units before and behind.
@@ -382,13 +246,7 @@ impl Operation for Filter {
 #[test]
 fn state_is_read_where_it_is_written() {
     for unit_latency in UnitLatency::ALL.iter().copied() {
-        let set = Operations::new().with(&Filter, 0).expect("an operation");
-        let datapath =
-            Datapath::build(set, Microarchitecture { unit_latency, ..Microarchitecture::DEFAULT }).expect("a datapath");
-        let mut rng = ChaCha8Rng::seed_from_u64(3);
-        let mut reference = Reference::new(Filter);
-        let jobs = (0..300).map(|_| reference.job(0, &mut rng)).collect();
-        run(&datapath, jobs, &mut rng);
+        run(Filter, Config::DEFAULT.unit_latency(unit_latency));
     }
 }
 

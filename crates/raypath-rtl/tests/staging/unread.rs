@@ -1,8 +1,8 @@
 //! Dead values are not in the hardware, unless their exceptions are an output.
 
+use crate::drive::drive;
 use crate::{Input, Output, arithmetic, assert_within, units};
 use raypath_float::flags;
-use raypath_hdl::Simulator;
 use raypath_ops::{Circuit, Num, Operation, bundle};
 use raypath_rtl::{Budget, Datapath, Error, Microarchitecture, Operations, UnitLatency, Units};
 
@@ -97,24 +97,15 @@ fn what_is_made_for_its_exceptions_keeps_to_the_budget() {
 #[test]
 fn exceptions_of_dead_values_are_an_output() {
     let datapath = flagged(&Sums, units(1, 1, 1)).expect("a datapath");
-    let mut simulator = Simulator::new(datapath.top()).expect("a netlist");
     for (numbers, expected) in [
         ([1.0, 2.0, 3.0, 4.0], 0),
         ([1.0, 2.0, f32::MAX, 4.0], flags::OVERFLOW | flags::INEXACT),
         ([f32::INFINITY, 2.0, f32::NEG_INFINITY, 4.0], flags::INVALID),
     ] {
-        let mut set = |port: &str, value: u64| {
-            let port = simulator.input(port).expect(port);
-            simulator.set(port, value);
-        };
-        for (index, number) in numbers.into_iter().enumerate() {
-            set(&format!("n_{index}_i"), f32::to_bits(number).into());
-        }
-        set("input_valid_i", 1);
-        set("output_ready_i", 1);
-        (0..=datapath.latency()).for_each(|_| simulator.cycle());
-        let port = simulator.output("exception_flags_o").expect("flags");
-        assert_eq!(simulator.get(port), expected, "{numbers:?}");
+        let numbers = numbers.into_iter().enumerate();
+        let job = numbers.map(|(index, number)| (format!("n_{index}"), f32::to_bits(number).into())).collect();
+        let (answers, _) = drive(&datapath, &[job], || false);
+        assert_eq!(answers[0]["exception_flags"], expected, "{answers:?}");
     }
 }
 
