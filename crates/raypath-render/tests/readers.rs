@@ -82,9 +82,17 @@ fn extensions_determine_the_format() {
     assert_eq!(message("a/b"), "a/b: extension none, expected one of obj, gltf, glb, ply, stl");
     assert!(message("a/absent.OBJ").starts_with("a/absent.OBJ: cannot read: "));
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("four.PLY");
-    std::fs::write(&path, PLY).unwrap();
-    assert_eq!(read_mesh(&path).unwrap().triangles().len(), 4);
+    for (name, bytes) in [
+        ("four.PLY", PLY.into()),
+        ("four.obj", OBJ.into()),
+        ("four.stl", binary_stl(b"", 4)),
+        ("four.gltf", gltf(&Gltf::default()).into()),
+        ("four.glb", glb(&Gltf { uri: "", ..Gltf::default() })),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        assert_eq!(read_mesh(&path).unwrap().triangles().len(), 4, "{name}");
+    }
 }
 
 #[test]

@@ -1,8 +1,11 @@
 //! The program as a user meets it: what it writes, what it says, how it ends.
 
+mod accuracy;
 mod bench;
+mod campaign;
 mod operations;
 mod page;
+mod ppa;
 mod render;
 mod replay;
 mod search;
@@ -21,11 +24,15 @@ fn said(output: &Output) -> String {
 }
 
 fn ends_with(arguments: &[&str], code: i32, words: &[&str]) {
-    let output = raypath(arguments);
+    program_ends_with(Command::new(env!("CARGO_BIN_EXE_raypath")).args(arguments), code, words);
+}
+
+fn program_ends_with(program: &mut Command, code: i32, words: &[&str]) {
+    let output = program.output().expect("the program");
     let said = said(&output);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
+    assert_eq!(output.status.code(), Some(code), "{program:?}: {said}");
     for word in words {
-        assert!(said.contains(word), "{arguments:?} should say '{word}': {said}");
+        assert!(said.contains(word), "{program:?} should say '{word}': {said}");
     }
 }
 
@@ -100,22 +107,6 @@ fn generate_writes_the_same_bytes_each_time() {
     assert!(all.starts_with(banner), "{all:.300}");
     let head: String = all.lines().take_while(|line| line.starts_with("//")).collect();
     assert!(head.contains("quadbox, stage by stage:") && head.contains("9  + W = t_denom ; + W Cz = t_num"), "{head}");
-}
-
-#[test]
-fn configurations_differ() {
-    let mut texts = Vec::new();
-    for (lanes, rules) in [("none", "paper"), ("none", "chisel"), ("16", "paper"), ("16", "chisel")] {
-        let out = folder();
-        let arguments = ["generate", "--lanes", lanes, "--rules", rules, "--jobs", "500", "--out", &text(out.path())];
-        ends_with(&arguments, 0, &["0 mismatches", "latency 12 cycles, initiation interval 1"]);
-        texts.push(std::fs::read_to_string(out.path().join("raypath.sv")).expect("text"));
-    }
-    let [without, .., with] = &texts[..] else { unreachable!("four texts") };
-    assert!(!without.contains("euclidean") && with.contains("euclidean"));
-    texts.sort();
-    texts.dedup();
-    assert_eq!(texts.len(), 4);
 }
 
 #[test]

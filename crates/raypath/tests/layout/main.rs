@@ -1,5 +1,8 @@
-//! The rules of the layout (`docs/development/architecture.md`), read from the manifests and the sources.
+//! The rules of the layout (`docs/development/architecture.md`), read from the manifests and the sources, and the
+//! documents.
 
+mod book;
+mod documents;
 mod imports;
 mod manifests;
 mod sources;

@@ -1,6 +1,6 @@
-//! The permitted dependencies between crates.
+//! The permitted dependencies between crates, and what Cargo demands of packages.
 
-use crate::root;
+use crate::{root, text};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
@@ -14,11 +14,16 @@ fn cargo(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-fn dependencies() -> Dependencies {
-    let metadata: Value =
-        serde_json::from_str(&cargo(&["metadata", "--format-version", "1", "--no-deps", "--offline"])).expect("JSON");
+/// The packages of the workspace, in the form of `cargo metadata`.
+fn packages() -> Vec<Value> {
+    let metadata = cargo(&["metadata", "--format-version", "1", "--no-deps", "--offline"]);
+    let mut metadata: Value = serde_json::from_str(&metadata).expect("JSON");
+    serde_json::from_value(metadata["packages"].take()).expect("packages")
+}
+
+pub fn dependencies() -> Dependencies {
     let mut all = Dependencies::new();
-    for package in metadata["packages"].as_array().expect("packages") {
+    for package in packages() {
         let of = all.entry(package["name"].as_str().expect("a name").to_string()).or_default();
         for dependency in package["dependencies"].as_array().expect("dependencies") {
             let kind = dependency["kind"].as_str().unwrap_or("normal").to_string();
@@ -118,4 +123,39 @@ fn all_builds_share_their_dependencies() {
             "features that the tests do not select; select them in raypath-cli/Cargo.toml: {again:#?}"
         );
     }
+}
+
+/// The requirements of `cargo package` on each published crate: its dependencies in the workspace have a version and
+/// are published, and it has a description and a licence. Dev-dependencies in the workspace have no version, so that
+/// Cargo omits them from the package, where they would form cycles.
+#[test]
+fn crates_can_be_packaged() {
+    let packages = packages();
+    let name = |value: &Value| value["name"].as_str().expect("a name").to_string();
+    // `publish` is null for crates that may be published, and empty for the others.
+    let published: BTreeMap<String, &Value> = packages
+        .iter()
+        .filter(|package| package["publish"].is_null())
+        .map(|package| (name(package), package))
+        .collect();
+    assert!(published.contains_key("raypath") && published.contains_key("raypath-ops"), "{published:?}");
+    for (package, manifest) in &published {
+        for field in ["description", "license"] {
+            assert!(manifest[field].is_string(), "{package} has no {field}");
+        }
+        for dependency in manifest["dependencies"].as_array().expect("dependencies") {
+            if dependency["path"].is_null() {
+                continue;
+            }
+            let (on, has_version) = (name(dependency), dependency["req"] != "*");
+            if dependency["kind"] == "dev" {
+                assert!(!has_version, "{package}: the dev-dependency on {on} has a version, expected a path alone");
+            } else {
+                assert!(has_version, "{package}: the dependency on {on} has no version");
+                assert!(published.contains_key(&on), "{package} depends on {on}, which is not published");
+            }
+        }
+    }
+    let manifest = text(&root().join("Cargo.toml"));
+    assert!(!manifest.contains("[patch"), "a patch holds in this workspace alone");
 }

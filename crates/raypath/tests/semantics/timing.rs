@@ -1,5 +1,5 @@
-//! 24 jobs while the sink is not ready, full throughput after a stall, stable outputs. `golden.rs` and `peers/latency.rs`
-//! test the latency and the throughput without stalls.
+//! 24 jobs while the sink is not ready, full throughput after a stall, stable outputs. `golden.rs` and
+//! `peers/latency.rs` test the latency and the throughput without stalls.
 
 use crate::answers::{self, Typed};
 use crate::random::mixed_jobs;

@@ -1,10 +1,10 @@
 //! The accuracy of formats: errors counted by hand, bounds on rounding errors, and changes that must not affect
 //! results.
 
+use crate::{ends_with, raypath};
 use raypath::float::Format;
 use raypath::ops::Rules;
 use raypath_cli::accuracy::{Accuracy, Errors, Quantiles, Quantity, RAYS, Row};
-use std::process::Command;
 use std::sync::OnceLock;
 
 const FP32: Accuracy = Accuracy { format: Format::BINARY32, rules: Rules::Paper, scale: 1.0 };
@@ -154,10 +154,7 @@ fn wrong_input_is_named() {
         (&["--jobs", "0"], &["'0'", "--jobs", "expected a whole number from 1 to 1000000"]),
     ];
     for (arguments, words) in cases {
-        let output = raypath(&[&["accuracy"], arguments].concat());
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
-        assert!(words.iter().all(|word| said.contains(word)), "{arguments:?}: {said}");
+        ends_with(&[&["accuracy"], arguments].concat(), 2, words);
     }
 }
 
@@ -165,10 +162,6 @@ fn wrong_input_is_named() {
 fn fp32_scene() -> &'static [Row] {
     static ROWS: OnceLock<Vec<Row>> = OnceLock::new();
     ROWS.get_or_init(|| FP32.scene(|| true))
-}
-
-fn raypath(arguments: &[&str]) -> std::process::Output {
-    Command::new(env!("CARGO_BIN_EXE_raypath")).args(arguments).output().expect("the program")
 }
 
 fn of(rows: &[Row], quantity: Quantity) -> &Row {

@@ -1,35 +1,22 @@
 //! Tables in the documents that are compared with the code.
 
+use crate::manifests::dependencies;
+use crate::{root, text};
 use raypath::oracle::added_operations;
 use raypath::rtl::report::tables::list;
 use raypath::rtl::{Config, PARAMETER_GROUPS};
 use raypath::sim::Datapath;
 use raypath_cli::Cost;
-use std::collections::BTreeSet;
-use std::fs;
-use std::path::Path;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// `docs/development/dependencies.md` has a row for every dependency, and no other rows.
 #[test]
 fn every_dependency_has_a_reason() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let mut used = BTreeSet::new();
-    for entry in fs::read_dir(root.join("crates")).expect("crates") {
-        let manifest = entry.expect("an entry").path().join("Cargo.toml");
-        let text = fs::read_to_string(&manifest).expect("a manifest");
-        let mut lists_dependencies = false;
-        for line in text.lines() {
-            if line.starts_with('[') {
-                lists_dependencies = line.ends_with("dependencies]");
-            } else if lists_dependencies && let Some((name, _)) = line.split_once(['.', ' ', '=']) {
-                used.insert(name.to_string());
-            }
-        }
-    }
-    used.retain(|name| !name.starts_with("raypath") && name != "#");
+    let mut used: BTreeSet<String> = dependencies().into_values().flat_map(BTreeMap::into_values).flatten().collect();
+    used.retain(|name| !name.starts_with("raypath"));
     assert!(used.contains("clap") && used.contains("wellen"), "{used:?}");
 
-    let document = fs::read_to_string(root.join("docs/development/dependencies.md")).expect("the document");
+    let document = text(&root().join("docs/development/dependencies.md"));
     let crates = document.split("## Programs").next().expect("the crates");
     let rows = crates.lines().filter(|line| line.starts_with("| `"));
     let mut listed = BTreeSet::new();
@@ -49,8 +36,7 @@ fn every_dependency_has_a_reason() {
 /// The table of `docs/reference/operations.md` has the latency, units and flip-flops that are counted in the netlists.
 #[test]
 fn the_table_of_operations_has_the_counted_figures() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let document = fs::read_to_string(root.join("docs/reference/operations.md")).expect("the document");
+    let document = text(&root().join("docs/reference/operations.md"));
     let table =
         document.split("| operation | for |").nth(1).and_then(|rest| rest.split("\n\n").next()).expect("the table");
     let rows: Vec<Vec<&str>> = table.lines().skip(2).map(|row| row.split('|').map(str::trim).collect()).collect();
@@ -76,8 +62,7 @@ fn the_table_of_operations_has_the_counted_figures() {
 /// The table of parameters in the document of configurations is generated from their declarations.
 #[test]
 fn the_table_of_parameters_has_the_declarations() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let document = fs::read_to_string(root.join("docs/reference/configurations.md")).expect("the document");
+    let document = text(&root().join("docs/reference/configurations.md"));
     for group in PARAMETER_GROUPS {
         let mut table = format!("| {} | values | default | meaning |\n| --- | --- | --- | --- |\n", group.heading);
         for parameter in group.parameters {

@@ -1,16 +1,9 @@
-//! Missing programs, wrong input, and stops of the commands.
+//! `raypath ppa` and `raypath explore`: missing programs, wrong input, and stops.
 
+use crate::{program_ends_with, said, text};
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
-
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("a plain path")
-}
+use std::process::{Command, Stdio};
 
 /// The program in `folder`. It finds other programs only in `folder/bin`.
 fn raypath(folder: &Path, arguments: &[&str]) -> Command {
@@ -20,12 +13,7 @@ fn raypath(folder: &Path, arguments: &[&str]) -> Command {
 }
 
 fn ends_with(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) {
-    let output = raypath(folder, arguments).output().expect("the program");
-    let said = said(&output);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
-    for word in words {
-        assert!(said.contains(word), "{arguments:?} should say '{word}': {said}");
-    }
+    program_ends_with(&mut raypath(folder, arguments), code, words);
     assert!(!folder.join("build").exists(), "{arguments:?} wrote something");
 }
 

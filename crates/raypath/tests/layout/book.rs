@@ -1,7 +1,7 @@
 //! The documents: chapters, includes, links, paths of files, and the quoted output of examples.
 
+use crate::{files, root, text};
 use std::collections::BTreeSet;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -19,12 +19,11 @@ impl Chapter {
 }
 
 fn book() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs")
+    root().join("docs")
 }
 
 fn chapter(file: PathBuf) -> Chapter {
-    let text = fs::read_to_string(&file).unwrap_or_else(|problem| panic!("{}: {problem}", file.display()));
-    Chapter { file, text }
+    Chapter { text: text(&file), file }
 }
 
 /// The chapters that the summary lists.
@@ -52,20 +51,6 @@ fn includes(text: &str) -> Vec<(String, Option<String>)> {
         .collect()
 }
 
-/// The files below a folder, by extension.
-fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry")) {
-        let path = entry.path();
-        if entry.file_type().expect("a type").is_dir() {
-            found.extend(files(&path, extension));
-        } else if path.extension().is_some_and(|found| found == extension) {
-            found.push(path);
-        }
-    }
-    found
-}
-
 #[test]
 fn every_chapter_is_listed_and_exists() {
     let listed: BTreeSet<_> = chapters().into_iter().map(|chapter| chapter.file).collect();
@@ -77,11 +62,9 @@ fn every_chapter_is_listed_and_exists() {
 /// Source files name documents by their path from the repository's root.
 #[test]
 fn every_document_that_sources_name_exists() {
-    let root = book().join("..");
     let mut seen = 0;
-    for file in files(&root.join("crates"), "rs") {
-        let text = fs::read_to_string(&file).expect("a source file");
-        for rest in text.split("`docs/").skip(1) {
+    for file in files(&root().join("crates"), "rs") {
+        for rest in text(&file).split("`docs/").skip(1) {
             let path = rest.split(['`', '#', '"']).next().unwrap_or_default();
             let is_foreign = path == "kanata-log-format.md"; // of the project Konata
             assert!(is_foreign || book().join(path).exists(), "{}: docs/{path}", file.display());
@@ -94,15 +77,13 @@ fn every_document_that_sources_name_exists() {
 /// Documents name files by their path from the repository's root, for example `crates/raypath-ops/src/rules.rs`.
 #[test]
 fn every_path_that_documents_name_exists() {
-    let root = book().join("..");
-    let outside = ["README.md", "CONTRIBUTING.md", "SECURITY.md", "fuzz/README.md"].map(|name| root.join(name));
+    let outside = ["README.md", "CONTRIBUTING.md", "SECURITY.md", "fuzz/README.md"].map(|name| root().join(name));
     let mut seen = 0;
     for document in files(&book(), "md").into_iter().chain(outside) {
-        let text = fs::read_to_string(&document).expect("a document");
-        let prose = text.split("```").step_by(2).collect::<String>();
+        let prose = text(&document).split("```").step_by(2).collect::<String>();
         for path in prose.split('`').skip(1).step_by(2) {
             if ["crates/", "examples/", "docs/", ".github/"].iter().any(|folder| path.starts_with(folder)) {
-                assert!(root.join(path).exists(), "{}: {path}", document.display());
+                assert!(root().join(path).exists(), "{}: {path}", document.display());
                 seen += 1;
             }
         }
@@ -113,11 +94,10 @@ fn every_path_that_documents_name_exists() {
 /// Links of the documents outside of the book lead to files.
 #[test]
 fn every_link_outside_of_the_book_resolves() {
-    let root = book().join("..");
     for name in
         ["README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "fuzz/README.md", "examples/cocotb/README.md"]
     {
-        let document = chapter(root.join(name));
+        let document = chapter(root().join(name));
         for link in links(&document.text).into_iter().filter(|link| !link.starts_with("http")) {
             let (path, _) = link.split_once('#').unwrap_or((&link, ""));
             assert!(document.resolve(path).exists(), "{name}: {link}");
@@ -132,7 +112,7 @@ fn every_include_resolves() {
     for chapter in chapters() {
         for (path, anchor) in includes(&chapter.text) {
             let place = format!("{}: {path}:{anchor:?}", chapter.file.display());
-            let included = fs::read_to_string(chapter.resolve(&path)).unwrap_or_else(|e| panic!("{place}: {e}"));
+            let included = text(&chapter.resolve(&path));
             let anchor = anchor.unwrap_or_else(|| panic!("{place}: no anchor"));
             assert!(anchored(&included, &anchor).is_some_and(|lines| !lines.is_empty()), "{place}: no such anchor");
             seen += 1;
