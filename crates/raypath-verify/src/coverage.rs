@@ -4,12 +4,10 @@ mod counts;
 mod handshakes;
 mod model;
 mod operands;
-mod paths;
 mod rules;
 mod tracker;
 
 pub use counts::Coverage;
 pub use handshakes::Handshakes;
-pub use model::{CoverageModel, CoveragePoint, JobPoints};
-pub use paths::{JobEnd, JobPath};
+pub use model::{CoverageModel, CoveragePoint, JobEnd, JobPath, JobPoints};
 pub use tracker::Tracker;

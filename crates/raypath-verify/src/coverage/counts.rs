@@ -1,8 +1,7 @@
 //! Counts of what a campaign has covered.
 
 use super::handshakes::Handshakes;
-use super::model::{CoverageModel, JobPoints};
-use super::paths::{JobPath, PATHS};
+use super::model::{CoverageModel, JobPath, JobPoints, PATHS};
 use std::fmt::Write;
 
 /// Counts of all coverage points of a configuration.

@@ -3,20 +3,27 @@
 use super::model::CoverageModel;
 use raypath_model::Control;
 use raypath_ops::JobKind;
+use std::collections::HashMap;
 
-const KINDS: usize = JobKind::ALL.len();
-
-/// What happened at the ports, in numbers.
+/// The number of events at the ports.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Handshakes {
-    /// Cycles by source event, sink event, and fill level.
-    cycles: [[[u64; 3]; 4]; 3],
-    /// Resets by the number of jobs in the pipeline.
-    resets: Vec<u64>,
-    /// Accepted jobs by the operation before, the operation, and whether it came in the next cycle.
-    pairs: [[[u64; 2]; KINDS]; KINDS],
-    /// Withdrawn jobs by operation, and whether they had been refused.
-    withdrawn: [[u64; 2]; KINDS],
+    /// The number of jobs that fit into the pipeline.
+    capacity: usize,
+    counts: HashMap<Event, u64>,
+}
+
+/// An event at the ports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Event {
+    /// A cycle, by source event, sink event and fill level: positions in `SOURCES`, `SINKS` and `FILLS`.
+    Cycle(usize, usize, usize),
+    /// A reset with this number of jobs in the pipeline.
+    Reset(usize),
+    /// An accepted job: the operation before, the operation, and whether it came in the next cycle.
+    Pair(JobKind, JobKind, bool),
+    /// A withdrawn job, and whether it had been refused.
+    Withdrawn(JobKind, bool),
 }
 
 const SOURCES: [&str; 3] = ["accepted", "refused", "idle"];
@@ -25,17 +32,12 @@ const FILLS: [&str; 3] = ["empty", "between", "full"];
 
 impl Handshakes {
     pub(super) fn new(capacity: usize) -> Self {
-        Self {
-            cycles: Default::default(),
-            resets: vec![0; capacity + 1],
-            pairs: Default::default(),
-            withdrawn: Default::default(),
-        }
+        Self { capacity, counts: HashMap::new() }
     }
 
     /// Counts a cycle. `source` is valid and ready of the input, `sink` ready and valid of the output, `inside` the
     /// number of jobs in the pipeline.
-    pub(super) fn cycle(&mut self, source: (bool, bool), sink: (bool, bool), inside: usize) {
+    pub(super) fn count_cycle(&mut self, source: (bool, bool), sink: (bool, bool), inside: usize) {
         let source = match source {
             (true, true) => 0,
             (true, false) => 1,
@@ -47,63 +49,44 @@ impl Handshakes {
             (true, false) => 2,
             (false, false) => 3,
         };
-        let full = self.resets.len() - 1;
-        let fill = if inside == 0 { 0 } else { 1 + usize::from(inside >= full) };
-        self.cycles[source][sink][fill] += 1;
+        let fill = if inside == 0 { 0 } else { 1 + usize::from(inside >= self.capacity) };
+        self.count(Event::Cycle(source, sink, fill));
     }
 
-    pub(super) fn reset(&mut self, inside: usize) {
-        let capacity = self.resets.len() - 1;
-        self.resets[inside.min(capacity)] += 1;
-    }
-
-    pub(super) fn pair(&mut self, before: JobKind, kind: JobKind, is_next_cycle: bool) {
-        self.pairs[before as usize][kind as usize][usize::from(is_next_cycle)] += 1;
-    }
-
-    pub(super) fn withdrawn(&mut self, kind: JobKind, was_refused: bool) {
-        self.withdrawn[kind as usize][usize::from(was_refused)] += 1;
+    pub(super) fn count(&mut self, event: Event) {
+        *self.counts.entry(event).or_default() += 1;
     }
 
     pub(super) fn add(&mut self, other: &Self) {
-        let sum = |mine: &mut u64, others: &u64| *mine += others;
-        let cycles = self.cycles.as_flattened_mut().as_flattened_mut().iter_mut();
-        cycles.zip(other.cycles.as_flattened().as_flattened()).for_each(|(mine, others)| sum(mine, others));
-        self.resets.iter_mut().zip(&other.resets).for_each(|(mine, others)| sum(mine, others));
-        let pairs = self.pairs.as_flattened_mut().as_flattened_mut().iter_mut();
-        pairs.zip(other.pairs.as_flattened().as_flattened()).for_each(|(mine, others)| sum(mine, others));
-        let withdrawn = self.withdrawn.as_flattened_mut().iter_mut();
-        withdrawn.zip(other.withdrawn.as_flattened()).for_each(|(mine, others)| sum(mine, others));
+        other.counts.iter().for_each(|(event, count)| *self.counts.entry(*event).or_default() += count);
     }
 
     /// All reachable coverage points, with their counts.
     pub(super) fn points(&self, model: &CoverageModel) -> Vec<(String, u64)> {
         let mut points = Vec::new();
-        for (source, of_source) in SOURCES.iter().zip(&self.cycles) {
-            for (sink, of_sink) in SINKS.iter().zip(of_source) {
-                for (fill, &count) in FILLS.iter().zip(of_sink) {
-                    if is_reachable(model, source, sink, fill) {
-                        points.push((format!("cycle: source {source}, sink {sink}, {fill}"), count));
+        let mut add = |name: String, event| points.push((name, self.counts.get(&event).copied().unwrap_or(0)));
+        for (source, source_name) in SOURCES.iter().enumerate() {
+            for (sink, sink_name) in SINKS.iter().enumerate() {
+                for (fill, fill_name) in FILLS.iter().enumerate() {
+                    if is_reachable(model, source_name, sink_name, fill_name) {
+                        let name = format!("cycle: source {source_name}, sink {sink_name}, {fill_name}");
+                        add(name, Event::Cycle(source, sink, fill));
                     }
                 }
             }
         }
-        points.extend(
-            self.resets.iter().enumerate().map(|(inside, &count)| (format!("reset with {inside} inside"), count)),
-        );
+        (0..=self.capacity).for_each(|inside| add(format!("reset with {inside} inside"), Event::Reset(inside)));
         for &before in model.kinds {
             for &kind in model.kinds {
-                let [later, next] = self.pairs[before as usize][kind as usize];
-                points.push((format!("{kind} after {before}, with a gap"), later));
+                add(format!("{kind} after {before}, with a gap"), Event::Pair(before, kind, false));
                 if !keeps_apart(model, before, kind) {
-                    points.push((format!("{kind} after {before}, in the next cycle"), next));
+                    add(format!("{kind} after {before}, in the next cycle"), Event::Pair(before, kind, true));
                 }
             }
         }
         for &kind in model.kinds {
-            let [unoffered, refused] = self.withdrawn[kind as usize];
-            points.push((format!("{kind} withdrawn before it was refused"), unoffered));
-            points.push((format!("{kind} withdrawn after it was refused"), refused));
+            add(format!("{kind} withdrawn before it was refused"), Event::Withdrawn(kind, false));
+            add(format!("{kind} withdrawn after it was refused"), Event::Withdrawn(kind, true));
         }
         points
     }

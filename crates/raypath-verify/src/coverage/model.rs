@@ -1,8 +1,10 @@
 //! The coverage points of a configuration, and which of them a job covers.
 
 use super::operands::{CLASSES, class, group, groups};
-use super::paths::{JobEnd, PATHS};
-use super::rules::{AccumulatorState, BeatRule, BoxRule, PERMUTATIONS, Rounded, TriangleRule, permutation};
+use super::rules::{
+    AccumulatorState, PERMUTATIONS, RULES_AT_ENTRY, Rounded, Rule, box_rules, permutation, rules_at_entry,
+    rules_at_exit, triangle_rules,
+};
 use crate::layout::{Field, Layout};
 use raypath_float::Format;
 use raypath_model::Shape;
@@ -33,6 +35,39 @@ pub struct CoveragePoint {
     is_impossible: bool,
 }
 
+/// How a job entered the pipeline, and how it left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct JobPath {
+    /// Whether it was refused at least once before it was accepted.
+    pub waited: bool,
+    /// How it left.
+    pub end: JobEnd,
+}
+
+/// How a job left the pipeline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JobEnd {
+    /// The sink took the outcome in its first cycle.
+    Taken,
+    /// The sink stalled the outcome at least once.
+    Held,
+    /// A reset discarded the job.
+    Lost,
+}
+
+/// The names of all paths, in the order of [`JobPath::index`].
+pub(super) const PATHS: [&str; 6] = ["taken", "held", "lost", "waited, taken", "waited, held", "waited, lost"];
+
+impl JobPath {
+    /// Neither source nor sink stalled.
+    pub const STRAIGHT: Self = Self { waited: false, end: JobEnd::Taken };
+
+    /// The path's position in `PATHS`.
+    pub fn index(self) -> usize {
+        3 * usize::from(self.waited) + self.end as usize
+    }
+}
+
 /// The coverage points of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct JobPoints {
@@ -60,6 +95,12 @@ impl JobPoints {
         self.points[point / 64] |= 1 << (point % 64);
     }
 
+    /// Sets the points of exercised rules, of which the first has the number `first`.
+    fn set_rules(&mut self, first: usize, rules: &[Rule]) {
+        let exercised = rules.iter().enumerate().filter(|(_, (_, is_exercised))| *is_exercised);
+        exercised.for_each(|(index, _)| self.set(first + index));
+    }
+
     /// Calls `visit` with the number of each point.
     pub fn each(&self, mut visit: impl FnMut(usize)) {
         for (index, &word) in self.points.iter().enumerate() {
@@ -75,8 +116,10 @@ impl JobPoints {
 impl CoverageModel {
     /// The points of a configuration, with its pipeline's shape and the layout of its jobs.
     pub fn new(config: Config, shape: &Shape, layout: Layout) -> Self {
-        let points =
-            JobKind::ALL.map(|kind| if config.kinds().contains(&kind) { points(kind, config) } else { vec![] });
+        let points = JobKind::ALL.map(|kind| match config.kinds().contains(&kind) {
+            true => points(kind, config, &layout),
+            false => vec![],
+        });
         Self {
             points: points.into(),
             capacity: shape.capacity(),
@@ -106,16 +149,14 @@ impl CoverageModel {
         }
         let (first, rounded) = (rules_begin(kind, self.rules), Rounded(self.format));
         match kind {
-            JobKind::Triangle => {
-                TriangleRule::each(rounded, &self.layout, words, |rule| covered.set(first + rule as usize));
-            }
+            JobKind::Triangle => covered.set_rules(first, &triangle_rules(rounded, &self.layout, words)),
             JobKind::Quadbox => {
-                let order = BoxRule::each(rounded, &self.layout, words, |rule| covered.set(first + rule as usize));
-                covered.set(first + BoxRule::NAMES.len() + order);
+                let (rules, order) = box_rules(rounded, &self.layout, words);
+                covered.set_rules(first, &rules);
+                covered.set(first + rules.len() + order);
             }
             JobKind::Euclidean | JobKind::Angular => {
-                let set = |rule| covered.set(first + rule as usize);
-                BeatRule::each(kind, self.format, &self.layout, words, set);
+                covered.set_rules(first, &rules_at_entry(kind, self.format, &self.layout, words));
             }
         }
         covered
@@ -123,8 +164,8 @@ impl CoverageModel {
 
     /// Adds the points that a beat covers when it leaves.
     pub fn add_exit_points(&self, covered: &mut JobPoints, found: AccumulatorState) {
-        let first = rules_begin(covered.kind, self.rules);
-        BeatRule::each_at_exit(self.format, found, |rule| covered.set(first + rule as usize));
+        let first = rules_begin(covered.kind, self.rules) + RULES_AT_ENTRY;
+        covered.set_rules(first, &rules_at_exit(self.format, found));
     }
 
     fn mask(&self, kind: JobKind, words: &[u64]) -> u64 {
@@ -142,36 +183,39 @@ fn rules_begin(kind: JobKind, rules: Rules) -> usize {
     CLASSES.len() * groups(kind, rules).len() + if kind == JobKind::Triangle { 12 } else { 0 }
 }
 
-fn points(kind: JobKind, config: Config) -> Vec<CoveragePoint> {
-    let rules = config.semantics.rules;
-    let groups = groups(kind, rules).iter();
-    let mut names: Vec<String> =
-        groups.flat_map(|group| CLASSES.iter().map(move |class| format!("{group} {class}"))).collect();
-    if kind == JobKind::Triangle {
-        names.extend(["kx", "ky", "kz"].iter().flat_map(|axis| (0..4).map(move |value| format!("{axis} = {value}"))));
-    }
-    let of_rules = match kind {
-        JobKind::Triangle => TriangleRule::NAMES,
-        JobKind::Quadbox => BoxRule::NAMES,
-        JobKind::Euclidean | JobKind::Angular => BeatRule::NAMES,
+fn points(kind: JobKind, config: Config, layout: &Layout) -> Vec<CoveragePoint> {
+    let (rules, format, lanes) = (config.semantics.rules, config.semantics.format, config.semantics.lanes.count());
+    let point = |name: &str| CoveragePoint {
+        name: format!("{kind}: {name}"),
+        is_known_at_exit_only: false,
+        is_impossible: false,
     };
-    let first_rule = names.len();
-    names.extend(of_rules.iter().map(ToString::to_string));
-    if kind == JobKind::Quadbox {
-        names.extend((0..PERMUTATIONS).map(|number| format!("5: order {:?}", permutation(number))));
+    let groups = groups(kind, rules).iter();
+    let mut points: Vec<CoveragePoint> =
+        groups.flat_map(|group| CLASSES.iter().map(move |class| point(&format!("{group} {class}")))).collect();
+    match kind {
+        JobKind::Triangle => {
+            let axes = ["kx", "ky", "kz"].into_iter().flat_map(|axis| (0..4).map(move |value| (axis, value)));
+            points.extend(axes.map(|(axis, value)| point(&format!("{axis} = {value}"))));
+            points.extend(triangle_rules(Rounded(format), layout, &[]).map(|(name, _)| point(name)));
+        }
+        JobKind::Quadbox => {
+            points.extend(box_rules(Rounded(format), layout, &[]).0.map(|(name, _)| point(name)));
+            points.extend((0..PERMUTATIONS).map(|number| point(&format!("5: order {:?}", permutation(number)))));
+        }
+        JobKind::Euclidean | JobKind::Angular => {
+            let lanes = if kind == JobKind::Angular { lanes / 2 } else { lanes };
+            points.extend(rules_at_entry(kind, format, layout, &[]).map(|(name, _)| CoveragePoint {
+                is_impossible: lanes <= 1 && name == "7: one lane is enabled"
+                    || lanes <= 2 && name == "7: some lanes are enabled",
+                ..point(name)
+            }));
+            let empty = AccumulatorState { sum: 0, after_others: true, after_loss: false };
+            points.extend(
+                rules_at_exit(format, empty)
+                    .map(|(name, _)| CoveragePoint { is_known_at_exit_only: true, ..point(name) }),
+            );
+        }
     }
-    let is_beat = matches!(kind, JobKind::Euclidean | JobKind::Angular);
-    let lanes =
-        if kind == JobKind::Angular { config.semantics.lanes.count() / 2 } else { config.semantics.lanes.count() };
-    let too_few = [(BeatRule::MaskOne, 1), (BeatRule::MaskSome, 2)].into_iter().filter(|(_, most)| lanes <= *most);
-    let impossible: Vec<usize> = too_few.map(|(rule, _)| first_rule + rule as usize).collect();
-    let first_at_exit = first_rule + BeatRule::FIRST_AT_EXIT as usize;
-    let named = names.into_iter().enumerate();
-    named
-        .map(|(index, name)| CoveragePoint {
-            name: format!("{kind}: {name}"),
-            is_known_at_exit_only: is_beat && index >= first_at_exit,
-            is_impossible: is_beat && impossible.contains(&index),
-        })
-        .collect()
+    points
 }

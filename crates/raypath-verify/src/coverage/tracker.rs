@@ -1,8 +1,8 @@
 //! Coverage of a running pipeline.
 
 use super::counts::Coverage;
-use super::model::{CoverageModel, JobPoints};
-use super::paths::{JobEnd, JobPath};
+use super::handshakes::Event;
+use super::model::{CoverageModel, JobEnd, JobPath, JobPoints};
 use super::rules::AccumulatorState;
 use raypath_model::Words;
 use raypath_ops::JobKind;
@@ -40,7 +40,7 @@ impl<'t> Tracker<'t> {
     /// Counts one cycle.
     pub fn observe(&mut self, seen: &Seen) {
         if let Some(job) = seen.withdrawn.and_then(|index| self.jobs.get(index)) {
-            self.coverage.handshakes.withdrawn(job.kind, self.refused);
+            self.coverage.handshakes.count(Event::Withdrawn(job.kind, self.refused));
             self.refused = false;
         }
         if seen.cycle.resets {
@@ -48,7 +48,7 @@ impl<'t> Tracker<'t> {
         }
         let (offers, takes) = (seen.cycle.offers, seen.cycle.takes);
         let is_shown = seen.shown.output.is_some();
-        self.coverage.handshakes.cycle((offers, seen.shown.input_ready), (takes, is_shown), seen.inside);
+        self.coverage.handshakes.count_cycle((offers, seen.shown.input_ready), (takes, is_shown), seen.inside);
         if let (Some(_), Some(outcome)) = (seen.left, &seen.shown.output) {
             self.leaves(outcome);
         }
@@ -57,7 +57,7 @@ impl<'t> Tracker<'t> {
             Some((index, job)) => {
                 self.inside.push_back((index, std::mem::take(&mut self.refused)));
                 if let Some((before, is_next_cycle)) = self.entered.replace((job.kind, true)) {
-                    self.coverage.handshakes.pair(before, job.kind, is_next_cycle);
+                    self.coverage.handshakes.count(Event::Pair(before, job.kind, is_next_cycle));
                 }
             }
             None => {
@@ -85,7 +85,7 @@ impl<'t> Tracker<'t> {
     }
 
     fn reset(&mut self, inside: usize) {
-        self.coverage.handshakes.reset(inside);
+        self.coverage.handshakes.count(Event::Reset(inside.min(self.model.capacity)));
         for (index, waited) in self.inside.drain(..) {
             self.coverage.count(&self.jobs[index], JobPath { waited, end: JobEnd::Lost });
         }

@@ -1,32 +1,10 @@
 //! The rules of the distance operations.
 
-use super::declare::{fields, rules};
+use super::{Rule, fields};
 use crate::coverage::operands::{CLASSES, class};
 use crate::layout::{Field, Layout};
 use raypath_float::Format;
 use raypath_ops::JobKind;
-
-rules! {
-    /// What a beat of a distance can exercise.
-    BeatRule {
-        MaskAll = "7: all lanes are enabled",
-        MaskSome = "7: some lanes are enabled",
-        MaskOne = "7: one lane is enabled",
-        MaskNone = "7: no lane is enabled",
-        MaskedNan = "7: a masked lane holds NaN",
-        MaskedInfinity = "7: a masked lane holds ±∞",
-        MaskedNumber = "7: a masked lane holds another number",
-        Last = "the beat carries reset",
-        NotLast = "the beat does not carry reset",
-        OntoZero = "added to a sum of zero",
-        OntoNumber = "added to a sum that is a number",
-        OntoInfinity = "added to a sum of ±∞",
-        OntoNan = "added to a sum of NaN",
-        Adjacent = "right behind a beat of its kind",
-        AfterOthers = "other jobs since the last beat of its kind",
-        AfterLoss = "the first after a reset that lost a sum",
-    }
-}
 
 /// The accumulator that a beat finds. It is known when the beat leaves, so that jobs lost in a reset have none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,47 +17,54 @@ pub struct AccumulatorState {
     pub after_loss: bool,
 }
 
-impl BeatRule {
-    /// The first of the rules that are known when a beat leaves; all later rules are too.
-    pub const FIRST_AT_EXIT: Self = Self::OntoZero;
+/// The number of the rules that are known when a beat enters.
+pub const RULES_AT_ENTRY: usize = 9;
 
-    /// Calls `visit` with each rule that a beat exercises, as far as it is known when it enters.
-    pub fn each(kind: JobKind, format: Format, layout: &Layout, words: &[u64], mut visit: impl FnMut(Self)) {
-        let word = |wanted: Field| fields(layout, kind, words).find(|(field, _)| *field == wanted).map_or(0, |f| f.1);
-        let lanes = layout.fields(kind).iter().filter(|field| matches!(field, Field::Lane { of_candidate: true, .. }));
-        let (mask, lanes) = (word(Field::Mask), lanes.count() as u32);
-        let enabled = mask.count_ones();
-        visit(match enabled {
-            0 => Self::MaskNone,
-            _ if enabled == lanes => Self::MaskAll,
-            1 => Self::MaskOne,
-            _ => Self::MaskSome,
-        });
-        visit(if word(Field::Reset) & 1 == 1 { Self::Last } else { Self::NotLast });
-        for (field, code) in fields(layout, kind, words) {
-            if let Field::Lane { lane, .. } = field
-                && mask >> lane & 1 == 0
-            {
-                visit(match CLASSES[class(format, code)] {
-                    "+∞" | "−∞" => Self::MaskedInfinity,
-                    name if name.starts_with("NaN") => Self::MaskedNan,
-                    _ => Self::MaskedNumber,
-                });
-            }
-        }
-    }
+/// What a beat of a distance can exercise, as far as it is known when it enters.
+pub fn rules_at_entry(kind: JobKind, format: Format, layout: &Layout, words: &[u64]) -> [Rule; RULES_AT_ENTRY] {
+    let word = |wanted: Field| fields(layout, kind, words).find(|(field, _)| *field == wanted).map_or(0, |f| f.1);
+    let lanes = layout.fields(kind).iter().filter(|field| matches!(field, Field::Lane { of_candidate: true, .. }));
+    let (mask, lanes) = (word(Field::Mask), lanes.count() as u32);
+    let enabled = mask.count_ones();
+    let is_some = enabled != 0 && enabled != lanes;
+    let masked = |is: &dyn Fn(&str) -> bool| {
+        fields(layout, kind, words).any(|(field, code)| {
+            matches!(field, Field::Lane { lane, .. } if mask >> lane & 1 == 0) && is(CLASSES[class(format, code)])
+        })
+    };
+    let is_last = word(Field::Reset) & 1 == 1;
+    [
+        ("7: all lanes are enabled", enabled != 0 && enabled == lanes),
+        ("7: some lanes are enabled", is_some && enabled != 1),
+        ("7: one lane is enabled", is_some && enabled == 1),
+        ("7: no lane is enabled", enabled == 0),
+        ("7: a masked lane holds NaN", masked(&is_nan)),
+        ("7: a masked lane holds ±∞", masked(&is_infinite)),
+        ("7: a masked lane holds another number", masked(&|class| !is_nan(class) && !is_infinite(class))),
+        ("the beat carries reset", is_last),
+        ("the beat does not carry reset", !is_last),
+    ]
+}
 
-    /// Calls `visit` with each rule that is known when a beat leaves.
-    pub fn each_at_exit(format: Format, found: AccumulatorState, mut visit: impl FnMut(Self)) {
-        visit(match CLASSES[class(format, found.sum)] {
-            "+0" | "−0" => Self::OntoZero,
-            "+∞" | "−∞" => Self::OntoInfinity,
-            name if name.starts_with("NaN") => Self::OntoNan,
-            _ => Self::OntoNumber,
-        });
-        visit(if found.after_others { Self::AfterOthers } else { Self::Adjacent });
-        if found.after_loss {
-            visit(Self::AfterLoss);
-        }
-    }
+/// What a beat can exercise that is known only when it leaves.
+pub fn rules_at_exit(format: Format, found: AccumulatorState) -> [Rule; 7] {
+    let class = CLASSES[class(format, found.sum)];
+    let is_zero = class == "+0" || class == "−0";
+    [
+        ("added to a sum of zero", is_zero),
+        ("added to a sum that is a number", !is_zero && !is_infinite(class) && !is_nan(class)),
+        ("added to a sum of ±∞", is_infinite(class)),
+        ("added to a sum of NaN", is_nan(class)),
+        ("right behind a beat of its kind", !found.after_others),
+        ("other jobs since the last beat of its kind", found.after_others),
+        ("the first after a reset that lost a sum", found.after_loss),
+    ]
+}
+
+fn is_infinite(class: &str) -> bool {
+    class == "+∞" || class == "−∞"
+}
+
+fn is_nan(class: &str) -> bool {
+    class.starts_with("NaN")
 }

@@ -1,49 +1,8 @@
 //! The rules of the ray-box operation.
 
-use super::declare::{fields, rules};
-use super::rounded::Rounded;
+use super::{Rounded, Rule, fields};
 use crate::layout::{Field, Layout};
 use raypath_ops::JobKind;
-
-rules! {
-    /// What a ray and four boxes can exercise.
-    BoxRule {
-        Forwards = "1: runs forwards along an axis",
-        Backwards = "1: runs backwards along an axis",
-        InverseInfinite = "1: inv = +∞, a direction of +0",
-        InverseMinusInfinite = "1: inv = −∞, a direction of −0",
-        InverseZero = "1: inv = ±0, an infinite direction",
-        InverseNan = "1: inv = NaN",
-        NearNan = "2: a near distance 0·∞ drops out",
-        FarNan = "2: a far distance 0·∞ drops out",
-        OtherNan = "2: a distance is NaN because an operand is",
-        NearsAllNan = "2: all near distances are NaN",
-        FarsAllNan = "2: all far distances and the extent are NaN",
-        Inside = "2: entry +0, the origin is past all near planes",
-        NearZero = "2: entry +0, the last near plane is at ±0",
-        ExtentInfinite = "3: extent +∞",
-        ExtentNan = "3: extent NaN",
-        ExtentNegative = "3: extent < 0",
-        ExtentZero = "3: extent ±0",
-        ExtentEnds = "3: a hit ends at the extent",
-        ExtentMisses = "3: a box beyond the extent is missed",
-        ExtentTouches = "3: a box begins at the extent",
-        Crossed = "4: tmin < tmax",
-        Touched = "4: tmin = tmax, finite",
-        Missed = "4: tmin > tmax",
-        Flat = "4: a flat box, tmin ≤ tmax",
-        Inverted = "4: a box with min > max",
-        AtInfinity = "4: tmin = tmax = +∞",
-        NoHit = "5: no hit",
-        OneHit = "5: one hit",
-        TwoHits = "5: two hits",
-        ThreeHits = "5: three hits",
-        FourHits = "5: four hits",
-        Tie = "5: hits at the same distance",
-        TieOfFour = "5: four hits at the same distance",
-        InfiniteTie = "5: a hit at +∞ and a miss",
-    }
-}
 
 /// The number of orders of four boxes.
 pub const PERMUTATIONS: usize = 24;
@@ -60,136 +19,118 @@ fn number_of([a, b, c, _]: [usize; 4]) -> usize {
     6 * a + 2 * rank(b, &[a]) + rank(c, &[a, b])
 }
 
-impl BoxRule {
-    /// Calls `visit` with each rule that a job exercises, possibly more than once, and returns the number of the boxes'
-    /// order.
-    pub fn each(rounded: Rounded, layout: &Layout, words: &[u64], mut visit: impl FnMut(Self)) -> usize {
-        let (mut origin, mut inverse, mut bounds) = ([0.0; 3], [0; 3], [[[0.0; 2]; 3]; 4]);
-        let mut extent = 0.0;
-        for (field, code) in fields(layout, JobKind::Quadbox, words) {
-            match field {
-                Field::Origin(axis) => origin[axis] = rounded.value(code),
-                Field::Inverse(axis) => inverse[axis] = code,
-                Field::Extent => extent = rounded.value(code),
-                Field::Bound { index, axis, is_max } => {
-                    bounds[index][axis][usize::from(is_max)] = rounded.value(code);
-                }
-                _ => {}
-            }
-        }
-        let backwards = inverse.map(|code| rounded.0.is_sign_negative(code));
-        let inverse = inverse.map(|code| rounded.value(code));
-        (0..3).for_each(|axis| of_axis(backwards[axis], inverse[axis], &mut visit));
-        of_extent(extent, &mut visit);
-        let mut entries = [(false, 0.0, 0); 4];
-        for (index, bounds) in bounds.iter().enumerate() {
-            let (mut nears, mut fars) = ([0.0; 3], [0.0; 3]);
-            for (axis, slab) in bounds.iter().enumerate() {
-                let distances = slab.map(|bound| {
-                    let relative = rounded.sub(bound, origin[axis]);
-                    let distance = rounded.mul(relative, inverse[axis]);
-                    (distance, distance.is_nan() && !relative.is_nan() && !inverse[axis].is_nan())
-                });
-                let side = usize::from(backwards[axis]);
-                let (near, far) = (distances[side], distances[1 - side]);
-                if near.1 {
-                    visit(Self::NearNan);
-                }
-                if far.1 {
-                    visit(Self::FarNan);
-                }
-                if distances.iter().any(|(distance, is_zero_by_infinity)| distance.is_nan() && !is_zero_by_infinity) {
-                    visit(Self::OtherNan);
-                }
-                (nears[axis], fars[axis]) = (near.0, far.0);
-            }
-            let (hit, tmin) = of_interval(nears, fars, extent, &mut visit);
-            if hit && bounds.iter().any(|[min, max]| min == max) {
-                visit(Self::Flat);
-            }
-            if bounds.iter().any(|[min, max]| min > max) {
-                visit(Self::Inverted);
-            }
-            entries[index] = (hit, if hit { tmin } else { f64::INFINITY }, index);
-        }
-        of_order(entries, &mut visit)
+/// The distances of a box's planes.
+struct Distances {
+    /// Whether a near distance is 0·∞.
+    near_drops_out: bool,
+    /// Whether a far distance is 0·∞.
+    far_drops_out: bool,
+    /// Whether a distance is NaN for another reason.
+    is_other_nan: bool,
+    /// The last near and the first far distance; NaN if all are.
+    near: f64,
+    far: f64,
+    /// The ray's part inside the box, by rules `paper`.
+    tmin: f64,
+    tmax: f64,
+    is_flat: bool,
+    is_inverted: bool,
+}
+
+impl Distances {
+    fn is_hit(&self) -> bool {
+        self.tmin <= self.tmax
     }
 }
 
-fn of_axis(is_backwards: bool, inverse: f64, visit: &mut impl FnMut(BoxRule)) {
-    visit(if is_backwards { BoxRule::Backwards } else { BoxRule::Forwards });
-    if inverse.is_infinite() {
-        visit(if is_backwards { BoxRule::InverseMinusInfinite } else { BoxRule::InverseInfinite });
-    } else if inverse == 0.0 {
-        visit(BoxRule::InverseZero);
-    } else if inverse.is_nan() {
-        visit(BoxRule::InverseNan);
-    }
-}
-
-fn of_extent(extent: f64, visit: &mut impl FnMut(BoxRule)) {
-    if extent.is_nan() {
-        visit(BoxRule::ExtentNan);
-    } else if extent == 0.0 {
-        visit(BoxRule::ExtentZero);
-    } else if extent < 0.0 {
-        visit(BoxRule::ExtentNegative);
-    } else if extent.is_infinite() {
-        visit(BoxRule::ExtentInfinite);
-    }
-}
-
-/// Whether the box is hit by rules `paper`, and its tmin.
-fn of_interval(nears: [f64; 3], fars: [f64; 3], extent: f64, visit: &mut impl FnMut(BoxRule)) -> (bool, f64) {
-    // The host's maximum and minimum ignore NaN.
-    let last_near = nears.into_iter().fold(f64::NAN, f64::max);
-    let first_far = fars.into_iter().fold(f64::NAN, f64::min);
-    let (tmin, tmax) = (last_near.max(0.0), first_far.min(extent));
-    if last_near.is_nan() {
-        visit(BoxRule::NearsAllNan);
-    } else if last_near < 0.0 {
-        visit(BoxRule::Inside);
-    } else if last_near == 0.0 {
-        visit(BoxRule::NearZero);
-    }
-    if tmax.is_nan() {
-        visit(BoxRule::FarsAllNan);
-    }
-    if tmin > tmax {
-        visit(BoxRule::Missed);
-        if tmin <= first_far {
-            visit(BoxRule::ExtentMisses);
-        }
-    } else if tmin < tmax {
-        visit(BoxRule::Crossed);
-        if extent < first_far {
-            visit(BoxRule::ExtentEnds);
-        }
-    } else if tmin == tmax {
-        visit(if tmin.is_infinite() { BoxRule::AtInfinity } else { BoxRule::Touched });
-        if extent < first_far {
-            visit(BoxRule::ExtentTouches);
+/// What a ray and four boxes can exercise, and the number of the boxes' order.
+pub fn box_rules(rounded: Rounded, layout: &Layout, words: &[u64]) -> ([Rule; 34], usize) {
+    let (mut origin, mut inverse, mut bounds) = ([0.0; 3], [0; 3], [[[0.0; 2]; 3]; 4]);
+    let mut extent = 0.0;
+    for (field, code) in fields(layout, JobKind::Quadbox, words) {
+        match field {
+            Field::Origin(axis) => origin[axis] = rounded.value(code),
+            Field::Inverse(axis) => inverse[axis] = code,
+            Field::Extent => extent = rounded.value(code),
+            Field::Bound { index, axis, is_max } => bounds[index][axis][usize::from(is_max)] = rounded.value(code),
+            _ => {}
         }
     }
-    (tmin <= tmax, tmin)
-}
-
-fn of_order(mut entries: [(bool, f64, usize); 4], visit: &mut impl FnMut(BoxRule)) -> usize {
+    let backwards = inverse.map(|code| rounded.0.is_sign_negative(code));
+    let inverse = inverse.map(|code| rounded.value(code));
+    let boxes = bounds.map(|bounds| {
+        let (mut nears, mut fars) = ([(0.0, false); 3], [(0.0, false); 3]);
+        for (axis, slab) in bounds.iter().enumerate() {
+            let distances = slab.map(|bound| {
+                let relative = rounded.sub(bound, origin[axis]);
+                let distance = rounded.mul(relative, inverse[axis]);
+                (distance, distance.is_nan() && !relative.is_nan() && !inverse[axis].is_nan())
+            });
+            let side = usize::from(backwards[axis]);
+            (nears[axis], fars[axis]) = (distances[side], distances[1 - side]);
+        }
+        // The host's maximum and minimum ignore NaN.
+        let near = nears.iter().fold(f64::NAN, |last, (distance, _)| last.max(*distance));
+        let far = fars.iter().fold(f64::NAN, |first, (distance, _)| first.min(*distance));
+        Distances {
+            near_drops_out: nears.iter().any(|(_, drops_out)| *drops_out),
+            far_drops_out: fars.iter().any(|(_, drops_out)| *drops_out),
+            is_other_nan: nears.iter().chain(&fars).any(|(distance, drops_out)| distance.is_nan() && !drops_out),
+            near,
+            far,
+            tmin: near.max(0.0),
+            tmax: far.min(extent),
+            is_flat: bounds.iter().any(|[min, max]| min == max),
+            is_inverted: bounds.iter().any(|[min, max]| min > max),
+        }
+    });
+    let mut entries: [(bool, f64, usize); 4] = std::array::from_fn(|index| {
+        let is_hit = boxes[index].is_hit();
+        (is_hit, if is_hit { boxes[index].tmin } else { f64::INFINITY }, index)
+    });
     entries.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
     let hits = entries.iter().filter(|entry| entry.0).count();
-    let by_number = [BoxRule::NoHit, BoxRule::OneHit, BoxRule::TwoHits, BoxRule::ThreeHits, BoxRule::FourHits];
-    visit(by_number[hits]);
     let same = (1..hits).filter(|&i| entries[i].1 == entries[i - 1].1).count();
-    if same > 0 {
-        visit(BoxRule::Tie);
-    }
-    if same == 3 {
-        visit(BoxRule::TieOfFour);
-    }
-    if (1..4).contains(&hits) && entries[hits - 1].1 == f64::INFINITY {
-        visit(BoxRule::InfiniteTie);
-    }
-    number_of(entries.map(|entry| entry.2))
+
+    let axis = |is: &dyn Fn(f64, bool) -> bool| (0..3).any(|axis| is(inverse[axis], backwards[axis]));
+    let some = |is: &dyn Fn(&Distances) -> bool| boxes.iter().any(is);
+    let rules = [
+        ("1: runs forwards along an axis", backwards.contains(&false)),
+        ("1: runs backwards along an axis", backwards.contains(&true)),
+        ("1: inv = +∞, a direction of +0", axis(&|inverse, backwards| inverse.is_infinite() && !backwards)),
+        ("1: inv = −∞, a direction of −0", axis(&|inverse, backwards| inverse.is_infinite() && backwards)),
+        ("1: inv = ±0, an infinite direction", inverse.contains(&0.0)),
+        ("1: inv = NaN", axis(&|inverse, _| inverse.is_nan())),
+        ("2: a near distance 0·∞ drops out", some(&|b| b.near_drops_out)),
+        ("2: a far distance 0·∞ drops out", some(&|b| b.far_drops_out)),
+        ("2: a distance is NaN because an operand is", some(&|b| b.is_other_nan)),
+        ("2: all near distances are NaN", some(&|b| b.near.is_nan())),
+        ("2: all far distances and the extent are NaN", some(&|b| b.tmax.is_nan())),
+        ("2: entry +0, the origin is past all near planes", some(&|b| b.near < 0.0)),
+        ("2: entry +0, the last near plane is at ±0", some(&|b| b.near == 0.0)),
+        ("3: extent +∞", extent == f64::INFINITY),
+        ("3: extent NaN", extent.is_nan()),
+        ("3: extent < 0", extent < 0.0),
+        ("3: extent ±0", extent == 0.0),
+        ("3: a hit ends at the extent", some(&|b| b.tmin < b.tmax && extent < b.far)),
+        ("3: a box beyond the extent is missed", some(&|b| b.tmin > b.tmax && b.tmin <= b.far)),
+        ("3: a box begins at the extent", some(&|b| b.tmin == b.tmax && extent < b.far)),
+        ("4: tmin < tmax", some(&|b| b.tmin < b.tmax)),
+        ("4: tmin = tmax, finite", some(&|b| b.tmin == b.tmax && b.tmin.is_finite())),
+        ("4: tmin > tmax", some(&|b| b.tmin > b.tmax)),
+        ("4: a flat box, tmin ≤ tmax", some(&|b| b.is_hit() && b.is_flat)),
+        ("4: a box with min > max", some(&|b| b.is_inverted)),
+        ("4: tmin = tmax = +∞", some(&|b| b.tmin == b.tmax && b.tmin.is_infinite())),
+        ("5: no hit", hits == 0),
+        ("5: one hit", hits == 1),
+        ("5: two hits", hits == 2),
+        ("5: three hits", hits == 3),
+        ("5: four hits", hits == 4),
+        ("5: hits at the same distance", same > 0),
+        ("5: four hits at the same distance", same == 3),
+        ("5: a hit at +∞ and a miss", (1..4).contains(&hits) && entries[hits - 1].1 == f64::INFINITY),
+    ];
+    (rules, number_of(entries.map(|(_, _, index)| index)))
 }
 
 #[cfg(test)]
