@@ -6,7 +6,6 @@ mod box_intersection;
 mod boxes;
 mod campaign;
 mod dyadic;
-mod error_units;
 mod implementations;
 mod mesh;
 mod shapes;
@@ -15,8 +14,6 @@ mod triangle_distances;
 mod vector;
 mod visibility;
 mod watertight;
-mod wrong_distances;
-mod wrong_sums;
 
 use crate::verdict::Item;
 

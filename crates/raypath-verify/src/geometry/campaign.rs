@@ -8,51 +8,21 @@ use rand::rngs::ChaCha8Rng;
 use raypath_tools::pool::{self, Cases};
 use std::collections::BTreeMap;
 
-/// The counts of cases, which can be joined.
-pub trait Tally: Send {
-    /// Adds the counts of later cases.
-    fn join(&mut self, later: Self);
-}
-
-impl Tally for u64 {
-    fn join(&mut self, later: Self) {
-        *self += later;
-    }
-}
-
-impl<T: Tally, const N: usize> Tally for [T; N] {
-    fn join(&mut self, later: Self) {
-        self.iter_mut().zip(later).for_each(|(sum, count)| sum.join(count));
-    }
-}
-
-/// Implements [`Tally`] for a structure, by joining all of its fields.
-macro_rules! tally_of_fields {
-    ($name:ident { $($field:ident),+ $(,)? }) => {
-        impl $crate::geometry::campaign::Tally for $name {
-            fn join(&mut self, later: Self) {
-                let Self { $($field),+ } = later;
-                $($crate::geometry::campaign::Tally::join(&mut self.$field, $field);)+
-            }
-        }
-    };
-}
-pub(super) use tally_of_fields;
-
 /// The number of cases in a block. Each block has a random stream of its own.
 const BLOCK: u64 = 512;
 
 /// Runs the shard's part of `cases` cases. `stream` selects random numbers that other campaigns of the same seed do not
-/// use. Returns the counts, and whether the user stopped the campaign.
+/// use. `case` adds its result to that of its block. Returns the results of the blocks in order, which does not depend on
+/// the number of workers, and whether the user stopped the campaign.
 ///
 /// # Errors
 /// The threads cannot start.
-pub fn run<T: Tally + Default>(
+pub fn run<T: Send + Default>(
     request: &mut Request<'_>,
     stream: u64,
     cases: u64,
     case: impl Fn(&mut ChaCha8Rng, &mut T) + Sync,
-) -> Result<(T, bool), Error> {
+) -> Result<(Vec<T>, bool), Error> {
     let (seed, shard) = (request.seed, request.shard);
     let blocks = cases.div_ceil(BLOCK);
     let size = |block: u64| BLOCK.min(cases - block * BLOCK);
@@ -71,106 +41,103 @@ pub fn run<T: Tally + Default>(
         });
         Ok(tallies)
     })?;
-    // Tallies are joined in the order of blocks, so that the result does not depend on the number of workers.
     let in_order: BTreeMap<u64, T> = finished.workers.into_iter().flatten().collect();
-    let mut joined = T::default();
-    in_order.into_values().for_each(|tally| joined.join(tally));
-    Ok((joined, finished.is_stopped))
+    Ok((in_order.into_values().collect(), finished.is_stopped))
 }
 
-/// The first few failures, and the count of all.
-#[derive(Debug, Clone, Default)]
-pub struct Failures {
+/// The results of cases, by name: counts, the largest of some values, and failures.
+#[derive(Debug, Default)]
+pub struct Tally {
+    counts: BTreeMap<&'static str, u64>,
+    largest: BTreeMap<&'static str, f64>,
+    /// The first few failures, and the number of all.
     shown: Vec<String>,
-    count: u64,
+    failures: u64,
 }
 
-impl Failures {
-    const SHOWN: usize = 5;
+const SHOWN: usize = 5;
+
+impl Tally {
+    /// Adds to a count.
+    pub fn add(&mut self, name: &'static str, count: impl Into<u64>) {
+        *self.counts.entry(name).or_default() += count.into();
+    }
+
+    /// Adds a value, of which the largest counts.
+    pub fn add_value(&mut self, name: &'static str, value: f64) {
+        let largest = self.largest.entry(name).or_default();
+        *largest = largest.max(value);
+    }
 
     /// Adds a failure.
-    pub fn add(&mut self, message: impl FnOnce() -> String) {
-        if self.shown.len() < Self::SHOWN {
+    pub fn fail(&mut self, message: impl FnOnce() -> String) {
+        if self.shown.len() < SHOWN {
             self.shown.push(message());
         }
-        self.count += 1;
+        self.failures += 1;
     }
 
-    /// The number of all failures.
-    pub fn count(&self) -> u64 {
-        self.count
+    /// The count of this name.
+    pub fn count(&self, name: &str) -> u64 {
+        self.counts.get(name).copied().unwrap_or(0)
     }
 
-    /// The first few failures, and the number of the others.
-    pub fn lines(self) -> Vec<String> {
-        let more = self.count - self.shown.len() as u64;
-        let rest = (more > 0).then(|| format!("and {more} more"));
-        self.shown.into_iter().chain(rest).collect()
+    /// The largest value of this name; 0 if there is none.
+    pub fn largest(&self, name: &str) -> f64 {
+        self.largest.get(name).copied().unwrap_or(0.0)
     }
-}
 
-impl Tally for Failures {
-    fn join(&mut self, later: Self) {
-        self.shown.extend(later.shown);
-        self.shown.truncate(Self::SHOWN);
-        self.count += later.count;
+    /// The number of failures.
+    pub fn failures(&self) -> u64 {
+        self.failures
     }
-}
 
-/// The largest of some values; 0 if there are none.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Largest(pub f64);
-
-impl Largest {
-    /// Adds a value.
-    pub fn add(&mut self, value: f64) {
-        self.0 = self.0.max(value);
+    /// The results of all blocks.
+    pub fn joined(blocks: Vec<Self>) -> Self {
+        let mut all = Self::default();
+        for block in blocks {
+            block.counts.into_iter().for_each(|(name, count)| all.add(name, count));
+            block.largest.into_iter().for_each(|(name, value)| all.add_value(name, value));
+            all.shown.extend(block.shown);
+            all.failures += block.failures;
+        }
+        all.shown.truncate(SHOWN);
+        all
     }
-}
 
-impl Tally for Largest {
-    fn join(&mut self, later: Self) {
-        self.add(later.0);
+    /// The verdict, with the first few failures and the number of the others. The negative controls are the faulty
+    /// implementations `faulty`, whose findings were counted by their names: `label` begins the remark of the counts.
+    /// After enough cases, a faulty implementation without a finding is a failure.
+    pub fn verdict<const N: usize>(
+        mut self,
+        is_stopped: bool,
+        covered: String,
+        mut remarks: Vec<String>,
+        (label, faulty, is_enough): (&str, [&'static str; N], bool),
+    ) -> Verdict {
+        let found = faulty.map(|name| (name, self.count(name)));
+        remarks.push(format!("{label}: {}", found.map(|(name, count)| format!("{name} {count}")).join(", ")));
+        let more = self.failures - self.shown.len() as u64;
+        self.shown.extend((more > 0).then(|| format!("and {more} more")));
+        let missed = found.iter().filter(|(_, count)| is_enough && *count == 0);
+        self.shown.extend(missed.map(|(name, _)| format!("the campaign cannot fail: it does not refute {name}")));
+        Verdict { covered, failures: self.shown, remarks, is_stopped }
     }
-}
-
-/// Adds the negative controls to a verdict: a remark of what the campaign found of each faulty implementation, `found`,
-/// after `label`. After enough cases, a faulty implementation without a finding is a failure.
-pub fn add_controls<const N: usize>(
-    verdict: &mut Verdict,
-    label: &str,
-    names: [&str; N],
-    found: [u64; N],
-    is_enough: bool,
-) {
-    let counts: Vec<String> = names.iter().zip(found).map(|(name, found)| format!("{name} {found}")).collect();
-    verdict.remarks.push(format!("{label}: {}", counts.join(", ")));
-    let missed = names.iter().zip(found).filter(|(_, found)| is_enough && *found == 0);
-    verdict.failures.extend(missed.map(|(name, _)| format!("the campaign cannot fail: it does not refute {name}")));
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Failures, Tally, run};
+    use super::{Tally, run};
     use crate::request::{Level, Progress, Request, Shard};
     use rand::RngExt;
     use rand::rngs::ChaCha8Rng;
 
-    #[derive(Default, PartialEq, Debug)]
-    struct Numbers(Vec<u32>);
-
-    impl Tally for Numbers {
-        fn join(&mut self, later: Self) {
-            self.0.extend(later.0);
-        }
-    }
-
     fn numbers(seed: u64, shard: Shard, watch: &mut dyn FnMut(Progress) -> bool) -> (Vec<u32>, bool) {
         let config = Default::default();
         let mut request = Request { config, level: Level::Regression, jobs: None, seed, shard, proceed: watch };
-        let (numbers, is_stopped) =
-            run(&mut request, 7, 5000, |rng, numbers: &mut Numbers| numbers.0.push(rng.random())).expect("numbers");
-        (numbers.0, is_stopped)
+        let draw = |rng: &mut ChaCha8Rng, numbers: &mut Vec<u32>| numbers.push(rng.random());
+        let (numbers, is_stopped) = run(&mut request, 7, 5000, draw).expect("numbers");
+        (numbers.concat(), is_stopped)
     }
 
     #[test]
@@ -198,20 +165,21 @@ mod tests {
         let watch = &mut |_| false;
         let mut request =
             Request { config, level: Level::Regression, jobs: None, seed: 1, shard: Shard::ALL, proceed: watch };
-        let case = |rng: &mut ChaCha8Rng, numbers: &mut Numbers| numbers.0.push(rng.random());
+        let case = |_: &mut ChaCha8Rng, cases: &mut u64| *cases += 1;
         let (some, is_stopped) = run(&mut request, 7, 1_000_000_000, case).expect("numbers");
-        assert!(is_stopped && some.0.len() < 1_000_000_000, "{}", some.0.len());
+        assert!(is_stopped && some.iter().sum::<u64>() < 1_000_000_000, "{}", some.len());
     }
 
     #[test]
     fn the_first_failures_are_shown_and_all_are_counted() {
-        let mut failures = Failures::default();
-        for i in 0..4 {
-            let mut later = Failures::default();
-            (0..2).for_each(|j| later.add(|| format!("{i}{j}")));
-            failures.join(later);
-        }
-        assert_eq!(failures.count(), 8);
-        assert_eq!(failures.lines(), ["00", "01", "10", "11", "20", "and 3 more"]);
+        let blocks = (0..4).map(|i| {
+            let mut block = Tally::default();
+            (0..2).for_each(|j| block.fail(|| format!("{i}{j}")));
+            block
+        });
+        let all = Tally::joined(blocks.collect());
+        assert_eq!(all.failures(), 8);
+        let verdict = all.verdict(false, String::new(), Vec::new(), ("", [], true));
+        assert_eq!(verdict.failures, ["00", "01", "10", "11", "20", "and 3 more"]);
     }
 }

@@ -149,6 +149,15 @@ operator!(Sub, sub, |a, b| {
 });
 operator!(Mul, mul, |a, b| Dyadic { significand: &a.significand * &b.significand, exponent: a.exponent + b.exponent });
 
+/// The unit roundoff of binary32.
+pub const U: f64 = 1.0 / 16_777_216.0;
+
+/// The number of ulps of binary32 in a number of this size.
+pub fn ulps_of(x: f64) -> f64 {
+    let binade = x.abs().log2().floor().max(-126.0);
+    x.abs() / (binade - 23.0).exp2()
+}
+
 /// Whether `error` is at most γₙ times `magnitude`, γₙ = n·u / (1 − n·u) with u = 2⁻²⁴: the bound of
 /// n roundings to binary32 (Higham, Accuracy and Stability of Numerical Algorithms, lemma 3.1).
 pub fn within_gamma(n: u32, error: &Dyadic, magnitude: &Dyadic) -> bool {

@@ -1,9 +1,8 @@
 //! The errors of the accumulated sums.
 
-use super::campaign::{self, Failures, Largest, add_controls, tally_of_fields};
-use super::dyadic::{Dyadic, within_gamma};
-use super::error_units::U;
-use super::wrong_sums::Wrong;
+use super::campaign::{self, Tally};
+use super::dyadic::{Dyadic, U, within_gamma};
+use super::triangle_distances::truncate;
 use crate::error::Error;
 use crate::request::Request;
 use crate::verdict::Verdict;
@@ -20,16 +19,15 @@ const ENOUGH: u64 = 3_000;
 /// Compares sums over vectors of 1 to 64 beats, at every number of lanes, with exact arithmetic.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let cases = request.jobs.unwrap_or(request.level.pick(20_000, 500_000, 20_000_000));
-    let (tally, is_stopped) =
-        campaign::run(request, 3, cases, |rng, tally: &mut SumErrors| match rng.random_range(0..6) {
-            0 => tally.check::<2, 1>(rng),
-            1 => tally.check::<4, 2>(rng),
-            2 => tally.check::<8, 4>(rng),
-            3 => tally.check::<16, 8>(rng),
-            4 => tally.check::<32, 16>(rng),
-            _ => tally.check::<64, 32>(rng),
-        })?;
-    Ok(tally.verdict(is_stopped))
+    let (blocks, is_stopped) = campaign::run(request, 3, cases, |rng, tally| match rng.random_range(0..6) {
+        0 => check::<2, 1>(tally, rng),
+        1 => check::<4, 2>(tally, rng),
+        2 => check::<8, 4>(tally, rng),
+        3 => check::<16, 8>(tally, rng),
+        4 => check::<32, 16>(tally, rng),
+        _ => check::<64, 32>(tally, rng),
+    })?;
+    Ok(verdict(Tally::joined(blocks), is_stopped))
 }
 
 /// The distribution of a vector's numbers.
@@ -82,97 +80,83 @@ impl Sum {
     }
 }
 
-#[derive(Default)]
-struct SumErrors {
-    sums: u64,
-    /// For Euclidean sums, dot products and norms: the largest error in u of the sum of magnitudes, and relative to its
-    /// bound.
-    units: [Largest; 3],
-    parts: [Largest; 3],
-    /// Wrong sums of each wrong implementation.
-    refuted: [u64; Wrong::ALL.len()],
-    failures: Failures,
+/// The kinds of sums. For each, the largest error in u of the sum of magnitudes counts, and relative to its bound.
+const NAMES: [&str; 3] = ["Euclidean sums", "dot products", "norms"];
+const PARTS: [&str; 3] = ["part of a Euclidean sum's bound", "part of a dot product's bound", "part of a norm's bound"];
+
+fn check<const E: usize, const A: usize>(tally: &mut Tally, rng: &mut ChaCha8Rng) {
+    let numbers = [Numbers::Unit, Numbers::Positive, Numbers::Near, Numbers::Wide][rng.random_range(0..4)];
+    let beats = [1, 1, 2, 3, 8, 64][rng.random_range(0..6)];
+    let last = beats - 1;
+    let vectors: Vec<_> = (0..beats).map(|beat| draw::<E>(rng, numbers, beat == last)).collect();
+    let mut exact = Sum::new();
+    for [a, b] in vectors.iter().flat_map(lanes) {
+        let difference = Dyadic::from(a) - Dyadic::from(b);
+        exact.add(&difference * &difference);
+    }
+    // The difference, which counts twice, and the square; the tree; and the beats after the first.
+    let roundings = 3 + E.ilog2() + last;
+    let case = tally.count("sums") / NAMES.len() as u64;
+    let is_control = case.is_multiple_of(CONTROL_INTERVAL);
+    add(tally, 0, euclidean::<E, A>(&vectors), &exact, roundings);
+    if is_control {
+        refute(tally, |wrong, control| add(control, 0, wrong.euclidean::<E, A>(&vectors), &exact, roundings));
+    }
+
+    let vectors: Vec<_> = (0..beats).map(|beat| draw::<A>(rng, numbers, beat == last)).collect();
+    let (mut dot, mut norm) = (Sum::new(), Sum::new());
+    for [a, b] in vectors.iter().flat_map(lanes).map(|pair| pair.map(Dyadic::from)) {
+        dot.add(&a * &b);
+        norm.add(&b * &b);
+    }
+    let roundings = 1 + A.ilog2() + last;
+    let add_both = |tally: &mut Tally, [dot_product, norm_found]: [f32; 2]| {
+        add(tally, 1, dot_product, &dot, roundings);
+        add(tally, 2, norm_found, &norm, roundings);
+    };
+    add_both(tally, angular::<E, A>(&vectors));
+    if is_control {
+        refute(tally, |wrong, control| add_both(control, wrong.angular::<E, A>(&vectors)));
+    }
 }
 
-const NAMES: [&str; 3] = ["Euclidean sums", "dot products", "norms"];
-
-impl SumErrors {
-    fn check<const E: usize, const A: usize>(&mut self, rng: &mut ChaCha8Rng) {
-        let numbers = [Numbers::Unit, Numbers::Positive, Numbers::Near, Numbers::Wide][rng.random_range(0..4)];
-        let beats = [1, 1, 2, 3, 8, 64][rng.random_range(0..6)];
-        let last = beats - 1;
-        let vectors: Vec<_> = (0..beats).map(|beat| draw::<E>(rng, numbers, beat == last)).collect();
-        let mut exact = Sum::new();
-        for [a, b] in vectors.iter().flat_map(lanes) {
-            let difference = Dyadic::from(a) - Dyadic::from(b);
-            exact.add(&difference * &difference);
-        }
-        // The difference, which counts twice, and the square; the tree; and the beats after the first.
-        let roundings = 3 + E.ilog2() + last;
-        let case = self.sums / NAMES.len() as u64;
-        let is_control = case.is_multiple_of(CONTROL_INTERVAL);
-        self.add(0, euclidean::<E, A>(&vectors), &exact, roundings);
-        if is_control {
-            self.refute(|wrong, control| control.add(0, wrong.euclidean::<E, A>(&vectors), &exact, roundings));
-        }
-
-        let vectors: Vec<_> = (0..beats).map(|beat| draw::<A>(rng, numbers, beat == last)).collect();
-        let (mut dot, mut norm) = (Sum::new(), Sum::new());
-        for [a, b] in vectors.iter().flat_map(lanes).map(|pair| pair.map(Dyadic::from)) {
-            dot.add(&a * &b);
-            norm.add(&b * &b);
-        }
-        let roundings = 1 + A.ilog2() + last;
-        let add = |errors: &mut Self, sums: [f32; 2]| {
-            for (kind, (sum, exact)) in (1..).zip(sums.into_iter().zip([&dot, &norm])) {
-                errors.add(kind, sum, exact, roundings);
-            }
-        };
-        add(self, angular::<E, A>(&vectors));
-        if is_control {
-            self.refute(|wrong, control| add(control, wrong.angular::<E, A>(&vectors)));
-        }
+/// Checks the wrong implementations, and counts their wrong sums.
+fn refute(tally: &mut Tally, check: impl Fn(Wrong, &mut Tally)) {
+    for (wrong, name) in WRONG {
+        let mut control = Tally::default();
+        check(wrong, &mut control);
+        tally.add(name, control.failures());
     }
+}
 
-    /// Checks the wrong implementations, and counts their wrong sums.
-    fn refute(&mut self, check: impl Fn(Wrong, &mut Self)) {
-        for (refuted, wrong) in self.refuted.iter_mut().zip(Wrong::ALL) {
-            let mut control = Self::default();
-            check(wrong, &mut control);
-            *refuted += control.failures.count();
-        }
+/// Checks |sum − exact| ≤ γₙ Σ|term| + terms · 2⁻¹⁴⁹. The last term bounds the underflow of products.
+fn add(tally: &mut Tally, kind: usize, sum: f32, exact: &Sum, roundings: u32) {
+    tally.add("sums", true);
+    let off = (Dyadic::from(sum) - &exact.value).abs();
+    let beyond_underflow = &off - &(Dyadic::from(exact.terms) * Dyadic::power_of_two(-149));
+    if exact.magnitude.sign().is_gt() {
+        let units = beyond_underflow.to_f64() / exact.magnitude.to_f64() / U;
+        tally.add_value(NAMES[kind], units);
+        tally.add_value(PARTS[kind], units / f64::from(roundings));
     }
+    if !within_gamma(roundings, &beyond_underflow, &exact.magnitude) {
+        tally.fail(|| {
+            let (value, name) = (exact.value.to_f64(), NAMES[kind]);
+            format!("{name}: {sum:e}, expected {value:e}, of {} terms, within {roundings} roundings", exact.terms)
+        });
+    }
+}
 
-    /// Checks |sum − exact| ≤ γₙ Σ|term| + terms · 2⁻¹⁴⁹. The last term bounds the underflow of products.
-    fn add(&mut self, kind: usize, sum: f32, exact: &Sum, roundings: u32) {
-        self.sums += 1;
-        let off = (Dyadic::from(sum) - &exact.value).abs();
-        let beyond_underflow = &off - &(Dyadic::from(exact.terms) * Dyadic::power_of_two(-149));
-        if exact.magnitude.sign().is_gt() {
-            let units = beyond_underflow.to_f64() / exact.magnitude.to_f64() / U;
-            self.units[kind].add(units);
-            self.parts[kind].add(units / f64::from(roundings));
-        }
-        if !within_gamma(roundings, &beyond_underflow, &exact.magnitude) {
-            self.failures.add(|| {
-                let (value, name) = (exact.value.to_f64(), NAMES[kind]);
-                format!("{name}: {sum:e}, expected {value:e}, of {} terms, within {roundings} roundings", exact.terms)
-            });
-        }
-    }
-
-    fn verdict(self, is_stopped: bool) -> Verdict {
-        let remark = |kind: usize| {
-            let ([units, parts], name) = ([self.units[kind].0, self.parts[kind].0], NAMES[kind]);
-            format!("{name}: at most {units:.2} u of the sum of magnitudes, and {parts:.2} of the bound")
-        };
-        let remarks = (0..NAMES.len()).map(remark).collect();
-        let covered = format!("{} sums of 1 to 64 beats with 2 to 64 lanes", self.sums);
-        let mut verdict = Verdict { covered, remarks, failures: self.failures.lines(), is_stopped };
-        let label = format!("wrong sums found of each wrong implementation, tried in one case in {CONTROL_INTERVAL}");
-        add_controls(&mut verdict, &label, Wrong::ALL.map(Wrong::name), self.refuted, self.sums >= ENOUGH);
-        verdict
-    }
+fn verdict(tally: Tally, is_stopped: bool) -> Verdict {
+    let remark = |(name, part)| {
+        let (units, parts) = (tally.largest(name), tally.largest(part));
+        format!("{name}: at most {units:.2} u of the sum of magnitudes, and {parts:.2} of the bound")
+    };
+    let remarks = NAMES.into_iter().zip(PARTS).map(remark).collect();
+    let sums = tally.count("sums");
+    let covered = format!("{sums} sums of 1 to 64 beats with 2 to 64 lanes");
+    let label = format!("wrong sums found of each wrong implementation, tried in one case in {CONTROL_INTERVAL}");
+    tally.verdict(is_stopped, covered, remarks, (&label, WRONG.map(|(_, name)| name), sums >= ENOUGH))
 }
 
 fn draw<const N: usize>(rng: &mut ChaCha8Rng, numbers: Numbers, last: bool) -> Beat<Binary32, N> {
@@ -187,7 +171,7 @@ fn draw<const N: usize>(rng: &mut ChaCha8Rng, numbers: Numbers, last: bool) -> B
 }
 
 /// The datapath's Euclidean sum over beats.
-pub fn euclidean<const E: usize, const A: usize>(beats: &[Beat<Binary32, E>]) -> f32 {
+fn euclidean<const E: usize, const A: usize>(beats: &[Beat<Binary32, E>]) -> f32 {
     let mut datapath = Functional::<E, A>::new(Rules::Paper);
     let sum = |beat: &Beat<Binary32, E>| match datapath.run(&Job::Euclidean(BeatInput { euclidean: *beat })) {
         Outcome::Euclidean(output) => output.euclidean_accumulator.into(),
@@ -197,7 +181,7 @@ pub fn euclidean<const E: usize, const A: usize>(beats: &[Beat<Binary32, E>]) ->
 }
 
 /// The datapath's dot product and norm over beats.
-pub fn angular<const E: usize, const A: usize>(beats: &[Beat<Binary32, A>]) -> [f32; 2] {
+fn angular<const E: usize, const A: usize>(beats: &[Beat<Binary32, A>]) -> [f32; 2] {
     let mut datapath = Functional::<E, A>::new(Rules::Paper);
     let sums = |beat: &Beat<Binary32, A>| match datapath.run(&Job::Angular(BeatInput { euclidean: *beat })) {
         Outcome::Angular(output) => [output.angular_dot_product.into(), output.angular_norm.into()],
@@ -207,29 +191,72 @@ pub fn angular<const E: usize, const A: usize>(beats: &[Beat<Binary32, A>]) -> [
 }
 
 /// The enabled lanes' numbers.
-pub fn lanes<const N: usize>(beat: &Beat<Binary32, N>) -> impl Iterator<Item = [f32; 2]> {
+fn lanes<const N: usize>(beat: &Beat<Binary32, N>) -> impl Iterator<Item = [f32; 2]> {
     let pairs = beat.a.iter().zip(&beat.b).map(|(&a, &b)| [a.into(), b.into()]);
     pairs.zip(beat.mask.to_array()).filter(|(_, on)| *on).map(|(pair, _)| pair)
 }
 
-tally_of_fields!(SumErrors { sums, units, parts, refuted, failures });
+/// A wrong implementation: the negative control.
+#[derive(Debug, Clone, Copy)]
+enum Wrong {
+    MasksIgnored,
+    /// The operands have significands of 16 bits.
+    ShortOperands,
+    /// Only the last beat is added.
+    LastBeatAlone,
+    /// Euclidean sums by (a - b)² = a² - 2ab + b², which cancels if a is near b.
+    Expanded,
+}
+
+/// All wrong implementations, with their names in reports.
+const WRONG: [(Wrong, &str); 4] = [
+    (Wrong::MasksIgnored, "masks ignored"),
+    (Wrong::ShortOperands, "operands of 16 bits"),
+    (Wrong::LastBeatAlone, "the last beat alone"),
+    (Wrong::Expanded, "squares of differences expanded"),
+];
+
+impl Wrong {
+    fn euclidean<const E: usize, const A: usize>(self, beats: &[Beat<Binary32, E>]) -> f32 {
+        match self {
+            Self::Expanded => beats.iter().flat_map(lanes).map(|[a, b]| a * a - 2.0 * a * b + b * b).sum(),
+            _ => euclidean::<E, A>(&self.changed(beats)),
+        }
+    }
+
+    fn angular<const E: usize, const A: usize>(self, beats: &[Beat<Binary32, A>]) -> [f32; 2] {
+        angular::<E, A>(&self.changed(beats))
+    }
+
+    /// The beats to run on the datapath instead of these.
+    fn changed<const N: usize>(self, beats: &[Beat<Binary32, N>]) -> Vec<Beat<Binary32, N>> {
+        let short = |number: [_; N]| number.map(|number| truncate(f32::from(number), 16).into());
+        let change = |beat: &Beat<Binary32, N>| match self {
+            Self::MasksIgnored => Beat { mask: Flags::from_mask(u64::MAX), ..*beat },
+            Self::ShortOperands => Beat { a: short(beat.a), b: short(beat.b), ..*beat },
+            Self::LastBeatAlone | Self::Expanded => *beat,
+        };
+        let first = if matches!(self, Self::LastBeatAlone) { beats.len() - 1 } else { 0 };
+        beats[first..].iter().map(change).collect()
+    }
+}
 
 #[cfg(test)]
 mod tests {
-    use super::{Dyadic, Sum, SumErrors};
+    use super::{Dyadic, PARTS, Sum, Tally, WRONG, add, check};
     use rand::SeedableRng;
     use rand::rngs::ChaCha8Rng;
 
     #[test]
     fn the_datapaths_sums_are_within_the_bound() {
-        let (mut errors, mut rng) = (SumErrors::default(), ChaCha8Rng::seed_from_u64(1));
+        let (mut tally, mut rng) = (Tally::default(), ChaCha8Rng::seed_from_u64(1));
         for _ in 0..200 {
-            errors.check::<16, 8>(&mut rng);
-            errors.check::<2, 1>(&mut rng);
+            check::<16, 8>(&mut tally, &mut rng);
+            check::<2, 1>(&mut tally, &mut rng);
         }
-        assert_eq!(errors.failures.lines(), Vec::<String>::new());
-        assert!(errors.parts.iter().all(|part| part.0 > 0.3), "{:?}", errors.parts);
-        assert!(errors.refuted.iter().all(|&refuted| refuted > 0), "{:?}", errors.refuted);
+        assert_eq!(tally.failures(), 0, "{tally:?}");
+        assert!(PARTS.iter().all(|part| tally.largest(part) > 0.3), "{tally:?}");
+        assert!(WRONG.iter().all(|(_, name)| tally.count(name) > 0), "{tally:?}");
     }
 
     /// Twelve thirds, and a sum with an error of one rounding more than the bound.
@@ -237,11 +264,11 @@ mod tests {
     fn wrong_sums_are_found() {
         let mut exact = Sum::new();
         (0..12).for_each(|_| exact.add(Dyadic::from(1.0 / 3.0)));
-        let mut errors = SumErrors::default();
+        let mut tally = Tally::default();
         let ulp = 2_f32.powi(-21);
-        errors.add(0, 4.0 + 2.0 * ulp, &exact, 4);
-        assert_eq!(errors.failures.count(), 0);
-        errors.add(0, 4.0 + 3.0 * ulp, &exact, 4);
-        assert_eq!(errors.failures.count(), 1);
+        add(&mut tally, 0, 4.0 + 2.0 * ulp, &exact, 4);
+        assert_eq!(tally.failures(), 0);
+        add(&mut tally, 0, 4.0 + 3.0 * ulp, &exact, 4);
+        assert_eq!(tally.failures(), 1);
     }
 }

@@ -1,10 +1,8 @@
 //! Ray against triangle: the error of t = t_num / t_denom, the distance of the intersection.
 
-use super::campaign::{self, Failures, Largest, add_controls, tally_of_fields};
-use super::dyadic::{Dyadic, within_gamma};
-use super::error_units::{U, ulps_of};
+use super::campaign::{self, Tally};
+use super::dyadic::{Dyadic, U, ulps_of, within_gamma};
 use super::implementations::datapath;
-use super::wrong_distances::WRONG;
 use crate::error::Error;
 use crate::request::Request;
 use crate::verdict::Verdict;
@@ -21,9 +19,8 @@ const ENOUGH: u64 = 5_000;
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let rules = request.config.semantics.rules;
     let cases = request.jobs.unwrap_or(request.level.pick(300_000, 10_000_000, 300_000_000));
-    let (tally, is_stopped) =
-        campaign::run(request, 2, cases, |rng, tally: &mut DistanceErrors| tally.run(rules, rng))?;
-    Ok(tally.verdict(is_stopped))
+    let (blocks, is_stopped) = campaign::run(request, 2, cases, |rng, tally| run(tally, rules, rng))?;
+    Ok(verdict(Tally::joined(blocks), is_stopped))
 }
 
 /// A random triangle, and a ray at a point in or near it, from near or far, perpendicular or grazing.
@@ -53,18 +50,14 @@ fn draw(rng: &mut ChaCha8Rng) -> (Ray<Binary32>, [[f32; 3]; 3]) {
 
 /// The result of an implementation.
 #[derive(Debug, Clone, Copy)]
-pub struct TriangleResult {
-    /// The numerator of the distance.
-    pub t_num: f32,
-    /// The denominator of the distance.
-    pub t_denom: f32,
-    /// Whether the ray hits the triangle.
-    pub hit: bool,
+struct TriangleResult {
+    t_num: f32,
+    t_denom: f32,
+    hit: bool,
 }
 
 impl TriangleResult {
-    /// The datapath's result.
-    pub fn of(output: RayTriangleOutput<Binary32>) -> Self {
+    fn of(output: RayTriangleOutput<Binary32>) -> Self {
         Self { t_num: output.t_num.into(), t_denom: output.t_denom.into(), hit: output.triangle_hit.into() }
     }
 }
@@ -117,148 +110,139 @@ impl Exact {
     }
 }
 
-#[derive(Default)]
-struct DistanceErrors {
-    checked: u64,
-    hits: u64,
-    /// |t_denom − exact| and |t_num − exact|, in u·ΣM and u·ΣM|z|.
-    denominator: Largest,
-    numerator: Largest,
-    /// By how much t is outside the range of the vertices' distances, relative to them, in u.
-    outside: Largest,
-    /// Hits with little cancellation: its error is at most that of t's own roundings. Their |t − exact| in ulps.
-    benign: u64,
-    benign_ulps: Largest,
-    /// |t − exact| of all hits, relative to its bound, and in ulps.
-    part_of_bound: Largest,
-    ulps: Largest,
-    /// Wrong results of each wrong implementation.
-    refuted: [u64; WRONG.len()],
-    failures: Failures,
-}
-
-impl DistanceErrors {
-    /// Checks a random ray and triangle; in some cases also on the wrong implementations.
-    fn run(&mut self, rules: Rules, rng: &mut ChaCha8Rng) {
-        let (ray, corners) = draw(rng);
-        let exact = Exact::new(&ray, corners);
-        self.check(&exact, &ray, corners, TriangleResult::of(datapath(rules, &ray, corners)));
-        if self.checked.is_multiple_of(CONTROL_INTERVAL) {
-            for (refuted, (_, answer)) in self.refuted.iter_mut().zip(WRONG) {
-                let mut control = Self::default();
-                control.check(&exact, &ray, corners, answer(&ray, corners));
-                *refuted += control.failures.count();
-            }
+/// Checks a random ray and triangle; in some cases also on the wrong implementations.
+fn run(tally: &mut Tally, rules: Rules, rng: &mut ChaCha8Rng) {
+    let (ray, corners) = draw(rng);
+    let exact = Exact::new(&ray, corners);
+    check(tally, &exact, &ray, corners, TriangleResult::of(datapath(rules, &ray, corners)));
+    if tally.count("checked").is_multiple_of(CONTROL_INTERVAL) {
+        for (name, answer) in WRONG {
+            let mut control = Tally::default();
+            check(&mut control, &exact, &ray, corners, answer(&ray, corners));
+            tally.add(name, control.failures());
         }
-    }
-
-    fn check(&mut self, exact: &Exact, ray: &Ray<Binary32>, corners: [[f32; 3]; 3], answer: TriangleResult) {
-        self.checked += 1;
-        let (num, denom) = (Dyadic::from(answer.t_num), Dyadic::from(answer.t_denom));
-        let squared = &exact.dz * &exact.dz;
-        let cubed = &squared * &exact.dz;
-        let (off_denom, off_num) = ((&denom * &squared - &exact.area).abs(), (&num * &cubed - &exact.volume).abs());
-        self.denominator.add(off_denom.to_f64() / exact.magnitude.to_f64() / U);
-        self.numerator.add(off_num.to_f64() / exact.magnitude_by_depth.to_f64() / U);
-        let mut wrong = Vec::new();
-        if !within_gamma(12, &off_denom, &exact.magnitude) {
-            wrong.push("t_denom");
-        }
-        if !within_gamma(16, &off_num, &exact.magnitude_by_depth) {
-            wrong.push("t_num");
-        }
-        if answer.hit && exact.area.sign().is_gt() && exact.depths.iter().all(|depth| depth.sign().is_gt()) {
-            self.hits += 1;
-            wrong.extend(self.check_range(exact, &num, &denom));
-            wrong.extend(self.check_quotient(exact, answer));
-        }
-        if !wrong.is_empty() {
-            let (origin, dir): ([f32; 3], [f32; 3]) = (ray.origin.into(), ray.dir.into());
-            self.failures.add(|| {
-                format!(
-                    "{} beyond the bound: ray from {origin:?} along {dir:?} at {corners:?}: {answer:?}",
-                    wrong.join(", ")
-                )
-            });
-        }
-    }
-
-    /// The distance of a hit lies between those of the vertices, within γ₈.
-    fn check_range(&mut self, exact: &Exact, num: &Dyadic, denom: &Dyadic) -> Option<&'static str> {
-        let (t, [a, b, c]) = (num * &exact.dz, exact.depths.each_ref().map(|depth| depth * denom));
-        let least = a.clone().min(b.clone()).min(c.clone());
-        let greatest = a.max(b).max(c);
-        let (below, above) = (&least - &t, &t - &greatest);
-        self.outside.add(below.to_f64() / least.to_f64() / U);
-        self.outside.add(above.to_f64() / greatest.to_f64() / U);
-        (!within_gamma(8, &below, &least) || !within_gamma(8, &above, &greatest)).then_some("t outside the triangle")
-    }
-
-    /// |t − exact| ≤ γ₈ t + γ₁₁ (ΣM / t_denom) · max |z − t|.
-    fn check_quotient(&mut self, exact: &Exact, answer: TriangleResult) -> Option<&'static str> {
-        let (num, denom) = (Dyadic::from(answer.t_num), Dyadic::from(answer.t_denom));
-        // All values are multiplied by t_denom · area · |dz|³.
-        let squared = &exact.dz * &exact.dz;
-        let off = (&num * &exact.area * &exact.dz - &exact.volume * &denom).abs() * &squared;
-        let t = &exact.volume * &denom * &squared;
-        let spread = exact.depths.each_ref().map(|depth| (depth * &exact.area - &exact.volume).abs());
-        let [a, b, c] = spread;
-        let cancelled = &exact.magnitude * &a.max(b).max(c);
-        let [off_, t_, cancelled_] = [&off, &t, &cancelled].map(Dyadic::to_f64);
-        let ulps = off_ / t_ * ulps_of(exact.volume.to_f64() / exact.area.to_f64() / exact.dz.to_f64());
-        self.ulps.add(ulps);
-        self.part_of_bound.add(off_ / (U * (8.0 * t_ + 11.0 * cancelled_)));
-        if cancelled_ <= t_ {
-            self.benign += 1;
-            self.benign_ulps.add(ulps);
-        }
-        // γ₈ t + γ₁₁ c, multiplied by both denominators.
-        let [eight, eleven] = [8, 11].map(|n| Dyadic::from((1 << 24) - n));
-        let bound = Dyadic::from(8) * &eleven * &t + Dyadic::from(11) * &eight * &cancelled;
-        (eight * eleven * &off > bound).then_some("t")
-    }
-
-    fn verdict(self, is_stopped: bool) -> Verdict {
-        let covered = format!("{} rays and triangles, {} hits", self.checked, self.hits);
-        let remarks = vec![
-            format!(
-                "t_denom: at most {:.2} u of the sum of magnitudes, bound 12; t_num: {:.2}, bound 16",
-                self.denominator.0, self.numerator.0
-            ),
-            format!("t of a hit is outside the vertices' distances by at most {:.2} u, bound 8", self.outside.0),
-            format!(
-                "error of t: at most {:.2} ulps in {} hits with little cancellation, bound 19; at most {:.3} of its \
-                 bound and {:.1} ulps in all hits",
-                self.benign_ulps.0, self.benign, self.part_of_bound.0, self.ulps.0
-            ),
-        ];
-        let mut verdict = Verdict { covered, remarks, failures: self.failures.lines(), is_stopped };
-        let tried = self.checked / CONTROL_INTERVAL;
-        let label = format!("wrong results found in {tried} cases of each wrong implementation");
-        let names = WRONG.map(|(name, _)| name);
-        add_controls(&mut verdict, &label, names, self.refuted, self.checked >= ENOUGH);
-        verdict
     }
 }
 
-tally_of_fields!(DistanceErrors {
-    checked,
-    hits,
-    denominator,
-    numerator,
-    outside,
-    benign,
-    benign_ulps,
-    part_of_bound,
-    ulps,
-    refuted,
-    failures
-});
+fn check(tally: &mut Tally, exact: &Exact, ray: &Ray<Binary32>, corners: [[f32; 3]; 3], answer: TriangleResult) {
+    tally.add("checked", true);
+    let (num, denom) = (Dyadic::from(answer.t_num), Dyadic::from(answer.t_denom));
+    let squared = &exact.dz * &exact.dz;
+    let cubed = &squared * &exact.dz;
+    let (off_denom, off_num) = ((&denom * &squared - &exact.area).abs(), (&num * &cubed - &exact.volume).abs());
+    tally.add_value("t_denom in u", off_denom.to_f64() / exact.magnitude.to_f64() / U);
+    tally.add_value("t_num in u", off_num.to_f64() / exact.magnitude_by_depth.to_f64() / U);
+    let mut wrong = Vec::new();
+    if !within_gamma(12, &off_denom, &exact.magnitude) {
+        wrong.push("t_denom");
+    }
+    if !within_gamma(16, &off_num, &exact.magnitude_by_depth) {
+        wrong.push("t_num");
+    }
+    if answer.hit && exact.area.sign().is_gt() && exact.depths.iter().all(|depth| depth.sign().is_gt()) {
+        tally.add("hits", true);
+        wrong.extend(check_range(tally, exact, &num, &denom));
+        wrong.extend(check_quotient(tally, exact, answer));
+    }
+    if !wrong.is_empty() {
+        let (origin, dir): ([f32; 3], [f32; 3]) = (ray.origin.into(), ray.dir.into());
+        let wrong = wrong.join(", ");
+        tally
+            .fail(|| format!("{wrong} beyond the bound: ray from {origin:?} along {dir:?} at {corners:?}: {answer:?}"));
+    }
+}
+
+/// The distance of a hit lies between those of the vertices, within γ₈.
+fn check_range(tally: &mut Tally, exact: &Exact, num: &Dyadic, denom: &Dyadic) -> Option<&'static str> {
+    let (t, [a, b, c]) = (num * &exact.dz, exact.depths.each_ref().map(|depth| depth * denom));
+    let least = a.clone().min(b.clone()).min(c.clone());
+    let greatest = a.max(b).max(c);
+    let (below, above) = (&least - &t, &t - &greatest);
+    tally.add_value("t outside in u", below.to_f64() / least.to_f64() / U);
+    tally.add_value("t outside in u", above.to_f64() / greatest.to_f64() / U);
+    (!within_gamma(8, &below, &least) || !within_gamma(8, &above, &greatest)).then_some("t outside the triangle")
+}
+
+/// |t − exact| ≤ γ₈ t + γ₁₁ (ΣM / t_denom) · max |z − t|.
+fn check_quotient(tally: &mut Tally, exact: &Exact, answer: TriangleResult) -> Option<&'static str> {
+    let (num, denom) = (Dyadic::from(answer.t_num), Dyadic::from(answer.t_denom));
+    // All values are multiplied by t_denom · area · |dz|³.
+    let squared = &exact.dz * &exact.dz;
+    let off = (&num * &exact.area * &exact.dz - &exact.volume * &denom).abs() * &squared;
+    let t = &exact.volume * &denom * &squared;
+    let spread = exact.depths.each_ref().map(|depth| (depth * &exact.area - &exact.volume).abs());
+    let [a, b, c] = spread;
+    let cancelled = &exact.magnitude * &a.max(b).max(c);
+    let [off_, t_, cancelled_] = [&off, &t, &cancelled].map(Dyadic::to_f64);
+    let ulps = off_ / t_ * ulps_of(exact.volume.to_f64() / exact.area.to_f64() / exact.dz.to_f64());
+    tally.add_value("t in ulps", ulps);
+    tally.add_value("part of t's bound", off_ / (U * (8.0 * t_ + 11.0 * cancelled_)));
+    // With little cancellation, the error is at most that of t's own roundings.
+    if cancelled_ <= t_ {
+        tally.add("hits with little cancellation", true);
+        tally.add_value("t with little cancellation in ulps", ulps);
+    }
+    // γ₈ t + γ₁₁ c, multiplied by both denominators.
+    let [eight, eleven] = [8, 11].map(|n| Dyadic::from((1 << 24) - n));
+    let bound = Dyadic::from(8) * &eleven * &t + Dyadic::from(11) * &eight * &cancelled;
+    (eight * eleven * &off > bound).then_some("t")
+}
+
+fn verdict(tally: Tally, is_stopped: bool) -> Verdict {
+    let (checked, largest) = (tally.count("checked"), |name| tally.largest(name));
+    let covered = format!("{checked} rays and triangles, {} hits", tally.count("hits"));
+    let remarks = vec![
+        format!(
+            "t_denom: at most {:.2} u of the sum of magnitudes, bound 12; t_num: {:.2}, bound 16",
+            largest("t_denom in u"),
+            largest("t_num in u")
+        ),
+        format!("t of a hit is outside the vertices' distances by at most {:.2} u, bound 8", largest("t outside in u")),
+        format!(
+            "error of t: at most {:.2} ulps in {} hits with little cancellation, bound 19; at most {:.3} of its bound \
+             and {:.1} ulps in all hits",
+            largest("t with little cancellation in ulps"),
+            tally.count("hits with little cancellation"),
+            largest("part of t's bound"),
+            largest("t in ulps")
+        ),
+    ];
+    let label = format!("wrong results found in {} cases of each wrong implementation", checked / CONTROL_INTERVAL);
+    tally.verdict(is_stopped, covered, remarks, (&label, WRONG.map(|(name, _)| name), checked >= ENOUGH))
+}
+
+/// A wrong implementation and its name.
+type Named = (&'static str, fn(&Ray<Binary32>, [[f32; 3]; 3]) -> TriangleResult);
+
+/// The negative control, wrong implementations: inputs and results with too few bits, and a missing factor.
+const WRONG: [Named; 4] = [
+    ("shear constants of 16 bits", |ray, corners| with_shear(ray, corners, |shear| shear.map(|x| truncate(x, 16)))),
+    ("depths without the factor of the shear", |ray, corners| with_shear(ray, corners, |[x, y, _]| [x, y, 1.0])),
+    ("t_num of 16 bits", |ray, corners| {
+        let right = with_shear(ray, corners, |shear| shear);
+        TriangleResult { t_num: truncate(right.t_num, 16), ..right }
+    }),
+    ("t_denom of 16 bits", |ray, corners| {
+        let right = with_shear(ray, corners, |shear| shear);
+        TriangleResult { t_denom: truncate(right.t_denom, 16), ..right }
+    }),
+];
+
+/// The datapath's result for a ray with other shear constants.
+fn with_shear(ray: &Ray<Binary32>, corners: [[f32; 3]; 3], shear: impl Fn([f32; 3]) -> [f32; 3]) -> TriangleResult {
+    let ray = Ray { shear: shear(ray.shear.into()).into(), ..*ray };
+    TriangleResult::of(datapath(Rules::Paper, &ray, corners))
+}
+
+/// The number with a significand of `bits` bits, rounded towards zero.
+pub fn truncate(number: f32, bits: u32) -> f32 {
+    f32::from_bits(number.to_bits() >> (24 - bits) << (24 - bits))
+}
 
 #[cfg(test)]
 mod tests {
     use super::super::implementations::datapath;
-    use super::{DistanceErrors, Exact, TriangleResult, WRONG, draw, ulps_of};
+    use super::{Exact, Tally, TriangleResult, WRONG, check, draw, run, ulps_of};
     use rand::SeedableRng;
     use rand::rngs::ChaCha8Rng;
     use raypath_ops::{Ray, Rules};
@@ -278,31 +262,30 @@ mod tests {
     #[test]
     fn wrong_distances_are_found() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let (mut right, mut wrong, mut hits) = (DistanceErrors::default(), DistanceErrors::default(), 0);
+        let (mut right, mut wrong, mut hits) = (Tally::default(), Tally::default(), 0);
         for _ in 0..3000 {
             let (ray, corners) = draw(&mut rng);
-            let output = datapath(Rules::Paper, &ray, corners);
-            let (t_num, t_denom) = (f32::from(output.t_num), f32::from(output.t_denom));
-            let hit: bool = output.triangle_hit.into();
+            let answer = TriangleResult::of(datapath(Rules::Paper, &ray, corners));
             let exact = Exact::new(&ray, corners);
-            right.check(&exact, &ray, corners, TriangleResult { t_num, t_denom, hit });
-            if hit {
+            check(&mut right, &exact, &ray, corners, answer);
+            if answer.hit {
                 hits += 1;
-                wrong.check(&exact, &ray, corners, TriangleResult { t_num: t_num * (1.0 + 1e-5), t_denom, hit });
+                let t_num = answer.t_num * (1.0 + 1e-5);
+                check(&mut wrong, &exact, &ray, corners, TriangleResult { t_num, ..answer });
             }
         }
-        assert_eq!(right.failures.lines(), Vec::<String>::new());
-        assert!(hits > 500 && right.benign > 100, "{hits} {}", right.benign);
-        assert!(wrong.failures.count() > hits / 20, "{} of {hits}", wrong.failures.count());
+        assert_eq!(right.failures(), 0, "{right:?}");
+        assert!(hits > 500 && right.count("hits with little cancellation") > 100, "{hits} {right:?}");
+        assert!(wrong.failures() > hits / 20, "{} of {hits}", wrong.failures());
     }
 
     #[test]
     fn each_wrong_implementation_is_refuted() {
-        let (mut errors, mut rng) = (DistanceErrors::default(), ChaCha8Rng::seed_from_u64(2));
-        (0..3200).for_each(|_| errors.run(Rules::Paper, &mut rng));
-        assert_eq!(errors.failures.lines(), Vec::<String>::new());
-        for ((name, _), refuted) in WRONG.iter().zip(errors.refuted) {
-            assert!(refuted > 0, "{name} is not refuted");
+        let (mut tally, mut rng) = (Tally::default(), ChaCha8Rng::seed_from_u64(2));
+        (0..3200).for_each(|_| run(&mut tally, Rules::Paper, &mut rng));
+        assert_eq!(tally.failures(), 0, "{tally:?}");
+        for (name, _) in WRONG {
+            assert!(tally.count(name) > 0, "{name} is not refuted");
         }
     }
 }

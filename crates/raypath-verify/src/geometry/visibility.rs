@@ -1,7 +1,6 @@
 //! The preconditions of `docs/reference/error-bounds.md` on a ray and a patch, decided without rounding errors.
 
-use super::dyadic::Dyadic;
-use super::error_units::U;
+use super::dyadic::{Dyadic, U};
 use super::mesh::{Mesh, Patch};
 use super::vector::{Point, cross, dot, minus};
 use raypath_ops::{Binary32, Ray};
