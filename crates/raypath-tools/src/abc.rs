@@ -1,7 +1,7 @@
 //! ABC, which proves properties of and-inverter graphs.
 
 use crate::program::{Ended, Run, first_line};
-use crate::{Program, ToolError};
+use crate::{Program, ToolError, read};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -53,9 +53,7 @@ impl Abc {
     ) -> Result<Option<String>, ToolError> {
         let run = Run { folder, log: "abc.log", limit: Some(limit), stop };
         let ended = run.run(&ABC, Command::new(&self.program).args(["-q", commands]))?;
-        let log = folder.join(run.log);
-        let output = std::fs::read(&log).map_err(|problem| ToolError::file(&log, "read", problem))?;
-        let output = String::from_utf8_lossy(&output).into_owned();
+        let output = String::from_utf8_lossy(&read(&folder.join(run.log))?).into_owned();
         Ok(match ended {
             Ended::Success => Some(output),
             // An answer that was printed before a failure does not count.

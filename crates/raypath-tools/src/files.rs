@@ -12,6 +12,14 @@ pub fn write(path: &Path, text: &str) -> Result<(), ToolError> {
     std::fs::write(path, text).map_err(|problem| ToolError::file(path, "write", problem))
 }
 
+/// Reads a file.
+///
+/// # Errors
+/// It cannot be read.
+pub fn read(path: &Path) -> Result<Vec<u8>, ToolError> {
+    std::fs::read(path).map_err(|problem| ToolError::file(path, "read", problem))
+}
+
 /// A folder that is deleted when it goes out of scope.
 ///
 /// # Errors

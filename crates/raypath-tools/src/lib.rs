@@ -46,7 +46,7 @@ pub use abc::Abc;
 #[cfg(feature = "cache")]
 pub use cache::{Cache, Key, MAX_RESULT_BYTES, decode, digest};
 pub use error::ToolError;
-pub use files::{temporary_folder, write};
+pub use files::{read, temporary_folder, write};
 pub use grouped::grouped;
 pub use input::{plain_or_gzip, read_within, text};
 pub use lint::{lint_slang, lint_verilator, lint_yosys};

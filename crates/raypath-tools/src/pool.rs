@@ -203,6 +203,11 @@ impl Shard {
         number % self.of == self.number
     }
 
+    /// The items whose positions belong to the shard.
+    pub fn of<T>(self, items: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
+        (0..).zip(items).filter(move |(number, _)| self.takes(*number)).map(|(_, item)| item)
+    }
+
     /// How many of the numbers below `total` belong to the shard.
     pub fn share(self, total: u64) -> u64 {
         total / self.of + u64::from(total % self.of > self.number)

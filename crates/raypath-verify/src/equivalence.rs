@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::sat::{Miter, ProofResult, Prover, SOURCE};
 use raypath_hdl::{Module, Port, Simulator, expose_registers, verilog};
+use raypath_tools::ToolError;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -123,11 +124,9 @@ fn confirmed(result: ProofResult, pair: &[Arc<Module>; 2]) -> Result<Equivalence
             let name = |name: String| name.strip_prefix("in_").map(str::to_string).unwrap_or(name);
             let values: BTreeMap<String, u64> = values.into_iter().map(|(port, value)| (name(port), value)).collect();
             if outputs(&pair[0], &values)? == outputs(&pair[1], &values)? {
-                return Err(Error::Program {
-                    program: "abc".to_string(),
-                    problem: format!("{}: not a counterexample: {values:x?}", pair[0].name()),
-                    expected: "values for which the simulator finds a difference".to_string(),
-                });
+                let found = format!("{}: not a counterexample: {values:x?}", pair[0].name());
+                let expected = "values for which the simulator finds a difference";
+                return Err(ToolError::unexpected("abc", found, expected).into());
             }
             Ok(Equivalence::Different(values))
         }

@@ -9,10 +9,11 @@ mod worker;
 pub use targets::{TARGETS, Target};
 
 use crate::error::Error;
+use crate::files::in_folder;
 use crate::request::{Progress, Request};
 use crate::verdict::{Item, Verdict};
-use std::fs;
-use std::path::{Path, PathBuf};
+use raypath_tools::read;
+use std::path::Path;
 use worker::{Outcome, Worker};
 
 /// The time limit for an input of some kilobytes, on a busy machine.
@@ -91,13 +92,5 @@ pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
 /// A file cannot be read.
 pub fn corpus(target: &Target) -> Result<Vec<Vec<u8>>, Error> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(target.name);
-    let refused = |path: &Path| {
-        let path = path.to_path_buf();
-        move |problem| Error::File { path, problem }
-    };
-    let entries = fs::read_dir(&folder).map_err(refused(&folder))?;
-    let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<PathBuf>, _>>();
-    let mut paths = paths.map_err(refused(&folder))?;
-    paths.sort();
-    paths.iter().map(|path| fs::read(path).map_err(refused(path))).collect()
+    Ok(in_folder(&folder)?.iter().map(|path| read(path)).collect::<Result<_, _>>()?)
 }

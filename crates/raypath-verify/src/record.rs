@@ -9,8 +9,10 @@ mod table;
 pub use table::table;
 
 use crate::error::Error;
+use crate::files::in_folder;
 use crate::request::Request;
 use crate::verdict::{Item, Verdict};
+use raypath_tools::{ToolError, read, write};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
@@ -80,7 +82,7 @@ impl Recorder {
     /// # Errors
     /// The folder cannot be created.
     pub fn new(folder: &Path) -> Result<Self, Error> {
-        fs::create_dir_all(folder).map_err(|problem| Error::File { path: folder.to_path_buf(), problem })?;
+        fs::create_dir_all(folder).map_err(|problem| ToolError::file(folder, "create the folder", problem))?;
         let root = root();
         let commit = printed(&root, &["git", "rev-parse", "HEAD"]);
         let status = printed(&root, &["git", "status", "--porcelain", "--", ".", ":(exclude)docs/records"]);
@@ -127,8 +129,9 @@ impl Recorder {
 
     fn write(&self, record: &Record) -> Result<(), Error> {
         let path = self.folder.join(format!("{}.json", record.item));
-        let text = serde_json::to_string_pretty(record).map_err(std::io::Error::from);
-        text.and_then(|text| fs::write(&path, text + "\n")).map_err(|problem| Error::File { path, problem })
+        let text =
+            serde_json::to_string_pretty(record).map_err(|problem| ToolError::file(&path, "write", problem.into()))?;
+        Ok(write(&path, &(text + "\n"))?)
     }
 }
 
@@ -138,22 +141,13 @@ impl Record {
     /// # Errors
     /// A file cannot be read or is not a record.
     pub fn read_all(folder: &Path) -> Result<Vec<Self>, Error> {
-        let refused = |path: &Path| {
-            let path = path.to_path_buf();
-            move |problem| Error::File { path, problem }
+        let is_record = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "json");
+        let paths = in_folder(folder)?.into_iter().filter(is_record);
+        let record = |path: PathBuf| {
+            let no_record = |problem: serde_json::Error| ToolError::file(&path, "read", problem.into());
+            Ok(serde_json::from_slice(&read(&path)?).map_err(no_record)?)
         };
-        let entries = fs::read_dir(folder).map_err(refused(folder))?;
-        let mut paths = entries
-            .map(|entry| entry.map(|entry| entry.path()))
-            .collect::<Result<Vec<PathBuf>, _>>()
-            .map_err(refused(folder))?;
-        paths.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
-        paths.sort();
-        let read = |path: &PathBuf| {
-            let text = fs::read_to_string(path).map_err(refused(path))?;
-            serde_json::from_str(&text).map_err(std::io::Error::from).map_err(refused(path))
-        };
-        paths.iter().map(read).collect()
+        paths.map(record).collect()
     }
 
     /// Whether the item's subject in the repository at `root` differs from the recorded one.

@@ -9,9 +9,10 @@ mod miter;
 
 pub use miter::{Miter, ProofResult, SOURCE};
 
-use crate::error::{Error, file};
+use crate::error::Error;
 use aiger::Aiger;
-use raypath_tools::{Abc, ToolError, Yosys, YosysKind};
+pub(crate) use aiger::header;
+use raypath_tools::{Abc, ToolError, Yosys, YosysKind, read, temporary_folder, write};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -57,7 +58,7 @@ impl Prover {
     /// # Errors
     /// A program fails, or a circuit has other inputs or outputs than its problem states.
     pub fn solve(&self, problems: &[Miter], limit: Duration, stop: &AtomicBool) -> Result<Vec<ProofResult>, Error> {
-        let folder = tempfile::tempdir().map_err(|problem| file(&std::env::temp_dir(), problem))?;
+        let folder = temporary_folder()?;
         let graphs = match self.graphs(folder.path(), problems, stop)? {
             Some(graphs) => graphs,
             None => return Ok(vec![ProofResult::Stopped; problems.len()]),
@@ -78,11 +79,10 @@ impl Prover {
         let counterexample = || fs::read_to_string(&example).ok().and_then(|word| graph.ports(word.trim()));
         match verdict(&output) {
             Some(true) => Ok(ProofResult::Proved { gates: graph.gates }),
-            Some(false) => counterexample().map(ProofResult::Refuted).ok_or_else(|| Error::Program {
-                program: "abc".to_string(),
-                problem: format!("{}: refuted without a counterexample", graph.problem),
-                expected: "a value for each input".to_string(),
-            }),
+            Some(false) => Ok(counterexample().map(ProofResult::Refuted).ok_or_else(|| {
+                let found = format!("{}: refuted without a counterexample", graph.problem);
+                ToolError::unexpected("abc", found, "a value for each input")
+            })?),
             None => Ok(ProofResult::Undecided(Abc::last_line(&output))),
         }
     }
@@ -92,29 +92,28 @@ impl Prover {
     /// # Errors
     /// Yosys fails, or a wire has no definite value.
     pub fn evaluate(&self, problem: &Miter, values: &BTreeMap<String, u64>, wires: &[&str]) -> Result<Vec<u64>, Error> {
-        let folder = tempfile::tempdir().map_err(|problem| file(&std::env::temp_dir(), problem))?;
+        let folder = temporary_folder()?;
         let mut script = write_sources(problem, folder.path(), 0)?;
         let width = |name: &str| problem.inputs.iter().find(|(input, _)| input == name).map_or(1, |(_, width)| *width);
         let set: Vec<String> =
             values.iter().map(|(name, value)| format!("-set {name} {}'d{value}", width(name))).collect();
         let show: Vec<String> = wires.iter().map(|wire| format!("-show {wire}")).collect();
         script += &format!("hierarchy -check -top miter\nflatten\neval {} {} miter\n", set.join(" "), show.join(" "));
-        let path = folder.path().join("script.ys");
-        fs::write(&path, script).map_err(|error| file(&path, error))?;
+        write(&folder.path().join("script.ys"), &script)?;
         self.yosys.run(folder.path(), "script.ys", &problem.name, &AtomicBool::new(false))?;
-        let log = folder.path().join("yosys.log");
-        let output = fs::read_to_string(&log).map_err(|error| file(&log, error))?;
+        let log = read(&folder.path().join(Yosys::LOG))?;
+        let output = String::from_utf8_lossy(&log);
         wires
             .iter()
             .map(|wire| {
                 // Eval result: \a = 16'0011110000000000.
                 let begin = format!("Eval result: \\{wire} = ");
                 let line = output.lines().find_map(|line| line.strip_prefix(&begin));
-                line.and_then(|line| parse_value(line.trim_end_matches('.'))).ok_or_else(|| Error::Program {
-                    program: "yosys".to_string(),
-                    problem: format!("{}: evaluated {wire} to {line:?}", problem.name),
-                    expected: "a definite value".to_string(),
-                })
+                let value = line.and_then(|line| parse_value(line.trim_end_matches('.')));
+                Ok(value.ok_or_else(|| {
+                    let found = format!("{}: evaluated {wire} to {line:?}", problem.name);
+                    ToolError::unexpected("yosys", found, "a definite value")
+                })?)
             })
             .collect()
     }
@@ -130,8 +129,7 @@ impl Prover {
                 script += &(command + "\n");
             }
         }
-        let path = folder.join("script.ys");
-        fs::write(&path, script).map_err(|error| file(&path, error))?;
+        write(&folder.join("script.ys"), &script)?;
         let about = problems.first().map(|problem| problem.name.as_str()).unwrap_or_default();
         match self.yosys.run(folder, "script.ys", about, stop) {
             Err(ToolError::Stopped) => return Ok(None),
@@ -153,10 +151,9 @@ fn parse_value(value: &str) -> Option<u64> {
 /// Writes a problem's sources to a subfolder, so that problems can have the same file names, and returns its commands.
 fn write_sources(problem: &Miter, folder: &Path, number: usize) -> Result<String, Error> {
     let inside = folder.join(number.to_string());
-    fs::create_dir(&inside).map_err(|error| file(&inside, error))?;
+    fs::create_dir(&inside).map_err(|problem| ToolError::file(&inside, "create the folder", problem))?;
     for (name, text) in &problem.sources {
-        let path = inside.join(name);
-        fs::write(&path, text).map_err(|error| file(&path, error))?;
+        write(&inside.join(name), text)?;
     }
     let commands = problem.commands.iter().map(|command| command.replace(SOURCE, &format!("{number}/")) + "\n");
     Ok(std::iter::once("design -reset\n".to_string()).chain(commands).collect())

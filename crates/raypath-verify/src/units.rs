@@ -2,9 +2,7 @@
 //! that they compute IEEE 754's operations.
 
 pub mod bench;
-mod berkeley;
 mod campaign;
-mod chain;
 mod conversions;
 pub mod operands;
 pub mod proofs;
@@ -12,9 +10,8 @@ mod small_formats;
 mod softfloat;
 mod testfloat;
 
-pub use chain::chain;
 pub use conversions::{conversions, conversions_of};
-pub use small_formats::{small_formats, small_formats_of};
+pub use small_formats::{oracle, small_formats, small_formats_of};
 pub use softfloat::{testfloat, testfloat_of};
 
 use crate::verdict::Item;

@@ -1,9 +1,9 @@
 //! The model checker: Yosys and ABC on a module with assertions.
 
-use crate::error::{Error, file};
-use raypath_tools::{Abc, ToolError, Yosys, YosysKind};
+use crate::error::Error;
+use crate::sat::header;
+use raypath_tools::{Abc, ToolError, Yosys, YosysKind, read, temporary_folder, write};
 use std::collections::HashMap;
-use std::fs;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -99,18 +99,14 @@ impl ModelChecker {
     /// # Errors
     /// A program fails, or another number of assertions than stated reaches ABC.
     pub fn check(&self, problem: &SafetyProblem, stop: &AtomicBool) -> Result<Option<CheckResult>, Error> {
-        let folder = tempfile::tempdir().map_err(|problem| file(&std::env::temp_dir(), problem))?;
+        let folder = temporary_folder()?;
         let folder = folder.path();
-        let write = |name: &str, text: &str| {
-            let path = folder.join(name);
-            fs::write(&path, text).map_err(|problem| Error::File { path, problem })
-        };
-        write("problem.sv", &problem.text)?;
+        write(&folder.join("problem.sv"), &problem.text)?;
         let begin =
             ["read_verilog -sv -formal problem.sv".to_string(), format!("hierarchy -check -top {}", problem.top)];
         let commands = begin.into_iter().chain(TO_GRAPH.iter().map(ToString::to_string));
         let commands: Vec<String> = commands.chain(["write_aiger -zinit -B problem.aig".to_string()]).collect();
-        write("script", &(commands.join("\n") + "\n"))?;
+        write(&folder.join("script"), &(commands.join("\n") + "\n"))?;
         match self.yosys.run(folder, "script", &problem.name, stop) {
             Err(ToolError::Stopped) => return Ok(None),
             other => other?,
@@ -121,8 +117,7 @@ impl ModelChecker {
         if self.abc.run(folder, reduce, LIMIT, stop)?.is_none() {
             return Ok(None);
         }
-        let path = folder.join("reduced.aig");
-        let graph = fs::read(&path).map_err(|problem| Error::File { path, problem })?;
+        let graph = read(&folder.join("reduced.aig"))?;
         // ABC's comment at the end holds the time.
         let key = (problem.method, without_comment(graph));
         let known = self.results.lock().ok().and_then(|results| results.get(&key).copied());
@@ -148,21 +143,17 @@ impl ModelChecker {
 
 /// Checks that the graph has the problem's number of assertions, and state and gates.
 fn check_graph(folder: &Path, problem: &SafetyProblem) -> Result<(), Error> {
-    let path = folder.join("problem.aig");
-    let bytes = fs::read(&path).map_err(|problem| Error::File { path, problem })?;
-    let header = bytes.split(|&byte| byte == b'\n').next().unwrap_or_default();
-    let header = String::from_utf8_lossy(header).into_owned();
-    // "aig", then numbers: variables, inputs, latches, outputs, and-gates, assertions, constraints.
-    let numbers: Vec<usize> = header.split(' ').skip(1).map_while(|word| word.parse().ok()).collect();
+    // The numbers of variables, inputs, latches, outputs, and-gates, assertions, constraints.
+    let (header, numbers) = header(&folder.join("problem.aig"))?;
     match numbers[..] {
-        [_, _, latches, _, gates, assertions, ..] if latches > 0 && gates > 0 && assertions == problem.assertions => {
+        [_, _, latches, _, gates, found, ..] if latches > 0 && gates > 0 && found == problem.assertions as u64 => {
             Ok(())
         }
-        _ => Err(Error::Program {
-            program: "yosys".to_string(),
-            problem: format!("{}: found a circuit '{header}'", problem.name),
-            expected: format!("one with {} assertions that depend on state", problem.assertions),
-        }),
+        _ => {
+            let found = format!("{}: found a circuit '{header}'", problem.name);
+            let expected = format!("one with {} assertions that depend on state", problem.assertions);
+            Err(ToolError::unexpected("yosys", found, expected).into())
+        }
     }
 }
 

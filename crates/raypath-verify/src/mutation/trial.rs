@@ -67,9 +67,7 @@ impl Trial<'_> {
             Ok(Equivalence::Proved) => Ok(MutantResult::Equivalent("as modules")),
             Ok(Equivalence::Different(_)) => Ok(survived("different as modules")),
             Ok(Equivalence::Undecided(why)) => Ok(survived(&format!("undecided as modules: {why}"))),
-            Err(problem @ (Error::Program { .. } | Error::Tool(_))) => {
-                Ok(survived(&format!("not compared as modules: {problem}")))
-            }
+            Err(Error::Tool(problem)) => Ok(survived(&format!("not compared as modules: {problem}"))),
             Err(other) => Err(other),
         }
     }

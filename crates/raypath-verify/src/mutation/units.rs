@@ -1,12 +1,11 @@
 //! The unit tests' operands on floating-point units with a fault.
 
 use crate::error::Error;
-use crate::units::bench::UnitResults;
-use crate::units::chain;
+use crate::units::bench::{Simulated, UnitResults, chain};
 use crate::units::operands::{self, CASES, RECODED_CASES, canonical, generator, host_results};
 use rand::rngs::ChaCha8Rng;
 use raypath_float::Format;
-use raypath_hdl::{InputPort, Module, OutputPort, Simulator};
+use raypath_hdl::Module;
 use raypath_rtl::Config;
 use std::sync::Arc;
 
@@ -49,7 +48,7 @@ impl Unit {
         let mut parts = self.parts.clone();
         parts[self.part] = module.clone();
         let whole = if parts.len() == 1 { module.clone() } else { chain(&parts)? };
-        let mut bench = Bench::new(self.kind, &whole)?;
+        let mut bench = Bench { kind: self.kind, unit: Simulated::new(&whole)? };
         let checks: &[(&'static str, Check)] = match self.kind {
             Kind::Encode | Kind::Decode => &[("unit test, conversions", Bench::converts)],
             _ => &[
@@ -65,35 +64,13 @@ impl Unit {
 /// Whether a test passes.
 type Check = fn(&mut Bench) -> bool;
 
-/// A unit in the netlist simulator.
+/// A unit in the netlist simulator, and its oracle.
 struct Bench {
     kind: Kind,
-    simulator: Simulator,
-    inputs: Vec<InputPort>,
-    outputs: Vec<OutputPort>,
+    unit: Simulated,
 }
 
 impl Bench {
-    fn new(kind: Kind, module: &Arc<Module>) -> Result<Self, Error> {
-        let simulator = Simulator::new(module)?;
-        let inputs = module.inputs().iter().map(|port| simulator.input(&port.name)).collect::<Result<_, _>>()?;
-        let outputs = module.outputs().iter().map(|port| simulator.output(&port.name)).collect::<Result<_, _>>()?;
-        Ok(Self { kind, simulator, inputs, outputs })
-    }
-
-    /// The outputs for these inputs, a word each.
-    fn run(&mut self, words: &[u64]) -> [u64; 3] {
-        for (&input, &word) in self.inputs.iter().zip(words) {
-            self.simulator.set(input, word);
-        }
-        self.simulator.settle();
-        let mut shown = [0; 3];
-        for (word, &output) in shown.iter_mut().zip(&self.outputs) {
-            *word = self.simulator.get(output);
-        }
-        shown
-    }
-
     /// The expected outputs, numbers in IEEE 754's format.
     fn expected(&self, UnitResults { sum, product, less, equal, unordered, .. }: UnitResults) -> [u64; 3] {
         match self.kind {
@@ -110,7 +87,7 @@ impl Bench {
     /// Whether the results for two binary32 numbers are right.
     fn answers(&mut self, a: u32, b: u32) -> bool {
         let format = Format::BINARY32;
-        let mut shown = self.run(&[format.encode(a.into()), format.encode(b.into())]);
+        let mut shown = self.unit.run([format.encode(a.into()), format.encode(b.into())]);
         if self.gives_numbers() {
             shown[0] = format.decode(shown[0]);
         }
@@ -131,7 +108,7 @@ impl Bench {
             if self.gives_numbers() {
                 expected[0] = Format::BINARY32.encode(expected[0]);
             }
-            self.run(&[a, b]) == expected
+            self.unit.run([a, b]) == expected
         })
     }
 
@@ -161,8 +138,8 @@ impl Bench {
             operands::edges_of_conversions().chain((0..CASES).map(|_| operands::for_conversions(&mut random)));
         for number in numbers {
             let is_right = match self.kind {
-                Kind::Encode => self.run(&[number.into()])[0] == format.encode(number.into()),
-                _ => self.run(&[format.encode(number.into())])[0] == canonical(f32::from_bits(number)),
+                Kind::Encode => self.unit.run([number.into()]) == [format.encode(number.into())],
+                _ => self.unit.run([format.encode(number.into())]) == [canonical(f32::from_bits(number))],
             };
             if !is_right {
                 return false;
@@ -172,7 +149,7 @@ impl Bench {
         self.kind == Kind::Encode
             || (0..RECODED_CASES).all(|_| {
                 let (word, number) = operands::recoded(&mut random);
-                self.run(&[word])[0] == canonical(number)
+                self.unit.run([word]) == [canonical(number)]
             })
     }
 }

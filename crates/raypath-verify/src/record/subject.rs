@@ -1,8 +1,8 @@
 //! The subject of an item: the source text that its result depends on.
 
 use crate::error::Error;
-use sha2::{Digest, Sha256};
-use std::fs;
+use crate::files::in_folder;
+use raypath_tools::{digest, read};
 use std::path::{Path, PathBuf};
 
 /// The SHA-256, in hexadecimal digits, of the files under these paths of the repository at `root`. Lines with only a
@@ -14,30 +14,29 @@ pub fn hash(root: &Path, subject: &[&str]) -> Result<String, Error> {
     }
     files.sort();
     files.dedup();
-    let mut hash = Sha256::new();
+    let mut bytes = Vec::new();
     for path in files {
-        let text = fs::read(&path).map_err(|problem| Error::File { path: path.clone(), problem })?;
-        hash.update(path.strip_prefix(root).unwrap_or(&path).to_string_lossy().as_bytes());
+        let text = read(&path)?;
+        bytes.extend(path.strip_prefix(root).unwrap_or(&path).to_string_lossy().bytes());
         for line in String::from_utf8_lossy(&text).lines().map(str::trim) {
             if !line.is_empty() && !line.starts_with("//") {
-                hash.update(b"\n");
-                hash.update(line.as_bytes());
+                bytes.push(b'\n');
+                bytes.extend(line.bytes());
             }
         }
-        hash.update([0]);
+        bytes.push(0);
     }
-    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(digest(&bytes))
 }
 
 /// Adds a file, or all files in a folder and below.
 fn collect(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), Error> {
-    let refused = |problem| Error::File { path: path.to_path_buf(), problem };
     if path.is_file() {
         files.push(path.to_path_buf());
         return Ok(());
     }
-    for entry in fs::read_dir(path).map_err(refused)? {
-        collect(&entry.map_err(refused)?.path(), files)?;
+    for entry in in_folder(path)? {
+        collect(&entry, files)?;
     }
     Ok(())
 }

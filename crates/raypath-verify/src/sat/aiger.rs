@@ -1,9 +1,9 @@
 //! And-inverter graphs as Yosys writes them, with the names of their inputs.
 
 use super::miter::Miter;
-use crate::error::{Error, file};
+use crate::error::Error;
+use raypath_tools::{ToolError, read};
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 /// A graph in a file, checked against its problem.
@@ -21,15 +21,10 @@ pub struct Aiger {
 impl Aiger {
     /// Reads the graph of the problem with this number. It must have the problem's inputs, one output and no state.
     pub fn read(folder: &Path, number: usize, problem: &Miter) -> Result<Self, Error> {
-        let path = folder.join(format!("{number}.aig"));
-        let bytes = fs::read(&path).map_err(|error| file(&path, error))?;
-        let header = bytes.split(|&byte| byte == b'\n').next().unwrap_or_default();
-        let header = String::from_utf8_lossy(header).into_owned();
-        // "aig", then numbers: variables, inputs, latches, outputs, and-gates.
-        let numbers: Vec<u64> = header.split(' ').skip(1).map_while(|word| word.parse().ok()).collect();
-        let path = folder.join(format!("{number}.map"));
-        let map = fs::read_to_string(&path).map_err(|error| file(&path, error))?;
-        let inputs = inputs(&map);
+        // The numbers of variables, inputs, latches, outputs, and-gates.
+        let (header, numbers) = header(&folder.join(format!("{number}.aig")))?;
+        let map = read(&folder.join(format!("{number}.map")))?;
+        let inputs = inputs(&String::from_utf8_lossy(&map));
         let mut found = inputs.clone();
         found.sort();
         let mut expected: Vec<(String, u32)> =
@@ -39,11 +34,11 @@ impl Aiger {
             [_, count, 0, 1, gates] if found == expected && count as usize == expected.len() => {
                 Ok(Self { problem: problem.name.clone(), file: format!("{number}.aig"), gates, inputs })
             }
-            _ => Err(Error::Program {
-                program: "yosys".to_string(),
-                problem: format!("{}: found a circuit '{header}' with inputs {}", problem.name, ports(&found)),
-                expected: format!("one output, no latches and the inputs {}", ports(&expected)),
-            }),
+            _ => {
+                let found = format!("{}: found a circuit '{header}' with inputs {}", problem.name, ports(&found));
+                let expected = format!("one output, no latches and the inputs {}", ports(&expected));
+                Err(ToolError::unexpected("yosys", found, expected).into())
+            }
         }
     }
 
@@ -57,6 +52,15 @@ impl Aiger {
         }
         Some(values)
     }
+}
+
+/// The first line of a graph's file, and its numbers.
+pub fn header(path: &Path) -> Result<(String, Vec<u64>), Error> {
+    let bytes = read(path)?;
+    let line = bytes.split(|&byte| byte == b'\n').next().unwrap_or_default();
+    let line = String::from_utf8_lossy(line).into_owned();
+    let numbers = line.split(' ').skip(1).map_while(|word| word.parse().ok()).collect();
+    Ok((line, numbers))
 }
 
 /// Lines are "input 3 1 a_i": the fourth input is bit 1 of `a_i`.

@@ -1,6 +1,5 @@
 //! A test bench of the floating-point units: one netlist with all units of a format and common operands.
 
-use super::chain::chain;
 use raypath_float::{Format, add_parts, compare, decode, encode, mul_parts};
 use raypath_hdl::{Builder, Error, InputPort, Module, OutputPort, Simulator, Wire};
 use std::sync::Arc;
@@ -48,25 +47,19 @@ impl UnitResults {
 
     /// A line for each result that differs from the expected one; `operands` names the operands.
     pub fn mismatches(self, expected: Self, operands: &str) -> Vec<String> {
-        let numbers = [
-            ("sum", self.sum, expected.sum),
-            ("difference", self.difference, expected.difference),
-            ("product", self.product, expected.product),
-        ];
-        let relations = [
-            ("less", self.less, expected.less),
-            ("equal", self.equal, expected.equal),
-            ("unordered", self.unordered, expected.unordered),
-        ];
-        let wrong = numbers.into_iter().filter(|(_, found, expected)| found != expected);
-        let wrong_numbers =
-            wrong.map(|(name, found, expected)| format!("{name} of {operands}: {found:#x}, expected {expected:#x}"));
-        let wrong = relations.into_iter().filter(|(_, found, expected)| found != expected);
-        let wrong_relations =
-            wrong.map(|(name, found, expected)| format!("{name} of {operands}: {found}, expected {expected}"));
+        let shown = |results: Self| {
+            let numbers = [results.sum, results.difference, results.product].map(|number| format!("{number:#x}"));
+            let relations = [results.less, results.equal, results.unordered].map(|holds| holds.to_string());
+            numbers.into_iter().chain(relations)
+        };
+        let names = ["sum", "difference", "product", "less", "equal", "unordered"];
+        let pairs =
+            names.iter().zip(shown(self).zip(shown(expected))).filter(|(_, (found, expected))| found != expected);
+        let wrong =
+            pairs.map(|(name, (found, expected))| format!("{name} of {operands}: {found}, expected {expected}"));
         let differing = SPLIT_RESULTS.iter().enumerate().filter(|(bit, _)| self.parts_differ >> bit & 1 == 1);
         let wrong_parts = differing.map(|(_, name)| format!("{name} of {operands}: differs from the unsplit unit"));
-        wrong_numbers.chain(wrong_relations).chain(wrong_parts).collect()
+        wrong.chain(wrong_parts).collect()
     }
 }
 
@@ -166,53 +159,71 @@ fn single_output<'m>(m: &'m Builder, outputs: Vec<Wire<'m>>) -> Wire<'m> {
     }
 }
 
-/// A bench in the netlist simulator.
-pub struct Bench {
-    simulator: Simulator,
-    inputs: [InputPort; 2],
-    outputs: [OutputPort; OUTPUTS.len()],
+/// Joins the parts of a split unit, without the registers between them: a module with the inputs of the first part and
+/// the outputs of the last. The output `x_o` of a part drives the input `x_i` of the next part.
+///
+/// # Errors
+/// An output without such an input, or an input without such an output.
+pub fn chain(parts: &[Arc<Module>]) -> Result<Arc<Module>, Error> {
+    let name = parts.first().map_or("no_part", |part| part.name());
+    let m = Builder::new(&format!("chain_of_{name}"));
+    let inputs = parts.iter().take(1).flat_map(|first| first.inputs().iter().map(move |port| (first, &port.name)));
+    let mut values: Vec<(String, Wire<'_>)> =
+        inputs.map(|(first, name)| (name.clone(), m.input(name, first.port_width(name).unwrap_or_default()))).collect();
+    for (index, part) in parts.iter().enumerate() {
+        if let Some((name, _)) = values.iter().find(|(name, _)| part.inputs().iter().all(|port| port.name != *name)) {
+            return Err(Error::Name {
+                module: part.name().to_string(),
+                name: name.clone(),
+                problem: "is no input of this part, but an output of the part before".to_string(),
+            });
+        }
+        let connected: Vec<(&str, Wire<'_>)> = values.iter().map(|(name, wire)| (name.as_str(), *wire)).collect();
+        let outputs = m.instance(&format!("u_part_{}", index + 1), part, &connected);
+        let stems = part.outputs().iter().map(|port| port.name.strip_suffix("_o").unwrap_or(&port.name));
+        values = stems.map(|stem| format!("{stem}_i")).zip(outputs).collect();
+    }
+    for (port, (_, wire)) in parts.iter().next_back().into_iter().flat_map(|last| last.outputs()).zip(values) {
+        m.output(&port.name, wire);
+    }
+    m.finish()
 }
+
+/// A bench in the netlist simulator.
+pub struct Bench(Simulated);
 
 impl Bench {
     /// Compiles the bench of these units.
     pub fn new(units: &Units, ports: PortFormat) -> Result<Self, Error> {
-        let simulator = Simulator::new(&units.bench(ports)?)?;
-        let inputs = [simulator.input("a_i")?, simulator.input("b_i")?];
-        let [sum, difference, product, less, equal, unordered, parts_differ] =
-            OUTPUTS.map(|name| simulator.output(name));
-        let outputs = [sum?, difference?, product?, less?, equal?, unordered?, parts_differ?];
-        Ok(Self { simulator, inputs, outputs })
+        Simulated::new(&units.bench(ports)?).map(Self)
     }
 
     /// The units' results for two operands.
     pub fn run(&mut self, a: u64, b: u64) -> UnitResults {
-        self.simulator.set(self.inputs[0], a);
-        self.simulator.set(self.inputs[1], b);
-        self.simulator.settle();
-        UnitResults::from_outputs(self.outputs.map(|output| self.simulator.get(output)))
+        UnitResults::from_outputs(self.0.run([a, b]))
     }
 }
 
-/// A unit with one input and one output, in the netlist simulator.
-pub struct Converter {
+/// A combinational module in the netlist simulator.
+pub struct Simulated {
     simulator: Simulator,
-    input: InputPort,
-    output: OutputPort,
+    inputs: Vec<InputPort>,
+    outputs: Vec<OutputPort>,
 }
 
-impl Converter {
-    /// Compiles the unit.
+impl Simulated {
+    /// Compiles the module.
     pub fn new(module: &Arc<Module>) -> Result<Self, Error> {
         let simulator = Simulator::new(module)?;
-        let first = |ports: &[raypath_hdl::Port]| ports.first().map(|port| port.name.clone()).unwrap_or_default();
-        let (input, output) = (simulator.input(&first(module.inputs()))?, simulator.output(&first(module.outputs()))?);
-        Ok(Self { simulator, input, output })
+        let inputs = module.inputs().iter().map(|port| simulator.input(&port.name)).collect::<Result<_, _>>()?;
+        let outputs = module.outputs().iter().map(|port| simulator.output(&port.name)).collect::<Result<_, _>>()?;
+        Ok(Self { simulator, inputs, outputs })
     }
 
-    /// The output for an input word.
-    pub fn run(&mut self, word: u64) -> u64 {
-        self.simulator.set(self.input, word);
+    /// The first outputs for these inputs, in the order of the ports; 0 for outputs that the module lacks.
+    pub fn run<const N: usize>(&mut self, inputs: impl IntoIterator<Item = u64>) -> [u64; N] {
+        self.inputs.iter().zip(inputs).for_each(|(input, word)| self.simulator.set(*input, word));
         self.simulator.settle();
-        self.simulator.get(self.output)
+        std::array::from_fn(|index| self.outputs.get(index).map_or(0, |output| self.simulator.get(*output)))
     }
 }

@@ -1,6 +1,6 @@
 //! The encoding and decoding units of binary32, on all numbers.
 
-use super::bench::{Converter, Units};
+use super::bench::{Simulated, Units};
 use super::campaign::{Campaign, Phase};
 use super::testfloat::{Level, singles};
 use crate::error::Error;
@@ -41,7 +41,7 @@ pub fn conversions_of(units: &Units, request: &mut Request<'_>) -> Result<Verdic
     let mut campaign = Campaign::new(request, &phases);
     let mut ends = Vec::new();
     for (index, phase) in phases.into_iter().enumerate() {
-        let begin = || Ok((Converter::new(&units.encode)?, Converter::new(&units.decode)?));
+        let begin = || Ok((Simulated::new(&units.encode)?, Simulated::new(&units.decode)?));
         campaign.run(phase, begin, |(encode, decode), cases| match index {
             0 => numbers(encode, decode, cases.map(|case| edges[case as usize])),
             1 => numbers(encode, decode, cases.map(|case| case * stride)),
@@ -67,17 +67,17 @@ fn edges(seed: u64) -> Vec<u64> {
 
 /// The failures of these numbers. Each must be encoded by the table of `docs/reference/formats.md`, be decoded to
 /// itself, and have a greater word than the next smaller magnitude.
-fn numbers(encode: &mut Converter, decode: &mut Converter, codes: impl Iterator<Item = u64>) -> Vec<String> {
+fn numbers(encode: &mut Simulated, decode: &mut Simulated, codes: impl Iterator<Item = u64>) -> Vec<String> {
     let mut faults = Vec::new();
     let mut last = None;
     for code in codes {
-        let recoded = encode.run(code);
+        let [recoded] = encode.run([code]);
         let (magnitude, is_nan) = (code & !SIGN, code & !SIGN > INFINITY);
         if recoded != by_the_table(code as u32) {
             faults
                 .push(format!("encoding {code:#010x}: {recoded:#011x}, expected {:#011x}", by_the_table(code as u32)));
         }
-        let again = decode.run(recoded);
+        let [again] = decode.run([recoded]);
         let expected = if is_nan { NAN } else { code };
         if again != expected {
             faults.push(format!(
@@ -87,7 +87,7 @@ fn numbers(encode: &mut Converter, decode: &mut Converter, codes: impl Iterator<
         if magnitude > 0 && !is_nan {
             let before = match last {
                 Some((before, word)) if before + 1 == code => word,
-                _ => encode.run(code - 1),
+                _ => encode.run::<1>([code - 1])[0],
             };
             if recoded <= before || (recoded ^ before) & RECODED_SIGN != 0 {
                 faults.push(format!(
@@ -120,11 +120,11 @@ fn by_the_table(code: u32) -> u64 {
 }
 
 /// The failure of decoding the special word with this number, if it fails.
-fn special_word(decode: &mut Converter, case: u64) -> Option<String> {
+fn special_word(decode: &mut Simulated, case: u64) -> Option<String> {
     let (class, sign, free) = (case >> 30, case >> 29 & 1, case & ((1 << 29) - 1));
     let (top_three, magnitude) = [(0b000, 0), (0b110, INFINITY), (0b111, NAN)][class as usize];
     let expected = if magnitude == NAN { NAN } else { sign << 31 | magnitude };
     let word = sign << 32 | top_three << 29 | free;
-    let found = decode.run(word);
+    let [found] = decode.run([word]);
     (found != expected).then(|| format!("decoding {word:#011x}: {found:#010x}, expected {expected:#010x}"))
 }

@@ -40,11 +40,11 @@ const SIZES: &[Size] = &[
     size::<7, 3>(Level::Full),
     size::<7, 4>(Level::Full),
     size::<8, 3>(Level::Full),
-    Size { exponent: 5, significand: 11, oracle: oracle::<HalfS>, from: Level::Long },
+    Size { exponent: 5, significand: 11, oracle: of_semantics::<HalfS>, from: Level::Long },
 ];
 
 const fn size<const E: usize, const S: usize>(from: Level) -> Size {
-    Size { exponent: E as u32, significand: S as u32, oracle: oracle::<Widths<E, S>>, from }
+    Size { exponent: E as u32, significand: S as u32, oracle: oracle::<E, S>, from }
 }
 
 /// A format of `E` exponent and `S` significand bits, in the form that `rustc_apfloat` needs.
@@ -99,7 +99,12 @@ fn mismatches(bench: &mut Bench, size: &Size, a: u64, b: u64) -> Vec<String> {
     found.mismatches(expected, &format!("{a:#x} and {b:#x} of e{}s{}", size.exponent, size.significand))
 }
 
-fn oracle<S: Semantics>(a: u64, b: u64) -> UnitResults {
+/// The expected results for two IEEE 754 codes of a format of `E` exponent and `S` significand bits.
+pub fn oracle<const E: usize, const S: usize>(a: u64, b: u64) -> UnitResults {
+    of_semantics::<Widths<E, S>>(a, b)
+}
+
+fn of_semantics<S: Semantics>(a: u64, b: u64) -> UnitResults {
     let (x, y) = (IeeeFloat::<S>::from_bits(a.into()), IeeeFloat::<S>::from_bits(b.into()));
     let order = x.partial_cmp(&y);
     UnitResults {

@@ -39,7 +39,7 @@ fn recoded_words_that_are_not_canonical() {
         let [(a, x), (b, y)] = [(); 2].map(|_| {
             let (word, number) = operands::recoded(&mut random);
             assert_eq!(format.decode(word), canonical(number), "decoding {word:#011x}");
-            assert_eq!(decoder.run(word), canonical(number), "decoding {word:#011x} in hardware");
+            assert_eq!(decoder.run([word]), [canonical(number)], "decoding {word:#011x} in hardware");
             (word, f32::from_bits(format.decode(word) as u32))
         });
         let kind = |number: f32| match number {
@@ -77,9 +77,9 @@ fn conversions() {
     let mut encoder = converter(encode(format));
     let mut decoder = converter(decode(format));
     let mut check = |code: u32| {
-        let recoded = encoder.run(code.into());
+        let [recoded] = encoder.run([code.into()]);
         assert_eq!(recoded, format.encode(code.into()), "encoding {code:#010x}");
-        assert_eq!(decoder.run(recoded), canonical(f32::from_bits(code)), "decoding {code:#010x}");
+        assert_eq!(decoder.run([recoded]), [canonical(f32::from_bits(code))], "decoding {code:#010x}");
     };
     operands::edges_of_conversions().for_each(&mut check);
     let mut random = generator(4);

@@ -2,7 +2,6 @@
 
 mod binary32;
 mod exact;
-mod integer;
 mod other_formats;
 mod small_formats;
 mod verilator;
@@ -10,7 +9,7 @@ mod words;
 
 use raypath_float::Format;
 use raypath_hdl::{Error, Module};
-use raypath_verify::units::bench::{Bench, Converter, PortFormat, Units};
+use raypath_verify::units::bench::{Bench, PortFormat, Simulated, Units};
 use std::sync::Arc;
 
 /// The units of a format in simulation.
@@ -19,6 +18,6 @@ fn bench(format: Format, ports: PortFormat) -> Bench {
 }
 
 /// A converter in simulation.
-fn converter(unit: Result<Arc<Module>, Error>) -> Converter {
-    unit.and_then(|unit| Converter::new(&unit)).expect("the converter runs")
+fn converter(unit: Result<Arc<Module>, Error>) -> Simulated {
+    unit.and_then(|unit| Simulated::new(&unit)).expect("the converter runs")
 }

@@ -48,13 +48,13 @@ fn conversions() {
         for code in exact.ieee_codes() {
             let number = exact.ieee_value(code);
             let expected = exact.recoded_word(number);
-            assert_eq!(encoder.run(code), expected, "{format}: encoding {code:#x} ({number})");
+            assert_eq!(encoder.run([code]), [expected], "{format}: encoding {code:#x} ({number})");
             assert_eq!(format.encode(code), expected, "{format}: encoding {code:#x} ({number}) in software");
         }
         let mut decoder = converter(decode(format));
         for (word, number) in exact.recoded_words() {
             let expected = exact.ieee_code(number);
-            assert_eq!(decoder.run(word), expected, "{format}: decoding {word:#x} ({number})");
+            assert_eq!(decoder.run([word]), [expected], "{format}: decoding {word:#x} ({number})");
             assert_eq!(format.decode(word), expected, "{format}: decoding {word:#x} ({number}) in software");
         }
     }

@@ -12,7 +12,7 @@ fn every_word() {
             for word in 0..1_u64 << width {
                 let code = format.from_f64(word as f64);
                 assert_eq!(format.to_f64(code), word as f64, "{format} has {word}");
-                assert_eq!(unit.run(word), format.encode(code), "{format}, {width} bits: {word}");
+                assert_eq!(unit.run([word]), [format.encode(code)], "{format}, {width} bits: {word}");
             }
         }
     }

@@ -1,21 +1,18 @@
 //! Proofs in cases, because one proof of all operands would take too long: binary32 addition, by the difference of the
 //! exponents, and binary16 multiplication, by the fraction of the second operand.
 
-use super::cache::ProofCache;
 use super::claim::{Claim, Operands, Subject};
-use super::result::{ClaimResult, check};
+use super::{ClaimResult, prove, verdict};
 use crate::error::Error;
 use crate::request::{Level, Request};
 use crate::sat::Prover;
 use crate::verdict::Verdict;
 use raypath_float::Format;
-use raypath_tools::pool;
+use raypath_tools::Cache;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
 
 /// The folder of the proof cache, relative to the working directory.
-pub const CASES_FOLDER: &str = "build/verify/proofs";
+const CASES_FOLDER: &str = "build/verify/proofs";
 
 /// Proves binary32 addition for the level's differences of exponents; at level `long` for all 511, which cover all
 /// pairs of operands. Cached proofs are not repeated. Shards divide the differences.
@@ -93,62 +90,23 @@ struct Cases {
 impl Cases {
     fn prove(self, request: &mut Request<'_>) -> Result<Verdict, Error> {
         let prover = Prover::find()?;
-        let cache = ProofCache::open(Path::new(CASES_FOLDER), prover.versions())?;
-        let shard = request.shard;
-        let mine = self.chosen.iter().zip(0..).filter(|&(_, number)| shard.takes(number)).map(|(claim, _)| *claim);
+        let cache = Cache::new(Path::new(CASES_FOLDER));
         // The negative control runs every time.
-        let work: Vec<(Claim, bool)> =
-            std::iter::once((self.fault, true)).chain(mine.map(|claim| (claim, false))).collect();
-        let limit = Duration::from_secs(request.level.pick(300, 1800, 7200));
-        let one = |&(claim, with_fault): &(Claim, bool), stop: &AtomicBool| {
-            prove_once(&prover, &cache, claim, with_fault, limit, stop)
-        };
-        let found = pool::map(&work, pool::ALL_CORES, request.proceed, one)?;
-        let (first, rest) = found.split_at(1);
-        let proved = rest.iter().flatten().filter(|case| case.result.outcome.is_ok()).count();
-        let cached = rest.iter().flatten().filter(|case| case.is_cached).count();
-        let mut remarks = vec![format!("with {}; {cached} of these proofs were cached", prover.versions())];
-        remarks.extend(first.iter().flatten().filter_map(|case| case.result.fault_remark()));
+        let mine = request.shard.of(&self.chosen).map(|claim| (*claim, false));
+        let work: Vec<(Claim, bool)> = std::iter::once((self.fault, true)).chain(mine).collect();
+        let results = prove(&prover, &work, Some(&cache), request)?;
+        let rest = || results.iter().skip(1).flatten();
+        let proved = rest().filter(|case| case.outcome.is_ok()).count();
+        let cached = rest().filter(|case: &&ClaimResult| case.is_cached).count();
+        let covered = format!("{}, {proved} of {} cases proved", self.what, self.total);
+        let remark = format!("with {}; {cached} of these proofs were cached", prover.versions());
+        let mut verdict = verdict(&results, covered, remark);
         if self.chosen.len() < self.total {
-            let level = request.level.name();
-            remarks.push(format!("level {level} proves {} of {} cases", self.chosen.len(), self.total));
+            let (level, chosen) = (request.level.name(), self.chosen.len());
+            verdict.remarks.push(format!("level {level} proves {chosen} of {} cases", self.total));
         }
-        Ok(Verdict {
-            covered: format!("{}, {proved} of {} cases proved", self.what, self.total),
-            failures: found.iter().flatten().filter_map(|case| case.result.outcome.clone().err()).collect(),
-            remarks,
-            is_stopped: found.iter().any(Option::is_none),
-        })
+        Ok(verdict)
     }
-}
-
-/// The result of a case.
-struct CaseResult {
-    result: ClaimResult,
-    /// Whether the proof was in the cache.
-    is_cached: bool,
-}
-
-/// Proves a case, unless its proof is cached; none if the run was stopped.
-fn prove_once(
-    prover: &Prover,
-    cache: &ProofCache,
-    claim: Claim,
-    with_fault: bool,
-    limit: Duration,
-    stop: &AtomicBool,
-) -> Result<Option<CaseResult>, Error> {
-    let problem = claim.miter(None)?;
-    if !with_fault && cache.has(&problem) {
-        let result = ClaimResult { claim, outcome: Ok(()), found_fault: None };
-        return Ok(Some(CaseResult { result, is_cached: true }));
-    }
-    let begin = Instant::now();
-    let Some(result) = check(prover, claim, with_fault, limit, stop)? else { return Ok(None) };
-    if result.outcome.is_ok() {
-        cache.add(&problem, &format!("{claim}: proved in {:.1} s", begin.elapsed().as_secs_f64()))?;
-    }
-    Ok(Some(CaseResult { result, is_cached: false }))
 }
 
 #[cfg(test)]

@@ -3,9 +3,10 @@
 use crate::equivalence::text;
 use crate::error::Error;
 use crate::sat::{Miter, SOURCE};
-use crate::units::chain::chain;
+use crate::units::bench::chain;
 use raypath_float::{Format, add, add_parts, compare, decode, encode, mul, mul_parts};
 use raypath_hdl::Module;
+use raypath_tools::ToolError;
 use std::fmt;
 use std::sync::Arc;
 
@@ -98,16 +99,11 @@ impl Claim {
             Subject::MulParts(count) => (joined(mul_parts(f, count)?)?, whole(mul(f)?)?, None),
         };
         if let Some(fault) = fault {
-            if unit.matches(fault.from).count() != 1 {
-                return Err(Error::Program {
-                    program: "raypath".to_string(),
-                    problem: format!(
-                        "{self}: found '{}' {} times in the unit's text",
-                        fault.from,
-                        unit.matches(fault.from).count()
-                    ),
-                    expected: "it once, as the place of the deliberate fault".to_string(),
-                });
+            let times = unit.matches(fault.from).count();
+            if times != 1 {
+                let found = format!("{self}: found '{}' {times} times in the unit's text", fault.from);
+                let expected = "it once, as the place of the deliberate fault";
+                return Err(ToolError::unexpected("raypath", found, expected).into());
             }
             unit = unit.replace(fault.from, fault.to);
         }

@@ -3,9 +3,12 @@
 use super::claim::{Claim, Fault, Subject};
 use crate::error::Error;
 use crate::sat::{Miter, ProofResult, Prover};
+use crate::units::bench::Simulated;
 use raypath_float::{add, compare, mul};
-use raypath_hdl::Simulator;
+use raypath_hdl::Module;
+use raypath_tools::ToolError;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -16,15 +19,10 @@ pub struct ClaimResult {
     pub claim: Claim,
     /// Whether the claim is proved; else why it is wrong or undecided.
     pub outcome: Result<(), String>,
-    /// The fault and the operands that showed it, if the negative control ran and found it.
+    /// The remark on the fault and the operands that showed it, if the negative control ran and found it.
     pub found_fault: Option<String>,
-}
-
-impl ClaimResult {
-    /// The remark on the negative control.
-    pub fn fault_remark(&self) -> Option<String> {
-        self.found_fault.as_ref().map(|fault| format!("a deliberate fault is found: {fault}"))
-    }
+    /// Whether the proof was in the cache.
+    pub is_cached: bool,
 }
 
 /// Proves a claim. With `with_fault`, also refutes it by the same commands for the unit with the subject's fault.
@@ -61,12 +59,13 @@ pub fn check(
             ProofResult::Refuted(values) => {
                 let example = Counterexample::of(prover, &claim, miter, values)?;
                 example.confirm()?;
-                found_fault = Some(format!("with {} for {}, {example}", fault.to, fault.from));
+                let Fault { from, to } = fault;
+                found_fault = Some(format!("a deliberate fault is found: with {to} for {from}, {example}"));
             }
             other => outcome = Err(format!("{claim}: a deliberate fault is not found: {other:?}")),
         }
     }
-    Ok(Some(ClaimResult { claim, outcome, found_fault }))
+    Ok(Some(ClaimResult { claim, outcome, found_fault, is_cached: false }))
 }
 
 /// Operands for which the results of unit and reference differ.
@@ -84,38 +83,39 @@ impl Counterexample {
         let shown = prover.evaluate(miter, values, &["a", "b", "ours", "wanted", "valid"])?;
         match shown[..] {
             [a, b, ours, wanted, 1] if ours != wanted => Ok(Self { claim: *claim, a, b, ours, wanted }),
-            _ => Err(Error::Program {
-                program: "abc".to_string(),
-                problem: format!("{claim}: not a counterexample: {values:x?} gives {shown:x?}"),
-                expected: "operands for which the sides differ".to_string(),
-            }),
+            _ => {
+                let found = format!("{claim}: not a counterexample: {values:x?} gives {shown:x?}");
+                Err(ToolError::unexpected("abc", found, "operands for which the sides differ").into())
+            }
         }
     }
 
     /// Checks that the unit without the fault, simulated, gives the reference's result.
     fn confirm(&self) -> Result<(), Error> {
         let (format, &Self { a, b, .. }) = (self.claim.format, self);
-        let encoded = |value| format.encode(value);
+        let simulate = |unit: Result<Arc<Module>, raypath_hdl::Error>, b| -> Result<_, Error> {
+            let [result] = Simulated::new(&unit?)?.run([format.encode(a), b]);
+            Ok(format.decode(result))
+        };
         let top = 1 << (format.recoded_width() - 1);
+        let encoded_b = format.encode(b);
         let simulated = match self.claim.subject {
-            Subject::Add => format.decode(simulate(&add(format)?, encoded(a), encoded(b))?[0]),
-            Subject::Sub => format.decode(simulate(&add(format)?, encoded(a), encoded(b) ^ top)?[0]),
-            Subject::Mul => format.decode(simulate(&mul(format)?, encoded(a), encoded(b))?[0]),
+            Subject::Add => simulate(add(format), encoded_b)?,
+            Subject::Sub => simulate(add(format), encoded_b ^ top)?,
+            Subject::Mul => simulate(mul(format), encoded_b)?,
             Subject::Compare => {
-                simulate(&compare(format)?, encoded(a), encoded(b))?.into_iter().fold(0, |word, bit| word << 1 | bit)
+                let [less, equal, unordered] = Simulated::new(&compare(format)?)?.run([format.encode(a), encoded_b]);
+                less << 2 | equal << 1 | unordered
             }
             Subject::RoundTrip => format.canonical(a),
-            Subject::AddParts(_) => simulate(&add(format)?, a, b)?[0],
-            Subject::MulParts(_) => simulate(&mul(format)?, a, b)?[0],
+            Subject::AddParts(_) => Simulated::new(&add(format)?)?.run::<1>([a, b])[0],
+            Subject::MulParts(_) => Simulated::new(&mul(format)?)?.run::<1>([a, b])[0],
         };
         if simulated == self.wanted {
             return Ok(());
         }
-        Err(Error::Program {
-            program: "yosys".to_string(),
-            problem: format!("{self}; but the simulator gives {simulated:#x}"),
-            expected: "the reference and the unit without a fault to agree".to_string(),
-        })
+        let found = format!("{self}; but the simulator gives {simulated:#x}");
+        Err(ToolError::unexpected("yosys", found, "the reference and the unit without a fault to agree").into())
     }
 }
 
@@ -127,14 +127,4 @@ impl std::fmt::Display for Counterexample {
             _ => write!(f, "{claim}: {a:#x} and {b:#x} give {ours:#x}, expected {wanted:#x}"),
         }
     }
-}
-
-fn simulate(unit: &std::sync::Arc<raypath_hdl::Module>, a: u64, b: u64) -> Result<Vec<u64>, Error> {
-    let mut simulator = Simulator::new(unit)?;
-    for (port, value) in unit.inputs().iter().zip([a, b]) {
-        let input = simulator.input(&port.name)?;
-        simulator.set(input, value);
-    }
-    simulator.settle();
-    unit.outputs().iter().map(|port| Ok(simulator.get(simulator.output(&port.name)?))).collect()
 }
