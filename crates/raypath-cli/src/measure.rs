@@ -11,9 +11,10 @@ pub fn measure(bench: &Bench, designs: &[Design]) -> Result<Vec<Report>, CliErro
     let mut progress: Option<Progress> = None;
     let mut reached = 0;
     let result = bench.measure(designs, |steps| {
-        reached = steps.done;
+        let total = steps.total as usize;
+        reached = steps.done as usize;
         // With all in the cache there is nothing to show.
-        steps.total == 0 || progress.get_or_insert_with(|| Progress::new("steps", steps.total)).at(steps.done)
+        total == 0 || progress.get_or_insert_with(|| Progress::new("steps", total)).at(reached)
     });
     progress.map_or(Ok(()), |progress| progress.finish(reached))?;
     Ok(result?)

@@ -9,7 +9,7 @@ use crate::report::{Area, Path, Report, Setting, Slowest, Stage, Step, thousandt
 use crate::structural;
 use crate::synthesis::Synthesis;
 use crate::timing::{self, Endpoints, RawPath};
-use raypath_tools::pool;
+use raypath_tools::pool::{self, Progress};
 use raypath_tools::{Cache, Key, OpenSta, ToolError, Yosys, read_within, temporary_folder, write};
 use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
@@ -35,20 +35,11 @@ pub struct Bench {
     pub cache: PathBuf,
 }
 
-/// The progress of a measurement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
-    /// Finished syntheses and timing analyses.
-    pub done: usize,
-    /// All syntheses and timing analyses.
-    pub total: usize,
-}
-
 impl Bench {
     /// Measures designs: synthesises their blocks, each kind of unit once, and finds the slowest path to each stage.
     ///
     /// Every result goes into the cache at once and is not computed again, so that a stopped measurement resumes.
-    /// `proceed` gets the progress several times a second; if it returns false, the programs are ended.
+    /// `proceed` gets the number of finished syntheses and timing analyses several times a second; if it returns false, the programs are ended.
     ///
     /// # Errors
     /// A tool is missing or fails; a file cannot be written; [`ToolError::Stopped`].
@@ -58,18 +49,16 @@ impl Bench {
         // A cached report needs no synthesis.
         let wanted: Vec<&Plan<'_>> = plans.iter().filter(|plan| cache.get::<Report>(&plan.key).is_none()).collect();
         let blocks = new_blocks(&wanted, &cache);
-        let total = blocks.len() + wanted.len();
+        let (synthesised, total) = (blocks.len() as u64, (blocks.len() + wanted.len()) as u64);
 
         let synthesise = |(plan, block): &(&Plan<'_>, usize), stop: &AtomicBool| {
             unless_stopped(self.netlist(plan, *block, &cache, stop).map(|_| ()))
         };
-        let mut synthesised = |blocks: pool::Progress| proceed(Progress { done: blocks.done as usize, total });
-        all(pool::map(&blocks, self.jobs, &mut synthesised, synthesise)?)?;
+        all(pool::map(&blocks, self.jobs, &mut |blocks| proceed(Progress { total, ..blocks }), synthesise)?)?;
 
-        let known = plans.len() - wanted.len();
-        let mut reported = |plans: pool::Progress| {
-            proceed(Progress { done: blocks.len() + (plans.done as usize).saturating_sub(known), total })
-        };
+        let known = (plans.len() - wanted.len()) as u64;
+        let mut reported =
+            |plans: Progress| proceed(Progress { done: synthesised + plans.done.saturating_sub(known), total });
         let report = |plan: &Plan<'_>, stop: &AtomicBool| match cache.get(&plan.key) {
             Some(report) => Ok::<_, Error>(Some(report)),
             None => unless_stopped(self.report(plan, &cache, stop).and_then(|report| {

@@ -3,7 +3,6 @@
 use crate::Error;
 use crate::function::truth_table;
 use crate::liberty::{self, Group};
-use crate::usable::{NUMBERS, invalid_number, is_usable};
 use raypath_tools::{Program, ToolError, digest, text};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -244,6 +243,42 @@ fn femtofarads(library: &Group<'_>) -> f64 {
 fn input_capacitance(cell: &Group<'_>) -> f64 {
     let input = pins(cell, "input").first().and_then(|pin| pin.attribute("capacitance"));
     input.and_then(|capacitance| capacitance.parse().ok()).unwrap_or(0.0)
+}
+
+/// Parts of the names of cells that synthesis must not choose, in libraries that do not mark them (`dont_use : true`):
+/// sky130 contains cells for power gating and for probes.
+const EXCLUDED: [&str; 2] = ["__lpflow_", "__probe"];
+
+/// The range of areas and capacitances, in any unit.
+const NUMBERS: std::ops::RangeInclusive<f64> = 0.0..=1e12;
+
+/// Whether a measurement may use a cell.
+fn is_usable(cell: &Group<'_>) -> bool {
+    let marked = cell.attribute("dont_use") == Some("true") || EXCLUDED.iter().any(|part| cell.name().contains(part));
+    !marked && is_name(cell.name()) && cell.of_kind("pin").all(|pin| is_name(pin.name()))
+}
+
+/// Whether a name is an identifier. Names of cells and pins go into scripts for Yosys and OpenSTA, where brackets,
+/// dollars, semicolons and line ends would be commands.
+fn is_name(name: &str) -> bool {
+    let first = name.bytes().next();
+    first.is_some_and(|first| first.is_ascii_alphabetic() || first == b'_')
+        && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+}
+
+/// Describes a cell's area, or a pin's capacitance, that is not a valid number. None if all are valid.
+fn invalid_number(cell: &Group<'_>) -> Option<String> {
+    let is_number = |text: &str| text.parse().is_ok_and(|number| NUMBERS.contains(&number));
+    let wrong = |group: &Group<'_>, attribute| {
+        let text = group.attribute(attribute).filter(|text| !is_number(text))?;
+        Some(format!("{attribute} '{}' in cell {}", shortened(text), cell.name()))
+    };
+    wrong(cell, "area").or_else(|| cell.of_kind("pin").find_map(|pin| wrong(pin, "capacitance")))
+}
+
+/// The first 40 characters of a text from a file, escaped for a message.
+fn shortened(text: &str) -> String {
+    text.chars().take(40).flat_map(char::escape_debug).collect()
 }
 
 #[cfg(test)]

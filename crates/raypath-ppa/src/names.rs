@@ -2,20 +2,8 @@
 //! dropped, tells the register that drives it.
 
 use crate::design::{RegisterKind, Words};
-use crate::netlist::{NamedNet, Net};
-use serde::Deserialize;
+use crate::netlist::{Net, YosysDesign};
 use std::collections::{BTreeMap, HashMap};
-
-/// The names of a design's nets in Yosys's JSON.
-#[derive(Debug, Deserialize)]
-pub struct YosysNames {
-    modules: HashMap<String, YosysModule>,
-}
-
-#[derive(Debug, Deserialize)]
-struct YosysModule {
-    netnames: BTreeMap<String, NamedNet>,
-}
 
 /// The register that drives each named net.
 #[derive(Debug, Default)]
@@ -26,9 +14,14 @@ pub struct RegisterNames {
 
 impl RegisterNames {
     /// From all names of a module's nets, and the module's registers.
-    pub fn new(mut names: YosysNames, module: &str, registers: &BTreeMap<String, RegisterKind>, words: &Words) -> Self {
+    pub fn new(
+        mut names: YosysDesign,
+        module: &str,
+        registers: &BTreeMap<String, RegisterKind>,
+        words: &Words,
+    ) -> Self {
         let mut result = Self::default();
-        let names = names.modules.remove(module).map(|module| module.netnames).unwrap_or_default();
+        let names = names.take(module).map(|(_, names)| names).unwrap_or_default();
         for (name, net) in names.into_iter().filter(|(name, _)| !name.starts_with('$')) {
             let is_register = registers.contains_key(&name);
             let held: Vec<String> = words.get(&name).map(|word| bits(word)).unwrap_or_default();
@@ -83,7 +76,7 @@ mod tests {
             "u_stage_2.constant": {"bits": ["0"]},
             "u_stage_3.u_skid.data_q": {"bits": [11, 12, 13]},
             "valid_q": {"bits": [9], "offset": 0}}}}}"#;
-        let names: YosysNames = serde_json::from_str(names).expect("names");
+        let names: YosysDesign = serde_json::from_str(names).expect("names");
         let kind = RegisterKind { group: 0, is_control: false };
         let registers = ["u_stage_1.flags_q", "valid_q"].map(|name| (name.to_string(), kind.clone()));
         let held = vec![("u_stage_3.opcode_q".to_string(), 2), ("u_stage_3.hit_q".to_string(), 1)];
@@ -103,7 +96,7 @@ mod tests {
     fn no_index_is_too_large() {
         let names =
             format!(r#"{{"modules": {{"m": {{"netnames": {{"a": {{"bits": [1, 2], "offset": {}}}}}}}}}}}"#, usize::MAX);
-        let names: YosysNames = serde_json::from_str(&names).expect("names");
+        let names: YosysDesign = serde_json::from_str(&names).expect("names");
         let kind = RegisterKind { group: 0, is_control: false };
         let names = RegisterNames::new(names, "m", &BTreeMap::from([("a".to_string(), kind)]), &Words::new());
         assert!(names.register(&format!("a[{}]", usize::MAX)).is_some());

@@ -1,10 +1,8 @@
 //! A synthesised module: library cells and units on nets, parsed from Yosys's JSON.
 
 use raypath_tools::ToolError;
-use serde::de::{self, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
-use std::fmt;
 
 /// A module after synthesis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,14 +38,23 @@ pub struct Instance {
     pub connections: BTreeMap<String, Vec<Net>>,
 }
 
-/// A net of one bit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+/// A net of one bit. In Yosys's JSON, a wire is a number and a constant is a string.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected the number of a net, or \"0\", \"1\", \"x\" or \"z\"")]
 pub enum Net {
+    Wire(u32),
+    Constant(Constant),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Constant {
+    #[serde(rename = "0")]
     Zero,
+    #[serde(rename = "1")]
     One,
     /// Not driven, or not connected.
+    #[serde(rename = "x", alias = "z")]
     Open,
-    Wire(u32),
 }
 
 /// A design in Yosys's JSON.
@@ -58,6 +65,7 @@ pub struct YosysDesign {
 
 #[derive(Debug, Deserialize)]
 struct YosysModule {
+    #[serde(default)]
     ports: BTreeMap<String, Port>,
     #[serde(default)]
     cells: BTreeMap<String, YosysCell>,
@@ -89,46 +97,5 @@ impl YosysDesign {
         let cells = found.cells.into_iter();
         let cells = cells.map(|(name, cell)| Instance { cell: cell.cell, name, connections: cell.connections });
         Ok((Netlist { module: module.to_string(), ports: found.ports, cells: cells.collect() }, found.netnames))
-    }
-}
-
-/// In the JSON form, as Yosys writes it, a wire is a number and a constant is a string.
-impl Serialize for Net {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Zero => serializer.serialize_str("0"),
-            Self::One => serializer.serialize_str("1"),
-            Self::Open => serializer.serialize_str("x"),
-            Self::Wire(number) => serializer.serialize_u32(*number),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Net {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(NetVisitor)
-    }
-}
-
-struct NetVisitor;
-
-impl Visitor<'_> for NetVisitor {
-    type Value = Net;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the number of a net, or \"0\", \"1\", \"x\" or \"z\"")
-    }
-
-    fn visit_u64<E: de::Error>(self, number: u64) -> Result<Net, E> {
-        u32::try_from(number).map(Net::Wire).map_err(|_| E::invalid_value(de::Unexpected::Unsigned(number), &self))
-    }
-
-    fn visit_str<E: de::Error>(self, constant: &str) -> Result<Net, E> {
-        match constant {
-            "0" => Ok(Net::Zero),
-            "1" => Ok(Net::One),
-            "x" | "z" => Ok(Net::Open),
-            _ => Err(E::invalid_value(de::Unexpected::Str(constant), &self)),
-        }
     }
 }

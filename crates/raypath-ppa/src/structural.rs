@@ -2,9 +2,11 @@
 //! without escaping rules: `g3_r17` is a register of group 3, cell 17 of the netlist.
 
 use crate::attribution::CellRole;
-use crate::netlist::{Direction, Net, Netlist};
+use crate::netlist::{Constant, Direction, Net, Netlist};
 use std::collections::{BTreeSet, HashMap};
 use std::fmt::Write;
+
+const OPEN: Net = Net::Constant(Constant::Open);
 
 /// The name of a cell of the top module.
 pub fn cell_name(index: usize, role: &CellRole) -> String {
@@ -40,16 +42,17 @@ fn write_module(text: &mut String, netlist: &Netlist, name_of: impl Fn(usize) ->
     // A net at a port has the port's name. If it is at several ports, the others are assigned.
     let mut names: HashMap<Net, String> = HashMap::new();
     let mut assigned = Vec::new();
-    for wanted in [Direction::Input, Direction::Inout, Direction::Output] {
+    for (wanted, direction) in [(Direction::Input, "input"), (Direction::Inout, "inout"), (Direction::Output, "output")]
+    {
         for (name, port) in netlist.ports.iter().filter(|(_, port)| port.direction == wanted) {
-            let (direction, high) = (direction(wanted), port.bits.len().saturating_sub(1));
+            let high = port.bits.len().saturating_sub(1);
             let range = if high > 0 { format!("[{high}:0] ") } else { String::new() };
             writeln!(text, "  {direction} {range}{name};")?;
             for (position, net) in port.bits.iter().enumerate() {
                 let bit = if high > 0 { format!("{name}[{position}]") } else { name.clone() };
                 if matches!(net, Net::Wire(_)) && !names.contains_key(net) {
                     names.insert(*net, bit);
-                } else if *net != Net::Open {
+                } else if *net != OPEN {
                     assigned.push((bit, *net));
                 }
             }
@@ -63,15 +66,15 @@ fn write_module(text: &mut String, netlist: &Netlist, name_of: impl Fn(usize) ->
         }
     }
     let value = |net: &Net| match net {
-        Net::Zero | Net::Open => "1'b0".to_string(),
-        Net::One => "1'b1".to_string(),
+        Net::Constant(Constant::Zero | Constant::Open) => "1'b0".to_string(),
+        Net::Constant(Constant::One) => "1'b1".to_string(),
         Net::Wire(number) => names.get(net).cloned().unwrap_or_else(|| format!("n{number}")),
     };
     for (port, net) in assigned {
         writeln!(text, "  assign {port} = {};", value(&net))?;
     }
     for (index, instance) in netlist.cells.iter().enumerate() {
-        let connected = instance.connections.iter().filter(|(_, nets)| nets.iter().any(|net| *net != Net::Open));
+        let connected = instance.connections.iter().filter(|(_, nets)| nets.iter().any(|net| *net != OPEN));
         let pins = connected.map(|(pin, nets)| match nets.as_slice() {
             [net] => format!(".{pin}({})", value(net)),
             nets => format!(".{pin}({{{}}})", nets.iter().rev().map(value).collect::<Vec<_>>().join(", ")),
@@ -80,14 +83,6 @@ fn write_module(text: &mut String, netlist: &Netlist, name_of: impl Fn(usize) ->
         writeln!(text, "  {} {} ({});", instance.cell, name_of(index), pins.join(", "))?;
     }
     writeln!(text, "endmodule")
-}
-
-fn direction(direction: Direction) -> &'static str {
-    match direction {
-        Direction::Input => "input",
-        Direction::Output => "output",
-        Direction::Inout => "inout",
-    }
 }
 
 #[cfg(test)]

@@ -161,5 +161,5 @@ fn a_stopped_measurement_leaves_nothing_half_written() {
         true
     };
     bench(&cache).measure(&[design()], watch).expect("a report");
-    assert_eq!(total, 3 - kept.len());
+    assert_eq!(total, 3 - kept.len() as u64);
 }

@@ -6,6 +6,7 @@
 use crate::ToolError;
 use rayon::ThreadPoolBuilder;
 use std::fmt;
+use std::ops::Range;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -22,13 +23,34 @@ pub const ALL_CORES: usize = 0;
 /// How often progress is reported.
 const REPORT_INTERVAL: Duration = Duration::from_millis(100);
 
-/// The cases with numbers below `total` that belong to a shard.
+/// The cases with numbers below `total` that belong to a shard. Workers take them in pieces.
 #[derive(Debug, Clone, Copy)]
 pub struct Cases {
     /// How many cases all shards have together.
     pub total: u64,
-    /// The part of them to run.
+    /// The cases in a piece; the last piece may have fewer.
+    pub piece: u64,
+    /// The part of the pieces to run.
     pub shard: Shard,
+}
+
+impl Cases {
+    /// The number of pieces that all shards have together.
+    fn pieces(self) -> u64 {
+        self.total.div_ceil(self.piece)
+    }
+
+    /// The cases of the piece with this number.
+    pub fn range(self, piece: u64) -> Range<u64> {
+        piece * self.piece..self.total.min((piece + 1) * self.piece)
+    }
+
+    /// How many of the cases belong to the shard.
+    pub fn share(self) -> u64 {
+        let lacking = self.pieces() * self.piece - self.total;
+        let has_last = self.pieces() > 0 && self.shard.takes(self.pieces() - 1);
+        self.shard.share(self.pieces()) * self.piece - if has_last { lacking } else { 0 }
+    }
 }
 
 /// The cases of a run that no worker has taken yet.
@@ -38,22 +60,23 @@ pub struct Queue<E> {
     next: AtomicU64,
     done: AtomicU64,
     stop: AtomicBool,
-    /// The smallest number of a case that failed, and its error.
+    /// The smallest number of a piece that failed, and its error.
     failure: Mutex<Option<(u64, E)>>,
 }
 
 impl<E> Queue<E> {
-    /// Runs cases until none is left or the run ends. `case` is also given the flag that ends the run: it may set it,
-    /// and returns early when it is set. An error ends the run too.
-    pub fn run(&self, mut case: impl FnMut(u64, &AtomicBool) -> Result<(), E>) {
-        self.run_counted(|number, stop| case(number, stop).map(|()| true));
+    /// Runs pieces until none is left or the run ends. `piece` gets a piece's number, and the flag that ends the run: it
+    /// may set it, and returns early when it is set. An error ends the run too.
+    pub fn run(&self, mut piece: impl FnMut(u64, &AtomicBool) -> Result<(), E>) {
+        self.run_counted(|number, stop| piece(number, stop).map(|()| true));
     }
 
-    /// Like `run`; `case` returns whether the case has run to its end.
-    fn run_counted(&self, mut case: impl FnMut(u64, &AtomicBool) -> Result<bool, E>) {
+    /// Like `run`; `piece` returns whether the piece has run to its end.
+    fn run_counted(&self, mut piece: impl FnMut(u64, &AtomicBool) -> Result<bool, E>) {
         while let Some(number) = self.take() {
-            match case(number, &self.stop) {
-                Ok(is_done) => _ = self.done.fetch_add(u64::from(is_done), Ordering::Relaxed),
+            let Range { start, end } = self.cases.range(number);
+            match piece(number, &self.stop) {
+                Ok(is_done) => _ = self.done.fetch_add(if is_done { end - start } else { 0 }, Ordering::Relaxed),
                 Err(error) => self.fail(number, error),
             }
         }
@@ -62,7 +85,7 @@ impl<E> Queue<E> {
     fn take(&self) -> Option<u64> {
         while !self.stop.load(Ordering::Relaxed) {
             let number = self.next.fetch_add(1, Ordering::Relaxed);
-            if number >= self.cases.total {
+            if number >= self.cases.pieces() {
                 return None;
             }
             if self.cases.shard.takes(number) {
@@ -81,7 +104,7 @@ impl<E> Queue<E> {
     }
 
     fn progress(&self) -> Progress {
-        Progress { done: self.done.load(Ordering::Relaxed), total: self.cases.shard.share(self.cases.total) }
+        Progress { done: self.done.load(Ordering::Relaxed), total: self.cases.share() }
     }
 }
 
@@ -90,6 +113,8 @@ impl<E> Queue<E> {
 pub struct Finished<T> {
     /// The result of each worker, in no particular order.
     pub workers: Vec<T>,
+    /// The number of cases that have run.
+    pub done: u64,
     /// Whether `proceed` ended the run before all cases had run.
     pub is_stopped: bool,
 }
@@ -141,7 +166,7 @@ pub fn run<T: Send, E: Send + From<ToolError>>(
     let _ = proceed(queue.progress());
     match queue.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
         Some((_, error)) => Err(error),
-        None => Ok(Finished { workers, is_stopped: is_stopped && done < total }),
+        None => Ok(Finished { workers, done, is_stopped: is_stopped && done < total }),
     }
 }
 
@@ -156,8 +181,11 @@ pub fn map<I: Sync, T: Send, E: Send + From<ToolError>>(
     proceed: &mut dyn FnMut(Progress) -> bool,
     run: impl Fn(&I, &AtomicBool) -> Result<Option<T>, E> + Sync,
 ) -> Result<Vec<Option<T>>, E> {
-    let finished =
-        self::run::<_, E>(Cases { total: items.len() as u64, shard: Shard::ALL }, threads, proceed, |queue| {
+    let finished = self::run::<_, E>(
+        Cases { total: items.len() as u64, piece: 1, shard: Shard::ALL },
+        threads,
+        proceed,
+        |queue| {
             let mut results = Vec::new();
             queue.run_counted(|number, stop| {
                 let index = number as usize;
@@ -167,7 +195,8 @@ pub fn map<I: Sync, T: Send, E: Send + From<ToolError>>(
                 Ok(is_done)
             });
             Ok(results)
-        })?;
+        },
+    )?;
     let mut in_order: Vec<Option<T>> = items.iter().map(|_| None).collect();
     finished.workers.into_iter().flatten().for_each(|(index, result)| in_order[index] = result);
     Ok(in_order)
@@ -284,7 +313,7 @@ mod tests {
     #[test]
     fn each_worker_keeps_its_state_and_a_shard_has_its_cases() {
         let shard = "2/3".parse().expect("a shard");
-        let finished = run(Cases { total: 1000, shard }, 3, &mut |_| true, |queue| {
+        let finished = run(Cases { total: 1000, piece: 1, shard }, 3, &mut |_| true, |queue| {
             let mut seen = Vec::new();
             queue.run(|number, _| {
                 seen.push(number);

@@ -75,19 +75,8 @@ impl Verilated {
         write(&main, &verilator_main::main_file(top))?;
         let objects = folder.join("obj");
         let mut command = Command::new("verilator");
-        command.args([
-            "--cc",
-            "--exe",
-            "--build",
-            "--assert",
-            "-O3",
-            "--x-assign",
-            "0",
-            "--x-initial",
-            "0",
-            "--prefix",
-            "Vtop",
-        ]);
+        let fixed = "--cc --exe --build --assert -O3 --x-assign 0 --x-initial 0 --prefix Vtop";
+        command.args(fixed.split(' '));
         // Half of the C++ runs once, at the start, and is not worth optimising.
         let optimisation = options.c_optimisation;
         let levels = format!("OPT_FAST=-O{optimisation} OPT_GLOBAL=-O{optimisation} OPT_SLOW=-O0");

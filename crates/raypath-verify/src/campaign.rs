@@ -18,7 +18,7 @@ use raypath_hdl::Module;
 use raypath_model::{Shape, WordModel};
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::engine::{NetlistEngine, shape};
-use raypath_tools::pool::{self, Cases, Queue};
+use raypath_tools::pool::{self, Queue};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -71,7 +71,7 @@ pub fn verify_module(
     let jobs = request.jobs.unwrap_or(request.level.pick(REGRESSION, FULL, LONG));
     let (config, seed) = (request.config, request.seed);
     let episodes = jobs.div_ceil(JOBS_PER_EPISODE as u64);
-    let cases = Cases { total: episodes, shard: request.shard };
+    let cases = request.cases(episodes, 1);
     let campaign = Campaign { config, seed, top, shape, model: raypath_sim::Datapath::paper(config).model() };
     let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| campaign.work(queue))?;
     let points = campaign.coverage_model();

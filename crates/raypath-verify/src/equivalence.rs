@@ -22,23 +22,13 @@ pub enum Equivalence {
     Undecided(String),
 }
 
-/// Compares two modules with the same ports and, in them and in their instances, the same registers by name. The limit
-/// is two minutes.
-///
-/// # Errors
-/// A program is missing or fails; ports or registers differ.
-pub fn equivalent(original: &Arc<Module>, changed: &Arc<Module>) -> Result<Equivalence, Error> {
-    let never = AtomicBool::new(false);
-    let mut found = Prover::find()?.equivalent(&[(original, changed)], Duration::from_secs(120), &never)?;
-    Ok(found.remove(0))
-}
-
 impl Prover {
-    /// Compares pairs of modules as [`equivalent`] does, in at most `limit` each. Yosys starts once for all pairs. When
-    /// `stop` is set, the remaining pairs are undecided.
+    /// Compares pairs of modules, in at most `limit` each. The modules of a pair have the same ports and, in them and in
+    /// their instances, the same registers by name. Yosys starts once for all pairs. When `stop` is set, the remaining
+    /// pairs are undecided.
     ///
     /// # Errors
-    /// Those of [`equivalent`].
+    /// A program is missing or fails; ports or registers differ.
     pub fn equivalent(
         &self,
         pairs: &[(&Arc<Module>, &Arc<Module>)],
@@ -55,19 +45,8 @@ impl Prover {
 
 /// Yosys's `proc` without `proc_rmdead`, which removes the default arm of a `case` over all values and leaves an
 /// undriven wire.
-const TO_LOGIC: &[&str] = &[
-    "proc_clean",
-    "proc_prune",
-    "proc_init",
-    "proc_arst",
-    "proc_rom",
-    "proc_mux",
-    "proc_dlatch",
-    "proc_dff",
-    "proc_memwr",
-    "proc_clean",
-    "opt_expr -keepdc",
-];
+const TO_LOGIC: &str = "proc_clean; proc_prune; proc_init; proc_arst; proc_rom; proc_mux; proc_dlatch; proc_dff; \
+                        proc_memwr; proc_clean; opt_expr -keepdc";
 
 fn miter(pair: &[Arc<Module>; 2]) -> Result<Miter, Error> {
     let [original, changed] = pair;
@@ -88,8 +67,12 @@ fn miter(pair: &[Arc<Module>; 2]) -> Result<Miter, Error> {
         sources.push((format!("{side}.sv"), text(module)?));
         let top = module.name();
         commands.extend([format!("read_verilog -sv {SOURCE}{side}.sv"), format!("hierarchy -check -top {top}")]);
-        commands.extend(TO_LOGIC.iter().map(ToString::to_string));
-        commands.extend(["flatten".to_string(), format!("rename {top} {side}"), format!("design -stash {side}")]);
+        commands.extend([
+            TO_LOGIC.to_string(),
+            "flatten".to_string(),
+            format!("rename {top} {side}"),
+            format!("design -stash {side}"),
+        ]);
     }
     let copies = ["original", "changed"].map(|side| format!("design -copy-from {side} {side}"));
     commands.extend(copies);

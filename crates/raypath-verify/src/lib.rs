@@ -21,7 +21,6 @@ pub mod models;
 pub mod mutation;
 pub mod oracle;
 pub mod parsers;
-mod random;
 pub mod record;
 mod request;
 pub mod sat;

@@ -1,22 +1,23 @@
 //! The functional model against the oracle, and the cycle-exact model against the functional one, job by job.
 
-mod chunk;
-
 use crate::campaign;
-use crate::coverage::{Coverage, CoverageModel};
+use crate::coverage::{Coverage, CoverageModel, JobPath};
 use crate::error::Error;
 use crate::files;
 use crate::layout::Layout;
 use crate::oracle::Oracle;
 use crate::request::Request;
+use crate::stimuli::{Stimuli, splitmix64};
 use crate::verdict::{Item, Verdict};
-use chunk::{Chunk, Failure, JOBS_PER_CHUNK};
-use raypath_model::{Functional, Shape};
-use raypath_ops::{Job, Rules};
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use raypath_model::{CycleModel, Functional, Shape};
+use raypath_ops::{Binary32, Job, JobKind, Outcome, Rules};
 use raypath_rtl::Config;
 use raypath_sim::Datapath;
 use raypath_sim::transactions::{Transaction, text};
-use raypath_tools::pool::{self, Cases};
+use raypath_tools::pool;
+use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
@@ -30,7 +31,6 @@ pub const ITEM: Item = Item {
         "crates/raypath-model/src",
         "crates/raypath-ops/src",
         "crates/raypath-verify/src/models.rs",
-        "crates/raypath-verify/src/models",
         "crates/raypath-verify/src/oracle.rs",
         "crates/raypath-verify/src/stimuli",
     ],
@@ -61,7 +61,7 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
     let layout = Layout::of(&Datapath::paper(CONFIG).model());
     let points = CoverageModel::new(CONFIG, &Shape::default(), layout.clone());
     let chunks = jobs.div_ceil(JOBS_PER_CHUNK);
-    let cases = Cases { total: chunks, shard: request.shard };
+    let cases = request.cases(chunks, 1);
     let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
         let mut tally = Tally { jobs: 0, coverage: Coverage::new(&points), wrong: None };
         queue.run(|number, stop| {
@@ -82,7 +82,7 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
         wrong = wrong.into_iter().chain(tally.wrong).min_by_key(|wrong: &Failure| (wrong.chunk, wrong.job));
     }
     verdict.covered = format!("{jobs} jobs through oracle, functional model and cycle-exact model");
-    verdict.remarks.push(format!("{}, counted for one job in {}", coverage.remark(&points, false), chunk::COUNTED));
+    verdict.remarks.push(format!("{}, counted for one job in {}", coverage.remark(&points, false), COUNTED));
     let is_other = (request.config.semantics.rules, request.config.semantics.format)
         != (CONFIG.semantics.rules, CONFIG.semantics.format);
     if is_other || request.config.semantics.lanes != CONFIG.semantics.lanes {
@@ -100,7 +100,7 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
 fn report(layout: &Layout, seed: u64, wrong: &Failure, folder: &Path) -> Result<String, Error> {
     let Failure { chunk, job, what } = wrong;
     let mut jobs = Chunk::new(layout, CONFIG, seed, *chunk).jobs_up_to(*job);
-    let kind = jobs.last().map_or(raypath_ops::JobKind::Triangle, Job::kind);
+    let kind = jobs.last().map_or(JobKind::Triangle, Job::kind);
     jobs.retain(|job| job.kind() == kind);
     let differs = |jobs: &[Job]| {
         let (mut oracle, mut model) = (Oracle::default(), Functional::<16, 8>::new(Rules::Paper));
@@ -120,4 +120,141 @@ fn report(layout: &Layout, seed: u64, wrong: &Failure, folder: &Path) -> Result<
     files::write(&path, &text)?;
     let command = format!("raypath replay {} --engine model", path.display());
     Ok(format!("chunk {chunk}, job {job}: {what}\n           shrunk to {} jobs; to replay it: {command}", stream.len()))
+}
+
+/// The number of jobs in a chunk.
+const JOBS_PER_CHUNK: u64 = 1 << 18;
+/// The coverage counts one job of this many.
+const COUNTED: u64 = 32;
+/// The number of jobs of each operation that a chunk recombines.
+const POOL: usize = 512;
+/// After this many jobs, one job of the pool is replaced.
+const REPLACED: u64 = 8;
+
+/// A sequence of jobs, reproducible by seed and number. Each job combines the fields of two jobs of a pool: generating
+/// every job anew would take longer than running it.
+struct Chunk<'l> {
+    number: u64,
+    stimuli: Stimuli<'l>,
+    pool: [Vec<Vec<u64>>; JobKind::ALL.len()],
+    rng: ChaCha8Rng,
+    count: u64,
+}
+
+/// A job with a wrong outcome.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Failure {
+    /// The job's chunk.
+    chunk: u64,
+    /// The job's position in the chunk.
+    job: u64,
+    /// The difference.
+    what: String,
+}
+
+impl<'l> Chunk<'l> {
+    /// The chunk with this number.
+    fn new(layout: &'l Layout, config: Config, seed: u64, number: u64) -> Self {
+        let own = splitmix64(splitmix64(seed).wrapping_add(1) ^ number);
+        let mut stimuli = Stimuli::new(layout, config, own);
+        let pool = JobKind::ALL.map(|kind| {
+            let job = |_| {
+                let mut words = Vec::new();
+                stimuli.next_of(kind, &mut words);
+                words
+            };
+            (0..POOL).map(job).collect()
+        });
+        Self { number, stimuli, pool, rng: ChaCha8Rng::seed_from_u64(splitmix64(own)), count: 0 }
+    }
+
+    /// Runs the chunk up to the first wrong outcome.
+    fn run(mut self, points: &CoverageModel, coverage: &mut Coverage) -> Option<Failure> {
+        let (mut oracle, mut functional) = (Oracle::default(), Functional::<16, 8>::new(Rules::Paper));
+        let mut cycles = InOrder::new();
+        let mut words = Vec::new();
+        let chunk = self.number;
+        let failure = |job, what| Some(Failure { chunk, job, what });
+        while self.count < JOBS_PER_CHUNK {
+            let index = self.count;
+            let job = self.next(&mut words);
+            if index.is_multiple_of(COUNTED) {
+                coverage.count(&points.job_points(job.kind(), &words), JobPath::STRAIGHT);
+            }
+            let (expected, found) = (oracle.run(&job), functional.run(&job));
+            if found != expected {
+                return failure(
+                    index,
+                    format!("the functional model's outcome is {found:?}, the oracle's {expected:?}"),
+                );
+            }
+            if let Some(what) = cycles.next(&job, found) {
+                return failure(index, what);
+            }
+        }
+        None
+    }
+
+    /// The chunk's jobs up to this position, inclusive.
+    fn jobs_up_to(mut self, last: u64) -> Vec<Job> {
+        let mut words = Vec::new();
+        (0..=last).map(|_| self.next(&mut words)).collect()
+    }
+
+    /// Generates the next job, and writes its words to `words`.
+    fn next(&mut self, words: &mut Vec<u64>) -> Job {
+        let dice: u64 = self.rng.random();
+        let kind = JobKind::ALL[dice as usize % JobKind::ALL.len()];
+        if self.count.is_multiple_of(REPLACED) {
+            let place = (dice >> 2) as usize % POOL;
+            self.stimuli.next_of(kind, &mut self.pool[kind as usize][place]);
+        }
+        self.count += 1;
+        let pool = &self.pool[kind as usize];
+        let (one, other) = (&pool[(dice >> 12) as usize % POOL], &pool[(dice >> 24) as usize % POOL]);
+        // None, a few, or half of the second job's fields are taken.
+        let taken = match dice >> 62 {
+            0 => 0,
+            1 => self.rng.random::<u64>(),
+            _ => self.rng.random::<u64>() & self.rng.random::<u64>() & self.rng.random::<u64>(),
+        };
+        words.clear();
+        let pairs = one.iter().zip(other).enumerate();
+        words.extend(pairs.map(|(i, (one, other))| if taken >> (i % 64) & 1 == 1 { *other } else { *one }));
+        Job::from_words_in(Binary32, kind, words)
+    }
+}
+
+/// The cycle-exact model with a source without bubbles and a sink that stalls 8 cycles of 64.
+struct InOrder {
+    model: CycleModel,
+    expected: VecDeque<Outcome>,
+    cycles: u64,
+}
+
+impl InOrder {
+    fn new() -> Self {
+        let model = CycleModel::new(Functional::new(Rules::Paper), &Shape::default());
+        Self { model, expected: VecDeque::new(), cycles: 0 }
+    }
+
+    /// Offers a job until it is accepted. Returns the first difference of the outcomes that leave meanwhile.
+    fn next(&mut self, job: &Job, outcome: Outcome) -> Option<String> {
+        loop {
+            self.cycles += 1;
+            let transfer = self.model.cycle(Some(job), self.cycles % 64 >= 8);
+            if let Some(found) = transfer.output {
+                let expected = self.expected.pop_front();
+                if expected != Some(found) {
+                    let what =
+                        format!("the cycle-exact model's outcome is {found:?}, the functional model's {expected:?}");
+                    return Some(what);
+                }
+            }
+            if transfer.accepted {
+                self.expected.push_back(outcome);
+                return None;
+            }
+        }
+    }
 }

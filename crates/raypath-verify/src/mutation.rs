@@ -1,11 +1,9 @@
 //! Mutation testing: whether the regression tests find a fault in the netlist.
 
 mod job_equivalence;
-mod known_survivors;
 mod logic;
 mod mutant;
 mod report;
-mod sample;
 mod symbolic;
 mod trial;
 mod units;
@@ -13,12 +11,11 @@ mod units;
 use crate::error::Error;
 use crate::request::{Level, Request};
 use crate::verdict::{Item, Verdict};
-use mutant::{Mutant, MutantResult, Subject};
+use mutant::{Mutant, MutantResult, Subject, choose, subjects};
 use raypath_hdl::mutate::replace;
 use raypath_rtl::{Config, Control, Lanes, UnitLatency};
-use raypath_tools::pool::{self, Cases};
+use raypath_tools::pool;
 use report::Report;
-use sample::{choose, subjects};
 use std::path::Path;
 use std::sync::Arc;
 use trial::Trial;
@@ -74,7 +71,7 @@ fn check_all<'s>(
     request: &mut Request<'_>,
     check: Check<'_>,
 ) -> Result<Report<'s>, Error> {
-    let cases = Cases { total: mutants.len() as u64, shard: request.shard };
+    let cases = request.cases(mutants.len() as u64, 1);
     let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
         let mut results = Vec::new();
         queue.run(|number, _| {
@@ -84,7 +81,7 @@ fn check_all<'s>(
         });
         Ok(results)
     })?;
-    let mut report = Report::new(subjects, request.shard.share(cases.total) as usize);
+    let mut report = Report::new(subjects, cases.share() as usize);
     for (mutant, result) in finished.workers.into_iter().flatten() {
         report.add(mutant, result);
     }

@@ -2,7 +2,6 @@
 //! repeated and joined. `cargo fuzz` calls the same functions ([`TARGETS`]).
 
 mod damage;
-mod memory;
 mod targets;
 mod worker;
 
@@ -50,7 +49,7 @@ pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let corpora = TARGETS.iter().map(corpus).collect::<Result<Vec<_>, _>>()?;
     let total = corpora.iter().map(|files| files.len() as u64 * (mutations + 1)).sum();
     let (mut verdict, mut done, mut accepted) = (Verdict::default(), 0, 0);
-    let before = memory::peak();
+    let before = peak_memory();
     for (target, files) in TARGETS.iter().zip(&corpora) {
         let mut worker = Worker::start(*target, files.clone(), mutations, request.seed, request.shard);
         loop {
@@ -73,7 +72,7 @@ pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
             break;
         }
     }
-    match (before, memory::peak()) {
+    match (before, peak_memory()) {
         (Some(before), Some(after)) if after.saturating_sub(before) > MAX_BYTES => {
             verdict.failures.push(format!("{} MiB of additional memory, expected at most 256", (after - before) >> 20));
         }
@@ -93,4 +92,26 @@ pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
 pub fn corpus(target: &Target) -> Result<Vec<Vec<u8>>, Error> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(target.name);
     Ok(in_folder(&folder)?.iter().map(|path| read(path)).collect::<Result<_, _>>()?)
+}
+
+/// The peak resident memory of this process in bytes, if the system reports it (Linux: `VmHWM`).
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_large_allocation_shows() {
+        let before = super::peak_memory().expect("a number");
+        let large = vec![1_u8; 300 << 20];
+        let after = super::peak_memory().expect("a number");
+        assert!(
+            large.iter().step_by(4096).all(|&byte| byte == 1) && after >= before + (200 << 20),
+            "{before}, {after}"
+        );
+    }
 }

@@ -3,18 +3,14 @@
 //! A [`Recorder`] writes one JSON file for each item. [`table`] shows the records of a folder in Markdown. A record has
 //! the hash of its item's subject: it is stale if the subject has changed since.
 
-mod subject;
-mod table;
-
-pub use table::table;
-
 use crate::error::Error;
 use crate::files::in_folder;
 use crate::request::Request;
 use crate::verdict::{Item, Verdict};
-use raypath_tools::{ToolError, read, write};
+use raypath_tools::{ToolError, digest, read, write};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -100,7 +96,7 @@ impl Recorder {
     /// # Errors
     /// The item cannot run, the repository of this program's sources is missing, or a file cannot be written.
     pub fn run(&self, item: &Item, request: &mut Request<'_>) -> Result<Verdict, Error> {
-        let subject = subject::hash(&root(), item.subject)?;
+        let subject = hash(&root(), item.subject)?;
         let (level, jobs, seed, shard) = (request.level, request.jobs, request.seed, request.shard);
         let mut command = format!("verify {} --level {} --seed {seed} --shard {shard}", item.name, level.name());
         command += &jobs.map_or(String::new(), |jobs| format!(" --jobs {jobs}"));
@@ -155,7 +151,7 @@ impl Record {
     /// # Errors
     /// The subject cannot be read.
     pub fn is_stale(&self, item: &Item, root: &Path) -> Result<bool, Error> {
-        Ok(self.subject != Some(subject::hash(root, item.subject)?))
+        Ok(self.subject != Some(hash(root, item.subject)?))
     }
 }
 
@@ -170,4 +166,161 @@ fn printed(folder: &Path, command: &[&str]) -> Option<String> {
     let output = Command::new(program).args(arguments).current_dir(folder).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     output.status.success().then(|| text.trim().to_string())
+}
+
+/// The SHA-256, in hexadecimal digits, of the files under these paths of the repository at `root`. Lines with only a
+/// comment, empty lines and indentation have no effect.
+fn hash(root: &Path, subject: &[&str]) -> Result<String, Error> {
+    let mut files = Vec::new();
+    for path in subject {
+        collect(&root.join(path), &mut files)?;
+    }
+    files.sort();
+    files.dedup();
+    let mut bytes = Vec::new();
+    for path in files {
+        let text = read(&path)?;
+        bytes.extend(path.strip_prefix(root).unwrap_or(&path).to_string_lossy().bytes());
+        for line in String::from_utf8_lossy(&text).lines().map(str::trim) {
+            if !line.is_empty() && !line.starts_with("//") {
+                bytes.push(b'\n');
+                bytes.extend(line.bytes());
+            }
+        }
+        bytes.push(0);
+    }
+    Ok(digest(&bytes))
+}
+
+/// Adds a file, or all files in a folder and below.
+fn collect(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), Error> {
+    if path.is_file() {
+        files.push(path.to_path_buf());
+        return Ok(());
+    }
+    for entry in in_folder(path)? {
+        collect(&entry, files)?;
+    }
+    Ok(())
+}
+
+/// A table in Markdown with a row for each item and its record. A record is shown as stale if its subject differs from
+/// the one in the repository at `root`.
+///
+/// # Errors
+/// A subject cannot be read.
+pub fn table(items: &[Item], records: &[Record], root: &Path) -> Result<String, Error> {
+    let mut text = "| item | claim | oracle | recorded run | command | commit | time | result |\n\
+                    | --- | --- | --- | --- | --- | --- | --- | --- |\n"
+        .to_string();
+    for item in items {
+        let found = records.iter().find(|record| record.item == item.name);
+        let run = match found {
+            None => "none | | | | not recorded".to_string(),
+            Some(record) => {
+                let stale = if record.is_stale(item, root)? { ", **stale**" } else { "" };
+                let Record { covered, command, result, .. } = record;
+                format!(
+                    "{covered} | `{command}` | {} | {} | {result}{stale}",
+                    commit(record),
+                    record.seconds.map_or(String::new(), time)
+                )
+            }
+        };
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "| `{}` | {} | {} | {run} |", item.name, item.claim, item.oracle);
+    }
+    Ok(text)
+}
+
+/// The abbreviated commit, and whether the files differed from it.
+fn commit(record: &Record) -> String {
+    let commit = record.commit.as_ref().map_or("unknown", |commit| commit.get(..7).unwrap_or(commit));
+    let dirty = if record.is_dirty == Some(true) { ", changed" } else { "" };
+    let note = if record.note.is_some() { " or earlier" } else { "" };
+    format!("{commit}{dirty}{note}")
+}
+
+fn time(seconds: f64) -> String {
+    let minutes = (seconds / 60.0).round() as u64;
+    match seconds {
+        ..100.0 => format!("{seconds:.0} s"),
+        ..6000.0 => format!("{minutes} min"),
+        _ => format!("{} h {} min", minutes / 60, minutes % 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Record, hash, table, time};
+    use crate::verdict::Item;
+    use std::collections::BTreeMap;
+
+    const ITEM: Item = Item {
+        name: "sums",
+        claim: "sums are right",
+        oracle: "exact arithmetic",
+        subject: &["subject.rs"],
+        run: |_| unreachable!("this test does not run the item"),
+    };
+
+    #[test]
+    fn a_record_is_stale_after_its_subject_has_changed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (root, file) = (folder.path(), folder.path().join("subject.rs"));
+        std::fs::write(&file, "let a = 1;\n").expect("a file");
+        let record = Record {
+            item: "sums".to_string(),
+            command: "verify sums --level full".to_string(),
+            configuration: None,
+            commit: Some("0123456789abcdef".to_string()),
+            is_dirty: Some(false),
+            subject: Some(hash(root, ITEM.subject).expect("a hash")),
+            versions: BTreeMap::new(),
+            cores: 2,
+            seconds: Some(40.4),
+            result: "as claimed".to_string(),
+            covered: "3 sums".to_string(),
+            remarks: Vec::new(),
+            failures: Vec::new(),
+            note: None,
+        };
+        let row = |record: &Record| {
+            let text = table(&[ITEM], std::slice::from_ref(record), root).expect("a table");
+            text.lines().last().expect("a row").to_string()
+        };
+        let current = "| `sums` | sums are right | exact arithmetic | 3 sums | `verify sums --level full` | 0123456 | \
+                       40 s | as claimed |";
+        assert_eq!(row(&record), current);
+        std::fs::write(&file, "let a = 2;\n").expect("a file");
+        assert!(row(&record).ends_with("| as claimed, **stale** |"));
+        assert!(row(&Record { subject: None, ..record.clone() }).ends_with("**stale** |"));
+        assert!(row(&Record { is_dirty: Some(true), ..record }).contains("| 0123456, changed |"));
+        assert!(table(&[ITEM], &[], root).expect("a table").ends_with("| none | | | | not recorded |\n"));
+    }
+
+    #[test]
+    fn the_unit_of_a_time_depends_on_its_length() {
+        assert_eq!([24.0, 660.0, 7505.0].map(time), ["24 s", "11 min", "2 h 5 min"]);
+    }
+
+    #[test]
+    fn the_hash_depends_on_code_and_not_on_comments() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let hash_of = |text: &str| {
+            std::fs::write(folder.path().join("a.rs"), text).expect("a file");
+            hash(folder.path(), &["a.rs"]).expect("a hash")
+        };
+        let first = hash_of("fn one() -> u32 {\n    1\n}\n");
+        assert_eq!(hash_of("// One.\n\nfn one() -> u32 {\n1\n}"), first);
+        assert_ne!(hash_of("fn one() -> u32 {\n    2\n}\n"), first);
+        assert_eq!(first.len(), 64);
+    }
+
+    #[test]
+    fn a_missing_path_is_an_error() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let problem = hash(folder.path(), &["nothing"]).expect_err("no such path");
+        assert!(problem.to_string().contains("nothing"), "{problem}");
+    }
 }

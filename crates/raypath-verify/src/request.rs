@@ -1,6 +1,7 @@
 //! What to verify, how much of it, and which part.
 
 use raypath_rtl::Config;
+use raypath_tools::pool::Cases;
 pub use raypath_tools::pool::{Progress, Shard, ShardError};
 use std::str::FromStr;
 
@@ -18,6 +19,19 @@ pub struct Request<'a> {
     pub shard: Shard,
     /// Receives the progress several times a second; the run stops when it returns false.
     pub proceed: &'a mut dyn FnMut(Progress) -> bool,
+}
+
+impl<'a> Request<'a> {
+    /// The default configuration at level `regression`, with the level's number of jobs, seed 1 and no shards.
+    pub fn new(proceed: &'a mut dyn FnMut(Progress) -> bool) -> Self {
+        let (config, level) = (Config::DEFAULT, Level::Regression);
+        Self { config, level, jobs: None, seed: 1, shard: Shard::ALL, proceed }
+    }
+
+    /// The shard's part of `total` cases, in pieces of `piece`.
+    pub(crate) fn cases(&self, total: u64, piece: u64) -> Cases {
+        Cases { total, piece, shard: self.shard }
+    }
 }
 
 /// How much to run.

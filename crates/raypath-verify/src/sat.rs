@@ -28,16 +28,8 @@ pub struct Prover {
 
 /// The commands that convert the module `miter` to and-gates. An undriven wire becomes an input, which the check of the
 /// inputs rejects; otherwise optimisation would choose its value.
-const TO_GATES: &[&str] = &[
-    "hierarchy -check -top miter",
-    "flatten",
-    "setundef -undriven -anyseq",
-    "opt -full",
-    "techmap",
-    "opt",
-    "aigmap",
-    "opt_clean",
-];
+const TO_GATES: &str = "hierarchy -check -top miter; flatten; setundef -undriven -anyseq; opt -full; techmap; opt; aigmap; \
+                        opt_clean";
 
 impl Prover {
     /// Finds the Python module `pyosys`, and its ABC or Debian's.
@@ -122,12 +114,8 @@ impl Prover {
     fn graphs(&self, folder: &Path, problems: &[Miter], stop: &AtomicBool) -> Result<Option<Vec<Aiger>>, Error> {
         let mut script = String::new();
         for (number, problem) in problems.iter().enumerate() {
-            let to_gates = TO_GATES.iter().map(ToString::to_string);
-            let write = format!("write_aiger -symbols -map {number}.map {number}.aig");
             script += &write_sources(problem, folder, number)?;
-            for command in to_gates.chain([write]) {
-                script += &(command + "\n");
-            }
+            script += &format!("{TO_GATES}\nwrite_aiger -symbols -map {number}.map {number}.aig\n");
         }
         write(&folder.join("script.ys"), &script)?;
         let about = problems.first().map(|problem| problem.name.as_str()).unwrap_or_default();

@@ -1,12 +1,11 @@
 //! Campaigns: they pass the datapath and the models, are reproducible by seed, and report their coverage when stopped.
 
-use raypath_rtl::Config;
-use raypath_verify::{ITEMS, Level, Progress, Request, Shard, Verdict, campaign, models};
+use raypath_verify::{ITEMS, Progress, Request, Verdict, campaign, models};
 use std::path::Path;
 use tempfile::TempDir;
 
 fn request<'a>(jobs: u64, seed: u64, proceed: &'a mut dyn FnMut(Progress) -> bool) -> Request<'a> {
-    Request { config: Config::DEFAULT, level: Level::Regression, jobs: Some(jobs), seed, shard: Shard::ALL, proceed }
+    Request { jobs: Some(jobs), seed, ..Request::new(proceed) }
 }
 
 fn verdict(seed: u64, folder: &Path) -> Verdict {

@@ -12,91 +12,58 @@ fn config(control: Control) -> Config {
     Config::DEFAULT.control(control).lanes(Lanes::Two).unit_latency(UnitLatency::Two)
 }
 
-/// Checks the problem that begins with `name`: it holds without the fault and fails with it.
-fn assert_found(config: Config, name: &str, fault: TextFault) {
-    let checker = ModelChecker::find().expect("pyosys");
+/// The result of the problem whose name begins with `name`, of a design with or without a fault.
+fn result(config: Config, name: &str, fault: Option<TextFault>) -> Option<CheckResult> {
     let datapath = Datapath::new(config).expect("a datapath");
-    let whole = ModuleTexts::new(datapath.top()).expect("text");
-    let mut faulty = whole.clone();
-    assert!(faulty.insert(fault), "{fault:?}");
-    for (texts, expected) in [(whole, CheckResult::Holds), (faulty, CheckResult::Fails)] {
-        let all = problems(&datapath, config, &texts);
-        let problem = all.iter().find(|problem| problem.name.starts_with(name)).expect("a problem");
-        assert_eq!(
-            checker.check(problem, &GO).expect("a verdict"),
-            Some(expected),
-            "{config}: {}, {fault:?}",
-            problem.name
-        );
+    let mut texts = ModuleTexts::new(datapath.top()).expect("text");
+    assert!(fault.is_none_or(|fault| texts.insert(fault)), "{fault:?}");
+    let all = problems(&datapath, config, &texts);
+    let problem = all.iter().find(|problem| problem.name.starts_with(name)).expect("a problem");
+    ModelChecker::find().expect("pyosys").check(problem, &GO).expect("a verdict")
+}
+
+#[test]
+fn faults_of_a_step_are_found() {
+    let (skid, credit) = (config(Control::Skid), config(Control::Credit));
+    for (config, problem, module, from, to) in [
+        // A job that arrives without ready.
+        (skid, "raypath_input: ", "raypath_skid", "valid_i & spare_empty_q", "valid_i"),
+        // A register that loads while it waits.
+        (skid, "raypath_input: ", "raypath_skid", "= leaves & refill", "= refill"),
+        // A ready that is the sink's.
+        (skid, "raypath_input: ", "raypath_skid", "assign ready_o = spare_empty_q", "assign ready_o = ready_i"),
+        // An accumulator that is written while it waits.
+        (skid, "raypath_stage_9_2: ", "raypath_stage_9_2", "= advance & (data_i.opcode", "= valid_i & (data_i.opcode"),
+        // A credit too many.
+        (credit, "raypath_credit: ", "raypath_credit", "available_q <= |count_d", "available_q <= 1'b1"),
+    ] {
+        let fault = TextFault { module, from, to };
+        assert_eq!(result(config, problem, None), Some(CheckResult::Holds), "{config}: {problem}");
+        assert_eq!(result(config, problem, Some(fault)), Some(CheckResult::Fails), "{config}: {problem}, {fault:?}");
     }
 }
 
+/// The item proves that these problems hold without the fault.
 #[test]
-fn a_job_that_arrives_without_ready_is_found() {
-    let fault = TextFault { module: "raypath_skid", from: "valid_i & spare_empty_q", to: "valid_i" };
-    assert_found(config(Control::Skid), "raypath_input: ", fault);
-}
-
-#[test]
-fn a_register_that_loads_while_it_waits_is_found() {
-    let fault = TextFault { module: "raypath_skid", from: "= leaves & refill", to: "= refill" };
-    assert_found(config(Control::Skid), "raypath_input: ", fault);
-}
-
-#[test]
-fn a_ready_that_is_the_sinks_is_found() {
-    let fault =
-        TextFault { module: "raypath_skid", from: "assign ready_o = spare_empty_q", to: "assign ready_o = ready_i" };
-    assert_found(config(Control::Skid), "raypath_input: ", fault);
-}
-
-#[test]
-fn an_accumulator_that_is_written_while_it_waits_is_found() {
-    let fault =
-        TextFault { module: "raypath_stage_9_2", from: "= advance & (data_i.opcode", to: "= valid_i & (data_i.opcode" };
-    assert_found(config(Control::Skid), "raypath_stage_9_2: ", fault);
-}
-
-#[test]
-fn a_credit_too_many_is_found() {
-    let fault = TextFault { module: "raypath_credit", from: "available_q <= |count_d", to: "available_q <= 1'b1" };
-    assert_found(config(Control::Credit), "raypath_credit: ", fault);
-}
-
-/// Checks only that the problem fails with the fault; the item proves the design.
-fn assert_refuted(config: Config, name: &str, fault: TextFault) {
-    let checker = ModelChecker::find().expect("pyosys");
-    let datapath = Datapath::new(config).expect("a datapath");
-    let mut texts = ModuleTexts::new(datapath.top()).expect("text");
-    assert!(texts.insert(fault), "{fault:?}");
-    let all = problems(&datapath, config, &texts);
-    let problem = all.iter().find(|problem| problem.name.starts_with(name)).expect("a problem");
-    assert_eq!(
-        checker.check(problem, &GO).expect("a verdict"),
-        Some(CheckResult::Fails),
-        "{}, {fault:?}",
-        problem.name
-    );
-}
-
-#[test]
-fn a_job_that_overtakes_those_that_wait_at_the_exit_is_found() {
+fn faults_of_the_pipeline_are_found() {
     let one = config(Control::Credit).unit_latency(UnitLatency::One);
-    let fault = TextFault { module: "raypath_exit", from: "valid_i & (stored | ~leaves)", to: "valid_i & ~leaves" };
-    assert_refuted(one, "raypath_stage_11: raypath_order", fault);
-}
-
-#[test]
-fn an_output_that_changes_while_it_is_stalled_is_found() {
-    let one = config(Control::Credit).unit_latency(UnitLatency::One);
-    let fault = TextFault { module: "raypath_exit", from: "= leaves & (stored | valid_i)", to: "= stored | valid_i" };
-    assert_refuted(one, "raypath: raypath_stall", fault);
-}
-
-#[test]
-fn a_beat_that_reads_before_the_one_before_has_written_is_found() {
-    let fault = TextFault { module: "raypath_stage_9_1", from: "= angular_pending_q & is_angular", to: "= 1'b0" };
-    assert_refuted(config(Control::Skid), "raypath: raypath_stall", fault);
+    for (config, problem, module, from, to) in [
+        // A job that overtakes those that wait at the exit.
+        (one, "raypath_stage_11: raypath_order", "raypath_exit", "valid_i & (stored | ~leaves)", "valid_i & ~leaves"),
+        // An output that changes while it is stalled.
+        (one, "raypath: raypath_stall", "raypath_exit", "= leaves & (stored | valid_i)", "= stored | valid_i"),
+        // A beat that reads before the one before has written.
+        (
+            config(Control::Skid),
+            "raypath: raypath_stall",
+            "raypath_stage_9_1",
+            "= angular_pending_q & is_angular",
+            "= 1'b0",
+        ),
+    ] {
+        let fault = TextFault { module, from, to };
+        assert_eq!(result(config, problem, Some(fault)), Some(CheckResult::Fails), "{problem}, {fault:?}");
+    }
 }
 
 #[test]

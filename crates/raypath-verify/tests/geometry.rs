@@ -1,14 +1,12 @@
 //! A few cases of each geometry item; `raypath verify` runs more.
 
-use raypath_rtl::Config;
-use raypath_verify::{ITEMS, Level, Request, Shard, Verdict};
+use raypath_verify::{ITEMS, Request, Verdict};
 
 fn verify(item: &str, jobs: u64, seed: u64, shard: &str, go_on: bool) -> Verdict {
     let item = ITEMS.iter().find(|entry| entry.name == item).expect("an item");
-    let shard: Shard = shard.parse().expect("a shard");
-    let (level, config) = (Level::Regression, Config::default());
+    let shard = shard.parse().expect("a shard");
     let watch = &mut |_| go_on;
-    (item.run)(&mut Request { config, level, jobs: Some(jobs), seed, shard, proceed: watch }).expect("a verdict")
+    (item.run)(&mut Request { jobs: Some(jobs), seed, shard, ..Request::new(watch) }).expect("a verdict")
 }
 
 /// The numbers of jobs are large enough that the campaigns must also find their deliberate faults.

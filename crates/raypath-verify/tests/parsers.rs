@@ -1,21 +1,18 @@
 //! All parsers on the corpora of `fuzz/` and mutations of them: no panic, no hang, bounded memory. The functions are
 //! those of `cargo fuzz` and of `raypath verify parsers`.
 
-use raypath_rtl::Config;
 use raypath_verify::parsers::{TARGETS, corpus, run};
-use raypath_verify::{Level, Request, Shard};
+use raypath_verify::{Progress, Request};
 
 #[test]
 fn corpora_and_mutations_of_them() {
     let mut steps = 0;
-    let mut watch = |step: raypath_verify::Progress| {
+    let mut watch = |step: Progress| {
         assert!(step.done <= step.total);
         steps += 1;
         true
     };
-    let jobs = Some(500);
-    let (config, level, seed, shard) = (Config::DEFAULT, Level::Regression, 3, Shard::ALL);
-    let verdict = run(&mut Request { config, level, jobs, seed, shard, proceed: &mut watch }).expect("a verdict");
+    let verdict = run(&mut Request { jobs: Some(500), seed: 3, ..Request::new(&mut watch) }).expect("a verdict");
     assert!(verdict.failures.is_empty() && !verdict.is_stopped, "{verdict:#?}");
     assert!(steps > 0);
 }

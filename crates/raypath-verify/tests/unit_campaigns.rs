@@ -2,7 +2,6 @@
 
 use raypath_float::Format;
 use raypath_hdl::{Builder, Error, Module, Wire};
-use raypath_rtl::Config;
 use raypath_verify::units::bench::Units;
 use raypath_verify::units::{conversions_of, small_formats_of, testfloat_of};
 use raypath_verify::{Level, Request, Verdict};
@@ -114,8 +113,7 @@ fn regression(shard: &str, run: impl FnOnce(&mut Request<'_>) -> Result<Verdict,
 }
 
 fn request<'a>(level: Level, shard: &str, proceed: &'a mut dyn FnMut(raypath_verify::Progress) -> bool) -> Request<'a> {
-    let shard = shard.parse().expect("a shard");
-    Request { config: Config::default(), level, jobs: None, seed: 1, shard, proceed }
+    Request { level, shard: shard.parse().expect("a shard"), ..Request::new(proceed) }
 }
 
 fn assert_reported(verdict: &Verdict, expected: &str) {

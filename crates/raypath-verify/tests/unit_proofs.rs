@@ -3,7 +3,7 @@
 use raypath_float::Format;
 use raypath_verify::sat::{Miter, ProofResult, Prover, SOURCE};
 use raypath_verify::units::proofs::{Claim, Subject, check, unit_proofs};
-use raypath_verify::{Level, Request, Shard};
+use raypath_verify::{Progress, Request};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -24,19 +24,14 @@ fn solve(problem: Miter) -> Result<Vec<ProofResult>, raypath_verify::Error> {
     Prover::find()?.solve(&[problem], LIMIT, &AtomicBool::new(false))
 }
 
-fn request<'a>(proceed: &'a mut dyn FnMut(raypath_verify::Progress) -> bool) -> Request<'a> {
-    let config = raypath_rtl::Config::default();
-    Request { config, level: Level::Regression, jobs: None, seed: 1, shard: Shard::ALL, proceed }
-}
-
 #[test]
 fn every_claim_is_proved_and_its_fault_found() {
     let mut steps = Vec::new();
-    let mut watch = |step: raypath_verify::Progress| {
+    let mut watch = |step: Progress| {
         steps.push(step.done);
         true
     };
-    let verdict = unit_proofs(&mut request(&mut watch)).unwrap();
+    let verdict = unit_proofs(&mut Request::new(&mut watch)).unwrap();
     assert_eq!(verdict.failures, [""; 0]);
     assert!(verdict.covered.starts_with("7 proofs, and as many faults refuted: "), "{}", verdict.covered);
     // The programs' versions, and a fault for each proof.
@@ -47,7 +42,7 @@ fn every_claim_is_proved_and_its_fault_found() {
 #[test]
 fn a_stop_is_heeded() {
     let mut watch = |_| false;
-    let verdict = unit_proofs(&mut request(&mut watch)).unwrap();
+    let verdict = unit_proofs(&mut Request::new(&mut watch)).unwrap();
     assert!(verdict.is_stopped && verdict.failures.is_empty());
     assert_eq!(verdict.covered, "nothing proved");
 }

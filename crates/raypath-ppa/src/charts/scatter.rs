@@ -1,6 +1,6 @@
 //! Configurations as points of area against throughput.
 
-use super::round_step;
+use super::{grid, marks, shown};
 use crate::{DesignPoint, Exploration};
 use raypath_rtl::report::drawing::{self, line, text};
 use svg::node::element::{Circle, Group, Title};
@@ -53,7 +53,7 @@ fn panel(
         .add(line((left, TOP), (left, bottom), "#222222"))
         .add(text(left, TOP - 14, "small", "mm²"))
         .add(text(left + PANEL / 2, bottom + 40, "small middle", words));
-    for value in marks(max) {
+    for value in marks(max / 6.0, max) {
         group = group.add(line((x(value), bottom), (x(value), bottom + 4), "#222222")).add(text(
             x(value),
             bottom + 18,
@@ -61,14 +61,7 @@ fn panel(
             &shown(value),
         ));
     }
-    for value in marks(max_area) {
-        group = group.add(line((left, y(value)), (left + PANEL, y(value)), "#dddddd")).add(text(
-            left - 6,
-            y(value) + 4,
-            "small right",
-            &shown(value),
-        ));
-    }
+    group = grid(group, left, left + PANEL, marks(max_area / 6.0, max_area), y);
     // Equal area per throughput is a line through the origin.
     let best = points.iter().map(|(point, throughput)| area(point) / throughput).fold(f64::INFINITY, f64::min);
     let end = (max_area / best).min(max);
@@ -109,14 +102,4 @@ fn labels(names: &[(i32, i32, &str)], column: i32) -> Group {
 
 fn area(point: &DesignPoint) -> f64 {
     point.report.area.total / 1e6
-}
-
-fn marks(max: f64) -> Vec<f64> {
-    let step = round_step(max / 6.0);
-    (1..).map(|number| f64::from(number) * step).take_while(|value| *value <= max).collect()
-}
-
-/// A number rounded to six decimals, without trailing zeros.
-fn shown(value: f64) -> String {
-    ((value * 1e6).round() / 1e6).to_string()
 }

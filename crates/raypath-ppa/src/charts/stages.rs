@@ -1,6 +1,6 @@
 //! The stages of a design as bars of area and of delay.
 
-use super::round_step;
+use super::{grid, marks};
 use crate::{Area, Path, Report};
 use raypath_rtl::report::drawing::{self, line, rectangle, text};
 use raypath_tools::grouped;
@@ -130,20 +130,8 @@ fn bar(x: i32, bottom: i32, height: i32, max: f64, segments: &[Segment]) -> Grou
 
 /// Horizontal grid lines at round numbers.
 fn axis(top: i32, height: i32, right: i32, max: f64) -> Group {
-    let step = round_step(max / 4.0);
-    let mut group = Group::new().add(line((LEFT, top + height), (right, top + height), "#222222"));
-    let mut value = step;
-    while value <= max {
-        let y = top + height - scaled(value, max, height);
-        group = group.add(line((LEFT, y), (right, y), "#dddddd")).add(text(
-            LEFT - 6,
-            y + 4,
-            "small right",
-            &value.to_string(),
-        ));
-        value += step;
-    }
-    group
+    let group = Group::new().add(line((LEFT, top + height), (right, top + height), "#222222"));
+    grid(group, LEFT, right, marks(max / 4.0, max), |value| top + height - scaled(value, max, height))
 }
 
 fn legend(x: i32, top: i32, entries: impl Iterator<Item = (String, &'static str)>) -> Group {

@@ -3,8 +3,7 @@
 use super::shrink::Trace;
 use crate::coverage::{Coverage, CoverageModel, JobPoints, Tracker};
 use crate::layout::Layout;
-use crate::random::splitmix64;
-use crate::stimuli::Stimuli;
+use crate::stimuli::{Stimuli, splitmix64};
 use raypath_model::{WordModel, Words};
 use raypath_rtl::Config;
 use raypath_sim::engine::{NetlistEngine, observe};

@@ -66,23 +66,8 @@ const MAX_DEPTH: u32 = 3;
 
 /// The commands that convert a text to an and-inverter graph with state. Units are empty modules, so that their outputs
 /// are free in every cycle. The module's outputs are deleted, so that only the logic of assertions remains.
-const TO_GRAPH: &[&str] = &[
-    "proc",
-    "flatten",
-    "delete t:raypath_fp_*",
-    "delete -port o:*",
-    "opt_clean",
-    "setundef -undriven -anyseq",
-    "async2sync",
-    "chformal -lower",
-    "opt_clean",
-    "techmap",
-    "opt",
-    "dffunmap",
-    "opt_clean",
-    "aigmap",
-    "opt_clean",
-];
+const TO_GRAPH: &str = "proc; flatten; delete t:raypath_fp_*; delete -port o:*; opt_clean; setundef -undriven -anyseq; \
+                        async2sync; chformal -lower; opt_clean; techmap; opt; dffunmap; opt_clean; aigmap; opt_clean";
 
 impl ModelChecker {
     /// Finds the Python module `pyosys`, and its ABC or Debian's.
@@ -102,11 +87,11 @@ impl ModelChecker {
         let folder = temporary_folder()?;
         let folder = folder.path();
         write(&folder.join("problem.sv"), &problem.text)?;
-        let begin =
-            ["read_verilog -sv -formal problem.sv".to_string(), format!("hierarchy -check -top {}", problem.top)];
-        let commands = begin.into_iter().chain(TO_GRAPH.iter().map(ToString::to_string));
-        let commands: Vec<String> = commands.chain(["write_aiger -zinit -B problem.aig".to_string()]).collect();
-        write(&folder.join("script"), &(commands.join("\n") + "\n"))?;
+        let script = format!(
+            "read_verilog -sv -formal problem.sv\nhierarchy -check -top {}\n{TO_GRAPH}\nwrite_aiger -zinit -B problem.aig\n",
+            problem.top
+        );
+        write(&folder.join("script"), &script)?;
         match self.yosys.run(folder, "script", &problem.name, stop) {
             Err(ToolError::Stopped) => return Ok(None),
             other => other?,

@@ -1,11 +1,11 @@
 //! Random cases on all cores. The result does not depend on the number of cores.
 
 use crate::error::Error;
-use crate::request::{Progress, Request};
+use crate::request::Request;
 use crate::verdict::Verdict;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
-use raypath_tools::pool::{self, Cases};
+use raypath_tools::pool;
 use std::collections::BTreeMap;
 
 /// The number of cases in a block. Each block has a random stream of its own.
@@ -23,19 +23,14 @@ pub fn run<T: Send + Default>(
     cases: u64,
     case: impl Fn(&mut ChaCha8Rng, &mut T) + Sync,
 ) -> Result<(Vec<T>, bool), Error> {
-    let (seed, shard) = (request.seed, request.shard);
-    let blocks = cases.div_ceil(BLOCK);
-    let size = |block: u64| BLOCK.min(cases - block * BLOCK);
-    let lacking = if blocks > 0 && shard.takes(blocks - 1) { BLOCK - size(blocks - 1) } else { 0 };
-    let total = shard.share(blocks) * BLOCK - lacking;
-    let mut proceed = |blocks: Progress| (request.proceed)(Progress { done: total.min(blocks.done * BLOCK), total });
-    let finished = pool::run::<_, Error>(Cases { total: blocks, shard }, pool::ALL_CORES, &mut proceed, |queue| {
+    let (seed, cases) = (request.seed, request.cases(cases, BLOCK));
+    let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
         let mut tallies = Vec::new();
         queue.run(|block, _| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(stream << 40 | block);
             let mut tally = T::default();
-            (0..size(block)).for_each(|_| case(&mut rng, &mut tally));
+            cases.range(block).for_each(|_| case(&mut rng, &mut tally));
             tallies.push((block, tally));
             Ok(())
         });
@@ -128,13 +123,12 @@ impl Tally {
 #[cfg(test)]
 mod tests {
     use super::{Tally, run};
-    use crate::request::{Level, Progress, Request, Shard};
+    use crate::request::{Progress, Request, Shard};
     use rand::RngExt;
     use rand::rngs::ChaCha8Rng;
 
     fn numbers(seed: u64, shard: Shard, watch: &mut dyn FnMut(Progress) -> bool) -> (Vec<u32>, bool) {
-        let config = Default::default();
-        let mut request = Request { config, level: Level::Regression, jobs: None, seed, shard, proceed: watch };
+        let mut request = Request { seed, shard, ..Request::new(watch) };
         let draw = |rng: &mut ChaCha8Rng, numbers: &mut Vec<u32>| numbers.push(rng.random());
         let (numbers, is_stopped) = run(&mut request, 7, 5000, draw).expect("numbers");
         (numbers.concat(), is_stopped)
@@ -161,12 +155,9 @@ mod tests {
 
     #[test]
     fn it_stops_when_told() {
-        let config = Default::default();
         let watch = &mut |_| false;
-        let mut request =
-            Request { config, level: Level::Regression, jobs: None, seed: 1, shard: Shard::ALL, proceed: watch };
         let case = |_: &mut ChaCha8Rng, cases: &mut u64| *cases += 1;
-        let (some, is_stopped) = run(&mut request, 7, 1_000_000_000, case).expect("numbers");
+        let (some, is_stopped) = run(&mut Request::new(watch), 7, 1_000_000_000, case).expect("numbers");
         assert!(is_stopped && some.iter().sum::<u64>() < 1_000_000_000, "{}", some.len());
     }
 

@@ -23,17 +23,14 @@ pub fn is_equivalent_for_jobs(subject: &Subject, changed: &Arc<Module>, changed_
     }
     let mut logic = Logic::default();
     datapath.config.kinds().iter().all(|kind| {
-        let mut control = |module: &Arc<Module>| {
-            let mut job = SymbolicJob::new(module, kind.opcode(), None, original.name());
-            job.control(&mut logic)
-        };
+        let mut control =
+            |module: &Arc<Module>| SymbolicJob::new(&mut logic, module, kind.opcode(), None, original.name()).control();
         if control(original) != control(changed) {
             return false;
         }
         slot_paths(original).into_iter().all(|path| {
             let mut outcome = |top: &Arc<Module>| {
-                let mut job = SymbolicJob::new(top, kind.opcode(), Some(path), original.name());
-                job.outcome(&mut logic)
+                SymbolicJob::new(&mut logic, top, kind.opcode(), Some(path), original.name()).outcome()
             };
             outcome(&datapath.top) == outcome(changed_top)
         })

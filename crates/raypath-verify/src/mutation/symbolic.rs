@@ -26,8 +26,19 @@ enum Time {
     After,
 }
 
+/// A module of the hierarchy, by its number, at a moment.
+#[derive(Debug, Clone, Copy)]
+struct At {
+    scope: usize,
+    time: Time,
+}
+
+/// The outermost module when the job arrives.
+const OUTSIDE: At = At { scope: 0, time: Time::Arriving };
+
 /// A hierarchy of modules while a job with one opcode passes.
 pub struct SymbolicJob<'v> {
+    logic: &'v mut Logic,
     scopes: Vec<Scope>,
     opcode: u64,
     /// The job's path; none if registers and instances are arbitrary.
@@ -48,8 +59,8 @@ struct Scope {
 
 impl<'v> SymbolicJob<'v> {
     /// A job in a module and, if it has a path, in the stages below.
-    pub fn new(top: &Arc<Module>, opcode: u64, path: Option<SlotPath>, faulty: &'v str) -> Self {
-        let mut job = Self { scopes: Vec::new(), opcode, path, faulty };
+    pub fn new(logic: &'v mut Logic, top: &Arc<Module>, opcode: u64, path: Option<SlotPath>, faulty: &'v str) -> Self {
+        let mut job = Self { logic, scopes: Vec::new(), opcode, path, faulty };
         job.add(top, String::new(), None);
         job
     }
@@ -69,25 +80,25 @@ impl<'v> SymbolicJob<'v> {
     }
 
     /// Everything in the module that affects control.
-    pub fn control(&mut self, logic: &mut Logic) -> Vec<Word> {
+    pub fn control(&mut self) -> Vec<Word> {
         let module = self.scopes[0].module.clone();
         let mut words = Vec::new();
         for register in module.registers() {
-            words.extend(register.enable.map(|enable| self.word(logic, 0, Time::Arriving, enable)));
-            words.extend(register.reset.map(|_| self.next(logic, 0, Time::Arriving, register)));
-            words.extend(register.reset.map(|reset| logic.constant(64, reset)));
+            words.extend(register.enable.map(|enable| self.word(OUTSIDE, enable)));
+            words.extend(register.reset.map(|_| self.next(OUTSIDE, register)));
+            words.extend(register.reset.map(|reset| self.logic.constant(64, reset)));
         }
         for port in module.outputs().iter().filter(|port| is_handshake(&port.name)) {
             // The opcode is data too; `outcome` compares it.
             if port.name != "opcode_o" {
-                words.push(self.word(logic, 0, Time::Arriving, port.signal));
+                words.push(self.word(OUTSIDE, port.signal));
             }
         }
         for instance in module.instances().iter().filter(|instance| !is_unit(&instance.module)) {
             let ports = instance.module.inputs().iter().zip(&instance.inputs);
             for (port, &id) in ports {
                 if is_control(&instance.module) || is_handshake(&port.name) {
-                    words.push(self.word(logic, 0, Time::Arriving, id));
+                    words.push(self.word(OUTSIDE, id));
                 }
             }
         }
@@ -95,162 +106,144 @@ impl<'v> SymbolicJob<'v> {
     }
 
     /// The datapath's outputs, all next states, and the opcode that leaves the faulty module.
-    pub fn outcome(&mut self, logic: &mut Logic) -> Vec<Word> {
+    pub fn outcome(&mut self) -> Vec<Word> {
         let mut words = Vec::new();
         for scope in 0..self.scopes.len() {
             let module = self.scopes[scope].module.clone();
             let is_faulty = module.name() == self.faulty;
             for port in module.outputs().iter().filter(|port| scope == 0 || is_faulty && port.name == "opcode_o") {
                 let time = if module.is_clocked() && scope != 0 { Time::After } else { Time::Arriving };
-                words.push(self.word(logic, scope, time, port.signal));
+                words.push(self.word(At { scope, time }, port.signal));
             }
             for register in module.registers().iter().filter(|register| register.reset.is_some()) {
-                words.push(self.next(logic, scope, Time::Arriving, register));
+                words.push(self.next(At { scope, time: Time::Arriving }, register));
             }
         }
         words
     }
 
     /// A register's value after the clock edge.
-    fn next(&mut self, logic: &mut Logic, scope: usize, time: Time, register: &raypath_hdl::RegisterInfo) -> Word {
-        let next = self.word(logic, scope, time, register.next);
+    fn next(&mut self, at: At, register: &raypath_hdl::RegisterInfo) -> Word {
+        let next = self.word(at, register.next);
         let Some(enable) = register.enable else { return next };
-        let (enable, held) = (self.word(logic, scope, time, enable), self.word(logic, scope, time, register.signal));
-        logic.choose(enable[0], &next, &held)
+        let (enable, held) = (self.word(at, enable), self.word(at, register.signal));
+        self.logic.choose(enable[0], &next, &held)
     }
 
-    fn word(&mut self, logic: &mut Logic, scope: usize, time: Time, id: SignalId) -> Word {
-        if let Some(word) = &self.scopes[scope].words[time as usize][id.index()] {
+    fn word(&mut self, at: At, id: SignalId) -> Word {
+        if let Some(word) = &self.scopes[at.scope].words[at.time as usize][id.index()] {
             return word.clone();
         }
-        let module = self.scopes[scope].module.clone();
-        let word = self.driven(logic, scope, time, &module, id);
-        self.scopes[scope].words[time as usize][id.index()] = Some(word.clone());
+        let module = self.scopes[at.scope].module.clone();
+        let word = self.driven(at, &module, id);
+        self.scopes[at.scope].words[at.time as usize][id.index()] = Some(word.clone());
         word
     }
 
-    fn driven(&mut self, logic: &mut Logic, scope: usize, time: Time, module: &Module, id: SignalId) -> Word {
+    fn driven(&mut self, at: At, module: &Module, id: SignalId) -> Word {
         let signal = module.signal(id);
         let width = signal.width;
         let operator = |name: &str| format!("{name} {width}");
         match &signal.driver {
-            Driver::Input => self.input(logic, scope, time, module, id),
-            Driver::Register(register) => self.register(logic, scope, time, module, *register),
-            Driver::Instance { instance, output } => self.output(logic, scope, time, module, *instance, *output),
-            Driver::Constant(value) => logic.constant(width, *value),
-            Driver::Alias(a) => self.word(logic, scope, time, *a),
-            Driver::Not(a) => self.word(logic, scope, time, *a).iter().map(|bit| bit ^ 1).collect(),
-            Driver::And(a, b) => self.bitwise(logic, scope, time, [*a, *b], Logic::and),
-            Driver::Or(a, b) => self.bitwise(logic, scope, time, [*a, *b], Logic::or),
-            Driver::Xor(a, b) => self.bitwise(logic, scope, time, [*a, *b], Logic::xor),
+            Driver::Input => self.input(at, module, id),
+            Driver::Register(register) => self.register(at, module, *register),
+            Driver::Instance { instance, output } => self.output(at, module, *instance, *output),
+            Driver::Constant(value) => self.logic.constant(width, *value),
+            Driver::Alias(a) => self.word(at, *a),
+            Driver::Not(a) => self.word(at, *a).iter().map(|bit| bit ^ 1).collect(),
+            Driver::And(a, b) => self.bitwise(at, [*a, *b], Logic::and),
+            Driver::Or(a, b) => self.bitwise(at, [*a, *b], Logic::or),
+            Driver::Xor(a, b) => self.bitwise(at, [*a, *b], Logic::xor),
             Driver::Equal(a, b) => {
-                let (a, b) = (self.word(logic, scope, time, *a), self.word(logic, scope, time, *b));
-                vec![logic.equal(&a, &b)]
+                let (a, b) = (self.word(at, *a), self.word(at, *b));
+                vec![self.logic.equal(&a, &b)]
             }
             Driver::All(a) => {
-                let word = self.word(logic, scope, time, *a);
-                vec![logic.all(&word)]
+                let word = self.word(at, *a);
+                vec![self.logic.all(&word)]
             }
             Driver::Any(a) => {
-                let inverted: Word = self.word(logic, scope, time, *a).iter().map(|bit| bit ^ 1).collect();
-                vec![logic.all(&inverted) ^ 1]
+                let inverted: Word = self.word(at, *a).iter().map(|bit| bit ^ 1).collect();
+                vec![self.logic.all(&inverted) ^ 1]
             }
             Driver::Mux { select, if_true, if_false } => {
-                let select = self.word(logic, scope, time, *select)[0];
+                let select = self.word(at, *select)[0];
                 // What a constant does not choose is not asked for: it may lead back to where we come from.
                 match select {
-                    TRUE => self.word(logic, scope, time, *if_true),
-                    FALSE => self.word(logic, scope, time, *if_false),
+                    TRUE => self.word(at, *if_true),
+                    FALSE => self.word(at, *if_false),
                     _ => {
-                        let (a, b) =
-                            (self.word(logic, scope, time, *if_true), self.word(logic, scope, time, *if_false));
-                        logic.choose(select, &a, &b)
+                        let (a, b) = (self.word(at, *if_true), self.word(at, *if_false));
+                        self.logic.choose(select, &a, &b)
                     }
                 }
             }
             Driver::Case { selector, arms, default } => {
-                let selector = self.word(logic, scope, time, *selector);
-                let mut value = self.word(logic, scope, time, *default);
+                let selector = self.word(at, *selector);
+                let mut value = self.word(at, *default);
                 for arm in arms {
-                    let label = logic.constant(selector.len() as u32, arm.label.value);
-                    let (is_it, arm) = (logic.equal(&selector, &label), self.word(logic, scope, time, arm.value));
-                    value = logic.choose(is_it, &arm, &value);
+                    let label = self.logic.constant(selector.len() as u32, arm.label.value);
+                    let (is_it, arm) = (self.logic.equal(&selector, &label), self.word(at, arm.value));
+                    value = self.logic.choose(is_it, &arm, &value);
                 }
                 value
             }
-            Driver::Concat(parts) => parts.iter().rev().flat_map(|&part| self.word(logic, scope, time, part)).collect(),
-            Driver::Slice { source, low } => {
-                self.word(logic, scope, time, *source)[*low as usize..(low + width) as usize].to_vec()
-            }
-            Driver::Add(a, b) => self.arithmetic(logic, scope, time, operator("add"), width, [*a, *b]),
-            Driver::Sub(a, b) => self.arithmetic(logic, scope, time, operator("sub"), width, [*a, *b]),
-            Driver::Mul(a, b) => self.arithmetic(logic, scope, time, operator("mul"), width, [*a, *b]),
-            Driver::Less(a, b) => self.arithmetic(logic, scope, time, operator("less"), width, [*a, *b]),
-            Driver::ShiftLeft(a, b) => self.arithmetic(logic, scope, time, operator("left"), width, [*a, *b]),
-            Driver::ShiftRight(a, b) => self.arithmetic(logic, scope, time, operator("right"), width, [*a, *b]),
+            Driver::Concat(parts) => parts.iter().rev().flat_map(|&part| self.word(at, part)).collect(),
+            Driver::Slice { source, low } => self.word(at, *source)[*low as usize..(low + width) as usize].to_vec(),
+            Driver::Add(a, b) => self.arithmetic(at, operator("add"), width, [*a, *b]),
+            Driver::Sub(a, b) => self.arithmetic(at, operator("sub"), width, [*a, *b]),
+            Driver::Mul(a, b) => self.arithmetic(at, operator("mul"), width, [*a, *b]),
+            Driver::Less(a, b) => self.arithmetic(at, operator("less"), width, [*a, *b]),
+            Driver::ShiftLeft(a, b) => self.arithmetic(at, operator("left"), width, [*a, *b]),
+            Driver::ShiftRight(a, b) => self.arithmetic(at, operator("right"), width, [*a, *b]),
         }
     }
 
-    fn bitwise(
-        &mut self,
-        logic: &mut Logic,
-        scope: usize,
-        time: Time,
-        [a, b]: [SignalId; 2],
-        operator: fn(&mut Logic, u32, u32) -> u32,
-    ) -> Word {
-        let (a, b) = (self.word(logic, scope, time, a), self.word(logic, scope, time, b));
-        logic.bitwise(&a, &b, operator)
+    fn bitwise(&mut self, at: At, [a, b]: [SignalId; 2], operator: fn(&mut Logic, u32, u32) -> u32) -> Word {
+        let (a, b) = (self.word(at, a), self.word(at, b));
+        self.logic.bitwise(&a, &b, operator)
     }
 
     /// The name includes the first operand's width, so that equal arguments are equal operands.
-    fn arithmetic(
-        &mut self,
-        logic: &mut Logic,
-        scope: usize,
-        time: Time,
-        name: String,
-        width: u32,
-        ids: [SignalId; 2],
-    ) -> Word {
-        let words = ids.map(|id| self.word(logic, scope, time, id));
-        logic.function(format!("{name} {}", words[0].len()), words.concat(), width)
+    fn arithmetic(&mut self, at: At, name: String, width: u32, ids: [SignalId; 2]) -> Word {
+        let words = ids.map(|id| self.word(at, id));
+        self.logic.function(format!("{name} {}", words[0].len()), words.concat(), width)
     }
 
-    fn register(&mut self, logic: &mut Logic, scope: usize, time: Time, module: &Module, register: usize) -> Word {
+    fn register(&mut self, at: At, module: &Module, register: usize) -> Word {
         let info = &module.registers()[register];
-        let loads_at = match (time, self.path_through(module)) {
+        let loads_at = match (at.time, self.path_through(module)) {
             (Time::Arriving, _) => None,
             (Time::Leaving, _) => Some(Time::Arriving),
             (Time::After, SlotPath::Direct) => Some(Time::Arriving),
             (Time::After, SlotPath::Spare | SlotPath::Slot(_)) => Some(Time::Leaving),
         };
         if let Some(before) = loads_at.filter(|_| info.reset.is_none()) {
-            let loads = info.enable.is_none_or(|enable| self.word(logic, scope, before, enable) == [TRUE]);
+            let loads = info.enable.is_none_or(|enable| self.word(At { time: before, ..at }, enable) == [TRUE]);
             if loads {
-                return self.word(logic, scope, before, info.next);
+                return self.word(At { time: before, ..at }, info.next);
             }
         }
         // A register with reset holds its state from the job's arrival; others hold no part of the job.
-        let time = if info.reset.is_some() { Time::Arriving } else { time };
-        let (signal, path) = (module.signal(info.signal), &self.scopes[scope].path);
+        let time = if info.reset.is_some() { Time::Arriving } else { at.time };
+        let (signal, path) = (module.signal(info.signal), &self.scopes[at.scope].path);
         let name = signal.name.as_deref().unwrap_or_default();
-        logic.function(format!("register {path}{name} {time:?}"), vec![], signal.width)
+        self.logic.function(format!("register {path}{name} {time:?}"), vec![], signal.width)
     }
 
-    fn input(&mut self, logic: &mut Logic, scope: usize, time: Time, module: &Module, id: SignalId) -> Word {
+    fn input(&mut self, at: At, module: &Module, id: SignalId) -> Word {
         let width = module.signal(id).width;
         let position = module.inputs().iter().position(|port| port.signal == id);
         let Some((index, port)) = position.map(|index| (index, &module.inputs()[index])) else { return Word::new() };
-        match (self.scopes[scope].parent, time) {
+        match (self.scopes[at.scope].parent, at.time) {
             (Some((parent, instance)), Time::Arriving) => {
                 let outside = self.scopes[parent].module.instances()[instance].inputs[index];
-                self.word(logic, parent, Time::Arriving, outside)
+                self.word(At { scope: parent, time: Time::Arriving }, outside)
             }
-            (None, Time::Arriving) if port.name == "opcode_i" => logic.constant(width, self.opcode),
+            (None, Time::Arriving) if port.name == "opcode_i" => self.logic.constant(width, self.opcode),
             _ => {
-                let path = &self.scopes[scope].path;
-                logic.function(format!("input {path}{} {time:?}", port.name), vec![], width)
+                let path = &self.scopes[at.scope].path;
+                self.logic.function(format!("input {path}{} {:?}", port.name, at.time), vec![], width)
             }
         }
     }
@@ -260,33 +253,25 @@ impl<'v> SymbolicJob<'v> {
         self.path.filter(|_| module.name() == self.faulty).unwrap_or(SlotPath::Direct)
     }
 
-    fn output(
-        &mut self,
-        logic: &mut Logic,
-        scope: usize,
-        time: Time,
-        module: &Module,
-        instance: usize,
-        output: usize,
-    ) -> Word {
+    fn output(&mut self, at: At, module: &Module, instance: usize, output: usize) -> Word {
         let info = &module.instances()[instance];
         let port = &info.module.outputs()[output];
         let width = info.module.signal(port.signal).width;
         if is_unit(&info.module) {
-            let arguments = info.inputs.iter().flat_map(|&id| self.word(logic, scope, time, id)).collect();
-            return logic.function(format!("unit {}.{}", info.module.name(), port.name), arguments, width);
+            let arguments = info.inputs.iter().flat_map(|&id| self.word(at, id)).collect();
+            return self.logic.function(format!("unit {}.{}", info.module.name(), port.name), arguments, width);
         }
-        if let Some(child) = self.scopes[scope].children[instance] {
+        if let Some(child) = self.scopes[at.scope].children[instance] {
             let time = if info.module.is_clocked() { Time::After } else { Time::Arriving };
-            return self.word(logic, child, time, port.signal);
+            return self.word(At { scope: child, time }, port.signal);
         }
         let path_in_control =
             self.path.filter(|_| info.module.name() != "raypath_credit").map(|_| self.path_through(module));
-        match path_in_control.and_then(|path| control_value(&port.name, path, time)) {
-            Some(value) => logic.constant(width, value),
+        match path_in_control.and_then(|path| control_value(&port.name, path, at.time)) {
+            Some(value) => self.logic.constant(width, value),
             None => {
-                let (path, name) = (&self.scopes[scope].path, &info.name);
-                logic.function(format!("{path}{name}.{} {time:?}", port.name), vec![], width)
+                let (path, name) = (&self.scopes[at.scope].path, &info.name);
+                self.logic.function(format!("{path}{name}.{} {:?}", port.name, at.time), vec![], width)
             }
         }
     }

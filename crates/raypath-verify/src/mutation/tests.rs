@@ -1,18 +1,6 @@
 use super::job_equivalence::is_equivalent_for_jobs;
 use super::*;
-use crate::request::{Level, Shard};
 use std::time::Duration;
-
-fn request(watch: &mut dyn FnMut(crate::request::Progress) -> bool) -> Request<'_> {
-    Request {
-        config: Config::DEFAULT,
-        level: Level::Regression,
-        jobs: None,
-        seed: 1,
-        shard: Shard::ALL,
-        proceed: watch,
-    }
-}
 
 /// The interval of 2,346 killed of 2,359, and its limits.
 #[test]
@@ -33,7 +21,7 @@ fn without_checks_nothing_is_killed() {
     let mutants = choose(&subjects, 100, 1);
     let mut watch = |_| true;
     let report =
-        check_all(&subjects, &mutants, &mut request(&mut watch), &|_| Ok(MutantResult::Survived(String::new())))
+        check_all(&subjects, &mutants, &mut Request::new(&mut watch), &|_| Ok(MutantResult::Survived(String::new())))
             .expect("a report");
     let all = report.all();
     assert_eq!((all.killed, all.equivalent, all.survivors(), all.score()), (0, 0, mutants.len(), 0));
@@ -75,7 +63,7 @@ fn the_user_can_stop() {
         std::thread::sleep(Duration::from_millis(5));
         Ok(MutantResult::Killed("lockstep"))
     };
-    let verdict = check_all(&subjects, &mutants, &mut request(&mut watch), slow).expect("a report").verdict();
+    let verdict = check_all(&subjects, &mutants, &mut Request::new(&mut watch), slow).expect("a report").verdict();
     assert!(verdict.is_stopped && verdict.failures.is_empty(), "{verdict:?}");
 }
 

@@ -6,41 +6,11 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use std::io::{Read, Write};
 
-/// Inserted words: punctuation of all formats, numbers at the ends of their ranges, and bytes that are not text.
-const WORDS: [&[u8]; 32] = [
-    b"(",
-    b")",
-    b"{",
-    b"}",
-    b"[",
-    b"]",
-    b"\"",
-    b"\\",
-    b";",
-    b":",
-    b",",
-    b"=",
-    b"/*",
-    b"\n",
-    b"\0",
-    b"'",
-    b"!",
-    b" ",
-    b"-1",
-    b"0",
-    b"1e999",
-    b"-0.0",
-    b"nan",
-    b"inf",
-    b"4294967296",
-    b"18446744073709551615",
-    b"18446744073709551616",
-    b"ffffffffffffffff",
-    b"\xff",
-    b"\xf0\x9f\x8e\xb2",
-    b"null",
-    b"g(){",
-];
+/// Inserted words, separated by `~`: punctuation of all formats, numbers at the ends of their ranges, and bytes that are
+/// not text.
+const WORDS: &[u8] =
+    b"(~)~{~}~[~]~\"~\\~;~:~,~=~/*~\n~\0~'~!~ ~-1~0~1e999~-0.0~nan~inf~4294967296~18446744073709551615~\
+    18446744073709551616~ffffffffffffffff~\xff~\xf0\x9f\x8e\xb2~null~g(){";
 /// The largest size of a mutated file, in bytes.
 const MAX_BYTES: usize = 64 << 10;
 
@@ -70,12 +40,12 @@ fn damaged(mut bytes: Vec<u8>, other: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
             2 if at < bytes.len() => bytes[at] = rng.random(),
             3 => drop(bytes.drain(near)),
             4 => drop(bytes.drain(range)),
-            5 => insert(&mut bytes, at, WORDS[rng.random_range(0..WORDS.len())]),
-            6 => drop(bytes.splice(near, WORDS[rng.random_range(0..WORDS.len())].iter().copied())),
+            5 => insert(&mut bytes, at, word(rng)),
+            6 => drop(bytes.splice(near, word(rng).iter().copied())),
             7 => {
                 let repeated = match rng.random() {
                     true => bytes[near].to_vec(),
-                    false => WORDS[rng.random_range(0..WORDS.len())].to_vec(),
+                    false => word(rng).to_vec(),
                 };
                 let times = 1 << rng.random_range(1..12);
                 insert(&mut bytes, at, &repeated.repeat(times));
@@ -94,6 +64,12 @@ fn damaged(mut bytes: Vec<u8>, other: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
 /// A random position, or the end.
 fn position(bytes: &[u8], rng: &mut ChaCha8Rng) -> usize {
     rng.random_range(0..=bytes.len())
+}
+
+/// A random word of [`WORDS`].
+fn word(rng: &mut ChaCha8Rng) -> &'static [u8] {
+    let words: Vec<&[u8]> = WORDS.split(|byte| *byte == b'~').collect();
+    words[rng.random_range(0..words.len())]
 }
 
 fn insert(bytes: &mut Vec<u8>, at: usize, inserted: &[u8]) {

@@ -5,7 +5,7 @@ use crate::request::{Progress, Request};
 use crate::verdict::Verdict;
 use raypath_tools::pool::{self, Cases};
 use std::ops::Range;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How many failures are listed; a campaign ends when it has found as many.
 const MAX_FAILURES: usize = 10;
@@ -19,36 +19,10 @@ pub struct Campaign<'r, 'w> {
     is_stopped: bool,
 }
 
-/// Cases with numbers below `cases`, run in pieces of `piece` cases. Shards divide the pieces.
-#[derive(Debug, Clone, Copy)]
-pub struct Phase {
-    /// The number of cases.
-    pub cases: u64,
-    /// The cases in a piece; the last piece may have fewer.
-    pub piece: u64,
-}
-
-impl Phase {
-    fn pieces(self) -> u64 {
-        self.cases.div_ceil(self.piece)
-    }
-
-    fn range(self, piece: u64) -> Range<u64> {
-        piece * self.piece..self.cases.min((piece + 1) * self.piece)
-    }
-
-    /// How many of the cases belong to the request's shard.
-    fn share(self, request: &Request<'_>) -> u64 {
-        let lacking = self.pieces() * self.piece - self.cases;
-        let has_last = self.pieces() > 0 && request.shard.takes(self.pieces() - 1);
-        request.shard.share(self.pieces()) * self.piece - if has_last { lacking } else { 0 }
-    }
-}
-
 impl<'r, 'w> Campaign<'r, 'w> {
     /// Begins a campaign of these phases.
-    pub fn new(request: &'r mut Request<'w>, phases: &[Phase]) -> Self {
-        let total = phases.iter().map(|phase| phase.share(request)).sum();
+    pub fn new(request: &'r mut Request<'w>, phases: &[Cases]) -> Self {
+        let total = phases.iter().map(|phase| phase.share()).sum();
         Self { request, total, done: 0, failures: Vec::new(), is_stopped: false }
     }
 
@@ -56,7 +30,7 @@ impl<'r, 'w> Campaign<'r, 'w> {
     /// Does nothing if the user has stopped the campaign or it has found enough failures.
     pub fn run<W>(
         &mut self,
-        phase: Phase,
+        phase: Cases,
         begin: impl Fn() -> Result<W, Error> + Sync,
         check: impl Fn(&mut W, Range<u64>) -> Vec<String> + Sync,
     ) -> Result<(), Error> {
@@ -64,16 +38,12 @@ impl<'r, 'w> Campaign<'r, 'w> {
             return Ok(());
         }
         let (before, total) = (self.done, self.total);
-        let (done, found) = (AtomicU64::new(before), AtomicUsize::new(self.failures.len()));
-        let cases = Cases { total: phase.pieces(), shard: self.request.shard };
-        let mut proceed = |_| (self.request.proceed)(Progress { done: done.load(Ordering::Relaxed), total });
-        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, &mut proceed, |queue| {
+        let found = AtomicUsize::new(self.failures.len());
+        let mut proceed = |phase: Progress| (self.request.proceed)(Progress { done: before + phase.done, total });
+        let finished = pool::run::<_, Error>(phase, pool::ALL_CORES, &mut proceed, |queue| {
             let (mut worker, mut failures) = (begin()?, Vec::new());
             queue.run(|piece, stop| {
-                let range = phase.range(piece);
-                let cases = range.end - range.start;
-                let failed = check(&mut worker, range);
-                done.fetch_add(cases, Ordering::Relaxed);
+                let failed = check(&mut worker, phase.range(piece));
                 if found.fetch_add(failed.len(), Ordering::Relaxed) + failed.len() >= MAX_FAILURES {
                     stop.store(true, Ordering::Relaxed);
                 }
@@ -82,7 +52,7 @@ impl<'r, 'w> Campaign<'r, 'w> {
             });
             Ok(failures)
         })?;
-        self.done = done.into_inner();
+        self.done += finished.done;
         self.is_stopped |= finished.is_stopped;
         let mut failures: Vec<(u64, String)> = finished.workers.into_iter().flatten().collect();
         failures.sort_by_key(|(piece, _)| *piece);
@@ -116,8 +86,6 @@ impl<'r, 'w> Campaign<'r, 'w> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::request::{Level, Shard};
-    use raypath_rtl::Config;
     use std::sync::Mutex;
 
     fn with_request<T>(
@@ -125,14 +93,11 @@ mod tests {
         mut watch: impl FnMut(Progress) -> bool,
         run: impl FnOnce(&mut Request<'_>) -> T,
     ) -> T {
-        let shard: Shard = shard.parse().expect("a shard");
-        let level = Level::Regression;
-        run(&mut Request { config: Config::default(), level, jobs: None, seed: 1, shard, proceed: &mut watch })
+        run(&mut Request { shard: shard.parse().expect("a shard"), ..Request::new(&mut watch) })
     }
 
     #[test]
     fn shards_run_every_case_once() {
-        let phase = Phase { cases: 1003, piece: 10 };
         let seen = Mutex::new(vec![0; 1003]);
         let mut covered = 0;
         for shard in ["1/3", "2/3", "3/3"] {
@@ -144,6 +109,7 @@ mod tests {
                     true
                 },
                 |request| {
+                    let phase = request.cases(1003, 10);
                     let mut campaign = Campaign::new(request, &[phase]);
                     let check = |_: &mut (), range: Range<u64>| {
                         let mut seen = seen.lock().expect("no panic");
@@ -164,7 +130,7 @@ mod tests {
 
     #[test]
     fn failures_and_the_user_end_it() {
-        let phase = Phase { cases: 1 << 40, piece: 100 };
+        let phase = Cases { total: 1 << 40, piece: 100, shard: crate::request::Shard::ALL };
         let wrong = |_: &mut (), range: Range<u64>| vec![format!("{}", range.start)];
         let verdict = with_request(
             "1/1",

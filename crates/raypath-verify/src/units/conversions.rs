@@ -1,7 +1,7 @@
 //! The encoding and decoding units of binary32, on all numbers.
 
 use super::bench::{Simulated, Units};
-use super::campaign::{Campaign, Phase};
+use super::campaign::Campaign;
 use super::testfloat::{Level, singles};
 use crate::error::Error;
 use crate::request::Request;
@@ -36,7 +36,7 @@ pub fn conversions(request: &mut Request<'_>) -> Result<Verdict, Error> {
 pub fn conversions_of(units: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
     let stride = request.level.pick(STRIDE, 1, 1);
     let edges = edges(request.seed);
-    let phase = |cases| Phase { cases, piece: 1 << 16 };
+    let phase = |cases| request.cases(cases, 1 << 16);
     let phases = [edges.len() as u64, NUMBERS.div_ceil(stride), SPECIAL_WORDS.div_ceil(stride)].map(phase);
     let mut campaign = Campaign::new(request, &phases);
     let mut ends = Vec::new();

@@ -1,12 +1,12 @@
 //! All pairs of operands of small formats, against LLVM's soft float.
 
 use super::bench::{Bench, PortFormat, UnitResults, Units};
-use super::campaign::{Campaign, Phase};
+use super::campaign::Campaign;
 use crate::error::Error;
 use crate::request::{Level, Request};
 use crate::verdict::Verdict;
 use raypath_float::Format;
-use raypath_tools::grouped;
+use raypath_tools::{grouped, pool::Cases};
 use rustc_apfloat::Float;
 use rustc_apfloat::ieee::{HalfS, IeeeFloat, Semantics};
 use std::cmp::Ordering;
@@ -67,8 +67,8 @@ pub fn small_formats_of(
     request: &mut Request<'_>,
 ) -> Result<Verdict, Error> {
     let sizes: Vec<Size> = SIZES.iter().copied().filter(|size| size.from <= request.level).collect();
-    let phase = |size: &Size| Phase { cases: 1 << (2 * (size.exponent + size.significand)), piece: 1 << 12 };
-    let phases: Vec<Phase> = sizes.iter().map(phase).collect();
+    let phase = |size: &Size| request.cases(1 << (2 * (size.exponent + size.significand)), 1 << 12);
+    let phases: Vec<Cases> = sizes.iter().map(phase).collect();
     let mut campaign = Campaign::new(request, &phases);
     for (size, phase) in sizes.iter().zip(phases) {
         let format = Format::new(size.exponent, size.significand)?;

@@ -1,13 +1,13 @@
 //! binary32 against Berkeley SoftFloat, on the cases of Berkeley TestFloat.
 
 use super::bench::{Bench, PortFormat, UnitResults, Units};
-use super::campaign::{Campaign, Phase};
+use super::campaign::Campaign;
 use super::testfloat::{BLOCK, Level, Pairs};
 use crate::error::Error;
 use crate::request::Request;
 use crate::verdict::Verdict;
 use raypath_float::Format;
-use raypath_tools::grouped;
+use raypath_tools::{grouped, pool::Cases};
 use softfloat_rs::{f32_add, f32_eq, f32_le_quiet, f32_lt_quiet, f32_mul, f32_sub, float32_t};
 
 /// Compares sums, differences, products and comparisons of TestFloat's cases. The netlist holds the units, unsplit and
@@ -23,7 +23,7 @@ pub fn testfloat_of(units: &Units, request: &mut Request<'_>) -> Result<Verdict,
     let (rounds, stride) = request.level.pick((1, 5), (1, 1), (100, 1));
     let second = (0..rounds).map(|round| Pairs::new(Level::Two, seed, round).every(stride));
     let lists: Vec<Pairs> = [Pairs::new(Level::One, seed, 0)].into_iter().chain(second).collect();
-    let phases: Vec<Phase> = lists.iter().map(|pairs| Phase { cases: pairs.count(), piece: BLOCK }).collect();
+    let phases: Vec<Cases> = lists.iter().map(|pairs| request.cases(pairs.count(), BLOCK)).collect();
     let mut campaign = Campaign::new(request, &phases);
     let mut level_one = 0;
     for (pairs, phase) in lists.iter().zip(phases) {
