@@ -6,7 +6,7 @@ use crate::packed::{BLOCK, BlockSlice, BlockValue, Packed};
 use fearless_simd::{Level, Simd, dispatch};
 use raypath_ops::{
     Angular, AngularOutput, AngularState, BeatInput, Binary32, Bit, Bundle, Circuit, Euclidean, EuclideanOutput,
-    EuclideanState, Family, Field, KernelOperation, Num, Of, Path, RayBox, RayBoxInput, RayBoxOutput, RayTriangle,
+    EuclideanState, Family, Field, Num, Of, Operation, Path, RayBox, RayBoxInput, RayBoxOutput, RayTriangle,
     RayTriangleInput, RayTriangleOutput, Rules, Source, array_of,
 };
 
@@ -54,10 +54,10 @@ impl<const E: usize, const A: usize> Batch<E, A> {
         // Two calls, so that the rules are constants in each.
         match self.rules {
             Rules::Paper => {
-                dispatch!(self.level, simd => run(simd, &RayBox { rules: Rules::Paper }, jobs, answers, &mut ()));
+                dispatch!(self.level, simd => run_blocks(simd, &RayBox { rules: Rules::Paper }, jobs, answers, &mut ()));
             }
             Rules::Chisel => {
-                dispatch!(self.level, simd => run(simd, &RayBox { rules: Rules::Chisel }, jobs, answers, &mut ()));
+                dispatch!(self.level, simd => run_blocks(simd, &RayBox { rules: Rules::Chisel }, jobs, answers, &mut ()));
             }
         }
     }
@@ -65,21 +65,21 @@ impl<const E: usize, const A: usize> Batch<E, A> {
     /// Computes blocks of jobs into `answers`; stops at the end of the shorter slice.
     pub fn triangle(&self, jobs: &[RayTriangleInput<Packed>], answers: &mut [RayTriangleOutput<Packed>]) {
         let op = RayTriangle { rules: self.rules };
-        dispatch!(self.level, simd => run(simd, &op, jobs, answers, &mut ()));
+        dispatch!(self.level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
     }
 
     /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain
     /// for the next call.
     pub fn euclidean(&mut self, beats: &[BeatInput<Packed, E>], answers: &mut [EuclideanOutput<Packed>]) {
         let state = &mut self.euclidean;
-        dispatch!(self.level, simd => run(simd, &Euclidean::<E>, beats, answers, state));
+        dispatch!(self.level, simd => run_blocks(simd, &Euclidean::<E>, beats, answers, state));
     }
 
     /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain
     /// for the next call.
     pub fn angular(&mut self, beats: &[BeatInput<Packed, A>], answers: &mut [AngularOutput<Packed>]) {
         let state = &mut self.angular;
-        dispatch!(self.level, simd => run(simd, &Angular::<A>, beats, answers, state));
+        dispatch!(self.level, simd => run_blocks(simd, &Angular::<A>, beats, answers, state));
     }
 }
 
@@ -129,9 +129,10 @@ impl Source<Packed> for Zeros {
     }
 }
 
-/// Runs an operation on blocks of jobs. Each lane has its own state.
+/// Runs an operation on blocks of jobs into `answers`; stops at the end of the shorter slice. Each lane has its own
+/// state. Call it inside [`fearless_simd::dispatch`].
 #[inline(always)]
-fn run<S: Simd, O: KernelOperation>(
+pub fn run_blocks<S: Simd, O: Operation>(
     simd: S,
     op: &O,
     jobs: &[O::Input<Packed>],

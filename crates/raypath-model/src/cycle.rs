@@ -1,6 +1,6 @@
 use crate::elastic::{Elastic, Transfer};
 use crate::functional::Functional;
-use crate::model::{Kind, Model, OfKind};
+use crate::model::{Kind, Model};
 use crate::position::PipelinePosition;
 use crate::shape::Shape;
 
@@ -38,7 +38,7 @@ impl<M: Model> CycleModel<M> {
     pub fn cycle(&mut self, job: Option<&M::Job>, output_ready: bool) -> Transfer<M::Outcome> {
         let Self { model, pipeline } = self;
         match job {
-            Some(job) => pipeline.cycle_with(Some(job.kind().opcode()), || model.run(job), output_ready),
+            Some(job) => pipeline.cycle_with(Some(M::kind(job).opcode()), || model.run(job), output_ready),
             None => pipeline.cycle_with(None, || unreachable!("nothing is offered"), output_ready),
         }
     }

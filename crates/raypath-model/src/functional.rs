@@ -1,8 +1,8 @@
 use crate::kernels::ModelCircuit;
 use crate::model::Model;
 use raypath_ops::{
-    Angular, AngularState, Binary32, Euclidean, EuclideanState, Job, JobKind, KernelOperation, Outcome, RayBox,
-    RayTriangle, Rules,
+    Angular, AngularState, Binary32, Euclidean, EuclideanState, Job, JobKind, Operation, Outcome, RayBox, RayTriangle,
+    Rules,
 };
 
 /// The functional model of the paper's operations over circuit `C` (the machine's binary32 by default), with `E`
@@ -62,6 +62,10 @@ impl<const E: usize, const A: usize, C: ModelCircuit> Model for Functional<E, A,
     type Job = Job<E, A, C>;
     type Outcome = Outcome<C>;
 
+    #[inline]
+    fn kind(job: &Job<E, A, C>) -> JobKind {
+        job.kind()
+    }
     // Not inlined, because it is compiled for every number of lanes.
     #[inline(never)]
     fn run(&mut self, job: &Job<E, A, C>) -> Outcome<C> {

@@ -43,7 +43,7 @@ mod word_model;
 mod word_operation;
 mod words;
 
-pub use batch::{Batch, blank, levels, pack, unpack};
+pub use batch::{Batch, blank, levels, pack, run_blocks, unpack};
 pub use binary64::{Binary64, Double};
 pub use cycle::CycleModel;
 pub use dynamic::Dynamic;
@@ -52,7 +52,7 @@ pub use fearless_simd::Level;
 pub use functional::Functional;
 pub use kernels::{ModelCircuit, SimdKernels};
 pub use lanes::{Four, Lanes, Native, Register, Width};
-pub use model::{Kind, Model, OfKind};
+pub use model::{Kind, Model};
 pub use packed::{BLOCK, BlockSlice, BlockValue, Packed};
 pub use position::PipelinePosition;
 pub use shape::{Control, Loop, Shape};

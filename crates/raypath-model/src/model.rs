@@ -1,4 +1,4 @@
-use raypath_ops::{Concrete, Job, JobKind, Outcome};
+use raypath_ops::JobKind;
 use std::fmt::{Debug, Display};
 
 /// The arithmetic of a datapath, without time: computes the outcomes of jobs one after another, and keeps the
@@ -10,9 +10,12 @@ pub trait Model: Clone + Debug + PartialEq {
     /// The operation of a job.
     type Kind: Kind;
     /// A job.
-    type Job: OfKind<Kind = Self::Kind>;
+    type Job: Clone + Debug + PartialEq;
     /// The outcome of a job.
-    type Outcome: OfKind<Kind = Self::Kind>;
+    type Outcome: Clone + Debug + PartialEq;
+
+    /// The operation of a job.
+    fn kind(job: &Self::Job) -> Self::Kind;
 
     /// Computes a job.
     fn run(&mut self, job: &Self::Job) -> Self::Outcome;
@@ -31,32 +34,5 @@ impl Kind for JobKind {
     #[inline]
     fn opcode(self) -> u64 {
         self.opcode()
-    }
-}
-
-/// A job or an outcome, which belongs to an operation.
-pub trait OfKind: Clone + Debug + PartialEq {
-    /// The type that names operations.
-    type Kind: Kind;
-
-    /// The operation.
-    fn kind(&self) -> Self::Kind;
-}
-
-impl<const E: usize, const A: usize, C: Concrete> OfKind for Job<E, A, C> {
-    type Kind = JobKind;
-
-    #[inline]
-    fn kind(&self) -> JobKind {
-        self.kind()
-    }
-}
-
-impl<C: Concrete> OfKind for Outcome<C> {
-    type Kind = JobKind;
-
-    #[inline]
-    fn kind(&self) -> JobKind {
-        self.kind()
     }
 }

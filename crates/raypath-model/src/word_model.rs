@@ -233,6 +233,11 @@ impl Model for WordModel {
     type Job = Words;
     type Outcome = Words;
 
+    #[inline]
+    fn kind(job: &Words) -> OperationId {
+        job.kind()
+    }
+
     /// Computes a job. The outcome has no ports if the model does not have the job's operation.
     fn run(&mut self, job: &Words) -> Words {
         let (kind, options) = (job.kind(), self.options);

@@ -1,4 +1,4 @@
-use crate::model::{Kind, OfKind};
+use crate::model::Kind;
 use raypath_ops::{JobKind, Outcome, Port, PortValue};
 use std::fmt;
 use std::sync::Arc;
@@ -93,15 +93,6 @@ impl Kind for OperationId {
 impl fmt::Display for OperationId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name)
-    }
-}
-
-impl OfKind for Words {
-    type Kind = OperationId;
-
-    #[inline]
-    fn kind(&self) -> OperationId {
-        self.kind
     }
 }
 

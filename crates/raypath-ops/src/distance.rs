@@ -5,7 +5,7 @@ use crate::bundle_macro::bundle;
 use crate::circuit::Circuit;
 use crate::handle::{Bit, Flags, Num};
 use crate::kernels::{Kernels, LaneMap};
-use crate::operation::{KernelOperation, Operation, run_portable};
+use crate::operation::{Operation, run_portable};
 
 /// Squared Euclidean distance with `N` dimensions per beat: a power of two, at most 64.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,9 +97,7 @@ impl<const N: usize> Operation for Euclidean<N> {
     type State<C: Circuit> = EuclideanState<C>;
 
     run_portable!();
-}
 
-impl<const N: usize> KernelOperation for Euclidean<N> {
     #[inline(always)]
     fn run_with<C: Circuit, K: Kernels<C>>(
         &self,
@@ -126,9 +124,7 @@ impl<const N: usize> Operation for Angular<N> {
     type State<C: Circuit> = AngularState<C>;
 
     run_portable!();
-}
 
-impl<const N: usize> KernelOperation for Angular<N> {
     #[inline(always)]
     fn run_with<C: Circuit, K: Kernels<C>>(
         &self,

@@ -5,7 +5,7 @@ use crate::bundle::{Bundle, Path, Source};
 use crate::concrete::Concrete;
 use crate::distance::{Angular, AngularOutput, BeatInput, Euclidean, EuclideanOutput};
 use crate::operation::Operation;
-use crate::ports::{FromPorts, FromWords, PortValue, ToWords, canonical, ports_as};
+use crate::ports::{FromWords, Port, PortValue, Shapes, ToWords, canonical};
 use crate::ray_box::{RayBox, RayBoxInput, RayBoxOutput};
 use crate::ray_triangle::{RayTriangle, RayTriangleInput, RayTriangleOutput};
 use std::fmt;
@@ -120,7 +120,10 @@ macro_rules! by_kind {
 
             /// The values of the operation's ports, with names. The opcode is not among them.
             pub fn ports(&self) -> Vec<PortValue> {
-                each_variant!(self, values => ports_as(values, $bits))
+                let mut words = Vec::new();
+                self.words(&mut words);
+                let ports = <$type<$($n),*>>::shape(self.kind()).into_iter().zip(words);
+                ports.map(|(Port { name, kind, .. }, bits)| PortValue { name, kind, bits }).collect()
             }
 
             /// Replaces the contents of `words` by the port values, in the order of [`ports`](Self::ports).
@@ -138,8 +141,8 @@ macro_rules! by_kind {
 
             /// The value with the port values that `port` returns by name.
             pub fn from_ports_in(circuit: C, kind: JobKind, mut port: impl FnMut(&str) -> u64) -> Self {
-                let mut source = FromPorts { circuit, port: &mut port, number: $number };
-                Self::build(kind, &mut Path::default(), &mut source)
+                let words: Vec<u64> = <$type<$($n),*>>::shape(kind).iter().map(|of| port(&of.name)).collect();
+                Self::from_words_in(circuit, kind, &words)
             }
 
             fn build<S: Source<C>>(kind: JobKind, path: &mut Path, source: &mut S) -> Self {
@@ -156,6 +159,12 @@ macro_rules! by_kind {
             /// The value in binary32 with the port values that `port` returns by name.
             pub fn from_ports(kind: JobKind, port: impl FnMut(&str) -> u64) -> Self {
                 Self::from_ports_in(Binary32, kind, port)
+            }
+
+            fn shape(kind: JobKind) -> Vec<Port> {
+                let mut shapes = Shapes(Vec::new());
+                Self::build(kind, &mut Path::default(), &mut shapes);
+                shapes.0
             }
         }
     };

@@ -10,7 +10,7 @@ use std::fmt::Arguments;
 ///
 /// The default of each method is written in circuit arithmetic and defines the result ([`Portable`] has all defaults).
 /// An implementation may override a method if it returns the same bits (signs and payloads of NaNs excepted) whenever
-/// the stated preconditions hold. [`KernelOperation::run_with`](crate::KernelOperation::run_with) takes the
+/// the stated preconditions hold. [`Operation::run_with`](crate::Operation::run_with) takes the
 /// implementation to use.
 pub trait Kernels<C: Circuit>: Copy {
     /// The numbers `(a, b)`, exchanged if `condition` holds.

@@ -63,7 +63,7 @@ pub use geometry::{Aabb, Slab, Triangle, Vec3};
 pub use handle::{Bit, Flags, Num, Order, Select, Word};
 pub use job::{Job, JobKind, Outcome, ParseJobKindError};
 pub use kernels::{Kernels, LaneMap, Portable};
-pub use operation::{KernelOperation, Operation};
+pub use operation::Operation;
 pub use ports::{Port, PortKind, PortValue, from_words, ports_of, to_canonical_words, to_words};
 pub use ray::{Ray, RayError};
 pub use ray_box::{Entry, RayBox, RayBoxConservative, RayBoxInput, RayBoxOutput, Slabs, WIDENING_ULPS};

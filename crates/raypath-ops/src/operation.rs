@@ -32,21 +32,21 @@ pub trait Operation {
     /// Computes one job, stage by stage. Returns the result and the state for the next job. The state must be read in
     /// the stage that computes its next value, and in no other.
     fn run<C: Circuit>(&self, c: C, input: Self::Input<C>, state: Self::State<C>) -> (Self::Output<C>, Self::State<C>);
-}
 
-/// An operation whose inner parts can be computed by other [`Kernels`] than the portable ones.
-pub trait KernelOperation: Operation {
-    /// Computes one job as [`Operation::run`] does, its inner parts by `kernels`.
+    /// As [`run`](Self::run), with the inner parts computed by `kernels`, if the operation has such parts.
+    #[inline(always)]
     fn run_with<C: Circuit, K: Kernels<C>>(
         &self,
         c: C,
-        kernels: K,
+        _kernels: K,
         input: Self::Input<C>,
         state: Self::State<C>,
-    ) -> (Self::Output<C>, Self::State<C>);
+    ) -> (Self::Output<C>, Self::State<C>) {
+        self.run(c, input, state)
+    }
 }
 
-/// Implements [`Operation::run`] for a [`KernelOperation`], by its portable kernels. Use it inside the `impl` block.
+/// Implements [`Operation::run`] by [`Operation::run_with`] and the portable kernels. Use it inside the `impl` block.
 macro_rules! run_portable {
     () => {
         #[inline(always)]

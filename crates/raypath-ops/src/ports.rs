@@ -73,7 +73,8 @@ pub fn from_words<C: Concrete, B: Bundle<C>>(circuit: C, words: &[u64]) -> B {
     B::build(&mut Path::unnamed(), &mut FromWords::new(circuit, words, C::number))
 }
 
-struct Shapes(Vec<Port>);
+/// Collects the ports of a bundle.
+pub(crate) struct Shapes(pub Vec<Port>);
 
 impl Shapes {
     fn push(&mut self, field: &Field<'_>, kind: PortKind, width: Option<u32>) {
@@ -101,60 +102,6 @@ impl Source<Binary32> for Shapes {
 
 pub(crate) fn canonical<C: Concrete>(circuit: C, bits: u64) -> C::Num {
     circuit.number(circuit.bits(circuit.number(bits)))
-}
-
-pub(crate) fn ports_as<C: Concrete>(bundle: &impl Bundle<C>, bits: fn(C, C::Num) -> u64) -> Vec<PortValue> {
-    let mut sink = ToPorts { ports: Vec::new(), bits };
-    bundle.each(&mut Path::default(), &mut sink);
-    sink.ports
-}
-
-struct ToPorts<C: Concrete> {
-    ports: Vec<PortValue>,
-    bits: fn(C, C::Num) -> u64,
-}
-
-impl<C: Concrete> ToPorts<C> {
-    fn push(&mut self, field: Field<'_>, kind: PortKind, bits: u64) {
-        self.ports.push(PortValue { name: field.name.to_string(), kind, bits });
-    }
-}
-
-impl<C: Concrete> Sink<C> for ToPorts<C> {
-    fn num(&mut self, field: Field<'_>, value: Num<C>) {
-        self.push(field, PortKind::Number, (self.bits)(value.circuit, value.value));
-    }
-    fn bit(&mut self, field: Field<'_>, value: Bit<C>) {
-        let bit = u64::from(value.value);
-        match (field.bit, self.ports.last_mut()) {
-            (Some((index, _)), Some(port)) if index > 0 => port.bits |= bit << index,
-            _ => self.push(field, PortKind::Flags, bit),
-        }
-    }
-    fn word(&mut self, field: Field<'_>, _width: u32, value: u32) {
-        self.push(field, PortKind::Word, value.into());
-    }
-}
-
-/// Reads port values by name. `port` is a trait object, so that the code of all bundles is not compiled for each
-/// closure.
-pub(crate) struct FromPorts<'p, C: Concrete> {
-    pub circuit: C,
-    pub port: &'p mut dyn FnMut(&str) -> u64,
-    pub number: fn(C, u64) -> C::Num,
-}
-
-impl<C: Concrete> Source<C> for FromPorts<'_, C> {
-    fn num(&mut self, field: Field<'_>) -> Num<C> {
-        Num::new(self.circuit, (self.number)(self.circuit, (self.port)(field.name)))
-    }
-    fn bit(&mut self, field: Field<'_>) -> Bit<C> {
-        let index = field.bit.map_or(0, |(index, _)| index);
-        Bit::new(self.circuit, (self.port)(field.name) >> index & 1 == 1)
-    }
-    fn word(&mut self, field: Field<'_>, width: u32) -> (C, u32) {
-        (self.circuit, (self.port)(field.name) as u32 & (u32::MAX >> (32 - width)))
-    }
 }
 
 /// Appends port values in order.

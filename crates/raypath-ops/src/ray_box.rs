@@ -6,7 +6,7 @@ use crate::circuit::Circuit;
 use crate::geometry::Aabb;
 use crate::handle::{Bit, Flags, Num, Word};
 use crate::kernels::{Kernels, LaneMap, Portable};
-use crate::operation::{KernelOperation, Operation, run_portable};
+use crate::operation::{Operation, run_portable};
 use crate::ray::Ray;
 use crate::rules::{Interval, Rules};
 use crate::sort::SortEntry;
@@ -58,9 +58,7 @@ impl Operation for RayBox {
     type State<C: Circuit> = ();
 
     run_portable!();
-}
 
-impl KernelOperation for RayBox {
     #[inline(always)]
     fn run_with<C: Circuit, K: Kernels<C>>(
         &self,

@@ -6,7 +6,7 @@ use crate::circuit::Circuit;
 use crate::geometry::{Triangle, Vec3};
 use crate::handle::{Bit, Num};
 use crate::kernels::{Kernels, LaneMap};
-use crate::operation::{KernelOperation, Operation, run_portable};
+use crate::operation::{Operation, run_portable};
 use crate::ray::Ray;
 use crate::rules::Rules;
 
@@ -62,9 +62,7 @@ impl Operation for RayTriangle {
     type State<C: Circuit> = ();
 
     run_portable!();
-}
 
-impl KernelOperation for RayTriangle {
     #[inline(always)]
     fn run_with<C: Circuit, K: Kernels<C>>(
         &self,

@@ -1,11 +1,10 @@
 //! Tests that all operations share: random jobs are checked by the oracle, and all circuits give the same results.
 
-use fearless_simd::Simd;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_float::Format;
-use raypath_model::{BLOCK, BlockSlice, Lanes, Packed, Soft, SoftNumber};
-use raypath_ops::{Binary32, Bit, Concrete, Family, Gather, Num, Operation, Scatter, Word};
+use raypath_model::{Soft, SoftNumber};
+use raypath_ops::{Binary32, Bit, Concrete, Gather, Num, Scatter, Word};
 
 /// Software arithmetic of binary32.
 pub const SOFT: Soft = Soft { format: Format::BINARY32 };
@@ -44,25 +43,6 @@ impl Scatter<Soft, Binary32, 1> for ToSoft {
     }
 }
 
-/// Computes blocks of jobs in SIMD lanes.
-#[inline(always)]
-pub fn in_lanes<S: Simd, O>(simd: S, operation: &O, jobs: &[O::Input<Packed>], answers: &mut [O::Output<Packed>])
-where
-    O: Operation<State<Lanes<S>> = ()>,
-    O::Input<Binary32>: Family<Of<Packed> = O::Input<Packed>, Of<Lanes<S>> = O::Input<Lanes<S>>>,
-    O::Output<Binary32>: Family<Of<Packed> = O::Output<Packed>, Of<Lanes<S>> = O::Output<Lanes<S>>>,
-{
-    let lanes = Lanes::new(simd);
-    for first in (0..BLOCK).step_by(Lanes::<S>::COUNT) {
-        let part = BlockSlice { lanes, first };
-        for (job, answer) in jobs.iter().zip(&mut *answers) {
-            let input = <O::Input<Binary32> as Family>::gather([job], &part);
-            let (output, ()) = operation.run(lanes, input, ());
-            <O::Output<Binary32> as Family>::put(&output, answer, &part);
-        }
-    }
-}
-
 /// The tests of an operation, with the functions `stimulus` and `check` of its module.
 macro_rules! check_operation {
     ($operation:expr, $input:ident, $output:ident) => {
@@ -76,8 +56,8 @@ macro_rules! check_operation {
 
         #[test]
         fn all_circuits_agree() {
-            use crate::test_support::{SOFT, ToSoft, in_lanes, jobs};
-            use raypath_model::{blank, levels, pack, unpack};
+            use crate::test_support::{SOFT, ToSoft, jobs};
+            use raypath_model::{blank, levels, pack, run_blocks, unpack};
             use raypath_ops::Family;
 
             let jobs = jobs(stimulus, 16 * 100);
@@ -91,7 +71,7 @@ macro_rules! check_operation {
             let blocks = pack::<$input<Binary32>>(&jobs);
             for level in levels() {
                 let mut found = vec![blank::<$output<Binary32>>(); blocks.len()];
-                fearless_simd::dispatch!(level, simd => in_lanes(simd, &$operation, &blocks, &mut found));
+                fearless_simd::dispatch!(level, simd => run_blocks(simd, &$operation, &blocks, &mut found, &mut ()));
                 for (found, answer) in unpack::<$output<Binary32>>(&found, jobs.len()).zip(&answers) {
                     assert_eq!(found, *answer, "{level:?}");
                 }

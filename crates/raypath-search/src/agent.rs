@@ -69,8 +69,7 @@ impl<'v> QueryAgent<'v> {
     ) -> Result<Self, SearchError> {
         check(base.dimensions(), base.len(), query.len(), 1)?;
         if let Some(&found) = trace.candidates.iter().find(|&&index| index as usize >= base.len()) {
-            let expected = "an index of the base";
-            return Err(SearchError::Parameter { name: "candidate", found: found as usize, expected });
+            return Err(SearchError::Parameter(format!("candidate is {found}, expected an index of the base")));
         }
         let eligible: HashSet<u32> = trace.found.iter().copied().collect();
         Ok(Self::new(base, query, metric, Candidates::Listed(&trace.candidates), eligible.len(), Some(eligible)))

@@ -1,4 +1,4 @@
-use crate::vectors::VectorsError;
+use crate::vectors::DataError;
 use raypath_ops::VectorError;
 use thiserror::Error;
 
@@ -21,47 +21,12 @@ pub enum SearchError {
         /// The number of vectors in the base.
         available: usize,
     },
-    /// An integer parameter is out of range.
-    #[error("{name} is {found}, expected {expected}")]
-    Parameter {
-        /// The name of the parameter.
-        name: &'static str,
-        /// The value.
-        found: usize,
-        /// The valid range.
-        expected: &'static str,
-    },
-    /// The truth has another number of queries, or too few neighbours.
-    #[error("truth of {found} {what}, expected {expected}")]
-    Truth {
-        /// The item whose number is wrong.
-        what: &'static str,
-        /// The number found.
-        found: usize,
-        /// The number expected.
-        expected: usize,
-    },
-    /// A floating-point parameter is out of range.
-    #[error("{name} is {found}, expected {expected}")]
-    Number {
-        /// The name of the parameter.
-        name: &'static str,
-        /// The value.
-        found: f32,
-        /// The valid range.
-        expected: &'static str,
-    },
-    /// Threads could not be started.
-    #[error("{requested} threads: {reason}")]
-    Threads {
-        /// The number of requested threads.
-        requested: usize,
-        /// The reason from the operating system.
-        reason: String,
-    },
+    /// A parameter, the truth or a number of threads cannot be used: what was found, and what was expected.
+    #[error("{0}")]
+    Parameter(String),
     /// A list of vectors is invalid.
     #[error(transparent)]
-    Vectors(#[from] VectorsError),
+    Data(#[from] DataError),
     /// Two vectors have different dimensions or none.
     #[error(transparent)]
     Vector(#[from] VectorError),

@@ -73,6 +73,18 @@ impl<const E: usize, const A: usize> Exact<E, A> {
         Ok(SearchResults { rows, work: self.work(queries.len()), seconds: began.elapsed().as_secs_f64() })
     }
 
+    /// Measures the distances per second of a search on `threads` threads for the 10 nearest neighbours, or for all
+    /// vectors if there are fewer.
+    ///
+    /// # Errors
+    /// The errors of [`search`](Self::search); threads that the system cannot start.
+    pub fn distances_per_second(&self, queries: &Vectors, threads: usize) -> Result<f64, SearchError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(|error| SearchError::Parameter(format!("{threads} threads: {error}")))?;
+        let results = pool.install(|| self.search(queries, self.len.min(10), &|_| true))?;
+        Ok(results.work.evaluations as f64 / results.seconds)
+    }
+
     /// The work of the datapath for a number of queries: each is compared with every vector of the base, and with
     /// itself for the angular metric.
     pub fn work(&self, queries: usize) -> Work {

@@ -10,8 +10,7 @@ pub use error::FileError;
 pub use write::{write_fvecs, write_ivecs};
 
 use crate::metric::Metric;
-use crate::neighbours::Neighbours;
-use crate::vectors::Vectors;
+use crate::vectors::{Neighbours, Vectors};
 use std::path::Path;
 
 /// A data set: a base, queries, and the truth if known.

@@ -38,19 +38,16 @@ impl Clusters {
         let sizes = [("vectors", self.vectors), ("queries", self.queries), ("clusters", self.clusters)];
         for (name, found) in sizes {
             if found == 0 || found.checked_mul(self.dimensions).is_none_or(|numbers| numbers > 1 << 32) {
-                return Err(SearchError::Parameter {
-                    name,
-                    found,
-                    expected: "at least 1, and 2^32 coordinates at most",
-                });
+                let expected = "expected at least 1, and 2^32 coordinates at most";
+                return Err(SearchError::Parameter(format!("{name} is {found}, {expected}")));
             }
         }
         if !(1..=MAX_DIMENSIONS).contains(&self.dimensions) {
-            let (name, found) = ("dimensions", self.dimensions);
-            return Err(SearchError::Parameter { name, found, expected: "1 to 65536" });
+            let problem = format!("dimensions is {}, expected 1 to {MAX_DIMENSIONS}", self.dimensions);
+            return Err(SearchError::Parameter(problem));
         }
         if !(0.0..=1000.0).contains(&self.spread) {
-            return Err(SearchError::Number { name: "spread", found: self.spread, expected: "0 to 1000" });
+            return Err(SearchError::Parameter(format!("spread is {}, expected 0 to 1000", self.spread)));
         }
         let random = &mut ChaCha8Rng::seed_from_u64(self.seed);
         let centres: Vec<f32> = (0..self.clusters * self.dimensions).map(|_| StandardNormal.sample(random)).collect();

@@ -216,12 +216,13 @@ fn in_ef_range(ef: usize, count: usize) -> Result<(), SearchError> {
 }
 
 fn in_range(
-    name: &'static str,
+    name: &str,
     found: usize,
     range: std::ops::RangeInclusive<usize>,
-    expected: &'static str,
+    expected: &str,
 ) -> Result<(), SearchError> {
-    if range.contains(&found) { Ok(()) } else { Err(SearchError::Parameter { name, found, expected }) }
+    let problem = || SearchError::Parameter(format!("{name} is {found}, expected {expected}"));
+    if range.contains(&found) { Ok(()) } else { Err(problem()) }
 }
 
 /// An item of the graph: a reference to a vector.

@@ -5,8 +5,8 @@ use crate::vectors::Vectors;
 use fearless_simd::Simd;
 use raypath_model::{BLOCK, BlockSlice, BlockValue, Lanes, Packed, SimdKernels};
 use raypath_ops::{
-    Angular, AngularState, Beat, BeatInput, Binary32, Circuit, Euclidean, EuclideanState, Family, Flags,
-    KernelOperation, Kernels, Num, array_of,
+    Angular, AngularState, Beat, BeatInput, Binary32, Circuit, Euclidean, EuclideanState, Family, Flags, Kernels, Num,
+    Operation, array_of,
 };
 
 /// One coordinate of all candidates of a block.
@@ -70,7 +70,7 @@ pub(crate) fn norm<const A: usize>(vector: &[f32]) -> f32 {
 #[inline(always)]
 fn pair<O, const N: usize>(op: &O, zero: O::State<Binary32>, query: &[f32], candidate: &[f32]) -> O::State<Binary32>
 where
-    O: KernelOperation<Input<Binary32> = BeatInput<Binary32, N>>,
+    O: Operation<Input<Binary32> = BeatInput<Binary32, N>>,
 {
     let ((query, query_end), (candidate, candidate_end)) = (query.as_chunks::<N>(), candidate.as_chunks::<N>());
     let whole = query.iter().zip(candidate).map(
@@ -85,7 +85,7 @@ where
 /// The sums, selected by `sum`, of a query and the candidates of a block. Both are padded to a multiple of `N`; the
 /// first `dimensions` coordinates count.
 #[inline(always)]
-pub(crate) fn block<S: Simd, O: KernelOperation<Input<Lanes<S>> = BeatInput<Lanes<S>, N>>, const N: usize>(
+pub(crate) fn block<S: Simd, O: Operation<Input<Lanes<S>> = BeatInput<Lanes<S>, N>>, const N: usize>(
     simd: S,
     op: &O,
     zero: impl Fn(Lanes<S>) -> O::State<Lanes<S>>,
@@ -124,7 +124,7 @@ fn registers<S: Simd, const N: usize>(part: &BlockSlice<S>, a: &[f32; N], b: &[L
 /// Runs the beats of a pair of vectors from accumulators `state`: the whole beats, then `end` with `width` enabled
 /// lanes, if present. No beat resets the accumulators, so the final state has the sums.
 #[inline(always)]
-fn run<C: Circuit, O: KernelOperation<Input<C> = BeatInput<C, N>>, const N: usize>(
+fn run<C: Circuit, O: Operation<Input<C> = BeatInput<C, N>>, const N: usize>(
     c: C,
     kernels: impl Kernels<C>,
     op: &O,

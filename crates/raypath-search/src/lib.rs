@@ -27,10 +27,8 @@ mod graph;
 mod kernel;
 mod metric;
 mod nearest;
-mod neighbours;
 mod recall;
 mod results;
-mod speed;
 mod timing;
 mod vectors;
 
@@ -42,9 +40,7 @@ pub use files::{Dataset, FileError, read_neighbours, read_vectors, write_fvecs, 
 pub use generated::Clusters;
 pub use graph::{Graph, GraphParameters, SearchTrace};
 pub use metric::{Metric, ParseMetricError, cosine_distance, euclidean_distance};
-pub use neighbours::{Neighbours, NeighboursError};
-pub use recall::{Report, recall};
+pub use recall::recall;
 pub use results::{Neighbour, SearchResults, Work};
-pub use speed::{Speed, speed};
 pub use timing::{Candidates, SearchSpec, TimingError, sweep_search, time_search};
-pub use vectors::{MAX_DIMENSIONS, Vectors, VectorsError};
+pub use vectors::{DataError, MAX_DIMENSIONS, Neighbours, Vectors};

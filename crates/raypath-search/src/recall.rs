@@ -1,9 +1,8 @@
 use crate::distance::Datapath;
 use crate::error::SearchError;
 use crate::metric::Metric;
-use crate::neighbours::Neighbours;
-use crate::results::{SearchResults, Work};
-use crate::vectors::Vectors;
+use crate::results::SearchResults;
+use crate::vectors::{Neighbours, Vectors};
 use std::collections::HashSet;
 
 /// Recall at `count`: the mean fraction of the `count` true neighbours that a search found, between 0 and 1.
@@ -27,11 +26,13 @@ pub fn recall<const E: usize, const A: usize>(
     crate::exact::check(base.dimensions(), base.len(), queries.dimensions(), count)?;
     for found in [truth.queries(), results.rows.len()] {
         if found != queries.len() {
-            return Err(SearchError::Truth { what: "queries", found, expected: queries.len() });
+            let problem = format!("truth of {found} queries, expected {}", queries.len());
+            return Err(SearchError::Parameter(problem));
         }
     }
     if truth.count() < count {
-        return Err(SearchError::Truth { what: "neighbours per query", found: truth.count(), expected: count });
+        let problem = format!("truth of {} neighbours per query, expected {count}", truth.count());
+        return Err(SearchError::Parameter(problem));
     }
     let mut datapath = Datapath::<E, A>::new();
     let mut hits = 0;
@@ -46,40 +47,4 @@ pub fn recall<const E: usize, const A: usize>(
         hits += found.filter(|near| near.distance <= farthest).count();
     }
     Ok(hits as f64 / (count * queries.len()) as f64)
-}
-
-/// The statistics of a search.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Report {
-    /// The number of queries.
-    pub queries: usize,
-    /// The number of completed queries per second.
-    pub queries_per_second: f64,
-    /// The work of the datapath for all queries.
-    pub work: Work,
-    /// The mean number of distances per query.
-    pub evaluations_per_query: f64,
-    /// The mean number of beats per query.
-    pub beats_per_query: f64,
-    /// The beats of one vector with the Euclidean metric.
-    pub euclidean_beats: u64,
-    /// The beats of one vector with the angular metric, which has half as many lanes.
-    pub angular_beats: u64,
-}
-
-impl Report {
-    /// The statistics of results for vectors of dimension `dimensions`.
-    pub fn new<const E: usize, const A: usize>(results: &SearchResults, dimensions: usize) -> Self {
-        let queries = results.rows.len();
-        let per_query = |total: u64| total as f64 / queries.max(1) as f64;
-        Self {
-            queries,
-            queries_per_second: results.queries_per_second(),
-            work: results.work,
-            evaluations_per_query: per_query(results.work.evaluations),
-            beats_per_query: per_query(results.work.beats),
-            euclidean_beats: Metric::Euclidean.beats::<E, A>(dimensions),
-            angular_beats: Metric::Angular.beats::<E, A>(dimensions),
-        }
-    }
 }

@@ -42,4 +42,9 @@ impl SearchResults {
     pub fn queries_per_second(&self) -> f64 {
         self.rows.len() as f64 / self.seconds
     }
+
+    /// The mean per query of a total over all queries.
+    pub fn per_query(&self, total: u64) -> f64 {
+        total as f64 / self.rows.len().max(1) as f64
+    }
 }

@@ -10,43 +10,17 @@ pub struct Vectors {
     data: Vec<f32>,
 }
 
-/// The reason why numbers are not a valid list of vectors.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum VectorsError {
-    /// The dimension is out of range.
-    #[error("vectors of {found} dimensions, expected 1 to {MAX_DIMENSIONS}")]
-    Dimensions {
-        /// The dimension.
-        found: usize,
-    },
-    /// The list is empty.
-    #[error("0 vectors, expected at least 1")]
-    Empty,
-    /// There are more vectors than 32-bit indices.
-    #[error("{found} vectors, expected at most 4294967295")]
-    TooMany {
-        /// The number of vectors.
-        found: usize,
-    },
-    /// The last vector is incomplete.
-    #[error("{found} coordinates, expected a multiple of the dimension {dimensions}")]
-    Ragged {
-        /// The number of coordinates.
-        found: usize,
-        /// The dimension.
-        dimensions: usize,
-    },
-    /// A coordinate is infinite or NaN.
-    #[error("vector {vector}, coordinate {coordinate}: found {value}, expected a number that is finite in binary32")]
-    NotFinite {
-        /// The vector, from 0.
-        vector: usize,
-        /// The coordinate, from 0.
-        coordinate: usize,
-        /// The value.
-        value: f32,
-    },
+/// The true neighbours of a set of queries: the same number for each, nearest first.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Neighbours {
+    count: usize,
+    data: Vec<u32>,
 }
+
+/// Numbers that are not valid vectors or neighbours: what was found, and what was expected.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct DataError(pub(crate) String);
 
 impl Vectors {
     /// Vectors of `dimensions` coordinates from their concatenation `data`.
@@ -54,22 +28,25 @@ impl Vectors {
     /// # Errors
     /// A dimension that is not 1 to [`MAX_DIMENSIONS`]; no vector, a part of one, more than 2³² − 1; a coordinate that
     /// is not finite.
-    pub fn new(dimensions: usize, data: Vec<f32>) -> Result<Self, VectorsError> {
+    pub fn new(dimensions: usize, data: Vec<f32>) -> Result<Self, DataError> {
+        let fails = |problem: String| Err(DataError(problem));
         if !(1..=MAX_DIMENSIONS).contains(&dimensions) {
-            return Err(VectorsError::Dimensions { found: dimensions });
+            return fails(format!("vectors of {dimensions} dimensions, expected 1 to {MAX_DIMENSIONS}"));
         }
+        let (found, count) = (data.len(), data.len() / dimensions);
         if data.is_empty() {
-            return Err(VectorsError::Empty);
+            return fails("0 vectors, expected at least 1".to_string());
         }
-        if !data.len().is_multiple_of(dimensions) {
-            return Err(VectorsError::Ragged { found: data.len(), dimensions });
+        if !found.is_multiple_of(dimensions) {
+            return fails(format!("{found} coordinates, expected a multiple of the dimension {dimensions}"));
         }
-        if data.len() / dimensions > u32::MAX as usize {
-            return Err(VectorsError::TooMany { found: data.len() / dimensions });
+        if count > u32::MAX as usize {
+            return fails(format!("{count} vectors, expected at most {}", u32::MAX));
         }
         if let Some(position) = data.iter().position(|x| !x.is_finite()) {
-            let (vector, coordinate) = (position / dimensions, position % dimensions);
-            return Err(VectorsError::NotFinite { vector, coordinate, value: data[position] });
+            let (vector, coordinate, value) = (position / dimensions, position % dimensions, data[position]);
+            let expected = "expected a number that is finite in binary32";
+            return fails(format!("vector {vector}, coordinate {coordinate}: found {value}, {expected}"));
         }
         Ok(Self { dimensions, data })
     }
@@ -105,5 +82,44 @@ impl Vectors {
     /// All vectors in order.
     pub fn iter(&self) -> std::slice::ChunksExact<'_, f32> {
         self.data.chunks_exact(self.dimensions)
+    }
+}
+
+impl Neighbours {
+    /// Neighbours from `indices`, with `count` for each query, in a base of `base` vectors.
+    ///
+    /// # Errors
+    /// No neighbours, a number of indices that is not a multiple of `count`, an index that is not in the base.
+    pub fn new(count: usize, indices: &[i64], base: usize) -> Result<Self, DataError> {
+        if count == 0 || indices.is_empty() {
+            return Err(DataError("no neighbours, expected at least 1 for at least 1 query".to_string()));
+        }
+        if !indices.len().is_multiple_of(count) {
+            return Err(DataError(format!("{} neighbours, expected a multiple of {count}", indices.len())));
+        }
+        let checked = indices.iter().enumerate().map(|(position, &index)| match u32::try_from(index) {
+            Ok(known) if (known as usize) < base => Ok(known),
+            _ => {
+                let (query, rank, last) = (position / count, position % count, base.saturating_sub(1));
+                let problem = format!("query {query}, neighbour {rank}: found index {index}, expected 0 to {last}");
+                Err(DataError(problem))
+            }
+        });
+        Ok(Self { count, data: checked.collect::<Result<_, _>>()? })
+    }
+
+    /// The number of queries, at least 1.
+    pub fn queries(&self) -> usize {
+        self.data.len() / self.count
+    }
+
+    /// The number of neighbours of each query, at least 1.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The neighbours of each query, nearest first.
+    pub fn rows(&self) -> std::slice::ChunksExact<'_, u32> {
+        self.data.chunks_exact(self.count)
     }
 }

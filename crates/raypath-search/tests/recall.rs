@@ -1,7 +1,7 @@
-//! Recall, the counts of a report, and generated data.
+//! Recall, the counts of results, and generated data.
 
 use raypath_search::{
-    Clusters, Exact, Metric, Neighbour, Neighbours, Report, SearchError, SearchResults, Vectors, Work, recall,
+    Clusters, Exact, Metric, Neighbour, Neighbours, SearchError, SearchResults, Vectors, Work, recall,
 };
 
 /// Points on a line, and one query at 0.
@@ -45,13 +45,12 @@ fn mismatched_truth_is_an_error() {
 }
 
 #[test]
-fn a_report_has_means_per_query() {
+fn results_have_means_per_query() {
     let rows = vec![Vec::new(); 4];
     let results = SearchResults { rows, work: Work { evaluations: 10, beats: 90 }, seconds: 0.5 };
-    let report = Report::new::<16, 8>(&results, 130);
-    assert_eq!((report.queries, report.queries_per_second), (4, 8.0));
-    assert_eq!((report.evaluations_per_query, report.beats_per_query), (2.5, 22.5));
-    assert_eq!((report.euclidean_beats, report.angular_beats), (9, 17));
+    assert_eq!(results.queries_per_second(), 8.0);
+    assert_eq!((results.per_query(results.work.evaluations), results.per_query(results.work.beats)), (2.5, 22.5));
+    assert_eq!(Metric::ALL.map(|metric| metric.beats::<16, 8>(130)), [9, 17]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use crate::timing::Timing;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_model::{CycleModel, Model, OfKind};
+use raypath_model::{CycleModel, Model};
 use raypath_ops::JobKind;
 use std::collections::VecDeque;
 use thiserror::Error;
@@ -272,14 +272,14 @@ impl<M: Model<Kind = JobKind>, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_
             output_valid && self.stalls.as_mut().is_some_and(|(rng, probability)| rng.random_bool(*probability));
         let offer = offering.and_then(|slot| self.slots[slot].job.as_ref().map(|queued| (slot, &queued.job)));
         if observer.next_observed(self.now) == Some(self.now) {
-            let offered = offer.map(|(slot, job)| (job.kind().opcode(), self.slots[slot].number));
+            let offered = offer.map(|(slot, job)| (M::kind(job).opcode(), self.slots[slot].number));
             let accepted = offered.is_some_and(|(opcode, _)| self.pipeline.input_ready(opcode));
             let output_taken = output_valid && !refused;
             let ports = PortActivity { cycle: self.now, offered, accepted, output_valid, output_taken };
             observer.observe(&ports, self.pipeline.positions());
         }
         let mut ready = Ready::default();
-        let kind = offer.map(|(_, job)| job.kind());
+        let kind = offer.map(|(_, job)| M::kind(job));
         let transfer = self.pipeline.cycle(offer.map(|(_, job)| job), !refused);
         self.timing.sink_refused += u64::from(refused);
         match offering.zip(kind) {

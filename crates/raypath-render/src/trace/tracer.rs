@@ -3,7 +3,7 @@ use super::{Counts, Goal, Hit, Stopped, Tracing, Traversal};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use raypath_model::SimdKernels;
-use raypath_ops::{Binary32, KernelOperation, Ray, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Rules};
+use raypath_ops::{Binary32, Operation, Ray, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Rules};
 use raypath_timing::{Progress, ProgressCounter};
 
 /// The number of rays in a unit of parallel work.

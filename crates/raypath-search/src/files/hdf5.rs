@@ -4,8 +4,7 @@
 use super::error::FileError;
 use super::neighbours as checked;
 use crate::metric::Metric;
-use crate::neighbours::Neighbours;
-use crate::vectors::Vectors;
+use crate::vectors::{Neighbours, Vectors};
 use hdf5_pure::{DType, Dataset, Error, File};
 use std::path::Path;
 

@@ -12,34 +12,14 @@ pub(super) fn vectors(file: &Path) -> Result<(usize, Vec<f32>), FileError> {
     let coordinates = match array.kind {
         (TypeChar::Float, 4) => array.read(|x: f32| x),
         (TypeChar::Float, 8) => array.read(|x: f64| x as f32),
-        (TypeChar::Int, 1) => array.read(|x: i8| x.into()),
-        (TypeChar::Int, 2) => array.read(|x: i16| x.into()),
-        (TypeChar::Int, 4) => array.read(|x: i32| x as f32),
-        (TypeChar::Int, 8) => array.read(|x: i64| x as f32),
-        (TypeChar::Uint, 1) => array.read(|x: u8| x.into()),
-        (TypeChar::Uint, 2) => array.read(|x: u16| x.into()),
-        (TypeChar::Uint, 4) => array.read(|x: u32| x as f32),
-        (TypeChar::Uint, 8) => array.read(|x: u64| x as f32),
-        _ => return Err(array.wrong_type("floats of 4 or 8 bytes, or integers of 1, 2, 4 or 8")),
+        _ => return array.integers(|x| x as f32, "floats of 4 or 8 bytes, or integers of 1, 2, 4 or 8"),
     };
     coordinates.map_err(FileError::of(file))
 }
 
 /// Reads the number of neighbours per query, and all indices. An index that exceeds `i64` becomes −1.
 pub(super) fn indices(file: &Path) -> Result<(usize, Vec<i64>), FileError> {
-    let array = Array::open(file)?;
-    let indices = match array.kind {
-        (TypeChar::Int, 1) => array.read(|x: i8| x.into()),
-        (TypeChar::Int, 2) => array.read(|x: i16| x.into()),
-        (TypeChar::Int, 4) => array.read(|x: i32| x.into()),
-        (TypeChar::Int, 8) => array.read(|x: i64| x),
-        (TypeChar::Uint, 1) => array.read(|x: u8| x.into()),
-        (TypeChar::Uint, 2) => array.read(|x: u16| x.into()),
-        (TypeChar::Uint, 4) => array.read(|x: u32| x.into()),
-        (TypeChar::Uint, 8) => array.read(|x: u64| x.try_into().unwrap_or(-1)),
-        _ => return Err(array.wrong_type("integers of 1, 2, 4 or 8 bytes")),
-    };
-    indices.map_err(FileError::of(file))
+    Array::open(file)?.integers(|x| x.try_into().unwrap_or(-1), "integers of 1, 2, 4 or 8 bytes")
 }
 
 /// An array with a validated header.
@@ -94,8 +74,24 @@ impl<'f> Array<'f> {
         Ok((columns, data))
     }
 
-    fn wrong_type(&self, expected: &str) -> FileError {
-        FileError::content(self.file, "header", format_args!("type {}", self.npy.dtype().descr()), expected)
+    /// As [`read`](Self::read), for integers of any type; an error that names the `expected` types for others.
+    fn integers<U: Copy>(self, convert: fn(i128) -> U, expected: &str) -> Result<(usize, Vec<U>), FileError> {
+        let file = self.file;
+        let integers = match self.kind {
+            (TypeChar::Int, 1) => self.read(|x: i8| convert(x.into())),
+            (TypeChar::Int, 2) => self.read(|x: i16| convert(x.into())),
+            (TypeChar::Int, 4) => self.read(|x: i32| convert(x.into())),
+            (TypeChar::Int, 8) => self.read(|x: i64| convert(x.into())),
+            (TypeChar::Uint, 1) => self.read(|x: u8| convert(x.into())),
+            (TypeChar::Uint, 2) => self.read(|x: u16| convert(x.into())),
+            (TypeChar::Uint, 4) => self.read(|x: u32| convert(x.into())),
+            (TypeChar::Uint, 8) => self.read(|x: u64| convert(x.into())),
+            _ => {
+                let found = format!("type {}", self.npy.dtype().descr());
+                return Err(FileError::content(file, "header", found, expected));
+            }
+        };
+        integers.map_err(FileError::of(file))
     }
 }
 

@@ -4,7 +4,7 @@
 
 use raypath_float::Format;
 use raypath_model::{OperationId, WordModel};
-use raypath_ops::{JobKind, PortKind, PortValue};
+use raypath_ops::{JobKind, Port};
 
 /// A column: a port, or one bit of a port.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,117 +30,57 @@ pub struct Columns {
 
 /// The columns for an operation of a model with numbers of `format`.
 pub fn columns(model: &WordModel, kind: OperationId, format: Format) -> Columns {
-    // The width of a port is the number of its ones when all bits are set.
-    let inputs = of_ports(&model.job(kind, |_| u64::MAX).ports(), format);
-    let outputs = of_ports(&model.outcome(kind, |_| u64::MAX).ports(), format);
-    let Ok(kind) = kind.to_string().parse() else { return Columns { inputs, outputs, lanes: None } };
+    let columns = |ports: &[Port]| -> Vec<Column> {
+        let mut ports: Vec<&Port> = ports.iter().collect();
+        let is_recorded = kind.paper().is_some();
+        if is_recorded {
+            ports.sort_by_key(|port| (recorded_position(&port.name), port.name.ends_with("_max")));
+        }
+        let of_port = |port: &Port| {
+            let width = port.width.unwrap_or(format.ieee_width());
+            let by_bit = is_recorded && port.name == "is_intersect";
+            let (bits, width) = if by_bit { ((0..width).map(Some).collect(), 1) } else { (vec![None], width) };
+            let column = |bit| Column { port: port.name.clone(), bit, width };
+            bits.into_iter().map(column).collect::<Vec<_>>()
+        };
+        ports.into_iter().flat_map(of_port).collect()
+    };
+    let (inputs, outputs) = (columns(model.inputs(kind)), columns(model.outputs(kind)));
+    let is_beat = matches!(kind.paper(), Some(JobKind::Euclidean | JobKind::Angular));
     let lanes = inputs.iter().filter(|column| column.port.starts_with("euclidean_a_")).count();
-    let recorded = recorded(kind, lanes);
-    let lanes = matches!(kind, JobKind::Euclidean | JobKind::Angular).then_some(lanes);
-    Columns { inputs: arranged(&recorded.inputs.0, inputs), outputs: arranged(&recorded.outputs.0, outputs), lanes }
+    Columns { inputs, outputs, lanes: is_beat.then_some(lanes) }
 }
 
-fn of_ports(ports: &[PortValue], format: Format) -> Vec<Column> {
-    let width = |port: &PortValue| match port.kind {
-        PortKind::Number => format.ieee_width(),
-        PortKind::Flags | PortKind::Word => port.bits.count_ones(),
-    };
-    ports.iter().map(|port| Column { port: port.name.clone(), bit: None, width: width(port) }).collect()
-}
+/// The beginnings of the ports' names in the order in which the golden vectors have them. The bounds of a box are
+/// ordered min before max.
+const RECORDED: [&str; 22] = [
+    "ray_origin_",
+    "ray_dir_",
+    "ray_inv_",
+    "ray_extent",
+    "ray_k",
+    "ray_shear_",
+    "t_num",
+    "t_denom",
+    "triangle_",
+    "aabb_0_",
+    "aabb_1_",
+    "aabb_2_",
+    "aabb_3_",
+    "tmin_",
+    "is_intersect",
+    "box_index_",
+    "euclidean_accumulator",
+    "euclidean_reset_accum",
+    "euclidean_mask",
+    "euclidean_a_",
+    "euclidean_b_",
+    "angular_",
+];
 
-/// The columns in the recorded order, followed by those that were not recorded.
-fn arranged(recorded: &[RecordedColumn], mut columns: Vec<Column>) -> Vec<Column> {
-    let present = |RecordedColumn { port, bit }: &RecordedColumn| {
-        let column = columns.iter().find(|column| column.port == *port)?;
-        let width = if bit.is_some() { 1 } else { column.width };
-        Some(Column { port: port.clone(), bit: *bit, width })
-    };
-    let mut arranged: Vec<Column> = recorded.iter().filter_map(present).collect();
-    columns.retain(|column| recorded.iter().all(|known| known.port != column.port));
-    arranged.append(&mut columns);
-    arranged
-}
-
-/// A column of the golden vectors: a port, or one bit of it.
-#[derive(Debug)]
-struct RecordedColumn {
-    port: String,
-    bit: Option<u32>,
-}
-
-/// The columns of the golden vectors for one operation.
-#[derive(Default)]
-struct Recorded {
-    inputs: List,
-    outputs: List,
-}
-
-fn recorded(kind: JobKind, lanes: usize) -> Recorded {
-    let mut recorded = Recorded::default();
-    let Recorded { inputs, outputs } = &mut recorded;
-    match kind {
-        JobKind::Triangle | JobKind::Quadbox => {
-            for vector in ["origin", "dir", "inv"] {
-                inputs.vector(&format!("ray_{vector}"));
-            }
-            for port in ["ray_extent", "ray_kx", "ray_ky", "ray_kz"] {
-                inputs.port(port);
-            }
-            inputs.vector("ray_shear");
-        }
-        JobKind::Euclidean | JobKind::Angular => {
-            inputs.port("euclidean_reset_accum");
-            inputs.port("euclidean_mask");
-            for vector in ["a", "b"] {
-                (0..lanes).for_each(|lane| inputs.port(&format!("euclidean_{vector}_{lane}")));
-            }
-        }
-    }
-    match kind {
-        JobKind::Triangle => {
-            for vertex in ["a", "b", "c"] {
-                inputs.vector(&format!("triangle_{vertex}"));
-            }
-            ["t_num", "t_denom", "triangle_hit"].iter().for_each(|port| outputs.port(port));
-        }
-        JobKind::Quadbox => {
-            for place in 0..4 {
-                for bound in ["min", "max"] {
-                    for axis in ["x", "y", "z"] {
-                        inputs.port(&format!("aabb_{place}_{axis}_{bound}"));
-                    }
-                }
-            }
-            (0..4).for_each(|place| outputs.port(&format!("tmin_{place}")));
-            (0..4).for_each(|place| outputs.flag("is_intersect", place));
-            (0..4).for_each(|place| outputs.port(&format!("box_index_{place}")));
-        }
-        JobKind::Euclidean => {
-            outputs.port("euclidean_accumulator");
-            outputs.port("euclidean_reset_accum");
-        }
-        JobKind::Angular => {
-            ["dot_product", "norm", "reset_accum"].iter().for_each(|port| outputs.port(&format!("angular_{port}")));
-        }
-    }
-    recorded
-}
-
-#[derive(Default)]
-struct List(Vec<RecordedColumn>);
-
-impl List {
-    fn vector(&mut self, port: &str) {
-        ["x", "y", "z"].iter().for_each(|axis| self.port(&format!("{port}_{axis}")));
-    }
-
-    fn port(&mut self, port: &str) {
-        self.0.push(RecordedColumn { port: port.to_string(), bit: None });
-    }
-
-    fn flag(&mut self, port: &str, bit: u32) {
-        self.0.push(RecordedColumn { port: port.to_string(), bit: Some(bit) });
-    }
+/// The position of a port in [`RECORDED`]; ports that were not recorded follow.
+fn recorded_position(port: &str) -> usize {
+    RECORDED.iter().position(|recorded| port.starts_with(recorded)).unwrap_or(RECORDED.len())
 }
 
 #[cfg(test)]
@@ -148,49 +88,40 @@ mod tests {
     use super::*;
     use crate::Datapath;
     use raypath_rtl::{Config, Lanes};
-    use std::collections::BTreeMap;
 
-    /// The recorded columns of the paper's operations are all ports, each bit once, and nothing else. This keeps the
-    /// list above, which is written by hand, in agreement with the operations.
+    /// The columns of the golden vectors, by hand, with a tag that was not recorded.
     #[test]
-    fn recorded_columns_are_the_ports() {
-        for &lanes in Lanes::ALL {
-            let model = Datapath::paper(Config::DEFAULT.lanes(lanes)).model();
-            for kind in model.kinds() {
-                let lanes = match kind.name() {
-                    "euclidean" => lanes.count(),
-                    "angular" => lanes.count() / 2,
-                    _ => 0,
-                };
-                let expected = recorded(kind.name().parse().expect("one of the paper's"), lanes);
-                for (columns, ports) in [(expected.inputs, model.inputs(kind)), (expected.outputs, model.outputs(kind))]
-                {
-                    let mut found: BTreeMap<&str, u32> = BTreeMap::new();
-                    for column in &columns.0 {
-                        *found.entry(&column.port).or_default() += column.bit.map_or(u32::MAX, |bit| 1 << bit);
-                    }
-                    let bits = |name: &str| if name == "is_intersect" { 0xf } else { u32::MAX };
-                    let expected = ports.iter().map(|port| (port.name.as_str(), bits(&port.name))).collect();
-                    assert_eq!(found, expected, "{kind}, {lanes} lanes");
-                }
-            }
-        }
-    }
-
-    /// Ports that were not recorded follow the recorded ones; a recorded port that the model lacks has no column.
-    #[test]
-    fn further_ports_follow_the_recorded_ones() {
-        let known = |port: &str, bit| RecordedColumn { port: port.to_string(), bit };
-        let column = |port: &str, bit, width| Column { port: port.to_string(), bit, width };
-        let recorded = [known("b", None), known("gone", None), known("a", Some(0)), known("a", Some(1))];
-        let ports = vec![column("tag", None, 8), column("a", None, 2), column("b", None, 32), column("u", None, 32)];
-        let expected = [
-            column("b", None, 32),
-            column("a", Some(0), 1),
-            column("a", Some(1), 1),
-            column("tag", None, 8),
-            column("u", None, 32),
-        ];
-        assert_eq!(arranged(&recorded, ports), expected);
+    fn columns_are_in_the_recorded_order() {
+        let model = Datapath::paper(Config::DEFAULT.lanes(Lanes::Two).tag(8)).model();
+        let text = |kind: &str| {
+            let columns = columns(&model, model.kind(kind).expect("an operation"), Format::BINARY32);
+            let name = |column: &Column| match column.bit {
+                Some(bit) => format!("{}.{bit}", column.port),
+                None => format!("{}:{}", column.port, column.width),
+            };
+            [columns.inputs, columns.outputs].map(|columns| columns.iter().map(name).collect::<Vec<_>>().join(" "))
+        };
+        let vectors = |names: &[&str]| {
+            let vector = |name: &&str| ["x", "y", "z"].map(|axis| format!("{name}_{axis}:32")).join(" ");
+            names.iter().map(vector).collect::<Vec<_>>().join(" ")
+        };
+        let ray = vectors(&["ray_origin", "ray_dir", "ray_inv"])
+            + " ray_extent:32 ray_kx:2 ray_ky:2 ray_kz:2 "
+            + &vectors(&["ray_shear"]);
+        let corners = vectors(&["triangle_a", "triangle_b", "triangle_c"]);
+        let triangle = [format!("{ray} {corners} tag:8"), "t_num:32 t_denom:32 triangle_hit:1 tag:8".to_string()];
+        assert_eq!(text("triangle"), triangle);
+        let corner = |(place, bound)| ["x", "y", "z"].map(|axis| format!("aabb_{place}_{axis}_{bound}:32")).join(" ");
+        let corners = (0..4).flat_map(|place| ["min", "max"].map(|bound| corner((place, bound))));
+        let corners = corners.collect::<Vec<_>>().join(" ");
+        let four = |name: &str, end: &str| [0, 1, 2, 3].map(|place| format!("{name}{place}{end}")).join(" ");
+        let sorted = [four("tmin_", ":32"), four("is_intersect.", ""), four("box_index_", ":2")].join(" ");
+        assert_eq!(text("quadbox"), [format!("{ray} {corners} tag:8"), format!("{sorted} tag:8")]);
+        let beat = "euclidean_reset_accum:1 euclidean_mask:2 euclidean_a_0:32 euclidean_a_1:32 euclidean_b_0:32 \
+                    euclidean_b_1:32 tag:8";
+        assert_eq!(text("euclidean"), [beat, "euclidean_accumulator:32 euclidean_reset_accum:1 tag:8"]);
+        let beat = "euclidean_reset_accum:1 euclidean_mask:1 euclidean_a_0:32 euclidean_b_0:32 tag:8";
+        let sums = "angular_dot_product:32 angular_norm:32 angular_reset_accum:1 tag:8";
+        assert_eq!(text("angular"), [beat, sums]);
     }
 }

@@ -1,6 +1,6 @@
 //! A model without arithmetic, whose jobs carry the number of their owner, and agents that follow a list.
 
-use raypath_model::{CycleModel, Model, OfKind, Shape};
+use raypath_model::{CycleModel, Model, Shape};
 use raypath_ops::JobKind;
 use raypath_timing::{Action, Agent};
 
@@ -12,19 +12,14 @@ pub struct Tag(pub JobKind, pub u64);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Echo;
 
-impl OfKind for Tag {
-    type Kind = JobKind;
-
-    fn kind(&self) -> JobKind {
-        self.0
-    }
-}
-
 impl Model for Echo {
     type Kind = JobKind;
     type Job = Tag;
     type Outcome = Tag;
 
+    fn kind(tag: &Tag) -> JobKind {
+        tag.0
+    }
     fn run(&mut self, job: &Tag) -> Tag {
         *job
     }

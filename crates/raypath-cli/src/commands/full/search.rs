@@ -13,7 +13,7 @@ use clap::{Args, ValueEnum};
 use raypath_float::Format;
 use raypath_rtl::{Config, Lanes};
 use raypath_search::{
-    Clusters, Dataset, Exact, Graph, GraphParameters, Metric, Neighbours, Report, SearchResults, recall, write_ivecs,
+    Clusters, Dataset, Exact, Graph, GraphParameters, Metric, Neighbours, SearchResults, Work, recall, write_ivecs,
 };
 use raypath_timing::report::Table;
 use std::io::Write;
@@ -227,14 +227,15 @@ impl Arguments {
 }
 
 fn describe<const E: usize, const A: usize>(results: &SearchResults, dimensions: usize) -> Vec<(String, String)> {
-    let report = Report::new::<E, A>(results, dimensions);
+    let Work { evaluations, beats } = results.work;
+    let of_vector = |metric: Metric| metric.beats::<E, A>(dimensions).to_string();
     vec![
-        ("queries per second, functional model".to_string(), format!("{:.1}", report.queries_per_second)),
-        ("distances".to_string(), report.work.evaluations.to_string()),
-        ("distances of a query".to_string(), format!("{:.1}", report.evaluations_per_query)),
-        ("beats".to_string(), report.work.beats.to_string()),
-        ("beats of a query".to_string(), format!("{:.1}", report.beats_per_query)),
-        (format!("beats of a vector, euclidean ({E} lanes)"), report.euclidean_beats.to_string()),
-        (format!("beats of a vector, angular ({A} lanes)"), report.angular_beats.to_string()),
+        ("queries per second, functional model".to_string(), format!("{:.1}", results.queries_per_second())),
+        ("distances".to_string(), evaluations.to_string()),
+        ("distances of a query".to_string(), format!("{:.1}", results.per_query(evaluations))),
+        ("beats".to_string(), beats.to_string()),
+        ("beats of a query".to_string(), format!("{:.1}", results.per_query(beats))),
+        (format!("beats of a vector, euclidean ({E} lanes)"), of_vector(Metric::Euclidean)),
+        (format!("beats of a vector, angular ({A} lanes)"), of_vector(Metric::Angular)),
     ]
 }
