@@ -14,11 +14,11 @@ mod scene;
 mod table;
 
 pub use errors::{Errors, Quantiles};
-use host::HostJob;
+use host::{HostJob, Rounding, quadbox, triangle};
 pub use random::DIMENSIONS;
 use random::RandomJobs;
 use raypath_float::Format;
-use raypath_model::{Binary64, Double, Functional, Soft, SoftNumber};
+use raypath_model::{Binary64, Functional, Soft};
 use raypath_ops::{Concrete, Outcome, Rules};
 pub use scene::RAYS;
 use std::fmt;
@@ -74,7 +74,7 @@ impl Accuracy {
     /// have vectors of [`DIMENSIONS`] dimensions. `proceed` is called after each round; false ends the measurement.
     pub fn random_jobs(self, seed: u64, rounds: u32, mut proceed: impl FnMut() -> bool) -> Vec<Row> {
         let mut measurement = Measurement::new(self);
-        let mut jobs = RandomJobs::new(seed);
+        let mut jobs = RandomJobs::new(seed, self.scale);
         for _ in 0..rounds {
             for job in jobs.round() {
                 measurement.run(&job);
@@ -90,15 +90,15 @@ impl Accuracy {
     /// triangles whose boxes are hit. `proceed` is called after each ray; false ends the measurement.
     pub fn scene(self, mut proceed: impl FnMut() -> bool) -> Vec<Row> {
         let mut measurement = Measurement::new(self);
-        let triangles = scene::triangles();
+        let triangles = scene::triangles(self.scale);
         let (groups, _) = triangles.as_chunks::<4>();
-        for ray in scene::rays() {
+        for ray in scene::rays(self.scale) {
             let mut nearest = Answer::MISS;
             for group in groups {
-                let boxes = measurement.run(&HostJob::Quadbox { ray, boxes: group.map(scene::bounds) });
+                let boxes = measurement.run(&quadbox(ray, group.map(scene::bounds)));
                 for (vertices, entered) in group.iter().zip(boxes) {
                     if entered != Answer::MISS {
-                        let hit = measurement.run(&HostJob::Triangle { ray, vertices: *vertices });
+                        let hit = measurement.run(&triangle(ray, *vertices));
                         hit.into_iter().for_each(|hit| nearest.keep_nearer(hit.and_hit(entered)));
                     }
                 }
@@ -171,7 +171,7 @@ impl Answer {
 /// The three datapaths, and the errors so far.
 struct Measurement {
     format: Format,
-    scale: f64,
+    rounding: Rounding,
     in_format: Functional<16, 8, Soft>,
     on_rounded: Functional<16, 8, Binary64>,
     on_original: Functional<16, 8, Binary64>,
@@ -180,11 +180,11 @@ struct Measurement {
 }
 
 impl Measurement {
-    fn new(Accuracy { format, rules, scale }: Accuracy) -> Self {
+    fn new(Accuracy { format, rules, .. }: Accuracy) -> Self {
         let row = |quantity| Row { format, quantity, on_rounded: Errors::default(), on_original: Errors::default() };
         Self {
             format,
-            scale,
+            rounding: Rounding::new(),
             in_format: Functional::over(Soft { format }, rules),
             on_rounded: Functional::over(Binary64, rules),
             on_original: Functional::over(Binary64, rules),
@@ -195,11 +195,13 @@ impl Measurement {
     /// Runs a job three times, adds its results to the rows and returns them: four for boxes, one for a triangle, none
     /// for a beat that is not the last.
     fn run(&mut self, job: &HostJob) -> Vec<Answer> {
-        let Self { format, scale, .. } = *self;
-        let rounded = |x| Double(format.to_f64(format.from_f64(x)));
-        let in_format = self.in_format.run(&job.job(scale, Soft { format }, |x| SoftNumber(format.from_f64(x))));
-        let on_rounded = self.on_rounded.run(&job.job(scale, Binary64, rounded));
-        let on_original = self.on_original.run(&job.job(scale, Binary64, Double));
+        let Self { format, rounding, .. } = self;
+        let format = *format;
+        let in_format = rounding.job(job, Soft { format }, |x| format.from_f64(x));
+        let on_rounded = rounding.job(job, Binary64, |x| format.to_f64(format.from_f64(x)).to_bits());
+        let in_format = self.in_format.run(&in_format);
+        let on_rounded = self.on_rounded.run(&on_rounded);
+        let on_original = self.on_original.run(job);
         let in_format = results(&in_format, |number| format.to_f64(number.0));
         let on_rounded = results(&on_rounded, |number| number.0);
         let on_original = results(&on_original, |number| number.0);

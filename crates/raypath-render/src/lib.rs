@@ -26,7 +26,7 @@ pub use bvh::Bvh4;
 pub use camera::{Camera, CameraError};
 pub use mesh::{Bounds, Mesh, MeshError};
 pub use picture::{Picture, heatmap};
-pub use rays::{RaysError, parse_rays, read_rays, write_hits};
+pub use rays::{parse_rays, read_rays, write_hits};
 pub use read::{Format, ReadError, parse_mesh, read_mesh};
 pub use render::{RenderError, Rendering, Shading, render};
 pub use scene::Scene;

@@ -8,35 +8,21 @@
 //! decimals that denote the same binary32; bits are 8 hexadecimal digits. t is t_num / t_denom, rounded to binary32, in
 //! units of the direction's length. Of several triangles at the closest t, the file has the one with the lowest index.
 
+use crate::read::ReadError;
 use crate::trace::Hit;
 use raypath_ops::{Binary32, Ray};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
-use thiserror::Error;
+use std::path::Path;
 
 const FIELDS: [&str; 7] = ["ox", "oy", "oz", "dx", "dy", "dz", "extent"];
-
-/// A file of rays that cannot be read or has an invalid line. The message has the form `path:line: problem`.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("{}:{} {problem}", path.display(), line.map_or(String::new(), |line| format!("{line}:")))]
-pub struct RaysError {
-    /// The file.
-    pub path: PathBuf,
-    /// The line, from 1; `None` if the file cannot be read.
-    pub line: Option<usize>,
-    /// What was found, and what was expected.
-    pub problem: String,
-}
 
 /// Reads a file of rays.
 ///
 /// # Errors
 /// A file that cannot be read, or a line that is not a valid ray.
-pub fn read_rays(path: &Path) -> Result<Vec<Ray<Binary32>>, RaysError> {
-    let text = std::fs::read_to_string(path).map_err(|problem| {
-        let problem = format!("cannot read: {problem}");
-        RaysError { path: path.to_owned(), line: None, problem }
-    })?;
+pub fn read_rays(path: &Path) -> Result<Vec<Ray<Binary32>>, ReadError> {
+    let text = std::fs::read_to_string(path);
+    let text = text.map_err(|problem| ReadError::new(path, format!("cannot read: {problem}")))?;
     parse_rays(&text, path)
 }
 
@@ -44,11 +30,11 @@ pub fn read_rays(path: &Path) -> Result<Vec<Ray<Binary32>>, RaysError> {
 ///
 /// # Errors
 /// A line that is not a valid ray.
-pub fn parse_rays(text: &str, path: &Path) -> Result<Vec<Ray<Binary32>>, RaysError> {
+pub fn parse_rays(text: &str, path: &Path) -> Result<Vec<Ray<Binary32>>, ReadError> {
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.split('#').next().unwrap_or("")));
     let rays = lines.filter(|(_, line)| !line.trim().is_empty());
     let ray = |(line, text)| {
-        parse_ray(text).map_err(|problem| RaysError { path: path.to_owned(), line: Some(line), problem })
+        parse_ray(text).map_err(|problem| ReadError { line: Some(line), ..ReadError::new(path, problem) })
     };
     rays.map(ray).collect()
 }

@@ -23,12 +23,14 @@ pub enum Format {
     Stl,
 }
 
-/// A mesh file that cannot be read, is not of its format, or has no valid mesh. The message begins with the path.
+/// A file that cannot be read, or whose content is not valid. The message has the form `path:line: problem`.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("{}: {problem}", path.display())]
+#[error("{}:{} {problem}", path.display(), line.map_or(String::new(), |line| format!("{line}:")))]
 pub struct ReadError {
     /// The file.
     pub path: PathBuf,
+    /// The line of a file of rays, from 1; `None` for a mesh, and if the file cannot be read.
+    pub line: Option<usize>,
     /// The position in the file, what was found there, and what was expected.
     pub problem: String,
 }
@@ -60,8 +62,8 @@ pub fn parse_mesh(format: Format, bytes: &[u8], path: &Path) -> Result<Mesh, Rea
 }
 
 impl ReadError {
-    fn new(path: &Path, problem: String) -> Self {
-        Self { path: path.to_owned(), problem }
+    pub(crate) fn new(path: &Path, problem: String) -> Self {
+        Self { path: path.to_owned(), line: None, problem }
     }
 }
 

@@ -9,7 +9,6 @@ use crate::camera::Camera;
 use crate::picture::{Picture, heatmap};
 use crate::scene::Scene;
 use crate::trace::{Counts, Stopped, Tracer, Tracing};
-use pixel::RayKind;
 use rayon::prelude::*;
 use raypath_ops::RayError;
 use raypath_timing::{Progress, ProgressCounter};
@@ -110,26 +109,27 @@ pub fn render(
     let progress = ProgressCounter::new(progress);
     let mut pixels = vec![Pixel::default(); sampler.pixels()];
     let rows = pixels.par_chunks_mut(width as usize).enumerate().map(|(row, pixels)| {
-        let mut costs = CostsByKind::default();
+        let mut costs = [Costs::default(); 3];
         if progress.is_stopped() {
             return Ok(costs);
         }
         let mut tracer = Tracer::new(scene, shading.tracing);
         for (column, pixel) in pixels.iter_mut().enumerate() {
-            let before = costs.jobs();
+            let before = jobs(&costs);
             let mut pixel_sampler = sampler.pixel(row * width as usize + column);
             let mut hit = None;
             while let Some(SampleRay { ray, kind }) = pixel_sampler.next_ray(hit)? {
                 hit = tracer.trace(&ray, kind.goal());
-                costs.of(kind).add(&tracer, hit.is_some());
+                costs[kind as usize].add(&tracer, hit.is_some());
             }
             pixel.colour = pixel_sampler.colour();
-            pixel.jobs = u32::try_from(costs.jobs() - before).unwrap_or(u32::MAX);
+            pixel.jobs = u32::try_from(jobs(&costs) - before).unwrap_or(u32::MAX);
         }
         progress.add(width.into());
-        Ok::<CostsByKind, RayError>(costs)
+        Ok::<_, RayError>(costs)
     });
-    let CostsByKind { primary, shadow, occlusion } = rows.try_reduce(CostsByKind::default, |a, b| Ok(a.and(b)))?;
+    let sums = |a: [Costs; 3], b: [Costs; 3]| Ok(std::array::from_fn(|kind| a[kind].and(b[kind])));
+    let [primary, shadow, occlusion] = rows.try_reduce(Default::default, sums)?;
     if progress.is_stopped() {
         return Err(Stopped.into());
     }
@@ -151,34 +151,9 @@ struct Pixel {
     jobs: u32,
 }
 
-/// The costs of all kinds of rays.
-#[derive(Debug, Clone, Copy, Default)]
-struct CostsByKind {
-    primary: Costs,
-    shadow: Costs,
-    occlusion: Costs,
-}
-
-impl CostsByKind {
-    fn of(&mut self, kind: RayKind) -> &mut Costs {
-        match kind {
-            RayKind::Primary => &mut self.primary,
-            RayKind::Shadow => &mut self.shadow,
-            RayKind::Occlusion => &mut self.occlusion,
-        }
-    }
-
-    fn jobs(&self) -> u64 {
-        [self.primary, self.shadow, self.occlusion].iter().map(|costs| costs.counts.jobs()).sum()
-    }
-
-    fn and(self, other: Self) -> Self {
-        Self {
-            primary: self.primary.and(other.primary),
-            shadow: self.shadow.and(other.shadow),
-            occlusion: self.occlusion.and(other.occlusion),
-        }
-    }
+/// The jobs of all kinds of rays.
+fn jobs(costs: &[Costs; 3]) -> u64 {
+    costs.iter().map(|costs| costs.counts.jobs()).sum()
 }
 
 impl Costs {

@@ -78,9 +78,33 @@ impl WaveWriter {
     pub fn create(path: impl AsRef<Path>, simulator: &Simulator) -> Result<Self, WaveError> {
         let path = path.as_ref().to_path_buf();
         let target = target(&path)?;
-        let begun = begin(&target, simulator).map_err(|problem| failed(&path, &problem))?;
-        let Begun { body, clock, reset, waves } = begun;
-        Ok(Self { path, target, body: Some(body), clock, reset, waves, next_cycle: 0 })
+        Self::begin(path.clone(), target, simulator).map_err(|problem| failed(&path, &problem))
+    }
+
+    /// Writes the header to a temporary file in the folder of `target`.
+    fn begin(path: PathBuf, target: PathBuf, simulator: &Simulator) -> fst_writer::Result<Self> {
+        let info = FstInfo {
+            start_time: 0,
+            timescale_exponent: -9,
+            version: concat!("raypath-hdl ", env!("CARGO_PKG_VERSION")).to_string(),
+            date: String::new(), // none, because equal runs give equal files
+            file_type: FstFileType::Verilog,
+        };
+        let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let create = |path: &Path| File::options().read(true).write(true).create_new(true).open(path);
+        let file = tempfile::Builder::new().suffix(".part").make_in(folder, create)?;
+        let header = FstHeaderWriter::new(BufWriter::new(file), &info)?;
+        let mut scopes =
+            Scopes { header, by_scope: signals_by_scope(simulator), ids: HashMap::new(), waves: Vec::new() };
+
+        let top = simulator.module();
+        scopes.header.scope(top.name(), top.name(), FstScopeType::Module)?;
+        let clock = top.is_clocked().then(|| scopes.bit("clk_i")).transpose()?;
+        let reset = top.has_reset().then(|| scopes.bit("rst_ni")).transpose()?;
+        scopes.write_all(top)?;
+        let (body, waves) = (Some(scopes.header.finish()?), scopes.waves);
+        let reset = reset.map(|id| Wave { id, width: 1, shown: None });
+        Ok(Self { path, target, body, clock, reset, waves, next_cycle: 0 })
     }
 
     /// Writes the values of the signals as those of clock cycle `cycle`. `simulator` must be the one given to
@@ -156,37 +180,6 @@ impl Wave {
         }
         body.signal_change(self.id, digits)
     }
-}
-
-struct Begun {
-    body: Body,
-    clock: Option<FstSignalId>,
-    reset: Option<Wave>,
-    waves: Vec<(Probe, Wave)>,
-}
-
-/// Writes the header to a temporary file in the folder of `target`.
-fn begin(target: &Path, simulator: &Simulator) -> fst_writer::Result<Begun> {
-    let info = FstInfo {
-        start_time: 0,
-        timescale_exponent: -9,
-        version: concat!("raypath-hdl ", env!("CARGO_PKG_VERSION")).to_string(),
-        date: String::new(), // none, because equal runs give equal files
-        file_type: FstFileType::Verilog,
-    };
-    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let create = |path: &Path| File::options().read(true).write(true).create_new(true).open(path);
-    let file = tempfile::Builder::new().suffix(".part").make_in(folder, create)?;
-    let header = FstHeaderWriter::new(BufWriter::new(file), &info)?;
-    let mut scopes = Scopes { header, by_scope: signals_by_scope(simulator), ids: HashMap::new(), waves: Vec::new() };
-
-    let top = simulator.module();
-    scopes.header.scope(top.name(), top.name(), FstScopeType::Module)?;
-    let clock = top.is_clocked().then(|| scopes.bit("clk_i")).transpose()?;
-    let reset = top.has_reset().then(|| scopes.bit("rst_ni")).transpose()?;
-    scopes.write_all(top)?;
-    let body = scopes.header.finish()?;
-    Ok(Begun { body, clock, reset: reset.map(|id| Wave { id, width: 1, shown: None }), waves: scopes.waves })
 }
 
 /// The hierarchy of the file during its construction.

@@ -1,26 +1,32 @@
 //! Random jobs: rays aimed at boxes and triangles near the origin, and vectors.
 
-use super::host::{HostJob, HostRay, Point, unit};
+use super::host::{HostJob, Point, beat, quadbox, ray, triangle, unit};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
+use raypath_model::Binary64;
+use raypath_ops::{Job, Ray};
 
 /// The dimensions of vectors: several beats, so that accumulation is measured too.
 pub const DIMENSIONS: usize = 64;
 
 /// An endless stream of random jobs, reproducible by seed.
-pub struct RandomJobs(ChaCha8Rng);
+pub struct RandomJobs {
+    rng: ChaCha8Rng,
+    /// A factor on all coordinates.
+    scale: f64,
+}
 
 impl RandomJobs {
-    pub fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
+    pub fn new(seed: u64, scale: f64) -> Self {
+        Self { rng: ChaCha8Rng::seed_from_u64(seed), scale }
     }
 
     /// The jobs of a round: one of each kind; a distance is a job per beat.
     pub fn round(&mut self) -> Vec<HostJob> {
         let mut jobs = vec![self.quadbox(), self.triangle()];
         let (a, b) = (self.vector(), self.vector());
-        jobs.extend(beats(&a, &b, |a, b, last| HostJob::Euclidean { a, b, last }));
-        jobs.extend(beats(&a, &b, |a, b, last| HostJob::Angular { a, b, last }));
+        jobs.extend(beats(&a, &b, |a, b, last| Job::Euclidean(beat(a, b, last))));
+        jobs.extend(beats(&a, &b, |a, b, last| Job::Angular(beat(a, b, last))));
         jobs
     }
 
@@ -30,36 +36,41 @@ impl RandomJobs {
         let ray = self.ray_to(target);
         let boxes = std::array::from_fn(|_| {
             let (centre, half) = (self.point(1.0), self.point(0.5).map(f64::abs));
-            [std::array::from_fn(|i| centre[i] - half[i]), std::array::from_fn(|i| centre[i] + half[i])]
+            let corner = |side: f64| std::array::from_fn(|i| (centre[i] + side * half[i]) * self.scale);
+            [corner(-1.0), corner(1.0)]
         });
-        HostJob::Quadbox { ray, boxes }
+        quadbox(ray, boxes)
     }
 
     /// A triangle, and a ray aimed at a point inside or just outside.
     fn triangle(&mut self) -> HostJob {
         let vertices @ [a, b, c] = [self.point(1.0), self.point(1.0), self.point(1.0)];
-        let [u, v, w]: [f64; 3] = std::array::from_fn(|_| self.0.random_range(-0.1..1.0));
+        let [u, v, w]: [f64; 3] = std::array::from_fn(|_| self.rng.random_range(-0.1..1.0));
         let target = std::array::from_fn(|i| (u * a[i] + v * b[i] + w * c[i]) / (u + v + w));
-        HostJob::Triangle { ray: self.ray_to(target), vertices }
+        triangle(self.ray_to(target), vertices.map(|vertex| self.scaled(vertex)))
     }
 
-    fn ray_to(&mut self, target: Point) -> HostRay {
+    fn ray_to(&mut self, target: Point) -> Ray<Binary64> {
         loop {
             let origin = self.point(4.0);
-            let ray = HostRay::new(origin, unit(std::array::from_fn(|i| target[i] - origin[i])));
+            let direction = unit(std::array::from_fn(|i| target[i] - origin[i]));
             // An origin equal to the target gives no ray: try another.
-            if let Some(ray) = ray {
+            if let Some(ray) = ray(self.scaled(origin), direction) {
                 return ray;
             }
         }
     }
 
+    fn scaled(&self, point: Point) -> Point {
+        point.map(|coordinate| coordinate * self.scale)
+    }
+
     fn point(&mut self, reach: f64) -> Point {
-        std::array::from_fn(|_| self.0.random_range(-reach..reach))
+        std::array::from_fn(|_| self.rng.random_range(-reach..reach))
     }
 
     fn vector(&mut self) -> [f64; DIMENSIONS] {
-        std::array::from_fn(|_| self.0.random_range(-1.0..1.0))
+        std::array::from_fn(|_| self.rng.random_range(-1.0..1.0) * self.scale)
     }
 }
 

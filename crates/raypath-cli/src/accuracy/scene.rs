@@ -1,7 +1,9 @@
 //! The scene: a torus, a camera that looks at it from above, and boxes around its triangles. It uses only the four
 //! basic operations and square roots, so that it is the same on every machine.
 
-use super::host::{HostRay, Point, unit};
+use super::host::{Point, ray, unit};
+use raypath_model::Binary64;
+use raypath_ops::Ray;
 
 /// Pixels of the camera's square picture, along each side.
 const SIDE: usize = 64;
@@ -16,24 +18,25 @@ const HALF_WIDTH: f64 = 0.55;
 const RING: f64 = 1.0;
 const TUBE: f64 = 0.4;
 
-/// The rays of the camera's pixels, row by row.
-pub fn rays() -> impl Iterator<Item = HostRay> {
+/// The rays of the camera's pixels, row by row, in a scene of this scale.
+pub fn rays(scale: f64) -> impl Iterator<Item = Ray<Binary64>> {
     let forward = unit(CAMERA.map(|coordinate| -coordinate));
     let right = unit(cross(forward, [0.0, 0.0, 1.0]));
     let up = cross(right, forward);
     let offset = |pixel: usize| ((pixel as f64 + 0.5) / SIDE as f64 * 2.0 - 1.0) * HALF_WIDTH;
     let direction =
         move |x: usize, y: usize| unit(std::array::from_fn(|i| forward[i] + offset(x) * right[i] - offset(y) * up[i]));
-    (0..RAYS).filter_map(move |pixel| HostRay::new(CAMERA, direction(pixel % SIDE, pixel / SIDE)))
+    let origin = CAMERA.map(|coordinate| coordinate * scale);
+    (0..RAYS).filter_map(move |pixel| ray(origin, direction(pixel % SIDE, pixel / SIDE)))
 }
 
-/// The torus: a closed mesh of triangles, counter-clockwise as seen from outside.
-pub fn triangles() -> Vec<[Point; 3]> {
+/// The torus, in this scale: a closed mesh of triangles, counter-clockwise as seen from outside.
+pub fn triangles(scale: f64) -> Vec<[Point; 3]> {
     let circle = circle();
     let vertex = |i: usize, j: usize| {
         let ([x, y], [out, z]) = (circle[i % CORNERS], circle[j % CORNERS]);
         let radius = RING + TUBE * out;
-        [radius * x, radius * y, TUBE * z]
+        [radius * x, radius * y, TUBE * z].map(|coordinate| coordinate * scale)
     };
     let patches = (0..CORNERS * CORNERS).map(|patch| (patch / CORNERS, patch % CORNERS));
     patches
@@ -78,7 +81,7 @@ mod tests {
     /// Every edge occurs once in each direction, so the mesh is closed. The volume is positive, so it faces outwards.
     #[test]
     fn the_torus_is_closed_and_faces_outwards() {
-        let triangles = triangles();
+        let triangles = triangles(1.0);
         let key = |point: [f64; 3]| point.map(f64::to_bits);
         let edges = |[a, b, c]: [[f64; 3]; 3]| [(a, b), (b, c), (c, a)].map(|(from, to)| (key(from), key(to)));
         let all: HashSet<_> = triangles.iter().flat_map(|triangle| edges(*triangle)).collect();
@@ -95,7 +98,7 @@ mod tests {
 
     #[test]
     fn every_pixel_has_a_ray() {
-        assert_eq!(rays().count(), RAYS);
+        assert_eq!(rays(1.0).count(), RAYS);
     }
 
     #[test]

@@ -26,8 +26,9 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed {
                     face.fan(&mut raw.triangles).map_err(|problem| format!("face {number}: {problem}"))?;
                 }
             }
+            // Another element is read and dropped.
             _ => {
-                Parser::<Other>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
+                Parser::<Vertex>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
             }
         }
     }
@@ -73,9 +74,6 @@ struct Vertex([f32; 3]);
 /// The indices of a polygon.
 struct Face(Vec<i64>);
 
-/// An element to skip.
-struct Other;
-
 impl PropertyAccess for Vertex {
     fn new() -> Self {
         Self([f32::NAN; 3])
@@ -105,15 +103,6 @@ impl PropertyAccess for Face {
                 _ => Vec::new(),
             };
         }
-        PropertyAccessResult::Set
-    }
-}
-
-impl PropertyAccess for Other {
-    fn new() -> Self {
-        Self
-    }
-    fn set_property(&mut self, _name: &str, _value: Property) -> PropertyAccessResult {
         PropertyAccessResult::Set
     }
 }
