@@ -7,13 +7,11 @@
 //!
 //! The results do not depend on the machine: a table is reproducible to the last digit.
 
-mod errors;
 mod host;
 mod random;
 mod scene;
 mod table;
 
-pub use errors::{Errors, Quantiles};
 use host::{HostJob, Rounding, quadbox, triangle};
 pub use random::DIMENSIONS;
 use random::RandomJobs;
@@ -23,7 +21,7 @@ use raypath_ops::{Concrete, Outcome, Rules};
 pub use scene::RAYS;
 use std::fmt;
 use std::ops::RangeInclusive;
-pub use table::table;
+pub use table::{Errors, Quantiles, table};
 
 /// A result whose error is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,7 +1,6 @@
 //! A pipeline of registers that never stall, followed by a FIFO with space for every admitted job.
 
-use crate::position::{Occupancy, PipelinePosition, highest};
-use crate::shape::{Loop, Shape};
+use crate::shape::{Loop, Occupancy, PipelinePosition, Shape, highest};
 
 /// The control of a pipeline with credits: a job is admitted if a credit is left, and returns it when it leaves the
 /// FIFO.

@@ -1,8 +1,7 @@
 use crate::elastic::{Elastic, Transfer};
 use crate::functional::Functional;
 use crate::model::{Kind, Model};
-use crate::position::PipelinePosition;
-use crate::shape::Shape;
+use crate::shape::{PipelinePosition, Shape};
 
 /// The cycle-exact model of a datapath: in every cycle its ports show the same handshakes and outcomes as the netlist.
 ///

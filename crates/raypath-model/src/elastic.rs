@@ -1,8 +1,7 @@
 //! Elastic pipelines: ready and valid at both ends, with no item lost, repeated or reordered.
 
 use crate::credit::Credits;
-use crate::position::PipelinePosition;
-use crate::shape::{Control, Shape};
+use crate::shape::{Control, PipelinePosition, Shape};
 use crate::skid::SkidBuffers;
 use std::collections::VecDeque;
 

@@ -35,12 +35,10 @@ mod kernels;
 mod lanes;
 mod model;
 mod packed;
-mod position;
 mod shape;
 mod skid;
 mod soft;
 mod word_model;
-mod word_operation;
 mod words;
 
 pub use batch::{Batch, blank, levels, pack, run_blocks, unpack};
@@ -54,11 +52,9 @@ pub use kernels::{ModelCircuit, SimdKernels};
 pub use lanes::{Four, Lanes, Native, Register, Width};
 pub use model::{Kind, Model};
 pub use packed::{BLOCK, BlockSlice, BlockValue, Packed};
-pub use position::PipelinePosition;
-pub use shape::{Control, Loop, Shape};
+pub use shape::{Control, Loop, PipelinePosition, Shape};
 pub use soft::{Soft, SoftNumber};
-pub use word_model::{ModelOptions, WordModel};
-pub use word_operation::WordOperation;
+pub use word_model::{ModelOptions, WordModel, WordOperation};
 pub use words::{OperationId, Words};
 
 /// Cycles from the one in which a job is accepted to the one that shows its outcome, in an empty pipeline whose units

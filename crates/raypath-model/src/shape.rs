@@ -1,5 +1,4 @@
 use crate::LATENCY;
-use crate::position::Occupancy;
 
 /// The properties of a pipeline that determine its timing: latency, control, and accumulator loops.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -70,4 +69,24 @@ impl Shape {
         let fits = |a_loop: &Loop| 1 <= a_loop.first && a_loop.first < a_loop.last && a_loop.last < self.length();
         self.loops.iter().copied().filter(fits)
     }
+}
+
+/// One bit per register or skid buffer of a pipeline, so that all jobs move in one operation. Bit 0 is the input's.
+pub type Occupancy = u128;
+
+/// The position of a job in the pipeline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct PipelinePosition {
+    /// The number of clock edges after which a job is here in an empty pipeline: 1 after the input register, the
+    /// latency at the output.
+    pub stage: usize,
+    /// An older job has the same stage: this one is in the second register of a skid buffer, or in the FIFO at the
+    /// output but not its first.
+    pub waits: bool,
+}
+
+/// The occupied position closest to the output. `occupancy` must not be 0.
+#[inline]
+pub fn highest(occupancy: Occupancy) -> u32 {
+    occupancy.ilog2()
 }

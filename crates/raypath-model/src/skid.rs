@@ -1,7 +1,6 @@
 //! A pipeline of skid buffers.
 
-use crate::position::{Occupancy, PipelinePosition, highest};
-use crate::shape::{Loop, Shape};
+use crate::shape::{Loop, Occupancy, PipelinePosition, Shape, highest};
 
 /// The control of a pipeline of skid buffers. Each buffer holds two jobs, passes one per cycle, and has a registered
 /// ready output, so that there is no combinational path from the sink to the source.

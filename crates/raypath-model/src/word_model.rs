@@ -1,9 +1,10 @@
 use crate::dynamic::Dynamic;
 use crate::model::Model;
-use crate::word_operation::WordOperation;
 use crate::words::{OperationId, Ports, Words};
 use raypath_float::Format;
-use raypath_ops::{Binary32, Job, Operation, Outcome, Port, PortKind, from_words, to_words};
+use raypath_ops::{
+    Binary32, Job, Operation, Outcome, Port, PortKind, from_words, ports_of, to_canonical_words, to_words,
+};
 use std::cell::Cell;
 use std::fmt;
 use std::sync::Arc;
@@ -271,5 +272,57 @@ impl fmt::Debug for WordModel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let names: Vec<&str> = self.operations.iter().map(|known| known.kind.name()).collect();
         f.debug_struct("WordModel").field("operations", &names).field("states", &self.states).finish()
+    }
+}
+
+/// An operation as a function on the words at its ports. The trait is object-safe, and implemented for every
+/// [`Operation`].
+pub trait WordOperation: Send + Sync {
+    /// [`Operation::NAME`].
+    fn name(&self) -> &'static str;
+
+    /// All input ports that the operation may have.
+    fn inputs(&self) -> Vec<Port>;
+
+    /// All output ports that the operation may have.
+    fn outputs(&self) -> Vec<Port>;
+
+    /// Whether the operation has an input port: [`Operation::has_input`].
+    fn has_input(&self, port: &str) -> bool;
+
+    /// Whether the operation has an output port: [`Operation::has_output`].
+    fn has_output(&self, port: &str) -> bool;
+
+    /// Computes one job over `circuit`. `job` has a word for each of [`inputs`](Self::inputs). `output` is replaced by
+    /// a word for each of [`outputs`](Self::outputs). `state` has the words that the previous job left, initially none,
+    /// and is replaced by those that this job leaves.
+    fn run_words(&self, circuit: Dynamic<'_>, job: &[u64], state: &mut Vec<u64>, output: &mut Vec<u64>);
+}
+
+impl<O: Operation + Send + Sync> WordOperation for O {
+    fn name(&self) -> &'static str {
+        O::NAME
+    }
+
+    fn inputs(&self) -> Vec<Port> {
+        ports_of::<O::Input<Binary32>>()
+    }
+
+    fn outputs(&self) -> Vec<Port> {
+        ports_of::<O::Output<Binary32>>()
+    }
+
+    fn has_input(&self, port: &str) -> bool {
+        Operation::has_input(self, port)
+    }
+
+    fn has_output(&self, port: &str) -> bool {
+        Operation::has_output(self, port)
+    }
+
+    fn run_words(&self, circuit: Dynamic<'_>, job: &[u64], state: &mut Vec<u64>, output: &mut Vec<u64>) {
+        let (result, next) = self.run(circuit, from_words(circuit, job), from_words(circuit, state));
+        to_words(&next, state);
+        to_canonical_words(&result, output);
     }
 }

@@ -1,7 +1,6 @@
 //! Native binary32 arithmetic.
 
-use crate::circuit::Circuit;
-use crate::concrete::Concrete;
+use crate::circuit::{Circuit, Concrete};
 use crate::handle::{Bit, Flags, Num, Word};
 use std::fmt;
 

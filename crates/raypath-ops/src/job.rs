@@ -2,7 +2,7 @@
 
 use crate::binary32::Binary32;
 use crate::bundle::{Bundle, Path, Source};
-use crate::concrete::Concrete;
+use crate::circuit::Concrete;
 use crate::distance::{Angular, AngularOutput, BeatInput, Euclidean, EuclideanOutput};
 use crate::operation::Operation;
 use crate::ports::{FromWords, Port, PortValue, Shapes, ToWords, canonical};

@@ -28,7 +28,6 @@ mod binary32;
 mod bundle;
 mod bundle_macro;
 mod circuit;
-mod concrete;
 mod distance;
 mod distance_many;
 mod family;
@@ -47,15 +46,15 @@ mod ray_triangle;
 mod ray_triangle_extended;
 mod rules;
 mod sort;
-mod vectors;
 
 #[doc(hidden)]
 pub use array::array_from;
 pub use binary32::{Binary32, Single};
 pub use bundle::{Bundle, Field, Path, Sink, Source};
-pub use circuit::{Circuit, Relation, Test};
-pub use concrete::Concrete;
-pub use distance::{Angular, AngularOutput, AngularState, Beat, BeatInput, Euclidean, EuclideanOutput, EuclideanState};
+pub use circuit::{Circuit, Concrete, Relation, Test};
+pub use distance::{
+    Angular, AngularOutput, AngularState, Beat, BeatInput, Euclidean, EuclideanOutput, EuclideanState, VectorError,
+};
 pub use distance_many::{AngularMany, AngularManyState, BeatManyInput, EuclideanMany, EuclideanManyState};
 pub use family::{Family, Gather, Of, Put, Scatter};
 pub use flagged::Flagged;
@@ -73,4 +72,3 @@ pub use ray_triangle_extended::{
 };
 pub use rules::{ParseRulesError, Rules};
 pub use sort::SortEntry;
-pub use vectors::VectorError;

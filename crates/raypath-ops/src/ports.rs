@@ -2,7 +2,7 @@
 
 use crate::binary32::Binary32;
 use crate::bundle::{Bundle, Field, Path, Sink, Source};
-use crate::concrete::Concrete;
+use crate::circuit::Concrete;
 use crate::handle::{Bit, Num};
 use std::slice;
 

@@ -1,8 +1,7 @@
 use crate::error::SearchError;
 use crate::kernel::{self, Blocks, Lane};
 use crate::metric::{Metric, cosine_distance, euclidean_distance};
-use crate::nearest::{Candidate, Nearest};
-use crate::results::{Neighbour, SearchResults, Work};
+use crate::results::{Candidate, Nearest, Neighbour, SearchResults, Work};
 use crate::vectors::Vectors;
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;

@@ -1,17 +1,16 @@
 //! Readers and writers of vector files.
 
-mod error;
 mod hdf5;
 mod npy;
 mod texmex;
 mod write;
 
-pub use error::FileError;
-pub use write::{write_fvecs, write_ivecs};
-
 use crate::metric::Metric;
 use crate::vectors::{Neighbours, Vectors};
-use std::path::Path;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+pub use write::{write_fvecs, write_ivecs};
 
 /// A data set: a base, queries, and the truth if known.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,4 +110,25 @@ fn extension(file: &Path) -> String {
 
 fn unknown(file: &Path, extension: &str, expected: &str) -> FileError {
     FileError::content(file, "extension", format_args!("`{extension}`"), expected)
+}
+
+/// A file that cannot be read, or whose content is not valid. The message begins with the path.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{}: {problem}", file.display())]
+pub struct FileError {
+    /// The file.
+    pub file: PathBuf,
+    /// The position in the file, what was found there, and what was expected.
+    pub problem: String,
+}
+
+impl FileError {
+    fn content(file: &Path, position: impl Display, found: impl Display, expected: impl Display) -> Self {
+        Self::of(file)(format!("{position}: found {found}, expected {expected}"))
+    }
+
+    /// Converts another error of a file.
+    fn of<E: Display>(file: &Path) -> impl Fn(E) -> Self {
+        move |error| Self { file: file.to_owned(), problem: error.to_string() }
+    }
 }

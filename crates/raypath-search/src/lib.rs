@@ -26,7 +26,6 @@ mod generated;
 mod graph;
 mod kernel;
 mod metric;
-mod nearest;
 mod recall;
 mod results;
 mod timing;

@@ -1,7 +1,6 @@
 //! A datapath of any operations, from which netlist and models are made.
 
 use crate::engine::{NetlistEngine, shape};
-use crate::operation::AnyOperation;
 use raypath_float::Format;
 use raypath_model::{CycleModel, ModelOptions, WordModel, WordOperation};
 use raypath_ops::Operation;
@@ -178,5 +177,20 @@ impl fmt::Debug for Datapath {
         let operations: Vec<_> =
             self.operations.iter().map(|(opcode, operation)| format!("{opcode} {}", operation.name())).collect();
         f.debug_struct("Datapath").field("operations", &operations).field("config", &self.config).finish()
+    }
+}
+
+/// An operation of any type: a function on words ([`WordOperation`]) and a part of a datapath.
+pub trait AnyOperation: WordOperation {
+    /// Adds the operation to those of a datapath.
+    ///
+    /// # Errors
+    /// An operation that does not fit: those of [`Operations::with`].
+    fn add_to(&self, operations: Operations, opcode: u64) -> Result<Operations, Error>;
+}
+
+impl<O: Operation + Send + Sync> AnyOperation for O {
+    fn add_to(&self, operations: Operations, opcode: u64) -> Result<Operations, Error> {
+        operations.with(self, opcode)
     }
 }

@@ -29,12 +29,10 @@ mod input;
 pub mod jobs;
 pub mod lockstep;
 pub mod numbers;
-mod operation;
 pub mod random;
 pub mod traffic;
 pub mod transactions;
 
-pub use datapath::Datapath;
+pub use datapath::{AnyOperation, Datapath};
 pub use input::InputError;
-pub use operation::AnyOperation;
 pub use raypath_model::{OperationId, WordModel, Words};

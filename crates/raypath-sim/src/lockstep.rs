@@ -1,6 +1,5 @@
 //! Comparison of a netlist with its models, cycle by cycle.
 
-mod canonical;
 mod regression;
 mod side_by_side;
 

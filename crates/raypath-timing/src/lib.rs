@@ -40,28 +40,22 @@
 
 mod agent;
 mod environment;
-mod observer;
 #[cfg(feature = "sweep")]
 mod plot;
 mod progress;
 #[cfg(feature = "report")]
 pub mod report;
-mod sample;
 mod simulation;
 #[cfg(feature = "sweep")]
 mod sweep;
-mod system;
 mod timing;
 
-pub use agent::{Action, Agent};
-pub use environment::{Environment, Sink};
-pub use observer::{Observer, PortActivity};
+pub use agent::{Action, Agent, Observer, PortActivity};
+pub use environment::{Environment, Sample, Sink, System};
 #[cfg(feature = "sweep")]
 pub use plot::plot;
 pub use progress::{Progress, ProgressCounter};
-pub use sample::Sample;
 pub use simulation::{SimulationError, simulate};
 #[cfg(feature = "sweep")]
 pub use sweep::{Point, Sweep, sweep};
-pub use system::System;
 pub use timing::{Rates, Starved, Timing};

@@ -1,6 +1,5 @@
-use crate::agent::{Action, Agent};
+use crate::agent::{Action, Agent, Observer, PortActivity};
 use crate::environment::{Environment, Sink};
-use crate::observer::{Observer, PortActivity};
 use crate::progress::Progress;
 use crate::timing::Timing;
 use rand::rngs::ChaCha8Rng;

@@ -38,6 +38,17 @@ impl ConfigArguments {
         config.check()?;
         Ok(config)
     }
+
+    /// The selected configuration, for commands that support the paper's operations only; an error if it has features.
+    #[cfg(feature = "full")]
+    pub fn paper(&self) -> Result<Config, CliError> {
+        let config = self.config()?;
+        if config.semantics.features == raypath_rtl::Features::OFF {
+            return Ok(config);
+        }
+        let problem = "features are for generate, ppa, explore, replay and wave; expected none of them here";
+        Err(CliError::unusable(format!("{config}: {problem}")))
+    }
 }
 
 /// The option of a parameter. Its value is checked here and stored as text.

@@ -3,7 +3,6 @@
 use crate::commands::additions::Additions;
 use crate::commands::configuration::ConfigArguments;
 use crate::commands::numbers::whole;
-use crate::commands::output::write_all;
 use crate::emit;
 use crate::error::CliError;
 use crate::oracles::ask_oracles;
@@ -15,6 +14,7 @@ use raypath_oracle::Checks;
 use raypath_rtl::Datapath;
 use raypath_rtl::report::tables;
 use raypath_sim::OperationId;
+use raypath_sim::files::write_all;
 use raypath_sim::lockstep::{Comparison, Timing, lockstep, timing};
 use raypath_sim::traffic::Traffic;
 use std::io::Write;

@@ -1,12 +1,10 @@
 //! The commands of `raypath`.
 
 mod additions;
-mod configs;
 mod configuration;
 mod generate;
 mod numbers;
 mod operations;
-mod output;
 mod ray;
 
 #[cfg(feature = "full")]
@@ -18,6 +16,7 @@ use crate::error::CliError;
 use clap::{Parser, Subcommand};
 #[cfg(not(feature = "full"))]
 use light as full;
+use raypath_rtl::report::tables::presets;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -57,7 +56,7 @@ impl CommandLine {
     pub fn run(self, out: &mut dyn Write) -> Result<(), CliError> {
         match self.command {
             Command::Generate(arguments) => generate::run(&arguments, out),
-            Command::Configs => configs::run(out),
+            Command::Configs => Ok(writeln!(out, "{}", presets())?),
             Command::Operations(arguments) => operations::run(&arguments, out),
             Command::Ray(arguments) => ray::run(&arguments, out),
             Command::Full(command) => command.run(out),

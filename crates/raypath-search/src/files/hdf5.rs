@@ -1,8 +1,7 @@
 //! HDF5 in the layout of ann-benchmarks: base, queries and truth in one file, as the datasets `train`, `test`,
 //! `neighbors` and `distances` of two axes, with an attribute `distance` that names the metric.
 
-use super::error::FileError;
-use super::neighbours as checked;
+use super::{FileError, neighbours as checked};
 use crate::metric::Metric;
 use crate::vectors::{Neighbours, Vectors};
 use hdf5_pure::{DType, Dataset, Error, File};

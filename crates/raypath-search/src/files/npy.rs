@@ -1,6 +1,6 @@
 //! `.npy`: an array of two axes, vectors along the first, in either order and of any numeric type.
 
-use super::error::FileError;
+use super::FileError;
 use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 use std::fs::File;
 use std::io::{self, BufReader, Read};

@@ -1,6 +1,6 @@
 //! `.fvecs`, `.bvecs` and `.ivecs`: each vector is preceded by its dimension in four bytes, little-endian.
 
-use super::error::FileError;
+use super::FileError;
 use crate::vectors::MAX_DIMENSIONS;
 use std::fs::File;
 use std::io::{BufReader, Read};

@@ -1,5 +1,5 @@
 use super::recording::{JobTrace, Span, Window};
-use crate::observer::{Observer, PortActivity};
+use crate::agent::{Observer, PortActivity};
 use raypath_model::PipelinePosition;
 use std::collections::VecDeque;
 

@@ -5,12 +5,11 @@ mod models;
 mod netlist;
 mod peers;
 mod result;
-mod stopwatch;
 mod workload;
 
-use crate::commands::output::write_all;
 use crate::error::CliError;
 use clap::Args;
+use raypath_sim::files::write_all;
 use result::Results;
 use std::io::Write;
 use std::path::PathBuf;

@@ -2,7 +2,6 @@
 
 use crate::commands::full::measuring::BenchArguments;
 use crate::commands::full::ppa::{self, design};
-use crate::commands::output::write_all;
 use crate::error::CliError;
 use clap::Args;
 use raypath_ppa::charts::scatter;
@@ -10,6 +9,7 @@ use raypath_ppa::tables::explored;
 use raypath_ppa::{DesignPoint, Exploration};
 use raypath_rtl::{Config, PRESETS, Preset};
 use raypath_sim::configuration;
+use raypath_sim::files::write_all;
 use std::io::Write;
 use std::path::PathBuf;
 

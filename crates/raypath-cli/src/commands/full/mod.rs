@@ -2,10 +2,8 @@
 
 mod accuracy;
 mod bench;
-mod configuration;
 mod explore;
 mod measuring;
-mod output;
 mod ppa;
 mod progress;
 mod render;

@@ -3,11 +3,11 @@
 use crate::commands::additions::Additions;
 use crate::commands::configuration::ConfigArguments;
 use crate::commands::full::measuring::BenchArguments;
-use crate::commands::output::write_all;
 use crate::error::CliError;
 use clap::Args;
 use raypath_ppa::{Baseline, Design, Report, charts, tables};
 use raypath_rtl::{Config, Datapath};
+use raypath_sim::files::write_all;
 use std::io::Write;
 use std::path::PathBuf;
 

@@ -4,10 +4,9 @@ mod scene;
 mod timing;
 
 use crate::commands::configuration::ConfigArguments;
-use crate::commands::full::output::write_and_name;
 use crate::commands::full::progress::watched;
 use crate::commands::full::timed::{Timed, TimingArguments};
-use crate::commands::full::view::ViewArguments;
+use crate::commands::full::view::{ViewArguments, write_and_name};
 use crate::commands::numbers::whole;
 use crate::error::CliError;
 use clap::Args;

@@ -2,9 +2,8 @@
 
 use crate::commands::additions::Additions;
 use crate::commands::configuration::ConfigArguments;
-use crate::commands::full::output::write_and_name;
 use crate::commands::full::stream::StreamArguments;
-use crate::commands::full::view::{ViewArguments, print, recording};
+use crate::commands::full::view::{ViewArguments, print, recording, write_and_name};
 use crate::error::CliError;
 use crate::progress::Progress;
 use clap::{Args, ValueEnum};

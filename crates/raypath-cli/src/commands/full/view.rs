@@ -5,6 +5,7 @@ use crate::commands::numbers::whole;
 use crate::error::CliError;
 use clap::Args;
 use raypath_rtl::{Config, Datapath, parameters};
+use raypath_sim::files::write_all;
 use raypath_timing::report::{Recorder, Recording, html, konata};
 use std::io::Write;
 use std::path::PathBuf;
@@ -84,5 +85,12 @@ pub fn print(recording: &Recording, out: &mut dyn Write) -> Result<(), CliError>
 pub fn print_rows(rows: &[(String, String)], out: &mut dyn Write) -> Result<(), CliError> {
     let width = rows.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
     rows.iter().try_for_each(|(label, value)| writeln!(out, "{label:<width$}  {value}"))?;
+    Ok(())
+}
+
+/// Writes all of these files, or none, and prints their paths.
+pub fn write_and_name<T: AsRef<[u8]>>(files: &[(PathBuf, T)], out: &mut dyn Write) -> Result<(), CliError> {
+    write_all(files)?;
+    files.iter().try_for_each(|(path, _)| writeln!(out, "wrote {}", path.display()))?;
     Ok(())
 }

@@ -1,8 +1,7 @@
 //! The growth of cost with the number of items: nanoseconds per item, which are constant if the cost grows linearly.
 
 use crate::commands::full::bench::models::each;
-use crate::commands::full::bench::result::Results;
-use crate::commands::full::bench::stopwatch::seconds;
+use crate::commands::full::bench::result::{Results, seconds};
 use crate::commands::full::bench::workload::Workload;
 use crate::error::CliError;
 use raypath_model::Functional;

@@ -1,7 +1,6 @@
 //! Rates of the models on one core.
 
-use crate::commands::full::bench::result::Results;
-use crate::commands::full::bench::stopwatch::seconds;
+use crate::commands::full::bench::result::{Results, seconds};
 use crate::commands::full::bench::workload::Workload;
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};

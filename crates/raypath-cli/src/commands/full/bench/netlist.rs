@@ -1,7 +1,6 @@
 //! The netlist that is printed: compiled by us, and compiled by Verilator.
 
-use crate::commands::full::bench::result::Results;
-use crate::commands::full::bench::stopwatch::seconds;
+use crate::commands::full::bench::result::{Results, seconds};
 use crate::commands::full::bench::workload::Workload;
 use crate::error::CliError;
 use raypath_hdl::{InputPort, LANES, LaneSimulator, Module, OutputPort, Simulator};
