@@ -1,8 +1,6 @@
 //! Batches of jobs of one operation, computed in SIMD lanes.
 
-use crate::kernels::SimdKernels;
-use crate::lanes::Lanes;
-use crate::packed::{BLOCK, BlockSlice, BlockValue, Packed};
+use crate::{BLOCK, BlockSlice, BlockValue, Lanes, Packed, SimdKernels};
 use fearless_simd::{Level, Simd, dispatch};
 use raypath_ops::{
     Angular, AngularOutput, AngularState, BeatInput, Binary32, Bit, Bundle, Circuit, Euclidean, EuclideanOutput,

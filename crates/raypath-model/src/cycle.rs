@@ -1,7 +1,4 @@
-use crate::elastic::{Elastic, Transfer};
-use crate::functional::Functional;
-use crate::model::{Kind, Model};
-use crate::shape::{PipelinePosition, Shape};
+use crate::{Elastic, Functional, Kind, Model, PipelinePosition, Shape, Transfer};
 
 /// The cycle-exact model of a datapath: in every cycle its ports show the same handshakes and outcomes as the netlist.
 ///

@@ -1,5 +1,4 @@
-use crate::kernels::ModelCircuit;
-use crate::model::Model;
+use crate::{Model, ModelCircuit};
 use raypath_ops::{
     Angular, AngularState, Binary32, Euclidean, EuclideanState, Job, JobKind, Operation, Outcome, RayBox, RayTriangle,
     Rules,

@@ -1,6 +1,5 @@
-use crate::dynamic::Dynamic;
-use crate::model::Model;
-use crate::words::{OperationId, Ports, Words};
+use crate::words::Ports;
+use crate::{Dynamic, Model, OperationId, Words};
 use raypath_float::Format;
 use raypath_ops::{
     Binary32, Job, Operation, Outcome, Port, PortKind, from_words, ports_of, to_canonical_words, to_words,

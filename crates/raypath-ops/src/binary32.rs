@@ -1,7 +1,6 @@
 //! Native binary32 arithmetic.
 
-use crate::circuit::{Circuit, Concrete};
-use crate::handle::{Bit, Flags, Num, Word};
+use crate::{Bit, Circuit, Concrete, Flags, Num, Word};
 use std::fmt;
 
 /// IEEE 754 binary32, computed by the floating-point instructions of the machine.

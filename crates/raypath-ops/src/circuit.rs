@@ -1,7 +1,6 @@
 //! The arithmetic that operations are written in.
 
-use crate::bundle::Bundle;
-use crate::handle::{Bit, Num, Word};
+use crate::{Bit, Bundle, Num, Word};
 use std::fmt::{Arguments, Debug};
 
 /// An interpretation of operations: native arithmetic, software floating point, SIMD lanes, or a recorder that builds

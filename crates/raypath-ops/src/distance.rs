@@ -1,11 +1,7 @@
 //! Distances between vectors, accumulated over beats of several lanes (Table VII, columns Euclidean and Angular).
 
-use crate::binary32::Binary32;
-use crate::bundle_macro::bundle;
-use crate::circuit::Circuit;
-use crate::handle::{Bit, Flags, Num};
-use crate::kernels::{Kernels, LaneMap};
-use crate::operation::{Operation, run_portable};
+use crate::operation::run_portable;
+use crate::{Binary32, Bit, Circuit, Flags, Kernels, LaneMap, Num, Operation, bundle};
 use thiserror::Error;
 
 /// Squared Euclidean distance with `N` dimensions per beat: a power of two, at most 64.

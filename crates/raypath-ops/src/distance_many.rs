@@ -1,11 +1,9 @@
 //! Distances of several vectors whose beats are interleaved: each vector has its own accumulator.
 
-use crate::bundle_macro::bundle;
-use crate::circuit::Circuit;
-use crate::distance::{Angular, AngularOutput, Beat, Euclidean, EuclideanOutput, products_of, squares_of};
-use crate::handle::{Num, Word};
-use crate::kernels::Portable;
-use crate::operation::Operation;
+use crate::distance::{products_of, squares_of};
+use crate::{
+    Angular, AngularOutput, Beat, Circuit, Euclidean, EuclideanOutput, Num, Operation, Portable, Word, bundle,
+};
 
 /// [`Euclidean`] with `M` accumulators, selected by a word of `W` bits. `M` is 2 to the power of `W`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

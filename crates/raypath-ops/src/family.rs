@@ -1,9 +1,6 @@
 //! Bundles as type families: one structure over many circuits, and conversions between circuits.
 
-use crate::binary32::Binary32;
-use crate::bundle::Bundle;
-use crate::circuit::Circuit;
-use crate::handle::{Bit, Flags, Num, Word};
+use crate::{Binary32, Bit, Bundle, Circuit, Flags, Num, Word};
 
 /// A bundle type without its circuit. The member over [`Binary32`] represents the family: for `Vec3<Binary32>`, the
 /// type `Of<C>` is `Vec3<C>`. Implemented for every type that implements [`Bundle`].

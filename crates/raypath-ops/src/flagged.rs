@@ -1,7 +1,6 @@
 //! Binary32 arithmetic with exception flags.
 
-use crate::binary32::{Binary32, Single};
-use crate::circuit::{Circuit, Concrete};
+use crate::{Binary32, Circuit, Concrete, Single};
 use std::cell::Cell;
 
 /// IEEE 754 binary32 that records the exceptions of additions, subtractions and multiplications in a cell. Set the cell

@@ -1,9 +1,6 @@
 //! Vectors, boxes and triangles.
 
-use crate::binary32::Binary32;
-use crate::bundle_macro::bundle;
-use crate::circuit::Circuit;
-use crate::handle::{Num, Word};
+use crate::{Binary32, Circuit, Num, Word, bundle};
 use std::ops::{Mul, Sub};
 
 bundle! {

@@ -1,13 +1,10 @@
 //! Jobs and outcomes of the paper's operations in their own types: the fast path of the functional model.
 
-use crate::binary32::Binary32;
-use crate::bundle::{Bundle, Path, Source};
-use crate::circuit::Concrete;
-use crate::distance::{Angular, AngularOutput, BeatInput, Euclidean, EuclideanOutput};
-use crate::operation::Operation;
-use crate::ports::{FromWords, Port, PortValue, Shapes, ToWords, canonical};
-use crate::ray_box::{RayBox, RayBoxInput, RayBoxOutput};
-use crate::ray_triangle::{RayTriangle, RayTriangleInput, RayTriangleOutput};
+use crate::ports::{FromWords, Shapes, ToWords, canonical};
+use crate::{
+    Angular, AngularOutput, BeatInput, Binary32, Bundle, Concrete, Euclidean, EuclideanOutput, Operation, Path, Port,
+    PortValue, RayBox, RayBoxInput, RayBoxOutput, RayTriangle, RayTriangleInput, RayTriangleOutput, Source,
+};
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;

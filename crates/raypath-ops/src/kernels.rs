@@ -1,9 +1,7 @@
 //! Parts of the paper's operations that some circuits compute faster than by their operators one by one.
 
-use crate::circuit::Circuit;
-use crate::family::{Family, Of};
-use crate::handle::{Bit, Num};
-use crate::sort::{SortEntry, sort_four};
+use crate::sort::sort_four;
+use crate::{Bit, Circuit, Family, Num, Of, SortEntry};
 use std::fmt::Arguments;
 
 /// Implementations of the operations' inner parts over circuit `C`.

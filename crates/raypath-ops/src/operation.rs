@@ -1,6 +1,4 @@
-use crate::bundle::Bundle;
-use crate::circuit::Circuit;
-use crate::kernels::Kernels;
+use crate::{Bundle, Circuit, Kernels};
 
 /// An operation of the datapath: the types of its jobs and results, and the function between them.
 ///

@@ -1,9 +1,6 @@
 //! Conversion of bundles to and from port values: by name, or (faster) as words in the order of the ports.
 
-use crate::binary32::Binary32;
-use crate::bundle::{Bundle, Field, Path, Sink, Source};
-use crate::circuit::Concrete;
-use crate::handle::{Bit, Num};
+use crate::{Binary32, Bit, Bundle, Concrete, Field, Num, Path, Sink, Source};
 use std::slice;
 
 /// The value of one port.

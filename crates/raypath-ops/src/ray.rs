@@ -1,10 +1,6 @@
 //! Rays with the derived values that the hardware expects (`docs/reference/semantics.md`; the paper's ray format).
 
-use crate::binary32::Binary32;
-use crate::bundle_macro::bundle;
-use crate::circuit::Circuit;
-use crate::geometry::Vec3;
-use crate::handle::{Num, Word};
+use crate::{Binary32, Circuit, Num, Vec3, Word, bundle};
 use thiserror::Error;
 
 bundle! {

@@ -1,15 +1,11 @@
 //! Ray against four boxes: the slab method (Table VII, column Quadbox).
 
-use crate::binary32::Binary32;
-use crate::bundle_macro::bundle;
-use crate::circuit::Circuit;
-use crate::geometry::Aabb;
-use crate::handle::{Bit, Flags, Num, Word};
-use crate::kernels::{Kernels, LaneMap, Portable};
-use crate::operation::{Operation, run_portable};
-use crate::ray::Ray;
-use crate::rules::{Interval, Rules};
-use crate::sort::SortEntry;
+use crate::operation::run_portable;
+use crate::rules::Interval;
+use crate::{
+    Aabb, Binary32, Bit, Circuit, Flags, Kernels, LaneMap, Num, Operation, Portable, Ray, Rules, SortEntry, Word,
+    bundle,
+};
 
 /// Tests a ray against four boxes and sorts the boxes by distance, the nearest hit first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,14 +1,7 @@
 //! The watertight test of a ray against a triangle (Woop, Benthin and Wald; Table VII, column Triangle).
 
-use crate::binary32::Binary32;
-use crate::bundle_macro::bundle;
-use crate::circuit::Circuit;
-use crate::geometry::{Triangle, Vec3};
-use crate::handle::{Bit, Num};
-use crate::kernels::{Kernels, LaneMap};
-use crate::operation::{Operation, run_portable};
-use crate::ray::Ray;
-use crate::rules::Rules;
+use crate::operation::run_portable;
+use crate::{Binary32, Bit, Circuit, Kernels, LaneMap, Num, Operation, Ray, Rules, Triangle, Vec3, bundle};
 
 /// Tests a ray against the front of a triangle and computes the distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,14 +1,7 @@
 //! The ray-triangle test with optional culling, range and outputs.
 
-use crate::bundle_macro::bundle;
-use crate::circuit::Circuit;
-use crate::geometry::Triangle;
-use crate::handle::{Bit, Num, Order};
-use crate::kernels::Portable;
-use crate::operation::Operation;
-use crate::ray::Ray;
-use crate::ray_triangle::{Distance, Edges, RayTriangle, Sums, distance};
-use crate::rules::Rules;
+use crate::ray_triangle::{Distance, Sums, distance};
+use crate::{Bit, Circuit, Edges, Num, Operation, Order, Portable, Ray, RayTriangle, Rules, Triangle, bundle};
 
 /// [`RayTriangle`] with options. With all of them off, its results are those of [`RayTriangle`]. It has the same name,
 /// so a datapath has one or the other.

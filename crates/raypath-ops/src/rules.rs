@@ -1,10 +1,7 @@
 //! The rules for special cases (`docs/reference/semantics.md`): zeros, NaNs, ties and touching boxes.
 
-use crate::bundle_macro::bundle;
-use crate::circuit::Circuit;
-use crate::handle::{Bit, Num, Order};
-use crate::kernels::Kernels;
-use crate::sort::{SortEntry, sort_four};
+use crate::sort::sort_four;
+use crate::{Bit, Circuit, Kernels, Num, Order, SortEntry, bundle};
 use std::fmt::Arguments;
 
 /// A set of rules for zeros, NaNs, ties and touching boxes. Everything else is the same in both sets.

@@ -1,9 +1,6 @@
 //! Sorting networks for the boxes of a job.
 
-use crate::bundle::Bundle;
-use crate::bundle_macro::bundle;
-use crate::circuit::Circuit;
-use crate::handle::{Bit, Num, Select, Word};
+use crate::{Bit, Bundle, Circuit, Num, Select, Word, bundle};
 use std::fmt::Display;
 
 bundle! {

@@ -1,8 +1,7 @@
 //! Comparison of this tracer with the library obvhs.
 
 use crate::bvh::{binary_tree, peer_triangles};
-use crate::scene::Scene;
-use crate::trace::{Counts, Goal, Stopped, Tracer, Tracing};
+use crate::{Counts, Goal, Scene, Stopped, Tracer, Tracing};
 use obvhs::ray::{Ray as PeerRay, RayHit};
 use raypath_ops::{Binary32, Ray};
 use raypath_timing::Progress;

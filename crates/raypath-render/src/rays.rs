@@ -8,8 +8,7 @@
 //! decimals that denote the same binary32; bits are 8 hexadecimal digits. t is t_num / t_denom, rounded to binary32, in
 //! units of the direction's length. Of several triangles at the closest t, the file has the one with the lowest index.
 
-use crate::read::ReadError;
-use crate::trace::Hit;
+use crate::{Hit, ReadError};
 use raypath_ops::{Binary32, Ray};
 use std::io::{self, Write};
 use std::path::Path;

@@ -5,10 +5,7 @@ mod pixel;
 
 pub(crate) use pixel::{PictureSampler, PixelSampler, SampleRay};
 
-use crate::camera::Camera;
-use crate::picture::{Picture, heatmap};
-use crate::scene::Scene;
-use crate::trace::{Counts, Stopped, Tracer, Tracing};
+use crate::{Camera, Counts, Picture, Scene, Stopped, Tracer, Tracing, heatmap};
 use rayon::prelude::*;
 use raypath_ops::RayError;
 use raypath_timing::{Progress, ProgressCounter};

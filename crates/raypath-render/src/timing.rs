@@ -6,11 +6,8 @@
 
 mod sequence;
 
-use crate::camera::Camera;
-use crate::picture::Picture;
-use crate::render::{PictureSampler, RenderError, Shading};
-use crate::scene::Scene;
-use crate::trace::{Hit, Tracing};
+use crate::render::PictureSampler;
+use crate::{Camera, Hit, Picture, RenderError, Scene, Shading, Tracing};
 use raypath_model::{CycleModel, Functional};
 use raypath_ops::{Binary32, Ray, Rules};
 use raypath_timing::{Observer, Progress, Sample, SimulationError, Sweep, System, Timing, simulate, sweep};

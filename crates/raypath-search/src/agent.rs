@@ -1,9 +1,6 @@
-use crate::error::SearchError;
 use crate::exact::check;
-use crate::graph::SearchTrace;
-use crate::metric::{Metric, cosine_distance, euclidean_distance};
-use crate::results::{Candidate, Nearest, Neighbour};
-use crate::vectors::Vectors;
+use crate::results::{Candidate, Nearest};
+use crate::{Metric, Neighbour, SearchError, SearchTrace, Vectors, cosine_distance, euclidean_distance};
 use raypath_model::Functional;
 use raypath_ops::{Beat, BeatInput, Binary32, Job, Outcome};
 use raypath_timing::{Action, Agent};

@@ -1,8 +1,6 @@
-use crate::error::SearchError;
 use crate::kernel::{self, Blocks, Lane};
-use crate::metric::{Metric, cosine_distance, euclidean_distance};
-use crate::results::{Candidate, Nearest, Neighbour, SearchResults, Work};
-use crate::vectors::Vectors;
+use crate::results::{Candidate, Nearest};
+use crate::{Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance, euclidean_distance};
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use raypath_model::BLOCK;

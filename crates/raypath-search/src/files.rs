@@ -5,8 +5,7 @@ mod npy;
 mod texmex;
 mod write;
 
-use crate::metric::Metric;
-use crate::vectors::{Neighbours, Vectors};
+use crate::{Metric, Neighbours, Vectors};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use thiserror::Error;

@@ -1,6 +1,4 @@
-use crate::error::SearchError;
-use crate::files::Dataset;
-use crate::vectors::{MAX_DIMENSIONS, Vectors};
+use crate::{Dataset, MAX_DIMENSIONS, SearchError, Vectors};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};

@@ -1,9 +1,7 @@
-use crate::error::SearchError;
 use crate::exact::{check, norms};
-use crate::kernel;
-use crate::metric::{Metric, cosine_distance, euclidean_distance};
-use crate::results::{Neighbour, SearchResults, Work};
-use crate::vectors::Vectors;
+use crate::{
+    Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine_distance, euclidean_distance, kernel,
+};
 use hnsw_rs::prelude::{Distance, Hnsw};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;

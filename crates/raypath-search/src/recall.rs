@@ -1,8 +1,4 @@
-use crate::distance::Datapath;
-use crate::error::SearchError;
-use crate::metric::Metric;
-use crate::results::SearchResults;
-use crate::vectors::{Neighbours, Vectors};
+use crate::{Datapath, Metric, Neighbours, SearchError, SearchResults, Vectors};
 use std::collections::HashSet;
 
 /// Recall at `count`: the mean fraction of the `count` true neighbours that a search found, between 0 and 1.

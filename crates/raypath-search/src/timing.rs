@@ -4,12 +4,7 @@
 //! circuit (square root, division, selection of the nearest, navigation of a graph) takes no cycles; each candidate
 //! takes one fetch.
 
-use crate::agent::QueryAgent;
-use crate::error::SearchError;
-use crate::graph::SearchTrace;
-use crate::metric::Metric;
-use crate::results::{Neighbour, Work};
-use crate::vectors::Vectors;
+use crate::{Metric, Neighbour, QueryAgent, SearchError, SearchTrace, Vectors, Work};
 use raypath_model::{CycleModel, Functional};
 use raypath_ops::Rules;
 use raypath_timing::{Observer, Progress, Sample, SimulationError, Sweep, System, Timing, simulate, sweep};

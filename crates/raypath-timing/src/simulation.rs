@@ -1,7 +1,4 @@
-use crate::agent::{Action, Agent, Observer, PortActivity};
-use crate::environment::{Environment, Sink};
-use crate::progress::Progress;
-use crate::timing::Timing;
+use crate::{Action, Agent, Environment, Observer, PortActivity, Progress, Sink, Timing};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_model::{CycleModel, Model};

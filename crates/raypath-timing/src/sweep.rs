@@ -1,8 +1,4 @@
-use crate::agent::Agent;
-use crate::environment::Environment;
-use crate::progress::Progress;
-use crate::simulation::{SimulationError, simulate};
-use crate::timing::Timing;
+use crate::{Agent, Environment, Progress, SimulationError, Timing, simulate};
 use rayon::prelude::*;
 use raypath_model::{CycleModel, Model};
 use raypath_ops::JobKind;

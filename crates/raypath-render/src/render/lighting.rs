@@ -1,9 +1,7 @@
 //! Lighting and shading: a sun, a sky, and a diffuse clay material.
 
-use crate::camera::Camera;
-use crate::scene::Scene;
-use crate::trace::Hit;
 use crate::vector::{Vector, add, cross, dot, scale, single, subtract, unit, vector};
+use crate::{Camera, Hit, Scene};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_ops::{Binary32, Ray};

@@ -2,10 +2,9 @@
 
 use super::lighting::{self, Colour, Lighting, SurfacePoint};
 use super::{MAX_PIXELS, MAX_SIDE, RenderError, Shading};
-use crate::camera::{Camera, View};
-use crate::scene::Scene;
-use crate::trace::{Goal, Hit};
+use crate::camera::View;
 use crate::vector::add;
+use crate::{Camera, Goal, Hit, Scene};
 use rand::rngs::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray, RayError};
 

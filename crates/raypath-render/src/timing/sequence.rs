@@ -1,8 +1,7 @@
 //! Agents that trace sequences of rays.
 
 use crate::render::{PixelSampler, SampleRay};
-use crate::scene::Scene;
-use crate::trace::{Goal, Hit, Tracing, Traversal};
+use crate::{Goal, Hit, Scene, Tracing, Traversal};
 use raypath_model::Functional;
 use raypath_ops::{Binary32, Job, Outcome, Ray, RayError};
 use raypath_timing::{Action, Agent};

@@ -2,8 +2,7 @@
 //! `neighbors` and `distances` of two axes, with an attribute `distance` that names the metric.
 
 use super::{FileError, neighbours as checked};
-use crate::metric::Metric;
-use crate::vectors::{Neighbours, Vectors};
+use crate::{Metric, Neighbours, Vectors};
 use hdf5_pure::{DType, Dataset, Error, File};
 use std::path::Path;
 

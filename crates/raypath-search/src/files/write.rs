@@ -1,5 +1,4 @@
-use crate::results::SearchResults;
-use crate::vectors::Vectors;
+use crate::{SearchResults, Vectors};
 use std::io::{self, Write};
 
 /// Writes the neighbours of each query, nearest first, as `.ivecs`. Rows with fewer neighbours are padded with −1.
