@@ -91,13 +91,16 @@ impl Accuracy {
         let triangles = scene::triangles(self.scale);
         let (groups, _) = triangles.as_chunks::<4>();
         for ray in scene::rays(self.scale) {
-            let mut nearest = Answer::MISS;
+            let mut nearest = MISS;
             for group in groups {
                 let boxes = measurement.run(&quadbox(ray, group.map(scene::bounds)));
                 for (vertices, entered) in group.iter().zip(boxes) {
-                    if entered != Answer::MISS {
+                    if entered != MISS {
                         let hit = measurement.run(&triangle(ray, *vertices));
-                        hit.into_iter().for_each(|hit| nearest.keep_nearer(hit.and_hit(entered)));
+                        for (run, hit) in hit.iter().flat_map(|hit| hit.iter().enumerate()) {
+                            let hit = entered[run].and(*hit);
+                            nearest[run] = nearest[run].into_iter().chain(hit).reduce(f64::min);
+                        }
                     }
                 }
             }
@@ -134,37 +137,10 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// A result of the three runs; `None` is a miss.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Answer {
-    in_format: Option<f64>,
-    on_rounded: Option<f64>,
-    on_original: Option<f64>,
-}
+/// A result of the three runs: in the format, in binary64 on rounded inputs and on original ones. `None` is a miss.
+type Answer = [Option<f64>; 3];
 
-impl Answer {
-    const MISS: Self = Self { in_format: None, on_rounded: None, on_original: None };
-
-    fn map_with(self, other: Self, f: impl Fn(Option<f64>, Option<f64>) -> Option<f64>) -> Self {
-        Self {
-            in_format: f(self.in_format, other.in_format),
-            on_rounded: f(self.on_rounded, other.on_rounded),
-            on_original: f(self.on_original, other.on_original),
-        }
-    }
-
-    /// A miss where `other` is a miss.
-    fn and_hit(self, other: Self) -> Self {
-        self.map_with(other, |hit, other| other.and(hit))
-    }
-
-    fn keep_nearer(&mut self, other: Self) {
-        *self = self.map_with(other, |hit, other| match (hit, other) {
-            (Some(hit), Some(other)) => Some(hit.min(other)),
-            _ => hit.or(other),
-        });
-    }
-}
+const MISS: Answer = [None; 3];
 
 /// The three datapaths, and the errors so far.
 struct Measurement {
@@ -206,17 +182,17 @@ impl Measurement {
         let together = in_format.into_iter().zip(on_rounded).zip(on_original);
         together
             .map(|(((quantity, in_format), (_, on_rounded)), (_, on_original))| {
-                let answer = Answer { in_format, on_rounded, on_original };
+                let answer = [in_format, on_rounded, on_original];
                 self.add(quantity, answer);
                 answer
             })
             .collect()
     }
 
-    fn add(&mut self, quantity: Quantity, answer: Answer) {
+    fn add(&mut self, quantity: Quantity, [in_format, on_rounded, on_original]: Answer) {
         let row = &mut self.rows[quantity as usize];
-        row.on_rounded.add(self.format, answer.in_format, answer.on_rounded);
-        row.on_original.add(self.format, answer.in_format, answer.on_original);
+        row.on_rounded.add(self.format, in_format, on_rounded);
+        row.on_original.add(self.format, in_format, on_original);
     }
 
     /// The rows that have results.

@@ -4,9 +4,6 @@ use raypath_ppa::{Bench, Design, Report};
 
 /// Measures designs with a progress bar. What is in the bench's cache is not measured again, and what is measured goes
 /// there, also where the user stops it.
-///
-/// # Errors
-/// A tool that fails; the user stopped it.
 pub fn measure(bench: &Bench, designs: &[Design]) -> Result<Vec<Report>, CliError> {
     let mut progress: Option<Progress> = None;
     let mut reached = 0;

@@ -5,9 +5,6 @@ use raypath_oracle::{Checks, OracleReport};
 use std::io::Write;
 
 /// Holds the answers of each operation against its oracle, and says on `out` what it found.
-///
-/// # Errors
-/// A wrong answer; `out` that cannot be written.
 pub fn ask_oracles(checks: &Checks<'_>, out: &mut dyn Write) -> Result<(), CliError> {
     for spec in checks.specs {
         let name = spec.name();
@@ -27,10 +24,7 @@ pub fn ask_oracles(checks: &Checks<'_>, out: &mut dyn Write) -> Result<(), CliEr
     Ok(())
 }
 
-/// Writes the faults of the operation `name` to `out`.
-///
-/// # Errors
-/// A wrong answer; `out` cannot be written.
+/// Writes the faults of the operation `name` to `out`; an error if there are any.
 pub(crate) fn require_right(report: &OracleReport, name: &str, out: &mut dyn Write) -> Result<(), CliError> {
     report.faults.iter().try_for_each(|fault| writeln!(out, "  {fault}"))?;
     match report.wrong {

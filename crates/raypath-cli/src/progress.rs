@@ -21,11 +21,8 @@ pub struct Progress {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error("after {done} of {total} {what}")]
 pub struct Stopped {
-    /// Items that were done.
     pub done: usize,
-    /// All of them.
     pub total: usize,
-    /// What they are.
     pub what: &'static str,
 }
 
@@ -69,10 +66,7 @@ impl Progress {
         !is_stopped()
     }
 
-    /// Ends.
-    ///
-    /// # Errors
-    /// The user stopped the work after `done` items.
+    /// Ends; an error if the user stopped the work after `done` items.
     pub fn finish(self, done: usize) -> Result<(), Stopped> {
         if let Some(bar) = self.bar {
             bar.finish_and_clear();
@@ -81,7 +75,6 @@ impl Progress {
     }
 }
 
-/// Whether the user has asked to stop.
 pub fn is_stopped() -> bool {
     STOPPED.load(Ordering::Relaxed)
 }

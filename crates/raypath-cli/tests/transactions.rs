@@ -32,11 +32,10 @@ bundle! {
 }
 
 /// Two operations that add. The name of one is a prefix of the other's.
-struct Sum;
-struct SumOfTwo;
+struct Sum<const IS_OF_TWO: bool>;
 
-impl Operation for Sum {
-    const NAME: &'static str = "sum";
+impl<const IS_OF_TWO: bool> Operation for Sum<IS_OF_TWO> {
+    const NAME: &'static str = if IS_OF_TWO { "sum_of_two" } else { "sum" };
     type Input<C: Circuit> = Tagged<C>;
     type Output<C: Circuit> = Total<C>;
     type State<C: Circuit> = ();
@@ -50,21 +49,10 @@ impl Operation for Sum {
     }
 }
 
-impl Operation for SumOfTwo {
-    const NAME: &'static str = "sum_of_two";
-    type Input<C: Circuit> = Tagged<C>;
-    type Output<C: Circuit> = Total<C>;
-    type State<C: Circuit> = ();
-
-    fn run<C: Circuit>(&self, c: C, input: Tagged<C>, state: ()) -> (Total<C>, ()) {
-        Sum.run(c, input, state)
-    }
-}
-
 const CONFIG: Config = Config::DEFAULT;
 
 fn model() -> WordModel {
-    Datapath::paper(CONFIG).with(Sum).with(SumOfTwo).model()
+    Datapath::paper(CONFIG).with(Sum::<false>).with(Sum::<true>).model()
 }
 
 fn read(name: &str, text: &str) -> Result<Vec<Transaction>, InputError> {
@@ -152,7 +140,7 @@ fn faults_name_field_value_and_what_was_expected() {
     assert_eq!(fails("sum.txt", "0 0 1 3 0\n"), "sum.txt:1: 5 fields, expected 9 for sum");
 
     // An operation that this datapath does not have.
-    let alone = Datapath::new().with(Sum).model();
+    let alone = Datapath::new().with(Sum::<false>).model();
     let error =
         read_from(&b""[..], Path::new("angular.txt"), None::<OperationId>, &alone, CONFIG).expect_err("no such jobs");
     let error = error.to_string();

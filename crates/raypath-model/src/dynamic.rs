@@ -47,6 +47,20 @@ macro_rules! either {
     };
 }
 
+/// Declares methods of arithmetic, of which only the circuit with exception flags differs from the native one.
+macro_rules! arithmetic {
+    ($($method:ident)*) => {$(
+        #[inline(never)]
+        fn $method(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {
+            match self {
+                Self::Native => number(Binary32.$method(single(a), single(b))),
+                Self::Flagged(flagged) => number(flagged.$method(single(a), single(b))),
+                Self::Soft(soft) => soft.$method(a, b),
+            }
+        }
+    )*};
+}
+
 // Not inlined, because the inlined code of all operations takes long to compile.
 impl Circuit for Dynamic<'_> {
     type Num = SoftNumber;
@@ -62,30 +76,8 @@ impl Circuit for Dynamic<'_> {
     fn one_plus_ulps(self, ulps: u32) -> SoftNumber {
         either!(self, number(Binary32.one_plus_ulps(ulps)), soft => soft.one_plus_ulps(ulps))
     }
-    #[inline(never)]
-    fn add(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {
-        match self {
-            Self::Native => number(Binary32.add(single(a), single(b))),
-            Self::Flagged(flagged) => number(flagged.add(single(a), single(b))),
-            Self::Soft(soft) => soft.add(a, b),
-        }
-    }
-    #[inline(never)]
-    fn subtract(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {
-        match self {
-            Self::Native => number(Binary32.subtract(single(a), single(b))),
-            Self::Flagged(flagged) => number(flagged.subtract(single(a), single(b))),
-            Self::Soft(soft) => soft.subtract(a, b),
-        }
-    }
-    #[inline(never)]
-    fn multiply(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {
-        match self {
-            Self::Native => number(Binary32.multiply(single(a), single(b))),
-            Self::Flagged(flagged) => number(flagged.multiply(single(a), single(b))),
-            Self::Soft(soft) => soft.multiply(a, b),
-        }
-    }
+    arithmetic! { add subtract multiply }
+
     #[inline(never)]
     fn negate(self, a: SoftNumber) -> SoftNumber {
         either!(self, number(Binary32.negate(single(a))), soft => soft.negate(a))

@@ -38,7 +38,6 @@ struct Buffers {
     answer: Vec<u64>,
 }
 
-/// An operation of the model with its ports.
 struct Known {
     kind: OperationId,
     operation: Arc<dyn WordOperation>,
@@ -50,7 +49,6 @@ struct Known {
     has_output: Vec<bool>,
 }
 
-/// The name of the tag's port.
 const TAG: &str = "tag";
 /// The width of the exceptions' port.
 const FLAGS: u32 = 4;

@@ -77,7 +77,6 @@ impl OperationId {
 }
 
 impl PartialEq<JobKind> for OperationId {
-    /// Whether the names are equal.
     fn eq(&self, other: &JobKind) -> bool {
         self.name == other.name()
     }

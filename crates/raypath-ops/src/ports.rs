@@ -70,7 +70,6 @@ pub fn from_words<C: Concrete, B: Bundle<C>>(circuit: C, words: &[u64]) -> B {
     B::build(&mut Path::unnamed(), &mut FromWords::new(circuit, words, C::number))
 }
 
-/// Collects the ports of a bundle.
 pub(crate) struct Shapes(pub Vec<Port>);
 
 impl Shapes {
@@ -101,7 +100,6 @@ pub(crate) fn canonical<C: Concrete>(circuit: C, bits: u64) -> C::Num {
     circuit.number(circuit.bits(circuit.number(bits)))
 }
 
-/// Appends port values in order.
 pub(crate) struct ToWords<'w, C: Concrete> {
     words: &'w mut Vec<u64>,
     bits: fn(C, C::Num) -> u64,
@@ -133,7 +131,6 @@ impl<C: Concrete> Sink<C> for ToWords<'_, C> {
     }
 }
 
-/// Reads port values in order.
 pub(crate) struct FromWords<'w, C: Concrete> {
     circuit: C,
     words: slice::Iter<'w, u64>,

@@ -196,7 +196,6 @@ impl Checks<'_> {
     }
 }
 
-/// The comparison of a stream of outcomes with an oracle.
 struct OracleRun<'s> {
     spec: &'s AnyOperationSpec,
     kind: OperationId,

@@ -36,5 +36,4 @@ pub fn jobs(
     })
 }
 
-/// A generator of jobs of one operation.
 type Source = Box<dyn FnMut(&mut ChaCha8Rng) -> Words>;

@@ -43,7 +43,6 @@ pub(crate) type Stimulus = Arc<dyn Fn(&mut ChaCha8Rng) -> Vec<u64> + Send + Sync
 /// Checks the result of a job, both as words. The jobs are passed in order. The error describes a wrong result.
 pub(crate) type Check = Box<dyn FnMut(&[u64], &[u64]) -> Result<(), String>>;
 
-/// An oracle with its name.
 #[derive(Clone)]
 pub(crate) struct Oracle {
     /// A short description, such as `exact rationals`.

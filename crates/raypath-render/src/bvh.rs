@@ -45,7 +45,6 @@ pub struct Bvh4 {
     triangles: Vec<Triangle<Binary32>>,
     /// The mesh index of each of `triangles`.
     indices: Vec<u32>,
-    /// The stack entries that a traversal needs at most.
     stack: usize,
     reach: f32,
 }
@@ -144,11 +143,6 @@ impl Bvh4 {
         self.indices[slot as usize]
     }
 
-    /// The number of triangles.
-    pub fn triangle_count(&self) -> usize {
-        self.triangles.len()
-    }
-
     /// The number of stack entries that a traversal needs at most.
     pub fn stack_size(&self) -> usize {
         self.stack
@@ -168,7 +162,6 @@ pub(crate) fn binary_tree(mesh: &Mesh) -> Bvh2 {
     build_bvh2_from_tris(&peer_triangles(mesh), parameters, &mut Duration::default())
 }
 
-/// The triangles of the mesh as types of obvhs.
 pub(crate) fn peer_triangles(mesh: &Mesh) -> Vec<PeerTriangle> {
     let corners = (0..mesh.triangles().len() as u32).map(|index| mesh.corners(index));
     corners.map(|[a, b, c]| PeerTriangle { v0: a.into(), v1: b.into(), v2: c.into() }).collect()
@@ -190,7 +183,6 @@ enum Subtree {
     Range { first: u32, count: u32 },
 }
 
-/// A node to convert.
 struct Task {
     node: usize,
     part: Subtree,
@@ -228,7 +220,6 @@ impl<'m> Collapse<'m> {
         }
     }
 
-    /// Appends the triangles of a leaf.
     fn leaf(&mut self, tree: &Bvh2, first: u32, count: u32) -> Reference {
         let slot = self.bvh.triangles.len() as u32;
         for &index in range(tree, first, count) {
@@ -255,7 +246,6 @@ impl<'m> Collapse<'m> {
 }
 
 impl Node {
-    /// A node with four missing children.
     fn empty() -> Self {
         let never_hit = Aabb::new(Bounds::EMPTY.min, Bounds::EMPTY.max);
         Self { boxes: [never_hit; 4], children: [Reference::ROOT; 4] }

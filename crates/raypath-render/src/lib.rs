@@ -25,7 +25,7 @@ pub use builtin::builtin;
 pub use bvh::Bvh4;
 pub use camera::{Camera, CameraError};
 pub use mesh::{Bounds, Mesh, MeshError};
-pub use picture::{Picture, heatmap};
+pub use picture::{Picture, heatmap, to_png};
 pub use rays::{parse_rays, read_rays, write_hits};
 pub use read::{Format, ReadError, parse_mesh, read_mesh};
 pub use render::{RenderError, Rendering, Shading, render};

@@ -6,6 +6,7 @@ mod pixel;
 pub(crate) use pixel::{PictureSampler, PixelSampler, SampleRay};
 
 use crate::{Camera, Counts, Picture, Scene, Stopped, Tracer, Tracing, heatmap};
+use image::Rgb;
 use rayon::prelude::*;
 use raypath_ops::RayError;
 use raypath_timing::{Progress, ProgressCounter};
@@ -130,7 +131,8 @@ pub fn render(
     if progress.is_stopped() {
         return Err(Stopped.into());
     }
-    let picture = Picture::new(width, height, pixels.iter().map(|pixel| pixel.colour).collect());
+    let colour = |x: u32, y: u32| Rgb(pixels[y as usize * width as usize + x as usize].colour);
+    let picture = Picture::from_fn(width, height, colour);
     let jobs = pixels.iter().map(|pixel| pixel.jobs).collect();
     Ok(Rendering { picture, jobs, primary, shadow, occlusion })
 }
@@ -148,7 +150,6 @@ struct Pixel {
     jobs: u32,
 }
 
-/// The jobs of all kinds of rays.
 fn jobs(costs: &[Costs; 3]) -> u64 {
     costs.iter().map(|costs| costs.counts.jobs()).sum()
 }

@@ -8,6 +8,7 @@ mod sequence;
 
 use crate::render::PictureSampler;
 use crate::{Camera, Hit, Picture, RenderError, Scene, Shading, Tracing};
+use image::Rgb;
 use raypath_model::{CycleModel, Functional};
 use raypath_ops::{Binary32, Ray, Rules};
 use raypath_timing::{Observer, Progress, Sample, SimulationError, Sweep, System, Timing, simulate, sweep};
@@ -67,11 +68,11 @@ pub fn time_picture(
     let store = ResultStore::new(numbers.len());
     let agents = store.clone().agents(spec.scene, tracing, numbers.clone(), |pixel| sampler.pixel(pixel));
     let timing = simulate(agents, &system.environment, pipeline(system, tracing.rules), observer, progress)?;
-    let mut pixels = vec![[0; 3]; sampler.pixels()];
+    let mut picture = Picture::new(spec.size.0, spec.size.1);
     for (number, colour) in numbers.zip(store.results().map_err(RenderError::Camera)?) {
-        pixels[number] = colour;
+        picture.put_pixel(number as u32 % spec.size.0, number as u32 / spec.size.0, Rgb(colour));
     }
-    Ok((timing, Picture::new(spec.size.0, spec.size.1, pixels)))
+    Ok((timing, picture))
 }
 
 /// Simulates the rendering of a picture with each number of pixels in flight and each memory latency, in place of those

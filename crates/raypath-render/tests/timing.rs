@@ -4,6 +4,7 @@ mod common;
 
 use common::meshes;
 use common::rays::{Kind, rays};
+use image::Rgb;
 use raypath_model::{Control, Shape};
 use raypath_ops::{JobKind, Ray, RayError};
 use raypath_render::{
@@ -66,8 +67,8 @@ fn a_sample_renders_only_its_pixels() {
     let sampled: Vec<usize> = (0..100).map(|number| 7 * number).collect();
     let jobs = sampled.iter().map(|&pixel| u64::from(rendering.jobs[pixel])).sum::<u64>();
     assert_eq!((timing.agents, timing.total_jobs()), (100, jobs));
-    for (pixel, (timed, rendered)) in picture.pixels().iter().zip(rendering.picture.pixels()).enumerate() {
-        assert_eq!(timed, if sampled.contains(&pixel) { rendered } else { &[0; 3] });
+    for (pixel, (timed, rendered)) in picture.pixels().zip(rendering.picture.pixels()).enumerate() {
+        assert_eq!(timed, if sampled.contains(&pixel) { rendered } else { &Rgb([0; 3]) });
     }
 }
 

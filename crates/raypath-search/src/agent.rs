@@ -18,7 +18,6 @@ pub struct QueryAgent<'v> {
     query: &'v [f32],
     metric: Metric,
     candidates: Candidates<'v>,
-    /// The number of fetched candidates.
     fetched: usize,
     /// The number of candidates with a distance.
     evaluated: usize,

@@ -90,7 +90,6 @@ impl<const E: usize, const A: usize> Exact<E, A> {
         Work::of::<E, A>(evaluations, self.metric, self.dimensions)
     }
 
-    /// Searches for a group of queries, tile by tile.
     fn group(&self, queries: &[f32], count: usize, progress: &ProgressCounter) -> Vec<Vec<Neighbour>> {
         let mut queries: Vec<Query> =
             queries.chunks_exact(self.dimensions).map(|query| self.query(query, count)).collect();
@@ -179,7 +178,6 @@ impl<const E: usize, const A: usize> Exact<E, A> {
     }
 }
 
-/// A query with its nearest candidates so far.
 struct Query {
     padded: Vec<f32>,
     norm: f32,

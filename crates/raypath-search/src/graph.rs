@@ -64,7 +64,6 @@ impl Default for GraphParameters {
 /// The maximum number of layers. A vector is in the second with probability 1/M, in the third with 1/M², and so on.
 const LAYERS: usize = 16;
 
-/// The maximum ef.
 const EF_MAX: usize = 1 << 16;
 
 impl<'v, const E: usize, const A: usize> Graph<'v, E, A> {
@@ -223,7 +222,6 @@ fn in_range(
     if range.contains(&found) { Ok(()) } else { Err(problem()) }
 }
 
-/// An item of the graph: a reference to a vector.
 #[derive(Clone)]
 enum Item {
     Base(u32),
@@ -238,7 +236,6 @@ struct Query {
     candidates: Option<Mutex<Vec<u32>>>,
 }
 
-/// The distance function of the graph.
 struct DatapathDistance<'v, const E: usize, const A: usize> {
     base: &'v Vectors,
     metric: Metric,

@@ -54,13 +54,11 @@ pub(crate) fn squared<const E: usize>(query: &[f32], candidate: &[f32]) -> f32 {
     pair(&Euclidean::<E>, EuclideanState::zero(Binary32), query, candidate).accumulator.into()
 }
 
-/// The dot product of a query and one candidate.
 #[inline(always)]
 pub(crate) fn dot_product<const A: usize>(query: &[f32], candidate: &[f32]) -> f32 {
     pair(&Angular::<A>, AngularState::zero(Binary32), query, candidate).dot_product.into()
 }
 
-/// The squared norm of a vector.
 #[inline(always)]
 pub(crate) fn norm<const A: usize>(vector: &[f32]) -> f32 {
     pair(&Angular::<A>, AngularState::zero(Binary32), vector, vector).norm.into()

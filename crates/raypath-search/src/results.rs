@@ -63,12 +63,10 @@ pub(crate) struct Nearest {
 pub(crate) struct Candidate {
     /// A monotonic function of the distance; not NaN.
     pub(crate) key: f64,
-    /// The index in the base.
     pub(crate) index: u32,
 }
 
 impl Nearest {
-    /// A collection of the `count` nearest candidates; `count` is at least 1.
     pub(crate) fn new(count: usize) -> Self {
         Self { heap: BinaryHeap::with_capacity(count), count }
     }
@@ -79,7 +77,6 @@ impl Nearest {
         if self.heap.len() < self.count { None } else { self.heap.peek().map(|worst| worst.key) }
     }
 
-    /// Adds a candidate if it is among the nearest.
     #[inline]
     pub(crate) fn offer(&mut self, candidate: Candidate) {
         if self.heap.len() < self.count {
@@ -91,7 +88,6 @@ impl Nearest {
         }
     }
 
-    /// The candidates, nearest first.
     pub(crate) fn into_sorted(self) -> Vec<Candidate> {
         self.heap.into_sorted_vec()
     }

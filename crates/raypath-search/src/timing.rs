@@ -83,7 +83,6 @@ impl SearchSpec<'_> {
         Sample::first((0..self.len()).take_while(fits).count())
     }
 
-    /// The work for one query.
     fn work_of<const E: usize, const A: usize>(&self, number: usize) -> Work {
         let dimensions = self.base.dimensions();
         match self.candidates {
@@ -135,7 +134,6 @@ pub fn sweep_search<const E: usize, const A: usize>(
     Ok(sweep(in_flight, latencies, &system.environment, &pipeline::<E, A>(system), agents, progress)?)
 }
 
-/// The agents of the queries of a sample.
 fn agents<'s>(spec: &SearchSpec<'s>, sample: Sample) -> Result<Vec<QueryAgent<'s>>, SearchError> {
     let SearchSpec { base, queries, metric, candidates } = *spec;
     let selected = sample.numbers(spec.len()).filter_map(|number| Some((number, queries.get(number)?)));

@@ -58,7 +58,6 @@ pub fn parse_sweep(text: &str, path: &Path) -> Result<Vec<(String, Config)>, Inp
 
 /// The maximum length of a file in bytes.
 const MAX_BYTES: u64 = 64 << 10;
-/// The maximum number of configurations in a sweep.
 const MAX_CONFIGURATIONS: usize = 10_000;
 
 fn text(path: &Path) -> Result<String, InputError> {

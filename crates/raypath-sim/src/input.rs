@@ -13,12 +13,10 @@ pub struct InputError {
 }
 
 impl InputError {
-    /// A problem of a whole file.
     pub(crate) fn in_file(path: &Path, problem: impl Display) -> Self {
         Self { path: Some(path.to_path_buf()), line: None, problem: problem.to_string() }
     }
 
-    /// A problem in one line of a file.
     pub(crate) fn at_line(path: &Path, line: usize, problem: impl Display) -> Self {
         Self { line: Some(line), ..Self::in_file(path, problem) }
     }

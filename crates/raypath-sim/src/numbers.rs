@@ -30,7 +30,6 @@ pub fn edges(format: Format) -> [u64; 16] {
     ]
 }
 
-/// The exponent bias.
 fn bias(format: Format) -> i64 {
     (1 << (format.exponent() - 1)) - 1
 }

@@ -1,14 +1,11 @@
 //! The handshakes of the source and the sink of a datapath, and the order of jobs.
 
-mod handshake;
 mod recorded;
 
-pub use recorded::{read_recorded, recorded_text};
-
 use crate::random::CloneableRng;
-use handshake::{ActivityPhase, HandshakePattern};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
+pub use recorded::{read_recorded, recorded_text};
 use std::collections::{BTreeMap, VecDeque};
 
 /// The events at the ports of the datapath in one cycle.
@@ -61,7 +58,7 @@ impl Traffic {
     /// Random bubbles and stalls, reproducible by `seed`.
     pub fn random(seed: u64) -> Self {
         let rng = CloneableRng(ChaCha8Rng::seed_from_u64(seed));
-        let [source, sink] = [(); 2].map(|()| HandshakePattern::Phases(ActivityPhase::default()));
+        let [source, sink] = [(); 2].map(|()| HandshakePattern::PHASES);
         let random = RandomTraffic { rng, source, sink, resets: 0.0, withdraws: 0.0, cycles_left: None };
         Self(Pattern::Random(Box::new(random)))
     }
@@ -132,4 +129,65 @@ pub fn interleave<T>(stream: Vec<T>, opcode: impl Fn(&T) -> u64, seed: u64) -> V
         }
     }
     mixed
+}
+
+/// The handshakes of a source or a sink. To act is to offer a job or to be ready.
+#[derive(Debug, Clone)]
+enum HandshakePattern {
+    /// Acts in every cycle.
+    Always,
+    /// Acts in each cycle with this probability.
+    Chance(f64),
+    /// Alternates between acting and pausing. Each takes a random number of cycles, at most `longest[0]` to act and
+    /// `longest[1]` to pause.
+    Bursts { longest: [u32; 2], acting: bool, cycles_left: u32 },
+    /// Acts with a probability that is drawn again after a random number of cycles.
+    Phases { probability: f64, cycles_left: u32 },
+}
+
+/// The probabilities of a phase. Phases with low probability are long enough to fill or drain the pipeline.
+const PROBABILITIES: [f64; 6] = [1.0, 0.9, 0.5, 0.1, 0.01, 0.0];
+const MAX_PHASE_CYCLES: u32 = 80;
+
+impl HandshakePattern {
+    const PHASES: Self = Self::Phases { probability: 0.0, cycles_left: 0 };
+
+    /// A random pattern. Patterns that keep the datapath busy are more likely than those that make it wait.
+    fn random(rng: &mut ChaCha8Rng) -> Self {
+        let bursts = |longest| Self::Bursts { longest, acting: true, cycles_left: 0 };
+        match rng.random_range(0..16) {
+            0..=4 => Self::Always,
+            5 => Self::Chance(0.01),
+            6 | 7 => Self::Chance(0.5),
+            8 => Self::Chance(0.9),
+            9 | 10 => bursts([12, 12]),
+            11 => bursts([40, 3]),
+            12 | 13 => bursts([60, 120]),
+            _ => Self::PHASES,
+        }
+    }
+
+    /// Whether the source or sink acts in the next cycle.
+    fn acts(&mut self, rng: &mut ChaCha8Rng) -> bool {
+        match self {
+            Self::Always => true,
+            Self::Chance(chance) => rng.random_bool(*chance),
+            Self::Phases { probability, cycles_left } => {
+                if *cycles_left == 0 {
+                    *probability = PROBABILITIES[rng.random_range(0..PROBABILITIES.len())];
+                    *cycles_left = rng.random_range(1..=MAX_PHASE_CYCLES);
+                }
+                *cycles_left -= 1;
+                rng.random_bool(*probability)
+            }
+            Self::Bursts { longest, acting, cycles_left } => {
+                if *cycles_left == 0 {
+                    *acting = !*acting;
+                    *cycles_left = rng.random_range(1..=longest[usize::from(!*acting)]);
+                }
+                *cycles_left -= 1;
+                *acting
+            }
+        }
+    }
 }

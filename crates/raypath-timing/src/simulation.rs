@@ -118,7 +118,6 @@ struct Simulation<'p, M: Model, A, I> {
     timing: Timing,
 }
 
-/// A slot for an agent in flight.
 struct Slot<M: Model, A> {
     agent: A,
     number: u64,
@@ -179,7 +178,6 @@ impl<M: Model<Kind = JobKind>, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_
         }
     }
 
-    /// Fills the slots with the first agents.
     fn start(&mut self, in_flight: usize) -> Result<(), SimulationError> {
         while self.slots.len() < in_flight
             && let Some(agent) = self.agents.next()
@@ -335,7 +333,6 @@ impl<M: Model<Kind = JobKind>, A: Agent<M>, I: Iterator<Item = A>> Simulation<'_
         *count += cycles;
     }
 
-    /// Calls the progress callback at intervals.
     fn poll(&mut self) -> Result<(), SimulationError> {
         self.polls += 1;
         let agents = self.timing.agents;

@@ -5,7 +5,6 @@ use crate::error::CliError;
 use clap::{Args, Subcommand};
 use std::io::Write;
 
-/// The commands of a build with the feature `full`.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Render a mesh through the datapath, and show how busy it was (feature `full`)

@@ -84,7 +84,6 @@ pub(crate) fn exit(command: impl FnOnce(&mut dyn Write) -> Result<(), CliError>)
     }
 }
 
-/// The message for a command that this build does not have.
 #[cfg(any(test, not(feature = "full")))]
 fn needs_full(command: &str) -> String {
     format!(

@@ -1,4 +1,4 @@
-//! Whole numbers on the command line: what is no number is told what was expected.
+//! Numbers on the command line: what is no number is told what was expected.
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -13,4 +13,14 @@ where
         Ok(number) if range.contains(&number) => Ok(number),
         _ => Err(format!("expected a whole number from {} to {}", range.start(), range.end())),
     }
+}
+
+/// A parser, for clap, of numbers in a range, which `expected` describes.
+#[cfg(feature = "full")]
+pub fn number(
+    range: RangeInclusive<f64>,
+    expected: impl Display,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    let expected = format!("expected {expected}");
+    move |text| text.parse().ok().filter(|number| range.contains(number)).ok_or_else(|| expected.clone())
 }

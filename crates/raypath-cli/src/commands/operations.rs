@@ -67,7 +67,6 @@ fn measured(_: Cost, _: &Datapath, _: &str, _: &Arguments) -> Result<Cost, CliEr
     Err(CliError::Unusable(super::needs_full("operations --area")))
 }
 
-/// An operation and its oracle.
 struct Entry {
     name: &'static str,
     purpose: &'static str,

@@ -56,7 +56,6 @@ fn transformed(matrix: &Matrix, [x, y, z]: [f32; 3]) -> [f32; 3] {
     std::array::from_fn(|row| (matrix[0][row] * x + matrix[1][row] * y + matrix[2][row] * z + matrix[3][row]) as f32)
 }
 
-/// Whether the matrix mirrors.
 fn mirrors([a, b, c, _]: &Matrix) -> bool {
     let minor = |i: usize, j: usize| b[i] * c[j] - b[j] * c[i];
     a[0] * minor(1, 2) + a[1] * minor(2, 0) + a[2] * minor(0, 1) < 0.0
@@ -122,7 +121,6 @@ fn resource(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
     std::fs::read(&file).map_err(|problem| format!("{}: cannot read: {problem}", file.display()))
 }
 
-/// The mesh of a scene during its construction.
 struct SceneMesh {
     buffers: Vec<Vec<u8>>,
     raw: RawMesh,
@@ -175,7 +173,6 @@ impl SceneMesh {
         Ok(self.items(accessor)?.map(index).collect())
     }
 
-    /// The bytes of each item of an accessor.
     fn items(&self, accessor: &Accessor) -> Result<impl Iterator<Item = &[u8]>, String> {
         if accessor.sparse().is_some() {
             return Err("a sparse accessor, expected a plain one".to_string());

@@ -71,7 +71,6 @@ const FACE_INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 /// A vertex. Missing coordinates stay NaN, which [`Mesh::new`](crate::Mesh::new) rejects.
 struct Vertex([f32; 3]);
 
-/// The indices of a polygon.
 struct Face(Vec<i64>);
 
 impl PropertyAccess for Vertex {

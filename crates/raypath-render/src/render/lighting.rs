@@ -23,7 +23,6 @@ pub(super) struct Lighting {
     reach: f32,
 }
 
-/// A surface point to shade.
 pub(super) struct SurfacePoint {
     /// The origin of secondary rays.
     origin: [f32; 3],
@@ -87,7 +86,6 @@ impl Lighting {
         Self { sun, up: frame.up, reach: scene.bounds().longest_side() / 2.0 }
     }
 
-    /// The light of the sky from a direction.
     pub(super) fn sky(&self, direction: [f32; 3]) -> Colour {
         let height = dot(unit(vector(direction)), self.up);
         if height < 0.0 {
@@ -124,7 +122,6 @@ impl Lighting {
         mix(GROUND, mix(HORIZON, ZENITH, 0.5), part)
     }
 
-    /// The light that a point reflects.
     pub(super) fn reflected(&self, point: &SurfacePoint, in_sun: bool, sky: Colour) -> Colour {
         let cosine = if in_sun { dot(point.normal, self.sun).max(0.0) } else { 0.0 };
         // The constant approximates light between surfaces.

@@ -30,7 +30,6 @@ pub(crate) struct PixelSampler<'p> {
     pending: Pending,
 }
 
-/// A ray to trace for a pixel.
 pub(crate) struct SampleRay {
     pub(crate) ray: Ray<Binary32>,
     pub(crate) kind: RayKind,
@@ -82,7 +81,6 @@ impl<'s> PictureSampler<'s> {
         Ok(Self { scene, view, lighting, shading: *shading, width, pixels })
     }
 
-    /// The number of pixels.
     pub(crate) fn pixels(&self) -> usize {
         self.pixels as usize
     }

@@ -10,13 +10,11 @@ use std::rc::Rc;
 
 /// A sequence of rays, of which each may depend on the hit of the previous one, and its result.
 pub(super) trait RaySequence {
-    /// The result of the sequence.
     type Result: Copy + Default;
 
     /// The next ray, or `None` after the last. `hit` is the hit of the previous ray; the first call ignores it.
     fn next_ray(&mut self, hit: Option<Hit>) -> Result<Option<(Ray<Binary32>, Goal)>, RayError>;
 
-    /// The result, after the last ray.
     fn result(&self) -> Self::Result;
 }
 
@@ -36,7 +34,6 @@ struct Store<'s, R> {
     error: Option<RayError>,
 }
 
-/// The agent of a sequence.
 struct SequenceAgent<'s, S: RaySequence> {
     /// The index of the result.
     number: usize,
@@ -53,13 +50,11 @@ impl<R> Clone for ResultStore<'_, R> {
 }
 
 impl<'s, R: Copy + Default> ResultStore<'s, R> {
-    /// A store for the results of `sequences` sequences.
     pub(super) fn new(sequences: usize) -> Self {
         let results = vec![R::default(); sequences];
         Self(Rc::new(RefCell::new(Store { free_traversals: Vec::new(), results, error: None })))
     }
 
-    /// An agent for the sequence of each of `numbers`.
     pub(super) fn agents<S: RaySequence<Result = R>>(
         self,
         scene: &'s Scene,
@@ -74,7 +69,6 @@ impl<'s, R: Copy + Default> ResultStore<'s, R> {
         })
     }
 
-    /// The results in the order of the agents.
     pub(super) fn results(self) -> Result<Vec<R>, RayError> {
         let Store { results, error, .. } = &mut *self.0.borrow_mut();
         error.map_or_else(|| Ok(std::mem::take(results)), Err)

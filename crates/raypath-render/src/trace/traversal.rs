@@ -64,7 +64,6 @@ enum State {
 /// numbers only.
 #[derive(Debug, Clone, Copy)]
 struct Leaf {
-    /// The next job to issue.
     next: u64,
     /// The oldest outstanding job.
     awaited: u64,
@@ -108,7 +107,6 @@ impl<'s> Traversal<'s> {
         self.counts
     }
 
-    /// The next request.
     #[inline]
     pub(super) fn next_request(&mut self) -> Request<'s> {
         match self.state {
@@ -174,7 +172,6 @@ impl<'s> Traversal<'s> {
         Request::Done
     }
 
-    /// The next job of a leaf.
     #[inline]
     fn next_of_leaf(&mut self, leaf: Leaf) -> Request<'s> {
         let job = leaf.next;

@@ -6,7 +6,6 @@ use crate::{Metric, Neighbours, Vectors};
 use hdf5_pure::{DType, Dataset, Error, File};
 use std::path::Path;
 
-/// The parts of a data set in a file.
 pub(super) struct Parts {
     pub(super) base: Vectors,
     pub(super) queries: Option<Vectors>,

@@ -87,7 +87,6 @@ pub fn observe<J: Borrow<Words>>(
 /// The remaining jobs, of which the first is at the ports.
 struct Source<I: Iterator> {
     jobs: std::iter::Peekable<I>,
-    /// The position of the job at the ports.
     index: usize,
 }
 

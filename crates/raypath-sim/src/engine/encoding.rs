@@ -18,18 +18,17 @@ impl PortEncoding {
     /// The bits at a port for a value. The encoding of each number of an outcome is unique.
     #[inline]
     pub fn to_port(self, kind: PortKind, bits: u64) -> u64 {
-        match (kind, self.io) {
-            (PortKind::Number, Encoding::Recoded) => self.format.encode(bits),
-            (PortKind::Number, Encoding::Ieee) | (PortKind::Flags | PortKind::Word, _) => bits,
-        }
+        if self.is_recoded(kind) { self.format.encode(bits) } else { bits }
     }
 
     /// The value of the bits at a port.
     #[inline]
     pub fn from_port(self, kind: PortKind, bits: u64) -> u64 {
-        match (kind, self.io) {
-            (PortKind::Number, Encoding::Recoded) => self.format.decode(bits),
-            (PortKind::Number, Encoding::Ieee) | (PortKind::Flags | PortKind::Word, _) => bits,
-        }
+        if self.is_recoded(kind) { self.format.decode(bits) } else { bits }
+    }
+
+    #[inline]
+    fn is_recoded(self, kind: PortKind) -> bool {
+        kind == PortKind::Number && self.io == Encoding::Recoded
     }
 }

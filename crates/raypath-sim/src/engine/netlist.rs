@@ -30,7 +30,6 @@ pub struct Handshake {
 /// A port of the netlist, `None` if the configuration lacks it, and the meaning of its bits.
 type NetlistPort<P> = (Option<P>, PortKind);
 
-/// The ports of one operation.
 struct OperationPorts {
     kind: OperationId,
     /// The ports of its jobs, in the order of their words.

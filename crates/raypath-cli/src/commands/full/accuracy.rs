@@ -1,7 +1,7 @@
 //! `raypath accuracy`: the errors of number formats, compared with binary64.
 
 use crate::accuracy::{Accuracy, DIMENSIONS, RAYS, SCALES, table};
-use crate::commands::numbers::whole;
+use crate::commands::numbers::{number, whole};
 use crate::error::CliError;
 use crate::progress::Progress;
 use clap::Args;
@@ -24,7 +24,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = Rules::Paper, value_name = "paper|chisel")]
     rules: Rules,
     /// A factor on all coordinates, which are between -4 and 4 without it
-    #[arg(long, default_value_t = 1.0, value_parser = scale)]
+    #[arg(long, default_value_t = 1.0, value_parser = number(SCALES, format!("a number from {:e} to {:e}", SCALES.start(), SCALES.end())))]
     scale: f64,
 }
 
@@ -60,9 +60,4 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     )?;
     writeln!(out, "the errors, in ulps of the format. no number: results that are infinite or NaN.")?;
     Ok(())
-}
-
-fn scale(given: &str) -> Result<f64, String> {
-    let scale = given.parse().ok().filter(|scale| SCALES.contains(scale));
-    scale.ok_or_else(|| format!("expected a number from {:e} to {:e}", SCALES.start(), SCALES.end()))
 }

@@ -60,7 +60,6 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     Ok(())
 }
 
-/// What to measure, by name.
 fn configurations(arguments: &Arguments) -> Result<Vec<(String, Config)>, CliError> {
     if let Some(path) = &arguments.sweep {
         return Ok(configuration::sweep(path)?);

@@ -1,8 +1,9 @@
 //! What `ppa` and `explore` measure with.
 
-use crate::commands::numbers::whole;
+use crate::commands::numbers::{number, whole};
 use crate::error::CliError;
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library, Report};
 use raypath_tools::{OpenSta, Yosys, YosysKind};
 use std::path::PathBuf;
@@ -13,7 +14,7 @@ pub struct BenchArguments {
     #[arg(long, default_value = DEFAULT_LIBRARY, value_name = "FILE")]
     liberty: PathBuf,
     /// The clock period that gates are chosen for, in nanoseconds; not a limit
-    #[arg(long, default_value_t = 12.0, value_parser = period, value_name = "NS")]
+    #[arg(long, default_value_t = 12.0, value_parser = number(0.001..=1e6, "nanoseconds, 0.001 to 1000000"), value_name = "NS")]
     period: f64,
     /// How many programs may run at a time [default: as many as there are cores]
     #[arg(long, value_parser = whole(1..=u16::MAX))]
@@ -22,27 +23,23 @@ pub struct BenchArguments {
     #[arg(long, default_value = "build/ppa-cache", value_name = "DIR")]
     cache: PathBuf,
     /// Which Yosys: the program, or Python's module [default: the module if it is installed]
-    #[arg(long)]
-    yosys: Option<WhichYosys>,
+    #[arg(long, value_parser = yosys())]
+    yosys: Option<YosysKind>,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum WhichYosys {
-    Program,
-    Pyosys,
+/// A parser of the names of Yosys' kinds.
+fn yosys() -> impl TypedValueParser<Value = YosysKind> {
+    let kind = |name: String| if name == "program" { YosysKind::Program } else { YosysKind::Python };
+    PossibleValuesParser::new(["program", "pyosys"]).map(kind)
 }
 
 impl BenchArguments {
     /// Finds the library and the tools, and measures designs with a progress bar.
     pub fn measure(&self, designs: &[Design]) -> Result<Vec<Report>, CliError> {
-        let kind = self.yosys.map(|which| match which {
-            WhichYosys::Program => YosysKind::Program,
-            WhichYosys::Pyosys => YosysKind::Python,
-        });
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         let bench = Bench {
             library: Library::read(&self.liberty)?,
-            yosys: Yosys::find(kind)?,
+            yosys: Yosys::find(self.yosys)?,
             sta: OpenSta::find()?,
             period: self.period,
             jobs: self.jobs.map_or_else(cores, usize::from),
@@ -56,9 +53,4 @@ impl BenchArguments {
             other => other,
         })
     }
-}
-
-fn period(text: &str) -> Result<f64, String> {
-    let period = text.parse().ok().filter(|period: &f64| (0.001..=1e6).contains(period));
-    period.ok_or_else(|| "expected nanoseconds, 0.001 to 1000000".to_string())
 }

@@ -20,7 +20,6 @@ use crate::error::CliError;
 use clap::Subcommand;
 use std::io::Write;
 
-/// The commands that need the libraries of the feature `full`.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Render a mesh through the datapath, and show how busy it was

@@ -65,7 +65,6 @@ fn show(
     Ok(())
 }
 
-/// A configuration, elaborated.
 pub fn design(config: Config) -> Result<Design, CliError> {
     Ok(Design::new(config.to_string(), Datapath::new(config)?.top()))
 }
@@ -75,7 +74,6 @@ pub fn files(report: &Report, folder: &std::path::Path) -> Result<Vec<(PathBuf, 
     Ok(vec![(folder.join("ppa.json"), json(report)? + "\n"), (folder.join("ppa.svg"), charts::stages(report))])
 }
 
-/// A report, or many, as JSON.
 pub fn json(report: &impl serde::Serialize) -> Result<String, CliError> {
     serde_json::to_string_pretty(report).map_err(|problem| CliError::unusable(format!("JSON: {problem}")))
 }

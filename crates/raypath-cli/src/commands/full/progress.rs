@@ -6,9 +6,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Runs `work`, which reports from any thread how many of `total` items are done, and shows its progress.
-///
-/// # Errors
-/// `work` failed, or the user stopped it.
 pub fn watched<T, E: std::fmt::Display>(
     what: &'static str,
     total: usize,

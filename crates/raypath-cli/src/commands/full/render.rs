@@ -13,12 +13,12 @@ use clap::Args;
 use raypath_float::Format;
 use raypath_ops::{Binary32, Ray};
 use raypath_render::{
-    Counts, Hit, PictureSpec, RayBatch, Rendering, Scene, Shading, Tracing, read_rays, render, trace_closest,
+    Counts, Hit, PictureSpec, RayBatch, Rendering, Scene, Shading, Tracing, read_rays, render, to_png, trace_closest,
     write_hits,
 };
 use raypath_rtl::Config;
 use raypath_timing::report::Image;
-use scene::{CameraArguments, Size};
+use scene::CameraArguments;
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -31,8 +31,8 @@ pub struct Arguments {
     #[command(flatten)]
     camera: CameraArguments,
     /// Size of the picture in pixels
-    #[arg(long, default_value = "640x480", value_name = "WIDTHxHEIGHT")]
-    size: Size,
+    #[arg(long, default_value = "640x480", value_parser = scene::size, value_name = "WIDTHxHEIGHT")]
+    size: (u32, u32),
     /// Trace a shadow ray from each hit towards the sun
     #[arg(long)]
     shadows: bool,
@@ -90,7 +90,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
 
 fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dyn Write) -> Result<(), CliError> {
     let mesh = scene::mesh(arguments.scene.as_deref())?;
-    let Size(width, height) = arguments.size;
+    let (width, height) = arguments.size;
     let camera = arguments.camera.camera(&mesh, width as f32 / height as f32)?;
     let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(CliError::unusable)?;
     scene::describe(arguments.scene.as_deref(), &scene, out)?;
@@ -105,10 +105,10 @@ fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dy
     let begin = Instant::now();
     let rendering = watched("pixels", pixels, |watch| render(&scene, &camera, (width, height), &shading, watch))?;
     costs(&rendering, begin, out)?;
-    let png = rendering.picture.to_png().map_err(CliError::unusable)?;
+    let png = to_png(&rendering.picture).map_err(CliError::unusable)?;
     let mut files = vec![(arguments.out.clone(), png.clone())];
     if let Some(path) = &arguments.heatmap {
-        files.push((path.clone(), rendering.heatmap().to_png().map_err(CliError::unusable)?));
+        files.push((path.clone(), to_png(&rendering.heatmap()).map_err(CliError::unusable)?));
     }
     if let Some(path) = &arguments.hits {
         let rays = camera.rays(width, height).map_err(CliError::unusable)?;

@@ -78,7 +78,6 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     }
 }
 
-/// The datapath that runs the jobs, with its model and configuration.
 struct Hardware<'d> {
     model: WordModel,
     config: Config,

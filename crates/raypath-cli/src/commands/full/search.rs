@@ -163,7 +163,6 @@ impl Arguments {
         self.ef.unwrap_or(5 * self.k).max(self.k)
     }
 
-    /// The name of the base for titles.
     fn name(&self) -> String {
         self.base.as_ref().map_or_else(|| "generated vectors".to_string(), |path| path.display().to_string())
     }

@@ -20,30 +20,13 @@ pub struct StreamArguments {
     kind: Option<String>,
     /// Offer and take in every cycle, stall the sink and starve the source at random, or as a file says
     #[arg(long, default_value = "always", value_name = "always|random|FILE")]
-    handshake: Handshake,
+    handshake: String,
     /// Mix the modes freely, while each keeps its own order
     #[arg(long)]
     interleave: bool,
     /// Seed of all that is random
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
-}
-
-#[derive(Debug, Clone)]
-enum Handshake {
-    Always,
-    Random,
-    Recorded(PathBuf),
-}
-
-impl From<&str> for Handshake {
-    fn from(text: &str) -> Self {
-        match text {
-            "always" => Self::Always,
-            "random" => Self::Random,
-            path => Self::Recorded(path.into()),
-        }
-    }
 }
 
 impl StreamArguments {
@@ -67,15 +50,15 @@ impl StreamArguments {
 
     /// When source and sink act.
     pub fn traffic(&self) -> Result<Traffic, CliError> {
-        Ok(match &self.handshake {
-            Handshake::Always => Traffic::always(),
-            Handshake::Random => Traffic::random(self.seed),
-            Handshake::Recorded(path) => Traffic::recorded(read_recorded(path)?),
+        Ok(match self.handshake.as_str() {
+            "always" => Traffic::always(),
+            "random" => Traffic::random(self.seed),
+            path => Traffic::recorded(read_recorded(path.as_ref())?),
         })
     }
 
     /// Whether the handshakes are those of a file, with resets perhaps.
     pub fn is_recorded(&self) -> bool {
-        matches!(self.handshake, Handshake::Recorded(_))
+        !["always", "random"].contains(&self.handshake.as_str())
     }
 }

@@ -1,7 +1,7 @@
 //! Simulated timing for `render` and `search`: options, printed results and reports.
 
 use crate::commands::full::view::{ViewArguments, print, recording};
-use crate::commands::numbers::whole;
+use crate::commands::numbers::{number, whole};
 use crate::error::CliError;
 use clap::Args;
 use raypath_ops::JobKind;
@@ -19,7 +19,7 @@ pub struct TimingArguments {
     #[arg(long, default_value_t = 100, value_parser = whole(0..=1_000_000u64), value_name = "M")]
     memory_latency: u64,
     /// Assumed clock frequency for rates, in MHz
-    #[arg(long, default_value_t = 1000.0, value_parser = clock, value_name = "MHZ")]
+    #[arg(long, default_value_t = 1000.0, value_parser = number(0.001..=1e6, "MHz, 0.001 to 1000000"), value_name = "MHZ")]
     clock: f64,
     /// Plot throughput over agents in flight, for several memory latencies, for a sample of the work
     #[arg(long, value_name = "FILE.svg")]
@@ -52,7 +52,6 @@ pub struct Timed {
 }
 
 impl TimingArguments {
-    /// Whether to plot a sweep.
     pub fn has_sweep(&self) -> bool {
         self.sweep.is_some()
     }
@@ -120,9 +119,4 @@ fn rows(timing: &Timing, agents: &str, clock_mhz: f64) -> Vec<(String, String)> 
         (format!("seconds at {clock_mhz} MHz"), format!("{:.4e}", rates.seconds)),
     ]);
     rows
-}
-
-fn clock(text: &str) -> Result<f64, String> {
-    let clock = text.parse().ok().filter(|clock: &f64| (0.001..=1e6).contains(clock));
-    clock.ok_or_else(|| "expected MHz, 0.001 to 1000000".to_string())
 }

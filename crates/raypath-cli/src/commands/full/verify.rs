@@ -16,7 +16,7 @@ use std::time::Instant;
 pub struct Arguments {
     /// What to verify; `--list` shows what there is [default: all]
     #[arg(value_parser = item, value_name = "ITEM")]
-    items: Vec<Named>,
+    items: Vec<&'static str>,
     /// List the items with their claims and oracles, and do nothing
     #[arg(long)]
     list: bool,
@@ -39,25 +39,15 @@ pub struct Arguments {
     config: ConfigArguments,
 }
 
-/// An item by its name.
-#[derive(Clone, Copy)]
-struct Named(&'static Item);
-
-impl std::fmt::Debug for Named {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.0.name)
-    }
-}
-
-fn item(name: &str) -> Result<Named, String> {
-    let names = || ITEMS.iter().map(|item| item.name).collect::<Vec<_>>().join(", ");
-    ITEMS.iter().find(|item| item.name == name).map(Named).ok_or_else(|| format!("expected one of {}", names()))
+fn item(name: &str) -> Result<&'static str, String> {
+    let names: Vec<&str> = ITEMS.iter().map(|item| item.name).collect();
+    names.iter().find(|known| **known == name).copied().ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.config.paper()?;
-    let is_named = |item: &Item| arguments.items.iter().any(|named| named.0.name == item.name);
-    let chosen: Vec<&Item> = ITEMS.iter().filter(|item| arguments.items.is_empty() || is_named(item)).collect();
+    let named = &arguments.items;
+    let chosen: Vec<&Item> = ITEMS.iter().filter(|item| named.is_empty() || named.contains(&item.name)).collect();
     if arguments.list {
         return chosen.into_iter().try_for_each(|item| describe(item, out)).map_err(CliError::from);
     }

@@ -34,7 +34,6 @@ impl ViewArguments {
         self.report.is_some() || self.konata.is_some()
     }
 
-    /// Whether a page is wanted.
     pub fn has_report(&self) -> bool {
         self.report.is_some()
     }
@@ -45,7 +44,6 @@ impl ViewArguments {
         Recorder::new(owner, datapath.latency() as usize, self.window_from, jobs)
     }
 
-    /// The files that were asked for.
     pub fn files(&self, recording: &Recording) -> Vec<(PathBuf, Vec<u8>)> {
         let page = self.report.iter().map(|path| (path.clone(), html(recording).into_bytes()));
         let log = self.konata.iter().map(|path| (path.clone(), konata(recording).into_bytes()));
@@ -81,7 +79,6 @@ pub fn print(recording: &Recording, out: &mut dyn Write) -> Result<(), CliError>
     Ok(())
 }
 
-/// Prints labels and values in two columns.
 pub fn print_rows(rows: &[(String, String)], out: &mut dyn Write) -> Result<(), CliError> {
     let width = rows.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
     rows.iter().try_for_each(|(label, value)| writeln!(out, "{label:<width$}  {value}"))?;

@@ -60,7 +60,6 @@ fn is_of_interest(name: &str, units: &[String]) -> bool {
     !name.split('.').any(|part| units.iter().any(|unit| part.starts_with(unit)))
 }
 
-/// The netlist, sampled in every cycle.
 struct Waving {
     netlist: NetlistEngine,
     waves: WaveWriter,

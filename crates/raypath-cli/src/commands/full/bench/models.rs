@@ -87,7 +87,6 @@ pub fn rays(results: &mut Results, repetitions: usize) {
     results.rate("rays from origin and direction", "rays prepared", 1.0 / time, None);
 }
 
-/// The jobs per second of a batch.
 fn timed<I: Family, O: Family>(
     jobs: &[Of<I, Binary32>],
     repetitions: usize,

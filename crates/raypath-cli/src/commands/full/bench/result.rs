@@ -7,7 +7,6 @@ use serde::Serialize;
 use std::fmt;
 use std::time::{Duration, Instant};
 
-/// The results of all measurements.
 #[derive(Debug, Default, Serialize)]
 pub struct Results {
     /// Rates. Their names are stable, so that runs can be compared.
@@ -18,16 +17,12 @@ pub struct Results {
     missing: Vec<String>,
 }
 
-/// A rate.
 #[derive(Debug, Clone, Serialize)]
 pub struct Rate {
-    /// The subject of the measurement.
     pub what: String,
     /// The unit that is counted, for example "jobs" or "cycles".
     pub unit: &'static str,
-    /// The number of units per second.
     pub per_second: f64,
-    /// The goal, in units per second.
     pub goal: Option<f64>,
     /// Another program that did the same work in this run: its name and its rate.
     pub peer: Option<(String, f64)>,
@@ -36,7 +31,6 @@ pub struct Rate {
 /// The cost per item for growing numbers of items.
 #[derive(Debug, Clone, Serialize)]
 pub struct Growth {
-    /// The subject of the measurement.
     pub what: String,
     /// The number of items, and the nanoseconds per item.
     pub points: Vec<(u64, f64)>,
@@ -47,7 +41,6 @@ impl Results {
         self.rates.push(Rate { what: what.into(), unit, per_second, goal, peer: None });
     }
 
-    /// Adds a peer's rate to all rates in `unit`.
     pub fn beside(&mut self, unit: &str, peer: &str, per_second: f64) {
         for rate in self.rates.iter_mut().filter(|rate| rate.unit == unit) {
             rate.peer = Some((peer.to_string(), per_second));

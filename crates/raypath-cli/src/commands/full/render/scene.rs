@@ -5,7 +5,6 @@ use clap::Args;
 use raypath_render::{Camera, Mesh, Scene, builtin, read_mesh};
 use std::io::Write;
 use std::path::Path;
-use std::str::FromStr;
 
 #[derive(Debug, Args)]
 pub struct CameraArguments {
@@ -36,22 +35,13 @@ impl CameraArguments {
     }
 }
 
-/// Pixels in a row, and rows.
-#[derive(Debug, Clone, Copy)]
-pub struct Size(pub u32, pub u32);
-
-impl FromStr for Size {
-    type Err = String;
-    fn from_str(text: &str) -> Result<Self, String> {
-        let side = |text: &str| text.parse().ok().filter(|side| (1..=16_384).contains(side));
-        let sides = text.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));
-        let (width, height) =
-            sides.ok_or("expected two numbers from 1 to 16384 with an x between them, like 640x480")?;
-        Ok(Self(width, height))
-    }
+/// A parser of a size: pixels in a row, and rows.
+pub fn size(text: &str) -> Result<(u32, u32), String> {
+    let side = |text: &str| text.parse().ok().filter(|side| (1..=16_384).contains(side));
+    let sides = text.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));
+    sides.ok_or_else(|| "expected two numbers from 1 to 16384 with an x between them, like 640x480".to_string())
 }
 
-/// The mesh in a file, or the built-in one.
 pub fn mesh(path: Option<&Path>) -> Result<Mesh, CliError> {
     match path {
         Some(path) => read_mesh(path).map_err(CliError::unusable),
@@ -59,12 +49,10 @@ pub fn mesh(path: Option<&Path>) -> Result<Mesh, CliError> {
     }
 }
 
-/// What the scene is called.
 pub fn name(path: Option<&Path>) -> String {
     path.map_or_else(|| "built-in scene".to_string(), |path| path.display().to_string())
 }
 
-/// Says what the scene is.
 pub fn describe(path: Option<&Path>, scene: &Scene, out: &mut dyn Write) -> Result<(), CliError> {
     let name = name(path);
     let (triangles, nodes) = (scene.mesh().triangles().len(), scene.bvh().nodes().len());

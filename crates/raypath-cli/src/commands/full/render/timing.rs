@@ -13,9 +13,7 @@ const SWEPT: usize = 4096;
 const IN_FLIGHT: [usize; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
 const LATENCIES: [u64; 5] = [0, 20, 100, 300, 1000];
 
-/// Pixels or rays to simulate.
 pub struct Simulated<'s> {
-    /// The name of the scene.
     pub name: String,
     pub work: Work<'s>,
     /// The maximum number of simulated pixels or rays.

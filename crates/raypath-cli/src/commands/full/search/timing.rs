@@ -7,12 +7,10 @@ use raypath_search::{Candidates, Dataset, Graph, Metric, SearchSpec, SearchTrace
 use raypath_timing::report::Recorder;
 use raypath_timing::{Sample, Sweep, System, Timing};
 
-/// The simulated queries of a search.
 pub struct Queries<'d, const E: usize, const A: usize> {
     pub name: String,
     pub dataset: &'d Dataset,
     pub metric: Metric,
-    /// The number of neighbours.
     pub neighbours: usize,
     /// The number of candidates kept in a graph search.
     pub ef: usize,
