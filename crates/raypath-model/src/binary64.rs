@@ -1,8 +1,7 @@
 use crate::kernels::ModelCircuit;
 use raypath_ops::{Circuit, Concrete, Portable};
 
-/// IEEE 754 binary64, computed by the floating-point instructions of the machine. It is the reference for the accuracy
-/// of other formats.
+/// IEEE 754 binary64, computed by the machine: the reference for the accuracy of other formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Binary64;
 

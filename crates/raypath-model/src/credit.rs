@@ -2,8 +2,7 @@
 
 use crate::shape::{Loop, Occupancy, PipelinePosition, Shape, highest};
 
-/// The control of a pipeline with credits: a job is admitted if a credit is left, and returns it when it leaves the
-/// FIFO.
+/// The control of a pipeline with credits: a job takes one when it is admitted and returns it when it leaves the FIFO.
 #[derive(Debug, Clone)]
 pub struct Credits {
     /// A register: the number of jobs that may still enter.

@@ -6,8 +6,7 @@ use raypath_ops::{Binary32, Circuit, Concrete, Flagged, Relation, Single, Test, 
 use std::cell::Cell;
 use std::cmp::Ordering;
 
-/// One of three circuits, chosen at run time. Operations are compiled once for this circuit instead of once for each of
-/// the three, which saves compile time.
+/// One of three circuits, chosen at run time, so that operations are compiled once and not for each of the three.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Dynamic<'f> {
     /// Native binary32.

@@ -40,8 +40,7 @@ pub struct Native;
 #[derive(Debug, Clone, Copy)]
 pub struct Four;
 
-/// A register of a lane circuit. No two registers are equal, because [`Circuit`] requires an equality that lanes do not
-/// need.
+/// A register of a lane circuit. No two are equal: [`Circuit`] requires an equality that lanes do not need.
 #[derive(Clone, Copy)]
 pub struct Register<T>(pub T);
 

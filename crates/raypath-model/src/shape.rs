@@ -19,8 +19,7 @@ pub struct Shape {
 pub enum Control {
     /// `latency` skid buffers. Each holds two jobs, and its ready output is a flip-flop.
     Skid,
-    /// `latency - 1` registers that never stall, followed by a FIFO. A credit counter at the input admits at most
-    /// `latency + 1` jobs.
+    /// `latency - 1` registers that never stall, then a FIFO. A credit counter admits at most `latency + 1` jobs.
     Credit,
 }
 

@@ -107,8 +107,7 @@ impl Gate {
         if self.pending { self.front & self.before(self.around.first) } else { 0 }
     }
 
-    /// One clock edge. `moving` and `staying` are the fronts that move and stay. `entering` is 1 for a job of the
-    /// loop's operation.
+    /// One clock edge. `moving` and `staying` are fronts; `entering` is 1 for a job of the loop's operation.
     #[inline]
     fn cycle(&mut self, moving: Occupancy, staying: Occupancy, entering: Occupancy) {
         let moving = self.front & moving;

@@ -10,8 +10,7 @@ pub struct Soft {
     pub format: Format,
 }
 
-/// A number of a [`Soft`] circuit: its code in the IEEE 754 layout. Two are equal if their bits are. A computed NaN is
-/// the canonical NaN.
+/// A number of a [`Soft`] circuit in the IEEE 754 layout. Two are equal if their bits are; a computed NaN is canonical.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SoftNumber(pub u64);
 

@@ -153,8 +153,7 @@ impl WordModel {
         words
     }
 
-    /// The job of this operation with the port values that `port` returns by name. Bits beyond a port's width are
-    /// ignored.
+    /// The job of this operation with the port values that `port` returns by name, without bits beyond a port's width.
     pub fn job(&self, kind: OperationId, mut port: impl FnMut(&str) -> u64) -> Words {
         self.job_by(kind, |_, of| port(&of.name))
     }
@@ -272,8 +271,7 @@ impl fmt::Debug for WordModel {
     }
 }
 
-/// An operation as a function on the words at its ports. The trait is object-safe, and implemented for every
-/// [`Operation`].
+/// An operation as a function on the words at its ports, implemented for every [`Operation`] and object-safe.
 pub trait WordOperation: Send + Sync {
     /// [`Operation::NAME`].
     fn name(&self) -> &'static str;

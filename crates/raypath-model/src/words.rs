@@ -3,8 +3,7 @@ use raypath_ops::{JobKind, Outcome, Port, PortValue};
 use std::fmt;
 use std::sync::Arc;
 
-/// A job or an outcome of any operation: the operation, and a word for each of its ports. Numbers are in the IEEE 754
-/// layout.
+/// A job or an outcome of any operation, with a word for each of its ports. Numbers are in the IEEE 754 layout.
 #[derive(Clone, PartialEq)]
 pub struct Words {
     kind: OperationId,
@@ -43,8 +42,7 @@ impl Words {
         values.map(|(port, &bits)| PortValue { name: port.name.clone(), kind: port.kind, bits }).collect()
     }
 
-    /// An outcome of one of the paper's operations in its own type; `None` for other operations. The numbers must be
-    /// binary32.
+    /// An outcome of one of the paper's operations, in binary32, in its own type; `None` for other operations.
     pub fn paper_outcome(&self) -> Option<Outcome> {
         Some(Outcome::from_ports(self.kind.paper()?, |name| self.port(name)))
     }

@@ -55,8 +55,7 @@ impl Path {
         Self { name: name.to_string(), is_unnamed: false }
     }
 
-    /// A path without names, for sources and sinks that identify leaves by their order. Building names costs more time
-    /// than visiting the leaves.
+    /// A path without names, for sources and sinks that identify leaves by their order; it is faster.
     pub fn unnamed() -> Self {
         Self { name: String::new(), is_unnamed: true }
     }

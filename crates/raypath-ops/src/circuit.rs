@@ -19,8 +19,7 @@ pub trait Circuit: Copy + Debug + PartialEq {
     /// The result of one comparison, from which every [`Relation`] can be read.
     type Order: Copy + Debug + PartialEq;
 
-    /// Marks the operators that follow as part of pipeline stage `number` (the first is 1). `what` describes the stage
-    /// in the printed schedule.
+    /// Marks the operators that follow as part of pipeline stage `number`, from 1. The printed schedule shows `what`.
     fn stage(self, _number: u32, _what: &'static str) {}
 
     /// Requests automatic staging. An operation that calls this before its first operator marks no stages itself.
@@ -31,8 +30,7 @@ pub trait Circuit: Copy + Debug + PartialEq {
 
     /// A constant, which must be exact in the circuit's format.
     fn constant(self, value: f32) -> Self::Num;
-    /// The number `ulps` units in the last place above 1. `ulps` must be less than 2 to the power of the format's
-    /// fraction width.
+    /// The number `ulps` units in the last place above 1, which must be less than 2.
     fn one_plus_ulps(self, ulps: u32) -> Self::Num;
     /// Sum.
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num;
@@ -46,8 +44,7 @@ pub trait Circuit: Copy + Debug + PartialEq {
     fn compare(self, a: Self::Num, b: Self::Num) -> Self::Order;
     /// Reads a relation from a comparison.
     fn relation(self, order: Self::Order, relation: Relation) -> Self::Bit;
-    /// Converts a word of `width` bits (at most 16) to a number, without an adder. The format must represent every
-    /// value of such a word exactly.
+    /// Converts a word of `width` bits (at most 16), each value of which must be exact in the format, without an adder.
     fn number_of(self, width: u32, word: Self::Word) -> Self::Num;
     /// Tests a number's sign and class, without a comparator.
     fn test(self, test: Test, a: Self::Num) -> Self::Bit;

@@ -18,8 +18,7 @@ bundle! {
     pub struct BeatManyInput<C, const N: usize, const W: u32> {
         /// The beat.
         pub euclidean: Beat<C, N>,
-        /// The index of the accumulator, or pair of accumulators, to which the beat is added, and which its reset
-        /// clears.
+        /// The index of the accumulator, or pair of them, to which the beat is added, and which its reset clears.
         pub accumulator: Word<C, W>,
     }
 

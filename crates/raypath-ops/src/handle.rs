@@ -161,8 +161,7 @@ impl<C: Circuit, const W: u32> Word<C, W> {
         Self { circuit, value }
     }
 
-    /// The word's value as a number. `W` must be at most 16, and the circuit's format must represent every value of `W`
-    /// bits exactly.
+    /// The word's value as a number. `W` must be at most 16, and every value of `W` bits exact in the circuit's format.
     #[inline(always)]
     pub fn number(self) -> Num<C> {
         const { assert!(W <= 16, "a word of at most 16 bits becomes a number") };

@@ -37,8 +37,7 @@ pub enum Job<const E: usize = 16, const A: usize = 8, C: Concrete = Binary32> {
     Angular(BeatInput<C, A>),
 }
 
-/// The outcome of a [`Job`]. Two are equal if all bits are. NaNs are canonical in outcomes that are made from port
-/// values.
+/// The outcome of a [`Job`]. Two are equal if all bits are. NaNs are canonical in outcomes from port values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome<C: Concrete = Binary32> {
     /// A ray against a triangle.

@@ -64,8 +64,7 @@ pub trait Kernels<C: Circuit>: Copy {
     }
 }
 
-/// The kernels in circuit arithmetic alone. They define the result of all others, and are the ones that become
-/// hardware.
+/// The kernels in circuit arithmetic alone, which define the result of all others and become hardware.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Portable;
 

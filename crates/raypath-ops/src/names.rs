@@ -1,5 +1,4 @@
-/// Implements [`Display`](std::fmt::Display) and [`FromStr`](std::str::FromStr) for an enumeration with named variants,
-/// and declares the error of an unknown name.
+/// Implements `Display` and `FromStr` for an enumeration with named variants, with the error of an unknown name.
 macro_rules! names {
     ($type:ident { $($variant:ident = $name:literal),* }, $(#[$doc:meta])* $error:ident, $message:literal) => {
         impl std::fmt::Display for $type {

@@ -12,8 +12,7 @@ pub trait Operation {
     type Input<C: Circuit>: Bundle<C>;
     /// The values of a result.
     type Output<C: Circuit>: Bundle<C>;
-    /// The values that a job leaves for the next job of the same operation; all zeros initially and after a reset. `()`
-    /// if there are none.
+    /// The values that a job leaves for the next of the same operation, zeros after a reset; `()` if there are none.
     type State<C: Circuit>: Bundle<C>;
 
     /// Whether this configuration of the operation has the input port `port`. An absent input must not be read.
@@ -21,8 +20,7 @@ pub trait Operation {
         true
     }
 
-    /// Whether this configuration of the operation has the output port `port`. Absent outputs are not computed in
-    /// hardware.
+    /// Whether this configuration of the operation has the output port `port`. Hardware does not compute absent ones.
     fn has_output(&self, _port: &str) -> bool {
         true
     }

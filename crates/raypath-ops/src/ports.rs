@@ -64,8 +64,7 @@ pub fn to_canonical_words<C: Concrete>(bundle: &impl Bundle<C>, words: &mut Vec<
     bundle.each(&mut Path::unnamed(), &mut ToWords::new(words, C::bits));
 }
 
-/// The bundle with these port values, in the order of [`ports_of`]. Missing words are 0, and bits beyond a port's width
-/// are ignored.
+/// The bundle with these port values, as of [`ports_of`]. Missing words are 0; bits beyond a port's width are ignored.
 pub fn from_words<C: Concrete, B: Bundle<C>>(circuit: C, words: &[u64]) -> B {
     B::build(&mut Path::unnamed(), &mut FromWords::new(circuit, words, C::number))
 }

@@ -20,8 +20,7 @@ bundle! {
         pub kx: Word<C, 2>,
         /// The axis that becomes y: 0, 1 or 2.
         pub ky: Word<C, 2>,
-        /// The axis that becomes z: that of the direction's greatest absolute component, the first one if several are
-        /// equal.
+        /// The axis that becomes z: the first of those on which the direction's component has the greatest magnitude.
         pub kz: Word<C, 2>,
     }
 }

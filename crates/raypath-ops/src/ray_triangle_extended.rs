@@ -42,8 +42,7 @@ bundle! {
         pub t_min: Num<C>,
     }
 
-    /// The outputs of [`RayTriangleOutput`](crate::RayTriangleOutput) and the optional ones. All are computed for hits
-    /// and misses.
+    /// The outputs of [`RayTriangleOutput`](crate::RayTriangleOutput) and the optional ones, for hits and misses.
     pub struct RayTriangleExtendedOutput<C> {
         /// Numerator of the distance, in units of the direction's length times `t_denom`.
         pub t_num: Num<C>,

@@ -7,8 +7,7 @@ use std::fmt::Arguments;
 /// A set of rules for zeros, NaNs, ties and touching boxes. Everything else is the same in both sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Rules {
-    /// The rules that this project chose where the paper is silent or contradicts itself. `docs/reference/semantics.md`
-    /// gives the reasons.
+    /// The rules for what the paper leaves open or contradicts. `docs/reference/semantics.md` gives the reasons.
     #[default]
     Paper,
     /// The behaviour of the original hardware, bit for bit, except for its accumulator fault.
@@ -51,8 +50,7 @@ impl Rules {
         }
     }
 
-    /// The least of the three far distances and the extent: the distance at which the ray leaves a slab or ends. `name`
-    /// labels intermediate values.
+    /// The distance at which the ray leaves a slab or ends: the least of the far distances and the extent.
     #[inline(always)]
     pub(crate) fn exit<C: Circuit>(
         self,
@@ -138,8 +136,7 @@ impl Rules {
     }
 }
 
-/// The order of the original hardware, descending: `a` and `b` change places unless `a` is greater or equal, so also if
-/// one is NaN.
+/// The order of the original hardware, descending: a swap unless `a` is greater or equal, so also if one is NaN.
 #[inline(always)]
 fn chisel_swaps<C: Circuit>(a: Num<C>, b: Num<C>) -> Bit<C> {
     !a.compare(b).greater_or_equal()

@@ -16,8 +16,7 @@ bundle! {
 }
 
 impl<C: Circuit, const W: u32> SortEntry<C, W> {
-    /// Whether this entry comes before `other`: nearer before farther; at equal distances hits before misses, then by
-    /// index.
+    /// Whether this entry comes before `other`: the nearer one; at equal distances hits before misses, then by index.
     #[inline(always)]
     pub fn precedes(self, other: Self) -> Bit<C> {
         let distance = self.tmin.compare(other.tmin);
@@ -45,8 +44,7 @@ impl<C: Circuit, const W: u32> Select<C> for SortEntry<C, W> {
     }
 }
 
-/// Sorts four items by five compare-and-swaps: (0,2) (1,3) (0,1) (2,3) (1,2). `swaps(a, b)` says whether `b` must come
-/// before `a`.
+/// Sorts four items by five compare-and-swaps. `swaps(a, b)` says whether `b` must come before `a`.
 #[inline(always)]
 pub(crate) fn sort_four<C: Circuit, T: Select<C> + Bundle<C>>(
     c: C,

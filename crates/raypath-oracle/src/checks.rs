@@ -74,8 +74,7 @@ impl Checks<'_> {
         reports.collect()
     }
 
-    /// The jobs of [`against_the_oracles`](Self::against_the_oracles) for one operation, with their outcomes. Empty if
-    /// the datapath does not have the operation.
+    /// The jobs of [`against_the_oracles`](Self::against_the_oracles) for an operation of the datapath, with outcomes.
     pub fn transactions(&self, spec: &AnyOperationSpec) -> Vec<Transaction> {
         let kind = self.datapath.model().kind(spec.name());
         let outcomes = kind.into_iter().flat_map(|kind| self.outcomes(spec, kind));

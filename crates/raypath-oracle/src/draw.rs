@@ -36,8 +36,7 @@ pub fn aabb(rng: &mut impl Rng) -> Aabb<Binary32> {
     Aabb::new(axis(f32::min), axis(f32::max))
 }
 
-/// A ray towards a point, from an origin near or far, sometimes along an axis. Three of eight rays have a finite
-/// extent.
+/// A ray towards a point from an origin near or far, sometimes along an axis. Three of eight rays have a finite extent.
 pub fn ray_at(rng: &mut impl Rng, target: [f32; 3]) -> Ray<Binary32> {
     loop {
         let reach = 2.0_f32.powi(rng.random_range(0..12));

@@ -4,8 +4,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use raypath_ops::{Binary32, Num, Vec3};
 
-/// An integer of the same order as the number: lesser for lesser numbers, equal for equal ones, 0 for both zeros.
-/// `None` for a NaN.
+/// An integer of the same order as the number: equal for equal numbers, 0 for both zeros, `None` for a NaN.
 pub fn order(number: Num<Binary32>) -> Option<i64> {
     let bits = i64::from(number.to_bits());
     let magnitude = bits & 0x7fff_ffff;

@@ -58,8 +58,7 @@ pub struct Plane {
     pub bound: BigRational,
 }
 
-/// The distances at which a ray enters and leaves a box, each as the least and the greatest value within the error
-/// bound.
+/// The distances at which a ray enters and leaves a box, each as the least and greatest value within the error bound.
 pub struct Passage {
     entry: [BigRational; 2],
     /// `None` if the ray has no end.

@@ -79,8 +79,7 @@ impl Bodies {
         }
     }
 
-    /// Adds a sphere, from an icosahedron whose edges are halved `halvings` times. `shape` scales the radius by
-    /// direction.
+    /// Adds a sphere, from an icosahedron with edges halved `halvings` times. `shape` scales the radius by direction.
     fn sphere(&mut self, centre: Vector, radius: f64, halvings: u32, shape: impl Fn(Vector) -> f64) {
         let (mut directions, mut faces) = icosahedron();
         for _ in 0..halvings {

@@ -154,8 +154,7 @@ impl Bvh4 {
     }
 }
 
-/// The binary tree from which the tree is made, built by obvhs with equal costs for a triangle test and a test of four
-/// boxes.
+/// The binary tree before its collapse, built by obvhs with equal costs for a triangle test and a test of four boxes.
 pub(crate) fn binary_tree(mesh: &Mesh) -> Bvh2 {
     let parameters =
         BvhBuildParams { max_prims_per_leaf: 4, collapse_traversal_cost: 1.0, ..BvhBuildParams::medium_build() };
@@ -265,8 +264,7 @@ fn range(tree: &Bvh2, first: u32, count: u32) -> &[u32] {
     &tree.primitive_indices[first as usize..(first + count) as usize]
 }
 
-/// Splits a part into up to four, by repeatedly splitting the part with the greatest surface, which rays hit most
-/// often.
+/// Splits a part into up to four, by repeatedly splitting the one with the greatest surface, which rays hit most often.
 fn split(tree: &Bvh2, part: Subtree) -> Vec<Subtree> {
     let mut parts = vec![part];
     while parts.len() < 4 {

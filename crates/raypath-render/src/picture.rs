@@ -17,8 +17,7 @@ pub fn to_png(picture: &Picture) -> Result<Vec<u8>, ImageError> {
     Ok(bytes.into_inner())
 }
 
-/// Draws the number of jobs of each pixel as a heat map, from black for none to pale yellow for the maximum, with a
-/// legend below.
+/// Draws the number of jobs of each pixel as a heat map, from black to pale yellow for the maximum, with a legend.
 pub fn heatmap(width: u32, height: u32, jobs: &[u32]) -> Picture {
     let max = jobs.iter().copied().max().unwrap_or(0).max(1);
     let mut picture = Picture::from_pixel(width, height + LEGEND, Rgb([24; 3]));

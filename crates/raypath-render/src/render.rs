@@ -21,8 +21,7 @@ pub struct Shading {
     pub shadows: bool,
     /// The number of ambient-occlusion rays from each hit into the sky; 0 for none.
     pub ambient_occlusion: u32,
-    /// The samples per pixel along each axis, 1 to 64: a pixel is the mean of `samples` × `samples` evenly spaced
-    /// primary rays.
+    /// The samples per pixel along each axis, 1 to 64: a pixel is the mean of evenly spaced primary rays.
     pub samples: u32,
     /// The seed for the directions of ambient-occlusion rays.
     pub seed: u64,

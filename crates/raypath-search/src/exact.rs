@@ -82,8 +82,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
         Ok(results.work.evaluations as f64 / results.seconds)
     }
 
-    /// The work of the datapath for a number of queries: each is compared with every vector of the base, and with
-    /// itself for the angular metric.
+    /// The work of the datapath for a number of queries, each also compared with itself for the angular metric.
     pub fn work(&self, queries: usize) -> Work {
         let candidates = self.len as u64 + u64::from(self.metric == Metric::Angular);
         let evaluations = queries as u64 * candidates;

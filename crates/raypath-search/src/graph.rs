@@ -27,11 +27,9 @@ pub struct Graph<'v, const E: usize = 16, const A: usize = 8> {
 /// The trace of a graph search for one query, which a [`QueryAgent`](crate::QueryAgent) replays.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct SearchTrace {
-    /// The vectors of the base whose distances were evaluated, in order. A vector can occur in several layers of the
-    /// graph.
+    /// The vectors whose distances were evaluated, in order. A vector can occur in several layers of the graph.
     pub candidates: Vec<u32>,
-    /// The resulting neighbours, nearest first. They are not always the nearest of all candidates, because candidates
-    /// of upper layers only guide the search.
+    /// The neighbours found, nearest first; candidates of upper layers, which only guide the search, may be nearer.
     pub found: Vec<u32>,
 }
 

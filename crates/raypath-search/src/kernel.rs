@@ -12,8 +12,7 @@ use raypath_ops::{
 /// One coordinate of all candidates of a block.
 pub(crate) type Lane = Num<Packed>;
 
-/// Vectors in blocks of sixteen, stored coordinate by coordinate, with zeros up to a multiple of the lanes. A mask
-/// disables these.
+/// Vectors in blocks of sixteen, coordinate by coordinate, with masked zeros up to a multiple of the lanes.
 #[derive(Debug, Clone)]
 pub(crate) struct Blocks {
     lanes: Vec<Lane>,

@@ -18,8 +18,7 @@ pub struct SearchResults {
 pub struct Neighbour {
     /// The index of the vector in the base.
     pub index: u32,
-    /// The distance, by [`euclidean_distance`](crate::euclidean_distance) or
-    /// [`cosine_distance`](crate::cosine_distance) of the sums from the datapath.
+    /// The distance: [`euclidean_distance`](crate::euclidean_distance) or [`cosine_distance`](crate::cosine_distance).
     pub distance: f64,
 }
 

@@ -58,8 +58,7 @@ pub fn shape(config: Config, datapath: &Datapath) -> Shape {
     Shape { latency: datapath.latency() as usize, control, loops: loops.collect() }
 }
 
-/// Runs jobs through the functional model. `on_outcome` gets the position of each job and its outcome; the run ends
-/// when it returns false.
+/// Runs jobs through the functional model. `on_outcome` gets the position of a job and its outcome; false ends the run.
 pub fn evaluate<J: Borrow<Words>>(
     mut model: WordModel,
     jobs: impl Iterator<Item = J>,

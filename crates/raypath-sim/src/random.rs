@@ -3,8 +3,7 @@
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
-/// A ChaCha generator that can be cloned, so that a stream of jobs or traffic can be repeated from any position.
-/// [`ChaCha8Rng`] itself cannot.
+/// A ChaCha generator that can be cloned, to repeat a stream of jobs or traffic from any position.
 #[derive(Debug)]
 pub struct CloneableRng(pub ChaCha8Rng);
 

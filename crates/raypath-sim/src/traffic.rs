@@ -138,8 +138,7 @@ enum HandshakePattern {
     Always,
     /// Acts in each cycle with this probability.
     Chance(f64),
-    /// Alternates between acting and pausing. Each takes a random number of cycles, at most `longest[0]` to act and
-    /// `longest[1]` to pause.
+    /// Alternates between acting for at most `longest[0]` cycles and pausing for at most `longest[1]`.
     Bursts { longest: [u32; 2], acting: bool, cycles_left: u32 },
     /// Acts with a probability that is drawn again after a random number of cycles.
     Phases { probability: f64, cycles_left: u32 },

@@ -51,8 +51,7 @@ impl<M: Model, A: Agent<M> + ?Sized> Agent<M> for &mut A {
 
 /// An observer of selected cycles of a simulation. `()` selects none.
 pub trait Observer {
-    /// The first cycle to observe from `cycle` on, or `None` if there is no such cycle. The simulation skips idle
-    /// cycles that are not observed.
+    /// The first cycle to observe from `cycle` on, if any. The simulation skips idle cycles that are not observed.
     fn next_observed(&self, cycle: u64) -> Option<u64>;
 
     /// Observes a selected cycle. `positions` are the pipeline positions of the jobs inside at the start of the cycle,

@@ -106,8 +106,7 @@ struct Simulation<'p, M: Model, A, I> {
     live: usize,
     /// Slots whose agent waits for an outcome.
     waiting: usize,
-    /// The cycles in which fetches complete, and the slots of their agents. The latency is constant, so fetches
-    /// complete in order.
+    /// The cycles in which fetches complete, in order because the latency is constant, and the slots of their agents.
     fetching: VecDeque<(u64, usize)>,
     /// Slots with a job to issue, without the owner of the lock.
     queue: VecDeque<usize>,

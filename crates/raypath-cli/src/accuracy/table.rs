@@ -2,8 +2,7 @@ use super::Row;
 use raypath_float::Format;
 use raypath_rtl::report::tables::new_table;
 
-/// The rows as a table in Markdown. Columns `a` compare with binary64 on the rounded inputs, columns `b` with binary64
-/// on the original inputs.
+/// The rows as a table in Markdown. Columns `a` compare with binary64 on the rounded inputs, `b` on the original ones.
 pub fn table(rows: &[Row]) -> String {
     let mut table = new_table();
     let mut header = ["format", "result", "compared", "hits"].map(String::from).to_vec();

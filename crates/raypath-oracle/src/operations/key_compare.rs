@@ -14,8 +14,7 @@ pub fn spec() -> AnyOperationSpec {
         .into()
 }
 
-/// A node with a random number of separators, which are close together, far apart or equal, and a key at or between
-/// them.
+/// A node with a random number of separators, close together, far apart or equal, and a key at or between them.
 pub fn stimulus(rng: &mut impl Rng) -> KeyCompareInput<Binary32> {
     let count = if rng.random() { SEPARATORS } else { rng.random_range(0..=SEPARATORS) };
     let kind = rng.random_range(0..4);

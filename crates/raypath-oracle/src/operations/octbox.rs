@@ -15,8 +15,7 @@ pub fn spec() -> AnyOperationSpec {
         .into()
 }
 
-/// Eight boxes and a ray towards a point of one of them. Some boxes are equal, inverted, or have bounds at the limits
-/// of binary32.
+/// Eight boxes and a ray towards one of them. Some boxes are equal, inverted, or have bounds at the limits of binary32.
 pub fn stimulus(rng: &mut impl Rng) -> OctboxInput<Binary32> {
     let mut aabb = [(); 8].map(|()| draw::aabb(rng));
     let aimed_at = aabb[rng.random_range(0..8)];

@@ -134,8 +134,7 @@ mod tests {
             }
         }
     }
-    /// If the product of scale and inverse overflows, an offset of 0 gives a NaN, which is ignored. No error bound
-    /// holds.
+    /// If the product of scale and inverse overflows, an offset of 0 gives a NaN, which is ignored, and no bound holds.
     #[test]
     fn an_overflowing_product_has_no_bound() {
         let ray = Ray::new([0.5, 5.0, -5.0], [0.0, 0.5, 1.0], f32::INFINITY).expect("a ray");

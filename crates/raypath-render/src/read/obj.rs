@@ -2,8 +2,7 @@ use super::{Parsed, RawMesh};
 use std::io::Cursor;
 use tobj::{LoadError, LoadOptions};
 
-/// Parses OBJ with the crate `tobj`, after a check of all vertices and faces, because its messages have no line
-/// numbers.
+/// Parses OBJ with `tobj`, after a check of all vertices and faces, because its messages have no line numbers.
 pub(super) fn parse(bytes: &[u8]) -> Parsed {
     let text = std::str::from_utf8(bytes).map_err(|problem| {
         let line = 1 + bytes[..problem.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();

@@ -60,8 +60,7 @@ enum State {
     Done,
 }
 
-/// The progress of a leaf. A job is numbered `2 · slot + side` by the slot of its triangle; one-sided tracing uses even
-/// numbers only.
+/// The progress of a leaf. A job has the number `2 · slot + side`; one-sided tracing uses even numbers only.
 #[derive(Debug, Clone, Copy)]
 struct Leaf {
     next: u64,
@@ -72,8 +71,7 @@ struct Leaf {
 }
 
 impl<'s> Traversal<'s> {
-    /// A traversal without a ray: it is done until [`start`](Self::start). It allocates its stack here and nothing
-    /// later.
+    /// A traversal without a ray, done until [`start`](Self::start). It allocates its stack here and nothing later.
     pub fn new(bvh: &'s Bvh4, tracing: Tracing) -> Self {
         let (goal, counts) = (Goal::Closest, Counts::default());
         let stack = Vec::with_capacity(bvh.stack_size());

@@ -148,8 +148,7 @@ impl NetlistEngine {
         Handshake { input_ready: is_set(self.ports.input_ready), output_valid: is_set(self.ports.output_valid) }
     }
 
-    /// Whether all output ports showed exactly this outcome in the last cycle: ports of other operations are zero, and
-    /// numbers have their unique encoding.
+    /// Whether all output ports showed exactly this outcome in the last cycle, with zeros at ports of other operations.
     pub fn shows(&self, outcome: &Words) -> bool {
         let (opcode, simulator, encoding) = (outcome.kind().opcode(), &self.simulator, self.encoding);
         let Some(Some(operation)) = self.operations.get(opcode as usize) else { return false };

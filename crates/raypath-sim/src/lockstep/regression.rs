@@ -36,8 +36,7 @@ impl RegressionChecks {
     /// A number of jobs that finds nearly every fault. `raypath verify mutation` and its tests use it.
     pub const THOROUGH: usize = 20_000;
 
-    /// Whether the checks observe the signal of this hierarchical name. The netlist must be compiled so that it is
-    /// observable.
+    /// Whether the checks observe the signal of this name, which must then be observable in the compiled netlist.
     pub fn observes(name: &str) -> bool {
         is_number_register(name)
     }
@@ -173,8 +172,7 @@ pub fn is_number_register(name: &str) -> bool {
 }
 
 impl<'n> WatchedNetlist<'n> {
-    /// Watches a netlist that was compiled with observable number registers. Registers of the recoded width of this
-    /// format hold recoded words.
+    /// Watches a netlist with observable number registers. Those of the recoded width of `format` hold recoded words.
     pub fn new(netlist: &'n mut NetlistEngine, format: Format) -> Self {
         let probes = netlist.simulator().probes();
         let recoded = probes.filter(|(name, width, _)| is_number_register(name) && *width == format.recoded_width());

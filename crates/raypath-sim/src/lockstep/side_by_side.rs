@@ -12,8 +12,7 @@ pub enum Difference {
     Answer,
 }
 
-/// An engine that runs a netlist, a cycle-exact model and a functional model side by side and compares them. It shows
-/// the ports of the netlist.
+/// An engine that compares a netlist with a cycle-exact and a functional model. It shows the ports of the netlist.
 pub struct SideBySide<'n, F> {
     /// Messages about the first differences.
     pub differences: Vec<String>,

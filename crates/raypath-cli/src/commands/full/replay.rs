@@ -84,8 +84,7 @@ struct Hardware<'d> {
     datapath: &'d Datapath,
 }
 
-/// Runs the stream through the selected engine until `on_outcome` returns false. `differences` receives the first
-/// differences between two engines.
+/// Runs the stream through the selected engine until `on_outcome` returns false. `differences` is for lockstep.
 fn simulate(
     arguments: &Arguments,
     hardware: Hardware<'_>,

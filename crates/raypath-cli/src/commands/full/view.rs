@@ -51,8 +51,7 @@ impl ViewArguments {
     }
 }
 
-/// A recording that knows the configuration and how busy its units were with so many jobs by opcode; counts, window and
-/// the rest are to be filled in.
+/// A recording with the configuration and the utilisation by these jobs, indexed by opcode, and nothing else.
 pub fn recording(title: String, config: Config, datapath: &Datapath, cycles: u64, jobs: &[u64]) -> Recording {
     let pair = |name: &str, value: String| (name.to_string(), value);
     let flip_flops: u64 = (0..datapath.steps().count()).map(|step| datapath.registers(step).flip_flops()).sum();

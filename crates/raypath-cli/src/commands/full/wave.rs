@@ -54,8 +54,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Ports, handshakes, and stage registers under the algorithm's names; not the insides of instances that begin like
-/// `units`.
+/// Whether a signal is not inside an instance of a unit: the names of such instances begin with one of `units`.
 fn is_of_interest(name: &str, units: &[String]) -> bool {
     !name.split('.').any(|part| units.iter().any(|unit| part.starts_with(unit)))
 }

@@ -101,8 +101,7 @@ fn timed<I: Family, O: Family>(
     jobs.len() as f64 / time
 }
 
-/// Measures the cycle-exact model: with a job in every cycle and a sink that is always ready, with a sink that stalls
-/// at random, and with idle cycles between jobs.
+/// Measures the cycle-exact model: a job in every cycle, a sink that stalls at random, and idle cycles between jobs.
 pub fn cycle_exact(results: &mut Results, repetitions: usize) {
     let jobs = Workload::new().mixed(JOBS);
     let mut rng = ChaCha8Rng::seed_from_u64(2);
