@@ -5,8 +5,7 @@ use raypath_ops::{
 };
 
 /// The functional model of the paper's operations over circuit `C` (the machine's binary32 by default), with `E`
-/// Euclidean and
-/// `A` angular lanes. It computes jobs in their own types, which is faster than [`WordModel`](crate::WordModel).
+/// Euclidean and `A` angular lanes. Its jobs are in their own types: it is faster than [`WordModel`](crate::WordModel).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Functional<const E: usize = 16, const A: usize = 8, C: ModelCircuit = Binary32> {
     circuit: C,

@@ -3,8 +3,7 @@ use crate::LATENCY;
 /// The properties of a pipeline that determine its timing: latency, control, and accumulator loops.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shape {
-    /// Cycles from the acceptance of a job to the cycle that shows its outcome, in an empty pipeline. Values are
-    /// clamped to 1 to
+    /// Cycles from the acceptance of a job to the cycle that shows its outcome, in an empty pipeline; clamped to 1 to
     /// 128.
     pub latency: usize,
     /// The flow control.

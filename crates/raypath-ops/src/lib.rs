@@ -26,6 +26,7 @@ mod array;
 mod names;
 mod binary32;
 mod bundle;
+mod bundle_macro;
 mod circuit;
 mod distance;
 mod distance_many;

@@ -1,4 +1,6 @@
 /// Implements `Display` and `FromStr` for an enumeration with named variants, with the error of an unknown name.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! names {
     ($type:ident { $($variant:ident = $name:literal),* }, $(#[$doc:meta])* $error:ident, $message:literal) => {
         impl std::fmt::Display for $type {

@@ -14,27 +14,10 @@ pub struct Camera {
     field_of_view: f32,
 }
 
-/// The reason why camera parameters are invalid.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum CameraError {
-    /// A coordinate is infinite or NaN.
-    #[error("{what} ({}, {}, {}) is not finite, expected three finite numbers", .value[0], .value[1], .value[2])]
-    NotFinite {
-        /// The parameter: eye, target or up.
-        what: &'static str,
-        /// The value.
-        value: [f32; 3],
-    },
-    /// The eye is at the target.
-    #[error("eye and target are both ({}, {}, {}), expected different points", .0[0], .0[1], .0[2])]
-    NoDirection([f32; 3]),
-    /// The up vector is parallel to the viewing direction.
-    #[error("up ({}, {}, {}) is parallel to the viewing direction, expected another direction", .0[0], .0[1], .0[2])]
-    NoUp([f32; 3]),
-    /// The field of view is out of range.
-    #[error("a field of view of {0} degrees, expected more than 0 and less than 180")]
-    FieldOfView(f32),
-}
+/// Parameters of a camera that are not valid: what was found, and what was expected.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct CameraError(String);
 
 impl Camera {
     /// The vertical field of view of [`framing`](Self::framing) in degrees.
@@ -47,20 +30,23 @@ impl Camera {
     /// Coordinates that are not finite, an eye at the target, an up vector along the viewing direction, an angle that
     /// is not between 0 and 180.
     pub fn new(eye: [f32; 3], target: [f32; 3], up: [f32; 3], field_of_view: f32) -> Result<Self, CameraError> {
+        let fails = |problem: String| Err(CameraError(problem));
+        let text = |[x, y, z]: [f32; 3]| format!("({x}, {y}, {z})");
         for (what, value) in [("eye", eye), ("target", target), ("up", up)] {
             if !value.iter().all(|x| x.is_finite()) {
-                return Err(CameraError::NotFinite { what, value });
+                return fails(format!("{what} {} is not finite, expected three finite numbers", text(value)));
             }
         }
         if eye == target {
-            return Err(CameraError::NoDirection(eye));
+            return fails(format!("eye and target are both {}, expected different points", text(eye)));
         }
         let forward = unit(subtract(vector(target), vector(eye)));
         if length(cross(forward, unit(vector(up)))) < 1e-6 {
-            return Err(CameraError::NoUp(up));
+            return fails(format!("up {} is parallel to the viewing direction, expected another direction", text(up)));
         }
         if !(field_of_view > 0.0 && field_of_view < 180.0) {
-            return Err(CameraError::FieldOfView(field_of_view));
+            let expected = "expected more than 0 and less than 180";
+            return fails(format!("a field of view of {field_of_view} degrees, {expected}"));
         }
         Ok(Self { eye, target, up, field_of_view })
     }

@@ -13,33 +13,10 @@ pub struct Mesh {
     triangles: Vec<[u32; 3]>,
 }
 
-/// The reason why positions and indices are not a valid mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum MeshError {
-    /// The mesh has no triangles.
-    #[error("0 triangles, expected at least 1")]
-    NoTriangles,
-    /// A coordinate is infinite, NaN, or so great that the distance to a triangle could overflow.
-    #[error("vertex {vertex} has {axis} = {value}, expected a number of magnitude at most 2^40")]
-    Coordinate {
-        /// The vertex, from 0.
-        vertex: usize,
-        /// The axis.
-        axis: char,
-        /// The coordinate.
-        value: f32,
-    },
-    /// A triangle names a vertex that does not exist.
-    #[error("triangle {triangle} names vertex {index}, expected less than {vertices}, the number of vertices")]
-    Index {
-        /// The triangle, from 0.
-        triangle: usize,
-        /// The index.
-        index: u32,
-        /// The number of vertices.
-        vertices: usize,
-    },
-}
+/// Positions and indices that are not a valid mesh: what was found, and what was expected.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct MeshError(String);
 
 impl Mesh {
     /// The maximum magnitude of a coordinate, 2⁴⁰. The numerator of a distance is a product of three lengths, which
@@ -53,20 +30,21 @@ impl Mesh {
     /// names no vertex.
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         if triangles.is_empty() {
-            return Err(MeshError::NoTriangles);
+            return Err(MeshError("0 triangles, expected at least 1".to_string()));
         }
         for (vertex, position) in positions.iter().enumerate() {
             for (axis, &value) in ['x', 'y', 'z'].into_iter().zip(position) {
                 if value.is_nan() || value.abs() > Self::MAX_COORDINATE {
-                    return Err(MeshError::Coordinate { vertex, axis, value });
+                    let expected = "expected a number of magnitude at most 2^40";
+                    return Err(MeshError(format!("vertex {vertex} has {axis} = {value}, {expected}")));
                 }
             }
         }
+        let vertices = positions.len();
         for (triangle, corners) in triangles.iter().enumerate() {
-            for &index in corners {
-                if index as usize >= positions.len() {
-                    return Err(MeshError::Index { triangle, index, vertices: positions.len() });
-                }
+            if let Some(index) = corners.iter().find(|&&index| index as usize >= vertices) {
+                let expected = format!("expected less than {vertices}, the number of vertices");
+                return Err(MeshError(format!("triangle {triangle} names vertex {index}, {expected}")));
             }
         }
         Ok(Self { positions, triangles })

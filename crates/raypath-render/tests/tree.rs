@@ -1,4 +1,4 @@
-//! The structure of the tree and its traversal.
+//! The structure of the tree and its traversal, and of the built-in scene: closed bodies with outward faces.
 
 mod common;
 
@@ -7,9 +7,9 @@ use common::rays::{Kind, rays};
 use raypath_model::Functional;
 use raypath_ops::{Aabb, Binary32, Ray, Rules};
 use raypath_render::bvh::{Reference, Target};
-use raypath_render::{Bvh4, Goal, Mesh, Scene, Stopped, Tracer, Tracing, Traversal, trace_closest};
+use raypath_render::{Bvh4, Goal, Mesh, Scene, Stopped, Tracer, Tracing, Traversal, builtin, trace_closest};
 use raypath_timing::{Action, Agent};
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 
 fn numbers(aabb: Aabb<Binary32>) -> [[f32; 2]; 3] {
     [aabb.x, aabb.y, aabb.z].map(|slab| [slab.min.into(), slab.max.into()])
@@ -170,4 +170,42 @@ fn results_do_not_depend_on_threads_and_the_progress_callback_stops_tracing() {
     };
     assert_eq!(with(1), with(3));
     assert_eq!(trace_closest(&scene, &rays, Tracing::default(), &|done| done > 100_000), Err(Stopped));
+}
+
+#[test]
+fn bodies_are_closed_and_face_outwards() {
+    let mesh = builtin().unwrap();
+    assert_eq!(mesh.triangles().len(), 119_168);
+    let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
+    let mut bodies: Vec<u32> = (0..mesh.positions().len() as u32).collect();
+    for &[a, b, c] in mesh.triangles() {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            assert_ne!(from, to);
+            *edges.entry((from, to)).or_default() += 1;
+            let (one, other) = (first(&mut bodies, from), first(&mut bodies, to));
+            bodies[one.max(other) as usize] = one.min(other);
+        }
+    }
+    for (&(from, to), &count) in &edges {
+        assert_eq!((count, edges.get(&(to, from))), (1, Some(&1)), "edge from {from} to {to}");
+    }
+    let mut volumes: HashMap<u32, f64> = HashMap::new();
+    for (index, corners) in (0..).zip(mesh.triangles()) {
+        let [a, b, c] = mesh.corners(index).map(|corner| corner.map(f64::from));
+        let minor = |i: usize, j: usize| b[i] * c[j] - b[j] * c[i];
+        let volume = (a[0] * minor(1, 2) + a[1] * minor(2, 0) + a[2] * minor(0, 1)) / 6.0;
+        *volumes.entry(first(&mut bodies, corners[0])).or_default() += volume;
+    }
+    // The ground, the knot, 28 spheres and the bumpy sphere.
+    assert_eq!(volumes.len(), 31);
+    assert!(volumes.values().all(|&volume| volume > 0.0), "{volumes:?}");
+}
+
+/// The representative of the body of a vertex, in the union-find structure `bodies`.
+fn first(bodies: &mut [u32], mut vertex: u32) -> u32 {
+    while bodies[vertex as usize] != vertex {
+        bodies[vertex as usize] = bodies[bodies[vertex as usize] as usize];
+        vertex = bodies[vertex as usize];
+    }
+    vertex
 }

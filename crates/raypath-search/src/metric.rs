@@ -1,7 +1,3 @@
-use std::fmt;
-use std::str::FromStr;
-use thiserror::Error;
-
 /// The distance by which neighbours are ordered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Metric {
@@ -11,22 +7,9 @@ pub enum Metric {
     Angular,
 }
 
-/// The error of an unknown metric name.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("metric `{0}`, expected euclidean or angular")]
-pub struct ParseMetricError(String);
-
 impl Metric {
     /// Both metrics.
     pub const ALL: [Self; 2] = [Self::Euclidean, Self::Angular];
-
-    /// The name, as [`FromStr`] parses it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Euclidean => "euclidean",
-            Self::Angular => "angular",
-        }
-    }
 
     /// The number of beats of one vector in a datapath of `E` Euclidean and `A` angular lanes.
     pub fn beats<const E: usize, const A: usize>(self, dimensions: usize) -> u64 {
@@ -38,18 +21,10 @@ impl Metric {
     }
 }
 
-impl fmt::Display for Metric {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for Metric {
-    type Err = ParseMetricError;
-
-    fn from_str(name: &str) -> Result<Self, ParseMetricError> {
-        Self::ALL.into_iter().find(|metric| metric.name() == name).ok_or_else(|| ParseMetricError(name.to_owned()))
-    }
+raypath_ops::names! {
+    Metric { Euclidean = "euclidean", Angular = "angular" },
+    /// The error of an unknown metric name.
+    ParseMetricError, "metric `{0}`, expected euclidean or angular"
 }
 
 /// The Euclidean distance from the squared distance of the datapath. Infinite if the sum overflowed binary32.

@@ -154,25 +154,10 @@ bundle! {
     }
 }
 
-/// The reason why boxes cannot be encoded as a node.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum QuantiseError {
-    /// The number of boxes is not 1 to 4.
-    #[error("{0} boxes, expected 1 to 4")]
-    Count(usize),
-    /// A bound is infinite or NaN, or a min exceeds its max.
-    #[error("box {child}, axis {axis}: from {min} to {max}, expected two finite numbers in order")]
-    Bounds {
-        /// The index of the box.
-        child: usize,
-        /// The axis; 0 is x.
-        axis: usize,
-        /// The lesser bound.
-        min: f32,
-        /// The greater bound.
-        max: f32,
-    },
-}
+/// Boxes that cannot be encoded as a node: what was found, and what was expected.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct QuantiseError(String);
 
 impl QuantisedNode<Binary32> {
     /// Encodes one to four boxes. Each box is exactly inside its quantised box. The scale of each axis is the least
@@ -182,7 +167,7 @@ impl QuantisedNode<Binary32> {
     /// No box or more than four, a bound that is not finite, a min that exceeds its max.
     pub fn encode(boxes: &[Aabb<Binary32>]) -> Result<Self, QuantiseError> {
         if !(1..=4).contains(&boxes.len()) {
-            return Err(QuantiseError::Count(boxes.len()));
+            return Err(QuantiseError(format!("{} boxes, expected 1 to 4", boxes.len())));
         }
         let slabs = |axis: usize| {
             let slab = move |aabb: &Aabb<Binary32>| [aabb.x, aabb.y, aabb.z][axis];
@@ -194,7 +179,9 @@ impl QuantisedNode<Binary32> {
             let (mut least, mut greatest) = (f32::MAX, f32::MIN);
             for (child, [min, max]) in slabs(axis) {
                 if !(min.is_finite() && max.is_finite() && min <= max) {
-                    return Err(QuantiseError::Bounds { child, axis, min, max });
+                    let expected = "expected two finite numbers in order";
+                    let problem = format!("box {child}, axis {axis}: from {min} to {max}, {expected}");
+                    return Err(QuantiseError(problem));
                 }
                 (least, greatest) = (least.min(min), greatest.max(max));
             }

@@ -1,19 +1,8 @@
 //! The recorded window in the form that the page's script reads.
 
-use super::recording::{JobTrace, Recording, Span};
+use super::recording::{JobTrace, Recording, Span, Window};
 use serde::Serialize;
-
-#[derive(Serialize)]
-struct Timeline<'r> {
-    operations: &'r [String],
-    owner: &'r str,
-    first: u64,
-    end: u64,
-    stages: usize,
-    jobs: Vec<Trace>,
-    refused: Vec<(u64, u64)>,
-    stalled: Vec<(u64, u64)>,
-}
+use serde_json::json;
 
 /// A job: opcode, owner, cycle of acceptance, cycles in each stage reached, whether it left. The list is null if the
 /// job spent one cycle in each stage and left, as most do.
@@ -22,19 +11,13 @@ struct Trace(usize, u64, u64, Option<Vec<u64>>, bool);
 
 /// The window as JSON for a `script` element: `<`, with which an element or comment starts, is escaped.
 pub fn json(recording: &Recording) -> String {
-    let window = &recording.window;
-    let timeline = Timeline {
-        operations: &recording.operations,
-        owner: &window.owner,
-        first: window.first,
-        end: window.end,
-        stages: window.stages,
-        jobs: window.jobs.iter().map(|job| trace(job, window.stages, window.end)).collect(),
-        refused: pairs(&window.refused),
-        stalled: pairs(&window.stalled),
-    };
-    // Serialisation of plain data with string keys does not fail.
-    serde_json::to_string(&timeline).unwrap_or_default().replace('<', "\\u003c")
+    let Window { owner, first, end, stages, jobs, refused, stalled } = &recording.window;
+    let jobs: Vec<Trace> = jobs.iter().map(|job| trace(job, *stages, *end)).collect();
+    let timeline = json!({
+        "operations": recording.operations, "owner": owner, "first": first, "end": end, "stages": stages,
+        "jobs": jobs, "refused": pairs(refused), "stalled": pairs(stalled),
+    });
+    timeline.to_string().replace('<', "\\u003c")
 }
 
 fn trace(job: &JobTrace, stages: usize, end: u64) -> Trace {

@@ -58,11 +58,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let mut differences = Vec::new();
     let datapath = whole.elaborate()?;
     let mut watcher = Watcher::new(&arguments.view, config, &datapath);
-    let hardware = Hardware { model, config, datapath: &datapath };
-    let run = simulate(arguments, hardware, &stream, &mut watcher, &mut differences, |index, outcome| {
-        tally.compare(index, outcome);
-        progress.at(index + 1)
-    })?;
+    let run =
+        simulate(arguments, (model, config, &datapath), &stream, &mut watcher, &mut differences, |index, outcome| {
+            tally.compare(index, outcome);
+            progress.at(index + 1)
+        })?;
     let stopped = progress.finish(run.jobs).map_err(CliError::from);
     tally.report(&run, begin, out)?;
     if arguments.view.is_wanted() {
@@ -78,16 +78,10 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     }
 }
 
-struct Hardware<'d> {
-    model: WordModel,
-    config: Config,
-    datapath: &'d Datapath,
-}
-
 /// Runs the stream through the selected engine until `on_outcome` returns false. `differences` is for lockstep.
 fn simulate(
     arguments: &Arguments,
-    hardware: Hardware<'_>,
+    (model, config, datapath): (WordModel, Config, &Datapath),
     stream: &[Transaction],
     watcher: &mut Watcher,
     differences: &mut Vec<String>,
@@ -102,7 +96,6 @@ fn simulate(
         let problem = "--engine model has no cycles, expected cycle, netlist or both with recorded handshakes";
         return Err(CliError::unusable(problem));
     }
-    let Hardware { model, config, datapath } = hardware;
     let jobs = stream.iter().map(|transaction| &transaction.job);
     let mut on_cycle = |seen: &Seen| {
         watcher.look(seen, |index| stream[index].job.kind().opcode());

@@ -81,81 +81,75 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         let problem = format!("--format {}: vectors are searched in fp32 only", config.semantics.format);
         return Err(CliError::unusable(problem));
     }
-    let search = Search { arguments, config, out };
     match config.semantics.lanes {
         Lanes::None => {
             let problem = "--lanes none: a datapath without distances cannot search, expected 2 to 64";
             Err(CliError::unusable(problem))
         }
-        Lanes::Two => search.run::<2, 1>(),
-        Lanes::Four => search.run::<4, 2>(),
-        Lanes::Eight => search.run::<8, 4>(),
-        Lanes::Sixteen => search.run::<16, 8>(),
-        Lanes::ThirtyTwo => search.run::<32, 16>(),
-        Lanes::SixtyFour => search.run::<64, 32>(),
+        Lanes::Two => search::<2, 1>(arguments, config, out),
+        Lanes::Four => search::<4, 2>(arguments, config, out),
+        Lanes::Eight => search::<8, 4>(arguments, config, out),
+        Lanes::Sixteen => search::<16, 8>(arguments, config, out),
+        Lanes::ThirtyTwo => search::<32, 16>(arguments, config, out),
+        Lanes::SixtyFour => search::<64, 32>(arguments, config, out),
     }
 }
 
 /// A search with `E` Euclidean and `A` angular lanes.
-struct Search<'a> {
-    arguments: &'a Arguments,
+fn search<const E: usize, const A: usize>(
+    arguments: &Arguments,
     config: Config,
-    out: &'a mut dyn Write,
-}
-
-impl Search<'_> {
-    fn run<const E: usize, const A: usize>(self) -> Result<(), CliError> {
-        let Self { arguments, config, out } = self;
-        let dataset = arguments.dataset()?;
-        let metric = arguments.metric.or(dataset.metric).unwrap_or(Metric::Euclidean);
-        let (base, queries) = (&dataset.base, &dataset.queries);
-        let found = format!("{} vectors of {} dimensions", base.len(), base.dimensions());
-        writeln!(out, "{found}, {} queries, {metric} distance", queries.len())?;
-        let graph = match arguments.index {
-            None => None,
-            Some(Index::Hnsw) => Some(arguments.graph::<E, A>(&dataset, metric, out)?),
-        };
-        let results = match &graph {
-            None => arguments.exact::<E, A>(&dataset, metric)?,
-            Some(graph) => watched("queries", queries.len(), |progress| {
-                graph.search(queries, arguments.k, arguments.ef(), progress)
-            })?,
-        };
-        let mut rows = describe::<E, A>(&results, base.dimensions());
-        if let Some((source, truth)) = arguments.truth::<E, A>(&dataset, metric)? {
-            let recall =
-                recall::<E, A>(&results, &truth, base, queries, metric, arguments.k).map_err(CliError::unusable)?;
-            rows.push((format!("recall at {} against {source}", arguments.k), format!("{recall:.4}")));
+    out: &mut dyn Write,
+) -> Result<(), CliError> {
+    let dataset = arguments.dataset()?;
+    let metric = arguments.metric.or(dataset.metric).unwrap_or(Metric::Euclidean);
+    let (base, queries) = (&dataset.base, &dataset.queries);
+    let found = format!("{} vectors of {} dimensions", base.len(), base.dimensions());
+    writeln!(out, "{found}, {} queries, {metric} distance", queries.len())?;
+    let graph = match arguments.index {
+        None => None,
+        Some(Index::Hnsw) => Some(arguments.graph::<E, A>(&dataset, metric, out)?),
+    };
+    let results = match &graph {
+        None => arguments.exact::<E, A>(&dataset, metric)?,
+        Some(graph) => {
+            watched("queries", queries.len(), |progress| graph.search(queries, arguments.k, arguments.ef(), progress))?
         }
-        writeln!(out)?;
-        print_rows(&rows, out)?;
-        writeln!(out)?;
-
-        let mut files = Vec::new();
-        if let Some(path) = &arguments.out {
-            let mut bytes = Vec::new();
-            write_ivecs(&results, &mut bytes)?;
-            files.push((path.clone(), bytes));
-        }
-        let subject = timing::Queries::<E, A> {
-            name: arguments.name(),
-            dataset: &dataset,
-            metric,
-            neighbours: arguments.k,
-            ef: arguments.ef(),
-            graph: graph.as_ref(),
-            max: arguments.timed,
-        };
-        let timed = arguments.timing.run(&subject, arguments.queries_in_flight, config, &arguments.view, out)?;
-        if let Some(Timed { mut recording, files: more }) = timed {
-            let head = ["what", "value"].map(str::to_string).to_vec();
-            let rows = rows.into_iter().map(|(label, value)| vec![label, value]).collect();
-            recording.tables.push(Table { title: "The search".to_string(), head, rows });
-            files.extend(more);
-            files.extend(arguments.view.files(&recording));
-        }
-        write_and_name(&files, out)
+    };
+    let mut rows = describe::<E, A>(&results, base.dimensions());
+    if let Some((source, truth)) = arguments.truth::<E, A>(&dataset, metric)? {
+        let recall =
+            recall::<E, A>(&results, &truth, base, queries, metric, arguments.k).map_err(CliError::unusable)?;
+        rows.push((format!("recall at {} against {source}", arguments.k), format!("{recall:.4}")));
     }
+    writeln!(out)?;
+    print_rows(&rows, out)?;
+    writeln!(out)?;
+
+    let mut files = Vec::new();
+    if let Some(path) = &arguments.out {
+        let mut bytes = Vec::new();
+        write_ivecs(&results, &mut bytes)?;
+        files.push((path.clone(), bytes));
+    }
+    let subject = timing::Queries::<E, A> {
+        name: arguments.name(),
+        dataset: &dataset,
+        metric,
+        neighbours: arguments.k,
+        ef: arguments.ef(),
+        graph: graph.as_ref(),
+        max: arguments.timed,
+    };
+    let timed = arguments.timing.run(&subject, arguments.queries_in_flight, config, &arguments.view, out)?;
+    if let Some(Timed { mut recording, files: more }) = timed {
+        let head = ["what", "value"].map(str::to_string).to_vec();
+        let rows = rows.into_iter().map(|(label, value)| vec![label, value]).collect();
+        recording.tables.push(Table { title: "The search".to_string(), head, rows });
+        files.extend(more);
+        files.extend(arguments.view.files(&recording));
+    }
+    write_and_name(&files, out)
 }
 
 impl Arguments {
