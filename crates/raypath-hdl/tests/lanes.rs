@@ -107,31 +107,6 @@ fn every_lane_is_a_simulator_whatever_is_done() {
 }
 
 #[test]
-fn a_lane_does_not_depend_on_the_others() {
-    let module = registers();
-    let mut random = ChaCha8Rng::seed_from_u64(2);
-    for kept in [0, 1, 15, 16, 31, 32, 255, LANES - 1] {
-        let (mut one, mut other) = (LaneSimulator::new(&module).unwrap(), LaneSimulator::new(&module).unwrap());
-        let inputs = ["d_i", "en_i"].map(|name| one.input(name).unwrap());
-        for _ in 0..30 {
-            for input in inputs {
-                let values = random_lanes(&mut random);
-                let mut changed = values.map(|value| !value);
-                changed[kept] = values[kept];
-                one.set(input, &values);
-                other.set(input, &changed);
-            }
-            one.cycle();
-            other.cycle();
-            for port in module.outputs() {
-                let output = one.output(&port.name).unwrap();
-                assert_eq!(one.get(output)[kept], other.get(output)[kept], "{} of lane {kept}", port.name);
-            }
-        }
-    }
-}
-
-#[test]
 fn values_find_their_lanes_at_every_width() {
     let m = Builder::new("through");
     for width in 1..=64 {
@@ -151,49 +126,6 @@ fn values_find_their_lanes_at_every_width() {
         assert_eq!(simulator.get(output), values.map(|value| value & mask), "not before it settles");
         simulator.settle();
         assert_eq!(simulator.get(output), [values[5] & mask; LANES], "width {width}");
-    }
-}
-
-/// Registers, inputs and constants pass through a called function unchanged, and calls do not disturb each other.
-#[test]
-fn calls_of_one_function_are_independent() {
-    let m = Builder::new("inner");
-    let (a, b) = (m.input("a_i", 16), m.input("b_i", 16));
-    let mut sum = a;
-    for _ in 0..20 {
-        sum = (sum + b) ^ a;
-    }
-    m.output("sum_o", sum);
-    m.output("a_o", a);
-    m.output("three_o", m.constant(2, 3));
-    let inner = m.finish().unwrap();
-
-    let m = Builder::new("outer");
-    let (x, y) = (m.input("x_i", 16), m.input("y_i", 16));
-    let first = m.instance("u_first", &inner, &[("a_i", x), ("b_i", y)]);
-    let second = m.instance("u_second", &inner, &[("a_i", y), ("b_i", x)]);
-    let third = m.instance("u_third", &inner, &[("a_i", first[0]), ("b_i", second[0])]);
-    m.output("first_o", first[0]);
-    m.output("second_o", second[0]);
-    m.output("third_o", third[0]);
-    m.output("a_o", m.concat(&[first[1], second[1], third[1], first[2]]));
-    let mut simulator = LaneSimulator::new(&m.finish().unwrap()).unwrap();
-    let [x, y] = ["x_i", "y_i"].map(|name| simulator.input(name).unwrap());
-    let mut random = ChaCha8Rng::seed_from_u64(4);
-    let (xs, ys) = (random_lanes(&mut random), random_lanes(&mut random));
-    simulator.set(x, &xs);
-    simulator.set(y, &ys);
-    simulator.settle();
-    let inner = |a: u16, b: u16| (0..20).fold(a, |sum, _| sum.wrapping_add(b) ^ a);
-    let [first_o, second_o, third_o, a_o] =
-        ["first_o", "second_o", "third_o", "a_o"].map(|name| simulator.get(simulator.output(name).unwrap()));
-    for lane in 0..LANES {
-        let (x, y) = (xs[lane] as u16, ys[lane] as u16);
-        let (first, second) = (inner(x, y), inner(y, x));
-        let third = inner(first, second);
-        assert_eq!([first_o[lane], second_o[lane], third_o[lane]], [first, second, third].map(u64::from));
-        let parts = [x, y, first].map(u64::from);
-        assert_eq!(a_o[lane], parts[0] << 34 | parts[1] << 18 | parts[2] << 2 | 3);
     }
 }
 

@@ -1,8 +1,12 @@
 //! Random netlists, compiled, against an interpreter of the netlist that shares no code with the simulator.
 
+#[path = "common/netlists.rs"]
+mod netlists;
+
+use netlists::{Contents, netlist};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_hdl::{Builder, Driver, LANES, Label, LaneSimulator, Module, SignalId, Simulator, Wire};
+use raypath_hdl::{Driver, LANES, LaneSimulator, Module, SignalId, Simulator};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -119,110 +123,11 @@ impl<'m> Scope<'m> {
     }
 }
 
-/// A module of random operators; with registers, and with instances of `inside`, where there are any.
-fn random_module(
-    name: &str,
-    random: &mut ChaCha8Rng,
-    operators: usize,
-    registers: u32,
-    inside: &[Arc<Module>],
-) -> Arc<Module> {
-    let m = Builder::new(name);
-    let mut wires: Vec<Wire<'_>> = (0..4).map(|n| m.input(&format!("in{n}_i"), random_width(random))).collect();
-    let mut pending = Vec::new();
-    for n in 0..registers {
-        let width = random_width(random);
-        let mut register = m.register(&format!("r{n}_q"), width);
-        if random.random_bool(0.5) {
-            register = register.reset_to(random.random::<u64>() >> (64 - width));
-        }
-        wires.push(register.wire());
-        pending.push(register);
-    }
-    for (n, module) in inside.iter().enumerate() {
-        grow(&m, &mut wires, random, operators / (inside.len() + 1));
-        let ports = module.inputs().iter().map(|port| (port.name.as_str(), module.signal(port.signal).width));
-        let inputs: Vec<_> = ports.map(|(port, width)| (port, pick(&m, &wires, random, width))).collect();
-        wires.extend(m.instance(&format!("u_i{n}"), module, &inputs));
-    }
-    grow(&m, &mut wires, random, operators);
-    for register in pending {
-        let next = pick(&m, &wires, random, register.wire().width());
-        if random.random_bool(0.5) {
-            register.next_when(pick(&m, &wires, random, 1), next);
-        } else {
-            register.next(next);
-        }
-    }
-    for n in 0..6 {
-        m.output(&format!("out{n}_o"), wires[wires.len() - 1 - n]);
-    }
-    m.finish().unwrap()
-}
-
-fn random_width(random: &mut ChaCha8Rng) -> u32 {
-    match random.random_range(0..8) {
-        0 | 1 => 1,
-        2 => 64,
-        3 => 33,
-        _ => random.random_range(1..=64),
-    }
-}
-
 fn random_word(random: &mut ChaCha8Rng) -> u64 {
     match random.random_range(0..4) {
         0 => 0,
         1 => u64::MAX,
         _ => random.random(),
-    }
-}
-
-/// A recent wire, cut or extended to `width`.
-fn pick<'m>(m: &'m Builder, wires: &[Wire<'m>], random: &mut ChaCha8Rng, width: u32) -> Wire<'m> {
-    let back = random.random_range(0..wires.len().min(20));
-    let wire = wires[wires.len() - 1 - back];
-    if random.random_range(0..20) == 0 {
-        m.constant(width, random.random::<u64>() >> (64 - width))
-    } else if wire.width() < width {
-        wire.extend(width)
-    } else {
-        let low = random.random_range(0..=wire.width() - width);
-        wire.bits(low + width - 1, low)
-    }
-}
-
-fn grow<'m>(m: &'m Builder, wires: &mut Vec<Wire<'m>>, random: &mut ChaCha8Rng, count: usize) {
-    for _ in 0..count {
-        let width = random_width(random);
-        let mut take = |width: u32| pick(m, wires, random, width);
-        let (a, b, c) = (take(width), take(width), take(1));
-        let wire = match random.random_range(0..18) {
-            0 => !a,
-            1 => a & b,
-            2 => a | b,
-            3 => a ^ b,
-            4 => a + b,
-            5 => a - b,
-            6 => a.lower(width.min(32)) * b.lower(width.min(32)),
-            7 => a.equals(b),
-            8 => a.less(b),
-            9 => a.any(),
-            10 => a.all(),
-            11 => a.shift_left(b.lower(width.min(32))),
-            12 => a.shift_right(b.lower(width.min(7))),
-            13 => a.shift_right(b.lower(width.min(32))),
-            14 => c.mux(a, b),
-            15 => {
-                let selector = b.lower(width.min(2));
-                let last = (1 << selector.width()) - 1;
-                let arms =
-                    [(0, !a), (last, b)].map(|(value, wire)| (Label { name: format!("L{last}V{value}"), value }, wire));
-                m.case(selector, &arms, a)
-            }
-            16 if width < 63 => m.concat(&[c, a, c]),
-            _ => a.named(&format!("n{}", wires.len())),
-        };
-        wires.push(wire);
     }
 }
 
@@ -325,10 +230,13 @@ fn random_netlists_agree_with_the_interpreter() {
     let mut drivers = BTreeSet::new();
     for seed in 0..30 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let small = random_module("little", &mut random, 8, 0, &[]);
-        let large = random_module("wide", &mut random, 60, 0, &[]);
-        let clocked = random_module("clocked", &mut random, 30, 5, &[large.clone(), small.clone()]);
-        let top = random_module("top", &mut random, 40, 6, &[large.clone(), clocked.clone(), large, clocked, small]);
+        let mut module = |name, operators, registers, inside: &[Arc<Module>]| {
+            netlist(name, &mut random, &Contents { operators, registers, inside, constants: true })
+        };
+        let small = module("little", 8, 0, &[]);
+        let large = module("wide", 60, 0, &[]);
+        let clocked = module("clocked", 30, 5, &[large.clone(), small.clone()]);
+        let top = module("top", 40, 6, &[large.clone(), clocked.clone(), large, clocked, small]);
         compare(&top, &mut random, seed);
         compare_lanes(&top, &mut random, seed);
         drivers.extend(top.signals().iter().map(|signal| {

@@ -96,24 +96,6 @@ fn a_reset_pulse_between_edges_counts() {
     assert_eq!(bench.settled(), [1, 1, 9]);
 }
 
-/// All registers take their values at the same edge, whatever the order of evaluation.
-#[test]
-fn registers_can_swap() {
-    let m = Builder::new("swap");
-    let (a, b) = (m.register("a_q", 64).reset_to(u64::MAX), m.register("b_q", 64).reset_to(1));
-    a.next(b.wire());
-    b.next(a.wire());
-    m.output("a_o", a.wire());
-    m.output("b_o", b.wire());
-    let mut simulator = Simulator::new(&m.finish().unwrap()).unwrap();
-    let (a, b) = (simulator.output("a_o").unwrap(), simulator.output("b_o").unwrap());
-    for cycle in 0..5 {
-        simulator.cycle();
-        let expected = if cycle % 2 == 0 { (u64::MAX, 1) } else { (1, u64::MAX) };
-        assert_eq!((simulator.get(a), simulator.get(b)), expected, "cycle {cycle}");
-    }
-}
-
 #[test]
 fn simulators_of_one_module_are_independent_and_can_move_to_threads() {
     let module = three_registers();

@@ -1,6 +1,10 @@
 //! Compares the netlist simulator with Verilator, and runs the linters on emitted SystemVerilog.
 
 mod compare;
+#[path = "../../../raypath-hdl/tests/common/operators.rs"]
+mod every;
+#[path = "../../../raypath-hdl/tests/common/netlists.rs"]
+mod netlists;
 mod operators;
 mod process;
 mod random;

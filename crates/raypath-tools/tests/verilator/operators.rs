@@ -2,9 +2,10 @@
 //! expressions apply.
 
 use crate::compare::agree;
+use crate::every::every_operator;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
-use raypath_hdl::{Builder, Label, Module, Wire};
+use raypath_hdl::{Builder, Module, Wire};
 use std::cell::Cell;
 use std::sync::Arc;
 
@@ -17,57 +18,21 @@ fn every_operator_at_every_width() {
 
 fn operators() -> Arc<Module> {
     let m = Builder::new("operators");
-    let select = m.input("select_i", 2);
-    let amount = m.input("amount_i", 7);
+    let (bit, far, amount) = (m.input("bit_i", 1), m.input("far_i", 64), m.input("amount_i", 7));
     for width in WIDTHS {
         let input = |name: &str| m.input(&format!("{name}{width}_i"), width);
         let (a, b, c) = (input("a"), input("b"), input("c"));
         let show = |name: &str, wire: Wire<'_>| m.output(&format!("{name}{width}_o"), wire);
         m.section(format!("{width} bits"));
-        single(&m, [a, b, c], select, amount, show);
+        let (single, _) = every_operator(width);
+        let ports = [("a_i", a), ("b_i", b), ("c_i", bit), ("far_i", far)];
+        let outputs = m.instance(&format!("u_single{width}"), &single, &ports);
+        for (port, output) in single.outputs().iter().zip(outputs) {
+            show(&format!("single_{}", port.stem()), output);
+        }
         nested(&m, [a, b, c], amount, show);
     }
     m.finish().expect("a module")
-}
-
-fn single<'m>(
-    m: &'m Builder,
-    [a, b, c]: [Wire<'m>; 3],
-    select: Wire<'m>,
-    amount: Wire<'m>,
-    show: impl Fn(&str, Wire<'m>),
-) {
-    let width = a.width();
-    show("not", !a);
-    show("and", a & b);
-    show("or", a | b);
-    show("xor", a ^ b);
-    show("add", a + b);
-    show("sub", a - b);
-    show("equal", a.equals(b));
-    show("is", a.is(1));
-    show("less", a.less(b));
-    show("any", a.any());
-    show("all", a.all());
-    show("left", a.shift_left(amount));
-    show("right", a.shift_right(amount));
-    let far = b.lower(width.min(32));
-    show("left_far", a.shift_left(far));
-    show("right_far", a.shift_right(far));
-    show("mux", select.bit(0).mux(a, b));
-    show("alias", a.named(&format!("alias{width}")));
-    show("top", a.top());
-    show("constant", m.constant(width, u64::MAX >> (64 - width)));
-    let label = |name: &str, value| Label { name: name.to_string(), value };
-    show("case", m.case(select, &[(label("OpOne", 1), a), (label("OpTwo", 2), b)], c));
-    let half = (width / 2).max(1);
-    show("slice", a.bits(width - 1, width - half));
-    show("concat", m.concat(&[a.lower(half), b.lower(half)]));
-    show("product", a.lower(half) * b.lower(width - half.min(width - 1)));
-    show("replicate", m.concat(&[a.bit(0).replicate(half), b.lower(half)]));
-    show("copies", a.bit(0).replicate(width));
-    let squares = [(label("OpOne", 1), a + b), (label("OpTwo", 2), a + b)];
-    show("case_unnamed", m.case(select, &squares, a ^ c) + c);
 }
 
 /// Expressions whose context could widen an operand, keep a carry or change a sign.

@@ -1,5 +1,5 @@
-//! 24 jobs while the sink is not ready, full throughput after a stall, stable outputs. `golden.rs` and
-//! `peers/latency.rs` test the latency and the throughput without stalls.
+//! 24 jobs while the sink is not ready, stable outputs. `golden.rs` and `peers/latency.rs` test the latency and the
+//! throughput.
 
 use crate::answers::{self, Typed};
 use crate::random::mixed_jobs;
@@ -43,30 +43,6 @@ fn twenty_four_jobs_wait_for_the_sink() {
             assert_eq!(engine.cycle(false, true).output, Some(*outcome));
         }
         assert_eq!(engine.cycle(false, true).output, None);
-    });
-}
-
-/// After a full stall the pipeline reaches its full throughput again, once the bubbles have left.
-#[test]
-fn full_throughput_returns_after_a_stall() {
-    let jobs = mixed_jobs(200, 14);
-    let expected = outcomes(&jobs);
-    on_engines(|engine| {
-        let (mut accepted, mut left) = (0, 0);
-        let mut drive = |engine: &mut Typed<'_>, output_ready: bool| {
-            engine.present(&jobs[accepted]);
-            let shown = engine.cycle(true, output_ready);
-            accepted += usize::from(shown.input_ready);
-            if let Some(outcome) = shown.output.filter(|_| output_ready) {
-                assert_eq!(outcome, expected[left]);
-                left += 1;
-                return true;
-            }
-            false
-        };
-        (0..50).for_each(|_| _ = drive(engine, false));
-        let taken = (0..100).filter(|_| drive(engine, true)).count();
-        assert_eq!(taken, 100, "an outcome in every cycle: 24 were waiting, and the source never stopped");
     });
 }
 
