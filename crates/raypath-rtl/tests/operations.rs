@@ -20,9 +20,7 @@ bundle! {
         /// A word.
         pub word: Word<C, 3>,
     }
-}
 
-bundle! {
     /// One of each.
     pub struct Output<C> {
         /// A number.
@@ -32,9 +30,7 @@ bundle! {
         /// A word.
         pub code: Word<C, 3>,
     }
-}
 
-bundle! {
     /// One number from job to job.
     pub struct State<C> {
         /// The number.
@@ -187,22 +183,14 @@ fn words_that_the_format_does_not_have_are_refused() {
     assert!(said.contains("has 9 bits, expected 1 to 8"), "{said}");
 }
 
-/// Keeps the largest number so far, and begins again where it was negative or the flag is set.
-struct Largest;
-
-impl Operation for Largest {
-    const NAME: &'static str = "largest";
-    type Input<C: Circuit> = Input<C>;
-    type Output<C: Circuit> = Output<C>;
-    type State<C: Circuit> = State<C>;
-    fn run<C: Circuit>(&self, c: C, i: Input<C>, state: State<C>) -> (Output<C>, State<C>) {
-        c.stage(6, "the larger of a and what is kept");
-        let was_negative = state.kept.sign_bit();
-        let larger = i.a.compare(state.kept).greater();
-        let kept = (larger | was_negative).select(i.a, state.kept);
-        (Output { number: kept, is_so: was_negative, code: i.word }, State { kept: i.flag.select(-i.b, kept) })
-    }
-}
+// Keeps the largest number so far, and begins again where it was negative or the flag is set.
+operation!(Largest, |c, i, state| {
+    c.stage(6, "the larger of a and what is kept");
+    let was_negative = state.kept.sign_bit();
+    let larger = i.a.compare(state.kept).greater();
+    let kept = (larger | was_negative).select(i.a, state.kept);
+    (Output { number: kept, is_so: was_negative, code: i.word }, State { kept: i.flag.select(-i.b, kept) })
+});
 
 #[test]
 fn state_may_be_compared_and_tested() {
@@ -212,22 +200,14 @@ fn state_may_be_compared_and_tested() {
     assert_eq!(answers(&Largest, &jobs), expected);
 }
 
-/// Adds up what comes, in jobs with the flag to what went before: a loop through an adder.
-struct Sum;
-
-impl Operation for Sum {
-    const NAME: &'static str = "sum";
-    type Input<C: Circuit> = Input<C>;
-    type Output<C: Circuit> = Output<C>;
-    type State<C: Circuit> = State<C>;
-    fn run<C: Circuit>(&self, c: C, i: Input<C>, state: State<C>) -> (Output<C>, State<C>) {
-        c.stage(3, "a b");
-        let product = i.a * i.b;
-        c.stage(7, "accumulated");
-        let kept = state.kept + product;
-        (Output { number: kept, is_so: i.flag, code: i.word }, State { kept: i.flag.select(kept, c.zero()) })
-    }
-}
+// Adds up what comes, in jobs with the flag to what went before: a loop through an adder.
+operation!(Sum, |c, i, state| {
+    c.stage(3, "a b");
+    let product = i.a * i.b;
+    c.stage(7, "accumulated");
+    let kept = state.kept + product;
+    (Output { number: kept, is_so: i.flag, code: i.word }, State { kept: i.flag.select(kept, c.zero()) })
+});
 
 #[test]
 fn state_may_go_through_an_adder_of_several_steps() {
@@ -282,19 +262,12 @@ fn what_does_not_fit_is_refused() {
     operation!(Stageless, |_c, i| Output { number: i.a + i.b, is_so: i.flag, code: i.word });
     assert!(matches!(Operations::new().with(&Stageless, 0), Err(Error::NoSuchStage { stage: 0, .. })));
 
-    struct Apart;
-    impl Operation for Apart {
-        const NAME: &'static str = "apart";
-        type Input<C: Circuit> = Input<C>;
-        type Output<C: Circuit> = Output<C>;
-        type State<C: Circuit> = State<C>;
-        fn run<C: Circuit>(&self, c: C, i: Input<C>, state: State<C>) -> (Output<C>, State<C>) {
-            c.stage(4, "reads");
-            let sum = state.kept + i.a;
-            c.stage(7, "writes");
-            (Output { number: sum, is_so: i.flag, code: i.word }, State { kept: sum * sum })
-        }
-    }
+    operation!(Apart, |c, i, state| {
+        c.stage(4, "reads");
+        let sum = state.kept + i.a;
+        c.stage(7, "writes");
+        (Output { number: sum, is_so: i.flag, code: i.word }, State { kept: sum * sum })
+    });
     let error = Operations::new().with(&Apart, 0).expect_err("state apart");
     assert!(matches!(error, Error::StateApart { read: 4, made: 7, .. }), "{error}");
 
@@ -333,18 +306,8 @@ bundle! {
     }
 }
 
-/// Has a port of another's name, but not its width.
-struct FourFlags;
-
-impl Operation for FourFlags {
-    const NAME: &'static str = "four_flags";
-    type Input<C: Circuit> = Input<C>;
-    type Output<C: Circuit> = Wider<C>;
-    type State<C: Circuit> = ();
-    fn run<C: Circuit>(&self, _: C, i: Input<C>, _: ()) -> (Wider<C>, ()) {
-        (Wider { is_so: Flags([i.flag; 4]) }, ())
-    }
-}
+// Has a port of another's name, but not its width.
+operation!(FourFlags, Wider<C>, (), |_c, i, _state| (Wider { is_so: Flags([i.flag; 4]) }, ()));
 
 bundle! {
     /// Two ports of one name.
@@ -354,9 +317,7 @@ bundle! {
         /// `t_num` again.
         pub t_num: Num<C>,
     }
-}
 
-bundle! {
     /// A number.
     pub struct One<C> {
         /// The number.
@@ -364,28 +325,18 @@ bundle! {
     }
 }
 
-struct TwoOfAName;
-
-impl Operation for TwoOfAName {
-    const NAME: &'static str = "two_of_a_name";
-    type Input<C: Circuit> = Input<C>;
-    type Output<C: Circuit> = Twice<C>;
-    type State<C: Circuit> = ();
-    fn run<C: Circuit>(&self, _: C, i: Input<C>, _: ()) -> (Twice<C>, ()) {
-        (Twice { t: One { num: i.a }, t_num: i.b }, ())
-    }
-}
+operation!(TwoOfAName, Twice<C>, (), |_c, i, _state| (Twice { t: One { num: i.a }, t_num: i.b }, ()));
 
 /// Ports of one name are one port, so they are alike or refused.
 #[test]
 fn ports_of_one_name_are_alike() {
     let straight = || Operations::new().with(&Straight, 0).expect("an operation");
     let error = straight().with(&FourFlags, 1).expect_err("other widths");
-    let words = "operation four_flags: its port is_so_o is 4 bits, and that of Straight 1 bit";
+    let words = "operation FourFlags: its port is_so_o is 4 bits, and that of Straight 1 bit";
     assert!(error.to_string().starts_with(words), "{error}");
     assert!(straight().with(&Mixed, 1).is_ok(), "the same ports");
     let error = Operations::new().with(&TwoOfAName, 0).expect_err("a name twice");
-    assert!(error.to_string().contains("its port t_num_o is a number, and that of two_of_a_name a number"), "{error}");
+    assert!(error.to_string().contains("its port t_num_o is a number, and that of TwoOfAName a number"), "{error}");
 }
 
 /// Assertions name what they look at, whether or not the operation has labelled it.

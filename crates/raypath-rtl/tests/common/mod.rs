@@ -2,18 +2,24 @@
 
 pub mod drive;
 
-/// An operation without state that is a function of `Input` to `Output`, whatever these are where it stands.
+/// An operation that is a function of `Input` to `Output`, whatever these are where it stands. With `state` it is also
+/// one of `State` to `State`.
 macro_rules! operation {
     ($name:ident, |$c:ident, $input:ident| $body:expr) => {
+        operation!($name, Output<C>, (), |$c, $input, _state| ($body, ()));
+    };
+    ($name:ident, |$c:ident, $input:ident, $state:ident| $body:expr) => {
+        operation!($name, Output<C>, State<C>, |$c, $input, $state| $body);
+    };
+    ($name:ident, $output:ty, $state_type:ty, |$c:ident, $input:ident, $state:ident| $body:expr) => {
         struct $name;
         impl Operation for $name {
             const NAME: &'static str = stringify!($name);
             type Input<C: Circuit> = Input<C>;
-            type Output<C: Circuit> = Output<C>;
-            type State<C: Circuit> = ();
-            fn run<C: Circuit>(&self, circuit: C, $input: Input<C>, _: ()) -> (Output<C>, ()) {
-                let $c = circuit;
-                ($body, ())
+            type Output<C: Circuit> = $output;
+            type State<C: Circuit> = $state_type;
+            fn run<C: Circuit>(&self, $c: C, $input: Input<C>, $state: $state_type) -> ($output, $state_type) {
+                $body
             }
         }
     };

@@ -179,7 +179,6 @@ fn what_cannot_be_had_is_refused() {
 raypath_ops::bundle! {
     /// A word at a port that the feature wants.
     pub struct Tag<C> {
-        /// The word.
         pub tag: raypath_ops::Word<C, 3>,
     }
 }

@@ -195,7 +195,6 @@ fn simulate(top: &Arc<Module>, frames: &[Vec<u64>]) -> Vec<Vec<u64>> {
 bundle! {
     /// Names that do not nest well: a port that is the beginning of others, and words of the language.
     pub struct Awkward<C> {
-        /// A number.
         pub ray: Num<C>,
         /// Begins like it.
         pub ray_end: Num<C>,
@@ -205,9 +204,7 @@ bundle! {
         pub range_end: Num<C>,
         /// Is a word by itself.
         pub wire: Num<C>,
-        /// In a group.
         pub point_x: Num<C>,
-        /// In a group.
         pub point_y: Num<C>,
     }
 }
@@ -215,7 +212,6 @@ bundle! {
 bundle! {
     /// One number.
     pub struct Total<C> {
-        /// A sum.
         pub total: Num<C>,
     }
 }

@@ -160,20 +160,16 @@ bundle! {
     pub struct Input<C> {
         /// The numbers.
         pub n: [Num<C>; 4],
-        /// The flag.
+        /// A flag.
         pub flag: Bit<C>,
     }
-}
 
-bundle! {
     /// One number.
     pub struct Output<C> {
-        /// The number.
+        /// A number.
         pub number: Num<C>,
     }
-}
 
-bundle! {
     /// One number from job to job, and a flag.
     pub struct State<C> {
         /// The number.
@@ -225,23 +221,15 @@ fn units_are_chained_as_the_rules_say() {
     run(Chained, Config::DEFAULT);
 }
 
-/// State that goes through two units, a flag that becomes a constant, and units before and behind.
-struct Filter;
-
-impl Operation for Filter {
-    const NAME: &'static str = "filter";
-    type Input<C: Circuit> = Input<C>;
-    type Output<C: Circuit> = Output<C>;
-    type State<C: Circuit> = State<C>;
-    fn run<C: Circuit>(&self, c: C, input: Input<C>, state: State<C>) -> (Output<C>, State<C>) {
-        c.auto();
-        let [a, b, d, _] = input.n;
-        let first = state.was.select(a, b);
-        let kept = state.kept * d + (first + a) * b;
-        let number = input.flag.select(state.kept, first * first);
-        (Output { number }, State { kept: input.flag.select(c.zero(), kept), was: c.bit(true) })
-    }
-}
+// State that goes through two units, a flag that becomes a constant, and units before and behind.
+operation!(Filter, |c, input, state| {
+    c.auto();
+    let [a, b, d, _] = input.n;
+    let first = state.was.select(a, b);
+    let kept = state.kept * d + (first + a) * b;
+    let number = input.flag.select(state.kept, first * first);
+    (Output { number }, State { kept: input.flag.select(c.zero(), kept), was: c.bit(true) })
+});
 
 #[test]
 fn state_is_read_where_it_is_written() {

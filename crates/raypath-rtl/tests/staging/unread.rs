@@ -9,7 +9,6 @@ use raypath_rtl::{Budget, Datapath, Error, Microarchitecture, Operations, UnitLa
 bundle! {
     /// One number from job to job.
     pub struct State<C> {
-        /// The number.
         pub kept: Num<C>,
     }
 }

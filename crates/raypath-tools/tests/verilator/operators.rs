@@ -5,7 +5,7 @@ use crate::compare::agree;
 use crate::every::every_operator;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
-use raypath_hdl::{Builder, Module, Wire};
+use raypath_hdl::{Builder, Label, Module, Wire};
 use std::cell::Cell;
 use std::sync::Arc;
 
@@ -59,6 +59,8 @@ fn nested<'m>(m: &'m Builder, [a, b, c]: [Wire<'m>; 3], amount: Wire<'m>, show: 
     show("product_of_not", low(!a, factor) * low(b - c, factor));
     show("subtractions", a - (b - c));
     show("mixed", (a & b) | (!a & c) | (b ^ c));
+    let one = Label { name: "OpOne".to_string(), value: 1 };
+    show("case_unnamed", m.case(c.lower(1), &[(one, a + b)], a ^ c) + c);
     show("any_of", (a & b).any() & !(a | c).all());
     show("muxes", a.any().mux(b.all().mux(a, b), c.less(a).mux(b + c, c)));
     show("compared", a.equals(b).equals(b.less(c)));
