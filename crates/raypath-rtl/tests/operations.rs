@@ -345,6 +345,6 @@ fn assertions_of_a_state_without_labels_look_at_it() {
     for config in configurations() {
         let operations = Operations::new().with(&Sum, 2).expect("an operation");
         let text = Datapath::build(operations, config.microarchitecture).expect("a datapath").properties().to_string();
-        assert!(text.contains("sum_kept_state") && !text.contains("()"), "{config}: an open port\n{text}");
+        assert!(text.contains("Sum_kept_state") && !text.contains("()"), "{config}: an open port\n{text}");
     }
 }
