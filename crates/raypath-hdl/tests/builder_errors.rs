@@ -9,6 +9,10 @@ fn error_of(describe: impl FnOnce(&Builder)) -> Error {
     m.finish().expect_err("accepted")
 }
 
+fn rejects(expected: Error, describe: impl FnOnce(&Builder)) {
+    assert_eq!(error_of(describe), expected);
+}
+
 fn width(signal: &str, problem: &str) -> Error {
     Error::Width { module: "bad".into(), signal: signal.into(), problem: problem.into() }
 }
@@ -45,63 +49,55 @@ fn operands_of_unequal_width() {
 
 #[test]
 fn multiplexers_that_do_not_fit() {
-    let found = error_of(|m| {
+    rejects(width("Mux 3", "operand of 7 bits, expected 8"), |m| {
         let (a, b) = (m.input("a_i", 8), m.input("b_i", 7));
         m.input("c_i", 1).mux(a, b);
     });
-    assert_eq!(found, width("Mux 3", "operand of 7 bits, expected 8"));
-    let found = error_of(|m| {
+    rejects(width("Mux 1", "operand of 8 bits, expected 1"), |m| {
         let a = m.input("a_i", 8);
         a.mux(a, a);
     });
-    assert_eq!(found, width("Mux 1", "operand of 8 bits, expected 1"));
 }
 
 #[test]
 fn cases_that_do_not_fit() {
     let label = |name: &str, value| Label { name: name.to_string(), value };
-    let found = error_of(|m| {
+    rejects(width("Case 2", "label Four does not fit the selector"), |m| {
         let (a, b) = (m.input("a_i", 2), m.input("b_i", 7));
         m.case(a, &[(label("One", 1), b), (label("Four", 4), b)], b);
     });
-    assert_eq!(found, width("Case 2", "label Four does not fit the selector"));
-    let found = error_of(|m| {
+    rejects(width("Case 2", "label Uno appears twice"), |m| {
         let (a, b) = (m.input("a_i", 2), m.input("b_i", 7));
         m.case(a, &[(label("One", 1), b), (label("Uno", 1), b)], b);
     });
-    assert_eq!(found, width("Case 2", "label Uno appears twice"));
-    let found = error_of(|m| {
+    rejects(width("Case 2", "operand of 2 bits, expected 7"), |m| {
         let (a, b) = (m.input("a_i", 2), m.input("b_i", 7));
         m.case(a, &[(label("One", 1), a)], b);
     });
-    assert_eq!(found, width("Case 2", "operand of 2 bits, expected 7"));
 }
 
 #[test]
 fn widths_out_of_range() {
     let found = error_of(|m| _ = m.input("a_i", 0));
     assert!(matches!(&found, Error::Width { problem, .. } if problem == "width 0, expected 1 to 64"), "{found}");
-    let found = error_of(|m| {
+    rejects(width("Concat 2", "width 65, expected 1 to 64"), |m| {
         let a = m.input("a_i", 64);
         m.concat(&[a, a.top()]);
     });
-    assert_eq!(found, width("Concat 2", "width 65, expected 1 to 64"));
-    let found = error_of(|m| {
+    rejects(width("Mul 1", "width 66, expected 1 to 64"), |m| {
         let a = m.input("a_i", 33);
         let _ = a * a;
     });
-    assert_eq!(found, width("Mul 1", "width 66, expected 1 to 64"));
     assert_eq!(error_of(|m| _ = m.concat(&[])), width("Concat 0", "width 0, expected 1 to 64"));
 }
 
 #[test]
 fn constants_and_reset_values_that_do_not_fit() {
     assert_eq!(error_of(|m| _ = m.constant(3, 8)), width("Constant 0", "constant 8 does not fit 3 bits"));
-    let found = error_of(|m| {
+    rejects(width("count_q", "reset value 8 does not fit"), |m| {
         let count = m.register("count_q", 3).reset_to(8);
         count.next(count.wire());
     });
-    assert_eq!(found, width("count_q", "reset value 8 does not fit"));
 }
 
 #[test]
@@ -125,10 +121,12 @@ fn cuts_and_extensions_that_do_not_fit() {
 
 #[test]
 fn shift_amounts_that_are_too_wide() {
-    let found = error_of(|m| _ = m.input("a_i", 8).shift_left(m.input("b_i", 33)));
-    assert_eq!(found, width("ShiftLeft 2", "shift amount of 33 bits, expected 1 to 32"));
-    let found = error_of(|m| _ = m.input("a_i", 8).shift_right(m.input("b_i", 64)));
-    assert_eq!(found, width("ShiftRight 2", "shift amount of 64 bits, expected 1 to 32"));
+    rejects(width("ShiftLeft 2", "shift amount of 33 bits, expected 1 to 32"), |m| {
+        _ = m.input("a_i", 8).shift_left(m.input("b_i", 33))
+    });
+    rejects(width("ShiftRight 2", "shift amount of 64 bits, expected 1 to 32"), |m| {
+        _ = m.input("a_i", 8).shift_right(m.input("b_i", 64))
+    });
 }
 
 #[test]
@@ -197,51 +195,43 @@ fn labels_that_cannot_be() {
     assert_eq!(with([("OpOne", 1), ("OpOne", 2)]), Err(name("OpOne", "labels both 2'd1 and 2'd2")));
     assert_eq!(with([("OpOne", 1), ("a_i", 2)]), Err(name("a_i", "is taken")));
     assert_eq!(with([("OpOne", 1), ("case", 2)]), Err(name("case", "is a keyword of SystemVerilog")));
-    let found = error_of(|m| {
+    rejects(name("One", "labels both 1'd1 and 2'd1"), |m| {
         let a = m.input("a_i", 1);
         m.case(a, &[(Label { name: "One".to_string(), value: 1 }, a)], a);
         m.case(m.concat(&[a, a]), &[(Label { name: "One".to_string(), value: 1 }, a)], a);
     });
-    assert_eq!(found, name("One", "labels both 1'd1 and 2'd1"));
-    let found = error_of(|m| {
+    rejects(name("One", "is taken"), |m| {
         let a = m.input("a_i", 1);
         m.case(a, &[(Label { name: "One".to_string(), value: 1 }, a)], a).named("One");
     });
-    assert_eq!(found, name("One", "is taken"));
 }
 
 #[test]
 fn registers_and_forwards_of_another_width() {
-    let found = error_of(|m| m.register("count_q", 4).next(m.input("a_i", 8)));
-    assert_eq!(found, width("count_q", "operand of 8 bits, expected 4"));
-    let found = error_of(|m| {
+    rejects(width("count_q", "operand of 8 bits, expected 4"), |m| m.register("count_q", 4).next(m.input("a_i", 8)));
+    rejects(width("count_q", "operand of 4 bits, expected 1"), |m| {
         let a = m.input("a_i", 4);
         m.register("count_q", 4).next_when(a, a);
     });
-    assert_eq!(found, width("count_q", "operand of 4 bits, expected 1"));
-    let found = error_of(|m| m.forward("later", 4).drive(m.input("a_i", 8)));
-    assert_eq!(found, width("later", "operand of 8 bits, expected 4"));
+    rejects(width("later", "operand of 8 bits, expected 4"), |m| m.forward("later", 4).drive(m.input("a_i", 8)));
     assert_eq!(error_of(|m| _ = m.input("a_i", 8).replicate(2)), width("a_i", "operand of 8 bits, expected 1"));
-    let found = error_of(|m| _ = m.input("a_i", 1).replicate(u32::MAX));
-    assert_eq!(found, width("a_i", "4294967295 copies, expected 1 to 64"));
+    rejects(width("a_i", "4294967295 copies, expected 1 to 64"), |m| _ = m.input("a_i", 1).replicate(u32::MAX));
 }
 
 #[test]
 fn what_is_never_driven_or_driven_twice() {
     assert_eq!(error_of(|m| _ = m.register("count_q", 4)), drive("count_q", "is never driven"));
     assert_eq!(error_of(|m| _ = m.forward("later", 4)), drive("later", "is never driven"));
-    let found = error_of(|m| {
+    rejects(drive("count_q", "is driven twice"), |m| {
         let count = m.register("count_q", 4);
         count.next(count.wire());
         count.next(count.wire());
     });
-    assert_eq!(found, drive("count_q", "is driven twice"));
-    let found = error_of(|m| {
+    rejects(drive("later", "is driven twice"), |m| {
         let (a, later) = (m.input("a_i", 4), m.forward("later", 4));
         later.drive(a);
         later.drive(a);
     });
-    assert_eq!(found, drive("later", "is driven twice"));
 }
 
 #[test]
@@ -317,11 +307,10 @@ fn unused_signals_are_declared_as_such() {
 /// What went wrong first is what is reported.
 #[test]
 fn the_first_error_is_kept() {
-    let found = error_of(|m| {
+    rejects(width("Constant 0", "constant 8 does not fit 3 bits"), |m| {
         m.constant(3, 8);
         m.input("wire", 1);
     });
-    assert_eq!(found, width("Constant 0", "constant 8 does not fit 3 bits"));
 }
 
 #[test]

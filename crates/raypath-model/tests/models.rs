@@ -1,8 +1,8 @@
-//! The functional and the cycle-exact model: exact sums for any number of lanes, resets, and agreement of the two.
+//! The functional and the cycle-exact model: exact sums for any number of lanes, and resets.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_model::{Control, CycleModel, Functional, LATENCY, Loop, Shape};
+use raypath_model::{CycleModel, Functional, LATENCY, Shape};
 use raypath_ops::{Job, JobKind, Outcome, Rules};
 
 /// A beat of small integers, with its exact sums: Σ(a−b)² for Euclidean, Σab and Σb² for angular jobs.
@@ -77,39 +77,5 @@ fn a_reset_zeroes_the_sums() {
         cycle.cycle(Some(&job), true);
         let outcome = (0..LATENCY + 5).find_map(|_| cycle.cycle(None, true).output).unwrap();
         assert_eq!(sums(&outcome), expected);
-    }
-}
-
-/// A cycle-exact model of any shape gives the outcomes of the functional model, each once and in order, for random
-/// handshakes. A job that is offered and not accepted does not change the sums.
-#[test]
-fn the_cycle_model_gives_the_functional_models_outcomes() {
-    let loops = vec![
-        Loop { opcode: JobKind::Euclidean.opcode(), first: 18, last: 19 },
-        Loop { opcode: JobKind::Angular.opcode(), first: 16, last: 17 },
-    ];
-    let shapes = [Control::Skid, Control::Credit].map(|control| Shape { latency: 21, control, loops: loops.clone() });
-    for shape in [Shape::default()].iter().chain(&shapes) {
-        for seed in 0..10 {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            let jobs: Vec<Job> = (0..1000)
-                .map(|_| {
-                    Job::from_ports(JobKind::ALL[rng.random_range(0..4)], |_| {
-                        f32::to_bits(rng.random_range(-4..4) as f32).into()
-                    })
-                })
-                .collect();
-            let mut functional = Functional::new(Rules::Paper);
-            let expected: Vec<Outcome> = jobs.iter().map(|job| functional.run(job)).collect();
-            let mut model = CycleModel::new(Functional::new(Rules::Paper), shape);
-            let (mut next, mut outcomes) = (0, Vec::new());
-            while outcomes.len() < jobs.len() {
-                let job = jobs.get(next).filter(|_| rng.random_bool(0.7));
-                let transfer = model.cycle(job, rng.random_bool(0.4));
-                next += usize::from(transfer.accepted);
-                outcomes.extend(transfer.output);
-            }
-            assert_eq!(outcomes, expected);
-        }
     }
 }

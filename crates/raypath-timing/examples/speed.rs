@@ -4,7 +4,7 @@
 //! `cargo run --release -p raypath-timing --example speed`
 
 #[allow(dead_code)] // only the model of the tests' helpers is used
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/simulation/common.rs"]
 mod common;
 
 use raypath_model::{CycleModel, Functional, Model, Shape};

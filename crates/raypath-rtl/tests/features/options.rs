@@ -2,6 +2,9 @@
 //! hardware that has never heard of it.
 
 use crate::check;
+use crate::drive::{Ports, drive};
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
 use raypath_hdl::verilog;
 use raypath_model::{Soft, SoftNumber};
@@ -103,6 +106,31 @@ fn features_are_the_same_in_other_formats() {
         let config = SMALL.format(format).features(ALL);
         check(Soft { format }, config, None, 1_000);
     }
+}
+
+/// A job whose opcode is not configured passes through like any other, and all its outputs are zero.
+#[test]
+fn unsupported_opcodes_yield_zeros_after_the_latency() {
+    let datapath = Datapath::new(Config::DEFAULT.lanes(Lanes::None)).expect("a datapath");
+    let mut rng = ChaCha8Rng::seed_from_u64(16);
+    let stems: Vec<&str> = datapath.top().inputs().iter().map(|port| port.stem()).collect();
+    let words = stems.into_iter().filter(|stem| !["input_valid", "output_ready", "opcode"].contains(stem));
+    let words: Vec<&str> = words.collect();
+    let job = |opcode| -> Ports {
+        let word = |stem: &&str| (stem.to_string(), f32::from(rng.random_range(-4_i8..=4)).to_bits().into());
+        words.iter().map(word).chain([("opcode".to_string(), opcode)]).collect()
+    };
+    let jobs: Vec<Ports> = (2..802).map(|number| number % 4).map(job).collect();
+    let (answers, first) = drive(&datapath, &jobs, || false);
+    assert_eq!(first, 12);
+    let mut not_zero = 0;
+    for (job, answer) in jobs.iter().zip(answers) {
+        assert_eq!(answer["opcode"], job["opcode"], "the opcode is passed along");
+        let is_zero = answer.iter().all(|(port, &bits)| port == "opcode" || bits == 0);
+        assert!(is_zero || job["opcode"] < 2, "{answer:?}");
+        not_zero += usize::from(!is_zero);
+    }
+    assert!(not_zero > 300, "{not_zero}");
 }
 
 /// As `docs/reference/semantics.md` promises it for formats of at least 5 significand bits: all pairs of distances

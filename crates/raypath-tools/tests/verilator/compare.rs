@@ -1,8 +1,9 @@
 //! Lints a module, and runs it in both simulators with the same stimuli.
 
+use crate::frames::agree_in_frames;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
-use raypath_hdl::{Module, Simulator};
+use raypath_hdl::Module;
 use raypath_tools::{Sources, Verilated};
 use std::sync::Arc;
 
@@ -11,18 +12,7 @@ pub fn agree(top: &Arc<Module>, random: &mut ChaCha8Rng, cycles: usize) {
     let folder = tempfile::tempdir().expect("a folder");
     Sources::write(top, folder.path()).expect("sources").lint().unwrap_or_else(|fault| panic!("{fault}"));
     let frames = frames(top, random, cycles);
-    let expected = simulate(top, &frames);
-    let verilated = Verilated::build(top, folder.path()).unwrap_or_else(|fault| panic!("{fault}"));
-    let mut seen = 0;
-    verilated
-        .run(frames.iter().cloned(), |cycle, outputs| {
-            for ((port, &value), right) in top.outputs().iter().zip(outputs).zip(&expected[cycle]) {
-                assert_eq!(value, *right, "{} in cycle {cycle}, inputs {:x?}", port.name, frames[cycle]);
-            }
-            seen += 1;
-        })
-        .expect("a run");
-    assert_eq!(seen, cycles);
+    agree_in_frames(top, &Verilated::build(top, folder.path()).unwrap_or_else(|fault| panic!("{fault}")), &frames);
 }
 
 /// Random words, a third of them corner cases: zero, all ones, one, the top bit.
@@ -44,23 +34,4 @@ fn frames(top: &Module, random: &mut ChaCha8Rng, cycles: usize) -> Vec<Vec<u64>>
         reset.into_iter().chain(widths.iter().map(&mut word)).collect()
     };
     (0..cycles).map(|_| frame()).collect()
-}
-
-fn simulate(top: &Arc<Module>, frames: &[Vec<u64>]) -> Vec<Vec<u64>> {
-    let mut simulator = Simulator::new(top).expect("a simulator");
-    let inputs: Vec<_> = top.inputs().iter().map(|port| simulator.input(&port.name).expect("an input")).collect();
-    let outputs: Vec<_> = top.outputs().iter().map(|port| simulator.output(&port.name).expect("an output")).collect();
-    let mut cycle = |frame: &Vec<u64>| {
-        let words = match frame.as_slice() {
-            [reset, words @ ..] if top.has_reset() => {
-                simulator.set_reset(*reset == 0);
-                words
-            }
-            words => words,
-        };
-        inputs.iter().zip(words).for_each(|(&port, &word)| simulator.set(port, word));
-        simulator.cycle();
-        outputs.iter().map(|&port| simulator.get(port)).collect()
-    };
-    frames.iter().map(&mut cycle).collect()
 }

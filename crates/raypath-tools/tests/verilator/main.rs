@@ -3,6 +3,7 @@
 mod compare;
 #[path = "../../../raypath-hdl/tests/common/operators.rs"]
 mod every;
+mod frames;
 #[path = "../../../raypath-hdl/tests/common/netlists.rs"]
 mod netlists;
 mod operators;

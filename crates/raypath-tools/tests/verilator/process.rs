@@ -3,6 +3,12 @@
 use raypath_hdl::Builder;
 use raypath_tools::{Options, Sources, ToolError, Verilated};
 
+fn build(m: Builder) -> (tempfile::TempDir, Verilated) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let verilated = Verilated::build(&m.finish().expect("a module"), folder.path()).expect("a build");
+    (folder, verilated)
+}
+
 #[test]
 fn long_streams_without_a_clock() {
     let m = Builder::new("adder");
@@ -35,9 +41,7 @@ fn clocks_without_inputs() {
     let count = m.register("count_q", 64);
     count.next(count.wire() + m.constant(64, 1));
     m.output("count_o", count.wire());
-    let top = m.finish().expect("a module");
-    let folder = tempfile::tempdir().expect("a folder");
-    let verilated = Verilated::build(&top, folder.path()).expect("a build");
+    let (_folder, verilated) = build(m);
     for _ in 0..2 {
         let mut seen = Vec::new();
         verilated.run(vec![vec![]; 3], |_, outputs| seen.extend_from_slice(outputs)).expect("a run");
@@ -49,9 +53,7 @@ fn clocks_without_inputs() {
 fn a_panic_leaves_no_process_behind() {
     let m = Builder::new("echo");
     m.output("a_o", m.input("a_i", 16));
-    let top = m.finish().expect("a module");
-    let folder = tempfile::tempdir().expect("a folder");
-    let verilated = Verilated::build(&top, folder.path()).expect("a build");
+    let (_folder, verilated) = build(m);
     let run = || verilated.run((0..).map(|n| vec![n]), |cycle, _| assert!(cycle < 100, "enough"));
     assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).is_err());
     // The list includes processes that have ended and have not been waited for.

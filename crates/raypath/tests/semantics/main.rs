@@ -28,6 +28,5 @@ mod no_combinational_path;
 mod original_faults;
 mod rounding;
 mod timing;
-mod unsupported_opcode;
 
 use raypath_verify::oracle;

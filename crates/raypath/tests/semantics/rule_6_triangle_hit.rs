@@ -41,17 +41,6 @@ fn at_depth(depth: f32, vertices: Vertices) -> Vertices {
     vertices.map(|[x, y, _]| [x, y, depth])
 }
 
-#[test]
-fn a_front_face_is_hit_and_a_back_face_missed() {
-    for front in rotations(FRONT) {
-        let [a, b, c] = front;
-        for rules in [Rules::Paper, Rules::Chisel] {
-            assert!(is_hit(rules, front), "{rules}");
-            assert!(!is_hit(rules, [a, c, b]), "clockwise, {rules}");
-        }
-    }
-}
-
 /// The ray passes through edge BC: U is a zero of either sign, and both are hits.
 #[test]
 fn an_edge_is_hit_whichever_zero_it_gives() {
@@ -93,18 +82,9 @@ fn a_vertex_is_hit_whichever_zeros_it_gives() {
     assert!(seen.len() >= 3, "zeros of both signs came up: {seen:?}");
 }
 
+/// The smallest negative number: U = −2^-149.
 #[test]
 fn any_negative_edge_misses() {
-    for shift in [1.0, 5.0] {
-        let beside = FRONT.map(|[x, y, z]| [x + shift, y, z]);
-        for vertices in rotations(beside) {
-            let TriangleSteps { u, v, w, .. } = steps(vertices);
-            assert!([u, v, w].iter().any(|&x| x < 0.0));
-            assert!(!is_hit(Rules::Paper, vertices), "{u:e} {v:e} {w:e}");
-            assert!(!is_hit(Rules::Chisel, vertices));
-        }
-    }
-    // By the smallest negative number: U = −2^-149.
     let tiny = f32::from_bits(1);
     let grazing = [[-1.0, 0.0, 1.0], [-tiny, 1.0, 1.0], [0.0, -1.0, 1.0]];
     for (i, vertices) in rotations(grazing).into_iter().enumerate() {
@@ -176,22 +156,6 @@ fn a_nan_t_num_misses_but_hits_in_the_original() {
             let Outcome::Triangle(outcome) = answer(rules, Job::Triangle(input)) else { unreachable!() };
             assert_eq!(bool::from(outcome.triangle_hit), hit, "{rules}");
             assert_eq!(outcome.t_num.to_bits(), 0x7fc0_0000);
-        }
-    }
-}
-
-#[test]
-fn a_zero_t_denom_misses() {
-    let line = [[-1.0, -1.0, 1.0], [0.0, 0.0, 2.0], [1.0, 1.0, 3.0]];
-    let point = [[1.0, 2.0, 1.0]; 3];
-    let at_the_ray = [[0.0, 0.0, 1.0]; 3];
-    let minus_zeros = [[-0.0, 0.0, 1.0], [-0.0, 0.0, 1.0], [-0.0, 0.0, 1.0]];
-    for vertices in [line, point, at_the_ray, minus_zeros] {
-        for vertices in rotations(vertices) {
-            let TriangleSteps { u, v, w, t_denom, .. } = steps(vertices);
-            assert_eq!(t_denom, 0.0, "{u:e} {v:e} {w:e}");
-            assert!(!is_hit(Rules::Paper, vertices));
-            assert!(!is_hit(Rules::Chisel, vertices));
         }
     }
 }

@@ -1,5 +1,4 @@
-//! 24 jobs while the sink is not ready, stable outputs. `golden.rs` and `peers/latency.rs` test the latency and the
-//! throughput.
+//! 24 jobs enter while the sink is not ready. `golden.rs` and `peers/latency.rs` test the latency and the throughput.
 
 use crate::answers::{self, Typed};
 use crate::random::mixed_jobs;
@@ -44,31 +43,4 @@ fn twenty_four_jobs_wait_for_the_sink() {
         }
         assert_eq!(engine.cycle(false, true).output, None);
     });
-}
-
-/// A sink that is ready in every other cycle gets an outcome each time, in order, and each outcome is stable until
-/// taken.
-#[test]
-fn outputs_hold_until_they_are_taken() {
-    let jobs = mixed_jobs(50, 15);
-    let expected = outcomes(&jobs);
-    for pause in [1, 2, 3, 7] {
-        on_engines(|engine| {
-            engine.reset();
-            let (mut accepted, mut left) = (0, 0);
-            for cycle in 0..(LATENCY + jobs.len() * (pause + 1) + 50) {
-                if let Some(job) = jobs.get(accepted) {
-                    engine.present(job);
-                }
-                let output_ready = cycle % (pause + 1) == pause;
-                let shown = engine.cycle(accepted < jobs.len(), output_ready);
-                accepted += usize::from(accepted < jobs.len() && shown.input_ready);
-                if let Some(outcome) = shown.output {
-                    assert_eq!(outcome, expected[left], "cycle {cycle}");
-                    left += usize::from(output_ready);
-                }
-            }
-            assert_eq!(left, jobs.len());
-        });
-    }
 }

@@ -1,18 +1,12 @@
 //! Simulations whose cycle counts follow from formulas, and the errors of invalid agents.
 
-mod common;
-
-use common::{Echo, Script, echo, issue};
+use crate::common::{Echo, Script, Tag, echo, issue};
 use raypath_model::{Control, Loop, Shape};
 use raypath_ops::JobKind::{Angular, Euclidean, Quadbox, Triangle};
 use raypath_timing::{Action, Environment, Observer, SimulationError, Sink, Starved, Timing, simulate};
 use std::cell::Cell;
 
-fn run(
-    agents: Vec<Vec<Action<common::Tag>>>,
-    environment: &Environment,
-    shape: &Shape,
-) -> Result<Timing, SimulationError> {
+fn run(agents: Vec<Vec<Action<Tag>>>, environment: &Environment, shape: &Shape) -> Result<Timing, SimulationError> {
     simulate(agents.into_iter().map(Script::<Echo>::new), environment, echo(shape), &mut (), &|_| true)
 }
 
@@ -103,13 +97,6 @@ fn independent_jobs_enter_in_every_cycle() {
 }
 
 #[test]
-fn ideal_memory_takes_no_cycle() {
-    let agents = vec![vec![Action::Fetch, Action::Fetch, issue(Quadbox, 0), Action::Wait, Action::Fetch]; 3];
-    let timing = run(agents, &environment(1, 0), &Shape::default()).expect("runs");
-    assert_eq!((timing.cycles, timing.fetches), (3 * 13, 9));
-}
-
-#[test]
 fn the_last_action_of_an_agent_counts() {
     let timing = run(vec![vec![issue(Quadbox, 0), Action::Fetch]; 2], &environment(1, 100), &Shape::default());
     // The job is accepted in cycle 0; its outcome arrives during the 100 cycles of the fetch.
@@ -174,7 +161,7 @@ fn invalid_agents_and_environments_are_errors() {
     assert_eq!(error(waits, &environment(2, 30)), Some(SimulationError::Deadlock { agent: 1, cycle: 30 }));
     let twice = vec![vec![issue(Quadbox, 0), Action::Wait, Action::Wait]];
     assert_eq!(error(twice, &environment(2, 30)), Some(SimulationError::Deadlock { agent: 0, cycle: 13 }));
-    let lock = vec![vec![Action::Issue { job: common::Tag(Angular, 0), lock: true }]];
+    let lock = vec![vec![Action::Issue { job: Tag(Angular, 0), lock: true }]];
     assert_eq!(error(lock, &environment(2, 30)), Some(SimulationError::LockKept { agent: 0, cycle: 1 }));
     assert_eq!(error(Vec::new(), &environment(0, 30)), Some(SimulationError::NoSlots));
     for probability in [1.0, -0.1, f64::INFINITY] {
@@ -194,10 +181,10 @@ fn invalid_agents_and_environments_are_errors() {
 fn the_progress_callback_stops_endless_agents() {
     struct Endless;
     impl raypath_timing::Agent<Echo> for Endless {
-        fn next_action(&mut self) -> Action<common::Tag> {
+        fn next_action(&mut self) -> Action<Tag> {
             Action::Fetch
         }
-        fn receive(&mut self, _: &common::Tag) {}
+        fn receive(&mut self, _: &crate::common::Tag) {}
     }
     for memory_latency in [0, 1, 100] {
         let calls = Cell::new(0);

@@ -1,15 +1,13 @@
 //! Random agents, compared with the functional model and with an independent simulator that visits every cycle.
 
-mod common;
-
-use common::{Echo, Script, Tag, echo};
+use crate::common::{Echo, Script, Tag, echo};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_model::{Control, CycleModel, Functional, Loop, Shape};
 use raypath_ops::{Beat, BeatInput, Binary32, Job, JobKind, Outcome, Rules};
 use raypath_timing::report::Recorder;
 use raypath_timing::{Action, Agent, Environment, Sink, simulate};
-use std::collections::{HashMap, VecDeque};
+use std::collections::VecDeque;
 
 /// Random actions without deadlock: the agent waits only while an outcome is outstanding.
 fn random_actions<J>(rng: &mut ChaCha8Rng, length: usize, mut job: impl FnMut(&mut ChaCha8Rng) -> J) -> Vec<Action<J>> {
@@ -238,21 +236,4 @@ fn beats_of_locked_vectors_do_not_interleave() {
         assert!(queries.iter().map(|query| &query.sums).eq(&expected), "{control:?}");
         assert!(timing.starved.locked > 100, "{timing:?}");
     }
-}
-
-/// The arbiter is fair: agents that always have a job take turns.
-#[test]
-fn arbitration_is_fair() {
-    let jobs = 100;
-    let agents =
-        (0..8).map(|agent| Script::<Echo>::new((0..jobs).map(move |_| common::issue(JobKind::Quadbox, agent))));
-    let environment = Environment { in_flight: 8, memory_latency: 0, sink: Sink::Always };
-    let mut recorder = Recorder::new("agent", Shape::default().latency, 0, usize::MAX);
-    simulate(agents, &environment, echo(&Shape::default()), &mut recorder, &|_| true).expect("runs");
-    let mut counts = HashMap::new();
-    for (cycle, owner) in entries(recorder) {
-        assert_eq!(owner, cycle % 8);
-        *counts.entry(owner).or_insert(0) += 1;
-    }
-    assert!(counts.len() == 8 && counts.values().all(|count| *count == jobs));
 }
