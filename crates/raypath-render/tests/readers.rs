@@ -1,4 +1,5 @@
-//! Readers of mesh files: valid files, truncated files, and files with wrong content or headers. Files of rays and hits.
+//! Readers of mesh files, and of files of rays and hits: valid files, truncated files, and files with wrong content or
+//! headers.
 
 mod common;
 
