@@ -27,3 +27,13 @@ pub use raypath_ops as ops;
 pub use raypath_oracle as oracle;
 pub use raypath_rtl as rtl;
 pub use raypath_sim as sim;
+
+#[cfg(feature = "full")]
+use commands::numbers::number;
+use commands::{additions::Additions, configuration::ConfigArguments, numbers::whole};
+use oracles::ask_oracles;
+#[cfg(feature = "workbench")]
+use oracles::require_right;
+use progress::Progress;
+#[cfg(feature = "workbench")]
+use progress::{Stopped, is_stopped};

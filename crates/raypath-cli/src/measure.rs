@@ -1,5 +1,4 @@
-use crate::error::CliError;
-use crate::progress::Progress;
+use crate::{CliError, Progress};
 use raypath_ppa::{Bench, Design, Report};
 
 /// Measures designs with a progress bar. What is in the bench's cache is not measured again, and what is measured goes

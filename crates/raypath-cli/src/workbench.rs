@@ -84,10 +84,8 @@
 
 use crate::commands::exit;
 pub use crate::cost::{Cost, Figures};
-use crate::emit;
 pub use crate::error::CliError;
-use crate::oracles::{ask_oracles, require_right};
-use crate::progress::{Progress, Stopped, is_stopped};
+use crate::{Progress, Stopped, ask_oracles, emit, is_stopped, require_right};
 use clap::Parser;
 use raypath_oracle::AnyOperationSpec;
 use raypath_oracle::Checks;

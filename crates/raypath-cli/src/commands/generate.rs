@@ -1,12 +1,6 @@
 //! `raypath generate`: SystemVerilog, its tables, and the proof that it answers like the models.
 
-use crate::commands::additions::Additions;
-use crate::commands::configuration::ConfigArguments;
-use crate::commands::numbers::whole;
-use crate::emit;
-use crate::error::CliError;
-use crate::oracles::ask_oracles;
-use crate::progress::Progress;
+use crate::{Additions, CliError, ConfigArguments, Progress, ask_oracles, emit, whole};
 use clap::Args;
 use raypath_hdl::verilog;
 use raypath_model::Shape;

@@ -1,9 +1,9 @@
 //! The commands of `raypath`.
 
-mod additions;
-mod configuration;
+pub mod additions;
+pub mod configuration;
 mod generate;
-mod numbers;
+pub mod numbers;
 mod operations;
 mod ray;
 

@@ -1,7 +1,6 @@
 //! `raypath operations`: what can be part of a datapath, and what each costs.
 
-use crate::cost::Cost;
-use crate::error::CliError;
+use crate::{CliError, Cost};
 use clap::Args;
 use comfy_table::{CellAlignment, ContentArrangement};
 use raypath_oracle::AnyOperationSpec;

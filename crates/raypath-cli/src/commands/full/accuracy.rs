@@ -1,9 +1,7 @@
 //! `raypath accuracy`: the errors of number formats, compared with binary64.
 
 use crate::accuracy::{Accuracy, DIMENSIONS, RAYS, SCALES, table};
-use crate::commands::numbers::{number, whole};
-use crate::error::CliError;
-use crate::progress::Progress;
+use crate::{CliError, Progress, number, whole};
 use clap::Args;
 use raypath_float::Format;
 use raypath_ops::Rules;

@@ -1,7 +1,6 @@
 //! What `ppa` and `explore` measure with.
 
-use crate::commands::numbers::{number, whole};
-use crate::error::CliError;
+use crate::{CliError, number, whole};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library, Report};

@@ -16,6 +16,12 @@ mod verify;
 mod view;
 mod wave;
 
+use measuring::BenchArguments;
+use progress::watched;
+use stream::StreamArguments;
+use timed::{Subject, Timed, TimingArguments};
+use view::{ViewArguments, print, print_rows, recording, write_and_name};
+
 use crate::error::CliError;
 use clap::Subcommand;
 use std::io::Write;

@@ -1,9 +1,7 @@
 //! `raypath ppa`: area and timing of the datapath in a cell library.
 
-use crate::commands::additions::Additions;
-use crate::commands::configuration::ConfigArguments;
-use crate::commands::full::measuring::BenchArguments;
-use crate::error::CliError;
+use crate::commands::full::BenchArguments;
+use crate::{Additions, CliError, ConfigArguments};
 use clap::Args;
 use raypath_ppa::{Baseline, Design, Report, charts, tables};
 use raypath_rtl::{Config, Datapath};

@@ -1,7 +1,6 @@
 //! Progress of work on several threads.
 
-use crate::error::CliError;
-use crate::progress::{Progress, is_stopped};
+use crate::{CliError, Progress, is_stopped};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 

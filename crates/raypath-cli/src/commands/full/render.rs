@@ -3,12 +3,8 @@
 mod scene;
 mod timing;
 
-use crate::commands::configuration::ConfigArguments;
-use crate::commands::full::progress::watched;
-use crate::commands::full::timed::{Timed, TimingArguments};
-use crate::commands::full::view::{ViewArguments, write_and_name};
-use crate::commands::numbers::whole;
-use crate::error::CliError;
+use crate::commands::full::{Timed, TimingArguments, ViewArguments, watched, write_and_name};
+use crate::{CliError, ConfigArguments, whole};
 use clap::Args;
 use raypath_float::Format;
 use raypath_ops::{Binary32, Ray};

@@ -1,11 +1,7 @@
 //! `raypath replay`: runs recorded transactions through an engine and compares the outcomes with the recorded ones.
 
-use crate::commands::additions::Additions;
-use crate::commands::configuration::ConfigArguments;
-use crate::commands::full::stream::StreamArguments;
-use crate::commands::full::view::{ViewArguments, print, recording, write_and_name};
-use crate::error::CliError;
-use crate::progress::Progress;
+use crate::commands::full::{StreamArguments, ViewArguments, print, recording, write_and_name};
+use crate::{Additions, CliError, ConfigArguments, Progress};
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
 use raypath_model::Elastic;

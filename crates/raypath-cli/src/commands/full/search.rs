@@ -2,12 +2,8 @@
 
 mod timing;
 
-use crate::commands::configuration::ConfigArguments;
-use crate::commands::full::progress::watched;
-use crate::commands::full::timed::{Timed, TimingArguments};
-use crate::commands::full::view::{ViewArguments, print_rows, write_and_name};
-use crate::commands::numbers::whole;
-use crate::error::CliError;
+use crate::commands::full::{Timed, TimingArguments, ViewArguments, print_rows, watched, write_and_name};
+use crate::{CliError, ConfigArguments, whole};
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
 use raypath_rtl::{Config, Lanes};

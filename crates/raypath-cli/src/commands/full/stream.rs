@@ -1,7 +1,6 @@
 //! The options that say which transactions run, and how: shared by `replay` and `wave`.
 
-use crate::commands::numbers::whole;
-use crate::error::CliError;
+use crate::{CliError, whole};
 use clap::Args;
 use raypath_rtl::Config;
 use raypath_sim::WordModel;

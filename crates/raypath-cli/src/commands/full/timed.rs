@@ -1,8 +1,7 @@
 //! Simulated timing for `render` and `search`: options, printed results and reports.
 
-use crate::commands::full::view::{ViewArguments, print, recording};
-use crate::commands::numbers::{number, whole};
-use crate::error::CliError;
+use crate::commands::full::{ViewArguments, print, recording};
+use crate::{CliError, number, whole};
 use clap::Args;
 use raypath_ops::JobKind;
 use raypath_rtl::{Config, Datapath};

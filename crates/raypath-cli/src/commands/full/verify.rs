@@ -1,9 +1,7 @@
 //! `raypath verify`: claims about the datapath, each held against its oracle.
 
-use crate::commands::configuration::ConfigArguments;
-use crate::commands::numbers::whole;
-use crate::error::CliError;
 use crate::progress;
+use crate::{CliError, ConfigArguments, whole};
 use clap::Args;
 use raypath_rtl::Config;
 use raypath_verify::record::Recorder;

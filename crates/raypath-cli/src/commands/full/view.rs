@@ -1,8 +1,7 @@
 //! The options that say how a run is shown: shared by `render`, `search` and `replay`.
 
 use crate::commands::full::utilisation::{operations, table, utilisation};
-use crate::commands::numbers::whole;
-use crate::error::CliError;
+use crate::{CliError, whole};
 use clap::Args;
 use raypath_rtl::{Config, Datapath, parameters};
 use raypath_sim::files::write_all;

@@ -1,11 +1,7 @@
 //! `raypath wave`: recorded transactions through the netlist, with a waveform.
 
-use crate::commands::additions::Additions;
-use crate::commands::configuration::ConfigArguments;
-use crate::commands::full::stream::StreamArguments;
-use crate::commands::numbers::whole;
-use crate::error::CliError;
-use crate::progress::Progress;
+use crate::commands::full::StreamArguments;
+use crate::{Additions, CliError, ConfigArguments, Progress, whole};
 use clap::Args;
 use raypath_rtl::UnitKind;
 use raypath_sim::Words;

@@ -1,8 +1,7 @@
 //! Simulated timing of pictures and rays.
 
-use crate::commands::full::progress::watched;
-use crate::commands::full::timed::Subject;
-use crate::error::CliError;
+use crate::CliError;
+use crate::commands::full::{Subject, watched};
 use raypath_model::PipelinePosition;
 use raypath_render::{PictureSpec, RayBatch, sweep_picture, sweep_rays, time_picture, time_rays};
 use raypath_timing::report::Recorder;

@@ -1,8 +1,7 @@
 //! Simulated timing of searches.
 
-use crate::commands::full::progress::watched;
-use crate::commands::full::timed::Subject;
-use crate::error::CliError;
+use crate::CliError;
+use crate::commands::full::{Subject, watched};
 use raypath_search::{Candidates, Dataset, Graph, Metric, SearchSpec, SearchTrace, sweep_search, time_search};
 use raypath_timing::report::Recorder;
 use raypath_timing::{Sample, Sweep, System, Timing};
