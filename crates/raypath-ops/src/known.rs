@@ -48,9 +48,8 @@ macro_rules! known_bits_and_words {
     };
 }
 
-/// The associated types and the number methods of [`Circuit`](crate::Circuit), except addition, subtraction and
-/// multiplication, for a circuit whose numbers are a tuple structure `$number` of the native type `$float`. Use it
-/// inside the `impl` block.
+/// The types and number methods of [`Circuit`](crate::Circuit), except addition, subtraction and multiplication, for
+/// numbers that are a tuple structure `$number` of the native type `$float`. Use it inside the `impl` block.
 #[macro_export]
 macro_rules! native_numbers {
     ($number:ident($float:ty)) => {

@@ -123,8 +123,7 @@ impl Rules {
     }
 
     /// Whether a distance lies between the ends of a ray. `near` compares the near end with the distance, `far` the
-    /// distance with the far end, all multiplied by the denominator. The denominator of a back face is negative and
-    /// reverses the order.
+    /// distance with the far end, all times the denominator, which is negative for a back face and reverses the order.
     #[inline(always)]
     pub(crate) fn within<C: Circuit>(self, [near, far]: [Order<C>; 2], is_front: bool) -> Bit<C> {
         match (self, is_front) {

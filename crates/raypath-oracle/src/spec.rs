@@ -113,9 +113,8 @@ impl AnyOperationSpec {
         self.oracle.as_ref().map(|oracle| oracle.name)
     }
 
-    /// A random job for a model that has the operation as `kind`. It comes from the generator of the specification if
-    /// the model is in binary32, otherwise from [`any_job`], which also provides the values of other ports, such as a
-    /// tag.
+    /// A random job for a model that has the operation as `kind`: from the generator of the specification if the model
+    /// is in binary32, otherwise from [`any_job`], which also provides the values of other ports, such as a tag.
     pub fn job(&self, model: &WordModel, kind: OperationId, rng: &mut ChaCha8Rng) -> Words {
         match &self.stimulus {
             Some(stimulus) if model.format() == Format::BINARY32 => {

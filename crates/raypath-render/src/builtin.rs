@@ -5,9 +5,8 @@ use crate::vector::{Vector, add, cross, dot, scale, single, subtract, unit};
 use std::collections::HashMap;
 use std::f64::consts::{GOLDEN_RATIO, TAU};
 
-/// The mesh of the built-in scene: a torus knot over rippled ground, with spheres that spiral around it. It has 119,168
-/// triangles, is about 7 wide, and +y is up. Each body is closed: every edge belongs to two triangles with opposite
-/// directions.
+/// The mesh of the built-in scene: a torus knot over rippled ground, with spheres around it. It has 119,168 triangles,
+/// is about 7 wide, and +y is up. Bodies are closed: every edge belongs to two triangles with opposite directions.
 ///
 /// # Errors
 /// None occur: the mesh is valid.

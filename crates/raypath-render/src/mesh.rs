@@ -4,9 +4,8 @@ use thiserror::Error;
 
 /// A valid mesh of triangles with shared vertices.
 ///
-/// Every coordinate is finite and at most [`Mesh::MAX_COORDINATE`] in magnitude, every index names a vertex, and there
-/// is at least one triangle. Degenerate triangles are kept. The front of a triangle is the side from which its vertices
-/// run counter-clockwise.
+/// Every coordinate is at most [`Mesh::MAX_COORDINATE`] in magnitude, every index names a vertex, and there is a
+/// triangle. Degenerate triangles are kept. The vertices of a triangle run counter-clockwise as seen from its front.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     positions: Vec<[f32; 3]>,

@@ -88,9 +88,8 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 /// The maximum number of pixels in a row or column.
 pub const MAX_SIDE: u32 = 1 << 16;
 
-/// Renders a picture of `size` = (width, height) pixels on all threads of rayon. All primary and secondary rays use the
-/// operations of the datapath. Equal arguments give equal pictures with any number of threads. `progress` gets the
-/// number of completed pixels.
+/// Renders a picture of `size` = (width, height) pixels on all threads of rayon; all rays use the operations of the
+/// datapath. The picture does not depend on the number of threads. `progress` gets the number of completed pixels.
 ///
 /// # Errors
 /// A size or a number of samples out of range, and [`Stopped`] if `progress` returned false.

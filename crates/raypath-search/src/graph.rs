@@ -13,9 +13,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// Approximate search through a hierarchical navigable small-world graph (Malkov and Yashunin, *Efficient and robust
-/// approximate nearest neighbor search using Hierarchical Navigable Small World graphs*, 2018), with the distances of
-/// the datapath.
+/// Approximate search, with the distances of the datapath, through a graph (Malkov and Yashunin, *Efficient and robust
+/// approximate nearest neighbor search using Hierarchical Navigable Small World graphs*, 2018).
 ///
 /// The graph is that of the crate `hnsw_rs`. Vectors are inserted one after another, so equal bases, parameters and
 /// seeds give equal graphs, on any machine and with any number of threads.
@@ -101,9 +100,8 @@ impl<'v, const E: usize, const A: usize> Graph<'v, E, A> {
     }
 
     /// Searches approximately the `count` nearest neighbours of each query on all threads of rayon. `ef`, at least
-    /// `count`, is the number of candidates kept: more candidates give better neighbours and take more time. A query
-    /// can have fewer than `count` results if the graph is not connected. `progress` gets the number of completed
-    /// queries.
+    /// `count`, is the number of candidates kept: more give better neighbours and take more time. A query can have
+    /// fewer than `count` results if the graph is not connected. `progress` gets the number of completed queries.
     ///
     /// # Errors
     /// Queries of another dimension; a `count` that is not 1 to the size of the base; an `ef` that is not `count` to

@@ -4,9 +4,8 @@ use std::collections::HashSet;
 /// Recall at `count`: the mean fraction of the `count` true neighbours that a search found, between 0 and 1.
 ///
 /// A found vector counts if it is **no farther than the farthest of the first `count` true neighbours**, by the
-/// distances of the datapath. Ties with the last true neighbour therefore count, also those that only rounding
-/// separates; no tolerance is involved. A vector that was found twice counts once, and only the first `count` results
-/// count.
+/// distances of the datapath. Ties with the last true neighbour count, also those that only rounding separates, without
+/// a tolerance. A vector that was found twice counts once, and only the first `count` results count.
 ///
 /// # Errors
 /// Queries of another dimension than the base; truth or results for another number of queries; fewer true neighbours

@@ -32,8 +32,7 @@ pub enum Candidates<'s> {
         count: usize,
     },
     /// The candidates of a graph search, from [`Graph::traces`](crate::Graph::traces) for the same base, queries,
-    /// metric and lanes: each candidate is fetched after the outcome of the previous one. Only queries with a trace are
-    /// simulated.
+    /// metric and lanes, each fetched after the outcome of the previous one. Only queries with a trace are simulated.
     Traced(&'s [SearchTrace]),
 }
 

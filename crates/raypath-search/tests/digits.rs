@@ -40,53 +40,42 @@ fn dot(a: &[u8; PIXELS], b: &[u8; PIXELS]) -> u128 {
     a.iter().zip(b).map(|(&a, &b)| u128::from(a) * u128::from(b)).sum()
 }
 
-/// The exact order of two candidates by cosine distance from `query`. Dot products of digits are not negative, so the
-/// order is that of the squared cosines, as fractions.
-fn by_cosine(query: &[u8; PIXELS], a: &[u8; PIXELS], b: &[u8; PIXELS]) -> Ordering {
-    (dot(query, b).pow(2) * dot(a, a)).cmp(&(dot(query, a).pow(2) * dot(b, b)))
-}
-
-#[test]
-fn euclidean_neighbours_equal_those_of_integer_arithmetic() {
-    let digits = digits();
-    for (query, row) in queries().zip(found(Metric::Euclidean)) {
-        let mut all: Vec<usize> = (0..digits.len()).collect();
-        all.sort_by_key(|&index| (squared(&digits[query], &digits[index]), index));
-        assert_eq!(row, all[..COUNT], "query {query}");
+/// The exact order of two candidates by their distances from `query`. Dot products of digits are not negative, so the
+/// order of cosines is that of their squares, as fractions.
+fn order(metric: Metric, [query, a, b]: [&[u8; PIXELS]; 3]) -> Ordering {
+    match metric {
+        Metric::Euclidean => squared(query, a).cmp(&squared(query, b)),
+        Metric::Angular => (dot(query, b).pow(2) * dot(a, a)).cmp(&(dot(query, a).pow(2) * dot(b, b))),
     }
 }
 
 #[test]
-fn angular_neighbours_equal_those_of_integer_arithmetic() {
+fn neighbours_equal_those_of_integer_arithmetic() {
     let digits = digits();
-    for (query, row) in queries().zip(found(Metric::Angular)) {
-        let mut all: Vec<usize> = (0..digits.len()).collect();
-        all.sort_by(|&a, &b| by_cosine(&digits[query], &digits[a], &digits[b]).then(a.cmp(&b)));
-        assert_eq!(row, all[..COUNT], "query {query}");
+    for metric in Metric::ALL {
+        for (query, row) in queries().zip(found(metric)) {
+            let mut all: Vec<usize> = (0..digits.len()).collect();
+            all.sort_by(|&a, &b| order(metric, [query, a, b].map(|index| &digits[index])).then(a.cmp(&b)));
+            assert_eq!(row, all[..COUNT], "{metric}, query {query}");
+        }
     }
 }
 
+/// At every rank both vectors are equally far, and most are equal.
 #[test]
 fn neighbours_equal_those_of_scikit_learn_up_to_ties() {
     let digits = digits();
-    let euclidean = |query: usize, a: usize, b: usize| {
-        squared(&digits[query], &digits[a]).cmp(&squared(&digits[query], &digits[b]))
-    };
-    let angular = |query: usize, a: usize, b: usize| by_cosine(&digits[query], &digits[a], &digits[b]);
-    compare("euclidean", Metric::Euclidean, euclidean);
-    compare("cosine", Metric::Angular, angular);
-}
-
-/// Checks that at every rank both vectors are equally far, and that most are equal.
-fn compare(name: &str, metric: Metric, by_distance: impl Fn(usize, usize, usize) -> Ordering) {
-    let mut same = 0;
-    for ((query, ours), theirs) in queries().zip(found(metric)).zip(oracle(name)) {
-        assert_eq!((ours.len(), theirs.len()), (COUNT, COUNT));
-        assert_eq!(ours[0], query, "a digit is its own nearest neighbour");
-        for (&a, &b) in ours.iter().zip(&theirs) {
-            assert_eq!(by_distance(query, a, b), Ordering::Equal, "{name}, query {query}: {ours:?} and {theirs:?}");
-            same += usize::from(a == b);
+    for (name, metric) in [("euclidean", Metric::Euclidean), ("cosine", Metric::Angular)] {
+        let mut same = 0;
+        for ((query, ours), theirs) in queries().zip(found(metric)).zip(oracle(name)) {
+            assert_eq!((ours.len(), theirs.len()), (COUNT, COUNT));
+            assert_eq!(ours[0], query, "a digit is its own nearest neighbour");
+            for (&a, &b) in ours.iter().zip(&theirs) {
+                let order = order(metric, [query, a, b].map(|index| &digits[index]));
+                assert_eq!(order, Ordering::Equal, "{name}, query {query}: {ours:?} and {theirs:?}");
+                same += usize::from(a == b);
+            }
         }
+        assert!(same > 1900, "{name}: only {same} of 2000 are the same vector");
     }
-    assert!(same > 1900, "{name}: only {same} of 2000 are the same vector");
 }

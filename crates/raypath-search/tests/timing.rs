@@ -3,8 +3,8 @@
 use raypath_model::{Control, Loop, Shape};
 use raypath_ops::JobKind;
 use raypath_search::{
-    Candidates, Clusters, Dataset, Exact, Graph, GraphParameters, Metric, QueryAgent, SearchError, SearchSpec,
-    SearchTrace, TimingError, Vectors, Work, sweep_search, time_search,
+    Candidates, Clusters, Dataset, Exact, Graph, GraphParameters, Metric, QueryAgent, SearchError, SearchResults,
+    SearchSpec, SearchTrace, TimingError, Vectors, Work, sweep_search, time_search,
 };
 use raypath_timing::report::Recorder;
 use raypath_timing::{Environment, Sample, SimulationError, Sink, System, Timing};
@@ -33,15 +33,23 @@ fn clusters(vectors: usize, queries: usize, dimensions: usize) -> Dataset {
     Clusters { vectors, queries, dimensions, clusters: 9, ..Clusters::default() }.generate().expect("data")
 }
 
-fn assert_work(timing: &Timing, work: Work, metric: Metric, queries: usize) {
-    let (kind, norms) = match metric {
+/// Checks that the simulation of a search has its results and its work in all systems.
+fn assert_simulated<const E: usize, const A: usize>(spec: &SearchSpec, expected: &SearchResults) {
+    let (queries, work) = (expected.rows.len() as u64, expected.work);
+    let (kind, norms) = match spec.metric {
         Metric::Euclidean => (JobKind::Euclidean, 0),
-        Metric::Angular => (JobKind::Angular, queries as u64),
+        Metric::Angular => (JobKind::Angular, queries),
     };
-    assert_eq!((timing.jobs_of(kind), timing.total_jobs()), (work.beats, work.beats));
-    // The norm of a query takes beats, but no fetch.
-    assert_eq!(timing.fetches, work.evaluations - norms);
-    assert_eq!(timing.agents, queries as u64);
+    assert_eq!(spec.work::<E, A>(Sample::ALL), work);
+    for system in systems() {
+        let timed = time_search::<E, A>(spec, Sample::ALL, &system, &mut (), &|_| true);
+        let (timing, rows) = timed.expect("a timing");
+        assert_eq!(rows, expected.rows, "{}, {} dimensions", spec.metric, spec.base.dimensions());
+        assert_eq!((timing.jobs_of(kind), timing.total_jobs()), (work.beats, work.beats));
+        // The norm of a query takes beats, but no fetch.
+        assert_eq!(timing.fetches, work.evaluations - norms);
+        assert_eq!(timing.agents, queries);
+    }
 }
 
 #[test]
@@ -57,13 +65,7 @@ fn exact<const E: usize, const A: usize>(dimensions: &[usize]) {
             let expected = Exact::<E, A>::new(&base, metric).search(&queries, 6, &|_| true).expect("results");
             let candidates = Candidates::All { count: 6 };
             let spec = SearchSpec { base: &base, queries: &queries, metric, candidates };
-            assert_eq!(spec.work::<E, A>(Sample::ALL), expected.work);
-            for system in systems() {
-                let timed = time_search::<E, A>(&spec, Sample::ALL, &system, &mut (), &|_| true);
-                let (timing, rows) = timed.expect("a timing");
-                assert_eq!(rows, expected.rows, "{metric}, {dimensions} dimensions");
-                assert_work(&timing, expected.work, metric, 13);
-            }
+            assert_simulated::<E, A>(&spec, &expected);
         }
     }
 }
@@ -77,13 +79,7 @@ fn simulated_graph_search_finds_the_same() {
             let expected = graph.search(&queries, count, ef, &|_| true).expect("results");
             let traces = graph.traces(&queries, count, ef, u64::MAX, &|_| true).expect("traces");
             let spec = SearchSpec { base: &base, queries: &queries, metric, candidates: Candidates::Traced(&traces) };
-            assert_eq!(spec.work::<16, 8>(Sample::ALL), expected.work);
-            for system in systems() {
-                let timed = time_search::<16, 8>(&spec, Sample::ALL, &system, &mut (), &|_| true);
-                let (timing, rows) = timed.expect("a timing");
-                assert_eq!(rows, expected.rows, "{metric}, {count} of {ef}");
-                assert_work(&timing, expected.work, metric, 25);
-            }
+            assert_simulated::<16, 8>(&spec, &expected);
         }
     }
 }

@@ -88,9 +88,8 @@ impl Generator {
         }
     }
 
-    /// A ray aimed at one of the boxes, or at a point in or near the triangle. Some scenes are very small or very
-    /// large. On a grid, rays run along axes, in faces and through corners, which gives zeros of both signs, ties, and
-    /// zero times infinity.
+    /// A ray aimed at one of the boxes, or at a point in or near the triangle, at any scale. On a grid, rays run along
+    /// axes, in faces and through corners, which gives zeros of both signs, ties, and zero times infinity.
     fn scene(&mut self, kind: JobKind) -> Job {
         let size = if self.rng.random_bool(0.2) { self.rng.random_range(-70.0f32..60.0).round().exp2() } else { 1.0 };
         let grid = self.rng.random_bool(0.25).then_some(0.5 * size);

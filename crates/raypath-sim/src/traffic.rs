@@ -63,9 +63,8 @@ impl Traffic {
         Self(Pattern::Random(Box::new(random)))
     }
 
-    /// Random handshake patterns of source and sink (always, seldom, bursts, long stalls, phases) for this many cycles.
-    /// Most seeds add resets in random cycles, and many add withdrawn jobs. Afterwards the source always offers and the
-    /// sink is always ready.
+    /// Random handshake patterns of source and sink for this many cycles, for most seeds with resets in random cycles,
+    /// and for many with withdrawn jobs. Afterwards the source always offers and the sink is always ready.
     pub fn eventful(seed: u64, cycles: u32) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (source, sink) = (HandshakePattern::random(&mut rng), HandshakePattern::random(&mut rng));

@@ -12,8 +12,7 @@ use crate::{
 /// Tests a ray against eight boxes and sorts the boxes by distance, the nearest hit first.
 ///
 /// Hits and distances are those of [`RayBox`](crate::RayBox) under the rules `paper` (`docs/reference/semantics.md`).
-/// Hits come before misses, nearer boxes before farther ones, and boxes at equal distances are in the order of their
-/// indices.
+/// Hits come before misses, nearer boxes before farther ones, equally distant boxes by index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Octbox;
 

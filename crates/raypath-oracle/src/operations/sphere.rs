@@ -15,9 +15,8 @@ pub fn spec() -> AnyOperationSpec {
         .into()
 }
 
-/// A ray that passes the centre of a sphere at a known fraction of its radius: through it, beside it, or grazing. There
-/// are small distant spheres, large spheres around the origin, and spheres behind the ray. Some jobs have a number at
-/// the limits of binary32.
+/// A ray that passes the centre of a sphere at a known fraction of its radius: through it, beside it, or grazing. The
+/// sphere may be small and distant, around the origin, or behind it; a number may be at the limits of binary32.
 pub fn stimulus(rng: &mut impl Rng) -> SphereInput<Binary32> {
     let radius = draw::spread(rng, -6..6);
     let distance = rng.random_range(0.0..4.0) * 2.0_f32.powi(rng.random_range(-6..14));
