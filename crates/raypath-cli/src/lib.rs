@@ -28,9 +28,10 @@ pub use raypath_oracle as oracle;
 pub use raypath_rtl as rtl;
 pub use raypath_sim as sim;
 
+use commands::configuration::{Additions, ConfigArguments};
 #[cfg(feature = "full")]
 use commands::numbers::number;
-use commands::{additions::Additions, configuration::ConfigArguments, numbers::whole};
+use commands::numbers::whole;
 use oracles::ask_oracles;
 #[cfg(feature = "workbench")]
 use oracles::require_right;

@@ -21,7 +21,6 @@
 mod checks;
 pub mod draw;
 pub mod exact;
-mod jobs;
 pub mod operations;
 pub mod slabs;
 mod spec;
@@ -29,6 +28,5 @@ mod spec;
 mod test_support;
 
 pub use checks::{Checks, OracleReport, Simulated};
-pub use jobs::jobs;
 pub use operations::added_operations;
-pub use spec::{AnyOperationSpec, OperationSpec};
+pub use spec::{AnyOperationSpec, OperationSpec, jobs};

@@ -3,13 +3,12 @@
 mod hdf5;
 mod npy;
 mod texmex;
-mod write;
 
 use crate::{Metric, Neighbours, Vectors};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
+pub use texmex::{write_fvecs, write_ivecs};
 use thiserror::Error;
-pub use write::{write_fvecs, write_ivecs};
 
 /// A data set: a base, queries, and the truth if known.
 #[derive(Debug, Clone, PartialEq)]

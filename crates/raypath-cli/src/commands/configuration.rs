@@ -2,8 +2,9 @@
 
 use crate::error::CliError;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
-use raypath_rtl::{Config, PARAMETER_GROUPS, Parameter, Preset, parameters};
-use raypath_sim::configuration;
+use raypath_oracle::{AnyOperationSpec, added_operations};
+use raypath_rtl::{Config, PARAMETER_GROUPS, Parameter, Preset, alternatives, parameters};
+use raypath_sim::{Datapath, configuration};
 use std::path::PathBuf;
 
 /// A preset or a file, and the parameters that differ from it.
@@ -87,4 +88,32 @@ impl FromArgMatches for ConfigArguments {
         *self = Self::from_arg_matches(matches)?;
         Ok(())
     }
+}
+
+/// Operations beside the paper's.
+#[derive(Debug, Args)]
+pub struct Additions {
+    /// Add an operation beside the paper's; `raypath operations` lists them
+    #[arg(long = "with", value_name = "NAME,...", value_delimiter = ',', value_parser = find)]
+    pub specs: Vec<AnyOperationSpec>,
+}
+
+impl Additions {
+    /// The datapath of a configuration with these operations besides.
+    pub fn datapath(&self, config: Config) -> Datapath {
+        self.specs.iter().fold(Datapath::paper(config), |datapath, spec| datapath.with_any(spec.operation()))
+    }
+
+    /// What a configuration with these operations is called.
+    pub fn name(&self, config: Config) -> String {
+        let names: Vec<&str> = self.specs.iter().map(AnyOperationSpec::name).collect();
+        if names.is_empty() { config.to_string() } else { format!("{config}, with {}", names.join(", ")) }
+    }
+}
+
+fn find(name: &str) -> Result<AnyOperationSpec, String> {
+    let all = added_operations();
+    let names: Vec<&str> = all.iter().map(AnyOperationSpec::name).collect();
+    let expected = format!("expected {}", alternatives(&names));
+    all.into_iter().find(|spec| spec.name() == name).ok_or(expected)
 }

@@ -1,6 +1,5 @@
 //! The commands of `raypath`.
 
-pub mod additions;
 pub mod configuration;
 mod generate;
 pub mod numbers;

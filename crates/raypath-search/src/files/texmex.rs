@@ -2,8 +2,9 @@
 
 use super::FileError;
 use crate::vectors::MAX_DIMENSIONS;
+use crate::{SearchResults, Vectors};
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
 /// Reads the dimension and all coordinates, of `S` bytes each.
@@ -75,4 +76,40 @@ impl Bytes<'_> {
 
 fn left_over(bytes: u64) -> String {
     if bytes == 0 { "the end of the file".to_owned() } else { format!("the last {bytes} bytes") }
+}
+
+/// Writes the neighbours of each query, nearest first, as `.ivecs`. Rows with fewer neighbours are padded with −1.
+///
+/// # Errors
+/// The errors of `out`.
+pub fn write_ivecs(results: &SearchResults, out: &mut impl Write) -> io::Result<()> {
+    let count = results.rows.iter().map(Vec::len).max().unwrap_or(0);
+    for row in &results.rows {
+        out.write_all(&dimension(count)?.to_le_bytes())?;
+        for rank in 0..count {
+            // Indices from 2^31 on wrap to the bits of an unsigned integer.
+            let index = row.get(rank).map_or(-1, |near| near.index as i32);
+            out.write_all(&index.to_le_bytes())?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes vectors as `.fvecs`.
+///
+/// # Errors
+/// The errors of `out`.
+pub fn write_fvecs(vectors: &Vectors, out: &mut impl Write) -> io::Result<()> {
+    for vector in vectors.iter() {
+        out.write_all(&dimension(vector.len())?.to_le_bytes())?;
+        for x in vector {
+            out.write_all(&x.to_le_bytes())?;
+        }
+    }
+    Ok(())
+}
+
+fn dimension(count: usize) -> io::Result<i32> {
+    i32::try_from(count)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidInput, "more columns than the format can represent"))
 }
