@@ -1,5 +1,6 @@
 //! The figures to compare a measurement with: an earlier measurement, or another design.
 
+use crate::Slowest;
 use raypath_tools::{ToolError, read_within};
 use serde::Deserialize;
 use std::path::Path;
@@ -18,7 +19,7 @@ pub struct Baseline {
     /// The number of flip-flops.
     pub flip_flops: u64,
     /// The slowest path of the design.
-    pub slowest: BaselinePath,
+    pub slowest: Slowest,
     /// The stages, as far as known.
     #[serde(default)]
     pub stages: Vec<BaselineStage>,
@@ -34,7 +35,7 @@ pub struct BaselineStage {
     /// The number of flip-flops, if known.
     pub flip_flops: Option<u64>,
     /// The slowest path, if known.
-    pub slowest: Option<BaselinePath>,
+    pub slowest: Option<Slowest>,
 }
 
 /// The area of a baseline.
@@ -42,13 +43,6 @@ pub struct BaselineStage {
 pub struct BaselineArea {
     /// The sum of all kinds.
     pub total: f64,
-}
-
-/// A path of a baseline.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-pub struct BaselinePath {
-    /// The delay in nanoseconds.
-    pub ns: f64,
 }
 
 impl Baseline {

@@ -7,7 +7,6 @@ use crate::library::Library;
 use crate::netlist::Netlist;
 use crate::report::{Area, Path, Report, Setting, Slowest, Stage, Step, thousandths};
 use crate::structural;
-use crate::synthesis::Synthesis;
 use crate::timing::{self, Endpoints, RawPath};
 use raypath_tools::pool::{self, Progress};
 use raypath_tools::{Cache, Key, OpenSta, ToolError, Yosys, read_within, temporary_folder, write};
@@ -70,24 +69,19 @@ impl Bench {
     }
 
     fn plan<'d>(&self, design: &'d Design) -> Result<Plan<'d>, Error> {
-        let synthesis = self.synthesis();
         let blocks: Vec<(Block, Key)> = design
             .blocks()?
             .into_iter()
             .map(|block| {
-                let key = synthesis.key(&block);
+                let key = self.netlist_key(&block);
                 (block, key)
             })
             .collect();
         let (period, sta) = (self.period.to_string(), self.sta.to_string());
-        let mut parts = vec![design.name(), self.library.digest(), &period, &sta];
+        let mut parts: Vec<&str> = vec![&design.name, &self.library.digest, &period, &sta];
         parts.extend(blocks.iter().map(|(_, key)| key.as_str()));
         let key = Key::new("report", &parts);
         Ok(Plan { design, registers: design.registers(), blocks, key })
-    }
-
-    fn synthesis(&self) -> Synthesis<'_> {
-        Synthesis { library: &self.library, yosys: &self.yosys, period: self.period }
     }
 
     /// A synthesised block, from the cache if it is there.
@@ -96,7 +90,7 @@ impl Bench {
         match cache.get(key) {
             Some(netlist) => Ok(netlist),
             None => {
-                let netlist = self.synthesis().run(block, &plan.registers, stop)?;
+                let netlist = self.synthesise(block, &plan.registers, stop)?;
                 cache.put(key, &netlist)?;
                 Ok(netlist)
             }
@@ -136,7 +130,7 @@ impl Bench {
             return Err(ToolError::unexpected("sta", found, "one that takes time").into());
         }
         Ok(Report {
-            design: design.name().to_string(),
+            design: design.name.clone(),
             setting: self.setting(),
             flip_flops: flip_flops.iter().sum(),
             kilo_gates: thousandths(area.total / self.library.nand2_area() / 1000.0),
@@ -153,10 +147,10 @@ impl Bench {
         Setting {
             synthesis: self.yosys.to_string(),
             timing: self.sta.to_string(),
-            library: self.library.name().to_string(),
-            nand2: self.library.nand2().to_string(),
-            buffer: self.library.buffer().to_string(),
-            load_ff: self.library.load(),
+            library: self.library.name.clone(),
+            nand2: self.library.nand2.clone(),
+            buffer: self.library.buffer.clone(),
+            load_ff: self.library.load,
             period_ns: self.period,
         }
     }
@@ -183,7 +177,7 @@ impl Bench {
             units.values().map(|unit| structural::module(unit, |index| format!("x{index}"))).collect();
         text += &structural::module(top, |index| structural::cell_name(index, &attribution.roles[index]));
         write(&folder.join(timing::NETLIST), &text)?;
-        write(&folder.join(timing::LIBRARY), self.library.text())?;
+        write(&folder.join(timing::LIBRARY), &self.library.text)?;
         let ends_only: Vec<Endpoints> = ends.iter().map(|(_, end)| *end).collect();
         write(&folder.join(timing::SCRIPT), &timing::script(&top.module, &self.library, self.period, &ends_only))?;
         self.sta.run(folder, timing::SCRIPT, timing::LOG, &top.module, stop)?;

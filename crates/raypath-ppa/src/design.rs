@@ -9,7 +9,8 @@ use std::sync::Arc;
 /// A netlist to measure, and its name in reports.
 #[derive(Debug, Clone)]
 pub struct Design {
-    name: String,
+    /// The name in reports.
+    pub name: String,
     top: Arc<Module>,
 }
 
@@ -57,11 +58,6 @@ impl Design {
         Self { name: name.into(), top: top.clone() }
     }
 
-    /// The name in reports.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
     pub(crate) fn top(&self) -> &str {
         self.top.name()
     }
@@ -88,7 +84,12 @@ impl Design {
             }
         }
         let mut words = Words::new();
-        self::words(&self.top, "", &mut words);
+        walk(&self.top, "", &mut |module, path| {
+            for (word, registers) in module.banked_registers() {
+                let registers = registers.into_iter().map(|(name, width)| (format!("{path}{name}"), width)).collect();
+                words.insert(format!("{path}{word}"), registers);
+            }
+        });
         blocks.push(Block { module: self.top().to_string(), text: surroundings, is_unit: false, words });
         Ok(blocks)
     }
@@ -106,7 +107,8 @@ impl Design {
         let instances = self.top.instances();
         own_registers(&self.top, "", instances.len(), &mut found);
         for (group, instance) in instances.iter().enumerate() {
-            registers(&instance.module, &format!("{}.", instance.name), group, &mut found);
+            let path = format!("{}.", instance.name);
+            walk(&instance.module, &path, &mut |module, path| own_registers(module, path, group, &mut found));
         }
         found
     }
@@ -136,20 +138,11 @@ fn is_unit(module: &Module) -> bool {
     module.name().starts_with(UNIT_PREFIX)
 }
 
-fn registers(module: &Module, path: &str, group: usize, found: &mut BTreeMap<String, RegisterKind>) {
-    own_registers(module, path, group, found);
+/// Calls `visit` with a module and all modules below it but units, each with its path in the flattened design.
+fn walk(module: &Module, path: &str, visit: &mut dyn FnMut(&Module, &str)) {
+    visit(module, path);
     for instance in module.instances().iter().filter(|instance| !is_unit(&instance.module)) {
-        registers(&instance.module, &format!("{path}{}.", instance.name), group, found);
-    }
-}
-
-fn words(module: &Module, path: &str, found: &mut Words) {
-    for (word, registers) in module.banked_registers() {
-        let registers = registers.into_iter().map(|(name, width)| (format!("{path}{name}"), width)).collect();
-        found.insert(format!("{path}{word}"), registers);
-    }
-    for instance in module.instances().iter().filter(|instance| !is_unit(&instance.module)) {
-        words(&instance.module, &format!("{path}{}.", instance.name), found);
+        walk(&instance.module, &format!("{path}{}.", instance.name), visit);
     }
 }
 

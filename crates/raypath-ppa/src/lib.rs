@@ -42,7 +42,7 @@ mod synthesis;
 pub mod tables;
 mod timing;
 
-pub use baseline::{Baseline, BaselineArea, BaselinePath, BaselineStage};
+pub use baseline::{Baseline, BaselineArea, BaselineStage};
 pub use bench::Bench;
 pub use design::Design;
 pub use error::Error;

@@ -22,16 +22,21 @@ static OSU018: Program = Program {
 /// A cell library, parsed from a Liberty file.
 #[derive(Debug)]
 pub struct Library {
-    name: String,
-    /// The file without the cells that are not usable.
-    text: String,
-    digest: String,
-    cells: BTreeMap<String, Cell>,
-    nand2: String,
-    buffer: String,
-    /// The capacitance of ten inputs of the buffer, in whole femtofarads.
-    load: f64,
-    tie: Option<Tie>,
+    /// The library's own name.
+    pub name: String,
+    /// The Liberty text, without the cells that are not usable.
+    pub text: String,
+    /// The digest of the text.
+    pub digest: String,
+    /// The usable cells, by name.
+    pub cells: BTreeMap<String, Cell>,
+    /// The name of the smallest NAND of two inputs, the unit of gate equivalents.
+    pub nand2: String,
+    /// The name of the buffer that drives every input: the one of strength 2, or the smallest.
+    pub buffer: String,
+    /// The load of every output: the capacitance of ten inputs of the buffer, in whole femtofarads.
+    pub load: f64,
+    pub(crate) tie: Option<Tie>,
 }
 
 /// The properties of a cell that a measurement needs.
@@ -127,49 +132,14 @@ impl Library {
         Ok(Self { name, text: kept, digest, cells, nand2, buffer, load, tie })
     }
 
-    /// The library's own name.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// The Liberty text, without the cells that are not usable.
-    pub fn text(&self) -> &str {
-        &self.text
-    }
-
-    /// The digest of [`Self::text`].
-    pub fn digest(&self) -> &str {
-        &self.digest
-    }
-
     /// The usable cell of this name.
     pub fn cell(&self, name: &str) -> Option<&Cell> {
         self.cells.get(name)
     }
 
-    /// The name of the smallest NAND of two inputs, the unit of gate equivalents.
-    pub fn nand2(&self) -> &str {
-        &self.nand2
-    }
-
     /// The area of [`Self::nand2`].
     pub fn nand2_area(&self) -> f64 {
         self.cells[&self.nand2].area
-    }
-
-    /// The name of the buffer that drives every input: the one of strength 2, or the smallest.
-    pub fn buffer(&self) -> &str {
-        &self.buffer
-    }
-
-    /// The load of every output: ten inputs of [`Self::buffer`], in femtofarads.
-    pub fn load(&self) -> f64 {
-        self.load
-    }
-
-    /// The cells for the constants 1 and 0, if there are any.
-    pub(crate) fn tie(&self) -> Option<&Tie> {
-        self.tie.as_ref()
     }
 }
 
@@ -322,10 +292,10 @@ mod tests {
     #[test]
     fn cells_are_found_by_function() {
         let library = library(CELLS, "capacitive_load_unit (1.0, \"pf\");").expect("a library");
-        assert_eq!((library.name(), library.nand2(), library.nand2_area()), ("small", "nand2_1", 2.0));
-        assert_eq!((library.buffer(), library.load()), ("buf_2", 17.0));
+        assert_eq!((library.name.as_str(), library.nand2.as_str(), library.nand2_area()), ("small", "nand2_1", 2.0));
+        assert_eq!((library.buffer.as_str(), library.load), ("buf_2", 17.0));
         let pin = |pin: &str| ("tie".to_string(), pin.to_string());
-        assert_eq!(library.tie(), Some(&Tie { one: pin("HI"), zero: pin("LO") }));
+        assert_eq!(library.tie, Some(Tie { one: pin("HI"), zero: pin("LO") }));
         let dff = library.cell("dff").expect("a flip-flop");
         assert_eq!((dff.area, dff.is_flip_flop, dff.outputs.join(" ")), (5.0, true, "Q QN".to_string()));
         assert!(library.cell("inv_1").is_some_and(|cell| !cell.is_flip_flop));
@@ -335,17 +305,17 @@ mod tests {
     fn unusable_cells_are_removed() {
         let library = library(CELLS, "").expect("a library");
         for name in ["nand2_tiny", "lib__lpflow_nand2"] {
-            assert!(library.cell(name).is_none() && !library.text().contains(name), "{name}");
+            assert!(library.cell(name).is_none() && !library.text.contains(name), "{name}");
         }
         // The remaining text is still Liberty, with all other cells.
-        assert_eq!(liberty::read(library.text()).expect("Liberty").of_kind("cell").count(), 9);
+        assert_eq!(liberty::read(&library.text).expect("Liberty").of_kind("cell").count(), 9);
     }
 
     #[test]
     fn units_of_capacitance_and_other_buffers() {
         let few: String = CELLS.replace("\"buf_2\"", "\"buffer\"").replace("\"clkbuf_2\"", "\"clkbuf_1\"");
         let library = library(&few, "capacitive_load_unit (2, ff);").expect("a library");
-        assert_eq!((library.buffer(), library.load()), ("clkbuf_1", 10.0));
+        assert_eq!((library.buffer.as_str(), library.load), ("clkbuf_1", 10.0));
     }
 
     #[test]
@@ -370,6 +340,6 @@ mod tests {
         let compressed = folder.path().join("compressed.lib.gz");
         std::fs::write(&compressed, encoder.finish().expect("compressed")).expect("written");
         let [plain, compressed] = [plain, compressed].map(|path| Library::read(&path).expect("a library"));
-        assert_eq!((plain.text(), plain.digest()), (compressed.text(), compressed.digest()));
+        assert_eq!((&plain.text, &plain.digest), (&compressed.text, &compressed.digest));
     }
 }

@@ -59,7 +59,7 @@ pub fn yosys(block: &Block, library: &Library) -> String {
         "splitnets".to_string(),
         "opt_clean -purge".to_string(),
     ]);
-    if let Some(tie) = library.tie() {
+    if let Some(tie) = &library.tie {
         let ((one, one_pin), (zero, zero_pin)) = (&tie.one, &tie.zero);
         lines.push(format!("hilomap -singleton -hicell {one} {one_pin} -locell {zero} {zero_pin}"));
     }
@@ -90,5 +90,5 @@ pub fn abc(period: f64) -> String {
 
 /// The drivers of inputs and the loads of outputs for ABC.
 pub fn constraints(library: &Library) -> String {
-    format!("set_driving_cell {}\nset_load {}\n", library.buffer(), library.load())
+    format!("set_driving_cell {}\nset_load {}\n", library.buffer, library.load)
 }

@@ -91,7 +91,8 @@ pub struct Units {
 /// The slowest path of a design.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slowest {
-    /// The stage that it ends in.
+    /// The stage that it ends in; empty if unknown.
+    #[serde(default)]
     pub stage: String,
     /// Its delay, set-up time included.
     pub ns: f64,

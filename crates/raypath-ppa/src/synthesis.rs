@@ -1,33 +1,26 @@
 //! Synthesises a block of a design into cells of a library.
 
-use crate::Error;
 use crate::design::{Block, RegisterKind};
 use crate::library::Library;
 use crate::names::RegisterNames;
 use crate::netlist::{Net, Netlist, YosysDesign};
 use crate::recipe;
-use raypath_tools::{Key, MAX_RESULT_BYTES, ToolError, Yosys, read_within, temporary_folder, write};
+use crate::{Bench, Error};
+use raypath_tools::{Key, MAX_RESULT_BYTES, ToolError, read_within, temporary_folder, write};
 use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::AtomicBool;
 
-/// The library, tool and period of a synthesis.
-pub struct Synthesis<'a> {
-    pub library: &'a Library,
-    pub yosys: &'a Yosys,
-    pub period: f64,
-}
-
-impl Synthesis<'_> {
+impl Bench {
     /// The cache key of a block's netlist.
-    pub fn key(&self, block: &Block) -> Key {
-        let Self { library, yosys, period } = self;
+    pub(crate) fn netlist_key(&self, block: &Block) -> Key {
+        let Self { library, yosys, period, .. } = self;
         let recipe = recipe::yosys(block, library) + &recipe::abc(*period) + &recipe::constraints(library);
-        Key::new("netlist", &[&recipe::source(block), &recipe, library.digest(), &yosys.to_string()])
+        Key::new("netlist", &[&recipe::source(block), &recipe, &library.digest, &yosys.to_string()])
     }
 
     /// Synthesises a block. `registers` are those that it may have.
-    pub fn run(
+    pub(crate) fn synthesise(
         &self,
         block: &Block,
         registers: &BTreeMap<String, RegisterKind>,
@@ -36,10 +29,10 @@ impl Synthesis<'_> {
         let folder = temporary_folder()?;
         let folder = folder.path();
         write(&folder.join(recipe::DESIGN), &recipe::source(block))?;
-        write(&folder.join(recipe::LIBRARY), self.library.text())?;
-        write(&folder.join(recipe::SCRIPT), &recipe::yosys(block, self.library))?;
+        write(&folder.join(recipe::LIBRARY), &self.library.text)?;
+        write(&folder.join(recipe::SCRIPT), &recipe::yosys(block, &self.library))?;
         write(&folder.join(recipe::ABC_SCRIPT), &recipe::abc(self.period))?;
-        write(&folder.join(recipe::ABC_CONSTRAINTS), &recipe::constraints(self.library))?;
+        write(&folder.join(recipe::ABC_CONSTRAINTS), &recipe::constraints(&self.library))?;
         self.yosys.run(folder, recipe::SCRIPT, &block.module, stop)?;
 
         let bytes = |name: &str| read_within(&folder.join(name), MAX_RESULT_BYTES);
@@ -47,15 +40,15 @@ impl Synthesis<'_> {
             true => RegisterNames::default(),
             false => RegisterNames::new(json(&bytes(recipe::NAMES)?)?, &block.module, registers, &block.words),
         };
-        let netlist = netlist(&bytes(recipe::NETLIST)?, &block.module, &names, self.library)?;
+        let netlist = netlist(&bytes(recipe::NETLIST)?, &block.module, &names, &self.library)?;
         let statistics = bytes(recipe::STATISTICS).unwrap_or_default();
-        self.check(block, &netlist, &String::from_utf8_lossy(&statistics))?;
+        self.check_netlist(block, &netlist, &String::from_utf8_lossy(&statistics))?;
         Ok(netlist)
     }
 
     /// Checks that every cell is a library cell or a unit, that units have no registers, and that the areas add up to
     /// Yosys's total.
-    fn check(&self, block: &Block, netlist: &Netlist, statistics: &str) -> Result<(), Error> {
+    fn check_netlist(&self, block: &Block, netlist: &Netlist, statistics: &str) -> Result<(), Error> {
         let mut sum = 0.0;
         for instance in &netlist.cells {
             match self.library.cell(&instance.cell) {

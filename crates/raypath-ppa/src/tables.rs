@@ -84,7 +84,8 @@ pub fn comparison(report: &Report, baseline: &Baseline) -> String {
         let Some(theirs) = baseline.stage(&stage.name) else { continue };
         let area = theirs.area.map(|theirs| ratio(stage.area.total, theirs.total));
         let flip_flops = theirs.flip_flops.map(|theirs| ratio(stage.flip_flops as f64, theirs as f64));
-        let slowest = stage.slowest.as_ref().zip(theirs.slowest).map(|(ours, theirs)| ratio(ours.ns, theirs.ns));
+        let slowest =
+            stage.slowest.as_ref().zip(theirs.slowest.as_ref()).map(|(ours, theirs)| ratio(ours.ns, theirs.ns));
         let cells = [area, flip_flops, slowest].map(Option::unwrap_or_default);
         table.add_row([std::slice::from_ref(&stage.name), cells.as_slice()].concat());
     }

@@ -42,8 +42,8 @@ pub fn script(top: &str, library: &Library, period: f64, ends: &[Endpoints]) -> 
         format!("create_clock -name clk -period {period} [get_ports clk_i]"),
         "set_input_delay 0 -clock clk [all_inputs]".to_string(),
         "set_output_delay 0 -clock clk [all_outputs]".to_string(),
-        format!("set_driving_cell -lib_cell {} [all_inputs]", library.buffer()),
-        format!("set_load {} [all_outputs]", library.load()),
+        format!("set_driving_cell -lib_cell {} [all_inputs]", library.buffer),
+        format!("set_load {} [all_outputs]", library.load),
         "set_false_path -from [get_ports rst_ni]".to_string(),
     ];
     for (number, end) in ends.iter().enumerate() {

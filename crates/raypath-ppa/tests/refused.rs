@@ -24,7 +24,7 @@ fn read(text: &str) -> Result<Library, String> {
 /// Such numbers would become areas, loads and clocks of `inf` and `NaN`, and reports that cannot be read again.
 #[test]
 fn invalid_numbers_are_refused() {
-    assert!(read(CELLS).is_ok_and(|library| (library.nand2_area(), library.load()) == (2.5, 20.0)));
+    assert!(read(CELLS).is_ok_and(|library| (library.nand2_area(), library.load) == (2.5, 20.0)));
     for number in ["inf", "NaN", "-1", "1e999", "1e13", "two", ""] {
         let error = read(&CELLS.replace("2.5", number)).expect_err(number);
         let expected = format!("small.lib:5: found area '{number}' in cell NAND, expected a number from 0 to 1e12");
@@ -51,9 +51,9 @@ fn names_that_are_commands_are_left_out() {
     for name in ["x[exec touch y]", "a b", "a;b", "a\nshell b", "$a", "a$b", "1a", "é"] {
         let quoted = format!("(\"{name}\")");
         let without = read(&CELLS.replace("(OTHER)", &quoted)).expect("a library");
-        assert!(without.cell(name).is_none() && !without.text().contains(&quoted), "{name}");
+        assert!(without.cell(name).is_none() && !without.text.contains(&quoted), "{name}");
         let without = read(&CELLS.replace("(P)", &quoted)).expect("a library");
-        assert!(without.cell("OTHER").is_none() && !without.text().contains(&quoted), "{name}");
+        assert!(without.cell("OTHER").is_none() && !without.text.contains(&quoted), "{name}");
         let error = read(&CELLS.replace("(NAND)", &quoted)).expect_err("the only NAND");
         assert!(error.ends_with("no NAND with two inputs in this library, expected one"), "{error}");
     }

@@ -5,7 +5,7 @@ use crate::{Program, Sources, ToolError, verilator_main};
 use raypath_hdl::Module;
 use std::io::{self, BufReader, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 
 pub(crate) static VERILATOR: Program = Program {
@@ -109,12 +109,7 @@ impl Verilated {
         frames: impl IntoIterator<Item = Vec<u64>, IntoIter: Send>,
         on_outputs: impl FnMut(usize, &[u64]),
     ) -> Result<(), ToolError> {
-        let failed = |problem| failed(&self.program, problem);
-        let child = Command::new(&self.program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().map_err(failed)?;
-        let mut process = Process(child);
-        let (Some(input), Some(output)) = (process.0.stdin.take(), process.0.stdout.take()) else {
-            return Err(failed(io::Error::from(ErrorKind::BrokenPipe)));
-        };
+        let (process, input, output) = self.start(&[])?;
         let frames = frames.into_iter();
         // A thread writes while this one reads, so that neither side waits for the other with a full pipe.
         let (sent, received, status) = std::thread::scope(|scope| {
@@ -124,7 +119,7 @@ impl Verilated {
             let received = self.receive(BufReader::with_capacity(BUFFER, output), on_outputs);
             (writer.join(), received, process.0.wait())
         });
-        let status = status.map_err(failed)?;
+        let status = status.map_err(|problem| failed(&self.program, problem))?;
         let sent = sent.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         let received = received?;
         if !status.success() || sent != received {
@@ -140,12 +135,7 @@ impl Verilated {
     /// As for [`Self::run`].
     pub fn time(&self, frames: impl Iterator<Item = Vec<u64>>, times: usize) -> Result<Vec<f64>, ToolError> {
         let failed = |problem| failed(&self.program, problem);
-        let mut command = Command::new(&self.program);
-        command.arg(times.to_string()).stdin(Stdio::piped()).stdout(Stdio::piped());
-        let mut process = Process(command.spawn().map_err(failed)?);
-        let (Some(input), Some(mut output)) = (process.0.stdin.take(), process.0.stdout.take()) else {
-            return Err(failed(io::Error::from(ErrorKind::BrokenPipe)));
-        };
+        let (mut process, input, mut output) = self.start(&[times.to_string()])?;
         // The program reads all frames before it writes anything.
         self.send(frames, input)?;
         let mut text = String::new();
@@ -157,6 +147,18 @@ impl Verilated {
             return Err(self.ended(output));
         }
         Ok(seconds)
+    }
+
+    /// Starts the program with pipes in both directions.
+    fn start(&self, arguments: &[String]) -> Result<(Process, ChildStdin, ChildStdout), ToolError> {
+        let failed = |problem| failed(&self.program, problem);
+        let mut command = Command::new(&self.program);
+        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut process = Process(command.spawn().map_err(failed)?);
+        match (process.0.stdin.take(), process.0.stdout.take()) {
+            (Some(input), Some(output)) => Ok((process, input, output)),
+            _ => Err(failed(io::Error::from(ErrorKind::BrokenPipe))),
+        }
     }
 
     fn ended(&self, output: String) -> ToolError {

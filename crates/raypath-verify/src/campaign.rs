@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::files;
 use crate::layout::Layout;
 use crate::request::Request;
-use crate::verdict::{Item, Verdict};
+use crate::verdict::Verdict;
 use raypath_hdl::Module;
 use raypath_model::{Shape, WordModel};
 use raypath_rtl::{Config, Datapath};
@@ -22,27 +22,6 @@ use raypath_tools::pool::{self, Queue};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-
-/// The campaign on a configuration's netlist.
-pub const ITEM: Item = Item {
-    name: "campaign",
-    claim: "netlist, cycle-exact model and functional model agree at all ports in every cycle, for random jobs and any \
-            behaviour of source, sink and reset",
-    oracle: "the cycle-exact and the functional model, which share the operations' functions with the netlist, but \
-             neither units nor control",
-    subject: &[
-        "crates/raypath-float/src",
-        "crates/raypath-hdl/src",
-        "crates/raypath-sim/src",
-        "crates/raypath-model/src",
-        "crates/raypath-ops/src",
-        "crates/raypath-rtl/src",
-        "crates/raypath-verify/src/campaign.rs",
-        "crates/raypath-verify/src/campaign",
-        "crates/raypath-verify/src/stimuli",
-    ],
-    run: |request| verify(request, Path::new(FOLDER)),
-};
 
 /// The folder of the item's files, relative to the working directory.
 pub const FOLDER: &str = "build/verify";

@@ -19,27 +19,11 @@ pub use structure::structural_faults;
 
 use crate::error::Error;
 use crate::request::Request;
-use crate::verdict::{Item, Verdict};
+use crate::verdict::Verdict;
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control, Datapath, Lanes, Sharing, UnitLatency};
 use raypath_tools::pool;
 use std::collections::HashMap;
-
-/// The proofs of the pipeline's control.
-pub const CONTROL: Item = Item {
-    name: "control",
-    claim: "no job is lost, repeated or reordered, a stalled output is stable, an accumulator updates once for each \
-            beat",
-    oracle: "proofs by Yosys and ABC of the emitted SystemVerilog with its assertions, with free outputs of units",
-    subject: &[
-        "crates/raypath-hdl/src",
-        "crates/raypath-ops/src",
-        "crates/raypath-rtl/src",
-        "crates/raypath-verify/src/control",
-        "crates/raypath-verify/src/sat",
-    ],
-    run: control,
-};
 
 /// Proves the control of the level's configurations.
 ///

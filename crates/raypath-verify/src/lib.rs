@@ -4,7 +4,7 @@
 //! [`ITEMS`] are all items; `docs/development/verification.md` has their results.
 //!
 //! [`units`] checks the floating-point units against other implementations and by proof, and [`control`] proves the
-//! pipeline's control. [`geometry`] compares the operations with exact arithmetic, [`models`] the models with an
+//! pipeline's control. `geometry` compares the operations with exact arithmetic, [`models`] the models with an
 //! [`oracle`], and [`campaign`] the netlist with the models, under random [`stimuli`] whose [`coverage`] is counted.
 //! [`mutation`] measures how many faults the regression tests find, and [`parsers`] runs damaged files through every
 //! parser. [`sat`] and [`equivalence`] are the solvers behind the proofs. [`record`] writes results to files.
@@ -15,7 +15,8 @@ pub mod coverage;
 pub mod equivalence;
 mod error;
 mod files;
-pub mod geometry;
+mod geometry;
+mod items;
 pub mod layout;
 pub mod models;
 pub mod mutation;
@@ -29,26 +30,6 @@ pub mod units;
 mod verdict;
 
 pub use error::Error;
+pub use items::ITEMS;
 pub use request::{Level, Progress, Request, Shard, ShardError};
 pub use verdict::{Item, Verdict};
-
-use units::proofs;
-
-/// All items, in the order of `docs/development/verification.md`.
-pub const ITEMS: &[Item] = &[
-    units::TESTFLOAT,
-    units::CONVERSIONS,
-    units::SMALL_FORMATS,
-    proofs::UNIT_PROOFS,
-    proofs::ADDER_PROOF,
-    proofs::MULTIPLIER_PROOF,
-    control::CONTROL,
-    geometry::WATERTIGHT,
-    geometry::BOXES,
-    geometry::TRIANGLE_DISTANCE,
-    geometry::SUMS,
-    models::ITEM,
-    campaign::ITEM,
-    mutation::ITEM,
-    parsers::ITEM,
-];

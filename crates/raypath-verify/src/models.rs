@@ -1,6 +1,5 @@
 //! The functional model against the oracle, and the cycle-exact model against the functional one, job by job.
 
-use crate::campaign;
 use crate::coverage::{Coverage, CoverageModel, JobPath};
 use crate::error::Error;
 use crate::files;
@@ -8,7 +7,7 @@ use crate::layout::Layout;
 use crate::oracle::Oracle;
 use crate::request::Request;
 use crate::stimuli::{Stimuli, splitmix64};
-use crate::verdict::{Item, Verdict};
+use crate::verdict::Verdict;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_model::{CycleModel, Functional, Shape};
@@ -20,22 +19,6 @@ use raypath_tools::pool;
 use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::atomic::Ordering;
-
-/// The models against the oracle.
-pub const ITEM: Item = Item {
-    name: "models",
-    claim: "the functional model's outcomes are those of Table VII and the rules `paper`, and the cycle-exact model \
-            has the same outcomes, in order (16 lanes, binary32)",
-    oracle: "the same operations written once more from the text, in binary64 arithmetic rounded once",
-    subject: &[
-        "crates/raypath-model/src",
-        "crates/raypath-ops/src",
-        "crates/raypath-verify/src/models.rs",
-        "crates/raypath-verify/src/oracle.rs",
-        "crates/raypath-verify/src/stimuli",
-    ],
-    run: |request| verify(request, Path::new(campaign::FOLDER)),
-};
 
 /// The oracle's configuration.
 const CONFIG: Config = Config::DEFAULT;
@@ -141,14 +124,11 @@ struct Chunk<'l> {
     count: u64,
 }
 
-/// A job with a wrong outcome.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Failure {
-    /// The job's chunk.
     chunk: u64,
     /// The job's position in the chunk.
     job: u64,
-    /// The difference.
     what: String,
 }
 
@@ -201,7 +181,6 @@ impl<'l> Chunk<'l> {
         (0..=last).map(|_| self.next(&mut words)).collect()
     }
 
-    /// Generates the next job, and writes its words to `words`.
     fn next(&mut self, words: &mut Vec<u64>) -> Job {
         let dice: u64 = self.rng.random();
         let kind = JobKind::ALL[dice as usize % JobKind::ALL.len()];

@@ -10,7 +10,7 @@ mod units;
 
 use crate::error::Error;
 use crate::request::{Level, Request};
-use crate::verdict::{Item, Verdict};
+use crate::verdict::Verdict;
 use mutant::{Mutant, MutantResult, Subject, choose, subjects};
 use raypath_hdl::mutate::replace;
 use raypath_rtl::{Config, Control, Lanes, UnitLatency};
@@ -32,27 +32,8 @@ pub const CONFIGS: [Config; 4] = [
 /// The file with the result of each mutant.
 const LIST: &str = "build/verify/mutants.txt";
 
-/// Mutation testing of the netlist.
-pub const ITEM: Item = Item {
-    name: "mutation",
-    claim: "the regression tests kill at least 99 % of the faults in the netlist that are not proven equivalent",
-    oracle: "the checks that the regression tests make: units against the host's f32, the datapath against its models",
-    subject: &[
-        "crates/raypath-float/src",
-        "crates/raypath-hdl/src",
-        "crates/raypath-sim/src",
-        "crates/raypath-model/src",
-        "crates/raypath-ops/src",
-        "crates/raypath-rtl/src",
-        "crates/raypath-verify/src/units",
-        "crates/raypath-verify/src/mutation.rs",
-        "crates/raypath-verify/src/mutation",
-    ],
-    run,
-};
-
 /// Runs the checks of the regression tests on a sample of the faults of all modules.
-fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
+pub(crate) fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let count = request.jobs.unwrap_or(request.level.pick(40, 2400, 10_000)) as usize;
     let subjects = subjects(&CONFIGS)?;
     let mutants = choose(&subjects, count, request.seed);

@@ -10,7 +10,7 @@ pub use targets::{TARGETS, Target};
 use crate::error::Error;
 use crate::files::in_folder;
 use crate::request::{Progress, Request};
-use crate::verdict::{Item, Verdict};
+use crate::verdict::Verdict;
 use raypath_tools::read;
 use std::path::Path;
 use worker::{Outcome, Worker};
@@ -20,25 +20,6 @@ const MAX_SECONDS: u64 = 10;
 /// The limit on additional memory.
 const MAX_BYTES: u64 = 256 << 20;
 const FAILURES_SHOWN: usize = 10;
-
-/// The parsers on damaged files.
-pub const ITEM: Item = Item {
-    name: "parsers",
-    claim: "no file makes raypath panic, hang, or exhaust the memory",
-    oracle: "the bounds that docs/reference/transactions.md, docs/reference/configurations.md and \
-             docs/user/area-and-timing.md \
-             state; what was read means the same when it is written and read again",
-    subject: &[
-        "crates/raypath-ppa/src",
-        "crates/raypath-rtl/src/config",
-        "crates/raypath-sim/src",
-        "crates/raypath-tools/src",
-        "crates/raypath-verify/src/parsers",
-        "crates/raypath-verify/src/parsers.rs",
-        "fuzz/corpus",
-    ],
-    run,
-};
 
 /// Runs each parser on the files of its corpus and on mutations of them.
 ///

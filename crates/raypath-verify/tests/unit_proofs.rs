@@ -52,7 +52,7 @@ fn a_stop_is_heeded() {
 fn a_faulty_unit_fails_with_operands() {
     let format = Format::new(3, 4).unwrap();
     let claim = Claim::all(Subject::Mul, format);
-    let faulty = claim.miter(Some(Subject::Mul.fault())).unwrap();
+    let faulty = claim.miter(true).unwrap();
     let prover = Prover::find().unwrap();
     let answers = prover.solve(std::slice::from_ref(&faulty), LIMIT, &AtomicBool::new(false)).unwrap();
     let ProofResult::Refuted(values) = &answers[0] else { panic!("{answers:?}") };

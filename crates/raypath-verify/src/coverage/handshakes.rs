@@ -76,15 +76,15 @@ impl Handshakes {
             }
         }
         (0..=self.capacity).for_each(|inside| add(format!("reset with {inside} inside"), Event::Reset(inside)));
-        for &before in model.kinds {
-            for &kind in model.kinds {
+        for &before in model.config.kinds() {
+            for &kind in model.config.kinds() {
                 add(format!("{kind} after {before}, with a gap"), Event::Pair(before, kind, false));
                 if !keeps_apart(model, before, kind) {
                     add(format!("{kind} after {before}, in the next cycle"), Event::Pair(before, kind, true));
                 }
             }
         }
-        for &kind in model.kinds {
+        for &kind in model.config.kinds() {
             add(format!("{kind} withdrawn before it was refused"), Event::Withdrawn(kind, false));
             add(format!("{kind} withdrawn after it was refused"), Event::Withdrawn(kind, true));
         }

@@ -6,7 +6,6 @@ use super::rules::{
     rules_at_exit, triangle_rules,
 };
 use crate::layout::{Field, Layout};
-use raypath_float::Format;
 use raypath_model::Shape;
 use raypath_ops::{JobKind, Rules};
 use raypath_rtl::Config;
@@ -20,9 +19,7 @@ pub struct CoverageModel {
     pub(super) capacity: usize,
     /// The pipeline's shape.
     pub(super) shape: Shape,
-    pub(super) kinds: &'static [JobKind],
-    format: Format,
-    rules: Rules,
+    pub(super) config: Config,
     layout: Layout,
 }
 
@@ -120,34 +117,27 @@ impl CoverageModel {
             true => points(kind, config, &layout),
             false => vec![],
         });
-        Self {
-            points: points.into(),
-            capacity: shape.capacity(),
-            shape: shape.clone(),
-            kinds: config.kinds(),
-            format: config.semantics.format,
-            rules: config.semantics.rules,
-            layout,
-        }
+        Self { points: points.into(), capacity: shape.capacity(), shape: shape.clone(), config, layout }
     }
 
     /// The points that a job covers, as far as they are known when it enters.
     pub fn job_points(&self, kind: JobKind, words: &[u64]) -> JobPoints {
         let mut covered = JobPoints { kind, points: [0; 3] };
+        let (rules, format) = (self.config.semantics.rules, self.config.semantics.format);
         let mask = self.mask(kind, words);
         for (&field, &code) in self.layout.fields(kind).iter().zip(words) {
             // A masked lane is no operand; rule 7 has points for its value.
             if matches!(field, Field::Lane { lane, .. } if mask >> lane & 1 == 0) {
                 continue;
             }
-            if let Some(group) = group(kind, self.rules, field) {
-                covered.set(CLASSES.len() * group + class(self.format, code));
+            if let Some(group) = group(kind, rules, field) {
+                covered.set(CLASSES.len() * group + class(format, code));
             }
             if let (JobKind::Triangle, Field::Axis(axis)) = (kind, field) {
                 covered.set(axes_begin() + 4 * axis + (code as usize & 3));
             }
         }
-        let (first, rounded) = (rules_begin(kind, self.rules), Rounded(self.format));
+        let (first, rounded) = (rules_begin(kind, rules), Rounded(format));
         match kind {
             JobKind::Triangle => covered.set_rules(first, &triangle_rules(rounded, &self.layout, words)),
             JobKind::Quadbox => {
@@ -156,7 +146,7 @@ impl CoverageModel {
                 covered.set(first + rules.len() + order);
             }
             JobKind::Euclidean | JobKind::Angular => {
-                covered.set_rules(first, &rules_at_entry(kind, self.format, &self.layout, words));
+                covered.set_rules(first, &rules_at_entry(kind, format, &self.layout, words));
             }
         }
         covered
@@ -164,8 +154,8 @@ impl CoverageModel {
 
     /// Adds the points that a beat covers when it leaves.
     pub fn add_exit_points(&self, covered: &mut JobPoints, found: AccumulatorState) {
-        let first = rules_begin(covered.kind, self.rules) + RULES_AT_ENTRY;
-        covered.set_rules(first, &rules_at_exit(self.format, found));
+        let first = rules_begin(covered.kind, self.config.semantics.rules) + RULES_AT_ENTRY;
+        covered.set_rules(first, &rules_at_exit(self.config.semantics.format, found));
     }
 
     fn mask(&self, kind: JobKind, words: &[u64]) -> u64 {

@@ -10,7 +10,6 @@ use std::borrow::Cow;
 
 /// A mesh at a place in space, with the patches that rays are aimed at.
 pub struct PlacedMesh {
-    /// The mesh.
     pub mesh: Mesh,
     centre: Point,
     radius: f64,
@@ -32,11 +31,8 @@ pub enum Target {
 
 /// A ray, and the patch that it must hit.
 pub struct AimedRay<'b> {
-    /// The ray's target.
     pub target: Target,
-    /// The ray.
     pub ray: Ray<Binary32>,
-    /// The patch.
     pub patch: Cow<'b, Patch>,
 }
 

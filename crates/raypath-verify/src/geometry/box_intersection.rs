@@ -11,29 +11,19 @@ pub struct Fraction {
     denominator: Dyadic,
 }
 
-/// A bound of a computed distance.
-#[derive(Debug, Clone, Copy)]
-enum Side {
-    Below,
-    Above,
-}
-
 impl Fraction {
     fn integer(value: Dyadic) -> Self {
         Self { numerator: value, denominator: Dyadic::from(1) }
     }
 
-    /// The lower or upper bound of a slab distance of this value as computed: three roundings, and half of the smallest
+    /// The lower and upper bounds of a slab distance of this value as computed: three roundings, and half of the smallest
     /// number for underflow of the product.
-    fn rounded(&self, side: Side) -> Self {
+    fn rounded(&self) -> [Self; 2] {
         let step = Dyadic::from(1) + Dyadic::power_of_two(-24);
         let relative = &step * &step * &step - Dyadic::from(1);
         let error = self.numerator.abs() * &relative + &self.denominator * &Dyadic::power_of_two(-150);
-        let numerator = match side {
-            Side::Below => &self.numerator - &error,
-            Side::Above => &self.numerator + &error,
-        };
-        Self { numerator, denominator: self.denominator.clone() }
+        [&self.numerator - &error, &self.numerator + &error]
+            .map(|numerator| Self { numerator, denominator: self.denominator.clone() })
     }
 
     /// An approximation, for reports.
@@ -48,8 +38,8 @@ impl Fraction {
 
     /// Whether rounding allows `x` as the computed value.
     pub fn may_round_to(&self, x: f32) -> bool {
-        let x = Self::integer(x.into());
-        self.rounded(Side::Below) <= x && x <= self.rounded(Side::Above)
+        let (x, [below, above]) = (Self::integer(x.into()), self.rounded());
+        below <= x && x <= above
     }
 }
 
@@ -142,25 +132,22 @@ impl ExactIntersection {
 /// Whether no near distance exceeds a far one under any rounding. The two distances of one slab are rounded in the same
 /// way, which keeps their order.
 fn must_hit(crossings: &[Crossing], zero: &Fraction, extent: Option<&Fraction>) -> bool {
-    let pairs =
-        crossings.iter().enumerate().flat_map(|(i, a)| crossings.iter().enumerate().map(move |(j, b)| (i, a, j, b)));
-    let mut pairs =
-        pairs.map(
-            |(i, a, j, b)| {
-                if i == j { a.near <= a.far } else { a.near.rounded(Side::Above) <= b.far.rounded(Side::Below) }
-            },
-        );
-    pairs.all(|fits| fits)
-        && crossings.iter().all(|crossing| crossing.far >= *zero)
-        && extent.is_none_or(|extent| crossings.iter().all(|crossing| crossing.near.rounded(Side::Above) <= *extent))
+    let rounded: Vec<[[Fraction; 2]; 2]> =
+        crossings.iter().map(|crossing| [crossing.near.rounded(), crossing.far.rounded()]).collect();
+    let all = || crossings.iter().zip(&rounded).enumerate();
+    let fits = |i: usize, [[_, near], _]: &[[Fraction; 2]; 2]| {
+        all().all(|(j, (b, [_, [far, _]]))| if i == j { b.near <= b.far } else { near <= far })
+    };
+    all().all(|(i, (crossing, bounds))| fits(i, bounds) && crossing.far >= *zero)
+        && extent.is_none_or(|extent| rounded.iter().all(|[[_, near], _]| near <= extent))
 }
 
 /// Whether some near distance exceeds a far one under any rounding.
 fn must_miss(crossings: &[Crossing], zero: &Fraction, extent: Option<&Fraction>) -> bool {
-    let near = crossings.iter().map(|crossing| crossing.near.rounded(Side::Below)).max();
-    let near = near.map_or(zero.clone(), |near| near.max(zero.clone()));
-    let far = crossings.iter().map(|crossing| crossing.far.rounded(Side::Above)).min();
-    far.into_iter().chain(extent.cloned()).any(|far| near > far)
+    let nears = crossings.iter().map(|crossing| crossing.near.rounded()).map(|[below, _]| below);
+    let fars = crossings.iter().map(|crossing| crossing.far.rounded()).map(|[_, above]| above);
+    let near = nears.fold(zero.clone(), Fraction::max);
+    fars.chain(extent.cloned()).any(|far| near > far)
 }
 
 #[cfg(test)]

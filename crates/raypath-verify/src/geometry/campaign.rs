@@ -53,7 +53,6 @@ pub struct Tally {
 const SHOWN: usize = 5;
 
 impl Tally {
-    /// Adds to a count.
     pub fn add(&mut self, name: &'static str, count: impl Into<u64>) {
         *self.counts.entry(name).or_default() += count.into();
     }
@@ -64,7 +63,6 @@ impl Tally {
         *largest = largest.max(value);
     }
 
-    /// Adds a failure.
     pub fn fail(&mut self, message: impl FnOnce() -> String) {
         if self.shown.len() < SHOWN {
             self.shown.push(message());
@@ -72,7 +70,6 @@ impl Tally {
         self.failures += 1;
     }
 
-    /// The count of this name.
     pub fn count(&self, name: &str) -> u64 {
         self.counts.get(name).copied().unwrap_or(0)
     }
@@ -82,12 +79,10 @@ impl Tally {
         self.largest.get(name).copied().unwrap_or(0.0)
     }
 
-    /// The number of failures.
     pub fn failures(&self) -> u64 {
         self.failures
     }
 
-    /// The results of all blocks.
     pub fn joined(blocks: Vec<Self>) -> Self {
         let mut all = Self::default();
         for block in blocks {

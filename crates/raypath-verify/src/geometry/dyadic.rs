@@ -12,17 +12,14 @@ pub struct Dyadic {
 }
 
 impl Dyadic {
-    /// Zero.
     pub fn zero() -> Self {
         Self { significand: BigInt::ZERO, exponent: 0 }
     }
 
-    /// 2^`exponent`.
     pub fn power_of_two(exponent: i32) -> Self {
         Self { significand: BigInt::from(1), exponent }
     }
 
-    /// The comparison with zero.
     pub fn sign(&self) -> Ordering {
         match self.significand.sign() {
             Sign::Minus => Ordering::Less,
@@ -31,7 +28,6 @@ impl Dyadic {
         }
     }
 
-    /// The absolute value.
     pub fn abs(&self) -> Self {
         let significand = BigInt::from(self.significand.magnitude().clone());
         Self { significand, exponent: self.exponent }

@@ -4,12 +4,9 @@
 use super::vector::{Point, cross, dot, minus, scaled, sum, unit};
 use std::collections::{HashMap, HashSet};
 
-/// A closed mesh.
 #[derive(Debug, Clone)]
 pub struct Mesh {
-    /// The mesh's name in reports.
     pub name: &'static str,
-    /// The vertices.
     pub vertices: Vec<[f32; 3]>,
     /// The three vertices of each face.
     pub faces: Vec<[usize; 3]>,
@@ -18,7 +15,6 @@ pub struct Mesh {
 /// Some faces of a mesh, and their boundary.
 #[derive(Debug, Clone)]
 pub struct Patch {
-    /// The faces.
     pub faces: Vec<usize>,
     /// The directed edges that only one of the faces has.
     pub rim: Vec<[usize; 2]>,
@@ -38,7 +34,6 @@ impl Mesh {
         Self::new(self.name, &points, self.faces.clone())
     }
 
-    /// The corners of a face.
     pub fn corners(&self, face: usize) -> [[f32; 3]; 3] {
         self.faces[face].map(|vertex| self.vertices[vertex])
     }
@@ -82,14 +77,12 @@ impl Mesh {
         (centre, radius)
     }
 
-    /// A face's unit normal.
     pub fn normal(&self, face: usize) -> Point {
         let [a, b, c] = self.corners(face).map(|corner| corner.map(f64::from));
         unit(cross(minus(b, a), minus(c, a)))
     }
 }
 
-/// The directed edges of a face.
 fn edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }

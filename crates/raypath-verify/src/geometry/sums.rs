@@ -202,7 +202,6 @@ enum Wrong {
     MasksIgnored,
     /// The operands have significands of 16 bits.
     ShortOperands,
-    /// Only the last beat is added.
     LastBeatAlone,
     /// Euclidean sums by (a - b)² = a² - 2ab + b², which cancels if a is near b.
     Expanded,

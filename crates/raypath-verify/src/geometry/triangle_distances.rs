@@ -48,7 +48,6 @@ fn draw(rng: &mut ChaCha8Rng) -> (Ray<Binary32>, [[f32; 3]; 3]) {
     }
 }
 
-/// The result of an implementation.
 #[derive(Debug, Clone, Copy)]
 struct TriangleResult {
     t_num: f32,
@@ -242,7 +241,7 @@ pub fn truncate(number: f32, bits: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::super::implementations::datapath;
-    use super::{Exact, Tally, TriangleResult, WRONG, check, draw, run, ulps_of};
+    use super::{Exact, Tally, TriangleResult, check, draw, ulps_of};
     use rand::SeedableRng;
     use rand::rngs::ChaCha8Rng;
     use raypath_ops::{Ray, Rules};
@@ -277,15 +276,5 @@ mod tests {
         assert_eq!(right.failures(), 0, "{right:?}");
         assert!(hits > 500 && right.count("hits with little cancellation") > 100, "{hits} {right:?}");
         assert!(wrong.failures() > hits / 20, "{} of {hits}", wrong.failures());
-    }
-
-    #[test]
-    fn each_wrong_implementation_is_refuted() {
-        let (mut tally, mut rng) = (Tally::default(), ChaCha8Rng::seed_from_u64(2));
-        (0..3200).for_each(|_| run(&mut tally, Rules::Paper, &mut rng));
-        assert_eq!(tally.failures(), 0, "{tally:?}");
-        for (name, _) in WRONG {
-            assert!(tally.count(name) > 0, "{name} is not refuted");
-        }
     }
 }

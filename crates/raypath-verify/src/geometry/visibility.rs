@@ -23,7 +23,6 @@ pub enum Visibility {
 /// A factor for terms of second order and for rounding errors of this computation in binary64.
 const SAFETY: f64 = 1.001;
 
-/// The position of `ray` relative to `patch`.
 pub fn visibility(ray: &Ray<Binary32>, mesh: &Mesh, patch: &Patch) -> Visibility {
     if !patch.faces.iter().all(|&face| faces_direction(ray.dir.into(), mesh.corners(face))) {
         return Visibility::BackFacing;
@@ -85,7 +84,6 @@ struct Projection {
     forward: f64,
 }
 
-/// A projected vertex.
 struct Projected {
     at: [f64; 2],
     /// The distance along kz, in units of the direction's length.

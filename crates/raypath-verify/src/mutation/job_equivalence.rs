@@ -37,7 +37,6 @@ pub fn is_equivalent_for_jobs(subject: &Subject, changed: &Arc<Module>, changed_
     })
 }
 
-/// The paths of a job through a stage.
 fn slot_paths(module: &Module) -> Vec<SlotPath> {
     let mut paths = vec![SlotPath::Direct];
     for instance in module.instances() {

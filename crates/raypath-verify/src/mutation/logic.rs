@@ -22,7 +22,6 @@ pub struct Logic {
 }
 
 impl Logic {
-    /// The bits of a constant.
     pub fn constant(&self, width: u32, value: u64) -> Word {
         (0..width).map(|bit| (value >> bit & 1) as Literal).collect()
     }

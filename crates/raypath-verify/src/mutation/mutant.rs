@@ -29,13 +29,11 @@ pub struct Elaborated {
     pub shape: Shape,
 }
 
-/// A module with one of its faults.
 pub struct Mutant<'s> {
     pub subject: &'s Subject,
     pub fault: &'s Fault,
 }
 
-/// The result of checking a mutant.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum MutantResult {
     /// This check failed.

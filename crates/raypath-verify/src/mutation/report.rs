@@ -8,7 +8,6 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// The results of the mutants checked so far.
 pub struct Report<'s> {
     subjects: &'s [Subject],
     total: usize,
@@ -22,7 +21,6 @@ struct CheckedMutant {
     result: MutantResult,
 }
 
-/// The number of mutants by result.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Count {
     pub faults: usize,
@@ -87,7 +85,6 @@ impl<'s> Report<'s> {
         self.subjects.iter().map(|subject| subject.faults.len()).sum()
     }
 
-    /// The count of all mutants.
     pub fn all(&self) -> Count {
         Self::count(self.checked.iter())
     }
@@ -143,7 +140,6 @@ impl<'s> Report<'s> {
         })
     }
 
-    /// Writes the results of all modules and mutants to a file.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         files::write(path, &self.text())
     }

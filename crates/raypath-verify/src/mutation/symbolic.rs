@@ -248,7 +248,6 @@ impl<'v> SymbolicJob<'v> {
         }
     }
 
-    /// The job's path through a module.
     fn path_through(&self, module: &Module) -> SlotPath {
         self.path.filter(|_| module.name() == self.faulty).unwrap_or(SlotPath::Direct)
     }
@@ -277,12 +276,10 @@ impl<'v> SymbolicJob<'v> {
     }
 }
 
-/// Whether a module is a floating-point unit.
 pub fn is_unit(module: &Module) -> bool {
     module.name().starts_with("raypath_fp_")
 }
 
-/// Whether a module is control.
 pub fn is_control(module: &Module) -> bool {
     matches!(module.name(), "raypath_skid" | "raypath_exit" | "raypath_credit")
 }

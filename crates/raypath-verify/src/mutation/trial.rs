@@ -16,7 +16,6 @@ use std::time::Duration;
 /// The time limit of an equivalence check, for Yosys and ABC each.
 const LIMIT: Duration = Duration::from_secs(20);
 
-/// A mutant, built.
 pub struct Trial<'s> {
     pub subject: &'s Subject,
     /// The module with the fault.
@@ -40,7 +39,6 @@ impl Trial<'_> {
         }
     }
 
-    /// Runs the checks of the whole datapath.
     fn check_datapath(&self) -> Result<Result<(), FailedCheck>, Error> {
         let Elaborated { config, ref shape, .. } = *self.subject.datapath;
         let model = raypath_sim::Datapath::paper(config).model();

@@ -61,7 +61,6 @@ impl Unit {
     }
 }
 
-/// Whether a test passes.
 type Check = fn(&mut Bench) -> bool;
 
 /// A unit in the netlist simulator, and its oracle.

@@ -16,15 +16,12 @@ const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// The state of a worker.
 pub enum Outcome {
-    /// The worker runs.
     Busy,
-    /// All inputs have run.
     Done,
     /// An input made the parser panic or hang.
     Failed(String),
 }
 
-/// The thread, and its progress.
 pub struct Worker {
     shared: Arc<Shared>,
     failure: Receiver<Option<String>>,
@@ -74,12 +71,10 @@ impl Worker {
         Outcome::Failed(format!("more than {max_seconds} s for {}", escaped(&input)))
     }
 
-    /// The number of inputs that have run.
     pub fn done(&self) -> u64 {
         self.shared.done.load(Ordering::Relaxed)
     }
 
-    /// The number of valid inputs.
     pub fn accepted(&self) -> u64 {
         self.shared.accepted.load(Ordering::Relaxed)
     }

@@ -1,6 +1,6 @@
 //! And-inverter graphs as Yosys writes them, with the names of their inputs.
 
-use super::miter::Miter;
+use super::Miter;
 use crate::error::Error;
 use raypath_tools::{ToolError, read};
 use std::collections::BTreeMap;
@@ -8,11 +8,9 @@ use std::path::Path;
 
 /// A graph in a file, checked against its problem.
 pub struct Aiger {
-    /// The problem's name.
     pub problem: String,
     /// The graph's file name in its folder.
     pub file: String,
-    /// And-gates.
     pub gates: u64,
     /// The port and bit of each input.
     inputs: Vec<(String, u32)>,

@@ -13,7 +13,6 @@ pub struct Numbers {
     lattice: Vec<u64>,
 }
 
-/// A class of random numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NumberClass {
     /// A few small integers and halves: ties, cancellation to zero, flat boxes.
@@ -29,7 +28,6 @@ pub enum NumberClass {
 }
 
 impl NumberClass {
-    /// A random class.
     pub fn random(rng: &mut ChaCha8Rng) -> Self {
         const ALL: [NumberClass; 8] = [
             NumberClass::Lattice,
@@ -46,7 +44,6 @@ impl NumberClass {
 }
 
 impl Numbers {
-    /// The numbers of a format.
     pub fn of(format: Format) -> Self {
         let minus = 1 << (format.ieee_width() - 1);
         let mut all = edges(format).to_vec();
@@ -58,7 +55,6 @@ impl Numbers {
         Self { format, edges: all, lattice: lattice.map(|number| format.from_f32(number)).to_vec() }
     }
 
-    /// The word of the nearest number.
     pub fn nearest(&self, number: f32) -> u64 {
         if self.format == Format::BINARY32 { number.to_bits().into() } else { self.format.from_f32(number) }
     }

@@ -17,7 +17,6 @@ pub struct Scene {
     inverse: Point,
     shear: Point,
     extent: f32,
-    /// Lower and upper corners.
     boxes: [[Point; 2]; 4],
     triangle: [Point; 3],
 }

@@ -65,7 +65,6 @@ impl<'r, 'w> Campaign<'r, 'w> {
         self.is_stopped || self.failures.len() == MAX_FAILURES
     }
 
-    /// How many cases have run.
     pub fn done(&self) -> u64 {
         self.done
     }

@@ -10,52 +10,16 @@ mod claim;
 mod result;
 
 pub use cases::{adder_proof, multiplier_proof};
-pub use claim::{Claim, Fault, Operands, Subject};
+pub use claim::{Claim, Operands, Subject};
 pub use result::{ClaimResult, check};
 
 use crate::error::Error;
 use crate::request::{Level, Request};
 use crate::sat::{Miter, Prover};
-use crate::verdict::{Item, Verdict};
+use crate::verdict::Verdict;
 use raypath_float::Format;
 use raypath_tools::{Cache, Key, pool};
 use std::time::{Duration, Instant};
-
-/// The sources that each proof's result depends on.
-const SUBJECT: &[&str] = &[
-    "crates/raypath-float/src",
-    "crates/raypath-hdl/src",
-    "crates/raypath-verify/src/sat",
-    "crates/raypath-verify/src/units",
-];
-
-/// Proofs of all units, in formats that are small enough for one proof each.
-pub const UNIT_PROOFS: Item = Item {
-    name: "unit-proofs",
-    claim: "adders, multipliers, comparison and conversions give IEEE 754's result for all operands; split units give \
-            the result of the unsplit ones",
-    oracle: "Yosys's symfpu, by SAT (ABC)",
-    subject: SUBJECT,
-    run: unit_proofs,
-};
-
-/// The proof of the binary32 adder, in cases.
-pub const ADDER_PROOF: Item = Item {
-    name: "adder-proof",
-    claim: "the binary32 adder gives IEEE 754's sum for all operands",
-    oracle: "Yosys's symfpu, by SAT (ABC), for each of the 511 differences of exponents",
-    subject: SUBJECT,
-    run: adder_proof,
-};
-
-/// The proof of the binary16 multiplier, in cases.
-pub const MULTIPLIER_PROOF: Item = Item {
-    name: "multiplier-proof",
-    claim: "the binary16 multiplier gives IEEE 754's product for all operands",
-    oracle: "Yosys's symfpu, by SAT (ABC), for each of the 1024 fractions of the second operand",
-    subject: SUBJECT,
-    run: multiplier_proof,
-};
 
 /// Proves the level's claims. Shards divide the claims.
 ///
@@ -85,7 +49,7 @@ fn prove(
     let limit = Duration::from_secs(request.level.pick(300, 1800, 7200));
     pool::map(claims, pool::ALL_CORES, request.proceed, |&(claim, with_fault), stop| {
         let Some(cache) = cache else { return check(prover, claim, with_fault, limit, stop) };
-        let key = proof_key(&claim.miter(None)?, &prover.versions());
+        let key = proof_key(&claim.miter(false)?, &prover.versions());
         if !with_fault && cache.has(&key) {
             return Ok(Some(ClaimResult { claim, outcome: Ok(()), found_fault: None, is_cached: true }));
         }

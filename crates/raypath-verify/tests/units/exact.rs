@@ -1,7 +1,5 @@
-//! The oracle: exact or correctly sticky arithmetic in `f64`, rounded by search among all numbers of a format.
-//!
-//! It follows the definitions of IEEE 754 and of the recoded format, without the units' algorithms. It supports
-//! exponents of up to 10 bits, for which products and sums are within `f64`'s range.
+//! The numbers of a format and their codes, by the definitions of IEEE 754 and of the recoded format, without the units'
+//! algorithms. Exponents have up to 10 bits.
 
 use raypath_float::Format;
 
@@ -15,9 +13,7 @@ impl Exact {
     pub fn new(exponent: u32, significand: u32) -> Self {
         let format = Format::new(exponent, significand).expect("a format of the test's choosing");
         let infinity = infinity_code(format);
-        let mut magnitudes: Vec<f64> = (0..infinity).map(|code| magnitude(format, code)).collect();
-        // What lies one step past the largest number rounds to infinity; its significand is even.
-        magnitudes.push(2.0 * exp2(largest_exponent(format)));
+        let magnitudes: Vec<f64> = (0..infinity).map(|code| magnitude(format, code)).collect();
         Self { format, magnitudes }
     }
 
@@ -44,27 +40,12 @@ impl Exact {
         if code & sign_bit == 0 { magnitude } else { -magnitude }
     }
 
-    /// The code nearest to a number, ties to even; NaN is canonical.
+    /// The code of a number of the format; NaN is canonical.
     pub fn ieee_code(&self, number: f64) -> u64 {
         if number.is_nan() {
             return infinity_code(self.format) | 1 << (self.format.significand() - 2);
         }
-        let magnitude = number.abs();
-        let above = self.magnitudes.partition_point(|&m| m < magnitude);
-        let code = if above == self.magnitudes.len() {
-            above - 1
-        } else if above == 0 {
-            0
-        } else {
-            let to_above = self.magnitudes[above] - magnitude;
-            let to_below = magnitude - self.magnitudes[above - 1];
-            let even = if above % 2 == 0 { above } else { above - 1 };
-            match to_above.total_cmp(&to_below) {
-                std::cmp::Ordering::Less => above,
-                std::cmp::Ordering::Equal => even,
-                std::cmp::Ordering::Greater => above - 1,
-            }
-        };
+        let code = self.magnitudes.partition_point(|&magnitude| magnitude < number.abs());
         u64::from(number.is_sign_negative()) << (self.format.ieee_width() - 1) | code as u64
     }
 
@@ -102,20 +83,6 @@ impl Exact {
         };
         let known = magnitude.is_infinite() || self.magnitudes.binary_search_by(|m| m.total_cmp(&magnitude)).is_ok();
         known.then_some(if word >> self.format.ieee_width() & 1 == 0 { magnitude } else { -magnitude })
-    }
-}
-
-/// The sum. If `f64` cannot represent it, the odd one of its two neighbours, which rounds as the sum does.
-pub fn sum(a: f64, b: f64) -> f64 {
-    let sum = a + b;
-    let b_seen = sum - a;
-    let lost = (a - (sum - b_seen)) + (b - b_seen);
-    if !sum.is_finite() || lost == 0.0 || sum.to_bits() % 2 == 1 {
-        sum
-    } else if (lost > 0.0) == (sum > 0.0) {
-        f64::from_bits(sum.to_bits() + 1)
-    } else {
-        f64::from_bits(sum.to_bits() - 1)
     }
 }
 

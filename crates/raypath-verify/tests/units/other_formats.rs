@@ -1,9 +1,7 @@
-//! Random operands in formats between the exhaustible ones and the largest, by both oracles if both support them.
+//! Random operands in formats between the exhaustible ones and the largest, against LLVM's soft float.
 
 use crate::bench;
 use crate::binary32::cases;
-use crate::exact::Exact;
-use crate::small_formats;
 use rand::Rng;
 use raypath_float::Format;
 use raypath_verify::units::bench::{PortFormat, UnitResults};
@@ -12,29 +10,28 @@ use raypath_verify::units::oracle;
 
 #[test]
 fn binary16() {
-    by_search(5, 11);
+    by_soft_float::<5, 11>();
 }
 
 #[test]
 fn bfloat16() {
-    by_search(8, 8);
+    by_soft_float::<8, 8>();
 }
 
 #[test]
 fn tensor_float_32() {
-    by_search(8, 11);
+    by_soft_float::<8, 11>();
 }
 
 #[test]
 fn significand_at_its_bound() {
-    by_search(4, 7);
-    by_search(6, 14);
+    by_soft_float::<4, 7>();
+    by_soft_float::<6, 14>();
     by_soft_float::<6, 19>();
 }
 
 #[test]
 fn wide_exponent() {
-    by_search(10, 6);
     by_soft_float::<10, 6>();
     by_soft_float::<11, 3>();
 }
@@ -46,15 +43,6 @@ fn widest() {
     by_soft_float::<11, 24>();
 }
 
-fn by_search(e: u32, s: u32) {
-    let exact = Exact::new(e, s);
-    random_operands(exact.format, |a, b| {
-        let (x, y) = (exact.ieee_value(a), exact.ieee_value(b));
-        small_formats::results(x, y, |number| exact.ieee_code(number))
-    });
-}
-
-/// LLVM's soft float, for formats beyond the reach of the search.
 fn by_soft_float<const E: usize, const S: usize>() {
     let format = Format::new(E as u32, S as u32).expect("a format of the test's choosing");
     random_operands(format, oracle::<E, S>);

@@ -8,6 +8,7 @@ use raypath_hdl::{Builder, Error, Module};
 use raypath_tools::{Sources, Verilated};
 use raypath_verify::units::bench::{OUTPUTS, PortFormat, UnitResults, Units};
 use raypath_verify::units::operands::{generator, host_results, number};
+use raypath_verify::units::oracle;
 use std::sync::Arc;
 
 /// The operands of a bench, with the expected results.
@@ -16,9 +17,15 @@ type Case = (u64, u64, UnitResults);
 #[test]
 fn every_small_operand_and_a_sample_of_binary32() -> Result<(), Box<dyn std::error::Error>> {
     let exact = Exact::new(3, 4);
-    let benches = [
-        (Units::new(exact.format)?.bench(PortFormat::Ieee)?, small_cases(&exact, PortFormat::Ieee)),
-        (Units::new(exact.format)?.bench(PortFormat::Recoded)?, small_cases(&exact, PortFormat::Recoded)),
+    let benches: [(Arc<Module>, Vec<Case>); 3] = [
+        (
+            Units::new(exact.format)?.bench(PortFormat::Ieee)?,
+            small_formats::cases(&exact, oracle::<3, 4>, PortFormat::Ieee).collect(),
+        ),
+        (
+            Units::new(exact.format)?.bench(PortFormat::Recoded)?,
+            small_formats::cases(&exact, oracle::<3, 4>, PortFormat::Recoded).collect(),
+        ),
         (Units::new(Format::BINARY32)?.bench(PortFormat::Ieee)?, binary32_cases()),
     ];
     let modules = benches.each_ref().map(|(module, _)| module.clone());
@@ -51,19 +58,6 @@ fn linters_are_silent() -> Result<(), Box<dyn std::error::Error>> {
         Sources::write(&Units::new(Format::new(e, s)?)?.bench(PortFormat::Ieee)?, folder.path())?.lint()?;
     }
     Ok(())
-}
-
-fn small_cases(exact: &Exact, ports: PortFormat) -> Vec<Case> {
-    let operands: Vec<(u64, f64)> = match ports {
-        PortFormat::Ieee => exact.ieee_codes().map(|code| (code, exact.ieee_value(code))).collect(),
-        PortFormat::Recoded => exact.recoded_words(),
-    };
-    let code = |number| match ports {
-        PortFormat::Ieee => exact.ieee_code(number),
-        PortFormat::Recoded => exact.recoded_word(exact.ieee_value(exact.ieee_code(number))),
-    };
-    let pairs = operands.iter().flat_map(|x| operands.iter().map(move |y| (x, y)));
-    pairs.map(|(&(a, x), &(b, y))| (a, b, small_formats::results(x, y, code))).collect()
 }
 
 /// Half of the pairs have near exponents.

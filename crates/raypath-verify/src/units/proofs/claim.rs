@@ -51,26 +51,17 @@ pub enum Operands {
     Fraction(u64),
 }
 
-/// A deliberate fault: a piece of a unit's text, which must occur exactly once, and its replacement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Fault {
-    /// The original text.
-    pub from: &'static str,
-    /// The faulty text.
-    pub to: &'static str,
-}
-
 impl Subject {
-    /// The fault that the claim's negative control must find. Like real defects, it shows for few operands: in a
-    /// rounding, at the end of a range, or for a pair of zeros.
-    pub fn fault(self) -> Fault {
-        let (from, to) = match self {
+    /// The deliberate fault that the claim's negative control must find: a piece of the unit's text, which must occur
+    /// exactly once, and its replacement. Like real defects, it shows for few operands: in a rounding, at the end of a
+    /// range, or for a pair of zeros.
+    pub fn fault(self) -> (&'static str, &'static str) {
+        match self {
             Self::Add | Self::Sub | Self::AddParts(_) => ("~(half & quarter)", "~(half | quarter)"),
             Self::Mul | Self::MulParts(_) => ("= exponent_sum < ", "= exponent_sum <= "),
             Self::Compare => ("a_negative & ~both_zero", "a_negative"),
             Self::RoundTrip => ("exponent < ", "exponent <= "),
-        };
-        Fault { from, to }
+        }
     }
 }
 
@@ -80,11 +71,11 @@ impl Claim {
         Self { subject, format, operands: Operands::All }
     }
 
-    /// The miter, whose output is 1 for operands for which the claim is wrong; with a fault, if one is given.
+    /// The miter, whose output is 1 for operands for which the claim is wrong; with the deliberate fault or without it.
     ///
     /// # Errors
     /// The unit cannot be built, or the fault's text is not exactly once in it.
-    pub fn miter(&self, fault: Option<Fault>) -> Result<Miter, Error> {
+    pub fn miter(&self, with_fault: bool) -> Result<Miter, Error> {
         let (f, ieee) = (self.format, self.format.ieee_width());
         let whole = |unit: Arc<Module>| text(&unit);
         let joined = |parts: Vec<Arc<Module>>| text(&chain(&parts)?);
@@ -98,14 +89,15 @@ impl Claim {
             Subject::AddParts(count) => (joined(add_parts(f, count)?)?, whole(add(f)?)?, None),
             Subject::MulParts(count) => (joined(mul_parts(f, count)?)?, whole(mul(f)?)?, None),
         };
-        if let Some(fault) = fault {
-            let times = unit.matches(fault.from).count();
+        if with_fault {
+            let (from, to) = self.subject.fault();
+            let times = unit.matches(from).count();
             if times != 1 {
-                let found = format!("{self}: found '{}' {times} times in the unit's text", fault.from);
+                let found = format!("{self}: found '{from}' {times} times in the unit's text");
                 let expected = "it once, as the place of the deliberate fault";
                 return Err(ToolError::unexpected("raypath", found, expected).into());
             }
-            unit = unit.replace(fault.from, fault.to);
+            unit = unit.replace(from, to);
         }
         let mut commands = Vec::new();
         if let Some(operation) = reference {
@@ -260,16 +252,16 @@ const MIN_CELLS: u32 = 100;
 
 impl fmt::Display for Claim {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (e, s) = (self.format.exponent(), self.format.significand());
         match self.subject {
-            Subject::Add => write!(f, "addition at ({e},{s})"),
-            Subject::Sub => write!(f, "subtraction at ({e},{s})"),
-            Subject::Mul => write!(f, "multiplication at ({e},{s})"),
-            Subject::Compare => write!(f, "comparison at ({e},{s})"),
-            Subject::RoundTrip => write!(f, "encoding and decoding at ({e},{s})"),
-            Subject::AddParts(count) => write!(f, "the adder in {count} parts at ({e},{s})"),
-            Subject::MulParts(count) => write!(f, "the multiplier in {count} parts at ({e},{s})"),
+            Subject::Add => f.write_str("addition"),
+            Subject::Sub => f.write_str("subtraction"),
+            Subject::Mul => f.write_str("multiplication"),
+            Subject::Compare => f.write_str("comparison"),
+            Subject::RoundTrip => f.write_str("encoding and decoding"),
+            Subject::AddParts(count) => write!(f, "the adder in {count} parts"),
+            Subject::MulParts(count) => write!(f, "the multiplier in {count} parts"),
         }?;
+        write!(f, " at ({},{})", self.format.exponent(), self.format.significand())?;
         match self.operands {
             Operands::All => Ok(()),
             Operands::ExponentDifference(difference) => write!(f, ", exponents {difference} apart"),

@@ -1,6 +1,6 @@
 //! Proving a claim, and refuting it for a faulty unit.
 
-use super::claim::{Claim, Fault, Subject};
+use super::claim::{Claim, Subject};
 use crate::error::Error;
 use crate::sat::{Miter, ProofResult, Prover};
 use crate::units::bench::Simulated;
@@ -37,8 +37,8 @@ pub fn check(
     limit: Duration,
     stop: &AtomicBool,
 ) -> Result<Option<ClaimResult>, Error> {
-    let faults: &[Option<Fault>] = if with_fault { &[None, Some(claim.subject.fault())] } else { &[None] };
-    let miters: Vec<Miter> = faults.iter().map(|fault| claim.miter(*fault)).collect::<Result<_, _>>()?;
+    let faults: &[bool] = if with_fault { &[false, true] } else { &[false] };
+    let miters: Vec<Miter> = faults.iter().map(|with_fault| claim.miter(*with_fault)).collect::<Result<_, _>>()?;
     let results = prover.solve(&miters, limit, stop)?;
     if results.contains(&ProofResult::Stopped) {
         return Ok(None);
@@ -54,12 +54,12 @@ pub fn check(
         ProofResult::Stopped => Err(format!("{claim}: stopped")),
     };
     let mut found_fault = None;
-    if let (Some(result), Some(miter), Some(Some(fault))) = (results.get(1), miters.get(1), faults.get(1)) {
+    if let (Some(result), Some(miter)) = (results.get(1), miters.get(1)) {
         match result {
             ProofResult::Refuted(values) => {
                 let example = Counterexample::of(prover, &claim, miter, values)?;
                 example.confirm()?;
-                let Fault { from, to } = fault;
+                let (from, to) = claim.subject.fault();
                 found_fault = Some(format!("a deliberate fault is found: with {to} for {from}, {example}"));
             }
             other => outcome = Err(format!("{claim}: a deliberate fault is not found: {other:?}")),

@@ -1,0 +1,174 @@
+//! All items, in the order of `docs/development/verification.md`.
+
+use crate::units::proofs;
+use crate::verdict::Item;
+use crate::{campaign, control, geometry, models, mutation, parsers, units};
+use std::path::Path;
+
+const UNITS: &[&str] = &["crates/raypath-float/src", "crates/raypath-hdl/src", "crates/raypath-verify/src/units"];
+const PROOFS: &[&str] = &[
+    "crates/raypath-float/src",
+    "crates/raypath-hdl/src",
+    "crates/raypath-verify/src/sat",
+    "crates/raypath-verify/src/units",
+];
+const GEOMETRY: &[&str] = &["crates/raypath-model/src", "crates/raypath-ops/src", "crates/raypath-verify/src/geometry"];
+
+/// All items, in the order of `docs/development/verification.md`.
+pub const ITEMS: &[Item] = &[
+    Item {
+        name: "testfloat",
+        claim: "the units add, subtract, multiply and compare binary32 as IEEE 754 specifies, unsplit and split",
+        oracle: "Berkeley SoftFloat, on the cases of Berkeley TestFloat",
+        subject: UNITS,
+        run: units::testfloat,
+    },
+    Item {
+        name: "conversions",
+        claim: "recoding loses no number of binary32, keeps their order and follows its table; every word of the classes \
+            zero, infinity and NaN is decoded by its class alone",
+        oracle: "the host's conversion to binary64, and the table of docs/reference/formats.md",
+        subject: UNITS,
+        run: units::conversions,
+    },
+    Item {
+        name: "small-formats",
+        claim: "the units of small formats give IEEE 754's result for every pair of operands, unsplit and split",
+        oracle: "LLVM's soft float, in the crate rustc_apfloat",
+        subject: UNITS,
+        run: units::small_formats,
+    },
+    Item {
+        name: "unit-proofs",
+        claim: "adders, multipliers, comparison and conversions give IEEE 754's result for all operands; split units give \
+            the result of the unsplit ones",
+        oracle: "Yosys's symfpu, by SAT (ABC)",
+        subject: PROOFS,
+        run: proofs::unit_proofs,
+    },
+    Item {
+        name: "adder-proof",
+        claim: "the binary32 adder gives IEEE 754's sum for all operands",
+        oracle: "Yosys's symfpu, by SAT (ABC), for each of the 511 differences of exponents",
+        subject: PROOFS,
+        run: proofs::adder_proof,
+    },
+    Item {
+        name: "multiplier-proof",
+        claim: "the binary16 multiplier gives IEEE 754's product for all operands",
+        oracle: "Yosys's symfpu, by SAT (ABC), for each of the 1024 fractions of the second operand",
+        subject: PROOFS,
+        run: proofs::multiplier_proof,
+    },
+    Item {
+        name: "control",
+        claim: "no job is lost, repeated or reordered, a stalled output is stable, an accumulator updates once for each \
+            beat",
+        oracle: "proofs by Yosys and ABC of the emitted SystemVerilog with its assertions, with free outputs of units",
+        subject: &[
+            "crates/raypath-hdl/src",
+            "crates/raypath-ops/src",
+            "crates/raypath-rtl/src",
+            "crates/raypath-verify/src/control",
+            "crates/raypath-verify/src/sat",
+        ],
+        run: control::control,
+    },
+    Item {
+        name: "watertight",
+        claim: "a ray through an edge or vertex shared by faces that all face the ray hits at least one of them",
+        oracle: "which faces face the ray, and where it passes them, by exact arithmetic",
+        subject: GEOMETRY,
+        run: geometry::watertight::verify,
+    },
+    Item {
+        name: "boxes",
+        claim: "a ray that crosses a box by more than the rounding bound hits it, a ray that misses it by more does not, \
+            and tmin has an error of at most three roundings",
+        oracle: "exact arithmetic on integers times powers of two",
+        subject: GEOMETRY,
+        run: geometry::boxes::verify,
+    },
+    Item {
+        name: "triangle-distance",
+        claim: "t_num, t_denom and, for hits, their quotient have errors within the bounds of \
+            docs/reference/error-bounds.md",
+        oracle: "exact arithmetic on integers times powers of two",
+        subject: GEOMETRY,
+        run: geometry::triangle_distances::verify,
+    },
+    Item {
+        name: "sums",
+        claim: "Euclidean sums, dot products and norms have errors within the bounds of docs/reference/error-bounds.md",
+        oracle: "exact arithmetic on integers times powers of two",
+        subject: GEOMETRY,
+        run: geometry::sums::verify,
+    },
+    Item {
+        name: "models",
+        claim: "the functional model's outcomes are those of Table VII and the rules `paper`, and the cycle-exact model \
+            has the same outcomes, in order (16 lanes, binary32)",
+        oracle: "the same operations written once more from the text, in binary64 arithmetic rounded once",
+        subject: &[
+            "crates/raypath-model/src",
+            "crates/raypath-ops/src",
+            "crates/raypath-verify/src/models.rs",
+            "crates/raypath-verify/src/oracle.rs",
+            "crates/raypath-verify/src/stimuli",
+        ],
+        run: |request| models::verify(request, Path::new(campaign::FOLDER)),
+    },
+    Item {
+        name: "campaign",
+        claim: "netlist, cycle-exact model and functional model agree at all ports in every cycle, for random jobs and any \
+            behaviour of source, sink and reset",
+        oracle: "the cycle-exact and the functional model, which share the operations' functions with the netlist, but \
+             neither units nor control",
+        subject: &[
+            "crates/raypath-float/src",
+            "crates/raypath-hdl/src",
+            "crates/raypath-sim/src",
+            "crates/raypath-model/src",
+            "crates/raypath-ops/src",
+            "crates/raypath-rtl/src",
+            "crates/raypath-verify/src/campaign.rs",
+            "crates/raypath-verify/src/campaign",
+            "crates/raypath-verify/src/stimuli",
+        ],
+        run: |request| campaign::verify(request, Path::new(campaign::FOLDER)),
+    },
+    Item {
+        name: "mutation",
+        claim: "the regression tests kill at least 99 % of the faults in the netlist that are not proven equivalent",
+        oracle: "the checks that the regression tests make: units against the host's f32, the datapath against its models",
+        subject: &[
+            "crates/raypath-float/src",
+            "crates/raypath-hdl/src",
+            "crates/raypath-sim/src",
+            "crates/raypath-model/src",
+            "crates/raypath-ops/src",
+            "crates/raypath-rtl/src",
+            "crates/raypath-verify/src/units",
+            "crates/raypath-verify/src/mutation.rs",
+            "crates/raypath-verify/src/mutation",
+        ],
+        run: mutation::run,
+    },
+    Item {
+        name: "parsers",
+        claim: "no file makes raypath panic, hang, or exhaust the memory",
+        oracle: "the bounds that docs/reference/transactions.md, docs/reference/configurations.md and \
+             docs/user/area-and-timing.md \
+             state; what was read means the same when it is written and read again",
+        subject: &[
+            "crates/raypath-ppa/src",
+            "crates/raypath-rtl/src/config",
+            "crates/raypath-sim/src",
+            "crates/raypath-tools/src",
+            "crates/raypath-verify/src/parsers",
+            "crates/raypath-verify/src/parsers.rs",
+            "fuzz/corpus",
+        ],
+        run: parsers::run,
+    },
+];
