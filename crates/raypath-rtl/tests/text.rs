@@ -11,37 +11,35 @@ fn sources(config: Config) -> Vec<Source> {
     verilog::sources(datapath.top(), &[BANNER.to_string()]).expect("text")
 }
 
+fn sources_of_presets() -> impl Iterator<Item = Source> {
+    PRESETS.iter().flat_map(|preset| sources(preset.config))
+}
+
 #[test]
 fn every_file_has_its_licence_and_lines_of_100_columns() {
-    for preset in PRESETS {
-        for Source { name, text } in sources(preset.config) {
-            assert!(text.starts_with(&format!("// {LICENSE}\n// {BANNER}\n")), "{name}");
-            let longest = text.lines().max_by_key(|line| line.chars().count()).unwrap_or_default();
-            assert!(longest.chars().count() <= 100, "{}: {name}: {longest}", preset.name);
-        }
+    for Source { name, text } in sources_of_presets() {
+        assert!(text.starts_with(&format!("// {LICENSE}\n// {BANNER}\n")), "{name}");
+        let longest = text.lines().max_by_key(|line| line.chars().count()).unwrap_or_default();
+        assert!(longest.chars().count() <= 100, "{name}: {longest}");
     }
 }
 
 /// Opcodes are those of the package.
 #[test]
 fn no_module_declares_an_opcode() {
-    for preset in PRESETS {
-        for Source { name, text } in sources(preset.config) {
-            let is_opcode = |line: &str| line.trim_start().starts_with("localparam") && line.contains(" Op");
-            assert!(!text.lines().any(is_opcode), "{name} declares an opcode");
-            assert!(name != "raypath_pkg" || text.contains("  } opcode_e;"), "{name} has no opcodes");
-        }
+    for Source { name, text } in sources_of_presets() {
+        let is_opcode = |line: &str| line.trim_start().starts_with("localparam") && line.contains(" Op");
+        assert!(!text.lines().any(is_opcode), "{name} declares an opcode");
+        assert!(name != "raypath_pkg" || text.contains("  } opcode_e;"), "{name} has no opcodes");
     }
 }
 
 /// Gates with a constant operand, and inverted inverters, are simplified away.
 #[test]
 fn no_gate_has_a_constant_operand() {
-    for preset in PRESETS {
-        for Source { name, text } in sources(preset.config) {
-            for gate in ["& 1'b", "| 1'b", "^ 1'b", "1'b0 &", "1'b1 &", "1'b0 |", "1'b1 |", "1'b1 ^", "~(~", "~1'b"] {
-                assert!(!text.contains(gate), "{}: {name} has {gate}", preset.name);
-            }
+    for Source { name, text } in sources_of_presets() {
+        for gate in ["& 1'b", "| 1'b", "^ 1'b", "1'b0 &", "1'b1 &", "1'b0 |", "1'b1 |", "1'b1 ^", "~(~", "~1'b"] {
+            assert!(!text.contains(gate), "{name} has {gate}");
         }
     }
 }

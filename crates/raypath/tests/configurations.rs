@@ -1,6 +1,7 @@
 //! Configurations: the netlist equals the cycle-exact model in every cycle, every outcome equals that of the functional
 //! model, and latency and throughput are as documented.
 
+use rayon::prelude::*;
 use raypath::float::Format;
 use raypath::ops::Rules;
 use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
@@ -45,7 +46,11 @@ fn configurations_of_mutation_testing() {
     }
 }
 
-/// The configurations of the tests below.
+#[test]
+fn configurations_of_all_spaces() {
+    SPACES.par_iter().for_each(Space::check);
+}
+
 const SPACES: [Space; 7] = [
     LANES_AND_RULES,
     ENCODINGS,
@@ -58,42 +63,17 @@ const SPACES: [Space; 7] = [
 
 const LANES_AND_RULES: Space = Space { lanes: Lanes::ALL, rules: RULES, ..DEFAULT };
 
-#[test]
-fn lanes_and_rules() {
-    LANES_AND_RULES.check();
-}
-
 /// Table VI, complete: 28 configurations.
 const ENCODINGS: Space = Space { io: Encoding::ALL, registers: Encoding::ALL, lanes: Lanes::ALL, ..DEFAULT };
-
-#[test]
-fn encodings_at_ports_and_in_registers() {
-    ENCODINGS.check();
-}
 
 const CONTROL: Space =
     Space { control: Control::ALL, sharing: Sharing::ALL, unit_latency: UnitLatency::ALL, ..DEFAULT };
 const CONTROL_WITHOUT_DISTANCES: Space = Space { rules: RULES, lanes: &[Lanes::None], ..CONTROL };
 const CONTROL_WITH_DISTANCES: Space = Space { lanes: &[Lanes::Two, Lanes::Sixteen, Lanes::SixtyFour], ..CONTROL };
 
-#[test]
-fn control_and_sharing_and_unit_latency_without_distances() {
-    CONTROL_WITHOUT_DISTANCES.check();
-}
-
-#[test]
-fn control_and_sharing_and_unit_latency_with_distances() {
-    CONTROL_WITH_DISTANCES.check();
-}
-
 /// Encodings with all parameters that change the registers.
 const ENCODINGS_WITH_CONTROL: Space =
     Space { lanes: &[Lanes::Four], registers: &[Encoding::Ieee], io: Encoding::ALL, ..CONTROL };
-
-#[test]
-fn encodings_with_every_control_and_unit_latency() {
-    ENCODINGS_WITH_CONTROL.check();
-}
 
 /// Formats from the smallest to the largest.
 const FORMATS: Space = Space {
@@ -103,11 +83,6 @@ const FORMATS: Space = Space {
     ..DEFAULT
 };
 
-#[test]
-fn formats() {
-    FORMATS.check();
-}
-
 const FORMATS_WITH_CONTROL: Space = Space {
     formats: &["bf16", "e3s3"],
     lanes: FEW_AND_MANY_LANES,
@@ -115,11 +90,6 @@ const FORMATS_WITH_CONTROL: Space = Space {
     unit_latency: UnitLatency::ALL,
     ..DEFAULT
 };
-
-#[test]
-fn formats_with_every_control_and_unit_latency() {
-    FORMATS_WITH_CONTROL.check();
-}
 
 /// The documents state how many configurations these tests run.
 #[test]

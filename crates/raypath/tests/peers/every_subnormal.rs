@@ -24,11 +24,10 @@ fn every_subnormal_is_recoded_and_converted_back() {
     let format = Format::BINARY32;
     let mut encoder = Simulator::new(&encode(format).expect("an encoder")).expect("it runs");
     let mut decoder = Simulator::new(&decode(format).expect("a decoder")).expect("it runs");
-    let ends = |module: &raypath::hdl::Module| (module.inputs()[0].name.clone(), module.outputs()[0].name.clone());
-    let (into, out) = ends(&encode(format).expect("an encoder"));
-    let encoder_ports = (encoder.input(&into).expect("an input"), encoder.output(&out).expect("an output"));
-    let (into, out) = ends(&decode(format).expect("a decoder"));
-    let decoder_ports = (decoder.input(&into).expect("an input"), decoder.output(&out).expect("an output"));
+    let [encoder_ports, decoder_ports] = [&encoder, &decoder].map(|simulator| {
+        let (into, out) = (&simulator.module().inputs()[0].name, &simulator.module().outputs()[0].name);
+        (simulator.input(into).expect("an input"), simulator.output(out).expect("an output"))
+    });
     for sign in [0, 1 << 31] {
         for fraction in 1..1 << 23 {
             let code: u32 = sign | fraction;

@@ -34,14 +34,10 @@ fn presets_and_representatives() -> Vec<Config> {
 }
 
 fn table_vi() -> Vec<Config> {
-    let mut all = Vec::new();
-    for &io in Encoding::ALL {
-        for &registers in Encoding::ALL {
-            for &lanes in Lanes::ALL {
-                all.push(Config::DEFAULT.io(io).registers(registers).lanes(lanes));
-            }
-        }
-    }
+    let encodings = Encoding::ALL.iter().flat_map(|&io| Encoding::ALL.iter().map(move |&registers| (io, registers)));
+    let of =
+        |(io, registers)| Lanes::ALL.iter().map(move |&lanes| Config::DEFAULT.io(io).registers(registers).lanes(lanes));
+    let all: Vec<Config> = encodings.flat_map(of).collect();
     assert_eq!(all.len(), 28);
     all
 }
