@@ -38,7 +38,8 @@ impl Bench {
     /// Measures designs: synthesises their blocks, each kind of unit once, and finds the slowest path to each stage.
     ///
     /// Every result goes into the cache at once and is not computed again, so that a stopped measurement resumes.
-    /// `proceed` gets the number of finished syntheses and timing analyses several times a second; if it returns false, the programs are ended.
+    /// `proceed` gets the number of finished syntheses and timing analyses several times a second; if it returns
+    /// false, the programs are ended.
     ///
     /// # Errors
     /// A tool is missing or fails; a file cannot be written; [`ToolError::Stopped`].

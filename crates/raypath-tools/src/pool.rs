@@ -65,8 +65,8 @@ pub struct Queue<E> {
 }
 
 impl<E> Queue<E> {
-    /// Runs pieces until none is left or the run ends. `piece` gets a piece's number, and the flag that ends the run: it
-    /// may set it, and returns early when it is set. An error ends the run too.
+    /// Runs pieces until none is left or the run ends. `piece` gets a piece's number, and the flag that ends the run:
+    /// it may set it, and returns early when it is set. An error ends the run too.
     pub fn run(&self, mut piece: impl FnMut(u64, &AtomicBool) -> Result<(), E>) {
         self.run_counted(|number, stop| piece(number, stop).map(|()| true));
     }

@@ -76,8 +76,8 @@ fn golden_vectors() {
     assert_eq!(faults_of(&jobs, &outcomes, Traffic::always()), 1);
 }
 
-/// Random jobs of all modes with resets at any moment, against the models: with the default, without distance modes, and
-/// with every value of every other parameter.
+/// Random jobs of all modes with resets at any moment, against the models: in the default configuration, without
+/// distance modes, and with every value of every other parameter.
 #[test]
 fn random_jobs_and_resets() {
     let configs = [Config::DEFAULT, Config::DEFAULT.lanes(Lanes::None)];
