@@ -23,9 +23,9 @@ pub enum Equivalence {
 }
 
 impl Prover {
-    /// Compares pairs of modules, in at most `limit` each. The modules of a pair have the same ports and, in them and in
-    /// their instances, the same registers by name. Yosys starts once for all pairs. When `stop` is set, the remaining
-    /// pairs are undecided.
+    /// Compares pairs of modules, in at most `limit` each. The modules of a pair have the same ports and, in them and
+    /// in their instances, the same registers by name. Yosys starts once for all pairs. When `stop` is set, the
+    /// remaining pairs are undecided.
     ///
     /// # Errors
     /// A program is missing or fails; ports or registers differ.

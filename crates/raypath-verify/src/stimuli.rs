@@ -137,7 +137,8 @@ fn mask(lanes: usize, rng: &mut ChaCha8Rng) -> u64 {
     }
 }
 
-/// A seed of an independent random stream for each number: the finalizer of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
+/// A seed of an independent random stream for each number: the finalizer of SplitMix64 (Steele, Lea and Flood, OOPSLA
+/// 2014).
 pub(crate) fn splitmix64(number: u64) -> u64 {
     let mut z = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -16,8 +16,8 @@ impl Fraction {
         Self { numerator: value, denominator: Dyadic::from(1) }
     }
 
-    /// The lower and upper bounds of a slab distance of this value as computed: three roundings, and half of the smallest
-    /// number for underflow of the product.
+    /// The lower and upper bounds of a slab distance of this value as computed: three roundings, and half of the
+    /// smallest number for underflow of the product.
     fn rounded(&self) -> [Self; 2] {
         let step = Dyadic::from(1) + Dyadic::power_of_two(-24);
         let relative = &step * &step * &step - Dyadic::from(1);

@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 const BLOCK: u64 = 512;
 
 /// Runs the shard's part of `cases` cases. `stream` selects random numbers that other campaigns of the same seed do not
-/// use. `case` adds its result to that of its block. Returns the results of the blocks in order, which does not depend on
-/// the number of workers, and whether the user stopped the campaign.
+/// use. `case` adds its result to that of its block. Returns the results of the blocks in order, which does not depend
+/// on the number of workers, and whether the user stopped the campaign.
 ///
 /// # Errors
 /// The threads cannot start.

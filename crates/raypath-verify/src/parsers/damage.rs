@@ -6,8 +6,8 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use std::io::{Read, Write};
 
-/// Inserted words, separated by `~`: punctuation of all formats, numbers at the ends of their ranges, and bytes that are
-/// not text.
+/// Inserted words, separated by `~`: punctuation of all formats, numbers at the ends of their ranges, and bytes that
+/// are not text.
 const WORDS: &[u8] =
     b"(~)~{~}~[~]~\"~\\~;~:~,~=~/*~\n~\0~'~!~ ~-1~0~1e999~-0.0~nan~inf~4294967296~18446744073709551615~\
     18446744073709551616~ffffffffffffffff~\xff~\xf0\x9f\x8e\xb2~null~g(){";

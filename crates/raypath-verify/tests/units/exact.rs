@@ -1,5 +1,5 @@
-//! The numbers of a format and their codes, by the definitions of IEEE 754 and of the recoded format, without the units'
-//! algorithms. Exponents have up to 10 bits.
+//! The numbers of a format and their codes, by the definitions of IEEE 754 and of the recoded format, without the
+//! units' algorithms. Exponents have up to 10 bits.
 
 use raypath_float::Format;
 
