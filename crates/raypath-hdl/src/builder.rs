@@ -219,6 +219,7 @@ impl Builder {
                 problem: "is never driven".to_string(),
             });
         }
+        state.module.expect_payload_only()?;
         Ok(Arc::new(state.module))
     }
 

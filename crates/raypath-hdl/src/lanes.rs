@@ -131,14 +131,6 @@ impl LaneSimulator {
         dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || to_slices(values, slices)));
     }
 
-    /// Sets an input to the same value in all lanes, until it is set again. Bits above its width are ignored.
-    pub fn set_all(&mut self, input: InputPort, value: u64) {
-        let slices = &mut self.memory[self.inputs[input.slot] as usize..self.inputs[input.slot + 1] as usize];
-        for (place, slice) in slices.iter_mut().enumerate() {
-            *slice = self::slice(value, place as u32);
-        }
-    }
-
     /// The value of an output in each lane at the last evaluation: in the last cycle before its clock edge, or at the
     /// last call of [`settle`](Self::settle).
     pub fn get(&self, output: OutputPort) -> [u64; LANES] {

@@ -3,7 +3,8 @@
 //! The netlist has words of at most 64 bits, and a module for every set of ports. The text groups ports into packed
 //! structures, which a package declares, and holds registers of all widths in one module with a parameter.
 
-use crate::netlist::{Label, Module, SignalId};
+use crate::Error;
+use crate::netlist::{Label, Module, Signal, SignalId};
 use std::sync::Arc;
 
 /// Declarations that the modules of a design share. They are printed before the modules.
@@ -85,7 +86,8 @@ pub struct Bank {
     pub output: PortGroup,
 }
 
-/// The width that stands for the parameter `Width` in the text of a module with [`Text::has_width_parameter`].
+/// The width that stands for the parameter `Width` in the text of a module with [`Text::has_width_parameter`]. Names of
+/// signals of this width begin with `data` there.
 pub const PAYLOAD: u32 = 64;
 
 /// How a module is printed. By default, ports and registers are printed as they are in the netlist.
@@ -158,6 +160,25 @@ impl Module {
         let groups = self.text.input.iter().chain(self.text.output());
         let mut found = groups.filter_map(|group| group.select(port).map(|select| format!("{}{select}", group.name)));
         found.next().unwrap_or_else(|| port.to_string())
+    }
+
+    /// An error where the text would print another signal than the payload with the width of the payload.
+    pub(crate) fn expect_payload_only(&self) -> Result<(), Error> {
+        let is_payload = |name: &String| name.starts_with("data");
+        let other = |signal: &Signal| signal.name.clone().filter(|name| signal.width == PAYLOAD && !is_payload(name));
+        match self.signals.iter().find_map(other).filter(|_| self.text.has_width_parameter) {
+            None => Ok(()),
+            Some(signal) => {
+                let problem = format!("{PAYLOAD} bits stand for the parameter Width, expected fewer");
+                Err(Error::Width { module: self.name.clone(), signal, problem })
+            }
+        }
+    }
+
+    /// The width in bits of what its text stores in another module; 0 if it stores nothing there.
+    pub fn bank_width(&self) -> u32 {
+        let members = self.text.output().into_iter().flat_map(|output| &output.members);
+        members.filter_map(|(port, _)| self.port_width(port)).sum()
     }
 
     /// The registers that its text holds in another module: the name there, as in `u_skid.data_q`, and the names and

@@ -299,6 +299,17 @@ fn instances_whose_ports_do_not_match() {
     assert_eq!(connected(&[("a_i", 8), ("b_i", 8)]), name("b_i", "is no input of inner"));
 }
 
+/// The text prints 64 bits as `Width` there.
+#[test]
+fn only_the_payload_has_the_width_of_the_payload() {
+    let error = error_of(|m| {
+        m.parameterise_width();
+        m.output("data_o", m.input("data_i", 64));
+        m.output("write_o", m.input("write_i", 64));
+    });
+    assert_eq!(error, width("write_i", "64 bits stand for the parameter Width, expected fewer"));
+}
+
 #[test]
 fn unused_signals_are_declared_as_such() {
     assert_eq!(error_of(|m| m.unused("rest", &[m.input("a_i", 8)])), name("rest", "must begin with unused_"));

@@ -77,7 +77,7 @@ fn every_lane_is_a_simulator_whatever_is_done() {
                 lanes.set(d, &values[0]);
                 lanes.set(en, &values[1]);
             }
-            Action::SetAll(value) => lanes.set_all(d, *value),
+            Action::SetAll(value) => lanes.set(d, &[*value; LANES]),
             Action::Cycle => lanes.cycle(),
             Action::Settle => lanes.settle(),
             Action::Reset(asserted) => lanes.set_reset(*asserted),
@@ -122,7 +122,7 @@ fn values_find_their_lanes_at_every_width() {
         simulator.settle();
         let mask = u64::MAX >> (64 - width);
         assert_eq!(simulator.get(output), values.map(|value| value & mask), "width {width}");
-        simulator.set_all(input, values[5]);
+        simulator.set(input, &[values[5]; LANES]);
         assert_eq!(simulator.get(output), values.map(|value| value & mask), "not before it settles");
         simulator.settle();
         assert_eq!(simulator.get(output), [values[5] & mask; LANES], "width {width}");

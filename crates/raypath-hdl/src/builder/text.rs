@@ -50,7 +50,8 @@ impl Builder {
             output,
         };
         if bank.next.len() != bank.output.members.len() {
-            self.fail_drive(name, "stores another number of words than it shows");
+            let (stored, shown) = (bank.next.len(), bank.output.members.len());
+            self.fail_drive(name, &format!("stores {stored} words, expected the {shown} of {}", bank.output.name));
         }
         self.state.borrow_mut().module.text.bank = Some(bank);
     }
@@ -79,7 +80,7 @@ impl Builder {
             group.members.iter().find(|(name, _)| !is_port(name)).map(|(name, _)| name.clone())
         };
         if let Some(name) = missing {
-            self.fail_name(&name, &format!("is in {} and is no port", group.name));
+            self.fail_name(&name, &format!("is a member of {}, expected a port", group.name));
         }
         self.claim(&group.name);
     }

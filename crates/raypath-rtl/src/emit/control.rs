@@ -6,10 +6,10 @@
 mod buffer;
 mod credit;
 mod exit;
-mod register;
+mod plain;
 mod skid;
 
 pub use credit::{Spacing, credit};
 pub use exit::Exit;
-pub use register::Register;
+pub use plain::Plain;
 pub use skid::Skid;

@@ -2,12 +2,13 @@
 
 use crate::allocate::plan::Plan;
 use crate::emit::boundary::Next;
-use crate::emit::control::{Exit, Register, Skid};
+use crate::emit::control::{Exit, Plain, Skid};
 use crate::emit::interface;
 use crate::emit::library::Library;
 use crate::error::Error;
 use raypath_hdl::text::PortGroup;
-use raypath_hdl::{Builder, Wire};
+use raypath_hdl::{Builder, Module, Register, Wire};
+use std::sync::Arc;
 
 /// The registers after a step.
 pub struct Registers<'m, 'p> {
@@ -34,8 +35,7 @@ impl<'m, 'p> Registers<'m, 'p> {
         let valid = m.input("valid_i", 1);
         let ready_after = m.input("ready_i", 1);
         let valid = hold.map_or(valid, |hold| valid & !hold);
-        let control = m.instance("u_skid", &library.skid, &[("valid_i", valid), ("ready_i", ready_after)]);
-        let skid = Skid { ready: control[0], valid: control[1], load_front: control[2], arrives: control[3] };
+        let skid = Skid::instance(m, &library.skid, &[("valid_i", valid), ("ready_i", ready_after)]);
         m.output("ready_o", hold.map_or(skid.ready, |hold| skid.ready & !hold));
         m.output("valid_o", skid.valid);
         let ports = [("valid_i", valid), ("ready_i", ready_after), ("ready_o", skid.ready), ("valid_o", skid.valid)];
@@ -48,7 +48,7 @@ impl<'m, 'p> Registers<'m, 'p> {
         let (m, library) = (self.m, self.library);
         m.section("Registers, which never stall");
         let valid = m.input("valid_i", 1);
-        let register = Register::new(m, valid);
+        let register = Plain::new(m, valid);
         m.output("valid_o", register.valid.wire());
         let ports = [("valid_i", valid), ("valid_o", register.valid.wire())];
         let mut own = Some(register.valid);
@@ -65,9 +65,7 @@ impl<'m, 'p> Registers<'m, 'p> {
         let valid = m.input("valid_i", 1);
         let ready_after = m.input("ready_i", 1);
         let inputs = [("valid_i", valid), ("ready_i", ready_after)];
-        let control = m.instance("u_exit", &Exit::module(depth)?, &inputs);
-        let [valid_out, load_front, from_store, store, read] = [0, 1, 2, 3, 4].map(|output| control[output]);
-        let exit = Exit { valid: valid_out, load_front, from_store, store, read };
+        let exit = Exit::instance(m, &Exit::module(depth)?, &inputs);
         m.output("valid_o", exit.valid);
         let ports = [inputs[0], inputs[1], ("valid_o", exit.valid)];
         self.store("u_exit", &Exit::buffer(depth)?, &ports, |name, wire| exit.store(m, name, wire));
@@ -78,9 +76,9 @@ impl<'m, 'p> Registers<'m, 'p> {
     fn store(
         self,
         instance: &str,
-        buffer: &std::sync::Arc<raypath_hdl::Module>,
+        buffer: &Arc<Module>,
         ports: &[(&str, Wire<'m>)],
-        mut registers: impl FnMut(&str, Wire<'m>) -> Vec<raypath_hdl::Register<'m>>,
+        mut registers: impl FnMut(&str, Wire<'m>) -> Vec<Register<'m>>,
     ) {
         let mut all = Vec::new();
         for Next { name, wire } in &self.next {

@@ -1,5 +1,5 @@
 use crate::allocate::plan::Plan;
-use crate::emit::control::{Register, Skid};
+use crate::emit::control::{Plain, Skid};
 use crate::ir::graph::{Kind, Op, OperationGraph};
 use crate::ir::position::Step;
 use crate::ir::units::{Unit, UnitKind};
@@ -44,7 +44,7 @@ impl Library {
             format,
             skid: Skid::module()?,
             skid_buffer: Skid::buffer()?,
-            register: Register::buffer()?,
+            register: Plain::buffer()?,
             encode: raypath_float::encode(format)?,
             decode: raypath_float::decode(format)?,
             add,

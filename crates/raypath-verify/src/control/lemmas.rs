@@ -70,10 +70,7 @@ struct Step {
 
 impl Step {
     fn new(path: String, module: &Module) -> Self {
-        let words = module.banked_registers();
-        // The other words are registers of the control.
-        let width = words.iter().map(|(_, registers)| registers.iter().map(|(_, width)| width).sum()).max();
-        Self { path, width: width.unwrap_or(0) }
+        Self { path, width: module.bank_width() }
     }
 }
 

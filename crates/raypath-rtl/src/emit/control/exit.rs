@@ -46,16 +46,26 @@ impl<'m> Exit<'m> {
         Self { valid: front_full.wire(), load_front, from_store: stored, store, read: read.wire() }
     }
 
+    /// The control in an instance `u_exit` of [`module`](Self::module).
+    pub fn instance(m: &'m Builder, module: &Arc<Module>, inputs: &[(&str, Wire<'m>)]) -> Self {
+        let outputs = m.instance("u_exit", module, inputs);
+        let [valid, load_front, from_store, store, read] = [0, 1, 2, 3, 4].map(|output| outputs[output]);
+        Self { valid, load_front, from_store, store, read }
+    }
+
+    /// The output ports of [`module`](Self::module), in their order.
+    fn outputs(self) -> [(&'static str, Wire<'m>); 5] {
+        let Self { valid, load_front, from_store, store, read } = self;
+        let [load, stored] = [("load_front_o", load_front), ("from_store_o", from_store)];
+        [("valid_o", valid), load, stored, ("store_o", store), ("read_o", read)]
+    }
+
     /// The control as a module, `raypath_exit`.
     pub fn module(depth: u32) -> Result<Arc<Module>, raypath_hdl::Error> {
         let m = Builder::new("raypath_exit");
         m.doc("Control of the FIFO at the exit.");
         let exit = Exit::new(&m, m.input("valid_i", 1), m.input("ready_i", 1), depth);
-        m.output("valid_o", exit.valid);
-        m.output("load_front_o", exit.load_front);
-        m.output("from_store_o", exit.from_store);
-        m.output("store_o", exit.store);
-        m.output("read_o", exit.read);
+        exit.outputs().into_iter().for_each(|(name, wire)| m.output(name, wire));
         m.finish()
     }
 

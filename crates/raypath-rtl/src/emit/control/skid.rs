@@ -34,15 +34,24 @@ impl<'m> Skid<'m> {
         Self { ready: spare_empty.wire(), valid: front_full.wire(), load_front, arrives }
     }
 
+    /// The control in an instance `u_skid` of [`module`](Self::module).
+    pub fn instance(m: &'m Builder, module: &Arc<Module>, inputs: &[(&str, Wire<'m>)]) -> Self {
+        let outputs = m.instance("u_skid", module, inputs);
+        Self { ready: outputs[0], valid: outputs[1], load_front: outputs[2], arrives: outputs[3] }
+    }
+
+    /// The output ports of [`module`](Self::module), in their order.
+    fn outputs(self) -> [(&'static str, Wire<'m>); 4] {
+        let Self { ready, valid, load_front, arrives } = self;
+        [("ready_o", ready), ("valid_o", valid), ("load_front_o", load_front), ("arrives_o", arrives)]
+    }
+
     /// The control as a module, `raypath_skid`.
     pub fn module() -> Result<Arc<Module>, raypath_hdl::Error> {
         let m = Builder::new("raypath_skid");
         m.doc("Control of a skid buffer.");
         let skid = Skid::new(&m, m.input("valid_i", 1), m.input("ready_i", 1));
-        m.output("ready_o", skid.ready);
-        m.output("valid_o", skid.valid);
-        m.output("load_front_o", skid.load_front);
-        m.output("arrives_o", skid.arrives);
+        skid.outputs().into_iter().for_each(|(name, wire)| m.output(name, wire));
         m.finish()
     }
 
