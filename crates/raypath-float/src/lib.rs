@@ -27,5 +27,5 @@ mod units;
 pub use format::{Format, FormatError, ParseFormatError};
 #[cfg(feature = "units")]
 pub use units::{
-    add, add_parts, add_parts_with_flags, compare, decode, encode, flags, mul, mul_parts, mul_parts_with_flags, number,
+    add, add_parts, compare, decode, encode, flags, mul, mul_parts, number,
 };

@@ -16,9 +16,9 @@ mod number;
 mod parts;
 mod recoded;
 
-pub use add::{add, add_parts, add_parts_with_flags};
+pub use add::{add, add_parts};
 pub use compare::compare;
 pub use decode::decode;
 pub use encode::encode;
-pub use mul::{mul, mul_parts, mul_parts_with_flags};
+pub use mul::{mul, mul_parts};
 pub use number::number;

@@ -24,27 +24,17 @@ use std::sync::Arc;
 
 /// The module `raypath_fp_add_<format>`: `sum_o = a_i + b_i`. A sum that is exactly zero is +0, but for -0 + -0.
 pub fn add(format: Format) -> Result<Arc<Module>, Error> {
-    Ok(add_parts(format, 1)?.remove(0))
+    Ok(add_parts(format, 1, false)?.remove(0))
 }
 
 /// The adder in 1, 2 or 3 parts, in the order of computation. Connected, they compute the same as the module of
-/// [`add`]: output port `x_o` of a part drives input port `x_i` of the next.
+/// [`add`]: output port `x_o` of a part drives input port `x_i` of the next. With `with_flags`, the last part has a
+/// second output, `flags_o`: the exceptions of [`flags`](crate::flags) that the sum raises.
 ///
 /// # Errors
 /// Another number of parts.
-pub fn add_parts(format: Format, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
-    let doc = "Sum of two recoded numbers, rounded to nearest even.";
-    Parts::build(&format!("raypath_fp_add_{format}"), doc, parts, |parts| describe(format, parts, false))
-}
-
-/// The same with a second output, `flags_o`, in the last part: the exceptions of [`flags`](crate::flags) that the sum
-/// raises.
-///
-/// # Errors
-/// Another number of parts.
-pub fn add_parts_with_flags(format: Format, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
-    let doc = "Sum of two recoded numbers, rounded to nearest even, and its exceptions.";
-    Parts::build(&format!("raypath_fp_add_flags_{format}"), doc, parts, |parts| describe(format, parts, true))
+pub fn add_parts(format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
+    Parts::build("add", "Sum", format, with_flags, parts, |parts| describe(format, parts, with_flags))
 }
 
 fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {

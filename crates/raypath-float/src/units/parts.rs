@@ -4,6 +4,7 @@
 //! Without a division there, the values continue unchanged, so the whole unit and its parts compute the same. A value
 //! that is not passed on at a cut is not available after it: its use is an error when the part is finished.
 
+use crate::Format;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
@@ -17,16 +18,21 @@ pub(crate) struct Parts<'m> {
 }
 
 impl<'m> Parts<'m> {
-    /// Builds a unit and returns its parts in order: the module `name` if `count` is 1, otherwise the modules
-    /// `<name>_part_1_of_<count>` and so on. `doc` becomes the head comment. It is an error if the description has no
-    /// cuts for this count.
+    /// Builds a unit that rounds the `result` of two recoded numbers, and returns its parts in order: the module
+    /// `raypath_fp_<operation>_<format>` if `count` is 1, otherwise `..._part_1_of_<count>` and so on. It is an error if
+    /// the description has no cuts for this count.
     pub fn build(
-        name: &str,
-        doc: &str,
+        operation: &str,
+        result: &str,
+        format: Format,
+        with_flags: bool,
         count: u32,
         describe: impl for<'b> FnOnce(&mut Parts<'b>),
     ) -> Result<Vec<Arc<Module>>, Error> {
-        let builders: Vec<Builder> = (1..=count).map(|part| begin(name, doc, part, count)).collect();
+        let (in_name, in_doc) = if with_flags { ("_flags", ", and its exceptions") } else { ("", "") };
+        let name = format!("raypath_fp_{operation}{in_name}_{format}");
+        let doc = format!("{result} of two recoded numbers, rounded to nearest even{in_doc}.");
+        let builders: Vec<Builder> = (1..=count).map(|part| begin(&name, &doc, part, count)).collect();
         let undivided = || Error::Name {
             module: name.to_string(),
             name: part_name(1, count),

@@ -35,11 +35,6 @@ impl Library {
         for width in plan.operations.iter().flat_map(word_widths) {
             numbers.insert(width, raypath_float::number(format, width)?);
         }
-        let (add, multiply) = if with_flags {
-            (raypath_float::add_parts_with_flags(format, parts)?, raypath_float::mul_parts_with_flags(format, parts)?)
-        } else {
-            (raypath_float::add_parts(format, parts)?, raypath_float::mul_parts(format, parts)?)
-        };
         Ok(Self {
             format,
             skid: Skid::module()?,
@@ -47,8 +42,8 @@ impl Library {
             register: Plain::buffer()?,
             encode: raypath_float::encode(format)?,
             decode: raypath_float::decode(format)?,
-            add,
-            multiply,
+            add: raypath_float::add_parts(format, parts, with_flags)?,
+            multiply: raypath_float::mul_parts(format, parts, with_flags)?,
             compare: raypath_float::compare(format)?,
             numbers,
         })

@@ -1,7 +1,7 @@
 //! Exceptions: of the units against exact arithmetic, and of whole jobs against a circuit that collects them.
 
 use crate::check;
-use raypath_float::{Format, add_parts_with_flags, flags, mul_parts_with_flags};
+use raypath_float::{Format, add_parts, flags, mul_parts};
 use raypath_hdl::{Module, Simulator};
 use raypath_ops::{Flagged, Rules};
 use raypath_rtl::{Accumulators, Config, Control, Features, Lanes, UnitLatency};
@@ -66,8 +66,8 @@ fn units_raise_what_exact_arithmetic_says() {
     for (e, s) in [(3, 3), (3, 4), (4, 3), (4, 4)] {
         let format = Format::new(e, s).expect("a format");
         for parts in 1..=3 {
-            let mut add = Chain::new(&add_parts_with_flags(format, parts).expect("an adder"));
-            let mut multiply = Chain::new(&mul_parts_with_flags(format, parts).expect("a multiplier"));
+            let mut add = Chain::new(&add_parts(format, parts, true).expect("an adder"));
+            let mut multiply = Chain::new(&mul_parts(format, parts, true).expect("a multiplier"));
             let mut seen = 0;
             for a in 0..1_u64 << format.ieee_width() {
                 for b in 0..1_u64 << format.ieee_width() {

@@ -93,8 +93,8 @@ impl Units {
     /// The datapath's units.
     pub fn new(format: Format) -> Result<Self, Error> {
         let [add, mul] = [add_parts, mul_parts].map(|unit| {
-            let in_parts = |count| chain(&unit(format, count)?);
-            Ok([unit(format, 1)?.remove(0), in_parts(2)?, in_parts(3)?])
+            let in_parts = |count| chain(&unit(format, count, false)?);
+            Ok([unit(format, 1, false)?.remove(0), in_parts(2)?, in_parts(3)?])
         });
         let (encode, decode, compare) = (encode(format)?, decode(format)?, compare(format)?);
         Ok(Self { format, encode, decode, add: add?, mul: mul?, compare })

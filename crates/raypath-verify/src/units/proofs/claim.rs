@@ -86,8 +86,8 @@ impl Claim {
             Subject::Mul => (whole(mul(f)?)?, conversions()?, Some("-op mul -rm RNE")),
             Subject::Compare => (whole(compare(f)?)?, conversions()?, Some("-compare")),
             Subject::RoundTrip => (text(&decode(f)?)?, text(&encode(f)?)?, None),
-            Subject::AddParts(count) => (joined(add_parts(f, count)?)?, whole(add(f)?)?, None),
-            Subject::MulParts(count) => (joined(mul_parts(f, count)?)?, whole(mul(f)?)?, None),
+            Subject::AddParts(count) => (joined(add_parts(f, count, false)?)?, whole(add(f)?)?, None),
+            Subject::MulParts(count) => (joined(mul_parts(f, count, false)?)?, whole(mul(f)?)?, None),
         };
         if with_fault {
             let (from, to) = self.subject.fault();
