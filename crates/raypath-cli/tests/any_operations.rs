@@ -110,7 +110,7 @@ fn opcodes_are_assigned() {
     assert_eq!(width(&Datapath::new().with_opcode(8, Before::<4>)), Some(4));
 
     let error = Datapath::new().with(Before::<4>).with(Before::<5>).elaborate().expect_err("a name twice");
-    assert_eq!(error.to_string(), "operation before: its name is another operation's as well");
+    assert_eq!(error.to_string(), "operation before: its name is taken by another operation");
     let error = Datapath::new().with_opcode(64, Before::<4>).elaborate().expect_err("too large");
     assert!(error.to_string().contains("opcode 64 is too large, expected 0 to 63"), "{error}");
     // A model accepts any opcode; a netlist refuses one that is too large.

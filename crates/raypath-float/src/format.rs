@@ -1,8 +1,8 @@
 //! Floating-point formats in software, of 3 to 11 exponent bits and 3 to 24 significand bits: names, exact arithmetic,
 //! and the recoded format of the hardware.
 //!
-//! Arithmetic is IEEE 754's, rounded to nearest even, with subnormals. Every NaN result is canonical: no sign, and of
-//! the fraction the top bit alone (in binary32 `7fc00000`).
+//! Arithmetic is that of IEEE 754, rounded to nearest even, with subnormals. Every NaN result is canonical: the sign is
+//! 0, and only the top bit of the fraction is set (in binary32 `7fc00000`).
 //!
 //! ```
 //! use raypath_float::format::{Format, ParseFormatError};
@@ -24,30 +24,30 @@ pub use name::ParseFormatError;
 use thiserror::Error;
 
 /// A binary floating-point format in IEEE 754's layout: exponent bits, and significand bits with the hidden bit
-/// included. Prints as `e8s24`; [`Format::name`] is what users call it.
+/// included. `Display` writes `e8s24`; [`Format::name`] is its name in the user interface.
 ///
-/// Numbers of a format are its codes: the bits of IEEE 754's layout in the low [`Format::ieee_width`] bits of a `u64`.
-/// What stands above them is ignored where a code is taken, and zero where one is given.
+/// Functions take and return numbers as codes: the bits of IEEE 754's layout in the low [`Format::ieee_width`] bits of a
+/// `u64`. They ignore the bits above in arguments, and return zeros there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Format {
     exponent: u32,
     significand: u32,
 }
 
-/// Why there is no such format.
+/// The reason why widths are not those of a format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum FormatError {
     /// Too few or too many exponent bits.
     #[error("format with an exponent of {0} bits, expected 3 to 11")]
     Exponent(u32),
     /// Too few or too many significand bits.
-    #[error("format with a significand of {significand} bits, expected 3 to {most} where the exponent has {exponent}")]
+    #[error("format with a significand of {significand} bits, expected 3 to {most} for an exponent of {exponent} bits")]
     Significand {
-        /// The exponent bits asked for.
+        /// The exponent bits.
         exponent: u32,
-        /// The significand bits asked for.
+        /// The significand bits.
         significand: u32,
-        /// The most that this exponent allows.
+        /// The greatest width that this exponent allows.
         most: u32,
     },
 }
@@ -62,11 +62,11 @@ impl Format {
     /// IEEE 754 binary16.
     pub const BINARY16: Self = Self { exponent: 5, significand: 11 };
 
-    /// IEEE 754 binary64, to convert from and to `f64`. It is beyond what [`Format::new`] allows, so it stays inside.
+    /// IEEE 754 binary64, to convert from and to `f64`. It is wider than [`Format::new`] allows, and so not public.
     pub(crate) const BINARY64: Self = Self { exponent: 11, significand: 53 };
 
-    /// A format of 3 to 11 exponent bits and 3 to 24 significand bits. The significand is bounded by 2^(exponent-2) + 3
-    /// as well: with more, the smallest subnormals would need the recoded exponents that say zero.
+    /// A format of 3 to 11 exponent bits and 3 to 24 significand bits, but at most 2^(exponent-2) + 3 significand bits:
+    /// with more, the smallest subnormals would need the recoded exponents that encode zero.
     pub fn new(exponent: u32, significand: u32) -> Result<Self, FormatError> {
         if !(3..=11).contains(&exponent) {
             return Err(FormatError::Exponent(exponent));
@@ -114,7 +114,7 @@ impl Format {
         mask(self.exponent) << self.fraction_width()
     }
 
-    /// The code of the canonical NaN: no sign, all exponent bits, and of the fraction the top bit alone.
+    /// The code of the canonical NaN: sign 0, all exponent bits and the top bit of the fraction set.
     #[inline]
     pub fn nan(self) -> u64 {
         self.infinity() | 1 << (self.fraction_width() - 1)

@@ -1,10 +1,10 @@
 //! Floating-point formats ([`format`](mod@format)), and floating-point units as netlists (feature `units`, which is
 //! the only part that needs `raypath-hdl`).
 //!
-//! A recoded number has a sign, an exponent of one bit more than IEEE 754 gives it, and a fraction. The top three bits
-//! of the exponent say zero (000), infinity (110) or NaN (111); every other number is normalised, so that no unit has
-//! a subnormal case. All units are combinational, round to nearest even and write canonical results; they accept a zero
-//! and an infinity with any lower exponent bits and any fraction, and a NaN with any sign and payload.
+//! A recoded number has a sign, an exponent of one bit more than in IEEE 754, and a fraction. The top three bits of the
+//! exponent encode zero (000), infinity (110) and NaN (111); every other number is normalised, so units need no case for
+//! subnormals. All units are combinational, round to nearest even and return canonical results. They accept zeros and
+//! infinities with any lower exponent bits and any fraction, and NaN with any sign and payload.
 //!
 //! ```
 //! use raypath_float::{Format, add};
@@ -26,6 +26,4 @@ mod units;
 
 pub use format::{Format, FormatError, ParseFormatError};
 #[cfg(feature = "units")]
-pub use units::{
-    add, add_parts, compare, decode, encode, flags, mul, mul_parts, number,
-};
+pub use units::{add, add_parts, compare, decode, encode, flags, mul, mul_parts, number};

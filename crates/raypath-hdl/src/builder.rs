@@ -1,7 +1,7 @@
-//! Building modules: arithmetic on wires reads as arithmetic.
+//! Building modules with operators on wires.
 //!
-//! The first thing that does not fit (a width, a name, a register without a next value) is kept and returned by
-//! [`Builder::finish`]; until then building goes on, so that descriptions need no `?` at every operator.
+//! The builder keeps the first error (a width, a name, a register without a next value), and [`Builder::finish`] returns
+//! it. Descriptions therefore need no `?` at every operator.
 
 mod simplify;
 mod text;
@@ -61,7 +61,7 @@ impl Builder {
         self.state.borrow_mut().module.doc.push(line.into());
     }
 
-    /// Puts a comment over what is built next.
+    /// Adds a comment above the statements that follow.
     pub fn section(&self, title: impl Into<String>) {
         self.item(Item::Section(title.into()));
     }
@@ -107,7 +107,7 @@ impl Builder {
         Forward { wire }
     }
 
-    /// A wire that is driven later, and has the name of what drives it.
+    /// A wire that is driven later. It takes the name of its driver.
     pub fn forward_unnamed(&self, width: u32) -> Forward<'_> {
         let wire = self.push(width, Driver::Constant(0));
         let mut state = self.state.borrow_mut();
@@ -116,8 +116,8 @@ impl Builder {
         Forward { wire }
     }
 
-    /// A named constant of `width` bits, which the text declares with its formula. Asked for again, with the same
-    /// value, it is the same.
+    /// A named constant of `width` bits, which the text declares with its formula. A second call with the same name and
+    /// value returns the same constant.
     pub fn parameter(&self, name: &str, width: u32, formula: impl Into<Formula>) -> Wire<'_> {
         let formula = formula.into();
         if let Some(known) = self.named_constant(name, formula.value()) {
@@ -197,7 +197,7 @@ impl Builder {
         outputs
     }
 
-    /// Marks signals that have no reader on purpose. `name` must begin with `unused_`.
+    /// Marks signals that have no reader by intention. `name` must begin with `unused_`.
     pub fn unused(&self, name: &str, wires: &[Wire<'_>]) {
         self.claim(name);
         if !name.starts_with("unused_") {
@@ -206,7 +206,7 @@ impl Builder {
         self.item(Item::Unused(name.to_string(), self.own_all(wires)));
     }
 
-    /// Checks what is left to check and gives the module, or the first thing that was wrong.
+    /// Makes the final checks and returns the module, or the first error.
     pub fn finish(self) -> Result<Arc<Module>, Error> {
         let state = self.state.into_inner();
         if let Some(error) = state.error {
@@ -273,7 +273,7 @@ impl Builder {
         }
     }
 
-    /// A label may be used again, with the same meaning.
+    /// A label may be used again with the same value and width.
     fn claim_label(&self, label: &Label, width: u32) {
         let known = self.state.borrow().labels.get(&label.name).copied();
         match known {
@@ -288,7 +288,8 @@ impl Builder {
         }
     }
 
-    /// What to store of an operand. All operands pass here: an id of another module's would be any signal of this one.
+    /// The id of an operand. All operands are checked here, because the id of a signal of another module would refer to
+    /// some signal of this module.
     fn own(&self, wire: Wire<'_>) -> SignalId {
         if std::ptr::eq(self, wire.builder) {
             return wire.id;

@@ -3,25 +3,25 @@ use thiserror::Error;
 /// Why a netlist could not be built, printed or simulated. Every message names the module and the signal.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum Error {
-    /// Widths that do not fit together, or a width outside 1 to 64.
+    /// Operands of widths that differ, or a width outside 1 to 64.
     #[error("module {module}, signal {signal}: {problem}")]
     Width {
         /// The module that was being built.
         module: String,
         /// The signal's name, or its operator and number where it has none.
         signal: String,
-        /// What was found and what was expected.
+        /// The width found, and the width expected.
         problem: String,
     },
-    /// A name that is taken, is no identifier, or means something to SystemVerilog or Verilator; or a port that is not
-    /// there.
+    /// A name that is taken, is not an identifier, or is reserved by SystemVerilog or Verilator; or a port that does not
+    /// exist.
     #[error("module {module}: name '{name}' {problem}")]
     Name {
         /// The module.
         module: String,
-        /// The offending name.
+        /// The name.
         name: String,
-        /// What is wrong with it.
+        /// The problem.
         problem: String,
     },
     /// A register or forward wire that nothing drives, or that is driven twice; or an operand from another module.
@@ -37,7 +37,7 @@ pub enum Error {
     /// Signals that depend on themselves within one cycle.
     #[error("combinational loop through {}", .0.join(" -> "))]
     Loop(Vec<String>),
-    /// The code generator refused; a defect of ours.
+    /// The code generator returned an error: a defect of this crate.
     #[error("code generation: {0}")]
     Codegen(String),
 }

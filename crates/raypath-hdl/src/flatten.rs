@@ -1,4 +1,4 @@
-//! A hierarchy of modules as one list of operations: what is needed and nothing else, in the order of evaluation.
+//! A hierarchy of modules as one list of the operations that outputs depend on, in the order of evaluation.
 
 use crate::Error;
 use crate::graph::{Call, Graph, Node, Operation};
@@ -28,13 +28,13 @@ pub fn depends_combinationally(module: &Arc<Module>, output: &str, input: &str) 
     Ok(false)
 }
 
-/// What a simulator executes. A [`SignalId`] in here is a position in [`Flat::nodes`].
+/// The operations that a simulator executes. A [`SignalId`] in here is a position in [`Flat::nodes`].
 pub struct Flat {
     /// Operands before readers; no aliases.
     pub nodes: Vec<Node>,
     /// The registers that are needed; their `signal` is a node.
     pub registers: Vec<RegisterInfo>,
-    /// What the top's outputs show.
+    /// The nodes at the top's outputs.
     pub outputs: Vec<SignalId>,
     /// Observed signals, each value once.
     pub observed: Vec<SignalId>,
@@ -50,8 +50,7 @@ impl Flat {
     /// Flattens `top`, keeping the named signals for whose hierarchical name `observed` holds.
     pub fn new(top: &Arc<Module>, observed: &dyn Fn(&str) -> bool) -> Result<Self, Error> {
         loop_free(top)?;
-        // A call has all outputs depend on all inputs. Where that seems to close a loop, the modules on it are
-        // expanded.
+        // All outputs of a call depend on all its inputs. If that closes a loop, the modules on the loop are expanded.
         let mut expanded: HashSet<*const Module> = HashSet::new();
         loop {
             let called = |prefix: &str, module: &Arc<Module>| {
@@ -198,7 +197,7 @@ fn names_in(module: &Module, prefix: &str) -> impl Iterator<Item = (String, Sign
     outputs.chain(signals).map(move |(name, id)| (format!("{prefix}{name}"), id))
 }
 
-/// What must be computed, register by register, so that a value is stored soon after it is made.
+/// The nodes to compute, register by register, so that a value is stored soon after it is computed.
 fn roots(graph: &Graph, top: &Module) -> impl Iterator<Item = SignalId> {
     let registers = graph.registers.iter().flat_map(|r| [Some(r.signal), Some(r.next), r.enable]).flatten();
     registers.chain(top.outputs.iter().map(|port| port.signal))

@@ -28,7 +28,7 @@ pub struct Node {
     pub operation: Operation,
 }
 
-/// How a node gets its value.
+/// The source of a node's value.
 pub enum Operation {
     /// An input port of the top.
     Input(usize),

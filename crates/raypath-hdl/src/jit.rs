@@ -1,4 +1,4 @@
-//! Native code for a flat netlist. All use of Cranelift is in here and below, and all that is `unsafe` in this file.
+//! Native code for a flat netlist. Only this module uses Cranelift, and only this file has `unsafe` code.
 #![allow(unsafe_code)]
 
 mod operators;
@@ -147,7 +147,7 @@ fn codegen(error: impl std::fmt::Display) -> Error {
     Error::Codegen(error.to_string())
 }
 
-/// What is stored once its operands are there.
+/// A store that follows the computation of its operands.
 enum Store {
     Register(usize),
     Output(usize),
@@ -178,7 +178,7 @@ impl Body<'_> {
     fn emit(mut self, target: cranelift_codegen::isa::TargetFrontendConfig) {
         let mut stores = self.stores().into_iter().peekable();
         for (place, node) in self.flat.nodes.iter().enumerate() {
-            // What comes from memory or from outside has zeros above its width.
+            // Words in memory and arguments have zeros above their width.
             let outside = |value| Word { value, bits: node.width };
             let word = match &node.operation {
                 Operation::Input(input) => outside(self.input(*input)),

@@ -1,7 +1,7 @@
-//! A small structural netlist with one meaning.
+//! Structural netlists: building, printing and simulation.
 //!
-//! A [`Module`] is built with a [`Builder`], printed as SystemVerilog by [`verilog`], and executed as it stands by
-//! [`Simulator`]. The crate knows nothing of numbers or rays: signals are words of 1 to 64 bits.
+//! A [`Builder`] builds a [`Module`], [`verilog`] prints it as SystemVerilog, and [`Simulator`] executes it. Signals are
+//! unsigned words of 1 to 64 bits.
 //!
 //! ```
 //! use raypath_hdl::{Builder, Simulator};
@@ -18,7 +18,7 @@
 //! simulator.set(step, 3);
 //! simulator.cycle();
 //! simulator.cycle();
-//! assert_eq!(simulator.get(count), 3); // what the second cycle showed, before its clock edge
+//! assert_eq!(simulator.get(count), 3); // the output in the second cycle, before its clock edge
 //! # Ok::<(), raypath_hdl::Error>(())
 //! ```
 

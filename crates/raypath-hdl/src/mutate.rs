@@ -18,14 +18,14 @@ use std::sync::Arc;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fault {
     module: String,
-    /// What is changed, in words.
+    /// A description of the change.
     place: String,
     /// How, in words.
     how: String,
     change: Change,
 }
 
-/// What is changed. A name in `operand` or `with` is that of a signal of the module without the fault.
+/// The change. A name in `operand` or `with` is that of a signal of the module without the fault.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Change {
     /// The signal has another driver, of the same width.

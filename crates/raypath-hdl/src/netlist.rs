@@ -73,7 +73,7 @@ pub enum Driver {
     },
     /// The value of the arm whose label equals the selector, else the default. Labels are distinct.
     Case {
-        /// What is compared with the labels.
+        /// The word that is compared with the labels.
         selector: SignalId,
         /// Labels and values.
         arms: Vec<Arm>,
@@ -105,7 +105,7 @@ pub enum Driver {
 /// One arm of a [`Driver::Case`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
-    /// What the selector must equal.
+    /// The value of the selector that selects the arm.
     pub label: Label,
     /// The value.
     pub value: SignalId,
@@ -234,10 +234,10 @@ pub(crate) fn fits(width: u32, value: u64) -> bool {
     value <= mask(width)
 }
 
-/// An element of the printed text. A module has them in the order of building.
+/// An element of the printed text. They are in the order of building.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Item {
-    /// A comment over what follows.
+    /// A comment above the elements that follow.
     Section(String),
     /// A named signal that an expression drives.
     Signal(SignalId),

@@ -23,7 +23,7 @@ pub use package::print_package;
 use plan::Plan;
 use std::collections::HashSet;
 
-/// The licence, as the first comment of every file says it.
+/// The licence: the first comment of every file.
 pub const LICENSE: &str = "SPDX-License-Identifier: MIT OR Apache-2.0";
 
 /// The SystemVerilog text of one module, without those that it instantiates and the package that it refers to; see

@@ -7,7 +7,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum Error {
     /// A value is read before the stage that computes it.
-    #[error("operation {operation}: {reader} in stage {stage} reads {value}, which stage {made} makes")]
+    #[error("operation {operation}: {reader} in stage {stage} reads {value}, which stage {made} computes")]
     UsedBeforeMade {
         /// The operation.
         operation: &'static str,
@@ -37,8 +37,8 @@ pub enum Error {
     },
     /// State that is not read in the stage that computes its next value.
     #[error(
-        "operation {operation}: {state} is read in stage {read}, but its next value is made in stage {made}; expected \
-         both in one stage, so that a job finds what the job before it left"
+        "operation {operation}: stage {read} reads {state}, but stage {made} computes its next value; expected both in \
+         one stage, so that a job reads the value that the job before it wrote"
     )]
     StateApart {
         /// The operation.
@@ -52,8 +52,8 @@ pub enum Error {
     },
     /// An operation with automatic staging that marks stages as well.
     #[error(
-        "operation {operation}: it asks for automatic staging and marks stage {stage}, expected one or the other: mark \
-         every stage or none"
+        "operation {operation}: it selects automatic staging and also marks stage {stage}; expected either all stages \
+         marked or none"
     )]
     StagesMixed {
         /// The operation.
@@ -79,8 +79,8 @@ pub enum Error {
     },
     /// More units in a stage than the budget allows.
     #[error(
-        "operation {operation}: it needs more units than the budget allows: {}; widen the budget to that, or have \
-         the operation do less",
+        "operation {operation}: it needs more units than the budget allows: {}; widen the budget, or reduce the work of \
+         the operation",
         .shortages.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
     )]
     TooManyUnits {
@@ -91,8 +91,8 @@ pub enum Error {
     },
     /// A value that is not available at the step that reads it.
     #[error(
-        "operation {operation}: {value} is read in a stage that nothing brings it to: state is there up to the stage \
-         that makes its next value, and an input only where has_input says so"
+        "operation {operation}: {value} is not available in a stage that reads it: state is available up to the stage \
+         that computes its next value, and an input only if has_input declares it"
     )]
     Unplaced {
         /// The operation.
@@ -103,7 +103,7 @@ pub enum Error {
     /// An opcode that is in use or too large.
     #[error(
         "operation {operation}: opcode {opcode} {}",
-        .taken.map_or(format!("is too large, expected 0 to {}", MAX_OPERATIONS - 1), |by| format!("is that of {by}"))
+        .taken.map_or(format!("is too large, expected 0 to {}", MAX_OPERATIONS - 1), |by| format!("is taken by {by}"))
     )]
     Opcode {
         /// The operation.
@@ -117,9 +117,9 @@ pub enum Error {
     #[error(
         "operation {operation}: its name {}",
         if *.is_taken {
-            "is another operation's as well"
+            "is taken by another operation"
         } else {
-            "is no identifier, expected letters, digits and _, in snake_case"
+            "is not an identifier, expected letters, digits and _, in snake_case"
         }
     )]
     Name {
@@ -155,8 +155,8 @@ pub enum Error {
     },
     /// Two operations whose shared units would make a combinational loop.
     #[error(
-        "stage {stage}: the operations use its units in orders that make a loop; expected chains of units in the same \
-         order everywhere, or in other stages"
+        "stage {stage}: the operations use its units in orders that form a combinational loop; expected chains of units in \
+         the same order in all operations, or in other stages"
     )]
     UnitLoop {
         /// The stage.

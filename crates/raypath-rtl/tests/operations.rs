@@ -250,7 +250,7 @@ fn what_does_not_fit_is_refused() {
     });
     let error = Operations::new().with(&TooEarly, 0).expect_err("used before made");
     assert!(matches!(error, Error::UsedBeforeMade { stage: 3, made: 5, .. }), "{error}");
-    assert!(error.to_string().contains("late, which stage 5 makes"), "{error}");
+    assert!(error.to_string().contains("late, which stage 5 computes"), "{error}");
 
     operation!(TooLate, |c, i| {
         c.stage(11, "where numbers are decoded");
@@ -272,7 +272,7 @@ fn what_does_not_fit_is_refused() {
     assert!(matches!(error, Error::StateApart { read: 4, made: 7, .. }), "{error}");
 
     let error = Operations::new().with(&Mixed, 1).and_then(|set| set.with(&Straight, 1)).expect_err("taken");
-    assert_eq!(error.to_string(), "operation Straight: opcode 1 is that of Mixed");
+    assert_eq!(error.to_string(), "operation Straight: opcode 1 is taken by Mixed");
     let error = Operations::new().with(&Mixed, 64).expect_err("too large");
     assert_eq!(error.to_string(), "operation Mixed: opcode 64 is too large, expected 0 to 63");
 }
@@ -293,7 +293,7 @@ fn units_in_a_circle_are_refused() {
     let both = Operations::new().with(&SumFirst, 0).and_then(|set| set.with(&ProductFirst, 1)).expect("operations");
     let error = Datapath::of(both).expect_err("a loop");
     assert!(
-        error.to_string().starts_with("stage 3: the operations use its units in orders that make a loop"),
+        error.to_string().starts_with("stage 3: the operations use its units in orders that form a combinational loop"),
         "{error}"
     );
 }

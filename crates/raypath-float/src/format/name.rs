@@ -1,35 +1,35 @@
-//! What formats are called.
+//! The names of formats.
 
 use crate::format::{Format, FormatError};
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
-/// Formats with a name of their own.
+/// Formats that have a name besides `eXsY`.
 const NAMED: [(&str, Format); 4] =
     [("fp32", Format::BINARY32), ("tf32", Format::TF32), ("bf16", Format::BFLOAT16), ("fp16", Format::BINARY16)];
 
-/// A name that is no format's.
+/// The reason why a text does not name a format.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum ParseFormatError {
-    /// It is none of the names.
+    /// Not one of the names.
     #[error(
         "'{0}' is no format, expected fp32, tf32, bf16, fp16 or eXsY: X exponent bits, Y significand bits with the \
          hidden one"
     )]
     Name(String),
-    /// It gives widths that no format has.
+    /// Widths that no format has.
     #[error("'{name}': {problem}")]
     Widths {
-        /// What was given.
+        /// The text.
         name: String,
-        /// What is wrong with it.
+        /// The invalid width.
         problem: FormatError,
     },
 }
 
 impl Format {
-    /// What users call it: `fp32`, `tf32`, `bf16`, `fp16`, else by its widths like `e5s3`. [`FromStr`] reads it back.
+    /// Its name: `fp32`, `tf32`, `bf16`, `fp16`, or for other formats their widths, such as `e5s3`. [`FromStr`] parses it.
     pub fn name(self) -> String {
         let named = NAMED.iter().find(|(_, format)| *format == self);
         named.map_or_else(|| self.to_string(), |(name, _)| name.to_string())
@@ -39,7 +39,7 @@ impl Format {
 impl FromStr for Format {
     type Err = ParseFormatError;
 
-    /// Reads a name as [`Format::name`] gives it; widths are understood for every format.
+    /// Parses the names that [`Format::name`] returns; the form `eXsY` is accepted for every format.
     fn from_str(name: &str) -> Result<Self, ParseFormatError> {
         if let Some((_, format)) = NAMED.iter().find(|(known, _)| *known == name) {
             return Ok(*format);

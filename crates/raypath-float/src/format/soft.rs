@@ -1,8 +1,8 @@
 //! Arithmetic on codes: exact in integers, then one rounding.
 //!
-//! Every operation takes its operands apart into [`Value`]s, computes with those exactly, and puts the result together
-//! with [`Format::code`], which is the only place that rounds. The hardware's units go other ways to the same bits;
-//! this is what they are compared with.
+//! Every operation decodes its operands to [`Value`]s, computes with those exactly, and encodes the result with
+//! [`Format::code`], the only function that rounds. The hardware's units use other algorithms; tests compare their
+//! results with these.
 //!
 //! Tests: `tests/host.rs` (the host's `f32`), `tests/exhaustive.rs` (all operands, by search among all numbers),
 //! `tests/apfloat.rs` (LLVM's soft float).
@@ -10,7 +10,7 @@
 use crate::format::{Format, mask};
 use std::cmp::Ordering;
 
-/// What a code stands for.
+/// The value of a code.
 #[derive(Clone, Copy)]
 enum Value {
     Nan,
@@ -18,7 +18,7 @@ enum Value {
     Finite(Finite),
 }
 
-/// The number `significand * 2^exponent`, negated where `negative`; zeros have a sign too.
+/// The number `significand * 2^exponent`, negated if `negative`; zeros have a sign too.
 #[derive(Clone, Copy)]
 struct Finite {
     negative: bool,
@@ -26,10 +26,10 @@ struct Finite {
     exponent: i32,
 }
 
-/// IEEE 754 arithmetic on codes, rounded to nearest, ties to even. Subnormals are numbers like all others. An operand's
-/// NaN may have any sign and payload; a NaN that comes out is always [`Format::nan`].
+/// IEEE 754 arithmetic on codes, rounded to nearest, ties to even, with subnormals. An operand that is NaN may have any
+/// sign and payload; a result that is NaN is always [`Format::nan`].
 impl Format {
-    /// The sum. One that is exactly zero is +0, but for -0 + -0.
+    /// The sum. An exact zero is +0, except that -0 + -0 is -0.
     #[inline]
     pub fn add(self, a: u64, b: u64) -> u64 {
         self.code(self.value(a).plus(self.value(b)))
@@ -53,7 +53,7 @@ impl Format {
         self.canonical(a ^ self.sign_bit())
     }
 
-    /// How `a` stands to `b`: -0 equals +0, and with a NaN there is no order.
+    /// The order of `a` and `b`: -0 equals +0; `None` if one of them is NaN.
     #[inline]
     pub fn compare(self, a: u64, b: u64) -> Option<Ordering> {
         // Codes of magnitudes are in the order of the magnitudes.
@@ -98,14 +98,14 @@ impl Format {
         self.code(Self::BINARY32.value(number.to_bits().into()))
     }
 
-    /// The number: exact, as binary64 has all numbers of all formats.
+    /// The number, exact: binary64 has all numbers of all formats.
     #[inline]
     pub fn to_f64(self, a: u64) -> f64 {
         f64::from_bits(Self::BINARY64.code(self.value(a)))
     }
 
-    /// The unit in the last place: how far apart the format's numbers are about `number`, which counts as if the format
-    /// had no largest number. At a power of two it is the distance to the next larger one. `number` must be finite.
+    /// The unit in the last place: the distance between the format's numbers near `number`, as if the format had no
+    /// largest number. At a power of two it is the distance to the next larger number. `number` must be finite.
     #[inline]
     pub fn ulp(self, number: f64) -> f64 {
         let biased = (number.to_bits() >> Self::BINARY64.fraction_width() & mask(Self::BINARY64.exponent())) as i32;
@@ -113,7 +113,7 @@ impl Format {
         f64::from_bits(Self::BINARY64.round(1, last_place))
     }
 
-    /// What a code stands for.
+    /// The value of a code.
     #[inline]
     fn value(self, code: u64) -> Value {
         let (sign, exponent, fraction) = self.split(code, self.exponent());
@@ -217,8 +217,7 @@ impl Finite {
         let (high, low) = if self.exponent >= other.exponent { (self, other) } else { (other, self) };
         let distance = high.exponent - low.exponent;
         if distance > 25 {
-            // `low` is less than a quarter of the last place of `high`, which is no subnormal and so has all its bits:
-            // the sum rounds to it.
+            // `low` is less than a quarter of the last place of `high`. `high` is normal, so the sum rounds to it.
             return high;
         }
         let total = (high.signed() << distance) + low.signed();

@@ -22,7 +22,7 @@ use crate::units::recoded::Magnitude;
 use raypath_hdl::{Error, Module};
 use std::sync::Arc;
 
-/// The module `raypath_fp_add_<format>`: `sum_o = a_i + b_i`. A sum that is exactly zero is +0, but for -0 + -0.
+/// The module `raypath_fp_add_<format>`: `sum_o = a_i + b_i`. A sum that is exactly zero is +0, except that -0 + -0 is -0.
 pub fn add(format: Format) -> Result<Arc<Module>, Error> {
     Ok(add_parts(format, 1, false)?.remove(0))
 }
@@ -52,7 +52,7 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let fraction = swap.mux(b.fraction(), a.fraction()).named("larger_fraction");
     let sign = swap.mux(b_i.top(), a_i.top()).named("larger_sign");
 
-    m.section("Operands that are no ordinary numbers");
+    m.section("Zeros, infinities and NaN");
     let both_special = (a.exponent().upper(2).all() & b.exponent().upper(2).all()).named("both_special");
     let special = exponent.upper(2).all().named("special");
     let nan = (exponent.upper(3).all() | (both_special & subtract)).named("nan");
@@ -65,7 +65,7 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     }
 
     m.section("Align; guard, round and sticky bit on the right");
-    // Of operands that are swapped, the distance is the complement plus one. The one is in the wiring.
+    // The distance of swapped operands is the complement plus one. The wiring of `swapped` adds the one.
     let distance = (difference.lower(e + 1) ^ swap.replicate(e + 1)).named("distance");
     let hidden = m.constant(1, 1);
     let swapped = m.concat(&[m.constant(1, 0), hidden, a.fraction(), m.constant(2, 0)]);
@@ -85,7 +85,7 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let (tail, without_carry) = (smaller.lower(3), propagate ^ carries);
     cut!(parts, [(1, 2)], exponent, sign, subtract, special, nan_or_zero, without_carry, tail);
     let m = parts.builder();
-    // The sum without that carry is what a second addition, of nothing, would propagate.
+    // A register between holds the sum without that carry; its carries are spent.
     let (propagate, carries) =
         if parts.count() == 2 { (without_carry, m.constant(s + 1, 0)) } else { (propagate, carries) };
 
@@ -117,7 +117,7 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let overflow =
         (carried & exponent.equals(m.parameter("MaxExp", e + 1, Constants(format).max_finite()))).named("overflow");
     if with_flags {
-        // What the normalising shift brings back is not lost, and what it pushes out is.
+        // Bits that the normalising shift moves into the result are not lost; bits that it moves out are.
         let lost = carry_out.mux(inexact | (last & !subtract), below_one.mux(below_guard, inexact));
         let inexact = ((lost & !special & !nan_or_zero) | overflow).named("inexact_sum");
         parts.take_along("overflow", overflow);

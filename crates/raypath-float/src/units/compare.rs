@@ -45,10 +45,10 @@ pub fn compare(format: Format) -> Result<Arc<Module>, Error> {
     m.finish()
 }
 
-/// How two words stand to each other: they are equal where `b` covers `a` and `a` is not less.
+/// The order of two words. They are equal if `b` covers `a` and `a` is not less.
 struct Order<'m> {
     less: Wire<'m>,
-    /// Every bit of `a` is one of `b`, so that `a` is no greater. It needs the gates that `less` has already.
+    /// Every bit that is set in `a` is set in `b`, so `a` is not greater. The gates are those of `less`.
     covered: Wire<'m>,
 }
 

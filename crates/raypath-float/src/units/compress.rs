@@ -5,7 +5,7 @@
 
 use raypath_hdl::Wire;
 
-/// A word to be added; its lowest bit stands in column `low`.
+/// A word to be added; its lowest bit is in column `low`.
 #[derive(Clone, Copy)]
 pub(crate) struct Row<'m> {
     pub word: Wire<'m>,

@@ -10,7 +10,7 @@ use raypath_hdl::{Builder, Wire};
 pub const COUNT: u32 = 4;
 /// The result is rounded: the lowest bit.
 pub const INEXACT: u64 = 1;
-/// The exact result is below the normal range, and rounded.
+/// The exact result is below the normal range, and the result is rounded.
 pub const UNDERFLOW: u64 = 2;
 /// The rounded result is beyond the largest number.
 pub const OVERFLOW: u64 = 4;

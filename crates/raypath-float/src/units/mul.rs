@@ -44,7 +44,7 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let b_i = m.input("b_i", format.recoded_width());
     let (a, b) = (Magnitude::of(format, a_i), Magnitude::of(format, b_i));
 
-    m.section("Exponent; the result's class where that is settled");
+    m.section("Exponent, or the class of a settled result");
     let exponent_sum = (a.exponent().extend(e + 2) + b.exponent().extend(e + 2)).named("exponent_sum");
     // With a smaller exponent sum, a product of significands in [1, 4) is less than half the smallest subnormal.
     let constants = Constants(format);

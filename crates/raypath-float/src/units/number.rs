@@ -1,6 +1,6 @@
 //! Small unsigned words to the recoded format.
 //!
-//! Hardware: a normalising shift, whose count of leading zeros is the exponent's complement. Nothing is rounded.
+//! Hardware: a normalising shift, whose count of leading zeros is the complement of the exponent. The result is exact.
 //!
 //! Tests in `tests/units/words.rs` (all words, by the format in software, which has its tests).
 
@@ -13,14 +13,14 @@ use std::sync::Arc;
 /// bits, exact.
 ///
 /// # Errors
-/// A width of 0 or more than 16 bits, or one with values that the format does not have: more bits than the significand
-/// has, or than `2^(exponent bits - 1)`.
+/// A width of 0 or more than 16 bits, or more bits than the format represents exactly: more than the significand has, or
+/// more than `2^(exponent bits - 1)`.
 pub fn number(format: Format, width: u32) -> Result<Arc<Module>, Error> {
     let (e, s) = (format.exponent(), format.significand());
     let name = format!("raypath_fp_number_{format}_w{width}");
     let widest = s.min(1 << (e - 1)).min(16);
     if !(1..=widest).contains(&width) {
-        let problem = format!("has {width} bits, expected 1 to {widest}, for the format to have all of its values");
+        let problem = format!("has {width} bits, expected 1 to {widest}, so that the format represents all values");
         return Err(Error::Width { module: name, signal: "word_i".to_string(), problem });
     }
     let m = Builder::new(&name);

@@ -30,7 +30,7 @@ fn messages_say_what_would_do() {
     let message = |e, s| Format::new(e, s).err().map(|error| error.to_string());
     let expected = "format with an exponent of 2 bits, expected 3 to 11";
     assert_eq!(message(2, 3).as_deref(), Some(expected));
-    let expected = "format with a significand of 8 bits, expected 3 to 7 where the exponent has 4";
+    let expected = "format with a significand of 8 bits, expected 3 to 7 for an exponent of 4 bits";
     assert_eq!(message(4, 8).as_deref(), Some(expected));
 }
 
@@ -58,7 +58,7 @@ fn names_that_are_none() {
     let expected = "'half' is no format, expected fp32, tf32, bf16, fp16 or eXsY: X exponent bits, Y significand bits with the \
          hidden one";
     assert_eq!(message("half").as_deref(), Some(expected));
-    let expected = "'e4s8': format with a significand of 8 bits, expected 3 to 7 where the exponent has 4";
+    let expected = "'e4s8': format with a significand of 8 bits, expected 3 to 7 for an exponent of 4 bits";
     assert_eq!(message("e4s8").as_deref(), Some(expected));
 }
 

@@ -1,4 +1,4 @@
-//! How the module is to be printed.
+//! Settings of how a module is printed.
 
 use super::{Builder, Register, Wire};
 use crate::netlist::{Label, Module};

@@ -38,7 +38,7 @@ impl<'m> Wire<'m> {
         self.builder.state.borrow().module.signals[self.id.index()].width
     }
 
-    /// The same value under a name that survives into the output.
+    /// The same value under a name, which the text uses.
     pub fn named(self, name: &str) -> Self {
         self.builder.claim(name);
         let taken = self.builder.state.borrow().module.signals[self.id.index()].name.is_some();
@@ -48,7 +48,7 @@ impl<'m> Wire<'m> {
         wire
     }
 
-    /// Adds a remark for the reader of the output.
+    /// Adds a remark, which the text has beside the signal.
     pub fn comment(self, remark: impl Into<String>) -> Self {
         self.builder.state.borrow_mut().module.signals[self.id.index()].comment = Some(remark.into());
         self

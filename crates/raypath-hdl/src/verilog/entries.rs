@@ -8,7 +8,7 @@ use std::collections::HashSet;
 pub struct Section<'m> {
     /// The comment over it.
     pub title: Option<&'m str>,
-    /// What it consists of; registers last.
+    /// Its statements; registers last.
     pub entries: Vec<Entry<'m>>,
 }
 
@@ -98,7 +98,7 @@ fn add_signal<'m>(module: &'m Module, operands: &[Vec<SignalId>], entries: &mut 
     }
 }
 
-/// Assignments first, then cases, because all of them stand in one block.
+/// Assignments first, then cases: all of them are in one block.
 fn bank_entry<'m>(module: &'m Module, operands: &[Vec<SignalId>], bank: &'m Bank) -> Entry<'m> {
     let (cases, others): (Vec<SignalId>, Vec<SignalId>) = bank.next.iter().partition(|&&id| is_case(module, id));
     let mut entries: Vec<Entry<'m>> = others.into_iter().map(Entry::Signal).collect();
@@ -121,7 +121,7 @@ pub fn is_case(module: &Module, id: SignalId) -> bool {
 }
 
 impl<'m> Entry<'m> {
-    /// What it reads; what a block prints once counts once.
+    /// The signals that it reads. An operand that a block prints once is listed once.
     pub fn reads(&self, module: &'m Module, operands: &[Vec<SignalId>]) -> Vec<(SignalId, Reader<'m>)> {
         let of = |id: SignalId| operands[id.index()].iter().map(move |&operand| (operand, Reader::Signal(id)));
         match self {
@@ -180,9 +180,8 @@ fn add_register(module: &Module, blocks: &mut Vec<Entry<'_>>, register: usize) {
     blocks.push(Entry::Registers(vec![register]));
 }
 
-/// Whether a case may join a block: selector and labels are the same, and neither it depends on a case of the block nor
-/// one of them on it, as far as this module shows; that would look like a combinational loop to tools that see the
-/// block as a whole.
+/// Whether a case may join a block: selector and labels are the same, and within this module it depends on no case of
+/// the block, and none of them on it. A tool that takes the block as a whole would report a combinational loop.
 fn belongs(module: &Module, operands: &[Vec<SignalId>], group: &[SignalId], new: SignalId) -> bool {
     alternatives(module, group[0]) == alternatives(module, new)
         && !reaches(module, operands, &[new], group)
@@ -196,8 +195,8 @@ fn alternatives(module: &Module, id: SignalId) -> Option<(SignalId, Vec<&Label>)
     }
 }
 
-/// Whether one of `from` depends on one of `targets` within a cycle, where all outputs of an instance are taken to
-/// depend on all of its inputs.
+/// Whether one of `from` depends on one of `targets` within a cycle, if all outputs of an instance depend on all of its
+/// inputs.
 fn reaches(module: &Module, operands: &[Vec<SignalId>], from: &[SignalId], targets: &[SignalId]) -> bool {
     let mut seen = HashSet::new();
     let mut seen_instances = HashSet::new();

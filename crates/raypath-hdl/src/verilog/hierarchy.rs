@@ -16,7 +16,7 @@ pub struct Source {
 }
 
 /// The text of `top` and everything that it needs, in the order of compilation: the package, then modules, those that
-/// are instantiated before those that instantiate them. The lines of `banner` stand at the head of each.
+/// are instantiated before those that instantiate them. Each begins with the lines of `banner`.
 ///
 /// # Errors
 /// Different modules or packages of one name.

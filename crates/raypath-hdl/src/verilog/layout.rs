@@ -6,7 +6,7 @@ use crate::text::PAYLOAD;
 /// The longest line.
 pub const COLUMNS: usize = 100;
 
-/// Lines of comment; a long text is broken at spaces, and goes on under its last gap of two spaces.
+/// Lines of comment. A long text is broken at spaces and continues in the column after its last gap of two spaces.
 pub fn comment(text: &str) -> Vec<String> {
     let text = text.replace(['\n', '\r'], " ");
     let hanging = text.trim_end().rfind("  ").map_or(0, |at| at + 2).min(COLUMNS / 2);
@@ -24,7 +24,7 @@ pub fn title(text: &str) -> String {
     format!("  {:-<78}", text + " ").trim_end().to_string()
 }
 
-/// A number of bits, or the parameter that stands for it.
+/// A number of bits, or the name of the parameter.
 pub fn width_text(module: &Module, width: u32) -> String {
     if module.text().has_width_parameter && width == PAYLOAD { "Width".to_string() } else { width.to_string() }
 }
@@ -43,7 +43,7 @@ pub fn logic(module: &Module, width: u32) -> String {
     format!("logic {}", range(module, width)).trim_end().to_string()
 }
 
-/// Rows with their cells under each other. A column that is empty throughout takes no space.
+/// Rows with aligned cells. An empty column takes no space.
 pub fn table<const N: usize>(indent: &str, rows: &[[String; N]]) -> Vec<String> {
     let widths: [usize; N] = std::array::from_fn(|c| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0));
     let line = |row: &[String; N]| {
@@ -54,7 +54,7 @@ pub fn table<const N: usize>(indent: &str, rows: &[[String; N]]) -> Vec<String> 
     rows.iter().map(line).collect()
 }
 
-/// Types and names in columns, each with a remark. A remark that does not fit beside its row stands above it.
+/// Types and names in columns, each with a remark. A remark that does not fit beside its row is printed above it.
 pub fn declarations(indent: &str, rows: &[(String, String, Option<String>)]) -> Vec<String> {
     let cells: Vec<[String; 2]> = rows.iter().map(|(kind, name, _)| [kind.clone(), name.clone()]).collect();
     let lines = table(indent, &cells);
@@ -81,8 +81,7 @@ pub fn wrap(line: String) -> Vec<String> {
     break_line(line, &" ".repeat(indent + 4))
 }
 
-/// Breaks a line that is too long at spaces, behind at least as many characters as `next` has, which begins each line
-/// that follows.
+/// Breaks a line that is too long at spaces, not before the length of `next`, which begins each following line.
 fn break_line(line: String, next: &str) -> Vec<String> {
     let from = next.len();
     let mut lines = Vec::new();
@@ -99,7 +98,7 @@ fn break_line(line: String, next: &str) -> Vec<String> {
     lines
 }
 
-/// Items that follow each other on lines as full as they may be.
+/// Items in lines, each line as full as possible.
 pub fn fill(indent: &str, items: &[String]) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for item in items {

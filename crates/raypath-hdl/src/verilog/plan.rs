@@ -13,7 +13,7 @@ const INSIDE_LEVELS: u32 = 5;
 const NEXT: usize = 90;
 const PORT: usize = 60;
 
-/// How a signal appears where it is read.
+/// The text of a signal in an expression that reads it.
 #[derive(Debug, Clone)]
 pub enum Rendering {
     /// Nothing reads it.
@@ -49,7 +49,7 @@ struct Uses<'m> {
 struct Owner {
     section: usize,
     entry: usize,
-    /// The name that says best what it is, if there is one.
+    /// The most descriptive name, if there is one.
     role: Option<String>,
     /// The named thing that it is a part of.
     whole: String,

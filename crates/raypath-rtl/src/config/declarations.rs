@@ -166,12 +166,11 @@ impl Semantics {
         let Features { tag, conservative, exception_flags, .. } = self.features;
         Features::check_tag(tag)?;
         if conservative && self.rules == Rules::Chisel {
-            let problem = "the rules chisel miss what a ray only touches, expected the rules paper".to_string();
+            let problem = "not available with rules chisel, which miss touched boxes; expected rules paper".to_string();
             return Err(Error::Feature { feature: "conservative", problem });
         }
         if exception_flags && self.format != Format::BINARY32 {
-            let problem =
-                format!("no model has them in format {}, to hold hardware against; expected format fp32", self.format);
+            let problem = format!("not available in format {}, expected format fp32", self.format);
             return Err(Error::Feature { feature: "exception flags", problem });
         }
         Ok(())

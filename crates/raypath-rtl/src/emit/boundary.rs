@@ -1,4 +1,4 @@
-//! What goes into the registers after a step: what each operation hands on, chosen by opcode.
+//! The next values of the registers after a step, selected by opcode.
 
 use crate::allocate::layout::{FLAG_REGISTER, Layout, Origin, RegisterSlot};
 use crate::allocate::plan::Plan;
@@ -20,7 +20,7 @@ pub fn flag_register(layout: &Layout, register: usize) -> String {
     if layout.flags <= FLAG_REGISTER { "flags".to_string() } else { format!("flags_{register}") }
 }
 
-/// How comments and labels call an operation's opcode: `OpQuadbox`.
+/// The label of an operation's opcode: `OpQuadbox`.
 pub fn label(traced: &OperationGraph<Step>) -> Label {
     let mut name = String::from("Op");
     for word in traced.name.split('_') {
@@ -31,23 +31,23 @@ pub fn label(traced: &OperationGraph<Step>) -> Label {
     Label { name, value: traced.opcode }
 }
 
-/// What a value of an operation is in a step. Numbers are recoded.
+/// The wires of an operation's values in a step. Numbers are recoded.
 pub trait Wires<'m> {
-    /// The wire, under the name that the algorithm has for it.
+    /// The wire, under the value's name.
     fn named(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error>;
     /// The same net without that name: operations that share it have different names for it.
     fn shared(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error>;
-    /// A register before the step, as it stands there.
+    /// A register before the step, in its encoding there.
     fn register(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error>;
-    /// What a unit hands to its next part, with the stems of its ports.
+    /// The results of a unit's part for its next part, with the stems of the ports.
     fn cut(&mut self, unit: Unit) -> Result<Vec<(String, Wire<'m>)>, Error>;
 }
 
-/// A choice by opcode: whose it is, what tells it from other nets, and the value; `true` inverts its sign.
+/// An arm of a choice by opcode: the operation, a key that identifies the net, the value, and whether to invert its sign.
 pub type Arm<K> = (usize, K, NodeId, bool);
 
-/// The value of the job's operation among `arms`. No multiplexer where all are the same net; an opcode without
-/// an operation selects the first arm.
+/// The value of the job's operation among `arms`, without a multiplexer if all are the same net. An opcode without an
+/// operation selects the first arm.
 pub fn by_opcode<'m, K: PartialEq>(
     m: &'m Builder,
     opcode: Wire<'m>,
@@ -77,7 +77,7 @@ pub fn negate(number: Wire<'_>) -> Wire<'_> {
     number.builder().concat(&[!number.top(), number.lower(number.width() - 1)])
 }
 
-/// The values that share a number register, in words.
+/// The names of the values that share a number register.
 pub fn live_value_names(plan: &Plan, layout: &Layout, place: usize) -> String {
     let named = live_values(plan, layout, place).into_iter().map(|(op, id)| {
         let traced = &plan.operations[op];
@@ -86,7 +86,7 @@ pub fn live_value_names(plan: &Plan, layout: &Layout, place: usize) -> String {
     named.collect::<Vec<_>>().join(", ")
 }
 
-/// The values of an operation in the flag registers, from bit 0, in words; runs of numbered bits as one.
+/// The names of an operation's values in the flag registers, from bit 0; a run of numbered bits is one entry.
 pub fn live_flag_names(plan: &Plan, layout: &Layout, op: usize) -> String {
     let traced = &plan.operations[op];
     let mut words: Vec<String> = Vec::new();
@@ -131,7 +131,7 @@ pub struct Next<'m> {
     pub wire: Wire<'m>,
 }
 
-/// What each operation hands on after a step, register by register.
+/// The next values of the registers after a step.
 pub fn next<'m>(
     m: &'m Builder,
     plan: &Plan,
@@ -141,7 +141,7 @@ pub fn next<'m>(
     wires: &mut dyn Wires<'m>,
 ) -> Result<Vec<Next<'m>>, Error> {
     let layout = &plan.steps[step].layout;
-    m.section("What the job's operation hands on");
+    m.section("Next values of the registers");
     let mut next = vec![Next { name: "opcode".to_string(), wire: opcode }];
     for place in 0..layout.numbers {
         if let Some(wire) = next_number(m, plan, library, step, opcode, place, wires)? {
@@ -161,8 +161,8 @@ pub fn next<'m>(
     Ok(next)
 }
 
-/// The next value of a number register, encoded as it is there. What passes in the same encoding is not touched; what
-/// has to be decoded is so after the choice by opcode, so that one decoder a register is enough.
+/// The next value of a number register, in its encoding. Values that pass in the same encoding are unchanged. Others are
+/// decoded after the choice by opcode, so one decoder for each register is enough.
 fn next_number<'m>(
     m: &'m Builder,
     plan: &Plan,
@@ -198,7 +198,7 @@ fn next_number<'m>(
     Ok(Some(m.case(opcode, &labelled, decoded)))
 }
 
-/// Values as they stand in the registers before.
+/// The values in the registers before the step, in their encoding.
 struct Registers<'w, 'm>(&'w mut dyn Wires<'m>);
 
 impl<'m> Wires<'m> for Registers<'_, 'm> {
@@ -223,7 +223,7 @@ fn live_values(plan: &Plan, layout: &Layout, place: usize) -> Vec<(usize, NodeId
     (0..plan.operations.len()).filter_map(value).collect()
 }
 
-/// A flag register's next value: for each operation its bits, and zeros where it has none.
+/// The next value of a flag register: the bits of each operation, and zeros between them.
 fn next_flags<'m>(
     m: &'m Builder,
     plan: &Plan,
@@ -255,7 +255,7 @@ fn next_flags<'m>(
     })
 }
 
-/// Fields, lowest first, as one word of `width` bits whose lowest is flag bit `first`; none where there are no fields.
+/// Fields, lowest first, as one word of `width` bits that begins at flag bit `first`; `None` if there are no fields.
 fn flag_word<'m>(
     m: &'m Builder,
     first: u32,

@@ -61,7 +61,7 @@ impl<'m, 'p> Registers<'m, 'p> {
     /// Adds the FIFO at the exit: a register that the sink sees, and `depth` jobs behind it.
     pub fn exit(self, depth: u32) -> Result<Wire<'m>, Error> {
         let m = self.m;
-        m.section("Registers: a FIFO with a place for every job that was let in");
+        m.section("Registers: a FIFO with a place for every job that holds a credit");
         let valid = m.input("valid_i", 1);
         let ready_after = m.input("ready_i", 1);
         let inputs = [("valid_i", valid), ("ready_i", ready_after)];

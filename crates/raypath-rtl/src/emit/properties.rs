@@ -1,7 +1,7 @@
-//! What the pipeline's control promises, as SystemVerilog that checks it: checkers, and where each of them is bound.
+//! Assertions about the control of the pipeline: checkers in SystemVerilog, and the modules that they are bound to.
 //!
-//! The checkers are clocked processes with immediate assertions, which simulators and Yosys read alike, so that the
-//! text that users bind is the text that is proved.
+//! The checkers are clocked processes with immediate assertions. Simulators and Yosys read the same text, so users bind
+//! the text that is proved.
 
 use crate::allocate::plan::Plan;
 use crate::config::Control;
@@ -13,7 +13,7 @@ use raypath_hdl::{Driver, Module, RegisterInfo};
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// Checkers, and where they are bound. Its `Display` is the file `raypath_properties.sv`.
+/// Checkers and the modules that they are bound to. Its `Display` is the file `raypath_properties.sv`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Properties {
     binds: Vec<Bind>,
@@ -22,30 +22,30 @@ pub struct Properties {
 /// A checker in a module.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Bind {
-    /// The module that it looks into.
+    /// The module that it is bound to.
     pub module: String,
-    /// What it checks.
+    /// The checker.
     pub checker: Checker,
     /// Its parameters and their values.
     pub parameters: Vec<(&'static str, u64)>,
-    /// Its ports and what of the module is connected to them; clock and reset are besides.
+    /// Its ports, without clock and reset, and the nets of the module that are connected to them.
     pub connections: Vec<(&'static str, String)>,
-    /// What tells its instance from others of the same checker in the module; may be empty.
+    /// The part of the instance name that distinguishes checkers of one kind in a module; may be empty.
     pub about: String,
 }
 
-/// What can be checked.
+/// A kind of checker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Checker {
-    /// Nothing is lost, repeated or reordered.
+    /// Jobs are neither lost nor repeated nor reordered.
     Order,
-    /// What is offered and not taken stays as it is.
+    /// An output that is not accepted stays valid and unchanged.
     Stall,
     /// An accumulator acts exactly once for each beat.
     State,
-    /// A beat reads what the one before it has written.
+    /// A beat reads the value that the beat before it wrote.
     Beats,
-    /// No more jobs are let in than there is room for.
+    /// The pipeline accepts no more jobs than it can hold.
     Credit,
 }
 
@@ -63,7 +63,7 @@ impl Properties {
         Self { binds }
     }
 
-    /// Every checker in its place.
+    /// The checkers with their modules.
     pub fn binds(&self) -> &[Bind] {
         &self.binds
     }
@@ -91,7 +91,7 @@ impl Checker {
         }
     }
 
-    /// How many assertions it has.
+    /// The number of its assertions.
     pub fn assertions(self) -> usize {
         self.text().matches("assert (").count()
     }
@@ -118,7 +118,7 @@ impl Bind {
         }
     }
 
-    /// A checker that sees opcodes, as wide as the plan has them.
+    /// A checker of opcodes, with the width of the plan's opcodes.
     fn of_opcodes(plan: &Plan, module: &str, checker: Checker) -> Self {
         Self::new(module, checker).parameter("OpcodeWidth", plan.opcode_width().into())
     }
@@ -133,7 +133,7 @@ impl Bind {
         self
     }
 
-    /// The checker as an instance, as it would stand in the module itself.
+    /// The checker as an instance for the text of the module.
     pub fn instance(&self) -> String {
         let parameters: Vec<String> =
             self.parameters.iter().map(|(name, value)| format!("    .{name} ({value})")).collect();
@@ -151,7 +151,7 @@ impl Bind {
     }
 }
 
-/// Modules of checkers, then what binds them.
+/// The modules of the checkers, then the bind statements.
 impl fmt::Display for Properties {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for checker in self.checkers() {
@@ -161,7 +161,7 @@ impl fmt::Display for Properties {
     }
 }
 
-/// Jobs from the source to the sink. The oldest one inside never waits for anything but the sink.
+/// Jobs from the source to the sink. The oldest job inside waits for nothing but the sink.
 fn order_of_top(plan: &Plan) -> Bind {
     Bind::of_opcodes(plan, "raypath", Checker::Order)
         .parameter("Capacity", plan.capacity())
@@ -193,7 +193,7 @@ fn entrance(plan: &Plan, module: &Module) -> Bind {
         .connect("returned_i", "returned_i")
 }
 
-/// Jobs through a step's registers: a place or two, or at the exit one for every job that was let in.
+/// Jobs through the registers of a step, which hold one or two jobs, or at the exit one for every credit.
 fn order_of_step(plan: &Plan, step: usize, module: &Module) -> Bind {
     let capacity = match plan.microarchitecture.control {
         Control::Skid => 2,
@@ -211,7 +211,7 @@ fn order_of_step(plan: &Plan, step: usize, module: &Module) -> Bind {
         .connect("leave_opcode_i", module.port_text("opcode_o"))
 }
 
-/// The port, or 1 where the module never stalls and has none.
+/// The port, or 1 if the module never stalls and has no such port.
 fn port_or_one(module: &Module, port: &str) -> String {
     module.port_width(port).map_or("1'b1", |_| port).to_string()
 }
@@ -262,7 +262,7 @@ fn reset_and_sum(module: &Module, register: &RegisterInfo) -> (String, String) {
 fn beats(plan: &Plan, traced: &OperationGraph<Step>) -> Bind {
     let read = traced.first_read().0 as usize;
     let written = traced.last_write().0 as usize;
-    // What the top calls the wires around a step: after the instances that drive them.
+    // The top names the wires around a step after the instances that drive them.
     let before = |step: usize| interface::step_name(plan.steps[step.saturating_sub(1)].label);
     let ready = |step: usize| match plan.microarchitecture.control {
         Control::Skid => format!("{}_ready", interface::step_name(plan.steps[step].label)),

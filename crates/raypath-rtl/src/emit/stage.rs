@@ -105,7 +105,7 @@ fn describe(m: &Builder, plan: &Plan, step: usize) {
     }
 }
 
-/// What an operation says that it does in a step's stage, and what the stage does with all numbers.
+/// The description of an operation's work in a step's stage, and of the conversions of all numbers there.
 pub fn notes(plan: &Plan, traced: &OperationGraph<Step>, index: usize) -> String {
     let label = plan.steps[index].label;
     let own = traced.notes.iter().filter(|(at, _)| *at == label.stage).map(|(_, what)| what.as_ref());

@@ -124,7 +124,7 @@ impl<'m> Backward<'m> {
         }
     }
 
-    /// Takes from a module's outputs what an earlier one asked for.
+    /// Connects outputs of a module to the earlier modules that read them.
     fn collect(&mut self, outputs: &BTreeMap<String, Wire<'m>>) {
         for (stem, wire) in outputs.iter().filter(|(stem, _)| self.forwards.contains_key(*stem)) {
             self.driven.insert(stem.clone(), *wire);

@@ -1,4 +1,4 @@
-//! The recorder: a circuit whose every operator adds a node to a graph.
+//! The recorder: a circuit that adds a node to a graph for every operator.
 
 use crate::ir::graph::{Kind, Node, NodeId, Op, OperationGraph, OutputValue, PortBit, StateValue};
 use crate::ir::position::{Position, Stage};
@@ -51,7 +51,7 @@ pub fn record<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> Operati
     recording.finish(O::NAME, opcode, inputs, outputs, states)
 }
 
-/// What has been recorded so far.
+/// The state of a recording.
 #[derive(Default)]
 struct Recording {
     nodes: RefCell<Vec<Node<Stage>>>,

@@ -16,7 +16,7 @@ pub enum Field {
     },
     /// Two ports or more whose names begin alike.
     Group {
-        /// What they have in common.
+        /// Their common prefix.
         name: String,
         /// The rest.
         fields: Vec<Field>,
@@ -35,7 +35,7 @@ pub enum Direction {
 /// The handshakes, which are in no structure.
 const HANDSHAKES: [&str; 4] = ["input_valid_i", "input_ready_o", "output_valid_o", "output_ready_i"];
 
-/// The port that says which operation a job or an outcome is of; its field is the first.
+/// The port with the opcode of a job or a result; its field is the first.
 const OPCODE: &str = "opcode";
 
 impl Field {

@@ -5,7 +5,7 @@ use crate::package::text::head;
 /// The version that manifests name.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// What manifests say that it is.
+/// The description in manifests.
 const DESCRIPTION: &str = "A ray-tracer datapath";
 
 /// The files of a datapath, in the order in which they are compiled, by their paths beside the manifests.

@@ -1,4 +1,4 @@
-//! What the pictures have in common.
+//! Functions that the pictures share.
 
 use svg::Document;
 use svg::node::element::{Line, Rectangle, Style, Text, Title};

@@ -78,7 +78,7 @@ fn caption(datapath: &Datapath, config: Config) -> String {
     format!("one job a cycle, latency {}; {bars}", datapath.latency())
 }
 
-/// What an operation does in a stage: its units on its colour, or a thin line where it only passes.
+/// The work of an operation in a stage: its units on its colour, or a thin line if values only pass through.
 fn cell(x: i32, y: i32, note: &StageNote, step: usize, (colour, class): (&str, &str)) -> Group {
     let units = list(note.units);
     let works = step > 0 && (!units.is_empty() || !note.what.is_empty());

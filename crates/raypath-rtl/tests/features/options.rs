@@ -202,7 +202,10 @@ fn what_cannot_be_had_is_refused() {
     let tag = refused(Features { tag: 33, ..Features::OFF }, Rules::Paper);
     assert_eq!(tag, "tag: 33 bits, expected 1 to 32, or 0 for none");
     let conservative = refused(Features { conservative: true, ..Features::OFF }, Rules::Chisel);
-    assert_eq!(conservative, "conservative: the rules chisel miss what a ray only touches, expected the rules paper");
+    assert_eq!(
+        conservative,
+        "conservative: not available with rules chisel, which miss touched boxes; expected rules paper"
+    );
     let operations = Operations::new().with(&Tagged, 0).expect("an operation").tag(4);
     assert!(matches!(Datapath::of(operations), Err(Error::Feature { feature: "tag", .. })));
 }

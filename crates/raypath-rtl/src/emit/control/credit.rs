@@ -1,4 +1,4 @@
-//! Credits: how many more jobs may enter a pipeline that cannot stall.
+//! Credits: the number of jobs that a pipeline without stalls can still accept.
 
 use raypath_hdl::text::Package;
 use raypath_hdl::{Builder, Label, Module};
@@ -11,11 +11,11 @@ pub struct Spacing {
     pub label: Label,
     /// Its name.
     pub name: &'static str,
-    /// In how many cycles after one of its jobs no other is let in; at least 1.
+    /// The number of cycles after one of its jobs in which no other one is accepted; at least 1.
     pub cycles: u32,
 }
 
-/// `raypath_credit`: lets a job in while the exit has a place for it. `credits` is how many places there are.
+/// `raypath_credit`: accepts a job while the exit has a place for it. `credits` is the number of places.
 pub fn credit(
     credits: u32,
     opcode_width: u32,
@@ -24,8 +24,8 @@ pub fn credit(
 ) -> Result<Arc<Module>, raypath_hdl::Error> {
     let m = Builder::new("raypath_credit");
     m.package(package);
-    m.doc(format!("Lets a job in while one of {credits} credits is left; a job that leaves gives its credit back."));
-    m.doc("ready comes from a flip-flop, so nothing of the sink reaches the source in the same cycle.");
+    m.doc(format!("Accepts a job while one of {credits} credits is left; a job that leaves returns its credit."));
+    m.doc("ready comes from a flip-flop, so there is no combinational path from the sink to the source.");
     let valid = m.input("valid_i", 1);
     let returned = m.input("returned_i", 1).comment("a job leaves");
     let opcode = (!spacings.is_empty()).then(|| m.input("opcode_i", opcode_width));
@@ -37,7 +37,7 @@ pub fn credit(
     let mut ready = available.wire();
     let mut spaced = Vec::new();
     if let Some(opcode) = opcode {
-        m.section("A job of an operation with a loop waits for the one before");
+        m.section("A job of an operation with a loop waits for the job before it");
         for spacing in spacings {
             let recent = m.register(&format!("{}_recent_q", spacing.name), spacing.cycles).reset_to(0);
             let same = opcode.equals(m.label(&spacing.label, opcode_width)).named(&format!("is_{}", spacing.name));
