@@ -26,8 +26,8 @@ use thiserror::Error;
 /// A binary floating-point format in IEEE 754's layout: exponent bits, and significand bits with the hidden bit
 /// included. `Display` writes `e8s24`; [`Format::name`] is its name in the user interface.
 ///
-/// Functions take and return numbers as codes: the bits of IEEE 754's layout in the low [`Format::ieee_width`] bits of a
-/// `u64`. They ignore the bits above in arguments, and return zeros there.
+/// Functions take and return numbers as codes: the bits of IEEE 754's layout in the low [`Format::ieee_width`] bits of
+/// a `u64`. They ignore the bits above in arguments, and return zeros there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Format {
     exponent: u32,

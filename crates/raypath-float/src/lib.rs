@@ -2,9 +2,9 @@
 //! the only part that needs `raypath-hdl`).
 //!
 //! A recoded number has a sign, an exponent of one bit more than in IEEE 754, and a fraction. The top three bits of the
-//! exponent encode zero (000), infinity (110) and NaN (111); every other number is normalised, so units need no case for
-//! subnormals. All units are combinational, round to nearest even and return canonical results. They accept zeros and
-//! infinities with any lower exponent bits and any fraction, and NaN with any sign and payload.
+//! exponent encode zero (000), infinity (110) and NaN (111); every other number is normalised, so units need no case
+//! for subnormals. All units are combinational, round to nearest even and return canonical results. They accept zeros
+//! and infinities with any lower exponent bits and any fraction, and NaN with any sign and payload.
 //!
 //! ```
 //! use raypath_float::{Format, add};

@@ -1,7 +1,7 @@
 //! Building modules with operators on wires.
 //!
-//! The builder keeps the first error (a width, a name, a register without a next value), and [`Builder::finish`] returns
-//! it. Descriptions therefore need no `?` at every operator.
+//! The builder keeps the first error (a width, a name, a register without a next value), and [`Builder::finish`]
+//! returns it. Descriptions therefore need no `?` at every operator.
 
 mod simplify;
 mod text;

@@ -13,8 +13,8 @@ pub enum Error {
         /// The width found, and the width expected.
         problem: String,
     },
-    /// A name that is taken, is not an identifier, or is reserved by SystemVerilog or Verilator; or a port that does not
-    /// exist.
+    /// A name that is taken, is not an identifier, or is reserved by SystemVerilog or Verilator; or a port that does
+    /// not exist.
     #[error("module {module}: name '{name}' {problem}")]
     Name {
         /// The module.

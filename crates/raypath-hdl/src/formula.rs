@@ -1,4 +1,4 @@
-//! Constants that the text derives from others.
+//! Constants that the text computes from other constants.
 
 use std::ops::{Add, Mul, Shl, Sub};
 
@@ -28,7 +28,7 @@ impl Formula {
         &self.text
     }
 
-    /// Whether it is more than a literal.
+    /// Whether it is not just a literal.
     pub(crate) fn is_derived(&self) -> bool {
         self.is_operation || !self.names.is_empty()
     }

@@ -1,7 +1,7 @@
 //! Structural netlists: building, printing and simulation.
 //!
-//! A [`Builder`] builds a [`Module`], [`verilog`] prints it as SystemVerilog, and [`Simulator`] executes it. Signals are
-//! unsigned words of 1 to 64 bits.
+//! A [`Builder`] builds a [`Module`], [`verilog`] prints it as SystemVerilog, and [`Simulator`] executes it. Signals
+//! are unsigned words of 1 to 64 bits.
 //!
 //! ```
 //! use raypath_hdl::{Builder, Simulator};

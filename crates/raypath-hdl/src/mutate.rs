@@ -1,7 +1,7 @@
-//! Mutation of netlists: small faults, as a design error or a broken gate causes them.
+//! Mutation of netlists: small faults like those of a design error or a defective gate.
 //!
 //! A test that passes on a faulty module does not detect the fault. [`faults`] lists the faults of a module,
-//! [`Fault::apply`] makes the faulty module, and [`replace`] puts it in the place of the good one.
+//! [`Fault::apply`] makes the faulty module, and [`replace`] replaces the original by it.
 
 mod edit;
 mod list;
@@ -14,7 +14,7 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
 
-/// One change to one module, which leaves its ports alone.
+/// One change to one module. Its ports stay the same.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fault {
     module: String,
@@ -107,7 +107,7 @@ impl Change {
     }
 }
 
-/// `top` with `new` in the place of every module of its name. Modules that do not contain one stay shared.
+/// `top` with `new` instead of every module of its name. Modules that contain none of them stay shared.
 ///
 /// # Errors
 /// Ports that are not those of the module that is replaced, or no module of this name.

@@ -1,8 +1,8 @@
 //! Prints a netlist as SystemVerilog in the style of lowRISC.
 //!
-//! The text of a module follows its sections. A section declares what it defines, or reads from further down; then
-//! come its assignments and instances in the order of building, and at its end its registers. Expressions without a
-//! name are written inside their only reader while they stay short, and get a name after that reader otherwise.
+//! The text of a module has its sections in order. A section has the declarations of the signals that it drives or
+//! reads first, then assignments and instances in the order of building, then registers. An expression without a name
+//! is written inside its only reader if it is short; otherwise it gets a name derived from that reader.
 
 mod entries;
 mod expression;
@@ -131,8 +131,7 @@ fn print_section(plan: &Plan<'_>, section: &Section<'_>, declared: &mut HashSet<
     lines
 }
 
-/// What the section defines, or is the first to read, unless it is a port: every tool then sees a declaration before
-/// its use.
+/// The signals that the section drives or is the first to read, except ports, so that declarations precede uses.
 fn declarations(plan: &Plan<'_>, section: &Section<'_>, declared: &mut HashSet<SignalId>) -> Vec<String> {
     let mut new: Vec<SignalId> =
         section.entries.iter().flat_map(|e| plan.mentioned(e)).filter(|&id| declared.insert(id)).collect();
@@ -141,7 +140,7 @@ fn declarations(plan: &Plan<'_>, section: &Section<'_>, declared: &mut HashSet<S
     for id in new {
         if let Some(name) = plan.declaration(id) {
             let signal = plan.module().signal(id);
-            // A nameless signal that only drives this one has no declaration of its own to stand beside.
+            // The remark of a nameless signal that drives only this one is printed here, because it has no declaration.
             let driver = plan.module().signal(plan.driven_by(id));
             let remark = signal.comment.as_ref().or(driver.comment.as_ref());
             rows.push((logic(plan.module(), signal.width), format!("{name};"), remark.cloned()));

@@ -79,8 +79,8 @@ pub enum Error {
     },
     /// More units in a stage than the budget allows.
     #[error(
-        "operation {operation}: it needs more units than the budget allows: {}; widen the budget, or reduce the work of \
-         the operation",
+        "operation {operation}: it needs more units than the budget allows: {}; widen the budget or reduce \
+         the work of the operation",
         .shortages.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
     )]
     TooManyUnits {
@@ -155,8 +155,8 @@ pub enum Error {
     },
     /// Two operations whose shared units would make a combinational loop.
     #[error(
-        "stage {stage}: the operations use its units in orders that form a combinational loop; expected chains of units in \
-         the same order in all operations, or in other stages"
+        "stage {stage}: the operations use its units in orders that form a combinational loop; expected chains of \
+         units in the same order in all operations, or in other stages"
     )]
     UnitLoop {
         /// The stage.

@@ -29,7 +29,8 @@ pub enum ParseFormatError {
 }
 
 impl Format {
-    /// Its name: `fp32`, `tf32`, `bf16`, `fp16`, or for other formats their widths, such as `e5s3`. [`FromStr`] parses it.
+    /// Its name: `fp32`, `tf32`, `bf16`, `fp16`, or for other formats their widths, such as `e5s3`. [`FromStr`] parses
+    /// it.
     pub fn name(self) -> String {
         let named = NAMED.iter().find(|(_, format)| *format == self);
         named.map_or_else(|| self.to_string(), |(name, _)| name.to_string())

@@ -18,7 +18,7 @@ impl Format {
         (1 << (self.exponent() - 1)) + 2
     }
 
-    /// A number recoded, as the hardware unit of this name does it. NaN becomes canonical.
+    /// The recoded number, with the result of the hardware unit of this name. NaN becomes canonical.
     pub fn encode(self, ieee: u64) -> u64 {
         let (sign, exponent, fraction) = self.split(ieee, self.exponent());
         let magnitude = match (exponent, fraction) {
@@ -35,9 +35,9 @@ impl Format {
         sign << self.ieee_width() | magnitude
     }
 
-    /// A recoded number in IEEE 754's layout, as the hardware unit of this name does it, for words that are numbers of
-    /// the format; others are unspecified, here and in hardware. NaN becomes canonical. Bits beyond
-    /// [`Format::recoded_width`] are ignored.
+    /// The number in IEEE 754's layout, with the result of the hardware unit of this name. The result is unspecified
+    /// for words that are not numbers of the format. NaN becomes canonical. Bits beyond [`Format::recoded_width`] are
+    /// ignored.
     pub fn decode(self, recoded: u64) -> u64 {
         let (sign, exponent, fraction) = self.split(recoded, self.exponent() + 1);
         let magnitude = match exponent >> (self.exponent() - 2) {

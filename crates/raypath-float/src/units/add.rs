@@ -22,7 +22,8 @@ use crate::units::recoded::Magnitude;
 use raypath_hdl::{Error, Module};
 use std::sync::Arc;
 
-/// The module `raypath_fp_add_<format>`: `sum_o = a_i + b_i`. A sum that is exactly zero is +0, except that -0 + -0 is -0.
+/// The module `raypath_fp_add_<format>`: `sum_o = a_i + b_i`. A sum that is exactly zero is +0, except that -0 + -0 is
+/// -0.
 pub fn add(format: Format) -> Result<Arc<Module>, Error> {
     Ok(add_parts(format, 1, false)?.remove(0))
 }

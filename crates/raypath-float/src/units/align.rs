@@ -3,8 +3,8 @@
 use raypath_hdl::Wire;
 
 /// `word` shifted right by any `amount`. The lowest bit of the result is the sticky bit: it is also set if a set bit
-/// was shifted out, which is all that rounding needs. If `zero` is set, `word` counts as zero; otherwise it must not be
-/// zero. `amount` must have more bits than the width of `word` needs.
+/// was shifted out. If `zero` is set, `word` counts as zero; otherwise it must not be zero. `amount` must have more
+/// bits than the binary representation of the width of `word`.
 pub(crate) fn shift_right_sticky<'m>(word: Wire<'m>, amount: Wire<'m>, zero: Wire<'m>) -> Wire<'m> {
     let m = word.builder();
     let width = word.width();

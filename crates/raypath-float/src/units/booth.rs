@@ -6,7 +6,8 @@
 use crate::units::compress::Row;
 use raypath_hdl::Wire;
 
-/// Three times the multiplicand, but for the lowest bit, which is the multiplicand's; the other multiples are shifts.
+/// Three times the multiplicand without its lowest bit, which is that of the multiplicand. The other multiples are
+/// shifts.
 pub(crate) fn triple_above(multiplicand: Wire<'_>) -> Wire<'_> {
     let width = multiplicand.width();
     multiplicand.upper(width - 1).extend(width + 1) + multiplicand.extend(width + 1)
@@ -21,7 +22,7 @@ pub(crate) fn rows<'m>(multiplicand: Wire<'m>, triple: Wire<'m>, multiplier: Wir
     let padded = m.concat(&[padding, multiplier, m.constant(1, 0)]).named("padded_multiplier");
     let multiples = Multiples::new(multiplicand, triple);
     let mut rows = Vec::new();
-    // What completes the complement of the row above.
+    // The bits that complete the complement of the row above.
     let mut correction = None;
     for digit in 0..digits {
         let name = |stem: &str| format!("{stem}_{digit}");
@@ -30,7 +31,7 @@ pub(crate) fn rows<'m>(multiplicand: Wire<'m>, triple: Wire<'m>, multiplier: Wir
             multiples.select(bits.lower(3), bits.upper(3), digit, columns - 3 * digit).named(&name("magnitude"));
         let negative = bits.top().named(&name("negative"));
         let (upper, lowest) = (magnitude.upper(magnitude.width() - 1), magnitude.bit(0));
-        // Minus a number is its complement plus one: the lowest bit stays, and may carry a one into the next.
+        // The negative of a number is its complement plus one: the lowest bit stays, and may carry a one into the next.
         let complemented = upper ^ negative.replicate(upper.width());
         let one = m.constant(1, 1);
         let sign = match digit {
@@ -74,8 +75,8 @@ impl<'m> Multiples<'m> {
         }
     }
 
-    /// The lowest bits, `columns` at most, of the multiple that a digit asks for. Its value is the step from the number
-    /// in `low` to that in `high`.
+    /// The lowest bits, at most `columns`, of the multiple that a digit selects. The digit's value is the number in
+    /// `high` minus the number in `low`.
     fn select(&self, low: Wire<'m>, high: Wire<'m>, digit: u32, columns: u32) -> Wire<'m> {
         let name = |stem: &str| format!("{stem}_{digit}");
         let steps = (low ^ high).named(&name("steps"));

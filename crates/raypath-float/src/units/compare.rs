@@ -1,7 +1,7 @@
 //! Comparison of two recoded numbers.
 //!
-//! Hardware: exponents and fractions are compared in parallel as unsigned words, for less and for equal. All infinities
-//! have one magnitude, and so have all zeros.
+//! Hardware: exponents and fractions are compared in parallel as unsigned words, for less and for equal. The magnitudes
+//! of all infinities are equal, and so are those of all zeros.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all operands), `binary32.rs` (the host's `f32`), `other_formats.rs`,
 //! `verilator.rs`.
@@ -12,7 +12,7 @@ use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
 /// The module `raypath_fp_compare_<format>`: `less_o` for `a_i < b_i`, `equal_o` (-0 equals +0), and `unordered_o`
-/// where one is NaN; at most one of them is set.
+/// if one is NaN; at most one of them is set.
 pub fn compare(format: Format) -> Result<Arc<Module>, Error> {
     let m = Builder::new(&format!("raypath_fp_compare_{format}"));
     m.doc("Comparison of two recoded numbers.");
@@ -28,7 +28,7 @@ pub fn compare(format: Format) -> Result<Arc<Module>, Error> {
     let less = (exponents.less | (exponents.covered & fractions.less)).named("less");
     let equal = (exponents.covered & fractions.covered & !less).named("equal");
 
-    m.section("Magnitudes; the lower bits of zeros and infinities mean nothing");
+    m.section("Magnitudes, without the lower bits of zeros and infinities");
     let both_zero = (a.is_zero() & b.is_zero()).named("both_zero");
     let same = (equal | both_zero | (a.is_infinite() & b.is_infinite())).named("same");
     let smaller = (less & !same).named("smaller");

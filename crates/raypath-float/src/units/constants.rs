@@ -3,7 +3,7 @@
 use crate::Format;
 use raypath_hdl::{Builder, Formula, Wire};
 
-/// The class that the top three bits of a recoded exponent give.
+/// The class that the top three bits of a recoded exponent encode.
 #[derive(Clone, Copy)]
 pub(crate) enum Class {
     Zero,

@@ -1,6 +1,6 @@
 //! The recoded format to IEEE 754's layout.
 //!
-//! Hardware: a shift right for subnormal fractions, and a subtractor that gives the exponent its old bias.
+//! Hardware: a shift right for subnormal fractions, and a subtractor for the old bias of the exponent.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all numbers, by the format's definition), `binary32.rs`, `verilator.rs`.
 
@@ -10,8 +10,8 @@ use crate::units::recoded::Magnitude;
 use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
 
-/// The module `raypath_fp_decode_<format>`: `ieee_o` is the number `recoded_i`, which must be one of the format: there
-/// is nothing to round.
+/// The module `raypath_fp_decode_<format>`: `ieee_o` is the number `recoded_i`, which must be a number of the
+/// format. The result is exact.
 pub fn decode(format: Format) -> Result<Arc<Module>, Error> {
     let (e, s) = (format.exponent(), format.significand());
     let m = Builder::new(&format!("raypath_fp_decode_{format}"));
@@ -20,7 +20,7 @@ pub fn decode(format: Format) -> Result<Arc<Module>, Error> {
     let number = Magnitude::of(format, recoded_i);
     let exponent = number.exponent().named("exponent");
 
-    m.section("Below the normal range the hidden bit shows");
+    m.section("Subnormal numbers: the hidden bit becomes part of the fraction");
     let subnormal = exponent.less(m.parameter("MinNormal", e + 1, Constants(format).min_normal())).named("subnormal");
     let layers = s.next_power_of_two().ilog2();
     let depth = m.constant(layers, format.least_normal() & ((1 << layers) - 1)) - exponent.lower(layers);

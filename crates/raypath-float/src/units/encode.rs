@@ -1,8 +1,7 @@
 //! IEEE 754's layout to the recoded format.
 //!
-//! Hardware: a normalising shift for subnormal fractions, which the hidden bit of a normal number stops before it
-//! begins, and one adder that gives the exponent its new bias. IEEE's infinity becomes the recoded infinity by that
-//! addition alone.
+//! Hardware: a normalising shift for subnormal fractions, which does nothing if the hidden bit is set, and one adder
+//! for the new bias of the exponent. This addition also maps infinity to the recoded infinity.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all numbers, by the format's definition), `binary32.rs`, `verilator.rs`.
 
@@ -31,8 +30,7 @@ pub fn encode(format: Format) -> Result<Arc<Module>, Error> {
     let filled = normalised.word.upper(2).any().named("filled");
 
     m.section("Change the bias");
-    // Minus the leading zeros is their complement plus one; the smallest normal numbers' biased exponent is not 0 but
-    // 1.
+    // Minus the leading zeros is their complement plus one; the biased exponent of the smallest normal numbers is 1.
     let complement = !leading_zeros.extend(e + 1) & subnormal.replicate(e + 1);
     let step = (biased.extend(e + 1) | complement).named("step");
     let two_if_subnormal = m.concat(&[zeros(e - 1), subnormal, zeros(1)]);

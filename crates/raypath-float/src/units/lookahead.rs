@@ -1,5 +1,5 @@
 //! An adder with carry lookahead in groups of three columns: between a ripple-carry adder and a prefix tree in area and
-//! in time. What synthesis makes of `+` is smaller or faster, but not both.
+//! in time. The adders that synthesis makes of `+` are smaller or faster, but not both.
 
 use raypath_hdl::Wire;
 
@@ -12,7 +12,7 @@ pub(crate) struct Sum<'m> {
     pub carry: Wire<'m>,
 }
 
-/// Adds two words of one width and a carry, if there is one. `name` begins the names of what is inside.
+/// Adds two words of one width and an optional carry. `name` is the prefix of the signals inside.
 pub(crate) fn add<'m>(a: Wire<'m>, b: Wire<'m>, entering: Option<Wire<'m>>, name: &str) -> Sum<'m> {
     let m = a.builder();
     let width = a.width();
@@ -20,7 +20,7 @@ pub(crate) fn add<'m>(a: Wire<'m>, b: Wire<'m>, entering: Option<Wire<'m>>, name
     if width == 1 && entering.is_none() {
         return Sum { word: a ^ b, carry: generates };
     }
-    // Without a carry that enters, the lowest column has nothing to propagate.
+    // Without a carry in, the lowest column propagates nothing.
     let lowest = u32::from(entering.is_none());
     let propagates = (a.upper(width - lowest) | b.upper(width - lowest)).named(&format!("{name}_propagates"));
     let propagates = |high: u32, low: u32| propagates.bits(high - lowest, low - lowest);

@@ -13,8 +13,8 @@ use std::sync::Arc;
 /// bits, exact.
 ///
 /// # Errors
-/// A width of 0 or more than 16 bits, or more bits than the format represents exactly: more than the significand has, or
-/// more than `2^(exponent bits - 1)`.
+/// A width of 0 or more than 16 bits, or more bits than the format represents exactly: more than the significand has,
+/// or more than `2^(exponent bits - 1)`.
 pub fn number(format: Format, width: u32) -> Result<Arc<Module>, Error> {
     let (e, s) = (format.exponent(), format.significand());
     let name = format!("raypath_fp_number_{format}_w{width}");

@@ -19,8 +19,8 @@ pub(crate) struct Parts<'m> {
 
 impl<'m> Parts<'m> {
     /// Builds a unit that rounds the `result` of two recoded numbers, and returns its parts in order: the module
-    /// `raypath_fp_<operation>_<format>` if `count` is 1, otherwise `..._part_1_of_<count>` and so on. It is an error if
-    /// the description has no cuts for this count.
+    /// `raypath_fp_<operation>_<format>` if `count` is 1, otherwise `..._part_1_of_<count>` and so on. It is an error
+    /// if the description has no cuts for this count.
     pub fn build(
         operation: &str,
         result: &str,

@@ -1,4 +1,4 @@
-//! Taking a recoded number apart.
+//! The fields of a recoded number.
 
 use crate::Format;
 use crate::units::constants::Class;

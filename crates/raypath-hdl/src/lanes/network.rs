@@ -28,7 +28,7 @@ impl From<bool> for Bit {
 /// The function of a gate of the operands `a`, `b` and `c`. Unused operands are `ZERO`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
-    /// `a` as it is at this point of the evaluation.
+    /// The value of `a` at this point of the evaluation.
     Copy,
     /// `!a`
     Not,

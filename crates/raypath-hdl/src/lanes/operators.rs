@@ -1,4 +1,4 @@
-//! Gates for the operators of a netlist. What only moves bits makes none.
+//! Gates for the operators of a netlist. Operators that only move bits need none.
 
 use super::network::{Bit, Network};
 use crate::netlist::{Driver, SignalId};

@@ -24,9 +24,9 @@ struct Step {
 /// A part of a program that can be executed again for other arguments.
 pub struct Function {
     steps: Vec<Step>,
-    /// Where its arguments go, bit by bit.
+    /// The places of its arguments, bit by bit.
     pub inputs: Vec<u32>,
-    /// Where its results are, bit by bit.
+    /// The places of its results, bit by bit.
     pub outputs: Vec<u32>,
     /// The place after those that it uses.
     pub end: u32,
@@ -87,7 +87,7 @@ impl Program {
         Function { steps: self.steps.split_off(before), inputs: (first..first + inputs).collect(), outputs, end }
     }
 
-    /// Adds a gate as it is.
+    /// Adds a gate without merging.
     pub fn gate(&mut self, kind: Kind, places: &[u32]) {
         let first = self.places.len() as u32;
         self.places.extend(places);
@@ -173,7 +173,7 @@ impl SlotAllocator {
     }
 }
 
-/// The gate that reads each gate last: `usize::MAX` where it is kept, none where nothing depends on it.
+/// The last reader of each gate: `usize::MAX` if it is kept, `None` if it has no reader.
 fn last_readers(network: &Network, gates: &[Gate], order: &[usize], kept: &[Bit]) -> Vec<Option<usize>> {
     let mut last = vec![None; gates.len()];
     for &gate in order {

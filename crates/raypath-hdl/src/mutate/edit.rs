@@ -4,10 +4,10 @@ use super::Change;
 use crate::netlist::{Driver, Item, Module, Signal, SignalId};
 use crate::text::Text;
 
-/// The module with the change; `None` where the module has nothing to change there.
+/// The module with the change; `None` if the change does not apply to it.
 pub fn changed(module: &Module, change: &Change) -> Option<Module> {
     let mut new = module.clone();
-    // The text shows every register and port as the netlist has it, so that it shows the change.
+    // Registers and ports are printed as in the netlist, so that the change is visible in the text.
     new.text = Text::default();
     match change {
         Change::Driver { signal, was, becomes, .. } => {
@@ -46,7 +46,7 @@ pub fn changed(module: &Module, change: &Change) -> Option<Module> {
     Some(new)
 }
 
-/// Lets `signal` read something new, with this driver, where it reads `operand`.
+/// Replaces `operand` of `signal` by a new signal with this driver.
 fn substitute(module: &mut Module, signal: SignalId, operand: SignalId, driver: Driver) -> Option<()> {
     let width = module.signals.get(operand.index())?.width;
     module.signals.get(signal.index()).filter(|found| found.driver.operands().any(|id| id == operand))?;
@@ -56,8 +56,8 @@ fn substitute(module: &mut Module, signal: SignalId, operand: SignalId, driver: 
     Some(())
 }
 
-/// Puts a nameless signal before another one, so that operands stay before their readers. Gives it and where the other
-/// one is now. The operands in `driver` are those before.
+/// Inserts a nameless signal before another one, so that operands stay before their readers. Returns both positions.
+/// The operands in `driver` have their old positions.
 fn insert(module: &mut Module, before: SignalId, width: u32, driver: Driver) -> (SignalId, SignalId) {
     let shift = |id: &mut SignalId| *id = after(before, *id);
     module.signals.insert(before.index(), Signal { name: None, width, driver, comment: None });
@@ -83,7 +83,7 @@ fn insert(module: &mut Module, before: SignalId, width: u32, driver: Driver) -> 
     (before, after(before, before))
 }
 
-/// Where a signal is once one has been put before `place`.
+/// The position of a signal after an insertion before `place`.
 fn after(place: SignalId, id: SignalId) -> SignalId {
     SignalId(id.0 + u32::from(id >= place))
 }

@@ -55,7 +55,7 @@ impl Changes<'_> {
     fn of(&mut self, driver: &Driver) {
         self.operator(driver);
         let operands: BTreeSet<SignalId> = match driver {
-            // Stuck at one side, which is listed; either operand of a conjunction does the same.
+            // The same as a multiplexer stuck at one side, which is listed, or as either operand of a conjunction.
             Driver::Mux { if_true, if_false, .. } => [*if_true, *if_false].into(),
             Driver::And(a, _) => [*a].into(),
             _ => driver.operands().collect(),
@@ -160,7 +160,7 @@ impl Changes<'_> {
                 self.becomes(driver, with(rest, *default), "an arm left out");
             }
         }
-        // Where every selector has its arm, nothing is taken by default.
+        // If every value of the selector has an arm, the default is dead.
         let labels = arms.len() as u128;
         if let Some(first) =
             arms.first().filter(|first| first.value != *default && labels < 1 << self.module.signal(*selector).width)
@@ -188,10 +188,10 @@ impl Changes<'_> {
     }
 }
 
-/// The signals on which something depends, and their descriptions.
+/// The live signals and their descriptions.
 struct LiveSignals<'m> {
     module: &'m Module,
-    /// For each live signal, its own name, or that of something that depends on it.
+    /// For each live signal, its own name, or the name of a signal that depends on it.
     readers: Vec<Option<String>>,
 }
 

@@ -1,10 +1,10 @@
-//! What [`crate::Builder`] promises of widths, checked on a finished module.
+//! Checks the widths of a finished module by the rules of [`crate::Builder`].
 
 use crate::Error;
 use crate::builder::describe;
 use crate::netlist::{Driver, Module, SignalId, fits};
 
-/// An error where widths do not fit together.
+/// An error if widths do not match.
 pub fn check(module: &Module) -> Result<(), Error> {
     let width = |id: SignalId| module.signals.get(id.index()).map(|signal| signal.width);
     for (place, signal) in module.signals.iter().enumerate() {
@@ -30,7 +30,7 @@ pub fn check(module: &Module) -> Result<(), Error> {
     Ok(())
 }
 
-/// Whether a driver's operands are there, fit together, and give a word of this width.
+/// Whether a driver's operands exist, match, and give a word of this width.
 fn has_width(module: &Module, driver: &Driver, own: u32) -> bool {
     if driver.operands().any(|id| id.index() >= module.signals.len()) {
         return false;

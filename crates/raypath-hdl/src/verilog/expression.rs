@@ -1,15 +1,15 @@
 //! Expressions as text.
 //!
-//! Verilog widens operands to the widest in reach before it computes. All operands here have equal widths, selects,
-//! shift amounts and parts of concatenations stand alone by the language's rules, and factors are extended to the width
-//! of their product; so an expression means the same alone and inside another.
+//! Verilog extends operands to the greatest width of the expression. Here all operands have equal widths; selects,
+//! shift amounts and parts of concatenations are self-determined; and factors are extended to the width of their
+//! product. An expression therefore has the same value alone and inside another.
 
 use super::layout::width_text;
 use super::plan::Rendering;
 use crate::netlist::{Driver, Module, SignalId, mask};
 use crate::text::PAYLOAD;
 
-/// Text, and what its reader must know to place it.
+/// Text, and the properties that decide about parentheses around it.
 #[derive(Debug, Clone)]
 pub struct Expression {
     /// The expression.
@@ -102,7 +102,7 @@ pub fn constant(width: u32, value: u64) -> String {
     format!("{width}'h{}", groups.join("_"))
 }
 
-/// The signal that a slice of `source` is printed as a slice of, and from which bit: slices of slices are one slice.
+/// The signal and the lowest bit with which a slice of `source` is printed: a slice of a slice is one slice.
 pub fn slice_root(module: &Module, source: SignalId, low: u32) -> (SignalId, u32) {
     let (mut root, mut from) = (source, low);
     while let (None, None, Driver::Slice { source, low }) =
@@ -152,8 +152,8 @@ impl Expression {
         if self.shape == Shape::Conditional { format!("({})", self.text) } else { self.text.clone() }
     }
 
-    /// As a factor of a product of `width` bits, `more` than its own. A cast of more than a name would do by the
-    /// standard, but Verilator 5.006 computes `64'(a + b)` in 64 bits, and so keeps a carry.
+    /// As a factor of a product of `width` bits, `more` than its own. A cast of an expression would be correct by the
+    /// standard, but Verilator 5.006 computes `64'(a + b)` in 64 bits and so keeps a carry.
     fn extended(&self, width: u32, more: u32) -> String {
         match self.shape {
             Shape::Primary => format!("{width}'({})", self.text),
@@ -161,7 +161,7 @@ impl Expression {
         }
     }
 
-    /// As a part of a concatenation: one inside another needs no braces.
+    /// As a part of a concatenation; a nested concatenation needs no braces.
     fn part(&self) -> &str {
         let bare = self.text.strip_prefix('{').and_then(|t| t.strip_suffix('}'));
         bare.filter(|_| self.shape == Shape::Concat).unwrap_or(&self.text)

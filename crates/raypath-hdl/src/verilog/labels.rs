@@ -6,7 +6,7 @@ use crate::formula::Formula;
 use crate::netlist::{Arm, Driver, Item, Module, SignalId};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
-/// The named constants of a module: those of its package by the package's name, the others as local parameters.
+/// The named constants of a module: those of its package with the package's name, the others as local parameters.
 pub struct Labels<'m> {
     module: &'m Module,
     /// By width and value, each once.
@@ -49,7 +49,7 @@ impl<'m> Labels<'m> {
         labels
     }
 
-    /// How the text refers to a constant.
+    /// The text of a constant.
     pub fn read(&self, name: &str) -> String {
         let package = self.module.text().package.as_ref();
         package.and_then(|package| package.label(name)).unwrap_or_else(|| name.to_string())
@@ -60,7 +60,7 @@ impl<'m> Labels<'m> {
         self.constants.contains(&id)
     }
 
-    /// The labels of the package's enumeration that a case leaves to its default.
+    /// The labels of the package's enumeration without an arm of their own.
     pub fn others(&self, arms: &[Arm]) -> Vec<String> {
         let known = |name: &str| arms.iter().any(|arm| arm.label.name == name);
         let package = self.module.text().package.as_ref();
@@ -99,7 +99,7 @@ impl<'m> Labels<'m> {
     }
 }
 
-/// Labels and parameters, without wires that a constant drives.
+/// Labels and parameters, but not wires that a constant drives.
 fn named_constants(module: &Module) -> HashSet<SignalId> {
     let wires: HashSet<SignalId> = module
         .items()

@@ -7,7 +7,7 @@ use super::structures::Structures;
 use crate::netlist::{Driver, Module, SignalId};
 use std::collections::{BTreeSet, HashSet};
 
-/// The longest text that is written inside another expression, as a register's next value, and at an instance's port.
+/// The greatest lengths of a text inside another expression, as a register's next value, and at an instance's port.
 const INSIDE: usize = 120;
 const INSIDE_LEVELS: u32 = 5;
 const NEXT: usize = 90;
@@ -24,7 +24,7 @@ pub enum Rendering {
     Inline(Expression),
 }
 
-/// Everything about the text of a module that is not layout.
+/// The content of a module's text, without its layout.
 pub struct Plan<'m> {
     module: &'m Module,
     operands: Vec<Vec<SignalId>>,
@@ -33,25 +33,25 @@ pub struct Plan<'m> {
     uses: Vec<Uses<'m>>,
     renderings: Vec<Rendering>,
     structures: Structures,
-    /// Signals whose names are declared otherwise: ports, parts of structures, constants.
+    /// Signals that have no declaration of their own: ports, parts of structures, constants.
     undeclared: HashSet<SignalId>,
 }
 
 #[derive(Clone, Default)]
 struct Uses<'m> {
     count: u32,
-    /// One of its readers; the reader, where there is one only.
+    /// One of its readers.
     reader: Option<Reader<'m>>,
 }
 
-/// Where a signal without a name is first needed, which is where it is assigned if it gets one.
+/// The first reader of a signal without a name. If the signal gets a name, it is assigned before this reader.
 #[derive(Clone)]
 struct Owner {
     section: usize,
     entry: usize,
     /// The most descriptive name, if there is one.
     role: Option<String>,
-    /// The named thing that it is a part of.
+    /// The named signal or port that it is a part of.
     whole: String,
 }
 
@@ -61,7 +61,7 @@ impl<'m> Plan<'m> {
         let operands: Vec<Vec<SignalId>> = module.signals().iter().map(|signal| operands(&signal.driver)).collect();
         let mut sections = entries::sections(module, &operands);
         let mut uses = uses(module, &operands, &sections);
-        // What only banked registers read is not printed.
+        // Signals that only banked registers read are not printed.
         while module.text().bank.is_some() && drop_unread(&mut sections, &uses) {
             uses = self::uses(module, &operands, &sections);
         }
@@ -95,7 +95,7 @@ impl<'m> Plan<'m> {
         &self.labels
     }
 
-    /// A signal as its readers see it.
+    /// The text of a signal for its readers.
     pub fn read(&self, id: SignalId) -> &str {
         match &self.renderings[id.index()] {
             Rendering::Unread => "",
@@ -109,7 +109,7 @@ impl<'m> Plan<'m> {
         render(self.module, &self.renderings, self.driven_by(id)).text
     }
 
-    /// The signal itself, or the nameless one of which it is the only reader and another name.
+    /// The signal itself, or the nameless signal whose only reader it is as an alias.
     pub fn driven_by(&self, id: SignalId) -> SignalId {
         match self.module.signal(id).driver {
             Driver::Alias(source) if self.is_renamed(source) => source,
@@ -117,7 +117,7 @@ impl<'m> Plan<'m> {
         }
     }
 
-    /// Whether a signal has no name but that of the only thing that shows it: an alias or an output port.
+    /// Whether a signal takes the name of its only reader, an alias or an output port.
     pub fn is_renamed(&self, id: SignalId) -> bool {
         let Uses { count, reader } = &self.uses[id.index()];
         let by_alias = |reader: SignalId| matches!(self.module.signal(reader).driver, Driver::Alias(_));
@@ -182,7 +182,7 @@ impl<'m> Plan<'m> {
         }
     }
 
-    /// The output port at which alone an instance's output is read: it is connected to the port itself.
+    /// The output port that is the only reader of an instance's output. The instance is connected to the port itself.
     fn port_shown(&self, id: SignalId) -> Option<String> {
         let Uses { count: 1, reader: Some(Reader::Output(port)) } = &self.uses[id.index()] else { return None };
         let signal = self.module.signal(id);
@@ -232,7 +232,7 @@ impl<'m> Plan<'m> {
                 })
             };
         }
-        // From the last on, so that positions stay true.
+        // From the last to the first, so that positions stay valid.
         assigned.sort_by_key(|&assignment| std::cmp::Reverse(assignment));
         for (section, entry, id) in assigned {
             let assignment = if is_case(self.module, id) { Entry::Cases(vec![id]) } else { Entry::Signal(id) };
@@ -278,7 +278,7 @@ impl<'m> Plan<'m> {
         owners
     }
 
-    /// The reader's name, and what it calls the signal that it reads.
+    /// The reader's name, and the suffix for the signal that it reads.
     fn describe(&self, reader: Reader<'_>) -> (String, Option<String>) {
         let register = |index: usize| {
             let name = self.module.signal(self.module.registers()[index].signal).name.as_deref();
@@ -299,8 +299,8 @@ impl<'m> Plan<'m> {
     }
 }
 
-/// What a driver reads; a repeated part of a concatenation is written once, and so is a value of several arms of a
-/// case.
+/// The operands of a driver as printed: a repeated part of a concatenation once, and a value of several arms of a case
+/// once.
 fn operands(driver: &Driver) -> Vec<SignalId> {
     match driver {
         Driver::Concat(parts) => repetitions(parts).into_iter().map(|(part, _)| part).collect(),
@@ -317,7 +317,7 @@ fn operands(driver: &Driver) -> Vec<SignalId> {
     }
 }
 
-/// Removes assignments of signals without a reader. Says whether there were any.
+/// Removes assignments of signals without a reader. Returns whether there were any.
 fn drop_unread(sections: &mut [Section<'_>], uses: &[Uses<'_>]) -> bool {
     let mut found = false;
     for section in sections {
@@ -335,8 +335,8 @@ fn drop_unread(sections: &mut [Section<'_>], uses: &[Uses<'_>]) -> bool {
     found
 }
 
-/// Counts readers that are printed. Signals without a name follow their operands, so that going backwards meets every
-/// reader before what it reads.
+/// Counts the readers that are printed. Signals follow their operands, so the count runs backwards and meets every
+/// reader before its operands.
 fn uses<'m>(module: &'m Module, operands: &[Vec<SignalId>], sections: &[Section<'m>]) -> Vec<Uses<'m>> {
     let mut uses = vec![Uses::default(); operands.len()];
     let note = |uses: &mut Vec<Uses<'m>>, id: SignalId, reader| {
@@ -358,20 +358,20 @@ fn uses<'m>(module: &'m Module, operands: &[Vec<SignalId>], sections: &[Section<
     uses
 }
 
-/// `name`, or `name_2` and so on if it is taken; taken from now on.
+/// Reserves and returns `name`, or `name_2` and so on if it is taken.
 fn fresh(names: &mut HashSet<String>, name: &str) -> String {
     let numbered = (2..).map(|number| format!("{name}_{number}"));
     first_free(names, std::iter::once(name.to_string()).chain(numbered))
 }
 
-/// A term of `whole`: the first of `whole_t1`, `whole_t2` and so on that is not taken; taken from now on.
+/// Reserves and returns the first free name of `whole_t1`, `whole_t2` and so on.
 fn numbered(names: &mut HashSet<String>, whole: &str) -> String {
     let whole = stem(whole, "_o");
     first_free(names, (1..).map(|number| format!("{whole}_t{number}")))
 }
 
-/// The first candidate that can be a name and is not taken; taken from now on. Joined names may have two underscores in
-/// a row, which no name may have.
+/// Reserves and returns the first candidate that is valid and free. Joined names may have two underscores in a row,
+/// which are not valid.
 fn first_free(names: &mut HashSet<String>, candidates: impl Iterator<Item = String>) -> String {
     let single = |mut name: String| {
         while name.contains("__") {

@@ -51,7 +51,7 @@ impl Text {
         self.assignments.push([format!("assign {target}"), format!("= {expression};")]);
     }
 
-    /// Drives `target` with what drives a signal.
+    /// Assigns the driver of a signal to `target`.
     fn drive(&mut self, plan: &Plan<'_>, target: &str, id: SignalId) {
         let driver = plan.driven_by(id);
         if is_case(plan.module(), driver) {
@@ -77,7 +77,7 @@ impl Text {
     }
 }
 
-/// One block for all that a bank of registers stores.
+/// One block with the next values of a bank of registers.
 fn next_values(plan: &Plan<'_>, entries: &[Entry<'_>]) -> Vec<String> {
     let assignments = entries.iter().filter_map(|entry| match entry {
         Entry::Signal(id) => Some([plan.read(*id).to_string(), format!("= {};", plan.expression(*id))]),
@@ -100,9 +100,9 @@ fn cases(plan: &Plan<'_>, targets: &[(&str, SignalId)]) -> Vec<String> {
     [vec!["  always_comb begin".to_string()], case(plan, targets), vec!["  end".to_string()]].concat()
 }
 
-/// One `case` that drives all `targets`, which share a selector and labels. It is not `unique`: beside a default that
-/// says nothing, and slang reports it. Labels of an enumeration are all there, because slang reports those that are
-/// not.
+/// One `case` that drives all `targets`, which share a selector and labels. It is not `unique`, because that has no
+/// effect beside a default, and slang reports it. It lists all labels of an enumeration, because slang reports missing
+/// ones.
 fn case(plan: &Plan<'_>, targets: &[(&str, SignalId)]) -> Vec<String> {
     let alternatives = |id: SignalId| match &plan.module().signal(id).driver {
         Driver::Case { selector, arms, default } => Some((*selector, arms.as_slice(), *default)),
@@ -177,7 +177,7 @@ fn instance(plan: &Plan<'_>, index: usize) -> Vec<String> {
     connections.print(&format!("{} {}", inside.name(), instance.name))
 }
 
-/// What is connected to input ports of a structure: a structure as a whole, or its parts.
+/// The connection of input ports that form a structure: a whole structure, or its parts.
 fn structure(plan: &Plan<'_>, group: &PortGroup, instance: &Instance) -> String {
     let inputs = instance.module.inputs().iter().zip(&instance.inputs);
     let by_port: HashMap<&str, SignalId> = inputs.map(|(port, &id)| (port.name.as_str(), id)).collect();
@@ -220,7 +220,7 @@ impl Connections {
         self.items.push(if port == net { format!(".{port}") } else { format!(".{port} ({net})") });
     }
 
-    /// On one line if it fits, otherwise on lines as full as they may be.
+    /// On one line if it fits, otherwise on full lines.
     fn print(self, instance: &str) -> Vec<String> {
         let line = format!("  {instance} ({});", self.items.join(", "));
         if line.len() <= COLUMNS {
@@ -284,7 +284,7 @@ fn unused(plan: &Plan<'_>, ids: &[SignalId]) -> String {
     match ids {
         [] => "1'b0".to_string(),
         [one] if plan.module().signal(*one).width == 1 => plan.read(*one).to_string(),
-        // Braces but around a name or part of it: `^~` would be another operator.
+        // Names and selects need no braces; others do, because `^~` is another operator.
         [one] if !plan.read(*one).contains([' ', '~', '|', '&']) => format!("^{}", plan.read(*one)),
         _ => format!("^{{{}}}", ids.iter().map(|&id| plan.read(id)).collect::<Vec<_>>().join(", ")),
     }

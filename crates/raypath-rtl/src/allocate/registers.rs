@@ -8,9 +8,9 @@ use crate::ir::graph::{Kind, NodeId, OperationGraph};
 use crate::ir::position::Step;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Allocates the registers of a boundary to the values that each operation carries over it. Shared registers are as
-/// many as the operation with the greatest need has. A value that passes through keeps its slot, and a new value is put
-/// where another operation has the same net, so that few multiplexers are needed.
+/// Allocates the registers of a boundary to the values that each operation carries over it. The number of shared
+/// registers is that of the operation with the greatest need. A value that passes through keeps its slot. A new value
+/// gets a slot in which another operation has the same net, which saves a multiplexer.
 pub fn allocate(
     sharing: Sharing,
     operations: &[OperationGraph<Step>],

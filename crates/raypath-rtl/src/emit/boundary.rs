@@ -43,7 +43,8 @@ pub trait Wires<'m> {
     fn cut(&mut self, unit: Unit) -> Result<Vec<(String, Wire<'m>)>, Error>;
 }
 
-/// An arm of a choice by opcode: the operation, a key that identifies the net, the value, and whether to invert its sign.
+/// An arm of a choice by opcode: the operation, a key that identifies the net, the value, and whether to invert its
+/// sign.
 pub type Arm<K> = (usize, K, NodeId, bool);
 
 /// The value of the job's operation among `arms`, without a multiplexer if all are the same net. An opcode without an
@@ -161,8 +162,8 @@ pub fn next<'m>(
     Ok(next)
 }
 
-/// The next value of a number register, in its encoding. Values that pass in the same encoding are unchanged. Others are
-/// decoded after the choice by opcode, so one decoder for each register is enough.
+/// The next value of a number register, in its encoding. Values that pass in the same encoding are unchanged. Others
+/// are decoded after the choice by opcode, so one decoder for each register is enough.
 fn next_number<'m>(
     m: &'m Builder,
     plan: &Plan,

@@ -14,7 +14,7 @@ pub const PACKAGE: &str = "raypath_pkg";
 struct Field {
     name: String,
     kind: String,
-    /// Stems of ports, and what selects each; the most significant first.
+    /// Stems of ports and their selects in the structure; the most significant first.
     ports: Vec<(String, String)>,
 }
 

@@ -8,15 +8,15 @@ use raypath_hdl::{Error, Module};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The modules that steps are made of, each built once.
+/// The modules that steps instantiate, each built once.
 #[derive(Debug)]
 pub struct Library {
     pub format: Format,
     /// The control of skid buffers.
     pub skid: Arc<Module>,
-    /// A skid buffer as the text has it.
+    /// A skid buffer in the text: control and data.
     pub skid_buffer: Arc<Module>,
-    /// A register that never stalls, as the text has it.
+    /// A register that never stalls, in the text: control and data.
     pub register: Arc<Module>,
     pub encode: Arc<Module>,
     pub decode: Arc<Module>,
@@ -85,7 +85,7 @@ impl Library {
     }
 }
 
-/// The widths of the words that an operation makes numbers of.
+/// The widths of the words that an operation converts to numbers.
 fn word_widths(traced: &OperationGraph<Step>) -> impl Iterator<Item = u32> {
     traced.nodes.iter().filter_map(|node| match node.op {
         Op::NumberOf(word) => match traced.node(word).kind {

@@ -23,7 +23,7 @@ struct OutputPort {
 pub fn output(plan: &Plan, library: &Library, package: &Arc<Package>) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_output");
     m.package(package);
-    m.doc("From the last registers to the ports. What does not belong to the job's opcode is zero.");
+    m.doc("From the last registers to the ports. Outputs of other operations than the job's are zero.");
     let layout = &plan.steps[plan.last()].layout;
     let opcode = m.input("opcode_i", plan.opcode_width());
     let before = StepInputs::ports(&m, plan, library, plan.steps.len());

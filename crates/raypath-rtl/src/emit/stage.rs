@@ -1,4 +1,4 @@
-//! One step as a module: the values of its registers under the algorithm's names, its units, its registers.
+//! One step as a module: aliases for the registers before it, its units, and the registers after it.
 
 use crate::allocate::plan::Plan;
 use crate::config::{Control, Encoding};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 /// The module `raypath_stage_<stage>`, or `raypath_stage_<stage>_<part>` where the stage has several steps.
 pub fn stage(plan: &Plan, library: &Library, package: &Arc<Package>, step: usize) -> Result<Arc<Module>, Error> {
-    // Built once to learn which values are read by name, and once more to name them first.
+    // The first build finds the values that are read by name; the second one declares their names first.
     let scratch = Builder::new("scratch");
     let read = build(&scratch, plan, library, step, &[])?;
     let m = Builder::new(&format!("raypath_{}", interface::step_name(plan.steps[step].label)));
@@ -28,7 +28,7 @@ pub fn stage(plan: &Plan, library: &Library, package: &Arc<Package>, step: usize
     Ok(m.finish()?)
 }
 
-/// Builds a step whose algorithms begin with `names` for the registers before it. Gives those that it needs.
+/// Builds a step that begins with `names` as aliases for the registers before it. Returns the aliases that it needs.
 fn build(
     m: &Builder,
     plan: &Plan,
@@ -77,7 +77,7 @@ fn build(
     Ok(values.read_from_registers())
 }
 
-/// The head comment: Table VII, read along its row.
+/// The head comment: the row of Table VII.
 fn describe(m: &Builder, plan: &Plan, step: usize) {
     let at = plan.steps[step].label;
     m.doc(match at {
@@ -120,9 +120,9 @@ pub fn notes(plan: &Plan, traced: &OperationGraph<Step>, index: usize) -> String
 
 /// The state that a step reads or writes.
 struct States<'m> {
-    /// Written here: registers, zero after reset.
+    /// State that the step writes: registers, zero after reset.
     registers: BTreeMap<(usize, usize), Register<'m>>,
-    /// Read here.
+    /// State that the step reads.
     wires: BTreeMap<(usize, usize), Wire<'m>>,
 }
 
@@ -143,7 +143,7 @@ impl<'m> States<'m> {
             }
         }
         if all().any(|(_, _, (_, state))| state.written == Step(step as u32)) {
-            m.section("State: changes once for each job, when the step hands it on");
+            m.section("State: changes once for each job, when the job leaves the step");
         }
         for (op, traced, (number, state)) in all().filter(|(_, _, (_, state))| state.written == Step(step as u32)) {
             let register = m.register(&format!("{}_q", port(traced, state)), width(traced, state, library)).reset_to(0);
@@ -153,7 +153,7 @@ impl<'m> States<'m> {
         states
     }
 
-    /// Gives the registers their next values.
+    /// Sets the next values of the registers.
     fn write(
         self,
         m: &'m Builder,
@@ -165,7 +165,7 @@ impl<'m> States<'m> {
         if self.registers.is_empty() {
             return Ok(());
         }
-        m.section("The step hands its job on");
+        m.section("The job leaves the step");
         let advance = advance.named("advance");
         let mut advances: BTreeMap<usize, Wire<'_>> = BTreeMap::new();
         for ((op, number), register) in self.registers {
@@ -197,7 +197,7 @@ pub fn port(traced: &OperationGraph<Step>, state: &StateValue<Step>) -> String {
     format!("{}_{}_state", traced.name, state.name)
 }
 
-/// That an operation has written its state, as a port.
+/// The port that signals that an operation has written its state.
 fn written(traced: &OperationGraph<Step>) -> String {
     format!("{}_written", traced.name)
 }
@@ -215,7 +215,7 @@ struct Busy<'m> {
     pending: Register<'m>,
     written: Wire<'m>,
     is_own: Wire<'m>,
-    /// The job in the registers before has to stay there.
+    /// The job in the registers before must stay there.
     hold: Wire<'m>,
 }
 
@@ -224,7 +224,7 @@ impl<'m> Busy<'m> {
         let loops = plan.operations.iter().filter(|traced| traced.is_loop());
         let here = loops.filter(|traced| traced.first_read() == Step(step as u32));
         here.map(|traced| {
-            m.section(format!("A job of {} waits until the one before it has written its state", traced.name));
+            m.section(format!("A job of {} waits until the job before it has written its state", traced.name));
             let written = m.input(&format!("{}_i", written(traced)), 1);
             let pending = m.register(&format!("{}_pending_q", traced.name), 1).reset_to(0);
             let is_own = is(opcode, traced).named(&format!("is_{}", traced.name));

@@ -1,4 +1,4 @@
-//! The top module: input registers, stages, output, in a row.
+//! The top module: a chain of input registers, stages and output.
 
 use crate::allocate::plan::Plan;
 use crate::config::Control;
@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub struct Pipeline {
     pub top: Arc<Module>,
     pub steps: Vec<Arc<Module>>,
-    /// What lets jobs in, where control is by credits.
+    /// The module `raypath_credit`, if control is by credits.
     pub credit: Option<Arc<Module>>,
 }
 
@@ -99,7 +99,7 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
     Ok(Pipeline { top: m.finish()?, steps, credit })
 }
 
-/// Operations whose jobs must keep a distance, because the pipeline cannot hold one back once it is in.
+/// The operations whose jobs must keep a distance, because the pipeline cannot delay a job after its acceptance.
 fn spacings(plan: &Plan) -> Vec<Spacing> {
     let loops = plan.operations.iter().filter(|traced| traced.is_loop());
     loops.map(|traced| Spacing { label: label(traced), name: traced.name, cycles: traced.spacing() }).collect()
@@ -113,7 +113,7 @@ struct Backward<'m> {
 }
 
 impl<'m> Backward<'m> {
-    /// Gives a module those of its inputs that nothing before it has.
+    /// Adds the inputs of a module that no earlier module drives.
     fn supply(&mut self, module: &Module, wires: &mut BTreeMap<String, Wire<'m>>) {
         for port in module.inputs() {
             let stem = port.stem().to_string();
@@ -140,7 +140,7 @@ impl<'m> Backward<'m> {
     }
 }
 
-/// An instance whose inputs are wires of the same names; gives its outputs by name.
+/// An instance whose inputs are wires of the same names. Returns its outputs by name.
 fn instance<'m>(
     m: &'m Builder,
     name: &str,

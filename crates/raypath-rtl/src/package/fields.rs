@@ -14,7 +14,7 @@ pub enum Field {
         /// The port's width.
         width: u32,
     },
-    /// Two ports or more whose names begin alike.
+    /// Two or more ports with a common prefix.
     Group {
         /// Their common prefix.
         name: String,
@@ -23,12 +23,12 @@ pub enum Field {
     },
 }
 
-/// Which ports.
+/// A selection of ports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
-    /// What makes a job.
+    /// The ports of a job.
     Input,
-    /// What makes an outcome.
+    /// The ports of a result.
     Output,
 }
 
@@ -48,7 +48,7 @@ impl Field {
         let ports = ports.iter().filter(|port| !HANDSHAKES.contains(&port.name.as_str()));
         let mut leaves: Vec<Leaf<'_>> = ports
             .map(|port| {
-                // A stem that is a keyword is none with its suffix.
+                // A stem that is a keyword keeps its suffix.
                 let name = if name_problem(port.stem()).is_none() { port.stem() } else { &port.name };
                 Leaf { name, port: &port.name, width: top.signal(port.signal).width }
             })
@@ -64,7 +64,7 @@ impl Field {
     }
 }
 
-/// A port, with what is left of its name inside the groups around it.
+/// A port, and the rest of its name inside its groups.
 #[derive(Debug, Clone, Copy)]
 struct Leaf<'a> {
     name: &'a str,
@@ -72,7 +72,7 @@ struct Leaf<'a> {
     width: u32,
 }
 
-/// Groups what begins alike, in the order in which each beginning is first seen.
+/// Groups ports by prefix, in the order of the first port of each prefix.
 fn nest(leaves: &[Leaf<'_>]) -> Vec<Field> {
     let mut fields = Vec::new();
     let mut seen: Vec<&str> = Vec::new();
@@ -83,7 +83,7 @@ fn nest(leaves: &[Leaf<'_>]) -> Vec<Field> {
         }
         seen.push(head);
         let members: Vec<Leaf<'_>> = leaves.iter().copied().filter(|leaf| split(leaf.name).0 == head).collect();
-        // A name that is none for a field is none for what holds fields.
+        // A prefix that is not a valid field name makes no group.
         match group(&members).filter(|_| name_problem(head).is_none()) {
             Some(inner) => fields.push(Field::Group { name: head.to_string(), fields: inner }),
             None => fields.extend(members.iter().map(Leaf::field)),
@@ -92,8 +92,8 @@ fn nest(leaves: &[Leaf<'_>]) -> Vec<Field> {
     fields
 }
 
-/// What members with a common head are without it; nothing where that is not worth a structure, or none: one port
-/// alone, one whose name is the head and no more, one that would be a keyword.
+/// The members without their common head. `None` if they make no structure: a single port, a port whose name is the
+/// head alone, or a rest that is a keyword.
 fn group(members: &[Leaf<'_>]) -> Option<Vec<Field>> {
     let inner: Option<Vec<Leaf<'_>>> =
         members.iter().map(|leaf| Some(Leaf { name: split(leaf.name).1?, ..*leaf })).collect();

@@ -1,4 +1,4 @@
-//! Which files there are, for simulators and for package managers.
+//! Lists of files for simulators and package managers.
 
 use crate::package::text::head;
 
@@ -25,7 +25,7 @@ impl Sources<'_> {
         self.modules.iter().chain(&self.wrapper).map(|file| format!("{file}\n")).collect()
     }
 
-    /// A core file for FuseSoC. What depends on it gets modules, package and wrapper.
+    /// A core file for FuseSoC. Dependent cores get modules, package and wrapper.
     pub fn fusesoc(&self, banner: &[String]) -> String {
         let Self { name, .. } = self;
         let fileset = |name: &str, files: &[String]| {
@@ -42,7 +42,7 @@ impl Sources<'_> {
             format!(
                 "  lint:\n    filesets: [rtl, wrapper, properties]\n    toplevel: {name}_wrapper\n    flow: lint\n"
             ),
-            // Verilator wants one module a file; the assertions are several in one.
+            // Verilator warns about several modules in a file, as the assertions have them.
             "    flow_options:\n      tool: verilator\n      verilator_options: [-Wall, --assert, -Wno-DECLFILENAME]\n"
                 .to_string(),
         ];
@@ -72,7 +72,7 @@ impl Sources<'_> {
     }
 }
 
-/// A YAML list. Paths are made of identifiers, so nothing needs quotes.
+/// A YAML list. Paths consist of identifiers and need no quotes.
 fn items(indent: &str, files: &[String]) -> String {
     files.iter().map(|file| format!("{indent}- {file}\n")).collect()
 }

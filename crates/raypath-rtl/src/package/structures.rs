@@ -6,13 +6,13 @@ use crate::package::text::packed;
 /// A job.
 pub const JOB_TYPE: &str = "job_t";
 
-/// An outcome.
+/// A result.
 pub const OUTCOME_TYPE: &str = "outcome_t";
 
-/// A structure that has few short fields is called after them, up to so many letters: `xyz_t`, `min_max_t`.
+/// The greatest length of a name that consists of the names of the fields: `xyz_t`, `min_max_t`.
 const SHORT: usize = 9;
 
-/// The types of job and outcome, those that others contain first.
+/// The types of job and result; a type comes after the types of its fields.
 #[derive(Debug)]
 pub struct Structures {
     types: Vec<Structure>,
@@ -23,7 +23,7 @@ pub struct Structures {
 pub struct Structure {
     /// Its name.
     pub name: String,
-    /// Its fields, the first on top: type and name.
+    /// Its fields, the most significant first: type and name.
     pub fields: Vec<(String, String)>,
 }
 
@@ -42,7 +42,7 @@ impl Structures {
         self.types.iter()
     }
 
-    /// The types and names of fields; `path` is where they are.
+    /// The types and names of fields; `path` leads to them.
     fn fields(&mut self, fields: &[Field], path: &str) -> Vec<(String, String)> {
         let mut typed = Vec::new();
         for field in fields {
@@ -55,7 +55,7 @@ impl Structures {
         typed
     }
 
-    /// The type of a group: one that is there already, or a new one.
+    /// The type of a group, which may be one that exists already.
     fn group(&mut self, members: &[Field], path: &str) -> String {
         let fields = self.fields(members, path);
         if let Some(known) = self.types.iter().find(|known| known.fields == fields) {
@@ -77,7 +77,7 @@ impl Structures {
     }
 }
 
-/// The fields' names in one: letters beside each other, words with underscores.
+/// The joined names of the fields: letters without separators, words with underscores.
 fn joined(members: &[Field]) -> String {
     let names: Vec<&str> = members.iter().map(Field::name).collect();
     names.join(if names.iter().all(|name| name.len() == 1) { "" } else { "_" })

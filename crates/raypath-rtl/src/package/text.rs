@@ -15,12 +15,12 @@ pub fn head(mark: &str, banner: &[String], doc: &[String]) -> String {
     lines.map(|line| format!("{mark} {}", line.replace(['\n', '\r'], " ")).trim_end().to_string() + "\n").collect()
 }
 
-/// The type of a word of so many bits.
+/// The type of a word of `width` bits.
 pub fn packed(width: u32) -> String {
     if width == 1 { "logic".to_string() } else { format!("logic [{}:0]", width - 1) }
 }
 
-/// Rows of two columns, the second ones under each other.
+/// Rows of two aligned columns.
 pub fn columns(indent: &str, rows: &[(String, String)]) -> Vec<String> {
     let width = rows.iter().map(|(first, _)| first.len()).max().unwrap_or(0);
     rows.iter().map(|(first, second)| format!("{indent}{first:width$} {second}")).collect()

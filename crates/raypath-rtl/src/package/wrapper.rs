@@ -27,7 +27,7 @@ pub fn package(datapath: &Datapath, structures: &Structures, banner: &[String]) 
     print_package(&package, &licensed(banner))
 }
 
-/// The wrapper, which has no logic of its own.
+/// The wrapper. It has no logic.
 pub fn module(datapath: &Datapath, job: &[Field], outcome: &[Field], banner: &[String]) -> String {
     let top = datapath.top();
     let name = top.name();

@@ -7,7 +7,7 @@ const STYLE: &str = "text { font: 12px sans-serif; fill: #222 } .head { font-wei
     .small { font-size: 10.5px } \
                      .on { fill: #fff } .right { text-anchor: end } .middle { text-anchor: middle }";
 
-/// An empty picture with a white ground.
+/// An empty picture with a white background.
 pub fn picture(title: &str, width: i32, height: i32) -> Document {
     Document::new()
         .set("viewBox", (0, 0, width, height))
@@ -23,7 +23,7 @@ pub fn rectangle(x: i32, y: i32, width: i32, height: i32, fill: &str) -> Rectang
     Rectangle::new().set("x", x).set("y", y).set("width", width).set("height", height).set("fill", fill)
 }
 
-/// Words at a place; `class` is of the style sheet.
+/// A text at a position; `class` is a class of the style sheet.
 pub fn text(x: i32, y: i32, class: &str, words: &str) -> Text {
     Text::new(words).set("x", x).set("y", y).set("class", class)
 }

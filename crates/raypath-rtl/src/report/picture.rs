@@ -10,7 +10,8 @@ const COLUMN: i32 = 88;
 const HEAD: i32 = 64;
 const ROW: i32 = 46;
 const GAP: i32 = 6;
-/// One colour an operation, told apart by colour-blind readers too (Okabe and Ito), and the class of words on it.
+/// The colour of each operation (the palette of Okabe and Ito, distinct for colour-blind readers), and the class of
+/// text on it.
 const COLOURS: [(&str, &str); 8] = [
     ("#0072b2", "small on"),
     ("#d55e00", "small on"),
@@ -22,8 +23,8 @@ const COLOURS: [(&str, &str); 8] = [
     ("#000000", "small on"),
 ];
 
-/// The pipeline of a datapath as SVG: a column a stage with its registers, a row an operation with its units, the units
-/// that they share, and the bits that cross each boundary.
+/// The pipeline of a datapath as SVG: a column for each stage with its registers, a row for each operation with its
+/// units, the shared units, and the bits that cross each boundary.
 pub fn pipeline(datapath: &Datapath, config: Config) -> String {
     let columns = datapath.latency() as i32;
     let operations = datapath.schedule(1);

@@ -5,7 +5,7 @@ use comfy_table::presets::ASCII_MARKDOWN;
 use comfy_table::{ContentArrangement, Table};
 use raypath_ops::{JobKind, Rules};
 
-/// Table VII: what each operation does in each step.
+/// Table VII: the work of each operation in each step.
 pub fn schedule(datapath: &Datapath) -> String {
     let mut table = new_table();
     let operations: Vec<&str> = datapath.schedule(1).iter().map(|note| note.operation).collect();
@@ -18,7 +18,7 @@ pub fn schedule(datapath: &Datapath) -> String {
     table.to_string()
 }
 
-/// What one operation does in each step, and which units the step has for all of them.
+/// The work of one operation in each step, and the units of the step for all operations.
 pub fn schedule_of(datapath: &Datapath, operation: &str) -> String {
     let mut table = new_table();
     table.set_header(["stage", operation, "units that are there"]);
@@ -39,8 +39,8 @@ fn cell(note: &StageNote) -> String {
     }
 }
 
-/// The units of each step and the registers after it; beside them Table VIII where the configuration is one that it
-/// speaks of, with what makes ours differ.
+/// The units of each step and the registers after it. For the configurations of Table VIII, the units there, and the
+/// reasons for differences.
 pub fn units_and_registers(datapath: &Datapath, config: Config) -> String {
     let has_paper = is_in_table_viii(config);
     let row = |stage: &str, units: Units, paper: Units, live: u64, flip_flops: u64, why: &str| {
@@ -73,7 +73,7 @@ pub fn units_and_registers(datapath: &Datapath, config: Config) -> String {
     table.to_string()
 }
 
-/// Whether Table VIII speaks of such a configuration: 16 lanes or none, and units of one stage.
+/// Whether Table VIII has this configuration: 16 lanes or none, and units of one stage.
 fn is_in_table_viii(config: Config) -> bool {
     matches!(config.semantics.lanes, Lanes::None | Lanes::Sixteen)
         && config.microarchitecture.unit_latency == UnitLatency::One
@@ -89,8 +89,8 @@ pub fn presets() -> String {
     table.to_string()
 }
 
-/// Why a step, by its place in [`Datapath::steps`], has other units than Table VIII gives its stage; empty where it has
-/// the same.
+/// The reason why a step, by its index in [`Datapath::steps`], has other units than its stage in Table VIII; empty if
+/// it has the same.
 pub fn difference(datapath: &Datapath, config: Config, index: usize) -> Vec<&'static str> {
     let Some(step) = datapath.steps().nth(index) else { return Vec::new() };
     let (ours, paper) = (datapath.units(index), paper_units(step));
@@ -136,7 +136,7 @@ fn paper_units(step: StepLabel) -> Units {
     Budget::TABLE_VIII.units(step.stage)
 }
 
-/// Units in words, `24 add, 4 compare`; empty where there are none.
+/// The units as text, `24 add, 4 compare`; empty if there are none.
 pub fn list(units: Units) -> String {
     let named = UnitKind::ALL.into_iter().map(|kind| (units.of(kind), kind.stem()));
     let present: Vec<String> =
@@ -144,7 +144,7 @@ pub fn list(units: Units) -> String {
     present.join(", ")
 }
 
-/// An empty table as all of ours are: Markdown that fits the terminal.
+/// An empty table in the format of all tables: Markdown that fits the terminal.
 pub fn new_table() -> Table {
     let mut table = Table::new();
     table.load_preset(ASCII_MARKDOWN).set_content_arrangement(ContentArrangement::Dynamic);
