@@ -297,7 +297,7 @@ fn too_many_units_are_counted_where_they_are() {
     let Error::TooManyUnits { operation: "Sums", shortages } = &error else { panic!("{error}") };
     let found: Vec<_> = shortages.iter().map(|s| (s.stage, s.kind, s.needed, s.allowed)).collect();
     assert_eq!(found, [(2, UnitKind::Add, 2, 1)]);
-    assert!(error.to_string().contains("stage 2 needs 2 adders, 1 allowed; widen the budget to that"), "{error}");
+    assert!(error.to_string().contains("stage 2 needs 2 adders, 1 allowed; widen the budget or reduce"), "{error}");
     // Automatically it fits, and widened it fits by hand.
     let auto = Operations::new().auto().within(one).with(&Sums, 0).and_then(Datapath::of).expect("a datapath");
     assert_within(&auto, &one);
