@@ -135,20 +135,20 @@ fn case(plan: &Plan<'_>, targets: &[(&str, SignalId)]) -> Vec<String> {
         rows.into_iter().map(|(labels, values)| (labels.join(", "), values)).collect();
 
     let mut lines = vec![format!("    case ({})", plan.read(selector))];
-    if let [(target, ..)] = targets.as_slice() {
-        let row = |(label, values): &(String, Vec<SignalId>)| {
-            [format!("{label}:"), format!("{target} = {};", plan.read(values[0]))]
+    let assignments = |values: &[SignalId]| -> Vec<[String; 2]> {
+        let assignment = |((target, ..), &value): (&(&str, _, _, _), &SignalId)| {
+            [target.to_string(), format!("= {};", plan.read(value))]
         };
-        lines.extend(table("      ", &rows.iter().map(row).collect::<Vec<_>>()));
+        targets.iter().zip(values).map(assignment).collect()
+    };
+    let row = |(label, values): &(String, Vec<SignalId>)| [format!("{label}:"), assignments(values).concat().join(" ")];
+    let short = table("      ", &rows.iter().map(row).collect::<Vec<_>>());
+    if targets.len() == 1 && short.iter().all(|line| line.len() <= COLUMNS) {
+        lines.extend(short);
     } else {
         for (label, values) in &rows {
-            let assignments: Vec<[String; 2]> = targets
-                .iter()
-                .zip(values)
-                .map(|((target, ..), &value)| [target.to_string(), format!("= {};", plan.read(value))])
-                .collect();
             lines.push(format!("      {label}: begin"));
-            lines.extend(table("        ", &assignments));
+            lines.extend(table("        ", &assignments(values)));
             lines.push("      end".to_string());
         }
     }

@@ -67,15 +67,7 @@ macro_rules! choices {
             }
         }
 
-        impl $crate::config::values::Values<Self> for $name {
-            const TEXTS: &'static str = concat!($first_text $(, "|", $text)*);
-            fn parse(text: &str) -> Result<Self, String> {
-                text.parse().map_err(|problem: $crate::config::choice::ParseChoiceError| problem.to_string())
-            }
-            fn write(value: Self) -> String {
-                value.to_string()
-            }
-        }
+        $crate::config::values::values_by_text!($name, concat!($first_text $(, "|", $text)*), to_string);
     };
 }
 pub(super) use choices;

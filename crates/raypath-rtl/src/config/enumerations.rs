@@ -25,15 +25,7 @@ choices! {
 impl Lanes {
     /// The number of Euclidean lanes; 0 without distance operations.
     pub fn count(self) -> usize {
-        match self {
-            Self::None => 0,
-            Self::Two => 2,
-            Self::Four => 4,
-            Self::Eight => 8,
-            Self::Sixteen => 16,
-            Self::ThirtyTwo => 32,
-            Self::SixtyFour => 64,
-        }
+        [0, 2, 4, 8, 16, 32, 64][self as usize]
     }
 }
 
@@ -82,11 +74,7 @@ choices! {
 impl UnitLatency {
     /// The number of steps.
     pub fn steps(self) -> u32 {
-        match self {
-            Self::One => 1,
-            Self::Two => 2,
-            Self::Three => 3,
-        }
+        [1, 2, 3][self as usize]
     }
 }
 
@@ -109,12 +97,6 @@ choices! {
 impl Accumulators {
     /// The number.
     pub fn count(self) -> usize {
-        match self {
-            Self::One => 1,
-            Self::Two => 2,
-            Self::Four => 4,
-            Self::Eight => 8,
-            Self::Sixteen => 16,
-        }
+        [1, 2, 4, 8, 16][self as usize]
     }
 }

@@ -2,7 +2,6 @@
 
 use raypath_float::Format;
 use raypath_ops::{Culling, Rules};
-use std::str::FromStr;
 
 /// The greatest width of a tag in bits.
 pub const MAX_TAG_WIDTH: u32 = 32;
@@ -21,45 +20,31 @@ pub trait Values<T> {
     fn write(value: T) -> String;
 }
 
-fn parse<T: FromStr<Err: ToString>>(text: &str) -> Result<T, String> {
-    text.parse().map_err(|problem: T::Err| problem.to_string())
+/// Implements [`Values`] for a type by its `FromStr`, and by `Display` or the method that is named.
+macro_rules! values_by_text {
+    ($type:ty, $texts:expr, $write:ident) => {
+        impl $crate::config::values::Values<Self> for $type {
+            const TEXTS: &'static str = $texts;
+            fn parse(text: &str) -> Result<Self, String> {
+                text.parse().map_err(|problem: <Self as std::str::FromStr>::Err| problem.to_string())
+            }
+            fn write(value: Self) -> String {
+                value.$write()
+            }
+        }
+    };
 }
+pub(super) use values_by_text;
+
+values_by_text!(Format, "fp32|tf32|bf16|fp16|eXsY", name);
+values_by_text!(Rules, "paper|chisel", to_string);
+values_by_text!(Culling, "back|front|none", to_string);
 
 impl Values<Self> for bool {
     const TEXTS: &'static str = "true|false";
     const IS_SWITCH: bool = true;
     fn parse(text: &str) -> Result<Self, String> {
         text.parse().map_err(|_| format!("'{text}', expected true or false"))
-    }
-    fn write(value: Self) -> String {
-        value.to_string()
-    }
-}
-
-impl Values<Self> for Format {
-    const TEXTS: &'static str = "fp32|tf32|bf16|fp16|eXsY";
-    fn parse(text: &str) -> Result<Self, String> {
-        parse(text)
-    }
-    fn write(value: Self) -> String {
-        value.name()
-    }
-}
-
-impl Values<Self> for Rules {
-    const TEXTS: &'static str = "paper|chisel";
-    fn parse(text: &str) -> Result<Self, String> {
-        parse(text)
-    }
-    fn write(value: Self) -> String {
-        value.to_string()
-    }
-}
-
-impl Values<Self> for Culling {
-    const TEXTS: &'static str = "back|front|none";
-    fn parse(text: &str) -> Result<Self, String> {
-        parse(text)
     }
     fn write(value: Self) -> String {
         value.to_string()

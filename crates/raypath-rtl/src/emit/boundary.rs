@@ -36,9 +36,13 @@ pub trait Wires<'m> {
     /// The wire, under the value's name.
     fn named(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error>;
     /// The same net without that name: operations that share it have different names for it.
-    fn shared(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error>;
+    fn shared(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
+        self.named(op, id)
+    }
     /// A register before the step, in its encoding there.
-    fn register(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error>;
+    fn register(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
+        self.named(op, id)
+    }
     /// The results of a unit's part for its next part, with the stems of the ports.
     fn cut(&mut self, unit: Unit) -> Result<Vec<(String, Wire<'m>)>, Error>;
 }
@@ -204,12 +208,6 @@ struct Registers<'w, 'm>(&'w mut dyn Wires<'m>);
 
 impl<'m> Wires<'m> for Registers<'_, 'm> {
     fn named(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
-        self.0.register(op, id)
-    }
-    fn shared(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
-        self.0.register(op, id)
-    }
-    fn register(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
         self.0.register(op, id)
     }
     fn cut(&mut self, unit: Unit) -> Result<Vec<(String, Wire<'m>)>, Error> {

@@ -87,14 +87,6 @@ impl<'m> Wires<'m> for Ports<'m, '_> {
         })
     }
 
-    fn shared(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
-        self.named(op, id)
-    }
-
-    fn register(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
-        self.named(op, id)
-    }
-
     fn cut(&mut self, unit: Unit) -> Result<Vec<(String, Wire<'m>)>, Error> {
         Err(Error::PartApart { unit: unit.stem(), step: "input".to_string() })
     }

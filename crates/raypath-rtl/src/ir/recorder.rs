@@ -41,13 +41,17 @@ pub fn record<O: Operation>(operation: &O, opcode: u64, marks: Marks) -> Operati
 
     let (output, next) = operation.run(c, input, state);
 
-    let mut outputs = OutputSink { is_present: &|port| operation.has_output(port), outputs: Vec::new() };
-    output.each(&mut Path::default(), &mut outputs);
-    let outputs = outputs.outputs;
-    let mut next_nodes = Leaves(Vec::new());
-    next.each(&mut Path::default(), &mut next_nodes);
+    let mut outputs = Vec::new();
+    let mut add_output = |field: Field<'_>, node| {
+        if operation.has_output(field.name) {
+            outputs.push(OutputValue { port: port_bit(&field), node });
+        }
+    };
+    output.each(&mut Path::default(), &mut NodeSink(&mut add_output));
+    let mut next_nodes = Vec::new();
+    next.each(&mut Path::default(), &mut NodeSink(&mut |_, node| next_nodes.push(node)));
 
-    let states = names.into_iter().zip(next_nodes.0).collect();
+    let states = names.into_iter().zip(next_nodes).collect();
     recording.finish(O::NAME, opcode, inputs, outputs, states)
 }
 
@@ -100,12 +104,8 @@ impl Recorder<'_> {
 
     /// A node for a field of the input, named like its port.
     fn add_input(self, kind: Kind, field: &Field<'_>) -> NodeId {
-        let name = match field.bit {
-            Some((bit, _)) => format!("{}_{bit}", field.name),
-            None => field.name.to_string(),
-        };
         let id = self.push_at(Position::INPUT, kind, Op::Input(port_bit(field)));
-        self.recording.nodes.borrow_mut()[id.index()].name = Some(name);
+        self.recording.nodes.borrow_mut()[id.index()].name = Some(name_of(field));
         id
     }
 
@@ -164,7 +164,8 @@ impl Circuit for Recorder<'_> {
     }
 
     fn label<B: Bundle<Self>>(self, name: fmt::Arguments<'_>, value: &B) {
-        value.each(&mut Path::new(&name.to_string()), &mut LabelSink(self));
+        let mut label = |field: Field<'_>, node| self.name(node, &name_of(&field));
+        value.each(&mut Path::new(&name.to_string()), &mut NodeSink(&mut label));
     }
 
     fn constant(self, value: f32) -> NodeId {
@@ -276,6 +277,11 @@ fn port_bit(field: &Field<'_>) -> PortBit {
     PortBit { port: field.name.to_string(), bit: field.bit }
 }
 
+/// The name of a field, with its number if it is one bit of several.
+fn name_of(field: &Field<'_>) -> String {
+    field.bit.map_or_else(|| field.name.to_string(), |(bit, _)| format!("{}_{bit}", field.name))
+}
+
 /// The source of input values or of states: `add` adds a node. Not generic over the operation, so that it is compiled
 /// once.
 struct ValueSource<'s, 'g> {
@@ -295,60 +301,17 @@ impl<'g> Source<Recorder<'g>> for ValueSource<'_, 'g> {
     }
 }
 
-/// The sink of output values.
-struct OutputSink<'o> {
-    is_present: &'o dyn Fn(&str) -> bool,
-    outputs: Vec<OutputValue>,
-}
+/// A sink that passes on each field with its node. Not generic, like [`ValueSource`].
+struct NodeSink<'s>(&'s mut dyn FnMut(Field<'_>, NodeId));
 
-impl OutputSink<'_> {
-    fn push(&mut self, field: Field<'_>, node: NodeId) {
-        if (self.is_present)(field.name) {
-            self.outputs.push(OutputValue { port: port_bit(&field), node });
-        }
-    }
-}
-
-impl<'g> Sink<Recorder<'g>> for OutputSink<'_> {
+impl<'g> Sink<Recorder<'g>> for NodeSink<'_> {
     fn num(&mut self, field: Field<'_>, value: Num<Recorder<'g>>) {
-        self.push(field, value.value);
+        (self.0)(field, value.value);
     }
     fn bit(&mut self, field: Field<'_>, value: Bit<Recorder<'g>>) {
-        self.push(field, value.value);
+        (self.0)(field, value.value);
     }
     fn word(&mut self, field: Field<'_>, _width: u32, value: NodeId) {
-        self.push(field, value);
-    }
-}
-
-/// The leaves of a structure, in order.
-struct Leaves(Vec<NodeId>);
-
-impl<'g> Sink<Recorder<'g>> for Leaves {
-    fn num(&mut self, _: Field<'_>, value: Num<Recorder<'g>>) {
-        self.0.push(value.value);
-    }
-    fn bit(&mut self, _: Field<'_>, value: Bit<Recorder<'g>>) {
-        self.0.push(value.value);
-    }
-    fn word(&mut self, _: Field<'_>, _: u32, value: NodeId) {
-        self.0.push(value);
-    }
-}
-
-struct LabelSink<'g>(Recorder<'g>);
-
-impl<'g> Sink<Recorder<'g>> for LabelSink<'g> {
-    fn num(&mut self, field: Field<'_>, value: Num<Recorder<'g>>) {
-        self.0.name(value.value, field.name);
-    }
-    fn bit(&mut self, field: Field<'_>, value: Bit<Recorder<'g>>) {
-        match field.bit {
-            Some((bit, _)) => self.0.name(value.value, &format!("{}_{bit}", field.name)),
-            None => self.0.name(value.value, field.name),
-        }
-    }
-    fn word(&mut self, field: Field<'_>, _: u32, value: NodeId) {
-        self.0.name(value, field.name);
+        (self.0)(field, value);
     }
 }
