@@ -51,32 +51,6 @@ pub trait Wires<'m> {
 /// sign.
 pub type Arm<K> = (usize, K, NodeId, bool);
 
-/// The value of the job's operation among `arms`, without a multiplexer if all are the same net. An opcode without an
-/// operation selects the first arm.
-pub fn by_opcode<'m, K: PartialEq>(
-    m: &'m Builder,
-    opcode: Wire<'m>,
-    operations: &[OperationGraph<Step>],
-    arms: &[Arm<K>],
-    wires: &mut dyn Wires<'m>,
-) -> Result<Option<Wire<'m>>, Error> {
-    let signed = |wire: Wire<'m>, invert: bool| if invert { negate(wire) } else { wire };
-    Ok(match arms {
-        [] => None,
-        [(op, _, id, invert)] => Some(signed(wires.named(*op, *id)?, *invert)),
-        [(op, key, id, invert), rest @ ..] if rest.iter().all(|arm| (&arm.1, arm.3) == (key, *invert)) => {
-            Some(signed(wires.shared(*op, *id)?, *invert))
-        }
-        _ => {
-            let mut labelled = Vec::new();
-            for (op, _, id, invert) in arms {
-                labelled.push((label(&operations[*op]), signed(wires.named(*op, *id)?, *invert)));
-            }
-            Some(m.case(opcode, &labelled, labelled[0].1))
-        }
-    })
-}
-
 /// The number with its sign inverted.
 pub fn negate(number: Wire<'_>) -> Wire<'_> {
     number.builder().concat(&[!number.top(), number.lower(number.width() - 1)])
@@ -136,71 +110,124 @@ pub struct Next<'m> {
     pub wire: Wire<'m>,
 }
 
-/// The next values of the registers after a step.
-pub fn next<'m>(
-    m: &'m Builder,
-    plan: &Plan,
-    library: &Library,
-    step: usize,
-    opcode: Wire<'m>,
-    wires: &mut dyn Wires<'m>,
-) -> Result<Vec<Next<'m>>, Error> {
-    let layout = &plan.steps[step].layout;
-    m.section("Next values of the registers");
-    let mut next = vec![Next { name: "opcode".to_string(), wire: opcode }];
-    for place in 0..layout.numbers {
-        if let Some(wire) = next_number(m, plan, library, step, opcode, place, wires)? {
-            next.push(Next { name: number(place), wire });
-        }
-    }
-    for &unit in &layout.cuts {
-        for (stem, wire) in wires.cut(unit)? {
-            next.push(Next { name: format!("{}_{stem}", unit.stem()), wire });
-        }
-    }
-    for (register, width) in layout.flag_registers().enumerate() {
-        if let Some(wire) = next_flags(m, plan, layout, register, width, opcode, wires)? {
-            next.push(Next { name: flag_register(layout, register), wire });
-        }
-    }
-    Ok(next)
+/// A step under construction.
+#[derive(Clone, Copy)]
+pub struct StepBuilder<'m, 'p> {
+    /// The builder of its module.
+    pub m: &'m Builder,
+    pub plan: &'p Plan,
+    pub library: &'p Library,
+    /// Its index in the plan.
+    pub step: usize,
+    /// The opcode of the job in the registers before it.
+    pub opcode: Wire<'m>,
 }
 
-/// The next value of a number register, in its encoding. Values that pass in the same encoding are unchanged. Others
-/// are decoded after the choice by opcode, so one decoder for each register is enough.
-fn next_number<'m>(
-    m: &'m Builder,
-    plan: &Plan,
-    library: &Library,
-    step: usize,
-    opcode: Wire<'m>,
-    place: usize,
-    wires: &mut dyn Wires<'m>,
-) -> Result<Option<Wire<'m>>, Error> {
-    let live_values = live_values(plan, &plan.steps[step].layout, place);
-    let arms: Vec<_> = live_values.iter().map(|&(op, id)| (op, plan.origin(step, op, id), id, false)).collect();
-    let before = step.checked_sub(1).map(|before| plan.encoding(before));
-    let decodes = plan.encoding(step) == Encoding::Ieee && before.is_some();
-    if !decodes {
-        return by_opcode(m, opcode, &plan.operations, &arms, wires);
+impl<'m> StepBuilder<'m, '_> {
+    /// The value of the job's operation among `arms`, without a multiplexer if all are the same net. An opcode without
+    /// an operation selects the first arm.
+    pub fn by_opcode<K: PartialEq>(
+        self,
+        arms: &[Arm<K>],
+        wires: &mut dyn Wires<'m>,
+    ) -> Result<Option<Wire<'m>>, Error> {
+        let signed = |wire: Wire<'m>, invert: bool| if invert { negate(wire) } else { wire };
+        Ok(match arms {
+            [] => None,
+            [(op, _, id, invert)] => Some(signed(wires.named(*op, *id)?, *invert)),
+            [(op, key, id, invert), rest @ ..] if rest.iter().all(|arm| (&arm.1, arm.3) == (key, *invert)) => {
+                Some(signed(wires.shared(*op, *id)?, *invert))
+            }
+            _ => {
+                let mut labelled = Vec::new();
+                for (op, _, id, invert) in arms {
+                    labelled.push((self.label(*op), signed(wires.named(*op, *id)?, *invert)));
+                }
+                Some(self.m.case(self.opcode, &labelled, labelled[0].1))
+            }
+        })
     }
-    let passes = |origin: &Origin| before == Some(Encoding::Ieee) && matches!(origin, Origin::Register(_));
-    let (passing, made): (Vec<_>, Vec<_>) = arms.into_iter().partition(|(_, origin, ..)| passes(origin));
-    let decoded = by_opcode(m, opcode, &plan.operations, &made, wires)?.map(|wire| {
-        let name = format!("u_decode_{}", number(place));
-        m.instance(&name, &library.decode, &[("recoded_i", wire)])[0]
-    });
-    let Some(decoded) = decoded else {
-        return by_opcode(m, opcode, &plan.operations, &passing, &mut Registers(wires));
-    };
-    if passing.is_empty() {
-        return Ok(Some(decoded));
+
+    /// The next values of the registers after the step.
+    pub fn next(self, wires: &mut dyn Wires<'m>) -> Result<Vec<Next<'m>>, Error> {
+        let layout = &self.plan.steps[self.step].layout;
+        self.m.section("Next values of the registers");
+        let mut next = vec![Next { name: "opcode".to_string(), wire: self.opcode }];
+        for place in 0..layout.numbers {
+            if let Some(wire) = self.next_number(place, wires)? {
+                next.push(Next { name: number(place), wire });
+            }
+        }
+        for &unit in &layout.cuts {
+            for (stem, wire) in wires.cut(unit)? {
+                next.push(Next { name: format!("{}_{stem}", unit.stem()), wire });
+            }
+        }
+        for (register, width) in layout.flag_registers().enumerate() {
+            if let Some(wire) = self.next_flags(register, width, wires)? {
+                next.push(Next { name: flag_register(layout, register), wire });
+            }
+        }
+        Ok(next)
     }
-    let mut labelled = Vec::new();
-    for &(op, _, id, _) in &passing {
-        labelled.push((label(&plan.operations[op]), wires.register(op, id)?));
+
+    /// The next value of a number register, in its encoding. Values that pass in the same encoding are unchanged.
+    /// Others are decoded after the choice by opcode, so one decoder for each register is enough.
+    fn next_number(self, place: usize, wires: &mut dyn Wires<'m>) -> Result<Option<Wire<'m>>, Error> {
+        let Self { m, plan, library, step, .. } = self;
+        let live_values = live_values(plan, &plan.steps[step].layout, place);
+        let arms: Vec<_> = live_values.iter().map(|&(op, id)| (op, plan.origin(step, op, id), id, false)).collect();
+        let before = step.checked_sub(1).map(|before| plan.encoding(before));
+        let decodes = plan.encoding(step) == Encoding::Ieee && before.is_some();
+        if !decodes {
+            return self.by_opcode(&arms, wires);
+        }
+        let passes = |origin: &Origin| before == Some(Encoding::Ieee) && matches!(origin, Origin::Register(_));
+        let (passing, made): (Vec<_>, Vec<_>) = arms.into_iter().partition(|(_, origin, ..)| passes(origin));
+        let decoded = self.by_opcode(&made, wires)?.map(|wire| {
+            let name = format!("u_decode_{}", number(place));
+            m.instance(&name, &library.decode, &[("recoded_i", wire)])[0]
+        });
+        let Some(decoded) = decoded else { return self.by_opcode(&passing, &mut Registers(wires)) };
+        if passing.is_empty() {
+            return Ok(Some(decoded));
+        }
+        let mut labelled = Vec::new();
+        for &(op, _, id, _) in &passing {
+            labelled.push((self.label(op), wires.register(op, id)?));
+        }
+        Ok(Some(m.case(self.opcode, &labelled, decoded)))
     }
-    Ok(Some(m.case(opcode, &labelled, decoded)))
+
+    /// The next value of a flag register: the bits of each operation, and zeros between them.
+    fn next_flags(self, register: usize, width: u32, wires: &mut dyn Wires<'m>) -> Result<Option<Wire<'m>>, Error> {
+        let Self { m, plan, .. } = self;
+        let layout = &plan.steps[self.step].layout;
+        let first = register as u32 * FLAG_REGISTER;
+        let own = |op: usize| {
+            flag_fields(layout, op).into_iter().filter(move |field| field.0 / FLAG_REGISTER == first / FLAG_REGISTER)
+        };
+        if plan.microarchitecture.sharing == Sharing::Segregated {
+            let mut fields: Vec<_> = (0..plan.operations.len()).flat_map(|op| own(op).map(move |f| (op, f))).collect();
+            fields.sort_unstable_by_key(|(_, field)| field.0);
+            return flag_word(m, first, width, fields.into_iter(), wires);
+        }
+        let mut arms = Vec::new();
+        for op in 0..plan.operations.len() {
+            if let Some(word) = flag_word(m, first, width, own(op).map(|field| (op, field)), wires)? {
+                arms.push((self.label(op), word));
+            }
+        }
+        Ok(match arms.as_slice() {
+            [] => None,
+            [(_, only)] => Some(*only),
+            [(_, first), ..] => Some(m.case(self.opcode, &arms, *first)),
+        })
+    }
+
+    fn label(self, op: usize) -> Label {
+        label(&self.plan.operations[op])
+    }
 }
 
 /// The values in the registers before the step, in their encoding.
@@ -220,38 +247,6 @@ fn live_values(plan: &Plan, layout: &Layout, place: usize) -> Vec<(usize, NodeId
     let value =
         |op: usize| layout.slots[op].iter().find(|(_, p)| **p == RegisterSlot::Number(place)).map(|(&id, _)| (op, id));
     (0..plan.operations.len()).filter_map(value).collect()
-}
-
-/// The next value of a flag register: the bits of each operation, and zeros between them.
-fn next_flags<'m>(
-    m: &'m Builder,
-    plan: &Plan,
-    layout: &Layout,
-    register: usize,
-    width: u32,
-    opcode: Wire<'m>,
-    wires: &mut dyn Wires<'m>,
-) -> Result<Option<Wire<'m>>, Error> {
-    let first = register as u32 * FLAG_REGISTER;
-    let own = |op: usize| {
-        flag_fields(layout, op).into_iter().filter(move |field| field.0 / FLAG_REGISTER == first / FLAG_REGISTER)
-    };
-    if plan.microarchitecture.sharing == Sharing::Segregated {
-        let mut fields: Vec<_> = (0..plan.operations.len()).flat_map(|op| own(op).map(move |f| (op, f))).collect();
-        fields.sort_unstable_by_key(|(_, field)| field.0);
-        return flag_word(m, first, width, fields.into_iter(), wires);
-    }
-    let mut arms = Vec::new();
-    for op in 0..plan.operations.len() {
-        if let Some(word) = flag_word(m, first, width, own(op).map(|field| (op, field)), wires)? {
-            arms.push((label(&plan.operations[op]), word));
-        }
-    }
-    Ok(match arms.as_slice() {
-        [] => None,
-        [(_, only)] => Some(*only),
-        [(_, first), ..] => Some(m.case(opcode, &arms, *first)),
-    })
 }
 
 /// Fields, lowest first, as one word of `width` bits that begins at flag bit `first`; `None` if there are no fields.

@@ -1,7 +1,6 @@
 //! The registers after a step: a skid buffer, a register that never stalls, or the FIFO at the exit.
 
-use crate::allocate::plan::Plan;
-use crate::emit::boundary::Next;
+use crate::emit::boundary::{Next, StepBuilder};
 use crate::emit::control::{Exit, Plain, Skid};
 use crate::emit::interface;
 use crate::emit::library::Library;
@@ -21,7 +20,8 @@ pub struct Registers<'m, 'p> {
 
 impl<'m, 'p> Registers<'m, 'p> {
     /// The registers after a step of a plan, which take `next`.
-    pub fn new(m: &'m Builder, plan: &Plan, library: &'p Library, step: usize, mut next: Vec<Next<'m>>) -> Self {
+    pub fn new(at: StepBuilder<'m, 'p>, mut next: Vec<Next<'m>>) -> Self {
+        let StepBuilder { m, plan, library, step, .. } = at;
         let output = interface::output(plan, library, step);
         next.iter_mut().for_each(|next| next.wire = next.wire.named(&format!("{}_d", next.name)));
         Self { m, library, output, next }

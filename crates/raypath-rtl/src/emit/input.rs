@@ -2,7 +2,7 @@
 
 use crate::allocate::plan::Plan;
 use crate::config::Control;
-use crate::emit::boundary::{self, Wires};
+use crate::emit::boundary::{StepBuilder, Wires};
 use crate::emit::elastic::Registers;
 use crate::emit::interface;
 use crate::emit::library::Library;
@@ -60,8 +60,8 @@ pub fn input(plan: &Plan, library: &Library, package: &Arc<Package>) -> Result<A
         .map(|port| (port.name.clone(), m.input(&format!("{}_i", port.name), port.width)))
         .collect();
     let mut wires = Ports { plan, wires };
-    let next = boundary::next(&m, plan, library, 0, opcode, &mut wires)?;
-    let registers = Registers::new(&m, plan, library, 0, next);
+    let at = StepBuilder { m: &m, plan, library, step: 0, opcode };
+    let registers = Registers::new(at, at.next(&mut wires)?);
     match plan.microarchitecture.control {
         Control::Skid => registers.skid_buffers(None),
         Control::Credit => registers.plain(),

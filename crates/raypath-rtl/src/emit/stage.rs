@@ -2,7 +2,7 @@
 
 use crate::allocate::plan::Plan;
 use crate::config::{Control, Encoding};
-use crate::emit::boundary;
+use crate::emit::boundary::{self, StepBuilder};
 use crate::emit::elastic::Registers;
 use crate::emit::interface;
 use crate::emit::library::Library;
@@ -37,11 +37,12 @@ fn build(
     names: &[(usize, NodeId)],
 ) -> Result<Vec<(usize, NodeId)>, Error> {
     let opcode = m.input("opcode_i", plan.opcode_width());
+    let at = StepBuilder { m, plan, library, step, opcode };
     let mut before = StepInputs::ports(m, plan, library, step);
     m.group_inputs(interface::input(plan, library, step - 1));
-    let states = States::new(m, plan, library, step);
+    let states = States::new(at);
     before.states = states.wires.clone();
-    let mut values = Values::new(m, plan, library, step, opcode, before);
+    let mut values = Values::new(at, before);
 
     for (op, traced) in plan.operations.iter().enumerate() {
         let mut names = names.iter().filter(|(whose, _)| *whose == op).peekable();
@@ -59,12 +60,12 @@ fn build(
             values.unit(unit)?;
         }
     }
-    let next = boundary::next(m, plan, library, step, opcode, &mut values)?;
+    let next = at.next(&mut values)?;
     let last = step == plan.last();
-    let registers = Registers::new(m, plan, library, step, next);
+    let registers = Registers::new(at, next);
     let advance = match plan.microarchitecture.control {
         Control::Skid => {
-            let busy = Busy::new(m, plan, step, opcode);
+            let busy = Busy::new(at);
             let hold = busy.iter().map(|busy| busy.hold).reduce(|a, b| a | b);
             let advance = registers.skid_buffers(hold);
             busy.into_iter().for_each(|busy| busy.follow(advance));
@@ -73,7 +74,7 @@ fn build(
         Control::Credit if last => registers.exit(plan.latency())?,
         Control::Credit => registers.plain(),
     };
-    states.write(m, plan, advance, opcode, &mut values)?;
+    states.write(at, advance, &mut values)?;
     Ok(values.read_from_registers())
 }
 
@@ -127,7 +128,7 @@ struct States<'m> {
 }
 
 impl<'m> States<'m> {
-    fn new(m: &'m Builder, plan: &Plan, library: &Library, step: usize) -> Self {
+    fn new(StepBuilder { m, plan, library, step, .. }: StepBuilder<'m, '_>) -> Self {
         let mut states = Self { registers: BTreeMap::new(), wires: BTreeMap::new() };
         let all = || {
             plan.operations.iter().enumerate().flat_map(|(op, t)| t.states.iter().enumerate().map(move |s| (op, t, s)))
@@ -154,14 +155,8 @@ impl<'m> States<'m> {
     }
 
     /// Sets the next values of the registers.
-    fn write(
-        self,
-        m: &'m Builder,
-        plan: &Plan,
-        advance: Wire<'m>,
-        opcode: Wire<'m>,
-        values: &mut Values<'m, '_>,
-    ) -> Result<(), Error> {
+    fn write(self, at: StepBuilder<'m, '_>, advance: Wire<'m>, values: &mut Values<'m, '_>) -> Result<(), Error> {
+        let StepBuilder { m, plan, opcode, .. } = at;
         if self.registers.is_empty() {
             return Ok(());
         }
@@ -220,7 +215,7 @@ struct Busy<'m> {
 }
 
 impl<'m> Busy<'m> {
-    fn new(m: &'m Builder, plan: &Plan, step: usize, opcode: Wire<'m>) -> Vec<Self> {
+    fn new(StepBuilder { m, plan, step, opcode, .. }: StepBuilder<'m, '_>) -> Vec<Self> {
         let loops = plan.operations.iter().filter(|traced| traced.is_loop());
         let here = loops.filter(|traced| traced.first_read() == Step(step as u32));
         here.map(|traced| {

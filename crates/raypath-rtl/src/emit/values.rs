@@ -3,7 +3,7 @@
 use crate::allocate::layout::{FLAG_REGISTER, Origin, RegisterSlot};
 use crate::allocate::plan::Plan;
 use crate::config::Encoding;
-use crate::emit::boundary::{self, Wires, by_opcode, negate};
+use crate::emit::boundary::{self, StepBuilder, Wires, negate};
 use crate::emit::library::Library;
 use crate::error::Error;
 use crate::ir::graph::{Kind, NodeId, Op};
@@ -15,11 +15,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// The wires of a step's values, built on demand.
 pub struct Values<'m, 'p> {
-    m: &'m Builder,
-    plan: &'p Plan,
-    library: &'p Library,
-    step: usize,
-    opcode: Wire<'m>,
+    at: StepBuilder<'m, 'p>,
     inputs: StepInputs<'m>,
     made: BTreeMap<(usize, NodeId), Wire<'m>>,
     /// Number registers, recoded.
@@ -76,20 +72,9 @@ impl<'m> StepInputs<'m> {
 
 impl<'m, 'p> Values<'m, 'p> {
     /// The values of a step with these inputs.
-    pub fn new(
-        m: &'m Builder,
-        plan: &'p Plan,
-        library: &'p Library,
-        step: usize,
-        opcode: Wire<'m>,
-        inputs: StepInputs<'m>,
-    ) -> Self {
+    pub fn new(at: StepBuilder<'m, 'p>, inputs: StepInputs<'m>) -> Self {
         Self {
-            m,
-            plan,
-            library,
-            step,
-            opcode,
+            at,
             inputs,
             made: BTreeMap::new(),
             recoded: BTreeMap::new(),
@@ -110,7 +95,7 @@ impl<'m, 'p> Values<'m, 'p> {
             return Ok(wire);
         }
         let wire = self.make(op, id)?;
-        let graph = &self.plan.operations[op];
+        let graph = &self.at.plan.operations[op];
         let wire = match &graph.node(id).name {
             Some(name) if !graph.is_everywhere(id) => {
                 let repeats = name.strip_prefix(graph.name).is_some_and(|rest| rest.starts_with('_'));
@@ -130,9 +115,9 @@ impl<'m, 'p> Values<'m, 'p> {
             return Ok(wires.clone());
         }
         if !self.in_progress.insert(unit) {
-            return Err(Error::UnitLoop { stage: self.plan.steps[self.step].label.stage });
+            return Err(Error::UnitLoop { stage: self.at.plan.steps[self.at.step].label.stage });
         }
-        let module = self.library.unit(unit);
+        let module = self.at.library.unit(unit);
         let mut connections = Vec::new();
         for (operand, port) in module.inputs().iter().enumerate() {
             let wire = if unit.part == 0 {
@@ -142,7 +127,7 @@ impl<'m, 'p> Values<'m, 'p> {
             };
             connections.push((port.name.as_str(), wire));
         }
-        let wires = self.m.instance(&format!("u_{}", unit.stem()), module, &connections);
+        let wires = self.at.m.instance(&format!("u_{}", unit.stem()), module, &connections);
         self.units.insert(unit, wires.clone());
         Ok(wires)
     }
@@ -151,7 +136,8 @@ impl<'m, 'p> Values<'m, 'p> {
     fn result_of_part_before(&self, unit: Unit, stem: &str) -> Result<Wire<'m>, Error> {
         let cut = self.inputs.cuts.get(&Unit { part: unit.part - 1, ..unit }).into_iter().flatten();
         let found = cut.into_iter().find(|(port, _)| port == stem).map(|(_, wire)| *wire);
-        let missing = || Error::PartApart { unit: unit.stem(), step: self.plan.steps[self.step].label.to_string() };
+        let missing =
+            || Error::PartApart { unit: unit.stem(), step: self.at.plan.steps[self.at.step].label.to_string() };
         found.ok_or_else(missing)
     }
 
@@ -159,19 +145,19 @@ impl<'m, 'p> Values<'m, 'p> {
     fn operand(&mut self, unit: Unit, operand: usize, name: &str) -> Result<Wire<'m>, Error> {
         let users: Vec<(usize, NodeId)> = self.users(unit);
         let inverted =
-            |op: usize, id: NodeId| operand == 1 && matches!(self.plan.operations[op].node(id).op, Op::Subtract(..));
+            |op: usize, id: NodeId| operand == 1 && matches!(self.at.plan.operations[op].node(id).op, Op::Subtract(..));
         let all_inverted = users.iter().all(|&(op, id)| inverted(op, id));
         let arms: Vec<_> = users
             .into_iter()
             .map(|(op, id)| {
-                let swapped = self.plan.steps[self.step].bindings[op][&id].swapped;
-                let source = self.plan.operations[op].operands(id)[if swapped { 1 - operand } else { operand }];
-                (op, self.plan.origin(self.step, op, source), source, inverted(op, id) && !all_inverted)
+                let swapped = self.at.plan.steps[self.at.step].bindings[op][&id].swapped;
+                let source = self.at.plan.operations[op].operands(id)[if swapped { 1 - operand } else { operand }];
+                (op, self.at.plan.origin(self.at.step, op, source), source, inverted(op, id) && !all_inverted)
             })
             .collect();
-        let (m, opcode, plan) = (self.m, self.opcode, self.plan);
-        let chosen = by_opcode(m, opcode, &plan.operations, &arms, self)?;
-        let chosen = chosen.unwrap_or_else(|| m.constant(self.library.format.recoded_width(), 0));
+        let StepBuilder { m, library, .. } = self.at;
+        let chosen = self.at.by_opcode(&arms, self)?;
+        let chosen = chosen.unwrap_or_else(|| m.constant(library.format.recoded_width(), 0));
         let one_net = arms.iter().all(|arm| (&arm.1, arm.3) == (&arms[0].1, arms[0].3));
         let chosen = if one_net { chosen } else { chosen.named(name) };
         Ok(if all_inverted { negate(chosen) } else { chosen })
@@ -179,27 +165,27 @@ impl<'m, 'p> Values<'m, 'p> {
 
     /// The values that a unit computes, with their operations.
     fn users(&self, unit: Unit) -> Vec<(usize, NodeId)> {
-        let bindings = &self.plan.steps[self.step].bindings;
+        let bindings = &self.at.plan.steps[self.at.step].bindings;
         let made = |op: usize| bindings[op].iter().find(|(_, binding)| binding.unit == unit).map(|(&id, _)| (op, id));
         (0..bindings.len()).filter_map(made).collect()
     }
 
     fn make(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
-        let m = self.m;
+        let m = self.at.m;
         if let Some(slot) = self.slot(op, id) {
             return self.read(op, id, slot);
         }
-        let graph = &self.plan.operations[op];
+        let graph = &self.at.plan.operations[op];
         let node = graph.node(id);
         Ok(match node.op {
             Op::Input(_) => return Err(self.unplaced(op, id)),
             Op::State(state) => *self.inputs.states.get(&(op, state)).ok_or_else(|| self.unplaced(op, id))?,
             Op::Number(bits) => {
-                let format = self.library.format;
+                let format = self.at.library.format;
                 m.constant(format.recoded_width(), format.encode(format.from_f32(f32::from_bits(bits))))
             }
             Op::OnePlusUlps(ulps) => {
-                let format = self.library.format;
+                let format = self.at.library.format;
                 m.constant(format.recoded_width(), format.encode(format.from_f32(1.0) + u64::from(ulps)))
             }
             Op::Bit(value) => m.constant(1, value.into()),
@@ -208,23 +194,23 @@ impl<'m, 'p> Values<'m, 'p> {
                 m.constant(width, value.into())
             }
             Op::Continue(_) | Op::Add(..) | Op::Subtract(..) | Op::Multiply(..) | Op::Compare(..) => {
-                let unit = self.plan.steps[self.step].bindings[op][&id].unit;
+                let unit = self.at.plan.steps[self.at.step].bindings[op][&id].unit;
                 self.unit(unit)?[0]
             }
             Op::Relation(order, relation) => {
-                let unit = self.plan.steps[self.step].bindings[op][&order].unit;
+                let unit = self.at.plan.steps[self.at.step].bindings[op][&order].unit;
                 let results = self.unit(unit)?;
                 relate(results[0], results[1], results[2], relation)
             }
             Op::Flags(a) => {
-                let unit = self.plan.steps[self.step].bindings[op][&a].unit;
+                let unit = self.at.plan.steps[self.at.step].bindings[op][&a].unit;
                 self.unit(unit)?[1]
             }
             Op::Negate(a) => negate(self.get(op, a)?),
             Op::NumberOf(a) => {
                 let word = self.get(op, a)?;
                 let name = self.free_name(&format!("u_number_{}_{}", graph.name, graph.name_of(id)));
-                let unit = self.library.number(word.width()).ok_or_else(|| self.unplaced(op, a))?;
+                let unit = self.at.library.number(word.width()).ok_or_else(|| self.unplaced(op, a))?;
                 m.instance(&name, unit, &[("word_i", word)])[0]
             }
             Op::Test(test, a) => self.test(test, op, a)?,
@@ -241,7 +227,7 @@ impl<'m, 'p> Values<'m, 'p> {
     }
 
     fn slot(&self, op: usize, id: NodeId) -> Option<RegisterSlot> {
-        self.plan.steps[self.step.checked_sub(1)?].layout.slot(op, id)
+        self.at.plan.steps[self.at.step.checked_sub(1)?].layout.slot(op, id)
     }
 
     /// The contents of a slot; a number is recoded.
@@ -251,7 +237,7 @@ impl<'m, 'p> Values<'m, 'p> {
         if self.inputs.encoding == Encoding::Recoded {
             return Ok(wire);
         }
-        let (m, library) = (self.m, self.library);
+        let (m, library) = (self.at.m, self.at.library);
         let name = format!("u_encode_{}", boundary::number(register));
         let encode = || m.instance(&name, &library.encode, &[("ieee_i", wire)])[0];
         Ok(*self.recoded.entry(register).or_insert_with(encode))
@@ -262,7 +248,7 @@ impl<'m, 'p> Values<'m, 'p> {
         match (self.slot(op, a), self.inputs.encoding) {
             (Some(slot @ RegisterSlot::Number(_)), Encoding::Ieee) => {
                 let number = self.inputs.read(slot).ok_or_else(|| self.unplaced(op, a))?;
-                Ok(test_ieee(test, number, self.library.format))
+                Ok(test_ieee(test, number, self.at.library.format))
             }
             // The test reads four bits only, so the number is not named for it.
             _ => Ok(test_class(test, self.shared(op, a)?)),
@@ -270,7 +256,7 @@ impl<'m, 'p> Values<'m, 'p> {
     }
 
     fn unplaced(&self, op: usize, id: NodeId) -> Error {
-        self.plan.operations[op].unplaced(id)
+        self.at.plan.operations[op].unplaced(id)
     }
 
     fn free_name(&mut self, wanted: &str) -> String {
@@ -288,7 +274,7 @@ impl<'m> Wires<'m> for Values<'m, '_> {
     }
 
     fn shared(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
-        match self.plan.origin(self.step, op, id) {
+        match self.at.plan.origin(self.at.step, op, id) {
             Origin::Register(slot) => self.read(op, id, slot),
             Origin::Unit(unit) => Ok(self.unit(unit)?[0]),
             Origin::Port(_) | Origin::Logic(..) => self.get(op, id),
@@ -300,7 +286,7 @@ impl<'m> Wires<'m> for Values<'m, '_> {
     }
 
     fn cut(&mut self, unit: Unit) -> Result<Vec<(String, Wire<'m>)>, Error> {
-        let stems: Vec<String> = self.library.cut(unit).map(|(stem, _)| stem.to_string()).collect();
+        let stems: Vec<String> = self.at.library.cut(unit).map(|(stem, _)| stem.to_string()).collect();
         Ok(stems.into_iter().zip(self.unit(unit)?).collect())
     }
 }
