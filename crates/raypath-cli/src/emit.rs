@@ -5,11 +5,10 @@ use raypath_rtl::report::picture;
 use raypath_rtl::{Config, Datapath, Error};
 use std::path::{Path, PathBuf};
 
-/// What the file of assertions says of itself.
-const PROPERTIES: &[&str] = &[
-    "What the pipeline's control promises, as assertions. Compile this file after raypath.sv, with assertions on",
-    "(verilator --assert); its last lines bind the checkers to the modules. `raypath verify control` proves them.",
-];
+/// The head comment of the file of assertions.
+const PROPERTIES: &str = "Assertions about the control of the pipeline. Compile this file after raypath.sv, with \
+    assertions on (verilator --assert). Its last lines bind the checkers to the modules. `raypath verify control` \
+    proves them.";
 
 /// Everything that is written, by path: each module in `rtl/`, listed in `raypath.f`, and all of them in `raypath.sv`;
 /// `raypath_properties.sv`; `pipeline.svg`; a wrapper with its package, and manifests
@@ -26,29 +25,23 @@ pub fn files(
     let mut files = Vec::new();
     let mut list = String::new();
     let license = format!("// {}\n", verilog::LICENSE);
-    let mut all = head(banner, datapath.top().doc());
+    let mut all = verilog::head(banner, datapath.top().doc());
     for (source, alone) in
         verilog::sources(datapath.top(), banner)?.into_iter().zip(verilog::sources(datapath.top(), &[])?)
     {
         let name = format!("rtl/{}.sv", source.name);
         list += &format!("{name}\n");
-        all += &format!("\n{}", alone.text.trim_start_matches(&license));
+        all += &format!("{}\n", alone.text.trim_start_matches(&license));
         files.push((folder.join(name), source.text));
     }
     files.push((folder.join("raypath.f"), list));
     files.push((folder.join("raypath.sv"), all));
-    files.push((folder.join("raypath_properties.sv"), head(banner, PROPERTIES) + &datapath.properties().to_string()));
+    files.push((
+        folder.join("raypath_properties.sv"),
+        verilog::head(banner, &[PROPERTIES.to_string()]) + datapath.properties().to_string().trim_start(),
+    ));
     files.push((folder.join("pipeline.svg"), picture::pipeline(datapath, config)));
     let package = raypath_rtl::package::files(datapath, banner)?.into_iter();
     files.extend(package.map(|(path, text)| (folder.join(path), text)));
     Ok(files)
-}
-
-/// The comment at the head of the file that has all modules: what it came from, and Table VII.
-fn head(banner: &[String], doc: &[impl AsRef<str>]) -> String {
-    let lines = std::iter::once(verilog::LICENSE)
-        .chain(banner.iter().map(String::as_str))
-        .chain([""])
-        .chain(doc.iter().map(AsRef::as_ref));
-    lines.map(|line| format!("// {line}").trim_end().to_string() + "\n").collect()
 }

@@ -42,6 +42,12 @@ pub fn print_module(module: &Module, banner: &[String]) -> Result<String, Error>
     Ok(lines.into_iter().map(|line| line + "\n").collect())
 }
 
+/// The head of a file: the licence, the lines of `banner` and those of `doc` as a comment, then a blank line.
+pub fn head(banner: &[String], doc: &[String]) -> String {
+    let banner: Vec<String> = std::iter::once(LICENSE.to_string()).chain(banner.iter().cloned()).collect();
+    head_comment(&banner, doc).into_iter().map(|line| line + "\n").collect()
+}
+
 fn head_comment(banner: &[String], doc: &[String]) -> Vec<String> {
     let comments = |texts: &[String]| -> Vec<String> {
         texts

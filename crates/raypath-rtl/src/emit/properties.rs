@@ -165,7 +165,7 @@ impl fmt::Display for Properties {
 fn order_of_top(plan: &Plan) -> Bind {
     Bind::of_opcodes(plan, "raypath", Checker::Order)
         .parameter("Capacity", plan.capacity())
-        .parameter("Patience", plan.latency().into())
+        .parameter("MaxWaits", plan.latency().into())
         .connect("enter_valid_i", "input_valid_i")
         .connect("enter_ready_i", "input_ready_o")
         .connect("enter_opcode_i", "opcode_i")
@@ -202,7 +202,7 @@ fn order_of_step(plan: &Plan, step: usize, module: &Module) -> Bind {
     };
     Bind::of_opcodes(plan, module.name(), Checker::Order)
         .parameter("Capacity", capacity)
-        .parameter("Patience", 1)
+        .parameter("MaxWaits", 1)
         .connect("enter_valid_i", "valid_i")
         .connect("enter_ready_i", port_or_one(module, "ready_o"))
         .connect("enter_opcode_i", module.port_text("opcode_i"))

@@ -1,6 +1,6 @@
 //! Lists of files for simulators and package managers.
 
-use crate::package::text::head;
+use crate::package::text::yaml_head;
 
 /// The version that manifests name.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -31,7 +31,7 @@ impl Sources<'_> {
         let fileset = |name: &str, files: &[String]| {
             format!("  {name}:\n    files:\n{}    file_type: systemVerilogSource\n", items("      ", files))
         };
-        let comment = head("#", banner, &[]);
+        let comment = yaml_head(banner);
         let filesets = [
             fileset("rtl", &self.modules),
             fileset("wrapper", &self.wrapper),
@@ -60,7 +60,7 @@ impl Sources<'_> {
         format!(
             "{}package:\n  name: {name}\n  description: {DESCRIPTION}\n\nsources:\n{}  - target: simulation\n    \
              files:\n{}",
-            head("#", banner, &[]),
+            yaml_head(banner),
             items("  ", &files),
             items("      ", &[self.properties()]),
         )

@@ -7,12 +7,9 @@ pub fn licensed(banner: &[String]) -> Vec<String> {
     std::iter::once(LICENSE.to_string()).chain(banner.iter().cloned()).collect()
 }
 
-/// A comment at the head of a file: the licence, the lines of `banner`, then those of `doc`. `mark` begins a comment.
-pub fn head(mark: &str, banner: &[String], doc: &[String]) -> String {
-    let banner = licensed(banner);
-    let gap = (!banner.is_empty() && !doc.is_empty()).then(String::new);
-    let lines = banner.iter().cloned().chain(gap).chain(doc.iter().cloned());
-    lines.map(|line| format!("{mark} {}", line.replace(['\n', '\r'], " ")).trim_end().to_string() + "\n").collect()
+/// The head comment of a YAML file: the licence and the lines of `banner`.
+pub fn yaml_head(banner: &[String]) -> String {
+    licensed(banner).iter().map(|line| format!("# {}\n", line.replace(['\n', '\r'], " "))).collect()
 }
 
 /// The type of a word of `width` bits.

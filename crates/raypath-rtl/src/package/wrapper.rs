@@ -3,9 +3,9 @@
 use crate::Datapath;
 use crate::package::fields::Field;
 use crate::package::structures::{JOB_TYPE, OUTCOME_TYPE, Structures};
-use crate::package::text::{columns, head, licensed};
+use crate::package::text::{columns, licensed};
 use raypath_hdl::text::{Package, Structure};
-use raypath_hdl::verilog::print_package;
+use raypath_hdl::verilog::{head, print_package};
 
 /// The package of the wrapper's structures. Opcodes are in the package of the datapath.
 pub fn package(datapath: &Datapath, structures: &Structures, banner: &[String]) -> String {
@@ -32,13 +32,9 @@ pub fn module(datapath: &Datapath, job: &[Field], outcome: &[Field], banner: &[S
     let top = datapath.top();
     let name = top.name();
     let doc = [
-        format!(
-            "The module {name} with its inputs and outputs as structures, without logic of its own. Latency {}.",
-            datapath.latency()
-        ),
-        "A job enters where input_valid_i and input_ready_o are 1; an outcome leaves where output_valid_o and"
-            .to_string(),
-        "output_ready_i are 1, and stays as it is until then.".to_string(),
+        format!("The module {name} with structures as ports, without logic. Latency {}.", datapath.latency()),
+        "A job enters if input_valid_i and input_ready_o are 1. An outcome is stable until it leaves, when".to_string(),
+        "output_valid_o and output_ready_i are 1.".to_string(),
     ];
     let ports = columns(
         "  ",
@@ -59,8 +55,8 @@ pub fn module(datapath: &Datapath, job: &[Field], outcome: &[Field], banner: &[S
     connect(outcome, "outcome_o", &mut wires);
     let rows: Vec<_> = wires.iter().map(|(port, wire)| (format!(".{port}"), format!("({wire})"))).collect();
     format!(
-        "{}\nmodule {name}_wrapper (\n{}\n);\n\n  {name} u_{name} (\n{}\n  );\n\nendmodule : {name}_wrapper\n",
-        head("//", banner, &doc),
+        "{}module {name}_wrapper (\n{}\n);\n\n  {name} u_{name} (\n{}\n  );\n\nendmodule : {name}_wrapper\n",
+        head(banner, &doc),
         ports.join("\n"),
         columns("    ", &rows).join(",\n"),
     )

@@ -1,5 +1,5 @@
-// An accumulator that is read in one step and written in a later one: between the two is one beat at most, so that each
-// reads what the one before it has written.
+// An accumulator that one step reads and a later step writes: at most one beat is between the two, so
+// each beat reads the value that the beat before it wrote.
 module raypath_beats_properties #(
   parameter int unsigned OpcodeWidth = 2,
   parameter int unsigned Opcode      = 0  // of the operation

@@ -1,4 +1,4 @@
-// No more jobs are let in than the exit has places for.
+// The pipeline accepts no more jobs than the exit has places for.
 module raypath_credit_properties #(
   parameter int unsigned Capacity = 1  // places at the exit
 ) (

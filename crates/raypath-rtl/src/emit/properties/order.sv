@@ -1,9 +1,10 @@
-// Jobs leave in the order in which they came, each once, and none stays inside. The checker keeps the opcodes of the jobs
-// inside, the oldest in the lowest bits. Of a full FIFO one may leave as another one enters.
+// Jobs leave in the order in which they enter, each once, and none stays inside. The checker stores
+// the opcodes of the jobs inside, the oldest in the lowest bits. A job may enter a full FIFO in the
+// cycle in which another one leaves.
 module raypath_order_properties #(
   parameter int unsigned OpcodeWidth = 2,
   parameter int unsigned Capacity    = 2,  // jobs that fit inside
-  parameter int unsigned Patience    = 1   // cycles in which the sink waits in vain for a job that is inside
+  parameter int unsigned MaxWaits    = 1   // cycles that a ready sink waits for a job that is inside
 ) (
   input logic                   clk_i,
   input logic                   rst_ni,
@@ -16,7 +17,7 @@ module raypath_order_properties #(
 );
 
   localparam int unsigned CountWidth  = $clog2(Capacity + 2);
-  localparam int unsigned WaitsWidth  = $clog2(Patience + 2);
+  localparam int unsigned WaitsWidth  = $clog2(MaxWaits + 2);
   localparam int unsigned InsideWidth = OpcodeWidth * (Capacity + 1);
 
   logic [CountWidth-1:0]  count_q;
@@ -52,7 +53,7 @@ module raypath_order_properties #(
     no_more_than_fit: assert (!enters || staying < Capacity[CountWidth-1:0]);
     none_repeated:    assert (!leave_valid_i || count_q != '0);
     none_reordered:   assert (!leave_valid_i || leave_opcode_i == inside_q[OpcodeWidth-1:0]);
-    none_lost:        assert (waits_q < Patience[WaitsWidth-1:0]);
+    none_lost:        assert (waits_q < MaxWaits[WaitsWidth-1:0]);
   end
 
 endmodule : raypath_order_properties

@@ -1,6 +1,6 @@
-// What is offered and not taken stays as it is.
+// An output that is not accepted stays valid and unchanged.
 module raypath_stall_properties #(
-  parameter int unsigned Width = 1  // bits of what is offered
+  parameter int unsigned Width = 1  // bits of the output
 ) (
   input logic             clk_i,
   input logic             rst_ni,

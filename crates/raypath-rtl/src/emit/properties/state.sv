@@ -1,5 +1,5 @@
-// An accumulator takes its next value when a beat of its operation is handed on, zero where the beat resets it, and keeps
-// its value in every other cycle: it acts exactly once for each beat.
+// An accumulator loads its next value, or zero if the beat resets it, when a beat of its operation
+// leaves the step, and otherwise keeps its value: it changes once for each beat.
 module raypath_state_properties #(
   parameter int unsigned OpcodeWidth = 2,
   parameter int unsigned Width       = 1,  // bits of the accumulator
