@@ -24,7 +24,7 @@ pub fn files(
 ) -> Result<Vec<(PathBuf, String)>, Error> {
     let mut files = Vec::new();
     let mut list = String::new();
-    let license = format!("// {}\n", verilog::LICENSE);
+    let license = format!("// {}\n//\n", verilog::LICENSE);
     let mut all = verilog::head(banner, datapath.top().doc());
     for (source, alone) in
         verilog::sources(datapath.top(), banner)?.into_iter().zip(verilog::sources(datapath.top(), &[])?)

@@ -4,7 +4,7 @@
 module raypath_order_properties #(
   parameter int unsigned OpcodeWidth = 2,
   parameter int unsigned Capacity    = 2,  // jobs that fit inside
-  parameter int unsigned MaxWaits    = 1   // cycles that a ready sink waits for a job that is inside
+  parameter int unsigned MaxWaits    = 1   // cycles that a ready sink waits for a job inside
 ) (
   input logic                   clk_i,
   input logic                   rst_ni,
