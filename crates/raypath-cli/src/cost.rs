@@ -1,4 +1,4 @@
-//! What an operation costs: units, flip-flops and, where the tools are there, area and the slowest path, beside a
+//! The cost of an operation: units, flip-flops and, if the tools are installed, area and slowest path, relative to a
 //! datapath without it.
 
 #[cfg(feature = "workbench")]
@@ -40,16 +40,17 @@ impl Cost {
     /// Counts units and flip-flops of `datapath` with the operation of this name and without it.
     ///
     /// # Errors
-    /// An operation that does not fit.
+    /// The operation does not fit into the datapath.
     pub fn of(datapath: &Datapath, name: &str) -> Result<Self, rtl::Error> {
         let without = datapath.clone().without(name);
         Ok(Self { without: figures(&without)?, with: figures(datapath)? })
     }
 
-    /// The same with areas, by Yosys and OpenSTA in the default cell library; results are kept in `cache`.
+    /// The same with areas, measured by Yosys and OpenSTA in the default cell library; `cache` is the folder of cached
+    /// results.
     ///
     /// # Errors
-    /// A tool or the library that is not there, or that fails; the user stopped it.
+    /// A tool or the library is missing, a tool fails, or the user stopped it.
     #[cfg(feature = "workbench")]
     pub fn measured(self, datapath: &Datapath, name: &str, cache: &Path) -> Result<Self, CliError> {
         let design = |datapath: &Datapath, name: String| -> Result<Design, CliError> {
@@ -80,13 +81,13 @@ impl Cost {
         }
     }
 
-    /// The same in words; `none` where there are none.
+    /// The same as text; `none` if there are none.
     pub fn added_units_in_words(&self) -> String {
         let units = list(self.added_units());
         if units.is_empty() { "none".to_string() } else { units }
     }
 
-    /// Flip-flops that it adds; fewer than 0 where sharing saves some.
+    /// Flip-flops that it adds; below 0 if sharing saves some.
     pub fn added_flip_flops(&self) -> i64 {
         self.with.flip_flops as i64 - self.without.flip_flops as i64
     }
@@ -146,6 +147,6 @@ fn bench(cache: &Path) -> Result<Bench, Error> {
     })
 }
 
-/// The clock period that gates are chosen for, as `raypath ppa` has it by default.
+/// The clock period for which gates are optimised: the default of `raypath ppa`.
 #[cfg(feature = "workbench")]
 const PERIOD: f64 = 12.0;

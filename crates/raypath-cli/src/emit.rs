@@ -1,4 +1,4 @@
-//! What is written for a datapath: SystemVerilog, checkers, a picture, and what integrates it.
+//! The files of a datapath: SystemVerilog, checkers, a picture, and files for integration.
 
 use raypath_hdl::verilog;
 use raypath_rtl::report::picture;
@@ -10,7 +10,7 @@ const PROPERTIES: &str = "Assertions about the control of the pipeline. Compile 
     assertions on (verilator --assert). Its last lines bind the checkers to the modules. `raypath verify control` \
     proves them.";
 
-/// Everything that is written, by path: each module in `rtl/`, listed in `raypath.f`, and all of them in `raypath.sv`;
+/// The files by path: each module in `rtl/`, listed in `raypath.f`, and all of them in `raypath.sv`;
 /// `raypath_properties.sv`; `pipeline.svg`; a wrapper with its package, and manifests
 /// ([`raypath_rtl::package::files`]). `banner` is the comment at the head of each file.
 ///

@@ -29,7 +29,7 @@ pub enum CliError {
     /// Standard output cannot be written.
     #[error("standard output: {0}")]
     Output(#[from] std::io::Error),
-    /// The user stopped the command; says how far it came.
+    /// The user stopped the command; with its progress.
     #[error("stopped {0}")]
     Stopped(String),
 }
@@ -45,7 +45,7 @@ impl CliError {
         matches!(self, Self::Output(error) if error.kind() == ErrorKind::BrokenPipe)
     }
 
-    /// 1 for a mismatch, 2 for input that cannot be used, 130 after Ctrl-C, 141 where the reader has closed standard
+    /// 1 for a mismatch, 2 for input that cannot be used, 130 after Ctrl-C, 141 if the reader has closed standard
     /// output (the codes of shells).
     pub fn exit_code(&self) -> ExitCode {
         match self {
@@ -56,7 +56,7 @@ impl CliError {
         }
     }
 
-    /// Whether a tool is not installed, without which the rest of the work can go on.
+    /// Whether the error is a tool that is not installed; other steps can continue without it.
     pub fn is_missing_tool(&self) -> bool {
         match self {
             Self::Tool(ToolError::Missing(_)) => true,

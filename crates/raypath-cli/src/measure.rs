@@ -1,15 +1,15 @@
 use crate::{CliError, Progress};
 use raypath_ppa::{Bench, Design, Report};
 
-/// Measures designs with a progress bar. What is in the bench's cache is not measured again, and what is measured goes
-/// there, also where the user stops it.
+/// Measures designs with a progress bar. Results are taken from the bench's cache and added to it, also if the user
+/// stops the work.
 pub fn measure(bench: &Bench, designs: &[Design]) -> Result<Vec<Report>, CliError> {
     let mut progress: Option<Progress> = None;
     let mut reached = 0;
     let result = bench.measure(designs, |steps| {
         let total = steps.total as usize;
         reached = steps.done as usize;
-        // With all in the cache there is nothing to show.
+        // If all results are in the cache, there is no progress to show.
         total == 0 || progress.get_or_insert_with(|| Progress::new("steps", total)).at(reached)
     });
     progress.map_or(Ok(()), |progress| progress.finish(reached))?;

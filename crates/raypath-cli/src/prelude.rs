@@ -1,4 +1,4 @@
-//! What an operation of one's own is written with: `use raypath_cli::prelude::*`.
+//! The items that the description of an operation needs: `use raypath_cli::prelude::*`.
 
 pub use rand::RngExt;
 pub use rand::rngs::ChaCha8Rng;

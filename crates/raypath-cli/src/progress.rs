@@ -6,12 +6,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// How far a long piece of work has come.
+/// The progress of a long task.
 pub struct Progress {
     what: &'static str,
     total: usize,
     bar: Option<ProgressBar>,
-    /// Elsewhere than on a terminal: when the last line was printed, and what it counted.
+    /// Without a terminal: the time and the count of the last line.
     last_line: Instant,
     last_done: Option<usize>,
     begin: Instant,
@@ -26,15 +26,15 @@ pub struct Stopped {
     pub what: &'static str,
 }
 
-/// Whether the user has asked to stop. One for the program, as Ctrl-C is.
+/// Whether the user pressed Ctrl-C: one flag for the program.
 static STOPPED: AtomicBool = AtomicBool::new(false);
 
 const BETWEEN_LINES: Duration = Duration::from_secs(5);
 
 impl Progress {
-    /// Begins. `what` names the items counted: "jobs".
+    /// Starts the display. `what` names the items counted: "jobs".
     pub fn new(what: &'static str, total: usize) -> Self {
-        // A second piece of work finds the handler of the first, which is refused another and does the same.
+        // A second task cannot install a handler. The handler of the first sets the same flag.
         let _ = ctrlc::set_handler(|| STOPPED.store(true, Ordering::Relaxed));
         let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {msg}  {per_sec}  {eta} left");
@@ -44,7 +44,7 @@ impl Progress {
         Self { what, total, bar, last_line: Instant::now(), last_done: None, begin: Instant::now() }
     }
 
-    /// `done` items are done. False where the user wants to stop.
+    /// Shows that `done` items are done. Returns false if the user pressed Ctrl-C.
     pub fn at(&mut self, done: usize) -> bool {
         match &self.bar {
             Some(bar) => bar.set_position(done as u64),

@@ -119,7 +119,7 @@ fn a_file_has_the_operation_with_the_longest_matching_name() {
     let model = model();
     assert_eq!(kind_named("sum_of_two", &model).map(OperationId::name).ok(), Some("sum_of_two"));
     let error = kind_named("sum_of", &model).expect_err("a name");
-    assert_eq!(error.to_string(), format!("'sum_of' is no kind of job, {all}"));
+    assert_eq!(error.to_string(), format!("'sum_of' is not a valid kind of job, {all}"));
 }
 
 #[test]

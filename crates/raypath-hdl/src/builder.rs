@@ -180,7 +180,7 @@ impl Builder {
                 self.fail_drive(&format!("{name}.{given}"), "is driven twice");
             }
             if module.inputs().iter().all(|p| p.name != *given) {
-                self.fail_name(given, &format!("is no input of {}", module.name()));
+                self.fail_name(given, &format!("is not an input of {}", module.name()));
             }
         }
         let index = self.state.borrow().module.instances.len();

@@ -177,7 +177,7 @@ impl Module {
     }
 
     fn no_port(&self, name: &str, direction: &str) -> Error {
-        let problem = format!("is no {direction} of it");
+        let problem = format!("is not an {direction} of it");
         Error::Name { module: self.name.clone(), name: name.to_string(), problem }
     }
 }

@@ -42,7 +42,7 @@ pub fn problem(name: &str) -> Option<&'static str> {
     let mut characters = name.chars();
     let first_fits = characters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
     if !first_fits || !characters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
-        return Some("is no identifier: letters, digits and underscores, no digit first");
+        return Some("is not an identifier: letters, digits and underscores, no digit first");
     }
     let is_among = |words: &str| words.split_ascii_whitespace().any(|word| word == name);
     if name.contains("__") {

@@ -169,7 +169,7 @@ impl Simulator {
         found.map(|&(_, _, slot)| Probe { slot }).ok_or_else(|| Error::Name {
             module: self.module.name.clone(),
             name: name.to_string(),
-            problem: "is no observed signal".to_string(),
+            problem: "is not an observed signal".to_string(),
         })
     }
 

@@ -25,7 +25,7 @@ fn drive(signal: &str, problem: &str) -> Error {
     Error::Drive { module: "bad".into(), signal: signal.into(), problem: problem.into() }
 }
 
-const NO_IDENTIFIER: &str = "is no identifier: letters, digits and underscores, no digit first";
+const NO_IDENTIFIER: &str = "is not an identifier: letters, digits and underscores, no digit first";
 
 #[test]
 fn operands_of_unequal_width() {
@@ -296,7 +296,7 @@ fn instances_whose_ports_do_not_match() {
     assert_eq!(twice, drive("u_inner.a_i", "is driven twice"));
     assert_eq!(connected(&[]), drive("u_inner.a_i", "is never driven"));
     assert_eq!(connected(&[("a_i", 7)]), width("u_inner.a_i", "connected to 7 bits, expected 8"));
-    assert_eq!(connected(&[("a_i", 8), ("b_i", 8)]), name("b_i", "is no input of inner"));
+    assert_eq!(connected(&[("a_i", 8), ("b_i", 8)]), name("b_i", "is not an input of inner"));
 }
 
 /// The text prints 64 bits as `Width` there.

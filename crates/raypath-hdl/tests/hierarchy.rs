@@ -231,11 +231,11 @@ fn unknown_names_are_errors() {
         name: name.to_string(),
         problem: problem.to_string(),
     };
-    assert_eq!(s.input("data_o"), Err(name_error("is no input of it", "data_o")));
-    assert_eq!(s.output("data_i"), Err(name_error("is no output of it", "data_i")));
-    assert_eq!(s.observe("back"), Err(name_error("is no observed signal", "back")));
-    assert_eq!(depends_combinationally(s.module(), "no", "data_i"), Err(name_error("is no output of it", "no")));
-    assert_eq!(depends_combinationally(s.module(), "data_o", "no"), Err(name_error("is no input of it", "no")));
+    assert_eq!(s.input("data_o"), Err(name_error("is not an input of it", "data_o")));
+    assert_eq!(s.output("data_i"), Err(name_error("is not an output of it", "data_i")));
+    assert_eq!(s.observe("back"), Err(name_error("is not an observed signal", "back")));
+    assert_eq!(depends_combinationally(s.module(), "no", "data_i"), Err(name_error("is not an output of it", "no")));
+    assert_eq!(depends_combinationally(s.module(), "data_o", "no"), Err(name_error("is not an input of it", "no")));
 }
 
 /// So much work that a simulator remembers what it came to.

@@ -85,7 +85,7 @@ impl FromStr for JobKind {
 
 /// The error of a name that is not one of the paper's operations.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("'{0}' is no kind of job, expected triangle, quadbox, euclidean or angular")]
+#[error("'{0}' is not a valid kind of job, expected triangle, quadbox, euclidean or angular")]
 pub struct ParseJobKindError(String);
 
 /// Evaluates an expression for the values of any variant of a job or an outcome.

@@ -41,7 +41,7 @@ pub enum RayError {
     #[error("origin ({}, {}, {}) is not finite, expected three finite numbers", .0[0], .0[1], .0[2])]
     OriginNotFinite([f32; 3]),
     /// The extent is negative or NaN.
-    #[error("extent {0} is no distance, expected a number of at least 0 (infinity reaches everything)")]
+    #[error("extent {0} is not a valid distance, expected a number of at least 0 (infinity reaches everything)")]
     Extent(f32),
 }
 

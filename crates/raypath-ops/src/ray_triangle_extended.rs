@@ -156,5 +156,5 @@ impl<C: Circuit> Bounds<C> {
 names! {
     Culling { Back = "back", Front = "front", None = "none" },
     /// The error of an unknown name of a culling mode.
-    ParseCullingError, "'{0}' is no culling mode, expected back, front or none"
+    ParseCullingError, "'{0}' is not a valid culling mode, expected back, front or none"
 }

@@ -144,5 +144,5 @@ fn chisel_swaps<C: Circuit>(a: Num<C>, b: Num<C>) -> Bit<C> {
 names! {
     Rules { Paper = "paper", Chisel = "chisel" },
     /// The error of an unknown name of a rule set.
-    ParseRulesError, "'{0}' is no rule set, expected paper or chisel"
+    ParseRulesError, "'{0}' is not a valid rule set, expected paper or chisel"
 }

@@ -399,7 +399,10 @@ fn invalid_rays_are_errors() {
         ("1 2 3 0 0 -1 0x8", "extent = '0x8', expected a decimal number"),
         ("1 2 3 0 0 0 inf", "direction (0, 0, 0) is zero, expected a direction of any other length"),
         ("1 2 nan 0 0 1 inf", "origin (1, 2, NaN) is not finite, expected three finite numbers"),
-        ("1 2 3 0 0 1 -1", "extent -1 is no distance, expected a number of at least 0 (infinity reaches everything)"),
+        (
+            "1 2 3 0 0 1 -1",
+            "extent -1 is not a valid distance, expected a number of at least 0 (infinity reaches everything)",
+        ),
         ("1 2 3 0 1e39 1 1", "direction (0, inf, 1) is not finite, expected three finite numbers"),
     ] {
         let problem = parse_rays(&format!("# first\n{line}\n"), Path::new("a/rays.txt")).unwrap_err();

@@ -132,7 +132,7 @@ impl Document<'_> {
             let Some(parameter) = parameters().find(|parameter| parameter.name == entry.key) else {
                 let keys: Vec<&str> = ["preset"].into_iter().chain(parameters().map(|known| known.name)).collect();
                 let (key, expected) = (beginning(&entry.key), alternatives(&keys));
-                let problem = format!("'{key}' is no parameter, expected {expected}");
+                let problem = format!("'{key}' is not a valid parameter, expected {expected}");
                 return Err(InputError::at_line(self.path, entry.line, problem));
             };
             parameter.set(&mut config, &entry.value).map_err(|problem| self.invalid(entry, problem))?;

@@ -88,7 +88,8 @@ pub fn read_from(
 /// The model does not have the operation.
 pub fn kind_named(name: &str, model: &WordModel) -> Result<OperationId, InputError> {
     model.kind(name).ok_or_else(|| {
-        let problem = format!("'{name}' is no kind of job{}, expected {}", hint(name), alternatives(&model.kinds()));
+        let problem =
+            format!("'{name}' is not a valid kind of job{}, expected {}", hint(name), alternatives(&model.kinds()));
         InputError { path: None, line: None, problem }
     })
 }

@@ -220,7 +220,7 @@ pub struct Shard {
 
 /// A text that names no shard.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("'{0}' is no shard, expected i/n with 1 ≤ i ≤ n, such as 2/5")]
+#[error("'{0}' is not a valid shard, expected i/n with 1 ≤ i ≤ n, such as 2/5")]
 pub struct ShardError(String);
 
 impl Shard {

@@ -51,7 +51,7 @@ impl FromStr for Level {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let level = Self::ALL.iter().find(|level| level.name() == text);
-        level.copied().ok_or_else(|| format!("'{text}' is no level, expected regression, full or long"))
+        level.copied().ok_or_else(|| format!("'{text}' is not a valid level, expected regression, full or long"))
     }
 }
 

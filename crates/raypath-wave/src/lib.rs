@@ -265,7 +265,7 @@ fn target(path: &Path) -> Result<PathBuf, WaveError> {
     };
     match found.map_err(|e| failed(path, &e))? {
         (target, found) if found.is_file() => Ok(target),
-        _ => Err(wave_error(path, "is no regular file, expected a file or nothing".to_string())),
+        _ => Err(wave_error(path, "is not a regular file, expected a file or nothing".to_string())),
     }
 }
 

@@ -222,7 +222,7 @@ fn only_files_are_replaced() {
     let (pipe, link) = (directory.path().join("pipe"), directory.path().join("link"));
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     symlink(&pipe, &link).unwrap();
-    let problem = "is no regular file, expected a file or nothing";
+    let problem = "is not a regular file, expected a file or nothing";
     for path in [pipe.as_path(), &link, directory.path()] {
         assert_eq!(create(path), Err(wave_error(path, problem)));
     }

@@ -43,22 +43,25 @@ fn a_file_overrides_its_preset_wherever_that_stands() {
 #[test]
 fn wrong_input_is_named() {
     let cases = [
-        ("\nlans = 2", "raypath.toml:2: 'lans' is no parameter, expected preset, lanes, rules, format,"),
-        ("unit_latency = 2", "raypath.toml:1: 'unit_latency' is no parameter"),
-        ("lanes = 3", "raypath.toml:1: lanes: '3' is no number of lanes, expected none, 2, 4, 8, 16, 32 or 64"),
-        ("lanes = true", "raypath.toml:1: lanes: 'true' is no number"),
+        ("\nlans = 2", "raypath.toml:2: 'lans' is not a valid parameter, expected preset, lanes, rules, format,"),
+        ("unit_latency = 2", "raypath.toml:1: 'unit_latency' is not a valid parameter"),
+        (
+            "lanes = 3",
+            "raypath.toml:1: lanes: '3' is not a valid number of lanes, expected none, 2, 4, 8, 16, 32 or 64",
+        ),
+        ("lanes = true", "raypath.toml:1: lanes: 'true' is not a valid number"),
         ("tag = 'x'", "raypath.toml:1: tag: 'x', expected a whole number from 0 to 32"),
         ("tag = 33", "raypath.toml:1: tag: '33', expected a whole number from 0 to 32"),
         ("range = 'yes'", "raypath.toml:1: range: 'yes', expected true or false"),
-        ("lanes = 16.0", "raypath.toml:1: lanes: '16.0' is no number"),
-        ("lanes = [16,\n 2]", "raypath.toml:1: lanes: '[16,' is no number"),
-        ("lanes = { count = 2 }", "raypath.toml:1: lanes: '{ count = 2 }' is no number"),
-        ("rules = 'paper'\n[lanes]\ncount = 2", "raypath.toml:2: lanes: '[lanes]' is no number"),
-        ("rules = ''", "raypath.toml:1: rules: '' is no rule set, expected paper or chisel"),
+        ("lanes = 16.0", "raypath.toml:1: lanes: '16.0' is not a valid number"),
+        ("lanes = [16,\n 2]", "raypath.toml:1: lanes: '[16,' is not a valid number"),
+        ("lanes = { count = 2 }", "raypath.toml:1: lanes: '{ count = 2 }' is not a valid number"),
+        ("rules = 'paper'\n[lanes]\ncount = 2", "raypath.toml:2: lanes: '[lanes]' is not a valid number"),
+        ("rules = ''", "raypath.toml:1: rules: '' is not a valid rule set, expected paper or chisel"),
         ("format = 'e5s90'", "raypath.toml:1: format: 'e5s90': format with a significand of 90 bits, expected 3 to 11"),
-        ("preset = 'big'", "raypath.toml:1: preset: 'big' is no preset, expected paper, original, graphics,"),
+        ("preset = 'big'", "raypath.toml:1: preset: 'big' is not a valid preset, expected paper, original, graphics,"),
         // The first wrong line of the file is reported.
-        ("io = 1\ncontrol = 1", "raypath.toml:1: io: '1' is no encoding of numbers, expected ieee or recoded"),
+        ("io = 1\ncontrol = 1", "raypath.toml:1: io: '1' is not a valid encoding of numbers, expected ieee or recoded"),
         ("io = 'ieee'\nlanes = none", "raypath.toml:2: 'lanes = none': "),
         (
             "lanes = 2\nlanes = 4",
@@ -134,10 +137,10 @@ fn lists_are_all_combinations() {
     assert_eq!(sweep("lanes = [2]"), Ok(vec![("only".to_string(), Config::DEFAULT.lanes(Lanes::Two))]));
 
     let cases = [
-        ("\nlanes = [2,\n 3]", "sweep.toml:2: lanes: '3' is no number of lanes"),
+        ("\nlanes = [2,\n 3]", "sweep.toml:2: lanes: '3' is not a valid number of lanes"),
         ("lanes = []", "sweep.toml:1: lanes: an empty list, expected a value"),
-        ("lane = [2]", "sweep.toml:1: 'lane' is no parameter"),
-        ("lanes = [[2]]", "sweep.toml:1: lanes: '[2]' is no number of lanes"),
+        ("lane = [2]", "sweep.toml:1: 'lane' is not a valid parameter"),
+        ("lanes = [[2]]", "sweep.toml:1: lanes: '[2]' is not a valid number of lanes"),
     ];
     for (text, problem) in cases {
         let found = sweep(text).expect_err(text);

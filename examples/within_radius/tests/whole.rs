@@ -76,7 +76,7 @@ fn the_command_writes_files_and_reports_results() {
     let mut out = Vec::new();
     run(&spec().into(), &arguments(folder.path(), &["--jobs", "500"]), &mut out).expect("all is well");
     let out = String::from_utf8(out).expect("text");
-    assert!(out.contains("Oracle of within_radius (f64): 0 of 500 random jobs answered wrongly."), "{out}");
+    assert!(out.contains("Oracle of within_radius (f64): 0 of 500 random jobs have wrong results."), "{out}");
     assert!(out.contains("500 jobs of all operations") && out.contains(" 0 mismatches"), "{out}");
     for file in ["raypath.sv", "raypath.f", "pipeline.svg", "rtl/raypath_stage_2.sv", "within_radius.txt"] {
         assert!(folder.path().join(file).is_file(), "{file}");

@@ -12,7 +12,7 @@ pub type Point = [f64; 3];
 /// A job of one of the paper's four operations, with 16 or 8 lanes per beat, none masked off.
 pub type HostJob = Job<16, 8, Binary64>;
 
-/// The ray of unlimited extent from `origin` along `direction`. None if [`Ray::new`] refuses the direction.
+/// The ray of unlimited extent from `origin` along `direction`. `None` if [`Ray::new`] rejects the direction.
 pub fn ray(origin: Point, direction: Point) -> Option<Ray<Binary64>> {
     let single = Ray::new([0.0; 3], direction.map(|d| d as f32), f32::INFINITY).ok()?;
     let axes = [single.kx, single.ky, single.kz].map(u32::from);
@@ -93,7 +93,7 @@ mod tests {
     use super::{Rounding, quadbox, ray, triangle};
     use raypath_ops::{Aabb, Binary32, Job, Ray, RayBoxInput, RayTriangleInput, Triangle};
 
-    /// Where binary32 rounds nothing, a host's job is the job that the types of binary32 make.
+    /// If binary32 rounds nothing, a host's job equals the job that the types of binary32 make.
     #[test]
     fn jobs_are_those_of_binary32() {
         let binary32 = |job| Rounding::new().job(&job, Binary32, |x| (x as f32).to_bits().into());

@@ -1,4 +1,4 @@
-//! The options that select a configuration: shared by all commands that elaborate one.
+//! The options that select a configuration.
 
 use crate::error::CliError;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
@@ -90,21 +90,21 @@ impl FromArgMatches for ConfigArguments {
     }
 }
 
-/// Operations beside the paper's.
+/// Operations besides those of the paper.
 #[derive(Debug, Args)]
 pub struct Additions {
-    /// Add an operation beside the paper's; `raypath operations` lists them
+    /// Add an operation to those of the paper; `raypath operations` lists them
     #[arg(long = "with", value_name = "NAME,...", value_delimiter = ',', value_parser = find)]
     pub specs: Vec<AnyOperationSpec>,
 }
 
 impl Additions {
-    /// The datapath of a configuration with these operations besides.
+    /// The datapath of a configuration with these operations added.
     pub fn datapath(&self, config: Config) -> Datapath {
         self.specs.iter().fold(Datapath::paper(config), |datapath, spec| datapath.with_any(spec.operation()))
     }
 
-    /// What a configuration with these operations is called.
+    /// The description of a configuration with these operations.
     pub fn name(&self, config: Config) -> String {
         let names: Vec<&str> = self.specs.iter().map(AnyOperationSpec::name).collect();
         if names.is_empty() { config.to_string() } else { format!("{config}, with {}", names.join(", ")) }

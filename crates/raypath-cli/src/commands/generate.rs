@@ -1,4 +1,4 @@
-//! `raypath generate`: SystemVerilog, its tables, and the proof that it answers like the models.
+//! `raypath generate`: SystemVerilog, tables, and a comparison of the netlist with the models.
 
 use crate::{Additions, CliError, ConfigArguments, Progress, ask_oracles, emit, whole};
 use clap::Args;
@@ -20,7 +20,7 @@ pub struct Arguments {
     /// The folder to write to
     #[arg(long, default_value = "build")]
     out: PathBuf,
-    /// How many random jobs to check the netlist with
+    /// The number of random jobs for the check of the netlist
     #[arg(long, default_value_t = 10_000, value_parser = whole(1..=u32::MAX))]
     jobs: u32,
     /// Seed of the random jobs, stalls and bubbles
@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     for spec in specs {
         writeln!(
             out,
-            "Wrote jobs of {0} with their answers to {folder}/{0}.txt, for `replay --with {0}`.",
+            "Wrote jobs of {0} with their outcomes to {folder}/{0}.txt, for `replay --with {0}`.",
             spec.name()
         )?;
     }
@@ -102,7 +102,7 @@ fn check(
     report_timing(&measured, netlist.shape(), out)
 }
 
-/// What was measured with a stream of each kind of job; an error where the models are slower or faster.
+/// Prints the timing of each kind of job; an error if the models have another timing.
 fn report_timing(
     measured: &[(OperationId, Option<Timing>)],
     shape: &Shape,
@@ -110,7 +110,9 @@ fn report_timing(
 ) -> Result<(), CliError> {
     for &(kind, timing) in measured {
         let Some(timing) = timing else {
-            return Err(CliError::Mismatch(format!("the netlist answered no {kind} job in an empty pipeline")));
+            return Err(CliError::Mismatch(format!(
+                "the netlist returned no outcome of a {kind} job in an empty pipeline"
+            )));
         };
         let expected =
             Timing { latency: shape.latency as u64, initiation_interval: shape.interval(kind.opcode()) as u64 };

@@ -7,9 +7,9 @@ use std::io::Write;
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Render a mesh through the datapath, and show how busy it was (feature `full`)
+    /// Render a mesh through the datapath, and show its utilisation (feature `full`)
     Render(Ignored),
-    /// Search nearest neighbours through the datapath, and show how busy it was (feature `full`)
+    /// Search nearest neighbours through the datapath, and show its utilisation (feature `full`)
     Search(Ignored),
     /// Run recorded transactions through a model or the netlist and compare the results (feature `full`)
     Replay(Ignored),
@@ -22,13 +22,13 @@ pub enum Command {
     Ppa(Ignored),
     /// Measure many configurations and draw area against clock and throughput (feature `full`)
     Explore(Ignored),
-    /// Measure the speed of the models, beside Verilator and other libraries (feature `full`)
+    /// Measure the speed of the models, compared with Verilator and other libraries (feature `full`)
     Bench(Ignored),
     /// Check the claims about the datapath against independent oracles: proofs, campaigns, mutations (feature `full`)
     Verify(Ignored),
 }
 
-/// Any arguments: what they mean, a build with the command knows.
+/// Any arguments. A build with the feature `full` parses them.
 #[derive(Debug, Args)]
 #[command(disable_help_flag = true)]
 pub struct Ignored {

@@ -37,11 +37,11 @@ pub struct CommandLine {
 enum Command {
     /// Write the datapath as SystemVerilog, show its schedule and units, and check the netlist against the models
     Generate(generate::Arguments),
-    /// List the presets: configurations that have names
+    /// List the presets, which are named configurations
     Configs,
     /// List the operations that a datapath can have, and the cost of each
     Operations(operations::Arguments),
-    /// Derive what the hardware expects of a ray (inverse, axes, shear) from its origin and direction
+    /// Derive the values of the ports of a ray (inverse, axes, shear) from its origin and direction
     Ray(ray::Arguments),
     #[command(flatten)]
     Full(full::Command),
@@ -68,14 +68,14 @@ pub fn main() -> ExitCode {
     exit(|out| CommandLine::parse().run(out))
 }
 
-/// Runs `command` with standard output, reports an error on standard error, and gives the exit code.
+/// Runs `command` with standard output, reports an error on standard error, and returns the exit code.
 pub(crate) fn exit(command: impl FnOnce(&mut dyn Write) -> Result<(), CliError>) -> ExitCode {
     let mut out = std::io::stdout().lock();
     match command(&mut out).and_then(|()| Ok(out.flush()?)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if !error.is_silent() {
-                // Where standard error cannot be written either, the exit code alone remains.
+                // If standard error cannot be written either, the exit code alone reports the error.
                 let _ = writeln!(std::io::stderr(), "raypath: {error}");
             }
             error.exit_code()

@@ -1,4 +1,4 @@
-//! Numbers on the command line: what is no number is told what was expected.
+//! Parsers of numbers on the command line, whose errors state what was expected.
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;

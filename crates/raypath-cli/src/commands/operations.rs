@@ -1,4 +1,4 @@
-//! `raypath operations`: what can be part of a datapath, and what each costs.
+//! `raypath operations`: the operations that a datapath can have, and the cost of each.
 
 use crate::{CliError, Cost};
 use clap::Args;
@@ -15,14 +15,14 @@ pub struct Arguments {
     /// Measure areas as well, with Yosys and OpenSTA: a few minutes for each operation that was not measured before
     #[arg(long)]
     area: bool,
-    /// Where measurements are kept, so that nothing is done twice
+    /// The folder of cached measurements
     #[arg(long, default_value = "build/ppa-cache", value_name = "DIR")]
     cache: PathBuf,
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = Config::DEFAULT;
-    // A row a line, so that a document can take it as it is.
+    // One row per line, so that a document can contain the table unchanged.
     let mut table = new_table();
     table.set_content_arrangement(ContentArrangement::Disabled);
     let mut head = vec!["operation", "for", "latency", "units added", "flip-flops added"];
@@ -70,7 +70,7 @@ struct Entry {
     name: &'static str,
     purpose: &'static str,
     verified: &'static str,
-    /// Where it is none of the paper's.
+    /// Set for operations that are not in the paper.
     spec: Option<AnyOperationSpec>,
 }
 

@@ -14,8 +14,8 @@ const NAMED: [(&str, Format); 4] =
 pub enum ParseFormatError {
     /// Not one of the names.
     #[error(
-        "'{0}' is no format, expected fp32, tf32, bf16, fp16 or eXsY: X exponent bits, Y significand bits with the \
-         hidden one"
+        "'{0}' is not a valid format, expected fp32, tf32, bf16, fp16 or eXsY: X exponent bits, \
+         Y significand bits with the hidden one"
     )]
     Name(String),
     /// Widths that no format has.

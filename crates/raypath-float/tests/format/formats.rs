@@ -55,8 +55,8 @@ fn names_that_are_none() {
         assert_eq!(name.parse::<Format>(), Err(ParseFormatError::Name(name.to_string())));
     }
     let message = |name: &str| name.parse::<Format>().err().map(|error| error.to_string());
-    let expected = "'half' is no format, expected fp32, tf32, bf16, fp16 or eXsY: X exponent bits, Y significand bits with the \
-         hidden one";
+    let expected = "'half' is not a valid format, expected fp32, tf32, bf16, fp16 or eXsY: X exponent bits, \
+         Y significand bits with the hidden one";
     assert_eq!(message("half").as_deref(), Some(expected));
     let expected = "'e4s8': format with a significand of 8 bits, expected 3 to 7 for an exponent of 4 bits";
     assert_eq!(message("e4s8").as_deref(), Some(expected));

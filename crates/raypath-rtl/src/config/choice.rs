@@ -5,7 +5,7 @@ use thiserror::Error;
 
 /// A text that is not one of a parameter's values.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("'{given}' is no {what}, expected {expected}")]
+#[error("'{given}' is not a valid {what}, expected {expected}")]
 pub struct ParseChoiceError {
     given: String,
     what: &'static str,

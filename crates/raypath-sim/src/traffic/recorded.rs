@@ -49,7 +49,13 @@ pub fn read_recorded(path: &Path) -> Result<Vec<Cycle>, InputError> {
                     withdraws = true;
                     continue;
                 }
-                _ => return Err(InputError::at_line(path, index + 1, format!("'{letter}' is no cycle, {LETTERS}"))),
+                _ => {
+                    return Err(InputError::at_line(
+                        path,
+                        index + 1,
+                        format!("'{letter}' is not a valid cycle, {LETTERS}"),
+                    ));
+                }
             };
             cycles.push(Cycle { offers, takes, withdraws, resets: letter == 'r' });
             withdraws = false;

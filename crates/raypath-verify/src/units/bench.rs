@@ -175,7 +175,7 @@ pub fn chain(parts: &[Arc<Module>]) -> Result<Arc<Module>, Error> {
             return Err(Error::Name {
                 module: part.name().to_string(),
                 name: name.clone(),
-                problem: "is no input of this part, but an output of the part before".to_string(),
+                problem: "is not an input of this part, but an output of the part before".to_string(),
             });
         }
         let connected: Vec<(&str, Wire<'_>)> = values.iter().map(|(name, wire)| (name.as_str(), *wire)).collect();

@@ -26,7 +26,7 @@ fn an_operation_is_added_by_its_name() {
         format!("with {last}, {first}"),
         ": 0 mismatches".to_string(),
         format!("Oracle of {last}"),
-        ": 0 of 600 random jobs answered wrongly".to_string(),
+        ": 0 of 600 random jobs have wrong results".to_string(),
     ];
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     ends_with(&["generate", "--with", &format!("{last},{first}"), "--jobs", "600", "--out", &out], 0, &words);
@@ -41,7 +41,7 @@ fn an_operation_is_added_by_its_name() {
         &["operation       jobs  mismatches", " 600           0\n"],
     );
     let half = ["generate", "--with", last, "--format", "fp16", "--jobs", "50", "--out", &out];
-    ends_with(&half, 0, &["left out; oracles speak of binary32"]);
+    ends_with(&half, 0, &["skipped; oracles exist for binary32 only"]);
 
     let words: Vec<&str> = std::iter::once("'spheer'").chain(names.iter().copied()).collect();
     ends_with(&["generate", "--with", "spheer", "--out", &out], 2, &words);

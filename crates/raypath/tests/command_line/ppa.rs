@@ -82,9 +82,9 @@ fn wrong_input_is_named_before_any_work() {
         (&["ppa", "--against", "earlier"], &["earlier/ppa.json: missing field `area`", "expected a report"]),
         (&["ppa", "--period", "0"], &["expected nanoseconds"]),
         (&["ppa", "--jobs", "0"], &["expected a whole number from 1 to 65535"]),
-        (&["explore", "--preset", "big"], &["'big' is no preset, expected paper,"]),
-        (&["explore", "--sweep", "lanes.toml"], &["lanes.toml:2: lanes: '3' is no number of lanes"]),
-        (&["explore", "--sweep", "key.toml"], &["key.toml:1: 'lane' is no parameter"]),
+        (&["explore", "--preset", "big"], &["'big' is not a valid preset, expected paper,"]),
+        (&["explore", "--sweep", "lanes.toml"], &["lanes.toml:2: lanes: '3' is not a valid number of lanes"]),
+        (&["explore", "--sweep", "key.toml"], &["key.toml:1: 'lane' is not a valid parameter"]),
         (&["explore", "--sweep", "empty.toml"], &["empty.toml:2: lanes: an empty list"]),
     ];
     for (arguments, words) in cases {

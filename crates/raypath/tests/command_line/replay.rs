@@ -110,13 +110,17 @@ fn an_added_operation_is_replayed_and_shown() {
     ends_with(&["replay", "--with", name, "--kind", name, &other], 0, &["2000"]);
     let (all, without) = ("expected triangle, quadbox, euclidean or angular", format!("(without --with {name})"));
     ends_with(&["replay", &jobs], 2, &[&format!("{name}.txt: {name} jobs"), &without, all]);
-    ends_with(&["replay", "--kind", name, &other], 2, &[&format!("'{name}' is no kind of job {without}"), all]);
+    ends_with(
+        &["replay", "--kind", name, &other],
+        2,
+        &[&format!("'{name}' is not a valid kind of job {without}"), all],
+    );
     let all = &format!("expected triangle, quadbox, euclidean, angular or {name}");
     ends_with(&["replay", "--with", name, &other], 2, &["jobs.txt: the name begins with no kind of job", all]);
     let lanes = ["replay", "--with", name, "--lanes", "none", "--kind", "angular", &other];
     ends_with(
         &lanes,
         2,
-        &[&format!("'angular' is no kind of job (no distance modes), expected triangle, quadbox or {name}")],
+        &[&format!("'angular' is not a valid kind of job (no distance modes), expected triangle, quadbox or {name}")],
     );
 }

@@ -21,7 +21,7 @@ fn unlisted_numbers_of_lanes_are_refused_from_every_source() {
         ["0", "1", "3", "5", "6", "7", "12", "15", "17", "24", "48", "63", "65", "128", "-2", "2.0", "0x2", "٢"]
     {
         let refused = lanes.parse::<Lanes>().map(Lanes::count).expect_err(lanes).to_string();
-        assert_eq!(refused, format!("'{lanes}' is no number of lanes, {expected}"));
+        assert_eq!(refused, format!("'{lanes}' is not a valid number of lanes, {expected}"));
         let text = format!("lanes = '{lanes}'");
         for message in [
             parse(&text, Path::new("a.toml")).expect_err(lanes).to_string(),

@@ -1,4 +1,4 @@
-//! `raypath explore`: many configurations beside each other.
+//! `raypath explore`: area and timing of many configurations.
 
 use crate::commands::full::measuring::BenchArguments;
 use crate::commands::full::ppa::{self, design};

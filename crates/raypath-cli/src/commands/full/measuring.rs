@@ -1,4 +1,4 @@
-//! What `ppa` and `explore` measure with.
+//! Options of `ppa` and `explore` for the tools and the library.
 
 use crate::{CliError, number, whole};
 use clap::Args;
@@ -12,16 +12,16 @@ pub struct BenchArguments {
     /// The cell library: a Liberty file, plain or gzip
     #[arg(long, default_value = DEFAULT_LIBRARY, value_name = "FILE")]
     liberty: PathBuf,
-    /// The clock period that gates are chosen for, in nanoseconds; not a limit
+    /// The clock period for which gates are optimised, in nanoseconds; not a limit
     #[arg(long, default_value_t = 12.0, value_parser = number(0.001..=1e6, "nanoseconds, 0.001 to 1000000"), value_name = "NS")]
     period: f64,
-    /// How many programs may run at a time [default: as many as there are cores]
+    /// The number of programs that run at a time [default: the number of cores]
     #[arg(long, value_parser = whole(1..=u16::MAX))]
     jobs: Option<u16>,
-    /// Where results are kept, so that nothing is done twice
+    /// The folder of cached results
     #[arg(long, default_value = "build/ppa-cache", value_name = "DIR")]
     cache: PathBuf,
-    /// Which Yosys: the program, or Python's module [default: the module if it is installed]
+    /// The kind of Yosys: the program or the Python module [default: the module if it is installed]
     #[arg(long, value_parser = yosys())]
     yosys: Option<YosysKind>,
 }

@@ -28,9 +28,9 @@ use std::io::Write;
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Render a mesh through the datapath, and show how busy it was
+    /// Render a mesh through the datapath, and show its utilisation
     Render(render::Arguments),
-    /// Search nearest neighbours through the datapath, and show how busy it was
+    /// Search nearest neighbours through the datapath, and show its utilisation
     Search(search::Arguments),
     /// Run recorded transactions through a model or the netlist and compare the results
     Replay(replay::Arguments),

@@ -67,7 +67,7 @@ pub fn design(config: Config) -> Result<Design, CliError> {
     Ok(Design::new(config.to_string(), Datapath::new(config)?.top()))
 }
 
-/// A report as the files that show it.
+/// The files of a report.
 pub fn files(report: &Report, folder: &std::path::Path) -> Result<Vec<(PathBuf, String)>, CliError> {
     Ok(vec![(folder.join("ppa.json"), json(report)? + "\n"), (folder.join("ppa.svg"), charts::stages(report))])
 }

@@ -14,7 +14,7 @@ pub fn watched<T, E: std::fmt::Display>(
     let reached = AtomicU64::new(0);
     let watch = |done: u64| {
         reached.fetch_max(done, Ordering::Relaxed);
-        // A thread that finds the bar in use does not wait for it.
+        // A thread does not wait for the bar if another one uses it.
         match progress.try_lock() {
             Ok(mut progress) => progress.at(done as usize),
             Err(_) => !is_stopped(),

@@ -1,4 +1,4 @@
-//! `raypath verify`: claims about the datapath, each held against its oracle.
+//! `raypath verify`: checks of the claims about the datapath with their oracles.
 
 use crate::progress;
 use crate::{CliError, ConfigArguments, whole};
@@ -12,22 +12,22 @@ use std::time::Instant;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// What to verify; `--list` shows what there is [default: all]
+    /// The items to verify; `--list` shows all of them [default: all]
     #[arg(value_parser = item, value_name = "ITEM")]
     items: Vec<&'static str>,
     /// List the items with their claims and oracles, and do nothing
     #[arg(long)]
     list: bool,
-    /// How much: seconds each, minutes each, or hours
+    /// The effort: seconds for each item, minutes for each item, or hours
     #[arg(long, default_value = "regression", value_name = "regression|full|long")]
     level: Level,
-    /// How many jobs, where an item has jobs [default: by the level]
+    /// The number of jobs, for items with jobs [default: by the level]
     #[arg(long, value_name = "N", value_parser = whole(1..=u64::MAX))]
     jobs: Option<u64>,
-    /// Seed of whatever is random
+    /// Seed of all random choices
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
-    /// The part of the work to do, so that machines can divide it: 2/5 is the second of five
+    /// The part of the work for this machine: 2/5 is the second part of five
     #[arg(long, default_value = "1/1", value_name = "I/N")]
     shard: Shard,
     /// Write a record of each run, with commit, versions, time and result, as JSON into this folder
@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     match (wrong.is_empty(), not_run.is_empty()) {
         (false, _) => Err(CliError::Mismatch(format!("wrong: {}", wrong.join(", ")))),
         (true, false) => Err(CliError::unusable(format!("not run: {}", not_run.join("; ")))),
-        (true, true) => Ok(writeln!(out, "All is well.")?),
+        (true, true) => Ok(writeln!(out, "All claims hold.")?),
     }
 }
 
@@ -93,7 +93,7 @@ fn verify(item: &Item, arguments: &Arguments, config: Config, recorder: Option<&
         Some(recorder) => recorder.run(item, &mut request),
         None => (item.run)(&mut request),
     };
-    // A stop is told by the verdict, with what was covered.
+    // The verdict reports a stop, with the coverage so far.
     let _ = progress.map(|progress| progress.finish(reached));
     verdict
 }

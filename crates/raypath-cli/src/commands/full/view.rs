@@ -1,4 +1,4 @@
-//! The options that say how a run is shown: shared by `render`, `search` and `replay`.
+//! Options of `render`, `search` and `replay` for reports and timelines of a run.
 
 use crate::commands::full::utilisation::{operations, table, utilisation};
 use crate::{CliError, whole};
@@ -9,7 +9,7 @@ use raypath_timing::report::{Recorder, Recording, html, konata};
 use std::io::Write;
 use std::path::PathBuf;
 
-/// How the pipeline is shown.
+/// Options for reports and timelines.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "A picture of the pipeline")]
 pub struct ViewArguments {
@@ -19,16 +19,16 @@ pub struct ViewArguments {
     /// Write the timeline for the pipeline viewer Konata
     #[arg(long, value_name = "FILE")]
     konata: Option<PathBuf>,
-    /// How many jobs the timeline shows
+    /// The number of jobs in the timeline
     #[arg(long, default_value_t = 2000, value_parser = whole(1..=20_000usize), value_name = "N")]
     window_jobs: usize,
-    /// The cycle with which the timeline begins
+    /// The first cycle of the timeline
     #[arg(long, default_value_t = 0, value_parser = whole(0..=u64::MAX), value_name = "CYCLE")]
     window_from: u64,
 }
 
 impl ViewArguments {
-    /// Whether anything is to be shown that takes a timeline.
+    /// Whether an output with a timeline is requested.
     pub fn is_wanted(&self) -> bool {
         self.report.is_some() || self.konata.is_some()
     }
@@ -37,7 +37,8 @@ impl ViewArguments {
         self.report.is_some()
     }
 
-    /// What writes the timeline; `owner` is what a job's owner is called. It looks at nothing where nothing is wanted.
+    /// The recorder of the timeline; `owner` is the name of a job's owner. It records no job if no output needs a
+    /// timeline.
     pub fn recorder(&self, owner: &str, datapath: &Datapath) -> Recorder {
         let jobs = if self.is_wanted() { self.window_jobs } else { 0 };
         Recorder::new(owner, datapath.latency() as usize, self.window_from, jobs)
@@ -66,12 +67,12 @@ pub fn recording(title: String, config: Config, datapath: &Datapath, cycles: u64
     }
 }
 
-/// Prints what was counted, and how busy each stage's units were.
+/// Prints the counts and the utilisation of each stage's units.
 pub fn print(recording: &Recording, out: &mut dyn Write) -> Result<(), CliError> {
     print_rows(&recording.counts, out)?;
     writeln!(
         out,
-        "\nHow busy the units of each stage were:\n{}\n",
+        "\nUtilisation of the units of each stage:\n{}\n",
         table(&recording.utilisation, &recording.operations)
     )?;
     Ok(())

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 pub struct Arguments {
     #[command(flatten)]
     stream: StreamArguments,
-    /// The waveform to write, for GTKWave, Surfer and the like
+    /// The waveform to write, for viewers such as GTKWave and Surfer
     #[arg(long, default_value = "trace.fst")]
     out: PathBuf,
     /// Stop after this many jobs

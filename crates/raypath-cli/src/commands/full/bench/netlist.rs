@@ -1,4 +1,4 @@
-//! The netlist that is printed: compiled by us, and compiled by Verilator.
+//! The netlist: our simulators, and Verilator on the printed text.
 
 use crate::commands::full::bench::result::{Results, seconds};
 use crate::commands::full::bench::workload::Workload;

@@ -1,4 +1,4 @@
-//! What is seen, and from where.
+//! The scene and the camera.
 
 use crate::error::CliError;
 use clap::Args;
@@ -8,7 +8,7 @@ use std::path::Path;
 
 #[derive(Debug, Args)]
 pub struct CameraArguments {
-    /// Where the eye is, and what it looks at; up is +y [default: where all of the mesh is seen]
+    /// The position of the eye, and the point it looks at; up is +y [default: a view of the whole mesh]
     #[arg(
         long,
         num_args = 6,
@@ -16,13 +16,13 @@ pub struct CameraArguments {
         value_names = ["EX", "EY", "EZ", "TX", "TY", "TZ"]
     )]
     camera: Option<Vec<f32>>,
-    /// How many degrees that eye sees from the lower to the upper edge
+    /// The vertical field of view in degrees
     #[arg(long, default_value_t = Camera::FIELD_OF_VIEW, requires = "camera", value_name = "DEGREES")]
     fov: f32,
 }
 
 impl CameraArguments {
-    /// The camera that was asked for, or one that sees all of the mesh.
+    /// The requested camera, or one that sees the whole mesh.
     pub fn camera(&self, mesh: &Mesh, aspect: f32) -> Result<Camera, CliError> {
         match self.camera.as_deref() {
             None => Ok(Camera::framing(mesh, aspect)),
