@@ -10,13 +10,8 @@ fn inv(ray: Ray<Binary32>) -> [u32; 3] {
     <[f32; 3]>::from(ray.inv).map(f32::to_bits)
 }
 
-<<<<<<< HEAD
 /// For all directions of a grid, kz is the first axis of the greatest absolute value, which the paper's listing omits.
 /// kx, ky and kz have a cyclic order that a negative sign of dir[kz] reverses.
-=======
-/// For all directions of a grid, kz is the first axis of the greatest absolute value (the paper's listing omits it),
-/// and kx, ky, kz have a cyclic order that a negative sign of dir[kz] reverses.
->>>>>>> 432f731 (cli and others: describe commands, options and errors plainly; say 'is not a valid' of rejected values)
 #[test]
 fn the_axes_of_a_grid_of_directions() {
     let values = [-2.0, -1.0, -0.0, 0.0, 1.0, 2.0];
