@@ -27,9 +27,7 @@ pub fn mul(format: Format) -> Result<Arc<Module>, Error> {
     Ok(mul_parts(format, 1, false)?.remove(0))
 }
 
-/// The multiplier in 1, 2 or 3 parts, in the order of computation. Connected, they compute the same as the module of
-/// [`mul`]: output port `x_o` of a part drives input port `x_i` of the next. With `with_flags`, the last part has a
-/// second output, `flags_o`: the exceptions of [`flags`](crate::flags) that the product raises.
+/// The multiplier in 1, 2 or 3 parts, with or without the output `flags_o`, like [`add_parts`](crate::add_parts).
 ///
 /// # Errors
 /// Another number of parts.
