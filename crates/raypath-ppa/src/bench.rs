@@ -7,7 +7,7 @@ use crate::library::Library;
 use crate::netlist::Netlist;
 use crate::report::{Area, Path, Report, Setting, Slowest, Stage, Step, thousandths};
 use crate::structural;
-use crate::timing::{self, Endpoints, RawPath};
+use crate::timing::{self, RawPath};
 use raypath_tools::pool::{self, Progress};
 use raypath_tools::{Cache, Key, OpenSta, ToolError, Yosys, read_within, temporary_folder, write};
 use std::collections::{BTreeMap, HashSet};
@@ -78,8 +78,8 @@ impl Bench {
                 (block, key)
             })
             .collect();
-        let (period, sta) = (self.period.to_string(), self.sta.to_string());
-        let mut parts: Vec<&str> = vec![&design.name, &self.library.digest, &period, &sta];
+        let period = self.period.to_string();
+        let mut parts: Vec<&str> = vec![&design.name, &self.library.digest, &period, &self.sta.version];
         parts.extend(blocks.iter().map(|(_, key)| key.as_str()));
         let key = Key::new("report", &parts);
         Ok(Plan { design, registers: design.registers(), blocks, key })
@@ -146,8 +146,8 @@ impl Bench {
     /// The tools, the library and the period, for reports.
     pub fn setting(&self) -> Setting {
         Setting {
-            synthesis: self.yosys.to_string(),
-            timing: self.sta.to_string(),
+            synthesis: self.yosys.version.clone(),
+            timing: self.sta.version.clone(),
             library: self.library.name.clone(),
             nand2: self.library.nand2.clone(),
             buffer: self.library.buffer.clone(),
@@ -166,11 +166,8 @@ impl Bench {
         groups: &[String],
         stop: &AtomicBool,
     ) -> Result<Vec<Option<Path>>, Error> {
-        let mut ends: Vec<(usize, Endpoints)> = (0..groups.len())
-            .filter(|group| flip_flops[*group] > 0)
-            .map(|group| (group, Endpoints::Registers(group)))
-            .collect();
-        ends.push((attribution.port_group(), Endpoints::Ports));
+        let registers = (0..groups.len()).filter(|group| flip_flops[*group] > 0).map(Some);
+        let ends: Vec<Option<usize>> = registers.chain([None]).collect();
 
         let folder = temporary_folder()?;
         let folder = folder.path();
@@ -179,17 +176,16 @@ impl Bench {
         text += &structural::module(top, |index| structural::cell_name(index, &attribution.roles[index]));
         write(&folder.join(timing::NETLIST), &text)?;
         write(&folder.join(timing::LIBRARY), &self.library.text)?;
-        let ends_only: Vec<Endpoints> = ends.iter().map(|(_, end)| *end).collect();
-        write(&folder.join(timing::SCRIPT), &timing::script(&top.module, &self.library, self.period, &ends_only))?;
+        write(&folder.join(timing::SCRIPT), &timing::script(&top.module, &self.library, self.period, &ends))?;
         self.sta.run(folder, timing::SCRIPT, timing::LOG, &top.module, stop)?;
         let log = folder.join(timing::LOG);
         let said = read_within(&log, MAX_STA_OUTPUT)?;
         let found = timing::paths(&String::from_utf8_lossy(&said), ends.len())?;
 
         let mut slowest: Vec<Option<Path>> = vec![None; groups.len()];
-        for ((group, _), raw) in ends.into_iter().zip(found) {
+        for (end, raw) in ends.into_iter().zip(found) {
             let Some(path) = raw.map(|raw| named_path(&raw, top, attribution)) else { continue };
-            let known = &mut slowest[group];
+            let known = &mut slowest[end.unwrap_or(attribution.port_group())];
             if known.as_ref().is_none_or(|known| known.ns < path.ns) {
                 *known = Some(path);
             }
@@ -198,10 +194,7 @@ impl Bench {
     }
 }
 
-/// All results.
-///
-/// # Errors
-/// One was left out, because the user stopped the work.
+/// All results; an error if one was left out, because the user stopped the work.
 fn all<T>(results: Vec<Option<T>>) -> Result<Vec<T>, ToolError> {
     results.into_iter().collect::<Option<_>>().ok_or(ToolError::Stopped)
 }

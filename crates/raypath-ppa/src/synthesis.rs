@@ -16,7 +16,7 @@ impl Bench {
     pub(crate) fn netlist_key(&self, block: &Block) -> Key {
         let Self { library, yosys, period, .. } = self;
         let recipe = recipe::yosys(block, library) + &recipe::abc(*period) + &recipe::constraints(library);
-        Key::new("netlist", &[&recipe::source(block), &recipe, &library.digest, &yosys.to_string()])
+        Key::new("netlist", &[&recipe::source(block), &recipe, &library.digest, &yosys.version])
     }
 
     /// Synthesises a block. `registers` are those that it may have.

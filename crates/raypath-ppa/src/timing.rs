@@ -10,15 +10,6 @@ pub const LIBRARY: &str = "cells.lib";
 pub const SCRIPT: &str = "script.tcl";
 pub const LOG: &str = "sta.log";
 
-/// A set of endpoints of paths.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Endpoints {
-    /// The registers of a group.
-    Registers(usize),
-    /// The output ports.
-    Ports,
-}
-
 /// A path as OpenSTA prints it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawPath {
@@ -33,7 +24,8 @@ pub struct RawPath {
 const MARK: &str = "raypath paths:";
 
 /// The commands for OpenSTA. Ports switch at the clock edge, resets are false paths, the clock and wires are ideal.
-pub fn script(top: &str, library: &Library, period: f64, ends: &[Endpoints]) -> String {
+/// `ends` are the sets of endpoints: the registers of a group, or the output ports.
+pub fn script(top: &str, library: &Library, period: f64, ends: &[Option<usize>]) -> String {
     let mut lines = vec![
         format!("read_liberty {LIBRARY}"),
         format!("read_verilog {NETLIST}"),
@@ -49,8 +41,8 @@ pub fn script(top: &str, library: &Library, period: f64, ends: &[Endpoints]) -> 
     for (number, end) in ends.iter().enumerate() {
         lines.push(format!("puts \"{MARK} {number}\""));
         let to = match end {
-            Endpoints::Registers(group) => format!("[get_cells {}]", registers(*group)),
-            Endpoints::Ports => "[all_outputs]".to_string(),
+            Some(group) => format!("[get_cells {}]", registers(*group)),
+            None => "[all_outputs]".to_string(),
         };
         lines.push(format!("report_checks -path_delay max -digits 4 -to {to}"));
     }

@@ -2,17 +2,17 @@
 
 use crate::program::{Ended, Run, first_line};
 use crate::{Program, ToolError, read};
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// An installed ABC. Its `Display` form is its version.
+/// An installed ABC.
 #[derive(Debug, Clone)]
 pub struct Abc {
     program: PathBuf,
-    version: String,
+    /// Its name and version.
+    pub version: String,
 }
 
 static ABC: Program = Program {
@@ -66,11 +66,5 @@ impl Abc {
     pub fn last_line(output: &str) -> String {
         let line = output.lines().rev().find(|line| !line.trim().is_empty());
         format!("abc said '{}'", line.unwrap_or_default())
-    }
-}
-
-impl fmt::Display for Abc {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.version)
     }
 }

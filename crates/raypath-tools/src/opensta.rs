@@ -2,15 +2,15 @@
 
 use crate::program::Run;
 use crate::{Program, ToolError};
-use std::fmt;
 use std::path::Path;
 use std::process::Command;
 use std::sync::atomic::AtomicBool;
 
-/// An installed OpenSTA. Its `Display` form is its version.
+/// An installed OpenSTA.
 #[derive(Debug, Clone)]
 pub struct OpenSta {
-    version: String,
+    /// Its name and version.
+    pub version: String,
 }
 
 static STA: Program = Program {
@@ -37,11 +37,5 @@ impl OpenSta {
     pub fn run(&self, folder: &Path, script: &str, log: &str, about: &str, stop: &AtomicBool) -> Result<(), ToolError> {
         let run = Run { folder, log, limit: None, stop };
         run.succeed(&STA, Command::new("sta").args(["-no_splash", "-exit", script]), &self.version, about)
-    }
-}
-
-impl fmt::Display for OpenSta {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.version)
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::program::Run;
 use crate::{Program, ToolError};
-use std::fmt;
 use std::path::Path;
 use std::process::Command;
 use std::sync::atomic::AtomicBool;
@@ -16,11 +15,12 @@ pub enum YosysKind {
     Python,
 }
 
-/// An installed Yosys. Its `Display` form is its version.
+/// An installed Yosys.
 #[derive(Debug, Clone)]
 pub struct Yosys {
     kind: YosysKind,
-    version: String,
+    /// Its name and version.
+    pub version: String,
 }
 
 /// The program `yosys`.
@@ -75,11 +75,5 @@ impl Yosys {
         };
         let run = Run { folder, log: Self::LOG, limit: None, stop };
         run.succeed(program, Command::new(name).args(options).arg(script), &self.version, about)
-    }
-}
-
-impl fmt::Display for Yosys {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.version)
     }
 }

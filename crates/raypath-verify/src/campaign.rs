@@ -3,17 +3,13 @@
 
 mod episode;
 mod failure;
-pub mod shrink;
-
-pub use episode::{Episode, Found, JOBS_PER_EPISODE};
-pub use failure::{Failure, report};
 
 use crate::coverage::{Coverage, CoverageModel};
-use crate::error::Error;
 use crate::files;
 use crate::layout::Layout;
-use crate::request::Request;
-use crate::verdict::Verdict;
+use crate::{Error, Request, Verdict};
+use episode::{Episode, JOBS_PER_EPISODE};
+use failure::{Failure, report};
 use raypath_hdl::Module;
 use raypath_model::{Shape, WordModel};
 use raypath_rtl::{Config, Datapath};
@@ -47,7 +43,7 @@ pub fn verify_module(
     shape: &Shape,
     folder: &Path,
 ) -> Result<Verdict, Error> {
-    let jobs = request.jobs.unwrap_or(request.level.pick(REGRESSION, FULL, LONG));
+    let jobs = request.jobs.unwrap_or(request.level.pick(300_000, 45_000_000, 450_000_000));
     let (config, seed) = (request.config, request.seed);
     let episodes = jobs.div_ceil(JOBS_PER_EPISODE as u64);
     let cases = request.cases(episodes, 1);
@@ -71,11 +67,6 @@ pub fn verify_module(
     }
     Ok(verdict)
 }
-
-/// Jobs by level: seconds, a quarter of an hour, hours.
-const REGRESSION: u64 = 300_000;
-const FULL: u64 = 45_000_000;
-const LONG: u64 = 450_000_000;
 
 /// The counts of a worker, or of all.
 #[derive(Default)]

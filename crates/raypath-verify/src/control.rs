@@ -17,9 +17,7 @@ pub use model_checker::{CheckResult, Method, ModelChecker, SafetyProblem};
 pub use properties::{ModuleTexts, TextFault, never_leaves, problems};
 pub use structure::structural_faults;
 
-use crate::error::Error;
-use crate::request::Request;
-use crate::verdict::Verdict;
+use crate::{Error, Request, Verdict};
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control, Datapath, Lanes, Sharing, UnitLatency};
 use raypath_tools::pool;

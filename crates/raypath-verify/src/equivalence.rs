@@ -64,7 +64,7 @@ fn miter(pair: &[Arc<Module>; 2]) -> Result<Miter, Error> {
     let mut commands = Vec::new();
     let mut sources = Vec::new();
     for (side, module) in [("original", original), ("changed", changed)] {
-        sources.push((format!("{side}.sv"), text(module)?));
+        sources.push((format!("{side}.sv"), verilog::text(module)?));
         let top = module.name();
         commands.extend([format!("read_verilog -sv {SOURCE}{side}.sv"), format!("hierarchy -check -top {top}")]);
         commands.extend([
@@ -84,11 +84,6 @@ fn miter(pair: &[Arc<Module>; 2]) -> Result<Miter, Error> {
         commands,
         inputs: inputs.map(|(port, width)| (format!("in_{}", port.name), width)).collect(),
     })
-}
-
-/// A module and all modules below it as SystemVerilog.
-pub(crate) fn text(module: &Arc<Module>) -> Result<String, Error> {
-    Ok(verilog::text(module)?)
 }
 
 /// The ports with their widths.

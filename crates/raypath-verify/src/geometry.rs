@@ -5,7 +5,6 @@ mod box_intersection;
 pub mod boxes;
 mod campaign;
 mod dyadic;
-mod implementations;
 mod mesh;
 mod shapes;
 pub mod sums;

@@ -1,9 +1,27 @@
 //! All items, in the order of `docs/development/verification.md`.
 
+use crate::units::bench::Units;
 use crate::units::proofs;
-use crate::verdict::Item;
+use crate::{Error, Request, Verdict};
 use crate::{campaign, control, geometry, models, mutation, parsers, units};
+use raypath_float::Format;
 use std::path::Path;
+
+/// A claim about the datapath, its oracle, and the function that checks it.
+#[derive(Debug, Clone, Copy)]
+pub struct Item {
+    /// The item's name on the command line.
+    pub name: &'static str,
+    /// What is claimed.
+    pub claim: &'static str,
+    /// What the claim is checked against.
+    pub oracle: &'static str,
+    /// The files and folders of the repository that the result depends on: what is verified, and what verifies it. A
+    /// recorded result is stale once they have changed.
+    pub subject: &'static [&'static str],
+    /// Checks the claim.
+    pub run: fn(&mut Request<'_>) -> Result<Verdict, Error>,
+}
 
 const UNITS: &[&str] = &["crates/raypath-float/src", "crates/raypath-hdl/src", "crates/raypath-verify/src/units"];
 const PROOFS: &[&str] = &[
@@ -21,7 +39,7 @@ pub const ITEMS: &[Item] = &[
         claim: "the units add, subtract, multiply and compare binary32 as IEEE 754 specifies, unsplit and split",
         oracle: "Berkeley SoftFloat, on the cases of Berkeley TestFloat",
         subject: UNITS,
-        run: units::testfloat,
+        run: |request| units::testfloat(&Units::new(Format::BINARY32)?, request),
     },
     Item {
         name: "conversions",
@@ -29,14 +47,14 @@ pub const ITEMS: &[Item] = &[
             zero, infinity and NaN is decoded by its class alone",
         oracle: "the host's conversion to binary64, and the table of docs/reference/formats.md",
         subject: UNITS,
-        run: units::conversions,
+        run: |request| units::conversions(&Units::new(Format::BINARY32)?, request),
     },
     Item {
         name: "small-formats",
         claim: "the units of small formats give IEEE 754's result for every pair of operands, unsplit and split",
         oracle: "LLVM's soft float, in the crate rustc_apfloat",
         subject: UNITS,
-        run: units::small_formats,
+        run: |request| units::small_formats(&|format| Ok(Units::new(format)?), request),
     },
     Item {
         name: "unit-proofs",

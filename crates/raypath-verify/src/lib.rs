@@ -27,9 +27,7 @@ mod request;
 pub mod sat;
 pub mod stimuli;
 pub mod units;
-mod verdict;
 
 pub use error::Error;
-pub use items::ITEMS;
-pub use request::{Level, Progress, Request, Shard, ShardError};
-pub use verdict::{Item, Verdict};
+pub use items::{ITEMS, Item};
+pub use request::{Level, Progress, Request, Shard, ShardError, Verdict};

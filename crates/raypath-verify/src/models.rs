@@ -1,13 +1,11 @@
 //! The functional model against the oracle, and the cycle-exact model against the functional one, job by job.
 
 use crate::coverage::{Coverage, CoverageModel, JobPath};
-use crate::error::Error;
 use crate::files;
 use crate::layout::Layout;
 use crate::oracle::Oracle;
-use crate::request::Request;
 use crate::stimuli::{Stimuli, splitmix64};
-use crate::verdict::Verdict;
+use crate::{Error, Request, Verdict};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_model::{CycleModel, Functional, Shape};
@@ -22,11 +20,6 @@ use std::sync::atomic::Ordering;
 
 /// The oracle's configuration.
 const CONFIG: Config = Config::DEFAULT;
-/// Jobs by level: seconds, minutes, an hour.
-const REGRESSION: u64 = 8_000_000;
-const FULL: u64 = 200_000_000;
-const LONG: u64 = 1_000_000_000;
-
 /// The counts of a worker.
 struct Tally {
     jobs: u64,
@@ -39,7 +32,7 @@ struct Tally {
 /// # Errors
 /// A file cannot be written.
 pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error> {
-    let jobs = request.jobs.unwrap_or(request.level.pick(REGRESSION, FULL, LONG));
+    let jobs = request.jobs.unwrap_or(request.level.pick(8_000_000, 200_000_000, 1_000_000_000));
     let seed = request.seed;
     let layout = Layout::of(&Datapath::paper(CONFIG).model());
     let points = CoverageModel::new(CONFIG, &Shape::default(), layout.clone());

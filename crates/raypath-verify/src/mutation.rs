@@ -1,6 +1,5 @@
 //! Mutation testing: whether the regression tests find a fault in the netlist.
 
-mod job_equivalence;
 mod logic;
 mod mutant;
 mod report;
@@ -8,9 +7,7 @@ mod symbolic;
 mod trial;
 mod units;
 
-use crate::error::Error;
-use crate::request::{Level, Request};
-use crate::verdict::Verdict;
+use crate::{Error, Level, Request, Verdict};
 use mutant::{Mutant, MutantResult, Subject, choose, subjects};
 use raypath_hdl::mutate::replace;
 use raypath_rtl::{Config, Control, Lanes, UnitLatency};

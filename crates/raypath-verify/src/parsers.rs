@@ -7,10 +7,8 @@ mod worker;
 
 pub use targets::{TARGETS, Target};
 
-use crate::error::Error;
 use crate::files::in_folder;
-use crate::request::{Progress, Request};
-use crate::verdict::Verdict;
+use crate::{Error, Progress, Request, Verdict};
 use raypath_tools::read;
 use std::path::Path;
 use worker::{Outcome, Worker};

@@ -3,10 +3,8 @@
 //! A [`Recorder`] writes one JSON file for each item. [`table`] shows the records of a folder in Markdown. A record has
 //! the hash of its item's subject: it is stale if the subject has changed since.
 
-use crate::error::Error;
 use crate::files::in_folder;
-use crate::request::Request;
-use crate::verdict::{Item, Verdict};
+use crate::{Error, Item, Request, Verdict};
 use raypath_tools::{ToolError, digest, read, write};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -253,7 +251,7 @@ fn time(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::{Record, hash, table, time};
-    use crate::verdict::Item;
+    use crate::Item;
     use std::collections::BTreeMap;
 
     const ITEM: Item = Item {

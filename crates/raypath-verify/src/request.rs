@@ -1,4 +1,4 @@
-//! What to verify, how much of it, and which part.
+//! What to verify, how much of it, and which part; and what was found.
 
 use raypath_rtl::Config;
 use raypath_tools::pool::Cases;
@@ -76,4 +76,17 @@ impl Level {
             Self::Long => long,
         }
     }
+}
+
+/// What a verification covered, and what it found wrong.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Verdict {
+    /// What was run or proved, with numbers, in a line: "7,496,192 cases of each of 4 functions".
+    pub covered: String,
+    /// The first failures, a line each; empty if the claim holds.
+    pub failures: Vec<String>,
+    /// Further results, a line each: coverage that was not reached, work that was skipped, versions of programs.
+    pub remarks: Vec<String>,
+    /// Whether the user stopped the run before its end.
+    pub is_stopped: bool,
 }

@@ -71,7 +71,7 @@ impl Prover {
 
     /// The versions of the programs.
     pub fn versions(&self) -> String {
-        format!("{} and {}", self.yosys, self.abc)
+        format!("{} and {}", self.yosys.version, self.abc.version)
     }
 
     /// Solves problems one after the other, in at most `limit` each. Yosys runs once for all of them.

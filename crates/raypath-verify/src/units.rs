@@ -10,6 +10,6 @@ mod small_formats;
 mod softfloat;
 mod testfloat;
 
-pub use conversions::{conversions, conversions_of};
-pub use small_formats::{oracle, small_formats, small_formats_of};
-pub use softfloat::{testfloat, testfloat_of};
+pub use conversions::conversions;
+pub use small_formats::{oracle, small_formats};
+pub use softfloat::testfloat;

@@ -145,7 +145,11 @@ fn an_exposed_module_steps_like_the_module() {
     let module = row(Change::None);
     let mut whole = Simulator::new(&module).unwrap();
     let mut exposed = Simulator::new(&expose_registers(&module)).unwrap();
-    let registers = ["first_count_count_q", "second_count_q_2"];
+    let hold = |exposed: &mut Simulator, state: [u64; 2]| {
+        for (name, value) in ["first_count_count_q", "second_count_q_2"].iter().zip(state) {
+            exposed.set(exposed.input(name).unwrap(), value);
+        }
+    };
     let mut state = [0; 2];
     for cycle in 0..50_u64 {
         for simulator in [&mut whole, &mut exposed] {
@@ -153,10 +157,7 @@ fn an_exposed_module_steps_like_the_module() {
             simulator.set(step, cycle * 7919);
             simulator.set(en, u64::from(cycle % 3 != 0));
         }
-        for (name, value) in registers.iter().zip(state) {
-            let input = exposed.input(name).unwrap();
-            exposed.set(input, value);
-        }
+        hold(&mut exposed, state);
         if cycle == 0 {
             // Both begin from a reset.
             whole.set_reset(true);
@@ -165,10 +166,7 @@ fn an_exposed_module_steps_like_the_module() {
             exposed.settle();
             state = resets.map(|name| exposed.get(exposed.output(name).unwrap()));
             assert_eq!(state, [7, 7]);
-            for (name, value) in registers.iter().zip(state) {
-                let input = exposed.input(name).unwrap();
-                exposed.set(input, value);
-            }
+            hold(&mut exposed, state);
         }
         whole.cycle();
         exposed.settle();

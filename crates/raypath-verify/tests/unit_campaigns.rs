@@ -3,7 +3,7 @@
 use raypath_float::Format;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use raypath_verify::units::bench::Units;
-use raypath_verify::units::{conversions_of, small_formats_of, testfloat_of};
+use raypath_verify::units::{conversions, small_formats, testfloat};
 use raypath_verify::{Level, Request, Verdict};
 use std::sync::Arc;
 
@@ -11,9 +11,9 @@ use std::sync::Arc;
 fn the_units_are_right() -> Result<(), Box<dyn std::error::Error>> {
     let units = binary32()?;
     let verdicts = [
-        regression("2/8", |request| testfloat_of(&units, request)),
-        regression("2/8", |request| conversions_of(&units, request)),
-        regression("1/1", |request| small_formats_of(&|format| Ok(Units::new(format)?), request)),
+        regression("2/8", |request| testfloat(&units, request)),
+        regression("2/8", |request| conversions(&units, request)),
+        regression("1/1", |request| small_formats(&|format| Ok(Units::new(format)?), request)),
     ];
     for verdict in verdicts {
         assert_eq!((verdict.failures.as_slice(), verdict.is_stopped), ([].as_slice(), false), "{}", verdict.covered);
@@ -31,7 +31,7 @@ fn one_wrong_sum_is_found() -> Result<(), Box<dyn std::error::Error>> {
         let place = m.concat(&[m.constant(outputs[0].width() - 1, 0), is_wrong]);
         vec![outputs[0] ^ place]
     })?;
-    let verdict = regression("1/1", |request| testfloat_of(&units, request));
+    let verdict = regression("1/1", |request| testfloat(&units, request));
     for expected in [
         "sum of 0x3f800000 and 0x40800001: 0x40a00000, expected 0x40a00001",
         "sum in two parts of 0x3f800000 and 0x40800001: differs from the unsplit unit",
@@ -50,7 +50,7 @@ fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
     // A fault in one split form of a unit is found in that form.
     let mut units = binary32()?;
     units.mul[2] = faulty(&units.mul[2], |m, _, outputs| vec![outputs[0] & !m.constant(outputs[0].width(), 1)])?;
-    assert_reported(&regression("1/1", |request| testfloat_of(&units, request)), "product in three parts of 0x");
+    assert_reported(&regression("1/1", |request| testfloat(&units, request)), "product in three parts of 0x");
 
     let mut units = binary32()?;
     units.compare = faulty(&units.compare, |m, operands, outputs| {
@@ -58,7 +58,7 @@ fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
         vec![outputs[0], outputs[1] & !unlike, outputs[2] & m.constant(1, 1)]
     })?;
     assert_reported(
-        &regression("1/1", |request| testfloat_of(&units, request)),
+        &regression("1/1", |request| testfloat(&units, request)),
         "equal of 0x00000000 and 0x80000000: false, expected true",
     );
 
@@ -68,7 +68,7 @@ fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
         vec![outputs[0] ^ m.concat(&[m.constant(32, 0), is_least])]
     })?;
     assert_reported(
-        &regression("1/1", |request| conversions_of(&units, request)),
+        &regression("1/1", |request| conversions(&units, request)),
         "encoding 0x00000001: 0x035800001, expected 0x035800000",
     );
 
@@ -77,7 +77,7 @@ fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
         let is_large = operands[0].lower(32).upper(3).is(0b110) & operands[0].bit(28);
         vec![outputs[0] ^ m.concat(&[m.constant(31, 0), is_large])]
     })?;
-    assert_reported(&regression("1/1", |request| conversions_of(&units, request)), "decoding 0x");
+    assert_reported(&regression("1/1", |request| conversions(&units, request)), "decoding 0x");
 
     let of_small = |format| {
         let mut units = Units::new(format)?;
@@ -89,7 +89,7 @@ fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
         Ok(units)
     };
     assert_reported(
-        &regression("1/1", |request| small_formats_of(&of_small, request)),
+        &regression("1/1", |request| small_formats(&of_small, request)),
         "of e5s3: differs from the unsplit unit",
     );
     Ok(())
@@ -99,7 +99,7 @@ fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
 fn a_user_can_stop() -> Result<(), Box<dyn std::error::Error>> {
     let units = binary32()?;
     let mut proceed = |_| false;
-    let verdict = testfloat_of(&units, &mut request(Level::Long, "1/1", &mut proceed))?;
+    let verdict = testfloat(&units, &mut request(Level::Long, "1/1", &mut proceed))?;
     assert!(verdict.is_stopped && verdict.failures.is_empty(), "{verdict:?}");
     Ok(())
 }

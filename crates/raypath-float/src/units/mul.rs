@@ -8,8 +8,8 @@
 //! result is normalised by one place. If operands or exponents alone determine the result, its class replaces the
 //! exponent, and the mask clears every bit.
 //!
-//! Tests in `tests/units`: `small_formats.rs` (all operands, exact products), `binary32.rs` (the host's `f32`),
-//! `other_formats.rs` (exact products), `verilator.rs`; in all of them whole and in parts.
+//! Tests in `tests/units`: `small_formats.rs` (all operands, soft float), `binary32.rs` (the host's `f32`),
+//! `other_formats.rs` (soft float), `verilator.rs`; in all of them whole and in parts.
 
 use crate::Format;
 use crate::units::booth;

@@ -1,6 +1,6 @@
 //! Episodes: the independent parts of a campaign.
 
-use super::shrink::Trace;
+use super::failure::Trace;
 use crate::coverage::{Coverage, CoverageModel, JobPoints, Tracker};
 use crate::layout::Layout;
 use crate::stimuli::{Stimuli, splitmix64};

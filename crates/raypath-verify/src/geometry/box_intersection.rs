@@ -107,7 +107,7 @@ impl ExactIntersection {
     }
 
     fn of(crossings: &[Crossing], is_outside_slab: bool, extent: Option<Fraction>) -> Self {
-        let zero = Fraction::integer(Dyadic::zero());
+        let zero = Fraction::integer(Dyadic::default());
         let nears = || crossings.iter().map(|crossing| crossing.near.clone());
         let fars = || crossings.iter().map(|crossing| crossing.far.clone());
         let entry = nears().fold(zero.clone(), Fraction::max);

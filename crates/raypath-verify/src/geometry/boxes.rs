@@ -3,9 +3,7 @@
 use super::box_intersection::ExactIntersection;
 use super::campaign::{self, Tally};
 use super::dyadic::{U, ulps_of};
-use crate::error::Error;
-use crate::request::Request;
-use crate::verdict::Verdict;
+use crate::{Error, Request, Verdict};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Functional;

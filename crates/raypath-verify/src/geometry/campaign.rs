@@ -1,8 +1,6 @@
 //! Random cases on all cores. The result does not depend on the number of cores.
 
-use crate::error::Error;
-use crate::request::Request;
-use crate::verdict::Verdict;
+use crate::{Error, Request, Verdict};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_tools::pool;
@@ -14,9 +12,6 @@ const BLOCK: u64 = 512;
 /// Runs the shard's part of `cases` cases. `stream` selects random numbers that other campaigns of the same seed do not
 /// use. `case` adds its result to that of its block. Returns the results of the blocks in order, which does not depend
 /// on the number of workers, and whether the user stopped the campaign.
-///
-/// # Errors
-/// The threads cannot start.
 pub fn run<T: Send + Default>(
     request: &mut Request<'_>,
     stream: u64,

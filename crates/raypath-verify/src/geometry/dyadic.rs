@@ -5,17 +5,13 @@ use std::cmp::Ordering;
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// `significand` · 2^`exponent`, exactly.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Dyadic {
     significand: BigInt,
     exponent: i32,
 }
 
 impl Dyadic {
-    pub fn zero() -> Self {
-        Self { significand: BigInt::ZERO, exponent: 0 }
-    }
-
     pub fn power_of_two(exponent: i32) -> Self {
         Self { significand: BigInt::from(1), exponent }
     }
@@ -57,7 +53,7 @@ impl From<f64> for Dyadic {
     fn from(x: f64) -> Self {
         assert!(x.is_finite(), "{x} is no number");
         if x == 0.0 {
-            return Self::zero();
+            return Self::default();
         }
         let bits = x.to_bits();
         let (field, fraction) = ((bits >> 52 & 0x7ff) as i32, bits & ((1 << 52) - 1));
@@ -200,7 +196,7 @@ mod tests {
         assert_eq!(&Dyadic::from(f32::MAX) + &Dyadic::power_of_two(104), Dyadic::power_of_two(128));
         assert!(Dyadic::from(1.0_f32) + &least > Dyadic::from(1.0_f32));
         assert_eq!((&least * &least).to_f64(), 2_f64.powi(-298));
-        assert_eq!(Dyadic::from(-0.0_f32), Dyadic::zero());
+        assert_eq!(Dyadic::from(-0.0_f32), Dyadic::default());
     }
 
     #[test]

@@ -3,9 +3,7 @@
 use super::campaign::{self, Tally};
 use super::dyadic::{Dyadic, U, within_gamma};
 use super::triangle_distances::truncate;
-use crate::error::Error;
-use crate::request::Request;
-use crate::verdict::Verdict;
+use crate::{Error, Request, Verdict};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Functional;
@@ -62,6 +60,7 @@ impl Numbers {
 }
 
 /// An exact sum, with the magnitudes that bound its error.
+#[derive(Default)]
 struct Sum {
     value: Dyadic,
     magnitude: Dyadic,
@@ -69,10 +68,6 @@ struct Sum {
 }
 
 impl Sum {
-    fn new() -> Self {
-        Self { value: Dyadic::zero(), magnitude: Dyadic::zero(), terms: 0 }
-    }
-
     fn add(&mut self, term: Dyadic) {
         self.magnitude = &self.magnitude + &term.abs();
         self.value = &self.value + &term;
@@ -89,7 +84,7 @@ fn check<const E: usize, const A: usize>(tally: &mut Tally, rng: &mut ChaCha8Rng
     let beats = [1, 1, 2, 3, 8, 64][rng.random_range(0..6)];
     let last = beats - 1;
     let vectors: Vec<_> = (0..beats).map(|beat| draw::<E>(rng, numbers, beat == last)).collect();
-    let mut exact = Sum::new();
+    let mut exact = Sum::default();
     for [a, b] in vectors.iter().flat_map(lanes) {
         let difference = Dyadic::from(a) - Dyadic::from(b);
         exact.add(&difference * &difference);
@@ -104,7 +99,7 @@ fn check<const E: usize, const A: usize>(tally: &mut Tally, rng: &mut ChaCha8Rng
     }
 
     let vectors: Vec<_> = (0..beats).map(|beat| draw::<A>(rng, numbers, beat == last)).collect();
-    let (mut dot, mut norm) = (Sum::new(), Sum::new());
+    let (mut dot, mut norm) = (Sum::default(), Sum::default());
     for [a, b] in vectors.iter().flat_map(lanes).map(|pair| pair.map(Dyadic::from)) {
         dot.add(&a * &b);
         norm.add(&b * &b);
@@ -261,7 +256,7 @@ mod tests {
     /// Twelve thirds, and a sum with an error of one rounding more than the bound.
     #[test]
     fn wrong_sums_are_found() {
-        let mut exact = Sum::new();
+        let mut exact = Sum::default();
         (0..12).for_each(|_| exact.add(Dyadic::from(1.0 / 3.0)));
         let mut tally = Tally::default();
         let ulp = 2_f32.powi(-21);

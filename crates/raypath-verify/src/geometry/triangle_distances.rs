@@ -2,10 +2,8 @@
 
 use super::campaign::{self, Tally};
 use super::dyadic::{Dyadic, U, ulps_of, within_gamma};
-use super::implementations::datapath;
-use crate::error::Error;
-use crate::request::Request;
-use crate::verdict::Verdict;
+use super::watertight::datapath;
+use crate::{Error, Request, Verdict};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_ops::{Binary32, Ray, RayTriangleOutput, Rules};
@@ -62,6 +60,7 @@ impl TriangleResult {
 }
 
 /// Exact values, each multiplied by the power of the direction's largest component that avoids divisions.
+#[derive(Default)]
 struct Exact {
     /// t_denom · dz²
     area: Dyadic,
@@ -88,14 +87,7 @@ impl Exact {
         let (x, y, reach_x, reach_y) = (sheared(kx), sheared(ky), reach(kx), reach(ky));
         let forwards = d[kz].sign().is_gt();
         let depths = relative.each_ref().map(|r| if forwards { r[kz].clone() } else { -r[kz].clone() });
-        let mut exact = Self {
-            area: Dyadic::zero(),
-            volume: Dyadic::zero(),
-            magnitude: Dyadic::zero(),
-            magnitude_by_depth: Dyadic::zero(),
-            dz: d[kz].abs(),
-            depths,
-        };
+        let mut exact = Self { dz: d[kz].abs(), depths, ..Self::default() };
         // U belongs to A and is computed from C and B; V and W likewise.
         for (of, p, q) in [(0, 2, 1), (1, 0, 2), (2, 1, 0)] {
             let edge = &x[p] * &y[q] - &y[p] * &x[q];
@@ -240,8 +232,7 @@ pub fn truncate(number: f32, bits: u32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::implementations::datapath;
-    use super::{Exact, Tally, TriangleResult, check, draw, ulps_of};
+    use super::{Exact, Tally, TriangleResult, check, datapath, draw, ulps_of};
     use rand::SeedableRng;
     use rand::rngs::ChaCha8Rng;
     use raypath_ops::{Ray, Rules};

@@ -69,7 +69,7 @@ fn exactly_towards(direction: [f32; 3], corners: [[f32; 3]; 3]) -> Dyadic {
     let [a, b, c] = corners.map(|corner| corner.map(Dyadic::from));
     let e: [Dyadic; 3] = std::array::from_fn(|i| &b[i] - &a[i]);
     let f: [Dyadic; 3] = std::array::from_fn(|i| &c[i] - &a[i]);
-    (0..3).fold(Dyadic::zero(), |sum, i| {
+    (0..3).fold(Dyadic::default(), |sum, i| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         sum + Dyadic::from(direction[i]) * (&e[j] * &f[k] - &e[k] * &f[j])
     })

@@ -1,9 +1,8 @@
 //! The results of mutation testing.
 
 use super::mutant::{Mutant, MutantResult, Subject};
-use crate::error::Error;
 use crate::files;
-use crate::verdict::Verdict;
+use crate::{Error, Verdict};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;

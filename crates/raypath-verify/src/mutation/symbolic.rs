@@ -1,12 +1,56 @@
-//! A job that passes symbolically through a netlist.
+//! A proof that a fault in a stage changes no job's outcome.
+//!
+//! Many values of a stage are don't-cares: the values that an operation leaves in registers of other operations, and
+//! the operands of units that it does not use. Comparing two stages alone cannot show this; it depends on the stages
+//! behind. Therefore each operation's job passes symbolically through the whole datapath, as a function of arbitrary
+//! inputs and state: the control passes it on, registers hold what they have loaded, and units are uninterpreted
+//! functions. In the stage with the fault the job takes every path: directly, or through the spare register, or through
+//! each slot of the FIFO; in the last two cases the stage's inputs are arbitrary when the job leaves. Outputs and next
+//! states must be the same functions as without the fault. In the stage itself, with arbitrary registers, everything
+//! that affects control must be the same: enables, resets, handshakes.
 
 use super::logic::{FALSE, Logic, TRUE, Word};
+use super::mutant::Subject;
 use raypath_hdl::{Driver, Module, SignalId};
 use std::sync::Arc;
 
+/// Whether the proof shows that a fault changes no job's outcome. It does not apply to faults in units and control.
+pub fn is_equivalent_for_jobs(subject: &Subject, changed: &Arc<Module>, changed_top: &Arc<Module>) -> bool {
+    let (datapath, original) = (&subject.datapath, &subject.module);
+    if is_unit(original) || is_control(original) {
+        return false;
+    }
+    let mut logic = Logic::default();
+    datapath.config.kinds().iter().all(|kind| {
+        let mut control =
+            |module: &Arc<Module>| SymbolicJob::new(&mut logic, module, kind.opcode(), None, original.name()).control();
+        if control(original) != control(changed) {
+            return false;
+        }
+        slot_paths(original).into_iter().all(|path| {
+            let mut outcome = |top: &Arc<Module>| {
+                SymbolicJob::new(&mut logic, top, kind.opcode(), Some(path), original.name()).outcome()
+            };
+            outcome(&datapath.top) == outcome(changed_top)
+        })
+    })
+}
+
+fn slot_paths(module: &Module) -> Vec<SlotPath> {
+    let mut paths = vec![SlotPath::Direct];
+    for instance in module.instances() {
+        match instance.module.name() {
+            "raypath_skid" => paths.push(SlotPath::Spare),
+            "raypath_exit" => paths.extend((0..instance.module.port_width("read_o").unwrap_or(0)).map(SlotPath::Slot)),
+            _ => {}
+        }
+    }
+    paths
+}
+
 /// The path of a job through the stage with the fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum SlotPath {
+enum SlotPath {
     /// Directly.
     Direct,
     /// Through the spare register of a skid buffer.
@@ -37,7 +81,7 @@ struct At {
 const OUTSIDE: At = At { scope: 0, time: Time::Arriving };
 
 /// A hierarchy of modules while a job with one opcode passes.
-pub struct SymbolicJob<'v> {
+struct SymbolicJob<'v> {
     logic: &'v mut Logic,
     scopes: Vec<Scope>,
     opcode: u64,
@@ -59,7 +103,7 @@ struct Scope {
 
 impl<'v> SymbolicJob<'v> {
     /// A job in a module and, if it has a path, in the stages below.
-    pub fn new(logic: &'v mut Logic, top: &Arc<Module>, opcode: u64, path: Option<SlotPath>, faulty: &'v str) -> Self {
+    fn new(logic: &'v mut Logic, top: &Arc<Module>, opcode: u64, path: Option<SlotPath>, faulty: &'v str) -> Self {
         let mut job = Self { logic, scopes: Vec::new(), opcode, path, faulty };
         job.add(top, String::new(), None);
         job
@@ -80,7 +124,7 @@ impl<'v> SymbolicJob<'v> {
     }
 
     /// Everything in the module that affects control.
-    pub fn control(&mut self) -> Vec<Word> {
+    fn control(&mut self) -> Vec<Word> {
         let module = self.scopes[0].module.clone();
         let mut words = Vec::new();
         for register in module.registers() {
@@ -106,7 +150,7 @@ impl<'v> SymbolicJob<'v> {
     }
 
     /// The datapath's outputs, all next states, and the opcode that leaves the faulty module.
-    pub fn outcome(&mut self) -> Vec<Word> {
+    fn outcome(&mut self) -> Vec<Word> {
         let mut words = Vec::new();
         for scope in 0..self.scopes.len() {
             let module = self.scopes[scope].module.clone();
@@ -143,7 +187,6 @@ impl<'v> SymbolicJob<'v> {
     fn driven(&mut self, at: At, module: &Module, id: SignalId) -> Word {
         let signal = module.signal(id);
         let width = signal.width;
-        let operator = |name: &str| format!("{name} {width}");
         match &signal.driver {
             Driver::Input => self.input(at, module, id),
             Driver::Register(register) => self.register(at, module, *register),
@@ -190,12 +233,12 @@ impl<'v> SymbolicJob<'v> {
             }
             Driver::Concat(parts) => parts.iter().rev().flat_map(|&part| self.word(at, part)).collect(),
             Driver::Slice { source, low } => self.word(at, *source)[*low as usize..(low + width) as usize].to_vec(),
-            Driver::Add(a, b) => self.arithmetic(at, operator("add"), width, [*a, *b]),
-            Driver::Sub(a, b) => self.arithmetic(at, operator("sub"), width, [*a, *b]),
-            Driver::Mul(a, b) => self.arithmetic(at, operator("mul"), width, [*a, *b]),
-            Driver::Less(a, b) => self.arithmetic(at, operator("less"), width, [*a, *b]),
-            Driver::ShiftLeft(a, b) => self.arithmetic(at, operator("left"), width, [*a, *b]),
-            Driver::ShiftRight(a, b) => self.arithmetic(at, operator("right"), width, [*a, *b]),
+            Driver::Add(a, b) => self.arithmetic(at, "add", width, [*a, *b]),
+            Driver::Sub(a, b) => self.arithmetic(at, "sub", width, [*a, *b]),
+            Driver::Mul(a, b) => self.arithmetic(at, "mul", width, [*a, *b]),
+            Driver::Less(a, b) => self.arithmetic(at, "less", width, [*a, *b]),
+            Driver::ShiftLeft(a, b) => self.arithmetic(at, "left", width, [*a, *b]),
+            Driver::ShiftRight(a, b) => self.arithmetic(at, "right", width, [*a, *b]),
         }
     }
 
@@ -205,9 +248,9 @@ impl<'v> SymbolicJob<'v> {
     }
 
     /// The name includes the first operand's width, so that equal arguments are equal operands.
-    fn arithmetic(&mut self, at: At, name: String, width: u32, ids: [SignalId; 2]) -> Word {
+    fn arithmetic(&mut self, at: At, name: &str, width: u32, ids: [SignalId; 2]) -> Word {
         let words = ids.map(|id| self.word(at, id));
-        self.logic.function(format!("{name} {}", words[0].len()), words.concat(), width)
+        self.logic.function(format!("{name} {width} {}", words[0].len()), words.concat(), width)
     }
 
     fn register(&mut self, at: At, module: &Module, register: usize) -> Word {
@@ -276,11 +319,11 @@ impl<'v> SymbolicJob<'v> {
     }
 }
 
-pub fn is_unit(module: &Module) -> bool {
+fn is_unit(module: &Module) -> bool {
     module.name().starts_with("raypath_fp_")
 }
 
-pub fn is_control(module: &Module) -> bool {
+fn is_control(module: &Module) -> bool {
     matches!(module.name(), "raypath_skid" | "raypath_exit" | "raypath_credit")
 }
 

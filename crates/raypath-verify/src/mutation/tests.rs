@@ -1,4 +1,4 @@
-use super::job_equivalence::is_equivalent_for_jobs;
+use super::symbolic::is_equivalent_for_jobs;
 use super::*;
 use std::time::Duration;
 

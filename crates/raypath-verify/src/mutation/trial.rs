@@ -1,7 +1,7 @@
 //! The checks of the regression tests on a mutant.
 
-use super::job_equivalence::is_equivalent_for_jobs;
 use super::mutant::{Elaborated, MutantResult, Subject};
+use super::symbolic::is_equivalent_for_jobs;
 use crate::equivalence::Equivalence;
 use crate::error::Error;
 use crate::sat::Prover;

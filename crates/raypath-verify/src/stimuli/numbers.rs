@@ -29,17 +29,13 @@ pub enum NumberClass {
 
 impl NumberClass {
     pub fn random(rng: &mut ChaCha8Rng) -> Self {
-        const ALL: [NumberClass; 8] = [
-            NumberClass::Lattice,
-            NumberClass::Unit,
-            NumberClass::Wide,
-            NumberClass::Wide,
-            NumberClass::Edges,
-            NumberClass::Edges,
-            NumberClass::Edges,
-            NumberClass::Raw,
-        ];
-        ALL[rng.random_range(0..ALL.len())]
+        match rng.random_range(0..8_usize) {
+            0 => Self::Lattice,
+            1 => Self::Unit,
+            2 | 3 => Self::Wide,
+            4..7 => Self::Edges,
+            _ => Self::Raw,
+        }
     }
 }
 

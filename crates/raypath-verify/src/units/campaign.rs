@@ -1,8 +1,6 @@
 //! Numbered cases in phases, on all cores.
 
-use crate::error::Error;
-use crate::request::{Progress, Request};
-use crate::verdict::Verdict;
+use crate::{Error, Progress, Request, Verdict};
 use raypath_tools::pool::{self, Cases};
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -87,39 +85,27 @@ mod tests {
     use super::*;
     use std::sync::Mutex;
 
-    fn with_request<T>(
-        shard: &str,
-        mut watch: impl FnMut(Progress) -> bool,
-        run: impl FnOnce(&mut Request<'_>) -> T,
-    ) -> T {
-        run(&mut Request { shard: shard.parse().expect("a shard"), ..Request::new(&mut watch) })
-    }
-
     #[test]
     fn shards_run_every_case_once() {
         let seen = Mutex::new(vec![0; 1003]);
         let mut covered = 0;
         for shard in ["1/3", "2/3", "3/3"] {
             let mut last = None;
-            covered += with_request(
-                shard,
-                |step| {
-                    last = Some(step);
-                    true
-                },
-                |request| {
-                    let phase = request.cases(1003, 10);
-                    let mut campaign = Campaign::new(request, &[phase]);
-                    let check = |_: &mut (), range: Range<u64>| {
-                        let mut seen = seen.lock().expect("no panic");
-                        range.for_each(|case| seen[case as usize] += 1);
-                        Vec::new()
-                    };
-                    campaign.run(phase, || Ok(()), check).expect("a campaign");
-                    assert_eq!(campaign.done(), campaign.total);
-                    campaign.done()
-                },
-            );
+            let mut watch = |step| {
+                last = Some(step);
+                true
+            };
+            let mut request = Request { shard: shard.parse().expect("a shard"), ..Request::new(&mut watch) };
+            let phase = request.cases(1003, 10);
+            let mut campaign = Campaign::new(&mut request, &[phase]);
+            let check = |_: &mut (), range: Range<u64>| {
+                let mut seen = seen.lock().expect("no panic");
+                range.for_each(|case| seen[case as usize] += 1);
+                Vec::new()
+            };
+            campaign.run(phase, || Ok(()), check).expect("a campaign");
+            assert_eq!(campaign.done(), campaign.total);
+            covered += campaign.done();
             let last = last.expect("a step");
             assert_eq!(last.done, last.total);
         }
@@ -129,30 +115,17 @@ mod tests {
 
     #[test]
     fn failures_and_the_user_end_it() {
-        let phase = Cases { total: 1 << 40, piece: 100, shard: crate::request::Shard::ALL };
-        let wrong = |_: &mut (), range: Range<u64>| vec![format!("{}", range.start)];
-        let verdict = with_request(
-            "1/1",
-            |_| true,
-            |request| {
-                let mut campaign = Campaign::new(request, &[phase]);
-                campaign.run(phase, || Ok(()), wrong).expect("a campaign");
-                campaign.verdict(String::new())
-            },
-        );
-        assert_eq!((verdict.failures.len(), verdict.is_stopped, verdict.remarks.len()), (MAX_FAILURES, false, 1));
-
-        let verdict = with_request(
-            "1/1",
-            |_| false,
-            |request| {
-                let mut campaign = Campaign::new(request, &[phase, phase]);
-                for _ in 0..2 {
-                    campaign.run(phase, || Ok(()), |_, _| Vec::new()).expect("a campaign");
-                }
-                campaign.verdict(String::new())
-            },
-        );
-        assert_eq!((verdict.failures.len(), verdict.is_stopped), (0, true));
+        let verdict = |goes_on: bool, phases: usize, check: fn(&mut (), Range<u64>) -> Vec<String>| {
+            let mut watch = |_| goes_on;
+            let mut request = Request::new(&mut watch);
+            let phase = request.cases(1 << 40, 100);
+            let mut campaign = Campaign::new(&mut request, &vec![phase; phases]);
+            (0..phases).for_each(|_| campaign.run(phase, || Ok(()), check).expect("a campaign"));
+            campaign.verdict(String::new())
+        };
+        let failed = verdict(true, 1, |_, range| vec![format!("{}", range.start)]);
+        assert_eq!((failed.failures.len(), failed.is_stopped, failed.remarks.len()), (MAX_FAILURES, false, 1));
+        let stopped = verdict(false, 2, |_, _| Vec::new());
+        assert_eq!((stopped.failures.len(), stopped.is_stopped), (0, true));
     }
 }

@@ -3,10 +3,7 @@
 use super::bench::{Simulated, Units};
 use super::campaign::Campaign;
 use super::testfloat::{Level, singles};
-use crate::error::Error;
-use crate::request::Request;
-use crate::verdict::Verdict;
-use raypath_float::Format;
+use crate::{Error, Request, Verdict};
 use raypath_tools::grouped;
 
 const SIGN: u64 = 1 << 31;
@@ -28,12 +25,7 @@ const STRIDE: u64 = 257;
 
 /// Runs every number of binary32 and every recoded word of a special class through the units' netlists; at level
 /// `regression` every 257th, and the edges.
-pub fn conversions(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    conversions_of(&Units::new(Format::BINARY32)?, request)
-}
-
-/// [`conversions`] on other units for binary32, such as faulty ones.
-pub fn conversions_of(units: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
+pub fn conversions(units: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
     let stride = request.level.pick(STRIDE, 1, 1);
     let edges = edges(request.seed);
     let phase = |cases| request.cases(cases, 1 << 16);

@@ -5,20 +5,20 @@
 //! operands in IEEE 754's format are free. As a negative control, the same commands must refute the claim for a unit
 //! with a deliberate fault.
 
-mod cases;
 mod claim;
-mod result;
 
-pub use cases::{adder_proof, multiplier_proof};
 pub use claim::{Claim, Operands, Subject};
-pub use result::{ClaimResult, check};
 
-use crate::error::Error;
-use crate::request::{Level, Request};
-use crate::sat::{Miter, Prover};
-use crate::verdict::Verdict;
-use raypath_float::Format;
-use raypath_tools::{Cache, Key, pool};
+use crate::sat::{Miter, ProofResult, Prover};
+use crate::units::bench::Simulated;
+use crate::{Error, Level, Request, Verdict};
+use raypath_float::{Format, add, compare, mul};
+use raypath_hdl::Module;
+use raypath_tools::{Cache, Key, ToolError, pool};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// Proves the level's claims. Shards divide the claims.
@@ -80,6 +80,123 @@ fn verdict(results: &[Option<ClaimResult>], covered: String, first_remark: Strin
     }
 }
 
+/// The result of checking a claim.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClaimResult {
+    /// The claim.
+    pub claim: Claim,
+    /// Whether the claim is proved; else why it is wrong or undecided.
+    pub outcome: Result<(), String>,
+    /// The remark on the fault and the operands that showed it, if the negative control ran and found it.
+    pub found_fault: Option<String>,
+    /// Whether the proof was in the cache.
+    pub is_cached: bool,
+}
+
+/// Proves a claim. With `with_fault`, also refutes it by the same commands for the unit with the subject's fault.
+/// `limit` applies to each. None if the run was stopped.
+///
+/// # Errors
+/// A program is missing or fails, or a counterexample is none.
+pub fn check(
+    prover: &Prover,
+    claim: Claim,
+    with_fault: bool,
+    limit: Duration,
+    stop: &AtomicBool,
+) -> Result<Option<ClaimResult>, Error> {
+    let faults: &[bool] = if with_fault { &[false, true] } else { &[false] };
+    let miters: Vec<Miter> = faults.iter().map(|with_fault| claim.miter(*with_fault)).collect::<Result<_, _>>()?;
+    let results = prover.solve(&miters, limit, stop)?;
+    if results.contains(&ProofResult::Stopped) {
+        return Ok(None);
+    }
+    let mut outcome = match &results[0] {
+        // Unit and reference share no logic: if they are equal before any proof, something is missing.
+        ProofResult::Proved { gates: 0 } if !claim.compares_own_units() => {
+            Err(format!("{claim}: the circuit is empty"))
+        }
+        ProofResult::Proved { .. } => Ok(()),
+        ProofResult::Refuted(values) => Err(Counterexample::of(prover, &claim, &miters[0], values)?.to_string()),
+        ProofResult::Undecided(why) => Err(format!("{claim}: undecided, {why}")),
+        ProofResult::Stopped => Err(format!("{claim}: stopped")),
+    };
+    let mut found_fault = None;
+    if let (Some(result), Some(miter)) = (results.get(1), miters.get(1)) {
+        match result {
+            ProofResult::Refuted(values) => {
+                let example = Counterexample::of(prover, &claim, miter, values)?;
+                example.confirm()?;
+                let (from, to) = claim.subject.fault();
+                found_fault = Some(format!("a deliberate fault is found: with {to} for {from}, {example}"));
+            }
+            other => outcome = Err(format!("{claim}: a deliberate fault is not found: {other:?}")),
+        }
+    }
+    Ok(Some(ClaimResult { claim, outcome, found_fault, is_cached: false }))
+}
+
+/// Operands for which the results of unit and reference differ.
+struct Counterexample {
+    claim: Claim,
+    a: u64,
+    b: u64,
+    ours: u64,
+    wanted: u64,
+}
+
+impl Counterexample {
+    /// Lets Yosys evaluate both sides; an error if they do not differ.
+    fn of(prover: &Prover, claim: &Claim, miter: &Miter, values: &BTreeMap<String, u64>) -> Result<Self, Error> {
+        let shown = prover.evaluate(miter, values, &["a", "b", "ours", "wanted", "valid"])?;
+        match shown[..] {
+            [a, b, ours, wanted, 1] if ours != wanted => Ok(Self { claim: *claim, a, b, ours, wanted }),
+            _ => {
+                let found = format!("{claim}: not a counterexample: {values:x?} gives {shown:x?}");
+                Err(ToolError::unexpected("abc", found, "operands for which the sides differ").into())
+            }
+        }
+    }
+
+    /// Checks that the unit without the fault, simulated, gives the reference's result.
+    fn confirm(&self) -> Result<(), Error> {
+        let (format, &Self { a, b, .. }) = (self.claim.format, self);
+        let simulate = |unit: Result<Arc<Module>, raypath_hdl::Error>, b| -> Result<_, Error> {
+            let [result] = Simulated::new(&unit?)?.run([format.encode(a), b]);
+            Ok(format.decode(result))
+        };
+        let top = 1 << (format.recoded_width() - 1);
+        let encoded_b = format.encode(b);
+        let simulated = match self.claim.subject {
+            Subject::Add => simulate(add(format), encoded_b)?,
+            Subject::Sub => simulate(add(format), encoded_b ^ top)?,
+            Subject::Mul => simulate(mul(format), encoded_b)?,
+            Subject::Compare => {
+                let [less, equal, unordered] = Simulated::new(&compare(format)?)?.run([format.encode(a), encoded_b]);
+                less << 2 | equal << 1 | unordered
+            }
+            Subject::RoundTrip => format.canonical(a),
+            Subject::AddParts(_) => Simulated::new(&add(format)?)?.run::<1>([a, b])[0],
+            Subject::MulParts(_) => Simulated::new(&mul(format)?)?.run::<1>([a, b])[0],
+        };
+        if simulated == self.wanted {
+            return Ok(());
+        }
+        let found = format!("{self}; but the simulator gives {simulated:#x}");
+        Err(ToolError::unexpected("yosys", found, "the reference and the unit without a fault to agree").into())
+    }
+}
+
+impl std::fmt::Display for Counterexample {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { claim, a, b, ours, wanted } = self;
+        match claim.subject {
+            Subject::RoundTrip => write!(f, "{claim}: {a:#x} gives {ours:#x}, expected {wanted:#x}"),
+            _ => write!(f, "{claim}: {a:#x} and {b:#x} give {ours:#x}, expected {wanted:#x}"),
+        }
+    }
+}
+
 /// The claims of a level, the longest proofs first. Each level includes the claims of the shorter ones.
 fn claims(level: Level) -> impl Iterator<Item = Claim> {
     use Subject::{Add, AddParts, Compare, Mul, MulParts, RoundTrip, Sub};
@@ -119,6 +236,104 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
     })
 }
 
+/// The folder of the proof cache, relative to the working directory.
+const CASES_FOLDER: &str = "build/verify/proofs";
+
+/// Proves binary32 addition for the level's differences of exponents; at level `long` for all 511, which cover all
+/// pairs of operands. Cached proofs are not repeated. Shards divide the differences.
+///
+/// # Errors
+/// A program is missing or fails, or the folder cannot be written.
+pub fn adder_proof(request: &mut Request<'_>) -> Result<Verdict, Error> {
+    let case = |difference| Claim {
+        subject: Subject::Add,
+        format: Format::BINARY32,
+        operands: Operands::ExponentDifference(difference),
+    };
+    let cases = Cases {
+        what: "binary32 addition, by difference of exponents",
+        chosen: differences(request.level).into_iter().map(case).collect(),
+        total: differences(Level::Long).len(),
+        // The fault changes a rounding that differences of exponents by 3 have.
+        fault: case(3),
+    };
+    cases.prove(request)
+}
+
+/// Proves binary16 multiplication for the level's fractions of the second operand; at level `long` for all 1024, which
+/// cover all pairs of operands. Cached proofs are not repeated. Shards divide the fractions.
+///
+/// # Errors
+/// A program is missing or fails, or the folder cannot be written.
+pub fn multiplier_proof(request: &mut Request<'_>) -> Result<Verdict, Error> {
+    let case =
+        |fraction| Claim { subject: Subject::Mul, format: Format::BINARY16, operands: Operands::Fraction(fraction) };
+    let cases = Cases {
+        what: "binary16 multiplication, by fraction of the second operand",
+        chosen: fractions(request.level).into_iter().map(case).collect(),
+        total: fractions(Level::Long).len(),
+        fault: case(0x155),
+    };
+    cases.prove(request)
+}
+
+/// The level's differences of biased exponents, the shortest proofs first.
+fn differences(level: Level) -> Vec<i64> {
+    let all = (0..=255).rev().flat_map(|distance| match distance {
+        0 => vec![0],
+        _ => vec![-distance, distance],
+    });
+    match level {
+        Level::Regression => vec![-100],
+        Level::Full => all.filter(|difference| difference % 16 == 0).collect(),
+        Level::Long => all.collect(),
+    }
+}
+
+/// The level's fractions.
+fn fractions(level: Level) -> Vec<u64> {
+    match level {
+        Level::Regression => vec![0x2ab],
+        // The step is odd, so that every bit is 0 in some fractions and 1 in others.
+        Level::Full => (0..1024).step_by(33).collect(),
+        Level::Long => (0..1024).collect(),
+    }
+}
+
+/// A claim in cases, with a proof for each.
+struct Cases {
+    /// The claim, and how it is divided into cases.
+    what: &'static str,
+    /// The cases to prove.
+    chosen: Vec<Claim>,
+    /// The number of all cases.
+    total: usize,
+    /// The case in which the deliberate fault must be found.
+    fault: Claim,
+}
+
+impl Cases {
+    fn prove(self, request: &mut Request<'_>) -> Result<Verdict, Error> {
+        let prover = Prover::find()?;
+        let cache = Cache::new(Path::new(CASES_FOLDER));
+        // The negative control runs every time.
+        let mine = request.shard.of(&self.chosen).map(|claim| (*claim, false));
+        let work: Vec<(Claim, bool)> = std::iter::once((self.fault, true)).chain(mine).collect();
+        let results = prove(&prover, &work, Some(&cache), request)?;
+        let rest = || results.iter().skip(1).flatten();
+        let proved = rest().filter(|case| case.outcome.is_ok()).count();
+        let cached = rest().filter(|case: &&ClaimResult| case.is_cached).count();
+        let covered = format!("{}, {proved} of {} cases proved", self.what, self.total);
+        let remark = format!("with {}; {cached} of these proofs were cached", prover.versions());
+        let mut verdict = verdict(&results, covered, remark);
+        if self.chosen.len() < self.total {
+            let (level, chosen) = (request.level.name(), self.chosen.len());
+            verdict.remarks.push(format!("level {level} proves {chosen} of {} cases", self.total));
+        }
+        Ok(verdict)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -138,5 +353,14 @@ mod tests {
         for other in [key("y", "proc", "1"), key("x", "opt", "1"), key("x", "proc", "2")] {
             assert_ne!(other, key("x", "proc", "1"));
         }
+    }
+
+    #[test]
+    fn the_long_level_leaves_no_case_out() {
+        let mut all = differences(Level::Long);
+        all.sort_unstable();
+        assert_eq!(all, (-255..=255).collect::<Vec<_>>());
+        assert_eq!(fractions(Level::Long), (0..1 << Format::BINARY16.fraction_width()).collect::<Vec<_>>());
+        assert_eq!((differences(Level::Full).len(), fractions(Level::Full).len()), (31, 32));
     }
 }

@@ -2,9 +2,7 @@
 
 use super::bench::{Bench, PortFormat, UnitResults, Units};
 use super::campaign::Campaign;
-use crate::error::Error;
-use crate::request::{Level, Request};
-use crate::verdict::Verdict;
+use crate::{Error, Level, Request, Verdict};
 use raypath_float::Format;
 use raypath_tools::{grouped, pool::Cases};
 use rustc_apfloat::Float;
@@ -57,12 +55,7 @@ impl<const E: usize, const S: usize> Semantics for Widths<E, S> {
 
 /// Compares sums, differences, products and comparisons of all pairs of operands. The netlist holds the units, unsplit
 /// and split, between the encoding and decoding units.
-pub fn small_formats(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    small_formats_of(&|format| Ok(Units::new(format)?), request)
-}
-
-/// [`small_formats`] on other units, such as faulty ones.
-pub fn small_formats_of(
+pub fn small_formats(
     units: &dyn Fn(Format) -> Result<Units, Error>,
     request: &mut Request<'_>,
 ) -> Result<Verdict, Error> {

@@ -3,22 +3,14 @@
 use super::bench::{Bench, PortFormat, UnitResults, Units};
 use super::campaign::Campaign;
 use super::testfloat::{BLOCK, Level, Pairs};
-use crate::error::Error;
-use crate::request::Request;
-use crate::verdict::Verdict;
-use raypath_float::Format;
+use crate::{Error, Request, Verdict};
 use raypath_tools::{grouped, pool::Cases};
 use softfloat_rs::{f32_add, f32_eq, f32_le_quiet, f32_lt_quiet, f32_mul, f32_sub, float32_t};
 
 /// Compares sums, differences, products and comparisons of TestFloat's cases. The netlist holds the units, unsplit and
 /// split, between the encoding and decoding units. All cases of TestFloat's level 1 run; of level 2 every fifth, at
 /// level `full` all, and at `long` all a hundred times, each time with other random numbers.
-pub fn testfloat(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    testfloat_of(&Units::new(Format::BINARY32)?, request)
-}
-
-/// [`testfloat`] on other units for binary32, such as faulty ones.
-pub fn testfloat_of(units: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
+pub fn testfloat(units: &Units, request: &mut Request<'_>) -> Result<Verdict, Error> {
     let seed = request.seed;
     let (rounds, stride) = request.level.pick((1, 5), (1, 1), (100, 1));
     let second = (0..rounds).map(|round| Pairs::new(Level::Two, seed, round).every(stride));

@@ -1,11 +1,11 @@
 //! Claims about units, and the miters that would show them wrong.
 
-use crate::equivalence::text;
 use crate::error::Error;
 use crate::sat::{Miter, SOURCE};
 use crate::units::bench::chain;
 use raypath_float::{Format, add, add_parts, compare, decode, encode, mul, mul_parts};
 use raypath_hdl::Module;
+use raypath_hdl::verilog::text;
 use raypath_tools::ToolError;
 use std::fmt;
 use std::sync::Arc;
@@ -79,7 +79,7 @@ impl Claim {
         let (f, ieee) = (self.format, self.format.ieee_width());
         let whole = |unit: Arc<Module>| text(&unit);
         let joined = |parts: Vec<Arc<Module>>| text(&chain(&parts)?);
-        let conversions = || -> Result<String, Error> { Ok(text(&encode(f)?)? + &text(&decode(f)?)?) };
+        let conversions = || Ok::<_, raypath_hdl::Error>(text(&encode(f)?)? + &text(&decode(f)?)?);
         let (mut unit, rest, reference) = match self.subject {
             Subject::Add => (whole(add(f)?)?, conversions()?, Some("-op add -rm RNE")),
             Subject::Sub => (whole(add(f)?)?, conversions()?, Some("-op sub -rm RNE")),
