@@ -3,47 +3,10 @@
 
 mod beats;
 mod boxes;
+mod rounded;
 mod triangles;
 
 pub use beats::{AccumulatorState, RULES_AT_ENTRY, rules_at_entry, rules_at_exit};
 pub use boxes::{PERMUTATIONS, box_rules, permutation};
+pub use rounded::{Rounded, Rule};
 pub use triangles::triangle_rules;
-
-use crate::layout::{Field, Layout};
-use raypath_float::Format;
-use raypath_ops::JobKind;
-
-/// A rule's name, and whether a job exercises it.
-pub type Rule = (&'static str, bool);
-
-/// The fields of a job, each with its word.
-fn fields<'w>(layout: &'w Layout, kind: JobKind, words: &'w [u64]) -> impl Iterator<Item = (Field, u64)> + 'w {
-    layout.fields(kind).iter().copied().zip(words.iter().copied())
-}
-
-/// A format's arithmetic: each operation is computed in binary64 and rounded into the format.
-#[derive(Debug, Clone, Copy)]
-pub struct Rounded(pub Format);
-
-impl Rounded {
-    #[inline]
-    fn value(self, code: u64) -> f64 {
-        if self.0 == Format::BINARY32 { f32::from_bits(code as u32).into() } else { self.0.to_f64(code) }
-    }
-    #[inline]
-    fn round(self, number: f64) -> f64 {
-        if self.0 == Format::BINARY32 { (number as f32).into() } else { self.0.to_f64(self.0.from_f64(number)) }
-    }
-    #[inline]
-    fn add(self, a: f64, b: f64) -> f64 {
-        self.round(a + b)
-    }
-    #[inline]
-    fn sub(self, a: f64, b: f64) -> f64 {
-        self.round(a - b)
-    }
-    #[inline]
-    fn mul(self, a: f64, b: f64) -> f64 {
-        self.round(a * b)
-    }
-}

@@ -1,6 +1,6 @@
 //! The rules of the distance operations.
 
-use super::{Rule, fields};
+use super::rounded::{Rule, fields};
 use crate::coverage::operands::{CLASSES, class};
 use crate::layout::{Field, Layout};
 use raypath_float::Format;

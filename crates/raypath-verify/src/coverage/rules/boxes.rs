@@ -1,6 +1,6 @@
 //! The rules of the ray-box operation.
 
-use super::{Rounded, Rule, fields};
+use super::rounded::{Rounded, Rule, fields};
 use crate::layout::{Field, Layout};
 use raypath_ops::JobKind;
 
