@@ -41,7 +41,7 @@ step 'Documentation'
 RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --release --locked --quiet
 
 step 'Tests'
-cargo test --workspace --release --locked
+cargo test --workspace --release --locked --no-fail-fast
 
 step 'Verification'
 # The program that the tests were made with: `cargo run` would compile it once more, without the feature `full`.
