@@ -1,4 +1,4 @@
-//! Progress: a bar on a terminal, plain lines elsewhere. Ctrl-C asks the work to stop.
+//! Progress: a bar on a terminal, plain lines elsewhere. Ctrl-C stops the work.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};

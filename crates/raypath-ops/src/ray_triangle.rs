@@ -29,7 +29,7 @@ bundle! {
         pub triangle_hit: Bit<C>,
     }
 
-    /// The scaled barycentric coordinates U, V, W. Their signs say on which side of each edge the ray passes.
+    /// The scaled barycentric coordinates U, V, W. Their signs give the side of each edge on which the ray passes.
     pub struct Edges<C> {
         /// U: the side of edge BC.
         pub u: Num<C>,

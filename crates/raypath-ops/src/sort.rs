@@ -44,7 +44,7 @@ impl<C: Circuit, const W: u32> Select<C> for SortEntry<C, W> {
     }
 }
 
-/// Sorts four items by five compare-and-swaps. `swaps(a, b)` says whether `b` must come before `a`.
+/// Sorts four items by five compare-and-swaps. `swaps(a, b)` returns whether `b` must come before `a`.
 #[inline(always)]
 pub(crate) fn sort_four<C: Circuit, T: Select<C> + Bundle<C>>(
     c: C,

@@ -85,7 +85,7 @@ impl Bench {
         Ok(Plan { design, registers: design.registers(), blocks, key })
     }
 
-    /// A synthesised block, from the cache if it is there.
+    /// A synthesised block, from the cache if the cache has it.
     fn netlist(&self, plan: &Plan<'_>, block: usize, cache: &Cache, stop: &AtomicBool) -> Result<Netlist, Error> {
         let (block, key) = &plan.blocks[block];
         match cache.get(key) {

@@ -15,7 +15,7 @@ pub const ABC_CONSTRAINTS: &str = "abc.constr";
 
 /// The SystemVerilog that Yosys reads.
 ///
-/// Before a unit stands a module that Yosys drops at once. Yosys orders equal gates by the numbers of their names, and
+/// A module that Yosys drops at once precedes each unit. Yosys orders equal gates by the numbers of their names, and
 /// reuses the numbers of dropped names first. A whole design drops enough names; a unit alone drops none, and its gates
 /// come in another order, for which ABC finds areas that differ by up to 8 %. With the names of the dropped module, a
 /// unit alone has the same gates as in a design.

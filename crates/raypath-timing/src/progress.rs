@@ -17,7 +17,7 @@ impl<'p> ProgressCounter<'p> {
         Self { progress, completed: AtomicU64::new(0), stopped: AtomicBool::new(false) }
     }
 
-    /// Reports `items` more completed items. Returns whether the work goes on.
+    /// Reports `items` more completed items. Returns whether to continue.
     pub fn add(&self, items: u64) -> bool {
         let completed = self.completed.fetch_add(items, Ordering::Relaxed) + items;
         if !(self.progress)(completed) {

@@ -56,7 +56,7 @@ impl Abc {
         let output = String::from_utf8_lossy(&read(&folder.join(run.log))?).into_owned();
         Ok(match ended {
             Ended::Success => Some(output),
-            // An answer that was printed before a failure does not count.
+            // Results that were printed before a failure do not count.
             Ended::Failure(status) => Some(format!("abc ended with {status}: {}", Self::last_line(&output))),
             Ended::Cut => None,
         })

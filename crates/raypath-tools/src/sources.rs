@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// A module's SystemVerilog on disk.
 #[derive(Debug, Clone)]
 pub struct Sources {
-    /// A file for each module; a module stands after those that it instantiates.
+    /// A file for each module; a module comes after those that it instantiates.
     pub files: Vec<PathBuf>,
     /// All modules in one file, in a folder `all` of its own, so that its name never collides with another file's.
     pub all: PathBuf,

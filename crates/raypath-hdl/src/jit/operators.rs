@@ -176,7 +176,7 @@ impl Body<'_> {
         Word { value: self.builder.ins().bor(word.value, ones), bits }
     }
 
-    /// Parts, least significant first, neighbours that are neighbours in what they are cut from as one.
+    /// Parts, least significant first. Adjacent bits of one signal are one part.
     fn pieces(&self, parts: &[SignalId]) -> Vec<Piece> {
         let mut pieces: Vec<Piece> = Vec::new();
         for &id in parts.iter().rev() {
@@ -227,8 +227,8 @@ impl Body<'_> {
         Word { value: self.builder.ins().band(ones, mask), bits: at + width }
     }
 
-    /// Bits `low` to `low + width - 1` of a signal as bits `at` and above. Where they are the `top`, with whatever is
-    /// above them.
+    /// Bits `low` to `low + width - 1` of a signal as bits `at` and above. If they are the `top`, the bits above
+    /// them may be undefined.
     fn placed(&mut self, source: SignalId, low: u32, width: u32, at: u32, top: bool) -> Word {
         let word = if low == 0 && width == self.width(source) && !top {
             let value = self.clean(source);

@@ -28,7 +28,7 @@ impl<'m, 'p> Registers<'m, 'p> {
     }
 
     /// Adds skid buffers, their handshake and output ports. `hold` keeps the job in the registers before. Returns
-    /// whether the step hands on its job in this cycle.
+    /// whether the job leaves the step in this cycle.
     pub fn skid_buffers(self, hold: Option<Wire<'m>>) -> Wire<'m> {
         let (m, library) = (self.m, self.library);
         m.section("Registers: a skid buffer");

@@ -29,7 +29,7 @@ pub enum Op {
     State(usize),
     /// A constant, as the bits of a binary32 number.
     Number(u32),
-    /// The constant that is so many ulps above 1 in the format of the datapath.
+    /// The constant that is this number of ulps above 1 in the format of the datapath.
     OnePlusUlps(u32),
     /// A constant truth value.
     Bit(bool),
@@ -74,7 +74,7 @@ pub enum Kind {
     Number,
     /// An intermediate result between two parts of a unit: the kind of unit, and the part before it (from 0).
     Cut(UnitKind, u32),
-    /// A word of so many bits; a truth value has one.
+    /// A word of this number of bits; a truth value has one.
     Word(u32),
     /// The three results of a comparator.
     Order,

@@ -10,7 +10,7 @@ use std::fmt;
 /// How the recorder treats the stages that an operation marks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Marks {
-    /// They are the stages of its values, unless it asks for automatic staging.
+    /// They are the stages of its values, unless it selects automatic staging.
     #[default]
     Used,
     /// They are ignored, and the operation is staged automatically.

@@ -211,7 +211,7 @@ impl<'v> SymbolicJob<'v> {
             }
             Driver::Mux { select, if_true, if_false } => {
                 let select = self.word(at, *select)[0];
-                // What a constant does not choose is not asked for: it may lead back to where we come from.
+                // The branch that a constant does not select is not visited, because it may lead back to this signal.
                 match select {
                     TRUE => self.word(at, *if_true),
                     FALSE => self.word(at, *if_false),

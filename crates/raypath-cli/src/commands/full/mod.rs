@@ -42,7 +42,7 @@ pub enum Command {
     Ppa(ppa::Arguments),
     /// Measure many configurations and draw area against clock and throughput
     Explore(explore::Arguments),
-    /// Measure the speed of the models, beside Verilator and other libraries
+    /// Measure the speed of the models, compared with Verilator and other libraries
     Bench(bench::Arguments),
     /// Check the claims about the datapath against independent oracles: proofs, campaigns, mutations
     Verify(verify::Arguments),

@@ -231,7 +231,7 @@ impl<'s> Tally<'s> {
     }
 }
 
-/// A mismatch as text: each field of the outcome beside the recorded one.
+/// A mismatch as text: each field of the outcome and the recorded one.
 fn field_by_field(transaction: &Transaction, outcome: &Words, format: Format) -> String {
     let kind = transaction.job.kind();
     let mut text = format!("mismatch: {kind} job, seq {:06x}, cat {:x}", transaction.seq, transaction.category);

@@ -1,4 +1,4 @@
-//! The options that say which transactions run, and how: shared by `replay` and `wave`.
+//! Options of `replay` and `wave` for the transactions and their handshakes.
 
 use crate::{CliError, whole};
 use clap::Args;
@@ -8,22 +8,22 @@ use raypath_sim::traffic::{Traffic, interleave, read_recorded};
 use raypath_sim::transactions::{Transaction, kind_named, merge, read};
 use std::path::PathBuf;
 
-/// Which transactions, and how.
+/// Options for a stream of transactions.
 #[derive(Debug, Args)]
 pub struct StreamArguments {
     /// Transaction files, plain or gzip; several merge by seq into one stream
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// What kind of jobs the files hold, if their names do not begin with it
+    /// The kind of jobs in the files, if the names of the files do not begin with it
     #[arg(long, value_name = "triangle|quadbox|euclidean|angular|NAME")]
     kind: Option<String>,
-    /// Offer and take in every cycle, stall the sink and starve the source at random, or as a file says
+    /// Handshakes: active in every cycle, random stalls and bubbles, or recorded in a file
     #[arg(long, default_value = "always", value_name = "always|random|FILE")]
     handshake: String,
-    /// Mix the modes freely, while each keeps its own order
+    /// Mix the kinds of jobs; each kind keeps its order
     #[arg(long)]
     interleave: bool,
-    /// Seed of all that is random
+    /// Seed of all random choices
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
 }
