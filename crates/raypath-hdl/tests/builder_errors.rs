@@ -219,7 +219,7 @@ fn registers_and_forwards_of_another_width() {
 }
 
 #[test]
-fn what_is_never_driven_or_driven_twice() {
+fn signals_without_a_driver_or_with_two() {
     assert_eq!(error_of(|m| _ = m.register("count_q", 4)), drive("count_q", "is never driven"));
     assert_eq!(error_of(|m| _ = m.forward("later", 4)), drive("later", "is never driven"));
     rejects(drive("count_q", "is driven twice"), |m| {

@@ -254,7 +254,7 @@ fn mixed(a: u64, b: u64) -> u64 {
 
 /// Arguments that stay, change one at a time, come back, and are zero at first; two instances of one module.
 #[test]
-fn what_an_instance_answers_follows_its_arguments() {
+fn results_of_an_instance_follow_its_arguments() {
     let m = Builder::new("two");
     let [a, b, c] = ["a_i", "b_i", "c_i"].map(|name| m.input(name, 16));
     let first = m.instance("u_first", &mixer(), &[("a_i", a), ("b_i", b)]);

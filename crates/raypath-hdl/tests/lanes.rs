@@ -63,7 +63,7 @@ fn random_action(random: &mut ChaCha8Rng) -> Action {
 }
 
 #[test]
-fn every_lane_is_a_simulator_whatever_is_done() {
+fn every_lane_equals_a_simulator_after_all_actions() {
     let module = registers();
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let actions: Vec<Action> = (0..300).map(|_| random_action(&mut random)).collect();
@@ -130,7 +130,7 @@ fn values_find_their_lanes_at_every_width() {
 }
 
 #[test]
-fn ports_are_a_simulators_and_so_are_its_errors() {
+fn ports_and_errors_equal_those_of_a_simulator() {
     let module = registers();
     let (lanes, single) = (LaneSimulator::new(&module).unwrap(), Simulator::new(&module).unwrap());
     assert_eq!(lanes.input("d_i").unwrap(), single.input("d_i").unwrap());

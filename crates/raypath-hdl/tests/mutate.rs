@@ -141,7 +141,7 @@ fn hierarchy() -> (Arc<Module>, Arc<Module>) {
 }
 
 #[test]
-fn a_faulty_module_takes_the_place_of_the_good_one_wherever_it_is() {
+fn a_faulty_module_replaces_the_original_in_every_instance() {
     let (outer, inner) = hierarchy();
     let fault =
         faults(&inner).into_iter().find(|fault| fault.to_string().contains("Add becomes Sub")).expect("a fault");

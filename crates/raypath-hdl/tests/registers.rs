@@ -119,7 +119,7 @@ fn simulators_of_one_module_are_independent_and_can_move_to_threads() {
 
 /// Unlike a reset, a restart forgets registers without a reset value too.
 #[test]
-fn a_restarted_simulator_is_as_a_new_one() {
+fn a_restarted_simulator_equals_a_new_one() {
     let module = three_registers();
     let mut simulator = Simulator::new(&module).unwrap();
     let ports = ["plain_o", "held_o", "reset_o"].map(|name| simulator.output(name).unwrap());

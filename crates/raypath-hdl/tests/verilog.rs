@@ -200,7 +200,7 @@ fn expressions_stay_short_and_mean_the_same() {
 }
 
 #[test]
-fn what_is_read_before_its_section_is_declared_before() {
+fn signals_read_before_their_section_are_declared_before() {
     let text = text(&unit());
     let place = |fragment: &str| text.find(fragment).unwrap();
     assert!(place("logic [15:0] overflows_q;") < place("assign ready ="), "{text}");
@@ -282,7 +282,7 @@ fn empty_lines_of_a_head_comment_stay() {
 }
 
 #[test]
-fn a_remark_on_what_drives_a_forward_wire_is_beside_the_wire() {
+fn a_remark_on_the_driver_of_a_forward_wire_is_beside_the_wire() {
     let m = Builder::new("backwards");
     let a = m.input("a_i", 4);
     let later = m.forward("later", 4);

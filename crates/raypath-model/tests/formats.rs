@@ -85,7 +85,7 @@ fn soft_binary32_is_binary32() {
 
 /// The results for zeros, ones, infinities and NaN are exact in all of these formats.
 #[test]
-fn where_nothing_is_rounded_all_formats_agree() {
+fn formats_agree_on_exact_results() {
     let widest = Format::new(11, 24).expect("a format");
     for rules in [Rules::Paper, Rules::Chisel] {
         for format in [Format::TF32, Format::BFLOAT16, Format::BINARY16, widest] {

@@ -225,7 +225,7 @@ fn what_breaks_down_is_ruled() {
 }
 
 #[test]
-fn without_options_it_is_the_papers() {
+fn the_default_is_the_configuration_of_the_paper() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let count = ports_of::<RayTriangleExtendedInput<Binary32>>().len();
     let special = [0.0_f32, -0.0, 1.0, -1.0, f32::INFINITY, f32::NAN, 1e-42, 3e38].map(f32::to_bits);

@@ -47,7 +47,7 @@ fn messages_are_short_and_harmless() {
 
 /// Names go into scripts, where `x[exec touch y]` would be a command to OpenSTA, and a line end one to Yosys.
 #[test]
-fn names_that_are_commands_are_left_out() {
+fn names_that_scripts_would_execute_are_excluded() {
     for name in ["x[exec touch y]", "a b", "a;b", "a\nshell b", "$a", "a$b", "1a", "é"] {
         let quoted = format!("(\"{name}\")");
         let without = read(&CELLS.replace("(OTHER)", &quoted)).expect("a library");

@@ -67,7 +67,7 @@ fn faults_of_the_pipeline_are_found() {
 }
 
 #[test]
-fn the_structure_is_as_it_must_be_and_jobs_leave() {
+fn the_structure_holds_and_jobs_leave() {
     let checker = ModelChecker::find().expect("pyosys");
     for &control in Control::ALL {
         let config = config(control);

@@ -77,7 +77,7 @@ fn compare(pairs: &[(Arc<Module>, Arc<Module>)]) -> Result<Vec<Equivalence>, Err
 }
 
 #[test]
-fn another_way_to_write_it_is_no_difference() {
+fn other_notations_of_a_value_are_equal() {
     let pairs = [Change::None, Change::Rewritten].map(|change| (counter(Change::None), counter(change)));
     assert_eq!(compare(&pairs).unwrap(), [Equivalence::Proved, Equivalence::Proved]);
 }

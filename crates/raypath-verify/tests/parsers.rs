@@ -19,7 +19,7 @@ fn corpora_and_mutations_of_them() {
 
 /// Each corpus has a valid file; otherwise only the parsers' first checks would run.
 #[test]
-fn corpora_reach_what_is_behind_the_first_message() {
+fn corpora_pass_the_first_checks() {
     for target in TARGETS {
         let files = corpus(target).expect("a corpus");
         let accepted = files.iter().filter(|bytes| (target.parse)(bytes)).count();

@@ -63,7 +63,7 @@ fn a_faulty_unit_fails_with_operands() {
 }
 
 #[test]
-fn what_cannot_be_decided_in_time_is_not_proved() {
+fn a_timeout_is_not_a_proof() {
     let claim = Claim::all(Subject::Mul, Format::BINARY16);
     let limit = Duration::from_millis(1);
     let done = check(&Prover::find().unwrap(), claim, false, limit, &AtomicBool::new(false)).unwrap().unwrap();

@@ -126,7 +126,7 @@ fn a_single_sample_of_a_module_without_a_clock_is_kept() {
 }
 
 #[test]
-fn only_what_is_observed_is_written() {
+fn only_observed_signals_are_written() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("some.fst");
     let simulator = Simulator::observing(&nested(), |name| name == "u_sum.sum_q").unwrap();

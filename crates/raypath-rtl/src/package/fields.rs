@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn a_port_that_is_the_beginning_of_others_stands_beside_them() {
+    fn a_port_whose_name_begins_others_is_a_field_of_its_own() {
         assert_eq!(paths(&["ray", "ray_x", "ray_y_a", "ray_y_b"]), ["ray", "ray_x", "ray_y_a", "ray_y_b"]);
     }
 
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn groups_need_not_stand_together() {
+    fn groups_need_not_be_contiguous() {
         assert_eq!(paths(&["a_x", "b", "a_y"]), ["a.x", "a.y", "b"]);
     }
 

@@ -110,7 +110,7 @@ fn jobs_raise_what_a_circuit_that_collects_does() {
 }
 
 #[test]
-fn both_sides_name_the_bits_alike() {
+fn both_circuits_have_the_same_names_of_bits() {
     let hardware = [flags::INEXACT, flags::UNDERFLOW, flags::OVERFLOW, flags::INVALID];
     assert_eq!(hardware, [Flagged::INEXACT, Flagged::UNDERFLOW, Flagged::OVERFLOW, Flagged::INVALID]);
 }

@@ -56,7 +56,7 @@ fn text(datapath: &Datapath) -> String {
 }
 
 #[test]
-fn what_is_off_leaves_nothing_behind() {
+fn features_that_are_off_add_no_hardware() {
     for rules in [Rules::Paper, Rules::Chisel] {
         let plain = Operations::new()
             .with(&RayBox { rules }, JobKind::Quadbox.opcode())
@@ -80,7 +80,7 @@ fn each_feature_is_as_its_operation_says() {
 }
 
 #[test]
-fn features_are_the_same_however_they_are_built() {
+fn features_do_not_depend_on_the_microarchitecture() {
     let all = SMALL.features(ALL);
     let mut configs = Vec::new();
     for &control in Control::ALL {

@@ -211,7 +211,7 @@ operation!(Chained, |c, i| {
 
 /// An adder is in no stage with another unit before or behind it, and only three comparators follow each other.
 #[test]
-fn units_are_chained_as_the_rules_say() {
+fn units_follow_the_rules_of_chaining() {
     let used = arithmetic(&of(&Chained));
     let first = used.iter().position(|units| units.0 == 1).expect("an adder");
     assert_eq!(used[first], (1, 0, 0));

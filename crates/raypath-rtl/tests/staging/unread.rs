@@ -82,7 +82,7 @@ fn flagged<O: Operation>(operation: &O, limits: Units) -> Result<Datapath, Error
 }
 
 #[test]
-fn what_is_made_for_its_exceptions_keeps_to_the_budget() {
+fn values_kept_for_their_exceptions_respect_the_budget() {
     let one = units(1, 1, 1);
     let datapath = flagged(&Sums, one).expect("room in ten stages");
     assert_within(&datapath, &Budget::by_stage(|_| one));

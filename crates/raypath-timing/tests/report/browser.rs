@@ -236,7 +236,7 @@ fn windows_of_all_sizes_are_drawn() {
 }
 
 #[test]
-fn text_from_outside_does_not_run() {
+fn text_from_files_is_not_executed() {
     let hostile = |field: &str| {
         format!(
             "</script><!--<script>window.ran='{field}'</script><img src=x onerror=\"window.ran='{field}'\">'\"&amp;"

@@ -191,7 +191,7 @@ mod tests {
 
     /// The counts that TestFloat states.
     #[test]
-    fn there_are_as_many_as_testfloat_has() {
+    fn the_number_of_patterns_equals_that_of_testfloat() {
         assert_eq!((operand_exponents().len(), result_exponents().len()), (22, 50));
         assert_eq!((fractions(Level::One).len(), fractions(Level::Two).len()), (4, 88));
         assert_eq!((singles(Level::One, 1).len(), singles(Level::Two, 1).len()), (600, 8_800));

@@ -143,7 +143,7 @@ fn replay_reads_plain_files_of_any_name() {
 
 /// Files of any lanes and any format; a number has as many digits as the format wants.
 #[test]
-fn replay_reads_what_the_configuration_says() {
+fn replay_reads_the_numbers_of_the_configuration() {
     let folder = folder();
     let path = folder.path().join("euclidean.txt");
     std::fs::write(&path, "0 0 1 3 40400000 40400000 40000000 3f800000 40a00000 1\n").expect("a file");
@@ -261,7 +261,7 @@ fn wrong_input_is_named() {
 }
 
 #[test]
-fn ray_derives_what_the_ports_want() {
+fn ray_derives_the_values_of_the_ports() {
     let words = ["ray_inv_y_i      ff800000  -inf", "ray_shear_x_i    bf000000  -5e-1", "ray_kz_i         2"];
     ends_with(&["ray", "--origin", "0", "0", "-5", "--direction", "-0.5", "-0", "1"], 0, &words);
 }

@@ -126,7 +126,7 @@ fn masks_axes_and_resets_take_all_values() {
 }
 
 #[test]
-fn lanes_are_on_and_off_beside_each_other() {
+fn neighbouring_lanes_are_on_and_off() {
     for (lanes, format) in
         [(Lanes::Two, "fp32"), (Lanes::Sixteen, "e3s3"), (Lanes::SixtyFour, "fp16"), (Lanes::SixtyFour, "fp32")]
     {

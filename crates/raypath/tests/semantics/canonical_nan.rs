@@ -17,7 +17,7 @@ fn full_of(nan: u32, kind: JobKind) -> Job {
 }
 
 #[test]
-fn every_nan_that_comes_out_is_canonical() {
+fn every_nan_result_is_canonical() {
     for rules in [Rules::Paper, Rules::Chisel] {
         for nan in NANS {
             let jobs = JobKind::ALL.map(|kind| full_of(nan, kind));

@@ -55,7 +55,7 @@ fn a_flat_box_is_hit_by_a_ray_in_its_plane() {
 
 /// Every set of NaNs among the six distances. The others are 1, 2, 3 and 7, 6, 5, so that each set has its own outcome.
 #[test]
-fn each_nan_drops_out_alone_and_in_every_company() {
+fn each_nan_is_ignored_alone_and_with_others() {
     for set in 0..64_u32 {
         let nan_or = |i: u32, value: f32| if set >> i & 1 == 1 { f32::NAN } else { value };
         let near = [nan_or(0, 1.0), nan_or(1, 2.0), nan_or(2, 3.0)];
@@ -73,7 +73,7 @@ fn each_nan_drops_out_alone_and_in_every_company() {
 
 /// tmax is not an output: a box entered exactly at tmax is hit, one entered just after it is not.
 #[test]
-fn each_nan_drops_out_of_tmax_too() {
+fn each_nan_is_ignored_in_tmax() {
     for set in 0..16_u32 {
         let nan_or = |i: u32, value: f32| if set >> i & 1 == 1 { f32::NAN } else { value };
         let far = [nan_or(0, 7.0), nan_or(1, 6.0), nan_or(2, 5.0)];

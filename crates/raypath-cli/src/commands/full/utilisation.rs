@@ -75,7 +75,7 @@ mod tests {
 
     /// Computed by hand from Table VIII: stage 2 has 24 adders; boxes use all, triangles nine, Euclidean beats sixteen.
     #[test]
-    fn units_are_as_busy_as_their_jobs_make_them() {
+    fn utilisation_follows_from_the_jobs() {
         let datapath = Datapath::new(Config::DEFAULT).unwrap();
         let jobs = [10, 20, 30, 0];
         let stages = utilisation(&datapath, 100, &jobs);
