@@ -1,5 +1,5 @@
-//! Reports of failing episodes. A failure is shrunk first: jobs and handshakes are removed and operands simplified while
-//! the trace still fails (delta debugging: Zeller and Hildebrandt, IEEE TSE 28(2), 2002).
+//! Reports of failing episodes. A failure is shrunk first: jobs and handshakes are removed and operands simplified
+//! while the trace still fails (delta debugging: Zeller and Hildebrandt, IEEE TSE 28(2), 2002).
 
 use crate::error::Error;
 use crate::files;
