@@ -55,7 +55,7 @@ fn a_wrong_answer_is_found() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut out = Vec::new();
     let error = run(&spec.into(), &arguments(folder.path(), &["--jobs", "100"]), &mut out).expect_err("wrong answers");
-    assert_eq!(error.to_string(), "100 of 100 answers of within_radius are wrong");
+    assert_eq!(error.to_string(), "100 of 100 results of within_radius are wrong");
 }
 
 /// The area of the operation, measured in binary16, which is fast to synthesise.

@@ -257,7 +257,7 @@ fn stages_are_marked_or_not() {
     let error = Operations::new().with(&Mixed, 0).expect_err("both");
     assert!(matches!(error, Error::StagesMixed { stage: 4, .. }), "{error}");
     assert!(
-        error.to_string().contains("marks stage 4") && error.to_string().contains("every stage or none"),
+        error.to_string().contains("marks stage 4") && error.to_string().contains("all stages marked or none"),
         "{error}"
     );
     // Where marks are ignored there is nothing to mix.
