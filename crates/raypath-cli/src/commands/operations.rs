@@ -47,12 +47,13 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     writeln!(out, "{table}\n")?;
     writeln!(
         out,
-        "Beside the paper's other operations with 16 lanes in binary32, whose units are shared; without a unit of"
+        "Costs are relative to a datapath of the paper's other operations with 16 lanes in binary32. Operations"
     )?;
     writeln!(
         out,
-        "its own an operation adds multiplexers and registers. `generate --with NAME` adds one to the datapath."
+        "share units; one without units of its own adds multiplexers and registers. `generate --with NAME` adds"
     )?;
+    writeln!(out, "an operation to the datapath.")?;
     Ok(())
 }
 
