@@ -8,7 +8,7 @@ use raypath_ops::{
     RayTriangleInput, RayTriangleOutput, Rules, Source, array_of,
 };
 
-/// BlockValue functional models over binary32, computed in SIMD lanes. Each returns the results of a
+/// Sixteen functional models over binary32, computed in SIMD lanes. Each returns the results of a
 /// [`Functional`](crate::Functional), bit for bit except for the signs and payloads of NaNs. Jobs are in blocks of
 /// sixteen, one for each model; see [`pack`] and [`unpack`].
 ///
@@ -37,7 +37,7 @@ pub struct Batch<const E: usize = 16, const A: usize = 8> {
 }
 
 impl<const E: usize, const A: usize> Batch<E, A> {
-    /// BlockValue models whose accumulators are zero, for the widest registers of this machine.
+    /// Sixteen models whose accumulators are zero, for the widest registers of this machine.
     pub fn new(rules: Rules) -> Self {
         Self::at(Level::new(), rules)
     }
