@@ -2,7 +2,7 @@
 # Every test. Installs missing programs with scripts/install-packages.sh.
 #   ./test.sh                        all tests, and `raypath verify` at level regression
 #   ./test.sh --quick                format, clippy and unit tests: the inner loop
-#   ./test.sh --long                 also verifies at level full, about an hour, and checks licences of dependencies
+#   ./test.sh --long                 also runs long tests, verifies at level full, about an hour, and checks licences
 #   RAYPATH_GOLDEN=DIR ./test.sh     also replays the whole set of golden vectors in DIR
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -41,7 +41,10 @@ step 'Documentation'
 RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --release --locked --quiet
 
 step 'Tests'
-cargo test --workspace --release --locked --no-fail-fast
+long=''
+if [ "$level" = full ]; then long='-- --include-ignored'; fi
+# shellcheck disable=SC2086 # $long is two words or none
+cargo test --workspace --release --locked --no-fail-fast $long
 
 step 'Verification'
 # The program that the tests were made with: `cargo run` would compile it once more, without the feature `full`.

@@ -20,6 +20,7 @@ fn presets_and_representatives_are_clean() {
 
 /// Verilator, the strictest linter, for all of Table VI except the configurations of the test above.
 #[test]
+#[ignore = "run by ./test.sh --long"]
 fn all_of_table_vi_is_clean() {
     let linted = presets_and_representatives();
     table_vi().into_par_iter().filter(|config| !linted.contains(config)).for_each(|config| {

@@ -87,7 +87,7 @@ fn random_jobs_and_resets() {
 fn random_campaign(config: Config) {
     let (_folder, datapath, verilated) = build(config);
     let model = sim::Datapath::paper(config).model();
-    let jobs: Vec<Words> = random(&model, config.semantics.format, 21, config.kinds()).take(20_000).collect();
+    let jobs: Vec<Words> = random(&model, config.semantics.format, 21, config.kinds()).take(10_000).collect();
     for seed in 0..2 {
         let stimulus = Stimulus {
             shape: shape(config, &datapath),
