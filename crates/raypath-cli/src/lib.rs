@@ -28,7 +28,9 @@ pub use raypath_oracle as oracle;
 pub use raypath_rtl as rtl;
 pub use raypath_sim as sim;
 
-use commands::configuration::{Additions, ConfigArguments};
+#[cfg(feature = "full")]
+use commands::configuration::ConfigArguments;
+use commands::configuration::DatapathArguments;
 #[cfg(feature = "full")]
 use commands::numbers::number;
 use commands::numbers::whole;

@@ -90,21 +90,25 @@ impl FromArgMatches for ConfigArguments {
     }
 }
 
-/// Operations besides those of the paper.
+/// A configuration, and operations besides those of the paper.
 #[derive(Debug, Args)]
-pub struct Additions {
+pub struct DatapathArguments {
     /// Add an operation to those of the paper; `raypath operations` lists them
     #[arg(long = "with", value_name = "NAME,...", value_delimiter = ',', value_parser = find)]
     pub specs: Vec<AnyOperationSpec>,
+    #[command(flatten)]
+    config: ConfigArguments,
 }
 
-impl Additions {
-    /// The datapath of a configuration with these operations added.
-    pub fn datapath(&self, config: Config) -> Datapath {
-        self.specs.iter().fold(Datapath::paper(config), |datapath, spec| datapath.with_any(spec.operation()))
+impl DatapathArguments {
+    /// The selected configuration and its datapath with the added operations.
+    pub fn datapath(&self) -> Result<(Config, Datapath), CliError> {
+        let config = self.config.config()?;
+        let with = |datapath: Datapath, spec: &AnyOperationSpec| datapath.with_any(spec.operation());
+        Ok((config, self.specs.iter().fold(Datapath::paper(config), with)))
     }
 
-    /// The description of a configuration with these operations.
+    /// The description of a configuration with the added operations.
     pub fn name(&self, config: Config) -> String {
         let names: Vec<&str> = self.specs.iter().map(AnyOperationSpec::name).collect();
         if names.is_empty() { config.to_string() } else { format!("{config}, with {}", names.join(", ")) }

@@ -1,7 +1,7 @@
 //! `raypath ppa`: area and timing of the datapath in a cell library.
 
 use crate::commands::full::BenchArguments;
-use crate::{Additions, CliError, ConfigArguments};
+use crate::{CliError, DatapathArguments};
 use clap::Args;
 use raypath_ppa::{Baseline, Design, Report, charts, tables};
 use raypath_rtl::{Config, Datapath};
@@ -12,9 +12,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub struct Arguments {
     #[command(flatten)]
-    additions: Additions,
-    #[command(flatten)]
-    configuration: ConfigArguments,
+    datapath: DatapathArguments,
     #[command(flatten)]
     bench: BenchArguments,
     /// Compare with the report in this folder (its ppa.json)
@@ -31,8 +29,8 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     // Read first, so that an error is reported before minutes of work.
     let baseline = arguments.against.as_deref().map(Baseline::read).transpose()?;
-    let (config, additions) = (arguments.configuration.config()?, &arguments.additions);
-    let design = Design::new(additions.name(config), additions.datapath(config).elaborate()?.top());
+    let (config, datapath) = arguments.datapath.datapath()?;
+    let design = Design::new(arguments.datapath.name(config), datapath.elaborate()?.top());
     let reports = arguments.bench.measure(&[design])?;
     for report in reports {
         write_all(&files(&report, &arguments.out)?)?;

@@ -3,7 +3,7 @@
 mod scene;
 mod timing;
 
-use crate::commands::full::{Timed, TimingArguments, ViewArguments, watched, write_and_name};
+use crate::commands::full::{Timed, TimingArguments, watched, write_and_name};
 use crate::{CliError, ConfigArguments, whole};
 use clap::Args;
 use raypath_float::Format;
@@ -66,8 +66,6 @@ pub struct Arguments {
     #[command(flatten)]
     timing: TimingArguments,
     #[command(flatten)]
-    view: ViewArguments,
-    #[command(flatten)]
     config: ConfigArguments,
 }
 
@@ -128,7 +126,7 @@ fn rays(
     let begin = Instant::now();
     let hits = trace(&scene, &rays, tracing)?;
     let seconds = begin.elapsed().as_secs_f64();
-    let wants_pictures = arguments.view.is_wanted() || arguments.timing.has_sweep();
+    let wants_pictures = arguments.timing.view.is_wanted() || arguments.timing.has_sweep();
     if arguments.hits.is_none() && !wants_pictures {
         out.write_all(&text(&hits)?)?;
         return Ok(());
@@ -156,11 +154,11 @@ fn time(
 ) -> Result<(), CliError> {
     let name = scene::name(arguments.scene.as_deref());
     let subject = &Simulated { name, work, max: arguments.timed };
-    let timed = arguments.timing.run(subject, arguments.rays_in_flight, config, &arguments.view, out)?;
+    let timed = arguments.timing.run(subject, arguments.rays_in_flight, config, out)?;
     if let Some(Timed { mut recording, files: more }) = timed {
         recording.image = png.map(|png| Image { title: "The picture".to_string(), png });
         files.extend(more);
-        files.extend(arguments.view.files(&recording));
+        files.extend(arguments.timing.view.files(&recording));
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! `raypath replay`: runs recorded transactions through an engine and compares the outcomes with the recorded ones.
 
 use crate::commands::full::{StreamArguments, ViewArguments, print, recording, write_and_name};
-use crate::{Additions, CliError, ConfigArguments, Progress};
+use crate::{CliError, DatapathArguments, Progress};
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
 use raypath_model::Elastic;
@@ -29,9 +29,7 @@ pub struct Arguments {
     #[command(flatten)]
     view: ViewArguments,
     #[command(flatten)]
-    additions: Additions,
-    #[command(flatten)]
-    config: ConfigArguments,
+    datapath: DatapathArguments,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -44,8 +42,7 @@ enum EngineKind {
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
-    let config = arguments.config.config()?;
-    let whole = arguments.additions.datapath(config);
+    let (config, whole) = arguments.datapath.datapath()?;
     let model = whole.model();
     let stream = arguments.stream.read(&model, config)?;
     let begin = Instant::now();

@@ -2,7 +2,7 @@
 
 mod timing;
 
-use crate::commands::full::{Timed, TimingArguments, ViewArguments, print_rows, watched, write_and_name};
+use crate::commands::full::{Timed, TimingArguments, print_rows, watched, write_and_name};
 use crate::{CliError, ConfigArguments, whole};
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
@@ -59,8 +59,6 @@ pub struct Arguments {
     timed: Option<usize>,
     #[command(flatten)]
     timing: TimingArguments,
-    #[command(flatten)]
-    view: ViewArguments,
     #[command(flatten)]
     config: ConfigArguments,
 }
@@ -137,13 +135,13 @@ fn search<const E: usize, const A: usize>(
         graph: graph.as_ref(),
         max: arguments.timed,
     };
-    let timed = arguments.timing.run(&subject, arguments.queries_in_flight, config, &arguments.view, out)?;
+    let timed = arguments.timing.run(&subject, arguments.queries_in_flight, config, out)?;
     if let Some(Timed { mut recording, files: more }) = timed {
         let head = ["what", "value"].map(str::to_string).to_vec();
         let rows = rows.into_iter().map(|(label, value)| vec![label, value]).collect();
         recording.tables.push(Table { title: "The search".to_string(), head, rows });
         files.extend(more);
-        files.extend(arguments.view.files(&recording));
+        files.extend(arguments.timing.view.files(&recording));
     }
     write_and_name(&files, out)
 }

@@ -26,6 +26,8 @@ pub struct TimingArguments {
     /// Skip the simulation
     #[arg(long, conflicts_with_all = ["sweep", "report", "konata"])]
     no_timing: bool,
+    #[command(flatten)]
+    pub view: ViewArguments,
 }
 
 /// Work to simulate.
@@ -61,7 +63,6 @@ impl TimingArguments {
         subject: &impl Subject,
         in_flight: usize,
         config: Config,
-        view: &ViewArguments,
         out: &mut dyn Write,
     ) -> Result<Option<Timed>, CliError> {
         if self.no_timing {
@@ -71,7 +72,7 @@ impl TimingArguments {
         let environment = Environment { in_flight, memory_latency: self.memory_latency, ..Environment::default() };
         let system = System { environment, shape: shape(config, &datapath) };
         let (agents, agent) = subject.names();
-        let mut recorder = view.recorder(agent, &datapath);
+        let mut recorder = self.view.recorder(agent, &datapath);
         let timing = subject.time(&system, &mut recorder)?;
 
         let mut recording = recording(subject.title(), config, &datapath, timing.cycles, &timing.jobs);
@@ -86,7 +87,7 @@ impl TimingArguments {
         print(&recording, out)?;
 
         let mut files = Vec::new();
-        if self.sweep.is_some() || view.has_report() {
+        if self.sweep.is_some() || self.view.has_report() {
             let svg = plot(&subject.sweep(&system)?, &format!("Throughput: {}", subject.title()), agents);
             files.extend(self.sweep.iter().map(|path| (path.clone(), svg.clone().into_bytes())));
             recording.sweep = Some(svg);

@@ -1,7 +1,7 @@
 //! `raypath wave`: recorded transactions through the netlist, with a waveform.
 
 use crate::commands::full::StreamArguments;
-use crate::{Additions, CliError, ConfigArguments, Progress, whole};
+use crate::{CliError, DatapathArguments, Progress, whole};
 use clap::Args;
 use raypath_rtl::UnitKind;
 use raypath_sim::Words;
@@ -21,14 +21,11 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = whole(1..=u32::MAX))]
     jobs: Option<u32>,
     #[command(flatten)]
-    additions: Additions,
-    #[command(flatten)]
-    config: ConfigArguments,
+    datapath: DatapathArguments,
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
-    let config = arguments.config.config()?;
-    let whole = arguments.additions.datapath(config);
+    let (config, whole) = arguments.datapath.datapath()?;
     let (model, datapath) = (whole.model(), whole.elaborate()?);
     let stream = arguments.stream.read(&model, config)?;
     let units = UnitKind::ALL.map(|kind| format!("u_{}_", kind.stem()));
