@@ -1,8 +1,8 @@
-//! Everything that `Builder` rejects, and what it says: the module, the signal, the problem.
+//! The errors of `Builder`: each names the module, the signal and the problem.
 
 use raypath_hdl::{Builder, Error, Label, Wire};
 
-/// What building a module `bad`, with inputs `a_i` of 8 bits and `c_i` of 1 bit, ends with.
+/// The error of building a module `bad` with inputs `a_i` of 8 bits and `c_i` of 1 bit.
 fn error_of(describe: impl FnOnce(&Builder)) -> Error {
     let m = Builder::new("bad");
     describe(&m);
@@ -174,7 +174,7 @@ fn wires_of_another_module() {
         |m, a| m.register("b_q", 1).next_when(a, strange);
         |m, a| m.forward("b", 1).drive(strange);
     };
-    // Nor is a module without any signal confused by one.
+    // A module without signals rejects it too.
     let m = Builder::new("bad");
     m.output("b_o", strange);
     assert_eq!(m.finish().expect_err("accepted"), drive("strange_i", "belongs to another module"));
@@ -315,7 +315,7 @@ fn unused_signals_are_declared_as_such() {
     assert_eq!(error_of(|m| m.unused("rest", &[m.input("a_i", 8)])), name("rest", "must begin with unused_"));
 }
 
-/// What went wrong first is what is reported.
+/// The first error is reported.
 #[test]
 fn the_first_error_is_kept() {
     rejects(width("Constant 0", "constant 8 does not fit 3 bits"), |m| {

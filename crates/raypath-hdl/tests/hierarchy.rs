@@ -1,4 +1,4 @@
-//! Instances: names, observation, paths that run backwards, loops.
+//! Instances: names, observation, paths against the order of instances, loops.
 
 use raypath_hdl::{Builder, Error, Module, Simulator, depends_combinationally};
 use std::sync::Arc;
@@ -238,7 +238,7 @@ fn unknown_names_are_errors() {
     assert_eq!(depends_combinationally(s.module(), "data_o", "no"), Err(name_error("is not an input of it", "no")));
 }
 
-/// So much work that a simulator remembers what it came to.
+/// Enough operations for a simulator to cache the results.
 fn mixer() -> Arc<Module> {
     let m = Builder::new("mixer");
     let (a, b) = (m.input("a_i", 16), m.input("b_i", 16));
@@ -252,7 +252,7 @@ fn mixed(a: u64, b: u64) -> u64 {
     (0..100).fold(a, |mixed, round| ((mixed + b) & 0xffff) ^ (round * 77))
 }
 
-/// Arguments that stay, change one at a time, come back, and are zero at first; two instances of one module.
+/// Arguments that stay, change one at a time, return, and are zero at first, for two instances of one module.
 #[test]
 fn results_of_an_instance_follow_its_arguments() {
     let m = Builder::new("two");

@@ -1,4 +1,4 @@
-//! What a simulation in lanes adds: lanes that do not see each other, and values that find their lanes.
+//! Simulation in lanes: lanes are independent, and values are in their lanes.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -20,7 +20,7 @@ fn registers() -> Arc<Module> {
     a.next(b.wire());
     b.next_when(en, a.wire());
     constant.next(m.constant(33, 5));
-    // Its halves change places, and its lowest bit is its own enable.
+    // Its halves are exchanged, and its lowest bit is part of its own enable.
     let halves = m.register("halves_q", 34).reset_to(0x2_1234_5679);
     let turned = m.concat(&[halves.wire().bits(16, 0), halves.wire().bits(33, 17)]);
     halves.next_when(halves.wire().bit(0) | en, turned);
@@ -39,7 +39,7 @@ fn random_lanes(random: &mut ChaCha8Rng) -> [u64; LANES] {
     std::array::from_fn(|_| random.random())
 }
 
-/// What is done to both simulators, in the same order.
+/// An action on both simulators.
 #[derive(Clone)]
 enum Action {
     Set(Box<[[u64; LANES]; 2]>),

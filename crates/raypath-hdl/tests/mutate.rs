@@ -1,11 +1,12 @@
-//! Faults: every kind of driver has some, each is another module in print and in simulation, and hierarchies take them.
+//! Faults: every kind of driver has faults, each changes the text and the simulation, and they can be put into a
+//! hierarchy.
 
 use raypath_hdl::mutate::{Fault, faults, replace};
 use raypath_hdl::{Builder, Driver, Error, Label, Module, Simulator, verilog};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// A module with every kind of driver but instances, and registers of all kinds; each part of it can be seen.
+/// A module with every kind of driver except instances, and all kinds of registers; all are observable.
 fn everything() -> Arc<Module> {
     let m = Builder::new("everything");
     let (a, b, s) = (m.input("a_i", 4), m.input("b_i", 4), m.input("s_i", 1));
@@ -89,7 +90,7 @@ fn every_kind_of_driver_has_its_faults() {
     assert!(texts.iter().all(|text| !text.contains("sum")), "nothing depends on it: {texts:#?}");
 }
 
-/// What a module answers to every input in turn, in print and in simulation.
+/// The text of a module, and its outputs for every input.
 fn behaviour(module: &Arc<Module>) -> (String, Vec<u64>) {
     let mut simulator = Simulator::new(module).expect("a simulator");
     let inputs: Vec<_> = module.inputs().iter().map(|port| simulator.input(&port.name).expect("an input")).collect();
@@ -120,7 +121,7 @@ fn every_fault_of_a_module_shows_in_its_text_and_in_what_it_does() {
     assert!(faults.len() > 50, "{}", faults.len());
 }
 
-/// `outer` holds `middle` twice, which holds `inner` once; `other` beside them.
+/// `outer` has two instances of `middle`, which has one of `inner`, and an instance of `other`.
 fn hierarchy() -> (Arc<Module>, Arc<Module>) {
     let m = Builder::new("inner");
     m.output("x_o", m.input("x_i", 4) + m.constant(4, 1));
@@ -202,7 +203,7 @@ fn a_replacement_that_does_not_fit_is_refused() {
     replace(&outer, &module("inner", 4)).expect("it fits");
 }
 
-/// The drivers that the first test names are all there are: a new one needs faults, too.
+/// The first test lists all kinds of drivers: a new kind needs faults too.
 #[test]
 fn the_example_has_every_driver() {
     let kind = |driver: &Driver| format!("{driver:?}").split(['(', ' ']).next().unwrap_or_default().to_string();

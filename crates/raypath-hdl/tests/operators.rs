@@ -1,4 +1,4 @@
-//! Every operator at widths around the interesting ones, against arithmetic on `u128`.
+//! Every operator at widths near powers of two, compared with arithmetic on `u128`.
 
 #[path = "common/operators.rs"]
 mod every;
@@ -28,7 +28,7 @@ fn operands(width: u32) -> Vec<Operands> {
     for _ in 0..2_000 {
         let mut any = || u128::from(random.random::<u64>());
         let (a, b, c, far) = (any() % size, any() % size, any() % 2, any());
-        // Half of the amounts near the interesting ones.
+        // Half of the amounts are near the width.
         all.push(Operands { a, b, c, far: if far % 2 == 0 { far } else { far % 130 } });
     }
     all
@@ -50,7 +50,7 @@ fn compare(module: &Arc<Module>, expected: &[(String, Expected)], width: u32) {
     compare_lanes(module, expected, width, inputs, &outputs);
 }
 
-/// The same, other operands in every lane.
+/// The same with different operands in every lane.
 fn compare_lanes(
     module: &Arc<Module>,
     expected: &[(String, Expected)],

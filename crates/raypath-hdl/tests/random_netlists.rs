@@ -10,7 +10,7 @@ use raypath_hdl::{Driver, LANES, LaneSimulator, Module, SignalId, Simulator};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// The interpreter: evaluates a signal when asked, remembers it for the rest of the cycle.
+/// The interpreter: it evaluates a signal on demand and keeps the value for the rest of the cycle.
 struct Scope<'m> {
     module: &'m Module,
     children: Vec<Scope<'m>>,
@@ -42,7 +42,7 @@ impl<'m> Scope<'m> {
         self.children.iter_mut().for_each(|child| child.begin_cycle(reset));
     }
 
-    /// Evaluates everything, so that what only registers need is there at the edge.
+    /// Evaluates all signals, including those that only registers read.
     fn evaluate(&mut self) {
         for id in 0..self.module.signals().len() as u32 {
             self.value(SignalId(id));
@@ -162,8 +162,8 @@ fn compare(module: &Arc<Module>, random: &mut ChaCha8Rng, seed: u64) {
     }
 }
 
-/// Other inputs in every lane, the same reset: each lane against a simulator that has only its inputs, a few against
-/// the interpreter too.
+/// Different inputs in every lane and the same reset: each lane is compared with a simulator of its own, and a few
+/// lanes with the interpreter.
 fn compare_lanes(module: &Arc<Module>, random: &mut ChaCha8Rng, seed: u64) {
     let mut lanes = LaneSimulator::new(module).unwrap();
     let mut single = Simulator::new(module).unwrap();

@@ -3,7 +3,7 @@
 use raypath_hdl::{Builder, InputPort, Module, OutputPort, Simulator};
 use std::sync::Arc;
 
-/// Three registers that take `d_i`: always, when `en_i`, and when `en_i` with a reset to 9.
+/// Three registers that load `d_i`: always, if `en_i` is 1, and if `en_i` is 1 with a reset to 9.
 fn three_registers() -> Arc<Module> {
     let m = Builder::new("three");
     let (d, en) = (m.input("d_i", 8), m.input("en_i", 1));
@@ -32,7 +32,7 @@ impl Bench {
         Self { d: simulator.input("d_i").unwrap(), en: simulator.input("en_i").unwrap(), simulator, outputs }
     }
 
-    /// What the outputs show in a cycle with these inputs.
+    /// The outputs in a cycle with these inputs.
     fn cycle(&mut self, d: u64, en: u64) -> [u64; 3] {
         self.simulator.set(self.d, d);
         self.simulator.set(self.en, en);
@@ -117,7 +117,7 @@ fn simulators_of_one_module_are_independent_and_can_move_to_threads() {
     assert_eq!(results, [0, 1, 2, 3]);
 }
 
-/// Unlike a reset, a restart forgets registers without a reset value too.
+/// Unlike a reset, a restart also clears registers without a reset value.
 #[test]
 fn a_restarted_simulator_equals_a_new_one() {
     let module = three_registers();
@@ -132,6 +132,6 @@ fn a_restarted_simulator_equals_a_new_one() {
     for _ in 0..2 {
         simulator.cycle();
     }
-    // The inputs are 0 again, and the one register that takes its input in every cycle has taken it.
+    // The inputs are 0 again, and the register without an enable has loaded 0.
     assert_eq!(ports.map(|port| simulator.get(port)), [0, 0, 9]);
 }

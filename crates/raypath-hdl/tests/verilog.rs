@@ -1,4 +1,4 @@
-//! The printed text, looked at.
+//! The printed text.
 
 use raypath_hdl::{Builder, Label, Module, verilog};
 use std::sync::Arc;
@@ -67,7 +67,7 @@ fn text(module: &Module) -> String {
     verilog::print_module(module, &["raypath, a sample".to_string()]).unwrap()
 }
 
-/// The text of a module that says `fragment` in it somewhere, lines and their indentation included.
+/// Asserts that the text of a module contains `fragment`, with its lines and indentation.
 fn assert_prints(module: &Module, fragment: &str) {
     let text = text(module);
     assert!(text.contains(fragment), "no\n{fragment}\nin\n{text}");
@@ -291,7 +291,7 @@ fn a_remark_on_the_driver_of_a_forward_wire_is_beside_the_wire() {
     assert_prints(&m.finish().unwrap(), "  logic [3:0] later;  // twice\n");
 }
 
-/// No name may have two underscores in a row, not even one that is made.
+/// Names, including those that the printer makes, do not have two underscores in a row.
 #[test]
 fn made_names_do_not_double_underscores() {
     let m = Builder::new("dashes");

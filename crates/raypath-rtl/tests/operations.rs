@@ -1,4 +1,4 @@
-//! Operations that are none of the paper's: what the elaborator makes of them, and what it refuses.
+//! Operations that are not in the paper: their elaboration, and errors.
 
 #[macro_use]
 mod common;
@@ -53,7 +53,7 @@ fn configurations() -> Vec<Config> {
     all
 }
 
-/// Runs jobs (a, b, flag, word) one after the other and gives (number, is_so, code) of each, the same in every
+/// Runs jobs (a, b, flag, word) in order and returns (number, is_so, code) of each, which are the same in every
 /// configuration.
 fn answers(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)]) -> Vec<(f32, bool, u64)> {
     let expected = answers_of(operation, jobs, Config::DEFAULT);
@@ -65,7 +65,7 @@ fn answers(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)]) -> Vec<(f
     expected
 }
 
-/// The answers of one configuration; the first comes after as many cycles as its latency says.
+/// The outcomes of one configuration. The first one appears after the latency of the configuration.
 fn answers_of(operation: &impl Operation, jobs: &[(f32, f32, bool, u64)], config: Config) -> Vec<(f32, bool, u64)> {
     let operations = Operations::new().with(operation, 2).expect("an operation");
     let datapath = Datapath::build(operations, config.microarchitecture).expect("a datapath");
@@ -111,7 +111,7 @@ operation!(Straight, |_c, i| Output { number: i.a, is_so: i.flag, code: i.word }
 
 #[test]
 fn inputs_may_be_outputs() {
-    // Neither a stage nor a unit, but for the conversions; subnormals and infinities come through.
+    // No stage and no unit except conversions; subnormals and infinities pass unchanged.
     let jobs = [(1e-40, 0.0, true, 2), (f32::NEG_INFINITY, 0.0, false, 3), (-0.0, 0.0, true, 6)];
     let found = answers(&Straight, &jobs);
     assert_eq!(found.iter().map(|f| f.0.to_bits()).collect::<Vec<_>>(), jobs.map(|j| j.0.to_bits()));
@@ -130,7 +130,7 @@ operation!(ConstantBit, |c, i| {
     Output { number: i.flag.select(c.infinity(), c.zero()), is_so: c.bit(true), code: c.word(5) }
 });
 
-/// A test of a constant is a constant, made where it is read.
+/// A test of a constant is a constant.
 #[test]
 fn constants_cost_no_registers() {
     let found = answers(&Constants, &[(0.0, 0.0, true, 0), (0.0, 0.0, false, 0)]);
@@ -183,7 +183,7 @@ fn words_that_the_format_does_not_have_are_refused() {
     assert!(said.contains("has 9 bits, expected 1 to 8"), "{said}");
 }
 
-// Keeps the largest number so far, and begins again where it was negative or the flag is set.
+// Keeps the largest number so far, and restarts if it was negative or the flag is set.
 operation!(Largest, |c, i, state| {
     c.stage(6, "the larger of a and what is kept");
     let was_negative = state.kept.sign_bit();
@@ -200,7 +200,7 @@ fn state_may_be_compared_and_tested() {
     assert_eq!(answers(&Largest, &jobs), expected);
 }
 
-// Adds up what comes, in jobs with the flag to what went before: a loop through an adder.
+// A sum; jobs with the flag add to the previous sum: a loop through an adder.
 operation!(Sum, |c, i, state| {
     c.stage(3, "a b");
     let product = i.a * i.b;
@@ -223,7 +223,7 @@ fn state_may_go_through_an_adder_of_several_steps() {
     }
 }
 
-/// Another's adders and multipliers serve, and its registers: a second operation adds multiplexers, and no more.
+/// Operations share adders, multipliers and registers: a second operation adds multiplexers only.
 #[test]
 fn operations_share_units_and_registers() {
     operation!(Double, |c, i| {
@@ -277,7 +277,7 @@ fn what_does_not_fit_is_refused() {
     assert_eq!(error.to_string(), "operation Mixed: opcode 64 is too large, expected 0 to 63");
 }
 
-/// Each alone is well; together the stage's adder would feed its multiplier and the other way round.
+/// Each operation alone is valid. Together, the stage's adder would feed its multiplier, and the multiplier the adder.
 #[test]
 fn units_in_a_circle_are_refused() {
     operation!(SumFirst, |c, i| {
@@ -306,7 +306,7 @@ bundle! {
     }
 }
 
-// Has a port of another's name, but not its width.
+// Has a port with the name of another operation's port, but another width.
 operation!(FourFlags, Wider<C>, (), |_c, i, _state| (Wider { is_so: Flags([i.flag; 4]) }, ()));
 
 bundle! {
@@ -327,7 +327,7 @@ bundle! {
 
 operation!(TwoOfAName, Twice<C>, (), |_c, i, _state| (Twice { t: One { num: i.a }, t_num: i.b }, ()));
 
-/// Ports of one name are one port, so they are alike or refused.
+/// Ports of one name are one port. Other types or widths are an error.
 #[test]
 fn ports_of_one_name_are_alike() {
     let straight = || Operations::new().with(&Straight, 0).expect("an operation");
@@ -339,7 +339,7 @@ fn ports_of_one_name_are_alike() {
     assert!(error.to_string().contains("its port t_num_o is a number, and that of TwoOfAName a number"), "{error}");
 }
 
-/// Assertions name what they look at, whether or not the operation has labelled it.
+/// Assertions refer to states by name, with and without labels in the operation.
 #[test]
 fn assertions_of_a_state_without_labels_look_at_it() {
     for config in configurations() {

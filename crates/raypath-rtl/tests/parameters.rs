@@ -3,8 +3,7 @@
 use raypath_rtl::{Config, Lanes, parameters};
 use std::collections::BTreeSet;
 
-/// Every text that a parameter announces is accepted, selects another configuration than the parameter's other texts,
-/// and is shown again.
+/// Every listed value of a parameter is accepted, selects a configuration of its own, and is displayed unchanged.
 #[test]
 fn every_value_is_accepted_and_shown() {
     for parameter in parameters() {

@@ -55,7 +55,7 @@ fn no_gate_has_a_constant_operand() {
     }
 }
 
-/// Names that the printer has to invent for parts of long expressions.
+/// The printer makes few names for parts of long expressions.
 #[test]
 fn few_names_are_invented() {
     let is_invented = |word: &&str| {

@@ -1,4 +1,4 @@
-//! All sizes of formats against LLVM's soft float, as the crate `rustc_apfloat` has it.
+//! All sizes of formats, compared with LLVM's soft float (the crate `rustc_apfloat`).
 
 use crate::operands::{Operands, cases};
 use rand::RngExt;
@@ -6,7 +6,7 @@ use raypath_float::Format;
 use rustc_apfloat::ieee::{BFloatS, Double, HalfS, IeeeFloat, Semantics, Single, SingleS};
 use rustc_apfloat::{Float, FloatConvert};
 
-/// A format of `E` exponent and `S` significand bits, as `rustc_apfloat` wants to be told.
+/// A format of `E` exponent and `S` significand bits, in the form that `rustc_apfloat` needs.
 struct Widths<const E: usize, const S: usize>;
 
 impl<const E: usize, const S: usize> Semantics for Widths<E, S> {
@@ -71,7 +71,7 @@ fn agrees<S: Semantics>(format: Format) {
         let given = format.to_f64(a);
         assert!(given.to_bits() == wide.to_bits() || given.is_nan() && wide.is_nan(), "{format}: {a:#x} is {wide:e}");
 
-        // Between two numbers, and half way more often than not.
+        // Between two numbers, in most cases halfway.
         let next = double(x.next_up().value);
         let between = match operands.rng.random_range(0..4) {
             0 | 1 => wide / 2.0 + next / 2.0,
@@ -93,7 +93,7 @@ fn double<S: Semantics>(number: IeeeFloat<S>) -> f64 {
     f64::from_bits(double.to_bits() as u64)
 }
 
-/// The bits of a number; one NaN for all, as IEEE 754 recommends it: quiet, no payload.
+/// The bits of a number; every NaN becomes the quiet NaN without payload.
 fn code<S: Semantics>(format: Format, number: IeeeFloat<S>) -> u64 {
     if !number.is_nan() {
         return number.to_bits() as u64;

@@ -1,5 +1,5 @@
 //! Small formats: every pair of operands. The oracle lists all numbers of a format by IEEE 754's definition, computes
-//! in `f64`, which is exact for them, and rounds by looking up between which two midpoints the result lies.
+//! in `f64`, which is exact for them, and rounds by searching the interval between midpoints that contains the result.
 
 use raypath_float::Format;
 
@@ -37,7 +37,7 @@ fn every_number() {
     }
 }
 
-/// At, just below and just above every midpoint, and far beyond both ends.
+/// Numbers at, just below and just above every midpoint, and far beyond both ends.
 #[test]
 fn conversions_round_to_the_nearest() {
     for (e, s) in [(3, 3), (3, 5), (4, 7), (5, 3), (5, 11), (8, 8)] {
@@ -57,7 +57,7 @@ fn conversions_round_to_the_nearest() {
     }
 }
 
-/// Between any two neighbours, and from the largest number on as if it had a neighbour.
+/// The ulp between any two neighbours, and beyond the largest number as if it had a neighbour.
 #[test]
 fn an_ulp_is_the_distance_between_neighbours() {
     for (e, s) in [(3, 3), (3, 5), (4, 7), (5, 3), (5, 11), (8, 8)] {
@@ -74,13 +74,13 @@ fn an_ulp_is_the_distance_between_neighbours() {
     assert_eq!((widest.ulp(1.0), Format::BINARY16.ulp(1e300)), (2.0_f64.powi(-23), 2.0_f64.powi(996 - 10)));
 }
 
-/// All magnitudes of a format, and what lies half way between them.
+/// All magnitudes of a format, and the midpoints between them.
 struct Numbers {
     format: Format,
-    /// In order; the place of a magnitude is its code.
+    /// In order; the index of a magnitude is its code.
     magnitudes: Vec<f64>,
-    /// The i-th lies between the i-th and the next magnitude; the last one between the largest number and what would
-    /// come next.
+    /// The i-th is between the i-th and the next magnitude; the last is between the largest number and the next number
+    /// of a format without a largest number.
     midpoints: Vec<f64>,
 }
 
@@ -103,7 +103,7 @@ impl Numbers {
         0..1 << self.format.ieee_width()
     }
 
-    /// The number that a code stands for.
+    /// The number of a code.
     fn number(&self, code: u64) -> f64 {
         let sign_bit = 1 << (self.format.ieee_width() - 1);
         let magnitude = match (code & (sign_bit - 1)) as usize {
@@ -114,7 +114,7 @@ impl Numbers {
         if code & sign_bit == 0 { magnitude } else { -magnitude }
     }
 
-    /// The code nearest to a number; of two as near the even one.
+    /// The code nearest to a number; the even one of two equally near codes.
     fn nearest(&self, number: f64) -> u64 {
         let infinity = self.magnitudes.len();
         if number.is_nan() {

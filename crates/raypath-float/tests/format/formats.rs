@@ -1,4 +1,4 @@
-//! What is a format and what is not, what formats are called, and the recoded format as the specification lists it.
+//! Valid formats, their names, and the recoded format of the specification.
 
 use raypath_float::{Format, ParseFormatError};
 
@@ -13,7 +13,7 @@ fn bounds() {
     }
 }
 
-/// With one significand bit more than the bound, the smallest subnormal's exponent would begin with the 000 of zero.
+/// With one more significand bit than the bound, the recoded exponent of the smallest subnormal would begin with 000.
 #[test]
 fn the_bound_is_where_the_smallest_subnormal_would_look_like_zero() {
     for e in 3..=6 {

@@ -21,7 +21,7 @@ fn random_pairs() {
             *seen.entry(("order", if x == y { "equal" } else { "unordered" })).or_default() += 1;
         }
     }
-    // A generator that misses a kind tests less than it seems to.
+    // The generator must produce every kind.
     assert!(seen.len() == 12 && seen.values().all(|&count| count >= cases(CASES) / 5_000), "{seen:?}");
 }
 
@@ -40,7 +40,7 @@ fn every_pair_of_edges() {
     }
 }
 
-/// Bits above the format's are ignored, and none are given.
+/// Bits above the width of the format are ignored in arguments and zero in results.
 #[test]
 fn bits_above_the_format() {
     let mut operands = Operands::new(FORMAT, 2);
@@ -84,7 +84,7 @@ fn check(a: u64, b: u64) {
     assert!(FORMAT.to_f64(a).to_bits() == f64::from(x).to_bits() || x.is_nan() && FORMAT.to_f64(a).is_nan());
 }
 
-/// The bits of a number; one NaN for all.
+/// The bits of a number; every NaN becomes the canonical NaN.
 fn code(number: f32) -> u64 {
     if number.is_nan() { 0x7fc0_0000 } else { number.to_bits().into() }
 }

@@ -1,4 +1,4 @@
-//! Formats in software against the host's arithmetic, LLVM's soft float, and a search among all numbers.
+//! Formats in software, compared with the host's arithmetic, LLVM's soft float, and a search among all numbers.
 
 mod apfloat;
 mod exhaustive;

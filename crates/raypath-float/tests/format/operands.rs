@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
 use std::ops::Range;
 
-/// How many cases to run: a twentieth in an unoptimised build.
+/// The number of cases: a twentieth in an unoptimised build.
 pub fn cases(optimised: u32) -> u32 {
     if cfg!(debug_assertions) { optimised / 20 } else { optimised }
 }
@@ -35,19 +35,19 @@ impl Operands {
         let bias = (self.top / 2) as i64;
         let b = match self.rng.random_range(0..8) {
             0 => self.code(),
-            // Sums that cancel down to the last places, or ask for one more.
+            // Sums that cancel down to the last places or need one place more.
             1 => (a ^ self.sign_bit()).wrapping_add_signed(self.rng.random_range(-3..4)),
             2 => a.wrapping_add_signed(self.rng.random_range(-3..4)),
-            // Sums in which one operand's bits decide how the other's last place is rounded.
+            // Sums in which the bits of one operand decide the rounding of the other's last place.
             3..6 => self.near(exponent, -width - 4..width + 5),
-            // Products in and below the subnormal range, and about the largest number.
+            // Products in and below the subnormal range, and near the largest number.
             6 => self.near(bias - exponent, -width - 3..4),
             _ => self.near(3 * bias - exponent, -3..4),
         } & (self.sign_bit() * 2 - 1);
         if self.rng.random() { (a, b) } else { (b, a) }
     }
 
-    /// A code: any exponent, the lowest and the highest more often, and a fraction that ties or carries.
+    /// A code with any exponent, more often the lowest and the highest, and a fraction that makes ties or carries.
     pub fn code(&mut self) -> u64 {
         let top = self.top as i64;
         match self.rng.random_range(0..8) {
@@ -57,7 +57,7 @@ impl Operands {
         }
     }
 
-    /// A code whose exponent field is off `exponent` by one of these, as far as there is room.
+    /// A code whose exponent field differs from `exponent` by one of these, clamped to the range.
     fn near(&mut self, exponent: i64, offsets: Range<i64>) -> u64 {
         let exponent = (exponent + self.rng.random_range(offsets)).clamp(0, self.top as i64) as u64;
         let sign = if self.rng.random() { self.sign_bit() } else { 0 };

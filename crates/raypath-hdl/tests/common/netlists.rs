@@ -1,4 +1,4 @@
-//! Random netlists, whose text the linters accept unless they have constants for operands.
+//! Random netlists. Without constant operands, linters accept their text.
 
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -8,12 +8,12 @@ use std::sync::Arc;
 /// The widths of every netlist's inputs.
 pub const WIDTHS: [u32; 6] = [1, 7, 32, 33, 63, 64];
 
-/// What a netlist has.
+/// The size and the options of a netlist.
 #[derive(Default)]
 pub struct Contents<'a> {
     pub operators: usize,
     pub registers: usize,
-    /// Netlists of which it has an instance each.
+    /// The modules of its instances, one instance each.
     pub inside: &'a [Arc<Module>],
     /// Whether operands may be constants.
     pub constants: bool,
@@ -23,7 +23,7 @@ struct Growth<'m, 'r> {
     m: &'m Builder,
     random: &'r mut ChaCha8Rng,
     wires: Vec<Wire<'m>>,
-    /// Named wires, all of whose bits are read at the end; only they may be sliced.
+    /// Named wires, all of whose bits are read at the end. Only these may be sliced.
     named: Vec<Wire<'m>>,
     constants: bool,
 }
@@ -108,7 +108,7 @@ impl<'m> Growth<'m, '_> {
         named.bits(low + width - 1, low)
     }
 
-    /// A comparison whose result no tool can derive: a constant result would be a lint.
+    /// A comparison whose result is not constant, because linters report constant results.
     fn less(&self, a: Wire<'m>) -> Wire<'m> {
         let inputs = &self.named[..WIDTHS.len()];
         let (bit, some, all) = (inputs[0], inputs[4], inputs[5]);

@@ -15,7 +15,7 @@ pub struct Operands {
 
 pub type Expected = Box<dyn Fn(Operands) -> u128>;
 
-/// A module with an output for every operator, and what each output must show.
+/// A module with an output for every operator, and the expected value of each output.
 pub fn every_operator(width: u32) -> (Arc<Module>, Vec<(String, Expected)>) {
     let size = 1u128 << width;
     let m = Builder::new(&format!("operators{width}"));

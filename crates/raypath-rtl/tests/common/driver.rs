@@ -1,4 +1,4 @@
-//! Random jobs through a netlist, held against its operations.
+//! Comparison of a netlist with its operations, for random jobs.
 
 use crate::drive::{Ports, drive};
 use rand::rngs::ChaCha8Rng;
@@ -13,18 +13,18 @@ use std::convert::Infallible;
 pub struct Driver<C: Concrete> {
     circuit: C,
     config: Config,
-    /// Where the circuit leaves its exceptions, which are held against the port `exception_flags_o`.
+    /// The cell in which the circuit collects exceptions, to compare with the port `exception_flags_o`.
     pub raised: Option<&'static Cell<u64>>,
     operations: Vec<Runner>,
 }
 
-/// Words of an input to those of the answer.
+/// Computes the words of an outcome from those of a job.
 type Run = dyn FnMut(&[u64]) -> Vec<u64>;
 
-/// An operation that remembers its state.
+/// An operation that keeps its state.
 struct Runner {
     opcode: u64,
-    /// All that it may take and answer; what is not there in this configuration is `false`.
+    /// Its input and output ports; `false` marks those that are absent in this configuration.
     inputs: Vec<(Port, bool)>,
     outputs: Vec<(Port, bool)>,
     run: Box<Run>,
@@ -58,13 +58,13 @@ impl<C: Concrete + 'static> OperationVisitor for Driver<C> {
 }
 
 impl<C: Concrete + 'static> Driver<C> {
-    /// Without operations, which it receives as a visitor.
+    /// A driver without operations; it adds them as a visitor.
     pub fn new(circuit: C, config: Config) -> Self {
         Self { circuit, config, raised: None, operations: Vec::new() }
     }
 
-    /// Sends so many jobs through the netlist, with a source and a sink that pause now and then. Returns the expected
-    /// values of each output port.
+    /// Sends `jobs` jobs through the netlist, with random pauses of source and sink. Returns the expected values of
+    /// each output port.
     pub fn run(mut self, name: &str, datapath: &Datapath, jobs: usize) -> BTreeMap<String, BTreeSet<u64>> {
         let mut rng = ChaCha8Rng::seed_from_u64(jobs as u64);
         let (inputs, outputs) = (datapath.top().inputs(), datapath.top().outputs());
@@ -86,14 +86,14 @@ impl<C: Concrete + 'static> Driver<C> {
         for (job, (answer, expected)) in answers.iter().zip(expected).enumerate() {
             assert!(expected.keys().all(|port| answer.contains_key(port)), "{name}: {answer:?}");
             for (port, &bits) in answer {
-                // What the operation does not have is zero, as it stands at the port.
+                // Output ports that the operation does not have are zero.
                 let kind = kinds.get(port).filter(|_| expected.contains_key(port));
                 let (found, expected) = (self.of_port(kind, bits), expected.get(port).copied().unwrap_or(0));
                 assert_eq!(found, expected, "{name}: {port} of job {job} (opcode {})", answer["opcode"]);
             }
             expected.into_iter().for_each(|(port, bits)| _ = seen.entry(port).or_default().insert(bits));
         }
-        // Every bit of the flags was 1 and 0, so that none is only ever right by being constant.
+        // Every flag was both 0 and 1, so a constant flag would be found.
         for (port, values) in seen.iter().filter(|(port, _)| kinds.get(*port) == Some(&PortKind::Flags)) {
             let (ones, always) = values.iter().fold((0, u64::MAX), |(ones, always), bits| (ones | bits, always & bits));
             assert!(ones != 0 && always == 0, "{name}: {port} never changes: {values:?}");
@@ -101,7 +101,7 @@ impl<C: Concrete + 'static> Driver<C> {
         seen
     }
 
-    /// The ports of a job of any operation, and of its answer.
+    /// The ports of a job of any operation, and of its outcome.
     fn job(&mut self, rng: &mut ChaCha8Rng) -> (Ports, Ports) {
         let which = rng.random_range(0..self.operations.len());
         let words = self.words(which, rng);
@@ -125,7 +125,7 @@ impl<C: Concrete + 'static> Driver<C> {
         (given, values)
     }
 
-    /// The words of a job: small numbers, special ones, any bits.
+    /// The words of a job: small numbers, special numbers, random bits.
     fn words(&self, which: usize, rng: &mut ChaCha8Rng) -> Vec<u64> {
         let style = rng.random_range(0..4);
         let format = self.config.semantics.format;
@@ -141,7 +141,8 @@ impl<C: Concrete + 'static> Driver<C> {
         };
         let sign = 1 << (format.ieee_width() - 1);
         let ports = self.operations[which].inputs.iter();
-        // Else next to nothing would be hit: axes that are axes, a range that has room, boxes around the origin.
+        // Without these values hardly any job would hit: valid axes, a range that is not empty, boxes around the
+        // origin.
         let is_proper = rng.random_bool(0.7);
         let bits = ports.map(|(port, _)| match (port.name.as_str(), port.width) {
             ("ray_kx", _) if is_proper => 0,
@@ -168,7 +169,7 @@ impl<C: Concrete + 'static> Driver<C> {
     }
 }
 
-/// So many ones.
+/// A word of `width` ones.
 fn mask(bits: u32) -> u64 {
     u64::MAX.checked_shr(64 - bits).unwrap_or(0)
 }

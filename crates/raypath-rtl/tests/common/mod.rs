@@ -1,9 +1,9 @@
-//! What tests of operations that are none of the paper's begin with.
+//! Shared code of tests with operations that are not in the paper.
 
 pub mod drive;
 
-/// An operation that is a function of `Input` to `Output`, whatever these are where it stands. With `state` it is also
-/// one of `State` to `State`.
+/// Declares an operation from the types `Input` and `Output` at its place of use; with a third parameter, it also has a
+/// `State`.
 macro_rules! operation {
     ($name:ident, |$c:ident, $input:ident| $body:expr) => {
         operation!($name, Output<C>, (), |$c, $input, _state| ($body, ()));

@@ -1,4 +1,4 @@
-//! Exceptions: of the units against exact arithmetic, and of whole jobs against a circuit that collects them.
+//! Exceptions: units compared with exact arithmetic, and jobs with a circuit that collects exceptions.
 
 use crate::check;
 use raypath_float::{Format, add_parts, flags, mul_parts};
@@ -9,7 +9,7 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The exceptions of a result, given the exact one: a sum or a product of numbers of few bits, which binary64 has.
+/// The exceptions of a result, from the exact result: a sum or product of short numbers, which binary64 represents.
 fn expected(format: Format, operands: [f64; 2], exact: f64, rounded: u64) -> u64 {
     if operands.iter().any(|operand| operand.is_nan()) {
         return 0;
@@ -33,7 +33,7 @@ fn expected(format: Format, operands: [f64; 2], exact: f64, rounded: u64) -> u64
     }
 }
 
-/// A unit in parts, one after the other, as what they are together.
+/// The parts of a unit, connected in order.
 struct Chain(Vec<Simulator>);
 
 impl Chain {
@@ -90,7 +90,7 @@ fn units_raise_what_exact_arithmetic_says() {
     }
 }
 
-/// Of whole jobs, in the features that change the arithmetic and in units of one to three parts.
+/// Exceptions of jobs, for the features that change the arithmetic, and with units of one to three parts.
 #[test]
 fn jobs_raise_what_a_circuit_that_collects_does() {
     let alone = Features { exception_flags: true, ..Features::OFF };

@@ -12,8 +12,7 @@ use raypath_ops::Concrete;
 use raypath_rtl::{Config, Datapath};
 use std::cell::Cell;
 
-/// Holds random jobs of a configuration against its operations over a circuit, and against its exceptions if it leaves
-/// them in a cell.
+/// Compares random jobs of a configuration with its operations over a circuit, and with the exceptions in `raised`.
 fn check(circuit: impl Concrete + 'static, config: Config, raised: Option<&'static Cell<u64>>, jobs: usize) {
     let mut driver = Driver::new(circuit, config);
     driver.raised = raised;

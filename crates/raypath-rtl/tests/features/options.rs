@@ -1,5 +1,5 @@
-//! Features of the paper's operations: the netlist against the operations, bit for bit, and what is off against
-//! hardware that has never heard of it.
+//! Features of the paper's operations: the netlist equals the operations bit for bit, and features that are off add no
+//! text to that of the plain operations.
 
 use crate::check;
 use crate::drive::{Ports, drive};
@@ -73,7 +73,7 @@ fn features_that_are_off_add_no_hardware() {
 
 #[test]
 fn each_feature_is_as_its_operation_says() {
-    // Exceptions are a circuit's that collects them: `exceptions.rs`.
+    // Exceptions need a circuit that collects them: `exceptions.rs`.
     for (_, features) in every_feature() {
         check(Binary32, SMALL.features(Features { exception_flags: false, ..features }), None, 1_500);
     }
@@ -99,7 +99,7 @@ fn features_do_not_depend_on_the_microarchitecture() {
     }
 }
 
-/// The constant above 1 is the format's.
+/// The widening constant is that of the format.
 #[test]
 fn features_are_the_same_in_other_formats() {
     for format in [Format::BINARY16, Format::BFLOAT16] {
@@ -136,8 +136,8 @@ fn unsupported_opcodes_yield_zeros_after_the_latency() {
     assert!(not_zero > 300, "{not_zero}");
 }
 
-/// As `docs/reference/semantics.md` promises it for formats of at least 5 significand bits: all pairs of distances
-/// about 1.
+/// The guarantee of `docs/reference/semantics.md` for formats of at least 5 significand bits: all pairs of distances
+/// near 1.
 #[test]
 fn conservative_boxes_miss_nothing_in_small_formats() {
     let missed = |significand: u32, conservative: bool| {
@@ -145,7 +145,7 @@ fn conservative_boxes_miss_nothing_in_small_formats() {
         let c = Soft { format };
         let one = format.from_f32(1.0);
         let number = |code: u64| SoftNumber(code);
-        // All slab distances of about one binade: bounds beyond an origin that the difference loses or not.
+        // All slab distances of about one binade, with and without rounding of the difference.
         let places = 1 << (significand - 1);
         let mut distances = Vec::new();
         for bound in 0..places {
@@ -164,7 +164,7 @@ fn conservative_boxes_miss_nothing_in_small_formats() {
         }
         distances.sort_by(|a, b| a.0.total_cmp(&b.0));
         let factor = if conservative { c.one_plus_ulps(WIDENING_ULPS) } else { number(one) };
-        // The greatest that any distance up to here came out as has to be less than each that follows, widened.
+        // The greatest computed distance so far must be less than each later distance after widening.
         let mut greatest = number(0);
         let mut missed = 0;
         for (_, computed) in distances {
@@ -178,7 +178,7 @@ fn conservative_boxes_miss_nothing_in_small_formats() {
     assert_eq!((missed(5, true), missed(6, true), missed(8, true)), (0, 0, 0));
 }
 
-/// What is on is said, what is off is not.
+/// The display of a configuration lists the features that are on, and no others.
 #[test]
 fn configurations_name_their_features() {
     assert_eq!(Config::DEFAULT.options(), "");
@@ -211,7 +211,7 @@ fn what_cannot_be_had_is_refused() {
 }
 
 raypath_ops::bundle! {
-    /// A word at a port that the feature wants.
+    /// A word at the port of the feature.
     pub struct Tag<C> {
         pub tag: raypath_ops::Word<C, 3>,
     }
@@ -229,7 +229,7 @@ impl Operation for Tagged {
     }
 }
 
-/// The same list for everyone, in the same order.
+/// All lists of features have the same order.
 #[test]
 fn a_visitor_sees_what_the_hardware_has() {
     struct Names(Vec<(&'static str, u64)>);
@@ -247,7 +247,7 @@ fn a_visitor_sees_what_the_hardware_has() {
     }
 }
 
-/// Prints what each feature costs, for `docs/reference/features.md`: `cargo test --release -p raypath-rtl --test
+/// Prints the cost of each feature, for `docs/reference/features.md`: `cargo test --release -p raypath-rtl --test
 /// features costs --
 /// --nocapture`.
 #[test]
@@ -277,7 +277,7 @@ fn costs() {
         let more = more.chain(bits.iter().zip(bits_off).map(|(&on, off)| on as i64 - off as i64));
         let cells: Vec<String> = more.map(|more| format!("{more:+}")).collect();
         println!("| {name} | {} |", cells.join(" | "));
-        // Comparators of all kinds are there already, and an adder is all that a triangle ever lacks.
+        // The paper's operations have enough comparators; triangles with features need at most one adder more.
         assert!(units[2] == units_off[2] && units[0] <= units_off[0] + 1, "{name}: {units:?}");
     }
 }

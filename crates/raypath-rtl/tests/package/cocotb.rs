@@ -1,4 +1,4 @@
-//! The example in cocotb passes, on what is printed here.
+//! The cocotb example passes on the printed text.
 
 use crate::folder::{preset, write};
 use std::path::Path;
@@ -8,7 +8,7 @@ use std::process::Command;
 fn the_example_passes() {
     let datapath = preset("original");
     let written = write(&datapath);
-    // What `generate` writes as `raypath.f`: the modules alone.
+    // The list `raypath.f` of `generate`: the modules only.
     let listed = written.text("raypath_wrapper.f").lines().filter(|file| !file.ends_with("_wrapper_pkg.sv"));
     let modules = listed.filter(|file| !file.ends_with("_wrapper.sv")).map(|file| format!("{file}\n"));
     std::fs::write(written.path().join("raypath.f"), modules.collect::<String>()).expect("a list");

@@ -1,10 +1,10 @@
-//! What `raypath generate` and this crate write, in a folder.
+//! A folder with the files that `raypath generate` writes.
 
 use raypath_hdl::verilog;
 use raypath_rtl::{Datapath, Preset};
 use std::path::{Path, PathBuf};
 
-/// The configurations that these tests look at: all operations and some, other widths, the other control.
+/// The configurations of these tests: all operations and fewer, other widths, both kinds of control.
 pub const PRESETS: [&str; 4] = ["paper", "graphics", "half", "credit"];
 
 pub fn preset(name: &str) -> Datapath {
@@ -12,7 +12,7 @@ pub fn preset(name: &str) -> Datapath {
     Datapath::new(preset.config).expect("a datapath")
 }
 
-/// A folder with all files; those that this crate makes, by their paths.
+/// A folder with all files; `files` has those of `raypath_rtl::package`, by path.
 #[derive(Debug)]
 pub struct Written {
     pub folder: tempfile::TempDir,
@@ -45,7 +45,7 @@ impl Written {
         &found.unwrap_or_else(|| panic!("no {name}")).1
     }
 
-    /// The files that `raypath_wrapper.f` names, in its order.
+    /// The files of `raypath_wrapper.f`, in order.
     pub fn listed(&self) -> Vec<PathBuf> {
         self.text("raypath_wrapper.f").lines().map(|file| self.path().join(file)).collect()
     }

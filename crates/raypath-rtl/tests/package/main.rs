@@ -1,4 +1,4 @@
-//! What is written for those who integrate the datapath, before the programs that read it.
+//! The files for integration, read by the programs that use them.
 
 mod cocotb;
 mod folder;

@@ -1,4 +1,5 @@
-//! What the list and the manifests name is what there is; FuseSoC reads its own, a YAML parser Bender's.
+//! The list and the manifests name the existing files. FuseSoC reads its core file, and a YAML parser Bender's
+//! manifest.
 
 use crate::folder::{Written, preset, write};
 use raypath_tools::lint_verilator;
@@ -6,7 +7,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs a Python program, which `pip install` brings.
+/// Runs a program that `pip install` provides.
 fn run(program: &str, install: &str, arguments: &[&str], folder: &Path) -> Output {
     let output = Command::new(program).args(arguments).current_dir(folder).output();
     output.unwrap_or_else(|problem| panic!("{program}: {problem}; install it with: pip install {install}"))
@@ -25,13 +26,13 @@ fn every_file_is_listed_once() {
         let files: Vec<&str> = lines.filter(|line| line.ends_with(".sv")).collect();
         assert_eq!(files.len(), there.len(), "{name}");
         assert_eq!(files.iter().map(|file| file.to_string()).collect::<BTreeSet<_>>(), there, "{name}");
-        // In the order of the list, which is that of compilation.
+        // In the order of compilation.
         let listed: Vec<&str> = written.text("raypath_wrapper.f").lines().collect();
         assert_eq!(files[..listed.len()], listed, "{name}");
     }
 }
 
-/// FuseSoC's own target `lint`, assertions included.
+/// The target `lint` of the core file, with assertions.
 #[test]
 fn fusesoc_runs_its_lint() {
     let written = write(&preset("credit"));
@@ -41,7 +42,7 @@ fn fusesoc_runs_its_lint() {
     assert!(!said.contains("WARNING") && !said.contains("%Warning"), "{said}");
 }
 
-/// It compiles what the core file names: without one of the files it fails.
+/// The core file lists the compiled files: without one of them, the build fails.
 #[test]
 fn fusesoc_misses_a_file() {
     let written = write(&preset("graphics"));
@@ -54,7 +55,7 @@ fn fusesoc(written: &Written) -> Output {
     run("fusesoc", "fusesoc", &arguments, written.path())
 }
 
-/// Bender's manifest is YAML of the shape that Bender documents, and the assertions of its group `simulation` fit.
+/// Bender's manifest is YAML in the documented form, and the assertions are in its group `simulation`.
 #[test]
 fn bender_has_its_sources() {
     let written = write(&preset("half"));

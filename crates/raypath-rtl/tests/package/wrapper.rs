@@ -1,4 +1,4 @@
-//! The wrapper before the linters, and beside the bare datapath.
+//! The wrapper: lint, and comparison with the datapath without wrapper.
 
 use crate::folder::{PRESETS, Written, preset, write};
 use crate::frames::agree_in_frames;
@@ -22,7 +22,7 @@ fn all_three_front_ends_accept_it() {
     }
 }
 
-/// The example that the book shows.
+/// The example in the book.
 #[test]
 fn the_example_is_clean() {
     let written = write(&preset("graphics"));
@@ -32,14 +32,14 @@ fn the_example_is_clean() {
     lint_files(&files, &written, "nearest_box").unwrap_or_else(|fault| panic!("{fault}"));
 }
 
-/// The wrapper, and the datapath alone in the same list.
+/// The wrapper and the datapath without wrapper, in one list.
 fn lint(written: &Written) -> Result<(), ToolError> {
     let listed = written.listed();
     lint_verilator(&listed, "raypath", &[])?;
     lint_files(&listed, written, "raypath_wrapper")
 }
 
-/// Verilator and slang for the files as they are listed; Yosys, which takes one, for their text in that order.
+/// Verilator and slang read the listed files; Yosys reads their concatenation.
 fn lint_files(files: &[PathBuf], written: &Written, top: &str) -> Result<(), ToolError> {
     let texts = files.iter().map(|file| fs::read_to_string(file).expect("text"));
     let all = texts.collect::<String>();
@@ -51,7 +51,7 @@ fn lint_files(files: &[PathBuf], written: &Written, top: &str) -> Result<(), Too
     lint_slang(files)
 }
 
-/// The linters look into the wrapper: a field of the wrong width does not pass.
+/// Negative control: the linters report a field of a wrong width in the wrapper.
 #[test]
 fn a_fault_in_the_wrapper_is_found() {
     let written = write(&preset("graphics"));
@@ -62,10 +62,11 @@ fn a_fault_in_the_wrapper_is_found() {
     lint_slang(&written.listed()).expect_err("slang");
 }
 
-/// Random words, jobs or not, at the ports of both, in every cycle, with random handshakes and resets.
+/// Random words at the ports of both in every cycle, with random handshakes and resets.
 #[test]
 fn it_equals_the_bare_datapath() {
-    // All ports and the narrow ones; the others differ from these in nothing that a wrapper sees, and are linted above.
+    // With all ports, and with narrow ports. The other configurations have the same kinds of ports, and are linted
+    // above.
     for name in ["half", "credit"] {
         let datapath = preset(name);
         let top = datapath.top();
@@ -85,7 +86,7 @@ fn it_equals_the_bare_datapath() {
     }
 }
 
-/// Where each port is in the structures, written by hand: the beginnings of ports, and what the fields have instead.
+/// The field of each port, written by hand: prefixes of ports, and their replacements in paths of fields.
 const FIELDS: &[(&str, &str)] = &[
     ("ray_origin_", "ray.origin."),
     ("ray_dir_", "ray.dir."),
@@ -142,7 +143,7 @@ fn flattened(top: &Module) -> String {
     )
 }
 
-/// A module `flat` that has these ports and nothing else of interest: what the test bench is made after.
+/// A module `flat` with these ports, from which the test bench is made.
 fn ports_of(top: &Module) -> Arc<Module> {
     let m = Builder::new("flat");
     let inputs: Vec<_> = top.inputs().iter().map(|port| m.input(&port.name, top.signal(port.signal).width)).collect();
@@ -155,7 +156,7 @@ fn ports_of(top: &Module) -> Arc<Module> {
     m.finish().expect("a module")
 }
 
-/// `rst_ni`, then the inputs in their order.
+/// `rst_ni`, then the inputs in order.
 fn frames(top: &Module, random: &mut ChaCha8Rng) -> Vec<Vec<u64>> {
     let mut word = |name: &str, width: u32| match name {
         "input_valid_i" | "output_ready_i" => u64::from(random.random_bool(0.8)),
@@ -171,16 +172,16 @@ fn frames(top: &Module, random: &mut ChaCha8Rng) -> Vec<Vec<u64>> {
 }
 
 bundle! {
-    /// Names that do not nest well: a port that is the beginning of others, and words of the language.
+    /// Names that are difficult to nest: a port whose name begins others, and keywords.
     pub struct Awkward<C> {
         pub ray: Num<C>,
-        /// Begins like it.
+        /// Has the name above as its prefix.
         pub ray_end: Num<C>,
-        /// Would be a field `begin`.
+        /// The field would be `begin`.
         pub range_begin: Num<C>,
-        /// Would be a field `end`.
+        /// The field would be `end`.
         pub range_end: Num<C>,
-        /// Is a word by itself.
+        /// The whole name is a keyword.
         pub wire: Num<C>,
         pub point_x: Num<C>,
         pub point_y: Num<C>,
@@ -214,7 +215,7 @@ impl Operation for Sum {
     }
 }
 
-/// Operations of others have a wrapper too, whatever their ports are called.
+/// The wrapper also exists for added operations with ports of any names.
 #[test]
 fn any_operation_is_wrapped() {
     let operations = Operations::new().with(&Sum, 5).expect("an operation");

@@ -1,5 +1,4 @@
-//! Automatic staging: the paper's operations with their marks ignored, against those staged by hand, and what cannot be
-//! staged.
+//! Automatic staging: the paper's operations without their marks, compared with manual staging, and errors.
 
 #[macro_use]
 #[path = "../common/mod.rs"]
@@ -94,7 +93,7 @@ fn other_lanes_need_no_more_either() {
     check::<64, 32>();
 }
 
-/// Beside boxes and triangles that are staged by hand, distances of few lanes find all units that they need.
+/// Distances of few lanes need no units besides those of manually staged boxes and triangles.
 #[test]
 fn without_a_budget_others_units_are_used() {
     let hand = build::<4, 2>(Operations::new(), &[1, 0], Rules::Paper);
@@ -103,7 +102,7 @@ fn without_a_budget_others_units_are_used() {
     let mixed = mixed.expect("a datapath");
     assert!(mixed.loops().is_empty());
     assert_within(&mixed, &budget_of(&hand));
-    // By hand, Euclidean distances accumulate with an adder of their own.
+    // In the manual schedule, Euclidean distances have an adder of their own for the accumulator.
     let by_hand = build::<4, 2>(Operations::new(), &ALL, Rules::Paper);
     assert_eq!((by_hand.units(10).add, mixed.units(10).add), (1, 0));
 }
@@ -149,7 +148,7 @@ fn answers_are_those_of_the_operations() {
             }
         }
     }
-    // Triangles are hit and missed, and boxes none to all four, at many distances, each in every place.
+    // Triangles are hit and missed; zero to four boxes are hit, at many distances and in every order.
     assert_eq!((seen["is_intersect"].len(), seen["triangle_hit"].len()), (5, 2));
     assert!((0..4).all(|place| seen[&format!("tmin_{place}")].len() > 10));
     assert!((0..4).all(|place| seen[&format!("box_index_{place}")].len() == 4));
@@ -183,7 +182,7 @@ fn of<O: Operation>(operation: &O) -> Datapath {
     Operations::new().with(operation, 0).and_then(Datapath::of).expect("a datapath")
 }
 
-/// Holds random jobs of an operation against the operation.
+/// Compares random jobs of an operation with the operation.
 fn run(operation: impl Operation + Send + Sync + 'static, config: Config) {
     let set = Operations::new().with(&operation, 0).expect("an operation");
     let datapath = Datapath::build(set, config.microarchitecture).expect("a datapath");
@@ -209,7 +208,7 @@ operation!(Chained, |c, i| {
     Output { number: largest * n[2] }
 });
 
-/// An adder is in no stage with another unit before or behind it, and only three comparators follow each other.
+/// An adder depends on no other unit in its stage, and at most three comparators are in a chain.
 #[test]
 fn units_follow_the_rules_of_chaining() {
     let used = arithmetic(&of(&Chained));
@@ -221,7 +220,7 @@ fn units_follow_the_rules_of_chaining() {
     run(Chained, Config::DEFAULT);
 }
 
-// State that goes through two units, a flag that becomes a constant, and units before and behind.
+// State that passes through two units, a flag that becomes a constant, and units before and after.
 operation!(Filter, |c, input, state| {
     c.auto();
     let [a, b, d, _] = input.n;
@@ -238,7 +237,7 @@ fn state_is_read_where_it_is_written() {
     }
 }
 
-/// Stages 9 and 10 have an adder each, which would do for the two sums; but then a job would have to wait.
+/// Stages 9 and 10 have an adder each, enough for the two sums, but then a job would have to wait.
 #[test]
 fn states_stay_together() {
     let set = with::<16, 8>(Operations::new(), &[2], Rules::Paper).map(Operations::auto);
@@ -260,7 +259,7 @@ fn stages_are_marked_or_not() {
         error.to_string().contains("marks stage 4") && error.to_string().contains("all stages marked or none"),
         "{error}"
     );
-    // Where marks are ignored there is nothing to mix.
+    // If marks are ignored, there is no conflict.
     assert!(Operations::new().auto().with(&Mixed, 0).and_then(Datapath::of).is_ok());
 }
 
@@ -298,20 +297,20 @@ fn too_many_units_are_counted_where_they_are() {
     let found: Vec<_> = shortages.iter().map(|s| (s.stage, s.kind, s.needed, s.allowed)).collect();
     assert_eq!(found, [(2, UnitKind::Add, 2, 1)]);
     assert!(error.to_string().contains("stage 2 needs 2 adders, 1 allowed; widen the budget or reduce"), "{error}");
-    // Automatically it fits, and widened it fits by hand.
+    // It fits with automatic staging, and with a wider budget also with marks.
     let auto = Operations::new().auto().within(one).with(&Sums, 0).and_then(Datapath::of).expect("a datapath");
     assert_within(&auto, &one);
     let wider = Budget::by_stage(|stage| if stage == 2 { units(2, 1, 1) } else { one.units(stage) });
     assert!(marked(wider).is_ok());
 
-    // Nowhere are there two multipliers.
+    // No stage has two multipliers.
     let few = Budget::by_stage(|stage| if stage == 2 { units(2, 0, 0) } else { Units::default() });
     let error = Operations::new().auto().within(few).with(&Sums, 0).and_then(Datapath::of).expect_err("no multiplier");
     let Error::TooManyUnits { shortages, .. } = &error else { panic!("{error}") };
     let found: Vec<_> = shortages.iter().map(|s| (s.kind, s.needed, s.allowed)).collect();
     assert_eq!(found, [(UnitKind::Multiply, 1, 0)]);
     assert!(error.to_string().contains("needs 1 multiplier, 0 allowed"), "{error}");
-    // What the message says is enough.
+    // The numbers in the message are sufficient.
     let offered = Budget::by_stage(|stage| {
         let more = shortages.iter().filter(|shortage| shortage.stage == stage).map(|shortage| shortage.needed).sum();
         Units { multiply: more, ..few.units(stage) }
@@ -320,7 +319,7 @@ fn too_many_units_are_counted_where_they_are() {
     assert_within(&auto, &offered);
 }
 
-/// What Table VIII is short of for 64 lanes; as much more is enough.
+/// The units that Table VIII lacks for 64 lanes; a budget with these units is sufficient.
 #[test]
 fn what_is_offered_is_enough() {
     let wide = |budget| {

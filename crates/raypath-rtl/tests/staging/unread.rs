@@ -67,7 +67,7 @@ fn dead_values_change_nothing() {
     }
 }
 
-// Of its four units, three are there for their exceptions alone.
+// Three of its four units are needed for their exceptions only.
 operation!(Sums, |c, i| {
     c.auto();
     let [a, b, d, e] = i.n;
@@ -75,7 +75,7 @@ operation!(Sums, |c, i| {
     Output { number: i.flag.select(a + b, a) }
 });
 
-/// With exception flags, and so many units in every stage.
+/// With exception flags, and `units` units in every stage.
 fn flagged<O: Operation>(operation: &O, limits: Units) -> Result<Datapath, Error> {
     let set = Operations::new().within(Budget::by_stage(|_| limits)).exception_flags(true);
     set.with(operation, 0).and_then(Datapath::of)
