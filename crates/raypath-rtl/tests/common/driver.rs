@@ -169,7 +169,7 @@ impl<C: Concrete + 'static> Driver<C> {
     }
 }
 
-/// A word of `width` ones.
+/// A word of `bits` ones.
 fn mask(bits: u32) -> u64 {
     u64::MAX.checked_shr(64 - bits).unwrap_or(0)
 }

@@ -75,7 +75,7 @@ operation!(Sums, |c, i| {
     Output { number: i.flag.select(a + b, a) }
 });
 
-/// With exception flags, and `units` units in every stage.
+/// Elaborates an operation with exception flags and a budget of `limits` in every stage.
 fn flagged<O: Operation>(operation: &O, limits: Units) -> Result<Datapath, Error> {
     let set = Operations::new().within(Budget::by_stage(|_| limits)).exception_flags(true);
     set.with(operation, 0).and_then(Datapath::of)
