@@ -43,7 +43,7 @@ fn changes(waves: &mut Waveform, path: &[&str], name: &str) -> Vec<(u64, String)
     loaded.iter_changes().map(|(time, value)| (times[time as usize], value.to_bit_string().unwrap())).collect()
 }
 
-/// What a signal shows at each time, from its changes.
+/// The value of a signal at each time, from its changes.
 fn value_at(changes: &[(u64, String)], time: u64) -> u64 {
     let (_, digits) = changes.iter().rev().find(|(at, _)| *at <= time).expect("a value");
     u64::from_str_radix(digits, 2).unwrap()

@@ -69,7 +69,7 @@ impl Exact {
         u64::from(number.is_sign_negative()) << self.format.ieee_width() | exponent << fraction_width | fraction
     }
 
-    /// The number of a recoded word; none if the word is no number of the format.
+    /// The number of a recoded word; `None` if the word is not a number of the format.
     fn recoded_value(&self, word: u64) -> Option<f64> {
         let (e, fraction_width) = (self.format.exponent(), self.format.significand() - 1);
         let fraction = word & ((1 << fraction_width) - 1);

@@ -1,4 +1,4 @@
-//! Words as numbers: every word of every width that a format takes.
+//! Conversion of words to numbers: every word of every width that a format supports.
 
 use crate::converter;
 use raypath_float::{Format, number};

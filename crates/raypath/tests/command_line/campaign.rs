@@ -55,7 +55,7 @@ fn wrong_times_shrink_to_files_and_handshakes_that_replay() {
     assert!(command.contains(&"both") && transactions(&command) <= 14, "{failure}");
     // The two controls differ only when the sink stalls.
     assert!(command.contains(&"--handshake"), "{failure}");
-    // The netlist as it should be.
+    // The netlist without the fault.
     ends_with(&command, 0, &[]);
     let wave = folder.path().join("trace.fst");
     let not_engine = command[1..].iter().filter(|argument| !["--engine", "both"].contains(argument));

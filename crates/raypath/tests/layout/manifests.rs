@@ -1,4 +1,4 @@
-//! The permitted dependencies between crates, and what Cargo demands of packages.
+//! The permitted dependencies between crates, and the requirements of Cargo for packages.
 
 use crate::{root, text};
 use serde_json::Value;

@@ -62,7 +62,7 @@ fn alone(engine: &mut dyn Engine, job: &Words) -> usize {
     (1..200).find(|_| engine.cycle(false, true).output.is_some()).expect("an outcome")
 }
 
-/// Cycles from one outcome to the next where the source always offers and the sink always takes.
+/// Cycles from one outcome to the next if the source always offers and the sink is always ready.
 fn apart(engine: &mut dyn Engine, job: &Words) -> usize {
     engine.reset();
     engine.present(job);

@@ -47,7 +47,7 @@ pub fn model(rules: Rules) -> WordModel {
     Datapath::paper(Config::DEFAULT.rules(rules)).model()
 }
 
-/// A job as the engines take it.
+/// A job in the form of the engines.
 pub fn words(job: &Job) -> Words {
     thread_local! {
         static MODEL: WordModel = model(Rules::Paper);
