@@ -4,7 +4,6 @@ use raypath_sim::files::FileError;
 use raypath_tools::ToolError;
 use std::fmt::Display;
 use std::io::ErrorKind;
-use std::process::ExitCode;
 use thiserror::Error;
 
 /// Why a command did not succeed.
@@ -47,12 +46,12 @@ impl CliError {
 
     /// 1 for a mismatch, 2 for input that cannot be used, 130 after Ctrl-C, 141 if the reader has closed standard
     /// output (the codes of shells).
-    pub fn exit_code(&self) -> ExitCode {
+    pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Output(_) if self.is_silent() => ExitCode::from(141),
-            Self::Mismatch(_) => ExitCode::from(1),
-            Self::Stopped(_) => ExitCode::from(130),
-            _ => ExitCode::from(2),
+            Self::Output(_) if self.is_silent() => 141,
+            Self::Mismatch(_) => 1,
+            Self::Stopped(_) => 130,
+            _ => 2,
         }
     }
 

@@ -19,7 +19,7 @@ mod progress;
 #[cfg(feature = "workbench")]
 pub mod workbench;
 
-pub use commands::{CommandLine, main};
+pub use commands::{CommandLine, main, run};
 pub use cost::{Cost, Figures};
 pub use emit::files;
 pub use error::CliError;

@@ -131,7 +131,7 @@ pub struct Arguments {
 /// Runs the command line for an operation: the body of `main` in a crate that adds one.
 pub fn main(spec: impl Into<AnyOperationSpec>) -> ExitCode {
     let spec = spec.into();
-    exit(|out| run(&spec, &Arguments::parse(), out))
+    exit(|out| run(&spec, &Arguments::parse(), out)).into()
 }
 
 /// Schedules, writes, checks and measures the operation, and prints the results to `out`.

@@ -16,6 +16,7 @@ use clap::{Parser, Subcommand};
 #[cfg(not(feature = "full"))]
 use light as full;
 use raypath_rtl::report::tables::presets;
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -65,14 +66,26 @@ impl CommandLine {
 
 /// The `raypath` program: runs the command that its arguments name.
 pub fn main() -> ExitCode {
-    exit(|out| CommandLine::parse().run(out))
+    run(std::env::args_os()).into()
+}
+
+/// Runs the command that `arguments` name and returns the exit code. The first argument is the name of the program.
+pub fn run(arguments: impl IntoIterator<Item: Into<OsString> + Clone>) -> u8 {
+    match CommandLine::try_parse_from(arguments) {
+        Ok(command) => exit(|out| command.run(out)),
+        Err(error) => {
+            // If the message cannot be written, the exit code alone reports the error.
+            let _ = error.print();
+            u8::try_from(error.exit_code()).unwrap_or(2)
+        }
+    }
 }
 
 /// Runs `command` with standard output, reports an error on standard error, and returns the exit code.
-pub(crate) fn exit(command: impl FnOnce(&mut dyn Write) -> Result<(), CliError>) -> ExitCode {
+pub(crate) fn exit(command: impl FnOnce(&mut dyn Write) -> Result<(), CliError>) -> u8 {
     let mut out = std::io::stdout().lock();
     match command(&mut out).and_then(|()| Ok(out.flush()?)) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(error) => {
             if !error.is_silent() {
                 // If standard error cannot be written either, the exit code alone reports the error.

@@ -71,7 +71,7 @@ fn layers_depend_downwards() {
         &["raypath-oracle", "raypath-render", "raypath-search"],
         &["raypath-verify"],
         &["raypath-cli"],
-        &["raypath"],
+        &["raypath", "raypath-python"],
         &["within_radius"],
     ];
     let all = dependencies();
@@ -105,19 +105,21 @@ fn the_first_command_compiles_at_most_100_crates() {
     assert!(crates.len() <= 100, "{} crates: {crates:#?}", crates.len());
 }
 
-/// After `./test.sh`, README's commands compile no dependency again: both builds select the same features.
+/// After `./test.sh`, README's commands compile no dependency again, nor does the wheel: the builds select the same
+/// features. The wheel does not compile the crates of the workspace again either.
 #[test]
 fn all_builds_share_their_dependencies() {
     let features = |arguments: &[&str]| -> BTreeSet<String> {
         let tree =
             cargo(&[&["tree", "--format", "{p} {f}", "--prefix", "none", "--offline", "--locked"], arguments].concat());
-        let lines = tree.lines().map(|line| line.replace(" (*)", "").replace(" (proc-macro)", ""));
-        lines.filter(|line| !line.contains(" (")).collect()
+        tree.lines().map(|line| line.replace(" (*)", "").replace(" (proc-macro)", "")).collect()
     };
     let tests = features(&["--workspace", "-e", "normal,build,dev"]);
-    for chosen in ["default", "full"] {
-        let build = features(&["-p", "raypath", "--features", chosen, "-e", "normal,build"]);
-        let again: Vec<&String> = build.difference(&tests).collect();
+    let is_of_workspace = |line: &str| line.contains(" (");
+    for chosen in [&["raypath"][..], &["raypath", "--features", "full"], &["raypath-python"]] {
+        let build = features(&[&["-e", "normal,build", "-p"], chosen].concat());
+        let is_wheel = chosen == ["raypath-python"];
+        let again: Vec<&String> = build.difference(&tests).filter(|line| is_wheel || !is_of_workspace(line)).collect();
         assert!(
             again.is_empty(),
             "features that the tests do not select; select them in raypath-cli/Cargo.toml: {again:#?}"
