@@ -9,7 +9,6 @@
 pub mod accuracy;
 mod commands;
 mod cost;
-mod emit;
 mod error;
 #[cfg(feature = "workbench")]
 mod measure;
@@ -21,7 +20,6 @@ pub mod workbench;
 
 pub use commands::{CommandLine, main, run};
 pub use cost::{Cost, Figures};
-pub use emit::files;
 pub use error::CliError;
 pub use raypath_ops as ops;
 pub use raypath_oracle as oracle;

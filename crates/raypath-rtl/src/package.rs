@@ -14,6 +14,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod design;
 mod fields;
 mod manifest;
 mod structures;
@@ -21,6 +22,7 @@ mod text;
 mod wrapper;
 
 use crate::Datapath;
+pub use design::design;
 use fields::{Direction, Field};
 use manifest::Sources;
 use raypath_hdl::{Error, verilog};

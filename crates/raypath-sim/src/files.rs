@@ -46,6 +46,11 @@ pub fn write_all<T: AsRef<[u8]>>(files: &[(PathBuf, T)]) -> Result<(), FileError
     Ok(())
 }
 
+/// The files with `folder` in front of their paths.
+pub fn in_folder(folder: &Path, files: Vec<(PathBuf, String)>) -> Vec<(PathBuf, String)> {
+    files.into_iter().map(|(path, text)| (folder.join(path), text)).collect()
+}
+
 /// The target of a symbolic link, or the path itself. Only a regular file may be replaced.
 fn target(path: &Path) -> Result<PathBuf, FileError> {
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
