@@ -1,0 +1,20 @@
+//! A datapath for programs in other languages: jobs and outcomes in the layout of C, arrays of jobs, a cycle-exact
+//! pipeline whose jobs carry tags, and the files of the hardware.
+//!
+//! `raypath-capi` exports it to C and C++, and `raypath-python` to Python. It is safe Rust.
+
+mod datapath;
+mod error;
+mod general;
+mod layout;
+mod native;
+mod pipeline;
+mod transpose;
+
+pub use datapath::Datapath;
+pub use error::Error;
+pub use layout::{AngularResult, Bounds, EuclideanResult, QuadboxResult, Ray, TriangleResult, Vertices};
+pub use pipeline::{Beat, Job, Outcome, Pipeline};
+pub use raypath_model::Words;
+pub use raypath_ops::RayError;
+pub use raypath_sim::OperationId;

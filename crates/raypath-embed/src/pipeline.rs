@@ -1,0 +1,307 @@
+use crate::general::General;
+use crate::layout::{AngularResult, Bounds, EuclideanResult, QuadboxResult, Ray, TriangleResult, Vertices};
+use crate::{Datapath, Error};
+use raypath_model::{Elastic, Functional, PipelinePosition, Transfer, Words};
+use raypath_ops::{self as ops, BeatInput, Binary32, Flags, JobKind, RayBoxInput, RayTriangleInput};
+use raypath_rtl::{Lanes, alternatives};
+use raypath_sim::OperationId;
+use std::fmt;
+
+/// The cycle-exact model of a datapath, whose jobs carry a tag. In every cycle it accepts and delivers what the
+/// hardware does.
+///
+/// A cycle consists of at most one accepted [`offer`](Self::offer), then a [`step`](Self::step).
+///
+/// ```
+/// use raypath_embed::{Datapath, Job, Outcome, Pipeline, Ray, Vertices};
+///
+/// let datapath = Datapath::open("", &[])?;
+/// let mut pipeline = Pipeline::new(&datapath);
+/// let ray = Ray::new([0.0, 0.0, -5.0], [0.0, 0.0, 1.0], f32::INFINITY)?;
+/// let triangle = Vertices { a: [-1.0, -1.0, 0.0], b: [0.0, 1.0, 0.0], c: [1.0, -1.0, 0.0] };
+/// assert!(pipeline.offer(&Job::Triangle { ray: &ray, triangle: &triangle }, 7)?);
+/// assert_eq!(pipeline.skip(100), 12);
+/// let (tag, outcome) = pipeline.step(true).expect("the output is valid");
+/// assert!(tag == 7 && matches!(outcome, Outcome::Triangle(result) if result.triangle_hit == 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Pipeline {
+    /// Tags and outcomes. An outcome is computed when its job is offered, because it depends on the order of jobs alone.
+    flow: Elastic<(u64, Outcome)>,
+    /// The job that was accepted in this cycle.
+    accepted: Option<(u64, (u64, Outcome))>,
+    operations: Vec<OperationId>,
+    lanes: usize,
+    /// Native arithmetic, for datapaths in binary32 without features.
+    native: Option<Box<dyn Native>>,
+    general: General,
+}
+
+/// A job.
+#[derive(Debug, Clone, Copy)]
+pub enum Job<'j> {
+    /// A ray against four boxes.
+    Quadbox {
+        /// The ray.
+        ray: &'j Ray,
+        /// The boxes.
+        boxes: &'j [Bounds; 4],
+    },
+    /// A ray against a triangle.
+    Triangle {
+        /// The ray.
+        ray: &'j Ray,
+        /// The triangle.
+        triangle: &'j Vertices,
+    },
+    /// A beat of a Euclidean distance, with as many coordinates as the datapath has lanes.
+    Euclidean(Beat<'j>),
+    /// A beat of an angular distance, with half as many coordinates as the datapath has lanes.
+    Angular(Beat<'j>),
+    /// A job of any operation: the words at its ports, with numbers in the layout of the datapath's format.
+    Words {
+        /// The operation's opcode.
+        opcode: u64,
+        /// A word for each input port.
+        inputs: &'j [u64],
+    },
+    /// The time of a job without its values. Accumulators do not change.
+    Timing {
+        /// The operation's opcode.
+        opcode: u64,
+    },
+}
+
+/// A beat of a distance.
+#[derive(Debug, Clone, Copy)]
+pub struct Beat<'j> {
+    /// The query's coordinates.
+    pub a: &'j [f32],
+    /// The candidate's coordinates.
+    pub b: &'j [f32],
+    /// Bit i says whether lane i counts.
+    pub mask: u64,
+    /// The sums restart at zero after this beat.
+    pub reset_accum: bool,
+}
+
+/// The outcome of a job.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// Of a ray against four boxes.
+    Quadbox(QuadboxResult),
+    /// Of a ray against a triangle.
+    Triangle(TriangleResult),
+    /// Of a beat of a Euclidean distance.
+    Euclidean(EuclideanResult),
+    /// Of a beat of an angular distance.
+    Angular(AngularResult),
+    /// Of a job that was offered as words.
+    // Boxed, so that the others stay small.
+    Words(Box<Words>),
+    /// Of a job without values: its opcode.
+    Timing(u64),
+}
+
+impl Pipeline {
+    /// An empty pipeline, with accumulators of zero.
+    pub fn new(datapath: &Datapath) -> Self {
+        let lanes = datapath.config().semantics.lanes;
+        let native = datapath.native_rules().map(|rules| -> Box<dyn Native> {
+            match lanes {
+                Lanes::None | Lanes::Two => Box::new(Functional::<2, 1>::new(rules)),
+                Lanes::Four => Box::new(Functional::<4, 2>::new(rules)),
+                Lanes::Eight => Box::new(Functional::<8, 4>::new(rules)),
+                Lanes::Sixteen => Box::new(Functional::<16, 8>::new(rules)),
+                Lanes::ThirtyTwo => Box::new(Functional::<32, 16>::new(rules)),
+                Lanes::SixtyFour => Box::new(Functional::<64, 32>::new(rules)),
+            }
+        });
+        let flow = Elastic::new(datapath.shape());
+        let (operations, general) = (datapath.operations(), General::new(datapath));
+        Self { flow, accepted: None, operations, lanes: lanes.count(), native, general }
+    }
+
+    /// Offers a job with a tag in this cycle. Returns whether it is accepted, which a job after an accepted one is not.
+    ///
+    /// # Errors
+    /// A datapath without the operation; another number of coordinates or words than the operation has.
+    pub fn offer(&mut self, job: &Job<'_>, tag: u64) -> Result<bool, Error> {
+        let opcode = self.opcode(job)?;
+        if !self.input_ready(opcode) {
+            return Ok(false);
+        }
+        let outcome = match (*job, &mut self.native) {
+            (Job::Timing { opcode }, _) => Outcome::Timing(opcode),
+            (Job::Words { inputs, .. }, native) => {
+                let found = operation(&self.operations, opcode)?;
+                let words = match (native, found.paper()) {
+                    // With typed jobs, whose accumulators it shares.
+                    (Some(native), Some(kind)) => self.general.outcome_of_words(found, &native.run_words(kind, inputs)),
+                    _ => self.general.run_words(found, inputs),
+                };
+                Outcome::Words(Box::new(words))
+            }
+            (typed, Some(native)) => native.run(&typed),
+            (typed, None) => self.general.run(&typed),
+        };
+        self.accepted = Some((opcode, (tag, outcome)));
+        Ok(true)
+    }
+
+    /// One clock cycle. The job that was accepted enters, and if `output_ready`, the outcome at the output leaves with
+    /// its tag.
+    #[inline]
+    pub fn step(&mut self, output_ready: bool) -> Option<(u64, Outcome)> {
+        let Transfer { output, .. } = self.flow.cycle(self.accepted.take(), output_ready);
+        output
+    }
+
+    /// Advances up to `limit` cycles in which nothing else is offered and the sink is not ready, and stops in the first
+    /// with a valid output. Returns the number of cycles. A job that was accepted enters in the first.
+    pub fn skip(&mut self, limit: u64) -> u64 {
+        if self.accepted.is_none() {
+            return self.flow.idle(limit);
+        }
+        if limit == 0 || self.output_valid() {
+            return 0;
+        }
+        self.step(false);
+        1 + self.flow.idle(limit - 1)
+    }
+
+    /// Whether a job with this opcode would be accepted in this cycle.
+    #[inline]
+    pub fn input_ready(&self, opcode: u64) -> bool {
+        self.accepted.is_none() && self.flow.input_ready(opcode)
+    }
+
+    /// Whether there is an outcome at the output in this cycle.
+    #[inline]
+    pub fn output_valid(&self) -> bool {
+        self.flow.output().is_some()
+    }
+
+    /// The positions of the jobs inside, oldest first, without the one that was accepted in this cycle.
+    pub fn positions(&self) -> impl Iterator<Item = PipelinePosition> + '_ {
+        self.flow.positions()
+    }
+
+    /// The opcode of a job that the datapath can compute.
+    fn opcode(&self, job: &Job<'_>) -> Result<u64, Error> {
+        let (kind, beat) = match *job {
+            Job::Quadbox { .. } => (JobKind::Quadbox, None),
+            Job::Triangle { .. } => (JobKind::Triangle, None),
+            Job::Euclidean(beat) => (JobKind::Euclidean, Some((beat, self.lanes))),
+            Job::Angular(beat) => (JobKind::Angular, Some((beat, self.lanes / 2))),
+            Job::Timing { opcode } => return operation(&self.operations, opcode).map(OperationId::opcode),
+            Job::Words { opcode, inputs } => {
+                let found = operation(&self.operations, opcode)?;
+                let (given, expected) = (inputs.len(), self.general.inputs(found));
+                let problem = || Error::Argument(format!("{given} words for a job of {found}, expected {expected}"));
+                return if given == expected { Ok(opcode) } else { Err(problem()) };
+            }
+        };
+        let found = self.operations.iter().find(|found| **found == kind);
+        let found = found.ok_or_else(|| no_operation(&self.operations, kind.name()))?;
+        match beat {
+            Some((Beat { a, b, .. }, lanes)) if a.len() != lanes || b.len() != lanes => {
+                let (a, b) = (a.len(), b.len());
+                let problem = format!("a beat of {a} and {b} coordinates, expected {lanes} of each vector ({kind})");
+                Err(Error::Argument(problem))
+            }
+            _ => Ok(found.opcode()),
+        }
+    }
+
+    /// The number of jobs inside, with the one that was accepted in this cycle.
+    pub fn occupancy(&self) -> usize {
+        self.positions().count() + usize::from(self.accepted.is_some())
+    }
+
+    /// A cycle in which `rst_ni` is 0: all jobs are lost, and the accumulators are zero.
+    pub fn reset(&mut self) {
+        self.accepted = None;
+        self.flow.reset();
+        self.general.reset();
+        self.native.iter_mut().for_each(|native| native.restart());
+    }
+}
+
+impl fmt::Debug for Pipeline {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let positions: Vec<PipelinePosition> = self.positions().collect();
+        f.debug_struct("Pipeline").field("operations", &self.operations).field("positions", &positions).finish()
+    }
+}
+
+/// The paper's operations in native binary32.
+trait Native: Send {
+    /// Computes a job in the types of an operation of the paper.
+    fn run(&mut self, job: &Job<'_>) -> Outcome;
+    /// Computes a job from the words at its ports.
+    fn run_words(&mut self, kind: JobKind, inputs: &[u64]) -> Vec<u64>;
+    /// Sets the accumulators to zero.
+    fn restart(&mut self);
+}
+
+impl<const E: usize, const A: usize> Native for Functional<E, A> {
+    fn run(&mut self, job: &Job<'_>) -> Outcome {
+        let job = match *job {
+            Job::Quadbox { ray, boxes } => {
+                let aabb = boxes.each_ref().map(ops::Aabb::from);
+                ops::Job::Quadbox(RayBoxInput { ray: ray.into(), aabb })
+            }
+            Job::Triangle { ray, triangle } => {
+                ops::Job::Triangle(RayTriangleInput { ray: ray.into(), triangle: triangle.into() })
+            }
+            Job::Euclidean(beat) => ops::Job::Euclidean(beat.into()),
+            Job::Angular(beat) => ops::Job::Angular(beat.into()),
+            Job::Words { opcode, .. } | Job::Timing { opcode } => return Outcome::Timing(opcode),
+        };
+        Self::run(self, &job).into()
+    }
+
+    fn run_words(&mut self, kind: JobKind, inputs: &[u64]) -> Vec<u64> {
+        let mut words = Vec::new();
+        Self::run(self, &ops::Job::from_words_in(Binary32, kind, inputs)).words(&mut words);
+        words
+    }
+
+    fn restart(&mut self) {
+        self.reset();
+    }
+}
+
+impl<const N: usize> From<Beat<'_>> for BeatInput<Binary32, N> {
+    /// Lanes without coordinates are 0.
+    #[inline]
+    fn from(Beat { a, b, mask, reset_accum }: Beat<'_>) -> Self {
+        let lanes = |of: &[f32]| std::array::from_fn(|lane| of.get(lane).copied().unwrap_or(0.0).into());
+        let mask = Flags::from_mask(mask);
+        Self { euclidean: ops::Beat { a: lanes(a), b: lanes(b), mask, reset_accum: reset_accum.into() } }
+    }
+}
+
+impl From<ops::Outcome> for Outcome {
+    #[inline]
+    fn from(outcome: ops::Outcome) -> Self {
+        match outcome {
+            ops::Outcome::Quadbox(output) => Self::Quadbox(output.into()),
+            ops::Outcome::Triangle(output) => Self::Triangle(output.into()),
+            ops::Outcome::Euclidean(output) => Self::Euclidean(output.into()),
+            ops::Outcome::Angular(output) => Self::Angular(output.into()),
+        }
+    }
+}
+
+fn operation(operations: &[OperationId], opcode: u64) -> Result<OperationId, Error> {
+    let found = operations.iter().copied().find(|found| found.opcode() == opcode);
+    found.ok_or_else(|| no_operation(operations, &format!("opcode {opcode}")))
+}
+
+/// The error of a name or opcode that is not one of these operations.
+pub(crate) fn no_operation(operations: &[OperationId], name: &str) -> Error {
+    let names: Vec<&str> = operations.iter().map(|operation| operation.name()).collect();
+    Error::Operation { name: name.to_string(), expected: alternatives(&names) }
+}

@@ -1,0 +1,35 @@
+//! From sixteen records of numbers to blocks of sixteen equal fields.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x4};
+use raypath_model::{BLOCK, BlockValue};
+
+/// Field k of sixteen records, for each k. Bit patterns are kept. Call it inside [`fearless_simd::dispatch`].
+#[inline(always)]
+pub fn fields<S: Simd, const K: usize>(simd: S, record: impl Fn(usize) -> [f32; K]) -> [BlockValue<f32>; K] {
+    let mut fields = [BlockValue([0.0; BLOCK]); K];
+    for first in (0..BLOCK).step_by(4) {
+        let records: [[f32; K]; 4] = [record(first), record(first + 1), record(first + 2), record(first + 3)];
+        let whole = K / 4 * 4;
+        for k in (0..whole).step_by(4) {
+            let row = |i: usize| f32x4::from_slice(simd, &records[i][k..k + 4]);
+            for (i, column) in transposed([row(0), row(1), row(2), row(3)]).iter().enumerate() {
+                column.store_slice(&mut fields[k + i].0[first..first + 4]);
+            }
+        }
+        for k in whole..K {
+            fields[k].0[first..first + 4].copy_from_slice(&[0, 1, 2, 3].map(|i: usize| records[i][k]));
+        }
+    }
+    fields
+}
+
+/// The transposed 4 × 4 matrix.
+#[inline(always)]
+fn transposed<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
+    let (ac, ac_high) = a.interleave(c);
+    let (bd, bd_high) = b.interleave(d);
+    let (column_0, column_1) = ac.interleave(bd);
+    let (column_2, column_3) = ac_high.interleave(bd_high);
+    [column_0, column_1, column_2, column_3]
+}
