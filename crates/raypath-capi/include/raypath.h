@@ -1,0 +1,880 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0
+ *
+ * libraypath: a ray-tracer datapath for C. Generated from crates/raypath-capi; do not edit.
+ *
+ * Functions return a status below 0 after an error; raypath_last_error has the message. Structures contain what
+ * the field comments say, without padding that matters; all are read and written by value.
+ */
+
+#ifndef RAYPATH_H
+#define RAYPATH_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/**
+ * A port of `raypath_port` is a floating-point number.
+ */
+#define RAYPATH_PORT_NUMBER 0
+
+/**
+ * One truth value, or several, one per bit.
+ */
+#define RAYPATH_PORT_FLAGS 1
+
+/**
+ * An unsigned word.
+ */
+#define RAYPATH_PORT_WORD 2
+
+/**
+ * A job of `raypath_job`: a ray against a triangle.
+ */
+#define RAYPATH_JOB_TRIANGLE 0
+
+/**
+ * A ray against four boxes.
+ */
+#define RAYPATH_JOB_QUADBOX 1
+
+/**
+ * A beat of a Euclidean distance.
+ */
+#define RAYPATH_JOB_EUCLIDEAN 2
+
+/**
+ * A beat of an angular distance.
+ */
+#define RAYPATH_JOB_ANGULAR 3
+
+/**
+ * A job of any operation, by its opcode, as the words at its ports.
+ */
+#define RAYPATH_JOB_WORDS 4
+
+/**
+ * The time of a job without its values, by its opcode. Accumulators do not change.
+ */
+#define RAYPATH_JOB_TIMING 5
+
+/**
+ * The version of the binary interface. It changes when a program that was compiled against an older header would not
+ * work.
+ */
+#define RAYPATH_ABI_VERSION 1
+
+/**
+ * A datapath: a configuration with its operations, models and hardware. It does not change, so any number of threads
+ * may use it at once, until `raypath_close`.
+ */
+typedef struct raypath_datapath raypath_datapath;
+
+/**
+ * The cycle-exact model of a datapath. One thread at a time may use it; another thread may use it later.
+ *
+ * A cycle consists of at most one accepted `raypath_pipeline_offer`, then `raypath_pipeline_step`.
+ */
+typedef struct raypath_pipeline raypath_pipeline;
+
+/**
+ * The result of a call: 0 success, above 0 success of another kind, below 0 an error.
+ */
+typedef int32_t raypath_status;
+
+/**
+ * A ray with the values that the hardware expects, 64 bytes. [`Ray::new`] derives them from origin, direction and
+ * extent.
+ */
+typedef struct {
+  /**
+   * The point at which the ray begins.
+   */
+  float origin[3];
+  /**
+   * The direction, of any length except 0.
+   */
+  float direction[3];
+  /**
+   * 1 / direction, element by element; infinite where the direction is 0.
+   */
+  float inverse[3];
+  /**
+   * The length of the ray, in units of the direction's length. Boxes beyond it are missed.
+   */
+  float extent;
+  /**
+   * direction[kx] / direction[kz], direction[ky] / direction[kz], 1 / direction[kz].
+   */
+  float shear[3];
+  /**
+   * The axis that becomes x when the axes are permuted so that the ray runs along z: 0, 1 or 2.
+   */
+  uint32_t kx;
+  /**
+   * The axis that becomes y: 0, 1 or 2.
+   */
+  uint32_t ky;
+  /**
+   * The axis that becomes z: that of the direction's component of greatest magnitude.
+   */
+  uint32_t kz;
+} raypath_ray;
+
+/**
+ * An axis-aligned box, 24 bytes.
+ */
+typedef struct {
+  /**
+   * The lesser bound along x, y and z.
+   */
+  float min[3];
+  /**
+   * The greater bound along x, y and z.
+   */
+  float max[3];
+} raypath_box;
+
+/**
+ * The four boxes of a job sorted by distance: hits before misses, nearer before farther. 24 bytes.
+ */
+typedef struct {
+  /**
+   * The distance at which the ray enters the box at each position of the order, in units of the direction's length;
+   * infinity for a miss.
+   */
+  float tmin[4];
+  /**
+   * Whether the box at each position is hit: 0 or 1.
+   */
+  uint8_t is_intersect[4];
+  /**
+   * The index of the box in the job: 0 to 3.
+   */
+  uint8_t box_index[4];
+} raypath_quadbox_result;
+
+/**
+ * The vertices of a triangle, counter-clockwise as seen from its front, 36 bytes.
+ */
+typedef struct {
+  /**
+   * The first vertex.
+   */
+  float a[3];
+  /**
+   * The second vertex.
+   */
+  float b[3];
+  /**
+   * The third vertex.
+   */
+  float c[3];
+} raypath_vertices;
+
+/**
+ * The distance to a triangle as a fraction; the datapath does not divide. 12 bytes.
+ */
+typedef struct {
+  /**
+   * Numerator of the distance, in units of the direction's length times `t_denom`.
+   */
+  float t_num;
+  /**
+   * Denominator of the distance.
+   */
+  float t_denom;
+  /**
+   * Whether the ray hits the triangle: 0 or 1.
+   */
+  uint32_t triangle_hit;
+} raypath_triangle_result;
+
+/**
+ * An operation of a datapath.
+ */
+typedef struct {
+  /**
+   * The name. It is valid while the datapath is open.
+   */
+  const char *name;
+  /**
+   * The value of the ports `opcode_i` and `opcode_o`.
+   */
+  uint64_t opcode;
+  /**
+   * The number of input ports, without those of the handshake and the opcode.
+   */
+  size_t inputs;
+  /**
+   * The number of output ports.
+   */
+  size_t outputs;
+  /**
+   * Cycles between two jobs of this operation if nothing stalls.
+   */
+  uint32_t initiation_interval;
+} raypath_operation_info;
+
+/**
+ * A port of an operation.
+ */
+typedef struct {
+  /**
+   * The name without direction suffix, for example `ray_origin_x`. It is valid while the datapath is open.
+   */
+  const char *name;
+  /**
+   * One of `RAYPATH_PORT_…`.
+   */
+  int32_t kind;
+  /**
+   * The width of the port's word in bits; of a number, that of the IEEE 754 layout.
+   */
+  uint32_t width;
+} raypath_port;
+
+/**
+ * Counts of units and registers.
+ */
+typedef struct {
+  /**
+   * Encoders to the recoded format.
+   */
+  uint32_t encoders;
+  /**
+   * Adders.
+   */
+  uint32_t adders;
+  /**
+   * Multipliers.
+   */
+  uint32_t multipliers;
+  /**
+   * Comparators.
+   */
+  uint32_t comparators;
+  /**
+   * Decoders from the recoded format.
+   */
+  uint32_t decoders;
+  /**
+   * Flip-flops.
+   */
+  uint64_t flip_flops;
+} raypath_cost_counts;
+
+/**
+ * A ray and four boxes.
+ */
+typedef struct {
+  /**
+   * The ray.
+   */
+  raypath_ray ray;
+  /**
+   * The boxes.
+   */
+  raypath_box boxes[4];
+} raypath_quadbox_input;
+
+/**
+ * A ray and a triangle.
+ */
+typedef struct {
+  /**
+   * The ray.
+   */
+  raypath_ray ray;
+  /**
+   * The triangle.
+   */
+  raypath_vertices triangle;
+} raypath_triangle_input;
+
+/**
+ * A beat of a distance. `a` and `b` have `raypath_lanes` elements for a Euclidean beat, and half as many for an angular
+ * one; they are read while the job is offered.
+ */
+typedef struct {
+  /**
+   * The query's coordinates.
+   */
+  const float *a;
+  /**
+   * The candidate's coordinates.
+   */
+  const float *b;
+  /**
+   * Bit i says whether lane i counts.
+   */
+  uint64_t mask;
+  /**
+   * Not 0: the sums restart at zero after this beat.
+   */
+  uint32_t reset_accum;
+} raypath_beat_input;
+
+/**
+ * The words at the input ports of an operation, in the order of `raypath_input`; they are read while the job is
+ * offered.
+ */
+typedef struct {
+  /**
+   * The operation's opcode.
+   */
+  uint64_t opcode;
+  /**
+   * The words.
+   */
+  const uint64_t *inputs;
+  /**
+   * The number of words.
+   */
+  size_t count;
+} raypath_words_input;
+
+/**
+ * The input of a job.
+ */
+typedef union {
+  /**
+   * Of `RAYPATH_JOB_QUADBOX`.
+   */
+  raypath_quadbox_input quadbox;
+  /**
+   * Of `RAYPATH_JOB_TRIANGLE`.
+   */
+  raypath_triangle_input triangle;
+  /**
+   * Of `RAYPATH_JOB_EUCLIDEAN` and `RAYPATH_JOB_ANGULAR`.
+   */
+  raypath_beat_input beat;
+  /**
+   * Of `RAYPATH_JOB_WORDS` and `RAYPATH_JOB_TIMING`, which reads the opcode alone.
+   */
+  raypath_words_input words;
+} raypath_job_input;
+
+/**
+ * A job. `kind` is one of `RAYPATH_JOB_…` and selects the member of `input`.
+ */
+typedef struct {
+  /**
+   * One of `RAYPATH_JOB_…`.
+   */
+  int32_t kind;
+  /**
+   * The member that `kind` selects.
+   */
+  raypath_job_input input;
+} raypath_job;
+
+/**
+ * The outcome of a beat of a Euclidean distance, 8 bytes.
+ */
+typedef struct {
+  /**
+   * Sum of squared differences over all beats since the last reset, including this one.
+   */
+  float accumulator;
+  /**
+   * The beat's reset: 0 or 1.
+   */
+  uint32_t reset_accum;
+} raypath_euclidean_result;
+
+/**
+ * The outcome of a beat of an angular distance, 12 bytes.
+ */
+typedef struct {
+  /**
+   * Sum of a·b over all beats since the last reset, including this one.
+   */
+  float dot_product;
+  /**
+   * Sum of b·b over the same beats.
+   */
+  float norm;
+  /**
+   * The beat's reset: 0 or 1.
+   */
+  uint32_t reset_accum;
+} raypath_angular_result;
+
+/**
+ * The words at the output ports of an operation, in the order of `raypath_output`.
+ */
+typedef struct {
+  /**
+   * The operation's opcode.
+   */
+  uint64_t opcode;
+  /**
+   * The words. They are valid until the next `raypath_pipeline_step`, `_skip`, `_reset` or `_free` of the pipeline.
+   */
+  const uint64_t *outputs;
+  /**
+   * The number of words.
+   */
+  size_t count;
+} raypath_words_output;
+
+/**
+ * The outcome of a job.
+ */
+typedef union {
+  /**
+   * Of `RAYPATH_JOB_QUADBOX`.
+   */
+  raypath_quadbox_result quadbox;
+  /**
+   * Of `RAYPATH_JOB_TRIANGLE`.
+   */
+  raypath_triangle_result triangle;
+  /**
+   * Of `RAYPATH_JOB_EUCLIDEAN`.
+   */
+  raypath_euclidean_result euclidean;
+  /**
+   * Of `RAYPATH_JOB_ANGULAR`.
+   */
+  raypath_angular_result angular;
+  /**
+   * Of `RAYPATH_JOB_WORDS` and `RAYPATH_JOB_TIMING`, which has no words.
+   */
+  raypath_words_output words;
+} raypath_job_output;
+
+/**
+ * The outcome of a job with the tag of its offer.
+ */
+typedef struct {
+  /**
+   * The kind of the job.
+   */
+  int32_t kind;
+  /**
+   * The tag that was given with the job.
+   */
+  uint64_t tag;
+  /**
+   * The member that `kind` selects.
+   */
+  raypath_job_output output;
+} raypath_result;
+
+/**
+ * Success; `raypath_pipeline_offer`: the job is accepted; `raypath_pipeline_step`: a result left.
+ */
+#define RAYPATH_OK 0
+
+/**
+ * `raypath_pipeline_offer`: the job is not accepted in this cycle.
+ */
+#define RAYPATH_BUSY 1
+
+/**
+ * `raypath_pipeline_step`: no result left in this cycle.
+ */
+#define RAYPATH_NO_RESULT 2
+
+/**
+ * A pointer is NULL.
+ */
+#define RAYPATH_ERROR_NULL -1
+
+/**
+ * An argument has a value that is not allowed.
+ */
+#define RAYPATH_ERROR_ARGUMENT -2
+
+/**
+ * A configuration is not valid, or cannot be elaborated.
+ */
+#define RAYPATH_ERROR_CONFIGURATION -3
+
+/**
+ * The datapath does not have the operation.
+ */
+#define RAYPATH_ERROR_OPERATION -4
+
+/**
+ * A pointer is not aligned to its type.
+ */
+#define RAYPATH_ERROR_ALIGNMENT -5
+
+/**
+ * An array of results overlaps another array of the call.
+ */
+#define RAYPATH_ERROR_OVERLAP -6
+
+/**
+ * A file cannot be written.
+ */
+#define RAYPATH_ERROR_IO -7
+
+/**
+ * A defect of raypath. The objects of the call must not be used again.
+ */
+#define RAYPATH_ERROR_INTERNAL -8
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/**
+ * Tests `count` rays against four boxes each: `boxes` has 4 * `count` elements. Any thread may call it.
+ *
+ * Errors: `RAYPATH_ERROR_OPERATION`, `_NULL`, `_ALIGNMENT`, `_OVERLAP` of the results with another array.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath; the arrays are NULL or have that many elements.
+ */
+raypath_status raypath_quadbox(const raypath_datapath *datapath,
+                               const raypath_ray *rays,
+                               const raypath_box *boxes,
+                               size_t count,
+                               raypath_quadbox_result *quadbox_results);
+
+/**
+ * Tests `count` rays against a triangle each. With the feature `range`, rays begin at a distance of 0. Any thread may
+ * call it.
+ *
+ * Errors: those of `raypath_quadbox`.
+ *
+ * # Safety
+ * That of `raypath_quadbox`.
+ */
+raypath_status raypath_triangle(const raypath_datapath *datapath,
+                                const raypath_ray *rays,
+                                const raypath_vertices *triangles,
+                                size_t count,
+                                raypath_triangle_result *triangle_results);
+
+/**
+ * Computes the squared Euclidean distances of `count` pairs of vectors with `dimensions` numbers each, in `a` and `b`
+ * one vector after another. The sums are those of the hardware's beats. Any thread may call it.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for 0 dimensions; those of `raypath_quadbox`.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath; `a` and `b` are NULL or have `count` * `dimensions` elements, `distances`
+ * `count`.
+ */
+raypath_status raypath_euclidean(const raypath_datapath *datapath,
+                                 const float *a,
+                                 const float *b,
+                                 size_t dimensions,
+                                 size_t count,
+                                 float *distances);
+
+/**
+ * Computes the dot products of `count` pairs of vectors, and the squared norms of the vectors of `b`. Shapes and
+ * errors are those of `raypath_euclidean`. Any thread may call it.
+ *
+ * # Safety
+ * That of `raypath_euclidean`; `dot_products` and `norms` are NULL or have `count` elements.
+ */
+raypath_status raypath_angular(const raypath_datapath *datapath,
+                               const float *a,
+                               const float *b,
+                               size_t dimensions,
+                               size_t count,
+                               float *dot_products,
+                               float *norms);
+
+/**
+ * Computes `count` jobs of any operation, in order, through the words at its ports: `inputs` has the words of one job
+ * after another, in the order of `raypath_input`, and `outputs` receives those of the outcomes, in the order of
+ * `raypath_output`. Numbers are in the IEEE 754 layout of the datapath's format. Accumulators are zero before the first
+ * job. Any thread may call it.
+ *
+ * Errors: those of `raypath_quadbox`.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath; `operation` is NULL or a string; the arrays are NULL or have that many
+ * elements.
+ */
+raypath_status raypath_run(const raypath_datapath *datapath,
+                           const char *operation,
+                           const uint64_t *inputs,
+                           size_t count,
+                           uint64_t *outputs);
+
+/**
+ * Opens a datapath and sets `*datapath`. `toml` has the keys of a configuration file, for example
+ * `preset = "credit"`; NULL is the default configuration. Any thread may call it.
+ *
+ * Errors: `RAYPATH_ERROR_CONFIGURATION` with the line of `toml`; `RAYPATH_ERROR_NULL`. Then `*datapath` is not
+ * changed.
+ *
+ * # Safety
+ * `toml` is NULL or a string; `datapath` is NULL or points to a pointer.
+ */
+raypath_status raypath_open(const char *toml, raypath_datapath **datapath);
+
+/**
+ * As `raypath_open`, with operations added to those of the paper: names as `raypath operations` lists them, separated
+ * by commas; NULL for none.
+ *
+ * Errors: those of `raypath_open`; `RAYPATH_ERROR_ARGUMENT` for an unknown name.
+ *
+ * # Safety
+ * That of `raypath_open`; `operations` is NULL or a string.
+ */
+raypath_status raypath_open_with(const char *toml, const char *operations, raypath_datapath **datapath);
+
+/**
+ * Closes a datapath. NULL is ignored. Pipelines of the datapath remain usable.
+ *
+ * # Safety
+ * `datapath` is NULL or came from `raypath_open` and was not closed; no other call uses it.
+ */
+void raypath_close(raypath_datapath *datapath);
+
+/**
+ * Sets `*ray` to the ray from `origin` along `direction` (three numbers each) with the length `extent` times that of
+ * `direction`; infinity reaches everything. Any thread may call it.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for a direction that is zero, not finite or too short to invert, an origin that is
+ * not finite, an extent that is negative or NaN; `RAYPATH_ERROR_NULL`. Then `*ray` is not changed.
+ *
+ * # Safety
+ * `origin` and `direction` are NULL or point to three numbers; `ray` is NULL or points to a ray.
+ */
+raypath_status raypath_ray_init(raypath_ray *ray, const float *origin, const float *direction, float extent);
+
+/**
+ * Writes the hardware into a folder, as `raypath generate` does: SystemVerilog, assertions, wrapper, manifests, a
+ * picture. Creates the folder if it does not exist. Any thread may call it.
+ *
+ * Errors: `RAYPATH_ERROR_IO` with the path; then no file has changed. `RAYPATH_ERROR_NULL`.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath; `folder` is NULL or a string.
+ */
+raypath_status raypath_generate(const raypath_datapath *datapath, const char *folder);
+
+/**
+ * The configuration and the added operations in words. Valid while the datapath is open; NULL after an error.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath.
+ */
+const char *raypath_description(const raypath_datapath *datapath);
+
+/**
+ * Cycles from the acceptance of a job to its outcome in an empty pipeline; 0 after an error.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath.
+ */
+uint32_t raypath_latency(const raypath_datapath *datapath);
+
+/**
+ * The number of jobs that fit while the sink is not ready; 0 after an error.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath.
+ */
+size_t raypath_capacity(const raypath_datapath *datapath);
+
+/**
+ * The coordinates of a Euclidean beat; an angular one has half as many. 0 without distance operations and after an
+ * error.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath.
+ */
+size_t raypath_lanes(const raypath_datapath *datapath);
+
+/**
+ * The number of operations; 0 after an error.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath.
+ */
+size_t raypath_operation_count(const raypath_datapath *datapath);
+
+/**
+ * Sets `*operation` to the operation at `index`, in the order of opcodes.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for an index from `raypath_operation_count` on; `RAYPATH_ERROR_NULL`.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath; `operation` is NULL or points to an operation.
+ */
+raypath_status raypath_operation(const raypath_datapath *datapath, size_t index, raypath_operation_info *operation);
+
+/**
+ * Sets `*port` to an input port of the operation at `operation`.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for an index that is too high; `RAYPATH_ERROR_NULL`.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath; `port` is NULL or points to a port.
+ */
+raypath_status raypath_input(const raypath_datapath *datapath, size_t operation, size_t index, raypath_port *port);
+
+/**
+ * Sets `*port` to an output port of the operation at `operation`.
+ *
+ * Errors: those of `raypath_input`.
+ *
+ * # Safety
+ * That of `raypath_input`.
+ */
+raypath_status raypath_output(const raypath_datapath *datapath, size_t operation, size_t index, raypath_port *port);
+
+/**
+ * The number of steps of the pipeline: with units of one step, the stages of the paper's Table VII. 0 after an error.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath.
+ */
+size_t raypath_step_count(const raypath_datapath *datapath);
+
+/**
+ * Sets `*cost` to the units of a step and the registers after it, counted in the netlist.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for a step from `raypath_step_count` on; `RAYPATH_ERROR_NULL`.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath; `cost` is NULL or points to a cost.
+ */
+raypath_status raypath_step_cost(const raypath_datapath *datapath, size_t step, raypath_cost_counts *cost);
+
+/**
+ * Sets `*cost` to the units and flip-flops of the whole datapath, counted in the netlist.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`.
+ *
+ * # Safety
+ * That of `raypath_step_cost`.
+ */
+raypath_status raypath_cost(const raypath_datapath *datapath, raypath_cost_counts *cost);
+
+/**
+ * Makes an empty pipeline with accumulators of zero, and sets `*pipeline`. The datapath may be closed before the
+ * pipeline. Any thread may call it.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`.
+ *
+ * # Safety
+ * `datapath` is NULL or an open datapath; `pipeline` is NULL or points to a pointer.
+ */
+raypath_status raypath_pipeline_new(const raypath_datapath *datapath, raypath_pipeline **pipeline);
+
+/**
+ * Frees a pipeline. NULL is ignored.
+ *
+ * # Safety
+ * `pipeline` is NULL or came from `raypath_pipeline_new` and was not freed; no other call uses it.
+ */
+void raypath_pipeline_free(raypath_pipeline *pipeline);
+
+/**
+ * Offers a job with a tag, any number, in this cycle: `RAYPATH_OK` if it is accepted, `RAYPATH_BUSY` if not. At most
+ * one job is accepted in a cycle. The job is read before the call returns.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for a kind that is not one of `RAYPATH_JOB_…` or another number of words than the
+ * operation has; `RAYPATH_ERROR_OPERATION`; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`.
+ *
+ * # Safety
+ * `pipeline` is NULL or a pipeline that no other thread uses; `job` is NULL or points to a job whose pointers are NULL
+ * or have as many elements as [`JobInput`] says.
+ */
+raypath_status raypath_pipeline_offer(raypath_pipeline *pipeline, const raypath_job *job, uint64_t tag);
+
+/**
+ * One clock cycle. The job that was accepted in this cycle enters. If `output_ready` and there is an outcome at the
+ * output, it leaves: `RAYPATH_OK`, and `*result` is set. Otherwise `RAYPATH_NO_RESULT`. If `result` is NULL, the outcome
+ * is discarded.
+ *
+ * Errors: `RAYPATH_ERROR_NULL` for the pipeline; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
+ *
+ * # Safety
+ * `pipeline` is NULL or a pipeline that no other thread uses; `result` is NULL or points to a result.
+ */
+raypath_status raypath_pipeline_step(raypath_pipeline *pipeline,
+                                     bool output_ready,
+                                     raypath_result *result);
+
+/**
+ * Advances up to `cycles` cycles in which no further job is offered and the sink is not ready, and stops in the first
+ * with an outcome at the output. Returns the number of cycles that passed: 0 if there is an outcome already, and after
+ * an error. A job that was accepted in this cycle enters in the first. Equivalent to that many calls of
+ * `raypath_pipeline_step`, but faster.
+ *
+ * # Safety
+ * `pipeline` is NULL or a pipeline that no other thread uses.
+ */
+uint64_t raypath_pipeline_skip(raypath_pipeline *pipeline, uint64_t cycles);
+
+/**
+ * The number of jobs inside, with the one that was accepted in this cycle; 0 after an error.
+ *
+ * # Safety
+ * `pipeline` is NULL or a pipeline that no other thread changes.
+ */
+size_t raypath_pipeline_occupancy(const raypath_pipeline *pipeline);
+
+/**
+ * Sets the first `capacity` elements of `stages` to the stages of the jobs inside, oldest first, without a job that
+ * was accepted in this cycle: 1 after the input's registers, the latency at the output. Returns the number of jobs;
+ * 0 after an error.
+ *
+ * # Safety
+ * `pipeline` is NULL or a pipeline that no other thread changes; `stages` is NULL or has `capacity` elements.
+ */
+size_t raypath_pipeline_stages(const raypath_pipeline *pipeline, uint32_t *stages, size_t capacity);
+
+/**
+ * Whether a job with this opcode would be accepted in this cycle; false after an error.
+ *
+ * # Safety
+ * `pipeline` is NULL or a pipeline that no other thread changes.
+ */
+bool raypath_pipeline_input_ready(const raypath_pipeline *pipeline, uint64_t opcode);
+
+/**
+ * Whether there is an outcome at the output in this cycle; false after an error.
+ *
+ * # Safety
+ * `pipeline` is NULL or a pipeline that no other thread changes.
+ */
+bool raypath_pipeline_output_valid(const raypath_pipeline *pipeline);
+
+/**
+ * A cycle in which `rst_ni` is 0: all jobs are lost, and the accumulators are zero.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`.
+ *
+ * # Safety
+ * `pipeline` is NULL or a pipeline that no other thread uses.
+ */
+raypath_status raypath_pipeline_reset(raypath_pipeline *pipeline);
+
+/**
+ * The version of the binary interface of this library. A program compares it with `RAYPATH_ABI_VERSION`. Any thread
+ * may call it.
+ */
+uint32_t raypath_abi_version(void);
+
+/**
+ * The version of raypath, for example "0.1.0". Any thread may call it.
+ */
+const char *raypath_version(void);
+
+/**
+ * The message of the last call of this thread that failed: what was found, and what was expected. Empty if none failed.
+ * It is valid until another call of this thread fails. Never NULL.
+ */
+const char *raypath_last_error(void);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* RAYPATH_H */

@@ -1,0 +1,19 @@
+//! The C interface of raypath: `include/raypath.h` is generated from this crate, and `include/raypath.hpp` adds types
+//! for C++. `docs/integration/c.md` shows how to install and use both.
+//!
+//! Every function that can fail returns a [`Status`]; [`raypath_last_error`] has the message. Pointers are checked for
+//! null, alignment and overlap as far as they can be; what a caller must guarantee besides is that they point to as
+//! many elements as the call says. No panic leaves a function.
+
+mod arrays;
+mod datapath;
+mod inspect;
+mod memory;
+mod pipeline;
+mod status;
+
+pub use arrays::*;
+pub use datapath::*;
+pub use inspect::*;
+pub use pipeline::*;
+pub use status::*;

@@ -1,0 +1,361 @@
+//! The cycle-exact model.
+
+use crate::Datapath;
+use crate::memory::{array, reference, reference_mut, results};
+use crate::status::{Failure, RAYPATH_BUSY, RAYPATH_NO_RESULT, RAYPATH_OK, Status, status, value_or_zero};
+use raypath_embed::{
+    self as embed, AngularResult, Beat, Bounds, EuclideanResult, Outcome, QuadboxResult, Ray, TriangleResult, Vertices,
+    Words,
+};
+
+/// The cycle-exact model of a datapath. One thread at a time may use it; another thread may use it later.
+///
+/// A cycle consists of at most one accepted `raypath_pipeline_offer`, then `raypath_pipeline_step`.
+pub struct Pipeline {
+    embedded: embed::Pipeline,
+    /// The words of the last result, which its caller may still read.
+    words: Option<Box<Words>>,
+    lanes: usize,
+}
+
+/// A job of `raypath_job`: a ray against a triangle.
+pub const RAYPATH_JOB_TRIANGLE: i32 = 0;
+/// A ray against four boxes.
+pub const RAYPATH_JOB_QUADBOX: i32 = 1;
+/// A beat of a Euclidean distance.
+pub const RAYPATH_JOB_EUCLIDEAN: i32 = 2;
+/// A beat of an angular distance.
+pub const RAYPATH_JOB_ANGULAR: i32 = 3;
+/// A job of any operation, by its opcode, as the words at its ports.
+pub const RAYPATH_JOB_WORDS: i32 = 4;
+/// The time of a job without its values, by its opcode. Accumulators do not change.
+pub const RAYPATH_JOB_TIMING: i32 = 5;
+
+/// A job. `kind` is one of `RAYPATH_JOB_…` and selects the member of `input`.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Job {
+    /// One of `RAYPATH_JOB_…`.
+    pub kind: i32,
+    /// The member that `kind` selects.
+    pub input: JobInput,
+}
+
+/// The input of a job.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub union JobInput {
+    /// Of `RAYPATH_JOB_QUADBOX`.
+    pub quadbox: QuadboxInput,
+    /// Of `RAYPATH_JOB_TRIANGLE`.
+    pub triangle: TriangleInput,
+    /// Of `RAYPATH_JOB_EUCLIDEAN` and `RAYPATH_JOB_ANGULAR`.
+    pub beat: BeatInput,
+    /// Of `RAYPATH_JOB_WORDS` and `RAYPATH_JOB_TIMING`, which reads the opcode alone.
+    pub words: WordsInput,
+}
+
+/// A ray and four boxes.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct QuadboxInput {
+    /// The ray.
+    pub ray: Ray,
+    /// The boxes.
+    pub boxes: [Bounds; 4],
+}
+
+/// A ray and a triangle.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct TriangleInput {
+    /// The ray.
+    pub ray: Ray,
+    /// The triangle.
+    pub triangle: Vertices,
+}
+
+/// A beat of a distance. `a` and `b` have `raypath_lanes` elements for a Euclidean beat, and half as many for an angular
+/// one; they are read while the job is offered.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct BeatInput {
+    /// The query's coordinates.
+    pub a: *const f32,
+    /// The candidate's coordinates.
+    pub b: *const f32,
+    /// Bit i says whether lane i counts.
+    pub mask: u64,
+    /// Not 0: the sums restart at zero after this beat.
+    pub reset_accum: u32,
+}
+
+/// The words at the input ports of an operation, in the order of `raypath_input`; they are read while the job is
+/// offered.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct WordsInput {
+    /// The operation's opcode.
+    pub opcode: u64,
+    /// The words.
+    pub inputs: *const u64,
+    /// The number of words.
+    pub count: usize,
+}
+
+/// The outcome of a job with the tag of its offer.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct PipelineResult {
+    /// The kind of the job.
+    pub kind: i32,
+    /// The tag that was given with the job.
+    pub tag: u64,
+    /// The member that `kind` selects.
+    pub output: JobOutput,
+}
+
+/// The outcome of a job.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub union JobOutput {
+    /// Of `RAYPATH_JOB_QUADBOX`.
+    pub quadbox: QuadboxResult,
+    /// Of `RAYPATH_JOB_TRIANGLE`.
+    pub triangle: TriangleResult,
+    /// Of `RAYPATH_JOB_EUCLIDEAN`.
+    pub euclidean: EuclideanResult,
+    /// Of `RAYPATH_JOB_ANGULAR`.
+    pub angular: AngularResult,
+    /// Of `RAYPATH_JOB_WORDS` and `RAYPATH_JOB_TIMING`, which has no words.
+    pub words: WordsOutput,
+}
+
+/// The words at the output ports of an operation, in the order of `raypath_output`.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct WordsOutput {
+    /// The operation's opcode.
+    pub opcode: u64,
+    /// The words. They are valid until the next `raypath_pipeline_step`, `_skip`, `_reset` or `_free` of the pipeline.
+    pub outputs: *const u64,
+    /// The number of words.
+    pub count: usize,
+}
+
+/// Makes an empty pipeline with accumulators of zero, and sets `*pipeline`. The datapath may be closed before the
+/// pipeline. Any thread may call it.
+///
+/// Errors: `RAYPATH_ERROR_NULL`.
+///
+/// # Safety
+/// `datapath` is NULL or an open datapath; `pipeline` is NULL or points to a pointer.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_new(datapath: *const Datapath, pipeline: *mut *mut Pipeline) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (datapath, pipeline) = unsafe { (reference("datapath", datapath)?, reference_mut("pipeline", pipeline)?) };
+        let embedded = embed::Pipeline::new(&datapath.embedded);
+        let made = Pipeline { embedded, words: None, lanes: datapath.embedded.lanes() };
+        *pipeline = Box::into_raw(Box::new(made));
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Frees a pipeline. NULL is ignored.
+///
+/// # Safety
+/// `pipeline` is NULL or came from `raypath_pipeline_new` and was not freed; no other call uses it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_free(pipeline: *mut Pipeline) {
+    if !pipeline.is_null() {
+        // SAFETY: by the contract of this function.
+        drop(unsafe { Box::from_raw(pipeline) });
+    }
+}
+
+/// Offers a job with a tag, any number, in this cycle: `RAYPATH_OK` if it is accepted, `RAYPATH_BUSY` if not. At most
+/// one job is accepted in a cycle. The job is read before the call returns.
+///
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for a kind that is not one of `RAYPATH_JOB_…` or another number of words than the
+/// operation has; `RAYPATH_ERROR_OPERATION`; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`.
+///
+/// # Safety
+/// `pipeline` is NULL or a pipeline that no other thread uses; `job` is NULL or points to a job whose pointers are NULL
+/// or have as many elements as [`JobInput`] says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_offer(pipeline: *mut Pipeline, job: *const Job, tag: u64) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (pipeline, job) = unsafe { (reference_mut("pipeline", pipeline)?, reference("job", job)?) };
+        // SAFETY: by the contract of this function.
+        let job = unsafe { embedded_job(job, pipeline.lanes)? };
+        Ok(if pipeline.embedded.offer(&job, tag)? { RAYPATH_OK } else { RAYPATH_BUSY })
+    })
+}
+
+/// One clock cycle. The job that was accepted in this cycle enters. If `output_ready` and there is an outcome at the
+/// output, it leaves: `RAYPATH_OK`, and `*result` is set. Otherwise `RAYPATH_NO_RESULT`. If `result` is NULL, the outcome
+/// is discarded.
+///
+/// Errors: `RAYPATH_ERROR_NULL` for the pipeline; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
+///
+/// # Safety
+/// `pipeline` is NULL or a pipeline that no other thread uses; `result` is NULL or points to a result.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_step(
+    pipeline: *mut Pipeline,
+    output_ready: bool,
+    result: *mut PipelineResult,
+) -> Status {
+    status(|| {
+        let count = usize::from(!result.is_null());
+        // SAFETY: by the contract of this function.
+        let (pipeline, result) = unsafe { (reference_mut("pipeline", pipeline)?, results("result", result, count)?) };
+        let Some((tag, outcome)) = pipeline.embedded.step(output_ready) else { return Ok(RAYPATH_NO_RESULT) };
+        let (kind, output) = pipeline.output(outcome);
+        if let [result] = result {
+            *result = PipelineResult { kind, tag, output };
+        }
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Advances up to `cycles` cycles in which no further job is offered and the sink is not ready, and stops in the first
+/// with an outcome at the output. Returns the number of cycles that passed: 0 if there is an outcome already, and after
+/// an error. A job that was accepted in this cycle enters in the first. Equivalent to that many calls of
+/// `raypath_pipeline_step`, but faster.
+///
+/// # Safety
+/// `pipeline` is NULL or a pipeline that no other thread uses.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_skip(pipeline: *mut Pipeline, cycles: u64) -> u64 {
+    // SAFETY: by the contract of this function.
+    value_or_zero(|| Ok(unsafe { reference_mut("pipeline", pipeline)? }.embedded.skip(cycles)))
+}
+
+/// The number of jobs inside, with the one that was accepted in this cycle; 0 after an error.
+///
+/// # Safety
+/// `pipeline` is NULL or a pipeline that no other thread changes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_occupancy(pipeline: *const Pipeline) -> usize {
+    // SAFETY: by the contract of this function.
+    value_or_zero(|| Ok(unsafe { reference("pipeline", pipeline)? }.embedded.occupancy()))
+}
+
+/// Sets the first `capacity` elements of `stages` to the stages of the jobs inside, oldest first, without a job that
+/// was accepted in this cycle: 1 after the input's registers, the latency at the output. Returns the number of jobs;
+/// 0 after an error.
+///
+/// # Safety
+/// `pipeline` is NULL or a pipeline that no other thread changes; `stages` is NULL or has `capacity` elements.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_stages(
+    pipeline: *const Pipeline,
+    stages: *mut u32,
+    capacity: usize,
+) -> usize {
+    value_or_zero(|| {
+        // SAFETY: by the contract of this function.
+        let (pipeline, stages) = unsafe { (reference("pipeline", pipeline)?, results("stages", stages, capacity)?) };
+        let inside = pipeline.embedded.positions();
+        stages.iter_mut().zip(inside).for_each(|(stage, position)| *stage = position.stage as u32);
+        Ok(pipeline.embedded.positions().count())
+    })
+}
+
+/// Whether a job with this opcode would be accepted in this cycle; false after an error.
+///
+/// # Safety
+/// `pipeline` is NULL or a pipeline that no other thread changes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_input_ready(pipeline: *const Pipeline, opcode: u64) -> bool {
+    // SAFETY: by the contract of this function.
+    value_or_zero(|| Ok(unsafe { reference("pipeline", pipeline)? }.embedded.input_ready(opcode)))
+}
+
+/// Whether there is an outcome at the output in this cycle; false after an error.
+///
+/// # Safety
+/// `pipeline` is NULL or a pipeline that no other thread changes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_output_valid(pipeline: *const Pipeline) -> bool {
+    // SAFETY: by the contract of this function.
+    value_or_zero(|| Ok(unsafe { reference("pipeline", pipeline)? }.embedded.output_valid()))
+}
+
+/// A cycle in which `rst_ni` is 0: all jobs are lost, and the accumulators are zero.
+///
+/// Errors: `RAYPATH_ERROR_NULL`.
+///
+/// # Safety
+/// `pipeline` is NULL or a pipeline that no other thread uses.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_reset(pipeline: *mut Pipeline) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let pipeline = unsafe { reference_mut("pipeline", pipeline)? };
+        pipeline.embedded.reset();
+        pipeline.words = None;
+        Ok(RAYPATH_OK)
+    })
+}
+
+impl Pipeline {
+    fn output(&mut self, outcome: Outcome) -> (i32, JobOutput) {
+        match outcome {
+            Outcome::Quadbox(quadbox) => (RAYPATH_JOB_QUADBOX, JobOutput { quadbox }),
+            Outcome::Triangle(triangle) => (RAYPATH_JOB_TRIANGLE, JobOutput { triangle }),
+            Outcome::Euclidean(euclidean) => (RAYPATH_JOB_EUCLIDEAN, JobOutput { euclidean }),
+            Outcome::Angular(angular) => (RAYPATH_JOB_ANGULAR, JobOutput { angular }),
+            Outcome::Words(words) => {
+                let words = self.words.insert(words);
+                let (opcode, list) = (words.kind().opcode(), words.as_words());
+                let words = WordsOutput { opcode, outputs: list.as_ptr(), count: list.len() };
+                (RAYPATH_JOB_WORDS, JobOutput { words })
+            }
+            Outcome::Timing(opcode) => {
+                let words = WordsOutput { opcode, outputs: std::ptr::null(), count: 0 };
+                (RAYPATH_JOB_TIMING, JobOutput { words })
+            }
+        }
+    }
+}
+
+/// # Safety
+/// The pointers of the job are NULL or have as many elements as [`JobInput`] says.
+unsafe fn embedded_job<'j>(job: &'j Job, lanes: usize) -> Result<embed::Job<'j>, Failure> {
+    // SAFETY (all reads of the union): every member consists of numbers and pointers, which have no invalid values.
+    let input = &job.input;
+    Ok(match job.kind {
+        RAYPATH_JOB_QUADBOX => {
+            let QuadboxInput { ray, boxes } = unsafe { &input.quadbox };
+            embed::Job::Quadbox { ray, boxes }
+        }
+        RAYPATH_JOB_TRIANGLE => {
+            let TriangleInput { ray, triangle } = unsafe { &input.triangle };
+            embed::Job::Triangle { ray, triangle }
+        }
+        RAYPATH_JOB_EUCLIDEAN => embed::Job::Euclidean(unsafe { beat(&input.beat, lanes)? }),
+        RAYPATH_JOB_ANGULAR => embed::Job::Angular(unsafe { beat(&input.beat, lanes / 2)? }),
+        RAYPATH_JOB_WORDS => {
+            let WordsInput { opcode, inputs, count } = unsafe { input.words };
+            embed::Job::Words { opcode, inputs: unsafe { array("inputs", inputs, count)? } }
+        }
+        RAYPATH_JOB_TIMING => embed::Job::Timing { opcode: unsafe { input.words.opcode } },
+        kind => {
+            let expected = "expected RAYPATH_JOB_TRIANGLE (0) to RAYPATH_JOB_TIMING (5)";
+            return Err(Failure::argument(format!("{kind} is not a valid kind of job, {expected}")));
+        }
+    })
+}
+
+/// # Safety
+/// The pointers are NULL or have `lanes` elements.
+unsafe fn beat<'j>(beat: &BeatInput, lanes: usize) -> Result<Beat<'j>, Failure> {
+    let &BeatInput { a, b, mask, reset_accum } = beat;
+    // SAFETY: by the contract of this function.
+    let (a, b) = unsafe { (array("a", a, lanes)?, array("b", b, lanes)?) };
+    Ok(Beat { a, b, mask, reset_accum: reset_accum != 0 })
+}
