@@ -2,8 +2,8 @@
  *
  * libraypath: a ray-tracer datapath for C. Generated from crates/raypath-capi; do not edit.
  *
- * Functions return a status below 0 after an error; raypath_last_error has the message. Structures contain what
- * the field comments say, without padding that matters; all are read and written by value.
+ * A function that fails returns a status below 0, and raypath_last_error has the message. "Safety" names what a caller
+ * must guarantee, because a function cannot check it.
  */
 
 #ifndef RAYPATH_H
@@ -83,8 +83,8 @@ typedef struct raypath_pipeline raypath_pipeline;
 typedef int32_t raypath_status;
 
 /**
- * A ray with the values that the hardware expects, 64 bytes. [`Ray::new`] derives them from origin, direction and
- * extent.
+ * A ray with the values that the hardware expects, 64 bytes. They are derived from origin, direction and extent by
+ * `raypath_ray_init` (in Rust `Ray::new`).
  */
 typedef struct {
   /**

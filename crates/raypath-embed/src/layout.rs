@@ -3,8 +3,8 @@
 
 use raypath_ops::{self as ops, Binary32, RayBoxOutput, RayError, RayTriangleOutput, Word};
 
-/// A ray with the values that the hardware expects, 64 bytes. [`Ray::new`] derives them from origin, direction and
-/// extent.
+/// A ray with the values that the hardware expects, 64 bytes. They are derived from origin, direction and extent by
+/// `raypath_ray_init` (in Rust `Ray::new`).
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Ray {

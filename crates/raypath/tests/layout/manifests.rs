@@ -69,8 +69,8 @@ fn layers_depend_downwards() {
         &["raypath-model", "raypath-rtl", "raypath-tools"],
         &["raypath-sim", "raypath-timing", "raypath-ppa"],
         &["raypath-oracle", "raypath-render", "raypath-search"],
-        &["raypath-verify"],
-        &["raypath-cli"],
+        &["raypath-verify", "raypath-embed"],
+        &["raypath-cli", "raypath-capi"],
         &["raypath", "raypath-python"],
         &["within_radius"],
     ];
@@ -116,13 +116,13 @@ fn all_builds_share_their_dependencies() {
     };
     let tests = features(&["--workspace", "-e", "normal,build,dev"]);
     let is_of_workspace = |line: &str| line.contains(" (");
-    for chosen in [&["raypath"][..], &["raypath", "--features", "full"], &["raypath-python"]] {
+    for chosen in [&["raypath"][..], &["raypath", "--features", "full"], &["raypath-python"], &["raypath-capi"]] {
         let build = features(&[&["-e", "normal,build", "-p"], chosen].concat());
         let is_wheel = chosen == ["raypath-python"];
         let again: Vec<&String> = build.difference(&tests).filter(|line| is_wheel || !is_of_workspace(line)).collect();
         assert!(
             again.is_empty(),
-            "features that the tests do not select; select them in raypath-cli/Cargo.toml: {again:#?}"
+            "features that the tests do not select; select them in raypath-tools/Cargo.toml: {again:#?}"
         );
     }
 }

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0
+ *
+ * libraypath for C++17, header only, over raypath.h. Handles close themselves, arrays are spans with their length, and
+ * errors are values: no function throws (except std::bad_alloc for the text of an error), and the header compiles with
+ * -fno-exceptions.
+ */
+
+#ifndef RAYPATH_HPP
+#define RAYPATH_HPP
+
+#include "raypath.h"
+
+#include <cassert>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+namespace raypath {
+
+using Ray = raypath_ray;
+using Box = raypath_box;
+using Vertices = raypath_vertices;
+using QuadboxResult = raypath_quadbox_result;
+using TriangleResult = raypath_triangle_result;
+using Job = raypath_job;
+using Result = raypath_result;
+using Cost = raypath_cost_counts;
+
+/** Why a call failed: its status, below 0, and its message. */
+struct Error {
+  raypath_status status;
+  std::string message;
+};
+
+/** A value, or the error that stands in its place. */
+template <class T>
+class [[nodiscard]] Expected {
+ public:
+  Expected(T value) : value_(std::move(value)) {}
+  Expected(Error error) : error_(std::move(error)) {}
+
+  explicit operator bool() const noexcept { return value_.has_value(); }
+  bool has_value() const noexcept { return value_.has_value(); }
+
+  /** The value. There must be one. */
+  T &operator*() & noexcept { return assert(value_), *value_; }
+  const T &operator*() const & noexcept { return assert(value_), *value_; }
+  T &&operator*() && noexcept { return assert(value_), std::move(*value_); }
+  T *operator->() noexcept { return assert(value_), &*value_; }
+  const T *operator->() const noexcept { return assert(value_), &*value_; }
+
+  /** The error; its status is RAYPATH_OK if there is a value. */
+  const Error &error() const noexcept { return error_; }
+
+ private:
+  std::optional<T> value_;
+  Error error_{RAYPATH_OK, {}};
+};
+
+/** Success, or an error. */
+using Outcome = Expected<std::monostate>;
+
+/** A contiguous array: a pointer and a length. Arrays, vectors and std::span convert to it. */
+template <class T>
+class Span {
+ public:
+  constexpr Span() noexcept = default;
+  constexpr Span(T *data, std::size_t size) noexcept : data_(data), size_(size) {}
+  template <std::size_t N>
+  constexpr Span(T (&array)[N]) noexcept : data_(array), size_(N) {}
+  template <class Container,
+            class = std::enable_if_t<std::is_convertible_v<
+                std::remove_pointer_t<decltype(std::data(std::declval<Container &>()))> (*)[], T (*)[]>>>
+  constexpr Span(Container &&container) noexcept : data_(std::data(container)), size_(std::size(container)) {}
+
+  constexpr T *data() const noexcept { return data_; }
+  constexpr std::size_t size() const noexcept { return size_; }
+
+ private:
+  T *data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+namespace detail {
+
+inline Error last_error(raypath_status status) { return {status, raypath_last_error()}; }
+
+inline Error argument(const char *message) { return {RAYPATH_ERROR_ARGUMENT, message}; }
+
+inline Outcome outcome(raypath_status status) {
+  if (status < 0) return last_error(status);
+  return std::monostate{};
+}
+
+struct Close {
+  void operator()(raypath_datapath *datapath) const noexcept { raypath_close(datapath); }
+  void operator()(raypath_pipeline *pipeline) const noexcept { raypath_pipeline_free(pipeline); }
+};
+
+}  // namespace detail
+
+/** The ray from `origin` along `direction` with the length `extent` times that of `direction`. */
+inline Expected<Ray> ray(const float (&origin)[3], const float (&direction)[3], float extent) {
+  Ray made;
+  const raypath_status status = raypath_ray_init(&made, origin, direction, extent);
+  if (status < 0) return detail::last_error(status);
+  return made;
+}
+
+/** A configuration with its operations, models and hardware. Any number of threads may use it at once. */
+class Datapath {
+ public:
+  /** Opens a datapath; see raypath_open_with. NULL is the default configuration, and no added operations. */
+  static Expected<Datapath> open(const char *toml = nullptr, const char *operations = nullptr) {
+    raypath_datapath *opened = nullptr;
+    const raypath_status status = raypath_open_with(toml, operations, &opened);
+    if (status < 0) return detail::last_error(status);
+    return Datapath(opened);
+  }
+
+  /** Tests rays against four boxes each: `boxes` has four elements for each ray. */
+  Outcome quadbox(Span<const Ray> rays, Span<const Box> boxes, Span<QuadboxResult> results) const {
+    if (boxes.size() / 4 != rays.size() || boxes.size() % 4 != 0 || results.size() != rays.size())
+      return detail::argument("expected four boxes and one result for each ray");
+    return detail::outcome(raypath_quadbox(get(), rays.data(), boxes.data(), rays.size(), results.data()));
+  }
+
+  /** Tests rays against a triangle each. */
+  Outcome triangle(Span<const Ray> rays, Span<const Vertices> triangles, Span<TriangleResult> results) const {
+    if (triangles.size() != rays.size() || results.size() != rays.size())
+      return detail::argument("expected one triangle and one result for each ray");
+    return detail::outcome(raypath_triangle(get(), rays.data(), triangles.data(), rays.size(), results.data()));
+  }
+
+  /** Squared Euclidean distances of pairs of vectors with `dimensions` numbers each. */
+  Outcome euclidean(Span<const float> a, Span<const float> b, std::size_t dimensions, Span<float> distances) const {
+    if (a.size() != distances.size() * dimensions || b.size() != a.size())
+      return detail::argument("expected `dimensions` numbers of a and of b for each distance");
+    return detail::outcome(
+        raypath_euclidean(get(), a.data(), b.data(), dimensions, distances.size(), distances.data()));
+  }
+
+  /** Dot products of pairs of vectors, and squared norms of the vectors of `b`. */
+  Outcome angular(Span<const float> a, Span<const float> b, std::size_t dimensions, Span<float> dot_products,
+                  Span<float> norms) const {
+    if (a.size() != dot_products.size() * dimensions || b.size() != a.size() || norms.size() != dot_products.size())
+      return detail::argument("expected `dimensions` numbers of a and of b for each dot product and norm");
+    return detail::outcome(raypath_angular(get(), a.data(), b.data(), dimensions, dot_products.size(),
+                                           dot_products.data(), norms.data()));
+  }
+
+  /** Writes the hardware into a folder; see raypath_generate. */
+  Outcome generate(const char *folder) const { return detail::outcome(raypath_generate(get(), folder)); }
+
+  std::uint32_t latency() const noexcept { return raypath_latency(get()); }
+  std::size_t capacity() const noexcept { return raypath_capacity(get()); }
+  std::size_t lanes() const noexcept { return raypath_lanes(get()); }
+  const char *description() const noexcept { return raypath_description(get()); }
+
+  /** Units and flip-flops, counted in the netlist. */
+  Cost cost() const noexcept {
+    Cost counts{};
+    raypath_cost(get(), &counts);
+    return counts;
+  }
+
+  /** The handle, for functions of raypath.h. */
+  const raypath_datapath *get() const noexcept { return handle_.get(); }
+
+ private:
+  explicit Datapath(raypath_datapath *opened) noexcept : handle_(opened) {}
+
+  std::unique_ptr<raypath_datapath, detail::Close> handle_;
+};
+
+/** The cycle-exact model of a datapath. One thread at a time may use it. */
+class Pipeline {
+ public:
+  static Expected<Pipeline> create(const Datapath &datapath) {
+    raypath_pipeline *made = nullptr;
+    const raypath_status status = raypath_pipeline_new(datapath.get(), &made);
+    if (status < 0) return detail::last_error(status);
+    return Pipeline(made);
+  }
+
+  /** Offers a job in this cycle: whether it is accepted. */
+  Expected<bool> offer(const Job &job, std::uint64_t tag) {
+    const raypath_status status = raypath_pipeline_offer(get(), &job, tag);
+    if (status < 0) return detail::last_error(status);
+    return status == RAYPATH_OK;
+  }
+
+  /** One clock cycle: the result that leaves, if one does. */
+  std::optional<Result> step(bool output_ready) {
+    Result result;
+    if (raypath_pipeline_step(get(), output_ready, &result) != RAYPATH_OK) return std::nullopt;
+    return result;
+  }
+
+  /** Advances up to `cycles` cycles and stops at a valid output; the number of cycles. */
+  std::uint64_t skip(std::uint64_t cycles) noexcept { return raypath_pipeline_skip(get(), cycles); }
+
+  std::size_t occupancy() const noexcept { return raypath_pipeline_occupancy(get()); }
+  bool input_ready(std::uint64_t opcode) const noexcept { return raypath_pipeline_input_ready(get(), opcode); }
+  bool output_valid() const noexcept { return raypath_pipeline_output_valid(get()); }
+  void reset() noexcept { raypath_pipeline_reset(get()); }
+
+  /** The handle, for functions of raypath.h. */
+  raypath_pipeline *get() const noexcept { return handle_.get(); }
+
+ private:
+  explicit Pipeline(raypath_pipeline *made) noexcept : handle_(made) {}
+
+  std::unique_ptr<raypath_pipeline, detail::Close> handle_;
+};
+
+/** A job: a ray against four boxes. */
+inline Job quadbox_job(const Ray &ray, const Box (&boxes)[4]) {
+  Job job{};
+  job.kind = RAYPATH_JOB_QUADBOX;
+  job.input.quadbox = {ray, {boxes[0], boxes[1], boxes[2], boxes[3]}};
+  return job;
+}
+
+/** A job: a ray against a triangle. */
+inline Job triangle_job(const Ray &ray, const Vertices &triangle) {
+  Job job{};
+  job.kind = RAYPATH_JOB_TRIANGLE;
+  job.input.triangle = {ray, triangle};
+  return job;
+}
+
+/** A job that has the time of an operation and no values. */
+inline Job timing_job(std::uint64_t opcode) {
+  Job job{};
+  job.kind = RAYPATH_JOB_TIMING;
+  job.input.words.opcode = opcode;
+  return job;
+}
+
+}  // namespace raypath
+
+#endif  // RAYPATH_HPP
