@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Builds libraypath and installs it under a prefix: headers for C and C++, the shared and the static library, a
 # pkg-config file and a CMake package.
-#   scripts/install-libraypath.sh PREFIX     for example /usr/local, or $HOME/.local
+#   scripts/install-libraypath.sh PREFIX                       for example /usr/local, or $HOME/.local
+#   RAYPATH_BUILT=DIR scripts/install-libraypath.sh PREFIX     installs the libraries that Cargo left in DIR
 set -euo pipefail
 
 if [ $# -ne 1 ] || [ -z "$1" ] || [ "${1#-}" != "$1" ]; then
@@ -12,8 +13,8 @@ mkdir -p "$1"
 prefix="$(cd "$1" && pwd)"
 cd "$(dirname "$0")/.."
 
-cargo build --release --locked --quiet -p raypath-capi
-built="${CARGO_TARGET_DIR:-target}/release"
+built="${RAYPATH_BUILT:-${CARGO_TARGET_DIR:-target}/release}"
+[ -n "${RAYPATH_BUILT:-}" ] || cargo build --release --locked --quiet -p raypath-capi
 crate=crates/raypath-capi
 version="$(sed -n '/^\[workspace.package\]/,/^$/s/^version = "\(.*\)"$/\1/p' Cargo.toml)"
 abi="$(sed -n 's/^#define RAYPATH_ABI_VERSION \([0-9]*\)$/\1/p' "$crate/include/raypath.h")"
