@@ -802,6 +802,17 @@ raypath_status raypath_pipeline_step(raypath_pipeline *pipeline,
                                      raypath_result *result);
 
 /**
+ * Sets `*result` to the outcome at the output in this cycle, which stays until a step takes it: `RAYPATH_OK`.
+ * `RAYPATH_NO_RESULT` if there is none. No cycle passes.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`.
+ *
+ * # Safety
+ * `pipeline` is NULL or a pipeline that no other thread changes; `result` is NULL or points to a result.
+ */
+raypath_status raypath_pipeline_peek(const raypath_pipeline *pipeline, raypath_result *result);
+
+/**
  * Advances up to `cycles` cycles in which no further job is offered and the sink is not ready, and stops in the first
  * with an outcome at the output. Returns the number of cycles that passed: 0 if there is an outcome already, and after
  * an error. A job that was accepted in this cycle enters in the first. Equivalent to that many calls of

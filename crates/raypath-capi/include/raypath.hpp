@@ -201,6 +201,13 @@ class Pipeline {
     return result;
   }
 
+  /** The result at the output in this cycle, which stays until a step takes it. */
+  std::optional<Result> peek() const {
+    Result result;
+    if (raypath_pipeline_peek(get(), &result) != RAYPATH_OK) return std::nullopt;
+    return result;
+  }
+
   /** Advances up to `cycles` cycles and stops at a valid output; the number of cycles. */
   std::uint64_t skip(std::uint64_t cycles) noexcept { return raypath_pipeline_skip(get(), cycles); }
 

@@ -5,7 +5,6 @@ use crate::memory::{array, reference, reference_mut, results};
 use crate::status::{Failure, RAYPATH_BUSY, RAYPATH_NO_RESULT, RAYPATH_OK, Status, status, value_or_zero};
 use raypath_embed::{
     self as embed, AngularResult, Beat, Bounds, EuclideanResult, Outcome, QuadboxResult, Ray, TriangleResult, Vertices,
-    Words,
 };
 
 /// The cycle-exact model of a datapath. One thread at a time may use it; another thread may use it later.
@@ -13,8 +12,8 @@ use raypath_embed::{
 /// A cycle consists of at most one accepted `raypath_pipeline_offer`, then `raypath_pipeline_step`.
 pub struct Pipeline {
     embedded: embed::Pipeline,
-    /// The words of the last result, which its caller may still read.
-    words: Option<Box<Words>>,
+    /// The last outcome of words, which the caller may still read.
+    words: Option<Outcome>,
     lanes: usize,
 }
 
@@ -213,10 +212,34 @@ pub unsafe extern "C" fn raypath_pipeline_step(
         // SAFETY: by the contract of this function.
         let (pipeline, result) = unsafe { (reference_mut("pipeline", pipeline)?, results("result", result, count)?) };
         let Some((tag, outcome)) = pipeline.embedded.step(output_ready) else { return Ok(RAYPATH_NO_RESULT) };
-        let (kind, output) = pipeline.output(outcome);
+        let kept;
+        let outcome = if matches!(outcome, Outcome::Words(_)) {
+            &*pipeline.words.insert(outcome)
+        } else {
+            kept = outcome;
+            &kept
+        };
         if let [result] = result {
-            *result = PipelineResult { kind, tag, output };
+            *result = PipelineResult::new(tag, outcome);
         }
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Sets `*result` to the outcome at the output in this cycle, which stays until a step takes it: `RAYPATH_OK`.
+/// `RAYPATH_NO_RESULT` if there is none. No cycle passes.
+///
+/// Errors: `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`.
+///
+/// # Safety
+/// `pipeline` is NULL or a pipeline that no other thread changes; `result` is NULL or points to a result.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_pipeline_peek(pipeline: *const Pipeline, result: *mut PipelineResult) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (pipeline, result) = unsafe { (reference("pipeline", pipeline)?, reference_mut("result", result)?) };
+        let Some((tag, outcome)) = pipeline.embedded.output() else { return Ok(RAYPATH_NO_RESULT) };
+        *result = PipelineResult::new(tag, outcome);
         Ok(RAYPATH_OK)
     })
 }
@@ -302,24 +325,25 @@ pub unsafe extern "C" fn raypath_pipeline_reset(pipeline: *mut Pipeline) -> Stat
     })
 }
 
-impl Pipeline {
-    fn output(&mut self, outcome: Outcome) -> (i32, JobOutput) {
-        match outcome {
-            Outcome::Quadbox(quadbox) => (RAYPATH_JOB_QUADBOX, JobOutput { quadbox }),
-            Outcome::Triangle(triangle) => (RAYPATH_JOB_TRIANGLE, JobOutput { triangle }),
-            Outcome::Euclidean(euclidean) => (RAYPATH_JOB_EUCLIDEAN, JobOutput { euclidean }),
-            Outcome::Angular(angular) => (RAYPATH_JOB_ANGULAR, JobOutput { angular }),
+impl PipelineResult {
+    /// Words stay where they are.
+    fn new(tag: u64, outcome: &Outcome) -> Self {
+        let (kind, output) = match outcome {
+            &Outcome::Quadbox(quadbox) => (RAYPATH_JOB_QUADBOX, JobOutput { quadbox }),
+            &Outcome::Triangle(triangle) => (RAYPATH_JOB_TRIANGLE, JobOutput { triangle }),
+            &Outcome::Euclidean(euclidean) => (RAYPATH_JOB_EUCLIDEAN, JobOutput { euclidean }),
+            &Outcome::Angular(angular) => (RAYPATH_JOB_ANGULAR, JobOutput { angular }),
             Outcome::Words(words) => {
-                let words = self.words.insert(words);
                 let (opcode, list) = (words.kind().opcode(), words.as_words());
                 let words = WordsOutput { opcode, outputs: list.as_ptr(), count: list.len() };
                 (RAYPATH_JOB_WORDS, JobOutput { words })
             }
-            Outcome::Timing(opcode) => {
+            &Outcome::Timing(opcode) => {
                 let words = WordsOutput { opcode, outputs: std::ptr::null(), count: 0 };
                 (RAYPATH_JOB_TIMING, JobOutput { words })
             }
-        }
+        };
+        Self { kind, tag, output }
     }
 }
 

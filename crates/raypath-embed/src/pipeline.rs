@@ -21,6 +21,7 @@ use std::fmt;
 /// let triangle = Vertices { a: [-1.0, -1.0, 0.0], b: [0.0, 1.0, 0.0], c: [1.0, -1.0, 0.0] };
 /// assert!(pipeline.offer(&Job::Triangle { ray: &ray, triangle: &triangle }, 7)?);
 /// assert_eq!(pipeline.skip(100), 12);
+/// assert_eq!(pipeline.output().map(|(tag, _)| tag), Some(7));
 /// let (tag, outcome) = pipeline.step(true).expect("the output is valid");
 /// assert!(tag == 7 && matches!(outcome, Outcome::Triangle(result) if result.triangle_hit == 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -180,6 +181,12 @@ impl Pipeline {
     #[inline]
     pub fn output_valid(&self) -> bool {
         self.flow.output().is_some()
+    }
+
+    /// The outcome at the output in this cycle with its tag. It stays until a step takes it.
+    #[inline]
+    pub fn output(&self) -> Option<(u64, &Outcome)> {
+        self.flow.output().map(|(tag, outcome)| (*tag, outcome))
     }
 
     /// The positions of the jobs inside, oldest first, without the one that was accepted in this cycle.

@@ -130,6 +130,10 @@ static void pipelines(const raypath_datapath *datapath) {
   CHECK(raypath_pipeline_step(pipeline, true, NULL) == RAYPATH_NO_RESULT);
   CHECK(raypath_pipeline_skip(NULL, 5) == 0 && raypath_pipeline_occupancy(NULL) == 0);
   CHECK(!raypath_pipeline_input_ready(NULL, 0) && !raypath_pipeline_output_valid(NULL));
+  raypath_result result;
+  CHECK_FAILS(raypath_pipeline_peek(NULL, &result), RAYPATH_ERROR_NULL, "pipeline is NULL");
+  CHECK_FAILS(raypath_pipeline_peek(pipeline, NULL), RAYPATH_ERROR_NULL, "result is NULL");
+  CHECK(raypath_pipeline_peek(pipeline, &result) == RAYPATH_NO_RESULT);
   CHECK_FAILS(raypath_pipeline_reset(NULL), RAYPATH_ERROR_NULL, "pipeline is NULL");
   raypath_pipeline_free(NULL);
   raypath_pipeline_free(pipeline);

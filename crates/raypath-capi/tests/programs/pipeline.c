@@ -52,13 +52,20 @@ static void one_of_each(void) {
     raypath_result result;
     for (uint32_t cycle = 0; cycle < latency; cycle++) {
       CHECK(!raypath_pipeline_output_valid(pipeline));
+      CHECK(raypath_pipeline_peek(pipeline, &result) == RAYPATH_NO_RESULT);
       CHECK(raypath_pipeline_step(pipeline, true, &result) == RAYPATH_NO_RESULT);
       uint32_t stage = 0;
       CHECK(raypath_pipeline_stages(pipeline, &stage, 1) == 1 && stage == cycle + 1);
     }
     CHECK(raypath_pipeline_output_valid(pipeline));
     CHECK(raypath_pipeline_step(pipeline, false, &result) == RAYPATH_NO_RESULT); /* the sink is not ready */
+    raypath_result peeked;
+    memset(&peeked, 0, sizeof peeked);
+    memset(&result, 0, sizeof result);
+    CHECK(raypath_pipeline_peek(pipeline, &peeked) == RAYPATH_OK);
     CHECK(raypath_pipeline_step(pipeline, true, &result) == RAYPATH_OK);
+    CHECK(peeked.kind == result.kind && peeked.tag == result.tag);
+    CHECK(memcmp(&peeked.output.euclidean, &result.output.euclidean, sizeof result.output.euclidean) == 0);
     CHECK(result.kind == kind && result.tag == 1000u + (uint64_t)kind);
     if (kind == RAYPATH_JOB_TRIANGLE) {
       CHECK(result.output.triangle.triangle_hit == 1);
@@ -196,11 +203,14 @@ static void words_and_beats(const char *toml) {
     static const float expected[4] = {1.0f, 5.0f, 6.0f, 10.0f};
     raypath_result result;
     raypath_pipeline_skip(pipeline, 20);
+    raypath_result peeked;
+    CHECK(raypath_pipeline_peek(pipeline, &peeked) == RAYPATH_OK && peeked.tag == (uint64_t)i);
+    const uint64_t first = peeked.kind == RAYPATH_JOB_WORDS ? peeked.output.words.outputs[0] : 0;
     CHECK(raypath_pipeline_step(pipeline, true, &result) == RAYPATH_OK && result.tag == (uint64_t)i);
     float found = result.output.euclidean.accumulator;
     if (result.kind == RAYPATH_JOB_WORDS) {
       const uint32_t bits = (uint32_t)result.output.words.outputs[0];
-      CHECK(result.output.words.count == operation.outputs);
+      CHECK(result.output.words.count == operation.outputs && result.output.words.outputs[0] == first);
       memcpy(&found, &bits, sizeof found);
     }
     CHECK(found == expected[i]);
