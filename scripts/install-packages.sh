@@ -35,6 +35,9 @@ fi
 debian c++ g++
 debian make make
 debian verilator verilator
+debian cmake cmake
+debian pkg-config pkg-config
+debian /usr/include/systemc.h libsystemc-dev
 debian yosys yosys
 debian sta opensta
 debian chromium chromium

@@ -94,6 +94,23 @@ fn a_cmake_project_finds_the_package() {
     }
 }
 
+/// The tests in `integrations`.
+fn simulators(options: &[&str]) {
+    let folder = tempfile::tempdir().expect("a folder for the build");
+    run(Command::new(root().join("integrations/test.sh")).arg(prefix()).arg(folder.path()).args(options));
+}
+
+#[test]
+fn the_adapters_for_simulators_work() {
+    simulators(&[]);
+}
+
+#[test]
+#[ignore = "compiles two datapaths with Verilator"]
+fn the_systemc_module_works_with_credits_and_units_of_two_steps() {
+    simulators(&["--long"]);
+}
+
 #[test]
 fn the_header_is_current() {
     run(Command::new(root().join("scripts/raypath-header.sh")).arg("--check"));
