@@ -61,6 +61,11 @@ struct Outcome {
   explicit Outcome(std::size_t jobs) : accepted(jobs), received(jobs), results(jobs) {}
 };
 
+/// Calls between the unit and the object.
+struct Counts {
+  std::uint64_t schedules = 0, edges = 0, retries = 0;
+};
+
 /// A source and a sink around the unit, like an object derived from `ClockedObject`.
 class Object final : public raypath::gem5::Host {
  public:
@@ -71,11 +76,12 @@ class Object final : public raypath::gem5::Host {
 
   Cycle current_cycle() const override { return queue_.tick() / period; }
   void schedule_edge(Cycle cycle) override {
+    ++counts_.schedules;
     if (is_scheduled_) queue_.deschedule(event_);
     is_scheduled_ = true;
     event_ = at(cycle, cpu_tick_priority, [this] {
       is_scheduled_ = false;
-      ++edges_;
+      ++counts_.edges;
       unit_.edge();
     });
   }
@@ -92,12 +98,13 @@ class Object final : public raypath::gem5::Host {
     outcome_.results[result.tag] = result;
   }
   void request_retry() override {
+    ++counts_.retries;
     waits_ = false;
     at(current_cycle() + 1, default_priority, [this] { request(); });
   }
 
   const Outcome &outcome() const { return outcome_; }
-  std::uint64_t edges() const { return edges_; }
+  const Counts &counts() const { return counts_; }
 
  private:
   static constexpr Cycle period = 500;
@@ -129,7 +136,7 @@ class Object final : public raypath::gem5::Host {
   EventQueue::Event event_;
   bool is_scheduled_ = false, waits_ = false;
   std::size_t arrived_ = 0, next_ = 0;
-  std::uint64_t edges_ = 0;
+  Counts counts_;
 };
 
 /// The same traffic in a loop over all cycles.
@@ -149,12 +156,12 @@ Outcome every_cycle(const Datapath &datapath, const Traffic &traffic) {
   return outcome;
 }
 
-/// Runs the traffic through the unit. Returns what became of the jobs and the number of edges.
-std::pair<Outcome, std::uint64_t> run(const Datapath &datapath, const Traffic &traffic) {
+/// Runs the traffic through the unit.
+std::pair<Outcome, Counts> run(const Datapath &datapath, const Traffic &traffic) {
   EventQueue queue;
   Object object(queue, datapath, traffic);
   queue.run();
-  return {object.outcome(), object.edges()};
+  return {object.outcome(), object.counts()};
 }
 
 /// Jobs far apart: one event for each, however many cycles lie between.
@@ -165,9 +172,50 @@ void sparse() {
     traffic.jobs.push_back(raypath::timing_job(job % 2));
     traffic.arrivals.push_back(job * 1'000'000);
   }
-  const auto [outcome, edges] = run(datapath, traffic);
-  CHECK_EQUAL(edges, 1000u);
+  const auto [outcome, counts] = run(datapath, traffic);
+  CHECK_EQUAL(counts.edges, 1000u);
+  CHECK_EQUAL(counts.retries, 0u);
   for (std::size_t job = 0; job < 1000; ++job) CHECK_EQUAL(outcome.received[job], job * 1'000'000 + latency);
+}
+
+/// A job in every cycle: the event is scheduled once for each.
+void burst() {
+  const Datapath datapath = value(Datapath::open());
+  Traffic traffic;
+  for (Cycle job = 0; job < 100; ++job) {
+    traffic.jobs.push_back(raypath::timing_job(RAYPATH_JOB_TRIANGLE));
+    traffic.arrivals.push_back(job);
+  }
+  const auto [outcome, counts] = run(datapath, traffic);
+  CHECK_EQUAL(counts.schedules, 100u);
+  for (std::size_t job = 0; job < 100; ++job) CHECK_EQUAL(outcome.received[job], job + latency);
+}
+
+/// Each outcome requests the next job. The edge of its cycle has passed, so the job enters in the next.
+void chain() {
+  struct Chain final : raypath::gem5::Host {
+    EventQueue queue;
+    EventUnit unit;
+    std::vector<Cycle> received;
+    explicit Chain(const Datapath &datapath)
+        : unit(value(Pipeline::create(datapath)), datapath.latency(), *this) {}
+    bool request() { return value(unit.request(raypath::timing_job(RAYPATH_JOB_QUADBOX), 0)); }
+    Cycle current_cycle() const override { return queue.tick(); }
+    void schedule_edge(Cycle cycle) override { queue.schedule(cycle, 1, [this] { unit.edge(); }); }
+    bool can_receive() override { return true; }
+    void receive(const raypath::Result &) override {
+      received.push_back(queue.tick());
+      if (received.size() < 10) CHECK_EQUAL(request(), false);
+    }
+    void request_retry() override {
+      queue.schedule(queue.tick() + 1, 0, [this] { CHECK_EQUAL(request(), true); });
+    }
+  };
+  Chain chain(value(Datapath::open()));
+  chain.queue.schedule(0, 0, [&] { CHECK_EQUAL(chain.request(), true); });
+  chain.queue.run();
+  CHECK_EQUAL(chain.received.size(), 10u);
+  for (std::size_t job = 0; job < 10; ++job) CHECK_EQUAL(chain.received[job], latency + (latency + 1) * job);
 }
 
 /// 32 jobs at once, and a sink that is ready from cycle 100. A functional unit with a constant latency would accept all
@@ -179,7 +227,9 @@ void back_pressure() {
     traffic.jobs.assign(32, raypath::timing_job(RAYPATH_JOB_QUADBOX));
     traffic.arrivals.assign(32, 0);
     traffic.is_ready.assign(100, false);
-    const auto outcome = run(datapath, traffic).first;
+    const auto [outcome, counts] = run(datapath, traffic);
+    // The source is called back once, in the cycle before it may enter.
+    CHECK_EQUAL(counts.retries, 1u);
     const std::size_t capacity = skid ? 24 : 13;
     for (std::size_t job = 0; job < 32; ++job) {
       // The first buffer is free again a latency after the first job has left, the first credit a cycle after.
@@ -220,7 +270,7 @@ void random_traffic() {
     }
     for (Cycle i = 0; i < cycle; ++i) traffic.is_ready.push_back(random() % (i / 300 % 3 == 0 ? 5 : 2) != 0);
     const Outcome expected = every_cycle(datapath, traffic);
-    const auto [found, edges] = run(datapath, traffic);
+    const auto [found, counts] = run(datapath, traffic);
     std::size_t hits = 0;
     for (std::size_t job = 0; job < traffic.jobs.size(); ++job) {
       CHECK_EQUAL(found.accepted[job], expected.accepted[job]);
@@ -245,7 +295,7 @@ void random_traffic() {
       }
     }
     CHECK_EQUAL(hits > 300, true);
-    CHECK_EQUAL(edges < expected.received.back(), true);
+    CHECK_EQUAL(counts.edges < expected.received.back(), true);
   }
 }
 
@@ -253,6 +303,8 @@ void random_traffic() {
 
 int main() {
   sparse();
+  burst();
+  chain();
   back_pressure();
   random_traffic();
 }
