@@ -1,11 +1,55 @@
 //! The Python module `raypath._raypath`, which the package `crates/raypath-python/python/raypath` exports.
+//!
+//! Documentation comments of classes and functions are their docstrings in Python.
+
+mod array;
+mod bench;
+mod datapath;
+mod error;
+mod hits;
+mod job;
+mod pipeline;
+mod render;
+mod search;
+mod tables;
+mod timing;
+mod watch;
+mod words;
 
 use pyo3::prelude::*;
 
+/// The parts of raypath that are written in Rust.
 #[pymodule]
 mod _raypath {
     use super::*;
     use std::ffi::OsString;
+
+    #[pymodule_export]
+    use crate::array::rays;
+    #[pymodule_export]
+    use crate::bench::rust_batch_seconds;
+    #[pymodule_export]
+    use crate::datapath::Datapath;
+    #[pymodule_export]
+    use crate::hits::{QuadboxHits, TriangleHits};
+    #[pymodule_export]
+    use crate::job::{Job, Outcome};
+    #[pymodule_export]
+    use crate::pipeline::Pipeline;
+    #[pymodule_export]
+    use crate::render::{Rendering, Trace, render, trace};
+    #[pymodule_export]
+    use crate::search::{Search, search};
+    #[pymodule_export]
+    use crate::tables::{operations, parameters, presets};
+
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("RAY", crate::array::dtype::<raypath_embed::Ray>(module.py())?)
+    }
 
     /// Runs the command line `arguments`, the first of which is the name of the program, and returns the exit code.
     #[pyfunction]

@@ -1,0 +1,277 @@
+//! Arrays of Python as slices of Rust, without copies.
+
+use crate::error::value_error;
+use numpy::npyffi::_PyArray_GET_ITEM_DATA;
+use numpy::{PyArrayDescr, PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use raypath_embed::{Bounds, QuadboxResult, Ray, TriangleResult, Vertices};
+
+/// An item of an array: the numbers of one job.
+///
+/// # Safety
+/// The type is `repr(C)` without padding, every bit pattern is a value of it, and its size is that of an element of
+/// [`dtype`](Self::dtype) times the product of [`SHAPE`](Self::SHAPE).
+#[allow(unsafe_code)] // The layout of NumPy's memory is known to NumPy alone.
+pub unsafe trait Item: Copy + Send + Sync {
+    /// The dimensions of an array after the first, which counts items.
+    const SHAPE: &[usize] = &[];
+    /// The type of the elements in words.
+    const ELEMENT: &str = "float32";
+    /// The type of the elements.
+    fn dtype(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
+        PyArrayDescr::new(py, "f4")
+    }
+}
+
+/// The numbers of `SHAPE` in row-major order.
+macro_rules! items {
+    ($($type:ty: $shape:expr),*) => {$(
+        #[allow(unsafe_code)]
+        // SAFETY: a structure of as many f32 as `SHAPE` has elements.
+        unsafe impl Item for $type {
+            const SHAPE: &[usize] = &$shape;
+        }
+    )*};
+}
+items!(f32: [], [f32; 3]: [3], [f32; 16]: [16], [Bounds; 4]: [4, 2, 3], Vertices: [3, 3]);
+
+#[allow(unsafe_code)]
+// SAFETY: three words of 32 bits.
+unsafe impl Item for [u32; 3] {
+    const SHAPE: &[usize] = &[3];
+    const ELEMENT: &str = "uint32";
+    fn dtype(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
+        PyArrayDescr::new(py, "u4")
+    }
+}
+
+/// A structure with a name, a type and an offset for each field.
+macro_rules! structures {
+    ($($type:ty: $name:literal, [$($field:literal: $format:literal @ $offset:literal),*];)*) => {$(
+        #[allow(unsafe_code)]
+        // SAFETY: a structure of numbers, with the size of the type of the elements.
+        unsafe impl Item for $type {
+            const ELEMENT: &str = $name;
+            fn dtype(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
+                let description = PyDict::new(py);
+                description.set_item("names", [$($field),*])?;
+                description.set_item("formats", [$($format),*])?;
+                description.set_item("offsets", [$($offset),*])?;
+                description.set_item("itemsize", size_of::<Self>())?;
+                PyArrayDescr::new(py, description)
+            }
+        }
+    )*};
+}
+structures! {
+    Ray: "raypath.RAY", ["origin": "(3,)f4" @ 0, "direction": "(3,)f4" @ 12, "inverse": "(3,)f4" @ 24,
+        "extent": "f4" @ 36, "shear": "(3,)f4" @ 40, "kx": "u4" @ 52, "ky": "u4" @ 56, "kz": "u4" @ 60];
+    QuadboxResult: "quadbox", ["tmin": "(4,)f4" @ 0, "is_intersect": "(4,)?" @ 16, "box_index": "(4,)u1" @ 20];
+}
+
+#[allow(unsafe_code)]
+// SAFETY: as above. `triangle_hit` is a word of 32 bits of value 0 or 1, shown as its least significant byte.
+unsafe impl Item for TriangleResult {
+    const ELEMENT: &str = "triangle";
+    fn dtype(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
+        let description = PyDict::new(py);
+        description.set_item("names", ["t_num", "t_denom", "triangle_hit"])?;
+        description.set_item("formats", ["f4", "f4", "?"])?;
+        description.set_item("offsets", [0, 4, if cfg!(target_endian = "little") { 8 } else { 11 }])?;
+        description.set_item("itemsize", size_of::<Self>())?;
+        PyArrayDescr::new(py, description)
+    }
+}
+
+/// The type of the elements of an array of `T`.
+pub fn dtype<T: Item>(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
+    T::dtype(py)
+}
+
+/// The items of an array of the shape (n, *`T::SHAPE`).
+///
+/// # Errors
+/// An object that is not an array; another type or shape; an array that is not contiguous.
+pub fn items<'a, T: Item>(array: &'a Bound<'_, PyAny>, name: &str) -> PyResult<&'a [T]> {
+    let checked = checked::<T>(array, name, 1, T::SHAPE)?;
+    Ok(contents(checked, checked.shape()[0]))
+}
+
+/// As [`items`], for an array of `count` items, as many as the argument `like` has.
+pub fn items_like<'a, T: Item>(array: &'a Bound<'_, PyAny>, name: &str, count: usize, like: &str) -> PyResult<&'a [T]> {
+    let items = items(array, name)?;
+    if items.len() == count {
+        return Ok(items);
+    }
+    let (found, expected) = (shape(&[&[items.len()], T::SHAPE].concat()), shape(&[&[count], T::SHAPE].concat()));
+    Err(value_error(format!("{name}: found shape {found}, expected {expected}, because {like} has {count} items")))
+}
+
+/// One item: an array of the shape `T::SHAPE`.
+pub fn item<T: Item>(array: &Bound<'_, PyAny>, name: &str) -> PyResult<T> {
+    contents(checked::<T>(array, name, 0, T::SHAPE)?, 1).first().copied().ok_or_else(|| value_error("no item"))
+}
+
+/// The numbers of an array of the shape (n, k) with n and k.
+pub fn matrix<'a>(array: &'a Bound<'_, PyAny>, name: &str) -> PyResult<(&'a [f32], usize, usize)> {
+    let array = checked::<f32>(array, name, 2, &[])?;
+    let (rows, columns) = (array.shape()[0], array.shape()[1]);
+    Ok((contents(array, rows * columns), rows, columns))
+}
+
+/// The array, if it has `free` dimensions of any length, then those of `tail`, and elements of `T`.
+fn checked<'a, 'py, T: Item>(
+    array: &'a Bound<'py, PyAny>,
+    name: &str,
+    free: usize,
+    tail: &[usize],
+) -> PyResult<&'a Bound<'py, PyUntypedArray>> {
+    let letters = ["n", "k"].into_iter().take(free).map(str::to_string);
+    let lengths: Vec<String> = letters.chain(tail.iter().map(usize::to_string)).collect();
+    let expected = format!("expected a C-contiguous {} array of shape {}", T::ELEMENT, tuple(&lengths));
+    let Ok(array) = array.cast::<PyUntypedArray>() else {
+        return Err(value_error(format!("{name}: found {}, {expected}", array.get_type().name()?)));
+    };
+    let (found, dtype) = (array.shape(), array.dtype());
+    if found.len() != free + tail.len() || found[free..] != *tail || !dtype.is_equiv_to(&T::dtype(array.py())?) {
+        let convert = match dtype.to_string().as_str() {
+            "float64" | "float16" if T::ELEMENT == "float32" => format!("; {name}.astype(numpy.float32) converts"),
+            _ => String::new(),
+        };
+        let found = format!("a {dtype} array of shape {}", shape(found));
+        return Err(value_error(format!("{name}: found {found}, {expected}{convert}")));
+    }
+    if !array.is_c_contiguous() || !data(array).cast::<T>().is_aligned() {
+        let found = format!("an array that is not contiguous, with strides {:?}", array.strides());
+        return Err(value_error(format!("{name}: found {found}, {expected}; numpy.ascontiguousarray copies it")));
+    }
+    Ok(array)
+}
+
+fn tuple(lengths: &[String]) -> String {
+    if let [only] = lengths { format!("({only},)") } else { format!("({})", lengths.join(", ")) }
+}
+
+fn shape(lengths: &[usize]) -> String {
+    tuple(&lengths.iter().map(usize::to_string).collect::<Vec<_>>())
+}
+
+fn data(array: &Bound<'_, PyUntypedArray>) -> *mut u8 {
+    #[allow(unsafe_code)]
+    // SAFETY: the pointer is that of an array, which has this field.
+    unsafe {
+        (*_PyArray_GET_ITEM_DATA(array.as_array_ptr())).data.cast()
+    }
+}
+
+/// The items of an array that was checked.
+fn contents<'a, T: Item>(array: &'a Bound<'_, PyUntypedArray>, count: usize) -> &'a [T] {
+    if count == 0 {
+        return &[];
+    }
+    #[allow(unsafe_code)]
+    // SAFETY: `checked` found the type, the shape, the order and the alignment. The array lives as long as the borrow.
+    // Another thread of Python that writes to an input during a call changes the results, as with NumPy's functions.
+    unsafe {
+        std::slice::from_raw_parts(data(array).cast(), count)
+    }
+}
+
+/// A new array of `count` items of zeros.
+pub struct Output<'py> {
+    array: Bound<'py, PyUntypedArray>,
+}
+
+impl<'py> Output<'py> {
+    /// An array for items of `T`, which are scalars or structures.
+    pub fn new<T: Item>(py: Python<'py>, count: usize) -> PyResult<Self> {
+        let zeros = py.import("numpy")?.call_method1("zeros", (count, T::dtype(py)?))?;
+        Ok(Self { array: zeros.cast_into()? })
+    }
+
+    /// The items, if the array was made for items of `T`.
+    pub fn items<T: Item>(&mut self) -> PyResult<&mut [T]> {
+        let name = "output";
+        let array = checked::<T>(self.array.as_any(), name, 1, &[])?;
+        let count = array.shape()[0];
+        if count == 0 {
+            return Ok(&mut []);
+        }
+        #[allow(unsafe_code)]
+        // SAFETY: `checked` found the type, the shape, the order and the alignment. No other object refers to the array
+        // before `into_array`, and the borrow is exclusive.
+        Ok(unsafe { std::slice::from_raw_parts_mut(data(array).cast(), count) })
+    }
+
+    /// The array for Python.
+    pub fn into_array(self) -> Bound<'py, PyAny> {
+        self.array.into_any()
+    }
+}
+
+/// Rays as the datapath expects them, from origins, directions and extents.
+///
+/// A ray reaches the points ``origin + t * direction`` for ``0 <= t <= extent``. Distances of all operations are in
+/// units of the direction's length, which may be any except 0.
+///
+/// Args:
+///     origins: float32 array of shape (n, 3).
+///     directions: float32 array of shape (n, 3).
+///     extent: a number of at least 0 for all rays, or a float32 array of shape (n,).
+///
+/// Returns:
+///     A structured array of shape (n,) with 64 bytes per ray and the fields of the C structure ``raypath_ray``:
+///     ``origin``, ``direction``, ``inverse``, ``extent``, ``shear``, ``kx``, ``ky``, ``kz``.
+///
+/// Raises:
+///     ValueError: another type or shape; in a row, a direction that is zero, not finite or too short to invert, an
+///         origin that is not finite, or an extent that is negative or NaN. The message names the row.
+///
+/// Example:
+///     >>> import numpy as np, raypath
+///     >>> origins = np.array([[0, 0, -5]], np.float32)
+///     >>> directions = np.array([[0, 0, 2]], np.float32)
+///     >>> rays = raypath.rays(origins, directions, extent=10)
+///     >>> rays["inverse"], rays["kz"]
+///     (array([[inf, inf, 0.5]], dtype=float32), array([2], dtype=uint32))
+#[pyfunction]
+#[pyo3(signature = (origins, directions, extent = None))]
+pub fn rays<'py>(
+    py: Python<'py>,
+    origins: &Bound<'py, PyAny>,
+    directions: &Bound<'py, PyAny>,
+    extent: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let origins = items::<[f32; 3]>(origins, "origins")?;
+    let directions = items_like::<[f32; 3]>(directions, "directions", origins.len(), "origins")?;
+    let extents = match extent {
+        None => Extents::All(f32::INFINITY),
+        Some(array) if array.is_instance_of::<PyUntypedArray>() || array.is_instance_of::<PyList>() => {
+            Extents::Each(items_like(array, "extent", origins.len(), "origins")?)
+        }
+        Some(number) => Extents::All(number.extract::<f64>().map_err(|_| {
+            value_error(format!("extent: found {number}, expected a number or a float32 array of shape (n,)"))
+        })? as f32),
+    };
+    let mut output = Output::new::<Ray>(py, origins.len())?;
+    let rays = output.items::<Ray>()?;
+    py.detach(|| {
+        for (row, ray) in rays.iter_mut().enumerate() {
+            let extent = match extents {
+                Extents::All(extent) => extent,
+                Extents::Each(extents) => extents[row],
+            };
+            *ray = Ray::new(origins[row], directions[row], extent)
+                .map_err(|problem| value_error(format!("row {row}: {problem}")))?;
+        }
+        PyResult::Ok(())
+    })?;
+    Ok(output.into_array())
+}
+
+#[derive(Clone, Copy)]
+enum Extents<'e> {
+    All(f32),
+    Each(&'e [f32]),
+}

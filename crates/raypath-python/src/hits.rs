@@ -1,0 +1,73 @@
+//! The outcomes of arrays of boxes and triangles.
+
+use pyo3::prelude::*;
+
+/// A class around a structured array with a view of each field.
+macro_rules! hits {
+    ($($doc:literal)+ $name:ident { $($($field_doc:literal)+ $field:ident,)* }) => {
+        $(#[doc = $doc])+
+        #[pyclass(module = "raypath", frozen)]
+        pub struct $name {
+            array: Py<PyAny>,
+        }
+
+        impl $name {
+            pub fn new(array: Bound<'_, PyAny>) -> Self {
+                Self { array: array.unbind() }
+            }
+        }
+
+        #[pymethods]
+        impl $name {
+            /// The structured array of shape (n,), of which the other attributes are views.
+            #[getter]
+            fn array<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+                self.array.bind(py).clone()
+            }
+
+            $($(#[doc = $field_doc])+
+            #[getter]
+            fn $field<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+                self.array.bind(py).get_item(stringify!($field))
+            })*
+
+            fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
+                self.array.bind(py).len()
+            }
+
+            fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+                Ok(format!("raypath.{}(n={})", stringify!($name), self.array.bind(py).len()?))
+            }
+        }
+    };
+}
+
+hits! {
+    " The outcomes of n jobs of a ray against four boxes."
+    ""
+    " The four boxes of a job are sorted: hits before misses, nearer before farther, equal distances by index."
+    QuadboxHits {
+        " bool array of shape (n, 4): whether the box at each position of the order is hit."
+        is_intersect,
+        " float32 array of shape (n, 4): the distance at which the ray enters the box at each position, in units of the"
+        " direction's length; 0 if the ray begins inside, infinity for a miss."
+        tmin,
+        " uint8 array of shape (n, 4): the index of the box at each position among those of the job, 0 to 3."
+        box_index,
+    }
+}
+
+hits! {
+    " The outcomes of n jobs of a ray against a triangle."
+    ""
+    " The distance to the triangle is ``t_num / t_denom``, in units of the direction's length. The datapath does not"
+    " divide."
+    TriangleHits {
+        " bool array of shape (n,): whether the ray hits the triangle."
+        triangle_hit,
+        " float32 array of shape (n,): the numerator of the distance."
+        t_num,
+        " float32 array of shape (n,): the denominator of the distance."
+        t_denom,
+    }
+}

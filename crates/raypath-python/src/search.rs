@@ -1,0 +1,214 @@
+//! Nearest-neighbour search.
+
+use crate::array::matrix;
+use crate::datapath::Datapath;
+use crate::error::value_error;
+use crate::timing::{figures, plain, system};
+use crate::watch::watched;
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use raypath_rtl::Lanes;
+use raypath_search::{
+    Candidates, Exact, Graph, GraphParameters, Metric, Neighbour, SearchResults, SearchSpec, Vectors, time_search,
+};
+use raypath_timing::{Sample, System, Timing};
+
+/// The neighbours of m queries, and their simulated timing.
+#[pyclass(module = "raypath", frozen)]
+pub struct Search {
+    results: SearchResults,
+    k: usize,
+    timing: Option<(Timing, System)>,
+}
+
+#[pymethods]
+impl Search {
+    /// int64 array of shape (m, k): the indices of the neighbours of each query, nearest first. -1 if a search through a
+    /// graph found fewer. Each access makes a new array.
+    #[getter]
+    fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.each(py, |near| near.map_or(-1, |near| i64::from(near.index)))
+    }
+
+    /// float64 array of shape (m, k): their distances, infinity where there is no neighbour. Each access makes a new
+    /// array.
+    #[getter]
+    fn distances<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.each(py, |near| near.map_or(f64::INFINITY, |near| near.distance))
+    }
+
+    /// The number of pairs of vectors that were compared.
+    #[getter]
+    fn evaluations(&self) -> u64 {
+        self.results.work.evaluations
+    }
+
+    /// The number of beats of these pairs, each a job of the datapath.
+    #[getter]
+    fn beats(&self) -> u64 {
+        self.results.work.beats
+    }
+
+    /// The wall-clock time of the search in seconds.
+    #[getter]
+    fn seconds(&self) -> f64 {
+        self.results.seconds
+    }
+
+    /// The figures of the simulation (see ``raypath.render``), or None with ``timed=0``. An agent is a query.
+    #[getter]
+    fn timing<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        self.timing.as_ref().map(|(timing, system)| figures(py, timing, system)).transpose()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<raypath.Search: {} neighbours of {} queries>", self.k, self.results.rows.len())
+    }
+}
+
+impl Search {
+    fn each<'py, T: numpy::Element>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(Option<&Neighbour>) -> T,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let rows = &self.results.rows;
+        let items = rows.iter().flat_map(|row| (0..self.k).map(|rank| of(row.get(rank))));
+        let array = PyArray1::from_vec(py, items.collect());
+        Ok(array.reshape([rows.len(), self.k])?.into_any())
+    }
+}
+
+/// Finds the nearest vectors of each query with the distance operations of a datapath, and simulates the timing.
+///
+/// The work is that of ``raypath search``: the sums of a distance are jobs of the datapath; square root, division and
+/// selection are done in software and take no time in the simulation. The simulation keeps ``queries_in_flight`` queries
+/// before the pipeline, and every fetch of a vector takes ``memory_latency`` cycles.
+///
+/// Args:
+///     vectors: float32 array of shape (n, k): finite coordinates of 1 to 65,536 dimensions.
+///     queries: float32 array of shape (m, k).
+///     k: the number of neighbours of each query, 1 to n.
+///     metric: "euclidean", or "angular" for 1 minus the cosine of the angle.
+///     index: None to compare each query with every vector, "hnsw" to search approximately through a graph.
+///     connections: the maximum number of connections of a vector in the graph, 2 to 255.
+///     ef_construction: the number of candidates kept during construction of the graph, 1 to 65,536.
+///     ef: the number of candidates kept during a search of the graph, k to 65,536; 5 * k by default.
+///     seed: the seed of the graph.
+///     datapath: a datapath in fp32 without features; the preset ``paper`` by default.
+///     queries_in_flight: the number of queries in flight in the simulation, at least 1.
+///     memory_latency: cycles of a fetch in the simulation.
+///     timed: the simulation has this number of queries, the first ones; 0 for no simulation. None for as many as take
+///         five million beats.
+///
+/// Returns:
+///     The neighbours (``ids``, ``distances``), the work (``evaluations``, ``beats``, ``seconds``) and the ``timing``, as
+///     that of ``raypath.render``.
+///
+/// Raises:
+///     ValueError: another type or shape; a coordinate that is not finite; an argument out of range; a datapath without
+///         distances.
+///     KeyboardInterrupt: after Ctrl-C.
+///
+/// Example:
+///     >>> import numpy as np, raypath
+///     >>> vectors = np.float32([[0, 0], [3, 4], [1, 0]])
+///     >>> found = raypath.search(vectors, vectors[:1], k=3)
+///     >>> found.ids, found.distances
+///     (array([[0, 2, 1]]), array([[0., 1., 5.]]))
+#[pyfunction]
+#[pyo3(signature = (vectors, queries, k = 10, *, metric = "euclidean", index = None, connections = 16,
+    ef_construction = 200, ef = None, seed = 1, datapath = None, queries_in_flight = 32, memory_latency = 100,
+    timed = None))]
+#[allow(clippy::too_many_arguments)] // keywords of Python
+pub fn search(
+    py: Python<'_>,
+    vectors: &Bound<'_, PyAny>,
+    queries: &Bound<'_, PyAny>,
+    k: usize,
+    metric: &str,
+    index: Option<&str>,
+    connections: usize,
+    ef_construction: usize,
+    ef: Option<usize>,
+    seed: u64,
+    datapath: Option<&Bound<'_, Datapath>>,
+    queries_in_flight: usize,
+    memory_latency: u64,
+    timed: Option<usize>,
+) -> PyResult<Search> {
+    let datapath = plain(datapath)?;
+    let graph = match index {
+        None => None,
+        Some("hnsw") => Some(GraphParameters { connections, ef_construction, seed }),
+        Some(other) => return Err(value_error(format!("index: found '{other}', expected None or 'hnsw'"))),
+    };
+    let work = Work {
+        base: self::vectors(py, vectors, "vectors")?,
+        queries: self::vectors(py, queries, "queries")?,
+        k,
+        metric: metric.parse().map_err(value_error)?,
+        graph,
+        ef: ef.unwrap_or(5 * k).max(k),
+        system: system(&datapath, queries_in_flight, memory_latency),
+        timed,
+    };
+    match datapath.config().semantics.lanes {
+        Lanes::None => Err(value_error("datapath: found no lanes, expected a datapath with distances")),
+        Lanes::Two => watched(py, |progress| work.run::<2, 1>(progress)),
+        Lanes::Four => watched(py, |progress| work.run::<4, 2>(progress)),
+        Lanes::Eight => watched(py, |progress| work.run::<8, 4>(progress)),
+        Lanes::Sixteen => watched(py, |progress| work.run::<16, 8>(progress)),
+        Lanes::ThirtyTwo => watched(py, |progress| work.run::<32, 16>(progress)),
+        Lanes::SixtyFour => watched(py, |progress| work.run::<64, 32>(progress)),
+    }
+}
+
+/// The simulated beats if no number of queries is given.
+const BEATS: u64 = 5_000_000;
+
+struct Work {
+    base: Vectors,
+    queries: Vectors,
+    k: usize,
+    metric: Metric,
+    graph: Option<GraphParameters>,
+    ef: usize,
+    system: System,
+    timed: Option<usize>,
+}
+
+impl Work {
+    fn run<const E: usize, const A: usize>(self, progress: &(dyn Fn(u64) -> bool + Sync)) -> PyResult<Search> {
+        let Self { base, queries, k, metric, graph, ef, system, timed } = self;
+        let graph = graph.map(|parameters| Graph::<E, A>::build(&base, metric, &parameters, progress));
+        let graph = graph.transpose().map_err(value_error)?;
+        let results = match &graph {
+            None => Exact::<E, A>::new(&base, metric).search(&queries, k, progress),
+            Some(graph) => graph.search(&queries, k, ef, progress),
+        };
+        let results = results.map_err(value_error)?;
+        if timed == Some(0) {
+            return Ok(Search { results, k, timing: None });
+        }
+        let beats = if timed.is_some() { u64::MAX } else { BEATS };
+        let first = queries.first(timed.unwrap_or(usize::MAX));
+        let traces =
+            graph.map(|graph| graph.traces(&first, k, ef, beats, progress)).transpose().map_err(value_error)?;
+        let candidates = match &traces {
+            Some(traces) => Candidates::Traced(traces),
+            None => Candidates::All { count: k },
+        };
+        let spec = SearchSpec { base: &base, queries: &queries, metric, candidates };
+        let sample = Sample::first(timed.unwrap_or_else(|| spec.within::<E, A>(BEATS).max.max(1)));
+        let timing = time_search::<E, A>(&spec, sample, &system, &mut (), progress).map_err(value_error)?.0;
+        Ok(Search { results, k, timing: Some((timing, system)) })
+    }
+}
+
+fn vectors(py: Python<'_>, array: &Bound<'_, PyAny>, name: &str) -> PyResult<Vectors> {
+    let (numbers, _, dimensions) = matrix(array, name)?;
+    py.detach(|| Vectors::new(dimensions, numbers.to_vec()))
+        .map_err(|problem| value_error(format!("{name}: {problem}")))
+}

@@ -1,0 +1,45 @@
+//! Long work beside the interpreter: Ctrl-C stops it.
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
+
+/// The time between two looks for signals.
+const PERIOD: Duration = Duration::from_millis(50);
+
+/// Runs `work` on the threads of rayon, without the interpreter lock, and waits for it. `work` gets a callback to which
+/// it reports its progress, and stops when the callback returns false. That is the case after a signal whose handler
+/// raises an exception, as that of Ctrl-C does.
+///
+/// # Errors
+/// The exception of the handler, or that of `work`.
+pub fn watched<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&(dyn Fn(u64) -> bool + Sync)) -> PyResult<T> + Send,
+) -> PyResult<T> {
+    let is_stopped = AtomicBool::new(false);
+    py.detach(|| {
+        let (sender, receiver) = mpsc::channel();
+        rayon::in_place_scope(|scope| {
+            let is_stopped = &is_stopped;
+            scope.spawn(move |_| {
+                // The receiver is gone only if it has already stopped the work.
+                let _ = sender.send(work(&|_| !is_stopped.load(Ordering::Relaxed)));
+            });
+            loop {
+                match receiver.recv_timeout(PERIOD) {
+                    Ok(result) => return result,
+                    Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("the work panicked")),
+                    Err(RecvTimeoutError::Timeout) => {
+                        if let Err(signal) = Python::attach(|py| py.check_signals()) {
+                            is_stopped.store(true, Ordering::Relaxed);
+                            return Err(signal);
+                        }
+                    }
+                }
+            }
+        })
+    })
+}
