@@ -246,7 +246,11 @@ impl Datapath {
     ///
     /// Example:
     ///     >>> import numpy as np, raypath
-    ///     >>> keys = {f"keys_{i}": np.arange(2, dtype=np.uint32) for i in range(0)}
+    ///     >>> datapath = raypath.Datapath(lanes=2)
+    ///     >>> beat = {"euclidean_a_0": np.float32([1, 2]), "euclidean_a_1": 0, "euclidean_b_0": 0, "euclidean_b_1": 0}
+    ///     >>> found = datapath.run("euclidean", euclidean_mask=0b11, euclidean_reset_accum=False, **beat)
+    ///     >>> found["euclidean_accumulator"]
+    ///     array([1., 5.], dtype=float32)
     #[pyo3(signature = (operation, /, **ports))]
     fn run<'py>(
         &self,

@@ -98,8 +98,8 @@ impl Trace {
     }
 
     /// bool array of shape (n,): whether the ray hits the triangle from behind.
-    #[getter]
-    fn from_behind<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+    #[getter(from_behind)]
+    fn behind<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         self.each(py, |hit| hit.is_some_and(|hit| hit.from_behind))
     }
 

@@ -10,17 +10,17 @@ _Rays = NDArray[np.void]
 _Row = dict[str, Any]
 
 __all__ = [
+    "RAY",
+    "VERSION",
     "Datapath",
     "Job",
     "Outcome",
     "Pipeline",
     "QuadboxHits",
-    "RAY",
     "Rendering",
     "Search",
     "Trace",
     "TriangleHits",
-    "VERSION",
     "main",
     "operations",
     "parameters",

@@ -1,0 +1,134 @@
+"""Properties of the whole process: memory, the interpreter lock, Ctrl-C, the command line."""
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import raypath
+
+INPUTS_ARE_NOT_COPIED = """
+import resource
+import numpy as np, raypath
+jobs = 1_000_000
+datapath = raypath.Datapath()
+rays = raypath.rays(np.zeros((jobs, 3), np.float32), np.ones((jobs, 3), np.float32))
+boxes = np.ones((jobs, 4, 2, 3), np.float32)
+boxes.flags.writeable = rays.flags.writeable = False
+datapath.quadbox(rays[:1000], boxes[:1000])
+in_use = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+# Room for the results (24 MB), but not for another array of rays (64 MB) or boxes (96 MB).
+resource.setrlimit(resource.RLIMIT_AS, (in_use + jobs * 24 + (16 << 20),) * 2)
+hits = datapath.quadbox(rays, boxes)
+assert hits.is_intersect.all() and hits.tmin[-1, 0] == 1
+for view in (hits.is_intersect, hits.tmin, hits.box_index):
+    assert view.base is hits.array
+try:
+    boxes.copy()
+except MemoryError:
+    print("done")
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+def test_inputs_are_not_copied() -> None:
+    """A process that has no room for a copy of the inputs computes them."""
+    found = subprocess.run([sys.executable, "-c", INPUTS_ARE_NOT_COPIED], capture_output=True, text=True, check=False)
+    assert (found.stdout, found.stderr) == ("done\n", "")
+
+
+def test_the_interpreter_lock_is_released(datapath: raypath.Datapath) -> None:
+    """Another thread of Python runs while an array is computed."""
+    vectors = np.ones((2000, 20_000), np.float32)
+    started, finished = threading.Event(), threading.Event()
+
+    def work() -> None:
+        started.set()
+        datapath.euclidean(vectors, vectors)
+        finished.set()
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    started.wait()
+    turns = 0
+    while not finished.is_set():
+        time.sleep(0.001)
+        turns += 1
+    thread.join()
+    assert turns >= 3
+
+
+@pytest.mark.parametrize(
+    "work",
+    [
+        "raypath.search(np.ones((200_000, 128), np.float32), np.ones((20_000, 128), np.float32))",
+        "raypath.render(vertices, np.array([[0, 1, 2]], np.uint32), size=(4000, 4000), samples=2, ao=9)",
+    ],
+)
+def test_interrupt(work: str) -> None:
+    """Ctrl-C stops long work with ``KeyboardInterrupt``."""
+    program = f"""
+import numpy as np, raypath
+vertices = np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], np.float32)
+print("ready", flush=True)
+try:
+    {work}
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    process = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "ready\n"
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=60)[0] == "interrupted\n"
+
+
+def run(*arguments: str, cwd: Path) -> "subprocess.CompletedProcess[str]":
+    """Runs ``python -m raypath``."""
+    command = [sys.executable, "-m", "raypath", *arguments]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
+
+
+def test_command_line(tmp_path: Path) -> None:
+    """All commands are there; exit codes are those of the program."""
+    found = run("configs", cwd=tmp_path)
+    assert (found.returncode, found.stderr) == (0, "")
+    assert [row.split()[1] for row in found.stdout.splitlines()[2:]] == [row["preset"] for row in raypath.presets()]
+    assert run("--version", cwd=tmp_path).stdout == f"raypath {raypath.__version__}\n"
+    assert "verify" in run("--help", cwd=tmp_path).stdout
+    found = run("renders", cwd=tmp_path)
+    assert found.returncode == 2
+    assert "unrecognized subcommand 'renders'" in found.stderr
+    found = run("render", "missing.obj", cwd=tmp_path)
+    assert found.returncode == 2
+    assert "missing.obj" in found.stderr
+
+
+def test_console_script(tmp_path: Path) -> None:
+    """The program ``raypath`` beside the interpreter writes the files that ``generate`` writes."""
+    script = Path(sys.executable).with_name("raypath")
+    subprocess.run([script, "generate", "--jobs", "10"], cwd=tmp_path, check=True, capture_output=True)
+    raypath.Datapath().generate(tmp_path / "same")
+    names = sorted(path.relative_to(tmp_path / "same") for path in (tmp_path / "same").rglob("*") if path.is_file())
+    assert len(names) > 20
+    for name in names:
+        assert (tmp_path / "build" / name).read_text() == (tmp_path / "same" / name).read_text()
+
+
+def test_interrupted_command(tmp_path: Path) -> None:
+    """Ctrl-C ends a command with exit code 130 and leaves no file."""
+    command = [sys.executable, "-m", "raypath", "render", "--size", "4000x4000", "--samples", "8"]
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert "triangles" in process.stdout.readline()
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert (process.returncode, list(tmp_path.iterdir())) == (130, [])
+    assert "stopped after" in errors

@@ -1,0 +1,130 @@
+"""Rendering and tracing against a brute-force oracle in float64, and the documented timing."""
+
+import numpy as np
+import pytest
+from helpers import f32
+from numpy.typing import NDArray
+
+import raypath
+
+Numbers = NDArray[np.float64]
+Mesh = tuple[NDArray[np.float32], NDArray[np.uint32]]
+
+
+@pytest.fixture(scope="module")
+def mesh() -> Mesh:
+    """Triangles at random places and angles, none of which shares a vertex with another."""
+    random = np.random.default_rng(3)
+    vertices = random.uniform(-1, 1, (100, 1, 3)) + random.uniform(-0.3, 0.3, (100, 3, 3))
+    return vertices.reshape(-1, 3).astype(np.float32), np.arange(300, dtype=np.uint32).reshape(-1, 3)
+
+
+def nearest(
+    mesh: Mesh, origins: NDArray[np.float32], directions: NDArray[np.float32]
+) -> tuple[NDArray[np.float64], ...]:
+    """For each ray the nearest front face or -1, its distance, and the least distance from an edge or another hit."""
+    a, b, c = mesh[0].astype(np.float64)[mesh[1]].swapaxes(0, 1)
+    offset, direction = origins[:, None].astype(np.float64) - a, directions[:, None].astype(np.float64)
+    normal, across = np.cross(b - a, c - a), np.cross(offset, direction)
+    determinant = -(direction * normal).sum(-1)
+    u, v = ((c - a) * across).sum(-1) / determinant, -((b - a) * across).sum(-1) / determinant
+    t = (offset * normal).sum(-1) / determinant
+    inside = np.minimum.reduce([u, v, 1 - u - v])
+    distances = np.where((inside > 0) & (determinant > 0) & (t > 0), t, np.inf)
+    triangle = np.where(np.isfinite(distances.min(1)), distances.argmin(1), -1)
+    ordered = np.sort(distances, axis=1)
+    with np.errstate(invalid="ignore"):
+        gap = np.nan_to_num(ordered[:, 1] - ordered[:, 0], nan=np.inf)
+    doubt = np.minimum(np.where(determinant > 0, np.abs(inside), np.inf).min(1), gap)
+    return triangle, ordered[:, 0], np.minimum(doubt, np.abs(determinant).min(1) * 1e3)
+
+
+def test_trace(mesh: Mesh) -> None:
+    """The closest hit of each ray, except where rounding decides."""
+    random = np.random.default_rng(4)
+    origins = random.uniform(-4, 4, (2000, 3)).astype(np.float32)
+    directions = (random.uniform(-1, 1, (2000, 3)) - origins).astype(np.float32)
+    found = raypath.trace(*mesh, raypath.rays(origins, directions), timed=0)
+    triangle, t, doubt = nearest(mesh, origins, directions)
+    clear = doubt > 1e-4
+    assert clear.mean() > 0.8
+    assert 0.2 < (triangle >= 0).mean() < 0.9
+    np.testing.assert_array_equal(found.triangle[clear], triangle[clear])
+    np.testing.assert_allclose(found.t[clear], t[clear], rtol=1e-3)
+    assert not found.from_behind.any()
+    assert found.timing is None
+    assert len(found) == 2000
+
+
+def test_two_sided() -> None:
+    """A triangle is hit from behind only if both sides are."""
+    vertices, faces = f32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]], np.uint32)
+    rays = raypath.rays(f32([[0, 0, 4], [0, 0, -4]]), f32([[0, 0, -1], [0, 0, 1]]))
+    assert raypath.trace(vertices, faces, rays).triangle.tolist() == [0, -1]
+    found = raypath.trace(vertices, faces, rays, two_sided=True)
+    assert (found.triangle.tolist(), found.from_behind.tolist(), found.t.tolist()) == ([0, 0], [False, True], [4, 4])
+
+
+def test_picture(mesh: Mesh) -> None:
+    """The hits of a picture are those of its rays, traced one by one; each pixel that differs from the sky is hit."""
+    width, height = 48, 32
+
+    def seen(mesh: Mesh) -> raypath.Rendering:
+        return raypath.render(*mesh, eye=(0, 0, 5), fov=40, size=(width, height))
+
+    picture = seen(mesh)
+    half = np.tan(np.radians(20))
+    x = (np.arange(width) + 0.5 - width / 2) * 2 * half / height
+    y = (height / 2 - np.arange(height) - 0.5) * 2 * half / height
+    directions = np.stack([*np.meshgrid(x, y), -np.ones((height, width))], axis=-1).reshape(-1, 3)
+    directions = (directions / np.linalg.norm(directions, axis=1, keepdims=True)).astype(np.float32)
+    origins = np.tile(f32([0, 0, 5]), (len(directions), 1))
+    triangle, _, doubt = nearest(mesh, origins, directions)
+    hits = picture.rays[0]["hits"]
+    assert picture.rays[0]["rays"] == width * height
+    assert abs(hits - (triangle >= 0).sum()) <= (doubt < 1e-4).sum()
+    sky = raypath.render(
+        f32([[0, 0, 0], [1e-6, 0, 0], [0, 1e-6, 0]]), mesh[1][:1], eye=(0, 0, 5), fov=40, size=(width, height)
+    )
+    assert picture.image.shape == (height, width, 3)
+    is_hit = (picture.image != sky.image).any(axis=2).ravel()
+    clear = doubt > 1e-4
+    np.testing.assert_array_equal(is_hit[clear], triangle[clear] >= 0)
+    assert picture.jobs.shape == (height, width)
+    assert picture.jobs.sum() == sum(picture.rays[0][kind] for kind in ("quadbox", "triangle", "behind"))
+    assert picture._repr_png_().startswith(b"\x89PNG\r\n")
+
+
+def test_secondary_rays(mesh: Mesh) -> None:
+    """A shadow ray starts at hits that face the sun, N occlusion rays at each; a seed gives the same picture again."""
+    pictures = [raypath.render(*mesh, size=(20, 20), shadows=True, ao=3, seed=5, timed=0) for _ in range(2)]
+    rays = {row["kind"]: row for row in pictures[0].rays}
+    assert 20 < rays["shadow"]["rays"] < rays["primary"]["hits"]
+    assert rays["occlusion"]["rays"] == 3 * rays["primary"]["hits"]
+    np.testing.assert_array_equal(pictures[0].image, pictures[1].image)
+
+
+def test_timing_of_single_rays() -> None:
+    """One ray in flight: a node, a leaf of one triangle, each a fetch and a job that takes latency and one cycle."""
+    vertices, faces = f32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]], np.uint32)
+    rays = raypath.rays(np.tile(f32([0, 0, 4]), (10, 1)), np.tile(f32([0, 0, -1]), (10, 1)))
+    for preset, latency in [("paper", 12), ("fast", 22)]:
+        found = raypath.trace(
+            vertices, faces, rays, datapath=raypath.Datapath(preset), rays_in_flight=1, memory_latency=50
+        )
+        assert found.timing is not None
+        assert (found.timing["agents"], found.timing["quadbox"], found.timing["triangle"]) == (10, 10, 10)
+        assert found.timing["cycles"] == 10 * 2 * (50 + latency + 1)
+        assert found.timing["mean_latency"] == latency
+
+
+def test_timing_of_many_rays(mesh: Mesh) -> None:
+    """With many agents, throughput approaches a job a cycle, and every cycle has one use."""
+    few, many = (raypath.render(*mesh, size=(64, 64), rays_in_flight=n).timing for n in (1, 1024))
+    assert few is not None
+    assert many is not None
+    assert few["jobs"] == many["jobs"]
+    assert few["jobs_per_cycle"] < 0.02
+    assert many["jobs_per_cycle"] > 0.9
+    starved = sum(many[f"starved_{cause}"] for cause in ("memory", "outcomes", "both", "locked"))
+    assert many["accepted"] + many["refused"] + starved == many["cycles"]
