@@ -266,7 +266,8 @@ impl Datapath {
         outcomes(py, outputs, self.inner.config().semantics.format, &words)
     }
 
-    /// Writes SystemVerilog, assertions, wrapper, manifests and a picture of the pipeline, as ``raypath generate`` does.
+    /// Writes SystemVerilog, assertions, wrapper, manifests and a picture of the pipeline, as ``raypath generate``
+    /// does.
     ///
     /// Args:
     ///     folder: the folder to write to, which is created if it does not exist.

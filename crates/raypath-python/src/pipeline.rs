@@ -78,8 +78,8 @@ impl Pipeline {
         Some(Outcome::new(tag, outcome, &self.operations, self.datapath.config().semantics.format))
     }
 
-    /// Advances cycles in which nothing else is offered and the sink is not ready, and stops in the first with an outcome
-    /// at the output.
+    /// Advances cycles in which nothing else is offered and the sink is not ready, and stops in the first with an
+    /// outcome at the output.
     ///
     /// Args:
     ///     cycles: the maximum number of cycles.

@@ -43,9 +43,9 @@ impl Rendering {
         Ok(jobs.reshape([picture.height() as usize, picture.width() as usize])?.into_any())
     }
 
-    /// A row for each kind of rays ("primary", "shadow", "occlusion") that were traced: ``kind``, ``rays``, ``hits``, the
-    /// jobs ``quadbox``, ``triangle`` and ``behind`` (second jobs of triangles, for hits from behind), and the fetches
-    /// ``nodes`` and ``leaves``.
+    /// A row for each kind of rays ("primary", "shadow", "occlusion") that were traced: ``kind``, ``rays``, ``hits``,
+    /// the jobs ``quadbox``, ``triangle`` and ``behind`` (second jobs of triangles, for hits from behind), and the
+    /// fetches ``nodes`` and ``leaves``.
     #[getter]
     fn rays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let Rendered { primary, shadow, occlusion, .. } = &self.rendered;
@@ -150,8 +150,8 @@ impl Trace {
 ///     timed: the simulation has this number of evenly spread pixels; 0 for no simulation.
 ///
 /// Returns:
-///     The picture (``image``, also shown by notebooks), the jobs of each pixel (``jobs``), the rays with their hits and
-///     jobs by kind (``rays``) and the ``timing``. The latter has ``in_flight``, ``memory_latency``, ``agents``
+///     The picture (``image``, also shown by notebooks), the jobs of each pixel (``jobs``), the rays with their hits
+///     and jobs by kind (``rays``) and the ``timing``. The latter has ``in_flight``, ``memory_latency``, ``agents``
 ///     (simulated pixels), ``cycles``, ``jobs`` and the jobs of each operation, ``jobs_per_cycle``,
 ///     ``agents_per_cycle``, ``mean_latency`` (of a job, in cycles), ``fetches``, and the use of the cycles: a job was
 ///     ``accepted`` or ``refused``, or none was offered because all agents waited for memory (``starved_memory``), all

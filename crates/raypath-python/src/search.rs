@@ -24,8 +24,8 @@ pub struct Search {
 
 #[pymethods]
 impl Search {
-    /// int64 array of shape (m, k): the indices of the neighbours of each query, nearest first. -1 if a search through a
-    /// graph found fewer. Each access makes a new array.
+    /// int64 array of shape (m, k): the indices of the neighbours of each query, nearest first. -1 if a search through
+    /// a graph found fewer. Each access makes a new array.
     #[getter]
     fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.each(py, |near| near.map_or(-1, |near| i64::from(near.index)))
@@ -83,8 +83,8 @@ impl Search {
 /// Finds the nearest vectors of each query with the distance operations of a datapath, and simulates the timing.
 ///
 /// The work is that of ``raypath search``: the sums of a distance are jobs of the datapath; square root, division and
-/// selection are done in software and take no time in the simulation. The simulation keeps ``queries_in_flight`` queries
-/// before the pipeline, and every fetch of a vector takes ``memory_latency`` cycles.
+/// selection are done in software and take no time in the simulation. The simulation keeps ``queries_in_flight``
+/// queries before the pipeline, and every fetch of a vector takes ``memory_latency`` cycles.
 ///
 /// Args:
 ///     vectors: float32 array of shape (n, k): finite coordinates of 1 to 65,536 dimensions.
@@ -103,8 +103,8 @@ impl Search {
 ///         five million beats.
 ///
 /// Returns:
-///     The neighbours (``ids``, ``distances``), the work (``evaluations``, ``beats``, ``seconds``) and the ``timing``, as
-///     that of ``raypath.render``.
+///     The neighbours (``ids``, ``distances``), the work (``evaluations``, ``beats``, ``seconds``) and the ``timing``,
+///     as that of ``raypath.render``.
 ///
 /// Raises:
 ///     ValueError: another type or shape; a coordinate that is not finite; an argument out of range; a datapath without

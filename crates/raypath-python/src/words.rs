@@ -16,8 +16,8 @@ enum Values {
     Each(Vec<u64>),
 }
 
-/// The words of jobs, job after job in the order of the operation's ports, and the number of jobs. Numbers count for all
-/// jobs; there is one job if no value is an array.
+/// The words of jobs, job after job in the order of the operation's ports, and the number of jobs. Numbers count for
+/// all jobs; there is one job if no value is an array.
 pub fn words_of(
     datapath: &Datapath,
     operation: OperationId,

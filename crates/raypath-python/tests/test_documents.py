@@ -41,7 +41,6 @@ def test_docstring(name: str) -> None:
     """The examples of a docstring print what it states."""
     test = doctest.DocTestParser().get_doctest(documented()[name], {}, name, None, 0)
     report: list[str] = []
-    # NumPy 1 prints integers and arrays in the same way as NumPy 2, but scalars are not.
     result = doctest.DocTestRunner().run(test, out=report.append)
     assert result.attempted > 0
     assert result.failed == 0, "".join(report)
