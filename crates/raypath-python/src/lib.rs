@@ -27,7 +27,7 @@ mod _raypath {
     #[pymodule_export]
     use crate::array::rays;
     #[pymodule_export]
-    use crate::bench::rust_batch_seconds;
+    use crate::bench::rust_seconds;
     #[pymodule_export]
     use crate::datapath::Datapath;
     #[pymodule_export]

@@ -19,7 +19,7 @@ from raypath import _raypath
 def documented() -> dict[str, str]:
     """The docstrings of the package, of its public objects and of their public attributes, by name."""
     found = {"raypath": raypath.__doc__ or ""}
-    for name in [*raypath.__all__, "main", "rust_batch_seconds"]:
+    for name in [*raypath.__all__, "main", "rust_seconds"]:
         item = getattr(raypath, name, None) or getattr(_raypath, name)
         if inspect.isclass(item) or inspect.isbuiltin(item):
             found[name] = item.__doc__ or ""

@@ -27,7 +27,7 @@ __all__ = [
     "presets",
     "rays",
     "render",
-    "rust_batch_seconds",
+    "rust_seconds",
     "search",
     "trace",
 ]
@@ -36,7 +36,9 @@ RAY: np.dtype[np.void]
 VERSION: str
 
 def main(arguments: Sequence[str]) -> int: ...
-def rust_batch_seconds(operation: str, first: NDArray[Any], second: NDArray[Any], repetitions: int) -> float: ...
+def rust_seconds(
+    operation: str, first: NDArray[Any], second: NDArray[Any], repetitions: int
+) -> tuple[float, float, float]: ...
 def operations() -> list[_Row]: ...
 def parameters() -> list[_Row]: ...
 def presets() -> list[_Row]: ...

@@ -1,8 +1,9 @@
 """Measures arrays of jobs in Python beside the same jobs in Rust: ``python -m raypath.bench [--jobs N]``.
 
-Both use one thread. Python's time is that of one call with NumPy arrays, with the array of results that it makes.
-Rust's time is that of ``raypath_model``: ``pack``, ``Batch`` and ``unpack`` in chunks that fit into the cache, into a
-new vector. Each is the shortest of several measurements, which alternate.
+All use one thread. Python's time is that of one call with NumPy arrays, with the array of results that it makes. Rust
+has three times (``raypath._raypath.rust_seconds``): of batches from jobs to outcomes (``pack``, ``Batch``, ``unpack``),
+of ``Batch`` alone for blocks that are packed before, and of ``raypath_embed`` for the same arrays. Each is the shortest
+of several measurements.
 """
 
 import argparse
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import raypath
-from raypath._raypath import rust_batch_seconds
+from raypath._raypath import rust_seconds
 
 REPETITIONS = 15
 
@@ -34,27 +35,32 @@ def workload(jobs: int, seed: int = 1) -> dict[str, Arguments]:
     return {"quadbox": (rays, boxes), "triangle": (rays, points(1, jobs, 3)), "euclidean": (vectors[0], vectors[1])}
 
 
-def seconds(work: Callable[[], object]) -> float:
-    """The time that ``work`` takes."""
-    begin = time.perf_counter()
-    work()
-    return time.perf_counter() - begin
+def python_seconds(call: Callable[..., object], arguments: Arguments) -> float:
+    """The shortest time of a call in Python."""
+    shortest = float("inf")
+    for _ in range(REPETITIONS):
+        begin = time.perf_counter()
+        call(*arguments)
+        shortest = min(shortest, time.perf_counter() - begin)
+    return shortest
 
 
 def main() -> None:
-    """Prints jobs per second and their ratio for each operation."""
-    parser = argparse.ArgumentParser(prog="python -m raypath.bench", description=__doc__)
+    """Prints jobs per second, and the ratio of Python to Rust's batches and to Rust's arrays."""
+    parser = argparse.ArgumentParser(prog="python -m raypath.bench", description="Measures arrays of jobs.")
     parser.add_argument("--jobs", type=int, default=1_000_000, help="jobs of an array [default: %(default)s]")
     jobs = parser.parse_args().jobs
     datapath = raypath.Datapath()
-    print(f"{'jobs a second':>14} {'Python':>12} {'Rust':>12} {'ratio':>6}")
-    for operation, (first, second) in workload(jobs).items():
+    names = ["Python", "Rust batches", "packed blocks", "Rust arrays"]
+    print(f"{'jobs a second':14}", *(f"{name:>13}" for name in names), "   Python / batches", "Python / arrays")
+    for operation, arguments in workload(jobs).items():
         call = getattr(datapath, operation)
-        python = rust = float("inf")
-        for _ in range(REPETITIONS):
-            python = min(python, seconds(lambda: call(first, second)))  # noqa: B023, called at once
-            rust = min(rust, rust_batch_seconds(operation, first, second, 1))
-        print(f"{operation:>14} {jobs / python:12.3e} {jobs / rust:12.3e} {rust / python:6.2f}")
+        before = python_seconds(call, arguments)
+        batches, blocks, arrays = rust_seconds(operation, *arguments, REPETITIONS)
+        python = min(before, python_seconds(call, arguments))
+        rates = (jobs / seconds for seconds in (python, batches, blocks, arrays))
+        print(f"{operation:14}", *(f"{rate:13.3e}" for rate in rates), end=" ")
+        print(f"{batches / python:18.2f} {arrays / python:15.2f}")
 
 
 if __name__ == "__main__":
