@@ -34,6 +34,8 @@ mod grouped;
 mod input;
 mod lint;
 mod opensta;
+#[cfg(feature = "parts")]
+pub mod parts;
 #[cfg(feature = "pool")]
 pub mod pool;
 mod program;

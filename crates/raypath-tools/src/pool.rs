@@ -246,6 +246,18 @@ impl Shard {
     pub fn number(self) -> u64 {
         self.number
     }
+
+    /// The number of shards.
+    pub fn count(self) -> u64 {
+        self.of
+    }
+
+    /// The shard's contiguous share of the numbers below `total`. The shares follow each other in the order of the
+    /// shards.
+    pub fn range(self, total: u64) -> Range<u64> {
+        let begin = |number: u64| (u128::from(total) * u128::from(number) / u128::from(self.of)) as u64;
+        begin(self.number)..begin(self.number + 1)
+    }
 }
 
 impl FromStr for Shard {
@@ -336,6 +348,8 @@ mod tests {
                 let of_each = |shard: &Shard| (0..total).filter(|&item| shard.takes(item)).count() as u64;
                 assert!(shards.iter().all(|shard| of_each(shard) == shard.share(total)), "{of}, {total}");
                 assert_eq!(shards.iter().map(|shard| shard.share(total)).sum::<u64>(), total);
+                let ranges = shards.iter().flat_map(|shard| shard.range(total));
+                assert!(ranges.eq(0..total), "{of}, {total}");
             }
         }
         // Sums of such numbers overflow.

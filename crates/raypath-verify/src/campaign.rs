@@ -15,6 +15,7 @@ use raypath_model::{Shape, WordModel};
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::engine::{NetlistEngine, shape};
 use raypath_tools::pool::{self, Queue};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -48,16 +49,16 @@ pub fn verify_module(
     let episodes = jobs.div_ceil(JOBS_PER_EPISODE as u64);
     let cases = request.cases(episodes, 1);
     let campaign = Campaign { config, seed, top, shape, model: raypath_sim::Datapath::paper(config).model() };
-    let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| campaign.work(queue))?;
     let points = campaign.coverage_model();
-    let mut coverage = Coverage::new(&points);
-    let mut tally = Tally::default();
-    for (covered, counted) in finished.workers {
-        coverage.add(&covered);
-        tally.add(counted);
-    }
+    let mut is_stopped = false;
+    let shards = request.parts.phase(|| {
+        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| campaign.work(queue))?;
+        is_stopped = finished.is_stopped;
+        Ok::<_, Error>(joined(&points, finished.workers))
+    })?;
+    let (coverage, tally) = joined(&points, shards);
     let presented = tally.episodes * JOBS_PER_EPISODE as u64;
-    let mut verdict = Verdict { is_stopped: finished.is_stopped, ..Verdict::default() };
+    let mut verdict = Verdict { is_stopped, ..Verdict::default() };
     verdict.covered = format!("{} netlist cycles, {presented} jobs, {} episodes", tally.cycles, tally.episodes);
     let path = folder.join("coverage.txt");
     files::write(&path, &coverage.table(&points))?;
@@ -68,8 +69,18 @@ pub fn verify_module(
     Ok(verdict)
 }
 
+/// The sum of the counts of workers or shards.
+fn joined(points: &CoverageModel, counts: Vec<(Coverage, Tally)>) -> (Coverage, Tally) {
+    let mut all = (Coverage::new(points), Tally::default());
+    for (covered, counted) in counts {
+        all.0.add(&covered);
+        all.1.add(counted);
+    }
+    all
+}
+
 /// The counts of a worker, or of all.
-#[derive(Default)]
+#[derive(Default, Serialize, Deserialize)]
 struct Tally {
     cycles: u64,
     episodes: u64,

@@ -17,53 +17,66 @@ pub use model_checker::{CheckResult, Method, ModelChecker, SafetyProblem};
 pub use properties::{ModuleTexts, TextFault, never_leaves, problems};
 pub use structure::structural_faults;
 
-use crate::{Error, Request, Verdict};
+use crate::{Error, Progress, Request, Verdict};
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control, Datapath, Lanes, Sharing, UnitLatency};
 use raypath_tools::pool;
-use std::collections::HashMap;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, HashMap};
 
 /// Proves the control of the level's configurations.
 ///
 /// # Errors
 /// A program is missing or fails; a configuration cannot be elaborated.
 pub fn control(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let checker = ModelChecker::find()?;
     let configs = request.level.pick(representatives(), all(), all());
-    let mut work = Vec::new();
-    let mut verdict = Verdict::default();
-    let mut configurations = 0;
-    for (config, number) in configs.into_iter().zip(0..) {
-        if !request.shard.takes(number) {
-            continue;
+    let shard = request.shard;
+    let configs: Vec<(u64, Config)> = (0..).zip(configs).filter(|(number, _)| shard.takes(*number)).collect();
+    let mut is_stopped = false;
+    let shards = request.parts.phase(|| {
+        let mut results: BTreeMap<u64, Proved> = BTreeMap::new();
+        let checker = ModelChecker::find()?;
+        let mut work = Vec::new();
+        for &(number, config) in &configs {
+            let datapath = Datapath::new(config)?;
+            let faults = structural_faults(&datapath, config)?.into_iter().map(|fault| format!("{config}: {fault}"));
+            results.entry(number).or_default().failures.extend(faults);
+            let texts = ModuleTexts::new(datapath.top())?;
+            let mut problems = problems(&datapath, config, &texts);
+            problems.push(never_leaves(&datapath, config, &texts, datapath.top().name()));
+            work.extend(problems.into_iter().map(|problem| (number, config, problem)));
         }
-        let datapath = Datapath::new(config)?;
-        verdict
-            .failures
-            .extend(structural_faults(&datapath, config)?.into_iter().map(|fault| format!("{config}: {fault}")));
-        let texts = ModuleTexts::new(datapath.top())?;
-        let mut problems = problems(&datapath, config, &texts);
-        problems.push(never_leaves(&datapath, config, &texts, datapath.top().name()));
-        work.extend(problems.into_iter().map(|problem| (config, problem)));
-        configurations += 1;
-    }
-    let results = check_all(&checker, &work, request)?;
-    let mut proved = 0;
-    for ((config, problem), result) in work.iter().zip(&results) {
-        let must_fail = problem.name.ends_with("never_leaves");
-        match (result, problem.method) {
-            (None, _) => verdict.is_stopped = true,
-            (Some(CheckResult::Fails), _) if must_fail => {}
-            (Some(CheckResult::Holds), Method::Unbounded | Method::Inductive) => proved += problem.assertions,
-            (Some(CheckResult::Holds), Method::Bounded(_)) => {
-                verdict.failures.push(format!("{config}: no job leaves within the bound"))
+        let problems: Vec<&SafetyProblem> = work.iter().map(|(.., problem)| problem).collect();
+        let checked = check_all(&checker, &problems, request.proceed)?;
+        for ((number, config, problem), result) in work.iter().zip(&checked) {
+            let Proved { assertions, failures } = results.entry(*number).or_default();
+            let must_fail = problem.name.ends_with("never_leaves");
+            match (result, problem.method) {
+                (None, _) => is_stopped = true,
+                (Some(CheckResult::Fails), _) if must_fail => {}
+                (Some(CheckResult::Holds), Method::Unbounded | Method::Inductive) => *assertions += problem.assertions,
+                (Some(CheckResult::Holds), Method::Bounded(_)) => {
+                    failures.push(format!("{config}: no job leaves within the bound"))
+                }
+                (Some(result), _) => failures.push(format!("{config}: {}: {result:?}", problem.name)),
             }
-            (Some(result), _) => verdict.failures.push(format!("{config}: {}: {result:?}", problem.name)),
         }
-    }
-    verdict.failures.truncate(8);
-    verdict.covered = format!("{proved} assertions of {configurations} configurations proved");
-    Ok(verdict)
+        Ok::<_, Error>(results)
+    })?;
+    let results: BTreeMap<u64, Proved> = shards.into_iter().flatten().collect();
+    let proved: usize = results.values().map(|proved| proved.assertions).sum();
+    let covered = format!("{proved} assertions of {} configurations proved", results.len());
+    let failures = results.into_values().flat_map(|proved| proved.failures).take(FAILURES_SHOWN).collect();
+    Ok(Verdict { covered, failures, is_stopped, ..Verdict::default() })
+}
+
+const FAILURES_SHOWN: usize = 8;
+
+/// The result of a configuration.
+#[derive(Default, Serialize, Deserialize)]
+struct Proved {
+    assertions: usize,
+    failures: Vec<String>,
 }
 
 /// All configurations with different control. The other parameters change widths only.
@@ -93,19 +106,18 @@ fn representatives() -> Vec<Config> {
 /// Checks each problem, equal ones once, on all cores; none for problems not reached when the run was stopped.
 fn check_all(
     checker: &ModelChecker,
-    work: &[(Config, SafetyProblem)],
-    request: &mut Request<'_>,
+    work: &[&SafetyProblem],
+    proceed: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Vec<Option<CheckResult>>, Error> {
     let mut known: HashMap<(&str, Method), usize> = HashMap::new();
     let mut different: Vec<&SafetyProblem> = Vec::new();
     let mut indices = Vec::new();
-    for (_, problem) in work {
+    for problem in work {
         indices.push(*known.entry((&problem.text, problem.method)).or_insert_with(|| {
             different.push(problem);
             different.len() - 1
         }));
     }
-    let results =
-        pool::map(&different, pool::ALL_CORES, request.proceed, |problem, stop| checker.check(problem, stop))?;
+    let results = pool::map(&different, pool::ALL_CORES, proceed, |problem, stop| checker.check(problem, stop))?;
     Ok(indices.into_iter().map(|index| results[index]).collect())
 }

@@ -14,17 +14,34 @@ use raypath_rtl::Config;
 use raypath_sim::Datapath;
 use raypath_sim::transactions::{Transaction, text};
 use raypath_tools::pool;
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
 /// The oracle's configuration.
 const CONFIG: Config = Config::DEFAULT;
-/// The counts of a worker.
+
+/// The counts of a worker, or of all.
+#[derive(Serialize, Deserialize)]
 struct Tally {
     jobs: u64,
     coverage: Coverage,
     wrong: Option<Failure>,
+}
+
+impl Tally {
+    fn new(points: &CoverageModel) -> Self {
+        Self { jobs: 0, coverage: Coverage::new(points), wrong: None }
+    }
+
+    /// The sum of counts; the first wrong outcome.
+    fn and(mut self, other: Self) -> Self {
+        self.coverage.add(&other.coverage);
+        self.jobs += other.jobs;
+        self.wrong = self.wrong.into_iter().chain(other.wrong).min_by_key(|wrong| (wrong.chunk, wrong.job));
+        self
+    }
 }
 
 /// Runs the jobs. Writes a failure to a subfolder of `folder`.
@@ -38,25 +55,25 @@ pub fn verify(request: &mut Request<'_>, folder: &Path) -> Result<Verdict, Error
     let points = CoverageModel::new(CONFIG, &Shape::default(), layout.clone());
     let chunks = jobs.div_ceil(JOBS_PER_CHUNK);
     let cases = request.cases(chunks, 1);
-    let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
-        let mut tally = Tally { jobs: 0, coverage: Coverage::new(&points), wrong: None };
-        queue.run(|number, stop| {
-            tally.jobs += JOBS_PER_CHUNK;
-            if let Some(wrong) = Chunk::new(&layout, CONFIG, seed, number).run(&points, &mut tally.coverage) {
-                tally.wrong.get_or_insert(wrong);
-                stop.store(true, Ordering::Relaxed);
-            }
-            Ok(())
-        });
-        Ok(tally)
+    let mut is_stopped = false;
+    let shards = request.parts.phase(|| {
+        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
+            let mut tally = Tally::new(&points);
+            queue.run(|number, stop| {
+                tally.jobs += JOBS_PER_CHUNK;
+                if let Some(wrong) = Chunk::new(&layout, CONFIG, seed, number).run(&points, &mut tally.coverage) {
+                    tally.wrong.get_or_insert(wrong);
+                    stop.store(true, Ordering::Relaxed);
+                }
+                Ok(())
+            });
+            Ok(tally)
+        })?;
+        is_stopped = finished.is_stopped;
+        Ok::<_, Error>(finished.workers.into_iter().fold(Tally::new(&points), Tally::and))
     })?;
-    let mut verdict = Verdict { is_stopped: finished.is_stopped, ..Verdict::default() };
-    let (mut coverage, mut jobs, mut wrong) = (Coverage::new(&points), 0, None);
-    for tally in finished.workers {
-        coverage.add(&tally.coverage);
-        jobs += tally.jobs;
-        wrong = wrong.into_iter().chain(tally.wrong).min_by_key(|wrong: &Failure| (wrong.chunk, wrong.job));
-    }
+    let Tally { jobs, coverage, wrong } = shards.into_iter().fold(Tally::new(&points), Tally::and);
+    let mut verdict = Verdict { is_stopped, ..Verdict::default() };
     verdict.covered = format!("{jobs} jobs through oracle, functional model and cycle-exact model");
     verdict.remarks.push(format!("{}, counted for one job in {}", coverage.remark(&points, false), COUNTED));
     let is_other = (request.config.semantics.rules, request.config.semantics.format)
@@ -117,7 +134,7 @@ struct Chunk<'l> {
     count: u64,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Failure {
     chunk: u64,
     /// The job's position in the chunk.

@@ -11,7 +11,7 @@ use crate::{Error, Level, Request, Verdict};
 use mutant::{Mutant, MutantResult, Subject, choose, subjects};
 use raypath_hdl::mutate::replace;
 use raypath_rtl::{Config, Control, Lanes, UnitLatency};
-use raypath_tools::pool;
+use raypath_tools::{ToolError, pool};
 use report::Report;
 use std::path::Path;
 use std::sync::Arc;
@@ -37,7 +37,12 @@ pub(crate) fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let proves_modules = request.level > Level::Regression;
     let report = check_all(&subjects, &mutants, request, &|trial| trial.run(proves_modules))?;
     report.write(Path::new(LIST))?;
-    Ok(report.verdict())
+    let mut verdict = report.verdict();
+    if request.parts.is_saved() {
+        // The score is that of the whole sample: a few mutants of a shard may have a low one.
+        verdict.failures.clear();
+    }
+    Ok(verdict)
 }
 
 type Check<'a> = &'a (dyn Fn(&Trial<'_>) -> Result<MutantResult, Error> + Sync);
@@ -50,17 +55,21 @@ fn check_all<'s>(
     check: Check<'_>,
 ) -> Result<Report<'s>, Error> {
     let cases = request.cases(mutants.len() as u64, 1);
-    let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
-        let mut results = Vec::new();
-        queue.run(|number, _| {
-            let mutant = &mutants[number as usize];
-            results.push((mutant, check(&trial(mutant)?)?));
-            Ok(())
-        });
-        Ok(results)
+    let shards = request.parts.phase(|| {
+        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
+            let mut results = Vec::new();
+            queue.run(|number, _| {
+                results.push((number, check(&trial(&mutants[number as usize])?)?));
+                Ok(())
+            });
+            Ok(results)
+        })?;
+        Ok::<_, Error>(finished.workers.concat())
     })?;
     let mut report = Report::new(subjects, cases.share() as usize);
-    for (mutant, result) in finished.workers.into_iter().flatten() {
+    for (number, result) in shards.into_iter().flatten() {
+        let mutant = mutants.get(number as usize);
+        let mutant = mutant.ok_or_else(|| ToolError::unexpected("a part", format!("mutant {number}"), "a mutant"))?;
         report.add(mutant, result);
     }
     Ok(report)

@@ -10,6 +10,7 @@ pub use targets::{TARGETS, Target};
 use crate::files::in_folder;
 use crate::{Error, Progress, Request, Verdict};
 use raypath_tools::read;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 use worker::{Outcome, Worker};
 
@@ -27,41 +28,62 @@ pub fn run(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let mutations = request.jobs.unwrap_or(request.level.pick(5_000, 100_000, 1_000_000));
     let corpora = TARGETS.iter().map(corpus).collect::<Result<Vec<_>, _>>()?;
     let total = corpora.iter().map(|files| files.len() as u64 * (mutations + 1)).sum();
-    let (mut verdict, mut done, mut accepted) = (Verdict::default(), 0, 0);
-    let before = peak_memory();
-    for (target, files) in TARGETS.iter().zip(&corpora) {
-        let mut worker = Worker::start(*target, files.clone(), mutations, request.seed, request.shard);
-        loop {
-            match worker.wait(MAX_SECONDS) {
-                Outcome::Busy => {}
-                Outcome::Done => break,
-                Outcome::Failed(failure) => {
-                    verdict.failures.push(format!("{}: {failure}", target.name));
+    let mut is_stopped = false;
+    let (shard, seed) = (request.shard, request.seed);
+    let shards = request.parts.phase(|| {
+        let mut tally = Tally::default();
+        let before = peak_memory();
+        for (target, files) in TARGETS.iter().zip(&corpora) {
+            let mut worker = Worker::start(*target, files.clone(), mutations, seed, shard);
+            loop {
+                match worker.wait(MAX_SECONDS) {
+                    Outcome::Busy => {}
+                    Outcome::Done => break,
+                    Outcome::Failed(failure) => {
+                        tally.failures.push(format!("{}: {failure}", target.name));
+                        break;
+                    }
+                }
+                if !(request.proceed)(Progress { done: tally.done + worker.done(), total }) {
+                    is_stopped = true;
+                    worker.stop();
                     break;
                 }
             }
-            if !(request.proceed)(Progress { done: done + worker.done(), total }) {
-                verdict.is_stopped = true;
-                worker.stop();
+            tally.done += worker.done();
+            tally.accepted += worker.accepted();
+            if is_stopped || tally.failures.len() >= FAILURES_SHOWN {
                 break;
             }
         }
-        (done, accepted) = (done + worker.done(), accepted + worker.accepted());
-        if verdict.is_stopped || verdict.failures.len() >= FAILURES_SHOWN {
-            break;
+        let additional = before.zip(peak_memory()).map(|(before, after)| after.saturating_sub(before));
+        tally.is_measured = additional.is_some();
+        if let Some(bytes) = additional.filter(|&bytes| bytes > MAX_BYTES) {
+            tally.failures.push(format!("{} MiB of additional memory, expected at most 256", bytes >> 20));
         }
+        Ok::<_, Error>(tally)
+    })?;
+    let mut verdict = Verdict { is_stopped, ..Verdict::default() };
+    if !shards.iter().all(|shard| shard.is_measured) {
+        verdict.remarks.push("memory was not measured: this system does not report it".to_string());
     }
-    match (before, peak_memory()) {
-        (Some(before), Some(after)) if after.saturating_sub(before) > MAX_BYTES => {
-            verdict.failures.push(format!("{} MiB of additional memory, expected at most 256", (after - before) >> 20));
-        }
-        (Some(_), Some(_)) => {}
-        _ => verdict.remarks.push("memory was not measured: this system does not report it".to_string()),
-    }
+    let done: u64 = shards.iter().map(|shard| shard.done).sum();
+    let accepted: u64 = shards.iter().map(|shard| shard.accepted).sum();
     let files = corpora.iter().map(Vec::len).sum::<usize>();
     let formats = TARGETS.len();
     verdict.covered = format!("{done} inputs from {files} files in {formats} formats, {accepted} of them accepted");
+    verdict.failures = shards.into_iter().flat_map(|shard| shard.failures).collect();
     Ok(verdict)
+}
+
+/// The counts of a shard.
+#[derive(Default, Serialize, Deserialize)]
+struct Tally {
+    done: u64,
+    accepted: u64,
+    failures: Vec<String>,
+    /// Whether the system reports the memory in use.
+    is_measured: bool,
 }
 
 /// The files of a target's corpus, in the order of their names.

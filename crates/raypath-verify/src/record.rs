@@ -110,7 +110,12 @@ impl Recorder {
                 subject: Some(subject),
                 versions: self.versions.clone(),
                 cores: std::thread::available_parallelism().map_or(1, usize::from),
-                seconds: Some(Duration::from_millis(begin.elapsed().as_millis() as u64).as_secs_f64()),
+                seconds: Some(
+                    request
+                        .parts
+                        .seconds()
+                        .unwrap_or(Duration::from_millis(begin.elapsed().as_millis() as u64).as_secs_f64()),
+                ),
                 result: if verdict.failures.is_empty() { "as claimed" } else { "wrong" }.to_string(),
                 covered: verdict.covered.clone(),
                 remarks: verdict.remarks.clone(),

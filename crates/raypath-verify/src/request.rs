@@ -1,6 +1,7 @@
 //! What to verify, how much of it, and which part; and what was found.
 
 use raypath_rtl::Config;
+use raypath_tools::parts::Parts;
 use raypath_tools::pool::Cases;
 pub use raypath_tools::pool::{Progress, Shard, ShardError};
 use std::str::FromStr;
@@ -17,6 +18,8 @@ pub struct Request<'a> {
     pub seed: u64,
     /// The part of the work to run.
     pub shard: Shard,
+    /// Where the results come from: from running the shard, or from the parts of all shards.
+    pub parts: Parts,
     /// Receives the progress several times a second; the run stops when it returns false.
     pub proceed: &'a mut dyn FnMut(Progress) -> bool,
 }
@@ -25,7 +28,8 @@ impl<'a> Request<'a> {
     /// The default configuration at level `regression`, with the level's number of jobs, seed 1 and no shards.
     pub fn new(proceed: &'a mut dyn FnMut(Progress) -> bool) -> Self {
         let (config, level) = (Config::DEFAULT, Level::Regression);
-        Self { config, level, jobs: None, seed: 1, shard: Shard::ALL, proceed }
+        let parts = Parts::default();
+        Self { config, level, jobs: None, seed: 1, shard: Shard::ALL, parts, proceed }
     }
 
     /// The shard's part of `total` cases, in pieces of `piece`.

@@ -10,11 +10,12 @@ use raypath_sim::engine::{CycleEngine, NetlistEngine, observe};
 use raypath_sim::lockstep::{Difference, SideBySide};
 use raypath_sim::traffic::{Cycle, Traffic, recorded_text};
 use raypath_sim::transactions::{Transaction, text};
+use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 use std::path::Path;
 
 /// An episode that failed.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
     /// The episode's number.
     pub episode: u64,

@@ -2,10 +2,11 @@
 
 use super::handshakes::Handshakes;
 use super::model::{CoverageModel, JobPath, JobPoints, PATHS};
+use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
 /// Counts of all coverage points of a configuration.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Coverage {
     /// Jobs for each operation, coverage point and path.
     jobs: Vec<Vec<[u64; PATHS.len()]>>,

@@ -3,27 +3,62 @@
 use super::model::CoverageModel;
 use raypath_model::Control;
 use raypath_ops::JobKind;
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
 /// The number of events at the ports.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Handshakes {
     /// The number of jobs that fit into the pipeline.
     capacity: usize,
+    #[serde(with = "pairs")]
     counts: HashMap<Event, u64>,
 }
 
 /// An event at the ports.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub(super) enum Event {
     /// A cycle, by source event, sink event and fill level: positions in `SOURCES`, `SINKS` and `FILLS`.
     Cycle(usize, usize, usize),
     /// A reset with this number of jobs in the pipeline.
     Reset(usize),
     /// An accepted job: the operation before, the operation, and whether it came in the next cycle.
-    Pair(JobKind, JobKind, bool),
+    Pair(#[serde(with = "opcode")] JobKind, #[serde(with = "opcode")] JobKind, bool),
     /// A withdrawn job, and whether it had been refused.
-    Withdrawn(JobKind, bool),
+    Withdrawn(#[serde(with = "opcode")] JobKind, bool),
+}
+
+/// Counts as a sorted list: the keys of a JSON object are text.
+mod pairs {
+    use super::{Event, HashMap};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::collections::BTreeMap;
+
+    pub fn serialize<S: Serializer>(counts: &HashMap<Event, u64>, to: S) -> Result<S::Ok, S::Error> {
+        let sorted: BTreeMap<_, _> = counts.iter().collect();
+        sorted.into_iter().collect::<Vec<_>>().serialize(to)
+    }
+
+    pub fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<HashMap<Event, u64>, D::Error> {
+        Ok(Vec::deserialize(from)?.into_iter().collect())
+    }
+}
+
+/// An operation as its opcode.
+mod opcode {
+    use super::JobKind;
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(kind: &JobKind, to: S) -> Result<S::Ok, S::Error> {
+        kind.opcode().serialize(to)
+    }
+
+    pub fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<JobKind, D::Error> {
+        let opcode = u64::deserialize(from)?;
+        let kind = JobKind::ALL.into_iter().find(|kind| kind.opcode() == opcode);
+        kind.ok_or_else(|| D::Error::custom(format!("opcode {opcode}, expected 0 to 3")))
+    }
 }
 
 const SOURCES: [&str; 3] = ["accepted", "refused", "idle"];

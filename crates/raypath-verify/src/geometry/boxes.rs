@@ -15,8 +15,8 @@ const ENOUGH: u64 = 40_000;
 /// Compares random rays and boxes that touch or nearly touch with exact arithmetic.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let cases = request.jobs.unwrap_or(request.level.pick(100_000, 3_000_000, 50_000_000));
-    let (blocks, is_stopped) = campaign::run(request, 4, cases, run)?;
-    Ok(verdict(Tally::joined(blocks), is_stopped))
+    let (tally, is_stopped) = campaign::run(request, 4, cases, run)?;
+    Ok(verdict(tally, is_stopped))
 }
 
 /// Whether the box is hit, and tmin.

@@ -4,20 +4,42 @@ use crate::{Error, Request, Verdict};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_tools::pool;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// The number of cases in a block. Each block has a random stream of its own.
 const BLOCK: u64 = 512;
 
 /// Runs the shard's part of `cases` cases. `stream` selects random numbers that other campaigns of the same seed do not
-/// use. `case` adds its result to that of its block. Returns the results of the blocks in order, which does not depend
-/// on the number of workers, and whether the user stopped the campaign.
-pub fn run<T: Send + Default>(
+/// use. `case` adds its result to that of its block. Returns the joined results, which do not depend on the number of
+/// workers, and whether the user stopped the campaign.
+pub fn run(
+    request: &mut Request<'_>,
+    stream: u64,
+    cases: u64,
+    case: impl Fn(&mut ChaCha8Rng, &mut Tally) + Sync,
+) -> Result<(Tally, bool), Error> {
+    let mut is_stopped = false;
+    let mut parts = std::mem::take(&mut request.parts);
+    let shards = parts.phase(|| {
+        let (mut blocks, stopped) = blocks(request, stream, cases, case)?;
+        is_stopped = stopped;
+        let failures = blocks.iter_mut().flat_map(|(block, tally)| tally.shown.iter_mut().map(|shown| (*block, shown)));
+        failures.for_each(|(block, shown)| shown.0 = block);
+        Ok::<_, Error>(Tally::joined(blocks.into_iter().map(|(_, tally)| tally)))
+    });
+    request.parts = parts;
+    Ok((Tally::joined(shards?), is_stopped))
+}
+
+/// The results of the blocks with their numbers, in order, and whether the user stopped the campaign.
+fn blocks<T: Send + Default>(
     request: &mut Request<'_>,
     stream: u64,
     cases: u64,
     case: impl Fn(&mut ChaCha8Rng, &mut T) + Sync,
-) -> Result<(Vec<T>, bool), Error> {
+) -> Result<(Vec<(u64, T)>, bool), Error> {
     let (seed, cases) = (request.seed, request.cases(cases, BLOCK));
     let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
         let mut tallies = Vec::new();
@@ -32,16 +54,17 @@ pub fn run<T: Send + Default>(
         Ok(tallies)
     })?;
     let in_order: BTreeMap<u64, T> = finished.workers.into_iter().flatten().collect();
-    Ok((in_order.into_values().collect(), finished.is_stopped))
+    Ok((in_order.into_iter().collect(), finished.is_stopped))
 }
 
 /// The results of cases, by name: counts, the largest of some values, and failures.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Tally {
-    counts: BTreeMap<&'static str, u64>,
-    largest: BTreeMap<&'static str, f64>,
-    /// The first few failures, and the number of all.
-    shown: Vec<String>,
+    counts: BTreeMap<Cow<'static, str>, u64>,
+    /// The bits of the values, which are not negative: their order is that of the numbers.
+    largest: BTreeMap<Cow<'static, str>, u64>,
+    /// The first few failures with the numbers of their blocks, and the number of all.
+    shown: Vec<(u64, String)>,
     failures: u64,
 }
 
@@ -49,18 +72,18 @@ const SHOWN: usize = 5;
 
 impl Tally {
     pub fn add(&mut self, name: &'static str, count: impl Into<u64>) {
-        *self.counts.entry(name).or_default() += count.into();
+        *self.counts.entry(Cow::Borrowed(name)).or_default() += count.into();
     }
 
-    /// Adds a value, of which the largest counts.
+    /// Adds a value, at least 0, of which the largest counts.
     pub fn add_value(&mut self, name: &'static str, value: f64) {
-        let largest = self.largest.entry(name).or_default();
-        *largest = largest.max(value);
+        let largest = self.largest.entry(Cow::Borrowed(name)).or_default();
+        *largest = f64::from_bits(*largest).max(value).to_bits();
     }
 
     pub fn fail(&mut self, message: impl FnOnce() -> String) {
         if self.shown.len() < SHOWN {
-            self.shown.push(message());
+            self.shown.push((0, message()));
         }
         self.failures += 1;
     }
@@ -71,21 +94,26 @@ impl Tally {
 
     /// The largest value of this name; 0 if there is none.
     pub fn largest(&self, name: &str) -> f64 {
-        self.largest.get(name).copied().unwrap_or(0.0)
+        self.largest.get(name).copied().map_or(0.0, f64::from_bits)
     }
 
     pub fn failures(&self) -> u64 {
         self.failures
     }
 
-    pub fn joined(blocks: Vec<Self>) -> Self {
+    /// The sum of the results of blocks or shards.
+    pub fn joined(parts: impl IntoIterator<Item = Self>) -> Self {
         let mut all = Self::default();
-        for block in blocks {
-            block.counts.into_iter().for_each(|(name, count)| all.add(name, count));
-            block.largest.into_iter().for_each(|(name, value)| all.add_value(name, value));
-            all.shown.extend(block.shown);
-            all.failures += block.failures;
+        for part in parts {
+            part.counts.into_iter().for_each(|(name, count)| *all.counts.entry(name).or_default() += count);
+            for (name, value) in part.largest {
+                let largest = all.largest.entry(name).or_default();
+                *largest = value.max(*largest);
+            }
+            all.shown.extend(part.shown);
+            all.failures += part.failures;
         }
+        all.shown.sort_by_key(|(block, _)| *block);
         all.shown.truncate(SHOWN);
         all
     }
@@ -94,7 +122,7 @@ impl Tally {
     /// implementations `faulty`, whose findings were counted by their names: `label` begins the remark of the counts.
     /// After enough cases, a faulty implementation without a finding is a failure.
     pub fn verdict<const N: usize>(
-        mut self,
+        self,
         is_stopped: bool,
         covered: String,
         mut remarks: Vec<String>,
@@ -102,17 +130,18 @@ impl Tally {
     ) -> Verdict {
         let found = faulty.map(|name| (name, self.count(name)));
         remarks.push(format!("{label}: {}", found.map(|(name, count)| format!("{name} {count}")).join(", ")));
-        let more = self.failures - self.shown.len() as u64;
-        self.shown.extend((more > 0).then(|| format!("and {more} more")));
+        let mut failures: Vec<String> = self.shown.into_iter().map(|(_, failure)| failure).collect();
+        let more = self.failures - failures.len() as u64;
+        failures.extend((more > 0).then(|| format!("and {more} more")));
         let missed = found.iter().filter(|(_, count)| is_enough && *count == 0);
-        self.shown.extend(missed.map(|(name, _)| format!("the campaign cannot fail: it does not refute {name}")));
-        Verdict { covered, failures: self.shown, remarks, is_stopped }
+        failures.extend(missed.map(|(name, _)| format!("the campaign cannot fail: it does not refute {name}")));
+        Verdict { covered, failures, remarks, is_stopped }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Tally, run};
+    use super::{Tally, blocks};
     use crate::request::{Progress, Request, Shard};
     use rand::RngExt;
     use rand::rngs::ChaCha8Rng;
@@ -120,8 +149,8 @@ mod tests {
     fn numbers(seed: u64, shard: Shard, watch: &mut dyn FnMut(Progress) -> bool) -> (Vec<u32>, bool) {
         let mut request = Request { seed, shard, ..Request::new(watch) };
         let draw = |rng: &mut ChaCha8Rng, numbers: &mut Vec<u32>| numbers.push(rng.random());
-        let (numbers, is_stopped) = run(&mut request, 7, 5000, draw).expect("numbers");
-        (numbers.concat(), is_stopped)
+        let (numbers, is_stopped) = blocks(&mut request, 7, 5000, draw).expect("numbers");
+        (numbers.into_iter().flat_map(|(_, numbers)| numbers).collect(), is_stopped)
     }
 
     #[test]
@@ -147,8 +176,8 @@ mod tests {
     fn it_stops_when_told() {
         let watch = &mut |_| false;
         let case = |_: &mut ChaCha8Rng, cases: &mut u64| *cases += 1;
-        let (some, is_stopped) = run(&mut Request::new(watch), 7, 1_000_000_000, case).expect("numbers");
-        assert!(is_stopped && some.iter().sum::<u64>() < 1_000_000_000, "{}", some.len());
+        let (some, is_stopped) = blocks(&mut Request::new(watch), 7, 1_000_000_000, case).expect("numbers");
+        assert!(is_stopped && some.iter().map(|(_, cases)| cases).sum::<u64>() < 1_000_000_000, "{}", some.len());
     }
 
     #[test]
@@ -158,7 +187,7 @@ mod tests {
             (0..2).for_each(|j| block.fail(|| format!("{i}{j}")));
             block
         });
-        let all = Tally::joined(blocks.collect());
+        let all = Tally::joined(blocks);
         assert_eq!(all.failures(), 8);
         let verdict = all.verdict(false, String::new(), Vec::new(), ("", [], true));
         assert_eq!(verdict.failures, ["00", "01", "10", "11", "20", "and 3 more"]);

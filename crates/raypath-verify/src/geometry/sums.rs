@@ -17,7 +17,7 @@ const ENOUGH: u64 = 3_000;
 /// Compares sums over vectors of 1 to 64 beats, at every number of lanes, with exact arithmetic.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let cases = request.jobs.unwrap_or(request.level.pick(20_000, 500_000, 20_000_000));
-    let (blocks, is_stopped) = campaign::run(request, 3, cases, |rng, tally| match rng.random_range(0..6) {
+    let (tally, is_stopped) = campaign::run(request, 3, cases, |rng, tally| match rng.random_range(0..6) {
         0 => check::<2, 1>(tally, rng),
         1 => check::<4, 2>(tally, rng),
         2 => check::<8, 4>(tally, rng),
@@ -25,7 +25,7 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
         4 => check::<32, 16>(tally, rng),
         _ => check::<64, 32>(tally, rng),
     })?;
-    Ok(verdict(Tally::joined(blocks), is_stopped))
+    Ok(verdict(tally, is_stopped))
 }
 
 /// The distribution of a vector's numbers.

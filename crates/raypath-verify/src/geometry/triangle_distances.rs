@@ -17,8 +17,8 @@ const ENOUGH: u64 = 5_000;
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let rules = request.config.semantics.rules;
     let cases = request.jobs.unwrap_or(request.level.pick(300_000, 10_000_000, 300_000_000));
-    let (blocks, is_stopped) = campaign::run(request, 2, cases, |rng, tally| run(tally, rules, rng))?;
-    Ok(verdict(Tally::joined(blocks), is_stopped))
+    let (tally, is_stopped) = campaign::run(request, 2, cases, |rng, tally| run(tally, rules, rng))?;
+    Ok(verdict(tally, is_stopped))
 }
 
 /// A random triangle, and a ray at a point in or near it, from near or far, perpendicular or grazing.

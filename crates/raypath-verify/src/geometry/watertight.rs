@@ -22,8 +22,8 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let cases = request.jobs.unwrap_or(request.level.pick(1_000_000, 20_000_000, 1_000_000_000));
     let bodies = bodies(request.seed);
     let is_hit = |ray: &Ray<Binary32>, corners| datapath(rules, ray, corners).triangle_hit.into();
-    let (blocks, is_stopped) = campaign::run(request, 1, cases, |rng, tally| run(tally, rng, &bodies, &is_hit))?;
-    Ok(verdict(Tally::joined(blocks), &bodies, is_stopped))
+    let (tally, is_stopped) = campaign::run(request, 1, cases, |rng, tally| run(tally, rng, &bodies, &is_hit))?;
+    Ok(verdict(tally, &bodies, is_stopped))
 }
 
 /// An implementation: whether a ray hits a triangle.

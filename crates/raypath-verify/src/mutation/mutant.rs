@@ -10,6 +10,8 @@ use raypath_hdl::{Module, verilog};
 use raypath_model::Shape;
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::engine::shape;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -34,12 +36,12 @@ pub struct Mutant<'s> {
     pub fault: &'s Fault,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum MutantResult {
     /// This check failed.
-    Killed(&'static str),
+    Killed(Cow<'static, str>),
     /// No check failed, and this proof shows that the fault changes nothing.
-    Equivalent(&'static str),
+    Equivalent(Cow<'static, str>),
     /// No check failed, and the proof had this result.
     Survived(String),
 }

@@ -121,7 +121,7 @@ impl<'s> Report<'s> {
     fn checks(&self) -> String {
         let mut checks: BTreeMap<&str, usize> = BTreeMap::new();
         for mutant in &self.checked {
-            if let MutantResult::Killed(check) = mutant.result {
+            if let MutantResult::Killed(check) = &mutant.result {
                 *checks.entry(check).or_default() += 1;
             }
         }

@@ -31,10 +31,10 @@ impl Trial<'_> {
         if let Some(unit) = &self.subject.unit
             && let Some(check) = unit.check(&self.module)?
         {
-            return Ok(MutantResult::Killed(check));
+            return Ok(MutantResult::Killed(check.into()));
         }
         match self.check_datapath()? {
-            Err(failed) => Ok(MutantResult::Killed(failed.check)),
+            Err(failed) => Ok(MutantResult::Killed(failed.check.into())),
             Ok(()) => self.proof(proves_modules),
         }
     }
@@ -51,7 +51,7 @@ impl Trial<'_> {
     fn proof(&self, proves_modules: bool) -> Result<MutantResult, Error> {
         let original = &self.subject.module;
         if is_equivalent_for_jobs(self.subject, &self.module, &self.top) {
-            return Ok(MutantResult::Equivalent("for every job"));
+            return Ok(MutantResult::Equivalent("for every job".into()));
         }
         let is_small = self.subject.unit.is_some() || original.instances().is_empty();
         if !is_small && !proves_modules {
@@ -62,7 +62,7 @@ impl Trial<'_> {
             return Ok(survived("not proven for every job"));
         }
         match compared(original, &self.module) {
-            Ok(Equivalence::Proved) => Ok(MutantResult::Equivalent("as modules")),
+            Ok(Equivalence::Proved) => Ok(MutantResult::Equivalent("as modules".into())),
             Ok(Equivalence::Different(_)) => Ok(survived("different as modules")),
             Ok(Equivalence::Undecided(why)) => Ok(survived(&format!("undecided as modules: {why}"))),
             Err(Error::Tool(problem)) => Ok(survived(&format!("not compared as modules: {problem}"))),

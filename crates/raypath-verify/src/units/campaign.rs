@@ -38,21 +38,25 @@ impl<'r, 'w> Campaign<'r, 'w> {
         let (before, total) = (self.done, self.total);
         let found = AtomicUsize::new(self.failures.len());
         let mut proceed = |phase: Progress| (self.request.proceed)(Progress { done: before + phase.done, total });
-        let finished = pool::run::<_, Error>(phase, pool::ALL_CORES, &mut proceed, |queue| {
-            let (mut worker, mut failures) = (begin()?, Vec::new());
-            queue.run(|piece, stop| {
-                let failed = check(&mut worker, phase.range(piece));
-                if found.fetch_add(failed.len(), Ordering::Relaxed) + failed.len() >= MAX_FAILURES {
-                    stop.store(true, Ordering::Relaxed);
-                }
-                failures.extend(failed.into_iter().map(|failure| (piece, failure)));
-                Ok(())
-            });
-            Ok(failures)
+        let is_stopped = &mut self.is_stopped;
+        let shards = self.request.parts.phase(|| {
+            let finished = pool::run::<_, Error>(phase, pool::ALL_CORES, &mut proceed, |queue| {
+                let (mut worker, mut failures) = (begin()?, Vec::new());
+                queue.run(|piece, stop| {
+                    let failed = check(&mut worker, phase.range(piece));
+                    if found.fetch_add(failed.len(), Ordering::Relaxed) + failed.len() >= MAX_FAILURES {
+                        stop.store(true, Ordering::Relaxed);
+                    }
+                    failures.extend(failed.into_iter().map(|failure| (piece, failure)));
+                    Ok(())
+                });
+                Ok(failures)
+            })?;
+            *is_stopped |= finished.is_stopped;
+            Ok::<_, Error>((finished.done, finished.workers.concat()))
         })?;
-        self.done += finished.done;
-        self.is_stopped |= finished.is_stopped;
-        let mut failures: Vec<(u64, String)> = finished.workers.into_iter().flatten().collect();
+        self.done += shards.iter().map(|(done, _)| done).sum::<u64>();
+        let mut failures: Vec<(u64, String)> = shards.into_iter().flat_map(|(_, failures)| failures).collect();
         failures.sort_by_key(|(piece, _)| *piece);
         self.failures.extend(failures.into_iter().map(|(_, failure)| failure));
         self.failures.truncate(MAX_FAILURES);

@@ -11,11 +11,11 @@ pub use claim::{Claim, Operands, Subject};
 
 use crate::sat::{Miter, ProofResult, Prover};
 use crate::units::bench::Simulated;
-use crate::{Error, Level, Request, Verdict};
+use crate::{Error, Level, Progress, Request, Verdict};
 use raypath_float::{Format, add, compare, mul};
 use raypath_hdl::Module;
 use raypath_tools::{Cache, Key, ToolError, pool};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -26,28 +26,61 @@ use std::time::{Duration, Instant};
 /// # Errors
 /// A program is missing or fails.
 pub fn unit_proofs(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let prover = Prover::find()?;
-    let claims: Vec<(Claim, bool)> = request.shard.of(claims(request.level)).map(|claim| (claim, true)).collect();
-    let results = prove(&prover, &claims, None, request)?;
+    let claims: Vec<(Claim, bool)> = claims(request.level).map(|claim| (claim, true)).collect();
+    let shard = request.shard;
+    let (results, versions) = prove(&claims, |number| shard.takes(number), None, request)?;
     let is_proved = |done: &&ClaimResult| done.outcome.is_ok();
     let proved: Vec<String> = results.iter().flatten().filter(is_proved).map(|done| done.claim.to_string()).collect();
     let covered = match proved.len() {
         0 => "nothing proved".to_string(),
         count => format!("{count} proofs, and as many faults refuted: {}", proved.join("; ")),
     };
-    Ok(verdict(&results, covered, format!("with {}", prover.versions())))
+    Ok(verdict(&results, covered, format!("with {versions}")))
 }
 
-/// Proves claims on all cores, those with `true` together with their deliberate fault. A claim without its fault is not
-/// proved again if the cache has its proof. None for claims that were not reached when the run was stopped.
+/// The result of a claim in a part: the fields of [`ClaimResult`] but the claim, which its number gives.
+type Proof = (Result<(), String>, Option<String>, bool);
+
+/// Proves the claims whose numbers are `mine` on all cores, those with `true` together with their deliberate fault.
+/// Returns the results in the order of the claims, and the versions of the programs. None for claims that were not
+/// reached when the run was stopped.
 fn prove(
+    claims: &[(Claim, bool)],
+    mine: impl Fn(u64) -> bool,
+    cache: Option<&Cache>,
+    request: &mut Request<'_>,
+) -> Result<(Vec<Option<ClaimResult>>, String), Error> {
+    let limit = Duration::from_secs(request.level.pick(300, 1800, 7200));
+    let shards = request.parts.phase(|| {
+        let prover = Prover::find()?;
+        let numbers: Vec<u64> = (0..claims.len() as u64).filter(|&number| mine(number)).collect();
+        let chosen: Vec<(Claim, bool)> = numbers.iter().map(|&number| claims[number as usize]).collect();
+        let results = prove_all(&prover, &chosen, cache, limit, request.proceed)?;
+        let proof = |result: ClaimResult| (result.outcome, result.found_fault, result.is_cached);
+        let proofs: Vec<(u64, Option<Proof>)> =
+            numbers.into_iter().zip(results).map(|(number, result)| (number, result.map(proof))).collect();
+        Ok::<_, Error>((prover.versions(), proofs))
+    })?;
+    let versions: BTreeSet<&str> = shards.iter().map(|(versions, _)| versions.as_str()).collect();
+    let versions = versions.into_iter().collect::<Vec<_>>().join("; ");
+    // A claim that all shards prove, because it is a negative control, counts once.
+    let proofs: BTreeMap<u64, Option<Proof>> = shards.into_iter().flat_map(|(_, proofs)| proofs).collect();
+    let result = |(number, proof): (u64, Option<Proof>)| {
+        let (claim, _) = *claims.get(number as usize)?;
+        Some(proof.map(|(outcome, found_fault, is_cached)| ClaimResult { claim, outcome, found_fault, is_cached }))
+    };
+    Ok((proofs.into_iter().filter_map(result).collect(), versions))
+}
+
+/// Proves claims on all cores. A claim without its fault is not proved again if the cache has its proof.
+fn prove_all(
     prover: &Prover,
     claims: &[(Claim, bool)],
     cache: Option<&Cache>,
-    request: &mut Request<'_>,
+    limit: Duration,
+    proceed: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Vec<Option<ClaimResult>>, Error> {
-    let limit = Duration::from_secs(request.level.pick(300, 1800, 7200));
-    pool::map(claims, pool::ALL_CORES, request.proceed, |&(claim, with_fault), stop| {
+    pool::map(claims, pool::ALL_CORES, proceed, |&(claim, with_fault), stop| {
         let Some(cache) = cache else { return check(prover, claim, with_fault, limit, stop) };
         let key = proof_key(&claim.miter(false)?, &prover.versions());
         if !with_fault && cache.has(&key) {
@@ -314,17 +347,18 @@ struct Cases {
 
 impl Cases {
     fn prove(self, request: &mut Request<'_>) -> Result<Verdict, Error> {
-        let prover = Prover::find()?;
         let cache = Cache::new(Path::new(CASES_FOLDER));
-        // The negative control runs every time.
-        let mine = request.shard.of(&self.chosen).map(|claim| (*claim, false));
-        let work: Vec<(Claim, bool)> = std::iter::once((self.fault, true)).chain(mine).collect();
-        let results = prove(&prover, &work, Some(&cache), request)?;
+        let cases = self.chosen.iter().map(|claim| (*claim, false));
+        let work: Vec<(Claim, bool)> = std::iter::once((self.fault, true)).chain(cases).collect();
+        // The negative control runs every time, in every shard.
+        let shard = request.shard;
+        let is_mine = |number: u64| number.checked_sub(1).is_none_or(|case| shard.takes(case));
+        let (results, versions) = prove(&work, is_mine, Some(&cache), request)?;
         let rest = || results.iter().skip(1).flatten();
         let proved = rest().filter(|case| case.outcome.is_ok()).count();
         let cached = rest().filter(|case: &&ClaimResult| case.is_cached).count();
         let covered = format!("{}, {proved} of {} cases proved", self.what, self.total);
-        let remark = format!("with {}; {cached} of these proofs were cached", prover.versions());
+        let remark = format!("with {versions}; {cached} of these proofs were cached");
         let mut verdict = verdict(&results, covered, remark);
         if self.chosen.len() < self.total {
             let (level, chosen) = (request.level.name(), self.chosen.len());

@@ -4,7 +4,7 @@ use crate::{ends_with, file, folder, text};
 use raypath::rtl::{Config, Control, Datapath};
 use raypath::sim::engine::shape;
 use raypath_verify::campaign::verify_module;
-use raypath_verify::{Level, Request, Shard, Verdict};
+use raypath_verify::{Request, Verdict};
 use std::path::Path;
 
 /// The verdict on the netlist of a configuration, compared with the models of the default one.
@@ -12,8 +12,8 @@ fn verdict_on(netlist: Config, jobs: u64, seed: u64, folder: &Path) -> Verdict {
     let expected = Datapath::new(Config::DEFAULT).expect("a datapath");
     let tested = Datapath::new(netlist).expect("a datapath");
     let shape = shape(Config::DEFAULT, &expected);
-    let (config, level, proceed) = (Config::DEFAULT, Level::Regression, &mut |_| true);
-    let mut request = Request { config, level, jobs: Some(jobs), seed, shard: Shard::ALL, proceed };
+    let proceed = &mut |_| true;
+    let mut request = Request { jobs: Some(jobs), seed, ..Request::new(proceed) };
     verify_module(&mut request, tested.top(), &shape, folder).expect("a verdict")
 }
 

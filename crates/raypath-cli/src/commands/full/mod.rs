@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod bench;
+mod division;
 mod explore;
 mod measuring;
 mod ppa;
@@ -16,6 +17,7 @@ mod verify;
 mod view;
 mod wave;
 
+use division::DivisionArguments;
 use measuring::BenchArguments;
 use progress::watched;
 use stream::StreamArguments;

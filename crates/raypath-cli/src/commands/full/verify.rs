@@ -1,11 +1,13 @@
 //! `raypath verify`: checks of the claims about the datapath with their oracles.
 
+use crate::commands::full::division::{Division, DivisionArguments};
 use crate::progress;
 use crate::{CliError, ConfigArguments, whole};
 use clap::Args;
 use raypath_rtl::Config;
+use raypath_tools::parts::Parts;
 use raypath_verify::record::Recorder;
-use raypath_verify::{Error, ITEMS, Item, Level, Request, Shard, Verdict};
+use raypath_verify::{ITEMS, Item, Level, Request, Verdict};
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -27,12 +29,11 @@ pub struct Arguments {
     /// Seed of all random choices
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
-    /// The part of the work for this machine: 2/5 is the second part of five
-    #[arg(long, default_value = "1/1", value_name = "I/N")]
-    shard: Shard,
     /// Write a record of each run, with commit, versions, time and result, as JSON into this folder
     #[arg(long, value_name = "DIR")]
     record: Option<PathBuf>,
+    #[command(flatten)]
+    division: DivisionArguments,
     #[command(flatten)]
     config: ConfigArguments,
 }
@@ -49,7 +50,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     if arguments.list {
         return chosen.into_iter().try_for_each(|item| describe(item, out)).map_err(CliError::from);
     }
-    writeln!(out, "Level {}, seed {}, shard {}.", arguments.level.name(), arguments.seed, arguments.shard)?;
+    let Arguments { level, seed, .. } = arguments;
+    let jobs = arguments.jobs.map_or(String::new(), |jobs| format!(", {jobs} jobs"));
+    let mut division =
+        arguments.division.begin(format!("verify, level {}, seed {seed}{jobs}, {config}", level.name()))?;
+    writeln!(out, "Level {}, seed {seed}, shard {}.", level.name(), arguments.division.shard)?;
     let recorder = arguments.record.as_deref().map(Recorder::new).transpose();
     let recorder = recorder.map_err(|problem| CliError::unusable(problem.to_string()))?;
     let (mut wrong, mut not_run) = (Vec::new(), Vec::new());
@@ -57,21 +62,26 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         describe(item, out)?;
         out.flush()?;
         let begin = Instant::now();
-        match verify(item, arguments, config, recorder.as_ref()) {
-            Ok(verdict) => {
-                report(&verdict, begin, out)?;
+        match verify(item, arguments, config, &division, recorder.as_ref()) {
+            Ok((verdict, parts)) => {
+                let seconds = parts.seconds().unwrap_or(begin.elapsed().as_secs_f64());
+                report(&verdict, seconds, out)?;
                 if !verdict.failures.is_empty() {
                     wrong.push(item.name);
                 }
                 if verdict.is_stopped {
                     return Err(stopped(item.name, &wrong));
                 }
+                division.keep(item.name, parts, seconds);
             }
             Err(problem) => {
                 writeln!(out, "  not run  {problem}")?;
                 not_run.push(format!("{}: {problem}", item.name));
             }
         }
+    }
+    if let Some(message) = division.write()? {
+        writeln!(out, "{message}")?;
     }
     match (wrong.is_empty(), not_run.is_empty()) {
         (false, _) => Err(CliError::Mismatch(format!("wrong: {}", wrong.join(", ")))),
@@ -80,30 +90,38 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     }
 }
 
-fn verify(item: &Item, arguments: &Arguments, config: Config, recorder: Option<&Recorder>) -> Result<Verdict, Error> {
+fn verify(
+    item: &Item,
+    arguments: &Arguments,
+    config: Config,
+    division: &Division,
+    recorder: Option<&Recorder>,
+) -> Result<(Verdict, Parts), CliError> {
+    let parts = division.parts(item.name)?;
     let mut progress: Option<progress::Progress> = None;
     let mut reached = 0;
     let mut watch = |step: raypath_verify::Progress| {
         reached = step.done as usize;
         progress.get_or_insert_with(|| progress::Progress::new(item.name, step.total as usize)).at(reached)
     };
-    let Arguments { level, jobs, seed, shard, .. } = *arguments;
-    let mut request = Request { config, level, jobs, seed, shard, proceed: &mut watch };
+    let Arguments { level, jobs, seed, division: DivisionArguments { shard, .. }, .. } = *arguments;
+    let mut request = Request { config, level, jobs, seed, shard, parts, proceed: &mut watch };
     let verdict = match recorder {
         Some(recorder) => recorder.run(item, &mut request),
         None => (item.run)(&mut request),
     };
     // The verdict reports a stop, with the coverage so far.
+    let parts = request.parts;
     let _ = progress.map(|progress| progress.finish(reached));
-    verdict
+    Ok((verdict.map_err(CliError::unusable)?, parts))
 }
 
 fn describe(item: &Item, out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(out, "\n{}\n  claim    {}\n  oracle   {}", item.name, item.claim, item.oracle)
 }
 
-fn report(verdict: &Verdict, begin: Instant, out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(out, "  covered  {}, in {:.1} s", verdict.covered, begin.elapsed().as_secs_f64())?;
+fn report(verdict: &Verdict, seconds: f64, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(out, "  covered  {}, in {seconds:.1} s", verdict.covered)?;
     verdict.remarks.iter().try_for_each(|remark| writeln!(out, "  remark   {remark}"))?;
     verdict.failures.iter().try_for_each(|failure| writeln!(out, "  wrong    {failure}"))?;
     let result = match (verdict.failures.is_empty(), verdict.is_stopped) {
