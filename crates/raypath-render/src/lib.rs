@@ -28,7 +28,7 @@ pub use mesh::{Bounds, Mesh, MeshError};
 pub use picture::{Picture, heatmap, to_png};
 pub use rays::{parse_rays, read_rays, write_hits};
 pub use read::{Format, ReadError, parse_mesh, read_mesh};
-pub use render::{RenderError, Rendering, Shading, render};
+pub use render::{Costs, RenderError, Rendering, Rows, Shading, render, render_rows};
 pub use scene::Scene;
 pub use timing::{PictureError, PictureSpec, RayBatch, sweep_picture, sweep_rays, time_picture, time_rays};
 pub use trace::{Counts, Goal, Hit, Stopped, Tracer, Tracing, Traversal, trace_any, trace_closest};

@@ -6,10 +6,10 @@ mod pixel;
 pub(crate) use pixel::{PictureSampler, PixelSampler, SampleRay};
 
 use crate::{Camera, Counts, Picture, Scene, Stopped, Tracer, Tracing, heatmap};
-use image::Rgb;
 use rayon::prelude::*;
 use raypath_ops::RayError;
 use raypath_timing::{Progress, ProgressCounter};
+use std::ops::Range;
 use thiserror::Error;
 
 /// Options of rendering.
@@ -72,6 +72,14 @@ pub enum RenderError {
         /// The height in pixels.
         height: u32,
     },
+    /// The rows are not those of the picture.
+    #[error("{found} rows, expected {height}")]
+    Rows {
+        /// The number of rows.
+        found: u32,
+        /// The height in pixels.
+        height: u32,
+    },
     /// The number of samples is out of range.
     #[error("{0} x {0} samples per pixel, expected 1 to 64")]
     Samples(u32),
@@ -100,10 +108,29 @@ pub fn render(
     shading: &Shading,
     progress: Progress,
 ) -> Result<Rendering, RenderError> {
+    Rendering::of(size, [render_rows(scene, camera, size, shading, 0..size.1, progress)?])
+}
+
+/// Renders some rows of a picture, as [`render`] does.
+///
+/// # Errors
+/// Those of [`render`]; rows outside of the picture.
+pub fn render_rows(
+    scene: &Scene,
+    camera: &Camera,
+    size: (u32, u32),
+    shading: &Shading,
+    rows: Range<u32>,
+    progress: Progress,
+) -> Result<Rows, RenderError> {
     let sampler = PictureSampler::new(scene, camera, size, shading)?;
     let (width, height) = size;
+    if rows.end > height {
+        return Err(RenderError::Rows { found: rows.end, height });
+    }
     let progress = ProgressCounter::new(progress);
-    let mut pixels = vec![Pixel::default(); sampler.pixels()];
+    let first = rows.start as usize;
+    let mut pixels = vec![Pixel::default(); rows.len() * width as usize];
     let rows = pixels.par_chunks_mut(width as usize).enumerate().map(|(row, pixels)| {
         let mut costs = [Costs::default(); 3];
         if progress.is_stopped() {
@@ -112,7 +139,7 @@ pub fn render(
         let mut tracer = Tracer::new(scene, shading.tracing);
         for (column, pixel) in pixels.iter_mut().enumerate() {
             let before = jobs(&costs);
-            let mut pixel_sampler = sampler.pixel(row * width as usize + column);
+            let mut pixel_sampler = sampler.pixel((first + row) * width as usize + column);
             let mut hit = None;
             while let Some(SampleRay { ray, kind }) = pixel_sampler.next_ray(hit)? {
                 hit = tracer.trace(&ray, kind.goal());
@@ -125,17 +152,45 @@ pub fn render(
         Ok::<_, RayError>(costs)
     });
     let sums = |a: [Costs; 3], b: [Costs; 3]| Ok(std::array::from_fn(|kind| a[kind].and(b[kind])));
-    let [primary, shadow, occlusion] = rows.try_reduce(Default::default, sums)?;
+    let costs = rows.try_reduce(Default::default, sums)?;
     if progress.is_stopped() {
         return Err(Stopped.into());
     }
-    let colour = |x: u32, y: u32| Rgb(pixels[y as usize * width as usize + x as usize].colour);
-    let picture = Picture::from_fn(width, height, colour);
-    let jobs = pixels.iter().map(|pixel| pixel.jobs).collect();
-    Ok(Rendering { picture, jobs, primary, shadow, occlusion })
+    let (colours, jobs) = pixels.into_iter().map(|pixel| (pixel.colour, pixel.jobs)).unzip();
+    Ok(Rows { colours, jobs, costs })
+}
+
+/// Rendered rows of a picture.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rows {
+    /// The colour of each pixel, row by row.
+    pub colours: Vec<[u8; 3]>,
+    /// The number of jobs of each pixel, row by row.
+    pub jobs: Vec<u32>,
+    /// The costs of primary, shadow and ambient-occlusion rays.
+    pub costs: [Costs; 3],
 }
 
 impl Rendering {
+    /// The picture of `size` = (width, height) pixels with these rows, from the top.
+    ///
+    /// # Errors
+    /// The rows have more or fewer pixels than the picture.
+    pub fn of(size: (u32, u32), rows: impl IntoIterator<Item = Rows>) -> Result<Self, RenderError> {
+        let (width, height) = size;
+        let (mut bytes, mut jobs, mut costs) = (Vec::new(), Vec::new(), [Costs::default(); 3]);
+        for rows in rows {
+            bytes.extend(rows.colours.into_iter().flatten());
+            jobs.extend(rows.jobs);
+            costs = std::array::from_fn(|kind| costs[kind].and(rows.costs[kind]));
+        }
+        let found = u32::try_from(jobs.len() / width.max(1) as usize).unwrap_or(u32::MAX);
+        let picture = Picture::from_raw(width, height, bytes).filter(|_| found == height);
+        let picture = picture.ok_or(RenderError::Rows { found, height })?;
+        let [primary, shadow, occlusion] = costs;
+        Ok(Self { picture, jobs, primary, shadow, occlusion })
+    }
+
     /// The heat map of the jobs of each pixel, with a legend below.
     pub fn heatmap(&self) -> Picture {
         heatmap(self.picture.width(), self.picture.height(), &self.jobs)

@@ -39,6 +39,18 @@ impl Work {
 }
 
 impl SearchResults {
+    /// The results of these searches of different queries in one base, in their order. The times are added.
+    pub fn joined(searches: impl IntoIterator<Item = Self>) -> Self {
+        let mut all = Self { rows: Vec::new(), work: Work::default(), seconds: 0.0 };
+        for search in searches {
+            all.rows.extend(search.rows);
+            all.work.evaluations += search.work.evaluations;
+            all.work.beats += search.work.beats;
+            all.seconds += search.seconds;
+        }
+        all
+    }
+
     /// The number of completed queries per second.
     pub fn queries_per_second(&self) -> f64 {
         self.rows.len() as f64 / self.seconds

@@ -1,3 +1,4 @@
+use std::ops::Range;
 use thiserror::Error;
 
 /// The maximum dimension of vectors.
@@ -77,6 +78,13 @@ impl Vectors {
     pub fn first(&self, count: usize) -> Self {
         let count = count.clamp(1, self.len());
         Self { dimensions: self.dimensions, data: self.data[..count * self.dimensions].to_vec() }
+    }
+
+    /// The vectors with these indices, or `None` if one of them does not exist or there are none.
+    pub fn range(&self, indices: Range<usize>) -> Option<Self> {
+        let start = indices.start.checked_mul(self.dimensions)?;
+        let data = self.data.get(start..indices.end.checked_mul(self.dimensions)?)?;
+        (!data.is_empty()).then(|| Self { dimensions: self.dimensions, data: data.to_vec() })
     }
 
     /// All vectors in order.

@@ -1,17 +1,20 @@
 //! `raypath explore`: area and timing of many configurations.
 
+use crate::commands::full::division::DivisionArguments;
 use crate::commands::full::measuring::BenchArguments;
 use crate::commands::full::ppa::{self, design};
 use crate::error::CliError;
 use clap::Args;
 use raypath_ppa::charts::scatter;
 use raypath_ppa::tables::explored;
-use raypath_ppa::{DesignPoint, Exploration};
+use raypath_ppa::{Design, DesignPoint, Exploration, Report};
 use raypath_rtl::{Config, PRESETS, Preset};
 use raypath_sim::configuration;
 use raypath_sim::files::write_all;
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::PathBuf;
+use std::time::Instant;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -23,6 +26,8 @@ pub struct Arguments {
     sweep: Option<PathBuf>,
     #[command(flatten)]
     bench: BenchArguments,
+    #[command(flatten)]
+    division: DivisionArguments,
     /// The folder to write explore.json, explore.svg and each configuration's report to
     #[arg(long, default_value = "build/explore", value_name = "DIR")]
     out: PathBuf,
@@ -33,8 +38,10 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let configurations = configurations(arguments)?;
-    let designs = configurations.iter().map(|(_, config)| design(*config)).collect::<Result<Vec<_>, _>>()?;
-    let reports = arguments.bench.measure(&designs)?;
+    let reports = match measured(arguments, &configurations)? {
+        Measured::All(reports) => reports,
+        Measured::Shard(message) => return Ok(writeln!(out, "{message}")?),
+    };
     let points = configurations.into_iter().zip(reports);
     let points = points
         .map(|((name, config), report)| {
@@ -58,6 +65,38 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     writeln!(out, "{}\n", explored(&exploration))?;
     writeln!(out, "Wrote {0}/explore.json, {0}/explore.svg and each report to {0}/NAME.", folder.display())?;
     Ok(())
+}
+
+enum Measured {
+    /// The reports of all configurations.
+    All(Vec<Report>),
+    /// The message that those of a shard are written.
+    Shard(String),
+}
+
+/// Measures the configurations of the shard, or takes the results of all shards.
+fn measured(arguments: &Arguments, configurations: &[(String, Config)]) -> Result<Measured, CliError> {
+    const TASK: &str = "explore";
+    let names: Vec<&str> = configurations.iter().map(|(name, _)| name.as_str()).collect();
+    let mut division = arguments.division.begin_whole(format!("explore {}", names.join(", ")))?;
+    let mut parts = division.parts(TASK)?;
+    let begin = Instant::now();
+    let shards = parts.phase(|| {
+        let shard = arguments.division.shard;
+        let (numbers, designs): (Vec<u64>, Vec<Design>) = (0..)
+            .zip(configurations)
+            .filter(|(number, _)| shard.takes(*number))
+            .map(|(number, (_, config))| Ok((number, design(*config)?)))
+            .collect::<Result<_, CliError>>()?;
+        let reports = arguments.bench.measure(&designs)?;
+        Ok::<Vec<(u64, Report)>, CliError>(numbers.into_iter().zip(reports).collect())
+    })?;
+    division.keep(TASK, parts, begin.elapsed().as_secs_f64());
+    if let Some(message) = division.write()? {
+        return Ok(Measured::Shard(message));
+    }
+    let reports: BTreeMap<u64, Report> = shards.into_iter().flatten().collect();
+    Ok(Measured::All(reports.into_values().collect()))
 }
 
 fn configurations(arguments: &Arguments) -> Result<Vec<(String, Config)>, CliError> {

@@ -1,23 +1,23 @@
 //! `raypath render`: rendering of a mesh with the operations of the datapath, and its simulated timing.
 
+mod divided;
 mod scene;
 mod timing;
 
-use crate::commands::full::{Timed, TimingArguments, watched, write_and_name};
+use crate::commands::full::{DivisionArguments, Timed, TimingArguments, write_and_name};
 use crate::{CliError, ConfigArguments, whole};
 use clap::Args;
+use divided::Divided;
 use raypath_float::Format;
 use raypath_ops::{Binary32, Ray};
 use raypath_render::{
-    Counts, Hit, PictureSpec, RayBatch, Rendering, Scene, Shading, Tracing, read_rays, render, to_png, trace_closest,
-    write_hits,
+    Counts, Hit, PictureSpec, RayBatch, Rendering, Scene, Shading, Tracing, read_rays, to_png, write_hits,
 };
 use raypath_rtl::Config;
 use raypath_timing::report::Image;
 use scene::CameraArguments;
 use std::io::Write;
 use std::path::PathBuf;
-use std::time::Instant;
 use timing::{Simulated, Work};
 
 #[derive(Debug, Args)]
@@ -66,6 +66,8 @@ pub struct Arguments {
     #[command(flatten)]
     timing: TimingArguments,
     #[command(flatten)]
+    division: DivisionArguments,
+    #[command(flatten)]
     config: ConfigArguments,
 }
 
@@ -95,18 +97,23 @@ fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dy
         samples: arguments.samples,
         seed: arguments.seed,
     };
-    let pixels = width as usize * height as usize;
-    let begin = Instant::now();
-    let rendering = watched("pixels", pixels, |watch| render(&scene, &camera, (width, height), &shading, watch))?;
-    costs(&rendering, begin, out)?;
+    let mut divided = Divided::begin(&arguments.division, arguments.work(&scene, config))?;
+    let rendering = divided.render(&scene, &camera, (width, height), &shading)?;
+    let seconds = divided.seconds();
+    let hits = match arguments.hits {
+        Some(_) => divided.trace(&scene, &camera.rays(width, height).map_err(CliError::unusable)?, tracing)?,
+        None => Vec::new(),
+    };
+    let written = divided.write()?;
+    let Some(rendering) = rendering else { return Ok(writeln!(out, "{}", written.unwrap_or_default())?) };
+    costs(&rendering, seconds, out)?;
     let png = to_png(&rendering.picture).map_err(CliError::unusable)?;
     let mut files = vec![(arguments.out.clone(), png.clone())];
     if let Some(path) = &arguments.heatmap {
         files.push((path.clone(), to_png(&rendering.heatmap()).map_err(CliError::unusable)?));
     }
     if let Some(path) = &arguments.hits {
-        let rays = camera.rays(width, height).map_err(CliError::unusable)?;
-        files.push((path.clone(), text(&trace(&scene, &rays, tracing)?)?));
+        files.push((path.clone(), text(&hits)?));
     }
     let rays = [rendering.primary, rendering.shadow, rendering.occlusion].iter().map(|costs| costs.rays).sum();
     let work = Work::Picture { spec: PictureSpec { scene: &scene, camera, size: (width, height), shading }, rays };
@@ -123,9 +130,12 @@ fn rays(
 ) -> Result<(), CliError> {
     let mesh = scene::mesh(arguments.scene.as_deref())?;
     let scene = Scene::for_origins(mesh, rays.iter().map(|ray| ray.origin.into())).map_err(CliError::unusable)?;
-    let begin = Instant::now();
-    let hits = trace(&scene, &rays, tracing)?;
-    let seconds = begin.elapsed().as_secs_f64();
+    let mut divided = Divided::begin(&arguments.division, arguments.work(&scene, config))?;
+    let hits = divided.trace(&scene, &rays, tracing)?;
+    let seconds = divided.seconds();
+    if let Some(message) = divided.write()? {
+        return Ok(writeln!(out, "{message}")?);
+    }
     let wants_pictures = arguments.timing.view.is_wanted() || arguments.timing.has_sweep();
     if arguments.hits.is_none() && !wants_pictures {
         out.write_all(&text(&hits)?)?;
@@ -163,8 +173,16 @@ fn time(
     Ok(())
 }
 
-fn trace(scene: &Scene, rays: &[Ray<Binary32>], tracing: Tracing) -> Result<Vec<Option<Hit>>, CliError> {
-    watched("rays", rays.len(), |watch| trace_closest(scene, rays, tracing, watch)).map(|(hits, _)| hits)
+impl Arguments {
+    /// What is rendered or traced, for the parts of several machines. The scene may have another path on each.
+    fn work(&self, scene: &Scene, config: Config) -> String {
+        let Self { camera, size, shadows, ao, samples, two_sided, seed, rays, hits, .. } = self;
+        let (triangles, rays, hits) = (scene.mesh().triangles().len(), rays.is_some(), hits.is_some());
+        format!(
+            "render {triangles} triangles, {camera:?}, size {size:?}, shadows {shadows}, ao {ao}, samples {samples}, \
+             two-sided {two_sided}, seed {seed}, rays {rays}, hits {hits}, {config}"
+        )
+    }
 }
 
 fn text(hits: &[Option<Hit>]) -> Result<Vec<u8>, CliError> {
@@ -173,8 +191,7 @@ fn text(hits: &[Option<Hit>]) -> Result<Vec<u8>, CliError> {
     Ok(text)
 }
 
-fn costs(rendering: &Rendering, begin: Instant, out: &mut dyn Write) -> Result<(), CliError> {
-    let seconds = begin.elapsed().as_secs_f64();
+fn costs(rendering: &Rendering, seconds: f64, out: &mut dyn Write) -> Result<(), CliError> {
     let kinds =
         [("from the eye", rendering.primary), ("to the sun", rendering.shadow), ("to the sky", rendering.occlusion)];
     writeln!(

@@ -1,8 +1,9 @@
 //! `raypath search`: nearest-neighbour search with the distance operations, and its simulated timing.
 
+mod saved;
 mod timing;
 
-use crate::commands::full::{Timed, TimingArguments, print_rows, watched, write_and_name};
+use crate::commands::full::{DivisionArguments, Timed, TimingArguments, print_rows, watched, write_and_name};
 use crate::{CliError, ConfigArguments, whole};
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
@@ -11,8 +12,11 @@ use raypath_search::{
     Clusters, Dataset, Exact, Graph, GraphParameters, Metric, Neighbours, SearchResults, Work, recall, write_ivecs,
 };
 use raypath_timing::report::Table;
+use saved::SavedResults;
 use std::io::Write;
+use std::ops::Range;
 use std::path::PathBuf;
+use std::time::Instant;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -60,6 +64,8 @@ pub struct Arguments {
     #[command(flatten)]
     timing: TimingArguments,
     #[command(flatten)]
+    division: DivisionArguments,
+    #[command(flatten)]
     config: ConfigArguments,
 }
 
@@ -102,10 +108,17 @@ fn search<const E: usize, const A: usize>(
     writeln!(out, "{found}, {} queries, {metric} distance", queries.len())?;
     let graph = match arguments.index {
         None => None,
+        Some(_) if arguments.division.is_divided() => {
+            let problem = "--index: several machines divide an exact search only, expected --exact";
+            return Err(CliError::unusable(problem));
+        }
         Some(Index::Hnsw) => Some(arguments.graph::<E, A>(&dataset, metric, out)?),
     };
     let results = match &graph {
-        None => arguments.exact::<E, A>(&dataset, metric)?,
+        None => match arguments.divided::<E, A>(&dataset, metric, config)? {
+            Ok(results) => results,
+            Err(message) => return Ok(writeln!(out, "{message}")?),
+        },
         Some(graph) => {
             watched("queries", queries.len(), |progress| graph.search(queries, arguments.k, arguments.ef(), progress))?
         }
@@ -190,6 +203,32 @@ impl Arguments {
     ) -> Result<SearchResults, CliError> {
         let exact = Exact::<E, A>::new(&dataset.base, metric);
         watched("queries", dataset.queries.len(), |progress| exact.search(&dataset.queries, self.k, progress))
+    }
+
+    /// An exact search of the shard's queries; or the results of all shards. For a part, its message.
+    fn divided<const E: usize, const A: usize>(
+        &self,
+        dataset: &Dataset,
+        metric: Metric,
+        config: Config,
+    ) -> Result<Result<SearchResults, String>, CliError> {
+        const TASK: &str = "search";
+        let Dataset { base, queries, .. } = dataset;
+        let (vectors, dimensions, k, seed) = (base.len(), base.dimensions(), self.k, self.seed);
+        let of = format!("{vectors} vectors, {dimensions} dimensions, {} queries", queries.len());
+        let mut division = self.division.begin_whole(format!("search {of}, {metric}, k {k}, seed {seed}, {config}"))?;
+        let mut parts = division.parts(TASK)?;
+        let begin = Instant::now();
+        let shards = parts.phase(|| {
+            let Range { start, end } = self.division.shard.range(queries.len() as u64);
+            let Some(queries) = queries.range(start as usize..end as usize) else { return Ok(SavedResults::default()) };
+            let exact = Exact::<E, A>::new(base, metric);
+            let results = watched("queries", queries.len(), |progress| exact.search(&queries, k, progress))?;
+            Ok::<_, CliError>(SavedResults::from(results))
+        })?;
+        division.keep(TASK, parts, begin.elapsed().as_secs_f64());
+        let message = division.write()?;
+        Ok(message.map_or_else(|| Ok(SearchResults::joined(shards.into_iter().map(SearchResults::from))), Err))
     }
 
     /// The truth for recall, with its source. Exact search uses the truth of the file only.
