@@ -1,0 +1,101 @@
+"""The parts of a run, each by itself: plans, the store, workers that differ."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from raypath.cluster import plan
+from raypath.cluster.cli import main
+from raypath.cluster.driver import Driver
+from raypath.cluster.errors import ClusterError
+from raypath.cluster.plan import Plan
+from raypath.cluster.shard import ShardError, compute
+from raypath.cluster.store import DamagedResultError, Result, Store
+
+
+def planned(program: Path, command: str, *words: str, shards: int = 3) -> Plan:
+    return plan.plan(command, list(words), shards, 1, program, True)
+
+
+def test_each_item_is_divided(program: Path, tmp_path: Path) -> None:
+    found = planned(program, "verify", "--jobs=7", "boxes", "--record", str(tmp_path), "sums", "--preset", "credit")
+    # The items are in the order in which raypath runs them.
+    assert [part.name for part in found.parts] == ["boxes", "sums"]
+    assert [shard.command for shard in found.parts[1].shards] == [
+        f"raypath verify sums --jobs=7 --preset credit --shard {number}/3" for number in (1, 2, 3)
+    ]
+    assert len({shard.key for shard in found.shards}) == 6
+    whole = ["--jobs=7", "boxes", "--record", str(tmp_path), "sums", "--preset", "credit", "--merge", "parts"]
+    assert found.merge(list(found.parts), Path("parts"))[1:] == ["verify", *whole]
+    rest = ["--jobs=7", "--record", str(tmp_path), "--preset", "credit", "--merge", "parts"]
+    assert found.merge([found.parts[1]], Path("parts"))[1:] == ["verify", "sums", *rest]
+    assert len(planned(program, "verify").parts) == 15
+
+
+def test_options_of_the_whole_result_are_not_those_of_shards(program: Path) -> None:
+    keys = [
+        {shard.key for shard in planned(program, "render", *words).shards}
+        for words in [(), ("--out", "a.png"), ("--out=b.png", "--no-timing"), ("--ao", "1"), ("--hits", "a.txt")]
+    ]
+    assert keys[0] == keys[1] == keys[2]
+    assert not (keys[0] & keys[3])
+    assert not (keys[0] & keys[4])
+    assert keys[4] == {shard.key for shard in planned(program, "render", "--hits", "b.txt").shards}
+
+
+def test_wrong_arguments_are_errors(program: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for words, expected in [
+        (["render", "--shard", "1/2"], "--shard: this option is for one machine"),
+        (["verify", "nothing"], "invalid value 'nothing'"),
+        (["verify", "sums", "--scheduler", "nowhere://"], "--scheduler nowhere://: "),
+    ]:
+        assert main([words[0], "--program", str(program), *words[1:]]) == 2
+        assert expected in capsys.readouterr().err
+    assert main(["verify", "--program", "/nowhere"]) == 2
+    assert "--program /nowhere: expected a program" in capsys.readouterr().err
+
+
+def test_workers_that_differ_compute_nothing(program: Path, tmp_path: Path) -> None:
+    mesh = tmp_path / "mesh.obj"
+    mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    shard = planned(program, "render", str(mesh), "--size", "4x4").shards[0]
+    assert compute(shard).exit_code == 0
+    with pytest.raises(ClusterError, match=r"the program with SHA-256 .* expected 00"):
+        compute(dataclasses.replace(shard, program_digest="00"))
+    mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 9 0\nf 1 2 3\n")
+    with pytest.raises(ClusterError, match=r"mesh.obj: a file with SHA-256"):
+        compute(shard)
+    mesh.unlink()
+    with pytest.raises(ClusterError, match=r"mesh.obj: cannot read on .*: No such file"):
+        compute(shard)
+    with pytest.raises(ShardError, match=r"exit code 2\n(.|\n)*--ao"):
+        compute(planned(program, "render", "--ao", "x").shards[0])
+
+
+def test_a_scheduler_that_stays_away_is_an_error(program: Path, tmp_path: Path) -> None:
+    def connect() -> None:
+        raise ConnectionError("nobody answers")
+
+    driver = Driver(planned(program, "search").shards, Store(tmp_path), connect, 0)
+    with pytest.raises(ClusterError, match=r"nobody answers; expected a scheduler within 0 s\. 0 of 3 results are in"):
+        driver.run()
+
+
+def test_a_store_gives_back_what_it_has(tmp_path: Path) -> None:
+    store = Store(tmp_path / "store")
+    result = Result(1, 0.5, "a host", "wrong\n", b"\n\x1f\x8b\n")
+    assert store.get("ab12") is None
+    store.put("ab12", {"shard": "1/2"}, result)
+    assert store.get("ab12") == result
+    # Another result under this name is damage too.
+    store.path("cd34").parent.mkdir()
+    store.path("ab12").rename(store.path("cd34"))
+    with pytest.raises(DamagedResultError, match=r"the result of ab12"):
+        store.get("cd34")
+    blocked = Store(tmp_path / "file")
+    blocked.folder.write_text("")
+    with pytest.raises(ClusterError, match=r"file/results/ab/ab12: cannot write: Not a directory"):
+        blocked.put("ab12", {}, result)
