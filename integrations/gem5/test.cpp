@@ -18,12 +18,12 @@ namespace {
 
 constexpr Cycle latency = 12;
 
-/// Events by tick, then by priority, then in the order in which they were scheduled.
+/// Events by tick, then by priority; of these, the one that was scheduled last comes first, as in gem5.
 class EventQueue {
  public:
-  using Event = std::tuple<Cycle, int, std::uint64_t>;
+  using Event = std::tuple<Cycle, int, std::int64_t>;
   Event schedule(Cycle tick, int priority, std::function<void()> process) {
-    const Event event{tick, priority, sequence_++};
+    const Event event{tick, priority, --sequence_};
     events_.emplace(event, std::move(process));
     return event;
   }
@@ -41,7 +41,7 @@ class EventQueue {
 
  private:
   std::map<Event, std::function<void()>> events_;
-  std::uint64_t sequence_ = 0;
+  std::int64_t sequence_ = 0;
   Cycle tick_ = 0;
 };
 
