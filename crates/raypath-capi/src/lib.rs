@@ -16,4 +16,5 @@ pub use arrays::*;
 pub use datapath::*;
 pub use inspect::*;
 pub use pipeline::*;
+pub use raypath_embed::{Bounds, QuadboxResult, Ray, TriangleResult, Vertices};
 pub use status::*;

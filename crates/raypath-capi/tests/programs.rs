@@ -32,8 +32,9 @@ fn prefix() -> &'static Path {
     folder.path()
 }
 
-/// Compiles a program with the flags of pkg-config, and runs it.
-fn compile_and_run(compiler: &str, source: &str, flags: &[&str], is_static: bool) {
+/// Compiles a program of `tests/programs` with the flags of pkg-config, and runs it. Returns its output.
+fn compile_and_run(compiler: &str, source: &str, flags: &[&str], is_static: bool) -> String {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/programs").join(source);
     let folder = tempfile::tempdir().expect("a folder for the program");
     let program = folder.path().join("program");
     let mut config = Command::new("pkg-config");
@@ -45,7 +46,7 @@ fn compile_and_run(compiler: &str, source: &str, flags: &[&str], is_static: bool
     let mut compile = Command::new(compiler);
     compile.args(["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "-g"]).args(flags);
     compile.args(["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]);
-    compile.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/programs").join(source)).arg("-o").arg(&program);
+    compile.arg(source).arg("-o").arg(&program);
     // Without the shared library, `-lraypath` finds the static one.
     let libraries = if is_static {
         std::fs::copy(prefix().join("lib/libraypath.a"), folder.path().join("libraypath.a")).expect("a copy");
@@ -59,7 +60,14 @@ fn compile_and_run(compiler: &str, source: &str, flags: &[&str], is_static: bool
     if !is_static {
         started.env("LD_LIBRARY_PATH", prefix().join("lib"));
     }
-    run(started.arg(folder.path().join("hardware")));
+    run(started.arg(folder.path().join("hardware")))
+}
+
+/// The code blocks of a language in the documentation of this interface.
+fn documented(language: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(root().join("docs/integration/c.md")).expect("the page");
+    let blocks = text.split(&format!("```{language}\n")).skip(1);
+    blocks.filter_map(|block| block.split("```").next()).map(str::to_string).collect()
 }
 
 #[test]
@@ -80,6 +88,20 @@ fn pipelines_keep_the_handshake() {
 #[test]
 fn the_cpp_layer_works() {
     compile_and_run("c++", "layer.cpp", &["-std=c++17", "-fno-exceptions"], false);
+}
+
+#[test]
+fn documented_programs_print_what_the_page_says() {
+    let folder = tempfile::tempdir().expect("a folder for the programs");
+    let save = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("the program can be written");
+        path.to_string_lossy().into_owned()
+    };
+    let printed = compile_and_run("cc", &save("first.c", &documented("c")[0]), &["-std=c11"], false);
+    assert_eq!(printed, documented("text")[0]);
+    let printed = compile_and_run("c++", &save("first.cpp", &documented("cpp")[0]), &["-std=c++17"], false);
+    assert_eq!(printed, "80\n");
 }
 
 #[test]

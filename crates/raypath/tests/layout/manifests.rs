@@ -70,7 +70,8 @@ fn layers_depend_downwards() {
         &["raypath-sim", "raypath-timing", "raypath-ppa"],
         &["raypath-oracle", "raypath-render", "raypath-search"],
         &["raypath-verify", "raypath-embed"],
-        &["raypath-cli", "raypath-capi"],
+        &["raypath-capi"],
+        &["raypath-cli"],
         &["raypath", "raypath-python"],
         &["within_radius"],
     ];
