@@ -9,6 +9,7 @@ use std::slice;
 ///
 /// # Safety
 /// If it is neither null nor misaligned, it points to a value that nothing changes during `'p`.
+#[inline(always)]
 pub unsafe fn reference<'p, T>(name: &str, pointer: *const T) -> Result<&'p T, Failure> {
     check(name, pointer)?;
     // SAFETY: by the contract of this function.
@@ -19,6 +20,7 @@ pub unsafe fn reference<'p, T>(name: &str, pointer: *const T) -> Result<&'p T, F
 ///
 /// # Safety
 /// If it is neither null nor misaligned, it points to a value that nothing else reads or changes during `'p`.
+#[inline(always)]
 pub unsafe fn reference_mut<'p, T>(name: &str, pointer: *mut T) -> Result<&'p mut T, Failure> {
     check(name, pointer)?;
     // SAFETY: by the contract of this function.
@@ -29,6 +31,7 @@ pub unsafe fn reference_mut<'p, T>(name: &str, pointer: *mut T) -> Result<&'p mu
 ///
 /// # Safety
 /// If it is neither null nor misaligned, it points to `count` values that nothing changes during `'p`.
+#[inline(always)]
 pub unsafe fn array<'p, T>(name: &str, pointer: *const T, count: usize) -> Result<&'p [T], Failure> {
     check_array(name, pointer, count)?;
     // SAFETY: by the contract of this function; the size was checked.
@@ -40,6 +43,7 @@ pub unsafe fn array<'p, T>(name: &str, pointer: *const T, count: usize) -> Resul
 /// # Safety
 /// If it is neither null nor misaligned, it points to memory for `count` values of a type that has no invalid values.
 /// Nothing else uses the memory during `'p`, except arrays that [`separate`] has compared with it.
+#[inline(always)]
 pub unsafe fn results<'p, T: Copy>(name: &str, pointer: *mut T, count: usize) -> Result<&'p mut [T], Failure> {
     check_array(name, pointer, count)?;
     // SAFETY: by the contract of this function; the size was checked.
@@ -78,30 +82,45 @@ pub unsafe fn required_text<'p>(name: &str, pointer: *const c_char) -> Result<&'
     unsafe { text(name, pointer) }?.ok_or_else(|| null(name))
 }
 
+#[inline(always)]
 fn check<T>(name: &str, pointer: *const T) -> Result<(), Failure> {
     if pointer.is_null() {
         return Err(null(name));
     }
     if !pointer.is_aligned() {
-        let problem = format!("{name} is at {pointer:p}, expected a multiple of {} bytes", align_of::<T>());
-        return Err(Failure::new(RAYPATH_ERROR_ALIGNMENT, problem));
+        return Err(misaligned(name, pointer.addr(), align_of::<T>()));
     }
     Ok(())
 }
 
+#[inline(always)]
 fn check_array<T>(name: &str, pointer: *const T, count: usize) -> Result<(), Failure> {
     bytes((name, pointer, count))?;
     if count == 0 { Ok(()) } else { check(name, pointer) }
 }
 
 /// The addresses of an array.
+#[inline(always)]
 fn bytes<T>((name, pointer, count): (&str, *const T, usize)) -> Result<Range<usize>, Failure> {
     let size = count.checked_mul(size_of::<T>()).filter(|&size| isize::try_from(size).is_ok());
     let end = size.and_then(|size| pointer.addr().checked_add(size));
-    let problem = || Failure::argument(format!("{name}: {count} elements do not fit into memory"));
-    end.map(|end| pointer.addr()..end).ok_or_else(problem)
+    end.map(|end| pointer.addr()..end).ok_or_else(|| too_long(name, count))
 }
 
+// The messages are not inlined, so that the checks are short.
+
+#[cold]
 fn null(name: &str) -> Failure {
     Failure::new(RAYPATH_ERROR_NULL, format!("{name} is NULL, expected a pointer"))
+}
+
+#[cold]
+fn misaligned(name: &str, address: usize, alignment: usize) -> Failure {
+    let problem = format!("{name} is at {address:#x}, expected a multiple of {alignment} bytes");
+    Failure::new(RAYPATH_ERROR_ALIGNMENT, problem)
+}
+
+#[cold]
+fn too_long(name: &str, count: usize) -> Failure {
+    Failure::argument(format!("{name}: {count} elements do not fit into memory"))
 }

@@ -12,8 +12,6 @@ use raypath_embed::{
 /// A cycle consists of at most one accepted `raypath_pipeline_offer`, then `raypath_pipeline_step`.
 pub struct Pipeline {
     embedded: embed::Pipeline,
-    /// The last outcome of words, which the caller may still read.
-    words: Option<Outcome>,
     lanes: usize,
 }
 
@@ -155,7 +153,7 @@ pub unsafe extern "C" fn raypath_pipeline_new(datapath: *const Datapath, pipelin
         // SAFETY: by the contract of this function.
         let (datapath, pipeline) = unsafe { (reference("datapath", datapath)?, reference_mut("pipeline", pipeline)?) };
         let embedded = embed::Pipeline::new(&datapath.embedded);
-        let made = Pipeline { embedded, words: None, lanes: datapath.embedded.lanes() };
+        let made = Pipeline { embedded, lanes: datapath.embedded.lanes() };
         *pipeline = Box::into_raw(Box::new(made));
         Ok(RAYPATH_OK)
     })
@@ -187,9 +185,10 @@ pub unsafe extern "C" fn raypath_pipeline_offer(pipeline: *mut Pipeline, job: *c
     status(|| {
         // SAFETY: by the contract of this function.
         let (pipeline, job) = unsafe { (reference_mut("pipeline", pipeline)?, reference("job", job)?) };
+        let Pipeline { embedded, lanes } = pipeline;
+        let offer = |job: &embed::Job<'_>| Ok(if embedded.offer(job, tag)? { RAYPATH_OK } else { RAYPATH_BUSY });
         // SAFETY: by the contract of this function.
-        let job = unsafe { embedded_job(job, pipeline.lanes)? };
-        Ok(if pipeline.embedded.offer(&job, tag)? { RAYPATH_OK } else { RAYPATH_BUSY })
+        unsafe { with_embedded_job(job, *lanes, offer) }
     })
 }
 
@@ -212,13 +211,6 @@ pub unsafe extern "C" fn raypath_pipeline_step(
         // SAFETY: by the contract of this function.
         let (pipeline, result) = unsafe { (reference_mut("pipeline", pipeline)?, results("result", result, count)?) };
         let Some((tag, outcome)) = pipeline.embedded.step(output_ready) else { return Ok(RAYPATH_NO_RESULT) };
-        let kept;
-        let outcome = if matches!(outcome, Outcome::Words(_)) {
-            &*pipeline.words.insert(outcome)
-        } else {
-            kept = outcome;
-            &kept
-        };
         if let [result] = result {
             *result = PipelineResult::new(tag, outcome);
         }
@@ -318,9 +310,7 @@ pub unsafe extern "C" fn raypath_pipeline_output_valid(pipeline: *const Pipeline
 pub unsafe extern "C" fn raypath_pipeline_reset(pipeline: *mut Pipeline) -> Status {
     status(|| {
         // SAFETY: by the contract of this function.
-        let pipeline = unsafe { reference_mut("pipeline", pipeline)? };
-        pipeline.embedded.reset();
-        pipeline.words = None;
+        unsafe { reference_mut("pipeline", pipeline)? }.embedded.reset();
         Ok(RAYPATH_OK)
     })
 }
@@ -347,36 +337,44 @@ impl PipelineResult {
     }
 }
 
+/// Passes a job to `offer`, which reads it where it is: a copy takes as long as a cycle.
+///
 /// # Safety
 /// The pointers of the job are NULL or have as many elements as [`JobInput`] says.
-unsafe fn embedded_job<'j>(job: &'j Job, lanes: usize) -> Result<embed::Job<'j>, Failure> {
+#[inline(always)]
+unsafe fn with_embedded_job(
+    job: &Job,
+    lanes: usize,
+    offer: impl FnOnce(&embed::Job<'_>) -> Result<Status, Failure>,
+) -> Result<Status, Failure> {
     // SAFETY (all reads of the union): every member consists of numbers and pointers, which have no invalid values.
     let input = &job.input;
-    Ok(match job.kind {
+    match job.kind {
         RAYPATH_JOB_QUADBOX => {
             let QuadboxInput { ray, boxes } = unsafe { &input.quadbox };
-            embed::Job::Quadbox { ray, boxes }
+            offer(&embed::Job::Quadbox { ray, boxes })
         }
         RAYPATH_JOB_TRIANGLE => {
             let TriangleInput { ray, triangle } = unsafe { &input.triangle };
-            embed::Job::Triangle { ray, triangle }
+            offer(&embed::Job::Triangle { ray, triangle })
         }
-        RAYPATH_JOB_EUCLIDEAN => embed::Job::Euclidean(unsafe { beat(&input.beat, lanes)? }),
-        RAYPATH_JOB_ANGULAR => embed::Job::Angular(unsafe { beat(&input.beat, lanes / 2)? }),
+        RAYPATH_JOB_EUCLIDEAN => offer(&embed::Job::Euclidean(unsafe { beat(&input.beat, lanes)? })),
+        RAYPATH_JOB_ANGULAR => offer(&embed::Job::Angular(unsafe { beat(&input.beat, lanes / 2)? })),
         RAYPATH_JOB_WORDS => {
             let WordsInput { opcode, inputs, count } = unsafe { input.words };
-            embed::Job::Words { opcode, inputs: unsafe { array("inputs", inputs, count)? } }
+            offer(&embed::Job::Words { opcode, inputs: unsafe { array("inputs", inputs, count)? } })
         }
-        RAYPATH_JOB_TIMING => embed::Job::Timing { opcode: unsafe { input.words.opcode } },
+        RAYPATH_JOB_TIMING => offer(&embed::Job::Timing { opcode: unsafe { input.words.opcode } }),
         kind => {
             let expected = "expected RAYPATH_JOB_TRIANGLE (0) to RAYPATH_JOB_TIMING (5)";
-            return Err(Failure::argument(format!("{kind} is not a valid kind of job, {expected}")));
+            Err(Failure::argument(format!("{kind} is not a valid kind of job, {expected}")))
         }
-    })
+    }
 }
 
 /// # Safety
 /// The pointers are NULL or have `lanes` elements.
+#[inline(always)]
 unsafe fn beat<'j>(beat: &BeatInput, lanes: usize) -> Result<Beat<'j>, Failure> {
     let &BeatInput { a, b, mask, reset_accum } = beat;
     // SAFETY: by the contract of this function.

@@ -66,8 +66,8 @@ fn compile_and_run(compiler: &str, source: &str, flags: &[&str], is_static: bool
 /// The code blocks of a language in the documentation of this interface.
 fn documented(language: &str) -> Vec<String> {
     let text = std::fs::read_to_string(root().join("docs/integration/c.md")).expect("the page");
-    let blocks = text.split(&format!("```{language}\n")).skip(1);
-    blocks.filter_map(|block| block.split("```").next()).map(str::to_string).collect()
+    let begin = format!("```{language}\n");
+    text.split(&begin).skip(1).filter_map(|block| block.split("```").next()).map(str::to_string).collect()
 }
 
 #[test]

@@ -1,10 +1,11 @@
 use crate::general::General;
 use crate::layout::{AngularResult, Bounds, EuclideanResult, QuadboxResult, Ray, TriangleResult, Vertices};
 use crate::{Datapath, Error};
-use raypath_model::{Elastic, Functional, PipelinePosition, Transfer, Words};
+use raypath_model::{Elastic, Functional, PipelinePosition, Words};
 use raypath_ops::{self as ops, BeatInput, Binary32, Flags, JobKind, RayBoxInput, RayTriangleInput};
 use raypath_rtl::{Lanes, alternatives};
 use raypath_sim::OperationId;
+use std::collections::VecDeque;
 use std::fmt;
 
 /// The cycle-exact model of a datapath, whose jobs carry a tag. In every cycle it accepts and delivers what the
@@ -27,10 +28,14 @@ use std::fmt;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Pipeline {
-    /// Tags and outcomes. An outcome is computed when its job is offered, because it depends on the order of jobs alone.
-    flow: Elastic<(u64, Outcome)>,
-    /// The job that was accepted in this cycle.
-    accepted: Option<(u64, (u64, Outcome))>,
+    flow: Elastic<()>,
+    /// The tags and outcomes of the jobs inside, oldest first. An outcome is computed when its job is offered, because
+    /// it depends on the order of jobs alone; it is not moved until it has left, which would take as long.
+    outcomes: VecDeque<(u64, Outcome)>,
+    /// The oldest outcome left in the last cycle.
+    has_left: bool,
+    /// The opcode of the job that was accepted in this cycle.
+    accepted: Option<u64>,
     operations: Vec<OperationId>,
     lanes: usize,
     /// Native arithmetic, for datapaths in binary32 without features.
@@ -120,20 +125,22 @@ impl Pipeline {
         });
         let flow = Elastic::new(datapath.shape());
         let (operations, general) = (datapath.operations(), General::new(datapath));
-        Self { flow, accepted: None, operations, lanes: lanes.count(), native, general }
+        let outcomes = VecDeque::with_capacity(datapath.shape().capacity() + 2);
+        Self { flow, outcomes, has_left: false, accepted: None, operations, lanes: lanes.count(), native, general }
     }
 
     /// Offers a job with a tag in this cycle. Returns whether it is accepted, which a job after an accepted one is not.
     ///
     /// # Errors
     /// A datapath without the operation; another number of coordinates or words than the operation has.
+    #[inline]
     pub fn offer(&mut self, job: &Job<'_>, tag: u64) -> Result<bool, Error> {
         let opcode = self.opcode(job)?;
         if !self.input_ready(opcode) {
             return Ok(false);
         }
-        let outcome = match (*job, &mut self.native) {
-            (Job::Timing { opcode }, _) => Outcome::Timing(opcode),
+        match (*job, &mut self.native) {
+            (Job::Timing { opcode }, _) => self.outcomes.push_back((tag, Outcome::Timing(opcode))),
             (Job::Words { inputs, .. }, native) => {
                 let found = operation(&self.operations, opcode)?;
                 let words = match (native, found.paper()) {
@@ -141,21 +148,24 @@ impl Pipeline {
                     (Some(native), Some(kind)) => self.general.outcome_of_words(found, &native.run_words(kind, inputs)),
                     _ => self.general.run_words(found, inputs),
                 };
-                Outcome::Words(Box::new(words))
+                self.outcomes.push_back((tag, Outcome::Words(Box::new(words))));
             }
-            (typed, Some(native)) => native.run(&typed),
-            (typed, None) => self.general.run(&typed),
-        };
-        self.accepted = Some((opcode, (tag, outcome)));
+            (_, Some(native)) => native.run(job, tag, &mut self.outcomes),
+            (_, None) => self.outcomes.push_back((tag, self.general.run(job))),
+        }
+        self.accepted = Some(opcode);
         Ok(true)
     }
 
     /// One clock cycle. The job that was accepted enters, and if `output_ready`, the outcome at the output leaves with
     /// its tag.
     #[inline]
-    pub fn step(&mut self, output_ready: bool) -> Option<(u64, Outcome)> {
-        let Transfer { output, .. } = self.flow.cycle(self.accepted.take(), output_ready);
-        output
+    pub fn step(&mut self, output_ready: bool) -> Option<(u64, &Outcome)> {
+        self.forget_left();
+        self.has_left = output_ready && self.output_valid();
+        self.flow.cycle(self.accepted.take().map(|opcode| (opcode, ())), output_ready);
+        let (tag, outcome) = self.outcomes.front().filter(|_| self.has_left)?;
+        Some((*tag, outcome))
     }
 
     /// Advances up to `limit` cycles in which nothing else is offered and the sink is not ready, and stops in the first
@@ -186,12 +196,20 @@ impl Pipeline {
     /// The outcome at the output in this cycle with its tag. It stays until a step takes it.
     #[inline]
     pub fn output(&self) -> Option<(u64, &Outcome)> {
-        self.flow.output().map(|(tag, outcome)| (*tag, outcome))
+        self.flow.output()?;
+        self.outcomes.get(usize::from(self.has_left)).map(|(tag, outcome)| (*tag, outcome))
     }
 
     /// The positions of the jobs inside, oldest first, without the one that was accepted in this cycle.
     pub fn positions(&self) -> impl Iterator<Item = PipelinePosition> + '_ {
         self.flow.positions()
+    }
+
+    #[inline]
+    fn forget_left(&mut self) {
+        if std::mem::take(&mut self.has_left) {
+            self.outcomes.pop_front();
+        }
     }
 
     /// The opcode of a job that the datapath can compute.
@@ -223,12 +241,14 @@ impl Pipeline {
 
     /// The number of jobs inside, with the one that was accepted in this cycle.
     pub fn occupancy(&self) -> usize {
-        self.positions().count() + usize::from(self.accepted.is_some())
+        self.outcomes.len() - usize::from(self.has_left)
     }
 
     /// A cycle in which `rst_ni` is 0: all jobs are lost, and the accumulators are zero.
     pub fn reset(&mut self) {
         self.accepted = None;
+        self.has_left = false;
+        self.outcomes.clear();
         self.flow.reset();
         self.general.reset();
         self.native.iter_mut().for_each(|native| native.restart());
@@ -244,8 +264,10 @@ impl fmt::Debug for Pipeline {
 
 /// The paper's operations in native binary32.
 trait Native: Send {
-    /// Computes a job in the types of an operation of the paper.
-    fn run(&mut self, job: &Job<'_>) -> Outcome;
+    /// Computes a job in the types of an operation of the paper, and appends the outcome.
+    // It writes the outcome where it stays. A copy would read it in pieces of other sizes than it was written in, which
+    // stalls the processor.
+    fn run(&mut self, job: &Job<'_>, tag: u64, outcomes: &mut VecDeque<(u64, Outcome)>);
     /// Computes a job from the words at its ports.
     fn run_words(&mut self, kind: JobKind, inputs: &[u64]) -> Vec<u64>;
     /// Sets the accumulators to zero.
@@ -253,20 +275,25 @@ trait Native: Send {
 }
 
 impl<const E: usize, const A: usize> Native for Functional<E, A> {
-    fn run(&mut self, job: &Job<'_>) -> Outcome {
-        let job = match *job {
+    fn run(&mut self, job: &Job<'_>, tag: u64, outcomes: &mut VecDeque<(u64, Outcome)>) {
+        let outcome = match *job {
             Job::Quadbox { ray, boxes } => {
                 let aabb = boxes.each_ref().map(ops::Aabb::from);
-                ops::Job::Quadbox(RayBoxInput { ray: ray.into(), aabb })
+                Self::run(self, &ops::Job::Quadbox(RayBoxInput { ray: ray.into(), aabb }))
             }
             Job::Triangle { ray, triangle } => {
-                ops::Job::Triangle(RayTriangleInput { ray: ray.into(), triangle: triangle.into() })
+                Self::run(self, &ops::Job::Triangle(RayTriangleInput { ray: ray.into(), triangle: triangle.into() }))
             }
-            Job::Euclidean(beat) => ops::Job::Euclidean(beat.into()),
-            Job::Angular(beat) => ops::Job::Angular(beat.into()),
-            Job::Words { opcode, .. } | Job::Timing { opcode } => return Outcome::Timing(opcode),
+            Job::Euclidean(beat) => Self::run(self, &ops::Job::Euclidean(beat.into())),
+            Job::Angular(beat) => Self::run(self, &ops::Job::Angular(beat.into())),
+            Job::Words { .. } | Job::Timing { .. } => return,
         };
-        Self::run(self, &job).into()
+        match outcome {
+            ops::Outcome::Quadbox(output) => outcomes.push_back((tag, Outcome::Quadbox(output.into()))),
+            ops::Outcome::Triangle(output) => outcomes.push_back((tag, Outcome::Triangle(output.into()))),
+            ops::Outcome::Euclidean(output) => outcomes.push_back((tag, Outcome::Euclidean(output.into()))),
+            ops::Outcome::Angular(output) => outcomes.push_back((tag, Outcome::Angular(output.into()))),
+        }
     }
 
     fn run_words(&mut self, kind: JobKind, inputs: &[u64]) -> Vec<u64> {
@@ -282,7 +309,7 @@ impl<const E: usize, const A: usize> Native for Functional<E, A> {
 
 impl<const N: usize> From<Beat<'_>> for BeatInput<Binary32, N> {
     /// Lanes without coordinates are 0.
-    #[inline]
+    #[inline(always)]
     fn from(Beat { a, b, mask, reset_accum }: Beat<'_>) -> Self {
         let lanes = |of: &[f32]| std::array::from_fn(|lane| of.get(lane).copied().unwrap_or(0.0).into());
         let mask = Flags::from_mask(mask);

@@ -189,8 +189,8 @@ fn a_pipeline_equals_the_netlist_in_every_cycle() {
                 let recorded = &jobs[received].expected;
                 assert_eq!(bits(&expected(&shown)), bits(&expected(recorded)));
                 let found = match outcome {
-                    Outcome::Words(words) => expected(&words),
-                    typed => typed,
+                    Outcome::Words(words) => expected(words),
+                    typed => typed.clone(),
                 };
                 assert_eq!(bits(&found), bits(&expected(recorded)), "{extra}: {:?}", jobs[received].job);
                 received += 1;
