@@ -212,7 +212,7 @@ pub unsafe extern "C" fn raypath_pipeline_step(
         let (pipeline, result) = unsafe { (reference_mut("pipeline", pipeline)?, results("result", result, count)?) };
         let Some((tag, outcome)) = pipeline.embedded.step(output_ready) else { return Ok(RAYPATH_NO_RESULT) };
         if let [result] = result {
-            *result = PipelineResult::new(tag, outcome);
+            result.set(tag, outcome);
         }
         Ok(RAYPATH_OK)
     })
@@ -231,7 +231,7 @@ pub unsafe extern "C" fn raypath_pipeline_peek(pipeline: *const Pipeline, result
         // SAFETY: by the contract of this function.
         let (pipeline, result) = unsafe { (reference("pipeline", pipeline)?, reference_mut("result", result)?) };
         let Some((tag, outcome)) = pipeline.embedded.output() else { return Ok(RAYPATH_NO_RESULT) };
-        *result = PipelineResult::new(tag, outcome);
+        result.set(tag, outcome);
         Ok(RAYPATH_OK)
     })
 }
@@ -316,24 +316,26 @@ pub unsafe extern "C" fn raypath_pipeline_reset(pipeline: *mut Pipeline) -> Stat
 }
 
 impl PipelineResult {
-    /// Words stay where they are.
-    fn new(tag: u64, outcome: &Outcome) -> Self {
-        let (kind, output) = match outcome {
-            &Outcome::Quadbox(quadbox) => (RAYPATH_JOB_QUADBOX, JobOutput { quadbox }),
-            &Outcome::Triangle(triangle) => (RAYPATH_JOB_TRIANGLE, JobOutput { triangle }),
-            &Outcome::Euclidean(euclidean) => (RAYPATH_JOB_EUCLIDEAN, JobOutput { euclidean }),
-            &Outcome::Angular(angular) => (RAYPATH_JOB_ANGULAR, JobOutput { angular }),
+    /// Sets the fields. Words stay where they are.
+    #[inline(always)]
+    fn set(&mut self, tag: u64, outcome: &Outcome) {
+        let Self { kind, tag: own_tag, output } = self;
+        *own_tag = tag;
+        match outcome {
+            Outcome::Quadbox(quadbox) => (*kind, output.quadbox) = (RAYPATH_JOB_QUADBOX, *quadbox),
+            Outcome::Triangle(triangle) => (*kind, output.triangle) = (RAYPATH_JOB_TRIANGLE, *triangle),
+            Outcome::Euclidean(euclidean) => (*kind, output.euclidean) = (RAYPATH_JOB_EUCLIDEAN, *euclidean),
+            Outcome::Angular(angular) => (*kind, output.angular) = (RAYPATH_JOB_ANGULAR, *angular),
             Outcome::Words(words) => {
                 let (opcode, list) = (words.kind().opcode(), words.as_words());
-                let words = WordsOutput { opcode, outputs: list.as_ptr(), count: list.len() };
-                (RAYPATH_JOB_WORDS, JobOutput { words })
+                output.words = WordsOutput { opcode, outputs: list.as_ptr(), count: list.len() };
+                *kind = RAYPATH_JOB_WORDS;
             }
-            &Outcome::Timing(opcode) => {
-                let words = WordsOutput { opcode, outputs: std::ptr::null(), count: 0 };
-                (RAYPATH_JOB_TIMING, JobOutput { words })
+            Outcome::Timing(opcode) => {
+                output.words = WordsOutput { opcode: *opcode, outputs: std::ptr::null(), count: 0 };
+                *kind = RAYPATH_JOB_TIMING;
             }
-        };
-        Self { kind, tag, output }
+        }
     }
 }
 

@@ -36,15 +36,13 @@ pub const RAYPATH_ERROR_INTERNAL: Status = -8;
 /// work.
 pub const RAYPATH_ABI_VERSION: u32 = 1;
 
-/// Why a call failed.
-pub(crate) struct Failure {
-    pub status: Status,
-    pub message: String,
-}
+/// Why a call failed: a status and a message. Boxed, so that results fit into registers.
+pub(crate) struct Failure(Box<(Status, String)>);
 
 impl Failure {
+    #[cold]
     pub fn new(status: Status, message: impl Into<String>) -> Self {
-        Self { status, message: message.into() }
+        Self(Box::new((status, message.into())))
     }
 
     pub fn argument(message: impl Into<String>) -> Self {
@@ -93,26 +91,36 @@ pub extern "C" fn raypath_last_error() -> *const c_char {
 }
 
 /// The status of `call`. Errors and panics leave their message.
+#[inline(always)]
 pub(crate) fn status(call: impl FnOnce() -> Result<Status, Failure>) -> Status {
-    value(RAYPATH_ERROR_INTERNAL, |failed| *failed, call)
+    match catch_unwind(AssertUnwindSafe(call)) {
+        Ok(Ok(status)) => status,
+        Ok(Err(failure)) => failed(failure),
+        Err(panic) => panicked(&*panic),
+    }
 }
 
 /// The value of `call`, or 0 after an error.
 pub(crate) fn value_or_zero<T: Default>(call: impl FnOnce() -> Result<T, Failure>) -> T {
-    value(T::default(), |_| T::default(), call)
+    let mut value = T::default();
+    status(|| {
+        value = call()?;
+        Ok(RAYPATH_OK)
+    });
+    value
 }
 
-fn value<T>(after_panic: T, failed: impl Fn(&Status) -> T, call: impl FnOnce() -> Result<T, Failure>) -> T {
-    let failure = match catch_unwind(AssertUnwindSafe(call)) {
-        Ok(Ok(value)) => return value,
-        Ok(Err(failure)) => failure,
-        Err(panic) => {
-            keep(&format!("internal error: {}", text(&*panic)));
-            return after_panic;
-        }
-    };
-    keep(&failure.message);
-    failed(&failure.status)
+#[cold]
+fn failed(failure: Failure) -> Status {
+    let (status, message) = *failure.0;
+    keep(&message);
+    status
+}
+
+#[cold]
+fn panicked(panic: &(dyn Any + Send)) -> Status {
+    keep(&format!("internal error: {}", text(panic)));
+    RAYPATH_ERROR_INTERNAL
 }
 
 fn keep(message: &str) {

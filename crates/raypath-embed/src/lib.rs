@@ -8,6 +8,7 @@ mod error;
 mod general;
 mod layout;
 mod native;
+mod paper;
 mod pipeline;
 mod transpose;
 

@@ -1,8 +1,9 @@
 use crate::general::General;
 use crate::layout::{AngularResult, Bounds, EuclideanResult, QuadboxResult, Ray, TriangleResult, Vertices};
+use crate::paper::{Native, PaperModel};
 use crate::{Datapath, Error};
-use raypath_model::{Elastic, Functional, PipelinePosition, Words};
-use raypath_ops::{self as ops, BeatInput, Binary32, Flags, JobKind, RayBoxInput, RayTriangleInput};
+use raypath_model::{Elastic, PipelinePosition, Transfer, Words};
+use raypath_ops::JobKind;
 use raypath_rtl::{Lanes, alternatives};
 use raypath_sim::OperationId;
 use std::collections::VecDeque;
@@ -37,6 +38,8 @@ pub struct Pipeline {
     /// The opcode of the job that was accepted in this cycle.
     accepted: Option<u64>,
     operations: Vec<OperationId>,
+    /// Whether the datapath has each of the paper's operations.
+    has_paper: [bool; JobKind::ALL.len()],
     lanes: usize,
     /// Native arithmetic, for datapaths in binary32 without features.
     native: Option<Box<dyn Native>>,
@@ -115,18 +118,29 @@ impl Pipeline {
         let lanes = datapath.config().semantics.lanes;
         let native = datapath.native_rules().map(|rules| -> Box<dyn Native> {
             match lanes {
-                Lanes::None | Lanes::Two => Box::new(Functional::<2, 1>::new(rules)),
-                Lanes::Four => Box::new(Functional::<4, 2>::new(rules)),
-                Lanes::Eight => Box::new(Functional::<8, 4>::new(rules)),
-                Lanes::Sixteen => Box::new(Functional::<16, 8>::new(rules)),
-                Lanes::ThirtyTwo => Box::new(Functional::<32, 16>::new(rules)),
-                Lanes::SixtyFour => Box::new(Functional::<64, 32>::new(rules)),
+                Lanes::None | Lanes::Two => Box::new(PaperModel::<2, 1>::new(rules)),
+                Lanes::Four => Box::new(PaperModel::<4, 2>::new(rules)),
+                Lanes::Eight => Box::new(PaperModel::<8, 4>::new(rules)),
+                Lanes::Sixteen => Box::new(PaperModel::<16, 8>::new(rules)),
+                Lanes::ThirtyTwo => Box::new(PaperModel::<32, 16>::new(rules)),
+                Lanes::SixtyFour => Box::new(PaperModel::<64, 32>::new(rules)),
             }
         });
         let flow = Elastic::new(datapath.shape());
         let (operations, general) = (datapath.operations(), General::new(datapath));
+        let has_paper = JobKind::ALL.map(|kind| operations.iter().any(|operation| *operation == kind));
         let outcomes = VecDeque::with_capacity(datapath.shape().capacity() + 2);
-        Self { flow, outcomes, has_left: false, accepted: None, operations, lanes: lanes.count(), native, general }
+        Self {
+            flow,
+            outcomes,
+            has_left: false,
+            accepted: None,
+            operations,
+            has_paper,
+            lanes: lanes.count(),
+            native,
+            general,
+        }
     }
 
     /// Offers a job with a tag in this cycle. Returns whether it is accepted, which a job after an accepted one is not.
@@ -162,10 +176,10 @@ impl Pipeline {
     #[inline]
     pub fn step(&mut self, output_ready: bool) -> Option<(u64, &Outcome)> {
         self.forget_left();
-        self.has_left = output_ready && self.output_valid();
-        self.flow.cycle(self.accepted.take().map(|opcode| (opcode, ())), output_ready);
-        let (tag, outcome) = self.outcomes.front().filter(|_| self.has_left)?;
-        Some((*tag, outcome))
+        let Transfer { output, .. } = self.flow.cycle(self.accepted.take().map(|opcode| (opcode, ())), output_ready);
+        output?;
+        self.has_left = true;
+        self.outcomes.front().map(|(tag, outcome)| (*tag, outcome))
     }
 
     /// Advances up to `limit` cycles in which nothing else is offered and the sink is not ready, and stops in the first
@@ -212,31 +226,40 @@ impl Pipeline {
         }
     }
 
-    /// The opcode of a job that the datapath can compute.
+    /// The opcode of a job, if the datapath can compute it.
+    #[inline(always)]
     fn opcode(&self, job: &Job<'_>) -> Result<u64, Error> {
-        let (kind, beat) = match *job {
-            Job::Quadbox { .. } => (JobKind::Quadbox, None),
-            Job::Triangle { .. } => (JobKind::Triangle, None),
-            Job::Euclidean(beat) => (JobKind::Euclidean, Some((beat, self.lanes))),
-            Job::Angular(beat) => (JobKind::Angular, Some((beat, self.lanes / 2))),
-            Job::Timing { opcode } => return operation(&self.operations, opcode).map(OperationId::opcode),
-            Job::Words { opcode, inputs } => {
-                let found = operation(&self.operations, opcode)?;
-                let (given, expected) = (inputs.len(), self.general.inputs(found));
-                let problem = || Error::Argument(format!("{given} words for a job of {found}, expected {expected}"));
-                return if given == expected { Ok(opcode) } else { Err(problem()) };
+        let (kind, lengths, lanes) = match *job {
+            Job::Quadbox { .. } => (JobKind::Quadbox, (0, 0), 0),
+            Job::Triangle { .. } => (JobKind::Triangle, (0, 0), 0),
+            Job::Euclidean(beat) => (JobKind::Euclidean, (beat.a.len(), beat.b.len()), self.lanes),
+            Job::Angular(beat) => (JobKind::Angular, (beat.a.len(), beat.b.len()), self.lanes / 2),
+            Job::Timing { opcode } if self.operations.iter().any(|found| found.opcode() == opcode) => {
+                return Ok(opcode);
             }
+            Job::Timing { opcode } => return Err(no_operation(&self.operations, &format!("opcode {opcode}"))),
+            Job::Words { opcode, inputs } => return self.check_words(opcode, inputs.len()).map(|()| opcode),
         };
-        let found = self.operations.iter().find(|found| **found == kind);
-        let found = found.ok_or_else(|| no_operation(&self.operations, kind.name()))?;
-        match beat {
-            Some((Beat { a, b, .. }, lanes)) if a.len() != lanes || b.len() != lanes => {
-                let (a, b) = (a.len(), b.len());
-                let problem = format!("a beat of {a} and {b} coordinates, expected {lanes} of each vector ({kind})");
-                Err(Error::Argument(problem))
-            }
-            _ => Ok(found.opcode()),
+        if self.has_paper[kind as usize] && lengths == (lanes, lanes) {
+            return Ok(kind.opcode());
         }
+        Err(self.why_not(kind, lengths, lanes))
+    }
+
+    #[cold]
+    fn why_not(&self, kind: JobKind, (a, b): (usize, usize), lanes: usize) -> Error {
+        if !self.has_paper[kind as usize] {
+            return no_operation(&self.operations, kind.name());
+        }
+        let problem = format!("a beat of {a} and {b} coordinates, expected {lanes} of each vector ({kind})");
+        Error::Argument(problem)
+    }
+
+    fn check_words(&self, opcode: u64, given: usize) -> Result<(), Error> {
+        let found = operation(&self.operations, opcode)?;
+        let expected = self.general.inputs(found);
+        let problem = || Error::Argument(format!("{given} words for a job of {found}, expected {expected}"));
+        if given == expected { Ok(()) } else { Err(problem()) }
     }
 
     /// The number of jobs inside, with the one that was accepted in this cycle.
@@ -262,79 +285,13 @@ impl fmt::Debug for Pipeline {
     }
 }
 
-/// The paper's operations in native binary32.
-trait Native: Send {
-    /// Computes a job in the types of an operation of the paper, and appends the outcome.
-    // It writes the outcome where it stays. A copy would read it in pieces of other sizes than it was written in, which
-    // stalls the processor.
-    fn run(&mut self, job: &Job<'_>, tag: u64, outcomes: &mut VecDeque<(u64, Outcome)>);
-    /// Computes a job from the words at its ports.
-    fn run_words(&mut self, kind: JobKind, inputs: &[u64]) -> Vec<u64>;
-    /// Sets the accumulators to zero.
-    fn restart(&mut self);
-}
-
-impl<const E: usize, const A: usize> Native for Functional<E, A> {
-    fn run(&mut self, job: &Job<'_>, tag: u64, outcomes: &mut VecDeque<(u64, Outcome)>) {
-        let outcome = match *job {
-            Job::Quadbox { ray, boxes } => {
-                let aabb = boxes.each_ref().map(ops::Aabb::from);
-                Self::run(self, &ops::Job::Quadbox(RayBoxInput { ray: ray.into(), aabb }))
-            }
-            Job::Triangle { ray, triangle } => {
-                Self::run(self, &ops::Job::Triangle(RayTriangleInput { ray: ray.into(), triangle: triangle.into() }))
-            }
-            Job::Euclidean(beat) => Self::run(self, &ops::Job::Euclidean(beat.into())),
-            Job::Angular(beat) => Self::run(self, &ops::Job::Angular(beat.into())),
-            Job::Words { .. } | Job::Timing { .. } => return,
-        };
-        match outcome {
-            ops::Outcome::Quadbox(output) => outcomes.push_back((tag, Outcome::Quadbox(output.into()))),
-            ops::Outcome::Triangle(output) => outcomes.push_back((tag, Outcome::Triangle(output.into()))),
-            ops::Outcome::Euclidean(output) => outcomes.push_back((tag, Outcome::Euclidean(output.into()))),
-            ops::Outcome::Angular(output) => outcomes.push_back((tag, Outcome::Angular(output.into()))),
-        }
-    }
-
-    fn run_words(&mut self, kind: JobKind, inputs: &[u64]) -> Vec<u64> {
-        let mut words = Vec::new();
-        Self::run(self, &ops::Job::from_words_in(Binary32, kind, inputs)).words(&mut words);
-        words
-    }
-
-    fn restart(&mut self) {
-        self.reset();
-    }
-}
-
-impl<const N: usize> From<Beat<'_>> for BeatInput<Binary32, N> {
-    /// Lanes without coordinates are 0.
-    #[inline(always)]
-    fn from(Beat { a, b, mask, reset_accum }: Beat<'_>) -> Self {
-        let lanes = |of: &[f32]| std::array::from_fn(|lane| of.get(lane).copied().unwrap_or(0.0).into());
-        let mask = Flags::from_mask(mask);
-        Self { euclidean: ops::Beat { a: lanes(a), b: lanes(b), mask, reset_accum: reset_accum.into() } }
-    }
-}
-
-impl From<ops::Outcome> for Outcome {
-    #[inline]
-    fn from(outcome: ops::Outcome) -> Self {
-        match outcome {
-            ops::Outcome::Quadbox(output) => Self::Quadbox(output.into()),
-            ops::Outcome::Triangle(output) => Self::Triangle(output.into()),
-            ops::Outcome::Euclidean(output) => Self::Euclidean(output.into()),
-            ops::Outcome::Angular(output) => Self::Angular(output.into()),
-        }
-    }
-}
-
 fn operation(operations: &[OperationId], opcode: u64) -> Result<OperationId, Error> {
     let found = operations.iter().copied().find(|found| found.opcode() == opcode);
     found.ok_or_else(|| no_operation(operations, &format!("opcode {opcode}")))
 }
 
 /// The error of a name or opcode that is not one of these operations.
+#[cold]
 pub(crate) fn no_operation(operations: &[OperationId], name: &str) -> Error {
     let names: Vec<&str> = operations.iter().map(|operation| operation.name()).collect();
     Error::Operation { name: name.to_string(), expected: alternatives(&names) }

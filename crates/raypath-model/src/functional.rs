@@ -28,7 +28,8 @@ impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
     }
 
     /// Computes a job. A beat of a distance updates its accumulator.
-    #[inline]
+    // Always inlined, so that a caller that makes the job for this call does not have to store it.
+    #[inline(always)]
     pub fn run(&mut self, job: &Job<E, A, C>) -> Outcome<C> {
         let (circuit, rules) = (self.circuit, self.rules);
         match job {

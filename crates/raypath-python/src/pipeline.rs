@@ -74,7 +74,7 @@ impl Pipeline {
     ///     The outcome that leaves, or None.
     #[pyo3(signature = (output_ready = true))]
     fn step(&mut self, output_ready: bool) -> Option<Outcome> {
-        let (tag, outcome) = self.inner().step(output_ready)?;
+        let (tag, outcome) = self.inner().step(output_ready).map(|(tag, outcome)| (tag, outcome.clone()))?;
         Some(Outcome::new(tag, outcome, &self.operations, self.datapath.config().semantics.format))
     }
 
