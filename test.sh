@@ -20,7 +20,7 @@ step() { printf '\n== %s (after %d s)\n' "$1" "$SECONDS"; }
 
 if ! "$quick"; then
   step 'Programs'
-  scripts/install-packages.sh
+  if [ "$level" = full ]; then scripts/install-packages.sh --long; else scripts/install-packages.sh; fi
 fi
 
 step 'Format'

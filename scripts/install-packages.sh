@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs the programs that ./test.sh needs and that are missing; says exactly which it cannot install.
+# Installs the programs that ./test.sh needs and that are missing; says exactly which it cannot install. With --long,
+# also those of the long tests.
 set -euo pipefail
 
 is_there() { command -v "$1" >/dev/null || [ -f "$1" ]; }
@@ -43,6 +44,10 @@ debian sta opensta
 debian chromium chromium
 debian /usr/share/qflow/tech/osu018/osu018_stdcells.lib qflow-tech-osu018
 debian python3 python3
+if [ "${1:-}" = --long ]; then
+  debian sbatch slurm-wlm
+  debian /usr/sbin/munged munge
+fi
 python3 -m pip --version >/dev/null 2>&1 || debian pip3 python3-pip
 python pyslang pyslang
 python pyosys pyosys
