@@ -96,7 +96,7 @@ def test_a_shard_that_crashes_is_reported_and_tried_again_next_time(
     assert (code, out) == (2, "")
     assert err.count("failed: raypath verify sums --jobs 2000 --shard 2/4:\nraypath was killed by signal 11") == 1
     assert "3 computed, 0 from the store, 0 wrong, 1 failed" in err
-    assert "error: 1 shards failed, so there is no result of sums" in err
+    assert "error: failed shards: 1; there is no result of sums" in err
     crash.unlink()
     code, out, err = run(command, tmp_path / "many")
     assert (code, without_times(out)) == (0, one), err

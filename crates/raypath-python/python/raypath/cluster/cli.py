@@ -88,7 +88,12 @@ def main(words: list[str]) -> int:
         print(f"error: {problem}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print(f"stopped; results so far are in {options.store}; the same command goes on from there", file=sys.stderr)
+        kept = (
+            ""
+            if options.command == "measure"
+            else f"; results so far are in {options.store}; the same command goes on from there"
+        )
+        print(f"stopped{kept}", file=sys.stderr)
         return 130
 
 
@@ -123,9 +128,8 @@ def _merge(division: plan.Plan, outcome: Outcome, store: Store) -> int:
     if len(complete) < len(division.parts):
         missing = [part.name or division.command for part in division.parts if part not in complete]
         count = len(outcome.failed)
-        text = (
-            f"{count} shards failed, so there is no result of {', '.join(missing)}; the same command tries them again"
-        )
+        text = f"failed shards: {count}; there is no result of {', '.join(missing)}; the same command tries them again"
         print(f"error: {text}", file=sys.stderr)
-        return 1 if code == 1 else 2
+        is_wrong = any(result.exit_code == 1 for result in outcome.results.values())
+        return 1 if code == 1 or is_wrong else 2
     return 2 if code is None else os.EX_SOFTWARE if code < 0 else code

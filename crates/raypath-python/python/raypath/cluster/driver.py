@@ -50,6 +50,7 @@ class Driver:
         self._store = store
         self._connect = connect
         self._reconnect_seconds = reconnect_seconds
+        self._client: Any = None
         self._compute = compute
         self._outcome = Outcome()
         self._counts = Counts(total=len(self._shards))
@@ -66,12 +67,11 @@ class Driver:
         """
         self._take_stored()
         if self._waiting:
-            client = self._client()
+            self._client = self._connected()
             try:
-                client = self._run(client)
+                self._run()
             finally:
-                # Also a lost client is closed: its threads end with it.
-                self._cancel(client)
+                self._cancel()
         self._progress.show(is_last=True)
         return self._outcome
 
@@ -96,7 +96,7 @@ class Driver:
             text = "\n".join(wrong) or result.output.strip()
             self._progress.say(f"wrong: {shard.command} on {result.host}:\n{text}\n  to repeat it: {shard.command}")
 
-    def _client(self) -> Any:
+    def _connected(self) -> Any:
         """A client, as soon as the scheduler answers."""
         deadline = time.monotonic() + self._reconnect_seconds
         while True:
@@ -111,17 +111,16 @@ class Driver:
                     ) from problem
                 time.sleep(RETRY_SECONDS)
 
-    def _run(self, client: Any) -> Any:
-        """Sends shards and takes results until none is left. Returns the last client."""
+    def _run(self) -> None:
+        """Sends shards and takes results until none is left."""
         while self._waiting:
-            if client.status != "running":
-                client = self._reconnected(client)
-            self._send(client)
-            self._receive(client, self._next_ended())
+            if self._client.status != "running":
+                self._reconnect()
+            self._send()
+            self._receive(self._next_ended())
             if self._progress.is_due():
-                self._count_workers(client)
+                self._count_workers()
                 self._progress.show()
-        return client
 
     def _next_ended(self) -> list[tuple[str, Any]]:
         """The futures that have ended since, after a wait for the first; some of them at a time."""
@@ -132,20 +131,19 @@ class Driver:
                 ended.append(self._ended.get_nowait())
         return ended
 
-    def _reconnected(self, client: Any) -> Any:
+    def _reconnect(self) -> None:
         self._progress.say("the connection to the scheduler is lost; connecting again")
         self._futures.clear()
         with contextlib.suppress(Exception):
-            client.close(timeout=1)
-        client = self._client()
+            self._client.close(timeout=1)
+        self._client = self._connected()
         self._progress.say(f"connected; {len(self._waiting)} shards are sent again")
-        return client
 
-    def _send(self, client: Any) -> None:
+    def _send(self) -> None:
         for key, shard in self._waiting.items():
             if key not in self._futures:
                 # The key names the result: a scheduler that already computes it does not begin once more.
-                future = client.submit(self._compute, shard, key=f"raypath-{key}", pure=False)
+                future = self._client.submit(self._compute, shard, key=f"raypath-{key}", pure=False)
                 self._futures[key] = future
                 future.add_done_callback(functools.partial(self._note, key))
 
@@ -153,7 +151,7 @@ class Driver:
         """Called on a thread of the client when a future has a result, an error, or is cancelled."""
         self._ended.put((key, future))
 
-    def _receive(self, client: Any, ended: list[tuple[str, Any]]) -> None:
+    def _receive(self, ended: list[tuple[str, Any]]) -> None:
         finished = {}
         for key, future in ended:
             # Futures of earlier connections do not count.
@@ -165,18 +163,18 @@ class Driver:
             elif future.status == "error":
                 self._fail(self._shards[key], future.exception())
             # Else it was cancelled, because the connection was lost: the shard stays waiting, and is sent again.
-        for key, result in self._gathered(client, finished).items():
+        for key, result in self._gathered(finished).items():
             self._store.put(key, self._shards[key].inputs, result)
             self._counts.computed += 1
             self._take(self._shards[key], result)
         for future in finished.values():
             future.release()
 
-    def _gathered(self, client: Any, futures: dict[str, Any]) -> dict[str, Result]:
+    def _gathered(self, futures: dict[str, Any]) -> dict[str, Result]:
         """The results of these futures. A result is missing if the worker that held it is gone."""
         try:
             # All at once: a question for each would cost a message to the scheduler and one to a worker.
-            return dict(zip(futures, client.gather(list(futures.values()))))
+            return dict(zip(futures, self._client.gather(list(futures.values()))))
         except Exception:
             found = {}
             for key, future in futures.items():
@@ -192,16 +190,17 @@ class Driver:
         text = str(problem) if known else f"{type(problem).__name__}: {problem}"
         self._progress.say(f"failed: {shard.command}:\n{text.rstrip()}\n  to repeat it: {shard.command}")
 
-    def _count_workers(self, client: Any) -> None:
+    def _count_workers(self) -> None:
         with contextlib.suppress(Exception):
-            self._counts.workers = len(client.nthreads()) if client.status == "running" else 0
+            self._counts.workers = len(self._client.nthreads()) if self._client.status == "running" else 0
 
-    def _cancel(self, client: Any) -> None:
+    def _cancel(self) -> None:
         """Tells the scheduler to forget what has not been delivered, and leaves."""
         futures = list(self._futures.values())
         self._futures.clear()
         with contextlib.suppress(Exception):
-            if futures and client.status == "running":
-                client.cancel(futures, force=True)
+            if futures and self._client.status == "running":
+                # Shards that other drivers wait for go on.
+                self._client.cancel(futures)
         with contextlib.suppress(Exception):
-            client.close(timeout=2)
+            self._client.close(timeout=2)

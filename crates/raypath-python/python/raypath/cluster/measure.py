@@ -62,7 +62,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--sleep", type=float, default=10.0, help="seconds of a sleeping shard [default: 10]")
     parser.add_argument("--rounds", type=int, default=4, help="sleeping shards of a worker [default: 4]")
     parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.set_defaults(store=Path("a temporary folder"))
 
 
 def run(options: argparse.Namespace) -> int:
