@@ -82,7 +82,8 @@ def run(options: argparse.Namespace) -> int:
     for workers in options.sleepers:
         count = workers * options.rounds
         seconds = _run_sleepers(workers, count, options.sleep)
-        predicted = max(options.rounds * (options.sleep + overhead), count * serial)
+        # All workers are busy in each round, but those of the first begin one after another.
+        predicted = max(options.rounds * (options.sleep + overhead) + workers * serial, count * serial)
         runs.append(Run("sleep", workers, count, options.sleep, seconds, predicted))
         _say(_line(runs[-1]))
     if options.json:
