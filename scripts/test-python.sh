@@ -25,6 +25,12 @@ rm -rf "$folder/wheels"
 maturin build --release --locked --quiet --out "$folder/wheels" --compression-level 1
 uv pip install --quiet --no-deps --reinstall "$folder"/wheels/raypath-*.whl
 
+# uv compiles nothing, and the tests start Python a hundred times: the first start has to keep what it compiles.
+unset PYTHONDONTWRITEBYTECODE
+# The tests start the program a hundred times too, and the one that cargo builds starts faster than that of the wheel.
+program=$(realpath -m "${CARGO_TARGET_DIR:-target}/release/raypath")
+if [ -z "${RAYPATH_PROGRAM:-}" ] && "$program" verify --list >/dev/null 2>&1; then export RAYPATH_PROGRAM=$program; fi
+
 ruff format --check --quiet
 ruff check --quiet
 mypy

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sys
 from pathlib import Path
 from typing import Callable
 
@@ -32,6 +33,15 @@ def test_the_bytes_are_those_of_one_machine(
     code, out, err = run(words, tmp_path / "many")
     assert (code, without_times(out)) == (0, without_times(expected)), err
     assert files(tmp_path / "many") == files(tmp_path / "one")
+
+
+def test_each_worker_finds_the_installed_program(run: Run, address: str, tmp_path: Path) -> None:
+    command = ("verify", "sums", "--jobs", "20")
+    code, expected, err = run([sys.executable, "-m", "raypath", *command], tmp_path / "one")
+    assert code == 0, err
+    words = [sys.executable, "-m", "raypath.cluster", *command, "--shards", "2", "--scheduler", address]
+    code, out, err = run(words, tmp_path / "many")
+    assert (code, without_times(out)) == (0, without_times(expected)), err
 
 
 def test_files_are_found_by_their_content(program: Path, run: Run, address: str, tmp_path: Path) -> None:
