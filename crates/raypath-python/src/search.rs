@@ -8,9 +8,9 @@ use crate::watch::watched;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use raypath_rtl::Lanes;
 use raypath_search::{
-    Candidates, Exact, Graph, GraphParameters, Metric, Neighbour, SearchResults, SearchSpec, Vectors, time_search,
+    Candidates, GraphParameters, LaneGraph, LaneSearch, Metric, Neighbour, SearchError, SearchResults, SearchSpec,
+    Vectors, lanes,
 };
 use raypath_timing::{Sample, System, Timing};
 
@@ -154,15 +154,9 @@ pub fn search(
         system: system(&datapath, queries_in_flight, memory_latency),
         timed,
     };
-    match datapath.config().semantics.lanes {
-        Lanes::None => Err(value_error("datapath: found no lanes, expected a datapath with distances")),
-        Lanes::Two => watched(py, |progress| work.run::<2, 1>(progress)),
-        Lanes::Four => watched(py, |progress| work.run::<4, 2>(progress)),
-        Lanes::Eight => watched(py, |progress| work.run::<8, 4>(progress)),
-        Lanes::Sixteen => watched(py, |progress| work.run::<16, 8>(progress)),
-        Lanes::ThirtyTwo => watched(py, |progress| work.run::<32, 16>(progress)),
-        Lanes::SixtyFour => watched(py, |progress| work.run::<64, 32>(progress)),
-    }
+    let lanes = lanes(datapath.lanes());
+    let lanes = lanes.ok_or_else(|| value_error("datapath: found no lanes, expected a datapath with distances"))?;
+    watched(py, |progress| work.run(lanes, progress))
 }
 
 /// The simulated beats if no number of queries is given.
@@ -180,12 +174,12 @@ struct Work {
 }
 
 impl Work {
-    fn run<const E: usize, const A: usize>(self, progress: &(dyn Fn(u64) -> bool + Sync)) -> PyResult<Search> {
+    fn run(self, lanes: &dyn LaneSearch, progress: &(dyn Fn(u64) -> bool + Sync)) -> PyResult<Search> {
         let Self { base, queries, k, metric, graph, ef, system, timed } = self;
-        let graph = graph.map(|parameters| Graph::<E, A>::build(&base, metric, &parameters, progress));
+        let graph = graph.map(|parameters| lanes.graph(&base, metric, &parameters, progress));
         let graph = graph.transpose().map_err(value_error)?;
         let results = match &graph {
-            None => Exact::<E, A>::new(&base, metric).search(&queries, k, progress),
+            None => lanes.exact(&base, metric, &queries, k, progress),
             Some(graph) => graph.search(&queries, k, ef, progress),
         };
         let results = results.map_err(value_error)?;
@@ -194,15 +188,21 @@ impl Work {
         }
         let beats = if timed.is_some() { u64::MAX } else { BEATS };
         let first = queries.first(timed.unwrap_or(usize::MAX));
-        let traces =
-            graph.map(|graph| graph.traces(&first, k, ef, beats, progress)).transpose().map_err(value_error)?;
+        let traced = |graph: Box<dyn LaneGraph + '_>| {
+            let mut traces = graph.traces(&first, k, ef, beats, progress)?;
+            if traces.is_empty() {
+                traces.push(graph.trace(queries.get(0).unwrap_or_default(), k, ef)?);
+            }
+            Ok::<_, SearchError>(traces)
+        };
+        let traces = graph.map(traced).transpose().map_err(value_error)?;
         let candidates = match &traces {
             Some(traces) => Candidates::Traced(traces),
             None => Candidates::All { count: k },
         };
         let spec = SearchSpec { base: &base, queries: &queries, metric, candidates };
-        let sample = Sample::first(timed.unwrap_or_else(|| spec.within::<E, A>(BEATS).max.max(1)));
-        let timing = time_search::<E, A>(&spec, sample, &system, &mut (), progress).map_err(value_error)?.0;
+        let sample = Sample::first(timed.unwrap_or_else(|| lanes.within(&spec, BEATS).max.max(1)));
+        let timing = lanes.time(&spec, sample, &system, progress).map_err(value_error)?;
         Ok(Search { results, k, timing: Some((timing, system)) })
     }
 }

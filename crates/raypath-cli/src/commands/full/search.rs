@@ -9,8 +9,10 @@ use clap::{Args, ValueEnum};
 use raypath_float::Format;
 use raypath_rtl::{Config, Lanes};
 use raypath_search::{
-    Clusters, Dataset, Exact, Graph, GraphParameters, Metric, Neighbours, SearchResults, Work, recall, write_ivecs,
+    Clusters, Dataset, GraphParameters, LaneGraph, LaneSearch, Metric, Neighbours, SearchResults, Work, lanes, recall,
+    write_ivecs,
 };
+use raypath_timing::Progress;
 use raypath_timing::report::Table;
 use saved::SavedResults;
 use std::io::Write;
@@ -82,10 +84,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         return Err(CliError::unusable(problem));
     }
     match config.semantics.lanes {
-        Lanes::None => {
-            let problem = "--lanes none: a datapath without distances cannot search, expected 2 to 64";
-            Err(CliError::unusable(problem))
-        }
+        Lanes::None => Err(no_lanes()),
         Lanes::Two => search::<2, 1>(arguments, config, out),
         Lanes::Four => search::<4, 2>(arguments, config, out),
         Lanes::Eight => search::<8, 4>(arguments, config, out),
@@ -95,12 +94,17 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     }
 }
 
+fn no_lanes() -> CliError {
+    CliError::unusable("--lanes none: a datapath without distances cannot search, expected 2 to 64")
+}
+
 /// A search with `E` Euclidean and `A` angular lanes.
 fn search<const E: usize, const A: usize>(
     arguments: &Arguments,
     config: Config,
     out: &mut dyn Write,
 ) -> Result<(), CliError> {
+    let lanes = lanes(E).ok_or_else(no_lanes)?;
     let dataset = arguments.dataset()?;
     let metric = arguments.metric.or(dataset.metric).unwrap_or(Metric::Euclidean);
     let (base, queries) = (&dataset.base, &dataset.queries);
@@ -112,10 +116,10 @@ fn search<const E: usize, const A: usize>(
             let problem = "--index: several machines divide an exact search only, expected --exact";
             return Err(CliError::unusable(problem));
         }
-        Some(Index::Hnsw) => Some(arguments.graph::<E, A>(&dataset, metric, out)?),
+        Some(Index::Hnsw) => Some(arguments.graph(lanes, &dataset, metric, out)?),
     };
     let results = match &graph {
-        None => match arguments.divided::<E, A>(&dataset, metric, config)? {
+        None => match arguments.divided(lanes, &dataset, metric, config)? {
             Ok(results) => results,
             Err(message) => return Ok(writeln!(out, "{message}")?),
         },
@@ -124,7 +128,7 @@ fn search<const E: usize, const A: usize>(
         }
     };
     let mut rows = describe::<E, A>(&results, base.dimensions());
-    if let Some((source, truth)) = arguments.truth::<E, A>(&dataset, metric)? {
+    if let Some((source, truth)) = arguments.truth(lanes, &dataset, metric)? {
         let recall =
             recall::<E, A>(&results, &truth, base, queries, metric, arguments.k).map_err(CliError::unusable)?;
         rows.push((format!("recall at {} against {source}", arguments.k), format!("{recall:.4}")));
@@ -145,7 +149,8 @@ fn search<const E: usize, const A: usize>(
         metric,
         neighbours: arguments.k,
         ef: arguments.ef(),
-        graph: graph.as_ref(),
+        graph: graph.as_deref(),
+        lanes,
         max: arguments.timed,
     };
     let timed = arguments.timing.run(&subject, arguments.queries_in_flight, config, out)?;
@@ -181,33 +186,31 @@ impl Arguments {
         }
     }
 
-    fn graph<'d, const E: usize, const A: usize>(
+    fn graph<'d>(
         &self,
+        lanes: &dyn LaneSearch,
         dataset: &'d Dataset,
         metric: Metric,
         out: &mut dyn Write,
-    ) -> Result<Graph<'d, E, A>, CliError> {
+    ) -> Result<Box<dyn LaneGraph + 'd>, CliError> {
         let parameters =
             GraphParameters { connections: self.connections, ef_construction: self.ef_construction, seed: self.seed };
         let graph = watched("vectors indexed", dataset.base.len(), |progress| {
-            Graph::build(&dataset.base, metric, &parameters, progress)
+            lanes.graph(&dataset.base, metric, &parameters, progress)
         })?;
         writeln!(out, "the graph took {} beats to build", graph.build_work().beats)?;
         Ok(graph)
     }
 
-    fn exact<const E: usize, const A: usize>(
-        &self,
-        dataset: &Dataset,
-        metric: Metric,
-    ) -> Result<SearchResults, CliError> {
-        let exact = Exact::<E, A>::new(&dataset.base, metric);
-        watched("queries", dataset.queries.len(), |progress| exact.search(&dataset.queries, self.k, progress))
+    fn exact(&self, lanes: &dyn LaneSearch, dataset: &Dataset, metric: Metric) -> Result<SearchResults, CliError> {
+        let Dataset { base, queries, .. } = dataset;
+        watched("queries", queries.len(), |progress| lanes.exact(base, metric, queries, self.k, progress))
     }
 
     /// An exact search of the shard's queries; or the results of all shards. For a part, its message.
-    fn divided<const E: usize, const A: usize>(
+    fn divided(
         &self,
+        lanes: &dyn LaneSearch,
         dataset: &Dataset,
         metric: Metric,
         config: Config,
@@ -222,8 +225,8 @@ impl Arguments {
         let shards = parts.phase(|| {
             let Range { start, end } = self.division.shard.range(queries.len() as u64);
             let Some(queries) = queries.range(start as usize..end as usize) else { return Ok(SavedResults::default()) };
-            let exact = Exact::<E, A>::new(base, metric);
-            let results = watched("queries", queries.len(), |progress| exact.search(&queries, k, progress))?;
+            let search = |progress: Progress<'_>| lanes.exact(base, metric, &queries, k, progress);
+            let results = watched("queries", queries.len(), search)?;
             Ok::<_, CliError>(SavedResults::from(results))
         })?;
         division.keep(TASK, parts, begin.elapsed().as_secs_f64());
@@ -232,8 +235,9 @@ impl Arguments {
     }
 
     /// The truth for recall, with its source. Exact search uses the truth of the file only.
-    fn truth<const E: usize, const A: usize>(
+    fn truth(
         &self,
+        lanes: &dyn LaneSearch,
         dataset: &Dataset,
         metric: Metric,
     ) -> Result<Option<(&'static str, Neighbours)>, CliError> {
@@ -241,7 +245,7 @@ impl Arguments {
         match &dataset.truth {
             Some(truth) if is_of_metric => Ok(Some(("the file's truth", truth.clone()))),
             _ if self.index.is_some() => {
-                let results = self.exact::<E, A>(dataset, metric)?;
+                let results = self.exact(lanes, dataset, metric)?;
                 let indices: Vec<i64> = results.rows.iter().flatten().map(|near| i64::from(near.index)).collect();
                 let neighbours = Neighbours::new(self.k, &indices, dataset.base.len()).map_err(CliError::unusable)?;
                 Ok(Some(("exact search", neighbours)))

@@ -2,7 +2,7 @@
 
 use crate::CliError;
 use crate::commands::full::{Subject, watched};
-use raypath_search::{Candidates, Dataset, Graph, Metric, SearchSpec, SearchTrace, sweep_search, time_search};
+use raypath_search::{Candidates, Dataset, LaneGraph, LaneSearch, Metric, SearchSpec, SearchTrace, time_search};
 use raypath_timing::report::Recorder;
 use raypath_timing::{Sample, Sweep, System, Timing};
 
@@ -14,7 +14,9 @@ pub struct Queries<'d, const E: usize, const A: usize> {
     /// The number of candidates kept in a graph search.
     pub ef: usize,
     /// The graph of an approximate search; `None` for an exact one.
-    pub graph: Option<&'d Graph<'d, E, A>>,
+    pub graph: Option<&'d dyn LaneGraph>,
+    /// Searches in `E` lanes.
+    pub lanes: &'static dyn LaneSearch,
     /// The number of simulated queries; `None` for as many as [`BEATS`] allow.
     pub max: Option<usize>,
 }
@@ -30,7 +32,7 @@ const LATENCIES: [u64; 4] = [0, 100, 300, 1000];
 
 impl<const E: usize, const A: usize> Queries<'_, E, A> {
     /// The traces of the first `max` queries, or of as many as [`BEATS`] allow, but at least one.
-    fn traces(&self, graph: &Graph<'_, E, A>, max: Option<usize>) -> Result<Vec<SearchTrace>, CliError> {
+    fn traces(&self, graph: &dyn LaneGraph, max: Option<usize>) -> Result<Vec<SearchTrace>, CliError> {
         let queries = &self.dataset.queries;
         let first = queries.first(max.unwrap_or(usize::MAX));
         let beats = if max.is_some() { u64::MAX } else { BEATS };
@@ -70,7 +72,7 @@ impl<const E: usize, const A: usize> Subject for Queries<'_, E, A> {
         let spec = SearchSpec { base, queries, metric: self.metric, candidates };
         let sample = match self.max {
             Some(max) => Sample::first(max),
-            None => Sample::first(spec.within::<E, A>(BEATS).max.max(1)),
+            None => Sample::first(self.lanes.within(&spec, BEATS).max.max(1)),
         };
         watched("queries timed", sample.numbers(spec.len()).len(), |progress| {
             time_search::<E, A>(&spec, sample, system, recorder, progress).map(|(timing, _)| timing)
@@ -89,7 +91,7 @@ impl<const E: usize, const A: usize> Subject for Queries<'_, E, A> {
         let sample = Sample::first(SWEPT);
         let total = sample.numbers(spec.len()).len() * IN_FLIGHT.len() * LATENCIES.len();
         watched("queries swept", total, |progress| {
-            sweep_search::<E, A>(&spec, sample, &IN_FLIGHT, &LATENCIES, system, progress)
+            self.lanes.sweep(&spec, sample, &IN_FLIGHT, &LATENCIES, system, progress)
         })
     }
 
