@@ -46,6 +46,9 @@ if [ "$level" = full ]; then long='-- --include-ignored'; fi
 # shellcheck disable=SC2086 # $long is two words or none
 cargo test --workspace --release --locked --no-fail-fast $long
 
+step 'Python'
+scripts/test-python.sh
+
 step 'Verification'
 # The program that the tests were made with: `cargo run` would compile it once more, without the feature `full`.
 "${CARGO_TARGET_DIR:-target}/release/raypath" verify --level "$level"
