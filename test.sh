@@ -47,7 +47,7 @@ if [ "$level" = full ]; then long='-- --include-ignored'; fi
 cargo test --workspace --release --locked --no-fail-fast $long
 
 step 'Python'
-scripts/test-python.sh
+if [ "$level" = full ]; then scripts/test-python.sh -m 'long or not long'; else scripts/test-python.sh; fi
 
 step 'Verification'
 # The program that the tests were made with: `cargo run` would compile it once more, without the feature `full`.

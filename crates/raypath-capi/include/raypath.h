@@ -293,8 +293,8 @@ typedef struct {
 } raypath_triangle_input;
 
 /**
- * A beat of a distance. `a` and `b` have `raypath_lanes` elements for a Euclidean beat, and half as many for an angular
- * one; they are read while the job is offered.
+ * A beat of a distance. `a` and `b` have `raypath_lanes` elements for a Euclidean beat, and half as many for an
+ * angular one; they are read while the job is offered.
  */
 typedef struct {
   /**
@@ -587,8 +587,8 @@ raypath_status raypath_angular(const raypath_datapath *datapath,
 /**
  * Computes `count` jobs of any operation, in order, through the words at its ports: `inputs` has the words of one job
  * after another, in the order of `raypath_input`, and `outputs` receives those of the outcomes, in the order of
- * `raypath_output`. Numbers are in the IEEE 754 layout of the datapath's format. Accumulators are zero before the first
- * job. Any thread may call it.
+ * `raypath_output`. Numbers are in the IEEE 754 layout of the datapath's format. Accumulators are zero before the
+ * first job. Any thread may call it.
  *
  * Errors: those of `raypath_quadbox`.
  *
@@ -789,17 +789,15 @@ raypath_status raypath_pipeline_offer(raypath_pipeline *pipeline, const raypath_
 
 /**
  * One clock cycle. The job that was accepted in this cycle enters. If `output_ready` and there is an outcome at the
- * output, it leaves: `RAYPATH_OK`, and `*result` is set. Otherwise `RAYPATH_NO_RESULT`. If `result` is NULL, the outcome
- * is discarded.
+ * output, it leaves: `RAYPATH_OK`, and `*result` is set. Otherwise `RAYPATH_NO_RESULT`. If `result` is NULL, the
+ * outcome is discarded.
  *
  * Errors: `RAYPATH_ERROR_NULL` for the pipeline; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
  *
  * # Safety
  * `pipeline` is NULL or a pipeline that no other thread uses; `result` is NULL or points to a result.
  */
-raypath_status raypath_pipeline_step(raypath_pipeline *pipeline,
-                                     bool output_ready,
-                                     raypath_result *result);
+raypath_status raypath_pipeline_step(raypath_pipeline *pipeline, bool output_ready, raypath_result *result);
 
 /**
  * Sets `*result` to the outcome at the output in this cycle, which stays until a step takes it: `RAYPATH_OK`.
@@ -879,8 +877,8 @@ uint32_t raypath_abi_version(void);
 const char *raypath_version(void);
 
 /**
- * The message of the last call of this thread that failed: what was found, and what was expected. Empty if none failed.
- * It is valid until another call of this thread fails. Never NULL.
+ * The message of the last call of this thread that failed: what was found, and what was expected. Empty if none
+ * failed. It is valid until another call of this thread fails. Never NULL.
  */
 const char *raypath_last_error(void);
 

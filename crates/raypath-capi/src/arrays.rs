@@ -149,8 +149,8 @@ pub unsafe extern "C" fn raypath_angular(
 
 /// Computes `count` jobs of any operation, in order, through the words at its ports: `inputs` has the words of one job
 /// after another, in the order of `raypath_input`, and `outputs` receives those of the outcomes, in the order of
-/// `raypath_output`. Numbers are in the IEEE 754 layout of the datapath's format. Accumulators are zero before the first
-/// job. Any thread may call it.
+/// `raypath_output`. Numbers are in the IEEE 754 layout of the datapath's format. Accumulators are zero before the
+/// first job. Any thread may call it.
 ///
 /// Errors: those of `raypath_quadbox`.
 ///

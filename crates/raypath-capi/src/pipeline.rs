@@ -72,8 +72,8 @@ pub struct TriangleInput {
     pub triangle: Vertices,
 }
 
-/// A beat of a distance. `a` and `b` have `raypath_lanes` elements for a Euclidean beat, and half as many for an angular
-/// one; they are read while the job is offered.
+/// A beat of a distance. `a` and `b` have `raypath_lanes` elements for a Euclidean beat, and half as many for an
+/// angular one; they are read while the job is offered.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct BeatInput {
@@ -193,8 +193,8 @@ pub unsafe extern "C" fn raypath_pipeline_offer(pipeline: *mut Pipeline, job: *c
 }
 
 /// One clock cycle. The job that was accepted in this cycle enters. If `output_ready` and there is an outcome at the
-/// output, it leaves: `RAYPATH_OK`, and `*result` is set. Otherwise `RAYPATH_NO_RESULT`. If `result` is NULL, the outcome
-/// is discarded.
+/// output, it leaves: `RAYPATH_OK`, and `*result` is set. Otherwise `RAYPATH_NO_RESULT`. If `result` is NULL, the
+/// outcome is discarded.
 ///
 /// Errors: `RAYPATH_ERROR_NULL` for the pipeline; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
 ///

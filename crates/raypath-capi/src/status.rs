@@ -83,8 +83,8 @@ pub extern "C" fn raypath_version() -> *const c_char {
     VERSION.as_ptr()
 }
 
-/// The message of the last call of this thread that failed: what was found, and what was expected. Empty if none failed.
-/// It is valid until another call of this thread fails. Never NULL.
+/// The message of the last call of this thread that failed: what was found, and what was expected. Empty if none
+/// failed. It is valid until another call of this thread fails. Never NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn raypath_last_error() -> *const c_char {
     MESSAGE.with_borrow(|message| message.as_ptr())

@@ -1,5 +1,5 @@
-//! Installs the library to a folder, and compiles and runs programs in C and C++ against it, with every warning an error
-//! and under AddressSanitizer and UndefinedBehaviorSanitizer.
+//! Installs the library to a folder, and compiles and runs programs in C and C++ against it, with every warning an
+//! error and under AddressSanitizer and UndefinedBehaviorSanitizer.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

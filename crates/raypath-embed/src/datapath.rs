@@ -1,7 +1,7 @@
 use crate::general::General;
+use crate::job::{Beat, Job, Outcome, no_operation};
 use crate::layout::{Bounds, QuadboxResult, Ray, TriangleResult, Vertices};
-use crate::pipeline::no_operation;
-use crate::{Beat, Error, Job, Outcome, native};
+use crate::{Error, native};
 use raypath_float::Format;
 use raypath_model::{Shape, WordModel};
 use raypath_ops::{JobKind, Port, Rules};

@@ -1,6 +1,7 @@
 //! Jobs of the paper's operations in any format and with any features, through the words at their ports.
 
-use crate::{Datapath, Job, Outcome};
+use crate::Datapath;
+use crate::job::{Job, Outcome};
 use raypath_float::Format;
 use raypath_model::{Model, WordModel, Words};
 use raypath_ops::{self as ops, Aabb, Binary32, JobKind, PortKind, RayBoxInput, RayTriangleInput};

@@ -6,6 +6,7 @@
 mod datapath;
 mod error;
 mod general;
+mod job;
 mod layout;
 mod native;
 mod paper;
@@ -14,8 +15,9 @@ mod transpose;
 
 pub use datapath::Datapath;
 pub use error::Error;
+pub use job::{Beat, Job, Outcome};
 pub use layout::{AngularResult, Bounds, EuclideanResult, QuadboxResult, Ray, TriangleResult, Vertices};
-pub use pipeline::{Beat, Job, Outcome, Pipeline};
+pub use pipeline::Pipeline;
 pub use raypath_model::Words;
 pub use raypath_ops::RayError;
 pub use raypath_sim::OperationId;

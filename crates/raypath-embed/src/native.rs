@@ -101,8 +101,8 @@ fn pairs<'v>(a: &'v [f32], b: &'v [f32], dimensions: usize) -> impl Iterator<Ite
     a.chunks(BLOCK * dimensions).zip(b.chunks(BLOCK * dimensions))
 }
 
-/// Passes the beats of the pairs to `run`, in order, at most [`BLOCKS`] at once. The last has `reset_accum` set. A block
-/// with fewer pairs repeats the last.
+/// Passes the beats of the pairs to `run`, in order, at most [`BLOCKS`] at once. The last has `reset_accum` set. A
+/// block with fewer pairs repeats the last.
 fn beats<const N: usize>((a, b): Pairs<'_>, dimensions: usize, mut run: impl FnMut(&[BeatInput<Packed, N>])) {
     let level = Level::new();
     let last = a.len() / dimensions - 1;

@@ -1,8 +1,8 @@
 //! Single jobs of the paper's operations in native binary32.
 
-use crate::{Beat, Job, Outcome};
+use crate::job::{Beat, Job, Outcome, lanes};
 use raypath_model::Functional;
-use raypath_ops::{self as ops, BeatInput, Binary32, Flags, JobKind, Num, RayBoxInput, RayTriangleInput, Rules};
+use raypath_ops::{self as ops, BeatInput, Binary32, Flags, JobKind, RayBoxInput, RayTriangleInput, Rules};
 use std::collections::VecDeque;
 
 /// The functional model of the paper's operations, for any number of lanes.
@@ -82,34 +82,5 @@ impl<const N: usize> LastMask<N> {
         }
         let (a, b) = (lanes(a), lanes(b));
         BeatInput { euclidean: ops::Beat { a, b, mask: self.flags, reset_accum: reset_accum.into() } }
-    }
-}
-
-impl<const N: usize> From<Beat<'_>> for BeatInput<Binary32, N> {
-    /// Lanes without coordinates are 0.
-    fn from(Beat { a, b, mask, reset_accum }: Beat<'_>) -> Self {
-        let mask = Flags::from_mask(mask);
-        Self { euclidean: ops::Beat { a: lanes(a), b: lanes(b), mask, reset_accum: reset_accum.into() } }
-    }
-}
-
-/// Coordinates as lanes; those beyond the end are 0.
-#[inline(always)]
-fn lanes<const N: usize>(of: &[f32]) -> [Num<Binary32>; N] {
-    match <&[f32; N]>::try_from(of) {
-        Ok(of) => of.map(Num::from),
-        Err(_) => std::array::from_fn(|lane| of.get(lane).copied().unwrap_or(0.0).into()),
-    }
-}
-
-impl From<ops::Outcome> for Outcome {
-    #[inline]
-    fn from(outcome: ops::Outcome) -> Self {
-        match outcome {
-            ops::Outcome::Quadbox(output) => Self::Quadbox(output.into()),
-            ops::Outcome::Triangle(output) => Self::Triangle(output.into()),
-            ops::Outcome::Euclidean(output) => Self::Euclidean(output.into()),
-            ops::Outcome::Angular(output) => Self::Angular(output.into()),
-        }
     }
 }

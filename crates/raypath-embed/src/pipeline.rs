@@ -1,10 +1,10 @@
 use crate::general::General;
-use crate::layout::{AngularResult, Bounds, EuclideanResult, QuadboxResult, Ray, TriangleResult, Vertices};
+use crate::job::{Job, Outcome, no_operation, operation};
 use crate::paper::{Native, PaperModel};
 use crate::{Datapath, Error};
-use raypath_model::{Elastic, PipelinePosition, Transfer, Words};
+use raypath_model::{Elastic, PipelinePosition, Transfer};
 use raypath_ops::JobKind;
-use raypath_rtl::{Lanes, alternatives};
+use raypath_rtl::Lanes;
 use raypath_sim::OperationId;
 use std::collections::VecDeque;
 use std::fmt;
@@ -44,72 +44,6 @@ pub struct Pipeline {
     /// Native arithmetic, for datapaths in binary32 without features.
     native: Option<Box<dyn Native>>,
     general: General,
-}
-
-/// A job.
-#[derive(Debug, Clone, Copy)]
-pub enum Job<'j> {
-    /// A ray against four boxes.
-    Quadbox {
-        /// The ray.
-        ray: &'j Ray,
-        /// The boxes.
-        boxes: &'j [Bounds; 4],
-    },
-    /// A ray against a triangle.
-    Triangle {
-        /// The ray.
-        ray: &'j Ray,
-        /// The triangle.
-        triangle: &'j Vertices,
-    },
-    /// A beat of a Euclidean distance, with as many coordinates as the datapath has lanes.
-    Euclidean(Beat<'j>),
-    /// A beat of an angular distance, with half as many coordinates as the datapath has lanes.
-    Angular(Beat<'j>),
-    /// A job of any operation: the words at its ports, with numbers in the layout of the datapath's format.
-    Words {
-        /// The operation's opcode.
-        opcode: u64,
-        /// A word for each input port.
-        inputs: &'j [u64],
-    },
-    /// The time of a job without its values. Accumulators do not change.
-    Timing {
-        /// The operation's opcode.
-        opcode: u64,
-    },
-}
-
-/// A beat of a distance.
-#[derive(Debug, Clone, Copy)]
-pub struct Beat<'j> {
-    /// The query's coordinates.
-    pub a: &'j [f32],
-    /// The candidate's coordinates.
-    pub b: &'j [f32],
-    /// Bit i says whether lane i counts.
-    pub mask: u64,
-    /// The sums restart at zero after this beat.
-    pub reset_accum: bool,
-}
-
-/// The outcome of a job.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Outcome {
-    /// Of a ray against four boxes.
-    Quadbox(QuadboxResult),
-    /// Of a ray against a triangle.
-    Triangle(TriangleResult),
-    /// Of a beat of a Euclidean distance.
-    Euclidean(EuclideanResult),
-    /// Of a beat of an angular distance.
-    Angular(AngularResult),
-    /// Of a job that was offered as words.
-    // Boxed, so that the others stay small.
-    Words(Box<Words>),
-    /// Of a job without values: its opcode.
-    Timing(u64),
 }
 
 impl Pipeline {
@@ -283,16 +217,4 @@ impl fmt::Debug for Pipeline {
         let positions: Vec<PipelinePosition> = self.positions().collect();
         f.debug_struct("Pipeline").field("operations", &self.operations).field("positions", &positions).finish()
     }
-}
-
-fn operation(operations: &[OperationId], opcode: u64) -> Result<OperationId, Error> {
-    let found = operations.iter().copied().find(|found| found.opcode() == opcode);
-    found.ok_or_else(|| no_operation(operations, &format!("opcode {opcode}")))
-}
-
-/// The error of a name or opcode that is not one of these operations.
-#[cold]
-pub(crate) fn no_operation(operations: &[OperationId], name: &str) -> Error {
-    let names: Vec<&str> = operations.iter().map(|operation| operation.name()).collect();
-    Error::Operation { name: name.to_string(), expected: alternatives(&names) }
 }

@@ -30,9 +30,9 @@ pub(super) enum Event {
 
 /// Counts as a sorted list: the keys of a JSON object are text.
 mod pairs {
-    use super::{Event, HashMap};
+    use crate::coverage::handshakes::Event;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
-    use std::collections::BTreeMap;
+    use std::collections::{BTreeMap, HashMap};
 
     pub fn serialize<S: Serializer>(counts: &HashMap<Event, u64>, to: S) -> Result<S::Ok, S::Error> {
         let sorted: BTreeMap<_, _> = counts.iter().collect();
@@ -46,7 +46,7 @@ mod pairs {
 
 /// An operation as its opcode.
 mod opcode {
-    use super::JobKind;
+    use raypath_ops::JobKind;
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

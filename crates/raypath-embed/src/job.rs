@@ -1,0 +1,116 @@
+//! Jobs and outcomes of a pipeline.
+
+use crate::Error;
+use crate::layout::{AngularResult, Bounds, EuclideanResult, QuadboxResult, Ray, TriangleResult, Vertices};
+use raypath_model::Words;
+use raypath_ops::{self as ops, BeatInput, Binary32, Flags, Num};
+use raypath_rtl::alternatives;
+use raypath_sim::OperationId;
+
+/// A job.
+#[derive(Debug, Clone, Copy)]
+pub enum Job<'j> {
+    /// A ray against four boxes.
+    Quadbox {
+        /// The ray.
+        ray: &'j Ray,
+        /// The boxes.
+        boxes: &'j [Bounds; 4],
+    },
+    /// A ray against a triangle.
+    Triangle {
+        /// The ray.
+        ray: &'j Ray,
+        /// The triangle.
+        triangle: &'j Vertices,
+    },
+    /// A beat of a Euclidean distance, with as many coordinates as the datapath has lanes.
+    Euclidean(Beat<'j>),
+    /// A beat of an angular distance, with half as many coordinates as the datapath has lanes.
+    Angular(Beat<'j>),
+    /// A job of any operation: the words at its ports, with numbers in the layout of the datapath's format.
+    Words {
+        /// The operation's opcode.
+        opcode: u64,
+        /// A word for each input port.
+        inputs: &'j [u64],
+    },
+    /// The time of a job without its values. Accumulators do not change.
+    Timing {
+        /// The operation's opcode.
+        opcode: u64,
+    },
+}
+
+/// A beat of a distance.
+#[derive(Debug, Clone, Copy)]
+pub struct Beat<'j> {
+    /// The query's coordinates.
+    pub a: &'j [f32],
+    /// The candidate's coordinates.
+    pub b: &'j [f32],
+    /// Bit i says whether lane i counts.
+    pub mask: u64,
+    /// The sums restart at zero after this beat.
+    pub reset_accum: bool,
+}
+
+/// The outcome of a job.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// Of a ray against four boxes.
+    Quadbox(QuadboxResult),
+    /// Of a ray against a triangle.
+    Triangle(TriangleResult),
+    /// Of a beat of a Euclidean distance.
+    Euclidean(EuclideanResult),
+    /// Of a beat of an angular distance.
+    Angular(AngularResult),
+    /// Of a job that was offered as words.
+    // Boxed, so that the others stay small.
+    Words(Box<Words>),
+    /// Of a job without values: its opcode.
+    Timing(u64),
+}
+
+impl<const N: usize> From<Beat<'_>> for BeatInput<Binary32, N> {
+    /// Lanes without coordinates are 0.
+    fn from(Beat { a, b, mask, reset_accum }: Beat<'_>) -> Self {
+        let mask = Flags::from_mask(mask);
+        Self { euclidean: ops::Beat { a: lanes(a), b: lanes(b), mask, reset_accum: reset_accum.into() } }
+    }
+}
+
+/// Coordinates as lanes; those beyond the end are 0.
+#[inline(always)]
+pub(crate) fn lanes<const N: usize>(of: &[f32]) -> [Num<Binary32>; N] {
+    match <&[f32; N]>::try_from(of) {
+        Ok(of) => of.map(Num::from),
+        Err(_) => std::array::from_fn(|lane| of.get(lane).copied().unwrap_or(0.0).into()),
+    }
+}
+
+impl From<ops::Outcome> for Outcome {
+    #[inline]
+    fn from(outcome: ops::Outcome) -> Self {
+        match outcome {
+            ops::Outcome::Quadbox(output) => Self::Quadbox(output.into()),
+            ops::Outcome::Triangle(output) => Self::Triangle(output.into()),
+            ops::Outcome::Euclidean(output) => Self::Euclidean(output.into()),
+            ops::Outcome::Angular(output) => Self::Angular(output.into()),
+        }
+    }
+}
+
+/// The operation with this opcode.
+pub(crate) fn operation(operations: &[OperationId], opcode: u64) -> Result<OperationId, Error> {
+    let found = operations.iter().copied().find(|found| found.opcode() == opcode);
+    found.ok_or_else(|| no_operation(operations, &format!("opcode {opcode}")))
+}
+
+/// The error of a name or opcode that is not one of these operations.
+#[cold]
+pub(crate) fn no_operation(operations: &[OperationId], name: &str) -> Error {
+    let names: Vec<&str> = operations.iter().map(|operation| operation.name()).collect();
+    Error::Operation { name: name.to_string(), expected: alternatives(&names) }
+}
