@@ -104,7 +104,7 @@ typedef struct {
    */
   float extent;
   /**
-   * direction[kx] / direction[kz], direction[ky] / direction[kz], 1 / direction[kz].
+   * The direction along `kx` and along `ky`, and 1, each divided by the direction along `kz`.
    */
   float shear[3];
   /**

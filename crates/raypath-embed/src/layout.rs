@@ -16,7 +16,7 @@ pub struct Ray {
     pub inverse: [f32; 3],
     /// The length of the ray, in units of the direction's length. Boxes beyond it are missed.
     pub extent: f32,
-    /// direction[kx] / direction[kz], direction[ky] / direction[kz], 1 / direction[kz].
+    /// The direction along `kx` and along `ky`, and 1, each divided by the direction along `kz`.
     pub shear: [f32; 3],
     /// The axis that becomes x when the axes are permuted so that the ray runs along z: 0, 1 or 2.
     pub kx: u32,
