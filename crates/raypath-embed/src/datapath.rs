@@ -5,8 +5,8 @@ use crate::{Error, native};
 use raypath_float::Format;
 use raypath_model::{Shape, WordModel};
 use raypath_ops::{JobKind, Port, Rules};
-use raypath_oracle::added_operations;
-use raypath_rtl::{self as rtl, Config, Features, Lanes, Semantics, alternatives, package};
+use raypath_oracle::added_operation;
+use raypath_rtl::{self as rtl, Config, Features, Lanes, Semantics, package};
 use raypath_sim::files::{in_folder, write_all};
 use raypath_sim::{OperationId, configuration, engine};
 use std::path::Path;
@@ -50,15 +50,10 @@ impl Datapath {
     /// Those of [`open`](Self::open), except those of the text.
     pub fn new(config: Config, added: &[&str]) -> Result<Self, Error> {
         config.check()?;
-        let specs = added_operations();
         let mut whole = raypath_sim::Datapath::paper(config);
         for name in added {
-            let Some(spec) = specs.iter().find(|spec| spec.name() == *name) else {
-                let names: Vec<&str> = specs.iter().map(|spec| spec.name()).collect();
-                let problem = format!("'{name}' is not an added operation, expected {}", alternatives(&names));
-                return Err(Error::Argument(problem));
-            };
-            whole = whole.with_any(spec.operation());
+            let unknown = |expected| Error::Argument(format!("'{name}' is not an added operation, {expected}"));
+            whole = whole.with_any(added_operation(name).map_err(unknown)?.operation());
         }
         let netlist = whole.elaborate()?;
         let description =

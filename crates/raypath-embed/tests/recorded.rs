@@ -4,7 +4,7 @@ use raypath_embed::{
     AngularResult, Beat, Bounds, Datapath, EuclideanResult, Job, Outcome, Pipeline, QuadboxResult, Ray, TriangleResult,
     Vertices, Words,
 };
-use raypath_ops::{self as ops, JobKind};
+use raypath_ops::JobKind;
 use raypath_sim::engine::{Engine, NetlistEngine};
 use raypath_sim::traffic::interleave;
 use raypath_sim::transactions::{Transaction, read};
@@ -83,12 +83,7 @@ fn bits(outcome: &Outcome) -> Vec<u32> {
 }
 
 fn expected(outcome: &Words) -> Outcome {
-    match outcome.paper_outcome().expect("an outcome of the paper's operations") {
-        ops::Outcome::Quadbox(output) => Outcome::Quadbox(output.into()),
-        ops::Outcome::Triangle(output) => Outcome::Triangle(output.into()),
-        ops::Outcome::Euclidean(output) => Outcome::Euclidean(output.into()),
-        ops::Outcome::Angular(output) => Outcome::Angular(output.into()),
-    }
+    outcome.paper_outcome().expect("an outcome of the paper's operations").into()
 }
 
 #[test]

@@ -28,5 +28,5 @@ mod spec;
 mod test_support;
 
 pub use checks::{Checks, OracleReport, Simulated};
-pub use operations::added_operations;
+pub use operations::{added_operation, added_operations};
 pub use spec::{AnyOperationSpec, OperationSpec, jobs};

@@ -2,8 +2,8 @@
 
 use crate::error::CliError;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
-use raypath_oracle::{AnyOperationSpec, added_operations};
-use raypath_rtl::{Config, PARAMETER_GROUPS, Parameter, Preset, alternatives, parameters};
+use raypath_oracle::{AnyOperationSpec, added_operation};
+use raypath_rtl::{Config, PARAMETER_GROUPS, Parameter, Preset, parameters};
 use raypath_sim::{Datapath, configuration};
 use std::path::PathBuf;
 
@@ -94,7 +94,7 @@ impl FromArgMatches for ConfigArguments {
 #[derive(Debug, Args)]
 pub struct DatapathArguments {
     /// Add an operation to those of the paper; `raypath operations` lists them
-    #[arg(long = "with", value_name = "NAME,...", value_delimiter = ',', value_parser = find)]
+    #[arg(long = "with", value_name = "NAME,...", value_delimiter = ',', value_parser = added_operation)]
     pub specs: Vec<AnyOperationSpec>,
     #[command(flatten)]
     config: ConfigArguments,
@@ -113,11 +113,4 @@ impl DatapathArguments {
         let names: Vec<&str> = self.specs.iter().map(AnyOperationSpec::name).collect();
         if names.is_empty() { config.to_string() } else { format!("{config}, with {}", names.join(", ")) }
     }
-}
-
-fn find(name: &str) -> Result<AnyOperationSpec, String> {
-    let all = added_operations();
-    let names: Vec<&str> = all.iter().map(AnyOperationSpec::name).collect();
-    let expected = format!("expected {}", alternatives(&names));
-    all.into_iter().find(|spec| spec.name() == name).ok_or(expected)
 }
