@@ -17,7 +17,7 @@ for program in munged slurmctld slurmd sinfo; do
   fi
 done
 
-folder=$(mktemp -d /tmp/raypath-slurm-XXXXXX)
+folder=$(mktemp -d -t raypath-slurm-XXXXXX)
 processes=()
 stop() {
   # The last one started is the first to stop.

@@ -17,35 +17,23 @@ COMMANDS = ("verify", "explore", "search", "render")
 RESERVED = ("--shard", "--part", "--merge")
 """Options that the division itself sets."""
 
+TIMING = (
+    "--timed",
+    "--memory-latency",
+    "--clock",
+    "--sweep",
+    "--report",
+    "--konata",
+    "--window-jobs",
+    "--window-from",
+)
+"""Options with a value of the simulated timing, which is one for the whole result."""
+
 WHOLE = {
     "verify": ("--record",),
     "explore": ("--out",),
-    "search": (
-        "--out",
-        "--truth",
-        "--timed",
-        "--queries-in-flight",
-        "--memory-latency",
-        "--clock",
-        "--sweep",
-        "--report",
-        "--konata",
-        "--window-jobs",
-        "--window-from",
-    ),
-    "render": (
-        "--out",
-        "--heatmap",
-        "--timed",
-        "--rays-in-flight",
-        "--memory-latency",
-        "--clock",
-        "--sweep",
-        "--report",
-        "--konata",
-        "--window-jobs",
-        "--window-from",
-    ),
+    "search": ("--out", "--truth", "--queries-in-flight", *TIMING),
+    "render": ("--out", "--heatmap", "--rays-in-flight", *TIMING),
 }
 """Options with a value that matter to the whole result only: shards do not get them, so that they share results."""
 
