@@ -451,13 +451,13 @@ typedef union {
  */
 typedef struct {
   /**
-   * The kind of the job.
-   */
-  int32_t kind;
-  /**
    * The tag that was given with the job.
    */
   uint64_t tag;
+  /**
+   * The kind of the job.
+   */
+  int32_t kind;
   /**
    * The member that `kind` selects.
    */

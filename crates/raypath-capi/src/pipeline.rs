@@ -4,8 +4,11 @@ use crate::Datapath;
 use crate::memory::{array, reference, reference_mut, results};
 use crate::status::{Failure, RAYPATH_BUSY, RAYPATH_NO_RESULT, RAYPATH_OK, Status, status, value_or_zero};
 use raypath_embed::{
-    self as embed, AngularResult, Beat, Bounds, EuclideanResult, Outcome, QuadboxResult, Ray, TriangleResult, Vertices,
+    self as embed, AngularResult, Beat, Bounds, EuclideanResult, QuadboxResult, Ray, Tagged, TriangleResult, Vertices,
+    Words,
 };
+use std::mem::offset_of;
+use std::ptr::{from_ref, null};
 
 /// The cycle-exact model of a datapath. One thread at a time may use it; another thread may use it later.
 ///
@@ -104,10 +107,10 @@ pub struct WordsInput {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct PipelineResult {
-    /// The kind of the job.
-    pub kind: i32,
     /// The tag that was given with the job.
     pub tag: u64,
+    /// The kind of the job.
+    pub kind: i32,
     /// The member that `kind` selects.
     pub output: JobOutput,
 }
@@ -185,10 +188,9 @@ pub unsafe extern "C" fn raypath_pipeline_offer(pipeline: *mut Pipeline, job: *c
     status(|| {
         // SAFETY: by the contract of this function.
         let (pipeline, job) = unsafe { (reference_mut("pipeline", pipeline)?, reference("job", job)?) };
-        let Pipeline { embedded, lanes } = pipeline;
-        let offer = |job: &embed::Job<'_>| Ok(if embedded.offer(job, tag)? { RAYPATH_OK } else { RAYPATH_BUSY });
         // SAFETY: by the contract of this function.
-        unsafe { with_embedded_job(job, *lanes, offer) }
+        let accepted = unsafe { offer(pipeline, job, tag)? };
+        Ok(if accepted { RAYPATH_OK } else { RAYPATH_BUSY })
     })
 }
 
@@ -210,9 +212,10 @@ pub unsafe extern "C" fn raypath_pipeline_step(
         let count = usize::from(!result.is_null());
         // SAFETY: by the contract of this function.
         let (pipeline, result) = unsafe { (reference_mut("pipeline", pipeline)?, results("result", result, count)?) };
-        let Some((tag, outcome)) = pipeline.embedded.step(output_ready) else { return Ok(RAYPATH_NO_RESULT) };
+        let Some(tagged) = pipeline.embedded.step(output_ready) else { return Ok(RAYPATH_NO_RESULT) };
         if let [result] = result {
-            result.set(tag, outcome);
+            *result = PipelineResult::of(tagged);
+            result.complete(pipeline.embedded.left_words());
         }
         Ok(RAYPATH_OK)
     })
@@ -230,8 +233,9 @@ pub unsafe extern "C" fn raypath_pipeline_peek(pipeline: *const Pipeline, result
     status(|| {
         // SAFETY: by the contract of this function.
         let (pipeline, result) = unsafe { (reference("pipeline", pipeline)?, reference_mut("result", result)?) };
-        let Some((tag, outcome)) = pipeline.embedded.output() else { return Ok(RAYPATH_NO_RESULT) };
-        result.set(tag, outcome);
+        let Some((tagged, words)) = pipeline.embedded.output() else { return Ok(RAYPATH_NO_RESULT) };
+        *result = PipelineResult::of(tagged);
+        result.complete(words);
         Ok(RAYPATH_OK)
     })
 }
@@ -316,62 +320,75 @@ pub unsafe extern "C" fn raypath_pipeline_reset(pipeline: *mut Pipeline) -> Stat
 }
 
 impl PipelineResult {
-    /// Sets the fields. Words stay where they are.
+    /// The outcome, without the pointer to words.
     #[inline(always)]
-    fn set(&mut self, tag: u64, outcome: &Outcome) {
-        let Self { kind, tag: own_tag, output } = self;
-        *own_tag = tag;
-        match outcome {
-            Outcome::Quadbox(quadbox) => (*kind, output.quadbox) = (RAYPATH_JOB_QUADBOX, *quadbox),
-            Outcome::Triangle(triangle) => (*kind, output.triangle) = (RAYPATH_JOB_TRIANGLE, *triangle),
-            Outcome::Euclidean(euclidean) => (*kind, output.euclidean) = (RAYPATH_JOB_EUCLIDEAN, *euclidean),
-            Outcome::Angular(angular) => (*kind, output.angular) = (RAYPATH_JOB_ANGULAR, *angular),
-            Outcome::Words(words) => {
-                let (opcode, list) = (words.kind().opcode(), words.as_words());
-                output.words = WordsOutput { opcode, outputs: list.as_ptr(), count: list.len() };
-                *kind = RAYPATH_JOB_WORDS;
-            }
-            Outcome::Timing(opcode) => {
-                output.words = WordsOutput { opcode: *opcode, outputs: std::ptr::null(), count: 0 };
-                *kind = RAYPATH_JOB_TIMING;
-            }
+    fn of(tagged: &Tagged) -> Self {
+        // SAFETY: both have the same layout, as the assertions below state, and no member has invalid values.
+        unsafe { from_ref(tagged).cast::<Self>().read() }
+    }
+
+    /// Adds the pointer to the words of an outcome of words, which stay where they are.
+    #[inline(always)]
+    fn complete(&mut self, words: Option<&Words>) {
+        if self.kind >= RAYPATH_JOB_WORDS {
+            let words = words.filter(|_| self.kind == RAYPATH_JOB_WORDS).map(Words::as_words);
+            // SAFETY: for these kinds, the member `words` has its opcode.
+            let output = unsafe { &mut self.output.words };
+            (output.outputs, output.count) = words.map_or((null(), 0), |words| (words.as_ptr(), words.len()));
         }
     }
 }
 
-/// Passes a job to `offer`, which reads it where it is: a copy takes as long as a cycle.
+// `Tagged` and `Outcome` are `repr(C)`: the tag, the kind, then the outcome, where a union has it.
+const _: () = {
+    assert!(size_of::<Tagged>() == size_of::<PipelineResult>() && align_of::<Tagged>() == align_of::<PipelineResult>());
+    assert!(offset_of!(Tagged, tag) == offset_of!(PipelineResult, tag));
+    assert!(offset_of!(Tagged, outcome) == offset_of!(PipelineResult, kind));
+};
+
+/// Offers a job, which is read where it is.
 ///
 /// # Safety
 /// The pointers of the job are NULL or have as many elements as [`JobInput`] says.
+// `embed::Pipeline::offer` is inlined into each arm, where the kind of its job is a constant: of two branches on the
+// kind, the processor would mispredict both.
 #[inline(always)]
-unsafe fn with_embedded_job(
-    job: &Job,
-    lanes: usize,
-    offer: impl FnOnce(&embed::Job<'_>) -> Result<Status, Failure>,
-) -> Result<Status, Failure> {
-    // SAFETY (all reads of the union): every member consists of numbers and pointers, which have no invalid values.
+unsafe fn offer(pipeline: &mut Pipeline, job: &Job, tag: u64) -> Result<bool, Failure> {
+    let Pipeline { embedded, lanes } = pipeline;
     let input = &job.input;
-    match job.kind {
+    // SAFETY (all reads of the union): every member consists of numbers and pointers, which have no invalid values.
+    let accepted = match job.kind {
         RAYPATH_JOB_QUADBOX => {
             let QuadboxInput { ray, boxes } = unsafe { &input.quadbox };
-            offer(&embed::Job::Quadbox { ray, boxes })
+            embedded.offer(&embed::Job::Quadbox { ray, boxes }, tag)
         }
         RAYPATH_JOB_TRIANGLE => {
             let TriangleInput { ray, triangle } = unsafe { &input.triangle };
-            offer(&embed::Job::Triangle { ray, triangle })
+            embedded.offer(&embed::Job::Triangle { ray, triangle }, tag)
         }
-        RAYPATH_JOB_EUCLIDEAN => offer(&embed::Job::Euclidean(unsafe { beat(&input.beat, lanes)? })),
-        RAYPATH_JOB_ANGULAR => offer(&embed::Job::Angular(unsafe { beat(&input.beat, lanes / 2)? })),
+        RAYPATH_JOB_EUCLIDEAN => {
+            let beat = unsafe { beat(&input.beat, *lanes)? };
+            embedded.offer(&embed::Job::Euclidean(beat), tag)
+        }
+        RAYPATH_JOB_ANGULAR => {
+            let beat = unsafe { beat(&input.beat, *lanes / 2)? };
+            embedded.offer(&embed::Job::Angular(beat), tag)
+        }
         RAYPATH_JOB_WORDS => {
             let WordsInput { opcode, inputs, count } = unsafe { input.words };
-            offer(&embed::Job::Words { opcode, inputs: unsafe { array("inputs", inputs, count)? } })
+            let inputs = unsafe { array("inputs", inputs, count)? };
+            embedded.offer(&embed::Job::Words { opcode, inputs }, tag)
         }
-        RAYPATH_JOB_TIMING => offer(&embed::Job::Timing { opcode: unsafe { input.words.opcode } }),
+        RAYPATH_JOB_TIMING => {
+            let opcode = unsafe { input.words.opcode };
+            embedded.offer(&embed::Job::Timing { opcode }, tag)
+        }
         kind => {
             let expected = "expected RAYPATH_JOB_TRIANGLE (0) to RAYPATH_JOB_TIMING (5)";
-            Err(Failure::argument(format!("{kind} is not a valid kind of job, {expected}")))
+            return Err(Failure::argument(format!("{kind} is not a valid kind of job, {expected}")));
         }
-    }
+    };
+    Ok(accepted?)
 }
 
 /// # Safety

@@ -93,11 +93,9 @@ pub extern "C" fn raypath_last_error() -> *const c_char {
 /// The status of `call`. Errors and panics leave their message.
 #[inline(always)]
 pub(crate) fn status(call: impl FnOnce() -> Result<Status, Failure>) -> Status {
-    match catch_unwind(AssertUnwindSafe(call)) {
-        Ok(Ok(status)) => status,
-        Ok(Err(failure)) => failed(failure),
-        Err(panic) => panicked(&*panic),
-    }
+    // The closure returns a number: a `Result` would be read in other pieces than it was written in, which stalls the
+    // processor.
+    catch_unwind(AssertUnwindSafe(|| call().unwrap_or_else(failed))).unwrap_or_else(|panic| panicked(&*panic))
 }
 
 /// The value of `call`, or 0 after an error.

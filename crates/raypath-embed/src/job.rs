@@ -2,7 +2,6 @@
 
 use crate::Error;
 use crate::layout::{AngularResult, Bounds, EuclideanResult, QuadboxResult, Ray, TriangleResult, Vertices};
-use raypath_model::Words;
 use raypath_ops::{self as ops, BeatInput, Binary32, Flags, Num};
 use raypath_rtl::alternatives;
 use raypath_sim::OperationId;
@@ -55,22 +54,33 @@ pub struct Beat<'j> {
     pub reset_accum: bool,
 }
 
-/// The outcome of a job.
-#[derive(Debug, Clone, PartialEq)]
+/// The outcome of a job with the tag of its offer.
+// The layout of C's `raypath_result`, so that an outcome is copied without a branch on its kind.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tagged {
+    /// The tag of the offer.
+    pub tag: u64,
+    /// The outcome.
+    pub outcome: Outcome,
+}
+
+/// The outcome of a job. The numbers are C's `RAYPATH_JOB_…`.
+#[repr(C, i32)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
-    /// Of a ray against four boxes.
-    Quadbox(QuadboxResult),
     /// Of a ray against a triangle.
-    Triangle(TriangleResult),
+    Triangle(TriangleResult) = 0,
+    /// Of a ray against four boxes.
+    Quadbox(QuadboxResult) = 1,
     /// Of a beat of a Euclidean distance.
-    Euclidean(EuclideanResult),
+    Euclidean(EuclideanResult) = 2,
     /// Of a beat of an angular distance.
-    Angular(AngularResult),
-    /// Of a job that was offered as words.
-    // Boxed, so that the others stay small.
-    Words(Box<Words>),
+    Angular(AngularResult) = 3,
+    /// Of a job that was offered as words, by its opcode. The pipeline keeps the words.
+    Words(u64) = 4,
     /// Of a job without values: its opcode.
-    Timing(u64),
+    Timing(u64) = 5,
 }
 
 impl<const N: usize> From<Beat<'_>> for BeatInput<Binary32, N> {
@@ -84,10 +94,23 @@ impl<const N: usize> From<Beat<'_>> for BeatInput<Binary32, N> {
 /// Coordinates as lanes; those beyond the end are 0.
 #[inline(always)]
 pub(crate) fn lanes<const N: usize>(of: &[f32]) -> [Num<Binary32>; N] {
-    match <&[f32; N]>::try_from(of) {
-        Ok(of) => of.map(Num::from),
-        Err(_) => std::array::from_fn(|lane| of.get(lane).copied().unwrap_or(0.0).into()),
+    match of.first_chunk() {
+        Some(of) => copied(of),
+        None => some_lanes(of),
     }
+}
+
+// A loop, because the compiler makes a few vector moves of it, and a call for each number of `array::map`.
+#[inline(always)]
+fn copied<const N: usize>(of: &[f32; N]) -> [Num<Binary32>; N] {
+    let mut lanes = [0.0.into(); N];
+    lanes.iter_mut().zip(of).for_each(|(lane, number)| *lane = (*number).into());
+    lanes
+}
+
+#[cold]
+fn some_lanes<const N: usize>(of: &[f32]) -> [Num<Binary32>; N] {
+    std::array::from_fn(|lane| of.get(lane).copied().unwrap_or(0.0).into())
 }
 
 impl From<ops::Outcome> for Outcome {

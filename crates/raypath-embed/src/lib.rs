@@ -11,11 +11,12 @@ mod layout;
 mod native;
 mod paper;
 mod pipeline;
+mod ring;
 mod transpose;
 
 pub use datapath::Datapath;
 pub use error::Error;
-pub use job::{Beat, Job, Outcome};
+pub use job::{Beat, Job, Outcome, Tagged};
 pub use layout::{AngularResult, Bounds, EuclideanResult, QuadboxResult, Ray, TriangleResult, Vertices};
 pub use pipeline::Pipeline;
 pub use raypath_model::Words;

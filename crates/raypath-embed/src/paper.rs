@@ -1,16 +1,22 @@
 //! Single jobs of the paper's operations in native binary32.
 
-use crate::job::{Beat, Job, Outcome, lanes};
+use crate::job::{Beat, Outcome, lanes};
+use crate::layout::{Bounds, Ray, Vertices};
 use raypath_model::Functional;
 use raypath_ops::{self as ops, BeatInput, Binary32, Flags, JobKind, RayBoxInput, RayTriangleInput, Rules};
-use std::collections::VecDeque;
 
 /// The functional model of the paper's operations, for any number of lanes.
+// The outcome is written where it stays. A copy would read it in pieces of other sizes than it was written in, which
+// stalls the processor.
 pub trait Native: Send {
-    /// Computes a job in the types of an operation of the paper, and appends the outcome.
-    // It writes the outcome where it stays. A copy would read it in pieces of other sizes than it was written in, which
-    // stalls the processor.
-    fn run(&mut self, job: &Job<'_>, tag: u64, outcomes: &mut VecDeque<(u64, Outcome)>);
+    /// Tests a ray against four boxes.
+    fn quadbox(&mut self, ray: &Ray, boxes: &[Bounds; 4], outcome: &mut Outcome);
+    /// Tests a ray against a triangle.
+    fn triangle(&mut self, ray: &Ray, triangle: &Vertices, outcome: &mut Outcome);
+    /// Adds a beat to the Euclidean distance.
+    fn euclidean(&mut self, beat: &Beat<'_>, outcome: &mut Outcome);
+    /// Adds a beat to the angular distance.
+    fn angular(&mut self, beat: &Beat<'_>, outcome: &mut Outcome);
     /// Computes a job from the words at its ports.
     fn run_words(&mut self, kind: JobKind, inputs: &[u64]) -> Vec<u64>;
     /// Sets the accumulators to zero.
@@ -38,25 +44,22 @@ impl<const E: usize, const A: usize> PaperModel<E, A> {
 }
 
 impl<const E: usize, const A: usize> Native for PaperModel<E, A> {
-    fn run(&mut self, job: &Job<'_>, tag: u64, outcomes: &mut VecDeque<(u64, Outcome)>) {
-        let outcome = match *job {
-            Job::Quadbox { ray, boxes } => {
-                let aabb = boxes.each_ref().map(ops::Aabb::from);
-                self.model.run(&ops::Job::Quadbox(RayBoxInput { ray: ray.into(), aabb }))
-            }
-            Job::Triangle { ray, triangle } => {
-                self.model.run(&ops::Job::Triangle(RayTriangleInput { ray: ray.into(), triangle: triangle.into() }))
-            }
-            Job::Euclidean(beat) => self.model.run(&ops::Job::Euclidean(self.euclidean.input(beat))),
-            Job::Angular(beat) => self.model.run(&ops::Job::Angular(self.angular.input(beat))),
-            Job::Words { .. } | Job::Timing { .. } => return,
-        };
-        match outcome {
-            ops::Outcome::Quadbox(output) => outcomes.push_back((tag, Outcome::Quadbox(output.into()))),
-            ops::Outcome::Triangle(output) => outcomes.push_back((tag, Outcome::Triangle(output.into()))),
-            ops::Outcome::Euclidean(output) => outcomes.push_back((tag, Outcome::Euclidean(output.into()))),
-            ops::Outcome::Angular(output) => outcomes.push_back((tag, Outcome::Angular(output.into()))),
-        }
+    fn quadbox(&mut self, ray: &Ray, boxes: &[Bounds; 4], outcome: &mut Outcome) {
+        let aabb = boxes.each_ref().map(ops::Aabb::from);
+        *outcome = Outcome::Quadbox(self.model.quadbox(&RayBoxInput { ray: ray.into(), aabb }).into());
+    }
+
+    fn triangle(&mut self, ray: &Ray, triangle: &Vertices, outcome: &mut Outcome) {
+        let input = RayTriangleInput { ray: ray.into(), triangle: triangle.into() };
+        *outcome = Outcome::Triangle(self.model.triangle(&input).into());
+    }
+
+    fn euclidean(&mut self, beat: &Beat<'_>, outcome: &mut Outcome) {
+        *outcome = Outcome::Euclidean(self.model.euclidean(&self.euclidean.input(beat)).into());
+    }
+
+    fn angular(&mut self, beat: &Beat<'_>, outcome: &mut Outcome) {
+        *outcome = Outcome::Angular(self.model.angular(&self.angular.input(beat)).into());
     }
 
     fn run_words(&mut self, kind: JobKind, inputs: &[u64]) -> Vec<u64> {
@@ -76,7 +79,7 @@ impl<const N: usize> LastMask<N> {
     }
 
     #[inline(always)]
-    fn input(&mut self, Beat { a, b, mask, reset_accum }: Beat<'_>) -> BeatInput<Binary32, N> {
+    fn input(&mut self, &Beat { a, b, mask, reset_accum }: &Beat<'_>) -> BeatInput<Binary32, N> {
         if self.mask != mask {
             *self = Self { mask, flags: Flags::from_mask(mask) };
         }

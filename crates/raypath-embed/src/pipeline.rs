@@ -1,12 +1,12 @@
 use crate::general::General;
-use crate::job::{Job, Outcome, no_operation, operation};
+use crate::job::{Job, Outcome, Tagged, no_operation, operation};
 use crate::paper::{Native, PaperModel};
+use crate::ring::Ring;
 use crate::{Datapath, Error};
-use raypath_model::{Elastic, PipelinePosition, Transfer};
+use raypath_model::{Flow, PipelinePosition, Words};
 use raypath_ops::JobKind;
 use raypath_rtl::Lanes;
 use raypath_sim::OperationId;
-use std::collections::VecDeque;
 use std::fmt;
 
 /// The cycle-exact model of a datapath, whose jobs carry a tag. In every cycle it accepts and delivers what the
@@ -23,18 +23,15 @@ use std::fmt;
 /// let triangle = Vertices { a: [-1.0, -1.0, 0.0], b: [0.0, 1.0, 0.0], c: [1.0, -1.0, 0.0] };
 /// assert!(pipeline.offer(&Job::Triangle { ray: &ray, triangle: &triangle }, 7)?);
 /// assert_eq!(pipeline.skip(100), 12);
-/// assert_eq!(pipeline.output().map(|(tag, _)| tag), Some(7));
-/// let (tag, outcome) = pipeline.step(true).expect("the output is valid");
-/// assert!(tag == 7 && matches!(outcome, Outcome::Triangle(result) if result.triangle_hit == 1));
+/// assert!(pipeline.output_valid());
+/// let left = pipeline.step(true).expect("the output is valid");
+/// assert!(left.tag == 7 && matches!(left.outcome, Outcome::Triangle(result) if result.triangle_hit == 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Pipeline {
-    flow: Elastic<()>,
-    /// The tags and outcomes of the jobs inside, oldest first. An outcome is computed when its job is offered, because
-    /// it depends on the order of jobs alone; it is not moved until it has left, which would take as long.
-    outcomes: VecDeque<(u64, Outcome)>,
-    /// The oldest outcome left in the last cycle.
-    has_left: bool,
+    flow: Flow,
+    /// The outcome of a job is computed when the job is offered, because it depends on the order of jobs alone.
+    outcomes: Ring,
     /// The opcode of the job that was accepted in this cycle.
     accepted: Option<u64>,
     operations: Vec<OperationId>,
@@ -60,60 +57,51 @@ impl Pipeline {
                 Lanes::SixtyFour => Box::new(PaperModel::<64, 32>::new(rules)),
             }
         });
-        let flow = Elastic::new(datapath.shape());
+        let flow = Flow::new(datapath.shape());
         let (operations, general) = (datapath.operations(), General::new(datapath));
         let has_paper = JobKind::ALL.map(|kind| operations.iter().any(|operation| *operation == kind));
-        let outcomes = VecDeque::with_capacity(datapath.shape().capacity() + 2);
-        Self {
-            flow,
-            outcomes,
-            has_left: false,
-            accepted: None,
-            operations,
-            has_paper,
-            lanes: lanes.count(),
-            native,
-            general,
-        }
+        let outcomes = Ring::new(datapath.shape().capacity());
+        Self { flow, outcomes, accepted: None, operations, has_paper, lanes: lanes.count(), native, general }
     }
 
     /// Offers a job with a tag in this cycle. Returns whether it is accepted, which a job after an accepted one is not.
     ///
     /// # Errors
     /// A datapath without the operation; another number of coordinates or words than the operation has.
-    #[inline]
+    // Always inlined, so that a caller that has branched on the kind of its job does it once.
+    #[inline(always)]
     pub fn offer(&mut self, job: &Job<'_>, tag: u64) -> Result<bool, Error> {
+        if let Job::Words { opcode, inputs } = *job {
+            return self.offer_words(opcode, inputs, tag);
+        }
         let opcode = self.opcode(job)?;
         if !self.input_ready(opcode) {
             return Ok(false);
         }
-        match (*job, &mut self.native) {
-            (Job::Timing { opcode }, _) => self.outcomes.push_back((tag, Outcome::Timing(opcode))),
-            (Job::Words { inputs, .. }, native) => {
-                let found = operation(&self.operations, opcode)?;
-                let words = match (native, found.paper()) {
-                    // With typed jobs, whose accumulators it shares.
-                    (Some(native), Some(kind)) => self.general.outcome_of_words(found, &native.run_words(kind, inputs)),
-                    _ => self.general.run_words(found, inputs),
-                };
-                self.outcomes.push_back((tag, Outcome::Words(Box::new(words))));
-            }
-            (_, Some(native)) => native.run(job, tag, &mut self.outcomes),
-            (_, None) => self.outcomes.push_back((tag, self.general.run(job))),
+        let outcome = self.outcomes.push(tag);
+        match (job, &mut self.native) {
+            (Job::Quadbox { ray, boxes }, Some(native)) => native.quadbox(ray, boxes, outcome),
+            (Job::Triangle { ray, triangle }, Some(native)) => native.triangle(ray, triangle, outcome),
+            (Job::Euclidean(beat), Some(native)) => native.euclidean(beat, outcome),
+            (Job::Angular(beat), Some(native)) => native.angular(beat, outcome),
+            (Job::Words { opcode, .. } | Job::Timing { opcode }, _) => *outcome = Outcome::Timing(*opcode),
+            (_, None) => *outcome = self.general.run(job),
         }
         self.accepted = Some(opcode);
         Ok(true)
     }
 
-    /// One clock cycle. The job that was accepted enters, and if `output_ready`, the outcome at the output leaves with
-    /// its tag.
+    /// One clock cycle. The job that was accepted enters, and if `output_ready`, the outcome at the output leaves.
     #[inline]
-    pub fn step(&mut self, output_ready: bool) -> Option<(u64, &Outcome)> {
-        self.forget_left();
-        let Transfer { output, .. } = self.flow.cycle(self.accepted.take().map(|opcode| (opcode, ())), output_ready);
-        output?;
-        self.has_left = true;
-        self.outcomes.front().map(|(tag, outcome)| (*tag, outcome))
+    pub fn step(&mut self, output_ready: bool) -> Option<&Tagged> {
+        let taken = output_ready && self.flow.output_valid();
+        self.flow.cycle(self.accepted.take(), taken);
+        taken.then(|| self.outcomes.pop())
+    }
+
+    /// The words of the last [`Outcome::Words`] that left.
+    pub fn left_words(&self) -> Option<&Words> {
+        self.outcomes.left_words()
     }
 
     /// Advances up to `limit` cycles in which nothing else is offered and the sink is not ready, and stops in the first
@@ -138,14 +126,13 @@ impl Pipeline {
     /// Whether there is an outcome at the output in this cycle.
     #[inline]
     pub fn output_valid(&self) -> bool {
-        self.flow.output().is_some()
+        self.flow.output_valid()
     }
 
-    /// The outcome at the output in this cycle with its tag. It stays until a step takes it.
-    #[inline]
-    pub fn output(&self) -> Option<(u64, &Outcome)> {
-        self.flow.output()?;
-        self.outcomes.get(usize::from(self.has_left)).map(|(tag, outcome)| (*tag, outcome))
+    /// The outcome at the output in this cycle, and its words if it is [`Outcome::Words`]. It stays until a step takes
+    /// it.
+    pub fn output(&self) -> Option<(&Tagged, Option<&Words>)> {
+        self.output_valid().then(|| self.outcomes.front())
     }
 
     /// The positions of the jobs inside, oldest first, without the one that was accepted in this cycle.
@@ -153,26 +140,38 @@ impl Pipeline {
         self.flow.positions()
     }
 
-    #[inline]
-    fn forget_left(&mut self) {
-        if std::mem::take(&mut self.has_left) {
-            self.outcomes.pop_front();
+    fn offer_words(&mut self, opcode: u64, inputs: &[u64], tag: u64) -> Result<bool, Error> {
+        let operation = operation(&self.operations, opcode)?;
+        let expected = self.general.inputs(operation);
+        if inputs.len() != expected {
+            let problem = format!("{} words for a job of {operation}, expected {expected}", inputs.len());
+            return Err(Error::Argument(problem));
         }
+        if !self.input_ready(opcode) {
+            return Ok(false);
+        }
+        let words = match (&mut self.native, operation.paper()) {
+            // With typed jobs, whose accumulators it shares.
+            (Some(native), Some(kind)) => self.general.outcome_of_words(operation, &native.run_words(kind, inputs)),
+            _ => self.general.run_words(operation, inputs),
+        };
+        *self.outcomes.push(tag) = Outcome::Words(opcode);
+        self.outcomes.push_words(words);
+        self.accepted = Some(opcode);
+        Ok(true)
     }
 
     /// The opcode of a job, if the datapath can compute it.
     #[inline(always)]
     fn opcode(&self, job: &Job<'_>) -> Result<u64, Error> {
-        let (kind, lengths, lanes) = match *job {
+        let (kind, lengths, lanes) = match job {
             Job::Quadbox { .. } => (JobKind::Quadbox, (0, 0), 0),
             Job::Triangle { .. } => (JobKind::Triangle, (0, 0), 0),
             Job::Euclidean(beat) => (JobKind::Euclidean, (beat.a.len(), beat.b.len()), self.lanes),
             Job::Angular(beat) => (JobKind::Angular, (beat.a.len(), beat.b.len()), self.lanes / 2),
-            Job::Timing { opcode } if self.operations.iter().any(|found| found.opcode() == opcode) => {
-                return Ok(opcode);
+            Job::Words { opcode, .. } | Job::Timing { opcode } => {
+                return operation(&self.operations, *opcode).map(|found| found.opcode());
             }
-            Job::Timing { opcode } => return Err(no_operation(&self.operations, &format!("opcode {opcode}"))),
-            Job::Words { opcode, inputs } => return self.check_words(opcode, inputs.len()).map(|()| opcode),
         };
         if self.has_paper[kind as usize] && lengths == (lanes, lanes) {
             return Ok(kind.opcode());
@@ -189,22 +188,14 @@ impl Pipeline {
         Error::Argument(problem)
     }
 
-    fn check_words(&self, opcode: u64, given: usize) -> Result<(), Error> {
-        let found = operation(&self.operations, opcode)?;
-        let expected = self.general.inputs(found);
-        let problem = || Error::Argument(format!("{given} words for a job of {found}, expected {expected}"));
-        if given == expected { Ok(()) } else { Err(problem()) }
-    }
-
     /// The number of jobs inside, with the one that was accepted in this cycle.
     pub fn occupancy(&self) -> usize {
-        self.outcomes.len() - usize::from(self.has_left)
+        self.outcomes.len()
     }
 
     /// A cycle in which `rst_ni` is 0: all jobs are lost, and the accumulators are zero.
     pub fn reset(&mut self) {
         self.accepted = None;
-        self.has_left = false;
         self.outcomes.clear();
         self.flow.reset();
         self.general.reset();

@@ -1,15 +1,15 @@
 //! Elastic pipelines: ready and valid at both ends, with no item lost, repeated or reordered.
 
-use crate::credit::Credits;
-use crate::shape::{Control, PipelinePosition, Shape};
-use crate::skid::SkidBuffers;
+use crate::flow::Flow;
+use crate::shape::{PipelinePosition, Shape};
 use std::collections::VecDeque;
 
 /// A cycle-exact model of a pipeline of some [`Shape`], for items of any type.
 #[derive(Debug, Clone)]
 pub struct Elastic<T> {
+    /// The positions of the items. Items stay in order, so only their opcodes matter.
     flow: Flow,
-    /// The items, oldest first. Their positions are in `flow`.
+    /// The items, oldest first.
     inside: VecDeque<T>,
 }
 
@@ -22,47 +22,22 @@ pub struct Transfer<T> {
     pub output: Option<T>,
 }
 
-/// The positions of the items. Items stay in order, so only their opcodes matter.
-#[derive(Debug, Clone)]
-enum Flow {
-    Skid(SkidBuffers),
-    Credit(Credits),
-}
-
-/// Evaluates an expression for either control.
-macro_rules! each_control {
-    ($flow:expr, $control:ident => $result:expr) => {
-        match $flow {
-            Flow::Skid($control) => $result,
-            Flow::Credit($control) => $result,
-        }
-    };
-}
-
 impl<T> Elastic<T> {
     /// An empty pipeline.
     pub fn new(shape: &Shape) -> Self {
-        let flow = match shape.control {
-            Control::Skid => Flow::Skid(SkidBuffers::new(shape)),
-            Control::Credit => Flow::Credit(Credits::new(shape)),
-        };
-        Self { flow, inside: VecDeque::with_capacity(shape.capacity()) }
+        Self { flow: Flow::new(shape), inside: VecDeque::with_capacity(shape.capacity()) }
     }
 
     /// Whether an item of the operation with this opcode will be accepted if it is offered in this cycle.
     #[inline]
     pub fn input_ready(&self, opcode: u64) -> bool {
-        match &self.flow {
-            Flow::Skid(buffers) => buffers.input_ready(),
-            Flow::Credit(credits) => credits.input_ready(opcode),
-        }
+        self.flow.input_ready(opcode)
     }
 
     /// The item at the output in this cycle, if the output is valid. It stays until the sink is ready.
     #[inline]
     pub fn output(&self) -> Option<&T> {
-        let valid = each_control!(&self.flow, control => control.output_valid());
-        if valid { self.inside.front() } else { None }
+        if self.flow.output_valid() { self.inside.front() } else { None }
     }
 
     /// One clock cycle. The source offers `input`, an opcode and an item; the sink takes the output if `output_ready`.
@@ -86,7 +61,7 @@ impl<T> Elastic<T> {
     ) -> Transfer<T> {
         let taken = output_ready && self.output().is_some();
         let entering = offered.filter(|opcode| self.input_ready(*opcode));
-        each_control!(&mut self.flow, control => control.cycle(entering, taken));
+        self.flow.cycle(entering, taken);
         let output = if taken { self.inside.pop_front() } else { None };
         if entering.is_some() {
             self.inside.push_back(item());
@@ -98,21 +73,17 @@ impl<T> Elastic<T> {
     /// Returns the number of cycles. Equivalent to that many calls of [`cycle`](Self::cycle), but faster.
     #[inline]
     pub fn idle(&mut self, limit: u64) -> u64 {
-        each_control!(&mut self.flow, control => control.idle(limit))
+        self.flow.idle(limit)
     }
 
     /// The positions of the items, oldest first.
     pub fn positions(&self) -> impl Iterator<Item = PipelinePosition> + '_ {
-        let (buffers, credits) = match &self.flow {
-            Flow::Skid(buffers) => (Some(buffers.positions()), None),
-            Flow::Credit(credits) => (None, Some(credits.positions())),
-        };
-        buffers.into_iter().flatten().chain(credits.into_iter().flatten())
+        self.flow.positions()
     }
 
     /// A hardware reset: all items are lost.
     pub fn reset(&mut self) {
         self.inside.clear();
-        each_control!(&mut self.flow, control => control.reset());
+        self.flow.reset();
     }
 }

@@ -1,6 +1,7 @@
 use crate::{Model, ModelCircuit};
 use raypath_ops::{
-    Angular, AngularState, Binary32, Euclidean, EuclideanState, Job, JobKind, Operation, Outcome, RayBox, RayTriangle,
+    Angular, AngularOutput, AngularState, BeatInput, Binary32, Euclidean, EuclideanOutput, EuclideanState, Job,
+    JobKind, Operation, Outcome, RayBox, RayBoxInput, RayBoxOutput, RayTriangle, RayTriangleInput, RayTriangleOutput,
     Rules,
 };
 
@@ -28,26 +29,44 @@ impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
     }
 
     /// Computes a job. A beat of a distance updates its accumulator.
-    // Always inlined, so that a caller that makes the job for this call does not have to store it.
+    // Always inlined, as are the operations, so that a caller that makes the job for this call does not have to store
+    // it.
     #[inline(always)]
     pub fn run(&mut self, job: &Job<E, A, C>) -> Outcome<C> {
-        let (circuit, rules) = (self.circuit, self.rules);
         match job {
-            Job::Triangle(input) => {
-                Outcome::Triangle(RayTriangle { rules }.run_with(circuit, C::KERNELS, *input, ()).0)
-            }
-            Job::Quadbox(input) => Outcome::Quadbox(RayBox { rules }.run_with(circuit, C::KERNELS, *input, ()).0),
-            Job::Euclidean(input) => {
-                let (output, state) = Euclidean::<E>.run_with(circuit, C::KERNELS, *input, self.euclidean);
-                self.euclidean = state;
-                Outcome::Euclidean(output)
-            }
-            Job::Angular(input) => {
-                let (output, state) = Angular::<A>.run_with(circuit, C::KERNELS, *input, self.angular);
-                self.angular = state;
-                Outcome::Angular(output)
-            }
+            Job::Triangle(input) => Outcome::Triangle(self.triangle(input)),
+            Job::Quadbox(input) => Outcome::Quadbox(self.quadbox(input)),
+            Job::Euclidean(input) => Outcome::Euclidean(self.euclidean(input)),
+            Job::Angular(input) => Outcome::Angular(self.angular(input)),
         }
+    }
+
+    /// Tests a ray against a triangle.
+    #[inline(always)]
+    pub fn triangle(&self, input: &RayTriangleInput<C>) -> RayTriangleOutput<C> {
+        RayTriangle { rules: self.rules }.run_with(self.circuit, C::KERNELS, *input, ()).0
+    }
+
+    /// Tests a ray against four boxes.
+    #[inline(always)]
+    pub fn quadbox(&self, input: &RayBoxInput<C>) -> RayBoxOutput<C> {
+        RayBox { rules: self.rules }.run_with(self.circuit, C::KERNELS, *input, ()).0
+    }
+
+    /// Adds a beat to the Euclidean distance.
+    #[inline(always)]
+    pub fn euclidean(&mut self, input: &BeatInput<C, E>) -> EuclideanOutput<C> {
+        let (output, state) = Euclidean::<E>.run_with(self.circuit, C::KERNELS, *input, self.euclidean);
+        self.euclidean = state;
+        output
+    }
+
+    /// Adds a beat to the angular distance.
+    #[inline(always)]
+    pub fn angular(&mut self, input: &BeatInput<C, A>) -> AngularOutput<C> {
+        let (output, state) = Angular::<A>.run_with(self.circuit, C::KERNELS, *input, self.angular);
+        self.angular = state;
+        output
     }
 
     /// A hardware reset: the accumulators are zero.

@@ -174,22 +174,30 @@ fn one_ray(ray: &Bound<'_, PyAny>) -> PyResult<Ray> {
 pub struct Outcome {
     tag: u64,
     outcome: embed::Outcome,
+    words: Option<embed::Words>,
     operation: &'static str,
     format: Format,
 }
 
 impl Outcome {
-    pub fn new(tag: u64, outcome: embed::Outcome, operations: &[embed::OperationId], format: Format) -> Self {
+    /// `words` are those of an outcome of words.
+    pub fn new(
+        embed::Tagged { tag, outcome }: embed::Tagged,
+        words: Option<embed::Words>,
+        operations: &[embed::OperationId],
+        format: Format,
+    ) -> Self {
         let named = |opcode: u64| operations.iter().find(|operation| operation.opcode() == opcode);
-        let operation = match &outcome {
+        let operation = match outcome {
             embed::Outcome::Quadbox(_) => "quadbox",
             embed::Outcome::Triangle(_) => "triangle",
             embed::Outcome::Euclidean(_) => "euclidean",
             embed::Outcome::Angular(_) => "angular",
-            embed::Outcome::Words(words) => words.kind().name(),
-            embed::Outcome::Timing(opcode) => named(*opcode).map_or("", |operation| operation.name()),
+            embed::Outcome::Words(opcode) | embed::Outcome::Timing(opcode) => {
+                named(opcode).map_or("", |operation| operation.name())
+            }
         };
-        Self { tag, outcome, operation, format }
+        Self { tag, outcome, words, operation, format }
     }
 }
 
@@ -226,9 +234,9 @@ impl Outcome {
             embed::Outcome::Angular(AngularResult { dot_product, norm, reset_accum }) => {
                 row!(py, "dot_product": dot_product, "norm": norm, "reset_accum": *reset_accum == 1)
             }
-            embed::Outcome::Words(words) => {
+            embed::Outcome::Words(_) => {
                 let values = PyDict::new(py);
-                for port in words.ports() {
+                for port in self.words.iter().flat_map(embed::Words::ports) {
                     if port.kind == PortKind::Number && self.format == Format::BINARY32 {
                         values.set_item(port.name, f32::from_bits(port.bits as u32))?;
                     } else {

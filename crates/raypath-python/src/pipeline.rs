@@ -74,8 +74,9 @@ impl Pipeline {
     ///     The outcome that leaves, or None.
     #[pyo3(signature = (output_ready = true))]
     fn step(&mut self, output_ready: bool) -> Option<Outcome> {
-        let (tag, outcome) = self.inner().step(output_ready).map(|(tag, outcome)| (tag, outcome.clone()))?;
-        Some(Outcome::new(tag, outcome, &self.operations, self.datapath.config().semantics.format))
+        let tagged = *self.inner().step(output_ready)?;
+        let words = self.inner().left_words().cloned();
+        Some(Outcome::new(tagged, words, &self.operations, self.datapath.config().semantics.format))
     }
 
     /// Advances cycles in which nothing else is offered and the sink is not ready, and stops in the first with an

@@ -115,7 +115,7 @@ fn steps(datapath: &Open, results: &mut Results, repetitions: usize) -> Result<(
     let time = seconds(repetitions, || {
         for (tag, job) in c_jobs.iter().enumerate() {
             let mut result =
-                c::PipelineResult { kind: 0, tag: 0, output: c::JobOutput { triangle: c::TriangleResult::default() } };
+                c::PipelineResult { tag: 0, kind: 0, output: c::JobOutput { triangle: c::TriangleResult::default() } };
             // SAFETY: the pipeline was made above, and the jobs point to the coordinates of their beats.
             unsafe {
                 status |= c::raypath_pipeline_offer(pipeline, black_box(job), tag as u64);

@@ -1,0 +1,80 @@
+//! The control of an elastic pipeline, without the items.
+
+use crate::credit::Credits;
+use crate::shape::{Control, PipelinePosition, Shape};
+use crate::skid::SkidBuffers;
+
+/// The cycle-exact control of a pipeline of some [`Shape`]: how many items are inside and where, but not which.
+/// [`Elastic`](crate::Elastic) adds the items.
+#[derive(Debug, Clone)]
+pub struct Flow(Kind);
+
+#[derive(Debug, Clone)]
+enum Kind {
+    Skid(SkidBuffers),
+    Credit(Credits),
+}
+
+/// Evaluates an expression for either control.
+macro_rules! each_control {
+    ($kind:expr, $control:ident => $result:expr) => {
+        match $kind {
+            Kind::Skid($control) => $result,
+            Kind::Credit($control) => $result,
+        }
+    };
+}
+
+impl Flow {
+    /// An empty pipeline.
+    pub fn new(shape: &Shape) -> Self {
+        Self(match shape.control {
+            Control::Skid => Kind::Skid(SkidBuffers::new(shape)),
+            Control::Credit => Kind::Credit(Credits::new(shape)),
+        })
+    }
+
+    /// Whether an item of the operation with this opcode can enter in this cycle.
+    #[inline]
+    pub fn input_ready(&self, opcode: u64) -> bool {
+        match &self.0 {
+            Kind::Skid(buffers) => buffers.input_ready(),
+            Kind::Credit(credits) => credits.input_ready(opcode),
+        }
+    }
+
+    /// Whether there is an item at the output in this cycle.
+    #[inline]
+    pub fn output_valid(&self) -> bool {
+        each_control!(&self.0, control => control.output_valid())
+    }
+
+    /// One clock cycle. An item of the operation with the opcode `entering` enters, for which
+    /// [`input_ready`](Self::input_ready) was true. The item at the output leaves if `taken`, for which
+    /// [`output_valid`](Self::output_valid) was true.
+    #[inline]
+    pub fn cycle(&mut self, entering: Option<u64>, taken: bool) {
+        each_control!(&mut self.0, control => control.cycle(entering, taken));
+    }
+
+    /// Advances up to `limit` cycles in which nothing enters, and stops in the first with a valid output. Returns the
+    /// number of cycles. Equivalent to that many calls of [`cycle`](Self::cycle), but faster.
+    #[inline]
+    pub fn idle(&mut self, limit: u64) -> u64 {
+        each_control!(&mut self.0, control => control.idle(limit))
+    }
+
+    /// The positions of the items, oldest first.
+    pub fn positions(&self) -> impl Iterator<Item = PipelinePosition> + '_ {
+        let (buffers, credits) = match &self.0 {
+            Kind::Skid(buffers) => (Some(buffers.positions()), None),
+            Kind::Credit(credits) => (None, Some(credits.positions())),
+        };
+        buffers.into_iter().flatten().chain(credits.into_iter().flatten())
+    }
+
+    /// A hardware reset: all items are lost.
+    pub fn reset(&mut self) {
+        each_control!(&mut self.0, control => control.reset());
+    }
+}
