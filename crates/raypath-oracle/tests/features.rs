@@ -23,6 +23,7 @@ const ALL: Features = Features {
 
 /// Verilator, Yosys and slang report nothing, and Verilator agrees with the cycle-exact model in every cycle.
 #[test]
+#[ignore = "run by ./test.sh --long"]
 fn all_features_in_verilator() {
     in_verilator(Config::DEFAULT.features(ALL));
 }

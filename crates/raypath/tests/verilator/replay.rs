@@ -76,12 +76,19 @@ fn golden_vectors() {
     assert_eq!(faults_of(&jobs, &outcomes, Traffic::always()), 1);
 }
 
-/// Random jobs of all modes with resets at any moment, against the models: in the default configuration, without
-/// distance modes, and with every value of every other parameter.
+/// Random jobs of all modes with resets at any moment, against the models: in the default configuration, and in two that
+/// have little in common with it.
 #[test]
 fn random_jobs_and_resets() {
-    let configs = [Config::DEFAULT, Config::DEFAULT.lanes(Lanes::None)];
-    REPRESENTATIVES.into_par_iter().chain(configs).for_each(random_campaign);
+    [Config::DEFAULT, REPRESENTATIVES[0], REPRESENTATIVES[2]].into_par_iter().for_each(random_campaign);
+}
+
+/// As above, without distance modes and with every value of every other parameter.
+#[test]
+#[ignore = "run by ./test.sh --long"]
+fn random_jobs_and_resets_in_the_other_representatives() {
+    let others = [REPRESENTATIVES[1], REPRESENTATIVES[3], REPRESENTATIVES[4], REPRESENTATIVES[5]];
+    others.into_par_iter().chain([Config::DEFAULT.lanes(Lanes::None)]).for_each(random_campaign);
 }
 
 fn random_campaign(config: Config) {
