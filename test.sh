@@ -41,6 +41,11 @@ step 'Documentation'
 RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --release --locked --quiet
 
 step 'Tests'
+# Programs that Verilator compiled, for the next run: they are named by the digest of what they were compiled from.
+RAYPATH_VERILATED=$(realpath -m "${CARGO_TARGET_DIR:-target}/verilated")
+export RAYPATH_VERILATED
+mkdir -p "$RAYPATH_VERILATED"
+find "$RAYPATH_VERILATED" -type f -atime +7 -delete
 long=''
 if [ "$level" = full ]; then long='-- --include-ignored'; fi
 # shellcheck disable=SC2086 # $long is two words or none

@@ -1,12 +1,15 @@
 //! SystemVerilog compiled by Verilator, and run as a process.
 
-use crate::files::write;
+use crate::files::{read, write};
+use crate::key::{Key, digest};
 use crate::{Program, Sources, ToolError, verilator_main};
 use raypath_hdl::Module;
+use std::fs;
 use std::io::{self, BufReader, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Arc;
+use tempfile::NamedTempFile;
 
 pub(crate) static VERILATOR: Program = Program {
     name: "verilator",
@@ -28,11 +31,15 @@ pub struct Options {
     pub native: bool,
     /// The number of compilers that run at a time.
     pub jobs: usize,
+    /// A folder that keeps compiled programs, so that none is compiled twice from the same texts. By default the one
+    /// that the environment variable `RAYPATH_VERILATED` names.
+    pub kept: Option<PathBuf>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { c_optimisation: 0, native: false, jobs: std::thread::available_parallelism().map_or(1, usize::from) }
+        let jobs = std::thread::available_parallelism().map_or(1, usize::from);
+        Self { c_optimisation: 0, native: false, jobs, kept: std::env::var_os("RAYPATH_VERILATED").map(PathBuf::from) }
     }
 }
 
@@ -69,10 +76,20 @@ impl Verilated {
     /// # Errors
     /// As for [`Self::build`].
     pub fn build_sources(files: &[PathBuf], top: &Module, folder: &Path, options: &Options) -> Result<Self, ToolError> {
+        let main_text = verilator_main::main_file(top);
+        let kept = kept_program(files, top, &main_text, options)?;
+        let verilated = |program: &Path| Self {
+            program: program.to_path_buf(),
+            inputs: verilator_main::input_words(top),
+            outputs: top.outputs().len(),
+        };
+        if let Some(kept) = kept.as_deref().filter(|kept| kept.exists()) {
+            return Ok(verilated(kept));
+        }
         // Verilator's makefile runs in a folder of its own.
         let folder = &folder.canonicalize().map_err(|problem| ToolError::file(folder, "find", problem))?;
         let main = folder.join("main.cpp");
-        write(&main, &verilator_main::main_file(top))?;
+        write(&main, &main_text)?;
         let objects = folder.join("obj");
         let mut command = Command::new("verilator");
         let fixed = "--cc --exe --build --assert -O3 --x-assign 0 --x-initial 0 --prefix Vtop";
@@ -91,11 +108,11 @@ impl Verilated {
         }
         command.args(["--top-module", top.name(), "-Mdir"]).arg(&objects).args(files).arg(&main);
         VERILATOR.output(&mut command)?;
-        Ok(Self {
-            program: objects.join("Vtop"),
-            inputs: verilator_main::input_words(top),
-            outputs: top.outputs().len(),
-        })
+        let program = objects.join("Vtop");
+        if let Some(kept) = kept {
+            keep(&program, &kept).map_err(|problem| ToolError::file(&kept, "write", problem))?;
+        }
+        Ok(verilated(&program))
     }
 
     /// Runs a cycle for each frame of inputs: `rst_ni`, if the module has one, then the inputs in the order of
@@ -204,6 +221,24 @@ impl Verilated {
         }
         Ok(0)
     }
+}
+
+/// The place of the program of these texts in the folder of kept programs, if there is one.
+fn kept_program(files: &[PathBuf], top: &Module, main: &str, options: &Options) -> Result<Option<PathBuf>, ToolError> {
+    let Options { c_optimisation, native, kept: Some(folder), .. } = options else { return Ok(None) };
+    let texts = files.iter().map(|file| Ok(digest(&read(file)?))).collect::<Result<Vec<String>, ToolError>>()?;
+    let options = format!("-O{c_optimisation} native {native}");
+    let key = Key::new("verilated", &[&VERILATOR.version()?, top.name(), &texts.join(" "), main, &options]);
+    Ok(Some(folder.join(key.as_str())))
+}
+
+/// Keeps a program. It appears complete or not at all.
+fn keep(program: &Path, kept: &Path) -> io::Result<()> {
+    let folder = kept.parent().unwrap_or(kept);
+    fs::create_dir_all(folder)?;
+    let copy = NamedTempFile::new_in(folder)?.into_temp_path();
+    fs::copy(program, &copy)?;
+    copy.persist(kept).map_err(|problem| problem.error)
 }
 
 /// A process that is killed when this is dropped.

@@ -49,6 +49,27 @@ fn clocks_without_inputs() {
     }
 }
 
+/// A program of the same texts is not compiled again; one of other texts is.
+#[test]
+fn kept_programs_are_used_again() {
+    let kept = tempfile::tempdir().expect("a folder");
+    let options = Options { kept: Some(kept.path().join("programs")), ..Options::default() };
+    let answer = |constant: u64| {
+        let m = Builder::new("answer");
+        m.output("answer_o", m.input("a_i", 8) ^ m.constant(8, constant));
+        let folder = tempfile::tempdir().expect("a folder");
+        let top = m.finish().expect("a module");
+        let verilated = Verilated::build_with(&top, folder.path(), &options).expect("a build");
+        let mut seen = Vec::new();
+        verilated.run([vec![7]], |_, outputs| seen.extend_from_slice(outputs)).expect("a run");
+        (seen, folder.path().join("obj").exists())
+    };
+    assert_eq!(answer(1), (vec![6], true));
+    assert_eq!(answer(1), (vec![6], false));
+    assert_eq!(answer(2), (vec![5], true));
+    assert_eq!(kept.path().join("programs").read_dir().expect("a folder").count(), 2);
+}
+
 #[test]
 fn a_panic_leaves_no_process_behind() {
     let m = Builder::new("echo");
