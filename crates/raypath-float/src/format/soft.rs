@@ -47,6 +47,18 @@ impl Format {
         self.code(self.value(a).times(self.value(b)))
     }
 
+    /// The quotient `a / b`. A finite number divided by zero is infinite; 0 / 0 and infinity / infinity are NaN.
+    #[inline]
+    pub fn div(self, a: u64, b: u64) -> u64 {
+        self.code(self.value(a).divided_by(self.value(b)))
+    }
+
+    /// The square root. That of -0 is -0; that of any other negative number is NaN.
+    #[inline]
+    pub fn sqrt(self, a: u64) -> u64 {
+        self.code(self.value(a).root())
+    }
+
     /// The number with its sign inverted.
     #[inline]
     pub fn neg(self, a: u64) -> u64 {
@@ -201,6 +213,35 @@ impl Value {
         }
     }
 
+    /// The quotient, or a number that rounds like it.
+    #[inline]
+    fn divided_by(self, other: Self) -> Self {
+        let negative = self.is_negative() != other.is_negative();
+        let zero = Self::Finite(Finite { negative, significand: 0, exponent: 0 });
+        match (self, other) {
+            (Self::Nan, _) | (_, Self::Nan) | (Self::Infinite { .. }, Self::Infinite { .. }) => Self::Nan,
+            (Self::Infinite { .. }, Self::Finite(_)) => Self::Infinite { negative },
+            (Self::Finite(_), Self::Infinite { .. }) => zero,
+            (Self::Finite(a), Self::Finite(b)) => match (a.significand, b.significand) {
+                (0, 0) => Self::Nan,
+                (0, _) => zero,
+                (_, 0) => Self::Infinite { negative },
+                _ => Self::Finite(a.divided_by(b)),
+            },
+        }
+    }
+
+    /// The square root, or a number that rounds like it.
+    #[inline]
+    fn root(self) -> Self {
+        match self {
+            Self::Infinite { negative: false } => self,
+            Self::Finite(number) if number.significand == 0 => self,
+            Self::Finite(number) if !number.negative => Self::Finite(number.root()),
+            _ => Self::Nan,
+        }
+    }
+
     #[inline]
     fn is_negative(self) -> bool {
         match self {
@@ -232,6 +273,36 @@ impl Finite {
             negative: self.negative != other.negative,
             significand: self.significand * other.significand,
             exponent: self.exponent + other.exponent,
+        }
+    }
+
+    /// The quotient, or a number that rounds like it: its first digits, at least 37, and a last bit that is set if
+    /// further digits are not zero. No significand is zero.
+    #[inline]
+    fn divided_by(self, other: Self) -> Self {
+        let shift = self.significand.leading_zeros() - 3;
+        let dividend = self.significand << shift;
+        let inexact = u64::from(!dividend.is_multiple_of(other.significand));
+        Self {
+            negative: self.negative != other.negative,
+            significand: (dividend / other.significand) << 1 | inexact,
+            exponent: self.exponent - other.exponent - shift as i32 - 1,
+        }
+    }
+
+    /// The square root, or a number that rounds like it: its first digits, at least 30, and a last bit as in
+    /// [`divided_by`](Self::divided_by). The number is positive.
+    #[inline]
+    fn root(self) -> Self {
+        let most = self.significand.leading_zeros();
+        // The square of an integer times an even power of two has an even exponent.
+        let shift = most - u32::from((self.exponent - most as i32) % 2 != 0);
+        let radicand = self.significand << shift;
+        let root = radicand.isqrt();
+        Self {
+            negative: false,
+            significand: root << 1 | u64::from(root * root != radicand),
+            exponent: (self.exponent - shift as i32) / 2 - 1,
         }
     }
 

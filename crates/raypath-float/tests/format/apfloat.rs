@@ -64,10 +64,15 @@ fn agrees<S: Semantics>(format: Format) {
         assert_eq!(format.add(a, b), code(format, (x + y).value), "{format}: sum of {a:#x}, {b:#x}");
         assert_eq!(format.sub(a, b), code(format, (x - y).value), "{format}: difference of {a:#x}, {b:#x}");
         assert_eq!(format.mul(a, b), code(format, (x * y).value), "{format}: product of {a:#x}, {b:#x}");
+        assert_eq!(format.div(a, b), code(format, (x / y).value), "{format}: quotient of {a:#x}, {b:#x}");
         assert_eq!(format.compare(a, b), x.partial_cmp(&y), "{format}: order of {a:#x}, {b:#x}");
         assert_eq!(format.neg(a), code(format, -x), "{format}: {a:#x} negated");
 
         let wide = double(x);
+        // The host's root has 53 bits. A root of at most 24 bits that is not a midpoint differs from all midpoints in
+        // the first 50, so a second rounding changes nothing.
+        let root: IeeeFloat<S> = Double::from_bits(wide.sqrt().to_bits().into()).convert(&mut false).value;
+        assert_eq!(format.sqrt(a), code(format, root), "{format}: square root of {a:#x}");
         let given = format.to_f64(a);
         assert!(given.to_bits() == wide.to_bits() || given.is_nan() && wide.is_nan(), "{format}: {a:#x} is {wide:e}");
 

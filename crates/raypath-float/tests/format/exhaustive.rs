@@ -1,5 +1,6 @@
 //! Small formats: every pair of operands. The oracle lists all numbers of a format by IEEE 754's definition, computes
-//! in `f64`, which is exact for them, and rounds by searching the interval between midpoints that contains the result.
+//! in `f64`, which is exact for sums and products and too fine to move a quotient or root to a midpoint, and rounds by
+//! searching the interval between midpoints that contains the result.
 
 use raypath_float::Format;
 
@@ -15,6 +16,7 @@ fn every_pair() {
                 assert_eq!(format.add(a, b), numbers.nearest(x + y), "sum of {}", operands());
                 assert_eq!(format.sub(a, b), numbers.nearest(x - y), "difference of {}", operands());
                 assert_eq!(format.mul(a, b), numbers.nearest(x * y), "product of {}", operands());
+                assert_eq!(format.div(a, b), numbers.nearest(x / y), "quotient of {}", operands());
                 assert_eq!(format.compare(a, b), x.partial_cmp(&y), "order of {}", operands());
             }
         }
@@ -32,6 +34,7 @@ fn every_number() {
             assert!(format.to_f64(code).to_bits() == x.to_bits() || x.is_nan() && format.to_f64(code).is_nan());
             assert_eq!((format.canonical(code), format.from_f64(x)), (canonical, canonical), "{format}: {code:#x}");
             assert_eq!(format.neg(code), numbers.nearest(-x), "{format}: {code:#x}");
+            assert_eq!(format.sqrt(code), numbers.nearest(x.sqrt()), "{format}: square root of {code:#x}");
             assert_eq!((format.is_nan(code), format.is_zero(code)), (x.is_nan(), x == 0.0), "{format}: {code:#x}");
         }
     }

@@ -17,12 +17,13 @@ fn random_pairs() {
         let (x, y) = (f32::from_bits(a as u32), f32::from_bits(b as u32));
         count(&mut seen, "sum", x + y, f64::from(x) + f64::from(y));
         count(&mut seen, "product", x * y, f64::from(x) * f64::from(y));
+        count(&mut seen, "quotient", x / y, f64::from(x) / f64::from(y));
         if x == y || x.partial_cmp(&y).is_none() {
             *seen.entry(("order", if x == y { "equal" } else { "unordered" })).or_default() += 1;
         }
     }
     // The generator must produce every kind.
-    assert!(seen.len() == 12 && seen.values().all(|&count| count >= cases(CASES) / 5_000), "{seen:?}");
+    assert!(seen.len() == 17 && seen.values().all(|&count| count >= cases(CASES) / 5_000), "{seen:?}");
 }
 
 #[test]
@@ -49,6 +50,7 @@ fn bits_above_the_format() {
         let (c, d) = (a | 0xdead_beef << 32, b | 0x1234_5678 << 32);
         assert_eq!((FORMAT.add(c, d), FORMAT.sub(c, d)), (FORMAT.add(a, b), FORMAT.sub(a, b)));
         assert_eq!((FORMAT.mul(c, d), FORMAT.neg(c)), (FORMAT.mul(a, b), FORMAT.neg(a)));
+        assert_eq!((FORMAT.div(c, d), FORMAT.sqrt(c)), (FORMAT.div(a, b), FORMAT.sqrt(a)));
         assert_eq!((FORMAT.compare(c, d), FORMAT.canonical(c)), (FORMAT.compare(a, b), FORMAT.canonical(a)));
     }
 }
@@ -76,6 +78,8 @@ fn check(a: u64, b: u64) {
     assert_eq!(FORMAT.add(a, b), code(x + y), "sum of {}", operands());
     assert_eq!(FORMAT.sub(a, b), code(x - y), "difference of {}", operands());
     assert_eq!(FORMAT.mul(a, b), code(x * y), "product of {}", operands());
+    assert_eq!(FORMAT.div(a, b), code(x / y), "quotient of {}", operands());
+    assert_eq!(FORMAT.sqrt(a), code(x.sqrt()), "square root: {a:08x} ({x:e})");
     assert_eq!(FORMAT.compare(a, b), x.partial_cmp(&y), "order of {}", operands());
     assert_eq!(FORMAT.neg(a), code(-x), "negated: {a:08x}");
     assert_eq!((FORMAT.is_nan(a), FORMAT.is_zero(a)), (x.is_nan(), x == 0.0), "class of {a:08x}");

@@ -1,4 +1,4 @@
-//! Operands that make sums, products and comparisons hard, in any format.
+//! Operands that make sums, products, quotients and comparisons hard, in any format.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -33,7 +33,7 @@ impl Operands {
         let exponent = (a >> self.fraction_width & self.top) as i64;
         let width = i64::from(self.fraction_width) + 1;
         let bias = (self.top / 2) as i64;
-        let b = match self.rng.random_range(0..8) {
+        let b = match self.rng.random_range(0..10) {
             0 => self.code(),
             // Sums that cancel down to the last places or need one place more.
             1 => (a ^ self.sign_bit()).wrapping_add_signed(self.rng.random_range(-3..4)),
@@ -42,7 +42,10 @@ impl Operands {
             3..6 => self.near(exponent, -width - 4..width + 5),
             // Products in and below the subnormal range, and near the largest number.
             6 => self.near(bias - exponent, -width - 3..4),
-            _ => self.near(3 * bias - exponent, -3..4),
+            7 => self.near(3 * bias - exponent, -3..4),
+            // Quotients in and below the subnormal range, and by powers of two, which are ties there.
+            8 => self.near(exponent + bias, -3..width + 3),
+            _ => self.near(exponent + bias, -3..width + 3) >> self.fraction_width << self.fraction_width,
         } & (self.sign_bit() * 2 - 1);
         if self.rng.random() { (a, b) } else { (b, a) }
     }
