@@ -3,8 +3,9 @@
 //!
 //! A recoded number has a sign, an exponent of one bit more than in IEEE 754, and a fraction. The top three bits of the
 //! exponent encode zero (000), infinity (110) and NaN (111); every other number is normalised, so units need no case
-//! for subnormals. All units are combinational, round to nearest even and return canonical results. They accept zeros
-//! and infinities with any lower exponent bits and any fraction, and NaN with any sign and payload.
+//! for subnormals. All units round to nearest even and return canonical results. They accept zeros and infinities with
+//! any lower exponent bits and any fraction, and NaN with any sign and payload. They are combinational, except the
+//! pipelined and iterative forms of [`DivSqrt`].
 //!
 //! ```
 //! use raypath_float::{Format, add};
@@ -26,4 +27,4 @@ mod units;
 
 pub use format::{Format, FormatError, ParseFormatError};
 #[cfg(feature = "units")]
-pub use units::{add, add_parts, compare, decode, encode, flags, mul, mul_parts, number};
+pub use units::{DivSqrt, add, add_parts, compare, decode, div, encode, flags, mul, mul_parts, number, sqrt};

@@ -35,7 +35,9 @@ pub fn add(format: Format) -> Result<Arc<Module>, Error> {
 /// # Errors
 /// Another number of parts.
 pub fn add_parts(format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
-    Parts::build("add", "Sum", format, with_flags, parts, |parts| describe(format, parts, with_flags))
+    Parts::build("add", "Sum of two recoded numbers", format, with_flags, parts, |parts| {
+        describe(format, parts, with_flags)
+    })
 }
 
 fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {

@@ -1,8 +1,8 @@
 //! Exceptions of IEEE 754, as the units report them.
 //!
-//! The constants are bits of a unit's output `flags_o`. There is no division, and so no flag for a division by zero.
-//! Tininess is detected *before* rounding, as IEEE 754 allows, and raises underflow only if the result is also inexact.
-//! No NaN is signalling.
+//! The constants are bits of a unit's output `flags_o`, which adders and multipliers have: dividers report nothing, so
+//! there is no flag for a division by zero. Tininess is detected *before* rounding, as IEEE 754 allows, and raises
+//! underflow only if the result is also inexact. No NaN is signalling.
 
 use raypath_hdl::{Builder, Wire};
 

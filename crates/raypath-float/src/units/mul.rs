@@ -2,11 +2,8 @@
 //!
 //! Hardware: an adder for the exponents. For the significands, one multiple of the multiplicand for every three bits of
 //! the multiplier (`booth.rs`), full adders that reduce them to two rows (`compress.rs`), and a carry-lookahead adder
-//! (`lookahead.rs`). Then the product is rounded. A mask marks the bits that the result loses. Below the normal range,
-//! the exponent sum alone sets its bits, before the product is ready. The bits below half of the last place are set, so
-//! that adding one rounds up, and the mask clears the lost bits; on a tie, the last place is cleared too. Then the
-//! result is normalised by one place. If operands or exponents alone determine the result, its class replaces the
-//! exponent, and the mask clears every bit.
+//! (`lookahead.rs`). Then the product is rounded (`round.rs`). If operands or exponents alone determine the result, its
+//! class replaces the exponent.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all operands, soft float), `binary32.rs` (the host's `f32`),
 //! `other_formats.rs` (soft float), `verilator.rs`; in all of them whole and in parts.
@@ -19,6 +16,7 @@ use crate::units::flags;
 use crate::units::lookahead;
 use crate::units::parts::{Parts, cut};
 use crate::units::recoded::Magnitude;
+use crate::units::round::Unrounded;
 use raypath_hdl::{Error, Formula, Module};
 use std::sync::Arc;
 
@@ -32,7 +30,9 @@ pub fn mul(format: Format) -> Result<Arc<Module>, Error> {
 /// # Errors
 /// Another number of parts.
 pub fn mul_parts(format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
-    Parts::build("mul", "Product", format, with_flags, parts, |parts| describe(format, parts, with_flags))
+    Parts::build("mul", "Product of two recoded numbers", format, with_flags, parts, |parts| {
+        describe(format, parts, with_flags)
+    })
 }
 
 fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
@@ -93,45 +93,15 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     m.unused("unused_carry", &[word.carry]);
     let word = word.word.named("word");
 
-    m.section("Mark the bits to lose: one or two, and more below the normal range");
-    let zero = m.constant(1, 0);
-    let least = m.parameter("MinExp", e + 1, constants.min_normal() - (constants.sig_bits() + 1));
-    // A result that is settled loses every bit.
-    let above_least = ((exponent - least) & (!settled).replicate(e + 1)).named("above_least");
-    let all = m.parameter("AllBits", s + 1, (1 << (s + 1)) - 1);
-    let subnormal = all.shift_right(above_least).named("subnormal");
-    let carried = word.top().named("carried");
-    let lost_half = subnormal.bit(0) | carried;
-    let lost = m.concat(&[settled, subnormal.upper(s), lost_half, m.constant(1, 1)]).named("lost");
-    let below_half = m.concat(&[zero, lost.upper(s + 2)]).named("below_half");
-
-    m.section("Round");
-    let word = word.extend(s + 3).named("unrounded");
-    let exact = (!((word & below_half).any() | sticky)).named("exact");
-    let filled = (word | below_half).named("filled");
-    let rounded = (filled + m.constant(s + 3, 1)).named("rounded");
-    let half = m.concat(&[word.lower(s + 2) & lost.lower(s + 2), zero]);
-    let tie = exact.replicate(s + 3) & half;
-    let kept = (rounded & !lost & !tie).named("kept");
-    m.unused("unused_half", &[kept.bit(0)]);
-
-    m.section("Normalise");
-    let any = settled | kept.upper(3).any();
-    let result_exponent = ((exponent + kept.upper(2).extend(e + 1)) & any.replicate(e + 1)).named("result_exponent");
-    let largest = exponent.equals(m.parameter("MaxExp", e + 1, constants.max_finite())).named("largest");
-    let fraction = carried.mux(kept.bits(s, 2), kept.bits(s - 1, 1)).named("fraction");
-    let fraction = fraction & (!(largest & carried)).replicate(s - 1);
-    let quiet = m.concat(&[exponent.upper(3).all(), m.constant(s - 2, 0)]);
-    m.output("product_o", m.concat(&[sign, result_exponent, fraction | quiet]));
+    let rounded = Unrounded { format, word, sticky, exponent, settled, sign }.round();
+    m.output("product_o", rounded.number);
     if with_flags {
         m.section("Exceptions");
-        let [invalid, ordinary] = ["invalid", "ordinary"].map(|stem| parts.along(stem).unwrap_or(zero));
-        let overflow = (ordinary & result_exponent.upper(2).all()).named("overflow");
-        let inexact = (overflow | (ordinary & ((word & lost).any() | sticky))).named("inexact");
-        // Below the normal range before it is rounded: by one place, which a product of 2 or more makes up for, or
-        // further.
-        let tiny = (subnormal.bit(0) & (!carried | subnormal.bit(1))).named("tiny");
-        let underflow = (inexact & tiny & !overflow).named("underflow");
+        let absent = m.constant(1, 0);
+        let [invalid, ordinary] = ["invalid", "ordinary"].map(|stem| parts.along(stem).unwrap_or(absent));
+        let overflow = (ordinary & rounded.exponent.upper(2).all()).named("overflow");
+        let inexact = (overflow | (ordinary & rounded.is_inexact())).named("inexact");
+        let underflow = (inexact & rounded.is_tiny() & !overflow).named("underflow");
         flags::output(m, [Some(invalid), Some(overflow), Some(underflow), Some(inexact)]);
     }
 }

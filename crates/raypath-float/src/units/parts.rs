@@ -18,7 +18,7 @@ pub(crate) struct Parts<'m> {
 }
 
 impl<'m> Parts<'m> {
-    /// Builds a unit that rounds the `result` of two recoded numbers, and returns its parts in order: the module
+    /// Builds a unit that rounds a `result`, and returns its parts in order: the module
     /// `raypath_fp_<operation>_<format>` if `count` is 1, otherwise `..._part_1_of_<count>` and so on. It is an error
     /// if the description has no cuts for this count.
     pub fn build(
@@ -31,7 +31,7 @@ impl<'m> Parts<'m> {
     ) -> Result<Vec<Arc<Module>>, Error> {
         let (in_name, in_doc) = if with_flags { ("_flags", ", and its exceptions") } else { ("", "") };
         let name = format!("raypath_fp_{operation}{in_name}_{format}");
-        let doc = format!("{result} of two recoded numbers, rounded to nearest even{in_doc}.");
+        let doc = format!("{result}, rounded to nearest even{in_doc}.");
         let builders: Vec<Builder> = (1..=count).map(|part| begin(&name, &doc, part, count)).collect();
         let undivided = || Error::Name {
             module: name.to_string(),
@@ -67,6 +67,11 @@ impl<'m> Parts<'m> {
     /// A value passed with [`take_along`](Self::take_along), in the current part.
     pub fn along(&self, stem: &str) -> Option<Wire<'m>> {
         self.along.iter().find(|(known, _)| *known == stem).map(|(_, wire)| *wire)
+    }
+
+    /// Ends what [`take_along`](Self::take_along) began: the value does not pass the next cut.
+    pub fn leave_behind(&mut self, stem: &str) {
+        self.along.retain(|(known, _)| *known != stem);
     }
 
     /// Ends the current part and begins the next one if `cuts`, pairs of a part and a number of parts, contain it. A

@@ -1,0 +1,45 @@
+//! A unit's parts with registers after each.
+//!
+//! Hardware: registers with one enable. It is 0 while a result waits, so that all wait; bubbles are not filled.
+
+use raypath_hdl::{Builder, Error, Module, Wire};
+use std::sync::Arc;
+
+/// Connects the parts of a unit by registers, with a handshake and a tag beside the data: the ports of
+/// [`DivSqrt::pipelined`](crate::DivSqrt::pipelined).
+pub(crate) fn pipeline(name: &str, doc: &str, parts: &[Arc<Module>], tag_width: u32) -> Result<Arc<Module>, Error> {
+    let m = Builder::new(name);
+    m.doc(doc);
+    let mut valid = m.input("valid_i", 1);
+    let ready = m.input("ready_i", 1);
+    let operands = parts.first().map_or_else(Vec::new, |first| first.inputs().to_vec());
+    let width = |part: &Module, port: &str| part.port_width(port).unwrap_or_default();
+    let mut values: Vec<(String, Wire<'_>)> =
+        operands.iter().map(|port| (port.name.clone(), m.input(&port.name, width(&parts[0], &port.name)))).collect();
+    let mut tag = (tag_width > 0).then(|| m.input("tag_i", tag_width));
+
+    let advance = m.forward("advance", 1);
+    for (number, part) in (1..).zip(parts) {
+        m.section(format!("Part {number}"));
+        let register = |stem: &str, wire: Wire<'_>| {
+            let register = m.register(&format!("{stem}_{number}_q"), wire.width());
+            register.next_when(advance.wire(), wire);
+            register.wire()
+        };
+        let stage_valid = m.register(&format!("valid_{number}_q"), 1).reset_to(0);
+        stage_valid.next_when(advance.wire(), valid);
+        valid = stage_valid.wire();
+        tag = tag.map(|tag| register("tag", tag));
+        let connected: Vec<(&str, Wire<'_>)> = values.iter().map(|(name, wire)| (name.as_str(), *wire)).collect();
+        let outputs = m.instance(&format!("u_part_{number}"), part, &connected);
+        let stems = part.outputs().iter().map(|port| port.name.strip_suffix("_o").unwrap_or(&port.name));
+        values = stems.zip(outputs).map(|(stem, wire)| (format!("{stem}_i"), register(stem, wire))).collect();
+    }
+    m.section("A result that waits stops all parts");
+    advance.drive(!valid | ready);
+    m.output("ready_o", advance.wire());
+    m.output("valid_o", valid);
+    values.iter().for_each(|(name, wire)| m.output(&format!("{}_o", name.trim_end_matches("_i")), *wire));
+    tag.into_iter().for_each(|tag| m.output("tag_o", tag));
+    m.finish()
+}
