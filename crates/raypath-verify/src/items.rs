@@ -1,5 +1,6 @@
 //! All items, in the order of `docs/development/verification.md`.
 
+use crate::units::Dividers;
 use crate::units::bench::Units;
 use crate::units::proofs;
 use crate::{Error, Request, Verdict};
@@ -57,9 +58,17 @@ pub const ITEMS: &[Item] = &[
         run: |request| units::small_formats(&|format| Ok(Units::new(format)?), request),
     },
     Item {
+        name: "division",
+        claim: "the units give IEEE 754's quotients, reciprocals and square roots, pipelined and iterative",
+        oracle: "Berkeley SoftFloat in binary32, on the cases of Berkeley TestFloat and other numbers, and in \
+            binary16; LLVM's soft float, in the crate rustc_apfloat, and the host's roots in small formats",
+        subject: UNITS,
+        run: |request| units::division(&Dividers::new, request),
+    },
+    Item {
         name: "unit-proofs",
-        claim: "adders, multipliers, comparison and conversions give IEEE 754's result for all operands; split units give \
-            the result of the unsplit ones",
+        claim: "adders, multipliers, dividers, square roots, comparison and conversions give IEEE 754's result for all \
+            operands; split and iterative units give the result of the unsplit ones",
         oracle: "Yosys's symfpu, by SAT (ABC)",
         subject: PROOFS,
         run: proofs::unit_proofs,

@@ -1,9 +1,11 @@
 //! The floating-point units: campaigns of operands on their netlists, against independent implementations, and proofs
 //! that they compute IEEE 754's operations.
 
+mod answers;
 pub mod bench;
 mod campaign;
 mod conversions;
+mod division;
 pub mod operands;
 pub mod proofs;
 mod small_formats;
@@ -11,5 +13,6 @@ mod softfloat;
 mod testfloat;
 
 pub use conversions::conversions;
+pub use division::{Divider, Dividers, division};
 pub use small_formats::{oracle, small_formats};
 pub use softfloat::testfloat;

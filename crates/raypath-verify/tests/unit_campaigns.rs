@@ -3,7 +3,7 @@
 use raypath_float::Format;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use raypath_verify::units::bench::Units;
-use raypath_verify::units::{conversions, small_formats, testfloat};
+use raypath_verify::units::{Dividers, conversions, division, small_formats, testfloat};
 use raypath_verify::{Level, Request, Verdict};
 use std::sync::Arc;
 
@@ -14,6 +14,7 @@ fn the_units_are_right() -> Result<(), Box<dyn std::error::Error>> {
         regression("2/8", |request| testfloat(&units, request)),
         regression("2/8", |request| conversions(&units, request)),
         regression("1/1", |request| small_formats(&|format| Ok(Units::new(format)?), request)),
+        regression("2/8", |request| division(&Dividers::new, request)),
     ];
     for verdict in verdicts {
         assert_eq!((verdict.failures.as_slice(), verdict.is_stopped), ([].as_slice(), false), "{}", verdict.covered);
@@ -92,6 +93,43 @@ fn faulty_units_are_found() -> Result<(), Box<dyn std::error::Error>> {
         &regression("1/1", |request| small_formats(&of_small, request)),
         "of e5s3: differs from the unsplit unit",
     );
+    Ok(())
+}
+
+/// A wrong bit of one result, in one unit and one format each; and a unit that never answers.
+#[test]
+fn faulty_dividers_are_found() -> Result<(), Box<dyn std::error::Error>> {
+    let wrong_in = |broken: Format, place: usize, wrong: u64| {
+        move |format: Format| -> Result<Dividers, raypath_verify::Error> {
+            let mut dividers = Dividers::new(format)?;
+            if format == broken {
+                let module = &mut dividers.units[place].module;
+                // The outputs are ready, valid and result.
+                *module = faulty(module, |_, _, outputs| {
+                    let is_wrong = outputs[2].is(format.encode(wrong));
+                    vec![outputs[0], outputs[1], outputs[2] ^ is_wrong.extend(outputs[2].width())]
+                })?;
+            }
+            Ok(dividers)
+        }
+    };
+    let small = Format::new(3, 4)?;
+    for (broken, place, wrong, expected) in [
+        (Format::BINARY32, 0, 0x3f80_0000, "converted_faulty_raypath_div_pipelined_e8s24_l1: 0x"),
+        (Format::BINARY32, 6, 0x3f80_0000, "converted_faulty_raypath_rcp_iterative_e8s24_d3: 1 / 0x"),
+        (Format::BINARY16, 3, 0x3c01, "converted_faulty_raypath_sqrt_pipelined_e5s11_l1: root of 0x"),
+        (small, 8, 0x18, "converted_faulty_raypath_div_sqrt_iterative_e3s4_d1: 0x"),
+    ] {
+        assert_reported(&regression("1/1", |request| division(&wrong_in(broken, place, wrong), request)), expected);
+    }
+
+    let silent = |format: Format| -> Result<Dividers, raypath_verify::Error> {
+        let mut dividers = Dividers::new(format)?;
+        let module = &mut dividers.units[5].module;
+        *module = faulty(module, |m, _, outputs| vec![outputs[0], outputs[1] & m.constant(1, 0), outputs[2]])?;
+        Ok(dividers)
+    };
+    assert_reported(&regression("1/1", |request| division(&silent, request)), "0 results for ");
     Ok(())
 }
 

@@ -1,7 +1,7 @@
 //! A test bench of the floating-point units: one netlist with all units of a format and common operands.
 
 use raypath_float::{Format, add_parts, compare, decode, encode, mul_parts};
-use raypath_hdl::{Builder, Error, InputPort, Module, OutputPort, Simulator, Wire};
+use raypath_hdl::{Builder, Error, InputPort, Module, OutputPort, Simulator, Wire, expose_registers};
 use std::sync::Arc;
 
 /// The results of all units for two operands.
@@ -186,6 +186,44 @@ pub fn chain(parts: &[Arc<Module>]) -> Result<Arc<Module>, Error> {
     for (port, (_, wire)) in parts.iter().next_back().into_iter().flat_map(|last| last.outputs()).zip(values) {
         m.output(&port.name, wire);
     }
+    m.finish()
+}
+
+/// An iterative unit over `cycles` cycles, without registers: the result for operands that it takes when it is idle. In
+/// the cycles after, it is offered the inverted operands. Inputs are the operands and, for each register `x_q` without
+/// a reset, its first value `state_x_q`. The output is `result_o`, and its inverse if the result is not valid.
+///
+/// # Errors
+/// The unit lacks a port of [`DivSqrt::iterative`](raypath_float::DivSqrt::iterative).
+pub fn unrolled(unit: &Arc<Module>, cycles: u32) -> Result<Arc<Module>, Error> {
+    let exposed = expose_registers(unit);
+    let m = Builder::new(&format!("unrolled_{}", unit.name()));
+    let width = |name: &str| exposed.port_width(name).unwrap_or_default();
+    let is_control = |name: &str| matches!(name, "valid_i" | "ready_i");
+    let names = || unit.inputs().iter().map(|port| port.name.as_str());
+    let operands: Vec<(&str, Wire<'_>)> =
+        names().filter(|name| !is_control(name)).map(|name| (name, m.input(name, width(name)))).collect();
+    let first = |name: &str, has_reset: bool| {
+        if has_reset { m.constant(width(name), 0) } else { m.input(&format!("state_{name}"), width(name)) }
+    };
+    let registers = exposed.inputs()[unit.inputs().len()..].iter().zip(unit.registers());
+    let mut state: Vec<(&str, Wire<'_>)> =
+        registers.map(|(port, register)| (port.name.as_str(), first(&port.name, register.reset.is_some()))).collect();
+    let mut shown = [m.constant(1, 0), m.constant(1, 0)];
+    for cycle in 0..=cycles {
+        let offered = operands.iter().map(|&(name, wire)| (name, if cycle == 0 { wire } else { !wire }));
+        let control = [("valid_i", m.constant(1, 1)), ("ready_i", m.constant(1, 0))];
+        let inputs: Vec<(&str, Wire<'_>)> = offered.chain(control).chain(state.iter().copied()).collect();
+        let outputs = m.instance(&format!("u_cycle_{cycle}"), &exposed, &inputs);
+        let output = |name: &str| {
+            let place = exposed.outputs().iter().position(|port| port.name == name);
+            place.map_or_else(|| m.constant(1, 0), |place| outputs[place])
+        };
+        state = state.iter().map(|&(name, _)| (name, output(&format!("next_{name}")))).collect();
+        shown = ["valid_o", "result_o"].map(output);
+    }
+    let [valid, result] = shown;
+    m.output("result_o", valid.mux(result, !result));
     m.finish()
 }
 

@@ -7,12 +7,12 @@
 
 mod claim;
 
-pub use claim::{Claim, Operands, Subject};
+pub use claim::{Claim, Form, Operands, Subject};
 
 use crate::sat::{Miter, ProofResult, Prover};
 use crate::units::bench::Simulated;
 use crate::{Error, Level, Progress, Request, Verdict};
-use raypath_float::{Format, add, compare, mul};
+use raypath_float::{DivSqrt, Format, add, compare, div, mul, sqrt};
 use raypath_hdl::Module;
 use raypath_tools::{Cache, Key, ToolError, pool};
 use std::collections::{BTreeMap, BTreeSet};
@@ -204,6 +204,13 @@ impl Counterexample {
             Subject::Add => simulate(add(format), encoded_b)?,
             Subject::Sub => simulate(add(format), encoded_b ^ top)?,
             Subject::Mul => simulate(mul(format), encoded_b)?,
+            Subject::Div => simulate(div(format), encoded_b)?,
+            Subject::Sqrt => simulate(sqrt(format), 0)?,
+            Subject::Divided(function, _) => {
+                // The square root has one input.
+                let unit = function.parts(format, 1)?.remove(0);
+                Simulated::new(&unit)?.run::<1>([a, b])[0]
+            }
             Subject::Compare => {
                 let [less, equal, unordered] = Simulated::new(&compare(format)?)?.run([format.encode(a), encoded_b]);
                 less << 2 | equal << 1 | unordered
@@ -224,7 +231,9 @@ impl std::fmt::Display for Counterexample {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { claim, a, b, ours, wanted } = self;
         match claim.subject {
-            Subject::RoundTrip => write!(f, "{claim}: {a:#x} gives {ours:#x}, expected {wanted:#x}"),
+            Subject::RoundTrip | Subject::Sqrt | Subject::Divided(DivSqrt::Root, _) => {
+                write!(f, "{claim}: {a:#x} gives {ours:#x}, expected {wanted:#x}")
+            }
             _ => write!(f, "{claim}: {a:#x} and {b:#x} give {ours:#x}, expected {wanted:#x}"),
         }
     }
@@ -232,7 +241,7 @@ impl std::fmt::Display for Counterexample {
 
 /// The claims of a level, the longest proofs first. Each level includes the claims of the shorter ones.
 fn claims(level: Level) -> impl Iterator<Item = Claim> {
-    use Subject::{Add, AddParts, Compare, Mul, MulParts, RoundTrip, Sub};
+    use Subject::{Add, AddParts, Compare, Div, Divided, Mul, MulParts, RoundTrip, Sqrt, Sub};
     const CLAIMS: &[(Level, Subject, u32, u32)] = &[
         (Level::Full, Add, 5, 11),
         (Level::Full, Sub, 5, 11),
@@ -251,6 +260,14 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
         (Level::Full, Compare, 8, 11),
         (Level::Full, RoundTrip, 8, 8),
         (Level::Full, RoundTrip, 8, 11),
+        (Level::Full, Div, 4, 6),
+        (Level::Full, Div, 5, 4),
+        (Level::Full, Sqrt, 5, 11),
+        (Level::Full, Sqrt, 8, 8),
+        (Level::Full, Divided(DivSqrt::Quotient, Form::Parts(14)), 8, 24),
+        (Level::Full, Divided(DivSqrt::Quotient, Form::Iterative(1)), 8, 24),
+        (Level::Full, Divided(DivSqrt::Quotient, Form::Iterative(3)), 8, 24),
+        (Level::Full, Divided(DivSqrt::Root, Form::Iterative(1)), 8, 24),
         (Level::Full, MulParts(2), 8, 24),
         (Level::Full, MulParts(3), 8, 24),
         (Level::Full, AddParts(2), 8, 24),
@@ -260,6 +277,10 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
         (Level::Regression, Add, 3, 4),
         (Level::Regression, Sub, 3, 4),
         (Level::Regression, Mul, 3, 4),
+        (Level::Regression, Div, 3, 4),
+        (Level::Regression, Sqrt, 3, 4),
+        (Level::Regression, Divided(DivSqrt::Quotient, Form::Iterative(2)), 8, 24),
+        (Level::Regression, Divided(DivSqrt::Root, Form::Iterative(2)), 8, 24),
         (Level::Regression, RoundTrip, 8, 24),
         (Level::Regression, RoundTrip, 5, 11),
     ];

@@ -1,25 +1,27 @@
 //! All pairs of operands of small formats, against LLVM's soft float.
 
+use super::answers::Answers;
 use super::bench::{Bench, PortFormat, UnitResults, Units};
 use super::campaign::Campaign;
 use crate::{Error, Level, Request, Verdict};
 use raypath_float::Format;
 use raypath_tools::{grouped, pool::Cases};
-use rustc_apfloat::Float;
-use rustc_apfloat::ieee::{HalfS, IeeeFloat, Semantics};
+use rustc_apfloat::ieee::{Double, HalfS, IeeeFloat, Semantics};
+use rustc_apfloat::{Float, FloatConvert};
 use std::cmp::Ordering;
 
-/// A format, its oracle, and the lowest level that runs it.
+/// A format, its oracles, and the lowest level that runs it.
 #[derive(Clone, Copy)]
-struct Size {
-    exponent: u32,
-    significand: u32,
+pub(super) struct Size {
+    pub exponent: u32,
+    pub significand: u32,
     oracle: fn(u64, u64) -> UnitResults,
-    from: Level,
+    pub division: fn(u64, u64) -> Answers,
+    pub from: Level,
 }
 
 /// At level `regression` the formats of 7 and 8 bits; at `full` also the others of up to 11 bits; at `long` binary16.
-const SIZES: &[Size] = &[
+pub(super) const SIZES: &[Size] = &[
     size::<3, 4>(Level::Regression),
     size::<4, 4>(Level::Regression),
     size::<5, 3>(Level::Regression),
@@ -38,11 +40,18 @@ const SIZES: &[Size] = &[
     size::<7, 3>(Level::Full),
     size::<7, 4>(Level::Full),
     size::<8, 3>(Level::Full),
-    Size { exponent: 5, significand: 11, oracle: of_semantics::<HalfS>, from: Level::Long },
+    Size {
+        exponent: 5,
+        significand: 11,
+        oracle: of_semantics::<HalfS>,
+        division: division_of_semantics::<HalfS>,
+        from: Level::Long,
+    },
 ];
 
 const fn size<const E: usize, const S: usize>(from: Level) -> Size {
-    Size { exponent: E as u32, significand: S as u32, oracle: oracle::<E, S>, from }
+    let division = division_of_semantics::<Widths<E, S>>;
+    Size { exponent: E as u32, significand: S as u32, oracle: oracle::<E, S>, division, from }
 }
 
 /// A format of `E` exponent and `S` significand bits, in the form that `rustc_apfloat` needs.
@@ -108,6 +117,19 @@ fn of_semantics<S: Semantics>(a: u64, b: u64) -> UnitResults {
         equal: order == Some(Ordering::Equal),
         unordered: order.is_none(),
         parts_differ: 0,
+    }
+}
+
+/// The host takes the root in binary64. A root that is not a midpoint between numbers of at most 24 bits differs from
+/// all of them within 50 bits, so that the second rounding changes nothing.
+fn division_of_semantics<S: Semantics>(a: u64, b: u64) -> Answers {
+    let (x, y) = (IeeeFloat::<S>::from_bits(a.into()), IeeeFloat::<S>::from_bits(b.into()));
+    let of_f64 = |number: f64| -> IeeeFloat<S> { Double::from_bits(number.to_bits().into()).convert(&mut false).value };
+    let wide: Double = x.convert(&mut false).value;
+    Answers {
+        quotient: code((x / y).value),
+        reciprocal: code((of_f64(1.0) / y).value),
+        root: code(of_f64(f64::from_bits(wide.to_bits() as u64).sqrt())),
     }
 }
 

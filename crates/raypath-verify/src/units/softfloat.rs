@@ -1,11 +1,13 @@
-//! binary32 against Berkeley SoftFloat, on the cases of Berkeley TestFloat.
+//! binary32 against Berkeley SoftFloat, on the cases of Berkeley TestFloat; and SoftFloat's division.
 
+use super::answers::Answers;
 use super::bench::{Bench, PortFormat, UnitResults, Units};
 use super::campaign::Campaign;
 use super::testfloat::{BLOCK, Level, Pairs};
 use crate::{Error, Request, Verdict};
 use raypath_tools::{grouped, pool::Cases};
-use softfloat_rs::{f32_add, f32_eq, f32_le_quiet, f32_lt_quiet, f32_mul, f32_sub, float32_t};
+use softfloat_rs::{f16_div, f16_sqrt, float16_t};
+use softfloat_rs::{f32_add, f32_div, f32_eq, f32_le_quiet, f32_lt_quiet, f32_mul, f32_sqrt, f32_sub, float32_t};
 
 /// Compares sums, differences, products and comparisons of TestFloat's cases. The netlist holds the units, unsplit and
 /// split, between the encoding and decoding units. All cases of TestFloat's level 1 run; of level 2 every fifth, at
@@ -70,6 +72,25 @@ fn oracle(a: u32, b: u32) -> (UnitResults, bool) {
         parts_differ: 0,
     };
     (results, less_or_equal)
+}
+
+/// SoftFloat's quotient, reciprocal and root for two binary32 words.
+#[allow(unsafe_code)]
+pub(super) fn divide_binary32(a: u64, b: u64) -> Answers {
+    let [a, b, one] = [a as u32, b as u32, 0x3f80_0000].map(|v| float32_t { v });
+    // SAFETY: as above.
+    let (quotient, reciprocal, root) = unsafe { (f32_div(a, b), f32_div(one, b), f32_sqrt(a)) };
+    Answers { quotient: canonical(quotient), reciprocal: canonical(reciprocal), root: canonical(root) }
+}
+
+/// SoftFloat's quotient, reciprocal and root for two binary16 words.
+#[allow(unsafe_code)]
+pub(super) fn divide_binary16(a: u64, b: u64) -> Answers {
+    let [a, b, one] = [a as u16, b as u16, 0x3c00].map(|v| float16_t { v });
+    // SAFETY: as above.
+    let (quotient, reciprocal, root) = unsafe { (f16_div(a, b), f16_div(one, b), f16_sqrt(a)) };
+    let canonical = |number: float16_t| if number.v & 0x7fff > 0x7c00 { 0x7e00 } else { number.v.into() };
+    Answers { quotient: canonical(quotient), reciprocal: canonical(reciprocal), root: canonical(root) }
 }
 
 /// The bits of a result, with every NaN replaced by the canonical one. SoftFloat propagates the payloads of NaNs, as

@@ -1,6 +1,7 @@
 //! Tests of the units' netlists, in our simulator and in Verilator, against oracles that share no code with them.
 
 mod binary32;
+mod division;
 mod exact;
 mod other_formats;
 mod small_formats;

@@ -2,8 +2,8 @@
 
 use crate::error::Error;
 use crate::sat::{Miter, SOURCE};
-use crate::units::bench::chain;
-use raypath_float::{Format, add, add_parts, compare, decode, encode, mul, mul_parts};
+use crate::units::bench::{chain, unrolled};
+use raypath_float::{DivSqrt, Format, add, add_parts, compare, decode, div, encode, mul, mul_parts, sqrt};
 use raypath_hdl::Module;
 use raypath_hdl::verilog::text;
 use raypath_tools::ToolError;
@@ -30,6 +30,10 @@ pub enum Subject {
     Sub,
     /// The multiplier between encoders and decoder.
     Mul,
+    /// The combinational divider between encoders and decoder.
+    Div,
+    /// The combinational square root between encoder and decoder.
+    Sqrt,
     /// The comparator behind encoders.
     Compare,
     /// The encoder and then the decoder: every number is unchanged, and every NaN becomes the canonical one.
@@ -38,6 +42,17 @@ pub enum Subject {
     AddParts(u32),
     /// The multiplier split into this many parts, against the unsplit one, for all recoded words.
     MulParts(u32),
+    /// The divider or the square root in another form, against the combinational one, for all recoded words.
+    Divided(DivSqrt, Form),
+}
+
+/// A form of a divider or square root.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// Split into this many parts.
+    Parts(u32),
+    /// Iterative, with this many digits a cycle, from any idle state.
+    Iterative(u32),
 }
 
 /// The operands of a claim.
@@ -59,6 +74,7 @@ impl Subject {
         match self {
             Self::Add | Self::Sub | Self::AddParts(_) => ("~(half & quarter)", "~(half | quarter)"),
             Self::Mul | Self::MulParts(_) => ("= exponent_sum < ", "= exponent_sum <= "),
+            Self::Div | Self::Sqrt | Self::Divided(..) => ("below_half)) | sticky", "below_half)) & sticky"),
             Self::Compare => ("a_negative & ~both_zero", "a_negative"),
             Self::RoundTrip => ("exponent < ", "exponent <= "),
         }
@@ -84,10 +100,16 @@ impl Claim {
             Subject::Add => (whole(add(f)?)?, conversions()?, Some("-op add -rm RNE")),
             Subject::Sub => (whole(add(f)?)?, conversions()?, Some("-op sub -rm RNE")),
             Subject::Mul => (whole(mul(f)?)?, conversions()?, Some("-op mul -rm RNE")),
+            Subject::Div => (whole(div(f)?)?, conversions()?, Some("-op div -rm RNE")),
+            Subject::Sqrt => (whole(sqrt(f)?)?, conversions()?, Some("-op sqrt -rm RNE")),
             Subject::Compare => (whole(compare(f)?)?, conversions()?, Some("-compare")),
             Subject::RoundTrip => (text(&decode(f)?)?, text(&encode(f)?)?, None),
             Subject::AddParts(count) => (joined(add_parts(f, count, false)?)?, whole(add(f)?)?, None),
             Subject::MulParts(count) => (joined(mul_parts(f, count, false)?)?, whole(mul(f)?)?, None),
+            Subject::Divided(function, form) => {
+                let [ours, reference] = in_form(f, function, form)?;
+                (whole(ours)?, whole(reference)?, None)
+            }
         };
         if with_fault {
             let (from, to) = self.subject.fault();
@@ -111,15 +133,15 @@ impl Claim {
         if reference.is_some() {
             commands.push("select -assert-count 1 miter/t:symfpu".to_string());
         }
-        let inputs = self.inputs();
+        let inputs = self.inputs()?;
         for side in ["ours", "expected"] {
-            for (input, _) in &inputs {
+            for (input, _) in inputs.iter().filter(|(input, _)| !input.starts_with(STATE)) {
                 commands.push(format!("select -assert-min 1 miter/w:{side} %ci* miter/w:{input} %i"));
             }
         }
         Ok(Miter {
             name: self.to_string(),
-            sources: [("unit.sv", unit), ("rest.sv", rest), ("miter.sv", self.miter_text(ieee))]
+            sources: [("unit.sv", unit), ("rest.sv", rest), ("miter.sv", self.miter_text(ieee)?)]
                 .map(|(name, text)| (name.to_string(), text))
                 .into(),
             commands,
@@ -129,32 +151,44 @@ impl Claim {
 
     /// Whether both sides are units of ours, from one description: they may be equal before any proof.
     pub fn compares_own_units(&self) -> bool {
-        matches!(self.subject, Subject::AddParts(_) | Subject::MulParts(_))
+        matches!(self.subject, Subject::AddParts(_) | Subject::MulParts(_) | Subject::Divided(..))
+    }
+
+    /// Whether the second operand is not used.
+    fn is_unary(&self) -> bool {
+        matches!(self.subject, Subject::RoundTrip | Subject::Sqrt | Subject::Divided(DivSqrt::Root, _))
     }
 
     /// The miter's inputs, with their widths.
-    fn inputs(&self) -> Vec<(String, u32)> {
-        let (f, width) = (self.format, self.format.ieee_width());
+    fn inputs(&self) -> Result<Vec<(String, u32)>, Error> {
+        let f = self.format;
+        let width = if self.compares_own_units() { f.recoded_width() } else { f.ieee_width() };
         let ports: &[(&str, u32)] = match (self.subject, self.operands) {
-            (Subject::AddParts(_) | Subject::MulParts(_), _) => {
-                &[("free_a", f.recoded_width()), ("free_b", f.recoded_width())]
-            }
-            (Subject::RoundTrip, _) => &[("free_a", width)],
+            _ if self.is_unary() => &[("free_a", width)],
             (_, Operands::All) => &[("free_a", width), ("free_b", width)],
             (_, Operands::ExponentDifference(_)) => &[("free_a", f.significand()), ("free_b", width)],
             (_, Operands::Fraction(_)) => &[("free_a", width), ("free_b", f.exponent() + 1)],
         };
-        ports.iter().map(|&(name, width)| (name.to_string(), width)).collect()
+        let operands = ports.iter().map(|&(name, width)| (name.to_string(), width));
+        Ok(operands.chain(self.state()?).collect())
+    }
+
+    /// The first values of an iterative unit's registers, with their widths.
+    fn state(&self) -> Result<Vec<(String, u32)>, Error> {
+        let Subject::Divided(function, form) = self.subject else { return Ok(Vec::new()) };
+        let [ours, _] = in_form(self.format, function, form)?;
+        let names = ours.inputs().iter().map(|port| &port.name).filter(|name| name.starts_with(STATE));
+        Ok(names.map(|name| (name.clone(), ours.port_width(name).unwrap_or_default())).collect())
     }
 
     /// The text of the module `miter`. Messages about counterexamples show its wires `a`, `b`, `ours` and `wanted`.
-    fn miter_text(&self, ieee: u32) -> String {
+    fn miter_text(&self, ieee: u32) -> Result<String, Error> {
         let (f, e, s) = (self.format, self.format.exponent(), self.format.significand());
         let recoded = f.recoded_width();
         let inputs: Vec<String> =
-            self.inputs().iter().map(|(name, width)| format!("input [{}:0] {name}", width - 1)).collect();
+            self.inputs()?.iter().map(|(name, width)| format!("input [{}:0] {name}", width - 1)).collect();
         let (unit_ports, width) = match self.subject {
-            Subject::AddParts(_) | Subject::MulParts(_) => (recoded, recoded),
+            _ if self.compares_own_units() => (recoded, recoded),
             Subject::Compare => (ieee, 3),
             _ => (ieee, ieee),
         };
@@ -163,7 +197,7 @@ impl Claim {
             format!("wire [{0}:0] a, b; wire [{1}:0] ours, expected; wire valid;", unit_ports - 1, width - 1),
         ];
         lines.push(match self.operands {
-            _ if self.subject == Subject::RoundTrip => "assign a = free_a; assign b = 0; assign valid = 1;".to_string(),
+            _ if self.is_unary() => "assign a = free_a; assign b = 0; assign valid = 1;".to_string(),
             Operands::All => "assign a = free_a; assign b = free_b; assign valid = 1;".to_string(),
             Operands::ExponentDifference(difference) => format!(
                 "wire [{top}:0] exponent = {{2'b00, free_b[{high}:{low}]}} + {value};\n\
@@ -180,11 +214,11 @@ impl Claim {
                 format!("assign a = free_a; assign b = {{free_b, {}'d{fraction}}}; assign valid = 1;", s - 1)
             }
         });
-        lines.push(self.sides(recoded));
+        lines.push(self.sides(recoded)?);
         let is_nan = |word: &str| format!("((&{word}[{}:{}]) && (|{word}[{}:0]))", e + s - 2, s - 1, s - 2);
         let wanted = match self.subject {
             // The reference may return any NaN, our units return the canonical one.
-            Subject::Add | Subject::Sub | Subject::Mul | Subject::RoundTrip => {
+            Subject::Add | Subject::Sub | Subject::Mul | Subject::Div | Subject::Sqrt | Subject::RoundTrip => {
                 format!("{} ? {ieee}'d{} : expected", is_nan("expected"), f.nan())
             }
             Subject::Compare => {
@@ -195,11 +229,11 @@ impl Claim {
         };
         lines.push(format!("wire [{}:0] wanted = {wanted};", width - 1));
         lines.push("assign differ = valid && (ours != wanted);\nendmodule\n".to_string());
-        lines.join("\n")
+        Ok(lines.join("\n"))
     }
 
     /// The drivers of `ours` and `expected`.
-    fn sides(&self, recoded: u32) -> String {
+    fn sides(&self, recoded: u32) -> Result<String, Error> {
         let f = self.format;
         let encoders = format!(
             "wire [{0}:0] recoded_a, recoded_b;\n\
@@ -223,12 +257,21 @@ impl Claim {
                  raypath_fp_{unit}_{f} u_whole (.a_i(a), .b_i(b), .{output}(expected));"
             )
         };
-        match self.subject {
+        Ok(match self.subject {
             Subject::Add => arithmetic("add", "recoded_b", "sum_o"),
             Subject::Sub => {
                 arithmetic("add", &format!("{{~recoded_b[{0}], recoded_b[{1}:0]}}", recoded - 1, recoded - 2), "sum_o")
             }
             Subject::Mul => arithmetic("mul", "recoded_b", "product_o"),
+            Subject::Div => arithmetic("div", "recoded_b", "result_o"),
+            Subject::Sqrt => format!(
+                "wire [{0}:0] recoded_a, recoded_result;\n\
+                 raypath_fp_encode_{f} u_encode (.ieee_i(a), .recoded_o(recoded_a));\n\
+                 raypath_fp_sqrt_{f} u_unit (.a_i(recoded_a), .result_o(recoded_result));\n\
+                 raypath_fp_decode_{f} u_decode (.recoded_i(recoded_result), .ieee_o(ours));\n\
+                 symfpu u_reference (.a(a), .o(expected));",
+                recoded - 1
+            ),
             Subject::Compare => format!(
                 "{encoders}raypath_fp_compare_{f} u_unit (.a_i(recoded_a), .b_i(recoded_b), .less_o(ours[2]), \
                  .equal_o(ours[1]), .unordered_o(ours[0]));\n\
@@ -243,8 +286,35 @@ impl Claim {
             ),
             Subject::AddParts(count) => parts(count, "add", "sum_o"),
             Subject::MulParts(count) => parts(count, "mul", "product_o"),
-        }
+            Subject::Divided(function, form) => {
+                let sides = in_form(f, function, form)?.into_iter().zip(["ours", "expected"]);
+                let instance = |(module, result): (Arc<Module>, &str)| {
+                    let connected = module.inputs().iter().map(|port| match port.name.as_str() {
+                        "a_i" => ".a_i(a), ".to_string(),
+                        "b_i" => ".b_i(b), ".to_string(),
+                        state => format!(".{state}({state}), "),
+                    });
+                    let connected: String = connected.collect();
+                    format!("{} u_{result} ({connected}.result_o({result}));", module.name())
+                };
+                sides.map(instance).collect::<Vec<_>>().join("\n")
+            }
+        })
     }
+}
+
+/// What begins the names of inputs for the first values of registers.
+const STATE: &str = "state_";
+
+/// A divider or square root in a form, as combinational logic, and the combinational unit.
+fn in_form(format: Format, function: DivSqrt, form: Form) -> Result<[Arc<Module>; 2], raypath_hdl::Error> {
+    let ours = match form {
+        Form::Parts(count) => chain(&function.parts(format, count)?)?,
+        Form::Iterative(digits) => {
+            unrolled(&function.iterative(format, digits, 0)?, DivSqrt::iterative_latency(format, digits))?
+        }
+    };
+    Ok([ours, function.parts(format, 1)?.remove(0)])
 }
 
 /// Fewer cells than the smallest reference has: several hundred, at (3,3). An empty reference would prove anything.
@@ -258,6 +328,16 @@ impl fmt::Display for Claim {
             Subject::Mul => f.write_str("multiplication"),
             Subject::Compare => f.write_str("comparison"),
             Subject::RoundTrip => f.write_str("encoding and decoding"),
+            Subject::Div => f.write_str("division"),
+            Subject::Sqrt => f.write_str("square root"),
+            Subject::Divided(function, form) => {
+                f.write_str(if function == DivSqrt::Root { "the square root" } else { "the divider" })?;
+                match form {
+                    Form::Parts(count) => write!(f, " in {count} parts"),
+                    Form::Iterative(1) => f.write_str(" with a digit a cycle"),
+                    Form::Iterative(digits) => write!(f, " with {digits} digits a cycle"),
+                }
+            }
             Subject::AddParts(count) => write!(f, "the adder in {count} parts"),
             Subject::MulParts(count) => write!(f, "the multiplier in {count} parts"),
         }?;
