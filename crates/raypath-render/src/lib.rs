@@ -7,6 +7,7 @@
 //! jobs directly in software; [`time_rays`] and [`time_picture`] send them through a cycle-exact model of the pipeline
 //! and count cycles.
 
+pub mod blocks;
 pub mod builtin;
 pub mod bvh;
 pub mod camera;
@@ -21,6 +22,7 @@ pub mod timing;
 pub mod trace;
 mod vector;
 
+pub use blocks::{Blocks, SceneTooLarge};
 pub use builtin::builtin;
 pub use bvh::Bvh4;
 pub use camera::{Camera, CameraError};

@@ -1,5 +1,6 @@
 //! A scene: a mesh with its bounding volume hierarchy.
 
+use crate::blocks::{Blocks, SceneTooLarge};
 use crate::bvh::{Bvh4, MeshTooLarge};
 use crate::mesh::{Bounds, Mesh};
 
@@ -12,6 +13,7 @@ pub struct Scene {
     mesh: Mesh,
     bounds: Bounds,
     bvh: Bvh4,
+    blocks: Option<Blocks>,
 }
 
 impl Scene {
@@ -44,7 +46,22 @@ impl Scene {
     pub fn with_reach(mesh: Mesh, reach: f32) -> Result<Self, MeshTooLarge> {
         let bounds = mesh.bounds();
         let bvh = Bvh4::build(&mesh, reach.max(bounds.longest_side()))?;
-        Ok(Self { mesh, bounds, bvh })
+        Ok(Self { mesh, bounds, bvh, blocks: None })
+    }
+
+    /// The scene with its blocks in memory, so that [`Tracer`](crate::Tracer) traces rays through the functional model
+    /// of the traversal unit.
+    ///
+    /// # Errors
+    /// The blocks do not fit into an address space of 32 bits.
+    pub fn through_unit(mut self) -> Result<Self, SceneTooLarge> {
+        self.blocks = Some(Blocks::of(&self.bvh)?);
+        Ok(self)
+    }
+
+    /// The scene in memory, if rays are traced through the unit.
+    pub fn blocks(&self) -> Option<&Blocks> {
+        self.blocks.as_ref()
     }
 
     /// The mesh.

@@ -9,6 +9,8 @@ use std::io::Write;
 pub enum Command {
     /// Render a mesh through the datapath, and show its utilisation (feature `full`)
     Render(Ignored),
+    /// Write a mesh as the traversal unit reads it from memory (feature `full`)
+    Scene(Ignored),
     /// Search nearest neighbours through the datapath, and show its utilisation (feature `full`)
     Search(Ignored),
     /// Run recorded transactions through a model or the netlist and compare the results (feature `full`)
@@ -40,6 +42,7 @@ impl Command {
     pub fn run(self, _: &mut dyn Write) -> Result<(), CliError> {
         let (name, Ignored { arguments }) = match self {
             Self::Render(ignored) => ("render", ignored),
+            Self::Scene(ignored) => ("scene", ignored),
             Self::Search(ignored) => ("search", ignored),
             Self::Replay(ignored) => ("replay", ignored),
             Self::Wave(ignored) => ("wave", ignored),

@@ -11,6 +11,13 @@ pub struct Wire<'m> {
     pub(super) id: SignalId,
 }
 
+impl PartialEq for Wire<'_> {
+    /// Whether both are the same signal of the same module.
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.builder, other.builder) && self.id == other.id
+    }
+}
+
 /// A register whose next value is still to be given.
 #[derive(Clone, Copy)]
 pub struct Register<'m> {

@@ -1,10 +1,12 @@
 use super::traversal::Request;
 use super::{Counts, Goal, Hit, Stopped, Tracing, Traversal};
+use crate::blocks::Blocks;
 use crate::scene::Scene;
 use rayon::prelude::*;
 use raypath_model::SimdKernels;
 use raypath_ops::{Binary32, Operation, Ray, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Rules};
 use raypath_timing::{Progress, ProgressCounter};
+use raypath_unit::{RayRequest, StepParameters, Unit};
 
 /// The number of rays in a unit of parallel work.
 const BATCH: usize = 4096;
@@ -66,35 +68,78 @@ fn trace<T: Copy + Default + Send>(
     if progress.is_stopped() { Err(Stopped) } else { Ok((results, counts)) }
 }
 
-/// Traces one ray after another, executing jobs directly in software. It allocates on creation only.
+/// Traces one ray after another in software: through the functional model of the traversal unit if the scene has its
+/// [`Blocks`], else by the jobs of a [`Traversal`]. It allocates on creation only.
 #[derive(Debug, Clone)]
-pub struct Tracer<'s> {
-    traversal: Traversal<'s>,
-    rules: Rules,
+pub struct Tracer<'s>(Way<'s>);
+
+#[derive(Debug, Clone)]
+enum Way<'s> {
+    Traversal { traversal: Traversal<'s>, rules: Rules },
+    Unit { unit: Unit, blocks: &'s Blocks, two_sided: bool, counts: Counts },
 }
 
 impl<'s> Tracer<'s> {
     /// A tracer for a scene.
     pub fn new(scene: &'s Scene, tracing: Tracing) -> Self {
-        Self { traversal: Traversal::new(scene.bvh(), tracing), rules: tracing.rules }
+        let Tracing { rules, two_sided } = tracing;
+        Self(match scene.blocks() {
+            Some(blocks) => {
+                let unit = Unit::new(rules, StepParameters::default());
+                Way::Unit { unit, blocks, two_sided, counts: Counts::default() }
+            }
+            None => Way::Traversal { traversal: Traversal::new(scene.bvh(), tracing), rules },
+        })
     }
 
     /// Traces a ray and returns its hit: the closest, or with [`Goal::Any`] the first found.
     #[inline]
     pub fn trace(&mut self, ray: &Ray<Binary32>, goal: Goal) -> Option<Hit> {
-        self.traversal.start(*ray, goal);
-        // Specialise `run` for each rule set, so that the tests do not branch on the rules.
-        match self.rules {
-            Rules::Paper => run(&mut self.traversal, Rules::Paper),
-            Rules::Chisel => run(&mut self.traversal, Rules::Chisel),
+        match &mut self.0 {
+            Way::Traversal { traversal, rules } => {
+                traversal.start(*ray, goal);
+                // Specialise `run` for each rule set, so that the tests do not branch on the rules.
+                match rules {
+                    Rules::Paper => run(traversal, Rules::Paper),
+                    Rules::Chisel => run(traversal, Rules::Chisel),
+                }
+                traversal.hit()
+            }
+            Way::Unit { unit, blocks, two_sided, counts } => {
+                let request = RayRequest {
+                    origin: ray.origin.into(),
+                    direction: ray.dir.into(),
+                    t_min: 0.0,
+                    t_max: ray.extent.into(),
+                    any_hit: goal == Goal::Any,
+                    cull_back: !*two_sided,
+                    cull_front: false,
+                    root: blocks.root(),
+                };
+                let reply = unit.trace(blocks.bytes(), &request);
+                let (nodes, triangles) = (u64::from(reply.nodes), u64::from(reply.triangles));
+                *counts = Counts { quadbox: nodes, nodes, triangle: triangles, ..Counts::default() };
+                reply.hit.map(Hit::from)
+            }
         }
-        self.traversal.hit()
     }
 
-    /// The cost of the last ray.
+    /// The cost of the last ray. The unit does not count the leaves that it reads.
     #[inline]
     pub fn counts(&self) -> Counts {
-        self.traversal.counts()
+        match &self.0 {
+            Way::Traversal { traversal, .. } => traversal.counts(),
+            Way::Unit { counts, .. } => *counts,
+        }
+    }
+}
+
+impl From<raypath_unit::Hit> for Hit {
+    /// The numerator and the denominator of a back face are negative in the unit, which tests both faces in one job.
+    fn from(hit: raypath_unit::Hit) -> Self {
+        let raypath_unit::Hit { triangle, t, t_num, t_denom, back_face } = hit;
+        let (t_num, t_denom) = if back_face { (-t_num, -t_denom) } else { (t_num, t_denom) };
+        Self { triangle, from_behind: back_face, t_num, t_denom, t }
     }
 }
 

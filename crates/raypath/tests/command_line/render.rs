@@ -98,6 +98,29 @@ fn rays_are_traced_from_files() {
     assert_eq!(std::fs::read_to_string(&out).expect("hits").lines().filter(|line| *line == "miss").count(), 3);
 }
 
+/// The functional model of the traversal unit draws the picture that the traversal in software draws.
+#[test]
+fn the_unit_draws_the_same_picture() {
+    let folder = folder();
+    let out = |name: &str| text(&folder.path().join(name));
+    let options = ["--size", "96x64", "--shadows", "--ao", "2", "--two-sided", "--no-timing"];
+    let render = |name: &str, through: &str| {
+        page::succeeds(&[&["render", "--out", &out(name), "--through", through][..], &options].concat());
+        std::fs::read(folder.path().join(name)).expect("a picture")
+    };
+    assert!(render("datapath.png", "datapath") == render("unit.png", "unit"));
+    ends_with(&["render", "--through", "unit", "--report", &out("r.html")], 2, &["timing is not simulated"]);
+    ends_with(&["render", "--through", "memory"], 2, &["memory", "datapath, unit"]);
+
+    let said = page::succeeds(&["scene", "--out", &out("scene.bin")]);
+    assert!(said.contains("root 0x00000020"), "{said}");
+    let bytes = std::fs::read(folder.path().join("scene.bin")).expect("a scene");
+    assert!(!bytes.is_empty() && bytes.len().is_multiple_of(128));
+    let missing = out("missing.obj");
+    ends_with(&["scene", &missing, "--out", &out("other.bin")], 2, &[&missing]);
+    assert!(!folder.path().join("other.bin").exists());
+}
+
 #[test]
 fn wrong_input_is_named() {
     let folder = folder();

@@ -67,7 +67,7 @@ fn layers_depend_downwards() {
         &["raypath-ops", "raypath-hdl"][..],
         &["raypath-float", "raypath-wave"],
         &["raypath-model", "raypath-rtl", "raypath-tools"],
-        &["raypath-sim", "raypath-timing", "raypath-ppa"],
+        &["raypath-sim", "raypath-timing", "raypath-ppa", "raypath-unit"],
         &["raypath-oracle", "raypath-render", "raypath-search"],
         &["raypath-verify", "raypath-embed"],
         &["raypath-capi"],

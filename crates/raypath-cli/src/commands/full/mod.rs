@@ -9,6 +9,7 @@ mod ppa;
 mod progress;
 mod render;
 mod replay;
+mod scene;
 mod search;
 mod stream;
 mod timed;
@@ -32,6 +33,8 @@ use std::io::Write;
 pub enum Command {
     /// Render a mesh through the datapath, and show its utilisation
     Render(render::Arguments),
+    /// Write a mesh as the traversal unit reads it from memory
+    Scene(scene::Arguments),
     /// Search nearest neighbours through the datapath, and show its utilisation
     Search(search::Arguments),
     /// Run recorded transactions through a model or the netlist and compare the results
@@ -54,6 +57,7 @@ impl Command {
     pub fn run(self, out: &mut dyn Write) -> Result<(), CliError> {
         match self {
             Self::Render(arguments) => render::run(&arguments, out),
+            Self::Scene(arguments) => scene::run(&arguments, out),
             Self::Search(arguments) => search::run(&arguments, out),
             Self::Replay(arguments) => replay::run(&arguments, out),
             Self::Wave(arguments) => wave::run(&arguments, out),

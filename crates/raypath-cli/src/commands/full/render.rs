@@ -6,7 +6,7 @@ mod timing;
 
 use crate::commands::full::{DivisionArguments, Timed, TimingArguments, write_and_name};
 use crate::{CliError, ConfigArguments, whole};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use divided::Divided;
 use raypath_float::Format;
 use raypath_ops::{Binary32, Ray};
@@ -41,6 +41,10 @@ pub struct Arguments {
     /// Hit triangles from behind too, with a second job for each
     #[arg(long)]
     two_sided: bool,
+    /// What traces the rays: the jobs of the datapath, with a traversal in software, or the functional model of the
+    /// traversal unit, whose timing is not simulated
+    #[arg(long, default_value = "datapath", value_name = "datapath|unit")]
+    through: Through,
     /// Seed of ambient-occlusion rays
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
@@ -71,10 +75,31 @@ pub struct Arguments {
     config: ConfigArguments,
 }
 
+/// What traces the rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Through {
+    Datapath,
+    Unit,
+}
+
+impl Through {
+    /// The scene, in memory if the unit traces its rays.
+    fn prepared(self, scene: Scene) -> Result<Scene, CliError> {
+        match self {
+            Self::Datapath => Ok(scene),
+            Self::Unit => scene.through_unit().map_err(CliError::unusable),
+        }
+    }
+}
+
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.config.paper()?;
     if config.semantics.format != Format::BINARY32 {
         let problem = format!("--format {}: scenes are traced in fp32 only", config.semantics.format);
+        return Err(CliError::unusable(problem));
+    }
+    if arguments.through == Through::Unit && (arguments.timing.view.is_wanted() || arguments.timing.has_sweep()) {
+        let problem = "--through unit: its timing is not simulated, so there is no --report, --konata or --sweep";
         return Err(CliError::unusable(problem));
     }
     let tracing = Tracing { rules: config.semantics.rules, two_sided: arguments.two_sided };
@@ -89,6 +114,7 @@ fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dy
     let (width, height) = arguments.size;
     let camera = arguments.camera.camera(&mesh, width as f32 / height as f32)?;
     let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(CliError::unusable)?;
+    let scene = arguments.through.prepared(scene)?;
     scene::describe(arguments.scene.as_deref(), &scene, out)?;
     let shading = Shading {
         tracing,
@@ -130,6 +156,7 @@ fn rays(
 ) -> Result<(), CliError> {
     let mesh = scene::mesh(arguments.scene.as_deref())?;
     let scene = Scene::for_origins(mesh, rays.iter().map(|ray| ray.origin.into())).map_err(CliError::unusable)?;
+    let scene = arguments.through.prepared(scene)?;
     let mut divided = Divided::begin(&arguments.division, arguments.work(&scene, config))?;
     let hits = divided.trace(&scene, &rays, tracing)?;
     let seconds = divided.seconds();
@@ -162,6 +189,9 @@ fn time(
     files: &mut Vec<(PathBuf, Vec<u8>)>,
     out: &mut dyn Write,
 ) -> Result<(), CliError> {
+    if arguments.through == Through::Unit {
+        return Ok(());
+    }
     let name = scene::name(arguments.scene.as_deref());
     let subject = &Simulated { name, work, max: arguments.timed };
     let timed = arguments.timing.run(subject, arguments.rays_in_flight, config, out)?;

@@ -1,0 +1,285 @@
+//! Hardware from a step: a circuit whose values are wires of a module.
+
+use crate::words::WordCircuit;
+use raypath_hdl::{Builder, Wire};
+use raypath_ops::{Bit, Bundle, Circuit, Field, Num, Path, Relation, Sink, Source, Test};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// A circuit that adds gates to a module. Numbers are in the IEEE 754 layout of binary32. It has no arithmetic on
+/// numbers: a module in which a number is added or multiplied is refused when it is finished.
+#[derive(Clone, Copy)]
+pub struct Netlist<'m>(pub &'m Builder);
+
+/// A value of [`Netlist`].
+#[derive(Clone, Copy)]
+pub struct Value<'m>(pub Wire<'m>);
+
+/// A comparison of two numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Comparison<'m> {
+    less: Value<'m>,
+    equal: Value<'m>,
+    greater: Value<'m>,
+}
+
+const WIDTH: u32 = 32;
+const INFINITY: u64 = 0x7f80_0000;
+
+impl PartialEq for Netlist<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.0, other.0)
+    }
+}
+
+impl fmt::Debug for Netlist<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Netlist")
+    }
+}
+
+impl PartialEq for Value<'_> {
+    /// Whether both are the same wire.
+    fn eq(&self, other: &Self) -> bool {
+        self.0 == other.0
+    }
+}
+
+impl fmt::Debug for Value<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} bits", self.0.width())
+    }
+}
+
+impl<'m> Netlist<'m> {
+    fn constant_value(self, width: u32, value: u64) -> Value<'m> {
+        Value(self.0.constant(width, value))
+    }
+
+    /// A wire that nothing drives, which the builder reports.
+    fn no_arithmetic(self) -> Value<'m> {
+        Value(self.0.forward_unnamed(WIDTH).wire())
+    }
+
+    fn magnitude(self, a: Value<'m>) -> Wire<'m> {
+        a.0.lower(WIDTH - 1)
+    }
+
+    fn is_zero(self, a: Value<'m>) -> Wire<'m> {
+        self.magnitude(a).is(0)
+    }
+
+    fn is_nan(self, a: Value<'m>) -> Wire<'m> {
+        self.0.constant(WIDTH - 1, INFINITY).less(self.magnitude(a))
+    }
+}
+
+impl<'m> Circuit for Netlist<'m> {
+    type Num = Value<'m>;
+    type Bit = Value<'m>;
+    type Word = Value<'m>;
+    type Order = Comparison<'m>;
+
+    fn constant(self, value: f32) -> Value<'m> {
+        self.constant_value(WIDTH, value.to_bits().into())
+    }
+    fn one_plus_ulps(self, ulps: u32) -> Value<'m> {
+        self.constant_value(WIDTH, u64::from(1.0_f32.to_bits()) + u64::from(ulps))
+    }
+    fn add(self, _a: Value<'m>, _b: Value<'m>) -> Value<'m> {
+        self.no_arithmetic()
+    }
+    fn subtract(self, _a: Value<'m>, _b: Value<'m>) -> Value<'m> {
+        self.no_arithmetic()
+    }
+    fn multiply(self, _a: Value<'m>, _b: Value<'m>) -> Value<'m> {
+        self.no_arithmetic()
+    }
+    fn negate(self, a: Value<'m>) -> Value<'m> {
+        Value(self.0.concat(&[!a.0.top(), self.magnitude(a)]))
+    }
+
+    fn compare(self, a: Value<'m>, b: Value<'m>) -> Comparison<'m> {
+        let unordered = self.is_nan(a) | self.is_nan(b);
+        let equal = a.0.equals(b.0) | (self.is_zero(a) & self.is_zero(b));
+        let (p, q) = (self.magnitude(a), self.magnitude(b));
+        let (a_negative, b_negative) = (a.0.top(), b.0.top());
+        let alike = a_negative.mux(q.less(p), p.less(q));
+        let less = (a_negative ^ b_negative).mux(a_negative, alike) & !equal;
+        Comparison {
+            less: Value(!unordered & less),
+            equal: Value(!unordered & equal),
+            greater: Value(!unordered & !equal & !less),
+        }
+    }
+
+    fn relation(self, order: Comparison<'m>, relation: Relation) -> Value<'m> {
+        let Comparison { less, equal, greater } = order;
+        match relation {
+            Relation::Less => less,
+            Relation::LessOrEqual => Value(less.0 | equal.0),
+            Relation::Equal => equal,
+            Relation::GreaterOrEqual => Value(greater.0 | equal.0),
+            Relation::Greater => greater,
+        }
+    }
+
+    fn number_of(self, _width: u32, _word: Value<'m>) -> Value<'m> {
+        self.no_arithmetic()
+    }
+
+    fn test(self, test: Test, a: Value<'m>) -> Value<'m> {
+        let (negative, zero, nan) = (a.0.top(), self.is_zero(a), self.is_nan(a));
+        Value(match test {
+            Test::SignBit => negative,
+            Test::Zero => zero,
+            Test::Nan => nan,
+            Test::AtLeastZero => !nan & (zero | !negative),
+            Test::AboveZero => !nan & !zero & !negative,
+            Test::AtMostZero => !nan & (zero | negative),
+            Test::BelowZero => !nan & !zero & negative,
+        })
+    }
+
+    fn constant_bit(self, value: bool) -> Value<'m> {
+        self.constant_value(1, value.into())
+    }
+    fn and(self, a: Value<'m>, b: Value<'m>) -> Value<'m> {
+        Value(a.0 & b.0)
+    }
+    fn or(self, a: Value<'m>, b: Value<'m>) -> Value<'m> {
+        Value(a.0 | b.0)
+    }
+    fn not(self, a: Value<'m>) -> Value<'m> {
+        Value(!a.0)
+    }
+
+    fn constant_word(self, width: u32, value: u32) -> Value<'m> {
+        self.constant_value(width, value.into())
+    }
+    fn word_equal(self, a: Value<'m>, b: Value<'m>) -> Value<'m> {
+        Value(a.0.equals(b.0))
+    }
+    fn word_less(self, a: Value<'m>, b: Value<'m>) -> Value<'m> {
+        Value(a.0.less(b.0))
+    }
+
+    fn select_num(self, condition: Value<'m>, if_true: Value<'m>, if_false: Value<'m>) -> Value<'m> {
+        Value(condition.0.mux(if_true.0, if_false.0))
+    }
+    fn select_bit(self, condition: Value<'m>, if_true: Value<'m>, if_false: Value<'m>) -> Value<'m> {
+        self.select_num(condition, if_true, if_false)
+    }
+    fn select_word(self, condition: Value<'m>, if_true: Value<'m>, if_false: Value<'m>) -> Value<'m> {
+        self.select_num(condition, if_true, if_false)
+    }
+}
+
+impl<'m> WordCircuit for Netlist<'m> {
+    fn word_add(self, _width: u32, a: Value<'m>, b: Value<'m>) -> Value<'m> {
+        Value(a.0 + b.0)
+    }
+    fn word_part(self, a: Value<'m>, low: u32, width: u32) -> Value<'m> {
+        Value(a.0.bits(low + width - 1, low))
+    }
+    fn word_join(self, (_, high): (u32, Value<'m>), (_, low): (u32, Value<'m>)) -> Value<'m> {
+        Value(self.0.concat(&[high.0, low.0]))
+    }
+    fn word_of_bit(self, a: Value<'m>) -> Value<'m> {
+        a
+    }
+    fn word_bit(self, a: Value<'m>, index: Value<'m>) -> Value<'m> {
+        Value((a.0 & self.word_one_hot(index).0).any())
+    }
+    fn word_one_hot(self, index: Value<'m>) -> Value<'m> {
+        Value(self.0.constant(32, 1).shift_left(index.0))
+    }
+    fn word_and(self, _width: u32, a: Value<'m>, b: Value<'m>) -> Value<'m> {
+        Value(a.0 & b.0)
+    }
+    fn word_or(self, _width: u32, a: Value<'m>, b: Value<'m>) -> Value<'m> {
+        Value(a.0 | b.0)
+    }
+    fn word_not(self, _width: u32, a: Value<'m>) -> Value<'m> {
+        Value(!a.0)
+    }
+    fn word_highest(self, a: Value<'m>) -> Value<'m> {
+        let none = self.0.constant(5, 0);
+        let index = (1..32).fold(none, |lower, bit| a.0.bit(bit).mux(self.0.constant(5, bit.into()), lower));
+        Value(index)
+    }
+}
+
+/// The inputs of a module as a bundle's values: `<name>_i`.
+pub struct Inputs<'m> {
+    /// The module.
+    pub circuit: Netlist<'m>,
+    flags: BTreeMap<String, Wire<'m>>,
+}
+
+impl<'m> Inputs<'m> {
+    /// A bundle whose leaves are the inputs `<name>_<field>_i`.
+    pub fn bundle<B: Bundle<Netlist<'m>>>(builder: &'m Builder, name: &str) -> B {
+        let mut inputs = Self { circuit: Netlist(builder), flags: BTreeMap::new() };
+        B::build(&mut Path::new(name), &mut inputs)
+    }
+
+    fn input(&self, field: &Field<'_>, width: u32) -> Wire<'m> {
+        self.circuit.0.input(&format!("{}_i", field.name), width)
+    }
+}
+
+impl<'m> Source<Netlist<'m>> for Inputs<'m> {
+    fn num(&mut self, field: Field<'_>) -> Num<Netlist<'m>> {
+        Num::new(self.circuit, Value(self.input(&field, WIDTH)))
+    }
+    fn bit(&mut self, field: Field<'_>) -> Bit<Netlist<'m>> {
+        let Some((bit, width)) = field.bit else { return Bit::new(self.circuit, Value(self.input(&field, 1))) };
+        let port = match self.flags.get(field.name) {
+            Some(&port) => port,
+            None => self.input(&field, width),
+        };
+        self.flags.insert(field.name.to_string(), port);
+        Bit::new(self.circuit, Value(port.bit(bit)))
+    }
+    fn word(&mut self, field: Field<'_>, width: u32) -> (Netlist<'m>, Value<'m>) {
+        (self.circuit, Value(self.input(&field, width)))
+    }
+}
+
+/// The outputs of a module from a bundle's values: `<name>_o`.
+#[derive(Default)]
+pub struct Outputs<'m> {
+    flags: Vec<Wire<'m>>,
+    values: Vec<(String, Wire<'m>)>,
+}
+
+impl<'m> Outputs<'m> {
+    /// Adds the outputs `<name>_<field>_o` for the leaves of a bundle.
+    pub fn bundle(builder: &'m Builder, name: &str, bundle: &impl Bundle<Netlist<'m>>) {
+        let mut outputs = Self::default();
+        bundle.each(&mut Path::new(name), &mut outputs);
+        for (name, wire) in outputs.values {
+            builder.output(&format!("{name}_o"), wire);
+        }
+    }
+}
+
+impl<'m> Sink<Netlist<'m>> for Outputs<'m> {
+    fn num(&mut self, field: Field<'_>, value: Num<Netlist<'m>>) {
+        self.values.push((field.name.to_string(), value.value.0));
+    }
+    fn bit(&mut self, field: Field<'_>, value: Bit<Netlist<'m>>) {
+        let wire = value.value.0;
+        let Some((_, width)) = field.bit else { return self.values.push((field.name.to_string(), wire)) };
+        // Bits of a port arrive in order, the lowest first.
+        self.flags.push(wire);
+        if self.flags.len() == width as usize {
+            let bits: Vec<Wire<'m>> = self.flags.drain(..).rev().collect();
+            self.values.push((field.name.to_string(), wire.builder().concat(&bits)));
+        }
+    }
+    fn word(&mut self, field: Field<'_>, _width: u32, value: Value<'m>) {
+        self.values.push((field.name.to_string(), value.0));
+    }
+}

@@ -1,0 +1,208 @@
+//! What the unit keeps for a ray, what it learns, and what it asks for next.
+
+use crate::words::{Levels, WordCircuit};
+use raypath_ops::{Bit, Circuit, Flags, Num, Select, Word, bundle};
+
+/// The kinds of an [`Answer`].
+pub mod answer {
+    /// A ray begins.
+    pub const START: u32 = 0;
+    /// The outcome of a box job.
+    pub const BOXES: u32 = 1;
+    /// The outcome of a triangle job.
+    pub const TRIANGLE: u32 = 2;
+    /// Nothing new: the ray asked to continue, because it reads its stack once in a step.
+    pub const CONTINUE: u32 = 3;
+    /// The memory reported an error.
+    pub const ERROR: u32 = 4;
+}
+
+/// The kinds of a [`Request`].
+pub mod request {
+    /// Nothing: further outcomes of the same block follow.
+    pub const WAIT: u32 = 0;
+    /// To fetch a block.
+    pub const FETCH: u32 = 1;
+    /// Another step, with the answer [`CONTINUE`](super::answer::CONTINUE).
+    pub const CONTINUE: u32 = 2;
+    /// The ray is done.
+    pub const DONE: u32 = 3;
+}
+
+/// The ways in which a ray ends.
+pub mod status {
+    /// It hits nothing.
+    pub const MISS: u32 = 0;
+    /// It hits a triangle.
+    pub const HIT: u32 = 1;
+    /// The ray was refused: its direction cannot be inverted, or a value is not finite.
+    pub const REFUSED: u32 = 2;
+    /// The memory reported an error, or the scene is not a tree of at most 64 levels.
+    pub const ERROR: u32 = 3;
+}
+
+bundle! {
+    /// The state of a ray between two steps, without the constants that its jobs need.
+    pub struct RayState<C> {
+        /// The least distance of a hit.
+        pub t_min: Num<C>,
+        /// The ray ends at the first block with a hit.
+        pub any_hit: Bit<C>,
+        /// The child word of the root.
+        pub root: Word<C, 32>,
+
+        /// The distance of the closest hit so far, or the ray's extent.
+        pub extent: Num<C>,
+        /// A triangle was hit.
+        pub has_hit: Bit<C>,
+        /// The index of the closest triangle.
+        pub triangle: Word<C, 32>,
+        /// The numerator of its distance.
+        pub t_num: Num<C>,
+        /// The denominator of its distance.
+        pub t_denom: Num<C>,
+        /// The ray meets its back face.
+        pub back_face: Bit<C>,
+
+        /// The nodes that were fetched.
+        pub nodes: Word<C, 32>,
+        /// The triangles that were fetched.
+        pub triangles: Word<C, 32>,
+
+        /// The level of the node that was fetched last; the root has level 0.
+        pub level: Word<C, 7>,
+        /// The levels with children that are not yet visited.
+        pub pending: Levels<C>,
+        /// Bit 0 of the place of the child, in the order of distance, through which the path descends at each level.
+        pub place_low: Levels<C>,
+        /// Bit 1 of that place.
+        pub place_high: Levels<C>,
+        /// The lowest level whose remaining children are on the stack.
+        pub base: Word<C, 7>,
+        /// The path descends again from the root, because the stack has lost the level `target`.
+        pub restarting: Bit<C>,
+        /// The level at which such a descent takes the next child.
+        pub target: Word<C, 7>,
+
+        /// The address of the next block of the leaf.
+        pub leaf_address: Word<C, 32>,
+        /// The triangles of the leaf that are not yet fetched.
+        pub leaf_left: Word<C, 4>,
+    }
+
+    /// The remaining children of a node, near to far: an entry of the stack.
+    pub struct Group<C> {
+        /// Whether each place has a child. Places are filled from 0.
+        pub present: Flags<C, 3>,
+        /// The child words.
+        pub child: [Word<C, 32>; 3],
+        /// The distances at which the ray enters their boxes.
+        pub tmin: [Num<C>; 3],
+    }
+
+    /// What a ray learns in a step.
+    pub struct Answer<C> {
+        /// One of [`answer`].
+        pub kind: Word<C, 3>,
+        /// Of a box job: whether the child at each place of the order is hit. Hits come first.
+        pub hit: Flags<C, 4>,
+        /// Of a box job: the distances at places 1 to 3 of that order. The child at place 0 is never kept.
+        pub tmin: [Num<C>; 3],
+        /// Of a box job: the child words in that order.
+        pub child: [Word<C, 32>; 4],
+        /// Of a triangle job: whether the ray hits a face that it does not cull.
+        pub triangle_hit: Bit<C>,
+        /// Of a triangle job: the quotient of the two numbers below.
+        pub t: Num<C>,
+        /// Of a triangle job: the numerator of the distance.
+        pub t_num: Num<C>,
+        /// Of a triangle job: the denominator of the distance.
+        pub t_denom: Num<C>,
+        /// Of a triangle job: whether the ray meets the back face.
+        pub back_face: Bit<C>,
+        /// Of a triangle job: the triangle's index.
+        pub triangle: Word<C, 32>,
+        /// Of a triangle job: it is the last of its block.
+        pub is_last: Bit<C>,
+        /// The stack's entry of the deepest level that is pending, modulo the entries of the stack.
+        pub top: Group<C>,
+    }
+
+    /// What a ray asks for after a step.
+    pub struct Request<C> {
+        /// One of [`request`].
+        pub kind: Word<C, 2>,
+        /// To fetch: the address of the block.
+        pub address: Word<C, 32>,
+        /// To fetch: the number of triangles in the block; 0 for a node.
+        pub count: Word<C, 2>,
+        /// An entry of the stack is written.
+        pub writes: Bit<C>,
+        /// The level of the entry.
+        pub level: Word<C, 7>,
+        /// The entry.
+        pub group: Group<C>,
+        /// When done: one of [`status`].
+        pub status: Word<C, 2>,
+    }
+}
+
+impl<C: WordCircuit> RayState<C> {
+    /// The state of a ray that begins.
+    #[inline(always)]
+    pub fn begin(c: C, root: Word<C, 32>, t_min: Num<C>, extent: Num<C>, any_hit: Bit<C>) -> Self {
+        let (no, none) = (c.bit(false), Levels::none(c));
+        Self {
+            t_min,
+            any_hit,
+            root,
+            extent,
+            has_hit: no,
+            triangle: c.word(0),
+            t_num: c.zero(),
+            t_denom: c.zero(),
+            back_face: no,
+            nodes: c.word(0),
+            triangles: c.word(0),
+            level: c.word(0),
+            pending: none,
+            place_low: none,
+            place_high: none,
+            base: c.word(0),
+            restarting: no,
+            target: c.word(0),
+            leaf_address: c.word(0),
+            leaf_left: c.word(0),
+        }
+    }
+}
+
+impl<C: Circuit> Group<C> {
+    /// No children.
+    #[inline(always)]
+    pub fn none(c: C) -> Self {
+        Self { present: Flags([c.bit(false); 3]), child: [c.word(0); 3], tmin: [c.zero(); 3] }
+    }
+
+    /// The children without the first.
+    #[inline(always)]
+    pub fn rest(self, c: C) -> Self {
+        let Self { present: Flags([_, second, third]), child, tmin } = self;
+        Self {
+            present: Flags([second, third, c.bit(false)]),
+            child: [child[1], child[2], child[2]],
+            tmin: [tmin[1], tmin[2], tmin[2]],
+        }
+    }
+}
+
+impl<C: Circuit> Select<C> for Group<C> {
+    #[inline(always)]
+    fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
+        Self {
+            present: Flags(std::array::from_fn(|i| condition.select(if_true.present.0[i], if_false.present.0[i]))),
+            child: std::array::from_fn(|i| condition.select(if_true.child[i], if_false.child[i])),
+            tmin: std::array::from_fn(|i| condition.select(if_true.tmin[i], if_false.tmin[i])),
+        }
+    }
+}

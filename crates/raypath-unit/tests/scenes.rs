@@ -1,0 +1,182 @@
+//! Scenes made by hand: degenerate trees, and memories that are no trees.
+
+use raypath_ops::{Aabb, Binary32, Rules, Triangle};
+use raypath_unit::blocks::{BLOCK_BYTES, Child, LeafTriangle, Node};
+use raypath_unit::state::status;
+use raypath_unit::{RayRequest, Reply, StepParameters, Unit};
+
+const STACKS: [u32; 5] = [2, 4, 8, 16, 32];
+
+/// Blocks, appended one after another.
+#[derive(Default)]
+struct Memory(Vec<u8>);
+
+impl Memory {
+    fn address(&self) -> u32 {
+        self.0.len() as u32
+    }
+
+    fn leaf(&mut self, triangles: &[LeafTriangle]) -> u32 {
+        let child = Child::Leaf { address: self.address(), count: triangles.len() as u32 };
+        self.0.extend(LeafTriangle::to_bytes(triangles));
+        child.word().expect("a leaf")
+    }
+
+    fn node(&mut self, boxes: [Aabb<Binary32>; 4], children: [u32; 4]) -> u32 {
+        let child = Child::Node { address: self.address() };
+        self.0.extend(Node { boxes, children }.to_bytes());
+        child.word().expect("a node")
+    }
+
+    fn trace(&self, root: u32, stack: u32) -> Reply {
+        Unit::new(Rules::Paper, StepParameters { stack }).trace(&self.0[..], &along_z(root))
+    }
+}
+
+fn along_z(root: u32) -> RayRequest {
+    RayRequest {
+        origin: [0.0, 0.0, -1.0],
+        direction: [0.0, 0.0, 1.0],
+        t_min: 0.0,
+        t_max: f32::INFINITY,
+        any_hit: false,
+        cull_back: false,
+        cull_front: false,
+        root,
+    }
+}
+
+/// A triangle around the z axis at a depth.
+fn at(z: f32, index: u32) -> LeafTriangle {
+    LeafTriangle { triangle: Triangle::new([-1.0, -1.0, z], [0.0, 2.0, z], [1.0, -1.0, z]), index }
+}
+
+fn around(near: f32, far: f32) -> Aabb<Binary32> {
+    Aabb::new([-2.0, -2.0, near], [2.0, 2.0, far])
+}
+
+fn never() -> Aabb<Binary32> {
+    Aabb::new([f32::INFINITY; 3], [f32::NEG_INFINITY; 3])
+}
+
+/// A path of nodes that is as deep as the unit allows. The nearest child of each is the next node, and its leaf lies
+/// behind all that the next node has, so that every level is pending when the ray reaches the end of the path.
+fn path(depth: u32, triangles: impl Fn(u32) -> Option<LeafTriangle>) -> (Memory, u32) {
+    let mut memory = Memory::default();
+    let mut next = None;
+    for level in (0..depth).rev() {
+        let far = 100.0 - level as f32;
+        let (mut boxes, mut children) = ([never(); 4], [0; 4]);
+        if let Some(triangle) = triangles(level) {
+            (boxes[1], children[1]) = (around(far, far), memory.leaf(&[triangle]));
+        }
+        if let Some(next) = next {
+            (boxes[2], children[2]) = (around(0.0, far - 0.5), next);
+        }
+        next = Some(memory.node(boxes, children));
+    }
+    (memory, next.expect("a node"))
+}
+
+#[test]
+fn deep_paths_are_walked_to_their_end_and_back() {
+    for depth in [1, 2, 33, 60, 64] {
+        // Only the leaf of the root has a triangle that the ray hits: the others are aside.
+        let aside = |z: f32, level| LeafTriangle {
+            triangle: Triangle::new([5.0, 5.0, z], [6.0, 7.0, z], [7.0, 5.0, z]),
+            index: level,
+        };
+        let (memory, root) =
+            path(depth, |level| Some(if level == 0 { at(100.0, 7) } else { aside(100.0 - level as f32, level) }));
+        for stack in STACKS {
+            let reply = memory.trace(root, stack);
+            let hit = reply.hit.expect("a hit");
+            assert_eq!((reply.status, hit.triangle, hit.t), (status::HIT, 7, 101.0), "depth {depth}, stack {stack}");
+            assert_eq!(reply.triangles, depth, "every leaf is read once, depth {depth}, stack {stack}");
+            let again = reply.nodes - depth;
+            assert_eq!(again > 0, depth - 1 > stack, "depth {depth}, stack {stack}: {again} nodes are read again");
+        }
+    }
+}
+
+#[test]
+fn the_closest_of_all_levels_wins() {
+    for nearest in 0..60 {
+        let (memory, root) = path(60, |level| (level >= nearest).then(|| at(100.0 - level as f32, level)));
+        // The leaf of the deepest level is nearest to the ray.
+        for stack in STACKS {
+            let hit = memory.trace(root, stack).hit.expect("a hit");
+            assert_eq!((hit.triangle, hit.t), (59, 42.0), "stack {stack}");
+        }
+    }
+}
+
+/// Of equal distances the lowest index is reported, wherever the triangle is.
+#[test]
+fn ties_are_settled_by_the_index() {
+    for rotation in 0..8 {
+        let mut memory = Memory::default();
+        let all: Vec<LeafTriangle> = (0..8).map(|place| at(3.0, (place + rotation) % 8)).collect();
+        let leaf = memory.leaf(&all);
+        let hit = memory.trace(leaf, 2).hit.expect("a hit");
+        assert_eq!((hit.triangle, hit.t), (0, 4.0));
+        let reply = memory.trace(leaf, 2);
+        assert_eq!((reply.nodes, reply.triangles), (0, 8), "the root may be a leaf");
+    }
+}
+
+#[test]
+fn faces_and_ends_of_the_ray() {
+    let mut memory = Memory::default();
+    let LeafTriangle { triangle: Triangle { a, b, c }, .. } = at(3.0, 0);
+    let back = LeafTriangle { triangle: Triangle { a, b: c, c: b }, index: 1 };
+    let root = memory.leaf(&[at(5.0, 0), back]);
+    let trace = |change: &dyn Fn(&mut RayRequest)| {
+        let mut ray = along_z(root);
+        change(&mut ray);
+        let reply = Unit::new(Rules::Paper, StepParameters::default()).trace(&memory.0[..], &ray);
+        (reply.status, reply.hit.map(|hit| (hit.triangle, hit.back_face)))
+    };
+    assert_eq!(trace(&|_| {}), (status::HIT, Some((1, true))));
+    assert_eq!(trace(&|ray| ray.cull_back = true), (status::HIT, Some((0, false))));
+    assert_eq!(trace(&|ray| ray.cull_front = true), (status::HIT, Some((1, true))));
+    assert_eq!(trace(&|ray| (ray.cull_front, ray.cull_back) = (true, true)), (status::MISS, None));
+    assert_eq!(trace(&|ray| ray.t_min = 4.5), (status::HIT, Some((0, false))));
+    assert_eq!(trace(&|ray| ray.t_min = 4.0), (status::HIT, Some((1, true))), "the ends belong to the ray");
+    assert_eq!(trace(&|ray| ray.t_max = 4.0), (status::HIT, Some((1, true))));
+    assert_eq!(trace(&|ray| ray.t_max = 3.9), (status::MISS, None));
+    assert_eq!(trace(&|ray| ray.direction = [0.0; 3]), (status::REFUSED, None));
+    assert_eq!(trace(&|ray| ray.t_min = f32::NAN), (status::REFUSED, None));
+}
+
+#[test]
+fn memories_that_are_no_trees_end_the_ray() {
+    let everywhere = around(0.0, 100.0);
+    let error = |memory: &Memory, root: u32| {
+        for stack in STACKS {
+            assert_eq!(memory.trace(root, stack).status, status::ERROR, "stack {stack}");
+        }
+    };
+    let mut memory = Memory::default();
+    let leaf = memory.leaf(&[at(3.0, 0)]);
+    let own = Child::Node { address: memory.address() }.word().expect("a node");
+    let cycle = memory.node([everywhere, never(), never(), never()], [own, 0, 0, 0]);
+    error(&memory, cycle);
+    // A child outside of the memory, none although its box is hit, and kinds that are not valid.
+    for child in [0x4000_0000 | 32, 0, 9, 31, 33, 63, leaf | 64, 0x80] {
+        let root = memory.node([everywhere, never(), never(), never()], [child, 0, 0, 0]);
+        error(&memory, root);
+        error(&memory, child);
+    }
+    // One level too deep.
+    let (memory, root) = path(65, |_| None);
+    error(&memory, root);
+    // The same node four times at each level: more paths than a ray may walk.
+    let mut memory = Memory::default();
+    let mut next = memory.leaf(&[LeafTriangle { index: 0, ..at(-50.0, 0) }]);
+    for _ in 0..20 {
+        next = memory.node([everywhere; 4], [next; 4]);
+    }
+    assert_eq!(memory.trace(next, 8).status, status::ERROR);
+    assert!(BLOCK_BYTES == 128);
+}

@@ -1,0 +1,113 @@
+//! The module of a step equals the function over native numbers, in our simulator and in Verilator, for states on the
+//! way of rays and for random ones.
+
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use raypath_hdl::{Module, Simulator};
+use raypath_ops::{Binary32, Port, from_words, ports_of, to_words};
+use raypath_tools::{Sources, Verilated};
+use raypath_unit::state::{Answer, RayState};
+use raypath_unit::{StepParameters, step, step_module};
+
+type State = RayState<Binary32>;
+type Given = Answer<Binary32>;
+
+/// The words of a random state and answer. Small values are likely, so that fields meet.
+fn stimulus(ports: &[Port], random: &mut ChaCha8Rng) -> Vec<u64> {
+    const NUMBERS: [f32; 8] = [0.0, -0.0, 1.0, 2.5, f32::INFINITY, f32::NAN, f32::MIN_POSITIVE, -3.0];
+    let word = |port: &Port, random: &mut ChaCha8Rng| match port.width {
+        None if random.random_range(0..4) > 0 => NUMBERS[random.random_range(0..NUMBERS.len())].to_bits().into(),
+        None => u64::from(random.random::<u32>()),
+        Some(width) => {
+            let all = u64::MAX >> (64 - width);
+            let value = match random.random_range(0..4) {
+                0 => random.random::<u64>(),
+                1 => random.random_range(0..9),
+                2 => 0x80 | random.random_range(0..40) | random.random::<u64>() << 7,
+                _ => 1 << random.random_range(0..width),
+            };
+            value & all
+        }
+    };
+    ports.iter().map(|port| word(port, random)).collect()
+}
+
+/// The function, from the words of the inputs to those of the outputs.
+fn expected(parameters: StepParameters, inputs: &[u64], states: usize) -> Vec<u64> {
+    let state: State = from_words(Binary32, &inputs[..states]);
+    let answer: Given = from_words(Binary32, &inputs[states..]);
+    let (next, request) = step(Binary32, parameters, state, answer);
+    let (mut words, mut more) = (Vec::new(), Vec::new());
+    to_words(&next, &mut words);
+    to_words(&request, &mut more);
+    words.extend(more);
+    words
+}
+
+/// Stimuli, and what the function makes of each: random ones, and walks in which the next state comes from the last.
+fn cases(parameters: StepParameters, count: usize) -> Vec<(Vec<u64>, Vec<u64>)> {
+    let (states, answers) = (ports_of::<State>(), ports_of::<Given>());
+    let mut random = ChaCha8Rng::seed_from_u64(parameters.stack.into());
+    let mut inputs: Vec<u64> = Vec::new();
+    let mut cases = Vec::new();
+    for case in 0..count {
+        if case % 16 == 0 || inputs.is_empty() {
+            inputs = stimulus(&states, &mut random);
+        }
+        inputs.truncate(states.len());
+        inputs.extend(stimulus(&answers, &mut random));
+        let outputs = expected(parameters, &inputs, states.len());
+        let next = outputs[..states.len()].to_vec();
+        cases.push((std::mem::replace(&mut inputs, next), outputs));
+    }
+    cases
+}
+
+#[test]
+fn the_simulated_module_equals_the_function() {
+    for stack in [2, 4, 8, 16, 32] {
+        let parameters = StepParameters { stack };
+        let module = step_module(parameters).expect("a module");
+        let mut simulator = Simulator::new(&module).expect("a simulator");
+        let inputs: Vec<_> = module.inputs().iter().map(|port| simulator.input(&port.name).expect("a port")).collect();
+        let outputs: Vec<_> =
+            module.outputs().iter().map(|port| simulator.output(&port.name).expect("a port")).collect();
+        let mut kinds = [0; 4];
+        for (given, expected) in cases(parameters, 40_000) {
+            inputs.iter().zip(&given).for_each(|(&input, &word)| simulator.set(input, word));
+            simulator.settle();
+            let found: Vec<u64> = outputs.iter().map(|&output| simulator.get(output)).collect();
+            assert_eq!(found, expected, "{}", described(&module, &given, &found, &expected));
+            let kind = module.outputs().iter().position(|port| port.name == "request_kind_o").expect("a port");
+            kinds[expected[kind] as usize] += 1;
+        }
+        assert!(kinds.iter().all(|&count| count > 500), "each kind of request occurs: {kinds:?}");
+    }
+}
+
+#[test]
+fn verilator_equals_the_function() {
+    let parameters = StepParameters::default();
+    let module = step_module(parameters).expect("a module");
+    let folder = tempfile::tempdir().expect("a folder");
+    Sources::write(&module, folder.path()).expect("sources").lint().expect("no report of the linters");
+    let verilated = Verilated::build(&module, folder.path()).expect("a build");
+    let (inputs, expected): (Vec<_>, Vec<_>) = cases(parameters, 20_000).into_iter().unzip();
+    let mut seen = 0;
+    verilated
+        .run(inputs, |case, found| {
+            assert_eq!(found, expected[case], "case {case}");
+            seen += 1;
+        })
+        .expect("a run");
+    assert_eq!(seen, 20_000);
+}
+
+fn described(module: &Module, given: &[u64], found: &[u64], expected: &[u64]) -> String {
+    let inputs = module.inputs().iter().zip(given).map(|(port, word)| format!("{} {word:#x}", port.name));
+    let outputs = module.outputs().iter().zip(found.iter().zip(expected));
+    let wrong = outputs
+        .filter(|(_, (found, expected))| found != expected)
+        .map(|(port, (found, expected))| format!("{} is {found:#x}, expected {expected:#x}", port.name));
+    format!("{}\n{}", inputs.collect::<Vec<_>>().join(" "), wrong.collect::<Vec<_>>().join("\n"))
+}
