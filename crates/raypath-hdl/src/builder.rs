@@ -3,6 +3,7 @@
 //! The builder keeps the first error (a width, a name, a register without a next value), and [`Builder::finish`]
 //! returns it. Descriptions therefore need no `?` at every operator.
 
+mod memory;
 mod simplify;
 mod text;
 mod wire;
@@ -12,6 +13,7 @@ use crate::formula::Formula;
 use crate::names;
 use crate::netlist::{Arm, Driver, Instance, Item, Label, Module, Port, RegisterInfo, Signal, SignalId, fits};
 use crate::text::Text;
+pub use memory::Memory;
 use simplify::Simplified;
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
@@ -28,9 +30,18 @@ struct State {
     names: HashSet<String>,
     /// Labels used so far: name, width of the selector, value.
     labels: HashMap<String, (u32, u64)>,
-    /// Registers and forward wires that still lack a driver.
-    undriven: Vec<SignalId>,
+    /// What still lacks a driver.
+    undriven: Vec<Undriven>,
     error: Option<Error>,
+}
+
+/// What must be driven once.
+#[derive(PartialEq)]
+enum Undriven {
+    /// A register or a forward wire.
+    Signal(SignalId),
+    /// A port of a memory, by name.
+    Port(String),
 }
 
 impl Builder {
@@ -43,6 +54,7 @@ impl Builder {
             inputs: Vec::new(),
             outputs: Vec::new(),
             registers: Vec::new(),
+            memories: Vec::new(),
             instances: Vec::new(),
             items: Vec::new(),
             text: Text::default(),
@@ -94,7 +106,7 @@ impl Builder {
         let mut state = self.state.borrow_mut();
         state.module.registers.push(RegisterInfo { signal: wire.id, next: wire.id, enable: None, reset: None });
         state.module.items.push(Item::Register(index));
-        state.undriven.push(wire.id);
+        state.undriven.push(Undriven::Signal(wire.id));
         Register { wire, index }
     }
 
@@ -102,7 +114,7 @@ impl Builder {
     pub fn forward(&self, name: &str, width: u32) -> Forward<'_> {
         let wire = self.declare(name, width, Driver::Constant(0));
         let mut state = self.state.borrow_mut();
-        state.undriven.push(wire.id);
+        state.undriven.push(Undriven::Signal(wire.id));
         state.module.items.push(Item::Signal(wire.id));
         Forward { wire }
     }
@@ -112,7 +124,7 @@ impl Builder {
         let wire = self.push(width, Driver::Constant(0));
         let mut state = self.state.borrow_mut();
         state.module.signals[wire.id.index()].driver = Driver::Alias(wire.id);
-        state.undriven.push(wire.id);
+        state.undriven.push(Undriven::Signal(wire.id));
         Forward { wire }
     }
 
@@ -212,9 +224,9 @@ impl Builder {
         if let Some(error) = state.error {
             return Err(error);
         }
-        if let Some(&id) = state.undriven.first() {
+        if let Some(undriven) = state.undriven.first() {
             return Err(Error::Drive {
-                signal: describe(&state.module, id),
+                signal: undriven.describe(&state.module),
                 module: state.module.name,
                 problem: "is never driven".to_string(),
             });
@@ -307,14 +319,14 @@ impl Builder {
         self.state.borrow_mut().module.items.push(item);
     }
 
-    fn drive(&self, id: SignalId) {
+    fn drive(&self, driven: Undriven) {
         let mut state = self.state.borrow_mut();
-        match state.undriven.iter().position(|&u| u == id) {
+        match state.undriven.iter().position(|undriven| *undriven == driven) {
             Some(place) => {
                 state.undriven.remove(place);
             }
             None => {
-                let signal = describe(&state.module, id);
+                let signal = driven.describe(&state.module);
                 drop(state);
                 self.fail_drive(&signal, "is driven twice");
             }
@@ -364,6 +376,15 @@ impl Builder {
 
     fn fail(&self, error: Error) {
         self.state.borrow_mut().error.get_or_insert(error);
+    }
+}
+
+impl Undriven {
+    fn describe(&self, module: &Module) -> String {
+        match self {
+            Self::Signal(id) => describe(module, *id),
+            Self::Port(name) => name.clone(),
+        }
     }
 }
 

@@ -10,39 +10,62 @@ use std::sync::Arc;
 /// value if it is not enabled), its reset value, and whether it has one. For a register in an instance `u_y`, the
 /// port's names begin with `y_`. A name that is taken gets a number. Two modules with the same names of registers and
 /// ports behave the same in every cycle if the results are equivalent.
+///
+/// A memory is replaced by ports too: its columns become input ports `stack_node`, and output ports `stack_depth`,
+/// `stack_write_enable`, `stack_write_address`, `stack_write_node`, `stack_read_enable` and `stack_read_address` show
+/// what it would do at the next edge. What an enable of 0 makes irrelevant is shown as 0.
 pub fn expose_registers(module: &Arc<Module>) -> Arc<Module> {
-    Exposed::default().expose(module)
+    Exposed { with_registers: true, done: HashMap::new() }.expose(module)
 }
 
-/// Finished modules. Instances of the same module keep sharing it.
-#[derive(Default)]
-struct Exposed(HashMap<*const Module, Arc<Module>>);
+/// `module` with every memory, in it and inside its instances, replaced by ports, as for [`expose_registers`], but
+/// without the depth, and with the signals at the memory as they are. Registers stay. It shows what is around memories.
+pub fn expose_memories(module: &Arc<Module>) -> Arc<Module> {
+    Exposed { with_registers: false, done: HashMap::new() }.expose(module)
+}
+
+struct Exposed {
+    with_registers: bool,
+    /// Finished modules. Instances of the same module keep sharing it.
+    done: HashMap<*const Module, Arc<Module>>,
+}
 
 impl Exposed {
     fn expose(&mut self, module: &Arc<Module>) -> Arc<Module> {
-        if let Some(done) = self.0.get(&Arc::as_ptr(module)) {
+        if !self.with_registers && module.memory_bits() == 0 {
+            return module.clone();
+        }
+        if let Some(done) = self.done.get(&Arc::as_ptr(module)) {
             return done.clone();
         }
-        let mut open = Open { module: (**module).clone(), taken: names(module) };
-        open.module.text = Text::default();
-        open.registers();
+        let mut open = Open::new(module);
+        if self.with_registers {
+            open.module.text = Text::default();
+            open.registers();
+        }
+        open.memories(self.with_registers);
         for index in 0..open.module.instances.len() {
             let inside = self.expose(&open.module.instances[index].module);
             open.instance(index, inside);
         }
         let result = Arc::new(open.module);
-        self.0.insert(Arc::as_ptr(module), result.clone());
+        self.done.insert(Arc::as_ptr(module), result.clone());
         result
     }
 }
 
-/// A module that is being opened.
-struct Open {
-    module: Module,
+/// A module that is being changed.
+pub(crate) struct Open {
+    pub module: Module,
     taken: HashSet<String>,
 }
 
 impl Open {
+    /// Begins with a copy of `module`.
+    pub fn new(module: &Module) -> Self {
+        Self { module: module.clone(), taken: names(module) }
+    }
+
     fn registers(&mut self) {
         self.module.items.retain(|item| !matches!(item, Item::Register(_)));
         for register in std::mem::take(&mut self.module.registers) {
@@ -61,6 +84,38 @@ impl Open {
             self.module.inputs.push(Port { name: name.clone(), signal: held });
             for (prefix, signal) in [("next", next), ("reset", reset), ("has_reset", has_reset)] {
                 let name = self.fresh(format!("{prefix}_{name}"));
+                self.module.outputs.push(Port { name, signal });
+            }
+        }
+    }
+
+    fn memories(&mut self, for_proofs: bool) {
+        self.module.items.retain(|item| !matches!(item, Item::Memory(_)));
+        for memory in std::mem::take(&mut self.module.memories) {
+            for (place, column) in memory.columns.iter().enumerate() {
+                let name = self.module.signal(column.read).name.clone();
+                let name = name.unwrap_or_else(|| format!("{}_column_{place}", memory.stem()));
+                self.module.signals[column.read.index()].driver = Driver::Input;
+                self.module.inputs.push(Port { name, signal: column.read });
+            }
+            let mut shown = Vec::new();
+            if for_proofs {
+                shown.push(("depth".to_string(), self.add(32, Driver::Constant(memory.depth.into()))));
+            }
+            for (input, &signal) in memory.inputs().into_iter().enumerate() {
+                let width = self.module.signal(signal).width;
+                let enable = if input == 3 { memory.read_enable } else { memory.write_enable };
+                let driver = match input {
+                    1 | 3.. if for_proofs => {
+                        let zero = self.add(width, Driver::Constant(0));
+                        Driver::Mux { select: enable, if_true: signal, if_false: zero }
+                    }
+                    _ => Driver::Alias(signal),
+                };
+                shown.push((memory.input_name(input), self.add(width, driver)));
+            }
+            for (name, signal) in shown {
+                let name = self.fresh(format!("{}_{name}", memory.stem()));
                 self.module.outputs.push(Port { name, signal });
             }
         }
@@ -89,13 +144,15 @@ impl Open {
         self.module.instances[index].module = inside;
     }
 
-    fn add(&mut self, width: u32, driver: Driver) -> SignalId {
+    /// Adds a nameless signal.
+    pub fn add(&mut self, width: u32, driver: Driver) -> SignalId {
         let id = SignalId(self.module.signals.len() as u32);
         self.module.signals.push(Signal { name: None, width, driver, comment: None });
         id
     }
 
-    fn fresh(&mut self, name: String) -> String {
+    /// Reserves and returns `name`, or `name_2` and so on if it is taken.
+    pub fn fresh(&mut self, name: String) -> String {
         let numbered = (2..).map(|number| format!("{name}_{number}"));
         let mut names = std::iter::once(name.clone()).chain(numbered);
         names.find(|name| self.taken.insert(name.clone())).unwrap_or(name)

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::graph::{Call, Graph, Node, Operation};
-use crate::netlist::{Driver, Module, RegisterInfo, SignalId};
+use crate::netlist::{Column, Driver, MemoryInfo, Module, RegisterInfo, SignalId};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -34,9 +34,12 @@ pub struct Flat {
     pub nodes: Vec<Node>,
     /// The registers that are needed; their `signal` is a node.
     pub registers: Vec<RegisterInfo>,
+    /// The memories that are needed, with the needed columns. A column that was read is a register that keeps its value,
+    /// until the simulator changes it.
+    pub memories: Vec<MemoryInfo>,
     /// The nodes at the top's outputs.
     pub outputs: Vec<SignalId>,
-    /// Observed signals, each value once.
+    /// Observed signals and the inputs of memories, each value once.
     pub observed: Vec<SignalId>,
     /// Observed names: hierarchical name, width, position in `observed`.
     pub names: Vec<(String, u32, usize)>,
@@ -83,18 +86,21 @@ impl Flat {
             named.extend(here.map(|(name, id)| (name, SignalId(scope.first + id.0))));
         }
         let outputs: Vec<SignalId> = top.outputs.iter().map(|port| port.signal).collect();
-        let live = live(&graph, outputs.iter().copied().chain(named.iter().map(|&(_, id)| id)));
+        let words = graph.memories.iter().flat_map(words_in).filter(|(name, ..)| observed(name));
+        let words = words.map(|(_, column, _)| column.read);
+        let live = live(&graph, outputs.iter().copied().chain(named.iter().map(|&(_, id)| id)).chain(words));
 
         let mut flat = Self {
             nodes: Vec::new(),
             registers: Vec::new(),
+            memories: Vec::new(),
             outputs,
             observed: Vec::new(),
             names: Vec::new(),
             calls: Vec::new(),
             functions: Vec::new(),
         };
-        let Graph { nodes, registers, calls, .. } = graph;
+        let Graph { nodes, registers, memories, calls, .. } = graph;
         let mut nodes: Vec<Option<Node>> = nodes.into_iter().map(Some).collect();
         let mut places = vec![SignalId(u32::MAX); nodes.len()];
         let mut call_places = HashMap::new();
@@ -120,8 +126,20 @@ impl Flat {
             flat.nodes.push(node);
         }
         flat.add_calls(calls, &call_places)?;
+        for mut memory in memories {
+            memory.columns.retain(|column| live[column.read.index()]);
+            flat.memories.extend((!memory.columns.is_empty()).then_some(memory));
+        }
         flat.place(&places, named);
         Ok(flat)
+    }
+
+    /// The position of the register that a node shows.
+    pub fn register(&self, node: SignalId) -> Option<usize> {
+        match self.nodes[node.index()].operation {
+            Operation::Register(register) => Some(register),
+            _ => None,
+        }
     }
 
     /// Keeps the needed calls, in the order of `places`, and flattens each called module once.
@@ -153,16 +171,37 @@ impl Flat {
             place(&mut register.next);
             register.enable.iter_mut().for_each(place);
         }
+        for memory in &mut self.memories {
+            memory.inputs_mut().into_iter().for_each(place);
+            memory.columns.iter_mut().for_each(|column| place(&mut column.read));
+        }
         let mut slots = HashMap::new();
+        let observed = &mut self.observed;
+        let mut observe = |id: SignalId| {
+            *slots.entry(id).or_insert_with(|| {
+                observed.push(id);
+                observed.len() - 1
+            })
+        };
         for (name, mut id) in named {
             place(&mut id);
-            let slot = *slots.entry(id).or_insert(self.observed.len());
-            if slot == self.observed.len() {
-                self.observed.push(id);
-            }
-            self.names.push((name, self.nodes[id.index()].width, slot));
+            self.names.push((name, self.nodes[id.index()].width, observe(id)));
         }
+        self.memories.iter().flat_map(MemoryInfo::inputs).for_each(|&id| {
+            observe(id);
+        });
     }
+}
+
+/// The most words of a memory that can be observed.
+const MAX_OBSERVED_WORDS: u32 = 64;
+
+/// The words of a memory that can be observed, with their columns and addresses.
+pub fn words_in(memory: &MemoryInfo) -> Vec<(String, &Column, u32)> {
+    let depth = Some(memory.depth).filter(|&depth| depth <= MAX_OBSERVED_WORDS).unwrap_or(0);
+    let word = |column: &'_ Column, address: u32| format!("{}.{}_{address}", memory.name, column.name);
+    let of_column = |column| (0..depth).map(move |address| (word(column, address), column, address));
+    memory.columns.iter().flat_map(of_column).collect()
 }
 
 impl Module {
@@ -186,21 +225,26 @@ impl Module {
 const MIN_CALL_SIGNALS: usize = 24;
 
 fn worth_a_call(module: &Module) -> bool {
-    module.registers.is_empty() && module.instances.is_empty() && module.signals.len() >= MIN_CALL_SIGNALS
+    !module.is_clocked() && module.instances.is_empty() && module.signals.len() >= MIN_CALL_SIGNALS
 }
 
-/// Hierarchical names of the output ports and named signals of a module, and what they are in it.
+/// Hierarchical names of the output ports, named signals and ports of memories of a module, and what they are in it.
 fn names_in(module: &Module, prefix: &str) -> impl Iterator<Item = (String, SignalId)> {
     let outputs = module.outputs.iter().map(|port| (&port.name, port.signal));
     let signals = module.signals.iter().enumerate();
     let signals = signals.filter_map(|(place, signal)| Some((signal.name.as_ref()?, SignalId(place as u32))));
-    outputs.chain(signals).map(move |(name, id)| (format!("{prefix}{name}"), id))
+    let memories = module.memories.iter().flat_map(move |memory| {
+        let inputs = memory.inputs().into_iter().enumerate();
+        inputs.map(move |(input, id)| (format!("{prefix}{}.{}", memory.name, memory.input_name(input)), *id))
+    });
+    outputs.chain(signals).map(move |(name, id)| (format!("{prefix}{name}"), id)).chain(memories)
 }
 
 /// The nodes to compute, register by register, so that a value is stored soon after it is computed.
 fn roots(graph: &Graph, top: &Module) -> impl Iterator<Item = SignalId> {
     let registers = graph.registers.iter().flat_map(|r| [Some(r.signal), Some(r.next), r.enable]).flatten();
-    registers.chain(top.outputs.iter().map(|port| port.signal))
+    let memories = graph.memories.iter().flat_map(|memory| memory.inputs().into_iter().copied());
+    registers.chain(memories).chain(top.outputs.iter().map(|port| port.signal))
 }
 
 /// Which nodes `roots` depend on, in this cycle or through registers.
@@ -216,6 +260,11 @@ fn live(graph: &Graph, roots: impl Iterator<Item = SignalId>) -> Vec<bool> {
             let info = &graph.registers[register];
             open.push(info.next);
             open.extend(info.enable);
+            if let Some(&(memory, column)) = graph.columns.get(&register) {
+                let memory = &graph.memories[memory];
+                open.extend([memory.write_enable, memory.write_address, memory.read_enable, memory.read_address]);
+                open.push(memory.columns[column].written);
+            }
         }
     }
     live

@@ -1,6 +1,7 @@
 //! A hierarchy of modules as one graph of signals, and the order in which to evaluate it.
 
-use crate::netlist::{Driver, Module, RegisterInfo, SignalId};
+use crate::netlist::{Driver, MemoryInfo, Module, RegisterInfo, SignalId};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Every signal of every scope. A [`SignalId`] in here is a position in [`Graph::nodes`].
@@ -8,6 +9,11 @@ pub struct Graph {
     pub scopes: Vec<Scope>,
     pub nodes: Vec<Node>,
     pub registers: Vec<RegisterInfo>,
+    /// With hierarchical names.
+    pub memories: Vec<MemoryInfo>,
+    /// The registers that are columns of memories, and the memory and column of each. Such a register keeps its value
+    /// until the simulator changes it.
+    pub columns: HashMap<usize, (usize, usize)>,
     pub calls: Vec<Call>,
     /// The operands of node `n` are `operands[starts[n]..starts[n + 1]]`.
     operands: Vec<SignalId>,
@@ -32,11 +38,11 @@ pub struct Node {
 pub enum Operation {
     /// An input port of the top.
     Input(usize),
-    /// A register, by position.
+    /// A register or a column of a memory, by position in [`Graph::registers`].
     Register(usize),
     /// An output of a call.
     Result { call: usize, output: usize },
-    /// Any driver but `Input`, `Register` and `Instance`.
+    /// Any driver but `Input`, `Register`, `Memory` and `Instance`.
     Operator(Driver),
 }
 
@@ -53,6 +59,8 @@ impl Graph {
             scopes: Vec::new(),
             nodes: Vec::new(),
             registers: Vec::new(),
+            memories: Vec::new(),
+            columns: HashMap::new(),
             calls: Vec::new(),
             operands: Vec::new(),
             starts: vec![0],
@@ -124,11 +132,19 @@ impl Graph {
     /// connected.
     fn add_scope(&mut self, module: &Arc<Module>, prefix: String) {
         let first = self.nodes.len() as u32;
-        let first_register = self.registers.len();
+        let (first_register, first_memory) = (self.registers.len(), self.memories.len());
         let shift = |id: SignalId| SignalId(id.0 + first);
-        for signal in &module.signals {
+        let mut columns: Vec<RegisterInfo> = Vec::new();
+        for (place, signal) in (first..).zip(&module.signals) {
             let operation = match &signal.driver {
                 Driver::Register(register) => Operation::Register(first_register + register),
+                Driver::Memory { memory, column } => {
+                    let register = first_register + module.registers.len() + columns.len();
+                    self.columns.insert(register, (first_memory + memory, *column));
+                    let signal = SignalId(place);
+                    columns.push(RegisterInfo { signal, next: signal, enable: None, reset: None });
+                    Operation::Register(register)
+                }
                 driver => {
                     let mut driver = driver.clone();
                     driver.renumber(shift);
@@ -147,6 +163,13 @@ impl Graph {
             next: shift(register.next),
             enable: register.enable.map(shift),
             reset: register.reset,
+        }));
+        self.registers.extend(columns);
+        self.memories.extend(module.memories.iter().cloned().map(|mut memory| {
+            memory.inputs_mut().into_iter().for_each(|id| *id = shift(*id));
+            memory.columns.iter_mut().for_each(|column| column.read = shift(column.read));
+            memory.name = format!("{prefix}{}", memory.name);
+            memory
         }));
         self.scopes.push(Scope { module: module.clone(), prefix, first });
     }

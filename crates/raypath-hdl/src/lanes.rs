@@ -6,18 +6,21 @@
 mod network;
 mod operators;
 mod program;
+mod ram;
 mod schedule;
 mod transpose;
 
 use crate::Error;
 use crate::flatten::Flat;
 use crate::graph::Operation;
-use crate::netlist::{Module, SignalId};
+use crate::netlist::{Column, MemoryInfo, Module, SignalId};
+use crate::ram::Random;
 use crate::simulator::{InputPort, OutputPort, common_methods};
 use fearless_simd::{Level, Simd, dispatch};
 use network::{Bit, Kind, Network};
 use operators::{Bits, operator};
 use program::{Function, Program};
+use ram::LaneMemory;
 use std::collections::HashSet;
 use std::sync::Arc;
 use transpose::{Slice, from_slices, to_slices};
@@ -58,6 +61,9 @@ pub struct LaneSimulator {
     /// Copies the next values into the registers.
     edge: Program,
     memory: Vec<Slice>,
+    memories: Vec<LaneMemory>,
+    /// The places of the bits of registers without a reset value, and the place after them.
+    unreset: Vec<(u32, u32)>,
     /// The place of each input's lowest bit, then the place after the last input.
     inputs: Vec<u32>,
     /// The places of each output's bits.
@@ -91,14 +97,19 @@ impl LaneSimulator {
         let mut network = Network::new();
         let values = values(&mut network, &flat, &inputs, &registers);
 
-        let mut resets = Vec::new();
+        let (mut resets, mut unreset) = (Vec::new(), Vec::new());
         for (register, places) in flat.registers.iter().zip(registers.windows(2)) {
-            let Some(value) = register.reset else { continue };
+            let Some(value) = register.reset else {
+                unreset.push((places[0], places[1]));
+                continue;
+            };
             resets.extend((places[0]..places[1]).zip(0..).map(|(place, bit)| (place, slice(value, bit))));
         }
         let loads = loads(&mut network, &flat, &values, &registers);
         let mut kept = |output: &SignalId| values[output.index()].iter().map(|&bit| network.kept(bit)).collect();
-        let shown: Vec<Bits> = flat.outputs.iter().map(&mut kept).collect();
+        // What memories take at the clock edge is shown like outputs.
+        let inputs_of_memories = flat.memories.iter().flat_map(MemoryInfo::inputs);
+        let shown: Vec<Bits> = flat.outputs.iter().chain(inputs_of_memories).map(&mut kept).collect();
         let kept: Bits =
             loads.iter().flat_map(|load| [load.enable, load.next]).chain(shown.iter().flatten().copied()).collect();
         let (places, end) = evaluation.add(&network, &functions, &kept, end);
@@ -115,10 +126,18 @@ impl LaneSimulator {
             of_outputs = rest;
             here.to_vec()
         });
-        let outputs = outputs.collect();
+        let mut outputs: Vec<Vec<u32>> = outputs.collect();
+        let mut of_memories = outputs.split_off(flat.outputs.len()).into_iter();
+        let mut memories = Vec::new();
+        for info in &flat.memories {
+            let inputs = of_memories.by_ref().take(info.inputs().len()).collect();
+            let register = |column: &Column| flat.register(column.read).map(|it| registers[it]..registers[it + 1]);
+            memories.push(LaneMemory::new(info.depth, inputs, info.columns.iter().filter_map(register).collect()));
+        }
         let memory = vec![Slice::ZEROS; end as usize];
         let (module, level) = (module.clone(), Level::new());
-        let mut simulator = Self { module, level, evaluation, edge, memory, inputs, outputs, resets, reset: false };
+        let mut simulator =
+            Self { module, level, evaluation, edge, memory, memories, unreset, inputs, outputs, resets, reset: false };
         simulator.restart();
         Ok(simulator)
     }
@@ -148,6 +167,9 @@ impl LaneSimulator {
         self.settle();
         let (edge, memory) = (&self.edge, &mut self.memory);
         dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || edge.run(memory)));
+        for of_lanes in &mut self.memories {
+            dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || of_lanes.edge(memory)));
+        }
         if self.reset {
             self.apply_reset();
         }
@@ -159,12 +181,25 @@ impl LaneSimulator {
         dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || evaluation.run(memory)));
     }
 
-    /// Restores the state of a new simulator: all registers have their initial values, and inputs are 0.
+    /// Restores the state of a new simulator: registers and memories have their initial values, and inputs are 0.
     pub fn restart(&mut self) {
         self.reset = false;
         self.memory.fill(Slice::ZEROS);
         self.memory[ONE] = Slice::ONES;
+        self.memories.iter_mut().for_each(LaneMemory::clear);
         self.apply_reset();
+    }
+
+    /// Like [`restart`](Self::restart), but registers without a reset value and the words of memories begin with random
+    /// values: those of a [`Simulator`](crate::Simulator) with the seed `seed` plus the number of the lane.
+    pub fn restart_randomly(&mut self, seed: u64) {
+        self.restart();
+        let mut random: [Random; LANES] = std::array::from_fn(|lane| Random(seed.wrapping_add(lane as u64)));
+        for &(first, end) in &self.unreset {
+            let values = std::array::from_fn(|lane| random[lane].word());
+            to_slices(&values, &mut self.memory[first as usize..end as usize]);
+        }
+        self.memories.iter_mut().for_each(|memory| memory.fill(&mut random));
     }
 
     fn apply_reset(&mut self) {
@@ -187,7 +222,9 @@ struct Load {
 fn loads(network: &mut Network, flat: &Flat, values: &[Bits], registers: &[u32]) -> Vec<Load> {
     let mut loads = Vec::new();
     let mut written = HashSet::new();
-    for (register, &first) in flat.registers.iter().zip(registers).rev() {
+    // Columns of memories keep their values here.
+    let loading = flat.registers.iter().zip(registers).rev().filter(|(register, _)| register.next != register.signal);
+    for (register, &first) in loading {
         let mut as_before = |bit: Bit| if written.contains(&bit) { network.kept(bit) } else { bit };
         let enable = register.enable.map_or(Bit::ONE, |enable| as_before(values[enable.index()][0]));
         let current = &values[register.signal.index()];

@@ -24,6 +24,7 @@
 
 mod builder;
 mod error;
+mod expand;
 mod expose;
 mod flatten;
 mod formula;
@@ -33,16 +34,20 @@ mod lanes;
 pub mod mutate;
 mod names;
 mod netlist;
+mod ram;
 mod simulator;
 pub mod text;
 pub mod verilog;
 
-pub use builder::{Builder, Forward, Register, Wire};
+pub use builder::{Builder, Forward, Memory, Register, Wire};
 pub use error::Error;
-pub use expose::expose_registers;
+pub use expand::{MAX_EXPANDED_WORDS, expand_memories};
+pub use expose::{expose_memories, expose_registers};
 pub use flatten::depends_combinationally;
 pub use formula::Formula;
 pub use lanes::{LANES, LaneSimulator};
 pub use names::problem as name_problem;
-pub use netlist::{Arm, Driver, Instance, Item, Label, Module, Port, RegisterInfo, Signal, SignalId};
+pub use netlist::{
+    Arm, Column, Driver, Instance, Item, Label, MemoryInfo, Module, Port, RegisterInfo, Signal, SignalId,
+};
 pub use simulator::{InputPort, OutputPort, Probe, Simulator};

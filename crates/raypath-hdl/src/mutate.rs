@@ -44,6 +44,12 @@ pub(crate) enum Change {
     Reset { register: usize, was: u64, becomes: u64 },
     /// An instance reads zero at an input port.
     PortZero { instance: usize, input: usize },
+    /// An input of a memory has these bits only.
+    MemoryMasked { memory: usize, input: usize, mask: u64 },
+    /// An enable of a memory is always 1.
+    MemoryAlways { memory: usize, input: usize },
+    /// Two inputs of a memory are exchanged.
+    MemoryExchanged { memory: usize, inputs: [usize; 2] },
 }
 
 /// The faults of a module itself, not of those that it instantiates, in the order of its signals. Dead signals, and
@@ -54,7 +60,9 @@ pub(crate) enum Change {
 /// inverted select, or stuck at one side; arms of a `Case` exchanged with the next, left out, or taken by default;
 /// constants one more, one less, or with one bit flipped; slices one bit higher or lower; the other shift; neighbours
 /// of a `Concat` exchanged where they are as wide as each other; `Not` left out; any operand replaced by zero;
-/// registers that load always or never, or have another reset value; ports of instances at zero.
+/// registers that load always or never, or have another reset value; ports of instances at zero; enables of memories
+/// stuck at 0 or 1, each bit of an address and each written column at zero, and addresses and neighbouring columns of
+/// equal widths exchanged.
 pub fn faults(module: &Module) -> Vec<Fault> {
     list::faults(module)
 }
@@ -102,7 +110,12 @@ impl Change {
             Self::AlwaysLoads { .. } => "loads in every cycle".to_string(),
             Self::NeverLoads { .. } => "never loads".to_string(),
             Self::Reset { was, becomes, .. } => format!("resets to {becomes} instead of {was}"),
-            Self::PortZero { .. } => "replaced by zero".to_string(),
+            Self::PortZero { .. } | Self::MemoryMasked { mask: 0, .. } => "replaced by zero".to_string(),
+            Self::MemoryMasked { mask, .. } => format!("bit {} stuck at 0", mask.trailing_ones()),
+            Self::MemoryAlways { .. } => "stuck at 1".to_string(),
+            Self::MemoryExchanged { memory, inputs: [_, other] } => {
+                format!("exchanged with {}", module.memories[*memory].input_name(*other))
+            }
         }
     }
 }

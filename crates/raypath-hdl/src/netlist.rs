@@ -100,6 +100,13 @@ pub enum Driver {
         /// Position in the instantiated module's [`Module::outputs`].
         output: usize,
     },
+    /// A column of the word that a memory has read last.
+    Memory {
+        /// Position in [`Module::memories`].
+        memory: usize,
+        /// Position in [`MemoryInfo::columns`].
+        column: usize,
+    },
 }
 
 /// One arm of a [`Driver::Case`].
@@ -142,6 +149,56 @@ pub struct RegisterInfo {
     pub reset: Option<u64>,
 }
 
+/// A memory with one write port and one read port, both on the rising edge of `clk_i`. The text has an instance of
+/// [`RAM`](crate::verilog::RAM).
+///
+/// At an edge where the read enable is 1, the columns take the word at the read address as it was before the edge: a
+/// word that is written at the same edge shows its old value. Without the read enable the columns stay. No reset clears
+/// words or columns. Addresses of `depth` or more must not occur; simulators read zero there and write nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MemoryInfo {
+    /// The name of its instance in the text.
+    pub name: String,
+    /// The number of words.
+    pub depth: u32,
+    /// One bit: a word is written.
+    pub write_enable: SignalId,
+    /// The address of the word that is written, of [`address_width`](Self::address_width) bits.
+    pub write_address: SignalId,
+    /// One bit: a word is read.
+    pub read_enable: SignalId,
+    /// The address of the word that is read.
+    pub read_address: SignalId,
+    /// The parts of a word, the most significant first.
+    pub columns: Vec<Column>,
+}
+
+/// A part of the words of a memory, of 1 to 64 bits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// The signal that is written.
+    pub written: SignalId,
+    /// The signal that holds what was read last.
+    pub read: SignalId,
+}
+
+/// The fewest and the most words of a memory.
+pub(crate) const DEPTHS: std::ops::RangeInclusive<u32> = 2..=1 << 16;
+
+/// A method that lists the signals at the inputs of a memory: write enable, write address, read enable, read address,
+/// and the columns that are written.
+macro_rules! memory_inputs {
+    ($name:ident, $iterate:ident, $($reference:tt)+) => {
+        pub(crate) fn $name($($reference)+ self) -> Vec<$($reference)+ SignalId> {
+            let Self { write_enable, write_address, read_enable, read_address, columns, .. } = self;
+            let written = columns.$iterate().map(|Column { written, .. }| written);
+            [write_enable, write_address, read_enable, read_address].into_iter().chain(written).collect()
+        }
+    };
+}
+
 /// A module inside another.
 #[derive(Debug, Clone)]
 pub struct Instance {
@@ -160,7 +217,11 @@ macro_rules! operands {
     ($name:ident, $iterate:ident, $($reference:tt)+) => {
         fn $name($($reference)+ self) -> Vec<$($reference)+ SignalId> {
             match self {
-                Self::Input | Self::Constant(_) | Self::Register(_) | Self::Instance { .. } => Vec::new(),
+                Self::Input
+                | Self::Constant(_)
+                | Self::Register(_)
+                | Self::Instance { .. }
+                | Self::Memory { .. } => Vec::new(),
                 Self::Not(a) | Self::Any(a) | Self::All(a) | Self::Alias(a) | Self::Slice { source: a, .. } => vec![a],
                 Self::And(a, b)
                 | Self::Or(a, b)
@@ -205,6 +266,37 @@ impl Port {
     }
 }
 
+impl MemoryInfo {
+    memory_inputs!(inputs, iter, &);
+    memory_inputs!(inputs_mut, iter_mut, &mut);
+
+    /// The width of its addresses in bits.
+    pub fn address_width(&self) -> u32 {
+        address_width(self.depth)
+    }
+
+    /// Its name without the usual prefix `u_`.
+    pub fn stem(&self) -> &str {
+        self.name.strip_prefix("u_").unwrap_or(&self.name)
+    }
+
+    /// The name of an input, by its position in [`inputs`](Self::inputs).
+    pub(crate) fn input_name(&self, input: usize) -> String {
+        match input {
+            0 => "write_enable".to_string(),
+            1 => "write_address".to_string(),
+            2 => "read_enable".to_string(),
+            3 => "read_address".to_string(),
+            _ => format!("write_{}", self.columns[input - 4].name),
+        }
+    }
+}
+
+/// The width in bits of an address of `depth` words, at least 2.
+pub(crate) fn address_width(depth: u32) -> u32 {
+    u32::BITS - (depth - 1).leading_zeros()
+}
+
 impl Instance {
     /// Its name without the usual prefix `u_`. Names of signals at its ports begin with it.
     pub fn stem(&self) -> &str {
@@ -245,6 +337,8 @@ pub enum Item {
     Instance(usize),
     /// A register.
     Register(usize),
+    /// A memory.
+    Memory(usize),
     /// Signals without a reader, under one name that begins with `unused_`.
     Unused(String, Vec<SignalId>),
     /// A named constant, and the formula of its value.
@@ -261,6 +355,7 @@ pub struct Module {
     pub(crate) inputs: Vec<Port>,
     pub(crate) outputs: Vec<Port>,
     pub(crate) registers: Vec<RegisterInfo>,
+    pub(crate) memories: Vec<MemoryInfo>,
     pub(crate) instances: Vec<Instance>,
     pub(crate) items: Vec<Item>,
     pub(crate) text: Text,
@@ -278,7 +373,7 @@ impl Module {
     }
 
     /// All signals; a [`SignalId`] is a position in here. Operands come before what they drive, except through
-    /// registers, instances and aliases.
+    /// registers, memories, instances and aliases.
     pub fn signals(&self) -> &[Signal] {
         &self.signals
     }
@@ -303,6 +398,11 @@ impl Module {
         &self.registers
     }
 
+    /// Memories in order of declaration.
+    pub fn memories(&self) -> &[MemoryInfo] {
+        &self.memories
+    }
+
     /// Instances in order of declaration.
     pub fn instances(&self) -> &[Instance] {
         &self.instances
@@ -313,17 +413,18 @@ impl Module {
         &self.items
     }
 
-    /// The names of its ports, signals and instances.
+    /// The names of its ports, signals, memories and instances.
     pub(crate) fn names(&self) -> impl Iterator<Item = String> {
         let implied = ["clk_i", "rst_ni"].map(String::from);
         let ports = self.inputs.iter().chain(&self.outputs).map(|port| port.name.clone());
         let signals = self.signals.iter().filter_map(|signal| signal.name.clone());
         let instances = self.instances.iter().map(|instance| instance.name.clone());
+        let memories = self.memories.iter().map(|memory| memory.name.clone());
         let unused = self.items.iter().filter_map(|item| match item {
             Item::Unused(name, _) => Some(name.clone()),
             _ => None,
         });
-        implied.into_iter().chain(ports).chain(signals).chain(instances).chain(unused)
+        implied.into_iter().chain(ports).chain(signals).chain(instances).chain(memories).chain(unused)
     }
 
     /// The width of an input or output port of this name.
@@ -332,9 +433,10 @@ impl Module {
         Some(self.signal(port.signal).width)
     }
 
-    /// Whether it, or anything inside it, has a register, and so a port `clk_i`.
+    /// Whether it, or anything inside it, has a register or a memory, and so a port `clk_i`.
     pub fn is_clocked(&self) -> bool {
-        !self.registers.is_empty() || self.instances.iter().any(|i| i.module.is_clocked())
+        let own = !self.registers.is_empty() || !self.memories.is_empty();
+        own || self.instances.iter().any(|i| i.module.is_clocked())
     }
 
     /// Whether it, or anything inside it, has a register with a reset, and so a port `rst_ni`.
@@ -342,7 +444,14 @@ impl Module {
         self.registers.iter().any(|r| r.reset.is_some()) || self.instances.iter().any(|i| i.module.has_reset())
     }
 
-    /// Register bits in it and everything inside it.
+    /// Bits of the words of memories in it and everything inside it.
+    pub fn memory_bits(&self) -> u64 {
+        let width = |column: &Column| u64::from(self.signal(column.read).width);
+        let bits = |memory: &MemoryInfo| u64::from(memory.depth) * memory.columns.iter().map(width).sum::<u64>();
+        self.memories.iter().map(bits).sum::<u64>() + self.instances.iter().map(|i| i.module.memory_bits()).sum::<u64>()
+    }
+
+    /// Register bits in it and everything inside it, without memories.
     pub fn register_bits(&self) -> u64 {
         let own: u64 = self.registers.iter().map(|r| u64::from(self.signal(r.signal).width)).sum();
         own + self.instances.iter().map(|i| i.module.register_bits()).sum::<u64>()

@@ -1,23 +1,32 @@
 //! Executing a netlist, cycle by cycle, as native code.
 
 use crate::Error;
-use crate::flatten::Flat;
+use crate::flatten::{Flat, words_in};
 use crate::jit::Code;
-use crate::netlist::Module;
+use crate::netlist::{Module, mask};
+use crate::ram::{Random, SimulatedMemory};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A simulation of a module.
 ///
 /// Set inputs, simulate a [`cycle`](Self::cycle), and get the values of the outputs in it. Registers begin with their
-/// reset values, or 0 if they have none, as if a reset had just ended.
+/// reset values, or 0 if they have none, as if a reset had just ended. The words of memories begin with 0.
 pub struct Simulator {
     module: Arc<Module>,
     code: Code,
     /// The values of the registers, and their next values.
     current: Vec<u64>,
     next: Vec<u64>,
-    /// Inputs, outputs, observed signals.
+    /// Inputs, outputs, observed signals and inputs of memories, observed words.
     io: Vec<u64>,
+    /// The number of words in `io` that `code` accesses.
+    evaluated: usize,
+    memories: Vec<SimulatedMemory>,
+    /// The memory and the position in it of each observed word.
+    words: Vec<(usize, usize)>,
+    /// The width of each register, if it has no reset value.
+    unreset: Vec<(usize, u32)>,
     /// The memory of `code` between evaluations.
     memory: Vec<u64>,
     /// Registers that have a reset value.
@@ -95,23 +104,42 @@ impl Simulator {
     /// Compiles `module` so that the signals, in it and inside its instances, whose hierarchical name
     /// (`u_stage_3.valid_q`) is `wanted` can be observed. Only signals with a name and output ports have one. It is the
     /// name in the printed text, with one exception: there, an instance's output without a reader is `unused_` and its
-    /// name.
+    /// name. The inputs of a memory `u_stack` are `u_stack.write_enable`, `u_stack.write_address`, `u_stack.write_node`
+    /// for a column `node`, `u_stack.read_enable` and `u_stack.read_address`; its words, if there are at most 64, are
+    /// `u_stack.node_3` and so on.
     pub fn observing(module: &Arc<Module>, wanted: impl Fn(&str) -> bool) -> Result<Self, Error> {
         let flat = Flat::new(module, &wanted)?;
         let inputs = module.inputs.len();
         let code = Code::new(&flat, inputs)?;
         let first = inputs + flat.outputs.len();
+        let evaluated = first + flat.observed.len();
         let resets = flat.registers.iter().enumerate();
+        let unreset = resets.clone().filter(|(_, register)| register.reset.is_none());
+        let slots = HashMap::from_iter(flat.observed.iter().copied().zip(first..));
+        let memories: Vec<_> = flat.memories.iter().map(|info| SimulatedMemory::new(&flat, info, &slots)).collect();
+        let mut words = Vec::new();
+        let mut observed: Vec<_> =
+            flat.names.iter().map(|(name, width, slot)| (name.clone(), *width, first + slot)).collect();
+        for (place, (info, memory)) in flat.memories.iter().zip(&memories).enumerate() {
+            for (name, column, address) in words_in(info).into_iter().filter(|(name, ..)| wanted(name)) {
+                observed.push((name, flat.nodes[column.read.index()].width, evaluated + words.len()));
+                words.push((place, memory.place(column.read, address)));
+            }
+        }
         let mut simulator = Self {
             module: module.clone(),
             memory: vec![0; code.memory()],
             code,
             current: vec![0; flat.registers.len()],
             next: vec![0; flat.registers.len()],
-            io: vec![0; first + flat.observed.len()],
+            io: vec![0; evaluated + words.len()],
+            evaluated,
+            memories,
+            words,
+            unreset: unreset.map(|(place, it)| (place, flat.nodes[it.signal.index()].width)).collect(),
             resets: resets.filter_map(|(place, register)| Some((place, register.reset?))).collect(),
             reset: false,
-            observed: flat.names.into_iter().map(|(name, width, slot)| (name, width, first + slot)).collect(),
+            observed,
         };
         simulator.apply_reset();
         Ok(simulator)
@@ -133,6 +161,9 @@ impl Simulator {
     /// One clock cycle: evaluates with the inputs as set, then the rising edge.
     pub fn cycle(&mut self) {
         self.settle();
+        for memory in &mut self.memories {
+            memory.edge(&self.io, &mut self.next);
+        }
         std::mem::swap(&mut self.current, &mut self.next);
         if self.reset {
             self.apply_reset();
@@ -141,15 +172,30 @@ impl Simulator {
 
     /// Evaluates with the inputs as set, without an edge.
     pub fn settle(&mut self) {
-        self.code.run(&self.current, &mut self.next, &mut self.io, &mut self.memory);
+        self.code.run(&self.current, &mut self.next, &mut self.io[..self.evaluated], &mut self.memory);
+        for (shown, &(memory, word)) in self.io[self.evaluated..].iter_mut().zip(&self.words) {
+            *shown = self.memories[memory].words[word];
+        }
     }
 
-    /// Restores the state of a new simulator: all registers have their initial values, and inputs are 0.
+    /// Restores the state of a new simulator: registers and memories have their initial values, and inputs are 0.
     pub fn restart(&mut self) {
         self.reset = false;
         self.current.fill(0);
+        self.memories.iter_mut().for_each(|memory| memory.words.fill(0));
         self.io.fill(0);
         self.apply_reset();
+    }
+
+    /// Like [`restart`](Self::restart), but registers without a reset value and the words of memories begin with random
+    /// values: what hardware shows must not depend on them.
+    pub fn restart_randomly(&mut self, seed: u64) {
+        self.restart();
+        let mut random = Random(seed);
+        for &(register, width) in &self.unreset {
+            self.current[register] = random.word() & mask(width);
+        }
+        self.memories.iter_mut().for_each(|memory| memory.fill(&mut random));
     }
 
     /// Hierarchical names and widths of the signals that can be observed.

@@ -17,7 +17,7 @@ mod structures;
 use crate::netlist::Module;
 use crate::{Error, SignalId};
 use entries::{Entry, Section};
-pub use hierarchy::{Source, modules, sources, text};
+pub use hierarchy::{RAM, Source, modules, sources, text};
 use layout::{comment, logic};
 pub use package::print_package;
 use plan::Plan;

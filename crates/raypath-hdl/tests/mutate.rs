@@ -90,6 +90,68 @@ fn every_kind_of_driver_has_its_faults() {
     assert!(texts.iter().all(|text| !text.contains("sum")), "nothing depends on it: {texts:#?}");
 }
 
+/// A memory with two columns of a width, one of another, and everything at ports.
+fn store() -> Arc<Module> {
+    let m = Builder::new("store");
+    let input = |name: &str, width: u32| m.input(name, width);
+    let (write, at) = (input("write_i", 1), input("at_i", 2));
+    let word = [input("a_i", 4), input("b_i", 4), input("c_i", 1)];
+    let (read, from) = (input("read_i", 1), input("from_i", 2));
+    let memory = m.memory("u_store", 4, &[("a", 4), ("b", 4), ("c", 1)]);
+    memory.write(write, at, &word);
+    for (name, wire) in ["a_o", "b_o", "c_o"].into_iter().zip(memory.read(read, from)) {
+        m.output(name, wire);
+    }
+    m.finish().expect("a memory")
+}
+
+#[test]
+fn memories_have_their_faults() {
+    let module = store();
+    let found: BTreeSet<String> = faults(&module).iter().map(Fault::to_string).collect();
+    let of_memory: BTreeSet<String> = [
+        "write_enable: replaced by zero",
+        "write_enable: stuck at 1",
+        "write_address: bit 0 stuck at 0",
+        "write_address: bit 1 stuck at 0",
+        "write_address: exchanged with read_address",
+        "read_enable: replaced by zero",
+        "read_enable: stuck at 1",
+        "read_address: bit 0 stuck at 0",
+        "read_address: bit 1 stuck at 0",
+        "write_a: replaced by zero",
+        "write_a: exchanged with write_b",
+        "write_b: replaced by zero",
+        "write_c: replaced by zero",
+    ]
+    .map(|fault| format!("store, u_store.{fault}"))
+    .into();
+    assert_eq!(found.iter().filter(|fault| fault.contains(", u_store.")).cloned().collect::<BTreeSet<_>>(), of_memory);
+    // Each has a text of its own, and a random test finds it.
+    let shown = |module: &Arc<Module>| {
+        let mut simulator = Simulator::new(module).expect("a simulator");
+        let mut state = 1u64;
+        let mut shown = Vec::new();
+        for _ in 0..500 {
+            for port in module.inputs() {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                simulator.set(simulator.input(&port.name).expect("an input"), state >> 40);
+            }
+            simulator.cycle();
+            let outputs = module.outputs().iter();
+            shown.extend(outputs.map(|port| simulator.get(simulator.output(&port.name).expect("an output"))));
+        }
+        shown
+    };
+    let good = shown(&module);
+    let mut texts = BTreeSet::from([verilog::text(&module).expect("a text")]);
+    for fault in faults(&module) {
+        let faulty = Arc::new(fault.apply(&module).expect("a faulty module"));
+        assert!(texts.insert(verilog::text(&faulty).expect("a text")), "{fault}: the text of another one");
+        assert_ne!(shown(&faulty), good, "{fault}");
+    }
+}
+
 /// The text of a module, and its outputs for every input.
 fn behaviour(module: &Arc<Module>) -> (String, Vec<u64>) {
     let mut simulator = Simulator::new(module).expect("a simulator");

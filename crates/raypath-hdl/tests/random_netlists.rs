@@ -6,7 +6,7 @@ mod netlists;
 use netlists::{Contents, netlist};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_hdl::{Driver, LANES, LaneSimulator, Module, SignalId, Simulator};
+use raypath_hdl::{Driver, LANES, LaneSimulator, MemoryInfo, Module, SignalId, Simulator, expand_memories};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -15,9 +15,23 @@ struct Scope<'m> {
     module: &'m Module,
     children: Vec<Scope<'m>>,
     registers: Vec<u128>,
+    memories: Vec<Memory>,
     /// The values of the input ports, when known.
     inputs: Vec<Option<u128>>,
     values: Vec<Option<u128>>,
+}
+
+/// Words by address and column, and the columns that were read last.
+struct Memory {
+    words: Vec<Vec<u128>>,
+    read: Vec<u128>,
+}
+
+impl Memory {
+    fn new(info: &MemoryInfo) -> Self {
+        let word = vec![0; info.columns.len()];
+        Self { words: vec![word.clone(); info.depth as usize], read: word }
+    }
 }
 
 impl<'m> Scope<'m> {
@@ -26,6 +40,7 @@ impl<'m> Scope<'m> {
             module,
             children: module.instances().iter().map(|instance| Scope::new(&instance.module)).collect(),
             registers: module.registers().iter().map(|register| u128::from(register.reset.unwrap_or(0))).collect(),
+            memories: module.memories().iter().map(Memory::new).collect(),
             inputs: vec![None; module.inputs().len()],
             values: vec![None; module.signals().len()],
         }
@@ -60,6 +75,17 @@ impl<'m> Scope<'m> {
                 Some(value) if reset => self.registers[place] = u128::from(value),
                 _ if enabled => self.registers[place] = self.values[info.next.index()].unwrap(),
                 _ => {}
+            }
+        }
+        for (memory, info) in self.memories.iter_mut().zip(self.module.memories()) {
+            let value = |id: SignalId| self.values[id.index()].unwrap();
+            if value(info.read_enable) == 1 {
+                let word = memory.words.get(value(info.read_address) as usize);
+                memory.read = word.cloned().unwrap_or_else(|| vec![0; info.columns.len()]);
+            }
+            let written = memory.words.get_mut(value(info.write_address) as usize);
+            if let Some(word) = written.filter(|_| value(info.write_enable) == 1) {
+                *word = info.columns.iter().map(|column| value(column.written)).collect();
             }
         }
         self.children.iter_mut().for_each(|child| child.edge(reset));
@@ -111,6 +137,7 @@ impl<'m> Scope<'m> {
             Driver::Slice { source, low } => (self.value(*source) >> low) % size,
             Driver::Alias(a) => self.value(*a),
             Driver::Register(register) => self.registers[*register],
+            Driver::Memory { memory, column } => self.memories[*memory].read[*column],
             Driver::Instance { instance, output } => {
                 self.connect(*instance);
                 let child = &mut self.children[*instance];
@@ -231,7 +258,8 @@ fn random_netlists_agree_with_the_interpreter() {
     for seed in 0..30 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut module = |name, operators, registers, inside: &[Arc<Module>]| {
-            netlist(name, &mut random, &Contents { operators, registers, inside, constants: true })
+            let memories = registers / 5;
+            netlist(name, &mut random, &Contents { operators, registers, memories, inside, constants: true })
         };
         let small = module("little", 8, 0, &[]);
         let large = module("wide", 60, 0, &[]);
@@ -239,10 +267,13 @@ fn random_netlists_agree_with_the_interpreter() {
         let top = module("top", 40, 6, &[large.clone(), clocked.clone(), large, clocked, small]);
         compare(&top, &mut random, seed);
         compare_lanes(&top, &mut random, seed);
+        if seed % 10 == 0 {
+            compare(&expand_memories(&top).unwrap(), &mut random, seed);
+        }
         drivers.extend(top.signals().iter().map(|signal| {
             let driver = format!("{:?}", signal.driver);
             driver.split(['(', ' ']).next().unwrap_or_default().to_string()
         }));
     }
-    assert_eq!(drivers.len(), 22, "every driver occurs: {drivers:?}");
+    assert_eq!(drivers.len(), 23, "every driver occurs: {drivers:?}");
 }

@@ -1,6 +1,6 @@
 //! Wires, registers and forward wires, and the operations on them.
 
-use super::Builder;
+use super::{Builder, Undriven};
 use crate::netlist::{Driver, Item, RegisterInfo, SignalId, fits};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 
@@ -210,7 +210,7 @@ impl<'m> Register<'m> {
 
     /// Takes `next` at every edge.
     pub fn next(self, next: Wire<'m>) {
-        self.wire.builder.drive(self.wire.id);
+        self.wire.builder.drive(Undriven::Signal(self.wire.id));
         self.wire.builder.expect_width(self.wire.id, next.width(), self.wire.width());
         let next = self.wire.builder.own(next);
         self.info(|info| info.next = next);
@@ -237,7 +237,7 @@ impl<'m> Forward<'m> {
 
     /// Drives it.
     pub fn drive(self, wire: Wire<'m>) {
-        self.wire.builder.drive(self.wire.id);
+        self.wire.builder.drive(Undriven::Signal(self.wire.id));
         self.wire.builder.expect_width(self.wire.id, wire.width(), self.wire.width());
         let driver = Driver::Alias(self.wire.builder.own(wire));
         self.wire.builder.state.borrow_mut().module.signals[self.wire.id.index()].driver = driver;

@@ -81,7 +81,7 @@ impl Body<'_> {
                 Word { value: self.shifted_right(source.value, *low), bits: source.bits.saturating_sub(*low) }
             }
             Driver::Alias(a) => self.word(*a),
-            Driver::Input | Driver::Register(_) | Driver::Instance { .. } => {
+            Driver::Input | Driver::Register(_) | Driver::Instance { .. } | Driver::Memory { .. } => {
                 unreachable!("the graph makes operations of their own of these")
             }
         }

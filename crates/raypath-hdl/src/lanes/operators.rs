@@ -47,7 +47,7 @@ pub fn operator(network: &mut Network, values: &[Bits], driver: &Driver, width: 
         Driver::Concat(parts) => parts.iter().rev().flat_map(of).copied().collect(),
         Driver::Slice { source, low } => of(source)[*low as usize..][..width as usize].to_vec(),
         Driver::Alias(a) => of(a).to_vec(),
-        Driver::Input | Driver::Register(_) | Driver::Instance { .. } => {
+        Driver::Input | Driver::Register(_) | Driver::Instance { .. } | Driver::Memory { .. } => {
             unreachable!("the graph makes operations of their own of these")
         }
     }

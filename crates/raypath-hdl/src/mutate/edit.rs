@@ -42,8 +42,38 @@ pub fn changed(module: &Module, change: &Change) -> Option<Module> {
             let (zero, _) = insert(&mut new, SignalId(0), width, Driver::Constant(0));
             new.instances[*instance].inputs[*input] = zero;
         }
+        Change::MemoryMasked { memory, input, mask } => {
+            let whole = *memory_input(&mut new, *memory, *input)?;
+            let width = new.signals.get(whole.index())?.width;
+            let driver = Driver::Constant(*mask & crate::netlist::mask(width));
+            let (kept, _) = insert(&mut new, SignalId(0), width, driver);
+            let whole = *memory_input(&mut new, *memory, *input)?;
+            *memory_input(&mut new, *memory, *input)? = match mask {
+                0 => kept,
+                _ => add(&mut new, width, Driver::And(whole, kept)),
+            };
+        }
+        Change::MemoryAlways { memory, input } => {
+            let (one, _) = insert(&mut new, SignalId(0), 1, Driver::Constant(1));
+            *memory_input(&mut new, *memory, *input)? = one;
+        }
+        Change::MemoryExchanged { memory, inputs: [a, b] } => {
+            let (first, second) = (*memory_input(&mut new, *memory, *a)?, *memory_input(&mut new, *memory, *b)?);
+            *memory_input(&mut new, *memory, *a)? = second;
+            *memory_input(&mut new, *memory, *b)? = first;
+        }
     }
     Some(new)
+}
+
+fn memory_input(module: &mut Module, memory: usize, input: usize) -> Option<&mut SignalId> {
+    module.memories.get_mut(memory)?.inputs_mut().into_iter().nth(input)
+}
+
+/// A nameless signal after all others.
+fn add(module: &mut Module, width: u32, driver: Driver) -> SignalId {
+    module.signals.push(Signal { name: None, width, driver, comment: None });
+    SignalId(module.signals.len() as u32 - 1)
 }
 
 /// Replaces `operand` of `signal` by a new signal with this driver.
@@ -70,6 +100,10 @@ fn insert(module: &mut Module, before: SignalId, width: u32, driver: Driver) -> 
         shift(&mut register.next);
         register.enable.iter_mut().for_each(shift);
     }
+    for memory in &mut module.memories {
+        memory.inputs_mut().into_iter().for_each(shift);
+        memory.columns.iter_mut().for_each(|column| shift(&mut column.read));
+    }
     for instance in &mut module.instances {
         instance.inputs.iter_mut().chain(&mut instance.outputs).for_each(shift);
     }
@@ -77,7 +111,7 @@ fn insert(module: &mut Module, before: SignalId, width: u32, driver: Driver) -> 
         match item {
             Item::Signal(id) | Item::Parameter(id, _) => shift(id),
             Item::Unused(_, ids) => ids.iter_mut().for_each(shift),
-            Item::Section(_) | Item::Instance(_) | Item::Register(_) => {}
+            Item::Section(_) | Item::Instance(_) | Item::Register(_) | Item::Memory(_) => {}
         }
     }
     (before, after(before, before))

@@ -33,6 +33,17 @@ pub fn faults(module: &Module) -> Vec<Fault> {
             }
         }
     }
+    for (memory, info) in module.memories.iter().enumerate() {
+        for change in memory_changes(module, memory) {
+            let (Change::MemoryMasked { input, .. }
+            | Change::MemoryAlways { input, .. }
+            | Change::MemoryExchanged { inputs: [input, _], .. }) = change
+            else {
+                continue;
+            };
+            add(format!("{}.{}", info.name, info.input_name(input)), change);
+        }
+    }
     for (instance, info) in module.instances.iter().enumerate() {
         for (input, (port, id)) in info.module.inputs.iter().zip(&info.inputs).enumerate() {
             if module.signal(*id).driver != Driver::Constant(0) {
@@ -41,6 +52,36 @@ pub fn faults(module: &Module) -> Vec<Fault> {
         }
     }
     faults
+}
+
+/// The changes at the inputs of a memory. Inputs are the two enables (0 and 2), their addresses (1 and 3), and columns.
+fn memory_changes(module: &Module, memory: usize) -> Vec<Change> {
+    let inputs = module.memories[memory].inputs();
+    let signal = |input: usize| module.signal(*inputs[input]);
+    let is_constant = |input: usize, value: u64| signal(input).driver == Driver::Constant(value);
+    let mut changes = Vec::new();
+    for (enable, address) in [(0, 1), (2, 3)] {
+        changes.push(Change::MemoryMasked { memory, input: enable, mask: 0 });
+        if !is_constant(enable, 1) {
+            changes.push(Change::MemoryAlways { memory, input: enable });
+        }
+        let bits = 0..signal(address).width;
+        changes.extend(bits.map(|bit| Change::MemoryMasked { memory, input: address, mask: !(1 << bit) }));
+    }
+    if inputs[1] != inputs[3] {
+        changes.push(Change::MemoryExchanged { memory, inputs: [1, 3] });
+    }
+    for column in 4..inputs.len() {
+        if !is_constant(column, 0) {
+            changes.push(Change::MemoryMasked { memory, input: column, mask: 0 });
+        }
+        let is_exchangeable =
+            |next: usize| inputs[next] != inputs[column] && signal(next).width == signal(column).width;
+        if column + 1 < inputs.len() && is_exchangeable(column + 1) {
+            changes.push(Change::MemoryExchanged { memory, inputs: [column, column + 1] });
+        }
+    }
+    changes
 }
 
 /// The changes of one signal.
@@ -69,7 +110,8 @@ impl Changes<'_> {
 
     fn operator(&mut self, driver: &Driver) {
         match driver {
-            Driver::Input | Driver::Register(_) | Driver::Instance { .. } | Driver::Mul(..) => {}
+            Driver::Input | Driver::Register(_) | Driver::Instance { .. } | Driver::Memory { .. } | Driver::Mul(..) => {
+            }
             Driver::Constant(value) => self.constant(*value),
             Driver::Not(a) => self.becomes(driver, Driver::Alias(*a), "Not left out"),
             Driver::And(a, b) => self.becomes(driver, Driver::Or(*a, *b), "And becomes Or"),
@@ -204,6 +246,10 @@ impl<'m> LiveSignals<'m> {
         for register in &module.registers {
             let name = describe(module, register.signal);
             open.extend([Some(register.next), register.enable].into_iter().flatten().map(|id| (id, name.clone())));
+        }
+        for memory in &module.memories {
+            let inputs = memory.inputs().into_iter().enumerate();
+            open.extend(inputs.map(|(input, &id)| (id, format!("{}.{}", memory.name, memory.input_name(input)))));
         }
         for instance in &module.instances {
             let ports = instance.module.inputs.iter().zip(&instance.inputs);

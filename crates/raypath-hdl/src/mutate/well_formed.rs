@@ -20,6 +20,16 @@ pub fn check(module: &Module) -> Result<(), Error> {
             return Err(problem(module, register.signal, "its next value, enable or reset value does not fit it"));
         }
     }
+    for memory in &module.memories {
+        let address = Some(memory.address_width());
+        let widths = [Some(1), address, Some(1), address].into_iter();
+        let widths = widths.chain(memory.columns.iter().map(|column| width(column.read)));
+        for ((input, &id), expected) in memory.inputs().into_iter().enumerate().zip(widths) {
+            if width(id) != expected {
+                return Err(problem(module, id, &format!("does not fit {}.{}", memory.name, memory.input_name(input))));
+            }
+        }
+    }
     for instance in &module.instances {
         for (port, &id) in instance.module.inputs.iter().zip(&instance.inputs) {
             if width(id) != Some(instance.module.signal(port.signal).width) {
@@ -37,7 +47,7 @@ fn has_width(module: &Module, driver: &Driver, own: u32) -> bool {
     }
     let width = |id: &SignalId| module.signals[id.index()].width;
     match driver {
-        Driver::Input | Driver::Register(_) | Driver::Instance { .. } => true,
+        Driver::Input | Driver::Register(_) | Driver::Instance { .. } | Driver::Memory { .. } => true,
         Driver::Constant(value) => fits(own, *value),
         Driver::Not(a) | Driver::Alias(a) | Driver::ShiftLeft(a, _) | Driver::ShiftRight(a, _) => width(a) == own,
         Driver::And(a, b) | Driver::Or(a, b) | Driver::Xor(a, b) | Driver::Add(a, b) | Driver::Sub(a, b) => {

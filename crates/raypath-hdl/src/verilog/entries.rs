@@ -21,6 +21,8 @@ pub enum Entry<'m> {
     Cases(Vec<SignalId>),
     /// An instance.
     Instance(usize),
+    /// A memory.
+    Memory(usize),
     /// Registers with one enable, with or without reset, in one block.
     Registers(Vec<usize>),
     /// Signals without a reader, and their common name.
@@ -42,6 +44,8 @@ pub enum Reader<'m> {
     Enable(usize),
     /// At an instance's input.
     Port(usize, usize),
+    /// At an input of a memory.
+    Memory(usize, usize),
     /// In the signal of this name, which marks it as unused.
     Unused(&'m str),
     /// At a bank of registers: its instance, and the port.
@@ -70,6 +74,7 @@ pub fn sections<'m>(module: &'m Module, operands: &[Vec<SignalId>]) -> Vec<Secti
                 entries.extend(open_bank.take().map(|bank| bank_entry(module, operands, bank)));
             }
             Item::Instance(instance) => entries.push(Entry::Instance(*instance)),
+            Item::Memory(memory) => entries.push(Entry::Memory(*memory)),
             Item::Register(register) if bank.is_some_and(|bank| bank.registers.contains(register)) => {
                 entries.extend(open_bank.take().map(|bank| bank_entry(module, operands, bank)));
             }
@@ -134,6 +139,10 @@ impl<'m> Entry<'m> {
                 let inputs = module.instances()[*instance].inputs.iter().enumerate();
                 inputs.map(|(input, &id)| (id, Reader::Port(*instance, input))).collect()
             }
+            Self::Memory(memory) => {
+                let inputs = module.memories()[*memory].inputs().into_iter().enumerate();
+                inputs.map(|(input, &id)| (id, Reader::Memory(*memory, input))).collect()
+            }
             Self::Registers(group) => {
                 let enable = module.registers()[group[0]].enable.map(|id| (id, Reader::Enable(group[0])));
                 let next = group.iter().map(|&register| (module.registers()[register].next, Reader::Next(register)));
@@ -155,6 +164,7 @@ impl<'m> Entry<'m> {
             Self::Signal(id) => vec![*id],
             Self::Cases(group) => group.clone(),
             Self::Instance(instance) => module.instances()[*instance].outputs.clone(),
+            Self::Memory(memory) => module.memories()[*memory].columns.iter().map(|column| column.read).collect(),
             Self::Registers(group) => group.iter().map(|&register| module.registers()[register].signal).collect(),
             Self::Unused(..) | Self::Output(_) => Vec::new(),
             Self::Bank(bank, _) => {

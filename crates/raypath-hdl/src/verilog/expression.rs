@@ -45,7 +45,9 @@ pub fn render(module: &Module, renderings: &[Rendering], id: SignalId) -> Expres
         Expression { text: format!("{operator}{}", a.alone()), depth: a.depth + u32::from(shape != Shape::Not), shape }
     };
     match &module.signal(id).driver {
-        Driver::Input | Driver::Register(_) | Driver::Instance { .. } | Driver::Case { .. } => read(id),
+        Driver::Input | Driver::Register(_) | Driver::Instance { .. } | Driver::Memory { .. } | Driver::Case { .. } => {
+            read(id)
+        }
         Driver::Constant(_) if module.signal(id).name.is_some() => read(id),
         Driver::Constant(0) if module.text().has_width_parameter && width == PAYLOAD => {
             Expression::primary("'0".to_string())

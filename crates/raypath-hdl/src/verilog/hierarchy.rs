@@ -1,10 +1,22 @@
 //! The modules of a design, and its text as files.
 
-use super::{LICENSE, print_module, print_package};
+use super::{LICENSE, head, print_module, print_package};
 use crate::Error;
 use crate::netlist::Module;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
+
+/// The name of the module that memories are instances of. A design can replace it by another one with the same ports.
+pub const RAM: &str = "raypath_ram_1r1w";
+
+/// Its text, without the head.
+const RAM_TEXT: &str = include_str!("raypath_ram_1r1w.sv");
+
+const RAM_DOC: &str = "A memory with one write port and one read port. Read data appears after the clock edge at which \
+                       read_enable_i is 1, and stays until the next read. A read of the word that is written at the \
+                       same edge returns its old value. The words have no initial value and no reset. An address \
+                       must be less than Depth. To use a memory macro, replace this module by a wrapper with the same \
+                       ports and rules.";
 
 /// A package or a module as text.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -15,11 +27,11 @@ pub struct Source {
     pub text: String,
 }
 
-/// The text of `top` and everything that it needs, in the order of compilation: the package, then modules, those that
+/// The text of `top` and everything that it needs, in the order of compilation: the package, then [`RAM`] if there is a memory, then modules, those that
 /// are instantiated before those that instantiate them. Each begins with the lines of `banner`.
 ///
 /// # Errors
-/// Different modules or packages of one name.
+/// Different modules or packages of one name, or a module with the name of [`RAM`] beside memories.
 pub fn sources(top: &Arc<Module>, banner: &[String]) -> Result<Vec<Source>, Error> {
     let mut found = Found { is_text: true, ..Found::default() };
     found.visit(top)?;
@@ -32,6 +44,13 @@ pub fn sources(top: &Arc<Module>, banner: &[String]) -> Result<Vec<Source>, Erro
             Some(other) if *other == source => {}
             Some(_) => return Err(two_of_a_name(&source.name)),
         }
+    }
+    if found.order.iter().any(|module| !module.memories.is_empty()) {
+        if found.by_name.contains_key(RAM) {
+            return Err(two_of_a_name(RAM));
+        }
+        let text = head(&banner[1..], &[RAM_DOC.to_string()]) + RAM_TEXT;
+        sources.push(Source { name: RAM.to_string(), text });
     }
     for module in &found.order {
         sources.push(Source { name: module.name().to_string(), text: print_module(module, &banner)? });

@@ -177,6 +177,7 @@ impl<'m> Plan<'m> {
                     let name = self.module.instances()[instance].output_name(output);
                     fresh(names, &format!("unused_{name}"))
                 }
+                Driver::Memory { .. } if self.uses[index].count == 0 => fresh(names, &format!("unused_{name}")),
                 _ => name.clone(),
             });
         }
@@ -253,7 +254,7 @@ impl<'m> Plan<'m> {
         let Uses { count: 1, reader } = &self.uses[id.index()] else { return false };
         match reader {
             Some(Reader::Next(_)) => expression.text.len() <= NEXT,
-            Some(Reader::Port(..)) => expression.text.len() <= PORT,
+            Some(Reader::Port(..) | Reader::Memory(..)) => expression.text.len() <= PORT,
             _ => expression.text.len() <= INSIDE && expression.depth <= INSIDE_LEVELS,
         }
     }
@@ -291,6 +292,10 @@ impl<'m> Plan<'m> {
             Reader::Port(instance, input) => {
                 let instance = &self.module.instances()[instance];
                 (instance.stem().to_string(), Some(instance.input_name(input)))
+            }
+            Reader::Memory(memory, input) => {
+                let memory = &self.module.memories()[memory];
+                (memory.stem().to_string(), Some(format!("{}_{}", memory.stem(), memory.input_name(input))))
             }
             Reader::Unused(name) => (name.to_string(), None),
             Reader::Bank(name, port) => (name.to_string(), Some(stem(port, "_i").to_string())),

@@ -2,6 +2,7 @@
 
 use super::entries::{Entry, is_case};
 use super::expression::constant;
+use super::hierarchy::RAM;
 use super::layout::{COLUMNS, fill, table, wrap};
 use super::plan::Plan;
 use crate::netlist::{Arm, Driver, Instance, Module, SignalId};
@@ -19,6 +20,7 @@ pub fn print(plan: &Plan<'_>, entries: &[Entry<'_>]) -> Vec<String> {
                 text.block(cases(plan, &targets));
             }
             Entry::Instance(index) => text.block(instance(plan, *index)),
+            Entry::Memory(index) => text.block(memory(plan, *index)),
             Entry::Registers(group) => text.block(registers(plan, group)),
             Entry::Unused(name, ids) => text.assign(name, unused(plan, ids)),
             Entry::Bank(bank, next) => {
@@ -202,6 +204,24 @@ fn bank_instance(plan: &Plan<'_>, bank: &Bank) -> Vec<String> {
         }
     }
     connections.print(&format!("{} #(.Width ($bits({next}))) {}", bank.module.name(), bank.name))
+}
+
+/// The instance of a memory.
+fn memory(plan: &Plan<'_>, index: usize) -> Vec<String> {
+    let memory = &plan.module().memories()[index];
+    let joined = |ids: Vec<SignalId>| match ids.as_slice() {
+        [one] => plan.read(*one).to_string(),
+        _ => format!("{{{}}}", ids.iter().map(|&id| plan.read(id)).collect::<Vec<_>>().join(", ")),
+    };
+    let mut connections = Connections { items: vec![".clk_i".to_string()] };
+    connections.add("write_enable_i", plan.read(memory.write_enable));
+    connections.add("write_address_i", plan.read(memory.write_address));
+    connections.add("write_data_i", &joined(memory.columns.iter().map(|column| column.written).collect()));
+    connections.add("read_enable_i", plan.read(memory.read_enable));
+    connections.add("read_address_i", plan.read(memory.read_address));
+    connections.add("read_data_o", &joined(memory.columns.iter().map(|column| column.read).collect()));
+    let width: u32 = memory.columns.iter().map(|column| plan.module().signal(column.read).width).sum();
+    connections.print(&format!("{RAM} #(.Depth ({}), .Width ({width})) {}", memory.depth, memory.name))
 }
 
 /// The connections of an instance.

@@ -13,6 +13,7 @@ pub const WIDTHS: [u32; 6] = [1, 7, 32, 33, 63, 64];
 pub struct Contents<'a> {
     pub operators: usize,
     pub registers: usize,
+    pub memories: usize,
     /// The modules of its instances, one instance each.
     pub inside: &'a [Arc<Module>],
     /// Whether operands may be constants.
@@ -30,7 +31,7 @@ struct Growth<'m, 'r> {
 
 pub fn netlist(name: &str, random: &mut ChaCha8Rng, contents: &Contents<'_>) -> Arc<Module> {
     let m = Builder::new(name);
-    let &Contents { operators, registers, inside, constants } = contents;
+    let &Contents { operators, registers, memories, inside, constants } = contents;
     let mut growth = Growth { m: &m, random, wires: Vec::new(), named: Vec::new(), constants };
     for (n, width) in WIDTHS.into_iter().enumerate() {
         growth.keep(m.input(&format!("in{n}_i"), width));
@@ -44,6 +45,15 @@ pub fn netlist(name: &str, random: &mut ChaCha8Rng, contents: &Contents<'_>) -> 
         }
         growth.keep(register.wire());
         pending.push(register);
+    }
+    let mut open = Vec::new();
+    for n in 0..memories {
+        let (depth, columns) = ([2, 3, 4, 8, 13][growth.random.random_range(0..5)], growth.random.random_range(1..4));
+        let columns: Vec<_> = (0..columns).map(|column| (format!("c{column}"), growth.width())).collect();
+        let titles: Vec<_> = columns.iter().map(|(title, width)| (title.as_str(), *width)).collect();
+        let memory = m.memory(&format!("u_m{n}"), depth, &titles);
+        memory.columns().into_iter().for_each(|column| growth.keep(column));
+        open.push((memory, u32::BITS - (depth - 1).leading_zeros()));
     }
     for (n, module) in inside.iter().enumerate() {
         (0..operators / (inside.len() + 1)).for_each(|_| growth.step());
@@ -64,6 +74,11 @@ pub fn netlist(name: &str, random: &mut ChaCha8Rng, contents: &Contents<'_>) -> 
         } else {
             register.next(next);
         }
+    }
+    for (memory, width) in open {
+        let word: Vec<_> = memory.columns().iter().map(|column| growth.pick(column.width())).collect();
+        memory.write(growth.pick(1), growth.pick(width), &word);
+        memory.read(growth.pick(1), growth.pick(width));
     }
     for n in 0..6 {
         m.output(&format!("out{n}_o"), growth.wires[growth.wires.len() - 1 - n]);

@@ -4,6 +4,7 @@ mod compare;
 #[path = "../../../raypath-hdl/tests/common/operators.rs"]
 mod every;
 mod frames;
+mod memories;
 #[path = "../../../raypath-hdl/tests/common/netlists.rs"]
 mod netlists;
 mod operators;

@@ -14,10 +14,11 @@ use super::mutant::Subject;
 use raypath_hdl::{Driver, Module, SignalId};
 use std::sync::Arc;
 
-/// Whether the proof shows that a fault changes no job's outcome. It does not apply to faults in units and control.
+/// Whether the proof shows that a fault changes no job's outcome. It does not apply to faults in units and control, or
+/// to a datapath with memories.
 pub fn is_equivalent_for_jobs(subject: &Subject, changed: &Arc<Module>, changed_top: &Arc<Module>) -> bool {
     let (datapath, original) = (&subject.datapath, &subject.module);
-    if is_unit(original) || is_control(original) {
+    if is_unit(original) || is_control(original) || datapath.top.memory_bits() > 0 {
         return false;
     }
     let mut logic = Logic::default();
@@ -191,6 +192,10 @@ impl<'v> SymbolicJob<'v> {
             Driver::Input => self.input(at, module, id),
             Driver::Register(register) => self.register(at, module, *register),
             Driver::Instance { instance, output } => self.output(at, module, *instance, *output),
+            Driver::Memory { .. } => {
+                let name = signal.name.as_deref().unwrap_or_default();
+                self.logic.function(format!("memory {}{name} {:?}", self.scopes[at.scope].path, at.time), vec![], width)
+            }
             Driver::Constant(value) => self.logic.constant(width, *value),
             Driver::Alias(a) => self.word(at, *a),
             Driver::Not(a) => self.word(at, *a).iter().map(|bit| bit ^ 1).collect(),

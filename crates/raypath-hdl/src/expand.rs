@@ -1,0 +1,98 @@
+//! Memories as registers, for proofs about all reachable states.
+
+use crate::Error;
+use crate::expose::Open;
+use crate::netlist::{Driver, Item, MemoryInfo, Module, RegisterInfo, SignalId};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// The most words of a memory that [`expand_memories`] accepts.
+pub const MAX_EXPANDED_WORDS: u32 = 64;
+
+/// `module` with a register for every word of every memory, in it and inside its instances, and multiplexers that read
+/// them. It behaves the same in every cycle. The column `node` of a memory `u_stack` has the registers
+/// `stack_node_0_q`, `stack_node_1_q` and so on.
+///
+/// # Errors
+/// A memory of more than [`MAX_EXPANDED_WORDS`] words.
+pub fn expand_memories(module: &Arc<Module>) -> Result<Arc<Module>, Error> {
+    Expanded::default().expand(module)
+}
+
+/// Finished modules. Instances of the same module keep sharing it.
+#[derive(Default)]
+struct Expanded(HashMap<*const Module, Arc<Module>>);
+
+impl Expanded {
+    fn expand(&mut self, module: &Arc<Module>) -> Result<Arc<Module>, Error> {
+        if module.memory_bits() == 0 {
+            return Ok(module.clone());
+        }
+        if let Some(done) = self.0.get(&Arc::as_ptr(module)) {
+            return Ok(done.clone());
+        }
+        let mut open = Open::new(module);
+        let items = std::mem::take(&mut open.module.items);
+        let memories = std::mem::take(&mut open.module.memories);
+        for item in items {
+            match item {
+                Item::Memory(memory) => open.expand(&memories[memory])?,
+                other => open.module.items.push(other),
+            }
+        }
+        for index in 0..open.module.instances.len() {
+            open.module.instances[index].module = self.expand(&module.instances[index].module)?;
+        }
+        let result = Arc::new(open.module);
+        self.0.insert(Arc::as_ptr(module), result.clone());
+        Ok(result)
+    }
+}
+
+impl Open {
+    fn expand(&mut self, memory: &MemoryInfo) -> Result<(), Error> {
+        if memory.depth > MAX_EXPANDED_WORDS {
+            let problem = format!("depth {}, expected at most {MAX_EXPANDED_WORDS} for registers", memory.depth);
+            return Err(Error::Width { module: self.module.name.clone(), signal: memory.name.clone(), problem });
+        }
+        let width = memory.address_width();
+        let enables: Vec<SignalId> = (0..memory.depth)
+            .map(|address| {
+                let address = self.add(width, Driver::Constant(address.into()));
+                let is_it = self.add(1, Driver::Equal(memory.write_address, address));
+                self.add(1, Driver::And(memory.write_enable, is_it))
+            })
+            .collect();
+        let bits: Vec<SignalId> =
+            (0..width).map(|low| self.add(1, Driver::Slice { source: memory.read_address, low })).collect();
+        for column in &memory.columns {
+            let width = self.module.signal(column.read).width;
+            let mut words = Vec::new();
+            for (address, &enable) in enables.iter().enumerate() {
+                let word = self.add(width, Driver::Input);
+                let name = self.fresh(format!("{}_{}_{address}_q", memory.stem(), column.name));
+                self.module.signals[word.index()].name = Some(name);
+                self.hold(word, enable, column.written);
+                words.push(word);
+            }
+            let zero = self.add(width, Driver::Constant(0));
+            words.resize(1 << bits.len(), zero);
+            for &select in &bits {
+                let pairs = words.as_chunks::<2>().0.iter();
+                words = pairs
+                    .map(|&[if_false, if_true]| self.add(width, Driver::Mux { select, if_true, if_false }))
+                    .collect();
+            }
+            self.hold(column.read, memory.read_enable, words[0]);
+        }
+        Ok(())
+    }
+
+    /// Drives `signal` by a new register.
+    fn hold(&mut self, signal: SignalId, enable: SignalId, next: SignalId) {
+        let register = self.module.registers.len();
+        self.module.signals[signal.index()].driver = Driver::Register(register);
+        self.module.registers.push(RegisterInfo { signal, next, enable: Some(enable), reset: None });
+        self.module.items.push(Item::Register(register));
+    }
+}

@@ -1,0 +1,25 @@
+module raypath_ram_1r1w #(
+  parameter  int unsigned Depth        = 2,
+  parameter  int unsigned Width        = 1,
+  localparam int unsigned AddressWidth = $clog2(Depth)
+) (
+  input  logic                    clk_i,
+  input  logic                    write_enable_i,
+  input  logic [AddressWidth-1:0] write_address_i,
+  input  logic [Width-1:0]        write_data_i,
+  input  logic                    read_enable_i,
+  input  logic [AddressWidth-1:0] read_address_i,
+  output logic [Width-1:0]        read_data_o
+);
+
+  logic [Width-1:0] words [Depth];
+
+  always_ff @(posedge clk_i) begin
+    if (write_enable_i) words[write_address_i] <= write_data_i;
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (read_enable_i) read_data_o <= words[read_address_i];
+  end
+
+endmodule : raypath_ram_1r1w
