@@ -4,6 +4,7 @@ use fst_writer::{
     FstBodyWriter, FstFileType, FstHeaderWriter, FstInfo, FstScopeType, FstSignalId, FstSignalType, FstVarDirection,
     FstVarType,
 };
+use raypath_hdl::verilog::RAM;
 use raypath_hdl::{Module, Probe, Simulator};
 use std::collections::HashMap;
 use std::fs::{self, File};
@@ -207,7 +208,7 @@ fn signals_by_scope(simulator: &Simulator) -> HashMap<&str, Vec<(&str, u32, Prob
 impl Scopes<'_> {
     /// Writes the signals of the open scope of `top` and all scopes inside it, and closes it.
     fn write_all(&mut self, top: &Arc<Module>) -> fst_writer::Result<()> {
-        self.signals(top, "")?;
+        self.module(top, "")?;
         let mut path = vec![(top.clone(), String::new(), 0)];
         while let Some((module, prefix, next)) = path.last_mut() {
             let Some(instance) = module.instances().get(*next) else {
@@ -219,26 +220,41 @@ impl Scopes<'_> {
             let (inside, prefix) = (instance.module.clone(), format!("{prefix}{}.", instance.name));
             if self.by_scope.contains_key(prefix.as_str()) {
                 self.header.scope(&instance.name, inside.name(), FstScopeType::Module)?;
-                self.signals(&inside, &prefix)?;
+                self.module(&inside, &prefix)?;
                 path.push((inside, prefix, 0));
             }
         }
         Ok(())
     }
 
-    fn signals(&mut self, module: &Module, prefix: &str) -> fst_writer::Result<()> {
-        for (name, width, probe) in self.by_scope.get(prefix).into_iter().flatten() {
-            let direction = if module.inputs().iter().any(|port| port.name == *name) {
+    /// Writes the signals of the open scope of a module, and a scope for each of its memories.
+    fn module(&mut self, module: &Module, prefix: &str) -> fst_writer::Result<()> {
+        self.signals(prefix, |name| {
+            if module.inputs().iter().any(|port| port.name == name) {
                 FstVarDirection::Input
-            } else if module.outputs().iter().any(|port| port.name == *name) {
+            } else if module.outputs().iter().any(|port| port.name == name) {
                 FstVarDirection::Output
             } else {
                 FstVarDirection::Implicit
-            };
+            }
+        })?;
+        for memory in module.memories() {
+            let prefix = format!("{prefix}{}.", memory.name);
+            if self.by_scope.contains_key(prefix.as_str()) {
+                self.header.scope(&memory.name, RAM, FstScopeType::Module)?;
+                self.signals(&prefix, |_| FstVarDirection::Implicit)?;
+                self.header.up_scope()?;
+            }
+        }
+        Ok(())
+    }
+
+    fn signals(&mut self, prefix: &str, direction: impl Fn(&str) -> FstVarDirection) -> fst_writer::Result<()> {
+        for (name, width, probe) in self.by_scope.get(prefix).into_iter().flatten() {
             let title = if *width == 1 { name.to_string() } else { format!("{name} [{}:0]", width - 1) };
             let known = self.ids.get(probe).copied();
             let kind = FstSignalType::bit_vec(*width);
-            let id = self.header.var(title, kind, FstVarType::Logic, direction, known)?;
+            let id = self.header.var(title, kind, FstVarType::Logic, direction(name), known)?;
             if known.is_none() {
                 self.ids.insert(*probe, id);
                 self.waves.push((*probe, Wave { id, width: *width, shown: None }));

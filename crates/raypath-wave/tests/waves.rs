@@ -108,6 +108,41 @@ fn what_is_written_is_read_back() {
     assert_eq!(*read.time_table().last().unwrap(), CYCLES * 10);
 }
 
+/// The ports of a memory, and its words if they are few, are in a scope of its name.
+#[test]
+fn memories_are_shown() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("memory.fst");
+    let m = Builder::new("store");
+    let (write, address, data) = (m.input("write_i", 1), m.input("address_i", 2), m.input("data_i", 40));
+    let memory = m.memory("u_memory", 4, &[("upper", 8), ("lower", 32)]);
+    memory.write(write, address, &[data.upper(8), data.lower(32)]);
+    m.output("data_o", m.concat(&memory.read(!write, address)));
+    let mut simulator = Simulator::observing(&m.finish().unwrap(), |_| true).unwrap();
+    let mut waves = WaveWriter::create(&path, &simulator).unwrap();
+    for (cycle, inputs) in [[1, 2, 0xab_1234_5678], [0, 2, 0], [0, 0, 0]].into_iter().enumerate() {
+        for (name, value) in ["write_i", "address_i", "data_i"].into_iter().zip(inputs) {
+            simulator.set(simulator.input(name).unwrap(), value);
+        }
+        simulator.cycle();
+        waves.sample(&simulator, cycle as u64).unwrap();
+    }
+    waves.finish().unwrap();
+    let mut read = wellen::simple::read(&path).unwrap();
+    let mut shown = |path: &[&str], name: &str| {
+        let changes = changes(&mut read, path, name);
+        [0, 10, 20].map(|time| value_at(&changes, time))
+    };
+    let scope = ["store", "u_memory"];
+    assert_eq!(shown(&scope, "write_enable"), [1, 0, 0]);
+    assert_eq!(shown(&scope, "write_upper"), [0xab, 0, 0]);
+    assert_eq!(shown(&scope, "read_address"), [2, 2, 0]);
+    assert_eq!(shown(&scope, "upper_2"), [0, 0xab, 0xab]);
+    assert_eq!(shown(&scope, "lower_2"), [0, 0x1234_5678, 0x1234_5678]);
+    assert_eq!(shown(&scope, "lower_1"), [0, 0, 0]);
+    assert_eq!(shown(&["store"], "memory_upper"), [0, 0, 0xab]);
+}
+
 #[test]
 fn a_single_sample_of_a_module_without_a_clock_is_kept() {
     let directory = tempfile::tempdir().unwrap();
