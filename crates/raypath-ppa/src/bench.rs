@@ -80,6 +80,9 @@ impl Bench {
             .collect();
         let period = self.period.to_string();
         let mut parts: Vec<&str> = vec![&design.name, &self.library.digest, &period, &self.sta.version];
+        // The blocks are without memories.
+        let memory_bits = design.memory_bits.to_string();
+        parts.extend((design.memory_bits > 0).then_some(memory_bits.as_str()));
         parts.extend(blocks.iter().map(|(_, key)| key.as_str()));
         let key = Key::new("report", &parts);
         Ok(Plan { design, registers: design.registers(), blocks, key })
@@ -134,6 +137,7 @@ impl Bench {
             design: design.name.clone(),
             setting: self.setting(),
             flip_flops: flip_flops.iter().sum(),
+            memory_bits: design.memory_bits,
             kilo_gates: thousandths(area.total / self.library.nand2_area() / 1000.0),
             clock_mhz: thousandths(1000.0 / slowest.ns),
             area_period: thousandths(area.total / 1e6 * slowest.ns),

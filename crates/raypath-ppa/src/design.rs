@@ -1,7 +1,7 @@
 //! A design, divided into blocks for synthesis: each kind of unit once, and everything around the units.
 
 use crate::Error;
-use raypath_hdl::{Module, verilog};
+use raypath_hdl::{Module, expose_memories, verilog};
 use std::collections::{BTreeMap, HashSet};
 use std::fmt;
 use std::sync::Arc;
@@ -11,6 +11,9 @@ use std::sync::Arc;
 pub struct Design {
     /// The name in reports.
     pub name: String,
+    /// Bits of the words of its memories.
+    pub(crate) memory_bits: u64,
+    /// Without memories.
     top: Arc<Module>,
 }
 
@@ -54,8 +57,11 @@ pub(crate) struct RegisterKind {
 
 impl Design {
     /// A design named `name`, whose top module consists of instances, the stages. The report has a line for each.
+    ///
+    /// Memories are macros of another technology: the report has their bits, and what surrounds them is measured with
+    /// ports in their place.
     pub fn new(name: impl Into<String>, top: &Arc<Module>) -> Self {
-        Self { name: name.into(), top: top.clone() }
+        Self { name: name.into(), memory_bits: top.memory_bits(), top: expose_memories(top) }
     }
 
     pub(crate) fn top(&self) -> &str {

@@ -14,6 +14,9 @@ pub struct Report {
     pub area: Area,
     /// The number of flip-flops.
     pub flip_flops: u64,
+    /// Bits of memories, which are neither in the area nor among the flip-flops.
+    #[serde(default)]
+    pub memory_bits: u64,
     /// The area in kGE: thousands of the library's smallest NAND of two inputs.
     pub kilo_gates: f64,
     /// The slowest path of the design; its stage has the full path.

@@ -56,9 +56,13 @@ pub fn paths(report: &Report) -> String {
 /// The main figures in three lines of text.
 pub fn summary(report: &Report) -> String {
     let Report { setting, area, slowest, .. } = report;
+    let memories = match report.memory_bits {
+        0 => String::new(),
+        bits => format!("; memories of {} bits are not in it", grouped(bits)),
+    };
     let lines = [
         format!(
-            "Area {:.3} mm² = {:.1} kGE ({} = 1 GE), {} of it units; {} flip-flops.",
+            "Area {:.3} mm² = {:.1} kGE ({} = 1 GE), {} of it units; {} flip-flops{memories}.",
             area.total / 1e6,
             report.kilo_gates,
             setting.nand2,

@@ -93,6 +93,43 @@ fn ns(stage: &Stage) -> f64 {
     stage.slowest.as_ref().expect("a path").ns
 }
 
+/// A counter that addresses a memory; with or without it the flip-flops are those of the counter.
+#[test]
+fn memories_are_reported_as_bits() {
+    let measured = |depth: Option<u32>| {
+        let m = Builder::new("raypath_tiny_store");
+        let (enable, data) = (m.input("enable_i", 1), m.input("data_i", 32));
+        let count = m.register("count_q", 3).reset_to(0);
+        count.next_when(enable, count.wire() + m.constant(3, 1));
+        let shown = match depth {
+            Some(depth) => {
+                let memory = m.memory("u_memory", depth, &[("word", 32)]);
+                let address = count.wire().lower(if depth == 4 { 2 } else { 3 });
+                memory.write(enable, address, &[data]);
+                memory.read(!enable, address)[0]
+            }
+            None => data,
+        };
+        m.output("data_o", shown);
+        m.output("count_o", count.wire());
+        let store = m.finish().expect("a stage");
+        let m = Builder::new("raypath");
+        let ports = [("enable_i", m.input("enable_i", 1)), ("data_i", m.input("data_i", 32))];
+        let outputs = m.instance("u_store", &store, &ports);
+        m.output("data_o", outputs[0]);
+        m.output("count_o", outputs[1]);
+        Design::new("store", &m.finish().expect("a design"))
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let designs = [None, Some(4), Some(8)].map(measured);
+    let reports = bench(&folder.path().join("cache")).measure(&designs, |_| true).expect("reports");
+    let figures: Vec<_> = reports.iter().map(|report| (report.flip_flops, report.memory_bits)).collect();
+    assert_eq!(figures, [(3, 0), (3, 4 * 32), (3, 8 * 32)]);
+    assert_eq!(reports[1].area, reports[2].area);
+    let text = raypath_ppa::tables::summary(&reports[2]);
+    assert!(text.contains("3 flip-flops; memories of 256 bits are not in it."), "{text}");
+}
+
 #[test]
 fn a_design_is_taken_apart_into_stages_and_kinds() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -51,6 +51,7 @@ fn report() -> Report {
         },
         area: area(&[("add", 2, 400.0), ("mul", 1, 2000.0)], 1500.0, 100.0),
         flip_flops: 1075,
+        memory_bits: 0,
         kilo_gates: 2.0,
         slowest: Slowest { stage: "stage 1".to_string(), ns: 5.0 },
         clock_mhz: 200.0,
