@@ -85,7 +85,7 @@ fn yosys_infers_memories() {
     }
     // Yosys finds out that the stack never reads the word that it writes.
     for parameter in
-        ["SIZE 16", "WIDTH 162", "RD_COLLISION_X_MASK 1'1", "SIZE 11", "WIDTH 64", "RD_COLLISION_X_MASK 1'0"]
+        ["SIZE 16", "INIT 2592'x", "RD_COLLISION_X_MASK 1'1", "SIZE 11", "INIT 704'x", "RD_COLLISION_X_MASK 1'0"]
     {
         assert_eq!(count(&format!("parameter \\{parameter}")), 1, "{parameter}");
     }
