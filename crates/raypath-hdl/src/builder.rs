@@ -3,7 +3,7 @@
 //! The builder keeps the first error (a width, a name, a register without a next value), and [`Builder::finish`]
 //! returns it. Descriptions therefore need no `?` at every operator.
 
-mod memory;
+pub(crate) mod memory;
 mod simplify;
 mod text;
 mod wire;
@@ -13,7 +13,6 @@ use crate::formula::Formula;
 use crate::names;
 use crate::netlist::{Arm, Driver, Instance, Item, Label, Module, Port, RegisterInfo, Signal, SignalId, fits};
 use crate::text::Text;
-pub use memory::Memory;
 use simplify::Simplified;
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};

@@ -23,15 +23,8 @@ use program::{Function, Program};
 use ram::LaneMemory;
 use std::collections::HashSet;
 use std::sync::Arc;
+pub use transpose::LANES;
 use transpose::{Slice, from_slices, to_slices};
-
-/// Bits of a word, and words of a slice.
-const WORD: usize = 32;
-const WORDS: usize = LANES / WORD;
-
-/// The number of stimuli that a [`LaneSimulator`] simulates at once. A slice then fills a cache line, and the widest
-/// SIMD register.
-pub const LANES: usize = 512;
 
 /// A simulation of a module in [`LANES`] lanes. Each lane behaves like a [`Simulator`](crate::Simulator) of its own,
 /// except that all lanes share the reset. Ports are the same as those of a `Simulator`.

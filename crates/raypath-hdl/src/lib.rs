@@ -39,7 +39,8 @@ mod simulator;
 pub mod text;
 pub mod verilog;
 
-pub use builder::{Builder, Forward, Memory, Register, Wire};
+pub use builder::memory::Memory;
+pub use builder::{Builder, Forward, Register, Wire};
 pub use error::Error;
 pub use expand::{MAX_EXPANDED_WORDS, expand_memories};
 pub use expose::{expose_memories, expose_registers};

@@ -11,16 +11,18 @@ mod labels;
 mod layout;
 mod package;
 mod plan;
+mod ram;
 mod statements;
 mod structures;
 
 use crate::netlist::Module;
 use crate::{Error, SignalId};
 use entries::{Entry, Section};
-pub use hierarchy::{RAM, Source, modules, sources, text};
+pub use hierarchy::{Source, modules, sources, text};
 use layout::{comment, logic};
 pub use package::print_package;
 use plan::Plan;
+pub use ram::RAM;
 use std::collections::HashSet;
 
 /// The licence: the first comment of every file.

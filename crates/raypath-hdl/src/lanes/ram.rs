@@ -1,7 +1,6 @@
 //! The words of memories in lanes. Each lane has its own addresses, so a clock edge takes one lane after the other.
 
-use super::LANES;
-use super::transpose::{Slice, from_slices, to_slices};
+use super::transpose::{LANES, Slice, from_slices, to_slices};
 use crate::netlist::mask;
 use crate::ram::Random;
 use std::ops::Range;

@@ -1,6 +1,12 @@
 //! Conversion between one number for each lane and one slice for each bit.
 
-use super::{LANES, WORD, WORDS};
+/// Bits of a word, and words of a slice.
+const WORD: usize = 32;
+const WORDS: usize = LANES / WORD;
+
+/// The number of stimuli that a [`LaneSimulator`](crate::LaneSimulator) simulates at once. A slice then fills a cache
+/// line, and the widest SIMD register.
+pub const LANES: usize = 512;
 
 /// The same bit of every lane: lane `l` is bit `l / WORDS` of word `l % WORDS`. Neighbouring lanes are in neighbouring
 /// words, so a transposition works on all words in parallel.

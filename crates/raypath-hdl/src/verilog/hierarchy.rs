@@ -1,22 +1,11 @@
 //! The modules of a design, and its text as files.
 
+use super::ram::{RAM, RAM_DOC, RAM_TEXT};
 use super::{LICENSE, head, print_module, print_package};
 use crate::Error;
 use crate::netlist::Module;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
-
-/// The name of the module that memories are instances of. A design can replace it by another one with the same ports.
-pub const RAM: &str = "raypath_ram_1r1w";
-
-/// Its text, without the head.
-const RAM_TEXT: &str = include_str!("raypath_ram_1r1w.sv");
-
-const RAM_DOC: &str = "A memory with one write port and one read port. Read data appears after the clock edge at which \
-                       read_enable_i is 1, and stays until the next read. A read of the word that is written at the \
-                       same edge returns its old value. The words have no initial value and no reset. An address \
-                       must be less than Depth. To use a memory macro, replace this module by a wrapper with the same \
-                       ports and rules.";
 
 /// A package or a module as text.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,9 +2,9 @@
 
 use super::entries::{Entry, is_case};
 use super::expression::constant;
-use super::hierarchy::RAM;
 use super::layout::{COLUMNS, fill, table, wrap};
 use super::plan::Plan;
+use super::ram::RAM;
 use crate::netlist::{Arm, Driver, Instance, Module, SignalId};
 use crate::text::{Bank, PortGroup};
 use std::collections::HashMap;
