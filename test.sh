@@ -41,7 +41,7 @@ step 'Documentation'
 RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps --release --locked --quiet
 
 step 'Tests'
-# Programs that Verilator compiled, for the next run: they are named by the digest of what they were compiled from.
+# Programs that Verilator compiled, for the next run: they are named by a hash of what they were compiled from.
 RAYPATH_VERILATED=$(realpath -m "${CARGO_TARGET_DIR:-target}/verilated")
 export RAYPATH_VERILATED
 mkdir -p "$RAYPATH_VERILATED"

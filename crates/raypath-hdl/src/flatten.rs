@@ -34,8 +34,8 @@ pub struct Flat {
     pub nodes: Vec<Node>,
     /// The registers that are needed; their `signal` is a node.
     pub registers: Vec<RegisterInfo>,
-    /// The memories that are needed, with the needed columns. A column that was read is a register that keeps its value,
-    /// until the simulator changes it.
+    /// The memories that are needed, with the needed columns. A column that was read is a register that keeps its
+    /// value, until the simulator changes it.
     pub memories: Vec<MemoryInfo>,
     /// The nodes at the top's outputs.
     pub outputs: Vec<SignalId>,

@@ -2,11 +2,11 @@
 
 use crate::ToolError;
 use crate::input::unpacked;
-use crate::key::Key;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use sha2::{Digest, Sha256};
 use std::fs::{self, File};
 use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -19,6 +19,27 @@ pub const MAX_RESULT_BYTES: u64 = 1 << 30;
 #[derive(Debug, Clone)]
 pub struct Cache {
     folder: PathBuf,
+}
+
+/// The name of a result: a digest of everything that it depends on.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Key(String);
+
+impl Key {
+    /// The key of a result of this kind that depends on these parts, and on this crate's version.
+    pub fn new(kind: &str, parts: &[&str]) -> Self {
+        let mut digest = Sha256::new();
+        for part in [env!("CARGO_PKG_VERSION"), kind].iter().chain(parts) {
+            digest.update((part.len() as u64).to_le_bytes());
+            digest.update(part);
+        }
+        Self(format!("{kind}-{}", &hex(&digest.finalize())[..32]))
+    }
+
+    /// The key as text, which another key may depend on.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
 }
 
 impl Cache {
@@ -56,8 +77,17 @@ impl Cache {
     }
 
     fn path(&self, key: &Key) -> PathBuf {
-        self.folder.join(format!("{}.json.gz", key.as_str()))
+        self.folder.join(format!("{}.json.gz", key.0))
     }
+}
+
+/// The SHA-256 digest of bytes, in hexadecimal digits.
+pub fn digest(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Decodes a kept result. None if it is damaged.
@@ -81,5 +111,11 @@ mod tests {
         fs::write(cache.path(&key), &bytes[..bytes.len() / 2]).expect("written");
         assert_eq!(cache.get::<Vec<u32>>(&key), None);
         assert_eq!(fs::read_dir(&cache.folder).expect("a folder").count(), 1);
+    }
+
+    #[test]
+    fn keys_separate_their_parts() {
+        let keys = [Key::new("a", &["bc", "d"]), Key::new("a", &["b", "cd"]), Key::new("ab", &["c", "d"])];
+        assert!(keys[0] != keys[1] && keys[1] != keys[2] && keys[0] != keys[2]);
     }
 }

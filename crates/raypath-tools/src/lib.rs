@@ -32,7 +32,6 @@ mod error;
 mod files;
 mod grouped;
 mod input;
-mod key;
 mod lint;
 mod opensta;
 #[cfg(feature = "parts")]
@@ -47,12 +46,11 @@ mod yosys;
 
 pub use abc::Abc;
 #[cfg(feature = "cache")]
-pub use cache::{Cache, MAX_RESULT_BYTES, decode};
+pub use cache::{Cache, Key, MAX_RESULT_BYTES, decode, digest};
 pub use error::ToolError;
 pub use files::{read, temporary_folder, write};
 pub use grouped::grouped;
 pub use input::{plain_or_gzip, read_within, text};
-pub use key::{Key, digest};
 pub use lint::{lint_slang, lint_verilator, lint_yosys};
 pub use opensta::OpenSta;
 pub use program::Program;

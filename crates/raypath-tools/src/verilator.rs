@@ -1,10 +1,10 @@
 //! SystemVerilog compiled by Verilator, and run as a process.
 
 use crate::files::{read, write};
-use crate::key::{Key, digest};
 use crate::{Program, Sources, ToolError, verilator_main};
 use raypath_hdl::Module;
 use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, BufReader, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -226,10 +226,12 @@ impl Verilated {
 /// The place of the program of these texts in the folder of kept programs, if there is one.
 fn kept_program(files: &[PathBuf], top: &Module, main: &str, options: &Options) -> Result<Option<PathBuf>, ToolError> {
     let Options { c_optimisation, native, kept: Some(folder), .. } = options else { return Ok(None) };
-    let texts = files.iter().map(|file| Ok(digest(&read(file)?))).collect::<Result<Vec<String>, ToolError>>()?;
-    let options = format!("-O{c_optimisation} native {native}");
-    let key = Key::new("verilated", &[&VERILATOR.version()?, top.name(), &texts.join(" "), main, &options]);
-    Ok(Some(folder.join(key.as_str())))
+    let mut key = DefaultHasher::new();
+    (VERILATOR.version()?, top.name(), main, c_optimisation, native).hash(&mut key);
+    for file in files {
+        read(file)?.hash(&mut key);
+    }
+    Ok(Some(folder.join(format!("{:016x}", key.finish()))))
 }
 
 /// Keeps a program. It appears complete or not at all.

@@ -9,8 +9,8 @@
 //! | 96 + 4 · i to 99 + 4 · i | the child word of box i |
 //! | 112 to 127 | 0 |
 //!
-//! A leaf of n triangles (1 to 8) is ⌈n / 3⌉ consecutive blocks. Triangle k is in block ⌊k / 3⌋, from byte 40 · (k mod 3)
-//! on:
+//! A leaf of n triangles (1 to 8) is ⌈n / 3⌉ consecutive blocks. Triangle k is in block ⌊k / 3⌋, from byte
+//! 40 · (k mod 3) on:
 //!
 //! | bytes of a triangle | contents |
 //! | --- | --- |

@@ -1,7 +1,7 @@
 //! A traversal unit around the datapath: a ray goes in, the closest or any hit comes out.
 //!
-//! [`step()`] says what happens to a ray when an answer arrives: one function, generic over its circuit. [`Unit`] is the
-//! functional model, which steps a ray until it ends. [`blocks`] is the layout of a scene in memory.
+//! [`step()`] says what happens to a ray when an answer arrives: one function, generic over its circuit. [`Unit`] is
+//! the functional model, which steps a ray until it ends. [`blocks`] is the layout of a scene in memory.
 
 pub mod blocks;
 mod hardware;

@@ -193,8 +193,8 @@ struct Target<C: WordCircuit> {
 }
 
 impl<C: WordCircuit> Target<C> {
-    /// What a child word at this level refers to: neither a node nor a leaf if its kind is not valid, or if a node is too
-    /// deep.
+    /// What a child word at this level refers to: neither a node nor a leaf if its kind is not valid, or if a node is
+    /// too deep.
     #[inline(always)]
     fn of(c: C, child: Word<C, 32>, level: Word<C, 7>) -> Self {
         let kind = child.part::<0, 7>();
@@ -206,8 +206,8 @@ impl<C: WordCircuit> Target<C> {
     }
 }
 
-/// The pending levels after a step that descends from a tested node, takes a child from the stack, drops an entry of the
-/// stack, or does not find the path again. `level` is that of the node whose children change.
+/// The pending levels after a step that descends from a tested node, takes a child from the stack, drops an entry of
+/// the stack, or does not find the path again. `level` is that of the node whose children change.
 #[inline(always)]
 fn pending<C: WordCircuit>(
     state: &RayState<C>,

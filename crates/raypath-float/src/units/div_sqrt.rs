@@ -68,7 +68,7 @@ impl DivSqrt {
         iterative::iterative(self, format, digits, tag_width, &name, &doc)
     }
 
-    /// Cycles from the operands to the result of an iterative unit, and from one result to the next if nobody waits.
+    /// Cycles from the operands to the result of an iterative unit, and from one result to the next if none waits.
     pub fn iterative_latency(format: Format, digits: u32) -> u32 {
         Self::digits(format).div_ceil(digits.max(1)) + 1
     }

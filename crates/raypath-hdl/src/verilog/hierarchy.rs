@@ -16,8 +16,9 @@ pub struct Source {
     pub text: String,
 }
 
-/// The text of `top` and everything that it needs, in the order of compilation: the package, then [`RAM`] if there is a memory, then modules, those that
-/// are instantiated before those that instantiate them. Each begins with the lines of `banner`.
+/// The text of `top` and everything that it needs, in the order of compilation: the package, then [`RAM`] if there
+/// is a memory, then modules, those that are instantiated before those that instantiate them. Each begins with the
+/// lines of `banner`.
 ///
 /// # Errors
 /// Different modules or packages of one name, or a module with the name of [`RAM`] beside memories.

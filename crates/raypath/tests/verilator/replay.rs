@@ -76,8 +76,8 @@ fn golden_vectors() {
     assert_eq!(faults_of(&jobs, &outcomes, Traffic::always()), 1);
 }
 
-/// Random jobs of all modes with resets at any moment, against the models: in the default configuration, and in two that
-/// have little in common with it.
+/// Random jobs of all modes with resets at any moment, against the models: in the default configuration, and in two
+/// that have little in common with it.
 #[test]
 fn random_jobs_and_resets() {
     [Config::DEFAULT, REPRESENTATIVES[0], REPRESENTATIVES[2]].into_par_iter().for_each(random_campaign);
