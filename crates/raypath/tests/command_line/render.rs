@@ -103,7 +103,7 @@ fn rays_are_traced_from_files() {
 fn the_unit_draws_the_same_picture() {
     let folder = folder();
     let out = |name: &str| text(&folder.path().join(name));
-    let options = ["--size", "96x64", "--shadows", "--ao", "2", "--two-sided", "--no-timing"];
+    let options = ["--size", "96x64", "--shadows", "--ao", "2", "--no-timing"];
     let render = |name: &str, through: &str| {
         page::succeeds(&[&["render", "--out", &out(name), "--through", through][..], &options].concat());
         std::fs::read(folder.path().join(name)).expect("a picture")
