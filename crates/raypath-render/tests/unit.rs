@@ -38,6 +38,7 @@ fn hits_through_the_unit_are_those_of_the_tracer() {
 /// those of the tracer: the references are exact geometry, and the same job for every triangle.
 #[test]
 fn hits_of_both_faces() {
+    let mut behind = 0;
     for Named { name, mesh } in meshes::all() {
         let (oracle, tracing) = (Oracle::new(&mesh, true), Tracing { two_sided: true, rules: Rules::Paper });
         let scene = Scene::new(mesh.clone()).unwrap().through_unit().unwrap();
@@ -50,9 +51,10 @@ fn hits_of_both_faces() {
                     assert_eq!(hit.map(|hit| (hit.triangle, hit.t)), of_all(&mesh, ray), "{name}, {kind:?}, {ray:?}");
                 }
             });
-            assert!(hits.iter().flatten().any(|hit| hit.from_behind) || kind == Kind::Primary, "{name}, {kind:?}");
+            behind += hits.iter().flatten().filter(|hit| hit.from_behind).count();
         }
     }
+    assert!(behind > 100, "back faces are hit: {behind} times");
 }
 
 /// The closest triangle, and its distance, among the jobs of all triangles.
