@@ -47,8 +47,12 @@ endmodule
 ";
 
 fn checked(text: String, method: Method) -> Option<CheckResult> {
+    verdict(text, method).expect("a verdict")
+}
+
+fn verdict(text: String, method: Method) -> Result<Option<CheckResult>, raypath_verify::Error> {
     let problem = SafetyProblem { name: "store".to_string(), top: "check".to_string(), text, assertions: 1, method };
-    ModelChecker::find().expect("pyosys").check(&problem, &GO).expect("a verdict")
+    ModelChecker::find().expect("pyosys").check(&problem, &GO)
 }
 
 #[test]
@@ -62,13 +66,17 @@ fn reads_return_what_was_written_last() {
         // A read of the word that is written would return the new value.
         let fault = text
             .replace("{is_written && read_address_i", "{writes && read_address_i")
-            .replace(", last}\n", ", data_i}\n");
+            .replace(", last};\n", ", data_i};\n");
         assert_eq!(checked(fault, Method::Bounded(6)), Some(CheckResult::Fails));
     }
     // Every fault of the memory is found.
     for fault in faults(&module).iter().filter(|fault| fault.to_string().contains("u_store.")) {
         let faulty = Arc::new(fault.apply(&module).expect("a faulty module"));
-        let result = checked(verilog::text(&faulty).expect("a text") + CHECK, Method::Bounded(6));
+        // The checker refuses an assertion without state, to which synthesis reduces a memory that is never used.
+        let Ok(result) = verdict(verilog::text(&faulty).expect("a text") + CHECK, Method::Bounded(6)) else {
+            assert!(fault.to_string().contains("enable: replaced by zero"), "{fault}: no verdict");
+            continue;
+        };
         let is_harmless = fault.to_string().contains("bit 0 stuck") || fault.to_string().contains("read_enable: ");
         assert!(result == Some(CheckResult::Fails) || is_harmless, "{fault}: {result:?}");
     }
