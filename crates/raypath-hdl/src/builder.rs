@@ -111,10 +111,10 @@ impl Builder {
 
     /// A wire that is driven later.
     pub fn forward(&self, name: &str, width: u32) -> Forward<'_> {
-        let wire = self.declare(name, width, Driver::Constant(0));
-        let mut state = self.state.borrow_mut();
-        state.undriven.push(Undriven::Signal(wire.id));
-        state.module.items.push(Item::Signal(wire.id));
+        let Forward { wire } = self.forward_unnamed(width);
+        self.claim(name);
+        self.name(wire, name);
+        self.item(Item::Signal(wire.id));
         Forward { wire }
     }
 
@@ -122,6 +122,7 @@ impl Builder {
     pub fn forward_unnamed(&self, width: u32) -> Forward<'_> {
         let wire = self.push(width, Driver::Constant(0));
         let mut state = self.state.borrow_mut();
+        // An alias of itself until it is driven: a constant would be simplified.
         state.module.signals[wire.id.index()].driver = Driver::Alias(wire.id);
         state.undriven.push(Undriven::Signal(wire.id));
         Forward { wire }

@@ -39,6 +39,25 @@ fn four_stages() -> Arc<Module> {
 }
 
 #[test]
+fn a_forward_wire_is_no_constant_before_it_is_driven() {
+    let m = Builder::new("inverted");
+    let a = m.input("a_i", 4);
+    let later = m.forward("later", 4);
+    m.output("inverted_o", !later.wire());
+    m.output("bit_o", later.wire().bit(2));
+    later.drive(a);
+    let module = m.finish().expect("a module");
+    let mut simulator = Simulator::new(&module).expect("a simulator");
+    let input = simulator.input("a_i").expect("a port");
+    let [inverted, bit] = ["inverted_o", "bit_o"].map(|port| simulator.output(port).expect("a port"));
+    for value in 0..16 {
+        simulator.set(input, value);
+        simulator.settle();
+        assert_eq!((simulator.get(inverted), simulator.get(bit)), (!value & 15, value >> 2 & 1));
+    }
+}
+
+#[test]
 fn nested_stages_move_data_and_stop_together() {
     let mut s = Simulator::new(&four_stages()).unwrap();
     let [valid, data, ready] = ["valid_i", "data_i", "ready_i"].map(|name| s.input(name).unwrap());
