@@ -13,7 +13,14 @@ pub fn main_file(top: &Module) -> String {
     let mut drive = String::new();
     let mut words = 0;
     let mut set = |name: &str, width: u32| {
-        drive += &format!("    top.{name} = in[{words}] & {:#x}u;\n", u64::MAX >> (64 - width));
+        // Parts of wide ports, which Verilator has as words of 32 bits.
+        if let Some((wide, low)) = part_of_vector(top, name) {
+            for word in 0..width / 32 {
+                drive += &format!("    top.{wide}[{}] = in[{words}] >> {};\n", low / 32 + word, 32 * word);
+            }
+        } else {
+            drive += &format!("    top.{name} = in[{words}] & {:#x}u;\n", u64::MAX >> (64 - width));
+        }
         words += 1;
     };
     if top.has_reset() {
@@ -71,6 +78,14 @@ int main(int argc, char** argv) {{
 }}
 "#
     )
+}
+
+/// The vector that the text has in the place of an input port, and the port's lowest bit in it.
+fn part_of_vector<'t>(top: &'t Module, port: &str) -> Option<(&'t str, u32)> {
+    let group = top.text().input.as_ref()?;
+    let (_, select) = group.members.iter().find(|(member, _)| member == port)?;
+    let (_, low) = select.strip_prefix('[')?.strip_suffix(']')?.split_once(':')?;
+    Some((&group.name, low.parse().ok()?))
 }
 
 /// Words in a frame of inputs. A frame without inputs still takes one word on the pipe.

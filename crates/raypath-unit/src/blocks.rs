@@ -9,13 +9,16 @@
 //! | 96 + 4 · i to 99 + 4 · i | the child word of box i |
 //! | 112 to 127 | 0 |
 //!
-//! A leaf of n triangles (1 to 8) is ⌈n / 3⌉ consecutive blocks. Triangle k is in block ⌊k / 3⌋, from byte
-//! 40 · (k mod 3) on:
+//! A leaf of n triangles (1 to 8) is ⌈n / 3⌉ consecutive blocks, with up to three triangles each:
 //!
-//! | bytes of a triangle | contents |
+//! | bytes of a leaf's block | contents |
 //! | --- | --- |
-//! | 0 to 35 | the vertices a, b, c, each as x, y, z in binary32 |
-//! | 36 to 39 | its index, which the hit reports |
+//! | 36 · k to 36 · k + 35 | the vertices a, b, c of triangle k (0 to 2) of the block, each as x, y, z in binary32 |
+//! | 108 to 111 | 0 |
+//! | 112 + 4 · k to 115 + 4 · k | the index of triangle k, which its hit reports |
+//! | 124 to 127 | 0 |
+//!
+//! Bytes of triangles that a block does not have are 0.
 
 use raypath_ops::{Aabb, Binary32, Triangle};
 use thiserror::Error;
@@ -26,6 +29,14 @@ pub const BLOCK_BYTES: u32 = 128;
 pub const TRIANGLES_PER_BLOCK: u32 = 3;
 /// The triangles of the largest leaf.
 pub const MAX_LEAF: u32 = 8;
+/// The words of 32 bits that a triangle's vertices take.
+pub const VERTEX_WORDS: usize = 9;
+/// The word of a leaf's block with the index of its first triangle.
+pub const INDEX_WORD: usize = 28;
+/// The words of 32 bits that a box takes.
+pub const BOX_WORDS: usize = 6;
+/// The word of a node's block with its first child word.
+pub const CHILD_WORD: usize = 24;
 /// The kind of a child word that refers to a node.
 pub const NODE_KIND: u32 = 32;
 
@@ -123,8 +134,8 @@ impl Node {
         let number = |index: usize| f32::from_bits(word(block, index));
         let corner = |index: usize| std::array::from_fn(|axis| number(index + axis));
         Self {
-            boxes: std::array::from_fn(|child| Aabb::new(corner(6 * child), corner(6 * child + 3))),
-            children: std::array::from_fn(|child| word(block, 24 + child)),
+            boxes: std::array::from_fn(|child| Aabb::new(corner(BOX_WORDS * child), corner(BOX_WORDS * child + 3))),
+            children: std::array::from_fn(|child| word(block, CHILD_WORD + child)),
         }
     }
 }
@@ -134,20 +145,22 @@ impl LeafTriangle {
     pub fn to_bytes(leaf: &[Self]) -> Vec<u8> {
         let mut blocks = Vec::new();
         for triangles in leaf.chunks(TRIANGLES_PER_BLOCK as usize) {
-            for LeafTriangle { triangle: Triangle { a, b, c }, index } in triangles {
+            let mut words = [0; BLOCK_BYTES as usize / 4];
+            for (place, LeafTriangle { triangle: Triangle { a, b, c }, index }) in triangles.iter().enumerate() {
                 let numbers = [a, b, c].into_iter().flat_map(|vertex| <[f32; 3]>::from(*vertex));
-                let words = numbers.map(f32::to_bits).chain([*index]);
-                blocks.extend(words.flat_map(u32::to_le_bytes));
+                words[VERTEX_WORDS * place..].iter_mut().zip(numbers).for_each(|(word, x)| *word = x.to_bits());
+                words[INDEX_WORD + place] = *index;
             }
-            blocks.resize(blocks.len().next_multiple_of(BLOCK_BYTES as usize), 0);
+            blocks.extend(words.into_iter().flat_map(u32::to_le_bytes));
         }
         blocks
     }
 
     /// A triangle of a leaf's block, by its place: 0 to 2.
     pub fn of(block: &[u8; BLOCK_BYTES as usize], place: usize) -> Self {
-        let vertex = |index: usize| std::array::from_fn(|axis| f32::from_bits(word(block, 10 * place + index + axis)));
-        Self { triangle: Triangle::new(vertex(0), vertex(3), vertex(6)), index: word(block, 10 * place + 9) }
+        let vertex =
+            |index: usize| std::array::from_fn(|axis| f32::from_bits(word(block, VERTEX_WORDS * place + index + axis)));
+        Self { triangle: Triangle::new(vertex(0), vertex(3), vertex(6)), index: word(block, INDEX_WORD + place) }
     }
 }
 

@@ -1,18 +1,28 @@
 //! A traversal unit around the datapath: a ray goes in, the closest or any hit comes out.
 //!
-//! [`step()`] says what happens to a ray when an answer arrives: one function, generic over its circuit. [`Unit`] is
-//! the functional model, which steps a ray until it ends. [`blocks`] is the layout of a scene in memory.
+//! Three functions, generic over their circuit, say what happens to a ray: [`set_up`] derives its constants, [`fold()`]
+//! finds the closest hit of a block, and [`step()`] decides what follows from an answer. [`Unit`] is the functional
+//! model, which steps a ray until it ends. [`UnitNetlist`] is the hardware. [`blocks`] is the layout of a scene in
+//! memory.
 
+mod answers;
 pub mod blocks;
+mod engine;
+mod error;
+mod fold;
 mod hardware;
 mod model;
 mod netlist;
+pub mod set_up;
 pub mod state;
 mod step;
 mod words;
 
-pub use hardware::step_module;
+pub use engine::{BlockRequest, NetlistEngine, Response, UnitEngine, UnitInputs, UnitOutputs, outputs_of, words_of};
+pub use error::UnitError;
+pub use fold::{HitLimits, fold};
+pub use hardware::{UnitNetlist, UnitParameters, UnitParametersError, finish_module, prepare_module};
 pub use model::{Hit, Memory, MemoryError, RayRequest, Reply, Unit};
-pub use netlist::{Inputs, Netlist, Outputs, Value};
-pub use step::{StepParameters, VISIT_LIMIT, step};
+pub use netlist::{Netlist, Value};
+pub use step::{HalfStep, StepParameters, VISIT_LIMIT, finish, prepare, step};
 pub use words::{LEVELS, Levels, WordCircuit, WordMethods};

@@ -3,7 +3,6 @@
 use crate::words::WordCircuit;
 use raypath_hdl::{Builder, Wire};
 use raypath_ops::{Bit, Bundle, Circuit, Field, Num, Path, Relation, Sink, Source, Test};
-use std::collections::BTreeMap;
 use std::fmt;
 
 /// A circuit that adds gates to a module. Numbers are in the IEEE 754 layout of binary32. It has no arithmetic on
@@ -210,76 +209,87 @@ impl<'m> WordCircuit for Netlist<'m> {
     }
 }
 
-/// The inputs of a module as a bundle's values: `<name>_i`.
-pub struct Inputs<'m> {
-    /// The module.
-    pub circuit: Netlist<'m>,
-    flags: BTreeMap<String, Wire<'m>>,
+/// A bundle of the wires that `wire` returns for its ports, by name and width, in order.
+pub fn from_wires<'m, B: Bundle<Netlist<'m>>>(
+    builder: &'m Builder,
+    name: &str,
+    wire: impl FnMut(&str, u32) -> Wire<'m>,
+) -> B {
+    B::build(&mut Path::new(name), &mut FromWires { circuit: Netlist(builder), wire, flags: None })
 }
 
-impl<'m> Inputs<'m> {
-    /// A bundle whose leaves are the inputs `<name>_<field>_i`.
-    pub fn bundle<B: Bundle<Netlist<'m>>>(builder: &'m Builder, name: &str) -> B {
-        let mut inputs = Self { circuit: Netlist(builder), flags: BTreeMap::new() };
-        B::build(&mut Path::new(name), &mut inputs)
-    }
+/// A bundle of the inputs `<name>_<field>_i` of a module.
+pub fn inputs<'m, B: Bundle<Netlist<'m>>>(builder: &'m Builder, name: &str) -> B {
+    from_wires(builder, name, |field, width| builder.input(&format!("{field}_i"), width))
+}
 
-    fn input(&self, field: &Field<'_>, width: u32) -> Wire<'m> {
-        self.circuit.0.input(&format!("{}_i", field.name), width)
+/// A bundle of these wires, one for each port, in order. A missing wire is an error of the builder.
+pub fn from_list<'m, B: Bundle<Netlist<'m>>>(builder: &'m Builder, wires: &[Wire<'m>]) -> B {
+    let mut wires = wires.iter();
+    let missing = |width: u32| builder.forward_unnamed(width).wire();
+    from_wires(builder, "", |_, width| wires.next().copied().unwrap_or_else(|| missing(width)))
+}
+
+/// The ports of a bundle, `<name>_<field>`, with their wires.
+pub fn wires<'m>(name: &str, bundle: &impl Bundle<Netlist<'m>>) -> Vec<(String, Wire<'m>)> {
+    let mut found = ToWires::default();
+    bundle.each(&mut Path::new(name), &mut found);
+    found.ports
+}
+
+/// Adds the outputs `<name>_<field>_o` for the ports of a bundle.
+pub fn outputs<'m>(builder: &'m Builder, name: &str, bundle: &impl Bundle<Netlist<'m>>) {
+    for (port, wire) in wires(name, bundle) {
+        builder.output(&format!("{port}_o"), wire);
     }
 }
 
-impl<'m> Source<Netlist<'m>> for Inputs<'m> {
+struct FromWires<'m, F> {
+    circuit: Netlist<'m>,
+    wire: F,
+    /// The port whose bits arrive, the lowest first.
+    flags: Option<Wire<'m>>,
+}
+
+impl<'m, F: FnMut(&str, u32) -> Wire<'m>> Source<Netlist<'m>> for FromWires<'m, F> {
     fn num(&mut self, field: Field<'_>) -> Num<Netlist<'m>> {
-        Num::new(self.circuit, Value(self.input(&field, WIDTH)))
+        Num::new(self.circuit, Value((self.wire)(field.name, WIDTH)))
     }
     fn bit(&mut self, field: Field<'_>) -> Bit<Netlist<'m>> {
-        let Some((bit, width)) = field.bit else { return Bit::new(self.circuit, Value(self.input(&field, 1))) };
-        let port = match self.flags.get(field.name) {
-            Some(&port) => port,
-            None => self.input(&field, width),
+        let Some((bit, width)) = field.bit else { return Bit::new(self.circuit, Value((self.wire)(field.name, 1))) };
+        let port = match self.flags {
+            Some(port) if bit > 0 => port,
+            _ => (self.wire)(field.name, width),
         };
-        self.flags.insert(field.name.to_string(), port);
+        self.flags = Some(port);
         Bit::new(self.circuit, Value(port.bit(bit)))
     }
     fn word(&mut self, field: Field<'_>, width: u32) -> (Netlist<'m>, Value<'m>) {
-        (self.circuit, Value(self.input(&field, width)))
+        (self.circuit, Value((self.wire)(field.name, width)))
     }
 }
 
-/// The outputs of a module from a bundle's values: `<name>_o`.
 #[derive(Default)]
-pub struct Outputs<'m> {
+struct ToWires<'m> {
     flags: Vec<Wire<'m>>,
-    values: Vec<(String, Wire<'m>)>,
+    ports: Vec<(String, Wire<'m>)>,
 }
 
-impl<'m> Outputs<'m> {
-    /// Adds the outputs `<name>_<field>_o` for the leaves of a bundle.
-    pub fn bundle(builder: &'m Builder, name: &str, bundle: &impl Bundle<Netlist<'m>>) {
-        let mut outputs = Self::default();
-        bundle.each(&mut Path::new(name), &mut outputs);
-        for (name, wire) in outputs.values {
-            builder.output(&format!("{name}_o"), wire);
-        }
-    }
-}
-
-impl<'m> Sink<Netlist<'m>> for Outputs<'m> {
+impl<'m> Sink<Netlist<'m>> for ToWires<'m> {
     fn num(&mut self, field: Field<'_>, value: Num<Netlist<'m>>) {
-        self.values.push((field.name.to_string(), value.value.0));
+        self.ports.push((field.name.to_string(), value.value.0));
     }
     fn bit(&mut self, field: Field<'_>, value: Bit<Netlist<'m>>) {
         let wire = value.value.0;
-        let Some((_, width)) = field.bit else { return self.values.push((field.name.to_string(), wire)) };
+        let Some((_, width)) = field.bit else { return self.ports.push((field.name.to_string(), wire)) };
         // Bits of a port arrive in order, the lowest first.
         self.flags.push(wire);
         if self.flags.len() == width as usize {
             let bits: Vec<Wire<'m>> = self.flags.drain(..).rev().collect();
-            self.values.push((field.name.to_string(), wire.builder().concat(&bits)));
+            self.ports.push((field.name.to_string(), wire.builder().concat(&bits)));
         }
     }
     fn word(&mut self, field: Field<'_>, _width: u32, value: Value<'m>) {
-        self.values.push((field.name.to_string(), value.0));
+        self.ports.push((field.name.to_string(), value.0));
     }
 }

@@ -9,24 +9,24 @@ pub mod answer {
     pub const START: u32 = 0;
     /// The outcome of a box job.
     pub const BOXES: u32 = 1;
-    /// The outcome of a triangle job.
-    pub const TRIANGLE: u32 = 2;
+    /// The outcomes of the triangle jobs of a block.
+    pub const BLOCK: u32 = 2;
     /// Nothing new: the ray asked to continue, because it reads its stack once in a step.
     pub const CONTINUE: u32 = 3;
     /// The memory reported an error.
     pub const ERROR: u32 = 4;
+    /// A ray begins that its set-up refuses.
+    pub const REFUSED: u32 = 5;
 }
 
 /// The kinds of a [`Request`].
 pub mod request {
-    /// Nothing: further outcomes of the same block follow.
-    pub const WAIT: u32 = 0;
     /// To fetch a block.
-    pub const FETCH: u32 = 1;
+    pub const FETCH: u32 = 0;
     /// Another step, with the answer [`CONTINUE`](super::answer::CONTINUE).
-    pub const CONTINUE: u32 = 2;
+    pub const CONTINUE: u32 = 1;
     /// The ray is done.
-    pub const DONE: u32 = 3;
+    pub const DONE: u32 = 2;
 }
 
 /// The ways in which a ray ends.
@@ -44,8 +44,6 @@ pub mod status {
 bundle! {
     /// The state of a ray between two steps, without the constants that its jobs need.
     pub struct RayState<C> {
-        /// The least distance of a hit.
-        pub t_min: Num<C>,
         /// The ray ends at the first block with a hit.
         pub any_hit: Bit<C>,
         /// The child word of the root.
@@ -55,14 +53,14 @@ bundle! {
         pub extent: Num<C>,
         /// A triangle was hit.
         pub has_hit: Bit<C>,
-        /// The index of the closest triangle.
-        pub triangle: Word<C, 32>,
-        /// The numerator of its distance.
+        /// The numerator of the closest hit's distance.
         pub t_num: Num<C>,
         /// The denominator of its distance.
         pub t_denom: Num<C>,
         /// The ray meets its back face.
         pub back_face: Bit<C>,
+        /// The index of the closest triangle.
+        pub triangle: Word<C, 32>,
 
         /// The nodes that were fetched.
         pub nodes: Word<C, 32>,
@@ -100,6 +98,22 @@ bundle! {
         pub tmin: [Num<C>; 3],
     }
 
+    /// A hit of a triangle, if there is one.
+    pub struct TriangleHit<C> {
+        /// There is one.
+        pub is_hit: Bit<C>,
+        /// Its distance: the quotient of the two numbers below.
+        pub t: Num<C>,
+        /// The numerator of the distance.
+        pub t_num: Num<C>,
+        /// The denominator of the distance.
+        pub t_denom: Num<C>,
+        /// The ray meets the back face.
+        pub back_face: Bit<C>,
+        /// The triangle's index.
+        pub triangle: Word<C, 32>,
+    }
+
     /// What a ray learns in a step.
     pub struct Answer<C> {
         /// One of [`answer`].
@@ -108,24 +122,12 @@ bundle! {
         pub hit: Flags<C, 4>,
         /// Of a box job: the distances at places 1 to 3 of that order. The child at place 0 is never kept.
         pub tmin: [Num<C>; 3],
-        /// Of a box job: the child words in that order.
+        /// Of a box job: the number of the child at each place.
+        pub box_index: [Word<C, 2>; 4],
+        /// Of a box job: the child words in the order of their numbers.
         pub child: [Word<C, 32>; 4],
-        /// Of a triangle job: whether the ray hits a face that it does not cull.
-        pub triangle_hit: Bit<C>,
-        /// Of a triangle job: the quotient of the two numbers below.
-        pub t: Num<C>,
-        /// Of a triangle job: the numerator of the distance.
-        pub t_num: Num<C>,
-        /// Of a triangle job: the denominator of the distance.
-        pub t_denom: Num<C>,
-        /// Of a triangle job: whether the ray meets the back face.
-        pub back_face: Bit<C>,
-        /// Of a triangle job: the triangle's index.
-        pub triangle: Word<C, 32>,
-        /// Of a triangle job: it is the last of its block.
-        pub is_last: Bit<C>,
-        /// The stack's entry of the deepest level that is pending, modulo the entries of the stack.
-        pub top: Group<C>,
+        /// Of the triangle jobs of a block: the closest hit.
+        pub closest: TriangleHit<C>,
     }
 
     /// What a ray asks for after a step.
@@ -150,18 +152,17 @@ bundle! {
 impl<C: WordCircuit> RayState<C> {
     /// The state of a ray that begins.
     #[inline(always)]
-    pub fn begin(c: C, root: Word<C, 32>, t_min: Num<C>, extent: Num<C>, any_hit: Bit<C>) -> Self {
+    pub fn begin(c: C, root: Word<C, 32>, extent: Num<C>, any_hit: Bit<C>) -> Self {
         let (no, none) = (c.bit(false), Levels::none(c));
         Self {
-            t_min,
             any_hit,
             root,
             extent,
             has_hit: no,
-            triangle: c.word(0),
             t_num: c.zero(),
             t_denom: c.zero(),
             back_face: no,
+            triangle: c.word(0),
             nodes: c.word(0),
             triangles: c.word(0),
             level: c.word(0),

@@ -15,7 +15,7 @@
 use crate::blocks::{BLOCK_BYTES, MAX_LEAF, NODE_KIND, TRIANGLES_PER_BLOCK};
 use crate::state::{Answer, Group, RayState, Request, answer, request, status};
 use crate::words::{LEVELS, Levels, WordCircuit, WordMethods};
-use raypath_ops::{Bit, Flags, Word};
+use raypath_ops::{Bit, Flags, Word, bundle};
 
 /// The parameters of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,48 +35,127 @@ impl Default for StepParameters {
 /// ray in a scene that is not a tree.
 pub const VISIT_LIMIT: u32 = 1 << 24;
 
-/// Computes a step of a ray: its next state, and what it asks for.
+bundle! {
+    /// A step before the stack is read: what the state and the answer determine.
+    pub struct HalfStep<C> {
+        /// The state with the hit of the answer.
+        pub state: RayState<C>,
+        /// The ray begins.
+        pub starts: Bit<C>,
+        /// The ray's set-up or the memory failed.
+        pub failed: Bit<C>,
+        /// The failure is that of the set-up.
+        pub is_refused: Bit<C>,
+        /// The path descends to a child of the tested node.
+        pub descends: Bit<C>,
+        /// A second descent does not find its path again, because the ray has become shorter.
+        pub is_lost: Bit<C>,
+        /// The next block of the same leaf is fetched.
+        pub leaf_continues: Bit<C>,
+        /// The ray ends with the first hit.
+        pub ends_by_any_hit: Bit<C>,
+        /// The next child comes from the deepest pending level, if there is one.
+        pub pops: Bit<C>,
+        /// There is no pending level.
+        pub is_empty: Bit<C>,
+        /// The stack has the deepest pending level.
+        pub is_on_stack: Bit<C>,
+        /// The deepest pending level.
+        pub deepest: Word<C, 7>,
+        /// The level whose children change.
+        pub parent: Word<C, 7>,
+        /// The place of the child there.
+        pub place: Word<C, 2>,
+        /// The child to which the path descends.
+        pub child: Word<C, 32>,
+        /// The children after it.
+        pub rest: Group<C>,
+    }
+}
+
+/// Computes a step of a ray: its next state, and what it asks for. `top` is the stack's entry of the deepest level that
+/// is pending before the step ([`HalfStep::deepest`]), modulo the entries of the stack.
 #[inline]
 pub fn step<C: WordCircuit>(
     c: C,
     parameters: StepParameters,
     state: RayState<C>,
     answer: Answer<C>,
+    top: Group<C>,
 ) -> (RayState<C>, Request<C>) {
+    finish(c, parameters, prepare(c, state, answer), top)
+}
+
+/// The first half of a [`step`], which does not read the stack.
+#[inline]
+pub fn prepare<C: WordCircuit>(c: C, state: RayState<C>, answer: Answer<C>) -> HalfStep<C> {
     let starts = answer.kind.is(answer::START);
     let has_boxes = answer.kind.is(answer::BOXES);
-    let has_triangle = answer.kind.is(answer::TRIANGLE);
+    let has_block = answer.kind.is(answer::BLOCK);
     let continues = answer.kind.is(answer::CONTINUE);
-    let failed = answer.kind.is(answer::ERROR);
+    let is_refused = answer.kind.is(answer::REFUSED);
+    let failed = answer.kind.is(answer::ERROR) | is_refused;
 
-    let state = with_triangle(state, &answer, has_triangle);
-    let block_ends = has_triangle & answer.is_last;
-    let ends_by_any_hit = block_ends & state.any_hit & state.has_hit;
-    let leaf_continues = block_ends & !ends_by_any_hit & !state.leaf_left.is(0);
-    let leaf_ends = block_ends & !ends_by_any_hit & state.leaf_left.is(0);
+    let state = with_hit(state, &answer, has_block);
+    let ends_by_any_hit = has_block & state.any_hit & state.has_hit;
+    let leaf_continues = has_block & !ends_by_any_hit & !state.leaf_left.is(0);
+    let leaf_ends = has_block & !ends_by_any_hit & state.leaf_left.is(0);
 
     // The child at `place` of the tested node.
     let at_target = same(state.level, state.target);
-    let along = place_of(c, &state, state.level);
-    let place = state.restarting.select(at_target.select(along.plus_constant(1), along), c.word(0));
-    let chosen = from_place(c, &answer, place);
+    let along: Word<C, 3> = place_of(c, &state, state.level).widened();
+    let first = state.restarting.select(at_target.select(along.plus_constant(1), along), c.word(0));
+    let chosen = from_place(c, &answer, first);
     let descends = has_boxes & chosen.hit;
     let is_lost = has_boxes & !chosen.hit & state.restarting;
 
     // The first remaining child of the deepest pending level.
     let pops = leaf_ends | continues | (has_boxes & !chosen.hit & !state.restarting);
     let deepest = state.pending.deepest();
-    let is_empty = state.pending.is_empty();
-    let is_on_stack = !deepest.less(state.base);
-    let is_near = answer.top.present.0[0] & answer.top.tmin[0].compare(state.extent).less_or_equal();
-    let takes = pops & !is_empty & is_on_stack & is_near;
-    let drops = pops & !is_empty & is_on_stack & !is_near;
-    let restarts = pops & !is_empty & !is_on_stack;
+    let parent = descends.select(state.level, deepest);
+    let place = descends.select(first.part::<0, 2>(), place_of(c, &state, deepest).plus_constant(1));
+    HalfStep {
+        starts,
+        failed,
+        is_refused,
+        descends,
+        is_lost,
+        leaf_continues,
+        ends_by_any_hit,
+        pops,
+        is_empty: state.pending.is_empty(),
+        is_on_stack: !deepest.less(state.base),
+        deepest,
+        parent,
+        place,
+        child: chosen.child,
+        rest: chosen.rest,
+        state: RayState {
+            // The ray is on its path again where it takes the next child.
+            restarting: state.restarting & !is_lost & !(descends & at_target),
+            ..state
+        },
+    }
+}
+
+/// The second half of a [`step`].
+#[inline]
+pub fn finish<C: WordCircuit>(
+    c: C,
+    parameters: StepParameters,
+    half: HalfStep<C>,
+    top: Group<C>,
+) -> (RayState<C>, Request<C>) {
+    let HalfStep { state, starts, descends, is_lost, leaf_continues, pops, is_empty, deepest, parent, .. } = half;
+    let is_near = top.present.0[0] & top.tmin[0].compare(state.extent).less_or_equal();
+    let is_read = pops & !is_empty & half.is_on_stack;
+    let takes = is_read & is_near;
+    let drops = is_read & !is_near;
+    let restarts = pops & !is_empty & !half.is_on_stack;
 
     let at_root = starts | restarts;
     let visits = at_root | descends | takes;
-    let child = at_root.select(state.root, descends.select(chosen.child, answer.top.child[0]));
-    let parent = descends.select(state.level, deepest);
+    let child = at_root.select(state.root, descends.select(half.child, top.child[0]));
     let level = at_root.select(c.word(0), parent.plus_constant(1));
     let target = Target::of(c, child, level);
     let fetches_node = visits & target.is_node;
@@ -86,26 +165,26 @@ pub fn step<C: WordCircuit>(
     let address = leaf_continues.select(state.leaf_address, target.address);
 
     let is_over_limit = !(state.nodes.less(c.word(VISIT_LIMIT)) & state.triangles.less(c.word(VISIT_LIMIT)));
-    let errs = failed | (visits & !target.is_node & !target.is_leaf) | ((visits | leaf_continues) & is_over_limit);
-    let is_done = errs | ends_by_any_hit | (pops & is_empty);
+    let is_invalid = (visits & !target.is_node & !target.is_leaf) | ((visits | leaf_continues) & is_over_limit);
+    let errs = half.failed | is_invalid;
+    let is_done = errs | half.ends_by_any_hit | (pops & is_empty);
 
-    let group = descends.select(chosen.rest, answer.top.rest(c));
-    let group_level = parent;
-    let writes = (descends | takes) & group.present.0[0];
-    let pending = pending(&state, [descends, takes, drops, is_lost], group.present.0[0], group_level);
-    let taken_place = descends.select(place, place_of(c, &state, deepest).plus_constant(1));
+    let group = descends.select(half.rest, top.rest(c));
     let moves = descends | takes;
-    let set_place = |levels: Levels<C>, bit: Bit<C>| moves.select(levels.with(group_level, bit), levels);
+    let some_remain = group.present.0[0];
+    let writes = moves & some_remain;
+    let changed = (moves | drops).select(state.pending.with(parent, some_remain & !drops), state.pending);
+    let set_place = |levels: Levels<C>, bit: Bit<C>| moves.select(levels.with(parent, bit), levels);
 
-    let lowest = lowest_kept(c, group_level, parameters.stack);
+    let lowest = lowest_kept(c, parent, parameters.stack);
     let base = (writes & state.base.less(lowest)).select(lowest, state.base);
     let next = RayState {
         level: visits.select(level, state.level),
-        pending,
-        place_low: set_place(state.place_low, taken_place.part::<0, 1>().is(1)),
-        place_high: set_place(state.place_high, taken_place.part::<1, 1>().is(1)),
+        pending: is_lost.select(state.pending.below(state.level), changed),
+        place_low: set_place(state.place_low, half.place.part::<0, 1>().is(1)),
+        place_high: set_place(state.place_high, half.place.part::<1, 1>().is(1)),
         base: restarts.select(c.word(0), base),
-        restarting: restarts | (state.restarting & !is_lost & !(descends & at_target)),
+        restarting: restarts | state.restarting,
         target: restarts.select(deepest, state.target),
         nodes: fetches_node.select(state.nodes.plus_constant(1), state.nodes),
         triangles: fetches_leaf.select(state.triangles.plus(count.widened()), state.triangles),
@@ -113,40 +192,36 @@ pub fn step<C: WordCircuit>(
         leaf_left: fetches_leaf.select(without(c, left, count), state.leaf_left),
         ..state
     };
-    let fetches = fetches_node | fetches_leaf;
-    let again = drops | is_lost;
-    let kind = is_done.select(
-        c.word(request::DONE),
-        fetches.select(c.word(request::FETCH), again.select(c.word(request::CONTINUE), c.word(request::WAIT))),
-    );
+    let kind = is_done
+        .select(c.word(request::DONE), (drops | is_lost).select(c.word(request::CONTINUE), c.word(request::FETCH)));
     let found = state.has_hit.select(c.word(status::HIT), c.word(status::MISS));
+    let failure = half.is_refused.select(c.word(status::REFUSED), c.word(status::ERROR));
     let request = Request {
         kind,
         address,
         count: fetches_node.select(c.word(0), count),
         writes,
-        level: group_level,
+        level: parent,
         group,
-        status: errs.select(c.word(status::ERROR), found),
+        status: errs.select(failure, found),
     };
     (next, request)
 }
 
-/// The state with the outcome of a triangle job: the closer hit, at equal distances that of the lower index.
+/// The state with the closest hit of a block: the closer one, at equal distances that of the lower index.
 #[inline(always)]
-fn with_triangle<C: WordCircuit>(state: RayState<C>, answer: &Answer<C>, has_triangle: Bit<C>) -> RayState<C> {
-    let distance = answer.t.compare(state.extent);
-    let wins_tie = !state.has_hit | answer.triangle.less(state.triangle);
-    let is_closer = distance.less() | (distance.equal() & wins_tie);
-    let is_beyond = answer.t.compare(state.t_min).greater_or_equal();
-    let is_better = has_triangle & answer.triangle_hit & is_beyond & is_closer;
+fn with_hit<C: WordCircuit>(state: RayState<C>, answer: &Answer<C>, has_block: Bit<C>) -> RayState<C> {
+    let hit = answer.closest;
+    let distance = hit.t.compare(state.extent);
+    let wins_tie = !state.has_hit | hit.triangle.less(state.triangle);
+    let is_better = has_block & hit.is_hit & (distance.less() | (distance.equal() & wins_tie));
     RayState {
-        extent: is_better.select(answer.t, state.extent),
+        extent: is_better.select(hit.t, state.extent),
         has_hit: state.has_hit | is_better,
-        triangle: is_better.select(answer.triangle, state.triangle),
-        t_num: is_better.select(answer.t_num, state.t_num),
-        t_denom: is_better.select(answer.t_denom, state.t_denom),
-        back_face: is_better.select(answer.back_face, state.back_face),
+        t_num: is_better.select(hit.t_num, state.t_num),
+        t_denom: is_better.select(hit.t_denom, state.t_denom),
+        back_face: is_better.select(hit.back_face, state.back_face),
+        triangle: is_better.select(hit.triangle, state.triangle),
         ..state
     }
 }
@@ -161,8 +236,9 @@ struct Chosen<C: WordCircuit> {
 /// The child at a place, 0 to 4, of the order of a box job. There is none at place 4.
 #[inline(always)]
 fn from_place<C: WordCircuit>(c: C, answer: &Answer<C>, place: Word<C, 3>) -> Chosen<C> {
-    let Answer { hit: Flags(hit), child, tmin, .. } = *answer;
+    let Answer { hit: Flags(hit), tmin, .. } = *answer;
     let no = c.bit(false);
+    let child = answer.box_index.map(|index| numbered(answer.child, index));
     let after = |from: usize| {
         let of = |i: usize| (from + i).min(3);
         Group {
@@ -181,6 +257,13 @@ fn from_place<C: WordCircuit>(c: C, answer: &Answer<C>, place: Word<C, 3>) -> Ch
             rest: is_here.select(one.rest, others.rest),
         }
     })
+}
+
+/// The word of this number.
+#[inline(always)]
+fn numbered<C: WordCircuit>(words: [Word<C, 32>; 4], number: Word<C, 2>) -> Word<C, 32> {
+    let [low, high] = [number.part::<0, 1>().is(1), number.part::<1, 1>().is(1)];
+    high.select(low.select(words[3], words[2]), low.select(words[1], words[0]))
 }
 
 /// A child word, decoded.
@@ -206,26 +289,11 @@ impl<C: WordCircuit> Target<C> {
     }
 }
 
-/// The pending levels after a step that descends from a tested node, takes a child from the stack, drops an entry of
-/// the stack, or does not find the path again. `level` is that of the node whose children change.
-#[inline(always)]
-fn pending<C: WordCircuit>(
-    state: &RayState<C>,
-    [descends, takes, drops, is_lost]: [Bit<C>; 4],
-    some_remain: Bit<C>,
-    level: Word<C, 7>,
-) -> Levels<C> {
-    let changed = state.pending.with(level, some_remain & !drops);
-    let kept = (descends | takes | drops).select(changed, state.pending);
-    is_lost.select(state.pending.below(state.level), kept)
-}
-
 /// The place, 0 to 3, of the child through which the path descends at a level.
 #[inline(always)]
-fn place_of<C: WordCircuit>(c: C, state: &RayState<C>, level: Word<C, 7>) -> Word<C, 3> {
+fn place_of<C: WordCircuit>(c: C, state: &RayState<C>, level: Word<C, 7>) -> Word<C, 2> {
     let bit = |levels: Levels<C>| c.word_of_bit(levels.has(level).value);
-    let place = c.word_join((1, bit(state.place_high)), (1, bit(state.place_low)));
-    Word::<C, 2>::new(c, place).widened()
+    Word::new(c, c.word_join((1, bit(state.place_high)), (1, bit(state.place_low))))
 }
 
 /// The lowest level that a stack still has when it gets the entry of `level`.

@@ -1,36 +1,17 @@
 //! Scenes made by hand: degenerate trees, and memories that are no trees.
 
+mod common;
+
+use common::{Scene, never};
 use raypath_ops::{Aabb, Binary32, Rules, Triangle};
-use raypath_unit::blocks::{Child, LeafTriangle, Node};
+use raypath_unit::blocks::{Child, LeafTriangle};
 use raypath_unit::state::status;
 use raypath_unit::{RayRequest, Reply, StepParameters, Unit};
 
 const STACKS: [u32; 5] = [2, 4, 8, 16, 32];
 
-/// Blocks, appended one after another.
-#[derive(Default)]
-struct Memory(Vec<u8>);
-
-impl Memory {
-    fn address(&self) -> u32 {
-        self.0.len() as u32
-    }
-
-    fn leaf(&mut self, triangles: &[LeafTriangle]) -> u32 {
-        let child = Child::Leaf { address: self.address(), count: triangles.len() as u32 };
-        self.0.extend(LeafTriangle::to_bytes(triangles));
-        child.word().expect("a leaf")
-    }
-
-    fn node(&mut self, boxes: [Aabb<Binary32>; 4], children: [u32; 4]) -> u32 {
-        let child = Child::Node { address: self.address() };
-        self.0.extend(Node { boxes, children }.to_bytes());
-        child.word().expect("a node")
-    }
-
-    fn trace(&self, root: u32, stack: u32) -> Reply {
-        Unit::new(Rules::Paper, StepParameters { stack }).trace(&self.0[..], &along_z(root))
-    }
+fn trace(scene: &Scene, root: u32, stack: u32) -> Reply {
+    Unit::new(Rules::Paper, StepParameters { stack }).trace(&scene.0[..], &along_z(root))
 }
 
 fn along_z(root: u32) -> RayRequest {
@@ -55,14 +36,10 @@ fn around(near: f32, far: f32) -> Aabb<Binary32> {
     Aabb::new([-2.0, -2.0, near], [2.0, 2.0, far])
 }
 
-fn never() -> Aabb<Binary32> {
-    Aabb::new([f32::INFINITY; 3], [f32::NEG_INFINITY; 3])
-}
-
 /// A path of nodes that is as deep as the unit allows. The nearest child of each is the next node, and its leaf lies
 /// behind all that the next node has, so that every level is pending when the ray reaches the end of the path.
-fn path(depth: u32, triangles: impl Fn(u32) -> Option<LeafTriangle>) -> (Memory, u32) {
-    let mut memory = Memory::default();
+fn path(depth: u32, triangles: impl Fn(u32) -> Option<LeafTriangle>) -> (Scene, u32) {
+    let mut memory = Scene::default();
     let mut next = None;
     for level in (0..depth).rev() {
         let far = 100.0 - level as f32;
@@ -89,7 +66,7 @@ fn deep_paths_are_walked_to_their_end_and_back() {
         let (memory, root) =
             path(depth, |level| Some(if level == 0 { at(100.0, 7) } else { aside(100.0 - level as f32, level) }));
         for stack in STACKS {
-            let reply = memory.trace(root, stack);
+            let reply = trace(&memory, root, stack);
             let hit = reply.hit.expect("a hit");
             assert_eq!((reply.status, hit.triangle, hit.t), (status::HIT, 7, 101.0), "depth {depth}, stack {stack}");
             assert_eq!(reply.triangles, depth, "every leaf is read once, depth {depth}, stack {stack}");
@@ -105,7 +82,7 @@ fn the_closest_of_all_levels_wins() {
         let (memory, root) = path(60, |level| (level >= nearest).then(|| at(100.0 - level as f32, level)));
         // The leaf of the deepest level is nearest to the ray.
         for stack in STACKS {
-            let hit = memory.trace(root, stack).hit.expect("a hit");
+            let hit = trace(&memory, root, stack).hit.expect("a hit");
             assert_eq!((hit.triangle, hit.t), (59, 42.0), "stack {stack}");
         }
     }
@@ -115,19 +92,19 @@ fn the_closest_of_all_levels_wins() {
 #[test]
 fn ties_are_settled_by_the_index() {
     for rotation in 0..8 {
-        let mut memory = Memory::default();
+        let mut memory = Scene::default();
         let all: Vec<LeafTriangle> = (0..8).map(|place| at(3.0, (place + rotation) % 8)).collect();
         let leaf = memory.leaf(&all);
-        let hit = memory.trace(leaf, 2).hit.expect("a hit");
+        let hit = trace(&memory, leaf, 2).hit.expect("a hit");
         assert_eq!((hit.triangle, hit.t), (0, 4.0));
-        let reply = memory.trace(leaf, 2);
+        let reply = trace(&memory, leaf, 2);
         assert_eq!((reply.nodes, reply.triangles), (0, 8), "the root may be a leaf");
     }
 }
 
 #[test]
 fn faces_and_ends_of_the_ray() {
-    let mut memory = Memory::default();
+    let mut memory = Scene::default();
     let LeafTriangle { triangle: Triangle { a, b, c }, .. } = at(3.0, 0);
     let back = LeafTriangle { triangle: Triangle { a, b: c, c: b }, index: 1 };
     let root = memory.leaf(&[at(5.0, 0), back]);
@@ -152,12 +129,12 @@ fn faces_and_ends_of_the_ray() {
 #[test]
 fn memories_that_are_no_trees_end_the_ray() {
     let everywhere = around(0.0, 100.0);
-    let error = |memory: &Memory, root: u32| {
+    let error = |memory: &Scene, root: u32| {
         for stack in STACKS {
-            assert_eq!(memory.trace(root, stack).status, status::ERROR, "stack {stack}");
+            assert_eq!(trace(memory, root, stack).status, status::ERROR, "stack {stack}");
         }
     };
-    let mut memory = Memory::default();
+    let mut memory = Scene::default();
     let leaf = memory.leaf(&[at(3.0, 0)]);
     let own = Child::Node { address: memory.address() }.word().expect("a node");
     let cycle = memory.node([everywhere, never(), never(), never()], [own, 0, 0, 0]);
@@ -172,10 +149,10 @@ fn memories_that_are_no_trees_end_the_ray() {
     let (memory, root) = path(65, |_| None);
     error(&memory, root);
     // The same node four times at each level: more paths than a ray may walk.
-    let mut memory = Memory::default();
+    let mut memory = Scene::default();
     let mut next = memory.leaf(&[LeafTriangle { index: 0, ..at(-50.0, 0) }]);
     for _ in 0..20 {
         next = memory.node([everywhere; 4], [next; 4]);
     }
-    assert_eq!(memory.trace(next, 8).status, status::ERROR);
+    assert_eq!(trace(&memory, next, 8).status, status::ERROR);
 }

@@ -1,16 +1,36 @@
-//! The module of a step equals the function over native numbers, in our simulator and in Verilator, for states on the
+//! The modules of a step equal the function over native numbers, in our simulator and in Verilator, for states on the
 //! way of rays and for random ones.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_hdl::{Module, Simulator};
+use raypath_hdl::{Builder, Module, Simulator, Wire};
 use raypath_ops::{Binary32, Port, from_words, ports_of, to_words};
 use raypath_tools::{Sources, Verilated};
-use raypath_unit::state::{Answer, RayState};
-use raypath_unit::{StepParameters, step, step_module};
+use raypath_unit::state::{Answer, Group, RayState};
+use raypath_unit::{StepParameters, finish_module, prepare_module, step};
+use std::sync::Arc;
 
-type State = RayState<Binary32>;
-type Given = Answer<Binary32>;
+/// Both halves of a step, one after the other: inputs `state_…_i`, `answer_…_i`, `top_…_i`, outputs `next_…_o`,
+/// `request_…_o`.
+fn step_module(parameters: StepParameters) -> Arc<Module> {
+    let m = Builder::new("raypath_unit_step");
+    let (prepare, finish) = (prepare_module().expect("a half"), finish_module(parameters).expect("a half"));
+    let input = |name: &str, module: &Module| m.input(name, module.port_width(name).expect("a port"));
+    let given: Vec<(&str, Wire<'_>)> =
+        prepare.inputs().iter().map(|port| (port.name.as_str(), input(&port.name, &prepare))).collect();
+    let half = m.instance("u_prepare", &prepare, &given);
+    let names = prepare.outputs().iter().map(|port| format!("{}_i", port.name.trim_end_matches("_o")));
+    let half: Vec<(String, Wire<'_>)> = names.zip(half).collect();
+    let of_half = |name: &str| half.iter().find(|(known, _)| known == name).map(|(_, wire)| *wire);
+    let given: Vec<(&str, Wire<'_>)> = finish
+        .inputs()
+        .iter()
+        .map(|port| (port.name.as_str(), of_half(&port.name).unwrap_or_else(|| input(&port.name, &finish))))
+        .collect();
+    let outputs = m.instance("u_finish", &finish, &given);
+    finish.outputs().iter().zip(outputs).for_each(|(port, wire)| m.output(&port.name, wire));
+    m.finish().expect("a module")
+}
 
 /// The words of a random state and answer. Small values are likely, so that fields meet.
 fn stimulus(ports: &[Port], random: &mut ChaCha8Rng) -> Vec<u64> {
@@ -33,10 +53,12 @@ fn stimulus(ports: &[Port], random: &mut ChaCha8Rng) -> Vec<u64> {
 }
 
 /// The function, from the words of the inputs to those of the outputs.
-fn expected(parameters: StepParameters, inputs: &[u64], states: usize) -> Vec<u64> {
-    let state: State = from_words(Binary32, &inputs[..states]);
-    let answer: Given = from_words(Binary32, &inputs[states..]);
-    let (next, request) = step(Binary32, parameters, state, answer);
+fn expected(parameters: StepParameters, inputs: &[u64]) -> Vec<u64> {
+    let (states, answers) = (ports_of::<RayState<Binary32>>().len(), ports_of::<Answer<Binary32>>().len());
+    let state: RayState<Binary32> = from_words(Binary32, &inputs[..states]);
+    let answer: Answer<Binary32> = from_words(Binary32, &inputs[states..states + answers]);
+    let top: Group<Binary32> = from_words(Binary32, &inputs[states + answers..]);
+    let (next, request) = step(Binary32, parameters, state, answer, top);
     let (mut words, mut more) = (Vec::new(), Vec::new());
     to_words(&next, &mut words);
     to_words(&request, &mut more);
@@ -46,7 +68,8 @@ fn expected(parameters: StepParameters, inputs: &[u64], states: usize) -> Vec<u6
 
 /// Stimuli, and what the function makes of each: random ones, and walks in which the next state comes from the last.
 fn cases(parameters: StepParameters, count: usize) -> Vec<(Vec<u64>, Vec<u64>)> {
-    let (states, answers) = (ports_of::<State>(), ports_of::<Given>());
+    let states = ports_of::<RayState<Binary32>>();
+    let answers: Vec<Port> = ports_of::<Answer<Binary32>>().into_iter().chain(ports_of::<Group<Binary32>>()).collect();
     let mut random = ChaCha8Rng::seed_from_u64(parameters.stack.into());
     let mut inputs: Vec<u64> = Vec::new();
     let mut cases = Vec::new();
@@ -56,7 +79,7 @@ fn cases(parameters: StepParameters, count: usize) -> Vec<(Vec<u64>, Vec<u64>)> 
         }
         inputs.truncate(states.len());
         inputs.extend(stimulus(&answers, &mut random));
-        let outputs = expected(parameters, &inputs, states.len());
+        let outputs = expected(parameters, &inputs);
         let next = outputs[..states.len()].to_vec();
         cases.push((std::mem::replace(&mut inputs, next), outputs));
     }
@@ -67,12 +90,12 @@ fn cases(parameters: StepParameters, count: usize) -> Vec<(Vec<u64>, Vec<u64>)> 
 fn the_simulated_module_equals_the_function() {
     for stack in [2, 4, 8, 16, 32] {
         let parameters = StepParameters { stack };
-        let module = step_module(parameters).expect("a module");
+        let module = step_module(parameters);
         let mut simulator = Simulator::new(&module).expect("a simulator");
         let inputs: Vec<_> = module.inputs().iter().map(|port| simulator.input(&port.name).expect("a port")).collect();
         let outputs: Vec<_> =
             module.outputs().iter().map(|port| simulator.output(&port.name).expect("a port")).collect();
-        let mut kinds = [0; 4];
+        let mut kinds = [0; 3];
         for (given, expected) in cases(parameters, 40_000) {
             inputs.iter().zip(&given).for_each(|(&input, &word)| simulator.set(input, word));
             simulator.settle();
@@ -88,7 +111,7 @@ fn the_simulated_module_equals_the_function() {
 #[test]
 fn verilator_equals_the_function() {
     let parameters = StepParameters::default();
-    let module = step_module(parameters).expect("a module");
+    let module = step_module(parameters);
     let folder = tempfile::tempdir().expect("a folder");
     Sources::write(&module, folder.path()).expect("sources").lint().expect("no report of the linters");
     let verilated = Verilated::build(&module, folder.path()).expect("a build");

@@ -1,0 +1,137 @@
+//! What jobs and the memory answer, in native binary32.
+
+use crate::blocks::{BLOCK_BYTES, LeafTriangle, Node};
+use crate::fold::{HitLimits, fold};
+use crate::model::RayRequest;
+use crate::set_up::{self, Entry};
+use crate::state::{Answer, TriangleHit, answer};
+use raypath_model::SimdKernels;
+use raypath_ops::{
+    Binary32, Culling, Flags, Num, Operation, Ray, RayBox, RayBoxInput, RayTriangleExtended, RayTriangleExtendedInput,
+    Rules, Word,
+};
+
+/// A block of the memory.
+pub(crate) type Block = [u8; BLOCK_BYTES as usize];
+
+/// The operations of the unit's jobs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Answers {
+    boxes: RayBox,
+    triangles: RayTriangleExtended,
+}
+
+/// A ray after its set-up.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ReadyRay {
+    /// Its constants; the extent is that of the entry.
+    pub ray: Ray<Binary32>,
+    /// It is refused.
+    pub is_refused: bool,
+}
+
+impl Answers {
+    pub fn new(rules: Rules) -> Self {
+        let (culling, facing, barycentrics, range) = (Culling::None, true, false, false);
+        let triangles = RayTriangleExtended { rules, culling, facing, barycentrics, range };
+        Self { boxes: RayBox { rules }, triangles }
+    }
+
+    /// The constants of a ray.
+    pub fn set_up(&self, entry: &Entry<Binary32>) -> ReadyRay {
+        let axes = set_up::axes(Binary32, entry.dir);
+        let quotient = |division: set_up::Division<Binary32>| quotient(division.dividend, division.divisor);
+        let derived = set_up::derived(Binary32, axes, set_up::divisions(Binary32, entry.dir, axes).map(quotient));
+        let is_refused = set_up::is_refused(Binary32, entry) | derived.is_too_short;
+        let ray = set_up::ray(entry.origin, entry.dir, derived, axes, entry.t_max);
+        ReadyRay { ray, is_refused: is_refused.into() }
+    }
+
+    /// A ray begins, or is refused.
+    pub fn begin(ready: &ReadyRay) -> Answer<Binary32> {
+        nothing(if ready.is_refused { answer::REFUSED } else { answer::START })
+    }
+
+    /// Nothing new.
+    pub fn again() -> Answer<Binary32> {
+        nothing(answer::CONTINUE)
+    }
+
+    /// The memory reported an error.
+    pub fn failure() -> Answer<Binary32> {
+        nothing(answer::ERROR)
+    }
+
+    /// The outcome of a node's box job, for a ray of this length.
+    pub fn node(&self, ready: &ReadyRay, extent: Num<Binary32>, block: &Block) -> Answer<Binary32> {
+        let Node { boxes, children } = Node::of(block);
+        let input = RayBoxInput { ray: Ray { extent, ..ready.ray }, aabb: boxes };
+        let (outcome, ()) = self.boxes.run_with(Binary32, SimdKernels, input, ());
+        Answer {
+            hit: outcome.is_intersect,
+            tmin: [outcome.tmin[1], outcome.tmin[2], outcome.tmin[3]],
+            box_index: outcome.box_index,
+            child: children.map(Word::truncate),
+            ..nothing(answer::BOXES)
+        }
+    }
+
+    /// The outcomes of the triangle jobs of a leaf's block.
+    pub fn leaf(&self, ready: &ReadyRay, limits: HitLimits<Binary32>, block: &Block, count: u32) -> Answer<Binary32> {
+        let mut closest = no_hit();
+        for place in 0..count {
+            closest = fold(closest, (place == 0).into(), self.triangle(ready, block, place), limits);
+        }
+        Answer { closest, ..nothing(answer::BLOCK) }
+    }
+
+    /// The outcome of a triangle job with its distance.
+    fn triangle(&self, ready: &ReadyRay, block: &Block, place: u32) -> TriangleHit<Binary32> {
+        let LeafTriangle { triangle, index } = LeafTriangle::of(block, place as usize);
+        let input = RayTriangleExtendedInput { ray: ready.ray, triangle, t_min: 0.0.into() };
+        let (outcome, ()) = self.triangles.run(Binary32, input, ());
+        TriangleHit {
+            is_hit: outcome.triangle_hit,
+            t: quotient(outcome.t_num, outcome.t_denom),
+            t_num: outcome.t_num,
+            t_denom: outcome.t_denom,
+            back_face: !outcome.facing,
+            triangle: Word::truncate(index),
+        }
+    }
+}
+
+impl RayRequest {
+    /// The limits that the ray sets to hits.
+    pub(crate) fn limits(&self) -> HitLimits<Binary32> {
+        let Self { t_min, cull_back, cull_front, .. } = *self;
+        HitLimits { t_min: t_min.into(), cull_back: cull_back.into(), cull_front: cull_front.into() }
+    }
+}
+
+impl From<&RayRequest> for Entry<Binary32> {
+    fn from(&RayRequest { origin, direction, t_min, t_max, .. }: &RayRequest) -> Self {
+        Self { origin: origin.into(), dir: direction.into(), t_min: t_min.into(), t_max: t_max.into() }
+    }
+}
+
+fn quotient(a: Num<Binary32>, b: Num<Binary32>) -> Num<Binary32> {
+    (f32::from(a) / f32::from(b)).into()
+}
+
+fn no_hit() -> TriangleHit<Binary32> {
+    let (no, zero) = (false.into(), 0.0.into());
+    TriangleHit { is_hit: no, t: zero, t_num: zero, t_denom: zero, back_face: no, triangle: Word::truncate(0) }
+}
+
+fn nothing(kind: u32) -> Answer<Binary32> {
+    let (no, zero, none) = (false.into(), 0.0.into(), Word::truncate(0));
+    Answer {
+        kind: Word::truncate(kind),
+        hit: Flags([no; 4]),
+        tmin: [zero; 3],
+        box_index: [Word::truncate(0); 4],
+        child: [none; 4],
+        closest: no_hit(),
+    }
+}

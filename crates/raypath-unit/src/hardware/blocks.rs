@@ -1,0 +1,123 @@
+//! The blocks that the memory returns.
+
+use super::queue::bits;
+use crate::blocks::{BLOCK_BYTES, CHILD_WORD, INDEX_WORD, TRIANGLES_PER_BLOCK, VERTEX_WORDS};
+use raypath_hdl::text::PortGroup;
+use raypath_hdl::{Builder, Error, Module, Wire};
+use std::sync::Arc;
+
+/// The words of a block that its jobs need: three triangles or, at the same places, four boxes.
+pub const JOB_WORDS: usize = VERTEX_WORDS * TRIANGLES_PER_BLOCK as usize;
+
+/// The module `raypath_unit_blocks`, which keeps a block for each context. It takes a beat in every cycle.
+///
+/// A beat, `data_i` with `context_i` and `error_i`, arrives where `valid_i` is 1. With the last beat of a block,
+/// `arrived_o` is 1, and `failed_o` says whether one of its beats had an error. Three readers have ports of their own:
+/// `<reader>_read_i` and `<reader>_context_i`; the words are there in the next cycle and stay until the next read. The
+/// readers are `job` (`word_…_o`), `child` (`child_…_o`) and `index` (`index_…_o`).
+pub fn blocks(contexts: u32, memory_width: u32) -> Result<Arc<Module>, Error> {
+    let builder = Builder::new("raypath_unit_blocks");
+    let m = &builder;
+    let beats = BLOCK_BYTES * 8 / memory_width;
+    m.doc(format!("The blocks of {contexts} contexts, which arrive in {beats} beats of {memory_width} bits."));
+    let valid = m.input("valid_i", 1);
+    let context = m.input("context_i", bits(contexts));
+    let error = m.input("error_i", 1);
+    let words = data_words(m, "data", memory_width);
+    let readers = ["job", "child", "index"].map(|reader| {
+        (m.input(&format!("{reader}_read_i"), 1), m.input(&format!("{reader}_context_i"), bits(contexts)))
+    });
+
+    m.section("The beats of each block so far, and whether one had an error");
+    let (beat, failed) = if beats == 1 {
+        (None, error)
+    } else {
+        let (beat, failed) = progress(m, contexts, beats, [valid, context, error]);
+        (Some(beat), failed)
+    };
+    let is_beat = |number: u32| beat.map_or(valid, |beat| valid & beat.is(number.into()));
+    let arrived = is_beat(beats - 1).named("arrived");
+
+    m.section("The words");
+    let per_beat = words.len();
+    let store = |name: &str, of: Vec<usize>, (read, reader)| {
+        let mut stored = Vec::new();
+        for number in 0..beats {
+            let here: Vec<usize> = of.iter().copied().filter(|word| word / per_beat == number as usize).collect();
+            if here.is_empty() {
+                continue;
+            }
+            let titles: Vec<String> = here.iter().map(|word| format!("word_{word}")).collect();
+            let columns: Vec<(&str, u32)> = titles.iter().map(|title| (title.as_str(), 32)).collect();
+            let memory = m.memory(&format!("u_{name}_{number}"), contexts, &columns);
+            let data: Vec<Wire<'_>> = here.iter().map(|word| words[word % per_beat]).collect();
+            memory.write(is_beat(number), context, &data);
+            stored.extend(memory.read(read, reader));
+        }
+        stored
+    };
+    let [job, child, index] = readers;
+    let jobs = store("jobs", (0..JOB_WORDS).collect(), job);
+    let children = store("children", (CHILD_WORD..CHILD_WORD + 4).collect(), child);
+    let indices = store("indices", (INDEX_WORD..INDEX_WORD + TRIANGLES_PER_BLOCK as usize).collect(), index);
+    if beats == 1 {
+        m.unused("unused_data", &words[INDEX_WORD + TRIANGLES_PER_BLOCK as usize..]);
+    }
+
+    m.output("arrived_o", arrived);
+    m.output("failed_o", failed);
+    for (name, words) in [("word", jobs), ("child", children), ("index", indices)] {
+        words.iter().enumerate().for_each(|(k, word)| m.output(&format!("{name}_{k}_o"), *word));
+    }
+    builder.finish()
+}
+
+/// A port of `width` bits as words of 32 bits, `<name>_0_i` and so on. The text has one port `<name>_i`.
+pub fn data_words<'m>(m: &'m Builder, name: &str, width: u32) -> Vec<Wire<'m>> {
+    let ports: Vec<String> = (0..width / 32).map(|word| format!("{name}_{word}_i")).collect();
+    let words = ports.iter().map(|port| m.input(port, 32)).collect();
+    let select = |word: usize| format!("[{}:{}]", 32 * word + 31, 32 * word);
+    let members = ports.into_iter().enumerate().rev().map(|(word, port)| (port, select(word)));
+    let structure = format!("logic [{}:0]", width - 1);
+    m.group_inputs(PortGroup { name: format!("{name}_i"), structure, members: members.collect() });
+    words
+}
+
+/// The number of the beat that arrives, and whether its block has an error so far.
+fn progress<'m>(
+    m: &'m Builder,
+    contexts: u32,
+    beats: u32,
+    [valid, context, error]: [Wire<'m>; 3],
+) -> (Wire<'m>, Wire<'m>) {
+    let width = bits(beats);
+    let registers: Vec<_> = (0..contexts)
+        .map(|number| {
+            let beat = m.register(&format!("beat_{number}_q"), width).reset_to(0);
+            let failed = m.register(&format!("failed_{number}_q"), 1).reset_to(0);
+            (beat, failed)
+        })
+        .collect();
+    let of_context = |values: Vec<Wire<'m>>| select(context, &values);
+    let beat = of_context(registers.iter().map(|(beat, _)| beat.wire()).collect()).named("beat");
+    let failed = (of_context(registers.iter().map(|(_, failed)| failed.wire()).collect()) | error).named("failed");
+    let is_last = beat.is(u64::from(beats) - 1);
+    let next_beat = beat + m.constant(width, 1);
+    for (number, (beat, has_failed)) in registers.into_iter().enumerate() {
+        let is_here = valid & context.is(number as u64);
+        beat.next_when(is_here, next_beat);
+        has_failed.next_when(is_here, failed & !is_last);
+    }
+    (beat, failed)
+}
+
+/// The value of this number, by a tree of multiplexers.
+fn select<'m>(number: Wire<'m>, values: &[Wire<'m>]) -> Wire<'m> {
+    let mut layer = values.to_vec();
+    for bit in 0..number.width() {
+        let pairs = layer.chunks(2);
+        layer =
+            pairs.map(|pair| if let [low, high] = pair { number.bit(bit).mux(*high, *low) } else { pair[0] }).collect();
+    }
+    layer[0]
+}

@@ -1,0 +1,81 @@
+//! Instances and memories whose ports and columns have names.
+
+use raypath_hdl::{Builder, Module, Wire};
+use std::sync::Arc;
+
+/// Named wires.
+pub type Named<'m> = Vec<(String, Wire<'m>)>;
+
+/// The inputs of an instance.
+#[derive(Default)]
+pub struct Inputs<'m>(Named<'m>);
+
+/// The outputs of an instance.
+pub struct Outputs<'m> {
+    builder: &'m Builder,
+    ports: Named<'m>,
+}
+
+impl<'m> Inputs<'m> {
+    /// Connects the port `<name>_i`.
+    pub fn port(mut self, name: &str, wire: Wire<'m>) -> Self {
+        self.0.push((format!("{name}_i"), wire));
+        self
+    }
+
+    /// Connects a port `<name>_i` for each wire.
+    pub fn ports(self, named: impl IntoIterator<Item = (String, Wire<'m>)>) -> Self {
+        named.into_iter().fold(self, |inputs, (name, wire)| inputs.port(&name, wire))
+    }
+
+    /// Places the instance.
+    pub fn place(self, builder: &'m Builder, instance: &str, module: &Arc<Module>) -> Outputs<'m> {
+        let given: Vec<(&str, Wire<'m>)> = self.0.iter().map(|(name, wire)| (name.as_str(), *wire)).collect();
+        let wires = builder.instance(instance, module, &given);
+        let names = module.outputs().iter().map(|port| port.name.trim_end_matches("_o").to_string());
+        Outputs { builder, ports: names.zip(wires).collect() }
+    }
+}
+
+impl<'m> Outputs<'m> {
+    /// The output `<name>_o`. If the module does not have it, the builder reports a wire that is not driven.
+    pub fn port(&self, name: &str) -> Wire<'m> {
+        let found = self.ports.iter().find(|(known, _)| known == name);
+        found.map_or_else(|| self.builder.forward(&format!("missing_{name}"), 1).wire(), |(_, wire)| *wire)
+    }
+
+    /// The outputs whose names begin with `<stem>_`, in order, without the stem.
+    pub fn under(&self, stem: &str) -> Named<'m> {
+        let rest = |name: &str| Some(name.strip_prefix(stem)?.strip_prefix('_')?.to_string());
+        self.ports.iter().filter_map(|(name, wire)| Some((rest(name)?, *wire))).collect()
+    }
+}
+
+/// A name and a wire.
+pub fn named<'m>(name: &str, wire: Wire<'m>) -> (String, Wire<'m>) {
+    (name.to_string(), wire)
+}
+
+/// Wires with a stem before their names: `<stem>_<name>`.
+pub fn prefixed<'m>(stem: &str, named: Named<'m>) -> Named<'m> {
+    named.into_iter().map(|(name, wire)| (format!("{stem}_{name}"), wire)).collect()
+}
+
+/// An enable and an address of a memory.
+pub type Access<'m> = (Wire<'m>, Wire<'m>);
+
+/// Words in a memory, with a column for each: written at one port, and read by name at the other.
+pub fn keep<'m>(name: &str, depth: u32, write: Access<'m>, words: Named<'m>, read: Access<'m>) -> Named<'m> {
+    let columns: Vec<(&str, u32)> = words.iter().map(|(name, wire)| (name.as_str(), wire.width())).collect();
+    let memory = write.0.builder().memory(name, depth, &columns);
+    memory.write(write.0, write.1, &words.iter().map(|(_, wire)| *wire).collect::<Vec<_>>());
+    let read = memory.read(read.0, read.1);
+    words.into_iter().map(|(name, _)| name).zip(read).collect()
+}
+
+/// A register that takes `wire` where `enable` is 1.
+pub fn hold<'m>(name: &str, enable: Wire<'m>, wire: Wire<'m>) -> Wire<'m> {
+    let register = wire.builder().register(name, wire.width());
+    register.next_when(enable, wire);
+    register.wire()
+}

@@ -1,0 +1,88 @@
+//! The distances of triangles, and the closest hit of each block.
+
+use super::queue::bits;
+use crate::fold::{HitLimits, fold};
+use crate::netlist::{Netlist, Value, from_list, inputs, outputs, wires};
+use crate::state::TriangleHit;
+use raypath_float::{DivSqrt, Format, decode, encode};
+use raypath_hdl::{Builder, Error, Module, Wire};
+use raypath_ops::Bit;
+use std::sync::Arc;
+
+/// The module `raypath_unit_distance`. The outcome of a triangle job enters where `valid_i` and `ready_o` are 1. The
+/// closest hit of its block, `closest_…_o` with `context_o`, is there when its last triangle has passed: where
+/// `valid_o` is 1, until `taken_i` is 1.
+///
+/// Numerators and denominators wait in a memory of this module. Where `read_o` is 1, the limits of the ray of
+/// `read_context_o` and the indices of its block are read: `limits_…_i` and `index_…_i` have them in the next cycle.
+pub fn distance(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error> {
+    let builder = Builder::new("raypath_unit_distance");
+    let m = &builder;
+    m.doc("The distances of triangles by division, and the closest hit of each block.");
+    let c = Netlist(m);
+    let width = bits(contexts);
+    let valid = m.input("valid_i", 1);
+    let [context, place] = [("context_i", width), ("place_i", 2)].map(|(name, width)| m.input(name, width));
+    let [is_last, is_hit, is_front] = ["is_last_i", "is_hit_i", "is_front_i"].map(|name| m.input(name, 1));
+    let [t_num, t_denom] = ["t_num_i", "t_denom_i"].map(|name| m.input(name, 32));
+    let limits: HitLimits<Netlist<'_>> = inputs(m, "limits");
+    let indices = [0, 1, 2].map(|k| m.input(&format!("index_{k}_i"), 32));
+    let taken = m.input("taken_i", 1);
+
+    m.section("Division");
+    let encoder = encode(Format::BINARY32)?;
+    let recoded =
+        |name: &str, wire: Wire<'_>| m.instance(&format!("u_encode_{name}"), &encoder, &[("ieee_i", wire)])[0];
+    let (a, b) = (recoded("t_num", t_num), recoded("t_denom", t_denom));
+    let tag = m.concat(&[context, place, is_last, is_hit, !is_front]);
+    let divider = DivSqrt::Quotient.pipelined(Format::BINARY32, divider_latency, tag.width())?;
+    let moves = m.forward("moves", 1);
+    let given = [("valid_i", valid), ("ready_i", moves.wire()), ("a_i", a), ("b_i", b), ("tag_i", tag)];
+    let results = m.instance("u_divider", &divider, &given);
+    let (ready, has_quotient, result, tag) = (results[0], results[1], results[2], results[3]);
+    let quotient = m.instance("u_decode", &decode(Format::BINARY32)?, &[("recoded_i", result)])[0];
+    let slot = tag.bits(width + 4, 3);
+
+    m.section("The hit whose limits and index are read");
+    let read = (has_quotient & moves.wire()).named("read");
+    let has_hit = m.register("has_hit_q", 1).reset_to(0);
+    let folds = m.forward("folds", 1);
+    moves.drive(!has_hit.wire() | folds.wire());
+    has_hit.next(read | (has_hit.wire() & !folds.wire()));
+    let hold = |name: &str, wire: Wire<'_>| {
+        let register = m.register(name, wire.width());
+        register.next_when(read, wire);
+        register.wire()
+    };
+    let (t, tag_q) = (hold("t_q", quotient), hold("tag_q", tag));
+    let fractions = m.memory("u_fractions", 4 * contexts, &[("t_num", 32), ("t_denom", 32)]);
+    fractions.write(valid & ready, m.concat(&[context, place]), &[t_num, t_denom]);
+    let fraction = fractions.read(read, slot);
+
+    m.section("The closest hit of its block so far");
+    let place = tag_q.bits(4, 3);
+    let index = place.bit(1).mux(indices[2], place.bit(0).mux(indices[1], indices[0]));
+    let found: TriangleHit<Netlist<'_>> =
+        from_list(m, &[tag_q.bit(1), t, fraction[0], fraction[1], tag_q.bit(0), index]);
+    let registers: Vec<_> =
+        wires("closest", &found).iter().map(|(name, wire)| m.register(&format!("{name}_q"), wire.width())).collect();
+    let held: Vec<Wire<'_>> = registers.iter().map(|register| register.wire()).collect();
+    let before: TriangleHit<Netlist<'_>> = from_list(m, &held);
+    let closest = fold(before, Bit::new(c, Value(place.is(0))), found, limits);
+    for (register, (_, wire)) in registers.iter().zip(wires("", &closest)) {
+        register.next_when(folds.wire(), wire);
+    }
+    let is_complete = m.register("is_complete_q", 1).reset_to(0);
+    folds.drive(has_hit.wire() & (!is_complete.wire() | taken));
+    is_complete.next((folds.wire() & tag_q.bit(2)) | (is_complete.wire() & !taken));
+    let complete_context = m.register("context_q", width);
+    complete_context.next_when(folds.wire(), tag_q.upper(width));
+
+    m.output("ready_o", ready);
+    m.output("read_o", read);
+    m.output("read_context_o", tag.upper(width));
+    m.output("valid_o", is_complete.wire());
+    m.output("context_o", complete_context.wire());
+    outputs(m, "closest", &before);
+    builder.finish()
+}

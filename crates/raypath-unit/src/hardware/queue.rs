@@ -1,0 +1,50 @@
+//! A queue in a memory.
+
+use raypath_hdl::{Builder, Error, Module, Wire};
+use std::sync::Arc;
+
+/// The queue `name` of `depth` words in a memory and one at the output, with these columns.
+///
+/// Inputs: `push_i` with `<column>_i`, and `pop_i`, which takes the word at the output. Outputs: `valid_o` and
+/// `<column>_o`. A word is at the output of an empty queue two cycles after it entered. There is no port that says that
+/// the queue is full: its owner has at most `depth` words.
+pub fn queue(name: &str, depth: u32, columns: &[(&str, u32)]) -> Result<Arc<Module>, Error> {
+    let builder = Builder::new(name);
+    let m = &builder;
+    m.doc(format!("A queue of up to {depth} words."));
+    let push = m.input("push_i", 1);
+    let data: Vec<Wire<'_>> = columns.iter().map(|(column, width)| m.input(&format!("{column}_i"), *width)).collect();
+    let pop = m.input("pop_i", 1);
+    let count = m.register("count_q", bits(depth + 1)).reset_to(0);
+    let [head, tail] = ["head_q", "tail_q"].map(|name| m.register(name, bits(depth)).reset_to(0));
+    let valid = m.register("valid_q", 1).reset_to(0);
+
+    let read = (count.wire().any() & (!valid.wire() | pop)).named("read");
+    valid.next(read | (valid.wire() & !pop));
+    let one = m.constant(bits(depth + 1), 1);
+    count.next_when(push ^ read, push.mux(count.wire() + one, count.wire() - one));
+    tail.next_when(push, after(tail.wire(), depth));
+    head.next_when(read, after(head.wire(), depth));
+    let memory = m.memory("u_words", depth, columns);
+    memory.write(push, tail.wire(), &data);
+    let words = memory.read(read, head.wire());
+
+    m.output("valid_o", valid.wire());
+    columns.iter().zip(words).for_each(|((column, _), word)| m.output(&format!("{column}_o"), word));
+    builder.finish()
+}
+
+/// The number after one of 0 to `count` - 1, in a circle.
+pub fn after(number: Wire<'_>, count: u32) -> Wire<'_> {
+    let m = number.builder();
+    let next = number + m.constant(number.width(), 1);
+    if count.is_power_of_two() {
+        return next;
+    }
+    number.is(u64::from(count) - 1).mux(m.constant(number.width(), 0), next)
+}
+
+/// The bits of a word with the values 0 to `count` - 1.
+pub fn bits(count: u32) -> u32 {
+    count.next_power_of_two().trailing_zeros().max(1)
+}

@@ -1,0 +1,31 @@
+//! Which answer is the next step's.
+
+use raypath_hdl::{Builder, Error, Module, Wire};
+use std::sync::Arc;
+
+/// The sources of answers, in the order of the bits of `request_i` and `grant_o`.
+pub const SOURCES: [&str; 5] = ["boxes", "block", "fault", "start", "continue"];
+
+/// The module `raypath_unit_scheduler`: `grant_o` has one bit of `request_i`. The first source after the one that was
+/// granted last is granted, in a circle, so that a source waits for at most one step of each other source.
+pub fn scheduler() -> Result<Arc<Module>, Error> {
+    let count = SOURCES.len() as u32;
+    let builder = Builder::new("raypath_unit_scheduler");
+    let m = &builder;
+    m.doc("Which answer is the next step's: that of the first source after the one that was granted last.");
+    m.doc(format!("The sources, from bit 0 on: {}.", SOURCES.join(", ")));
+    let request = m.input("request_i", count);
+    // The sources after the one that was granted last.
+    let after = m.register("after_q", count).reset_to(0);
+    let one = m.constant(count, 1);
+    let later = (request & after.wire()).named("later");
+    let grant = later.any().mux(lowest(later), lowest(request)).named("grant");
+    after.next_when(request.any(), !(grant | (grant - one)));
+    m.output("grant_o", grant);
+    builder.finish()
+}
+
+/// The lowest bit of a word.
+fn lowest(word: Wire<'_>) -> Wire<'_> {
+    word & (!word + word.builder().constant(word.width(), 1))
+}

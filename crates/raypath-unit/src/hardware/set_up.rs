@@ -1,0 +1,97 @@
+//! The set-up of rays: five quotients of each, from one pipelined divider.
+
+use super::queue::bits;
+use crate::netlist::{Netlist, Value, from_list, inputs, outputs, wires};
+use crate::set_up::{Axes, Entry, QUOTIENTS, axes, derived, divisions, is_refused};
+use raypath_float::{DivSqrt, Format, decode, encode};
+use raypath_hdl::{Builder, Error, Module, Wire};
+use raypath_ops::{Num, Vec3};
+use std::sync::Arc;
+
+/// The module `raypath_unit_set_up`, which takes a ray every five cycles.
+///
+/// A ray, `entry_…_i` with `context_i`, enters in a cycle in which `valid_i` and `ready_o` are 1. Its constants,
+/// `inv_…_o`, `shear_…_o`, `kx_o`, `ky_o` and `kz_o`, are there with `context_o` in the one cycle in which `valid_o` is
+/// 1; `is_refused_o` says that the ray is refused.
+pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error> {
+    let builder = Builder::new("raypath_unit_set_up");
+    let m = &builder;
+    m.doc("The constants of rays, from one divider that each ray uses five times.");
+    let c = Netlist(m);
+    let valid = m.input("valid_i", 1);
+    let entry: Entry<Netlist<'_>> = inputs(m, "entry");
+    let context = m.input("context_i", bits(contexts));
+    let hold = |name: &str, when: Wire<'_>, wire: Wire<'_>| {
+        let register = m.register(name, wire.width());
+        register.next_when(when, wire);
+        register.wire()
+    };
+
+    m.section("The ray whose operands enter the divider, and the number of the next quotient");
+    let busy = m.register("busy_q", 1).reset_to(0);
+    let number = m.register("number_q", 3).reset_to(0);
+    let is_last = number.wire().is(QUOTIENTS as u64 - 1).named("is_last");
+    let ready = (!busy.wire() | is_last).named("ready");
+    let enters = (valid & ready).named("enters");
+    busy.next(enters | (busy.wire() & !is_last));
+    number.next_when(busy.wire(), is_last.mux(m.constant(3, 0), number.wire() + m.constant(3, 1)));
+    let components = wires("dir", &entry.dir);
+    let held: Vec<_> = components.iter().map(|(name, wire)| hold(&format!("{name}_q"), enters, *wire)).collect();
+    let dir: Vec3<Netlist<'_>> = from_list(m, &held);
+    let refused = hold("is_refused_q", enters, is_refused(c, &entry).value.0);
+    let context = hold("context_q", enters, context);
+
+    m.section("The axes, which the last two quotients need");
+    let is_first = (busy.wire() & number.wire().is(0)).named("is_first");
+    let found = wires("axis", &axes(c, dir));
+    let held: Vec<_> = found.iter().map(|(name, wire)| hold(&format!("{name}_q"), is_first, *wire)).collect();
+    let operands = divisions(c, dir, from_list(m, &held));
+
+    m.section("The operands");
+    let encoder = encode(Format::BINARY32)?;
+    let operand = |name: &str, of: [Num<Netlist<'_>>; QUOTIENTS]| {
+        let all = of.map(|number| number.value.0);
+        let chosen = (1..QUOTIENTS).fold(all[0], |chosen, k| number.wire().is(k as u64).mux(all[k], chosen));
+        let recoded = m.instance(&format!("u_encode_{name}"), &encoder, &[("ieee_i", chosen)])[0];
+        hold(&format!("{name}_q"), busy.wire(), recoded)
+    };
+    let a = operand("dividend", operands.map(|division| division.dividend));
+    let b = operand("divisor", operands.map(|division| division.divisor));
+    let has_operands = m.register("has_operands_q", 1).reset_to(0);
+    has_operands.next(busy.wire());
+    let tag: Vec<Wire<'_>> = [context, refused].into_iter().chain(held).chain([is_last]).collect();
+    let widths: Vec<u32> = tag.iter().map(|wire| wire.width()).collect();
+    let tag = hold("tag_q", busy.wire(), m.concat(&tag));
+
+    m.section("The divider, whose results are always taken");
+    let divider = DivSqrt::Quotient.pipelined(Format::BINARY32, divider_latency, tag.width())?;
+    let always = m.constant(1, 1);
+    let given = [("valid_i", has_operands.wire()), ("ready_i", always), ("a_i", a), ("b_i", b), ("tag_i", tag)];
+    let results = m.instance("u_divider", &divider, &given);
+    m.unused("unused_ready", &results[..1]);
+    let (has_result, result) = (results[1], results[2]);
+    let mut low = results[3].width();
+    let tag: Vec<Wire<'_>> = widths
+        .iter()
+        .map(|width| {
+            low -= width;
+            results[3].bits(low + width - 1, low)
+        })
+        .collect();
+
+    m.section("The constants of a ray, with its last quotient");
+    let mut quotients = vec![m.instance("u_decode", &decode(Format::BINARY32)?, &[("recoded_i", result)])[0]];
+    for k in (0..QUOTIENTS - 1).rev() {
+        quotients.insert(0, hold(&format!("quotient_{k}_q"), has_result, quotients[0]));
+    }
+    let axes: Axes<Netlist<'_>> = from_list(m, &tag[2..5]);
+    let derived = derived(c, axes, std::array::from_fn(|k| Num::new(c, Value(quotients[k]))));
+    m.output("ready_o", ready);
+    m.output("valid_o", has_result & tag[5]);
+    m.output("context_o", tag[0]);
+    m.output("is_refused_o", tag[1] | derived.is_too_short.value.0);
+    outputs(m, "inv", &derived.inv);
+    outputs(m, "shear", &derived.shear);
+    wires("", &axes).into_iter().for_each(|(name, wire)| m.output(&format!("{name}_o"), wire));
+    builder.finish()
+}

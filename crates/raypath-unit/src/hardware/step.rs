@@ -1,0 +1,39 @@
+//! A step in hardware: two modules without registers, and the pipeline around them.
+
+use crate::netlist::{Netlist, inputs, outputs};
+use crate::state::{Answer, Group, RayState};
+use crate::step::{HalfStep, StepParameters, finish, prepare};
+use raypath_hdl::{Builder, Error, Module};
+use std::sync::Arc;
+
+/// The module `raypath_unit_prepare`: the first half of a step, without registers. Its inputs are `state_…_i` and
+/// `answer_…_i`, its outputs `half_…_o`, with the fields of [`RayState`], [`Answer`] and [`HalfStep`].
+///
+/// # Errors
+/// A defect of the description.
+pub fn prepare_module() -> Result<Arc<Module>, Error> {
+    let m = Builder::new("raypath_unit_prepare");
+    m.doc("What happens to a ray when an answer arrives, before its stack is read.");
+    let state: RayState<Netlist<'_>> = inputs(&m, "state");
+    let answer: Answer<Netlist<'_>> = inputs(&m, "answer");
+    outputs(&m, "half", &prepare(Netlist(&m), state, answer));
+    m.finish()
+}
+
+/// The module `raypath_unit_finish`: the second half of a step, without registers. Its inputs are `half_…_i` and
+/// `top_…_i`, its outputs `next_…_o` and `request_…_o`, with the fields of [`HalfStep`], [`Group`], [`RayState`] and
+/// [`Request`](crate::state::Request).
+///
+/// # Errors
+/// A defect of the description.
+pub fn finish_module(parameters: StepParameters) -> Result<Arc<Module>, Error> {
+    let m = Builder::new("raypath_unit_finish");
+    m.doc("What happens to a ray when an answer arrives, after its stack is read.");
+    m.doc(format!("The stack of a ray has {} entries.", parameters.stack));
+    let half: HalfStep<Netlist<'_>> = inputs(&m, "half");
+    let top: Group<Netlist<'_>> = inputs(&m, "top");
+    let (next, request) = finish(Netlist(&m), parameters, half, top);
+    outputs(&m, "next", &next);
+    outputs(&m, "request", &request);
+    m.finish()
+}

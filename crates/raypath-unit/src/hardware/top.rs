@@ -1,0 +1,290 @@
+//! The top module: the datapath and the parts around it.
+
+use super::blocks::{JOB_WORDS, blocks, data_words};
+use super::connect::{Inputs, Named, Outputs, keep, named, prefixed};
+use super::distance::distance;
+use super::hits::hits;
+use super::issue::issue;
+use super::parameters::UnitParameters;
+use super::queue::{bits, queue};
+use super::rays::rays;
+use super::walk::{OFFSET_BITS, walk};
+use crate::blocks::BOX_WORDS;
+use crate::error::UnitError;
+use crate::netlist::{Netlist, inputs, wires};
+use crate::set_up::Entry;
+use raypath_hdl::{Builder, Module, Wire};
+use raypath_ops::{Binary32, Culling, JobKind, RayBoxInput, RayTriangleInput, Rules, ports_of};
+use raypath_rtl::{Config, Datapath, Features, Lanes};
+use std::sync::Arc;
+
+/// The unit's netlist and that of its datapath.
+#[derive(Debug)]
+pub struct UnitNetlist {
+    /// The module `raypath_unit`.
+    pub top: Arc<Module>,
+    /// Its datapath.
+    pub datapath: Datapath,
+    /// The configuration of the datapath, with what the unit needs.
+    pub config: Config,
+    /// The parameters of the unit.
+    pub parameters: UnitParameters,
+}
+
+/// The bits of a job's tag besides the context: the triangle's place, and whether it is the last of its block.
+const TAG_BITS: u32 = 3;
+
+impl UnitNetlist {
+    /// Builds the unit around a datapath of this configuration. Distance operations are left out, and the features that
+    /// the unit needs are added: a tag, facing, and hits of both faces.
+    ///
+    /// # Errors
+    /// A parameter out of its range; rules, a format, an encoding or features that the unit does not have.
+    pub fn new(config: Config, parameters: UnitParameters) -> Result<Self, UnitError> {
+        parameters.check()?;
+        check(config)?;
+        let tag = bits(parameters.contexts) + TAG_BITS;
+        let features = Features { tag, facing: true, culling: Culling::None, ..Features::OFF };
+        let config = config.lanes(Lanes::None).features(features);
+        let datapath = Datapath::new(config)?;
+        let top = top(datapath.top(), parameters)?;
+        Ok(Self { top, datapath, config, parameters })
+    }
+}
+
+/// An error for what the unit does not have.
+fn check(config: Config) -> Result<(), UnitError> {
+    let Config { semantics, microarchitecture } = config;
+    let default = Config::DEFAULT;
+    let features = Config::DEFAULT.features(semantics.features).options();
+    let checks = [
+        ("rules", semantics.rules == Rules::Paper, semantics.rules.to_string(), "rules paper"),
+        ("format", semantics.format == default.semantics.format, semantics.format.to_string(), "format fp32"),
+        ("features", features.is_empty(), features, "no features: the unit adds those that it needs"),
+        ("io", microarchitecture.io == default.microarchitecture.io, microarchitecture.io.to_string(), "io ieee"),
+    ];
+    match checks.into_iter().find(|(_, is_available, ..)| !is_available) {
+        None => Ok(()),
+        Some((parameter, _, value, expected)) => Err(UnitError::Datapath { parameter, value, expected }),
+    }
+}
+
+fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>, UnitError> {
+    let UnitParameters { contexts, step, memory_width, id_width, divider_latency } = parameters;
+    let builder = Builder::new("raypath_unit");
+    let m = &builder;
+    m.doc("A ray goes in, the closest or any hit comes out.");
+    let stack = step.stack;
+    m.doc(format!("{contexts} contexts, each with a stack of {stack} entries; {memory_width} bits of memory a beat;"));
+    m.doc(format!("quotients after {divider_latency} cycles."));
+    let width = bits(contexts);
+    let ray_valid = m.input("ray_valid_i", 1);
+    let ray = [("id", id_width), ("any_hit", 1), ("cull", 2), ("root", 32)];
+    let ray = ray.map(|(name, width)| named(name, m.input(&format!("ray_{name}_i"), width)));
+    let entry: Entry<Netlist<'_>> = inputs(m, "ray");
+    let hit_ready = m.input("hit_ready_i", 1);
+    let request_ready = m.input("mem_req_ready_i", 1);
+    let arrives = m.input("mem_rsp_valid_i", 1);
+    let arrived_context = m.input("mem_rsp_tag_i", width);
+    let error = m.input("mem_rsp_error_i", 1);
+    let data = data_words(m, "mem_rsp_data", memory_width);
+
+    // What flows backwards.
+    let [start_taken, boxes_taken, block_taken, fault_taken] =
+        ["start_taken", "boxes_taken", "block_taken", "fault_taken"].map(|name| m.forward(name, 1));
+    let [releases, take, limits_read, step_read, fetches, job_ready] =
+        ["releases", "take", "limits_read", "step_read", "fetches", "job_ready"].map(|name| m.forward(name, 1));
+    let [hit_context, take_context, limits_context, step_context, fetch_context] =
+        ["hit_context", "take_context", "limits_context", "step_context", "fetch_context"]
+            .map(|name| m.forward(name, width));
+    let [fetch_count, fetch_extent] = [("fetch_count", 2), ("fetch_extent", 32)].map(|(name, w)| m.forward(name, w));
+
+    m.section("Rays");
+    let rays = Inputs::default()
+        .port("valid", ray_valid)
+        .ports(wires("entry", &entry))
+        .ports(ray)
+        .port("start_taken", start_taken.wire())
+        .port("release", releases.wire())
+        .port("hit_context", hit_context.wire())
+        .port("job_read", take.wire())
+        .port("job_context", take_context.wire())
+        .port("limits_read", limits_read.wire())
+        .port("limits_context", limits_context.wire())
+        .port("step_read", step_read.wire())
+        .port("step_context", step_context.wire())
+        .place(m, "u_rays", &rays(parameters)?);
+
+    m.section("Blocks and their jobs");
+    let data = data.into_iter().enumerate().map(|(word, wire)| named(&format!("data_{word}"), wire));
+    let blocks = Inputs::default()
+        .port("valid", arrives)
+        .port("context", arrived_context)
+        .port("error", error)
+        .ports(data)
+        .port("job_read", take.wire())
+        .port("job_context", take_context.wire())
+        .port("child_read", step_read.wire())
+        .port("child_context", step_context.wire())
+        .port("index_read", limits_read.wire())
+        .port("index_context", limits_context.wire())
+        .place(m, "u_blocks", &blocks(contexts, memory_width)?);
+    let fetched = vec![named("count", fetch_count.wire()), named("extent", fetch_extent.wire())];
+    let by_fetch = (fetches.wire(), fetch_context.wire());
+    let fetched = keep("u_fetched", contexts, by_fetch, fetched, (take.wire(), take_context.wire()));
+    let issue = Inputs::default()
+        .port("arrived", blocks.port("arrived"))
+        .port("arrived_failed", blocks.port("failed"))
+        .port("arrived_context", arrived_context)
+        .port("count", fetched[0].1)
+        .ports(prefixed("word", blocks.under("word")))
+        .port("ready", job_ready.wire())
+        .port("fault_taken", fault_taken.wire())
+        .place(m, "u_issue", &issue(contexts)?);
+    take.drive(issue.port("take"));
+    take_context.drive(issue.port("take_context"));
+
+    m.section("The datapath");
+    let opcode = |kind: JobKind| m.constant(datapath.port_width("opcode_i").unwrap_or(1), kind.opcode());
+    let job = Job { rays: &rays, blocks: &blocks, issue: &issue, extent: fetched[1].1 };
+    let outcome_ready = m.forward("outcome_ready", 1);
+    let outcome = Inputs::default()
+        .port("input_valid", issue.port("offer"))
+        .port("output_ready", outcome_ready.wire())
+        .port("opcode", issue.port("is_node").mux(opcode(JobKind::Quadbox), opcode(JobKind::Triangle)))
+        .port("tag", m.concat(&[issue.port("context"), issue.port("place"), issue.port("is_last")]))
+        .ports(job.inputs(m, datapath))
+        .place(m, "u_datapath", datapath);
+    job_ready.drive(outcome.port("input_ready"));
+    let is_boxes = outcome.port("opcode").equals(opcode(JobKind::Quadbox)).named("is_boxes");
+    let tag = outcome.port("tag");
+    let outcome_context = tag.upper(width).named("outcome_context");
+
+    m.section("Distances of triangles");
+    let closest = Inputs::default()
+        .port("valid", outcome.port("output_valid") & !is_boxes)
+        .port("context", outcome_context)
+        .port("place", tag.bits(2, 1))
+        .port("is_last", tag.bit(0))
+        .port("is_hit", outcome.port("triangle_hit"))
+        .port("is_front", outcome.port("facing"))
+        .port("t_num", outcome.port("t_num"))
+        .port("t_denom", outcome.port("t_denom"))
+        .ports(prefixed("limits", rays.under("limits")))
+        .ports(prefixed("index", blocks.under("index")))
+        .port("taken", block_taken.wire())
+        .place(m, "u_distance", &distance(contexts, divider_latency)?);
+    limits_read.drive(closest.port("read"));
+    limits_context.drive(closest.port("read_context"));
+    outcome_ready.drive(is_boxes.mux(boxes_taken.wire(), closest.port("ready")));
+
+    m.section("Steps");
+    let tmin = (1..4).map(|k| named(&format!("boxes_tmin_{}", k - 1), outcome.port(&format!("tmin_{k}"))));
+    let walk = Inputs::default()
+        .port("boxes_valid", outcome.port("output_valid") & is_boxes)
+        .port("boxes_context", outcome_context)
+        .port("boxes_hit", outcome.port("is_intersect"))
+        .ports(tmin)
+        .ports(prefixed("boxes_box_index", outcome.under("box_index")))
+        .port("block_valid", closest.port("valid"))
+        .port("block_context", closest.port("context"))
+        .ports(prefixed("closest", closest.under("closest")))
+        .port("fault_valid", issue.port("fault_valid"))
+        .port("fault_context", issue.port("context"))
+        .ports(prefixed("start", rays.under("start")))
+        .ports(prefixed("child", blocks.under("child")))
+        .ports(prefixed("begin", rays.under("begin")))
+        .place(m, "u_walk", &walk(parameters)?);
+    for (forward, name) in
+        [(start_taken, "start"), (boxes_taken, "boxes"), (block_taken, "block"), (fault_taken, "fault")]
+    {
+        forward.drive(walk.port(&format!("{name}_taken")));
+    }
+    step_read.drive(walk.port("read"));
+    step_context.drive(walk.port("read_context"));
+    fetches.drive(walk.port("fetches"));
+    fetch_context.drive(walk.port("context"));
+    fetch_count.drive(walk.port("count"));
+    fetch_extent.drive(walk.port("next_extent"));
+
+    m.section("Requests to the memory, and hits");
+    let columns = [("context", width), ("block", 32 - OFFSET_BITS)];
+    let request = Inputs::default()
+        .port("push", walk.port("fetches"))
+        .port("context", walk.port("context"))
+        .port("block", walk.port("block"))
+        .port("pop", request_ready)
+        .place(m, "u_requests", &queue("raypath_unit_requests", contexts, &columns)?);
+    let hits = Inputs::default()
+        .port("ends", walk.port("ends"))
+        .port("context", walk.port("context"))
+        .port("status", walk.port("status"))
+        .ports(prefixed("next", walk.under("next")))
+        .port("ready", hit_ready)
+        .place(m, "u_hits", &hits(contexts)?);
+    releases.drive(hits.port("release"));
+    hit_context.drive(hits.port("context"));
+
+    m.output("ray_ready_o", rays.port("ready"));
+    m.output("hit_valid_o", hits.port("valid"));
+    m.output("hit_id_o", rays.port("id"));
+    for name in ["status", "t", "triangle", "t_num", "t_denom", "back_face", "nodes", "triangles"] {
+        m.output(&format!("hit_{name}_o"), hits.port(name));
+    }
+    m.output("mem_req_valid_o", request.port("valid"));
+    m.output("mem_req_addr_o", m.concat(&[request.port("block"), m.constant(OFFSET_BITS, 0)]));
+    m.output("mem_req_tag_o", request.port("context"));
+    m.output("mem_rsp_ready_o", m.constant(1, 1));
+    Ok(builder.finish()?)
+}
+
+/// Where the inputs of a job come from.
+struct Job<'a, 'm> {
+    rays: &'a Outputs<'m>,
+    blocks: &'a Outputs<'m>,
+    issue: &'a Outputs<'m>,
+    extent: Wire<'m>,
+}
+
+impl<'m> Job<'_, 'm> {
+    /// The inputs of the datapath's two operations.
+    fn inputs(&self, m: &'m Builder, datapath: &Module) -> Named<'m> {
+        let mut found: Named<'m> = Vec::new();
+        let mut corners = 0..;
+        let mut vertices = 0..;
+        let boxes = ports_of::<RayBoxInput<Binary32>>().into_iter();
+        let triangles = ports_of::<RayTriangleInput<Binary32>>().into_iter();
+        for port in boxes.chain(triangles) {
+            let name = port.name;
+            if found.iter().any(|(known, _)| *known == name) || datapath.port_width(&format!("{name}_i")).is_none() {
+                continue;
+            }
+            let wire = match name.strip_prefix("ray_") {
+                Some("extent") => self.extent,
+                // The rules of the unit do not read the direction.
+                Some(field) if field.starts_with("dir_") => m.constant(32, 0),
+                Some(field) => self.rays.port(&format!("job_{field}")),
+                None if name.starts_with("aabb_") => {
+                    let corner: usize = corners.next().unwrap_or_default();
+                    self.blocks.port(&format!("word_{}", box_word(corner)))
+                }
+                None => {
+                    let vertex: usize = vertices.next().unwrap_or_default();
+                    self.issue.port(&format!("triangle_{vertex}"))
+                }
+            };
+            found.push((name, wire));
+        }
+        found
+    }
+}
+
+/// The word of a block with a bound of its boxes. In the operation's input, the bounds of a slab follow each other; in
+/// memory the minima come first.
+fn box_word(place: usize) -> usize {
+    let (child, bound) = (place / BOX_WORDS, place % BOX_WORDS);
+    let (axis, is_max) = (bound / 2, bound % 2);
+    BOX_WORDS * child + 3 * is_max + axis
+}
+
+const _: () = assert!(4 * BOX_WORDS <= JOB_WORDS);

@@ -1,0 +1,185 @@
+//! The steps of rays: one in each cycle, in three stages.
+//!
+//! In the first stage an answer is chosen, and the state of its ray is read. In the second the step is prepared, and
+//! the stack is read. In the third the step is finished, and everything is written. A ray has at most one answer at a
+//! time, so steps of the same ray do not overlap.
+
+use super::UnitParameters;
+use super::connect::{Inputs, Named, hold, prefixed};
+use super::hits::is_shown;
+use super::queue::{bits, queue};
+use super::scheduler::{SOURCES, scheduler};
+use super::step::{finish_module, prepare_module};
+use crate::blocks::BLOCK_BYTES;
+use crate::netlist::{Netlist, Value, wires};
+use crate::state::{Group, RayState, answer, request};
+use raypath_hdl::{Builder, Error, Module, Wire};
+use raypath_ops::{Binary32, Bit, Num, Word, ports_of};
+use std::sync::Arc;
+
+/// The module `raypath_unit_walk`.
+///
+/// Each source of answers has `<source>_valid_i` and `<source>_context_i`, and `<source>_taken_o` where its answer is
+/// taken: `boxes` with `boxes_…_i`, `block` with `closest_…_i`, `fault`, and `start` with `start_is_refused_i`. Where
+/// `read_o` is 1, the child words and the ray of `read_context_o` are read, which are there in the next cycle:
+/// `child_…_i`, `begin_…_i`.
+///
+/// A step ends with `fetches_o` or `ends_o`, or neither if the ray continues, and `context_o`. To fetch: `block_o`, the
+/// address without its offset, and `count_o`. At the end: `status_o` and what a hit shows of the
+/// state, `next_…_o`.
+pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
+    let UnitParameters { contexts: count, step, .. } = parameters;
+    let builder = Builder::new("raypath_unit_walk");
+    let m = &builder;
+    m.doc("The steps of rays: one in each cycle, in three stages.");
+    let width = bits(count);
+    let constant = |width: u32, value: u32| m.constant(width, value.into());
+    let given = SOURCES[..SOURCES.len() - 1].iter();
+    let given =
+        given.map(|name| (m.input(&format!("{name}_valid_i"), 1), m.input(&format!("{name}_context_i"), width)));
+    let given: Vec<(Wire<'_>, Wire<'_>)> = given.collect();
+    let inputs = |names: &[(&str, u32)]| -> Named<'_> {
+        names.iter().map(|(name, width)| (name.to_string(), m.input(&format!("{name}_i"), *width))).collect()
+    };
+    let is_refused = m.input("start_is_refused_i", 1);
+    let boxes = inputs(&BOXES);
+    let closest = inputs(&CLOSEST);
+    let children = inputs(&[("child_0", 32), ("child_1", 32), ("child_2", 32), ("child_3", 32)]);
+    let begin = inputs(&[("begin_root", 32), ("begin_t_max", 32), ("begin_any_hit", 1)]);
+
+    m.section("The answer that is taken, and the state of its ray");
+    let again_taken = m.forward("again_taken", 1);
+    let again_asked = m.forward("again_asked", 1);
+    let context = m.forward("asked_context", width);
+    let again = Inputs::default()
+        .port("push", again_asked.wire())
+        .port("context", context.wire())
+        .port("pop", again_taken.wire())
+        .place(m, "u_continues", &queue("raypath_unit_continues", count, &[("context", width)])?);
+    let sources: Vec<_> = given.into_iter().chain([(again.port("valid"), again.port("context"))]).collect();
+    let requests: Vec<Wire<'_>> = sources.iter().rev().map(|(valid, _)| *valid).collect();
+    let scheduler = Inputs::default().port("request", m.concat(&requests)).place(m, "u_scheduler", &scheduler()?);
+    let grant = scheduler.port("grant");
+    let taken = |source: &str| grant.bit(SOURCES.iter().position(|known| *known == source).unwrap_or(0) as u32);
+    again_taken.drive(taken("continue"));
+    let read = grant.any().named("read");
+    let read_context = granted(grant, sources.iter().map(|(_, context)| *context)).named("read_context");
+    let start_kind = is_refused.mux(constant(3, answer::REFUSED), constant(3, answer::START));
+    let kinds = [answer::BOXES, answer::BLOCK, answer::ERROR].map(|kind| constant(3, kind)).into_iter();
+    let kind = granted(grant, kinds.chain([start_kind, constant(3, answer::CONTINUE)]));
+    let prepares = m.register("prepares_q", 1).reset_to(0);
+    prepares.next(read);
+    let prepared_context = hold("prepared_context_q", read, read_context);
+    let kind = hold("kind_q", read, kind);
+    let boxes = hold_all(taken("boxes"), boxes);
+    let closest = hold_all(taken("block"), closest);
+
+    m.section("The step is prepared, and the stack is read");
+    let finishes = m.register("finishes_q", 1).reset_to(0);
+    finishes.next(prepares.wire());
+    let finished_context = hold("finished_context_q", prepares.wire(), prepared_context);
+    context.drive(finished_context);
+    let columns: Vec<(String, u32)> =
+        ports_of::<RayState<Binary32>>().iter().map(|port| (port.name.clone(), port.width.unwrap_or(32))).collect();
+    let columns: Vec<(&str, u32)> = columns.iter().map(|(name, width)| (name.as_str(), *width)).collect();
+    let states = m.memory("u_states", count, &columns);
+    let kept_state = states.read(read, read_context);
+    let c = Netlist(m);
+    let first = RayState::begin(
+        c,
+        Word::new(c, Value(begin[0].1)),
+        Num::new(c, Value(begin[1].1)),
+        Bit::new(c, Value(begin[2].1)),
+    );
+    let begins = (kind.is(answer::START.into()) | kind.is(answer::REFUSED.into())).named("begins");
+    let state = wires("state", &first).into_iter().zip(kept_state);
+    let state: Named<'_> = state.map(|((name, first), kept)| (name, begins.mux(first, kept))).collect();
+    let answer_words = [("kind".to_string(), kind)].into_iter();
+    let answer_words = answer_words
+        .chain(boxes.into_iter().map(|(name, wire)| (name.trim_start_matches("boxes_").to_string(), wire)))
+        .chain(children)
+        .chain(closest);
+    let half = Inputs::default().ports(state).ports(prefixed("answer", answer_words.collect())).place(
+        m,
+        "u_prepare",
+        &prepare_module()?,
+    );
+    let slot_bits = step.stack.trailing_zeros();
+    let slot = |context: Wire<'_>, level: Wire<'_>| m.concat(&[context, level.lower(slot_bits)]);
+    let deepest = half.port("half_deepest");
+    let half = hold_all(prepares.wire(), prefixed("half", half.under("half")));
+
+    m.section("The step is finished, and everything is written");
+    let top_columns = ports_of::<Group<Binary32>>();
+    let columns: Vec<(&str, u32)> =
+        top_columns.iter().map(|port| (port.name.as_str(), port.width.unwrap_or(32))).collect();
+    let stack = m.memory("u_stack", count * step.stack, &columns);
+    let top = stack.read(prepares.wire(), slot(prepared_context, deepest));
+    let top = top_columns.iter().map(|port| format!("top_{}", port.name)).zip(top);
+    let done = Inputs::default().ports(half).ports(top).place(m, "u_finish", &finish_module(step)?);
+    let next = done.under("next");
+    states.write(finishes.wire(), finished_context, &next.iter().map(|(_, wire)| *wire).collect::<Vec<_>>());
+    let group: Vec<Wire<'_>> = done.under("request_group").into_iter().map(|(_, wire)| wire).collect();
+    stack.write(
+        finishes.wire() & done.port("request_writes"),
+        slot(finished_context, done.port("request_level")),
+        &group,
+    );
+    let kind = done.port("request_kind");
+    let asks = |asked: u32| finishes.wire() & kind.is(asked.into());
+    again_asked.drive(asks(request::CONTINUE));
+
+    for source in &SOURCES[..SOURCES.len() - 1] {
+        m.output(&format!("{source}_taken_o"), taken(source));
+    }
+    m.output("read_o", read);
+    m.output("read_context_o", read_context);
+    m.output("fetches_o", asks(request::FETCH));
+    m.output("ends_o", asks(request::DONE));
+    m.output("context_o", finished_context);
+    let (address, level) = (done.port("request_address"), done.port("request_level"));
+    m.unused("unused_offset", &[address.lower(OFFSET_BITS)]);
+    m.unused("unused_level", &[level.upper(level.width() - slot_bits)]);
+    m.output("block_o", address.upper(address.width() - OFFSET_BITS));
+    for name in ["count", "status"] {
+        m.output(&format!("{name}_o"), done.port(&format!("request_{name}")));
+    }
+    let shown = next.into_iter().filter(|(name, _)| is_shown(name));
+    shown.for_each(|(name, wire)| m.output(&format!("next_{name}_o"), wire));
+    builder.finish()
+}
+
+/// The bits of an address inside a block.
+pub const OFFSET_BITS: u32 = BLOCK_BYTES.trailing_zeros();
+
+/// The value of the source that is granted.
+fn granted<'m>(grant: Wire<'m>, values: impl Iterator<Item = Wire<'m>>) -> Wire<'m> {
+    let gated = (0..).zip(values).map(|(bit, wire)| wire & grant.bit(bit).replicate(wire.width()));
+    gated.reduce(|a, b| a | b).unwrap_or(grant)
+}
+
+fn hold_all<'m>(when: Wire<'m>, words: Named<'m>) -> Named<'m> {
+    words.into_iter().map(|(name, wire)| (name.clone(), hold(&format!("{name}_q"), when, wire))).collect()
+}
+
+/// The outcome of a box job.
+const BOXES: [(&str, u32); 8] = [
+    ("boxes_hit", 4),
+    ("boxes_tmin_0", 32),
+    ("boxes_tmin_1", 32),
+    ("boxes_tmin_2", 32),
+    ("boxes_box_index_0", 2),
+    ("boxes_box_index_1", 2),
+    ("boxes_box_index_2", 2),
+    ("boxes_box_index_3", 2),
+];
+
+/// The closest hit of a block.
+const CLOSEST: [(&str, u32); 6] = [
+    ("closest_is_hit", 1),
+    ("closest_t", 32),
+    ("closest_t_num", 32),
+    ("closest_t_denom", 32),
+    ("closest_back_face", 1),
+    ("closest_triangle", 32),
+];

@@ -1,0 +1,107 @@
+//! The simulated netlist of the unit returns what the functional model does, whatever the memory and the users of the
+//! other channels do.
+
+mod common;
+
+use common::{Behaviour, Environment, Scene, ray};
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use raypath_ops::Rules;
+use raypath_rtl::{Config, Control};
+use raypath_tools::{Sources, Verilated};
+use raypath_unit::{
+    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitInputs, UnitNetlist, UnitOutputs,
+    UnitParameters, outputs_of, words_of,
+};
+
+const QUIET: Behaviour = Behaviour { latency: (1, 20), stalls: [0; 4], errors: 0 };
+
+/// The replies of the functional model.
+fn expected(scene: &Scene, rays: &[RayRequest], parameters: UnitParameters) -> Vec<Reply> {
+    let mut model = Unit::new(Rules::Paper, parameters.step);
+    rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect()
+}
+
+fn setting(triangles: u32, rays: usize, seed: u64) -> (Scene, Vec<RayRequest>) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (scene, root) = Scene::random(triangles, &mut random);
+    let rays = (0..rays).map(|_| ray(root, &mut random)).collect();
+    (scene, rays)
+}
+
+#[test]
+fn the_netlist_returns_what_the_functional_model_does() {
+    let (scene, rays) = setting(300, 400, 1);
+    let parameters = UnitParameters { contexts: 16, step: StepParameters { stack: 4 }, ..UnitParameters::default() };
+    let unit = UnitNetlist::new(Config::DEFAULT.control(Control::Credit), parameters).expect("a unit");
+    let mut netlist = NetlistEngine::new(&unit).expect("a simulation");
+    let mut environment = Environment::new(&scene.0, parameters.memory_width, rays.clone(), QUIET, 2);
+    while !environment.is_done() {
+        environment.cycle(&mut [&mut netlist]);
+        assert!(environment.cycles() < 1_000_000, "{} of {} rays ended", environment.replies.len(), rays.len());
+    }
+    for (id, expected) in expected(&scene, &rays, parameters).into_iter().enumerate() {
+        assert_eq!(environment.replies[&(id as u64)], expected, "ray {id}: {:?}", rays[id]);
+    }
+}
+
+/// The frames that drove the netlist drive Verilator.
+#[test]
+fn verilator_equals_the_netlist_in_every_cycle() {
+    let (scene, rays) = setting(200, 60, 3);
+    let parameters = UnitParameters { contexts: 8, memory_width: 256, ..UnitParameters::default() };
+    let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
+    let folder = tempfile::tempdir().expect("a folder");
+    let sources = Sources::write(&unit.top, folder.path()).expect("sources");
+    sources.lint().expect("no report of the linters");
+    let verilated = Verilated::build(&unit.top, folder.path()).expect("a build");
+    let mut recorded = Recorder::new(NetlistEngine::new(&unit).expect("a simulation"), &unit);
+    let mut environment = Environment::new(&scene.0, parameters.memory_width, rays, QUIET, 2);
+    while !environment.is_done() {
+        environment.cycle(&mut [&mut recorded]);
+    }
+    let Recorder { frames, outputs, .. } = recorded;
+    let mut seen = 0;
+    verilated
+        .run(frames, |cycle, found| {
+            assert_eq!(outputs_of(found), outputs[cycle], "cycle {cycle}");
+            seen += 1;
+        })
+        .expect("a run");
+    assert_eq!(seen, outputs.len());
+}
+
+/// An engine that records its frames and outputs.
+struct Recorder {
+    engine: NetlistEngine,
+    widths: Vec<u32>,
+    frames: Vec<Vec<u64>>,
+    outputs: Vec<UnitOutputs>,
+    arbitrary: ChaCha8Rng,
+}
+
+impl Recorder {
+    fn new(engine: NetlistEngine, unit: &UnitNetlist) -> Self {
+        let top = &unit.top;
+        let widths = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
+        let (frames, outputs) = (Vec::new(), Vec::new());
+        Self { engine, widths, frames, outputs, arbitrary: ChaCha8Rng::seed_from_u64(9) }
+    }
+}
+
+impl UnitEngine for Recorder {
+    fn outputs(&mut self) -> UnitOutputs {
+        self.engine.outputs()
+    }
+
+    fn cycle(&mut self, inputs: &UnitInputs<'_>) {
+        self.outputs.push(self.engine.outputs());
+        let words = words_of(inputs, &self.widths, || self.arbitrary.random());
+        self.frames.push([1].into_iter().chain(words).collect());
+        self.engine.cycle(inputs);
+    }
+
+    fn reset(&mut self) {
+        self.engine.reset();
+    }
+}
