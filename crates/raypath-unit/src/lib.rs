@@ -7,6 +7,7 @@
 
 mod answers;
 pub mod blocks;
+mod cycle;
 mod engine;
 mod error;
 mod fold;
@@ -18,6 +19,7 @@ pub mod state;
 mod step;
 mod words;
 
+pub use cycle::{UnitCounts, UnitModel};
 pub use engine::{BlockRequest, NetlistEngine, Response, UnitEngine, UnitInputs, UnitOutputs, outputs_of, words_of};
 pub use error::UnitError;
 pub use fold::{HitLimits, fold};

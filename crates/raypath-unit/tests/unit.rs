@@ -10,8 +10,8 @@ use raypath_ops::Rules;
 use raypath_rtl::{Config, Control};
 use raypath_tools::{Sources, Verilated};
 use raypath_unit::{
-    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitInputs, UnitNetlist, UnitOutputs,
-    UnitParameters, outputs_of, words_of,
+    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitInputs, UnitModel, UnitNetlist,
+    UnitOutputs, UnitParameters, outputs_of, words_of,
 };
 
 const QUIET: Behaviour = Behaviour { latency: (1, 20), stalls: [0; 4], errors: 0 };
@@ -42,6 +42,38 @@ fn the_netlist_returns_what_the_functional_model_does() {
     }
     for (id, expected) in expected(&scene, &rays, parameters).into_iter().enumerate() {
         assert_eq!(environment.replies[&(id as u64)], expected, "ray {id}: {:?}", rays[id]);
+    }
+}
+
+/// The cycle-exact model and the netlist, in lockstep, under every behaviour of the other channels.
+#[test]
+fn the_model_equals_the_netlist_in_every_cycle() {
+    let (scene, rays) = setting(300, 250, 4);
+    let slow = Behaviour { latency: (1, 500), stalls: [64; 4], errors: 200 };
+    let blocked = Behaviour { latency: (1, 30), stalls: [10, 240, 200, 100], errors: 0 };
+    let parameters = [
+        UnitParameters { contexts: 8, memory_width: 128, divider_latency: 1, ..UnitParameters::default() },
+        UnitParameters { contexts: 12, step: StepParameters { stack: 2 }, id_width: 64, ..UnitParameters::default() },
+        UnitParameters { contexts: 64, memory_width: 1024, divider_latency: 27, ..UnitParameters::default() },
+    ];
+    for (number, parameters) in (0..).zip(parameters) {
+        for control in [Control::Skid, Control::Credit] {
+            let unit = UnitNetlist::new(Config::DEFAULT.control(control), parameters).expect("a unit");
+            for (seed, behaviour) in (5..).zip([QUIET, slow, blocked]) {
+                let mut netlist = NetlistEngine::new(&unit).expect("a simulation");
+                let mut model = UnitModel::of(&unit);
+                let width = parameters.memory_width;
+                let mut environment = Environment::new(&scene.0, width, rays.clone(), behaviour, seed + number);
+                while !environment.is_done() {
+                    environment.cycle(&mut [&mut netlist, &mut model]);
+                    assert!(environment.cycles() < 1_000_000, "{} rays ended", environment.replies.len());
+                }
+                if behaviour.errors == 0 {
+                    let replies: Vec<Reply> = environment.replies.values().copied().collect();
+                    assert_eq!(replies, expected(&scene, &rays, parameters));
+                }
+            }
+        }
     }
 }
 

@@ -14,6 +14,7 @@ use crate::error::UnitError;
 use crate::netlist::{Netlist, inputs, wires};
 use crate::set_up::Entry;
 use raypath_hdl::{Builder, Module, Wire};
+use raypath_model::{Control, Shape};
 use raypath_ops::{Binary32, Culling, JobKind, RayBoxInput, RayTriangleInput, Rules, ports_of};
 use raypath_rtl::{Config, Datapath, Features, Lanes};
 use std::sync::Arc;
@@ -49,6 +50,16 @@ impl UnitNetlist {
         let datapath = Datapath::new(config)?;
         let top = top(datapath.top(), parameters)?;
         Ok(Self { top, datapath, config, parameters })
+    }
+
+    /// The shape of the datapath's pipeline.
+    pub fn shape(&self) -> Shape {
+        let control = match self.config.microarchitecture.control {
+            raypath_rtl::Control::Skid => Control::Skid,
+            raypath_rtl::Control::Credit => Control::Credit,
+        };
+        // Boxes and triangles have no accumulators.
+        Shape { latency: self.datapath.latency() as usize, control, loops: Vec::new() }
     }
 }
 
