@@ -32,5 +32,8 @@ pub use rays::{parse_rays, read_rays, write_hits};
 pub use read::{Format, ReadError, parse_mesh, read_mesh};
 pub use render::{Costs, RenderError, Rendering, Rows, Shading, render, render_rows};
 pub use scene::Scene;
-pub use timing::{PictureError, PictureSpec, RayBatch, sweep_picture, sweep_rays, time_picture, time_rays};
+pub use timing::{
+    PictureError, PictureSpec, RayBatch, UnitSystem, sweep_picture, sweep_rays, time_picture,
+    time_picture_through_unit, time_rays, time_rays_through_unit,
+};
 pub use trace::{Counts, Goal, Hit, Stopped, Tracer, Tracing, Traversal, trace_any, trace_closest};

@@ -5,6 +5,7 @@
 //! nodes and leaves take the memory latency.
 
 mod sequence;
+mod unit;
 
 use crate::render::PictureSampler;
 use crate::{Camera, Hit, Picture, RenderError, Scene, Shading, Tracing};
@@ -14,6 +15,7 @@ use raypath_ops::{Binary32, Ray, Rules};
 use raypath_timing::{Observer, Progress, Sample, SimulationError, Sweep, System, Timing, simulate, sweep};
 use sequence::{ResultStore, SingleRay};
 use thiserror::Error;
+pub use unit::{UnitSystem, time_picture_through_unit, time_rays_through_unit};
 
 /// A picture to simulate: the arguments of [`render`](crate::render()).
 #[derive(Debug, Clone, Copy)]
@@ -48,6 +50,12 @@ pub enum PictureError {
     /// The simulation did not complete.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    /// The scene has no blocks for the traversal unit.
+    #[error("the scene is not in memory, expected one through the unit")]
+    NotInMemory,
+    /// The progress callback stopped the simulation of the unit.
+    #[error("stopped")]
+    Stopped,
 }
 
 /// Simulates the rendering of a picture. The pixels of the sample, and the jobs and fetches of each, equal those of

@@ -38,6 +38,8 @@ pub struct UnitModel {
     flow: Flow,
     /// The jobs in the datapath, oldest first.
     jobs: std::collections::VecDeque<Job>,
+    /// The contexts of outcomes of box jobs that wait for a step, oldest first.
+    tested: Queue<u32>,
     divider: Line<Job>,
     /// The triangle whose limits are read.
     triangle: Option<Job>,
@@ -147,6 +149,7 @@ impl UnitModel {
             issue: None,
             flow: Flow::new(shape),
             jobs: Default::default(),
+            tested: Queue::new(),
             divider: Line::new(parameters.divider_latency),
             triangle: None,
             closest: None,
@@ -177,6 +180,7 @@ impl UnitModel {
         let is_still = self.set_up.busy == 0
             && self.set_up.rays.is_empty()
             && self.jobs.is_empty()
+            && self.tested.is_empty()
             && self.divider.is_empty()
             && self.triangle.is_none()
             && self.closest.is_none()
@@ -192,6 +196,11 @@ impl UnitModel {
         let cycles = if is_still { limit } else { 0 };
         self.counts.cycles += cycles;
         cycles
+    }
+
+    /// The bytes of a beat.
+    pub(crate) fn beat_bytes(&self) -> usize {
+        self.beat_bytes
     }
 
     fn has_context(&self) -> bool {
@@ -265,7 +274,7 @@ impl UnitEngine for UnitModel {
     fn cycle(&mut self, inputs: &UnitInputs<'_>) {
         // What the registers say.
         let outcome = if self.flow.output_valid() { self.jobs.front().copied() } else { None };
-        let boxes = outcome.filter(|job| job.is_node).map(|job| job.context);
+        let boxes = self.tested.front().copied();
         let fault = self.issue.filter(|issue| issue.arrival.failed).map(|issue| issue.arrival.context);
         let start = self.starts.front().copied();
         let again = self.again.front().copied();
@@ -280,7 +289,8 @@ impl UnitEngine for UnitModel {
         let moves = self.triangle.is_none() || folds.is_some();
         let divider_moves = self.divider.front().is_none() || moves;
         let divides = outcome.filter(|job| !job.is_node && divider_moves);
-        let outcome_leaves = grant == BOXES || divides.is_some();
+        let tested = outcome.filter(|job| job.is_node).map(|job| job.context);
+        let outcome_leaves = tested.is_some() || divides.is_some();
         let offer = self.issue.filter(|issue| !issue.arrival.failed).map(|issue| {
             let count = self.contexts[issue.arrival.context as usize].count;
             let (is_node, is_last) = (count == 0, count == 0 || issue.place + 1 == count);
@@ -345,6 +355,7 @@ impl UnitEngine for UnitModel {
         if outcome_leaves {
             self.jobs.pop_front();
         }
+        self.tested.edge(tested, grant == BOXES);
         self.flow.cycle(leaves.map(|job| kind(job).opcode()), outcome_leaves);
         self.jobs.extend(leaves);
 
@@ -359,7 +370,8 @@ impl UnitEngine for UnitModel {
     fn reset(&mut self) {
         self.fresh = 0;
         self.set_up = SetUp { busy: 0, rays: Default::default() };
-        [&mut self.free, &mut self.starts, &mut self.again, &mut self.ended].into_iter().for_each(Queue::clear);
+        let queues = [&mut self.free, &mut self.starts, &mut self.tested, &mut self.again, &mut self.ended];
+        queues.into_iter().for_each(Queue::clear);
         self.arrivals.clear();
         self.requests.clear();
         (self.issue, self.triangle, self.closest, self.hit) = (None, None, None, None);

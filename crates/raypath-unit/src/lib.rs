@@ -17,6 +17,7 @@ mod netlist;
 pub mod set_up;
 pub mod state;
 mod step;
+pub mod system;
 mod words;
 
 pub use cycle::{UnitCounts, UnitModel};

@@ -101,8 +101,8 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let data = data_words(m, "mem_rsp_data", memory_width);
 
     // What flows backwards.
-    let [start_taken, boxes_taken, block_taken, fault_taken] =
-        ["start_taken", "boxes_taken", "block_taken", "fault_taken"].map(|name| m.forward(name, 1));
+    let [start_taken, block_taken, fault_taken] =
+        ["start_taken", "block_taken", "fault_taken"].map(|name| m.forward(name, 1));
     let [releases, take, limits_read, step_read, fetches, job_ready] =
         ["releases", "take", "limits_read", "step_read", "fetches", "job_ready"].map(|name| m.forward(name, 1));
     let [hit_context, take_context, limits_context, step_context, fetch_context] =
@@ -187,7 +187,8 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
         .place(m, "u_distance", &distance(contexts, divider_latency)?);
     limits_read.drive(closest.port("read"));
     limits_context.drive(closest.port("read_context"));
-    outcome_ready.drive(is_boxes.mux(boxes_taken.wire(), closest.port("ready")));
+    // Outcomes of box jobs wait in a memory.
+    outcome_ready.drive(is_boxes | closest.port("ready"));
 
     m.section("Steps");
     let tmin = (1..4).map(|k| named(&format!("boxes_tmin_{}", k - 1), outcome.port(&format!("tmin_{k}"))));
@@ -206,9 +207,7 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
         .ports(prefixed("child", blocks.under("child")))
         .ports(prefixed("begin", rays.under("begin")))
         .place(m, "u_walk", &walk(parameters)?);
-    for (forward, name) in
-        [(start_taken, "start"), (boxes_taken, "boxes"), (block_taken, "block"), (fault_taken, "fault")]
-    {
+    for (forward, name) in [(start_taken, "start"), (block_taken, "block"), (fault_taken, "fault")] {
         forward.drive(walk.port(&format!("{name}_taken")));
     }
     step_read.drive(walk.port("read"));

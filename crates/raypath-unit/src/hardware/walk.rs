@@ -5,7 +5,7 @@
 //! time, so steps of the same ray do not overlap.
 
 use super::UnitParameters;
-use super::connect::{Inputs, Named, hold, prefixed};
+use super::connect::{Inputs, Named, Outputs, hold, keep, prefixed};
 use super::hits::is_shown;
 use super::queue::{bits, queue};
 use super::scheduler::{SOURCES, scheduler};
@@ -19,10 +19,11 @@ use std::sync::Arc;
 
 /// The module `raypath_unit_walk`.
 ///
-/// Each source of answers has `<source>_valid_i` and `<source>_context_i`, and `<source>_taken_o` where its answer is
-/// taken: `boxes` with `boxes_…_i`, `block` with `closest_…_i`, `fault`, and `start` with `start_is_refused_i`. Where
-/// `read_o` is 1, the child words and the ray of `read_context_o` are read, which are there in the next cycle:
-/// `child_…_i`, `begin_…_i`.
+/// The outcome of a box job, `boxes_…_i`, enters where `boxes_valid_i` is 1, with `boxes_context_i`, and waits in a
+/// memory. The other sources of answers have `<source>_valid_i` and `<source>_context_i`, and `<source>_taken_o` where
+/// their answer is taken: `block` with `closest_…_i`, `fault`, and `start` with `start_is_refused_i`. Where `read_o` is
+/// 1, the child words and the ray of `read_context_o` are read, which are there in the next cycle: `child_…_i`,
+/// `begin_…_i`.
 ///
 /// A step ends with `fetches_o` or `ends_o`, or neither if the ray continues, and `context_o`. To fetch: `block_o`, the
 /// address without its offset, and `count_o`. At the end: `status_o` and what a hit shows of the
@@ -34,10 +35,11 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.doc("The steps of rays: one in each cycle, in three stages.");
     let width = bits(count);
     let constant = |width: u32, value: u32| m.constant(width, value.into());
-    let given = SOURCES[..SOURCES.len() - 1].iter();
-    let given =
-        given.map(|name| (m.input(&format!("{name}_valid_i"), 1), m.input(&format!("{name}_context_i"), width)));
-    let given: Vec<(Wire<'_>, Wire<'_>)> = given.collect();
+    let given = |name: &str| {
+        let valid = m.input(&format!("{name}_valid_i"), 1);
+        (valid, m.input(&format!("{name}_context_i"), width))
+    };
+    let [tested, block, fault, start] = ["boxes", "block", "fault", "start"].map(given);
     let inputs = |names: &[(&str, u32)]| -> Named<'_> {
         names.iter().map(|(name, width)| (name.to_string(), m.input(&format!("{name}_i"), *width))).collect()
     };
@@ -56,12 +58,20 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         .port("context", context.wire())
         .port("pop", again_taken.wire())
         .place(m, "u_continues", &queue("raypath_unit_continues", count, &[("context", width)])?);
-    let sources: Vec<_> = given.into_iter().chain([(again.port("valid"), again.port("context"))]).collect();
+    let boxes_taken = m.forward("boxes_taken", 1);
+    let waiting = Inputs::default()
+        .port("push", tested.0)
+        .port("context", tested.1)
+        .port("pop", boxes_taken.wire())
+        .place(m, "u_tested", &queue("raypath_unit_tested", count, &[("context", width)])?);
+    // In the order of `SOURCES`.
+    let sources = [queued(&waiting), block, fault, start, queued(&again)];
     let requests: Vec<Wire<'_>> = sources.iter().rev().map(|(valid, _)| *valid).collect();
     let scheduler = Inputs::default().port("request", m.concat(&requests)).place(m, "u_scheduler", &scheduler()?);
     let grant = scheduler.port("grant");
     let taken = |source: &str| grant.bit(SOURCES.iter().position(|known| *known == source).unwrap_or(0) as u32);
     again_taken.drive(taken("continue"));
+    boxes_taken.drive(taken("boxes"));
     let read = grant.any().named("read");
     let read_context = granted(grant, sources.iter().map(|(_, context)| *context)).named("read_context");
     let start_kind = is_refused.mux(constant(3, answer::REFUSED), constant(3, answer::START));
@@ -71,7 +81,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     prepares.next(read);
     let prepared_context = hold("prepared_context_q", read, read_context);
     let kind = hold("kind_q", read, kind);
-    let boxes = hold_all(taken("boxes"), boxes);
+    let boxes = keep("u_outcomes", count, tested, boxes, (read, read_context));
     let closest = hold_all(taken("block"), closest);
 
     m.section("The step is prepared, and the stack is read");
@@ -129,7 +139,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let asks = |asked: u32| finishes.wire() & kind.is(asked.into());
     again_asked.drive(asks(request::CONTINUE));
 
-    for source in &SOURCES[..SOURCES.len() - 1] {
+    for source in ["block", "fault", "start"] {
         m.output(&format!("{source}_taken_o"), taken(source));
     }
     m.output("read_o", read);
@@ -151,6 +161,10 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
 
 /// The bits of an address inside a block.
 pub const OFFSET_BITS: u32 = BLOCK_BYTES.trailing_zeros();
+
+fn queued<'m>(queue: &Outputs<'m>) -> (Wire<'m>, Wire<'m>) {
+    (queue.port("valid"), queue.port("context"))
+}
 
 /// The value of the source that is granted.
 fn granted<'m>(grant: Wire<'m>, values: impl Iterator<Item = Wire<'m>>) -> Wire<'m> {
