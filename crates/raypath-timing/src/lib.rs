@@ -53,7 +53,7 @@ mod timing;
 pub use agent::{Action, Agent, Observer, PortActivity};
 pub use environment::{Environment, Sample, Sink, System};
 #[cfg(feature = "sweep")]
-pub use plot::plot;
+pub use plot::{Panel, Plot, Series, plot};
 pub use progress::{Progress, ProgressCounter};
 pub use simulation::{SimulationError, simulate};
 #[cfg(feature = "sweep")]

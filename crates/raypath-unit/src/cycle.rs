@@ -40,6 +40,8 @@ pub struct UnitModel {
     jobs: std::collections::VecDeque<Job>,
     /// The contexts of outcomes of box jobs that wait for a step, oldest first.
     tested: Queue<u32>,
+    /// The triangle whose distance is divided next.
+    operands: Option<Job>,
     divider: Line<Job>,
     /// The triangle whose limits are read.
     triangle: Option<Job>,
@@ -150,6 +152,7 @@ impl UnitModel {
             flow: Flow::new(shape),
             jobs: Default::default(),
             tested: Queue::new(),
+            operands: None,
             divider: Line::new(parameters.divider_latency),
             triangle: None,
             closest: None,
@@ -181,6 +184,7 @@ impl UnitModel {
             && self.set_up.rays.is_empty()
             && self.jobs.is_empty()
             && self.tested.is_empty()
+            && self.operands.is_none()
             && self.divider.is_empty()
             && self.triangle.is_none()
             && self.closest.is_none()
@@ -288,7 +292,7 @@ impl UnitEngine for UnitModel {
         let folds = self.triangle.filter(|_| self.closest.is_none() || grant == BLOCK);
         let moves = self.triangle.is_none() || folds.is_some();
         let divider_moves = self.divider.front().is_none() || moves;
-        let divides = outcome.filter(|job| !job.is_node && divider_moves);
+        let divides = outcome.filter(|job| !job.is_node && (self.operands.is_none() || divider_moves));
         let tested = outcome.filter(|job| job.is_node).map(|job| job.context);
         let outcome_leaves = tested.is_some() || divides.is_some();
         let offer = self.issue.filter(|issue| !issue.arrival.failed).map(|issue| {
@@ -339,9 +343,11 @@ impl UnitEngine for UnitModel {
             self.closest = None;
         }
         if divider_moves {
-            let quotient = self.divider.advance(divides);
+            let quotient = self.divider.advance(self.operands.take());
             self.triangle = if moves { quotient } else { self.triangle };
         }
+
+        self.operands = divides.or(self.operands);
 
         let arrived = self.arrive(inputs);
         let block = if takes_block { self.arrivals.front().copied() } else { None };
@@ -374,7 +380,7 @@ impl UnitEngine for UnitModel {
         queues.into_iter().for_each(Queue::clear);
         self.arrivals.clear();
         self.requests.clear();
-        (self.issue, self.triangle, self.closest, self.hit) = (None, None, None, None);
+        (self.issue, self.operands, self.triangle, self.closest, self.hit) = (None, None, None, None, None);
         (self.prepared, self.finished) = (None, None);
         self.flow.reset();
         self.jobs.clear();

@@ -5,6 +5,8 @@ mod generate;
 pub mod numbers;
 mod operations;
 mod ray;
+#[cfg_attr(not(feature = "full"), expect(dead_code, reason = "for render"))]
+pub mod unit;
 
 #[cfg(feature = "full")]
 mod full;

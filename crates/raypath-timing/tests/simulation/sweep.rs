@@ -74,7 +74,7 @@ fn the_plot_shows_every_point_and_escapes_its_title() {
     assert!(!picture.contains("NaN") && !picture.contains("inf"));
     // On a logarithmic axis the distance from one to eight is three times that from one to two.
     let x = |in_flight: usize| {
-        let title = format!("{in_flight} rays in flight, memory 20 cycles");
+        let title = format!("{in_flight} rays in flight, memory latency 20 cycles");
         let circle = picture.split("<circle").find(|circle| circle.contains(&title)).expect("a point");
         let x = circle.split("cx=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("cx");
         x.parse::<f64>().expect("a number")

@@ -1,5 +1,6 @@
 //! The distances of triangles, and the closest hit of each block.
 
+use super::connect::hold;
 use super::queue::bits;
 use crate::fold::{HitLimits, fold};
 use crate::netlist::{Netlist, Value, from_list, inputs, outputs, wires};
@@ -29,17 +30,26 @@ pub fn distance(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Erro
     let indices = [0, 1, 2].map(|k| m.input(&format!("index_{k}_i"), 32));
     let taken = m.input("taken_i", 1);
 
-    m.section("Division");
+    m.section("The operands, in a register of their own, because their encoders are slow");
     let encoder = encode(Format::BINARY32)?;
     let recoded =
         |name: &str, wire: Wire<'_>| m.instance(&format!("u_encode_{name}"), &encoder, &[("ieee_i", wire)])[0];
     let (a, b) = (recoded("t_num", t_num), recoded("t_denom", t_denom));
     let tag = m.concat(&[context, place, is_last, is_hit, !is_front]);
+    let divides = m.forward("divides", 1);
+    let has_operands = m.register("has_operands_q", 1).reset_to(0);
+    let ready = (!has_operands.wire() | divides.wire()).named("ready");
+    let enters = (valid & ready).named("enters");
+    has_operands.next(enters | (has_operands.wire() & !divides.wire()));
+    let [a, b, tag] = [("a_q", a), ("b_q", b), ("operands_tag_q", tag)].map(|(name, wire)| hold(name, enters, wire));
+
+    m.section("Division");
     let divider = DivSqrt::Quotient.pipelined(Format::BINARY32, divider_latency, tag.width())?;
     let moves = m.forward("moves", 1);
-    let given = [("valid_i", valid), ("ready_i", moves.wire()), ("a_i", a), ("b_i", b), ("tag_i", tag)];
+    let given = [("valid_i", has_operands.wire()), ("ready_i", moves.wire()), ("a_i", a), ("b_i", b), ("tag_i", tag)];
     let results = m.instance("u_divider", &divider, &given);
-    let (ready, has_quotient, result, tag) = (results[0], results[1], results[2], results[3]);
+    let (has_quotient, result, tag) = (results[1], results[2], results[3]);
+    divides.drive(results[0]);
     let quotient = m.instance("u_decode", &decode(Format::BINARY32)?, &[("recoded_i", result)])[0];
     let slot = tag.bits(width + 4, 3);
 
@@ -49,14 +59,9 @@ pub fn distance(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Erro
     let folds = m.forward("folds", 1);
     moves.drive(!has_hit.wire() | folds.wire());
     has_hit.next(read | (has_hit.wire() & !folds.wire()));
-    let hold = |name: &str, wire: Wire<'_>| {
-        let register = m.register(name, wire.width());
-        register.next_when(read, wire);
-        register.wire()
-    };
-    let (t, tag_q) = (hold("t_q", quotient), hold("tag_q", tag));
+    let (t, tag_q) = (hold("t_q", read, quotient), hold("tag_q", read, tag));
     let fractions = m.memory("u_fractions", 4 * contexts, &[("t_num", 32), ("t_denom", 32)]);
-    fractions.write(valid & ready, m.concat(&[context, place]), &[t_num, t_denom]);
+    fractions.write(enters, m.concat(&[context, place]), &[t_num, t_denom]);
     let fraction = fractions.read(read, slot);
 
     m.section("The closest hit of its block so far");

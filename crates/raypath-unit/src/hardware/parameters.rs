@@ -20,7 +20,7 @@ pub struct UnitParameters {
 
 impl Default for UnitParameters {
     fn default() -> Self {
-        Self { contexts: 64, step: StepParameters::default(), memory_width: 512, id_width: 16, divider_latency: 9 }
+        Self { contexts: 64, step: StepParameters::default(), memory_width: 512, id_width: 16, divider_latency: 11 }
     }
 }
 

@@ -3,6 +3,7 @@
 mod divided;
 mod scene;
 mod timing;
+mod unit;
 
 use crate::commands::full::{DivisionArguments, Timed, TimingArguments, write_and_name};
 use crate::{CliError, ConfigArguments, whole};
@@ -19,6 +20,7 @@ use scene::CameraArguments;
 use std::io::Write;
 use std::path::PathBuf;
 use timing::{Simulated, Work};
+use unit::UnitTimingArguments;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -41,8 +43,7 @@ pub struct Arguments {
     /// Hit triangles from behind too, with a second job for each
     #[arg(long)]
     two_sided: bool,
-    /// What traces the rays: the jobs of the datapath, with a traversal in software, or the functional model of the
-    /// traversal unit, whose timing is not simulated
+    /// What traces the rays: the jobs of the datapath, with a traversal in software, or the models of the traversal unit
     #[arg(long, default_value = "datapath", value_name = "datapath|unit")]
     through: Through,
     /// Seed of ambient-occlusion rays
@@ -69,6 +70,8 @@ pub struct Arguments {
     timed: usize,
     #[command(flatten)]
     timing: TimingArguments,
+    #[command(flatten)]
+    unit: UnitTimingArguments,
     #[command(flatten)]
     division: DivisionArguments,
     #[command(flatten)]
@@ -98,9 +101,13 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         let problem = format!("--format {}: scenes are traced in fp32 only", config.semantics.format);
         return Err(CliError::unusable(problem));
     }
-    if arguments.through == Through::Unit && (arguments.timing.view.is_wanted() || arguments.timing.has_sweep()) {
-        let problem = "--through unit: its timing is not simulated, so there is no --report, --konata or --sweep";
-        return Err(CliError::unusable(problem));
+    match arguments.through {
+        Through::Datapath => arguments.unit.expect_none()?,
+        Through::Unit if arguments.timing.view.is_wanted() => {
+            let problem = "--through unit: it has no timeline of jobs, so there is no --report and no --konata";
+            return Err(CliError::unusable(problem));
+        }
+        Through::Unit => {}
     }
     let tracing = Tracing { rules: config.semantics.rules, two_sided: arguments.two_sided };
     match &arguments.rays {
@@ -190,6 +197,10 @@ fn time(
     out: &mut dyn Write,
 ) -> Result<(), CliError> {
     if arguments.through == Through::Unit {
+        if let Some(memory_latency) = arguments.timing.memory_latency() {
+            let system = arguments.unit.system(config, memory_latency)?;
+            files.extend(unit::time(&work, &system, arguments.timed, &arguments.timing, out)?);
+        }
         return Ok(());
     }
     let name = scene::name(arguments.scene.as_deref());

@@ -57,6 +57,21 @@ impl TimingArguments {
         self.sweep.is_some()
     }
 
+    /// The file of the plot.
+    pub fn sweep(&self) -> Option<&PathBuf> {
+        self.sweep.as_ref()
+    }
+
+    /// The clock in MHz for which rates are printed.
+    pub fn clock(&self) -> f64 {
+        self.clock
+    }
+
+    /// The latency of the memory; `None` with `--no-timing`.
+    pub fn memory_latency(&self) -> Option<u64> {
+        (!self.no_timing).then_some(self.memory_latency)
+    }
+
     /// Simulates with `in_flight` agents in flight and prints the results; `None` with `--no-timing`.
     pub fn run(
         &self,

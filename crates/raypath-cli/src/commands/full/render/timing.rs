@@ -34,17 +34,11 @@ impl Subject for Simulated<'_> {
     }
 
     fn names(&self) -> (&'static str, &'static str) {
-        match self.work {
-            Work::Picture { .. } => ("pixels", "pixel"),
-            Work::Rays(_) => ("rays", "ray"),
-        }
+        self.work.names()
     }
 
     fn count(&self) -> usize {
-        match &self.work {
-            Work::Picture { spec, .. } => spec.size.0 as usize * spec.size.1 as usize,
-            Work::Rays(batch) => batch.rays.len(),
-        }
+        self.work.count()
     }
 
     fn time(&self, system: &System, recorder: &mut Recorder) -> Result<Timing, CliError> {
@@ -82,6 +76,29 @@ impl Subject for Simulated<'_> {
             ("rays per pixel, in the whole picture".to_string(), format!("{rays_per_pixel:.3}")),
             (format!("rays per second at {clock_mhz} MHz"), format!("{rays_per_second:.4e}")),
         ]
+    }
+}
+
+impl Work<'_> {
+    /// The name of what it consists of, in plural and singular.
+    pub fn names(&self) -> (&'static str, &'static str) {
+        match self {
+            Self::Picture { .. } => ("pixels", "pixel"),
+            Self::Rays(_) => ("rays", "ray"),
+        }
+    }
+
+    /// The first label for a picture, the second for rays.
+    pub fn label(&self, [pixels, rays]: [&'static str; 2]) -> &'static str {
+        if matches!(self, Self::Picture { .. }) { pixels } else { rays }
+    }
+
+    /// The number of pixels or rays.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Picture { spec, .. } => spec.size.0 as usize * spec.size.1 as usize,
+            Self::Rays(batch) => batch.rays.len(),
+        }
     }
 }
 

@@ -1,0 +1,82 @@
+//! The options of the traversal unit.
+
+use crate::CliError;
+use clap::Args;
+use raypath_unit::{StepParameters, UnitParameters};
+
+/// The parameters of the unit around the datapath.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Traversal unit")]
+pub struct UnitArguments {
+    /// Rays in flight [default: 64]
+    #[arg(long, value_name = "8..256", value_parser = parser(|unit, value| unit.contexts = value))]
+    contexts: Option<u32>,
+    /// Entries of the stack of each ray [default: 8]
+    #[arg(long, value_name = "2|4|8|16|32", value_parser = parser(|unit, value| unit.step.stack = value))]
+    stack: Option<u32>,
+    /// Bits of a beat of the memory [default: 512]
+    #[arg(long, value_name = "128|256|512|1024", value_parser = parser(|unit, value| unit.memory_width = value))]
+    memory_width: Option<u32>,
+    /// Bits of the number that a ray brings and its hit returns [default: 16]
+    #[arg(long, value_name = "1..64", value_parser = parser(|unit, value| unit.id_width = value))]
+    id_width: Option<u32>,
+    /// Cycles of a division, one of which begins in each cycle [default: 11]
+    #[arg(long, value_name = "1..27", value_parser = parser(|unit, value| unit.divider_latency = value))]
+    divider_latency: Option<u32>,
+}
+
+impl UnitArguments {
+    /// The selected parameters, which are in their ranges.
+    pub fn parameters(&self) -> UnitParameters {
+        let Self { contexts, stack, memory_width, id_width, divider_latency } = *self;
+        let default = UnitParameters::default();
+        UnitParameters {
+            contexts: contexts.unwrap_or(default.contexts),
+            step: stack.map_or(default.step, |stack| StepParameters { stack }),
+            memory_width: memory_width.unwrap_or(default.memory_width),
+            id_width: id_width.unwrap_or(default.id_width),
+            divider_latency: divider_latency.unwrap_or(default.divider_latency),
+        }
+    }
+
+    /// An error if an option is given without what selects the unit.
+    pub fn expect_none(&self, selector: &str) -> Result<(), CliError> {
+        let Self { contexts, stack, memory_width, id_width, divider_latency } = self;
+        let given = [
+            ("contexts", contexts),
+            ("stack", stack),
+            ("memory-width", memory_width),
+            ("id-width", id_width),
+            ("divider-latency", divider_latency),
+        ];
+        match given.into_iter().find_map(|(name, value)| Some((name, (*value)?))) {
+            None => Ok(()),
+            Some((name, value)) => Err(CliError::unusable(format!(
+                "--{name} {value} is an option of the traversal unit, expected {selector}"
+            ))),
+        }
+    }
+}
+
+/// The parameters by the names of their options, with their values.
+pub fn described(parameters: UnitParameters) -> [(&'static str, u32); 5] {
+    let UnitParameters { contexts, step, memory_width, id_width, divider_latency } = parameters;
+    [
+        ("contexts", contexts),
+        ("stack", step.stack),
+        ("memory-width", memory_width),
+        ("id-width", id_width),
+        ("divider-latency", divider_latency),
+    ]
+}
+
+/// A parser, for clap, of a parameter. The unit says which values it has.
+fn parser(set: fn(&mut UnitParameters, u32)) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        // No parameter has the greatest value, so that other text gets the same message.
+        let value = text.parse().unwrap_or(u32::MAX);
+        let mut parameters = UnitParameters::default();
+        set(&mut parameters, value);
+        parameters.check().map(|()| value).map_err(|error| format!("expected {}", error.expected))
+    }
+}
