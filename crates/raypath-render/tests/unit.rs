@@ -7,9 +7,15 @@ use common::meshes::{self, Named};
 use common::oracle::Oracle;
 use common::rays::{Kind, rays};
 use rayon::prelude::*;
+use raypath_model::Shape;
 use raypath_ops::{Binary32, Culling, Operation, Ray, RayTriangleExtended, RayTriangleExtendedInput, Rules, Triangle};
-use raypath_render::{Goal, Mesh, Scene, Tracer, Tracing, trace_any, trace_closest};
-use raypath_unit::{RayRequest, StepParameters, Unit};
+use raypath_render::{
+    Camera, Goal, Mesh, PictureSpec, RayBatch, Scene, Shading, Tracer, Tracing, UnitSystem, render,
+    time_picture_through_unit, time_rays_through_unit, trace_any, trace_closest,
+};
+use raypath_timing::Sample;
+use raypath_unit::system::{CacheParameters, MemoryParameters};
+use raypath_unit::{RayRequest, StepParameters, Unit, UnitParameters};
 
 /// Hits of front faces are the same in every bit.
 #[test]
@@ -74,6 +80,63 @@ fn of_all(mesh: &Mesh, ray: &Ray<Binary32>) -> Option<(u32, f32)> {
         (bool::from(outcome.triangle_hit) && t <= f32::from(ray.extent)).then_some((index, t))
     });
     hits.min_by(|(_, a), (_, b)| a.total_cmp(b))
+}
+
+/// The simulated unit draws the picture of the functional model and does its work, whatever the memory.
+#[test]
+fn a_picture_through_the_simulated_unit() {
+    let cache = CacheParameters { bytes: 4096, ways: 2, line: 128, hit_latency: 3 };
+    let memories = [
+        MemoryParameters { latency: 1, bandwidth: None, cache: None },
+        MemoryParameters { latency: 300, bandwidth: Some(16), cache: None },
+        MemoryParameters { latency: 90, bandwidth: Some(64), cache: Some(cache) },
+    ];
+    let shading = Shading { shadows: true, ambient_occlusion: 2, ..Shading::default() };
+    for Named { name, mesh } in [meshes::real("suzanne"), meshes::real("truck")] {
+        let camera = Camera::framing(&mesh, 1.5);
+        let scene = Scene::for_origins(mesh, [camera.eye()]).unwrap().through_unit().unwrap();
+        let (spec, size) = (PictureSpec { scene: &scene, camera, size: (48, 32), shading }, (48, 32));
+        let expected = render(&scene, &camera, size, &shading, &|_| true).unwrap();
+        let costs = [expected.primary, expected.shadow, expected.occlusion];
+        let [rays, boxes, triangles] = [
+            costs.iter().map(|costs| costs.rays).sum(),
+            costs.iter().map(|costs| costs.counts.quadbox).sum(),
+            costs.iter().map(|costs| costs.counts.triangle).sum::<u64>(),
+        ];
+        for (memory, contexts) in memories.into_iter().zip([8, 64, 20]) {
+            let unit = UnitParameters { contexts, ..UnitParameters::default() };
+            let system = UnitSystem { shape: Shape::default(), unit, memory, in_flight: 2 * contexts as usize };
+            let (timing, picture) = time_picture_through_unit(&spec, Sample::ALL, &system, &|_| true).unwrap();
+            assert!(picture == expected.picture, "{name}, {memory:?}: another picture");
+            let found = timing.unit;
+            assert_eq!((found.rays, found.boxes, found.triangles), (rays, boxes, triangles), "{name}, {memory:?}");
+            assert_eq!(timing.beats, 2 * found.fetches, "beats of 512 bits");
+            let bytes = 128 * if memory.cache.is_some() { timing.cache_misses } else { found.fetches };
+            let least = memory.bandwidth.map_or(0, |bandwidth| bytes / u64::from(bandwidth));
+            assert!(found.cycles > least.max(timing.beats), "{name}, {memory:?}: {timing:?}");
+            assert_eq!(timing.cache_hits > 0, memory.cache.is_some(), "{name}, {memory:?}");
+        }
+    }
+}
+
+/// One ray at a time: each of its fetches takes the latency of the memory, the datapath and the steps.
+#[test]
+fn the_time_of_a_ray_alone_follows_from_its_fetches() {
+    let Named { mesh, .. } = meshes::real("suzanne");
+    let rays = rays(&mesh, Kind::Primary, 200, 1);
+    let scene = Scene::new(mesh).unwrap().through_unit().unwrap();
+    let batch = RayBatch { scene: &scene, rays: &rays, tracing: Tracing::default() };
+    let cycles = |latency: u64| {
+        let memory = MemoryParameters { latency, bandwidth: None, cache: None };
+        let unit = UnitParameters { contexts: 8, ..UnitParameters::default() };
+        let system = UnitSystem { shape: Shape::default(), unit, memory, in_flight: 1 };
+        let (timing, hits) = time_rays_through_unit(&batch, Sample::ALL, &system, &|_| true).unwrap();
+        assert_eq!(hits, trace_closest(&scene, &rays, Tracing::default(), &|_| true).unwrap().0);
+        (timing.unit.cycles, timing.unit.fetches)
+    };
+    let ((fast, fetches), (slow, as_many)) = (cycles(10), cycles(510));
+    assert_eq!(fetches, as_many);
+    assert_eq!(slow - fast, 500 * fetches, "each fetch takes as much longer as the memory does");
 }
 
 /// A short stack changes the work of a ray, not its hit. The longest does not overflow, and then the work is that of

@@ -58,18 +58,6 @@ impl UnitArguments {
     }
 }
 
-/// The parameters by the names of their options, with their values.
-pub fn described(parameters: UnitParameters) -> [(&'static str, u32); 5] {
-    let UnitParameters { contexts, step, memory_width, id_width, divider_latency } = parameters;
-    [
-        ("contexts", contexts),
-        ("stack", step.stack),
-        ("memory-width", memory_width),
-        ("id-width", id_width),
-        ("divider-latency", divider_latency),
-    ]
-}
-
 /// A parser, for clap, of a parameter. The unit says which values it has.
 fn parser(set: fn(&mut UnitParameters, u32)) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync + 'static {
     move |text| {

@@ -1,6 +1,7 @@
 //! The parameters of the unit's hardware.
 
 use crate::step::StepParameters;
+use std::fmt;
 use thiserror::Error;
 
 /// The parameters of the unit around its datapath.
@@ -21,6 +22,18 @@ pub struct UnitParameters {
 impl Default for UnitParameters {
     fn default() -> Self {
         Self { contexts: 64, step: StepParameters::default(), memory_width: 512, id_width: 16, divider_latency: 11 }
+    }
+}
+
+impl fmt::Display for UnitParameters {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { contexts, step, memory_width, id_width, divider_latency } = self;
+        write!(
+            f,
+            "{contexts} contexts, stacks of {}, memory of {memory_width} bits, ids of {id_width} bits, division in \
+             {divider_latency} cycles",
+            step.stack
+        )
     }
 }
 

@@ -81,13 +81,11 @@ fn check(config: Config) -> Result<(), UnitError> {
 }
 
 fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>, UnitError> {
-    let UnitParameters { contexts, step, memory_width, id_width, divider_latency } = parameters;
+    let UnitParameters { contexts, memory_width, id_width, divider_latency, .. } = parameters;
     let builder = Builder::new("raypath_unit");
     let m = &builder;
     m.doc("A ray goes in, the closest or any hit comes out.");
-    let stack = step.stack;
-    m.doc(format!("{contexts} contexts, each with a stack of {stack} entries; {memory_width} bits of memory a beat;"));
-    m.doc(format!("quotients after {divider_latency} cycles."));
+    m.doc(format!("{parameters}."));
     let width = bits(contexts);
     let ray_valid = m.input("ray_valid_i", 1);
     let ray = [("id", id_width), ("any_hit", 1), ("cull", 2), ("root", 32)];

@@ -109,7 +109,7 @@ fn the_unit_draws_the_same_picture() {
         std::fs::read(folder.path().join(name)).expect("a picture")
     };
     assert!(render("datapath.png", "datapath") == render("unit.png", "unit"));
-    ends_with(&["render", "--through", "unit", "--report", &out("r.html")], 2, &["timing is not simulated"]);
+    ends_with(&["render", "--through", "unit", "--report", &out("r.html")], 2, &["no timeline", "no --report"]);
     ends_with(&["render", "--through", "memory"], 2, &["memory", "datapath, unit"]);
 
     let said = page::succeeds(&["scene", "--out", &out("scene.bin")]);

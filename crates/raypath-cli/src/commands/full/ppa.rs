@@ -1,11 +1,13 @@
 //! `raypath ppa`: area and timing of the datapath in a cell library.
 
 use crate::commands::full::BenchArguments;
+use crate::commands::unit::UnitArguments;
 use crate::{CliError, DatapathArguments};
 use clap::Args;
 use raypath_ppa::{Baseline, Design, Report, charts, tables};
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::files::write_all;
+use raypath_unit::UnitNetlist;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -13,6 +15,11 @@ use std::path::PathBuf;
 pub struct Arguments {
     #[command(flatten)]
     datapath: DatapathArguments,
+    /// Measure the traversal unit with this datapath inside; its parts are the stages
+    #[arg(long)]
+    unit: bool,
+    #[command(flatten)]
+    parameters: UnitArguments,
     #[command(flatten)]
     bench: BenchArguments,
     /// Compare with the report in this folder (its ppa.json)
@@ -29,9 +36,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     // Read first, so that an error is reported before minutes of work.
     let baseline = arguments.against.as_deref().map(Baseline::read).transpose()?;
-    let (config, datapath) = arguments.datapath.datapath()?;
-    let design = Design::new(arguments.datapath.name(config), datapath.elaborate()?.top());
-    let reports = arguments.bench.measure(&[design])?;
+    let reports = arguments.bench.measure(&[arguments.design()?])?;
     for report in reports {
         write_all(&files(&report, &arguments.out)?)?;
         if arguments.json {
@@ -41,6 +46,20 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         }
     }
     Ok(())
+}
+
+impl Arguments {
+    fn design(&self) -> Result<Design, CliError> {
+        let (config, datapath) = self.datapath.datapath()?;
+        let name = self.datapath.name(config);
+        if !self.unit {
+            self.parameters.expect_none("--unit")?;
+            return Ok(Design::new(name, datapath.elaborate()?.top()));
+        }
+        let parameters = self.parameters.parameters();
+        let unit = UnitNetlist::new(config, parameters).map_err(CliError::unusable)?;
+        Ok(Design::new(format!("traversal unit, {parameters}, around {name}"), &unit.top))
+    }
 }
 
 fn show(

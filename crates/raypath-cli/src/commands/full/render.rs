@@ -12,7 +12,7 @@ use divided::Divided;
 use raypath_float::Format;
 use raypath_ops::{Binary32, Ray};
 use raypath_render::{
-    Counts, Hit, PictureSpec, RayBatch, Rendering, Scene, Shading, Tracing, read_rays, to_png, write_hits,
+    Counts, Hit, PictureSpec, RayBatch, Rendering, Scene, Shading, Tracing, UnitSystem, read_rays, to_png, write_hits,
 };
 use raypath_rtl::Config;
 use raypath_timing::report::Image;
@@ -101,22 +101,24 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         let problem = format!("--format {}: scenes are traced in fp32 only", config.semantics.format);
         return Err(CliError::unusable(problem));
     }
-    match arguments.through {
-        Through::Datapath => arguments.unit.expect_none()?,
-        Through::Unit if arguments.timing.view.is_wanted() => {
-            let problem = "--through unit: it has no timeline of jobs, so there is no --report and no --konata";
-            return Err(CliError::unusable(problem));
-        }
-        Through::Unit => {}
-    }
+    let system = arguments.unit_system(config)?;
     let tracing = Tracing { rules: config.semantics.rules, two_sided: arguments.two_sided };
     match &arguments.rays {
-        Some(path) => rays(arguments, config, tracing, read_rays(path).map_err(CliError::unusable)?, out),
-        None => picture(arguments, config, tracing, out),
+        Some(path) => {
+            let rays = read_rays(path).map_err(CliError::unusable)?;
+            trace(arguments, config, system, tracing, rays, out)
+        }
+        None => picture(arguments, config, system, tracing, out),
     }
 }
 
-fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dyn Write) -> Result<(), CliError> {
+fn picture(
+    arguments: &Arguments,
+    config: Config,
+    system: Option<UnitSystem>,
+    tracing: Tracing,
+    out: &mut dyn Write,
+) -> Result<(), CliError> {
     let mesh = scene::mesh(arguments.scene.as_deref())?;
     let (width, height) = arguments.size;
     let camera = arguments.camera.camera(&mesh, width as f32 / height as f32)?;
@@ -150,13 +152,14 @@ fn picture(arguments: &Arguments, config: Config, tracing: Tracing, out: &mut dy
     }
     let rays = [rendering.primary, rendering.shadow, rendering.occlusion].iter().map(|costs| costs.rays).sum();
     let work = Work::Picture { spec: PictureSpec { scene: &scene, camera, size: (width, height), shading }, rays };
-    time(arguments, config, work, Some(png), &mut files, out)?;
+    time(arguments, config, system, work, Some(png), &mut files, out)?;
     write_and_name(&files, out)
 }
 
-fn rays(
+fn trace(
     arguments: &Arguments,
     config: Config,
+    system: Option<UnitSystem>,
     tracing: Tracing,
     rays: Vec<Ray<Binary32>>,
     out: &mut dyn Write,
@@ -183,7 +186,7 @@ fn rays(
         files.push((path.clone(), text(&hits)?));
     }
     let work = Work::Rays(RayBatch { scene: &scene, rays: &rays, tracing });
-    time(arguments, config, work, None, &mut files, out)?;
+    time(arguments, config, system, work, None, &mut files, out)?;
     write_and_name(&files, out)
 }
 
@@ -191,14 +194,14 @@ fn rays(
 fn time(
     arguments: &Arguments,
     config: Config,
+    system: Option<UnitSystem>,
     work: Work<'_>,
     png: Option<Vec<u8>>,
     files: &mut Vec<(PathBuf, Vec<u8>)>,
     out: &mut dyn Write,
 ) -> Result<(), CliError> {
     if arguments.through == Through::Unit {
-        if let Some(memory_latency) = arguments.timing.memory_latency() {
-            let system = arguments.unit.system(config, memory_latency)?;
+        if let Some(system) = system {
             files.extend(unit::time(&work, &system, arguments.timed, &arguments.timing, out)?);
         }
         return Ok(());
@@ -215,6 +218,18 @@ fn time(
 }
 
 impl Arguments {
+    /// The simulated unit; `None` if the rays do not go through it, or without timing.
+    fn unit_system(&self, config: Config) -> Result<Option<UnitSystem>, CliError> {
+        if self.through == Through::Datapath {
+            return self.unit.expect_none().map(|()| None);
+        }
+        if self.timing.view.is_wanted() {
+            let problem = "--through unit: it has no timeline of jobs, so there is no --report and no --konata";
+            return Err(CliError::unusable(problem));
+        }
+        self.timing.memory_latency().map(|latency| self.unit.system(config, latency)).transpose()
+    }
+
     /// What is rendered or traced, for the parts of several machines. The scene may have another path on each.
     fn work(&self, scene: &Scene, config: Config) -> String {
         let Self { camera, size, shadows, ao, samples, two_sided, seed, rays, hits, .. } = self;

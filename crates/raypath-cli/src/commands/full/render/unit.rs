@@ -100,8 +100,13 @@ pub fn time(
     rows.extend(results(&found, timing.clock()));
     print_rows(&rows, out)?;
     let Some(path) = timing.sweep() else { return Ok(Vec::new()) };
-    let plot = sweep(work, system)?;
-    Ok(vec![(path.clone(), plot.svg().into_bytes())])
+    let points = sweep(work, system)?;
+    writeln!(out, "\n  bits  latency  contexts  jobs/cycle  bound  ratio")?;
+    for Swept { width, latency, contexts, reached, bound } in &points {
+        let ratio = reached / bound;
+        writeln!(out, "{width:>6} {latency:>8} {contexts:>9} {reached:>11.3} {bound:>6.3} {ratio:>6.3}")?;
+    }
+    Ok(vec![(path.clone(), plot(&points).svg().into_bytes())])
 }
 
 fn run(
@@ -143,9 +148,19 @@ fn results(found: &SystemTiming, clock_mhz: f64) -> Vec<(String, String)> {
     rows
 }
 
+/// A point of a sweep.
+struct Swept {
+    width: u32,
+    latency: u64,
+    contexts: u32,
+    /// Jobs per cycle.
+    reached: f64,
+    bound: f64,
+}
+
 /// The jobs per cycle over contexts, latencies and widths, with the bound of each point: one job a cycle, the contexts'
 /// jobs in the time of a ray alone, and the beats of the memory.
-fn sweep(work: &Work<'_>, system: &UnitSystem) -> Result<Plot, CliError> {
+fn sweep(work: &Work<'_>, system: &UnitSystem) -> Result<Vec<Swept>, CliError> {
     let points: Vec<(u32, u64, u32)> = WIDTHS
         .iter()
         .flat_map(|width| {
@@ -161,7 +176,7 @@ fn sweep(work: &Work<'_>, system: &UnitSystem) -> Result<Plot, CliError> {
         let memory = MemoryParameters { latency, ..system.memory };
         UnitSystem { shape: system.shape.clone(), unit, memory, in_flight }
     };
-    let measured = watched(work.label(["pixels swept", "rays swept"]), total, |progress| {
+    watched(work.label(["pixels swept", "rays swept"]), total, |progress| {
         let completed = AtomicU64::new(0);
         let point = |point: &(u32, u64, u32)| {
             let counted = AtomicU64::new(0);
@@ -171,27 +186,31 @@ fn sweep(work: &Work<'_>, system: &UnitSystem) -> Result<Plot, CliError> {
             };
             let found = run(work, swept, &at(*point, 2 * point.2 as usize), &count)?;
             let lone = run(work, alone, &at(*point, 1), &|_| progress(completed.load(Ordering::Relaxed)))?;
-            Ok((found.jobs_per_cycle(), bound(&found, &lone, point.2)))
+            let (reached, bound) = (found.jobs_per_cycle(), bound(&found, &lone, point.2));
+            Ok(Swept { width: point.0, latency: point.1, contexts: point.2, reached, bound })
         };
         points.par_iter().map(point).collect::<Result<Vec<_>, raypath_render::PictureError>>()
-    })?;
+    })
+}
+
+fn plot(points: &[Swept]) -> Plot {
     let panel = |width: u32| {
         let line = |(colour, latency): (usize, &u64), is_limit: bool| {
-            let here = points.iter().zip(&measured).filter(|((w, l, _), _)| (*w, *l) == (width, *latency));
-            let value = |(reached, bound): &(f64, f64)| if is_limit { *bound } else { *reached };
-            let points = here.map(|((.., contexts), found)| (*contexts as usize, value(found))).collect();
+            let here = points.iter().filter(|point| (point.width, point.latency) == (width, *latency));
+            let value = |point: &Swept| if is_limit { point.bound } else { point.reached };
+            let points = here.map(|point| (point.contexts as usize, value(point))).collect();
             Series { colour, is_limit, points }
         };
         let of = |is_limit: bool| LATENCIES.iter().enumerate().map(move |latency| line(latency, is_limit));
         Panel { axis: format!("jobs per cycle, {width} bits a beat"), lines: of(false).chain(of(true)).collect() }
     };
-    Ok(Plot {
+    Plot {
         title: "Throughput of the traversal unit; dashed: bound".to_string(),
         horizontal: "contexts".to_string(),
         panels: WIDTHS.map(panel).into(),
         legend: "memory latency".to_string(),
         colours: LATENCIES.map(|latency| format!("{latency} cycles")).into(),
-    })
+    }
 }
 
 /// The greatest number of jobs per cycle: 1; what `contexts` rays ask for if each takes as long as it does alone; what
