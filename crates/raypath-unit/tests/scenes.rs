@@ -3,10 +3,13 @@
 mod common;
 
 use common::{Scene, never};
+use raypath_model::Shape;
 use raypath_ops::{Aabb, Binary32, Rules, Triangle};
 use raypath_unit::blocks::{Child, LeafTriangle};
 use raypath_unit::state::status;
-use raypath_unit::{RayRequest, Reply, StepParameters, Unit};
+use raypath_unit::{
+    BlockRequest, RayRequest, Reply, Response, StepParameters, Unit, UnitEngine, UnitInputs, UnitModel, UnitParameters,
+};
 
 const STACKS: [u32; 5] = [2, 4, 8, 16, 32];
 
@@ -155,4 +158,48 @@ fn memories_that_are_no_trees_end_the_ray() {
         next = memory.node([everywhere; 4], [next; 4]);
     }
     assert_eq!(trace(&memory, next, 8).status, status::ERROR);
+}
+
+/// The cycles from the last beat of a block to the next request of its ray, as `docs/reference/unit.md` has them.
+#[test]
+fn a_fetch_takes_as_many_cycles_as_documented() {
+    let (scene, root) = {
+        let mut scene = Scene::default();
+        // The ray is not culled by its boxes: every block is read.
+        let far: Vec<LeafTriangle> = (0..5).map(|index| LeafTriangle { index, ..at(-9.0, 0) }).collect();
+        let leaf = scene.leaf(&far);
+        let everywhere = around(0.0, 100.0);
+        let inner = scene.node([everywhere, never(), never(), never()], [leaf, 0, 0, 0]);
+        let root = scene.node([everywhere, never(), never(), never()], [inner, 0, 0, 0]);
+        (scene, root)
+    };
+    let parameters = UnitParameters { memory_width: 1024, ..UnitParameters::default() };
+    let mut unit = UnitModel::new(&Shape::default(), parameters);
+    let (mut requested, mut ended) = (Vec::new(), 0);
+    let mut response = None;
+    for cycle in 0..1000 {
+        let outputs = unit.outputs();
+        if let Some(BlockRequest { address, tag }) = outputs.request {
+            requested.push(cycle);
+            response = Some((address, tag));
+        }
+        if outputs.hit.is_some() {
+            ended = cycle;
+            break;
+        }
+        // The block arrives in the cycle after its request.
+        let due = response.filter(|_| requested.last() < Some(&cycle));
+        let beat = due.and_then(|(address, tag)| {
+            let beat = &scene.0[address as usize..][..128];
+            Some(Response { tag, is_error: false, beat })
+        });
+        response = response.filter(|_| due.is_none());
+        let ray = (cycle == 0).then(|| (0, along_z(root)));
+        unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response: beat });
+    }
+    let gaps: Vec<i32> = requested.windows(2).map(|pair| pair[1] - pair[0] - 1).collect();
+    // A ray's first request; nodes; three triangles.
+    assert_eq!((requested[0], &gaps[..]), (23, &[21, 21, 35][..]));
+    // Two triangles, and from the last step to the hit.
+    assert_eq!(ended - requested[3] - 1, 35);
 }
