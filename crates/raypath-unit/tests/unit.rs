@@ -37,7 +37,7 @@ fn the_netlist_returns_what_the_functional_model_does() {
     let mut netlist = NetlistEngine::new(&unit).expect("a simulation");
     let mut environment = Environment::new(&scene.0, parameters.memory_width, rays.clone(), QUIET, 2);
     while !environment.is_done() {
-        environment.cycle(&mut [&mut netlist]);
+        environment.cycle(&mut [&mut netlist]).expect("the protocol");
         assert!(environment.cycles() < 1_000_000, "{} of {} rays ended", environment.replies.len(), rays.len());
     }
     for (id, expected) in expected(&scene, &rays, parameters).into_iter().enumerate() {
@@ -65,7 +65,7 @@ fn the_model_equals_the_netlist_in_every_cycle() {
                 let width = parameters.memory_width;
                 let mut environment = Environment::new(&scene.0, width, rays.clone(), behaviour, seed + number);
                 while !environment.is_done() {
-                    environment.cycle(&mut [&mut netlist, &mut model]);
+                    environment.cycle(&mut [&mut netlist, &mut model]).expect("the protocol");
                     assert!(environment.cycles() < 1_000_000, "{} rays ended", environment.replies.len());
                 }
                 if behaviour.errors == 0 {
@@ -90,7 +90,7 @@ fn verilator_equals_the_netlist_in_every_cycle() {
     let mut recorded = Recorder::new(NetlistEngine::new(&unit).expect("a simulation"), &unit);
     let mut environment = Environment::new(&scene.0, parameters.memory_width, rays, QUIET, 2);
     while !environment.is_done() {
-        environment.cycle(&mut [&mut recorded]);
+        environment.cycle(&mut [&mut recorded]).expect("the protocol");
     }
     let Recorder { frames, outputs, .. } = recorded;
     let mut seen = 0;

@@ -1,0 +1,114 @@
+//! Scenes made block by block, random ones, and random rays.
+
+use crate::RayRequest;
+use crate::blocks::{LeafTriangle, NODE_KIND, Node};
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+use raypath_ops::{Aabb, Binary32, Triangle};
+
+/// The blocks of a scene, appended one after another, from address 0 on.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct BlockScene(pub Vec<u8>);
+
+impl BlockScene {
+    /// The address of the next block.
+    pub fn address(&self) -> u32 {
+        self.0.len() as u32
+    }
+
+    /// Appends a leaf, and returns its child word. The word is valid for 1 to 8 triangles.
+    pub fn leaf(&mut self, triangles: &[LeafTriangle]) -> u32 {
+        let word = self.address() | triangles.len() as u32;
+        self.0.extend(LeafTriangle::to_bytes(triangles));
+        word
+    }
+
+    /// Appends a node, and returns its child word.
+    pub fn node(&mut self, boxes: [Aabb<Binary32>; 4], children: [u32; 4]) -> u32 {
+        let word = self.address() | NODE_KIND;
+        self.0.extend(Node { boxes, children }.to_bytes());
+        word
+    }
+
+    /// A tree over random triangles in a cube from -1 to 1, and the child word of its root.
+    pub fn random(triangles: u32, random: &mut ChaCha8Rng) -> (Self, u32) {
+        let mut scene = Self::default();
+        let mut all: Vec<LeafTriangle> = (0..triangles)
+            .map(|index| {
+                let at: [f32; 3] = std::array::from_fn(|_| random.random_range(-1.0..1.0));
+                let mut corner = || std::array::from_fn(|axis| at[axis] + random.random_range(-0.25_f32..0.25));
+                LeafTriangle { triangle: Triangle::new(corner(), corner(), corner()), index }
+            })
+            .collect();
+        let (root, _) = scene.tree(&mut all, random);
+        (scene, root)
+    }
+
+    fn tree(&mut self, triangles: &mut [LeafTriangle], random: &mut ChaCha8Rng) -> (u32, Aabb<Binary32>) {
+        if triangles.is_empty() {
+            return (0, never());
+        }
+        let size = random.random_range(1..9);
+        if triangles.len() <= size {
+            return (self.leaf(triangles), around(triangles));
+        }
+        let axis = random.random_range(0..3);
+        triangles.sort_by(|a, b| corners(a)[0][axis].total_cmp(&corners(b)[0][axis]));
+        let (mut boxes, mut children) = ([never(); 4], [0; 4]);
+        let count = random.random_range(2..5);
+        let chunk = triangles.len().div_ceil(count);
+        for (place, part) in triangles.chunks_mut(chunk).enumerate() {
+            (children[place], boxes[place]) = self.tree(part, random);
+        }
+        let whole = around(triangles);
+        (self.node(boxes, children), whole)
+    }
+}
+
+/// The box that no ray hits: that of a missing child.
+pub fn never() -> Aabb<Binary32> {
+    Aabb::new([f32::INFINITY; 3], [f32::NEG_INFINITY; 3])
+}
+
+fn corners(LeafTriangle { triangle: Triangle { a, b, c }, .. }: &LeafTriangle) -> [[f32; 3]; 3] {
+    [a, b, c].map(|vertex| (*vertex).into())
+}
+
+fn around(triangles: &[LeafTriangle]) -> Aabb<Binary32> {
+    let all: Vec<[f32; 3]> = triangles.iter().flat_map(corners).collect();
+    let bound =
+        |pick: fn(f32, f32) -> f32, from: f32, axis: usize| all.iter().map(|corner| corner[axis]).fold(from, pick);
+    let least = [0, 1, 2].map(|axis| bound(f32::min, f32::INFINITY, axis));
+    Aabb::new(least, [0, 1, 2].map(|axis| bound(f32::max, f32::NEG_INFINITY, axis)))
+}
+
+/// A ray through the cube, or one of the odd ones: refused, along an axis, short, of any kind of hit.
+pub fn random_ray(root: u32, random: &mut ChaCha8Rng) -> RayRequest {
+    let mut point = |scale: f32| -> [f32; 3] { std::array::from_fn(|_| random.random_range(-scale..scale)) };
+    let (origin, target) = (point(3.0), point(1.0));
+    let mut direction: [f32; 3] = std::array::from_fn(|axis| target[axis] - origin[axis]);
+    if random.random_range(0..8) == 0 {
+        let axis = random.random_range(0..3);
+        direction = std::array::from_fn(|other| if other == axis { direction[axis] } else { 0.0 });
+    }
+    let odd = [0.0, -0.0, f32::NAN, f32::INFINITY, 1e-40, -1.0];
+    if random.random_range(0..16) == 0 {
+        direction[random.random_range(0..3)] = odd[random.random_range(0..odd.len())];
+    }
+    let mut one_of = |common: f32, count: u32| {
+        let is_odd = random.random_range(0..count) == 0;
+        if is_odd { odd[random.random_range(0..odd.len())] } else { common }
+    };
+    let (t_min, t_max) = (one_of(0.0, 16), one_of(f32::INFINITY, 16));
+    let t_max = if random.random_range(0..4) == 0 { random.random_range(0.1..3.0) } else { t_max };
+    RayRequest {
+        origin,
+        direction,
+        t_min,
+        t_max,
+        any_hit: random.random_range(0..4) == 0,
+        cull_back: random.random_range(0..4) == 0,
+        cull_front: random.random_range(0..4) == 0,
+        root,
+    }
+}
