@@ -1,5 +1,6 @@
 //! The unit as a netlist.
 
+mod axi;
 mod blocks;
 mod connect;
 mod contexts;

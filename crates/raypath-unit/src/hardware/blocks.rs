@@ -23,7 +23,7 @@ pub fn blocks(contexts: u32, memory_width: u32) -> Result<Arc<Module>, Error> {
     let valid = m.input("valid_i", 1);
     let context = m.input("context_i", bits(contexts));
     let error = m.input("error_i", 1);
-    let words = data_words(m, "data", memory_width);
+    let words = data_words(m, "data", "_i", memory_width);
     let readers = ["job", "child", "index"].map(|reader| {
         (m.input(&format!("{reader}_read_i"), 1), m.input(&format!("{reader}_context_i"), bits(contexts)))
     });
@@ -72,14 +72,14 @@ pub fn blocks(contexts: u32, memory_width: u32) -> Result<Arc<Module>, Error> {
     builder.finish()
 }
 
-/// A port of `width` bits as words of 32 bits, `<name>_0_i` and so on. The text has one port `<name>_i`.
-pub fn data_words<'m>(m: &'m Builder, name: &str, width: u32) -> Vec<Wire<'m>> {
-    let ports: Vec<String> = (0..width / 32).map(|word| format!("{name}_{word}_i")).collect();
+/// A port of `width` bits as words of 32 bits, `<name>_0<suffix>` and so on. The text has one port `<name><suffix>`.
+pub fn data_words<'m>(m: &'m Builder, name: &str, suffix: &str, width: u32) -> Vec<Wire<'m>> {
+    let ports: Vec<String> = (0..width / 32).map(|word| format!("{name}_{word}{suffix}")).collect();
     let words = ports.iter().map(|port| m.input(port, 32)).collect();
     let select = |word: usize| format!("[{}:{}]", 32 * word + 31, 32 * word);
     let members = ports.into_iter().enumerate().rev().map(|(word, port)| (port, select(word)));
     let structure = format!("logic [{}:0]", width - 1);
-    m.group_inputs(PortGroup { name: format!("{name}_i"), structure, members: members.collect() });
+    m.group_inputs(PortGroup { name: format!("{name}{suffix}"), structure, members: members.collect() });
     words
 }
 

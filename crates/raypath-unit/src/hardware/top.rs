@@ -96,7 +96,7 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let arrives = m.input("mem_rsp_valid_i", 1);
     let arrived_context = m.input("mem_rsp_tag_i", width);
     let error = m.input("mem_rsp_error_i", 1);
-    let data = data_words(m, "mem_rsp_data", memory_width);
+    let data = data_words(m, "mem_rsp_data", "_i", memory_width);
 
     // What flows backwards.
     let [start_taken, block_taken, fault_taken] =

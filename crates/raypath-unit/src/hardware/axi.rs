@@ -1,0 +1,73 @@
+//! The unit with an AXI4 read master as its memory port.
+
+use super::blocks::data_words;
+use super::connect::Inputs;
+use super::top::UnitNetlist;
+use crate::blocks::BLOCK_BYTES;
+use raypath_hdl::{Builder, Error, Module};
+use std::sync::Arc;
+
+/// What every burst has, by the end of the signal's name: width and value. The burst increments; the access is normal,
+/// to memory that is not cacheable but bufferable, of data, secure, unprivileged, without quality of service.
+const FIXED: [(&str, u32, u64); 5] =
+    [("burst", 2, 0b01), ("lock", 1, 0), ("cache", 4, 0b0011), ("prot", 3, 0b000), ("qos", 4, 0)];
+
+/// The signals of the unit's memory channels, which this module replaces.
+const MEMORY: &str = "mem_";
+
+impl UnitNetlist {
+    /// The module `raypath_unit_axi`: the unit, with the signals `m_axi_ar…` and `m_axi_r…` of an AXI4 read master in
+    /// place of `mem_req_…` and `mem_rsp_…`. They have the names of the AXI specification without a suffix, by which
+    /// tools find the interface. It has no register of its own.
+    ///
+    /// A burst reads a block, and its id is the tag of the request. Bursts of different ids may return in any order,
+    /// and their beats may be interleaved. A response that is not OKAY is an error of the memory.
+    ///
+    /// # Errors
+    /// A defect of the netlist.
+    pub fn axi(&self) -> Result<Arc<Module>, Error> {
+        let builder = Builder::new("raypath_unit_axi");
+        let m = &builder;
+        let (unit, width) = (&self.top, self.parameters.memory_width);
+        let (beats, beat_bytes) = (BLOCK_BYTES * 8 / width, width / 8);
+        let tag = unit.port_width("mem_req_tag_o").unwrap_or(1);
+        m.doc("raypath_unit with an AXI4 read master as its memory port.");
+        m.doc(format!("A block is a burst of {beats} beats of {beat_bytes} bytes; its id is the context, {tag} bits."));
+
+        let mut inputs = Inputs::default();
+        for port in unit.inputs().iter().filter(|port| !port.name.starts_with(MEMORY)) {
+            inputs = inputs.port(port.stem(), m.input(&port.name, unit.signal(port.signal).width));
+        }
+        let arready = m.input("m_axi_arready", 1);
+        let rid = m.input("m_axi_rid", tag);
+        let data = data_words(m, "m_axi_rdata", "", width);
+        let rresp = m.input("m_axi_rresp", 2);
+        let rlast = m.input("m_axi_rlast", 1);
+        let rvalid = m.input("m_axi_rvalid", 1);
+        // The unit counts the beats of each block.
+        m.unused("unused_rlast", &[rlast]);
+
+        let words = data.into_iter().enumerate().map(|(word, wire)| (format!("mem_rsp_data_{word}"), wire));
+        let outputs = inputs
+            .port("mem_req_ready", arready)
+            .port("mem_rsp_valid", rvalid)
+            .port("mem_rsp_tag", rid)
+            .port("mem_rsp_error", rresp.any())
+            .ports(words)
+            .place(m, "u_unit", unit);
+
+        for port in unit.outputs().iter().filter(|port| !port.name.starts_with(MEMORY)) {
+            m.output(&port.name, outputs.port(port.stem()));
+        }
+        m.output("m_axi_arid", outputs.port("mem_req_tag"));
+        m.output("m_axi_araddr", outputs.port("mem_req_addr"));
+        m.output("m_axi_arlen", m.constant(8, u64::from(beats) - 1));
+        m.output("m_axi_arsize", m.constant(3, beat_bytes.trailing_zeros().into()));
+        for (name, width, value) in FIXED {
+            m.output(&format!("m_axi_ar{name}"), m.constant(width, value));
+        }
+        m.output("m_axi_arvalid", outputs.port("mem_req_valid"));
+        m.output("m_axi_rready", outputs.port("mem_rsp_ready"));
+        builder.finish()
+    }
+}
