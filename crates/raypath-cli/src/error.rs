@@ -83,7 +83,7 @@ macro_rules! unusable {
     )*};
 }
 
-unusable!(InputError, FileError, raypath_hdl::Error);
+unusable!(InputError, FileError, raypath_hdl::Error, raypath_unit::UnitError);
 
 #[cfg(feature = "full")]
 unusable!(raypath_wave::WaveError);

@@ -22,7 +22,7 @@ mod text;
 mod wrapper;
 
 use crate::Datapath;
-pub use design::design;
+pub use design::{Wrapped, design, wrapped};
 use fields::{Direction, Field};
 use manifest::Sources;
 use raypath_hdl::{Error, verilog};
@@ -42,14 +42,22 @@ pub fn files(datapath: &Datapath, banner: &[String]) -> Result<Vec<(PathBuf, Str
     let structures = Structures::new(&job, &outcome);
 
     let name = top.name();
-    let package = format!("rtl/{name}_wrapper_pkg.sv");
-    let wrapper = format!("rtl/{name}_wrapper.sv");
+    let wrapper_name = format!("{name}_wrapper");
+    let package = format!("rtl/{wrapper_name}_pkg.sv");
+    let wrapper = format!("rtl/{wrapper_name}.sv");
     let modules = verilog::sources(top, &[])?.iter().map(|source| format!("rtl/{}.sv", source.name)).collect();
-    let sources = Sources { name, modules, wrapper: vec![package.clone(), wrapper.clone()] };
+    let sources = Sources {
+        name,
+        description: "A ray-tracer datapath",
+        modules,
+        wrapper_name: &wrapper_name,
+        wrapper: vec![package.clone(), wrapper.clone()],
+        properties: &format!("{name}_properties.sv"),
+    };
     Ok(vec![
         (package.into(), wrapper::package(datapath, &structures, banner)),
         (wrapper.into(), wrapper::module(datapath, &job, &outcome, banner)),
-        (format!("{name}_wrapper.f").into(), sources.list()),
+        (format!("{wrapper_name}.f").into(), sources.list()),
         (format!("{name}.core").into(), sources.fusesoc(banner)),
         ("Bender.yml".into(), sources.bender(banner)),
     ])

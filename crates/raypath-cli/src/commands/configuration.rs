@@ -101,6 +101,11 @@ pub struct DatapathArguments {
 }
 
 impl DatapathArguments {
+    /// The selected configuration.
+    pub fn config(&self) -> Result<Config, CliError> {
+        self.config.config()
+    }
+
     /// The selected configuration and its datapath with the added operations.
     pub fn datapath(&self) -> Result<(Config, Datapath), CliError> {
         let config = self.config.config()?;

@@ -1,5 +1,8 @@
 //! `raypath generate`: SystemVerilog, tables, and a comparison of the netlist with the models.
 
+mod unit;
+
+use crate::commands::unit::UnitArguments;
 use crate::{CliError, DatapathArguments, Progress, ask_oracles, whole};
 use clap::Args;
 use raypath_hdl::verilog;
@@ -26,11 +29,23 @@ pub struct Arguments {
     /// Seed of the random jobs, stalls and bubbles
     #[arg(long, default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     seed: u64,
+    /// Write the traversal unit around the datapath: a ray goes in, its hit comes out
+    #[arg(long, conflicts_with_all = ["specs", "jobs"])]
+    unit: bool,
+    /// The number of random rays for the check of the unit
+    #[arg(long, default_value_t = 1_000, requires = "unit", value_parser = whole(1..=1_000_000_u32))]
+    rays: u32,
     #[command(flatten)]
     datapath: DatapathArguments,
+    #[command(flatten)]
+    unit_parameters: UnitArguments,
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    if arguments.unit {
+        return unit::run(arguments, out);
+    }
+    arguments.unit_parameters.expect_none("--unit")?;
     let (config, whole) = arguments.datapath.datapath()?;
     let datapath = whole.elaborate()?;
     let name = arguments.datapath.name(config);

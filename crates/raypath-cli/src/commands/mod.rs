@@ -5,8 +5,7 @@ mod generate;
 pub mod numbers;
 mod operations;
 mod ray;
-#[cfg_attr(not(feature = "full"), expect(dead_code, reason = "for render"))]
-pub mod unit;
+mod unit;
 
 #[cfg(feature = "full")]
 mod full;
@@ -38,7 +37,8 @@ pub struct CommandLine {
 #[derive(Debug, Subcommand)]
 #[allow(clippy::large_enum_variant)] // one command is parsed in a process
 enum Command {
-    /// Write the datapath as SystemVerilog, show its schedule and units, and check the netlist against the models
+    /// Write the datapath, or with --unit the traversal unit, as SystemVerilog, show its parts, and check the netlist
+    /// against the models
     Generate(generate::Arguments),
     /// List the presets, which are named configurations
     Configs,

@@ -9,6 +9,7 @@ mod ppa;
 mod render;
 mod replay;
 mod search;
+mod unit;
 
 use std::path::Path;
 use std::process::{Command, Output};

@@ -1,0 +1,182 @@
+//! `raypath generate --unit`: the traversal unit, its ports and memories, and a comparison with the models.
+
+use super::{Arguments, VERSION};
+use crate::{CliError, Progress};
+use comfy_table::presets::ASCII_MARKDOWN;
+use comfy_table::{ContentArrangement, Table};
+use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
+use raypath_hdl::Module;
+use raypath_rtl::package::{self, Wrapped};
+use raypath_sim::files::{in_folder, write_all};
+use raypath_unit::traffic::{Behaviour, BlockScene, Environment, random_ray};
+use raypath_unit::{NetlistEngine, RayRequest, Reply, Unit, UnitModel, UnitNetlist};
+use std::io::Write;
+use std::time::Instant;
+
+/// What the unit is, for manifests.
+const PURPOSE: &str = "A ray-tracer traversal unit";
+/// The triangles of the random scene.
+const TRIANGLES: u32 = 500;
+/// The memory and the users of the ports in the check.
+const BEHAVIOUR: Behaviour = Behaviour { latency: (1, 60), stalls: [32; 4], errors: 0 };
+/// The most cycles that a ray takes in the check, by far.
+const CYCLES_PER_RAY: u64 = 100_000;
+/// The most differences that are printed.
+const SHOWN: usize = 5;
+
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    let config = arguments.datapath.config()?;
+    let unit = UnitNetlist::new(config, arguments.unit_parameters.parameters())?;
+    let axi = unit.axi()?;
+    let description = format!("traversal unit, {}; datapath: {}", unit.parameters, unit.config);
+    let design = Wrapped {
+        top: &unit.top,
+        wrapper: &axi,
+        datapath: &unit.datapath,
+        purpose: PURPOSE,
+        description: &description,
+    };
+    write_all(&in_folder(&arguments.out, package::wrapped(design)?))?;
+
+    writeln!(out, "raypath {VERSION}: {description}\n")?;
+    writeln!(out, "Ports of raypath_unit\n\n{}\n", ports(&unit.top))?;
+    let bits = unit.top.memory_bits();
+    writeln!(out, "Memories: instances of raypath_ram_1r1w, {bits} bits\n\n{}\n", memories(&unit.top))?;
+    let (all, datapath) = (unit.top.register_bits(), unit.datapath.top().register_bits());
+    let control = all - datapath;
+    writeln!(out, "Flip-flops: {control} around the datapath, {datapath} in it\n\n{}\n", parts(&unit.top))?;
+    let folder = arguments.out.display();
+    let modules = raypath_hdl::verilog::sources(&axi, &[])?.len();
+    writeln!(out, "Wrote {modules} modules to {folder}/rtl, listed in {folder}/raypath_unit.f, with the AXI4 wrapper")?;
+    writeln!(out, "raypath_unit_axi in {folder}/raypath_unit_axi.f; all but the wrapper to {folder}/raypath_unit.sv;")?;
+    writeln!(out, "assertions about the datapath to {folder}/raypath_properties.sv; {folder}/raypath_unit.core")?;
+    writeln!(out, "(FuseSoC) and {folder}/Bender.yml.\n")?;
+    check(&unit, arguments, out)
+}
+
+fn table<const N: usize>(header: [&str; N]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(ASCII_MARKDOWN).set_content_arrangement(ContentArrangement::Dynamic).set_width(118);
+    table.set_header(header);
+    table
+}
+
+/// The ports of each channel. The text has some as parts of one port.
+fn ports(top: &Module) -> Table {
+    let channels =
+        [("ray, in", "ray_"), ("hit, out", "hit_"), ("memory request, out", "mem_req_"), ("response, in", "mem_rsp_")];
+    let mut table = table(["channel", "ports"]);
+    table.add_row(["", "clk_i, rst_ni"]);
+    for (channel, prefix) in channels {
+        let mut found: Vec<(String, u32)> = Vec::new();
+        for port in top.inputs().iter().chain(top.outputs()).filter(|port| port.name.starts_with(prefix)) {
+            let text = top.port_text(&port.name);
+            let name = text.split('[').next().unwrap_or_default();
+            let width = top.signal(port.signal).width;
+            match found.iter_mut().find(|(known, _)| known == name) {
+                Some((_, all)) => *all += width,
+                None => found.push((name.to_string(), width)),
+            }
+        }
+        let range = |width: u32| if width == 1 { String::new() } else { format!(" [{}:0]", width - 1) };
+        let cells: Vec<String> = found.into_iter().map(|(name, width)| name + &range(width)).collect();
+        table.add_row([channel, &cells.join(", ")]);
+    }
+    table
+}
+
+/// The memories by their paths.
+fn memories(top: &Module) -> Table {
+    fn walk(module: &Module, path: &str, table: &mut Table) {
+        for memory in module.memories() {
+            let width: u32 = memory.columns.iter().map(|column| module.signal(column.read).width).sum();
+            let bits = u64::from(memory.depth) * u64::from(width);
+            table.add_row([
+                format!("{path}{}", memory.name),
+                memory.depth.to_string(),
+                width.to_string(),
+                bits.to_string(),
+            ]);
+        }
+        for instance in module.instances() {
+            walk(&instance.module, &format!("{path}{}.", instance.name), table);
+        }
+    }
+    let mut table = table(["memory", "words", "bits of a word", "bits"]);
+    walk(top, "", &mut table);
+    table
+}
+
+/// The flip-flops of the parts of the unit, and the bits of their memories.
+fn parts(top: &Module) -> Table {
+    let mut table = table(["part", "module", "flip-flops", "bits of memories"]);
+    for instance in top.instances() {
+        let module = &instance.module;
+        let (flip_flops, bits) = (module.register_bits().to_string(), module.memory_bits().to_string());
+        table.add_row([&instance.name, module.name(), &flip_flops, &bits]);
+    }
+    let own: u64 = top.instances().iter().map(|instance| instance.module.memory_bits()).sum();
+    let rest = top.memory_bits() - own;
+    if rest > 0 {
+        table.add_row(["", top.name(), "", &rest.to_string()]);
+    }
+    table.add_row(["all", top.name(), &top.register_bits().to_string(), &top.memory_bits().to_string()]);
+    table
+}
+
+/// Traces random rays through a random scene by the netlist and the models.
+fn check(unit: &UnitNetlist, arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    let begin = Instant::now();
+    let mut random = ChaCha8Rng::seed_from_u64(arguments.seed);
+    let (scene, root) = BlockScene::random(TRIANGLES, &mut random);
+    let total = arguments.rays as usize;
+    let rays: Vec<RayRequest> = (0..total).map(|_| random_ray(root, &mut random)).collect();
+    let (mut netlist, mut model) = (NetlistEngine::new(unit)?, UnitModel::of(unit));
+    let width = unit.parameters.memory_width;
+    let mut environment = Environment::new(&scene.0, width, rays.clone(), BEHAVIOUR, arguments.seed);
+    let mut progress = Progress::new("rays", total);
+    let limit = CYCLES_PER_RAY.saturating_mul(total as u64);
+    while !environment.is_done() && progress.at(environment.replies.len()) {
+        let cycle = environment.cycle(&mut [&mut netlist, &mut model]);
+        cycle.map_err(|problem| CliError::Mismatch(format!("netlist and cycle-exact model: {problem}")))?;
+        if environment.cycles() > limit {
+            let ended = environment.replies.len();
+            return Err(CliError::Mismatch(format!("{ended} of {total} rays ended in {limit} cycles, expected all")));
+        }
+    }
+    let ended = environment.replies.len();
+    let stopped = progress.finish(ended);
+
+    let mut functional = Unit::new(unit.config.semantics.rules, unit.parameters.step);
+    let mut different: Vec<(u64, Reply, Reply)> = Vec::new();
+    let mut by_status = [0; 4];
+    for (&id, &found) in &environment.replies {
+        let Some(ray) = rays.get(id as usize) else { continue };
+        let expected = functional.trace(&scene.0[..], ray);
+        if let Some(count) = by_status.get_mut(expected.status as usize) {
+            *count += 1;
+        }
+        if found != expected {
+            different.push((id, found, expected));
+        }
+    }
+    let [missed, hit, refused, _] = by_status;
+    let (cycles, seconds) = (environment.cycles(), begin.elapsed().as_secs_f64());
+    writeln!(
+        out,
+        "Checked {ended} random rays ({hit} hit, {missed} miss, {refused} are refused) in a random scene of"
+    )?;
+    writeln!(
+        out,
+        "{TRIANGLES} triangles in {cycles} cycles with stalls at all channels and a memory that answers in any order:"
+    )?;
+    writeln!(out, "{} mismatches between netlist, cycle-exact and functional model. {seconds:.2} s", different.len())?;
+    for (id, found, expected) in different.iter().take(SHOWN) {
+        writeln!(out, "  ray {id}: {found:?}, expected {expected:?}")?;
+    }
+    if !different.is_empty() {
+        return Err(CliError::Mismatch(format!("netlist and functional model differ for {} rays", different.len())));
+    }
+    Ok(stopped?)
+}
