@@ -303,7 +303,7 @@ impl UnitEngine for UnitModel {
         let kind = |job: Job| if job.is_node { JobKind::Quadbox } else { JobKind::Triangle };
         let leaves = offer.filter(|job| self.flow.input_ready(kind(*job).opcode()));
         let block_ends = leaves.is_some_and(|job| job.is_last) || grant == FAULT;
-        let takes_block = !self.arrivals.front().is_none() && (self.issue.is_none() || block_ends);
+        let takes_block = self.arrivals.front().is_some() && (self.issue.is_none() || block_ends);
         let shows_hit = self.ended.front().is_some() && (self.hit.is_none() || inputs.hit_ready);
         let entering = inputs.ray.filter(|_| self.set_up.busy <= 1 && self.has_context());
 

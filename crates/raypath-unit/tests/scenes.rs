@@ -189,9 +189,9 @@ fn a_fetch_takes_as_many_cycles_as_documented() {
         }
         // The block arrives in the cycle after its request.
         let due = response.filter(|_| requested.last() < Some(&cycle));
-        let beat = due.and_then(|(address, tag)| {
+        let beat = due.map(|(address, tag)| {
             let beat = &scene.0[address as usize..][..128];
-            Some(Response { tag, is_error: false, beat })
+            Response { tag, is_error: false, beat }
         });
         response = response.filter(|_| due.is_none());
         let ray = (cycle == 0).then(|| (0, along_z(root)));
