@@ -6,6 +6,7 @@ mod models;
 mod netlist;
 mod peers;
 mod result;
+mod unit;
 mod workload;
 
 use crate::error::CliError;
@@ -49,6 +50,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     interface::run(&mut results, SHORT_RUN_FACTOR * repetitions)?;
     say("the netlist");
     netlist::run(&mut results, repetitions, !arguments.no_verilator)?;
+    say("the traversal unit");
+    unit::run(&mut results, repetitions, !arguments.no_verilator)?;
     say("rays, compared with obvhs, and distances");
     peers::rays(&mut results, repetitions)?;
     peers::distances(&mut results, repetitions)?;

@@ -1,0 +1,125 @@
+//! The traversal unit: its cycle-exact model, and Verilator on the same rays in the same scene.
+
+use crate::commands::full::bench::result::{Results, seconds};
+use crate::error::CliError;
+use raypath_model::Shape;
+use raypath_ops::Ray;
+use raypath_render::{Camera, Scene, builtin};
+use raypath_rtl::Config;
+use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
+use raypath_unit::system::{MemoryParameters, RayUser, simulate};
+use raypath_unit::traffic::{Behaviour, Environment};
+use raypath_unit::{
+    RayRequest, Reply, UnitEngine, UnitInputs, UnitModel, UnitNetlist, UnitOutputs, UnitParameters, words_of,
+};
+
+/// The size of the picture whose rays are traced.
+const SIZE: (u32, u32) = (160, 120);
+/// The rays in a run of Verilator: few, because its frames are recorded.
+const RECORDED: usize = 800;
+/// The memory's latency in cycles.
+const LATENCY: u64 = 100;
+
+/// Measures the model with camera rays in the built-in scene, and the default parameters.
+pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> Result<(), CliError> {
+    let mesh = builtin().map_err(CliError::unusable)?;
+    let camera = Camera::framing(&mesh, SIZE.0 as f32 / SIZE.1 as f32);
+    let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(CliError::unusable)?;
+    let scene = scene.through_unit().map_err(CliError::unusable)?;
+    let Some(blocks) = scene.blocks() else { return Ok(()) };
+    let rays = camera.rays(SIZE.0, SIZE.1).map_err(CliError::unusable)?;
+    let rays: Vec<RayRequest> = rays.iter().map(|ray| request(ray, blocks.root())).collect();
+    for latency in [LATENCY, 10 * LATENCY] {
+        let memory = MemoryParameters { latency, bandwidth: None, cache: None };
+        let mut cycles = 0;
+        let time = seconds(repetitions.div_ceil(8), || {
+            let mut unit = UnitModel::new(&Shape::default(), UnitParameters::default());
+            let mut user = List { rays: &rays, next: 0 };
+            cycles = simulate(&mut unit, blocks.bytes(), &memory, &mut user).unit.cycles;
+        });
+        let name = format!("traversal unit, cycle-exact, camera rays, memory {latency} cycles");
+        results.rate(name, "unit cycles", cycles as f64 / time, None);
+    }
+    if with_verilator {
+        match verilator(blocks.bytes(), &rays, repetitions.div_ceil(8)) {
+            Ok(per_second) => results.beside("unit cycles", "Verilator", per_second),
+            Err(problem) => results.missing(format!("the traversal unit in Verilator: {problem}")),
+        }
+    }
+    Ok(())
+}
+
+fn request(ray: &Ray<raypath_ops::Binary32>, root: u32) -> RayRequest {
+    RayRequest {
+        origin: ray.origin.into(),
+        direction: ray.dir.into(),
+        t_min: 0.0,
+        t_max: ray.extent.into(),
+        any_hit: false,
+        cull_back: true,
+        cull_front: false,
+        root,
+    }
+}
+
+/// The cycles per second of Verilator, with one thread and all optimisations of Verilator and the C++ compiler.
+fn verilator(scene: &[u8], rays: &[RayRequest], repetitions: usize) -> Result<f64, CliError> {
+    let unit = UnitNetlist::new(Config::DEFAULT, UnitParameters::default())?;
+    let stride = (rays.len() / RECORDED).max(1);
+    let rays: Vec<RayRequest> = rays.iter().copied().step_by(stride).collect();
+    let behaviour = Behaviour { latency: (LATENCY, LATENCY), stalls: [0; 4], errors: 0 };
+    let mut environment = Environment::new(scene, unit.parameters.memory_width, rays, behaviour, 1);
+    let top = &unit.top;
+    let widths = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
+    let mut recorder = Recorder { model: UnitModel::of(&unit), widths, frames: Vec::new() };
+    while !environment.is_done() {
+        environment.cycle(&mut [&mut recorder]).map_err(CliError::unusable)?;
+    }
+    let folder = temporary_folder()?;
+    let options = Options { c_optimisation: 3, native: true, ..Options::default() };
+    let verilated = Verilated::build_with(top, folder.path(), &options)?;
+    let count = recorder.frames.len() as f64;
+    let times: Result<Vec<f64>, ToolError> = verilated.time(recorder.frames.into_iter(), repetitions);
+    Ok(count / times?.into_iter().fold(f64::INFINITY, f64::min))
+}
+
+/// Rays one after another.
+struct List<'r> {
+    rays: &'r [RayRequest],
+    next: usize,
+}
+
+impl RayUser for List<'_> {
+    fn next_ray(&mut self) -> Option<(u64, RayRequest)> {
+        let ray = self.rays.get(self.next)?;
+        self.next += 1;
+        Some((self.next as u64, *ray))
+    }
+
+    fn receive(&mut self, _: u64, _: &Reply) -> bool {
+        true
+    }
+}
+
+/// The model, with the frames of its inputs.
+struct Recorder {
+    model: UnitModel,
+    widths: Vec<u32>,
+    frames: Vec<Vec<u64>>,
+}
+
+impl UnitEngine for Recorder {
+    fn outputs(&mut self) -> UnitOutputs {
+        self.model.outputs()
+    }
+
+    fn cycle(&mut self, inputs: &UnitInputs<'_>) {
+        // The first value of a frame is the reset, which is active low.
+        self.frames.push([1].into_iter().chain(words_of(inputs, &self.widths, || 0)).collect());
+        self.model.cycle(inputs);
+    }
+
+    fn reset(&mut self) {
+        self.model.reset();
+    }
+}
