@@ -13,9 +13,9 @@ use crate::fold::HitLimits;
 use crate::hardware::{UnitNetlist, UnitParameters};
 use crate::model::{RayRequest, Reply};
 use crate::set_up::{Entry, QUOTIENTS};
-use crate::state::{Group, RayState, Request, request, status};
+use crate::state::{Group, RayState, request, status};
 use crate::step::{StepParameters, finish, prepare};
-use parts::{Line, Queue, Scheduler};
+use parts::{InOrder, Line, Queue, Scheduler};
 use raypath_model::{Flow, Shape};
 use raypath_ops::{Binary32, JobKind, Rules, Word};
 
@@ -37,7 +37,7 @@ pub struct UnitModel {
     issue: Option<Issue>,
     flow: Flow,
     /// The jobs in the datapath, oldest first.
-    jobs: std::collections::VecDeque<Job>,
+    jobs: InOrder<Job>,
     /// The contexts of outcomes of box jobs that wait for a step, oldest first.
     tested: Queue<u32>,
     /// The triangle whose distance is divided next.
@@ -95,11 +95,11 @@ struct Context {
 struct SetUp {
     /// Cycles until the next ray can enter.
     busy: u32,
-    /// Rays that entered, with the cycles until they begin.
+    /// Rays that entered, with the cycles in which their constants are known.
     rays: std::collections::VecDeque<(u64, u32)>,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Arrival {
     context: u32,
     failed: bool,
@@ -112,7 +112,7 @@ struct Issue {
     place: u32,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Job {
     context: u32,
     is_node: bool,
@@ -124,6 +124,15 @@ struct Job {
 struct Answered {
     context: u32,
     source: u32,
+}
+
+/// What a ray asks for after a step.
+#[derive(Debug, Clone, Copy)]
+struct Asked {
+    context: u32,
+    /// One of [`request`].
+    kind: u32,
+    address: u32,
 }
 
 // The bits of the sources, in the order of `hardware::SOURCES`.
@@ -144,14 +153,14 @@ impl UnitModel {
             stacks: vec![Group::none(Binary32); contexts * parameters.step.stack as usize],
             beat_bytes: parameters.memory_width as usize / 8,
             fresh: 0,
-            free: Queue::new(),
+            free: Queue::new(parameters.contexts),
             set_up: SetUp { busy: 0, rays: Default::default() },
-            starts: Queue::new(),
-            arrivals: Queue::new(),
+            starts: Queue::new(parameters.contexts),
+            arrivals: Queue::new(parameters.contexts),
             issue: None,
             flow: Flow::new(shape),
-            jobs: Default::default(),
-            tested: Queue::new(),
+            jobs: InOrder::new(shape.capacity()),
+            tested: Queue::new(parameters.contexts),
             operands: None,
             divider: Line::new(parameters.divider_latency),
             triangle: None,
@@ -159,9 +168,9 @@ impl UnitModel {
             scheduler: Scheduler::default(),
             prepared: None,
             finished: None,
-            again: Queue::new(),
-            requests: Queue::new(),
-            ended: Queue::new(),
+            again: Queue::new(parameters.contexts),
+            requests: Queue::new(parameters.contexts),
+            ended: Queue::new(parameters.contexts),
             hit: None,
             counts: UnitCounts::default(),
         }
@@ -212,7 +221,7 @@ impl UnitModel {
     }
 
     /// The step that is finished in this cycle.
-    fn step(&mut self, answered: Answered) -> Request<Binary32> {
+    fn step(&mut self, answered: Answered) -> Asked {
         let Self { parameters, answers, contexts, stacks, .. } = self;
         let Answered { context, source } = answered;
         let ray = &mut contexts[context as usize];
@@ -224,7 +233,8 @@ impl UnitModel {
             _ => Answers::again(),
         };
         let StepParameters { stack } = parameters.step;
-        let slot = |level: Word<Binary32, 7>| (context * stack + level.value % stack) as usize;
+        // The number of entries is a power of two.
+        let slot = |level: Word<Binary32, 7>| (context * stack + (level.value & (stack - 1))) as usize;
         let half = prepare(Binary32, ray.state, answer);
         let (state, request) = finish(Binary32, parameters.step, half, stacks[slot(half.deepest)]);
         if request.writes.into() {
@@ -234,13 +244,13 @@ impl UnitModel {
         if request.kind.value == request::DONE {
             ray.reply = Reply::of(&state, request.status.value);
         }
-        request
+        Asked { context, kind: request.kind.value, address: request.address.value }
     }
 
     /// A ray enters a context.
     fn enter(&mut self, id: u64, ray: &RayRequest) -> u32 {
         let is_fresh = self.fresh < self.parameters.contexts;
-        let context = if is_fresh { self.fresh } else { self.free.front().copied().unwrap_or(0) };
+        let context = if is_fresh { self.fresh } else { self.free.front().unwrap_or(0) };
         self.fresh += u32::from(is_fresh);
         let ready = self.answers.set_up(&Entry::from(ray));
         let kept = &mut self.contexts[context as usize];
@@ -255,8 +265,8 @@ impl UnitModel {
         let context = self.contexts.get_mut(response.tag as usize)?;
         context.failed |= response.is_error;
         let from = context.beats * self.beat_bytes;
-        let part = context.block.get_mut(from..)?;
-        part.iter_mut().zip(response.beat).for_each(|(to, byte)| *to = *byte);
+        let part = context.block.get_mut(from..from + self.beat_bytes)?;
+        part.copy_from_slice(response.beat.get(..self.beat_bytes)?);
         context.beats += 1;
         if context.beats * self.beat_bytes < BLOCK_BYTES as usize {
             return None;
@@ -271,22 +281,29 @@ impl UnitEngine for UnitModel {
         UnitOutputs {
             ray_ready: self.set_up.busy <= 1 && self.has_context(),
             hit: self.hit,
-            request: self.requests.front().copied(),
+            request: self.requests.front(),
         }
     }
 
     fn cycle(&mut self, inputs: &UnitInputs<'_>) {
         // What the registers say.
-        let outcome = if self.flow.output_valid() { self.jobs.front().copied() } else { None };
-        let boxes = self.tested.front().copied();
+        let outcome = if self.flow.output_valid() { self.jobs.front() } else { None };
+        let boxes = self.tested.front();
         let fault = self.issue.filter(|issue| issue.arrival.failed).map(|issue| issue.arrival.context);
-        let start = self.starts.front().copied();
-        let again = self.again.front().copied();
-        let sources = [(BOXES, boxes), (BLOCK, self.closest), (FAULT, fault), (START, start), (AGAIN, again)];
-        let request = sources.iter().fold(0, |sum, (bit, context)| if context.is_some() { sum | bit } else { sum });
+        let start = self.starts.front();
+        let again = self.again.front();
+        let bit = |source: u32, context: Option<u32>| if context.is_some() { source } else { 0 };
+        let request =
+            bit(BOXES, boxes) | bit(BLOCK, self.closest) | bit(FAULT, fault) | bit(START, start) | bit(AGAIN, again);
         let grant = self.scheduler.grant(request);
-        let granted = sources.iter().find(|(bit, _)| *bit == grant);
-        let answered = granted.and_then(|(source, context)| Some(Answered { context: (*context)?, source: *source }));
+        let granted = match grant {
+            BOXES => boxes,
+            BLOCK => self.closest,
+            FAULT => fault,
+            START => start,
+            _ => again,
+        };
+        let answered = granted.filter(|_| grant != 0).map(|context| Answered { context, source: grant });
 
         // What moves.
         let folds = self.triangle.filter(|_| self.closest.is_none() || grant == BLOCK);
@@ -305,17 +322,17 @@ impl UnitEngine for UnitModel {
         let block_ends = leaves.is_some_and(|job| job.is_last) || grant == FAULT;
         let takes_block = self.arrivals.front().is_some() && (self.issue.is_none() || block_ends);
         let shows_hit = self.ended.front().is_some() && (self.hit.is_none() || inputs.hit_ready);
-        let entering = inputs.ray.filter(|_| self.set_up.busy <= 1 && self.has_context());
+        let entering = inputs.ray.as_ref().filter(|_| self.set_up.busy <= 1 && self.has_context());
 
         // The edge.
-        let asked = self.finished.take().map(|answered| (answered.context, self.step(answered)));
+        let asked = self.finished.take().map(|answered| self.step(answered));
         self.finished = self.prepared;
         self.prepared = answered;
-        let asks = |kind: u32| asked.filter(|(_, request)| request.kind.value == kind);
-        let fetched = asks(request::FETCH).map(|(tag, request)| BlockRequest { address: request.address.value, tag });
+        let asks = |kind: u32| asked.filter(|asked| asked.kind == kind);
+        let fetched = asks(request::FETCH).map(|asked| BlockRequest { address: asked.address, tag: asked.context });
         self.requests.edge(fetched, inputs.request_ready);
-        self.again.edge(asks(request::CONTINUE).map(|(context, _)| context), grant == AGAIN);
-        let released = if shows_hit { self.ended.front().copied() } else { None };
+        self.again.edge(asks(request::CONTINUE).map(|asked| asked.context), grant == AGAIN);
+        let released = if shows_hit { self.ended.front() } else { None };
         match released {
             Some(context) => {
                 let Context { id, reply, .. } = &self.contexts[context as usize];
@@ -324,14 +341,14 @@ impl UnitEngine for UnitModel {
             None if inputs.hit_ready => self.hit = None,
             None => {}
         }
-        let ended = asks(request::DONE).map(|(context, _)| context);
+        let ended = asks(request::DONE).map(|asked| asked.context);
         self.ended.edge(ended, shows_hit);
 
         self.scheduler.edge(grant);
         let uses_free = entering.is_some() && self.fresh == self.parameters.contexts;
-        let entered = entering.map(|(id, ray)| self.enter(id, &ray));
+        let entered = entering.map(|(id, ray)| self.enter(*id, ray));
         self.free.edge(released, uses_free);
-        let begins = self.set_up.edge(entered, self.parameters.divider_latency);
+        let begins = self.set_up.edge(self.counts.cycles, entered, self.parameters.divider_latency);
         self.starts.edge(begins, grant == START);
 
         if moves {
@@ -343,14 +360,16 @@ impl UnitEngine for UnitModel {
             self.closest = None;
         }
         if divider_moves {
-            let quotient = self.divider.advance(self.operands.take());
-            self.triangle = if moves { quotient } else { self.triangle };
+            if moves {
+                self.triangle = self.divider.front();
+            }
+            self.divider.advance(self.operands.take());
         }
 
         self.operands = divides.or(self.operands);
 
         let arrived = self.arrive(inputs);
-        let block = if takes_block { self.arrivals.front().copied() } else { None };
+        let block = if takes_block { self.arrivals.front() } else { None };
         self.arrivals.edge(arrived, takes_block);
         self.issue = match (block, self.issue) {
             (Some(arrival), _) => Some(Issue { arrival, place: 0 }),
@@ -358,12 +377,9 @@ impl UnitEngine for UnitModel {
             (None, Some(issue)) if leaves.is_some() => Some(Issue { place: issue.place + 1, ..issue }),
             (None, issue) => issue,
         };
-        if outcome_leaves {
-            self.jobs.pop_front();
-        }
         self.tested.edge(tested, grant == BOXES);
         self.flow.cycle(leaves.map(|job| kind(job).opcode()), outcome_leaves);
-        self.jobs.extend(leaves);
+        self.jobs.edge(leaves, outcome_leaves);
 
         self.counts.cycles += 1;
         self.counts.steps += u64::from(asked.is_some());
@@ -392,17 +408,17 @@ impl UnitEngine for UnitModel {
 }
 
 impl SetUp {
-    /// The clock edge: a ray enters. Returns the context whose constants are known at this edge.
-    fn edge(&mut self, entered: Option<u32>, divider_latency: u32) -> Option<u32> {
+    /// The clock edge of cycle `now`: a ray enters. Returns the context whose constants are known.
+    #[inline]
+    fn edge(&mut self, now: u64, entered: Option<u32>, divider_latency: u32) -> Option<u32> {
         self.busy = self.busy.saturating_sub(1);
-        self.rays.iter_mut().for_each(|(left, _)| *left -= 1);
-        let begins = self.rays.front().filter(|(left, _)| *left == 0).map(|(_, context)| *context);
+        let begins = self.rays.front().filter(|(due, _)| *due == now).map(|(_, context)| *context);
         if begins.is_some() {
             self.rays.pop_front();
         }
         if let Some(context) = entered {
             // The operands of the last quotient enter a register, then the divider.
-            self.rays.push_back((QUOTIENTS as u64 + 1 + u64::from(divider_latency), context));
+            self.rays.push_back((now + QUOTIENTS as u64 + 1 + u64::from(divider_latency), context));
             self.busy = QUOTIENTS as u32;
         }
         begins

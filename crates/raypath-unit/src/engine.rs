@@ -41,7 +41,7 @@ pub struct UnitOutputs {
 }
 
 /// A request to the memory.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BlockRequest {
     /// The address of the block.
     pub address: u32,

@@ -15,7 +15,7 @@
 use crate::blocks::{BLOCK_BYTES, MAX_LEAF, NODE_KIND, TRIANGLES_PER_BLOCK};
 use crate::state::{Answer, Group, RayState, Request, answer, request, status};
 use crate::words::{LEVELS, Levels, WordCircuit, WordMethods};
-use raypath_ops::{Bit, Flags, Word, bundle};
+use raypath_ops::{Bit, Flags, Select, Word, bundle};
 
 /// The parameters of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -236,27 +236,32 @@ struct Chosen<C: WordCircuit> {
 /// The child at a place, 0 to 4, of the order of a box job. There is none at place 4.
 #[inline(always)]
 fn from_place<C: WordCircuit>(c: C, answer: &Answer<C>, place: Word<C, 3>) -> Chosen<C> {
-    let Answer { hit: Flags(hit), tmin, .. } = *answer;
+    let [one, two, four] = [place.part::<0, 1>(), place.part::<1, 1>(), place.part::<2, 1>()].map(|bit| bit.is(1));
+    // Children move to the front by the place: by one, then by two. Behind the last, the last is repeated.
+    let Flags([a, b, d, e]) = answer.hit;
     let no = c.bit(false);
-    let child = answer.box_index.map(|index| numbered(answer.child, index));
-    let after = |from: usize| {
-        let of = |i: usize| (from + i).min(3);
-        Group {
-            present: Flags(std::array::from_fn(|i| if from + i < 4 { hit[from + i] } else { no })),
-            child: std::array::from_fn(|i| child[of(i)]),
-            tmin: std::array::from_fn(|i| tmin[of(i) - 1]),
-        }
-    };
-    let places = [0, 1, 2, 3].map(|k| Chosen { hit: hit[k], child: child[k], rest: after(k + 1) });
-    let none = Chosen { hit: no, child: child[3], rest: after(4) };
-    places.into_iter().enumerate().fold(none, |others, (k, one)| {
-        let is_here = place.is(k as u32);
-        Chosen {
-            hit: is_here.select(one.hit, others.hit),
-            child: is_here.select(one.child, others.child),
-            rest: is_here.select(one.rest, others.rest),
-        }
-    })
+    let hit = moved(two, 2, moved(one, 1, [a, b, d, e, no, no, no]));
+    let [w, x, y, z] = answer.box_index;
+    let number = moved(two, 2, moved(one, 1, [w, x, y, z, z, z, z]));
+    let [t, u, v] = answer.tmin;
+    let tmin = moved(two, 2, moved(one, 1, [t, u, v, v, v, v, v]));
+    let exists = |k: usize| hit[k] & !four;
+    let child = |k: usize| numbered(answer.child, number[k]);
+    Chosen {
+        hit: exists(0),
+        child: child(0),
+        rest: Group {
+            present: Flags([exists(1), exists(2), exists(3)]),
+            child: [child(1), child(2), child(3)],
+            tmin: [tmin[0], tmin[1], tmin[2]],
+        },
+    }
+}
+
+/// The values, moved to the front by `count` places if `moves`. The last stays in the places behind.
+#[inline(always)]
+fn moved<C: WordCircuit, T: Select<C>>(moves: Bit<C>, count: usize, values: [T; 7]) -> [T; 7] {
+    std::array::from_fn(|k| moves.select(values[(k + count).min(6)], values[k]))
 }
 
 /// The word of this number.

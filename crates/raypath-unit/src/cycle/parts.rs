@@ -1,54 +1,120 @@
 //! The timing of the unit's parts, each as the module of the same name in `hardware` has it.
 
-use std::collections::VecDeque;
+/// Words in a circle, oldest first.
+#[derive(Debug, Clone)]
+struct Ring<T> {
+    /// A power of two.
+    words: Box<[T]>,
+    first: usize,
+    count: usize,
+}
+
+impl<T: Copy + Default> Ring<T> {
+    fn new(capacity: usize) -> Self {
+        Self { words: vec![T::default(); capacity.next_power_of_two()].into(), first: 0, count: 0 }
+    }
+
+    #[inline]
+    fn front(&self) -> Option<T> {
+        let word = self.words.get(self.first).copied();
+        word.filter(|_| self.count > 0)
+    }
+
+    #[inline]
+    fn pop(&mut self) {
+        self.first = (self.first + 1) & (self.words.len() - 1);
+        self.count -= 1;
+    }
+
+    #[inline]
+    fn push(&mut self, word: T) {
+        let place = (self.first + self.count) & (self.words.len() - 1);
+        self.words[place] = word;
+        self.count += 1;
+    }
+}
 
 /// A queue in a memory with a word at the output.
 #[derive(Debug, Clone)]
 pub struct Queue<T> {
-    /// The words, the next first.
-    words: VecDeque<T>,
+    ring: Ring<T>,
     /// The first word is at the output.
     valid: bool,
 }
 
-impl<T> Queue<T> {
-    pub fn new() -> Self {
-        Self { words: VecDeque::new(), valid: false }
+impl<T: Copy + Default> Queue<T> {
+    /// An empty queue of `capacity` words.
+    pub fn new(capacity: u32) -> Self {
+        Self { ring: Ring::new(capacity as usize), valid: false }
     }
 
     /// The word at the output.
     #[inline]
-    pub fn front(&self) -> Option<&T> {
-        if self.valid { self.words.front() } else { None }
+    pub fn front(&self) -> Option<T> {
+        self.ring.front().filter(|_| self.valid)
     }
 
     #[inline]
     pub fn is_empty(&self) -> bool {
-        self.words.is_empty()
+        self.ring.count == 0
     }
 
     /// Whether an edge without words that enter or leave changes nothing.
     #[inline]
     pub fn is_settled(&self) -> bool {
-        self.valid || self.words.is_empty()
+        self.valid || self.ring.count == 0
     }
 
     /// The clock edge: the word at the output leaves if `pop`, and `push` enters.
     #[inline]
     pub fn edge(&mut self, push: Option<T>, pop: bool) {
-        let pop = pop && self.valid;
-        if pop {
-            self.words.pop_front();
+        if pop && self.valid {
+            self.ring.pop();
         }
         // A word that enters now is read at the next edge.
-        self.valid = !self.words.is_empty();
+        self.valid = self.ring.count > 0;
         if let Some(word) = push {
-            self.words.push_back(word);
+            self.ring.push(word);
         }
     }
 
     pub fn clear(&mut self) {
-        *self = Self::new();
+        (self.ring.first, self.ring.count, self.valid) = (0, 0, false);
+    }
+}
+
+/// The jobs in the datapath, oldest first.
+#[derive(Debug, Clone)]
+pub struct InOrder<T>(Ring<T>);
+
+impl<T: Copy + Default> InOrder<T> {
+    /// No jobs, of at most `capacity`.
+    pub fn new(capacity: usize) -> Self {
+        Self(Ring::new(capacity))
+    }
+
+    #[inline]
+    pub fn front(&self) -> Option<T> {
+        self.0.front()
+    }
+
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.0.count == 0
+    }
+
+    #[inline]
+    pub fn edge(&mut self, push: Option<T>, pop: bool) {
+        if pop {
+            self.0.pop();
+        }
+        if let Some(job) = push {
+            self.0.push(job);
+        }
+    }
+
+    pub fn clear(&mut self) {
+        (self.0.first, self.0.count) = (0, 0);
     }
 }
 
@@ -59,18 +125,18 @@ pub struct Line<T> {
     occupied: u64,
     last: u64,
     /// The items, oldest first.
-    items: VecDeque<T>,
+    items: Ring<T>,
 }
 
-impl<T> Line<T> {
+impl<T: Copy + Default> Line<T> {
     pub fn new(stages: u32) -> Self {
-        Self { occupied: 0, last: 1 << (stages - 1), items: VecDeque::new() }
+        Self { occupied: 0, last: 1 << (stages - 1), items: Ring::new(stages as usize) }
     }
 
     /// The item in the last stage.
     #[inline]
-    pub fn front(&self) -> Option<&T> {
-        if self.occupied & self.last != 0 { self.items.front() } else { None }
+    pub fn front(&self) -> Option<T> {
+        self.items.front().filter(|_| self.occupied & self.last != 0)
     }
 
     #[inline]
@@ -80,16 +146,18 @@ impl<T> Line<T> {
 
     /// A clock edge at which the line moves: the last item leaves, and `item` enters.
     #[inline]
-    pub fn advance(&mut self, item: Option<T>) -> Option<T> {
-        let leaves = if self.occupied & self.last != 0 { self.items.pop_front() } else { None };
+    pub fn advance(&mut self, item: Option<T>) {
+        if self.occupied & self.last != 0 {
+            self.items.pop();
+        }
         self.occupied = (self.occupied & !self.last) << 1 | u64::from(item.is_some());
-        self.items.extend(item);
-        leaves
+        if let Some(item) = item {
+            self.items.push(item);
+        }
     }
 
     pub fn clear(&mut self) {
-        self.occupied = 0;
-        self.items.clear();
+        (self.occupied, self.items.first, self.items.count) = (0, 0, 0);
     }
 }
 
