@@ -28,9 +28,9 @@ pub use bvh::Bvh4;
 pub use camera::{Camera, CameraError};
 pub use mesh::{Bounds, Mesh, MeshError};
 pub use picture::{Picture, heatmap, to_png};
-pub use rays::{parse_rays, read_rays, write_hits};
+pub use rays::{parse_hits, parse_rays, read_hits, read_rays, write_hits, write_rays};
 pub use read::{Format, ReadError, parse_mesh, read_mesh};
-pub use render::{Costs, RenderError, Rendering, Rows, Shading, render, render_rows};
+pub use render::{Costs, RenderError, Rendering, Rows, Shading, draw, render, render_rows};
 pub use scene::Scene;
 pub use timing::{
     PictureError, PictureSpec, RayBatch, UnitSystem, sweep_picture, sweep_rays, time_picture,

@@ -30,12 +30,7 @@ pub fn read_rays(path: &Path) -> Result<Vec<Ray<Binary32>>, ReadError> {
 /// # Errors
 /// A line that is not a valid ray.
 pub fn parse_rays(text: &str, path: &Path) -> Result<Vec<Ray<Binary32>>, ReadError> {
-    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.split('#').next().unwrap_or("")));
-    let rays = lines.filter(|(_, line)| !line.trim().is_empty());
-    let ray = |(line, text)| {
-        parse_ray(text).map_err(|problem| ReadError { line: Some(line), ..ReadError::new(path, problem) })
-    };
-    rays.map(ray).collect()
+    parse_lines(text, path, parse_ray)
 }
 
 fn parse_ray(text: &str) -> Result<Ray<Binary32>, String> {
@@ -49,6 +44,70 @@ fn parse_ray(text: &str) -> Result<Ray<Binary32>, String> {
     }
     let [ox, oy, oz, dx, dy, dz, extent] = numbers;
     Ray::new([ox, oy, oz], [dx, dy, dz], extent).map_err(|problem| problem.to_string())
+}
+
+/// Writes a file of rays. Reading it returns the same rays, bit for bit.
+///
+/// # Errors
+/// Errors of the writer.
+pub fn write_rays(mut writer: impl Write, rays: &[Ray<Binary32>]) -> io::Result<()> {
+    writeln!(writer, "# {}", FIELDS.join(" "))?;
+    for ray in rays {
+        let (origin, direction): ([f32; 3], [f32; 3]) = (ray.origin.into(), ray.dir.into());
+        // In binary64 too, each decimal denotes the number itself.
+        let numbers = origin.into_iter().chain(direction).chain([ray.extent.into()]).map(f64::from);
+        let words: Vec<String> = numbers.map(|number| number.to_string()).collect();
+        writeln!(writer, "{}", words.join(" "))?;
+    }
+    writer.flush()
+}
+
+/// Reads a file of hits. Only the bits of the numbers are read, not the decimals.
+///
+/// # Errors
+/// A file that cannot be read, or a line that is not a hit.
+pub fn read_hits(path: &Path) -> Result<Vec<Option<Hit>>, ReadError> {
+    let text = std::fs::read_to_string(path);
+    let text = text.map_err(|problem| ReadError::new(path, format!("cannot read: {problem}")))?;
+    parse_hits(&text, path)
+}
+
+/// Reads hits from text, as [`read_hits`] does. `path` appears in messages.
+///
+/// # Errors
+/// A line that is not a hit.
+pub fn parse_hits(text: &str, path: &Path) -> Result<Vec<Option<Hit>>, ReadError> {
+    parse_lines(text, path, parse_hit)
+}
+
+fn parse_hit(text: &str) -> Result<Option<Hit>, String> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    if words == ["miss"] {
+        return Ok(None);
+    }
+    let [triangle, _, _, _, bits @ ..] = words.as_slice() else {
+        return Err(format!("{} words, expected 7 or miss", words.len()));
+    };
+    let &[t, t_num, t_denom] = bits else { return Err(format!("{} words, expected 7 or miss", words.len())) };
+    let number = triangle.strip_suffix('b');
+    let from_behind = number.is_some();
+    let index = number.unwrap_or(triangle).parse();
+    let index =
+        index.map_err(|_| format!("triangle '{triangle}', expected a whole number, with a b if from behind"))?;
+    let number = |word: &str| match u32::from_str_radix(word, 16) {
+        Ok(bits) if word.len() == 8 => Ok(f32::from_bits(bits)),
+        _ => Err(format!("bits '{word}', expected 8 hexadecimal digits")),
+    };
+    Ok(Some(Hit { triangle: index, from_behind, t: number(t)?, t_num: number(t_num)?, t_denom: number(t_denom)? }))
+}
+
+/// What `parse` makes of each line, comments and empty lines left out.
+fn parse_lines<T>(text: &str, path: &Path, parse: impl Fn(&str) -> Result<T, String>) -> Result<Vec<T>, ReadError> {
+    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.split('#').next().unwrap_or("")));
+    let filled = lines.filter(|(_, line)| !line.trim().is_empty());
+    let parsed =
+        |(line, text)| parse(text).map_err(|problem| ReadError { line: Some(line), ..ReadError::new(path, problem) });
+    filled.map(parsed).collect()
 }
 
 /// Writes a line for each ray, after two lines of comment that describe the fields.

@@ -29,7 +29,7 @@ pub enum Format {
 pub struct ReadError {
     /// The file.
     pub path: PathBuf,
-    /// The line of a file of rays, from 1; `None` for a mesh, and if the file cannot be read.
+    /// The line of a file of rays or hits, from 1; `None` for a mesh, and if the file cannot be read.
     pub line: Option<usize>,
     /// The position in the file, what was found there, and what was expected.
     pub problem: String,

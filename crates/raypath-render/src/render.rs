@@ -5,7 +5,7 @@ mod pixel;
 
 pub(crate) use pixel::{PictureSampler, PixelSampler, SampleRay};
 
-use crate::{Camera, Counts, Picture, Scene, Stopped, Tracer, Tracing, heatmap};
+use crate::{Camera, Counts, Hit, Picture, Scene, Stopped, Tracer, Tracing, heatmap};
 use rayon::prelude::*;
 use raypath_ops::RayError;
 use raypath_timing::{Progress, ProgressCounter};
@@ -79,6 +79,24 @@ pub enum RenderError {
         found: u32,
         /// The height in pixels.
         height: u32,
+    },
+    /// The hits are not those of the picture.
+    #[error("{found} hits, expected {pixels}, one for each pixel")]
+    Hits {
+        /// The number of hits.
+        found: usize,
+        /// The number of pixels.
+        pixels: usize,
+    },
+    /// A hit has a triangle that the scene does not have.
+    #[error("pixel {pixel} shows triangle {triangle}, expected one of the scene's {triangles}")]
+    Triangle {
+        /// The number of the pixel, row by row from 0.
+        pixel: usize,
+        /// The index of the triangle.
+        triangle: u32,
+        /// The number of triangles of the scene.
+        triangles: usize,
     },
     /// The number of samples is out of range.
     #[error("{0} x {0} samples per pixel, expected 1 to 64")]
@@ -158,6 +176,34 @@ pub fn render_rows(
     }
     let (colours, jobs) = pixels.into_iter().map(|pixel| (pixel.colour, pixel.jobs)).unzip();
     Ok(Rows { colours, jobs, costs })
+}
+
+/// Draws a picture from the hits of the rays through its pixel centres ([`Camera::rays`]), wherever they were traced.
+/// The picture is that of [`render`] with the default [`Shading`] if the hits are.
+///
+/// # Errors
+/// A size out of range; hits of another number of pixels or of triangles that the scene does not have.
+pub fn draw(scene: &Scene, camera: &Camera, size: (u32, u32), hits: &[Option<Hit>]) -> Result<Picture, RenderError> {
+    let (width, height) = size;
+    let sampler = PictureSampler::new(scene, camera, size, &Shading::default())?;
+    let pixels = sampler.pixels();
+    if hits.len() != pixels {
+        return Err(RenderError::Hits { found: hits.len(), pixels });
+    }
+    let triangles = scene.mesh().triangles().len();
+    let mut bytes = Vec::with_capacity(3 * pixels);
+    for (pixel, hit) in hits.iter().enumerate() {
+        if let Some(Hit { triangle, .. }) = *hit
+            && triangle as usize >= triangles
+        {
+            return Err(RenderError::Triangle { pixel, triangle, triangles });
+        }
+        let mut pixel = sampler.pixel(pixel);
+        pixel.next_ray(None)?;
+        pixel.next_ray(*hit)?;
+        bytes.extend(pixel.colour());
+    }
+    Picture::from_raw(width, height, bytes).ok_or(RenderError::Size { width, height })
 }
 
 /// Rendered rows of a picture.

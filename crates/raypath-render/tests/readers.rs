@@ -9,8 +9,10 @@ use common::meshes;
 use flate2::read::GzDecoder;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
+use raypath_ops::{Binary32, Ray};
 use raypath_render::{
-    Format, Hit, Mesh, Scene, Tracing, parse_mesh, parse_rays, read_mesh, read_rays, trace_closest, write_hits,
+    Format, Hit, Mesh, Scene, Tracing, parse_hits, parse_mesh, parse_rays, read_mesh, read_rays, trace_closest,
+    write_hits, write_rays,
 };
 use std::io::Read;
 use std::path::Path;
@@ -435,4 +437,22 @@ fn hits_are_written_exactly() {
         }
         assert_eq!(t, t_num / t_denom);
     }
+    assert_eq!(parse_hits(&text, Path::new("hits")), Ok(hits));
+}
+
+#[test]
+fn rays_are_written_exactly() {
+    let (tiny, third) = (f32::from_bits(1), 1.0_f32 / 3.0);
+    let rays =
+        [([-0.0, tiny, 1e38], [third, -third, 1e-30], 2.0 * third), ([third; 3], [0.0, 0.0, 1.0], f32::INFINITY)];
+    let rays = rays.map(|(origin, direction, extent)| Ray::new(origin, direction, extent).unwrap());
+    let mut text = Vec::new();
+    write_rays(&mut text, &rays).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    let read = parse_rays(&text, Path::new("rays")).unwrap();
+    let bits = |ray: &Ray<Binary32>| {
+        let (origin, direction): ([f32; 3], [f32; 3]) = (ray.origin.into(), ray.dir.into());
+        (origin.map(f32::to_bits), direction.map(f32::to_bits), f32::from(ray.extent).to_bits())
+    };
+    assert_eq!(read.iter().map(bits).collect::<Vec<_>>(), rays.iter().map(bits).collect::<Vec<_>>());
 }

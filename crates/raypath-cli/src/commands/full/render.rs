@@ -12,13 +12,14 @@ use divided::Divided;
 use raypath_float::Format;
 use raypath_ops::{Binary32, Ray};
 use raypath_render::{
-    Counts, Hit, PictureSpec, RayBatch, Rendering, Scene, Shading, Tracing, UnitSystem, read_rays, to_png, write_hits,
+    Counts, Hit, PictureSpec, RayBatch, Rendering, Scene, Shading, Tracing, UnitSystem, draw, read_hits, read_rays,
+    to_png, write_hits, write_rays,
 };
 use raypath_rtl::Config;
 use raypath_timing::report::Image;
 use scene::CameraArguments;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use timing::{Simulated, Work};
 use unit::UnitTimingArguments;
 
@@ -62,6 +63,16 @@ pub struct Arguments {
     /// three [default: print the hits of --rays]
     #[arg(long, value_name = "FILE")]
     hits: Option<PathBuf>,
+    /// Write the rays through pixel centres, in the form of --rays
+    #[arg(long, value_name = "FILE", conflicts_with = "rays")]
+    camera_rays: Option<PathBuf>,
+    /// Draw the picture from the hits of a file, in the form of --hits, instead of tracing: a line for each pixel
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with_all = ["rays", "hits", "shadows", "ao", "samples", "heatmap", "two_sided", "through", "camera_rays"]
+    )]
+    draw: Option<PathBuf>,
     /// Rays in flight in the simulation; the rays of a pixel follow one another
     #[arg(long, default_value_t = 256, value_parser = whole(1..=1usize << 20), value_name = "R")]
     rays_in_flight: usize,
@@ -103,6 +114,9 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     }
     let system = arguments.unit_system(config)?;
     let tracing = Tracing { rules: config.semantics.rules, two_sided: arguments.two_sided };
+    if let Some(hits) = &arguments.draw {
+        return drawn(arguments, hits, out);
+    }
     match &arguments.rays {
         Some(path) => {
             let rays = read_rays(path).map_err(CliError::unusable)?;
@@ -150,10 +164,28 @@ fn picture(
     if let Some(path) = &arguments.hits {
         files.push((path.clone(), text(&hits)?));
     }
+    if let Some(path) = &arguments.camera_rays {
+        let mut text = Vec::new();
+        write_rays(&mut text, &camera.rays(width, height).map_err(CliError::unusable)?)?;
+        files.push((path.clone(), text));
+    }
     let rays = [rendering.primary, rendering.shadow, rendering.occlusion].iter().map(|costs| costs.rays).sum();
     let work = Work::Picture { spec: PictureSpec { scene: &scene, camera, size: (width, height), shading }, rays };
     time(arguments, config, system, work, Some(png), &mut files, out)?;
     write_and_name(&files, out)
+}
+
+/// The picture of hits that were traced elsewhere.
+fn drawn(arguments: &Arguments, hits: &Path, out: &mut dyn Write) -> Result<(), CliError> {
+    let hits = read_hits(hits).map_err(CliError::unusable)?;
+    let mesh = scene::mesh(arguments.scene.as_deref())?;
+    let (width, height) = arguments.size;
+    let camera = arguments.camera.camera(&mesh, width as f32 / height as f32)?;
+    let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(CliError::unusable)?;
+    let picture = draw(&scene, &camera, arguments.size, &hits).map_err(CliError::unusable)?;
+    let png = to_png(&picture).map_err(CliError::unusable)?;
+    writeln!(out, "{} pixels, {} with a hit", hits.len(), hits.iter().flatten().count())?;
+    write_and_name(&[(arguments.out.clone(), png)], out)
 }
 
 fn trace(
