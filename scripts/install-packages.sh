@@ -53,3 +53,4 @@ python pyslang pyslang
 python pyosys pyosys
 python fusesoc fusesoc
 python cocotb 'cocotb<2'
+python cocotbext.axi 'cocotbext-axi<0.2'

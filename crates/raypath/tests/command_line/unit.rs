@@ -1,9 +1,9 @@
 //! `raypath generate --unit`.
 
-use crate::{contents, ends_with, folder, printed, raypath, said, text};
+use crate::{contents, ends_with, file, folder, page, printed, raypath, said, text};
 use raypath_tools::{lint_slang, lint_verilator, lint_yosys};
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 #[test]
@@ -89,4 +89,60 @@ fn wrong_parameters_of_the_unit_are_named() {
         let arguments: Vec<&str> = ["generate"].into_iter().chain(options.split(' ')).collect();
         ends_with(&arguments, 2, words);
     }
+}
+
+/// `examples/unit` on the commands of `docs/integration/unit.md`: the Verilated RTL behind cocotb's AXI4 memory traces
+/// the rays of a picture of the built-in scene, with the hits of the functional model to the bit, and its picture is
+/// the model's.
+#[test]
+fn the_rtl_draws_the_picture_of_the_model() {
+    let folder = folder();
+    let below = |name: &str| text(&folder.path().join(name));
+    page::succeeds(&["generate", "--unit", "--rays", "50", "--out", &below("")]);
+    page::succeeds(&["scene", "--out", &below("scene.bin")]);
+    let (rays, hits, model) = (below("rays.txt"), below("hits.txt"), below("model.png"));
+    let render = ["render", "--through", "unit", "--size", "48x33", "--camera-rays", &rays, "--hits", &hits];
+    page::succeeds(&[&render[..], &["--out", &model]].concat());
+
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/unit/run.py");
+    let output = Command::new("python3").arg(script).arg(folder.path()).output().expect("python3");
+    let said = said(&output);
+    assert!(!said.contains("No module named 'cocotb"), "install it with: pip install 'cocotb<2' 'cocotbext-axi<0.2'");
+    assert!(output.status.success() && said.contains("TESTS=3 PASS=3 FAIL=0"), "{said}");
+
+    let (traced, drawn) = (below("rtl-hits.txt"), below("rtl.png"));
+    let said = page::succeeds(&["render", "--draw", &traced, "--size", "48x33", "--out", &drawn]);
+    assert!(said.contains("1584 pixels, 387 with a hit"), "{said}");
+    let bytes = |path: &str| std::fs::read(path).expect("a picture");
+    assert!(bytes(&drawn) == bytes(&model), "the pictures differ");
+
+    // One pixel less, or another triangle, is another picture.
+    let lines = std::fs::read_to_string(&traced).expect("hits");
+    let changed = lines.replacen("miss\n", "5 1 1 1 3f800000 3f800000 3f800000\n", 1);
+    let changed = file(folder.path(), "changed.txt", changed);
+    page::succeeds(&["render", "--draw", &changed, "--size", "48x33", "--out", &drawn]);
+    assert!(bytes(&drawn) != bytes(&model), "a changed hit shows");
+}
+
+#[test]
+fn hits_that_are_not_of_the_picture_are_named() {
+    let folder = folder();
+    let out = text(&folder.path().join("image.png"));
+    let hits = |name: &str, text: &str| file(folder.path(), name, text);
+    let hit = "1 1 1 1 3f800000 3f800000 3f800000\n";
+    let wrong = [
+        (hits("few.txt", "miss\nmiss\nmiss\n"), ["3 hits", "expected 4"]),
+        (hits("word.txt", "miss\nhit\n"), ["word.txt:2", "1 words, expected 7 or miss"]),
+        (hits("bits.txt", "1 1 1 1 3f800000 3f8 3f800000\n"), ["bits '3f8'", "expected 8 hexadecimal digits"]),
+        (hits("index.txt", &hit.replacen('1', "-1", 1)), ["triangle '-1'", "expected a whole number"]),
+        (
+            hits("large.txt", &format!("{}{hit}{hit}{hit}", hit.replacen('1', "119168b", 1))),
+            ["pixel 0 shows triangle 119168", "expected one of the scene's 119168"],
+        ),
+    ];
+    for (path, words) in &wrong {
+        ends_with(&["render", "--draw", path, "--size", "2x2", "--out", &out], 2, words);
+    }
+    ends_with(&["render", "--draw", &wrong[0].0, "--shadows"], 2, &["--draw", "cannot be used with", "--shadows"]);
+    assert!(!Path::new(&out).exists());
 }

@@ -94,8 +94,9 @@ fn every_path_that_documents_name_exists() {
 /// Links of the documents outside of the book lead to files.
 #[test]
 fn every_link_outside_of_the_book_resolves() {
+    let examples = ["examples/cocotb/README.md", "examples/unit/README.md"];
     for name in
-        ["README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "fuzz/README.md", "examples/cocotb/README.md"]
+        ["README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "fuzz/README.md"].into_iter().chain(examples)
     {
         let document = chapter(root().join(name));
         for link in links(&document.text).into_iter().filter(|link| !link.starts_with("http")) {
