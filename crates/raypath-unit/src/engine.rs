@@ -3,7 +3,8 @@
 use crate::hardware::UnitNetlist;
 use crate::model::{Hit, RayRequest, Reply};
 use crate::state::status;
-use raypath_hdl::{Error, InputPort, OutputPort, Simulator};
+use raypath_hdl::{Error, InputPort, Module, OutputPort, Simulator};
+use std::sync::Arc;
 
 /// The inputs of the unit in a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -74,7 +75,14 @@ impl NetlistEngine {
     /// # Errors
     /// A netlist that cannot be compiled.
     pub fn new(unit: &UnitNetlist) -> Result<Self, Error> {
-        let top = &unit.top;
+        Self::of_module(&unit.top)
+    }
+
+    /// A module with the ports of a unit, such as a unit with a fault, after a reset.
+    ///
+    /// # Errors
+    /// A netlist that cannot be compiled.
+    pub fn of_module(top: &Arc<Module>) -> Result<Self, Error> {
         let simulator = Simulator::new(top)?;
         let input = |port: &raypath_hdl::Port| simulator.input(&port.name);
         let inputs = top.inputs().iter().map(input).collect::<Result<_, _>>()?;
@@ -82,6 +90,13 @@ impl NetlistEngine {
         let outputs = top.outputs().iter().map(output).collect::<Result<_, _>>()?;
         let widths = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
         Ok(Self { simulator, inputs, outputs, widths, arbitrary: 1 })
+    }
+
+    /// The state after a reset, with random values in registers without a reset value and in memories, on which nothing
+    /// may depend. They, and the values of inputs that are not valid, follow from the seed.
+    pub fn restart_randomly(&mut self, seed: u64) {
+        self.simulator.restart_randomly(seed);
+        self.arbitrary = seed | 1;
     }
 }
 

@@ -5,10 +5,10 @@ mod scene;
 pub use scene::{BlockScene, never, random_ray};
 
 use crate::blocks::BLOCK_BYTES;
-use crate::{BlockRequest, Memory, RayRequest, Reply, Response, UnitEngine, UnitInputs};
+use crate::{BlockRequest, Memory, RayRequest, Reply, Response, UnitEngine, UnitInputs, UnitOutputs};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use thiserror::Error;
 
 /// How a memory and the users of the other channels behave.
@@ -22,34 +22,10 @@ pub struct Behaviour {
     pub errors: u32,
 }
 
-/// What a unit must not do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-pub enum ProtocolError {
-    /// Two engines have different outputs.
-    #[error("engines 0 and {engine} have different outputs in cycle {cycle}")]
-    Different {
-        /// The engine that differs from engine 0.
-        engine: usize,
-        /// The cycle.
-        cycle: u64,
-    },
-    /// A ray ends that has ended or was never offered.
-    #[error("ray {id} ends in cycle {cycle}, expected the end of a ray in flight")]
-    End {
-        /// The number of the ray.
-        id: u64,
-        /// The cycle.
-        cycle: u64,
-    },
-    /// A request has a tag that is in use.
-    #[error("a request has tag {tag} in cycle {cycle}, expected one that is not in use")]
-    Tag {
-        /// The tag.
-        tag: u32,
-        /// The cycle.
-        cycle: u64,
-    },
-}
+/// What a unit must not do, in which cycle.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct ProtocolError(pub String);
 
 /// A memory that answers in any order, and users of the other channels that stall at random. A block without an
 /// address in the scene is an error of the memory.
@@ -62,9 +38,18 @@ pub struct Environment<'s> {
     pending: Vec<Pending>,
     rays: Vec<RayRequest>,
     next: usize,
+    /// The cycle in which each ray was accepted.
+    entered: Vec<Option<u64>>,
     /// The offer stays until it is accepted.
     offers: bool,
-    /// The replies so far, by the number of the ray.
+    /// The hit and the request that wait.
+    held: (Option<(u64, Reply)>, Option<BlockRequest>),
+    /// The rays that were inside at a reset.
+    lost: BTreeSet<u64>,
+    latencies: BTreeMap<u64, u64>,
+    failed: u64,
+    moved: u64,
+    /// The replies of the rays that have ended, by the numbers of the rays.
     pub replies: BTreeMap<u64, Reply>,
 }
 
@@ -73,11 +58,12 @@ struct Pending {
     tag: u32,
     block: [u8; BLOCK_BYTES as usize],
     is_missing: bool,
+    is_failed: bool,
     beat: usize,
 }
 
 impl<'s> Environment<'s> {
-    /// An environment of a unit with this width of the memory, in bits. The rays are numbered from 0 on.
+    /// A memory with this scene, and rays, whose numbers are their places.
     pub fn new(scene: &'s [u8], memory_width: u32, rays: Vec<RayRequest>, behaviour: Behaviour, seed: u64) -> Self {
         Self {
             scene,
@@ -86,16 +72,22 @@ impl<'s> Environment<'s> {
             random: ChaCha8Rng::seed_from_u64(seed),
             now: 0,
             pending: Vec::new(),
+            entered: vec![None; rays.len()],
             rays,
             next: 0,
             offers: false,
+            held: (None, None),
             replies: BTreeMap::new(),
+            lost: BTreeSet::new(),
+            latencies: BTreeMap::new(),
+            failed: 0,
+            moved: 0,
         }
     }
 
-    /// Whether all rays have ended.
+    /// Whether all rays have ended, or were lost in a reset.
     pub fn is_done(&self) -> bool {
-        self.replies.len() == self.rays.len()
+        self.replies.len() + self.lost.len() == self.rays.len()
     }
 
     /// The cycles so far.
@@ -103,22 +95,55 @@ impl<'s> Environment<'s> {
         self.now
     }
 
-    /// Runs all engines in lockstep for a cycle. Without an engine, nothing happens.
+    /// The cycles from the acceptance of each ray to its hit.
+    pub fn latencies(&self) -> &BTreeMap<u64, u64> {
+        &self.latencies
+    }
+
+    /// The blocks with an error in one of their beats that arrived, and were not forgotten in a reset.
+    pub fn failed_blocks(&self) -> u64 {
+        self.failed
+    }
+
+    /// The cycles since the last ray, hit, request or beat.
+    pub fn idle(&self) -> u64 {
+        self.now - self.moved
+    }
+
+    /// Resets all engines. The memory forgets its requests, and rays inside are lost.
+    pub fn reset(&mut self, engines: &mut [&mut dyn UnitEngine]) {
+        engines.iter_mut().for_each(|engine| engine.reset());
+        self.pending.clear();
+        let replies = &self.replies;
+        self.lost.extend((0..self.next as u64).filter(|id| !replies.contains_key(id)));
+        self.held = (None, None);
+        self.offers = false;
+        self.now += 1;
+    }
+
+    /// Runs all engines in lockstep for a cycle.
     ///
     /// # Errors
-    /// Engines differ, or break the protocol.
+    /// The engines differ; a hit is that of no ray inside; a request is not aligned or has a tag in use; a hit or a
+    /// request that waits changes.
     pub fn cycle(&mut self, engines: &mut [&mut dyn UnitEngine]) -> Result<(), ProtocolError> {
-        let cycle = self.now;
+        let now = self.now;
         let mut all = engines.iter_mut().map(|engine| engine.outputs());
         let Some(outputs) = all.next() else { return Ok(()) };
-        if let Some(place) = all.position(|other| other != outputs) {
-            return Err(ProtocolError::Different { engine: place + 1, cycle });
+        for (number, other) in (1..).zip(all) {
+            if other != outputs {
+                return Err(wrong(format!("cycle {now}: engine {number} shows {other:?}, engine 0 {outputs:?}")));
+            }
+        }
+        let (hit, request) = &self.held;
+        if hit.is_some() && hit.map(same) != outputs.hit.map(same) || request.is_some() && *request != outputs.request {
+            return Err(wrong(format!("cycle {now}: {:?} waits and becomes {outputs:?}", self.held)));
         }
         let stalls = self.behaviour.stalls.map(|share| self.random.random_range(0..256) < share);
         self.offers |= !stalls[0] && self.next < self.rays.len();
         let ray = self.offers.then(|| (self.next as u64, self.rays[self.next]));
         let (hit_ready, request_ready) = (!stalls[1], !stalls[2]);
-        let due: Vec<usize> = (0..self.pending.len()).filter(|&k| self.pending[k].due <= self.now).collect();
+        let due: Vec<usize> = (0..self.pending.len()).filter(|&k| self.pending[k].due <= now).collect();
         let chosen = (!stalls[3] && !due.is_empty()).then(|| due[self.random.random_range(0..due.len())]);
         let is_error = self.random.random_range(0..65_536) < self.behaviour.errors;
         let mut beat = Vec::new();
@@ -129,38 +154,69 @@ impl<'s> Environment<'s> {
         });
         let inputs = UnitInputs { ray, hit_ready, request_ready, response };
         engines.iter_mut().for_each(|engine| engine.cycle(&inputs));
-        self.now += 1;
 
         if let Some(k) = chosen {
+            self.moved = now;
             self.pending[k].beat += 1;
+            self.pending[k].is_failed |= is_error || self.pending[k].is_missing;
             if self.pending[k].beat * self.beat_bytes == BLOCK_BYTES as usize {
-                self.pending.swap_remove(k);
+                self.failed += u64::from(self.pending.swap_remove(k).is_failed);
             }
         }
         if outputs.ray_ready && ray.is_some() {
+            self.moved = now;
+            self.entered[self.next] = Some(now);
             self.next += 1;
             self.offers = false;
         }
+        self.held = (outputs.hit.filter(|_| !hit_ready), outputs.request.filter(|_| !request_ready));
+        self.take(outputs, hit_ready, request_ready)?;
+        self.now += 1;
+        Ok(())
+    }
+
+    /// Takes a hit and a request.
+    fn take(&mut self, outputs: UnitOutputs, hit_ready: bool, request_ready: bool) -> Result<(), ProtocolError> {
+        let now = self.now;
         if let (Some((id, reply)), true) = (outputs.hit, hit_ready) {
-            let is_known = id < self.next as u64;
-            if !is_known || self.replies.insert(id, reply).is_some() {
-                return Err(ProtocolError::End { id, cycle });
+            let entered = self.entered.get(id as usize).copied().flatten();
+            let Some(entered) = entered.filter(|_| !self.lost.contains(&id)) else {
+                return Err(wrong(format!("cycle {now}: ray {id} ends and is not inside")));
+            };
+            self.moved = now;
+            self.latencies.insert(id, now - entered);
+            if self.replies.insert(id, reply).is_some() {
+                return Err(wrong(format!("cycle {now}: ray {id} ends twice")));
             }
         }
         if let (Some(BlockRequest { address, tag }), true) = (outputs.request, request_ready) {
-            if self.pending.iter().any(|pending| pending.tag == tag) {
-                return Err(ProtocolError::Tag { tag, cycle });
+            if !address.is_multiple_of(BLOCK_BYTES) {
+                return Err(wrong(format!("cycle {now}: the address {address:#x} is not aligned")));
             }
+            if self.pending.iter().any(|pending| pending.tag == tag) {
+                return Err(wrong(format!("cycle {now}: tag {tag} is in use")));
+            }
+            self.moved = now;
             let (least, greatest) = self.behaviour.latency;
             let found = self.scene.block(address);
             self.pending.push(Pending {
-                due: cycle + self.random.random_range(least..=greatest),
+                due: now + self.random.random_range(least..=greatest),
                 tag,
                 block: *found.unwrap_or(&[0xff; BLOCK_BYTES as usize]),
                 is_missing: found.is_err(),
+                is_failed: false,
                 beat: 0,
             });
         }
         Ok(())
     }
+}
+
+/// A hit in words, which are equal for equal NaN.
+fn same((id, reply): (u64, Reply)) -> String {
+    format!("{id} {reply:?}")
+}
+
+fn wrong(problem: String) -> ProtocolError {
+    ProtocolError(problem)
 }

@@ -44,6 +44,28 @@ impl BlockScene {
         (scene, root)
     }
 
+    /// A path of this many nodes whose boxes are all the same, so that every level is pending at its end, with a
+    /// leaf of a random triangle at each; and the child word of its root.
+    pub fn deep(depth: u32, random: &mut ChaCha8Rng) -> (Self, u32) {
+        let mut scene = Self::default();
+        let all = Aabb::new([-2.0; 3], [2.0; 3]);
+        let mut next = None;
+        for level in 0..depth {
+            let mut corner = || std::array::from_fn(|_| random.random_range(-1.5_f32..1.5));
+            let triangle = Triangle::new(corner(), corner(), corner());
+            let leaf = scene.leaf(&[LeafTriangle { triangle, index: level }]);
+            let place = random.random_range(0..4);
+            let (mut boxes, mut children) = ([never(); 4], [0; 4]);
+            (boxes[place], children[place]) = (all, next.unwrap_or(leaf));
+            if next.is_some() {
+                let other = (place + random.random_range(1..4)) % 4;
+                (boxes[other], children[other]) = (all, leaf);
+            }
+            next = Some(scene.node(boxes, children));
+        }
+        (scene, next.unwrap_or(0))
+    }
+
     fn tree(&mut self, triangles: &mut [LeafTriangle], random: &mut ChaCha8Rng) -> (u32, Aabb<Binary32>) {
         if triangles.is_empty() {
             return (0, never());
