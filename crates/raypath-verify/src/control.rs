@@ -14,6 +14,7 @@ mod properties;
 mod structure;
 
 pub use model_checker::{CheckResult, Method, ModelChecker, SafetyProblem};
+pub(crate) use properties::RESET;
 pub use properties::{ModuleTexts, TextFault, never_leaves, problems};
 pub use structure::structural_faults;
 

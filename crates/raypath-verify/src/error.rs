@@ -18,4 +18,7 @@ pub enum Error {
     /// A module cannot be built or compiled.
     #[error(transparent)]
     Netlist(#[from] raypath_hdl::Error),
+    /// A traversal unit cannot be built.
+    #[error(transparent)]
+    Unit(#[from] raypath_unit::UnitError),
 }

@@ -7,7 +7,8 @@
 //! pipeline's control. `geometry` compares the operations with exact arithmetic, [`models`] the models with an
 //! [`oracle`], and [`campaign`] the netlist with the models, under random [`stimuli`] whose [`coverage`] is counted.
 //! [`mutation`] measures how many faults the regression tests find, and [`parsers`] runs damaged files through every
-//! parser. [`sat`] and [`equivalence`] are the solvers behind the proofs. [`record`] writes results to files.
+//! parser. [`unit`] has the proofs and the campaign of the traversal unit. [`sat`] and [`equivalence`] are the solvers
+//! behind the proofs. [`record`] writes results to files.
 
 pub mod campaign;
 pub mod control;
@@ -26,6 +27,7 @@ pub mod record;
 mod request;
 pub mod sat;
 pub mod stimuli;
+pub mod unit;
 pub mod units;
 
 pub use error::Error;

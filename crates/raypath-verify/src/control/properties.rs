@@ -33,7 +33,7 @@ impl ModuleTexts {
     /// It cannot be printed.
     pub fn new(top: &Arc<Module>) -> Result<Self, Error> {
         let modules = verilog::modules(top)?;
-        let units = modules.iter().filter(|module| module.name().starts_with("raypath_fp_"));
+        let units = modules.iter().filter(|module| is_free(module.name()));
         let shells: HashMap<&str, String> = units.map(|unit| (unit.name(), shell(unit))).collect();
         let text = |source: Source| {
             let text = shells.get(source.name.as_str()).cloned().unwrap_or(source.text);
@@ -52,7 +52,7 @@ impl ModuleTexts {
 
     /// A module with `inside` before its end, and the modules below it. There is no other text, so that equal modules
     /// of different datapaths have equal texts.
-    fn with(&self, module: &str, inside: &str) -> String {
+    pub(crate) fn with(&self, module: &str, inside: &str) -> String {
         let mut below = vec![module];
         let mut next = 0;
         while let Some(&name) = below.get(next) {
@@ -74,6 +74,12 @@ impl ModuleTexts {
     }
 }
 
+/// Whether the outputs of a module are free in every cycle: a floating-point unit, or what a step of the traversal unit
+/// prepares.
+fn is_free(module: &str) -> bool {
+    module.starts_with("raypath_fp_") || module == "raypath_unit_prepare"
+}
+
 /// A unit's ports without its logic.
 fn shell(module: &Module) -> String {
     let port = |direction: &str, name: &str, width: u32| format!("{direction} logic [{}:0] {name}", width - 1);
@@ -87,7 +93,7 @@ fn shell(module: &Module) -> String {
 }
 
 /// Reset in the first cycle; later cycles are free to reset.
-const RESET: &str = "  initial assume (!rst_ni);\n";
+pub(crate) const RESET: &str = "  initial assume (!rst_ni);\n";
 
 /// All properties to prove of a datapath.
 pub fn problems(datapath: &Datapath, config: Config, texts: &ModuleTexts) -> Vec<SafetyProblem> {

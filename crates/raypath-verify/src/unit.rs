@@ -1,0 +1,147 @@
+//! The traversal unit: proofs of the control of its modules, a campaign of the whole unit, and faults in its modules.
+//!
+//! `docs/development/verification.md` has the argument from the proofs to the whole: no ray is lost, duplicated or
+//! mixed up, and each that is accepted ends.
+
+mod bindings;
+pub mod campaign;
+mod claims;
+pub mod mutants;
+pub mod proofs;
+mod setting;
+
+use crate::{Error, Request, Verdict};
+use campaign::{Counts, Subject};
+use mutants::{Fate, Mutant};
+use proofs::{Checked, Obligation};
+use raypath_tools::pool;
+use raypath_unit::NetlistEngine;
+use serde::{Deserialize, Serialize};
+
+const FAILURES_SHOWN: usize = 8;
+
+/// Proves the control of the unit's modules, runs the campaign, and checks that it finds faults.
+///
+/// # Errors
+/// A program is missing or fails; a unit cannot be built.
+pub(crate) fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
+    let mut verdict = Verdict::default();
+    let proofs = prove(request, &mut verdict)?;
+    let counts = run_campaign(request, &mut verdict)?;
+    let faults = check_mutants(request, &mut verdict)?;
+    let Counts { episodes, cycles, rays, errors, lost, resets } = counts;
+    verdict.covered = format!(
+        "{proofs}; {rays} rays in {episodes} episodes and {cycles} netlist cycles, {errors} with an error of the \
+         memory, {lost} ended by {resets} resets; {faults}"
+    );
+    verdict.failures.truncate(FAILURES_SHOWN);
+    Ok(verdict)
+}
+
+/// Checks the obligations, and says how many are proved and refuted.
+fn prove(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<String, Error> {
+    let (level, shard) = (request.level, request.shard);
+    let results: Vec<Vec<Option<Checked>>> = request.parts.phase(|| {
+        let obligations: Vec<Obligation> = proofs::obligations(level)?;
+        proofs::check(&obligations, shard, request.proceed)
+    })?;
+    let (mut proved, mut refuted) = (0, 0);
+    for result in results.into_iter().flatten() {
+        match result {
+            None => verdict.is_stopped = true,
+            Some((_, Some(failure))) => verdict.failures.push(failure),
+            Some((true, None)) => proved += 1,
+            Some((false, None)) => refuted += 1,
+        }
+    }
+    Ok(format!("the control of {proved} modules proved, {refuted} faults and negations refuted"))
+}
+
+/// The episodes of a worker.
+#[derive(Default, Serialize, Deserialize)]
+struct Episodes {
+    counts: Counts,
+    failures: Vec<String>,
+}
+
+/// Runs the episodes of the level on all units of the campaign in turn.
+fn run_campaign(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<Counts, Error> {
+    let total = request.jobs.unwrap_or(request.level.pick(60, 8_000, 60_000));
+    let (seed, cases) = (request.seed, request.cases(total, 1));
+    let subjects = Subject::all()?;
+    let shards = request.parts.phase(|| {
+        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
+            let mut engines: Vec<NetlistEngine> = Vec::new();
+            for subject in &subjects {
+                engines.push(NetlistEngine::new(&subject.unit)?);
+            }
+            let mut found = Episodes::default();
+            queue.run(|number, _| {
+                let place = number as usize % subjects.len();
+                match campaign::run(&mut engines[place], subjects[place].unit.parameters, seed, number) {
+                    Ok(counts) => found.counts.add(&counts),
+                    Err(problem) => {
+                        let parameters = subjects[place].unit.parameters;
+                        found.failures.push(format!("episode {number} of seed {seed}, {parameters:?}: {problem}"));
+                    }
+                }
+                Ok(())
+            });
+            Ok(found)
+        })?;
+        Ok::<_, Error>(finished.workers)
+    })?;
+    let mut counts = Counts::default();
+    for Episodes { counts: own, failures } in shards.into_iter().flatten() {
+        counts.add(&own);
+        verdict.failures.extend(failures);
+    }
+    verdict.is_stopped |= counts.episodes + (verdict.failures.len() as u64) < cases.share();
+    Ok(counts)
+}
+
+/// The least share of the faults not proven equivalent that campaign and proofs find, in hundredths of a percent.
+const MIN_SCORE: usize = 9_900;
+
+/// Puts faults into the unit's modules, and runs the first episodes of the campaign on each.
+fn check_mutants(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<String, Error> {
+    let count = request.level.pick(16, 600, 4_000);
+    let subjects = mutants::subjects()?;
+    let mutants: Vec<Mutant<'_>> = mutants::choose(&subjects, count, request.seed);
+    let (cases, seed) = (request.cases(mutants.len() as u64, 1), request.seed);
+    let shards = request.parts.phase(|| {
+        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
+            let mut fates: Vec<(String, Fate)> = Vec::new();
+            queue.run(|number, stop| {
+                let mutant = &mutants[number as usize];
+                fates.push((mutant.fault.to_string(), mutant.fate(seed, stop)?));
+                Ok(())
+            });
+            Ok(fates)
+        })?;
+        Ok::<_, Error>(finished.workers.concat())
+    })?;
+    let (mut killed, mut refuted, mut equivalent, mut survivors) = (0_usize, 0, 0, Vec::new());
+    for (fault, fate) in shards.into_iter().flatten() {
+        match fate {
+            Fate::Killed => killed += 1,
+            Fate::Refuted => refuted += 1,
+            Fate::Equivalent => equivalent += 1,
+            Fate::Survived(why) => survivors.push(format!("survivor: {fault}; {why}")),
+        }
+    }
+    let found = killed + refuted;
+    let score = (10_000 * found).checked_div(found + survivors.len()).unwrap_or(10_000);
+    // A few mutants may have a low score.
+    if survivors.len() > 1 && score < MIN_SCORE && !request.parts.is_saved() {
+        verdict.failures.push(format!("campaign and proofs find {found} faults, but not {}", survivors.len()));
+    }
+    let all: usize = subjects.iter().map(|subject| subject.faults.len()).sum();
+    let left = survivors.len();
+    verdict.remarks.extend(survivors);
+    Ok(format!(
+        "of the {all} faults in {} modules, {killed} killed by the campaign, {refuted} by the \
+         proofs, {equivalent} proven equivalent, {left} survivors",
+        subjects.len()
+    ))
+}

@@ -1,0 +1,158 @@
+//! A campaign of the whole unit: netlist and functional model return the same for random scenes, rays, memories and
+//! users of the channels.
+
+use crate::Error;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use raypath_ops::Rules;
+use raypath_rtl::{Config, Control};
+use raypath_unit::state::status;
+use raypath_unit::traffic::{Behaviour, BlockScene, Environment, random_ray};
+use raypath_unit::{NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitNetlist, UnitParameters};
+use serde::{Deserialize, Serialize};
+
+/// A unit of the campaign.
+pub struct Subject {
+    /// The netlist.
+    pub unit: UnitNetlist,
+}
+
+/// What episodes had in common, and what they found.
+#[derive(Debug, Default, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Episodes that ran.
+    pub episodes: u64,
+    /// Cycles of netlists.
+    pub cycles: u64,
+    /// Rays that ended as the functional model says.
+    pub rays: u64,
+    /// Rays that ended in an error of the memory.
+    pub errors: u64,
+    /// Rays that a reset ended.
+    pub lost: u64,
+    /// Resets while rays were inside.
+    pub resets: u64,
+}
+
+impl Counts {
+    /// Adds the counts of other episodes.
+    pub fn add(&mut self, other: &Self) {
+        self.episodes += other.episodes;
+        self.cycles += other.cycles;
+        self.rays += other.rays;
+        self.errors += other.errors;
+        self.lost += other.lost;
+        self.resets += other.resets;
+    }
+}
+
+/// The rays of an episode.
+const RAYS: usize = 96;
+/// The rays of an episode whose rays visit thousands of nodes.
+const DEEP_RAYS: usize = 8;
+
+/// The units of the campaign: contexts, stack, width of the memory, latency of division, control.
+const SUBJECTS: [(u32, u32, u32, u32, Control); 6] = [
+    (8, 2, 256, 2, Control::Skid),
+    (16, 4, 512, 9, Control::Credit),
+    (11, 8, 128, 1, Control::Credit),
+    (64, 16, 1024, 5, Control::Skid),
+    (32, 32, 512, 27, Control::Skid),
+    (9, 2, 128, 9, Control::Credit),
+];
+
+impl Subject {
+    /// The units of the campaign.
+    ///
+    /// # Errors
+    /// A unit cannot be built.
+    pub fn all() -> Result<Vec<Self>, Error> {
+        let subject = |(contexts, stack, memory_width, divider_latency, control)| {
+            let step = StepParameters { stack };
+            let parameters = UnitParameters { contexts, step, memory_width, divider_latency, id_width: 16 };
+            Ok(Self { unit: UnitNetlist::new(Config::DEFAULT.control(control), parameters)? })
+        };
+        SUBJECTS.into_iter().map(subject).collect()
+    }
+}
+
+/// What is random in an episode.
+struct Episode {
+    scene: BlockScene,
+    rays: Vec<RayRequest>,
+    behaviour: Behaviour,
+    /// The probability of a reset in a cycle, in 65,536ths.
+    resets: u32,
+}
+
+impl Episode {
+    fn new(random: &mut ChaCha8Rng) -> Self {
+        let size = random.random_range(0..5);
+        let ((scene, root), count) = match [1, 8, 40, 300].get(size) {
+            Some(&triangles) => (BlockScene::random(triangles, random), RAYS),
+            None => (BlockScene::deep(random.random_range(30..64), random), DEEP_RAYS),
+        };
+        let rays = (0..count).map(|_| random_ray(root, random)).collect();
+        let least = [1, 1, 5, 40][random.random_range(0..4)];
+        let latency = (least, least + [0, 3, 60, 460][random.random_range(0..4)]);
+        let stalls = std::array::from_fn(|_| [0, 0, 26, 128, 240][random.random_range(0..5)]);
+        let errors = [0, 0, 200, 4000][random.random_range(0..4)];
+        let resets = [0, 0, 40, 400][random.random_range(0..4)];
+        Self { scene, rays, behaviour: Behaviour { latency, stalls, errors }, resets }
+    }
+}
+
+/// Runs an episode on a unit. The error is what went wrong.
+///
+/// # Errors
+/// The outer one: the netlist cannot be compiled.
+pub fn run(netlist: &mut NetlistEngine, parameters: UnitParameters, seed: u64, number: u64) -> Result<Counts, String> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(number);
+    let Episode { scene, rays, behaviour, resets } = Episode::new(&mut random);
+    netlist.restart_randomly(random.random());
+    let mut environment = Environment::new(&scene.0, parameters.memory_width, rays.clone(), behaviour, random.random());
+    let mut counts = Counts { episodes: 1, ..Counts::default() };
+    let mut model = Unit::new(Rules::Paper, parameters.step);
+    let expected: Vec<Reply> = rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect();
+    let limit = limit(&expected, behaviour);
+    while !environment.is_done() {
+        if random.random_range(0..65_536) < resets && counts.resets < 8 {
+            environment.reset(&mut [netlist]);
+            counts.resets += 1;
+        }
+        environment.cycle(&mut [netlist]).map_err(|problem| problem.to_string())?;
+        if environment.idle() > IDLE || environment.cycles() > limit {
+            let (ended, cycles) = (environment.replies.len(), environment.cycles());
+            return Err(format!("{ended} of {} rays ended within {cycles} cycles", rays.len()));
+        }
+    }
+    for (&id, reply) in &environment.replies {
+        let expected = expected[id as usize];
+        // An error of the memory ends a ray earlier.
+        let is_error = behaviour.errors > 0 && reply.status == status::ERROR && expected.status != status::REFUSED;
+        if is_error && reply.hit.is_none() && reply.nodes <= expected.nodes && reply.triangles <= expected.triangles {
+            counts.errors += 1;
+        } else if format!("{reply:?}") != format!("{expected:?}") {
+            return Err(format!("ray {id}, {:?}: found {reply:?}, expected {expected:?}", rays[id as usize]));
+        }
+        counts.rays += 1;
+    }
+    if counts.resets == 0 && environment.failed_blocks() != counts.errors {
+        let (blocks, errors) = (environment.failed_blocks(), counts.errors);
+        return Err(format!("{blocks} blocks had errors, and {errors} rays ended in one"));
+    }
+    counts.lost = (rays.len() - environment.replies.len()) as u64;
+    counts.cycles = environment.cycles();
+    Ok(counts)
+}
+
+/// Cycles after which a unit in which nothing moves has lost a ray. Users of the channels stall for less.
+const IDLE: u64 = 4_000;
+
+/// Cycles that suffice for all rays, one after the other, with the slowest users of the channels.
+fn limit(expected: &[Reply], behaviour: Behaviour) -> u64 {
+    let blocks: u64 = expected.iter().map(|reply| u64::from(2 * reply.nodes + reply.triangles) + 4).sum();
+    let slowest = behaviour.stalls.iter().map(|share| 256 / (256 - u64::from(*share))).max().unwrap_or(1);
+    20_000 + blocks * (behaviour.latency.1 + 100) * 2 * slowest
+}

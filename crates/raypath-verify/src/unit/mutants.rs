@@ -1,0 +1,112 @@
+//! Faults in the modules of the unit, and whether the first episodes of the campaign find them.
+
+use super::campaign;
+use super::setting::Setting;
+use crate::Error;
+use crate::control::{CheckResult, ModelChecker};
+use crate::equivalence::Equivalence;
+use crate::sat::Prover;
+use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
+use rand::seq::SliceRandom;
+use raypath_hdl::mutate::{Fault, faults, replace};
+use raypath_hdl::{Module, verilog};
+use raypath_rtl::Config;
+use raypath_unit::{NetlistEngine, StepParameters, UnitNetlist, UnitParameters};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// A module of the unit, and the faults that it can have.
+pub struct Subject {
+    unit: Arc<UnitNetlist>,
+    module: Arc<Module>,
+    /// All its faults.
+    pub faults: Vec<Fault>,
+}
+
+/// A fault in a module.
+pub struct Mutant<'s> {
+    subject: &'s Subject,
+    /// The fault.
+    pub fault: &'s Fault,
+}
+
+/// What became of a fault.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Fate {
+    /// An episode failed.
+    Killed,
+    /// No episode failed, and the model checker refutes the properties of the module.
+    Refuted,
+    /// No episode failed, and the modules are proven equivalent, with registers and memories as cut points.
+    Equivalent,
+    /// No episode failed, and the proof had this result.
+    Survived(String),
+}
+
+/// The time limit of an equivalence check.
+const LIMIT: Duration = Duration::from_secs(20);
+/// Episodes that run on each mutant, the short ones first.
+const EPISODES: u64 = 24;
+
+/// The modules of the unit besides the datapath and the floating-point units, which `mutation` has.
+///
+/// # Errors
+/// The unit cannot be built.
+pub fn subjects() -> Result<Vec<Subject>, Error> {
+    let step = StepParameters { stack: 2 };
+    let parameters = UnitParameters { contexts: 8, step, memory_width: 256, divider_latency: 2, id_width: 16 };
+    let unit = Arc::new(UnitNetlist::new(Config::DEFAULT, parameters)?);
+    let modules = verilog::modules(&unit.top)?;
+    let own = modules.into_iter().filter(|module| module.name().starts_with("raypath_unit"));
+    let subject = |module: Arc<Module>| Subject { unit: unit.clone(), faults: faults(&module), module };
+    Ok(own.map(subject).filter(|subject| !subject.faults.is_empty()).collect())
+}
+
+/// A random sample of about `count` faults: the same number of each module, as far as it has so many.
+pub fn choose(subjects: &[Subject], count: usize, seed: u64) -> Vec<Mutant<'_>> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let share = count.div_ceil(subjects.len().max(1));
+    let mut mutants = Vec::new();
+    for subject in subjects {
+        let mut faults: Vec<&Fault> = subject.faults.iter().collect();
+        faults.shuffle(&mut random);
+        mutants.extend(faults.into_iter().take(share).map(|fault| Mutant { subject, fault }));
+    }
+    mutants.shuffle(&mut random);
+    mutants.truncate(count);
+    mutants
+}
+
+impl Mutant<'_> {
+    /// Runs the first episodes of the campaign, and then the proof.
+    ///
+    /// # Errors
+    /// The faulty netlist cannot be built, or a program is missing.
+    pub fn fate(&self, seed: u64, stop: &AtomicBool) -> Result<Fate, Error> {
+        let Subject { unit, module, .. } = self.subject;
+        let faulty = Arc::new(self.fault.apply(module)?);
+        let mut netlist = NetlistEngine::of_module(&replace(&unit.top, &faulty)?)?;
+        for number in 0..EPISODES {
+            if campaign::run(&mut netlist, unit.parameters, seed, number).is_err() {
+                return Ok(Fate::Killed);
+            }
+        }
+        if let Some(obligation) = Setting::least(true)?.faulty(&faulty)? {
+            // An error is that of an assertion without state, to which synthesis may reduce a faulty module.
+            if let Ok(Some(CheckResult::Fails)) = ModelChecker::find()?.check(&obligation.problem, stop) {
+                return Ok(Fate::Refuted);
+            }
+        }
+        let mut found = Prover::find()?.equivalent(&[(module, &faulty)], LIMIT, stop);
+        Ok(match found.as_mut().map(Vec::pop) {
+            Ok(Some(Equivalence::Proved)) => Fate::Equivalent,
+            Ok(Some(Equivalence::Different(_))) => Fate::Survived("different as modules".to_string()),
+            Ok(Some(Equivalence::Undecided(why))) => Fate::Survived(format!("undecided as modules: {why}")),
+            Ok(None) => Fate::Survived("no result".to_string()),
+            Err(problem) => Fate::Survived(format!("not compared as modules: {problem}")),
+        })
+    }
+}

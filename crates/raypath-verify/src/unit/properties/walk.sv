@@ -1,0 +1,62 @@
+  // An answer is taken wherever there is one, and only one. Two cycles later its step ends, with one write of its own
+  // context's state, and the ray fetches, ends or continues.
+  wire [3:0] p_taken = {start_taken_o, fault_taken_o, block_taken_o, boxes_taken};
+  wire [3:0] p_offered = {start_valid_i, fault_valid_i, block_valid_i, tested_valid};
+  wire p_continues = read_o && p_taken == 0;
+  always_comb taken: assert ((p_taken & ~p_offered) == 0 && (p_taken & (p_taken - 4'd1)) == 0);
+  always_comb always_one: assert ((p_offered == 0 || read_o) && (p_taken == 0 || read_o));
+  always_comb own_context: assert (
+    (!start_taken_o || read_context_o == start_context_i) && (!fault_taken_o || read_context_o == fault_context_i)
+    && (!block_taken_o || read_context_o == block_context_i) && (!boxes_taken || read_context_o == tested_context));
+  logic p_first_q, p_second_q;
+  logic [W-1:0] p_first_context_q, p_second_context_q;
+  always_ff @(posedge clk_i or negedge rst_ni)
+    if (!rst_ni) {p_first_q, p_second_q} <= 0;
+    else {p_first_q, p_second_q} <= {read_o, p_first_q};
+  always_ff @(posedge clk_i) {p_first_context_q, p_second_context_q} <= {read_context_o, p_first_context_q};
+  always_comb two_cycles: assert (finishes_q == p_second_q && (!p_second_q || context_o == p_second_context_q));
+  wire [1:0] p_asks = {1'b0, fetches_o} + {1'b0, ends_o} + {1'b0, again_asked};
+  always_comb one_request: assert (p_asks == {1'b0, p_second_q});
+
+  // Rays that continue come back, in order. Environment: at most N rays continue.
+  logic [8:0] p_inside_q;
+  always_ff @(posedge clk_i or negedge rst_ni)
+    if (!rst_ni) p_inside_q <= 0;
+    else p_inside_q <= p_inside_q + {8'd0, again_asked} - {8'd0, p_continues};
+  always_comb assume (!(again_asked && p_inside_q - {8'd0, p_continues} == N));
+  wire p_follow;
+  logic p_follows_q;
+  logic [8:0] p_ahead_q;
+  logic [W-1:0] p_word_q;
+  wire p_starts = again_asked && p_follow && !p_follows_q;
+  always_ff @(posedge clk_i or negedge rst_ni)
+    if (!rst_ni) p_follows_q <= 0;
+    else if (p_starts) p_follows_q <= 1;
+    else if (p_continues && p_ahead_q == 0) p_follows_q <= 0;
+  always_ff @(posedge clk_i)
+    if (p_starts) begin
+      p_ahead_q <= p_inside_q - {8'd0, p_continues};
+      p_word_q <= context_o;
+    end else if (p_continues) p_ahead_q <= p_ahead_q - 9'd1;
+  always_comb order: assert (!(p_follows_q && p_ahead_q == 0 && p_continues) || read_context_o == p_word_q);
+  always_comb real_ray: assert (!p_continues || p_inside_q != 0);
+
+  // Each answer waits for at most four others, a ray that continues for one cycle more.
+  logic [14:0] p_waits_q;
+  wire [4:0] p_waiting = {p_inside_q != 0 && !p_continues, p_offered & ~p_taken};
+  logic [4:0] p_unfair;
+  for (genvar k = 0; k < 5; k++) begin : g_fair
+    always_ff @(posedge clk_i or negedge rst_ni)
+      if (!rst_ni) p_waits_q[3*k +: 3] <= 0;
+      else p_waits_q[3*k +: 3] <= p_waiting[k] ? p_waits_q[3*k +: 3] + 3'd1 : 3'd0;
+    assign p_unfair[k] = p_waiting[k] && p_waits_q[3*k +: 3] >= (k == 4 ? 5 : 4);
+  end
+  always_comb fair: assert (p_unfair == 0);
+
+  // Lemmas.
+  wire p_holds;
+  p_queue #(.N (N), .W (W)) p_lemmas (
+    .count (p_count), .head (p_head), .tail (p_tail), .valid (p_valid), .words (p_words), .front (p_front),
+    .inside (p_inside_q), .followed (p_follows_q), .index (p_ahead_q), .word (p_word_q), .holds (p_holds)
+  );
+  always_comb lemmas: assert (p_holds);

@@ -1,0 +1,51 @@
+//! A unit whose modules are proved.
+
+use crate::Error;
+use raypath_hdl::{Module, verilog};
+use raypath_rtl::Config;
+use raypath_unit::{StepParameters, UnitNetlist, UnitParameters};
+use std::sync::Arc;
+
+/// The least unit: the faults of the claims are in its text.
+pub(super) const LEAST: UnitParameters = UnitParameters {
+    contexts: 8,
+    step: StepParameters { stack: 2 },
+    memory_width: 256,
+    id_width: 16,
+    divider_latency: 2,
+};
+
+/// A unit whose modules are proved.
+pub struct Setting {
+    /// The unit.
+    pub unit: UnitNetlist,
+    pub(super) modules: Vec<Arc<Module>>,
+    /// Whether all bits of the data are followed, and not some of them.
+    pub is_wide: bool,
+}
+
+impl Setting {
+    /// The least unit.
+    ///
+    /// # Errors
+    /// The unit cannot be built.
+    pub fn least(is_wide: bool) -> Result<Self, Error> {
+        Self::new(LEAST, is_wide)
+    }
+
+    pub(super) fn new(parameters: UnitParameters, is_wide: bool) -> Result<Self, Error> {
+        let unit = UnitNetlist::new(Config::DEFAULT, parameters)?;
+        let modules = verilog::modules(&unit.top)?;
+        Ok(Self { unit, modules, is_wide })
+    }
+
+    pub(super) fn module(&self, name: &str) -> Result<&Arc<Module>, Error> {
+        let found = self.modules.iter().find(|module| module.name() == name);
+        let missing = || raypath_hdl::Error::Name {
+            module: "raypath_unit".to_string(),
+            name: name.to_string(),
+            problem: "is the name of no module in it".to_string(),
+        };
+        Ok(found.ok_or_else(missing)?)
+    }
+}
