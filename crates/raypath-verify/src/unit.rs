@@ -105,7 +105,7 @@ const MIN_SCORE: usize = 9_900;
 
 /// Puts faults into the unit's modules, and runs the first episodes of the campaign on each.
 fn check_mutants(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<String, Error> {
-    let count = request.level.pick(16, 600, 4_000);
+    let count = request.level.pick(16, 400, 4_000);
     let subjects = mutants::subjects()?;
     let mutants: Vec<Mutant<'_>> = mutants::choose(&subjects, count, request.seed);
     let (cases, seed) = (request.cases(mutants.len() as u64, 1), request.seed);

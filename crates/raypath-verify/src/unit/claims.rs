@@ -170,7 +170,7 @@ pub const CLAIMS: &[Claim] = &[
         queue: Some(("u_continues.", "raypath_unit_continues")),
         expands: false,
         bindings: bindings::nothing,
-        method: Method::Unbounded,
+        method: Method::Inductive,
         happens: "p_continues && p_follows_q && p_ahead_q == 0",
         faults: &[
             // A ray continues although no step ends.

@@ -59,4 +59,16 @@
     .count (p_count), .head (p_head), .tail (p_tail), .valid (p_valid), .words (p_words), .front (p_front),
     .inside (p_inside_q), .followed (p_follows_q), .index (p_ahead_q), .word (p_word_q), .holds (p_holds)
   );
-  always_comb lemmas: assert (p_holds);
+  // The scheduler has granted sources nearer and nearer to one that waits.
+  (* hierconn *) logic [4:0] \u_scheduler.after_q ;
+  wire [4:0] p_after = \u_scheduler.after_q ;
+  wire [3:0] p_later = {3'd0, p_after[4]} + {3'd0, p_after[3]} + {3'd0, p_after[2]} + {3'd0, p_after[1]};
+  logic p_nearer;
+  always_comb begin
+    p_nearer = !p_after[0] && ((p_after << 1) & ~p_after & 5'h1f) == 0;
+    for (int k = 0; k < 5; k++)
+      p_nearer = p_nearer && {1'b0, p_waits_q[3*k +: 3]} + (p_after[k] ? 4'(k) + p_later - 4'd5 : p_later + 4'(k))
+        <= (k == 4 ? 5 : 4);
+  end
+  always_comb lemmas: assert (p_holds && p_nearer && (p_valid || p_waits_q[14:12] == 0) && prepares_q == p_first_q
+    && (!p_first_q || prepared_context_q == p_first_context_q));
