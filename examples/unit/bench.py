@@ -100,9 +100,12 @@ class Unit:
     async def trace(self, rays, root=ROOT, ready=lambda: True):
         """Traces rays (ox, oy, oz, dx, dy, dz, extent), and returns the hit of each: status, triangle, the bits of t,
         t_num and t_denom, whether it is a back face."""
+        assert len(rays) <= 1 << len(self.dut.ray_id_i), "more rays than numbers"
         cocotb.start_soon(self.send(rays, root))
         self.hits = {}
+        limit = self.cycles + 100 * len(rays) + 20_000
         while len(self.hits) < len(rays):
+            assert self.cycles < limit, f"{len(self.hits)} of {len(rays)} rays ended"
             is_ready = ready()
             self.dut.hit_ready_i.value = is_ready
             await RisingEdge(self.dut.clk_i)

@@ -43,7 +43,7 @@ def check(hits, expected):
         assert same(line(hit), wanted), f"ray {number}: {line(hit)}, expected {wanted}"
 
 
-@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.test()
 async def the_picture(dut):
     """All rays of the picture. Writes rtl-hits.txt, for `raypath render --draw`."""
     unit = await Unit.start(dut, bytearray(SCENE))
@@ -53,7 +53,7 @@ async def the_picture(dut):
     check(hits, HITS)
 
 
-@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.test()
 async def bursts_in_any_order(dut):
     """Beats of different bursts are interleaved; addresses, beats, rays and hits stall."""
     chance = random.Random(2)
@@ -66,7 +66,7 @@ async def bursts_in_any_order(dut):
     check(hits, [HITS[number] for number in chosen])
 
 
-@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.test()
 async def errors_end_their_rays_alone(dut):
     """Every third ray has a root behind the end of the scene, where the memory answers SLVERR."""
     behind = (len(SCENE) + 127) // 128 * 128 | ROOT
