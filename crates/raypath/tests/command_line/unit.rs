@@ -16,7 +16,8 @@ fn the_unit_is_written_listed_and_checked() {
     let output = raypath(&arguments);
     let said = said(&output);
     assert_eq!(output.status.code(), Some(0), "{said}");
-    for words in ["contexts 12, stack 2, memory-width 256", "hit_id_o [19:0]", "mem_rsp_data_i [255:0]", "Checked 200"]
+    for words in
+        ["12 contexts, stacks of 2, memory of 256 bits", "hit_id_o [19:0]", "mem_rsp_data_i [255:0]", "Checked 200"]
     {
         assert!(said.contains(words), "no '{words}' in {said}");
     }
