@@ -1,8 +1,8 @@
 //! The rays: their contexts, their set-up, and what is kept of them.
 
-use super::UnitParameters;
 use super::connect::{Inputs, Named, keep, named};
 use super::contexts::contexts;
+use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::set_up::set_up;
 use crate::fold::HitLimits;

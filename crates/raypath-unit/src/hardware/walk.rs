@@ -4,9 +4,9 @@
 //! the stack is read. In the third the step is finished, and everything is written. A ray has at most one answer at a
 //! time, so steps of the same ray do not overlap.
 
-use super::UnitParameters;
 use super::connect::{Inputs, Named, Outputs, hold, keep, prefixed};
 use super::hits::is_shown;
+use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::scheduler::{SOURCES, scheduler};
 use super::step::{finish_module, prepare_module};

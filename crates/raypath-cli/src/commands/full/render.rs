@@ -44,7 +44,8 @@ pub struct Arguments {
     /// Hit triangles from behind too, with a second job for each
     #[arg(long)]
     two_sided: bool,
-    /// What traces the rays: the jobs of the datapath, with a traversal in software, or the models of the traversal unit
+    /// What traces the rays: the jobs of the datapath, with a traversal in software, or the models of the traversal
+    /// unit
     #[arg(long, default_value = "datapath", value_name = "datapath|unit")]
     through: Through,
     /// Seed of ambient-occlusion rays
