@@ -57,8 +57,8 @@ fn the_wrapper_equals_the_unit_in_every_cycle() {
                     name if name.starts_with("ray_origin") || name.starts_with("ray_dir") => {
                         random.random_range(-2.0_f32..2.0).to_bits().into()
                     }
-                    "ray_t_min_i" => 0,
-                    "ray_t_max_i" => f32::INFINITY.to_bits().into(),
+                    "ray_tmin_i" => 0,
+                    "ray_tmax_i" => f32::INFINITY.to_bits().into(),
                     "ray_root_i" => 32 | u64::from(random.random::<u32>()) << 7 & 0xffff_ff80,
                     _ => random.random::<u64>() & u64::MAX >> (64 - width),
                 };

@@ -1,7 +1,7 @@
 //! Proofs of the control of the traversal unit: what the item does not run at its least level.
 
-use raypath_verify::unit::proofs::{Setting, check};
 use raypath_verify::Shard;
+use raypath_verify::unit::proofs::{Setting, check};
 
 #[test]
 fn the_proofs_refute_every_fault() {

@@ -11,7 +11,7 @@ use super::rays::rays;
 use super::walk::{OFFSET_BITS, walk};
 use crate::blocks::BOX_WORDS;
 use crate::error::UnitError;
-use crate::netlist::{Netlist, inputs, wires};
+use crate::netlist::{Netlist, from_wires, wires};
 use crate::set_up::Entry;
 use raypath_hdl::{Builder, Module, Wire};
 use raypath_model::{Control, Shape};
@@ -90,7 +90,8 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let ray_valid = m.input("ray_valid_i", 1);
     let ray = [("id", id_width), ("any_hit", 1), ("cull", 2), ("root", 32)];
     let ray = ray.map(|(name, width)| named(name, m.input(&format!("ray_{name}_i"), width)));
-    let entry: Entry<Netlist<'_>> = inputs(m, "ray");
+    let port = |field: &str, width| m.input(&format!("{}_i", field.replace("ray_t_m", "ray_tm")), width);
+    let entry: Entry<Netlist<'_>> = from_wires(m, "ray", port);
     let hit_ready = m.input("hit_ready_i", 1);
     let request_ready = m.input("mem_req_ready_i", 1);
     let arrives = m.input("mem_rsp_valid_i", 1);
