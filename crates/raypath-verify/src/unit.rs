@@ -78,7 +78,7 @@ fn run_campaign(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<Coun
             let mut found = Episodes::default();
             queue.run(|number, _| {
                 let place = number as usize % subjects.len();
-                match campaign::run(&mut engines[place], subjects[place].unit.parameters, seed, number) {
+                match campaign::run(&mut engines[place], subjects[place].unit.parameters, [seed, number], None) {
                     Ok(counts) => found.counts.add(&counts),
                     Err(problem) => {
                         let parameters = subjects[place].unit.parameters;
@@ -109,12 +109,13 @@ fn check_mutants(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<Str
     let subjects = mutants::subjects()?;
     let mutants: Vec<Mutant<'_>> = mutants::choose(&subjects, count, request.seed);
     let (cases, seed) = (request.cases(mutants.len() as u64, 1), request.seed);
+    let limits = mutants::limits(&subjects, seed)?;
     let shards = request.parts.phase(|| {
         let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
             let mut fates: Vec<(String, Fate)> = Vec::new();
             queue.run(|number, stop| {
                 let mutant = &mutants[number as usize];
-                fates.push((mutant.fault.to_string(), mutant.fate(seed, stop)?));
+                fates.push((mutant.fault.to_string(), mutant.fate(seed, &limits, stop)?));
                 Ok(())
             });
             Ok(fates)

@@ -102,11 +102,16 @@ impl Episode {
     }
 }
 
-/// Runs an episode on a unit. The error is what went wrong.
+/// Runs the episode of a seed and a number on a unit, in at most so many cycles, if given.
 ///
 /// # Errors
-/// The outer one: the netlist cannot be compiled.
-pub fn run(netlist: &mut NetlistEngine, parameters: UnitParameters, seed: u64, number: u64) -> Result<Counts, String> {
+/// What the unit did wrong.
+pub fn run(
+    netlist: &mut NetlistEngine,
+    parameters: UnitParameters,
+    [seed, number]: [u64; 2],
+    most: Option<u64>,
+) -> Result<Counts, String> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(number);
     let Episode { scene, rays, behaviour, resets } = Episode::new(&mut random);
@@ -115,7 +120,7 @@ pub fn run(netlist: &mut NetlistEngine, parameters: UnitParameters, seed: u64, n
     let mut counts = Counts { episodes: 1, ..Counts::default() };
     let mut model = Unit::new(Rules::Paper, parameters.step);
     let expected: Vec<Reply> = rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect();
-    let limit = limit(&expected, behaviour);
+    let limit = most.unwrap_or_else(|| limit(&expected, behaviour));
     while !environment.is_done() {
         if random.random_range(0..65_536) < resets && counts.resets < 8 {
             environment.reset(&mut [netlist]);

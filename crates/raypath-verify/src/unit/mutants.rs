@@ -65,6 +65,17 @@ pub fn subjects() -> Result<Vec<Subject>, Error> {
     Ok(own.map(subject).filter(|subject| !subject.faults.is_empty()).collect())
 }
 
+/// The cycles of the first episodes without a fault, four times: a unit that takes more has a fault.
+///
+/// # Errors
+/// The netlist cannot be compiled.
+pub fn limits(subjects: &[Subject], seed: u64) -> Result<Vec<u64>, Error> {
+    let Some(Subject { unit, .. }) = subjects.first() else { return Ok(Vec::new()) };
+    let mut netlist = NetlistEngine::new(unit)?;
+    let mut cycles = |number| campaign::run(&mut netlist, unit.parameters, [seed, number], None);
+    Ok((0..EPISODES).map_while(|number| Some(4 * cycles(number).ok()?.cycles)).collect())
+}
+
 /// A random sample of about `count` faults: the same number of each module, as far as it has so many.
 pub fn choose(subjects: &[Subject], count: usize, seed: u64) -> Vec<Mutant<'_>> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -81,26 +92,27 @@ pub fn choose(subjects: &[Subject], count: usize, seed: u64) -> Vec<Mutant<'_>> 
 }
 
 impl Mutant<'_> {
-    /// Runs the first episodes of the campaign, and then the proof.
+    /// Runs the first episodes of the campaign, and then the proofs.
     ///
     /// # Errors
     /// The faulty netlist cannot be built, or a program is missing.
-    pub fn fate(&self, seed: u64, stop: &AtomicBool) -> Result<Fate, Error> {
+    pub fn fate(&self, seed: u64, limits: &[u64], stop: &AtomicBool) -> Result<Fate, Error> {
         let Subject { unit, module, .. } = self.subject;
         let faulty = Arc::new(self.fault.apply(module)?);
         let mut netlist = NetlistEngine::of_module(&replace(&unit.top, &faulty)?)?;
-        for number in 0..EPISODES {
-            if campaign::run(&mut netlist, unit.parameters, seed, number).is_err() {
+        for (number, &limit) in (0..).zip(limits) {
+            if campaign::run(&mut netlist, unit.parameters, [seed, number], Some(limit)).is_err() {
                 return Ok(Fate::Killed);
             }
         }
-        if let Some(obligation) = Setting::least(true)?.faulty(&faulty)? {
-            // An error is that of an assertion without state, to which synthesis may reduce a faulty module.
-            if let Ok(Some(CheckResult::Fails)) = ModelChecker::find()?.check(&obligation.problem, stop) {
-                return Ok(Fate::Refuted);
-            }
-        }
         let mut found = Prover::find()?.equivalent(&[(module, &faulty)], LIMIT, stop);
+        if !matches!(found.as_deref(), Ok([Equivalence::Proved]))
+            && let Some(obligation) = Setting::least(false)?.faulty(&faulty)?
+            // An error is that of an assertion without state, to which synthesis may reduce a faulty module.
+            && let Ok(Some(CheckResult::Fails)) = ModelChecker::find()?.check(&obligation.problem, stop)
+        {
+            return Ok(Fate::Refuted);
+        }
         Ok(match found.as_mut().map(Vec::pop) {
             Ok(Some(Equivalence::Proved)) => Fate::Equivalent,
             Ok(Some(Equivalence::Different(_))) => Fate::Survived("different as modules".to_string()),

@@ -24,6 +24,8 @@ pub struct Obligation {
 
 /// The cycles in which a fault must be refuted.
 const CYCLES: u32 = 24;
+/// The cycles in which any fault may be refuted: more take minutes if it cannot be.
+const FEW_CYCLES: u32 = 11;
 /// The most contexts of a unit for which these modules are proved: more take many minutes.
 const LIMITED: [(&str, u32); 2] = [("raypath_unit_contexts", 16), ("raypath_unit_distance", 16)];
 
@@ -44,11 +46,12 @@ impl Setting {
         let Some(claim) = CLAIMS.iter().find(|claim| claim.module == module.name()) else { return Ok(None) };
         let unit = UnitNetlist::new(Config::DEFAULT, self.unit.parameters)?;
         let modules = self.modules.iter().map(|own| if own.name() == module.name() { module } else { own });
-        let setting = Self { unit, modules: modules.cloned().collect(), is_wide: true };
+        let setting = Self { unit, modules: modules.cloned().collect(), is_wide: self.is_wide };
         let properties = claim.properties.split(LEMMAS).next().unwrap_or_default();
         let assertions = properties.matches(": assert (").count();
         let text = setting.text(claim, None, properties)?;
-        Ok(Some(setting.refuted(claim, "a fault".to_string(), text, assertions)?))
+        let Obligation { problem, expected } = setting.refuted(claim, "a fault".to_string(), text, assertions)?;
+        Ok(Some(Obligation { problem: SafetyProblem { method: Method::Bounded(FEW_CYCLES), ..problem }, expected }))
     }
 
     /// The module of a claim, with registers in place of the memories that its properties see.
