@@ -7,8 +7,8 @@
 //! pipeline's control. `geometry` compares the operations with exact arithmetic, [`models`] the models with an
 //! [`oracle`], and [`campaign`] the netlist with the models, under random [`stimuli`] whose [`coverage`] is counted.
 //! [`mutation`] measures how many faults the regression tests find, and [`parsers`] runs damaged files through every
-//! parser. [`unit`] has the proofs and the campaign of the traversal unit. [`sat`] and [`equivalence`] are the solvers
-//! behind the proofs. [`record`] writes results to files.
+//! parser. [`unit`](mod@unit) has the proofs and the campaign of the traversal unit. [`sat`] and [`equivalence`] are
+//! the solvers behind the proofs. [`record`] writes results to files.
 
 pub mod campaign;
 pub mod control;

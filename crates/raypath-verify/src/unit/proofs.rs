@@ -124,7 +124,7 @@ impl Setting {
     /// The problems of all faults of all claims, and that what happens does not.
     ///
     /// # Errors
-    /// As [`Self::claim`].
+    /// The module cannot be printed.
     pub fn faults(&self) -> Result<Vec<Obligation>, Error> {
         let all = CLAIMS.iter().filter(|claim| is_representative(claim));
         let of = |claim: &'static Claim| {
