@@ -13,7 +13,7 @@ MISS, HIT, REFUSED, ERROR = range(4)
 ROOT = 0x20  # the child word of a node at address 0, where `raypath scene` puts the root
 BACK_FACES, FRONT_FACES = 1, 2  # bits of ray_cull_i
 
-RAY = "id root any_hit cull origin_x origin_y origin_z dir_x dir_y dir_z t_min t_max".split()
+RAY = "id root any_hit cull origin_x origin_y origin_z dir_x dir_y dir_z tmin tmax".split()
 HIT_FIELDS = "id status triangle t t_num t_denom back_face".split()
 AXI = ("arid araddr arlen arsize arburst arlock arcache arprot arqos arvalid arready "
        "rid rdata rresp rlast rvalid rready").split()
