@@ -184,8 +184,7 @@ pub const ITEMS: &[Item] = &[
     Item {
         name: "unit",
         claim: "the traversal unit loses, repeats and mixes up no ray, and its netlist returns what the functional model \
-            does, for any memory, any users of the channels and resets; proofs and campaign find at least 99 % of the \
-            faults that are not proven equivalent",
+            does, for any memory, any users of the channels and resets",
         oracle: "proofs by Yosys and ABC of the emitted SystemVerilog of each module, with properties of queues; the \
             functional model, which shares the functions of a step with the netlist, but neither units nor control",
         subject: &[
