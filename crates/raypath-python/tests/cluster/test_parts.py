@@ -32,7 +32,7 @@ def test_each_item_is_divided(program: Path, tmp_path: Path) -> None:
     assert found.merge(list(found.parts), Path("parts"))[1:] == ["verify", *whole]
     rest = ["--jobs=7", "--record", str(tmp_path), "--preset", "credit", "--merge", "parts"]
     assert found.merge([found.parts[1]], Path("parts"))[1:] == ["verify", "sums", *rest]
-    assert len(planned(program, "verify").parts) == 15
+    assert len(planned(program, "verify").parts) == 17
 
 
 def test_options_of_the_whole_result_are_not_those_of_shards(program: Path) -> None:
