@@ -1,6 +1,8 @@
 //! A scene as the traversal unit reads it from memory.
 
 use crate::bvh::{Bvh4, Node, Reference, Target};
+use raypath_ops::{Binary32, Ray};
+use raypath_unit::RayRequest;
 use raypath_unit::blocks::{BLOCK_BYTES, Child, LeafTriangle, Node as NodeBlock, leaf_blocks};
 use thiserror::Error;
 
@@ -67,6 +69,20 @@ impl Blocks {
     #[expect(clippy::len_without_is_empty, reason = "a tree has a root")]
     pub fn len(&self) -> usize {
         self.bytes.len() / BLOCK_BYTES as usize
+    }
+
+    /// A ray as the unit takes it, for this scene.
+    pub fn request(&self, ray: &Ray<Binary32>, any_hit: bool, two_sided: bool) -> RayRequest {
+        RayRequest {
+            origin: ray.origin.into(),
+            direction: ray.dir.into(),
+            t_min: 0.0,
+            t_max: ray.extent.into(),
+            any_hit,
+            cull_back: !two_sided,
+            cull_front: false,
+            root: self.root,
+        }
     }
 
     /// The child word of the root, which each ray begins with.

@@ -6,7 +6,7 @@ use crate::render::RenderError;
 use crate::{Blocks, Goal, Hit, Picture};
 use image::Rgb;
 use raypath_model::Shape;
-use raypath_ops::{Binary32, Ray, RayError};
+use raypath_ops::RayError;
 use raypath_timing::{Progress, Sample};
 use raypath_unit::system::{MemoryParameters, RayUser, SystemTiming, simulate};
 use raypath_unit::{RayRequest, Reply, UnitModel, UnitParameters};
@@ -83,7 +83,7 @@ fn run<S: RaySequence>(
         places: Vec::new(),
         free: (0..system.in_flight.max(1)).rev().collect(),
         ready: VecDeque::new(),
-        root: blocks.root(),
+        blocks,
         two_sided,
         done: 0,
         progress,
@@ -106,7 +106,7 @@ struct Sequences<'p, S: RaySequence, I> {
     free: Vec<usize>,
     ready: VecDeque<(u64, RayRequest)>,
     results: Vec<S::Result>,
-    root: u32,
+    blocks: &'p Blocks,
     two_sided: bool,
     done: u64,
     progress: Progress<'p>,
@@ -121,7 +121,7 @@ impl<S: RaySequence, I: Iterator<Item = (usize, S)>> Sequences<'_, S, I> {
     fn advance(&mut self, place: usize, mut sequence: (usize, S), hit: Option<Hit>) -> bool {
         match sequence.1.next_ray(hit) {
             Ok(Some((ray, goal))) => {
-                self.ready.push_back((place as u64, self.request(&ray, goal)));
+                self.ready.push_back((place as u64, self.blocks.request(&ray, goal == Goal::Any, self.two_sided)));
                 self.places[place] = Some(sequence);
                 true
             }
@@ -132,19 +132,6 @@ impl<S: RaySequence, I: Iterator<Item = (usize, S)>> Sequences<'_, S, I> {
                 self.done += 1;
                 self.error.is_none() && (!self.done.is_multiple_of(STRIDE) || (self.progress)(self.done))
             }
-        }
-    }
-
-    fn request(&self, ray: &Ray<Binary32>, goal: Goal) -> RayRequest {
-        RayRequest {
-            origin: ray.origin.into(),
-            direction: ray.dir.into(),
-            t_min: 0.0,
-            t_max: ray.extent.into(),
-            any_hit: goal == Goal::Any,
-            cull_back: !self.two_sided,
-            cull_front: false,
-            root: self.root,
         }
     }
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use raypath_model::SimdKernels;
 use raypath_ops::{Binary32, Operation, Ray, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Rules};
 use raypath_timing::{Progress, ProgressCounter};
-use raypath_unit::{RayRequest, StepParameters, Unit};
+use raypath_unit::{StepParameters, Unit};
 
 /// The number of rays in a unit of parallel work.
 const BATCH: usize = 4096;
@@ -106,16 +106,7 @@ impl<'s> Tracer<'s> {
                 traversal.hit()
             }
             Way::Unit { unit, blocks, two_sided, counts } => {
-                let request = RayRequest {
-                    origin: ray.origin.into(),
-                    direction: ray.dir.into(),
-                    t_min: 0.0,
-                    t_max: ray.extent.into(),
-                    any_hit: goal == Goal::Any,
-                    cull_back: !*two_sided,
-                    cull_front: false,
-                    root: blocks.root(),
-                };
+                let request = blocks.request(ray, goal == Goal::Any, *two_sided);
                 let reply = unit.trace(blocks.bytes(), &request);
                 let (nodes, triangles) = (u64::from(reply.nodes), u64::from(reply.triangles));
                 *counts = Counts { quadbox: nodes, nodes, triangle: triangles, ..Counts::default() };

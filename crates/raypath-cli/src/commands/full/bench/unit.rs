@@ -3,7 +3,6 @@
 use crate::commands::full::bench::result::{Results, seconds};
 use crate::error::CliError;
 use raypath_model::Shape;
-use raypath_ops::Ray;
 use raypath_render::{Camera, Scene, builtin};
 use raypath_rtl::Config;
 use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
@@ -28,7 +27,7 @@ pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> R
     let scene = scene.through_unit().map_err(CliError::unusable)?;
     let Some(blocks) = scene.blocks() else { return Ok(()) };
     let rays = camera.rays(SIZE.0, SIZE.1).map_err(CliError::unusable)?;
-    let rays: Vec<RayRequest> = rays.iter().map(|ray| request(ray, blocks.root())).collect();
+    let rays: Vec<RayRequest> = rays.iter().map(|ray| blocks.request(ray, false, false)).collect();
     for latency in [LATENCY, 10 * LATENCY] {
         let memory = MemoryParameters { latency, bandwidth: None, cache: None };
         let mut cycles = 0;
@@ -47,19 +46,6 @@ pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> R
         }
     }
     Ok(())
-}
-
-fn request(ray: &Ray<raypath_ops::Binary32>, root: u32) -> RayRequest {
-    RayRequest {
-        origin: ray.origin.into(),
-        direction: ray.dir.into(),
-        t_min: 0.0,
-        t_max: ray.extent.into(),
-        any_hit: false,
-        cull_back: true,
-        cull_front: false,
-        root,
-    }
 }
 
 /// The cycles per second of Verilator, with one thread and all optimisations of Verilator and the C++ compiler.
