@@ -46,6 +46,9 @@ RAYPATH_VERILATED=$(realpath -m "${CARGO_TARGET_DIR:-target}/verilated")
 export RAYPATH_VERILATED
 mkdir -p "$RAYPATH_VERILATED"
 find "$RAYPATH_VERILATED" -type f -atime +7 -delete
+# Files that examples and simulators compile with Verilator or CMake.
+export OBJCACHE=ccache CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
+export CCACHE_DIR="${RAYPATH_VERILATED%verilated}ccache" CCACHE_MAXSIZE=1G
 long=''
 if [ "$level" = full ]; then long='-- --include-ignored'; fi
 # shellcheck disable=SC2086 # $long is two words or none

@@ -35,6 +35,7 @@ if ! command -v cargo >/dev/null; then
 fi
 debian c++ g++
 debian make make
+debian ccache ccache
 debian verilator verilator
 debian cmake cmake
 debian pkg-config pkg-config

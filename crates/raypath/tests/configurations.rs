@@ -48,7 +48,8 @@ fn configurations_of_mutation_testing() {
 
 #[test]
 fn configurations_of_all_spaces() {
-    SPACES.par_iter().for_each(Space::check);
+    let all = distinct(SPACES.iter().flat_map(Space::configs));
+    all.par_iter().enumerate().for_each(|(seed, config)| check(*config, seed as u64, 2000));
 }
 
 const SPACES: [Space; 7] = [
@@ -94,11 +95,9 @@ const FORMATS_WITH_CONTROL: Space = Space {
 /// The documents state how many configurations these tests run.
 #[test]
 fn documents_state_the_number_of_configurations() {
-    let mut run = CONFIGS.to_vec();
-    run.extend(SPACES.iter().flat_map(Space::configs));
-    let distinct = run.iter().enumerate().filter(|(index, config)| !run[..*index].contains(config));
+    let run = distinct(CONFIGS.into_iter().chain(SPACES.iter().flat_map(Space::configs)));
     let (binary32, others): (Vec<Config>, Vec<Config>) =
-        distinct.map(|(_, config)| *config).partition(|config| config.semantics.format == Format::BINARY32);
+        run.into_iter().partition(|config| config.semantics.format == Format::BINARY32);
     let mut formats: Vec<Format> = others.iter().map(|config| config.semantics.format).collect();
     formats.sort_by_key(|format| format.to_string());
     formats.dedup();
@@ -122,12 +121,6 @@ fn documents_state_the_number_of_configurations() {
 }
 
 impl Space {
-    fn check(&self) {
-        for (seed, config) in (1..).zip(self.configs()) {
-            check(config, seed, 2000);
-        }
-    }
-
     fn configs(&self) -> Vec<Config> {
         let mut configs = vec![Config::DEFAULT];
         vary(&mut configs, self.lanes, |config, lanes| config.semantics.lanes = lanes);
@@ -140,6 +133,16 @@ impl Space {
         vary(&mut configs, self.unit_latency, |config, latency| config.microarchitecture.unit_latency = latency);
         configs
     }
+}
+
+fn distinct(configs: impl Iterator<Item = Config>) -> Vec<Config> {
+    let mut found = Vec::new();
+    configs.for_each(|config| {
+        if !found.contains(&config) {
+            found.push(config);
+        }
+    });
+    found
 }
 
 /// Replaces each configuration by its variants with each value of a parameter.
