@@ -152,7 +152,7 @@ fn every_stack_gives_the_same_hits() {
         for ray in rays(&mesh, Kind::Random, 2_000, 4) {
             let expected = tracer.trace(&ray, Goal::Closest);
             for stack in [2, 4, 8, 16, 32] {
-                let mut unit = Unit::new(Rules::Paper, StepParameters { stack });
+                let mut unit = Unit::new(Rules::Paper, StepParameters { stack, ..StepParameters::default() });
                 let request = RayRequest {
                     origin: ray.origin.into(),
                     direction: ray.dir.into(),

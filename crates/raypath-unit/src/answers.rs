@@ -5,6 +5,7 @@ use crate::fold::{HitLimits, fold};
 use crate::model::RayRequest;
 use crate::set_up::{self, Entry};
 use crate::state::{Answer, TriangleHit, answer};
+use crate::step::UnitFeatures;
 use raypath_model::SimdKernels;
 use raypath_ops::{
     Binary32, Culling, Flags, Num, Operation, Ray, RayBox, RayBoxInput, RayTriangleExtended, RayTriangleExtendedInput,
@@ -31,8 +32,9 @@ pub(crate) struct ReadyRay {
 }
 
 impl Answers {
-    pub fn new(rules: Rules) -> Self {
-        let (culling, facing, barycentrics, range) = (Culling::None, true, false, false);
+    pub fn new(rules: Rules, features: UnitFeatures) -> Self {
+        let UnitFeatures { barycentrics } = features;
+        let (culling, facing, range) = (Culling::None, true, false);
         let triangles = RayTriangleExtended { rules, culling, facing, barycentrics, range };
         Self { boxes: RayBox { rules }, triangles }
     }
@@ -95,6 +97,8 @@ impl Answers {
             t: quotient(outcome.t_num, outcome.t_denom),
             t_num: outcome.t_num,
             t_denom: outcome.t_denom,
+            u_num: outcome.barycentric.u,
+            v_num: outcome.barycentric.v,
             back_face: !outcome.facing,
             triangle: Word::truncate(index),
         }
@@ -115,13 +119,23 @@ impl From<&RayRequest> for Entry<Binary32> {
     }
 }
 
-fn quotient(a: Num<Binary32>, b: Num<Binary32>) -> Num<Binary32> {
+/// A quotient as the hardware divides.
+pub(crate) fn quotient(a: Num<Binary32>, b: Num<Binary32>) -> Num<Binary32> {
     (f32::from(a) / f32::from(b)).into()
 }
 
 fn no_hit() -> TriangleHit<Binary32> {
     let (no, zero) = (false.into(), 0.0.into());
-    TriangleHit { is_hit: no, t: zero, t_num: zero, t_denom: zero, back_face: no, triangle: Word::truncate(0) }
+    TriangleHit {
+        is_hit: no,
+        t: zero,
+        t_num: zero,
+        t_denom: zero,
+        u_num: zero,
+        v_num: zero,
+        back_face: no,
+        triangle: Word::truncate(0),
+    }
 }
 
 fn nothing(kind: u32) -> Answer<Binary32> {

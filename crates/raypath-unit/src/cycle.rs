@@ -14,8 +14,8 @@ use crate::hardware::{UnitNetlist, UnitParameters};
 use crate::model::{RayRequest, Reply};
 use crate::set_up::{Entry, QUOTIENTS};
 use crate::state::{Group, RayState, request, status};
-use crate::step::{StepParameters, finish, prepare};
-use parts::{InOrder, Line, Queue, Scheduler};
+use crate::step::{StepParameters, UnitFeatures, finish, prepare};
+use parts::{InOrder, Line, Queue, Scheduler, Weights};
 use raypath_model::{Flow, Shape};
 use raypath_ops::{Binary32, JobKind, Rules, Word};
 
@@ -53,6 +53,8 @@ pub struct UnitModel {
     again: Queue<u32>,
     requests: Queue<BlockRequest>,
     ended: Queue<u32>,
+    /// With barycentric coordinates, which are divided before a hit is shown.
+    weights: Option<Weights>,
     hit: Option<(u64, Reply)>,
     counts: UnitCounts,
 }
@@ -146,9 +148,10 @@ impl UnitModel {
     /// The model of a unit after a reset, whose datapath has this shape.
     pub fn new(shape: &Shape, parameters: UnitParameters) -> Self {
         let contexts = parameters.contexts as usize;
+        let features = parameters.step.features;
         Self {
             parameters,
-            answers: Answers::new(Rules::Paper),
+            answers: Answers::new(Rules::Paper, features),
             contexts: vec![Context::new(); contexts],
             stacks: vec![Group::none(Binary32); contexts * parameters.step.stack as usize],
             beat_bytes: parameters.memory_width as usize / 8,
@@ -171,6 +174,7 @@ impl UnitModel {
             again: Queue::new(parameters.contexts),
             requests: Queue::new(parameters.contexts),
             ended: Queue::new(parameters.contexts),
+            weights: features.barycentrics.then(|| Weights::new(parameters.divider_latency)),
             hit: None,
             counts: UnitCounts::default(),
         }
@@ -205,6 +209,7 @@ impl UnitModel {
             && self.again.is_empty()
             && self.requests.is_settled()
             && self.free.is_settled()
+            && self.weights.as_ref().is_none_or(Weights::is_empty)
             && (self.ended.is_empty() || self.hit.is_some() && self.ended.is_settled());
         let cycles = if is_still { limit } else { 0 };
         self.counts.cycles += cycles;
@@ -232,7 +237,7 @@ impl UnitModel {
             START => Answers::begin(&ray.ready),
             _ => Answers::again(),
         };
-        let StepParameters { stack } = parameters.step;
+        let StepParameters { stack, .. } = parameters.step;
         // The number of entries is a power of two.
         let slot = |level: Word<Binary32, 7>| (context * stack + (level.value & (stack - 1))) as usize;
         let half = prepare(Binary32, ray.state, answer);
@@ -242,7 +247,7 @@ impl UnitModel {
         }
         (ray.state, ray.count) = (state, request.count.value);
         if request.kind.value == request::DONE {
-            ray.reply = Reply::of(&state, request.status.value);
+            ray.reply = Reply::of(&state, request.status.value, parameters.step.features);
         }
         Asked { context, kind: request.kind.value, address: request.address.value }
     }
@@ -321,7 +326,7 @@ impl UnitEngine for UnitModel {
         let leaves = offer.filter(|job| self.flow.input_ready(kind(*job).opcode()));
         let block_ends = leaves.is_some_and(|job| job.is_last) || grant == FAULT;
         let takes_block = self.arrivals.front().is_some() && (self.issue.is_none() || block_ends);
-        let shows_hit = self.ended.front().is_some() && (self.hit.is_none() || inputs.hit_ready);
+        let can_show = self.hit.is_none() || inputs.hit_ready;
         let entering = inputs.ray.as_ref().filter(|_| self.set_up.busy <= 1 && self.has_context());
 
         // The edge.
@@ -332,7 +337,12 @@ impl UnitEngine for UnitModel {
         let fetched = asks(request::FETCH).map(|asked| BlockRequest { address: asked.address, tag: asked.context });
         self.requests.edge(fetched, inputs.request_ready);
         self.again.edge(asks(request::CONTINUE).map(|asked| asked.context), grant == AGAIN);
-        let released = if shows_hit { self.ended.front() } else { None };
+        let complete = self.weights.as_ref().map_or(self.ended.front(), Weights::front);
+        let released = complete.filter(|_| can_show);
+        let takes_ended = match &mut self.weights {
+            Some(weights) => weights.edge(self.ended.front(), can_show),
+            None => can_show,
+        };
         match released {
             Some(context) => {
                 let Context { id, reply, .. } = &self.contexts[context as usize];
@@ -342,7 +352,7 @@ impl UnitEngine for UnitModel {
             None => {}
         }
         let ended = asks(request::DONE).map(|asked| asked.context);
-        self.ended.edge(ended, shows_hit);
+        self.ended.edge(ended, takes_ended);
 
         self.scheduler.edge(grant);
         let uses_free = entering.is_some() && self.fresh == self.parameters.contexts;
@@ -401,6 +411,7 @@ impl UnitEngine for UnitModel {
         self.flow.reset();
         self.jobs.clear();
         self.divider.clear();
+        self.weights.iter_mut().for_each(Weights::clear);
         self.scheduler = Scheduler::default();
         self.contexts.iter_mut().for_each(|context| (context.beats, context.failed) = (0, false));
         self.counts = UnitCounts::default();
@@ -440,7 +451,7 @@ impl Context {
         };
         Self {
             id: 0,
-            ready: Answers::new(Rules::Paper).set_up(&Entry::from(&ray)),
+            ready: Answers::new(Rules::Paper, UnitFeatures::OFF).set_up(&Entry::from(&ray)),
             limits: ray.limits(),
             state: RayState::begin(Binary32, Word::truncate(0), 0.0.into(), false.into()),
             block: [0; BLOCK_BYTES as usize],

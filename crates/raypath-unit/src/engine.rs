@@ -158,12 +158,12 @@ const RAY_PORTS: usize = 12;
 /// # Panics
 /// Never for the words of all outputs.
 pub fn outputs_of(words: &[u64]) -> UnitOutputs {
-    let Some(&[ray_ready, has_hit, id, status, t, triangle, t_num, t_denom, back_face, nodes, triangles]) =
-        words.first_chunk()
+    let Some((&[ray_ready, has_hit, id, status, t, triangle, t_num, t_denom, back_face, nodes, triangles], rest)) =
+        words.split_first_chunk()
     else {
         unreachable!("fewer outputs than the unit has")
     };
-    let Some(&[has_request, address, tag, _]) = words.last_chunk() else { unreachable!("as above") };
+    let Some((features, &[has_request, address, tag, _])) = rest.split_last_chunk() else { unreachable!("as above") };
     let number = |word: u64| f32::from_bits(word as u32);
     let hit = (status == u64::from(status::HIT)).then(|| Hit {
         triangle: triangle as u32,
@@ -171,6 +171,7 @@ pub fn outputs_of(words: &[u64]) -> UnitOutputs {
         t_num: number(t_num),
         t_denom: number(t_denom),
         back_face: back_face == 1,
+        barycentric: features.first_chunk().map(|&[u, v]| [number(u), number(v)]),
     });
     let reply = Reply { status: status as u32, hit, nodes: nodes as u32, triangles: triangles as u32 };
     UnitOutputs {

@@ -42,6 +42,8 @@ impl<C: WordCircuit> Select<C> for TriangleHit<C> {
             t: condition.select(if_true.t, if_false.t),
             t_num: condition.select(if_true.t_num, if_false.t_num),
             t_denom: condition.select(if_true.t_denom, if_false.t_denom),
+            u_num: condition.select(if_true.u_num, if_false.u_num),
+            v_num: condition.select(if_true.v_num, if_false.v_num),
             back_face: condition.select(if_true.back_face, if_false.back_face),
             triangle: condition.select(if_true.triangle, if_false.triangle),
         }

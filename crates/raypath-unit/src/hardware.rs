@@ -8,6 +8,7 @@ mod distance;
 mod hits;
 mod issue;
 mod parameters;
+mod properties;
 mod queue;
 mod rays;
 mod scheduler;
@@ -15,6 +16,7 @@ mod set_up;
 mod step;
 mod top;
 mod walk;
+mod weights;
 
 pub use parameters::{UnitParameters, UnitParametersError};
 pub use step::{finish_module, prepare_module};

@@ -28,5 +28,5 @@ pub use fold::{HitLimits, fold};
 pub use hardware::{UnitNetlist, UnitParameters, UnitParametersError, finish_module, prepare_module};
 pub use model::{Hit, Memory, MemoryError, RayRequest, Reply, Unit};
 pub use netlist::{Netlist, Value};
-pub use step::{HalfStep, StepParameters, VISIT_LIMIT, finish, prepare, step};
+pub use step::{HalfStep, StepParameters, UnitFeatures, VISIT_LIMIT, finish, prepare, step};
 pub use words::{LEVELS, Levels, WordCircuit, WordMethods};

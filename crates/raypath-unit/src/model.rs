@@ -1,10 +1,10 @@
 //! The functional model of the unit: a ray goes in, its hit comes out, without time.
 
-use crate::answers::Answers;
+use crate::answers::{Answers, quotient};
 use crate::blocks::BLOCK_BYTES;
 use crate::set_up::Entry;
 use crate::state::{Answer, Group, RayState, Request, request, status};
-use crate::step::{HalfStep, StepParameters, finish, prepare};
+use crate::step::{HalfStep, StepParameters, UnitFeatures, finish, prepare};
 use raypath_ops::{Binary32, Rules, Word};
 use thiserror::Error;
 
@@ -63,6 +63,8 @@ pub struct Hit {
     pub t_denom: f32,
     /// The ray meets the back face.
     pub back_face: bool,
+    /// With the feature `barycentrics`: the weights of the vertices a and b at the hit; the three weights add up to 1.
+    pub barycentric: Option<[f32; 2]>,
 }
 
 /// What the unit returns for a ray.
@@ -91,7 +93,7 @@ impl Unit {
     /// A unit with these rules for special cases.
     pub fn new(rules: Rules, parameters: StepParameters) -> Self {
         let stack = vec![Group::none(Binary32); parameters.stack as usize];
-        Self { parameters, answers: Answers::new(rules), stack }
+        Self { parameters, answers: Answers::new(rules, parameters.features), stack }
     }
 
     /// Traces a ray.
@@ -112,7 +114,7 @@ impl Unit {
             };
             (state, asked) = self.step(state, answer);
         }
-        Reply::of(&state, asked.status.value)
+        Reply::of(&state, asked.status.value, self.parameters.features)
     }
 
     fn step(&mut self, state: RayState<Binary32>, answer: Answer<Binary32>) -> (RayState<Binary32>, Request<Binary32>) {
@@ -128,13 +130,15 @@ impl Unit {
 
 impl Reply {
     /// The reply for a ray that ends in this state.
-    pub(crate) fn of(state: &RayState<Binary32>, status: u32) -> Self {
+    pub(crate) fn of(state: &RayState<Binary32>, status: u32, features: UnitFeatures) -> Self {
+        let weight = |numerator| quotient(numerator, state.t_denom).into();
         let hit = (status == status::HIT).then(|| Hit {
             triangle: state.triangle.value,
             t: state.extent.into(),
             t_num: state.t_num.into(),
             t_denom: state.t_denom.into(),
             back_face: state.back_face.into(),
+            barycentric: features.barycentrics.then(|| [weight(state.u_num), weight(state.v_num)]),
         });
         Self { status, hit, nodes: state.nodes.value, triangles: state.triangles.value }
     }

@@ -1,5 +1,6 @@
 //! Hardware from a step: a circuit whose values are wires of a module.
 
+use crate::step::UnitFeatures;
 use crate::words::WordCircuit;
 use raypath_hdl::{Builder, Wire};
 use raypath_ops::{Bit, Bundle, Circuit, Field, Num, Path, Relation, Sink, Source, Test};
@@ -223,6 +224,14 @@ pub fn inputs<'m, B: Bundle<Netlist<'m>>>(builder: &'m Builder, name: &str) -> B
     from_wires(builder, name, |field, width| builder.input(&format!("{field}_i"), width))
 }
 
+/// A bundle of the inputs `<name>_<field>_i` of a module. Fields that the features do not have are 0.
+pub fn inputs_with<'m, B: Bundle<Netlist<'m>>>(builder: &'m Builder, name: &str, features: UnitFeatures) -> B {
+    from_wires(builder, name, |field, width| match features.has(field) {
+        true => builder.input(&format!("{field}_i"), width),
+        false => builder.constant(width, 0),
+    })
+}
+
 /// A bundle of these wires, one for each port, in order. A missing wire is an error of the builder.
 pub fn from_list<'m, B: Bundle<Netlist<'m>>>(builder: &'m Builder, wires: &[Wire<'m>]) -> B {
     let mut wires = wires.iter();
@@ -235,6 +244,22 @@ pub fn wires<'m>(name: &str, bundle: &impl Bundle<Netlist<'m>>) -> Vec<(String, 
     let mut found = ToWires::default();
     bundle.each(&mut Path::new(name), &mut found);
     found.ports
+}
+
+/// The ports of a bundle that the features have, with their wires.
+pub fn wires_with<'m>(
+    name: &str,
+    bundle: &impl Bundle<Netlist<'m>>,
+    features: UnitFeatures,
+) -> impl Iterator<Item = (String, Wire<'m>)> {
+    wires(name, bundle).into_iter().filter(move |(port, _)| features.has(port))
+}
+
+/// Adds the outputs `<name>_<field>_o` for the ports of a bundle that the features have.
+pub fn outputs_with<'m>(builder: &'m Builder, name: &str, bundle: &impl Bundle<Netlist<'m>>, features: UnitFeatures) {
+    for (port, wire) in wires_with(name, bundle, features) {
+        builder.output(&format!("{port}_o"), wire);
+    }
 }
 
 /// Adds the outputs `<name>_<field>_o` for the ports of a bundle.

@@ -57,6 +57,10 @@ bundle! {
         pub t_num: Num<C>,
         /// The denominator of its distance.
         pub t_denom: Num<C>,
+        /// U of the closest hit; `t_denom` times the weight of vertex a.
+        pub u_num: Num<C>,
+        /// V of the closest hit; `t_denom` times the weight of vertex b.
+        pub v_num: Num<C>,
         /// The ray meets its back face.
         pub back_face: Bit<C>,
         /// The index of the closest triangle.
@@ -108,6 +112,10 @@ bundle! {
         pub t_num: Num<C>,
         /// The denominator of the distance.
         pub t_denom: Num<C>,
+        /// U: `t_denom` times the weight of vertex a.
+        pub u_num: Num<C>,
+        /// V: `t_denom` times the weight of vertex b.
+        pub v_num: Num<C>,
         /// The ray meets the back face.
         pub back_face: Bit<C>,
         /// The triangle's index.
@@ -161,6 +169,8 @@ impl<C: WordCircuit> RayState<C> {
             has_hit: no,
             t_num: c.zero(),
             t_denom: c.zero(),
+            u_num: c.zero(),
+            v_num: c.zero(),
             back_face: no,
             triangle: c.word(0),
             nodes: c.word(0),

@@ -22,12 +22,31 @@ use raypath_ops::{Bit, Flags, Select, Word, bundle};
 pub struct StepParameters {
     /// The number of entries of a ray's stack: 2, 4, 8, 16 or 32.
     pub stack: u32,
+    /// Optional parts.
+    pub features: UnitFeatures,
+}
+
+/// Optional parts of the unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct UnitFeatures {
+    /// Hits have barycentric coordinates.
+    pub barycentrics: bool,
 }
 
 impl Default for StepParameters {
-    /// A stack of 8 entries.
+    /// A stack of 8 entries, without optional parts.
     fn default() -> Self {
-        Self { stack: 8 }
+        Self { stack: 8, features: UnitFeatures::OFF }
+    }
+}
+
+impl UnitFeatures {
+    /// No optional parts.
+    pub const OFF: Self = Self { barycentrics: false };
+
+    /// Whether the hardware has a field of the state, of an answer or of a hit, by the end of its name.
+    pub(crate) fn has(self, field: &str) -> bool {
+        self.barycentrics || !(field.ends_with("u_num") || field.ends_with("v_num"))
     }
 }
 
@@ -220,6 +239,8 @@ fn with_hit<C: WordCircuit>(state: RayState<C>, answer: &Answer<C>, has_block: B
         has_hit: state.has_hit | is_better,
         t_num: is_better.select(hit.t_num, state.t_num),
         t_denom: is_better.select(hit.t_denom, state.t_denom),
+        u_num: is_better.select(hit.u_num, state.u_num),
+        v_num: is_better.select(hit.v_num, state.v_num),
         back_face: is_better.select(hit.back_face, state.back_face),
         triangle: is_better.select(hit.triangle, state.triangle),
         ..state

@@ -8,13 +8,14 @@ use raypath_ops::{Aabb, Binary32, Rules, Triangle};
 use raypath_unit::blocks::{Child, LeafTriangle};
 use raypath_unit::state::status;
 use raypath_unit::{
-    BlockRequest, RayRequest, Reply, Response, StepParameters, Unit, UnitEngine, UnitInputs, UnitModel, UnitParameters,
+    BlockRequest, RayRequest, Reply, Response, StepParameters, Unit, UnitEngine, UnitFeatures, UnitInputs, UnitModel,
+    UnitParameters,
 };
 
 const STACKS: [u32; 5] = [2, 4, 8, 16, 32];
 
 fn trace(scene: &Scene, root: u32, stack: u32) -> Reply {
-    Unit::new(Rules::Paper, StepParameters { stack }).trace(&scene.0[..], &along_z(root))
+    Unit::new(Rules::Paper, StepParameters { stack, ..StepParameters::default() }).trace(&scene.0[..], &along_z(root))
 }
 
 fn along_z(root: u32) -> RayRequest {
@@ -127,6 +128,31 @@ fn faces_and_ends_of_the_ray() {
     assert_eq!(trace(&|ray| ray.t_max = 3.9), (status::MISS, None));
     assert_eq!(trace(&|ray| ray.direction = [0.0; 3]), (status::REFUSED, None));
     assert_eq!(trace(&|ray| ray.t_min = f32::NAN), (status::REFUSED, None));
+}
+
+/// The weights are those from which the point of the hit was made.
+#[test]
+fn weights_of_vertices_give_the_point_of_the_hit() {
+    let (front, mut memory) = (at(3.0, 0), Scene::default());
+    let Triangle { a, b, c } = front.triangle;
+    let back = LeafTriangle { triangle: Triangle { a: c, b, c: a }, index: 0 };
+    let roots = [memory.leaf(&[front]), memory.leaf(&[back])];
+    let [a, b, c] = [a, b, c].map(<[f32; 3]>::from);
+    let features = UnitFeatures { barycentrics: true };
+    let mut unit = Unit::new(Rules::Paper, StepParameters { features, ..StepParameters::default() });
+    for (u, v) in [(0.25, 0.5), (0.5, 0.125), (0.0625, 0.75), (0.875, 0.0625), (0.3, 0.3)] {
+        let w = 1.0 - u - v;
+        let point: [f32; 3] = std::array::from_fn(|axis| u * a[axis] + v * b[axis] + w * c[axis]);
+        for (root, first) in roots.into_iter().zip([u, w]) {
+            let ray = RayRequest { origin: [point[0], point[1], -1.0], ..along_z(root) };
+            let [found_u, found_v] =
+                unit.trace(&memory.0[..], &ray).hit.and_then(|hit| hit.barycentric).expect("weights");
+            let error = (found_u - first).abs().max((found_v - v).abs());
+            assert!(error < 1e-6, "{found_u} {found_v}, expected {first} {v}");
+        }
+    }
+    let hit = Unit::new(Rules::Paper, StepParameters::default()).trace(&memory.0[..], &along_z(roots[0])).hit;
+    assert_eq!(hit.expect("a hit").barycentric, None, "without the feature");
 }
 
 #[test]

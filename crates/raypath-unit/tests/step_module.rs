@@ -7,14 +7,15 @@ use raypath_hdl::{Builder, Module, Simulator, Wire};
 use raypath_ops::{Binary32, Port, from_words, ports_of, to_words};
 use raypath_tools::{Sources, Verilated};
 use raypath_unit::state::{Answer, Group, RayState};
-use raypath_unit::{StepParameters, finish_module, prepare_module, step};
+use raypath_unit::{StepParameters, UnitFeatures, finish_module, prepare_module, step};
 use std::sync::Arc;
 
 /// Both halves of a step, one after the other: inputs `state_…_i`, `answer_…_i`, `top_…_i`, outputs `next_…_o`,
 /// `request_…_o`.
 fn step_module(parameters: StepParameters) -> Arc<Module> {
     let m = Builder::new("raypath_unit_step");
-    let (prepare, finish) = (prepare_module().expect("a half"), finish_module(parameters).expect("a half"));
+    let (prepare, finish) =
+        (prepare_module(parameters.features).expect("a half"), finish_module(parameters).expect("a half"));
     let input = |name: &str, module: &Module| m.input(name, module.port_width(name).expect("a port"));
     let given: Vec<(&str, Wire<'_>)> =
         prepare.inputs().iter().map(|port| (port.name.as_str(), input(&port.name, &prepare))).collect();
@@ -66,6 +67,9 @@ fn expected(parameters: StepParameters, inputs: &[u64]) -> Vec<u64> {
     words
 }
 
+/// All fields of the function are ports of the module.
+const ALL: UnitFeatures = UnitFeatures { barycentrics: true };
+
 /// Stimuli, and what the function makes of each: random ones, and walks in which the next state comes from the last.
 fn cases(parameters: StepParameters, count: usize) -> Vec<(Vec<u64>, Vec<u64>)> {
     let states = ports_of::<RayState<Binary32>>();
@@ -89,7 +93,7 @@ fn cases(parameters: StepParameters, count: usize) -> Vec<(Vec<u64>, Vec<u64>)> 
 #[test]
 fn the_simulated_module_equals_the_function() {
     for stack in [2, 4, 8, 16, 32] {
-        let parameters = StepParameters { stack };
+        let parameters = StepParameters { stack, features: ALL };
         let module = step_module(parameters);
         let mut simulator = Simulator::new(&module).expect("a simulator");
         let inputs: Vec<_> = module.inputs().iter().map(|port| simulator.input(&port.name).expect("a port")).collect();
@@ -110,7 +114,7 @@ fn the_simulated_module_equals_the_function() {
 
 #[test]
 fn verilator_equals_the_function() {
-    let parameters = StepParameters::default();
+    let parameters = StepParameters { features: ALL, ..StepParameters::default() };
     let module = step_module(parameters);
     let folder = tempfile::tempdir().expect("a folder");
     Sources::write(&module, folder.path()).expect("sources").lint().expect("no report of the linters");

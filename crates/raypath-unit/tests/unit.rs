@@ -8,10 +8,10 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control};
-use raypath_tools::{Sources, Verilated};
+use raypath_tools::{Options, Sources, Verilated};
 use raypath_unit::{
-    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitInputs, UnitModel, UnitNetlist,
-    UnitOutputs, UnitParameters, outputs_of, words_of,
+    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitFeatures, UnitInputs, UnitModel,
+    UnitNetlist, UnitOutputs, UnitParameters, outputs_of, words_of,
 };
 
 const QUIET: Behaviour = Behaviour { latency: (1, 20), stalls: [0; 4], errors: 0 };
@@ -32,7 +32,11 @@ fn setting(triangles: u32, rays: usize, seed: u64) -> (Scene, Vec<RayRequest>) {
 #[test]
 fn the_netlist_returns_what_the_functional_model_does() {
     let (scene, rays) = setting(300, 400, 1);
-    let parameters = UnitParameters { contexts: 16, step: StepParameters { stack: 4 }, ..UnitParameters::default() };
+    let parameters = UnitParameters {
+        contexts: 16,
+        step: StepParameters { stack: 4, ..StepParameters::default() },
+        ..UnitParameters::default()
+    };
     let unit = UnitNetlist::new(Config::DEFAULT.control(Control::Credit), parameters).expect("a unit");
     let mut netlist = NetlistEngine::new(&unit).expect("a simulation");
     let mut environment = Environment::new(&scene.0, parameters.memory_width, rays.clone(), QUIET, 2);
@@ -51,10 +55,17 @@ fn the_model_equals_the_netlist_in_every_cycle() {
     let (scene, rays) = setting(300, 250, 4);
     let slow = Behaviour { latency: (1, 500), stalls: [64; 4], errors: 200 };
     let blocked = Behaviour { latency: (1, 30), stalls: [10, 240, 200, 100], errors: 0 };
+    let with_weights = StepParameters { features: UnitFeatures { barycentrics: true }, ..StepParameters::default() };
     let parameters = [
         UnitParameters { contexts: 8, memory_width: 128, divider_latency: 1, ..UnitParameters::default() },
-        UnitParameters { contexts: 12, step: StepParameters { stack: 2 }, id_width: 64, ..UnitParameters::default() },
+        UnitParameters {
+            contexts: 12,
+            step: StepParameters { stack: 2, ..StepParameters::default() },
+            id_width: 64,
+            ..UnitParameters::default()
+        },
         UnitParameters { contexts: 64, memory_width: 1024, divider_latency: 27, ..UnitParameters::default() },
+        UnitParameters { contexts: 9, step: with_weights, divider_latency: 4, ..UnitParameters::default() },
     ];
     for (number, parameters) in (0..).zip(parameters) {
         for control in [Control::Skid, Control::Credit] {
@@ -84,9 +95,11 @@ fn verilator_equals_the_netlist_in_every_cycle() {
     let parameters = UnitParameters { contexts: 8, memory_width: 256, ..UnitParameters::default() };
     let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
     let folder = tempfile::tempdir().expect("a folder");
-    let sources = Sources::write(&unit.top, folder.path()).expect("sources");
+    let mut sources = Sources::write(&unit.top, folder.path()).expect("sources");
     sources.lint().expect("no report of the linters");
-    let verilated = Verilated::build(&unit.top, folder.path()).expect("a build");
+    sources.add(folder.path().join("raypath_properties.sv"), &unit.properties()).expect("the assertions");
+    let options = Options::default();
+    let verilated = Verilated::build_sources(&sources.files, &unit.top, folder.path(), &options).expect("a build");
     let mut recorded = Recorder::new(NetlistEngine::new(&unit).expect("a simulation"), &unit);
     let mut environment = Environment::new(&scene.0, parameters.memory_width, rays, QUIET, 2);
     while !environment.is_done() {

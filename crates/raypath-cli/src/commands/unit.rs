@@ -32,7 +32,7 @@ impl UnitArguments {
         let default = UnitParameters::default();
         UnitParameters {
             contexts: contexts.unwrap_or(default.contexts),
-            step: stack.map_or(default.step, |stack| StepParameters { stack }),
+            step: stack.map_or(default.step, |stack| StepParameters { stack, ..StepParameters::default() }),
             memory_width: memory_width.unwrap_or(default.memory_width),
             id_width: id_width.unwrap_or(default.id_width),
             divider_latency: divider_latency.unwrap_or(default.divider_latency),

@@ -128,7 +128,7 @@ impl<'s> Tracer<'s> {
 impl From<raypath_unit::Hit> for Hit {
     /// The numerator and the denominator of a back face are negative in the unit, which tests both faces in one job.
     fn from(hit: raypath_unit::Hit) -> Self {
-        let raypath_unit::Hit { triangle, t, t_num, t_denom, back_face } = hit;
+        let raypath_unit::Hit { triangle, t, t_num, t_denom, back_face, .. } = hit;
         let (t_num, t_denom) = if back_face { (-t_num, -t_denom) } else { (t_num, t_denom) };
         Self { triangle, from_behind: back_face, t_num, t_denom, t }
     }

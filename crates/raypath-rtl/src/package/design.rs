@@ -21,7 +21,7 @@ pub fn design(datapath: &Datapath, config: Config, description: &str) -> Result<
     let Printed { mut files, names, all } = Printed::of(datapath.top(), banner)?;
     files.push(("raypath.f".into(), list(&names)));
     files.push(("raypath.sv".into(), all));
-    files.push(("raypath_properties.sv".into(), properties(datapath, "raypath.sv", banner)));
+    files.push(("raypath_properties.sv".into(), checkers(&datapath.properties().to_string(), "raypath.sv", banner)));
     files.push(("pipeline.svg".into(), picture::pipeline(datapath, config)));
     files.extend(super::files(datapath, banner)?);
     Ok(files)
@@ -34,8 +34,8 @@ pub struct Wrapped<'a> {
     pub top: &'a Arc<Module>,
     /// The wrapper, which instantiates the top module.
     pub wrapper: &'a Arc<Module>,
-    /// The datapath inside.
-    pub datapath: &'a Datapath,
+    /// The text of the assertions about its modules.
+    pub properties: &'a str,
     /// What the design is, for the manifests: "A ray-tracer datapath".
     pub purpose: &'a str,
     /// The parameters, for the comment at the head of each file.
@@ -43,19 +43,19 @@ pub struct Wrapped<'a> {
 }
 
 /// All files of a design around a datapath, each with its path in the output folder: each module in `rtl/`, listed in
-/// `<top>.f`, with the wrapper in `<wrapper>.f`; all modules but the wrapper in `<top>.sv`; the assertions of the
-/// datapath in `raypath_properties.sv`; `<top>.core` (FuseSoC) and `Bender.yml`.
+/// `<top>.f`, with the wrapper in `<wrapper>.f`; all modules but the wrapper in `<top>.sv`; the assertions in
+/// `raypath_properties.sv`; `<top>.core` (FuseSoC) and `Bender.yml`.
 ///
 /// # Errors
 /// A design that cannot be printed: different modules of one name.
 pub fn wrapped(design: Wrapped<'_>) -> Result<Files, Error> {
-    let Wrapped { top, wrapper, datapath, purpose, description } = design;
+    let Wrapped { top, wrapper, properties, purpose, description } = design;
     let (banner, name, wrapper_name) = (&banner(description), top.name(), wrapper.name());
     let Printed { names, all, .. } = Printed::of(top, banner)?;
     // The modules of the wrapper are those of the top module, and the wrapper.
     let mut files = Printed::of(wrapper, banner)?.files;
     let (all_file, checks) = (format!("{name}.sv"), "raypath_properties.sv");
-    files.push((checks.into(), properties(datapath, &all_file, banner)));
+    files.push((checks.into(), checkers(properties, &all_file, banner)));
     files.push((format!("{name}.f").into(), list(&names)));
     files.push((all_file.into(), all));
     let wrapper = vec![format!("rtl/{wrapper_name}.sv")];
@@ -102,11 +102,11 @@ fn list(names: &[String]) -> String {
     names.iter().map(|name| format!("{name}\n")).collect()
 }
 
-/// The assertions of a datapath, for simulation with the modules in the file `all`.
-fn properties(datapath: &Datapath, all: &str, banner: &[String]) -> String {
+/// The file of these assertions, for simulation with the modules in the file `all`.
+fn checkers(properties: &str, all: &str, banner: &[String]) -> String {
     let head = format!(
         "Assertions about the control of the pipeline. Compile this file after {all}, with assertions on (verilator \
          --assert). Its last lines bind the checkers to the modules. `raypath verify control` proves them."
     );
-    verilog::head(banner, &[head]) + datapath.properties().to_string().trim_start()
+    verilog::head(banner, &[head]) + properties.trim_start()
 }

@@ -161,6 +161,58 @@ impl<T: Copy + Default> Line<T> {
     }
 }
 
+/// The two divisions for the barycentric coordinates of each hit.
+#[derive(Debug, Clone)]
+pub struct Weights {
+    /// The context whose operands enter the divider, and whether the next is the second.
+    reading: Option<(u32, bool)>,
+    operands: Option<(u32, bool)>,
+    divider: Line<(u32, bool)>,
+}
+
+impl Weights {
+    pub fn new(divider_latency: u32) -> Self {
+        Self { reading: None, operands: None, divider: Line::new(divider_latency) }
+    }
+
+    /// The context whose weights are there.
+    #[inline]
+    pub fn front(&self) -> Option<u32> {
+        self.divider.front().filter(|(_, is_second)| *is_second).map(|(context, _)| context)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.reading.is_none() && self.operands.is_none() && self.divider.is_empty()
+    }
+
+    /// The clock edge: `waiting` is taken if possible, and the weights at the front are if `ready`. Returns whether
+    /// `waiting` was taken.
+    #[inline]
+    pub fn edge(&mut self, waiting: Option<u32>, ready: bool) -> bool {
+        let moves = self.front().is_none() || ready;
+        let divided = if moves { self.operands.take() } else { None };
+        let enters = self.reading.filter(|_| self.operands.is_none());
+        if moves {
+            self.divider.advance(divided);
+        }
+        self.operands = enters.or(self.operands);
+        let ends = enters.is_some_and(|(_, is_second)| is_second);
+        let takes = waiting.is_some() && (self.reading.is_none() || ends);
+        self.reading = match (waiting.filter(|_| takes), self.reading) {
+            (Some(context), _) => Some((context, false)),
+            (None, _) if ends => None,
+            (None, Some((context, _))) if enters.is_some() => Some((context, true)),
+            (None, reading) => reading,
+        };
+        takes
+    }
+
+    pub fn clear(&mut self) {
+        (self.reading, self.operands) = (None, None);
+        self.divider.clear();
+    }
+}
+
 /// The arbiter of the sources of answers: the first requested source after the one that was granted last.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Scheduler {

@@ -1,10 +1,12 @@
 //! The distances of triangles, and the closest hit of each block.
 
-use super::connect::hold;
+use super::connect::{Named, hold, keep, named};
+use super::parameters::UnitParameters;
 use super::queue::bits;
 use crate::fold::{HitLimits, fold};
-use crate::netlist::{Netlist, Value, from_list, inputs, outputs, wires};
+use crate::netlist::{Netlist, Value, from_wires, inputs, outputs_with, wires_with};
 use crate::state::TriangleHit;
+use crate::step::StepParameters;
 use raypath_float::{DivSqrt, Format, decode, encode};
 use raypath_hdl::{Builder, Error, Module, Wire};
 use raypath_ops::Bit;
@@ -16,7 +18,8 @@ use std::sync::Arc;
 ///
 /// Numerators and denominators wait in a memory of this module. Where `read_o` is 1, the limits of the ray of
 /// `read_context_o` and the indices of its block are read: `limits_…_i` and `index_…_i` have them in the next cycle.
-pub fn distance(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error> {
+pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
+    let UnitParameters { contexts, step: StepParameters { features, .. }, divider_latency, .. } = parameters;
     let builder = Builder::new("raypath_unit_distance");
     let m = &builder;
     m.doc("The distances of triangles by division, and the closest hit of each block.");
@@ -25,7 +28,8 @@ pub fn distance(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Erro
     let valid = m.input("valid_i", 1);
     let [context, place] = [("context_i", width), ("place_i", 2)].map(|(name, width)| m.input(name, width));
     let [is_last, is_hit, is_front] = ["is_last_i", "is_hit_i", "is_front_i"].map(|name| m.input(name, 1));
-    let [t_num, t_denom] = ["t_num_i", "t_denom_i"].map(|name| m.input(name, 32));
+    let numbers = FRACTION.into_iter().filter(|name| features.has(name));
+    let numbers: Named<'_> = numbers.map(|name| named(name, m.input(&format!("{name}_i"), 32))).collect();
     let limits: HitLimits<Netlist<'_>> = inputs(m, "limits");
     let indices = [0, 1, 2].map(|k| m.input(&format!("index_{k}_i"), 32));
     let taken = m.input("taken_i", 1);
@@ -34,7 +38,7 @@ pub fn distance(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Erro
     let encoder = encode(Format::BINARY32)?;
     let recoded =
         |name: &str, wire: Wire<'_>| m.instance(&format!("u_encode_{name}"), &encoder, &[("ieee_i", wire)])[0];
-    let (a, b) = (recoded("t_num", t_num), recoded("t_denom", t_denom));
+    let (a, b) = (recoded("t_num", numbers[0].1), recoded("t_denom", numbers[1].1));
     let tag = m.concat(&[context, place, is_last, is_hit, !is_front]);
     let divides = m.forward("divides", 1);
     let has_operands = m.register("has_operands_q", 1).reset_to(0);
@@ -60,21 +64,22 @@ pub fn distance(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Erro
     moves.drive(!has_hit.wire() | folds.wire());
     has_hit.next(read | (has_hit.wire() & !folds.wire()));
     let (t, tag_q) = (hold("t_q", read, quotient), hold("tag_q", read, tag));
-    let fractions = m.memory("u_fractions", 4 * contexts, &[("t_num", 32), ("t_denom", 32)]);
-    fractions.write(enters, m.concat(&[context, place]), &[t_num, t_denom]);
-    let fraction = fractions.read(read, slot);
+    let at_entry = (enters, m.concat(&[context, place]));
+    let fraction = keep("u_fractions", 4 * contexts, at_entry, numbers, (read, slot));
 
     m.section("The closest hit of its block so far");
     let place = tag_q.bits(4, 3);
     let index = place.bit(1).mux(indices[2], place.bit(0).mux(indices[1], indices[0]));
-    let found: TriangleHit<Netlist<'_>> =
-        from_list(m, &[tag_q.bit(1), t, fraction[0], fraction[1], tag_q.bit(0), index]);
-    let registers: Vec<_> =
-        wires("closest", &found).iter().map(|(name, wire)| m.register(&format!("{name}_q"), wire.width())).collect();
-    let held: Vec<Wire<'_>> = registers.iter().map(|register| register.wire()).collect();
-    let before: TriangleHit<Netlist<'_>> = from_list(m, &held);
+    let rest = [("is_hit", tag_q.bit(1)), ("t", t), ("back_face", tag_q.bit(0)), ("triangle", index)];
+    let known: Named<'_> = rest.into_iter().map(|(name, wire)| named(name, wire)).chain(fraction).collect();
+    let found: TriangleHit<Netlist<'_>> = from_wires(m, "", |field, width| found_in(m, &known, field, width));
+    let registers: Vec<_> = wires_with("closest", &found, features)
+        .map(|(name, wire)| (m.register(&format!("{name}_q"), wire.width()), name))
+        .collect();
+    let held: Named<'_> = registers.iter().map(|(register, name)| named(name, register.wire())).collect();
+    let before: TriangleHit<Netlist<'_>> = from_wires(m, "closest", |field, width| found_in(m, &held, field, width));
     let closest = fold(before, Bit::new(c, Value(place.is(0))), found, limits);
-    for (register, (_, wire)) in registers.iter().zip(wires("", &closest)) {
+    for ((register, _), (_, wire)) in registers.iter().zip(wires_with("", &closest, features)) {
         register.next_when(folds.wire(), wire);
     }
     let is_complete = m.register("is_complete_q", 1).reset_to(0);
@@ -88,6 +93,14 @@ pub fn distance(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Erro
     m.output("read_context_o", tag.upper(width));
     m.output("valid_o", is_complete.wire());
     m.output("context_o", complete_context.wire());
-    outputs(m, "closest", &before);
+    outputs_with(m, "closest", &before, features);
     builder.finish()
+}
+
+/// The numbers of a triangle's outcome that wait for its quotient.
+const FRACTION: [&str; 4] = ["t_num", "t_denom", "u_num", "v_num"];
+
+/// The wire of this name; 0 if the features do not have it.
+fn found_in<'m>(m: &'m Builder, named: &[(String, Wire<'m>)], name: &str, width: u32) -> Wire<'m> {
+    named.iter().find(|(known, _)| known == name).map_or_else(|| m.constant(width, 0), |(_, wire)| *wire)
 }

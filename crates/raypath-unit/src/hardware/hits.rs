@@ -1,8 +1,11 @@
 //! The hits of rays that have ended.
 
-use super::connect::{Inputs, Named, keep, named};
+use super::connect::{Inputs, Named, hold, keep, named};
+use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
+use super::weights::weights;
 use crate::state::status;
+use crate::step::StepParameters;
 use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
 
@@ -17,15 +20,19 @@ const VALUES: [(&str, &str, u32, bool); 7] = [
     ("triangles", "triangles", 32, false),
 ];
 
-/// Whether a hit shows this field of the ray's state.
+/// The numerators of barycentric coordinates, which are fields of the ray's state.
+const NUMERATORS: [&str; 2] = ["u_num", "v_num"];
+
+/// Whether a hit shows this field of the ray's state, or what follows from it.
 pub fn is_shown(field: &str) -> bool {
-    VALUES.iter().any(|(_, known, ..)| *known == field)
+    NUMERATORS.contains(&field) || VALUES.iter().any(|(_, known, ..)| *known == field)
 }
 
 /// The module `raypath_unit_hits`. A ray ends where `ends_i` is 1, in the state `next_…_i` with `status_i`. Its hit
 /// waits for `ready_i`: `valid_o`, `status_o` and a port for each value. Where `release_o` is 1, the context
 /// `context_o` is free from the next cycle on.
-pub fn hits(contexts: u32) -> Result<Arc<Module>, Error> {
+pub fn hits(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
+    let UnitParameters { contexts, step: StepParameters { features, .. }, .. } = parameters;
     let builder = Builder::new("raypath_unit_hits");
     let m = &builder;
     m.doc("The hits of rays that have ended, in the order of their ends.");
@@ -40,21 +47,42 @@ pub fn hits(contexts: u32) -> Result<Arc<Module>, Error> {
         named(name, if is_of_hit { state & is_hit.replicate(width) } else { state })
     };
     let words: Named<'_> = [named("status", status_word)].into_iter().chain(VALUES.map(value)).collect();
+    let numerators: Vec<_> = NUMERATORS.iter().filter(|field| features.has(field)).collect();
+    let numerators: Named<'_> =
+        numerators.into_iter().map(|field| named(field, m.input(&format!("next_{field}_i"), 32))).collect();
 
-    let release = m.forward("takes", 1);
-    let waiting = Inputs::default().port("push", ends).port("context", context).port("pop", release.wire()).place(
+    let takes = m.forward("takes", 1);
+    let waiting = Inputs::default().port("push", ends).port("context", context).port("pop", takes.wire()).place(
         m,
         "u_ended",
         &queue("raypath_unit_ended", contexts, &[("context", width)])?,
     );
     let valid = m.register("valid_q", 1).reset_to(0);
-    release.drive(waiting.port("valid") & (!valid.wire() | ready));
-    valid.next(release.wire() | (valid.wire() & !ready));
-    let hit = keep("u_hits", contexts, (ends, context), words, (release.wire(), waiting.port("context")));
+    let can_show = !valid.wire() | ready;
+    let (complete, weights) = if features.barycentrics {
+        let t_denom = words.iter().filter(|(name, _)| name == "t_denom").cloned();
+        let divided = numerators.into_iter().chain(t_denom).chain([named("is_hit", is_hit)]).collect();
+        let reader = (takes.wire(), waiting.port("context"));
+        let weights = Inputs::default()
+            .port("valid", waiting.port("valid"))
+            .port("context", waiting.port("context"))
+            .ports(keep("u_fractions", contexts, (ends, context), divided, reader))
+            .port("ready", can_show)
+            .place(m, "u_weights", &weights(parameters)?);
+        takes.drive(weights.port("take"));
+        (weights, ["u", "v"].as_slice())
+    } else {
+        takes.drive(waiting.port("valid") & can_show);
+        (waiting, [].as_slice())
+    };
+    let release = if features.barycentrics { complete.port("valid") & can_show } else { takes.wire() };
+    valid.next(release | (valid.wire() & !ready));
+    let hit = keep("u_hits", contexts, (ends, context), words, (release, complete.port("context")));
+    let weights = weights.iter().map(|name| named(name, hold(&format!("{name}_q"), release, complete.port(name))));
 
-    m.output("release_o", release.wire());
-    m.output("context_o", waiting.port("context"));
+    m.output("release_o", release);
+    m.output("context_o", complete.port("context"));
     m.output("valid_o", valid.wire());
-    hit.into_iter().for_each(|(name, wire)| m.output(&format!("{name}_o"), wire));
+    hit.into_iter().chain(weights).for_each(|(name, wire)| m.output(&format!("{name}_o"), wire));
     builder.finish()
 }

@@ -1,8 +1,8 @@
 //! A step in hardware: two modules without registers, and the pipeline around them.
 
-use crate::netlist::{Netlist, inputs, outputs};
+use crate::netlist::{Netlist, inputs, inputs_with, outputs, outputs_with};
 use crate::state::{Answer, Group, RayState};
-use crate::step::{HalfStep, StepParameters, finish, prepare};
+use crate::step::{HalfStep, StepParameters, UnitFeatures, finish, prepare};
 use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
 
@@ -11,12 +11,12 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// A defect of the description.
-pub fn prepare_module() -> Result<Arc<Module>, Error> {
+pub fn prepare_module(features: UnitFeatures) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_unit_prepare");
     m.doc("What happens to a ray when an answer arrives, before its stack is read.");
-    let state: RayState<Netlist<'_>> = inputs(&m, "state");
-    let answer: Answer<Netlist<'_>> = inputs(&m, "answer");
-    outputs(&m, "half", &prepare(Netlist(&m), state, answer));
+    let state: RayState<Netlist<'_>> = inputs_with(&m, "state", features);
+    let answer: Answer<Netlist<'_>> = inputs_with(&m, "answer", features);
+    outputs_with(&m, "half", &prepare(Netlist(&m), state, answer), features);
     m.finish()
 }
 
@@ -30,10 +30,10 @@ pub fn finish_module(parameters: StepParameters) -> Result<Arc<Module>, Error> {
     let m = Builder::new("raypath_unit_finish");
     m.doc("What happens to a ray when an answer arrives, after its stack is read.");
     m.doc(format!("The stack of a ray has {} entries.", parameters.stack));
-    let half: HalfStep<Netlist<'_>> = inputs(&m, "half");
+    let half: HalfStep<Netlist<'_>> = inputs_with(&m, "half", parameters.features);
     let top: Group<Netlist<'_>> = inputs(&m, "top");
     let (next, request) = finish(Netlist(&m), parameters, half, top);
-    outputs(&m, "next", &next);
+    outputs_with(&m, "next", &next, parameters.features);
     outputs(&m, "request", &request);
     m.finish()
 }

@@ -13,6 +13,7 @@ use crate::blocks::BOX_WORDS;
 use crate::error::UnitError;
 use crate::netlist::{Netlist, from_wires, wires};
 use crate::set_up::Entry;
+use crate::step::{StepParameters, UnitFeatures};
 use raypath_hdl::{Builder, Module, Wire};
 use raypath_model::{Control, Shape};
 use raypath_ops::{Binary32, Culling, JobKind, RayBoxInput, RayTriangleInput, Rules, ports_of};
@@ -37,15 +38,18 @@ const TAG_BITS: u32 = 3;
 
 impl UnitNetlist {
     /// Builds the unit around a datapath of this configuration. Distance operations are left out, and the features that
-    /// the unit needs are added: a tag, facing, and hits of both faces.
+    /// the unit needs are added: a tag, facing, and hits of both faces. The feature `barycentrics` is that of the unit.
     ///
     /// # Errors
     /// A parameter out of its range; rules, a format, an encoding or features that the unit does not have.
     pub fn new(config: Config, parameters: UnitParameters) -> Result<Self, UnitError> {
+        let mut parameters = parameters;
+        parameters.step.features.barycentrics |= config.semantics.features.barycentrics;
         parameters.check()?;
         check(config)?;
         let tag = bits(parameters.contexts) + TAG_BITS;
-        let features = Features { tag, facing: true, culling: Culling::None, ..Features::OFF };
+        let UnitFeatures { barycentrics } = parameters.step.features;
+        let features = Features { tag, facing: true, barycentrics, culling: Culling::None, ..Features::OFF };
         let config = config.lanes(Lanes::None).features(features);
         let datapath = Datapath::new(config)?;
         let top = top(datapath.top(), parameters)?;
@@ -67,11 +71,12 @@ impl UnitNetlist {
 fn check(config: Config) -> Result<(), UnitError> {
     let Config { semantics, microarchitecture } = config;
     let default = Config::DEFAULT;
-    let features = Config::DEFAULT.features(semantics.features).options();
+    let features = Features { barycentrics: false, ..semantics.features };
+    let features = Config::DEFAULT.features(features).options();
     let checks = [
         ("rules", semantics.rules == Rules::Paper, semantics.rules.to_string(), "rules paper"),
         ("format", semantics.format == default.semantics.format, semantics.format.to_string(), "format fp32"),
-        ("features", features.is_empty(), features, "no features: the unit adds those that it needs"),
+        ("features", features.is_empty(), features, "no feature but barycentrics: the unit adds those that it needs"),
         ("io", microarchitecture.io == default.microarchitecture.io, microarchitecture.io.to_string(), "io ieee"),
     ];
     match checks.into_iter().find(|(_, is_available, ..)| !is_available) {
@@ -81,7 +86,7 @@ fn check(config: Config) -> Result<(), UnitError> {
 }
 
 fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>, UnitError> {
-    let UnitParameters { contexts, memory_width, id_width, divider_latency, .. } = parameters;
+    let UnitParameters { contexts, memory_width, id_width, step: StepParameters { features, .. }, .. } = parameters;
     let builder = Builder::new("raypath_unit");
     let m = &builder;
     m.doc("A ray goes in, the closest or any hit comes out.");
@@ -171,6 +176,9 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let outcome_context = tag.upper(width).named("outcome_context");
 
     m.section("Distances of triangles");
+    let weights = ["u", "v"].map(|name| (format!("{name}_num"), format!("barycentric_{name}")));
+    let weights = weights.into_iter().filter(|(name, _)| features.has(name));
+    let weights: Named<'_> = weights.map(|(name, port)| (name, outcome.port(&port))).collect();
     let closest = Inputs::default()
         .port("valid", outcome.port("output_valid") & !is_boxes)
         .port("context", outcome_context)
@@ -180,10 +188,11 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
         .port("is_front", outcome.port("facing"))
         .port("t_num", outcome.port("t_num"))
         .port("t_denom", outcome.port("t_denom"))
+        .ports(weights)
         .ports(prefixed("limits", rays.under("limits")))
         .ports(prefixed("index", blocks.under("index")))
         .port("taken", block_taken.wire())
-        .place(m, "u_distance", &distance(contexts, divider_latency)?);
+        .place(m, "u_distance", &distance(parameters)?);
     limits_read.drive(closest.port("read"));
     limits_context.drive(closest.port("read_context"));
     // Outcomes of box jobs wait in a memory.
@@ -230,7 +239,7 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
         .port("status", walk.port("status"))
         .ports(prefixed("next", walk.under("next")))
         .port("ready", hit_ready)
-        .place(m, "u_hits", &hits(contexts)?);
+        .place(m, "u_hits", &hits(parameters)?);
     releases.drive(hits.port("release"));
     hit_context.drive(hits.port("context"));
 
@@ -239,6 +248,9 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     m.output("hit_id_o", rays.port("id"));
     for name in ["status", "t", "triangle", "t_num", "t_denom", "back_face", "nodes", "triangles"] {
         m.output(&format!("hit_{name}_o"), hits.port(name));
+    }
+    if features.barycentrics {
+        ["u", "v"].into_iter().for_each(|name| m.output(&format!("hit_{name}_o"), hits.port(name)));
     }
     m.output("mem_req_valid_o", request.port("valid"));
     m.output("mem_req_addr_o", m.concat(&[request.port("block"), m.constant(OFFSET_BITS, 0)]));

@@ -11,7 +11,7 @@ use super::queue::{bits, queue};
 use super::scheduler::{SOURCES, scheduler};
 use super::step::{finish_module, prepare_module};
 use crate::blocks::BLOCK_BYTES;
-use crate::netlist::{Netlist, Value, wires};
+use crate::netlist::{Netlist, Value, wires_with};
 use crate::state::{Group, RayState, answer, request};
 use raypath_hdl::{Builder, Error, Module, Wire};
 use raypath_ops::{Binary32, Bit, Num, Word, ports_of};
@@ -45,7 +45,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     };
     let is_refused = m.input("start_is_refused_i", 1);
     let boxes = inputs(&BOXES);
-    let closest = inputs(&CLOSEST);
+    let closest: Vec<_> = CLOSEST.into_iter().filter(|(name, _)| step.features.has(name)).collect();
+    let closest = inputs(&closest);
     let children = inputs(&[("child_0", 32), ("child_1", 32), ("child_2", 32), ("child_3", 32)]);
     let begin = inputs(&[("begin_root", 32), ("begin_t_max", 32), ("begin_any_hit", 1)]);
 
@@ -89,9 +90,9 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     finishes.next(prepares.wire());
     let finished_context = hold("finished_context_q", prepares.wire(), prepared_context);
     context.drive(finished_context);
-    let columns: Vec<(String, u32)> =
-        ports_of::<RayState<Binary32>>().iter().map(|port| (port.name.clone(), port.width.unwrap_or(32))).collect();
-    let columns: Vec<(&str, u32)> = columns.iter().map(|(name, width)| (name.as_str(), *width)).collect();
+    let fields = ports_of::<RayState<Binary32>>();
+    let fields = fields.iter().filter(|port| step.features.has(&port.name));
+    let columns: Vec<(&str, u32)> = fields.map(|port| (port.name.as_str(), port.width.unwrap_or(32))).collect();
     let states = m.memory("u_states", count, &columns);
     let kept_state = states.read(read, read_context);
     let c = Netlist(m);
@@ -102,7 +103,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         Bit::new(c, Value(begin[2].1)),
     );
     let begins = (kind.is(answer::START.into()) | kind.is(answer::REFUSED.into())).named("begins");
-    let state = wires("state", &first).into_iter().zip(kept_state);
+    let state = wires_with("state", &first, step.features).zip(kept_state);
     let state: Named<'_> = state.map(|((name, first), kept)| (name, begins.mux(first, kept))).collect();
     let answer_words = [("kind".to_string(), kind)].into_iter();
     let answer_words = answer_words
@@ -112,7 +113,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let half = Inputs::default().ports(state).ports(prefixed("answer", answer_words.collect())).place(
         m,
         "u_prepare",
-        &prepare_module()?,
+        &prepare_module(step.features)?,
     );
     let slot_bits = step.stack.trailing_zeros();
     let slot = |context: Wire<'_>, level: Wire<'_>| m.concat(&[context, level.lower(slot_bits)]);
@@ -189,11 +190,13 @@ const BOXES: [(&str, u32); 8] = [
 ];
 
 /// The closest hit of a block.
-const CLOSEST: [(&str, u32); 6] = [
+const CLOSEST: [(&str, u32); 8] = [
     ("closest_is_hit", 1),
     ("closest_t", 32),
     ("closest_t_num", 32),
     ("closest_t_denom", 32),
+    ("closest_u_num", 32),
+    ("closest_v_num", 32),
     ("closest_back_face", 1),
     ("closest_triangle", 32),
 ];

@@ -8,7 +8,7 @@ use raypath_ops::Rules;
 use raypath_rtl::{Config, Control};
 use raypath_unit::state::status;
 use raypath_unit::traffic::{Behaviour, BlockScene, Environment, random_ray};
-use raypath_unit::{NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitNetlist, UnitParameters};
+use raypath_unit::{NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitFeatures, UnitNetlist, UnitParameters};
 use serde::{Deserialize, Serialize};
 
 /// A unit of the campaign.
@@ -51,14 +51,14 @@ const RAYS: usize = 96;
 /// The rays of an episode whose rays visit thousands of nodes.
 const DEEP_RAYS: usize = 8;
 
-/// The units of the campaign: contexts, stack, width of the memory, latency of division, control.
-const SUBJECTS: [(u32, u32, u32, u32, Control); 6] = [
-    (8, 2, 256, 2, Control::Skid),
-    (16, 4, 512, 9, Control::Credit),
-    (11, 8, 128, 1, Control::Credit),
-    (64, 16, 1024, 5, Control::Skid),
-    (32, 32, 512, 27, Control::Skid),
-    (9, 2, 128, 9, Control::Credit),
+/// The units of the campaign: contexts, stack, width of the memory, latency of division, control, barycentrics.
+const SUBJECTS: [(u32, u32, u32, u32, Control, bool); 6] = [
+    (8, 2, 256, 2, Control::Skid, false),
+    (16, 4, 512, 9, Control::Credit, false),
+    (11, 8, 128, 1, Control::Credit, true),
+    (64, 16, 1024, 5, Control::Skid, false),
+    (32, 32, 512, 27, Control::Skid, true),
+    (9, 2, 128, 9, Control::Credit, false),
 ];
 
 impl Subject {
@@ -67,8 +67,8 @@ impl Subject {
     /// # Errors
     /// A unit cannot be built.
     pub fn all() -> Result<Vec<Self>, Error> {
-        let subject = |(contexts, stack, memory_width, divider_latency, control)| {
-            let step = StepParameters { stack };
+        let subject = |(contexts, stack, memory_width, divider_latency, control, barycentrics)| {
+            let step = StepParameters { stack, features: UnitFeatures { barycentrics } };
             let parameters = UnitParameters { contexts, step, memory_width, divider_latency, id_width: 16 };
             Ok(Self { unit: UnitNetlist::new(Config::DEFAULT.control(control), parameters)? })
         };

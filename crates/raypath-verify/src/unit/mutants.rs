@@ -56,7 +56,7 @@ const EPISODES: u64 = 24;
 /// # Errors
 /// The unit cannot be built.
 pub fn subjects() -> Result<Vec<Subject>, Error> {
-    let step = StepParameters { stack: 2 };
+    let step = StepParameters { stack: 2, ..StepParameters::default() };
     let parameters = UnitParameters { contexts: 8, step, memory_width: 256, divider_latency: 2, id_width: 16 };
     let unit = Arc::new(UnitNetlist::new(Config::DEFAULT, parameters)?);
     let modules = verilog::modules(&unit.top)?;

@@ -33,7 +33,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let design = Wrapped {
         top: &unit.top,
         wrapper: &axi,
-        datapath: &unit.datapath,
+        properties: &unit.properties(),
         purpose: PURPOSE,
         description: &description,
     };
@@ -50,8 +50,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let modules = raypath_hdl::verilog::sources(&axi, &[])?.len();
     writeln!(out, "Wrote {modules} modules to {folder}/rtl, listed in {folder}/raypath_unit.f, with the AXI4 wrapper")?;
     writeln!(out, "raypath_unit_axi in {folder}/raypath_unit_axi.f; all but the wrapper to {folder}/raypath_unit.sv;")?;
-    writeln!(out, "assertions about the datapath to {folder}/raypath_properties.sv; {folder}/raypath_unit.core")?;
-    writeln!(out, "(FuseSoC) and {folder}/Bender.yml.\n")?;
+    writeln!(
+        out,
+        "assertions to {folder}/raypath_properties.sv; for FuseSoC and Bender: {folder}/raypath_unit.core and"
+    )?;
+    writeln!(out, "{folder}/Bender.yml.\n")?;
     check(&unit, arguments, out)
 }
 
