@@ -1,7 +1,9 @@
 //! Traffic at the ports of a unit: scenes, rays, a memory that answers in any order, and users that stall.
 
+mod recorder;
 mod scene;
 
+pub use recorder::{RecordedCycle, Recorder};
 pub use scene::{BlockScene, never, random_ray};
 
 use crate::blocks::BLOCK_BYTES;

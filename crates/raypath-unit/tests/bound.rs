@@ -5,11 +5,11 @@ use rand::{RngExt, SeedableRng};
 use raypath_ops::Rules;
 use raypath_rtl::Config;
 use raypath_unit::traffic::{Behaviour, BlockScene, Environment, random_ray};
-use raypath_unit::{NetlistEngine, Reply, StepParameters, Unit, UnitNetlist, UnitParameters};
+use raypath_unit::{NetlistEngine, Reply, StepParameters, Unit, UnitFeatures, UnitNetlist, UnitParameters};
 
 /// The bound for a memory that takes a request in every cycle and returns a beat in every cycle in which one is due.
 fn bound(unit: &UnitNetlist, reply: &Reply, latency: u64) -> u64 {
-    let UnitParameters { contexts, memory_width, divider_latency, .. } = unit.parameters;
+    let UnitParameters { contexts, memory_width, divider_latency, step, .. } = unit.parameters;
     let (contexts, beats) = (u64::from(contexts), u64::from(1024 / memory_width));
     let (datapath, divider) = (u64::from(unit.datapath.latency()), u64::from(divider_latency));
     let waiting = 5 * contexts + 3;
@@ -17,7 +17,8 @@ fn bound(unit: &UnitNetlist, reply: &Reply, latency: u64) -> u64 {
     let jobs = 15 * contexts + 2 + 5 * 2 * datapath + 5 * (divider + 4);
     let answers = 1 + 5 * u64::from(reply.nodes) + u64::from(reply.triangles);
     let entry = 5 + divider + 6 + 2;
-    entry + (answers + 1) * (waiting + memory + jobs) + contexts + 3
+    let weights = if step.features.barycentrics { 2 * contexts + divider + 2 } else { 0 };
+    entry + (answers + 1) * (waiting + memory + jobs) + weights + contexts + 3
 }
 
 #[test]
@@ -26,7 +27,7 @@ fn every_ray_ends_within_the_bound() {
     for (number, (contexts, memory_width, latency)) in
         [(8, 128, 1), (8, 1024, 200), (64, 512, 20), (64, 128, 1), (16, 256, 500)].into_iter().enumerate()
     {
-        let step = StepParameters { stack: 2, ..StepParameters::default() };
+        let step = StepParameters { stack: 2, features: UnitFeatures { barycentrics: number % 2 == 1 } };
         let parameters = UnitParameters { contexts, memory_width, step, ..UnitParameters::default() };
         let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
         let mut random = ChaCha8Rng::seed_from_u64(number as u64);

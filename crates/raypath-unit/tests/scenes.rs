@@ -1,12 +1,10 @@
 //! Scenes made by hand: degenerate trees, and memories that are no trees.
 
-mod common;
-
-use common::{Scene, never};
 use raypath_model::Shape;
 use raypath_ops::{Aabb, Binary32, Rules, Triangle};
 use raypath_unit::blocks::{Child, LeafTriangle};
 use raypath_unit::state::status;
+use raypath_unit::traffic::{BlockScene, never};
 use raypath_unit::{
     BlockRequest, RayRequest, Reply, Response, StepParameters, Unit, UnitEngine, UnitFeatures, UnitInputs, UnitModel,
     UnitParameters,
@@ -14,7 +12,7 @@ use raypath_unit::{
 
 const STACKS: [u32; 5] = [2, 4, 8, 16, 32];
 
-fn trace(scene: &Scene, root: u32, stack: u32) -> Reply {
+fn trace(scene: &BlockScene, root: u32, stack: u32) -> Reply {
     Unit::new(Rules::Paper, StepParameters { stack, ..StepParameters::default() }).trace(&scene.0[..], &along_z(root))
 }
 
@@ -42,8 +40,8 @@ fn around(near: f32, far: f32) -> Aabb<Binary32> {
 
 /// A path of nodes that is as deep as the unit allows. The nearest child of each is the next node, and its leaf lies
 /// behind all that the next node has, so that every level is pending when the ray reaches the end of the path.
-fn path(depth: u32, triangles: impl Fn(u32) -> Option<LeafTriangle>) -> (Scene, u32) {
-    let mut memory = Scene::default();
+fn path(depth: u32, triangles: impl Fn(u32) -> Option<LeafTriangle>) -> (BlockScene, u32) {
+    let mut memory = BlockScene::default();
     let mut next = None;
     for level in (0..depth).rev() {
         let far = 100.0 - level as f32;
@@ -96,7 +94,7 @@ fn the_closest_of_all_levels_wins() {
 #[test]
 fn ties_are_settled_by_the_index() {
     for rotation in 0..8 {
-        let mut memory = Scene::default();
+        let mut memory = BlockScene::default();
         let all: Vec<LeafTriangle> = (0..8).map(|place| at(3.0, (place + rotation) % 8)).collect();
         let leaf = memory.leaf(&all);
         let hit = trace(&memory, leaf, 2).hit.expect("a hit");
@@ -108,7 +106,7 @@ fn ties_are_settled_by_the_index() {
 
 #[test]
 fn faces_and_ends_of_the_ray() {
-    let mut memory = Scene::default();
+    let mut memory = BlockScene::default();
     let LeafTriangle { triangle: Triangle { a, b, c }, .. } = at(3.0, 0);
     let back = LeafTriangle { triangle: Triangle { a, b: c, c: b }, index: 1 };
     let root = memory.leaf(&[at(5.0, 0), back]);
@@ -133,7 +131,7 @@ fn faces_and_ends_of_the_ray() {
 /// The weights are those from which the point of the hit was made.
 #[test]
 fn weights_of_vertices_give_the_point_of_the_hit() {
-    let (front, mut memory) = (at(3.0, 0), Scene::default());
+    let (front, mut memory) = (at(3.0, 0), BlockScene::default());
     let Triangle { a, b, c } = front.triangle;
     let back = LeafTriangle { triangle: Triangle { a: c, b, c: a }, index: 0 };
     let roots = [memory.leaf(&[front]), memory.leaf(&[back])];
@@ -158,12 +156,12 @@ fn weights_of_vertices_give_the_point_of_the_hit() {
 #[test]
 fn memories_that_are_no_trees_end_the_ray() {
     let everywhere = around(0.0, 100.0);
-    let error = |memory: &Scene, root: u32| {
+    let error = |memory: &BlockScene, root: u32| {
         for stack in STACKS {
             assert_eq!(trace(memory, root, stack).status, status::ERROR, "stack {stack}");
         }
     };
-    let mut memory = Scene::default();
+    let mut memory = BlockScene::default();
     let leaf = memory.leaf(&[at(3.0, 0)]);
     let own = Child::Node { address: memory.address() }.word().expect("a node");
     let cycle = memory.node([everywhere, never(), never(), never()], [own, 0, 0, 0]);
@@ -178,7 +176,7 @@ fn memories_that_are_no_trees_end_the_ray() {
     let (memory, root) = path(65, |_| None);
     error(&memory, root);
     // The same node four times at each level: more paths than a ray may walk.
-    let mut memory = Scene::default();
+    let mut memory = BlockScene::default();
     let mut next = memory.leaf(&[LeafTriangle { index: 0, ..at(-50.0, 0) }]);
     for _ in 0..20 {
         next = memory.node([everywhere; 4], [next; 4]);
@@ -190,7 +188,7 @@ fn memories_that_are_no_trees_end_the_ray() {
 #[test]
 fn a_fetch_takes_as_many_cycles_as_documented() {
     let (scene, root) = {
-        let mut scene = Scene::default();
+        let mut scene = BlockScene::default();
         // The ray is not culled by its boxes: every block is read.
         let far: Vec<LeafTriangle> = (0..5).map(|index| LeafTriangle { index, ..at(-9.0, 0) }).collect();
         let leaf = scene.leaf(&far);

@@ -1,13 +1,11 @@
 //! What the documents promise about the unit's state: no output depends on an input of the same cycle, and after a
 //! reset nothing depends on what registers and memories had before.
 
-mod common;
-
-use common::{Behaviour, Environment, Scene, ray};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::{Simulator, depends_combinationally};
 use raypath_rtl::{Config, Control};
+use raypath_unit::traffic::{Behaviour, BlockScene, Environment, random_ray};
 use raypath_unit::{UnitEngine, UnitInputs, UnitNetlist, UnitOutputs, UnitParameters, outputs_of, words_of};
 
 fn unit(control: Control) -> UnitNetlist {
@@ -76,8 +74,8 @@ impl UnitEngine for Unknown {
 fn nothing_depends_on_what_was_before_a_reset() {
     let unit = unit(Control::Credit);
     let mut random = ChaCha8Rng::seed_from_u64(6);
-    let (scene, root) = Scene::random(150, &mut random);
-    let rays = (0..100).map(|_| ray(root, &mut random)).collect();
+    let (scene, root) = BlockScene::random(150, &mut random);
+    let rays = (0..100).map(|_| random_ray(root, &mut random)).collect();
     let behaviour = Behaviour { latency: (1, 40), stalls: [40; 4], errors: 100 };
     let [mut first, mut second, mut third] = [1, 2, 3].map(|seed| Unknown::new(&unit, seed));
     let mut environment = Environment::new(&scene.0, unit.parameters.memory_width, rays, behaviour, 5);

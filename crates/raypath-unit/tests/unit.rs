@@ -1,31 +1,29 @@
 //! The simulated netlist of the unit returns what the functional model does, whatever the memory and the users of the
 //! other channels do.
 
-mod common;
-
-use common::{Behaviour, Environment, Scene, ray};
+use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
-use rand::{RngExt, SeedableRng};
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control};
 use raypath_tools::{Options, Sources, Verilated};
+use raypath_unit::traffic::{Behaviour, BlockScene, Environment, Recorder, random_ray};
 use raypath_unit::{
-    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitEngine, UnitFeatures, UnitInputs, UnitModel,
-    UnitNetlist, UnitOutputs, UnitParameters, outputs_of, words_of,
+    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitFeatures, UnitModel, UnitNetlist, UnitParameters,
+    outputs_of,
 };
 
 const QUIET: Behaviour = Behaviour { latency: (1, 20), stalls: [0; 4], errors: 0 };
 
 /// The replies of the functional model.
-fn expected(scene: &Scene, rays: &[RayRequest], parameters: UnitParameters) -> Vec<Reply> {
+fn expected(scene: &BlockScene, rays: &[RayRequest], parameters: UnitParameters) -> Vec<Reply> {
     let mut model = Unit::new(Rules::Paper, parameters.step);
     rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect()
 }
 
-fn setting(triangles: u32, rays: usize, seed: u64) -> (Scene, Vec<RayRequest>) {
+fn setting(triangles: u32, rays: usize, seed: u64) -> (BlockScene, Vec<RayRequest>) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let (scene, root) = Scene::random(triangles, &mut random);
-    let rays = (0..rays).map(|_| ray(root, &mut random)).collect();
+    let (scene, root) = BlockScene::random(triangles, &mut random);
+    let rays = (0..rays).map(|_| random_ray(root, &mut random)).collect();
     (scene, rays)
 }
 
@@ -100,53 +98,19 @@ fn verilator_equals_the_netlist_in_every_cycle() {
     sources.add(folder.path().join("raypath_properties.sv"), &unit.properties()).expect("the assertions");
     let options = Options::default();
     let verilated = Verilated::build_sources(&sources.files, &unit.top, folder.path(), &options).expect("a build");
-    let mut recorded = Recorder::new(NetlistEngine::new(&unit).expect("a simulation"), &unit);
+    let mut recorded = Recorder::new(NetlistEngine::new(&unit).expect("a simulation"), &unit.top);
     let mut environment = Environment::new(&scene.0, parameters.memory_width, rays, QUIET, 2);
     while !environment.is_done() {
         environment.cycle(&mut [&mut recorded]).expect("the protocol");
     }
-    let Recorder { frames, outputs, .. } = recorded;
+    let (frames, outputs): (Vec<_>, Vec<_>) =
+        recorded.cycles.into_iter().map(|cycle| (cycle.frame, cycle.outputs)).unzip();
     let mut seen = 0;
     verilated
         .run(frames, |cycle, found| {
-            assert_eq!(outputs_of(found), outputs[cycle], "cycle {cycle}");
+            assert_eq!(Some(outputs_of(found)), outputs[cycle], "cycle {cycle}");
             seen += 1;
         })
         .expect("a run");
     assert_eq!(seen, outputs.len());
-}
-
-/// An engine that records its frames and outputs.
-struct Recorder {
-    engine: NetlistEngine,
-    widths: Vec<u32>,
-    frames: Vec<Vec<u64>>,
-    outputs: Vec<UnitOutputs>,
-    arbitrary: ChaCha8Rng,
-}
-
-impl Recorder {
-    fn new(engine: NetlistEngine, unit: &UnitNetlist) -> Self {
-        let top = &unit.top;
-        let widths = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
-        let (frames, outputs) = (Vec::new(), Vec::new());
-        Self { engine, widths, frames, outputs, arbitrary: ChaCha8Rng::seed_from_u64(9) }
-    }
-}
-
-impl UnitEngine for Recorder {
-    fn outputs(&mut self) -> UnitOutputs {
-        self.engine.outputs()
-    }
-
-    fn cycle(&mut self, inputs: &UnitInputs<'_>) {
-        self.outputs.push(self.engine.outputs());
-        let words = words_of(inputs, &self.widths, || self.arbitrary.random());
-        self.frames.push([1].into_iter().chain(words).collect());
-        self.engine.cycle(inputs);
-    }
-
-    fn reset(&mut self) {
-        self.engine.reset();
-    }
 }

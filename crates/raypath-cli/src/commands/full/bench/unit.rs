@@ -7,10 +7,8 @@ use raypath_render::{Camera, Scene, builtin};
 use raypath_rtl::Config;
 use raypath_tools::{Options, ToolError, Verilated, temporary_folder};
 use raypath_unit::system::{MemoryParameters, RayUser, simulate};
-use raypath_unit::traffic::{Behaviour, Environment};
-use raypath_unit::{
-    RayRequest, Reply, UnitEngine, UnitInputs, UnitModel, UnitNetlist, UnitOutputs, UnitParameters, words_of,
-};
+use raypath_unit::traffic::{Behaviour, Environment, Recorder};
+use raypath_unit::{RayRequest, Reply, UnitModel, UnitNetlist, UnitParameters};
 
 /// The size of the picture whose rays are traced.
 const SIZE: (u32, u32) = (160, 120);
@@ -56,16 +54,16 @@ fn verilator(scene: &[u8], rays: &[RayRequest], repetitions: usize) -> Result<f6
     let behaviour = Behaviour { latency: (LATENCY, LATENCY), stalls: [0; 4], errors: 0 };
     let mut environment = Environment::new(scene, unit.parameters.memory_width, rays, behaviour, 1);
     let top = &unit.top;
-    let widths = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
-    let mut recorder = Recorder { model: UnitModel::of(&unit), widths, frames: Vec::new() };
+    let mut recorder = Recorder::new(UnitModel::of(&unit), top);
     while !environment.is_done() {
         environment.cycle(&mut [&mut recorder]).map_err(CliError::unusable)?;
     }
     let folder = temporary_folder()?;
     let options = Options { c_optimisation: 3, native: true, ..Options::default() };
     let verilated = Verilated::build_with(top, folder.path(), &options)?;
-    let count = recorder.frames.len() as f64;
-    let times: Result<Vec<f64>, ToolError> = verilated.time(recorder.frames.into_iter(), repetitions);
+    let count = recorder.cycles.len() as f64;
+    let frames = recorder.cycles.into_iter().map(|cycle| cycle.frame);
+    let times: Result<Vec<f64>, ToolError> = verilated.time(frames, repetitions);
     Ok(count / times?.into_iter().fold(f64::INFINITY, f64::min))
 }
 
@@ -84,28 +82,5 @@ impl RayUser for List<'_> {
 
     fn receive(&mut self, _: u64, _: &Reply) -> bool {
         true
-    }
-}
-
-/// The model, with the frames of its inputs.
-struct Recorder {
-    model: UnitModel,
-    widths: Vec<u32>,
-    frames: Vec<Vec<u64>>,
-}
-
-impl UnitEngine for Recorder {
-    fn outputs(&mut self) -> UnitOutputs {
-        self.model.outputs()
-    }
-
-    fn cycle(&mut self, inputs: &UnitInputs<'_>) {
-        // The first value of a frame is the reset, which is active low.
-        self.frames.push([1].into_iter().chain(words_of(inputs, &self.widths, || 0)).collect());
-        self.model.cycle(inputs);
-    }
-
-    fn reset(&mut self) {
-        self.model.reset();
     }
 }

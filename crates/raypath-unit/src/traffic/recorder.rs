@@ -1,0 +1,53 @@
+//! An engine whose cycles are recorded, so that the text of the unit can be driven with the same inputs.
+
+use crate::{UnitEngine, UnitInputs, UnitOutputs, words_of};
+use rand::rngs::ChaCha8Rng;
+use rand::{Rng, SeedableRng};
+use raypath_hdl::Module;
+
+/// A cycle at the ports of a unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedCycle {
+    /// The words of `rst_ni` and of all inputs in the order of declaration: the frame that a Verilated unit takes.
+    /// Inputs of channels that are not valid have random values.
+    pub frame: Vec<u64>,
+    /// The outputs; none in a reset.
+    pub outputs: Option<UnitOutputs>,
+}
+
+/// An engine with its recorded cycles.
+pub struct Recorder<E> {
+    /// The engine.
+    pub engine: E,
+    /// Its cycles so far, without those that were taken out.
+    pub cycles: Vec<RecordedCycle>,
+    widths: Vec<u32>,
+    random: ChaCha8Rng,
+}
+
+impl<E: UnitEngine> Recorder<E> {
+    /// Records the cycles of an engine for a unit with this top module.
+    pub fn new(engine: E, top: &Module) -> Self {
+        let widths = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
+        Self { engine, cycles: Vec::new(), widths, random: ChaCha8Rng::seed_from_u64(9) }
+    }
+}
+
+impl<E: UnitEngine> UnitEngine for Recorder<E> {
+    fn outputs(&mut self) -> UnitOutputs {
+        self.engine.outputs()
+    }
+
+    fn cycle(&mut self, inputs: &UnitInputs<'_>) {
+        let words = words_of(inputs, &self.widths, || self.random.next_u64());
+        let frame = [1].into_iter().chain(words).collect();
+        self.cycles.push(RecordedCycle { frame, outputs: Some(self.engine.outputs()) });
+        self.engine.cycle(inputs);
+    }
+
+    fn reset(&mut self) {
+        let idle = words_of(&UnitInputs::default(), &self.widths, || self.random.next_u64());
+        self.cycles.push(RecordedCycle { frame: [0].into_iter().chain(idle).collect(), outputs: None });
+        self.engine.reset();
+    }
+}
