@@ -22,7 +22,19 @@ use toml::de::{DeTable, DeValue};
 /// A file that cannot be read, is larger than 64 KiB or is not TOML; a key that does not name a parameter; a value that
 /// its parameter does not have.
 pub fn read(path: &Path) -> Result<Config, InputError> {
-    parse(&text(path)?, path)
+    read_with(path, &[], &mut |_, _| Ok(()))
+}
+
+/// Reads a configuration from a file as [`parse_with`] does from text.
+///
+/// # Errors
+/// The errors of [`read`]; those of `set`.
+pub fn read_with(
+    path: &Path,
+    others: &[&str],
+    set: &mut dyn FnMut(&str, &str) -> Result<(), String>,
+) -> Result<Config, InputError> {
+    parse_with(&text(path)?, path, others, set)
 }
 
 /// Reads a configuration from text. `path` appears in messages.
@@ -30,7 +42,36 @@ pub fn read(path: &Path) -> Result<Config, InputError> {
 /// # Errors
 /// The errors of [`read`], except those of the file.
 pub fn parse(text: &str, path: &Path) -> Result<Config, InputError> {
-    Document { path, text }.config()
+    parse_with(text, path, &[], &mut |_, _| Ok(()))
+}
+
+/// Reads a configuration from text that also has parameters of something around the datapath. `set` gets the name and
+/// the value of each parameter that is one of `others`, and returns what it expected instead of a value.
+///
+/// ```
+/// let mut contexts = String::new();
+/// let set = &mut |_: &str, value: &str| Ok(contexts = value.to_string());
+/// let text = "lanes = 4\ncontexts = 16";
+/// let config = raypath_sim::configuration::parse_with(text, "unit.toml".as_ref(), &["contexts"], set)?;
+/// assert_eq!((config.semantics.lanes.count(), contexts.as_str()), (4, "16"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// The errors of [`parse`]; those of `set`.
+pub fn parse_with(
+    text: &str,
+    path: &Path,
+    others: &[&str],
+    set: &mut dyn FnMut(&str, &str) -> Result<(), String>,
+) -> Result<Config, InputError> {
+    let document = Document { path, text };
+    let entries = document.entries(false)?.into_iter().flatten();
+    let (around, own): (Vec<Entry>, Vec<Entry>) = entries.partition(|entry| others.contains(&entry.key.as_str()));
+    for entry in &around {
+        set(&entry.key, &entry.value).map_err(|problem| document.invalid(entry, problem))?;
+    }
+    document.config_of(&own, others)
 }
 
 /// Reads a sweep from a file with the same keys, whose values may be lists. Returns all combinations of the values. The
@@ -84,16 +125,11 @@ struct Entry {
 }
 
 impl Document<'_> {
-    fn config(&self) -> Result<Config, InputError> {
-        let entries: Vec<Entry> = self.entries(false)?.into_iter().flatten().collect();
-        self.config_of(&entries)
-    }
-
     fn sweep(&self) -> Result<Vec<(String, Config)>, InputError> {
         let lists = self.entries(true)?;
         // Check each value alone first, so that an error is reported before combinations are built.
         for entry in lists.iter().flatten() {
-            self.config_of(std::slice::from_ref(entry))?;
+            self.config_of(std::slice::from_ref(entry), &[])?;
         }
         let mut combinations: Vec<(Vec<String>, Vec<Entry>)> = vec![Default::default()];
         for values in lists {
@@ -115,13 +151,14 @@ impl Document<'_> {
         }
         let named = combinations.iter().map(|(words, entries)| {
             let name = if words.is_empty() { "only".to_string() } else { words.join("-") };
-            Ok((name, self.config_of(entries)?))
+            Ok((name, self.config_of(entries, &[])?))
         });
         named.collect()
     }
 
-    /// The configuration that the entries set, the preset first.
-    fn config_of(&self, entries: &[Entry]) -> Result<Config, InputError> {
+    /// The configuration that the entries set, the preset first. `names` are those that are valid besides, for
+    /// messages.
+    fn config_of(&self, entries: &[Entry], names: &[&str]) -> Result<Config, InputError> {
         let (presets, others): (Vec<&Entry>, Vec<&Entry>) = entries.iter().partition(|entry| entry.key == "preset");
         let mut config = Config::DEFAULT;
         for entry in presets {
@@ -130,7 +167,8 @@ impl Document<'_> {
         }
         for entry in others {
             let Some(parameter) = parameters().find(|parameter| parameter.name == entry.key) else {
-                let keys: Vec<&str> = ["preset"].into_iter().chain(parameters().map(|known| known.name)).collect();
+                let own = ["preset"].into_iter().chain(parameters().map(|known| known.name));
+                let keys: Vec<&str> = own.chain(names.iter().copied()).collect();
                 let (key, expected) = (beginning(&entry.key), alternatives(&keys));
                 let problem = format!("'{key}' is not a valid parameter, expected {expected}");
                 return Err(InputError::at_line(self.path, entry.line, problem));

@@ -7,15 +7,12 @@ use comfy_table::{ContentArrangement, Table};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::Module;
-use raypath_rtl::package::{self, Wrapped};
 use raypath_sim::files::{in_folder, write_all};
 use raypath_unit::traffic::{Behaviour, BlockScene, Environment, random_ray};
 use raypath_unit::{NetlistEngine, RayRequest, Reply, Unit, UnitModel, UnitNetlist};
 use std::io::Write;
 use std::time::Instant;
 
-/// What the unit is, for manifests.
-const PURPOSE: &str = "A ray-tracer traversal unit";
 /// The triangles of the random scene.
 const TRIANGLES: u32 = 500;
 /// The memory and the users of the ports in the check.
@@ -28,18 +25,9 @@ const SHOWN: usize = 5;
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.datapath.config()?;
     let unit = UnitNetlist::new(config, arguments.unit_parameters.parameters())?;
-    let axi = unit.axi()?;
-    let description = format!("traversal unit, {}; datapath: {}", unit.parameters, unit.config);
-    let design = Wrapped {
-        top: &unit.top,
-        wrapper: &axi,
-        properties: &unit.properties(),
-        purpose: PURPOSE,
-        description: &description,
-    };
-    write_all(&in_folder(&arguments.out, package::wrapped(design)?))?;
+    write_all(&in_folder(&arguments.out, unit.files()?))?;
 
-    writeln!(out, "raypath {VERSION}: {description}\n")?;
+    writeln!(out, "raypath {VERSION}: {}\n", unit.description())?;
     writeln!(out, "Ports of raypath_unit\n\n{}\n", ports(&unit.top))?;
     let bits = unit.top.memory_bits();
     writeln!(out, "Memories: instances of raypath_ram_1r1w, {bits} bits\n\n{}\n", memories(&unit.top))?;
@@ -47,7 +35,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let control = all - datapath;
     writeln!(out, "Flip-flops: {control} around the datapath, {datapath} in it\n\n{}\n", parts(&unit.top))?;
     let folder = arguments.out.display();
-    let modules = raypath_hdl::verilog::sources(&axi, &[])?.len();
+    let modules = raypath_hdl::verilog::sources(&unit.axi()?, &[])?.len();
     writeln!(out, "Wrote {modules} modules to {folder}/rtl, listed in {folder}/raypath_unit.f, with the AXI4 wrapper")?;
     writeln!(out, "raypath_unit_axi in {folder}/raypath_unit_axi.f; all but the wrapper to {folder}/raypath_unit.sv;")?;
     writeln!(

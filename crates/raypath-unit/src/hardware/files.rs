@@ -1,0 +1,31 @@
+//! The files of the unit.
+
+use super::top::UnitNetlist;
+use raypath_hdl::Error;
+use raypath_rtl::package::{self, Wrapped};
+use std::path::PathBuf;
+
+/// What the unit is, for manifests.
+const PURPOSE: &str = "A ray-tracer traversal unit";
+
+impl UnitNetlist {
+    /// The parameters of the unit and of its datapath in words.
+    pub fn description(&self) -> String {
+        format!("traversal unit, {}; datapath: {}", self.parameters, self.config)
+    }
+
+    /// All files of the unit, each with its path in the output folder ([`package::wrapped`]). The wrapper is
+    /// `raypath_unit_axi`.
+    ///
+    /// # Errors
+    /// A defect of the netlist.
+    pub fn files(&self) -> Result<Vec<(PathBuf, String)>, Error> {
+        package::wrapped(Wrapped {
+            top: &self.top,
+            wrapper: &self.axi()?,
+            properties: &self.properties(),
+            purpose: PURPOSE,
+            description: &self.description(),
+        })
+    }
+}
