@@ -53,7 +53,7 @@ impl Failure {
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         let status = match &error {
-            Error::Configuration(_) | Error::Elaboration(_) => RAYPATH_ERROR_CONFIGURATION,
+            Error::Configuration(_) | Error::Elaboration(_) | Error::Unit(_) => RAYPATH_ERROR_CONFIGURATION,
             Error::Operation { .. } => RAYPATH_ERROR_OPERATION,
             Error::Argument(_) => RAYPATH_ERROR_ARGUMENT,
             Error::File(_) => RAYPATH_ERROR_IO,

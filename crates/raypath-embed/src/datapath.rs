@@ -281,7 +281,7 @@ impl Datapath {
     }
 }
 
-fn same_length(what: &str, found: usize, like: &str, expected: usize) -> Result<(), Error> {
+pub(crate) fn same_length(what: &str, found: usize, like: &str, expected: usize) -> Result<(), Error> {
     let problem = || Error::Argument(format!("{found} {what} and {expected} {like}, expected as many"));
     if found == expected { Ok(()) } else { Err(problem()) }
 }

@@ -11,6 +11,9 @@ pub enum Error {
     /// A datapath that cannot be elaborated.
     #[error(transparent)]
     Elaboration(#[from] raypath_rtl::Error),
+    /// A traversal unit that cannot be built.
+    #[error(transparent)]
+    Unit(#[from] raypath_unit::UnitError),
     /// A datapath without the operation.
     #[error("'{name}' is not an operation of this datapath, expected {expected}")]
     Operation {

@@ -1,5 +1,6 @@
 //! A datapath for programs in other languages: jobs and outcomes in the layout of C, arrays of jobs, a cycle-exact
-//! pipeline whose jobs carry tags, and the files of the hardware.
+//! pipeline whose jobs carry tags, and the files of the hardware. The same for the traversal unit around the datapath:
+//! arrays of rays, and a cycle-exact model with the ports of the unit.
 //!
 //! `raypath-capi` exports it to C and C++, and `raypath-python` to Python. It is safe Rust.
 
@@ -13,6 +14,7 @@ mod paper;
 mod pipeline;
 mod ring;
 mod transpose;
+mod unit;
 
 pub use datapath::Datapath;
 pub use error::Error;
@@ -22,3 +24,5 @@ pub use pipeline::Pipeline;
 pub use raypath_model::Words;
 pub use raypath_ops::RayError;
 pub use raypath_sim::OperationId;
+pub use raypath_unit::{BlockRequest, Response, UnitCounts};
+pub use unit::{Unit, UnitHit, UnitInputs, UnitModel, UnitOutputs, UnitRay};

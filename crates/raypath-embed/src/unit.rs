@@ -1,0 +1,161 @@
+//! The traversal unit: its functional model, its cycle-exact model and its files.
+
+mod layout;
+mod model;
+mod user;
+
+use crate::Error;
+use crate::datapath::same_length;
+pub use layout::{UnitHit, UnitRay};
+pub use model::{UnitInputs, UnitModel, UnitOutputs};
+use raypath_rtl::Config;
+use raypath_sim::configuration;
+use raypath_sim::files::{in_folder, write_all};
+use raypath_unit::system::{MemoryParameters, SystemTiming, simulate};
+use raypath_unit::{self as unit, UnitNetlist, UnitParameters};
+use std::path::Path;
+use user::List;
+
+/// A traversal unit: its parameters with its netlist and its functional model. It does not change, so that threads
+/// share it.
+///
+/// ```
+/// use raypath_embed::{Unit, UnitHit, UnitRay};
+/// use raypath_ops::Triangle;
+/// use raypath_unit::blocks::{Child, LeafTriangle};
+///
+/// let unit = Unit::open("contexts = 8\npreset = \"compact\"")?;
+/// let triangle = Triangle::new([-1.0, -1.0, 3.0], [0.0, 1.0, 3.0], [1.0, -1.0, 3.0]);
+/// let scene = LeafTriangle::to_bytes(&[LeafTriangle { triangle, index: 7 }]);
+/// let root = Child::Leaf { address: 0, count: 1 }.word()?;
+/// let ray = UnitRay { direction: [0.0, 0.0, 2.0], t_max: f32::INFINITY, root, ..UnitRay::default() };
+/// let mut hits = [UnitHit::default()];
+/// unit.trace(&scene, &[ray], &mut hits)?;
+/// assert_eq!((hits[0].status, hits[0].triangle, hits[0].t), (1, 7, 1.5));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Unit {
+    netlist: UnitNetlist,
+    functional: unit::Unit,
+    description: String,
+}
+
+impl Unit {
+    /// The unit of a configuration as TOML: the keys of a datapath's configuration
+    /// (`docs/reference/configurations.md`), and the names of [`UnitParameters::NAMES`]. An empty text is the default.
+    ///
+    /// # Errors
+    /// Text that is not a configuration, with its line; a datapath that the unit does not have.
+    pub fn open(toml: &str) -> Result<Self, Error> {
+        let mut parameters = UnitParameters::default();
+        let set = &mut |name: &str, value: &str| parameters.set(name, value).unwrap_or(Ok(()));
+        let config = configuration::parse_with(toml, Path::new("configuration"), &UnitParameters::NAMES, set)?;
+        Self::new(config, parameters)
+    }
+
+    /// The unit with these parameters, around a datapath of this configuration.
+    ///
+    /// # Errors
+    /// A parameter out of its range; a datapath that the unit does not have.
+    pub fn new(config: Config, parameters: UnitParameters) -> Result<Self, Error> {
+        let netlist = UnitNetlist::new(config, parameters)?;
+        let functional = unit::Unit::new(netlist.config.semantics.rules, parameters.step);
+        Ok(Self { description: netlist.description(), functional, netlist })
+    }
+
+    /// The parameters of the unit and of its datapath in words.
+    pub fn description(&self) -> &str {
+        &self.description
+    }
+
+    /// The parameters of the unit.
+    pub fn parameters(&self) -> UnitParameters {
+        self.netlist.parameters
+    }
+
+    /// The configuration of the datapath, with what the unit needs.
+    pub fn config(&self) -> Config {
+        self.netlist.config
+    }
+
+    /// The netlists of the unit and of its datapath.
+    pub fn netlist(&self) -> &UnitNetlist {
+        &self.netlist
+    }
+
+    /// Traces rays through a scene by the functional model. The first byte of the scene has the address 0
+    /// (`docs/reference/unit.md`). An address outside of it is an error of the memory.
+    ///
+    /// # Errors
+    /// Slices of different lengths; a ray with a value that its port does not have. Then no hit is written.
+    pub fn trace(&self, scene: &[u8], rays: &[UnitRay], hits: &mut [UnitHit]) -> Result<(), Error> {
+        check(rays, hits)?;
+        let mut model = self.functional.clone();
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = (&model.trace(scene, &ray.into())).into();
+        }
+        Ok(())
+    }
+
+    /// Traces rays through a scene by the cycle-exact model with a memory, and returns what the simulation measured.
+    /// Rays are offered in order, as soon as the unit is ready, and hits are taken at once. `progress` gets the number
+    /// of hits now and then, and returns false to stop the simulation.
+    ///
+    /// # Errors
+    /// Those of [`trace`](Self::trace); a parameter of the memory out of its range.
+    pub fn simulate(
+        &self,
+        scene: &[u8],
+        rays: &[UnitRay],
+        memory: &MemoryParameters,
+        hits: &mut [UnitHit],
+        progress: &dyn Fn(u64) -> bool,
+    ) -> Result<SystemTiming, Error> {
+        check(rays, hits)?;
+        check_memory(memory).map_err(Error::Argument)?;
+        let mut model = unit::UnitModel::of(&self.netlist);
+        Ok(simulate(&mut model, scene, memory, &mut List::new(rays, hits, progress)))
+    }
+
+    /// Writes SystemVerilog, assertions, the AXI4 wrapper and manifests into a folder, as `raypath generate --unit`
+    /// does. Returns the number of files.
+    ///
+    /// # Errors
+    /// A file or folder that cannot be written; then no file is changed.
+    pub fn generate(&self, folder: &Path) -> Result<usize, Error> {
+        let files = self.netlist.files()?;
+        let count = files.len();
+        write_all(&in_folder(folder, files))?;
+        Ok(count)
+    }
+}
+
+fn check(rays: &[UnitRay], hits: &[UnitHit]) -> Result<(), Error> {
+    same_length("hits", hits.len(), "rays", rays.len())?;
+    let checked = rays.iter().enumerate().map(|(index, ray)| (index, ray.check()));
+    for (index, checked) in checked {
+        checked.map_err(|problem| Error::Argument(format!("ray {index}: {problem}")))?;
+    }
+    Ok(())
+}
+
+/// The most cycles of a latency, and the most bytes of a cycle, so that a count of cycles does not overflow.
+const MAX_LATENCY: u64 = 1_000_000;
+const MAX_BANDWIDTH: u32 = 65_536;
+
+fn check_memory(memory: &MemoryParameters) -> Result<(), String> {
+    let MemoryParameters { latency, bandwidth, cache } = *memory;
+    if !(1..=MAX_LATENCY).contains(&latency) {
+        return Err(format!("a memory with a latency of {latency} cycles, expected 1 to {MAX_LATENCY}"));
+    }
+    if let Some(bytes) = bandwidth.filter(|bytes| !(1..=MAX_BANDWIDTH).contains(bytes)) {
+        return Err(format!("a memory with {bytes} bytes a cycle, expected 1 to {MAX_BANDWIDTH}"));
+    }
+    let Some(cache) = cache else { return Ok(()) };
+    if cache.hit_latency > MAX_LATENCY {
+        let found = cache.hit_latency;
+        return Err(format!("a cache with a hit latency of {found} cycles, expected 1 to {MAX_LATENCY}"));
+    }
+    cache.check().map_err(|problem| problem.to_string())
+}
