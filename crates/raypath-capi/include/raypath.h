@@ -65,6 +65,36 @@
 #define RAYPATH_ABI_VERSION 1
 
 /**
+ * `raypath_unit_hit`: no triangle is hit.
+ */
+#define RAYPATH_UNIT_MISS 0
+
+/**
+ * A triangle is hit.
+ */
+#define RAYPATH_UNIT_HIT 1
+
+/**
+ * The ray is refused: a direction that cannot be inverted, a value that is not finite, a negative `t_min`.
+ */
+#define RAYPATH_UNIT_REFUSED 2
+
+/**
+ * An error of the memory, or a scene that is not valid.
+ */
+#define RAYPATH_UNIT_ERROR 3
+
+/**
+ * A bit of `raypath_unit_ray`: back faces are not hit.
+ */
+#define RAYPATH_CULL_BACK 1
+
+/**
+ * Front faces are not hit.
+ */
+#define RAYPATH_CULL_FRONT 2
+
+/**
  * A datapath: a configuration with its operations, models and hardware. It does not change, so any number of threads
  * may use it at once, until `raypath_close`.
  */
@@ -76,6 +106,20 @@ typedef struct raypath_datapath raypath_datapath;
  * A cycle consists of at most one accepted `raypath_pipeline_offer`, then `raypath_pipeline_step`.
  */
 typedef struct raypath_pipeline raypath_pipeline;
+
+/**
+ * A traversal unit: a ray goes in, its closest or any hit comes out. It does not change, so any number of threads may
+ * use it at once, until `raypath_unit_close`.
+ */
+typedef struct raypath_unit raypath_unit;
+
+/**
+ * The cycle-exact model of a traversal unit. One thread at a time may use it; another thread may use it later.
+ *
+ * A cycle consists of `raypath_unit_model_outputs`, which depend on earlier cycles alone, then
+ * `raypath_unit_model_step`. The caller is the memory.
+ */
+typedef struct raypath_unit_model raypath_unit_model;
 
 /**
  * The result of a call: 0 success, above 0 success of another kind, below 0 an error.
@@ -463,6 +507,211 @@ typedef struct {
    */
   raypath_job_output output;
 } raypath_result;
+
+/**
+ * The parameters of a traversal unit.
+ */
+typedef struct {
+  /**
+   * Rays in flight.
+   */
+  uint32_t contexts;
+  /**
+   * Entries of the stack of each ray.
+   */
+  uint32_t stack;
+  /**
+   * Bits of a beat of the memory; a block of 128 bytes has 1024 / `memory_width` beats.
+   */
+  uint32_t memory_width;
+  /**
+   * Bits of the id of a ray.
+   */
+  uint32_t id_width;
+  /**
+   * Cycles of a division.
+   */
+  uint32_t divider_latency;
+} raypath_unit_parameter_values;
+
+/**
+ * A ray as the traversal unit takes it, 44 bytes. The members are the ports of the ray's channel.
+ */
+typedef struct {
+  /**
+   * The point at which the ray begins.
+   */
+  float origin[3];
+  /**
+   * The direction, of any length except 0.
+   */
+  float direction[3];
+  /**
+   * The least distance of a hit, in units of the direction's length.
+   */
+  float t_min;
+  /**
+   * The greatest distance of a hit; infinity reaches everything.
+   */
+  float t_max;
+  /**
+   * Not 0: the ray ends at the first block of triangles with a hit.
+   */
+  uint32_t any_hit;
+  /**
+   * 0, or `RAYPATH_CULL_BACK`, `RAYPATH_CULL_FRONT` or both: faces that are not hit.
+   */
+  uint32_t cull;
+  /**
+   * The child word of the scene's root.
+   */
+  uint32_t root;
+} raypath_unit_ray;
+
+/**
+ * What the traversal unit returns for a ray, 32 bytes. The members are the ports of the hit's channel: without a hit,
+ * all but `status`, `nodes` and `triangles` are 0.
+ */
+typedef struct {
+  /**
+   * One of `RAYPATH_UNIT_…`: 0 miss, 1 hit, 2 ray refused, 3 error of the memory or of the scene.
+   */
+  uint32_t status;
+  /**
+   * The index of the triangle, as the scene has it.
+   */
+  uint32_t triangle;
+  /**
+   * The distance, in units of the direction's length.
+   */
+  float t;
+  /**
+   * The numerator of the distance.
+   */
+  float t_num;
+  /**
+   * The denominator of the distance; negative for a back face.
+   */
+  float t_denom;
+  /**
+   * Whether the ray meets the back face: 0 or 1.
+   */
+  uint32_t back_face;
+  /**
+   * The nodes that the ray has read.
+   */
+  uint32_t nodes;
+  /**
+   * The triangles that the ray has read.
+   */
+  uint32_t triangles;
+} raypath_unit_hit;
+
+/**
+ * The outputs of a unit in a cycle. The members are its ports. Those of a channel that is not valid are 0.
+ */
+typedef struct {
+  /**
+   * The id of the ray that has ended.
+   */
+  uint64_t hit_id;
+  /**
+   * Its hit.
+   */
+  raypath_unit_hit hit;
+  /**
+   * 1: a ray that is offered is accepted in this cycle.
+   */
+  uint32_t ray_ready;
+  /**
+   * 1: a ray has ended. Its hit stays at the outputs until a step takes it.
+   */
+  uint32_t hit_valid;
+  /**
+   * 1: a block of 128 bytes is requested. The request stays at the outputs until a step takes it.
+   */
+  uint32_t mem_req_valid;
+  /**
+   * The address of the block.
+   */
+  uint32_t mem_req_addr;
+  /**
+   * The tag of its response.
+   */
+  uint32_t mem_req_tag;
+} raypath_unit_outputs;
+
+/**
+ * The inputs of a unit in a cycle. The members are its ports. What belongs to a channel that is not valid is not read.
+ */
+typedef struct {
+  /**
+   * The id of the ray that is offered, which comes out with its hit.
+   */
+  uint64_t ray_id;
+  /**
+   * The ray that is offered.
+   */
+  raypath_unit_ray ray;
+  /**
+   * Not 0: a ray is offered. It is accepted in this cycle if the output `ray_ready` is 1; hold it until then.
+   */
+  uint32_t ray_valid;
+  /**
+   * The bytes of the beat, an eighth of the memory's width, the lowest address first. They are read during the call.
+   */
+  const uint8_t *mem_rsp_data;
+  /**
+   * Not 0: a beat of a block arrives. The beats of a block arrive in order, in any cycle after that of the request.
+   */
+  uint32_t mem_rsp_valid;
+  /**
+   * The tag of the request.
+   */
+  uint32_t mem_rsp_tag;
+  /**
+   * Not 0: the memory has no valid data for the beat.
+   */
+  uint32_t mem_rsp_error;
+  /**
+   * Not 0: the hit at the outputs is taken.
+   */
+  uint32_t hit_ready;
+  /**
+   * Not 0: the request at the outputs is taken.
+   */
+  uint32_t mem_req_ready;
+} raypath_unit_inputs;
+
+/**
+ * What a unit did since its last reset.
+ */
+typedef struct {
+  /**
+   * Cycles.
+   */
+  uint64_t cycles;
+  /**
+   * Box jobs of the datapath.
+   */
+  uint64_t boxes;
+  /**
+   * Triangle jobs of the datapath.
+   */
+  uint64_t triangles;
+  /**
+   * Steps of rays.
+   */
+  uint64_t steps;
+  /**
+   * Blocks that were requested.
+   */
+  uint64_t fetches;
+  /**
+   * Rays that ended.
+   */
+  uint64_t rays;
+} raypath_unit_counts;
 
 /**
  * Success; `raypath_pipeline_offer`: the job is accepted; `raypath_pipeline_step`: a result left.
@@ -881,6 +1130,147 @@ const char *raypath_version(void);
  * failed. It is valid until another call of this thread fails. Never NULL.
  */
 const char *raypath_last_error(void);
+
+/**
+ * Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
+ * `contexts`, `stack`, `memory-width`, `id-width`, `divider-latency`. For example `preset = "compact"` and
+ * `contexts = 16` in a line each; NULL is the default. Any thread may call it.
+ *
+ * Errors: `RAYPATH_ERROR_CONFIGURATION` with the line of `toml`, or for a datapath that the unit does not have;
+ * `RAYPATH_ERROR_NULL`. Then `*unit` is not changed.
+ *
+ * # Safety
+ * `toml` is NULL or a string; `unit` is NULL or points to a pointer.
+ */
+raypath_status raypath_unit_open(const char *toml, raypath_unit **unit);
+
+/**
+ * Closes a unit. NULL is ignored. Models of the unit remain usable.
+ *
+ * # Safety
+ * `unit` is NULL or came from `raypath_unit_open` and was not closed; no other call uses it.
+ */
+void raypath_unit_close(raypath_unit *unit);
+
+/**
+ * The parameters of the unit and of its datapath in words. Valid while the unit is open; NULL after an error.
+ *
+ * # Safety
+ * `unit` is NULL or an open unit.
+ */
+const char *raypath_unit_description(const raypath_unit *unit);
+
+/**
+ * Sets `*values` to the parameters of the unit.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`.
+ *
+ * # Safety
+ * `unit` is NULL or an open unit; `values` is NULL or points to a structure.
+ */
+raypath_status raypath_unit_parameters(const raypath_unit *unit, raypath_unit_parameter_values *values);
+
+/**
+ * Traces `count` rays through a scene of `size` bytes by the functional model, and sets a hit for each. The first byte
+ * of the scene has the address 0; an address outside of it is an error of the memory, which ends a ray with
+ * `RAYPATH_UNIT_ERROR`. Any thread may call it.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for a `cull` above 3, with the index of the ray; `RAYPATH_ERROR_NULL`,
+ * `_ALIGNMENT`, `_OVERLAP` of the hits with another array. Then no hit is set.
+ *
+ * # Safety
+ * `unit` is NULL or an open unit; the arrays are NULL or have that many elements.
+ */
+raypath_status raypath_unit_trace(const raypath_unit *unit,
+                                  const uint8_t *scene,
+                                  size_t size,
+                                  const raypath_unit_ray *rays,
+                                  size_t count,
+                                  raypath_unit_hit *hits);
+
+/**
+ * Writes the hardware into a folder, as `raypath generate --unit` does: SystemVerilog, assertions, the AXI4 wrapper,
+ * manifests. Creates the folder if it does not exist. Any thread may call it.
+ *
+ * Errors: `RAYPATH_ERROR_IO` with the path; then no file has changed. `RAYPATH_ERROR_NULL`.
+ *
+ * # Safety
+ * `unit` is NULL or an open unit; `folder` is NULL or a string.
+ */
+raypath_status raypath_unit_generate(const raypath_unit *unit, const char *folder);
+
+/**
+ * Makes a model of the unit after a reset, and sets `*model`. The unit may be closed before the model. Any thread may
+ * call it.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`.
+ *
+ * # Safety
+ * `unit` is NULL or an open unit; `model` is NULL or points to a pointer.
+ */
+raypath_status raypath_unit_model_new(const raypath_unit *unit, raypath_unit_model **model);
+
+/**
+ * Frees a model. NULL is ignored.
+ *
+ * # Safety
+ * `model` is NULL or came from `raypath_unit_model_new` and was not freed; no other call uses it.
+ */
+void raypath_unit_model_free(raypath_unit_model *model);
+
+/**
+ * Sets `*outputs` to the outputs in this cycle. No cycle passes.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`.
+ *
+ * # Safety
+ * `model` is NULL or a model that no other thread changes; `outputs` is NULL or points to a structure.
+ */
+raypath_status raypath_unit_model_outputs(const raypath_unit_model *model, raypath_unit_outputs *outputs);
+
+/**
+ * The clock edge that ends this cycle.
+ *
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, a `cull` above 3, and a beat whose
+ * tag is that of no request that waits for one; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
+ *
+ * # Safety
+ * `model` is NULL or a model that no other thread uses; `inputs` is NULL or points to a structure, whose beat has an
+ * eighth of the memory's width if it is valid.
+ */
+raypath_status raypath_unit_model_step(raypath_unit_model *model,
+                                       const raypath_unit_inputs *inputs);
+
+/**
+ * Advances up to `cycles` cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the
+ * first with a hit or a request at the outputs. Returns the number of cycles that passed: 0 if there is one already,
+ * and after an error. Equivalent to that many calls of `raypath_unit_model_step`, but cycles in which the unit waits
+ * for the memory take no time.
+ *
+ * # Safety
+ * `model` is NULL or a model that no other thread uses.
+ */
+uint64_t raypath_unit_model_skip(raypath_unit_model *model, uint64_t cycles);
+
+/**
+ * Sets `*counts` to what the unit did since its last reset.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`.
+ *
+ * # Safety
+ * That of `raypath_unit_model_outputs`; `counts` is NULL or points to a structure.
+ */
+raypath_status raypath_unit_model_counts(const raypath_unit_model *model, raypath_unit_counts *counts);
+
+/**
+ * A cycle in which `rst_ni` is 0: all rays are lost, and requests get no response.
+ *
+ * Errors: `RAYPATH_ERROR_NULL`.
+ *
+ * # Safety
+ * `model` is NULL or a model that no other thread uses.
+ */
+raypath_status raypath_unit_model_reset(raypath_unit_model *model);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -29,6 +29,11 @@ using TriangleResult = raypath_triangle_result;
 using Job = raypath_job;
 using Result = raypath_result;
 using Cost = raypath_cost_counts;
+using UnitRay = raypath_unit_ray;
+using UnitHit = raypath_unit_hit;
+using UnitInputs = raypath_unit_inputs;
+using UnitOutputs = raypath_unit_outputs;
+using UnitCounts = raypath_unit_counts;
 
 /** Why a call failed: its status, below 0, and its message. */
 struct Error {
@@ -99,6 +104,8 @@ inline Outcome outcome(raypath_status status) {
 struct Close {
   void operator()(raypath_datapath *datapath) const noexcept { raypath_close(datapath); }
   void operator()(raypath_pipeline *pipeline) const noexcept { raypath_pipeline_free(pipeline); }
+  void operator()(raypath_unit *unit) const noexcept { raypath_unit_close(unit); }
+  void operator()(raypath_unit_model *model) const noexcept { raypath_unit_model_free(model); }
 };
 
 }  // namespace detail
@@ -223,6 +230,85 @@ class Pipeline {
   explicit Pipeline(raypath_pipeline *made) noexcept : handle_(made) {}
 
   std::unique_ptr<raypath_pipeline, detail::Close> handle_;
+};
+
+/** A traversal unit: a ray goes in, its closest or any hit comes out. Any number of threads may use it at once. */
+class Unit {
+ public:
+  /** Opens a unit; see raypath_unit_open. NULL is the default. */
+  static Expected<Unit> open(const char *toml = nullptr) {
+    raypath_unit *opened = nullptr;
+    const raypath_status status = raypath_unit_open(toml, &opened);
+    if (status < 0) return detail::last_error(status);
+    return Unit(opened);
+  }
+
+  /** Traces rays through a scene in memory; see raypath_unit_trace. */
+  Outcome trace(Span<const std::uint8_t> scene, Span<const UnitRay> rays, Span<UnitHit> hits) const {
+    if (hits.size() != rays.size()) return detail::argument("expected one hit for each ray");
+    return detail::outcome(
+        raypath_unit_trace(get(), scene.data(), scene.size(), rays.data(), rays.size(), hits.data()));
+  }
+
+  /** Writes the hardware into a folder; see raypath_unit_generate. */
+  Outcome generate(const char *folder) const { return detail::outcome(raypath_unit_generate(get(), folder)); }
+
+  const char *description() const noexcept { return raypath_unit_description(get()); }
+
+  raypath_unit_parameter_values parameters() const noexcept {
+    raypath_unit_parameter_values values{};
+    raypath_unit_parameters(get(), &values);
+    return values;
+  }
+
+  /** The handle, for functions of raypath.h. */
+  const raypath_unit *get() const noexcept { return handle_.get(); }
+
+ private:
+  explicit Unit(raypath_unit *opened) noexcept : handle_(opened) {}
+
+  std::unique_ptr<raypath_unit, detail::Close> handle_;
+};
+
+/** The cycle-exact model of a traversal unit. One thread at a time may use it. */
+class UnitModel {
+ public:
+  static Expected<UnitModel> create(const Unit &unit) {
+    raypath_unit_model *made = nullptr;
+    const raypath_status status = raypath_unit_model_new(unit.get(), &made);
+    if (status < 0) return detail::last_error(status);
+    return UnitModel(made);
+  }
+
+  /** The outputs in this cycle, which depend on earlier cycles alone. */
+  UnitOutputs outputs() const noexcept {
+    UnitOutputs now{};
+    raypath_unit_model_outputs(get(), &now);
+    return now;
+  }
+
+  /** The clock edge that ends this cycle; see raypath_unit_model_step. */
+  Outcome step(const UnitInputs &inputs) { return detail::outcome(raypath_unit_model_step(get(), &inputs)); }
+
+  /** Advances up to `cycles` cycles and stops at a hit or a request; the number of cycles. */
+  std::uint64_t skip(std::uint64_t cycles) noexcept { return raypath_unit_model_skip(get(), cycles); }
+
+  /** What the unit did since its last reset. */
+  UnitCounts counts() const noexcept {
+    UnitCounts counted{};
+    raypath_unit_model_counts(get(), &counted);
+    return counted;
+  }
+
+  void reset() noexcept { raypath_unit_model_reset(get()); }
+
+  /** The handle, for functions of raypath.h. */
+  raypath_unit_model *get() const noexcept { return handle_.get(); }
+
+ private:
+  explicit UnitModel(raypath_unit_model *made) noexcept : handle_(made) {}
+
+  std::unique_ptr<raypath_unit_model, detail::Close> handle_;
 };
 
 /** A job: a ray against four boxes. */

@@ -11,10 +11,14 @@ mod inspect;
 mod memory;
 mod pipeline;
 mod status;
+mod unit;
+mod unit_model;
 
 pub use arrays::*;
 pub use datapath::*;
 pub use inspect::*;
 pub use pipeline::*;
-pub use raypath_embed::{Bounds, QuadboxResult, Ray, TriangleResult, Vertices};
+pub use raypath_embed::{Bounds, QuadboxResult, Ray, TriangleResult, UnitHit, UnitRay, Vertices};
 pub use status::*;
+pub use unit::*;
+pub use unit_model::*;

@@ -86,6 +86,11 @@ fn pipelines_keep_the_handshake() {
 }
 
 #[test]
+fn rays_through_the_unit_are_right_in_double_precision() {
+    compile_and_run("cc", "unit.c", &["-std=c11"], false);
+}
+
+#[test]
 fn the_cpp_layer_works() {
     compile_and_run("c++", "layer.cpp", &["-std=c++17", "-fno-exceptions"], false);
 }
@@ -98,8 +103,12 @@ fn documented_programs_print_what_the_page_says() {
         std::fs::write(&path, text).expect("the program can be written");
         path.to_string_lossy().into_owned()
     };
-    let printed = compile_and_run("cc", &save("first.c", &documented("c")[0]), &["-std=c11"], false);
-    assert_eq!(printed, documented("text")[0]);
+    let programs = documented("c").into_iter().zip(documented("text"));
+    assert_eq!(programs.len(), 2);
+    for (program, expected) in programs {
+        let printed = compile_and_run("cc", &save("documented.c", &program), &["-std=c11"], false);
+        assert_eq!(printed, expected);
+    }
     let printed = compile_and_run("c++", &save("first.cpp", &documented("cpp")[0]), &["-std=c++17"], false);
     assert_eq!(printed, "80\n");
 }

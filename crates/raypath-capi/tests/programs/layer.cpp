@@ -1,4 +1,4 @@
-// The C++ layer: ownership, spans, errors as values, and threads that share a datapath.
+// The C++ layer: ownership, spans, errors as values, and threads that share a datapath and a unit.
 
 #include <raypath.hpp>
 
@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <thread>
 #include <vector>
 
@@ -13,6 +14,8 @@ static_assert(sizeof(raypath::Ray) == 64 && sizeof(raypath::Box) == 24 && sizeof
 static_assert(sizeof(raypath::QuadboxResult) == 24 && sizeof(raypath::TriangleResult) == 12);
 static_assert(!std::is_copy_constructible_v<raypath::Datapath> && !std::is_copy_constructible_v<raypath::Pipeline>);
 static_assert(std::is_nothrow_move_constructible_v<raypath::Datapath>);
+static_assert(sizeof(raypath::UnitRay) == 44 && sizeof(raypath::UnitHit) == 32);
+static_assert(!std::is_copy_constructible_v<raypath::Unit> && !std::is_copy_constructible_v<raypath::UnitModel>);
 
 static void errors() {
   auto wrong = raypath::Datapath::open("lanes = 3");
@@ -57,9 +60,68 @@ static void ownership() {
   CHECK(other.occupancy() == 0 && other.input_ready(1));
 }
 
+// A leaf of one triangle at address 0, as docs/reference/unit.md has it: nine numbers, then its index at byte 112.
+static std::array<std::uint8_t, 128> one_triangle() {
+  std::array<std::uint8_t, 128> block{};
+  const float vertices[9] = {-1, -1, 3, 1, -1, 3, 0, 1, 3};
+  const std::uint32_t index = 5;
+  std::memcpy(block.data(), vertices, sizeof vertices);
+  std::memcpy(block.data() + 112, &index, sizeof index);
+  return block;
+}
+
+// A ray through the functional and through the cycle-exact model, with a memory that answers in the next cycle.
+static void traversal() {
+  CHECK(raypath::Unit::open("contexts = 7").error().status == RAYPATH_ERROR_CONFIGURATION);
+  auto opened = raypath::Unit::open("preset = \"compact\"\ncontexts = 8\nmemory-width = 512");
+  CHECK(opened && opened->parameters().contexts == 8 && opened->parameters().memory_width == 512);
+  CHECK(std::string(opened->description()).find("8 contexts") != std::string::npos);
+  const raypath::Unit unit = std::move(*opened);
+  const auto scene = one_triangle();
+  std::array<raypath::UnitRay, 1> rays{};
+  std::array<raypath::UnitHit, 1> hits{};
+  rays[0].direction[2] = 2.0f;
+  rays[0].t_max = INFINITY;
+  rays[0].root = 1;  // a leaf of one triangle at address 0
+  CHECK(unit.trace(scene, rays, hits));
+  // The back face at z = 3, in units of a direction of length 2.
+  CHECK(hits[0].status == RAYPATH_UNIT_HIT && hits[0].triangle == 5 && hits[0].t == 1.5f && hits[0].back_face == 1);
+  CHECK(unit.trace(scene, rays, {}).error().status == RAYPATH_ERROR_ARGUMENT);
+  CHECK(!unit.generate("/dev/null/x"));
+
+  auto model = raypath::UnitModel::create(unit);
+  CHECK(model && model->outputs().ray_ready == 1);
+  raypath::UnitInputs inputs{};
+  inputs.ray = rays[0];
+  inputs.ray_id = 42;
+  inputs.ray_valid = 1;
+  CHECK(model->step(inputs));
+  inputs = {};
+  CHECK(model->skip(1000) == 22);  // its first request is in cycle 23, as docs/reference/unit.md states
+  CHECK(model->outputs().mem_req_valid == 1 && model->outputs().mem_req_addr == 0);
+  inputs.mem_rsp_tag = model->outputs().mem_req_tag;
+  inputs.mem_req_ready = 1;
+  CHECK(model->step(inputs));
+  inputs.mem_rsp_valid = 1;
+  for (std::size_t beat = 0; beat < 2; beat++) {
+    inputs.mem_rsp_data = scene.data() + 64 * beat;
+    CHECK(model->step(inputs));
+  }
+  CHECK(!model->step(inputs));  // the block is complete
+  model->skip(1000);
+  const auto outputs = model->outputs();
+  CHECK(outputs.hit_valid == 1 && outputs.hit_id == 42);
+  CHECK(std::memcmp(&outputs.hit, &hits[0], sizeof hits[0]) == 0);
+  CHECK(model->counts().triangles == 1 && model->counts().rays == 1);
+  model->reset();
+  CHECK(model->outputs().hit_valid == 0 && model->counts().cycles == 0);
+}
+
 // Threads share a datapath, each with a pipeline of its own, and have the results of one thread.
 static void threads() {
   const auto datapath = raypath::Datapath::open();
+  const auto unit = raypath::Unit::open();
+  const auto scene = one_triangle();
   constexpr std::size_t kPairs = 500, kDimensions = 33;
   std::vector<float> a(kPairs * kDimensions), b(a.size());
   std::uint32_t random = 9;
@@ -80,6 +142,10 @@ static void threads() {
           const auto result = pipeline->step(true);
           equal = equal && (tag < 12 ? !result : result && result->tag == tag - 12);
         }
+        raypath::UnitRay ray{};
+        raypath::UnitHit hit{};
+        ray.direction[2] = 1.0f, ray.t_max = 10.0f, ray.root = 1;
+        equal = equal && unit->trace(scene, {&ray, 1}, {&hit, 1}) && hit.t == 3.0f;
         // The message of an error belongs to the thread that made the call.
         const std::string name = "lanes = " + std::to_string(100 + worker);
         const auto wrong = raypath::Datapath::open(name.c_str());
@@ -95,6 +161,7 @@ static void threads() {
 int main() {
   errors();
   ownership();
+  traversal();
   threads();
   return 0;
 }

@@ -1,0 +1,168 @@
+//! The traversal unit around a datapath: opening, arrays of rays, generation.
+
+use crate::memory::{array, reference, reference_mut, required_text, results, separate, text};
+use crate::status::{RAYPATH_OK, Status, status};
+use raypath_embed::{Unit as Embedded, UnitHit, UnitRay};
+use std::ffi::{CString, c_char};
+use std::path::Path;
+
+/// A traversal unit: a ray goes in, its closest or any hit comes out. It does not change, so any number of threads may
+/// use it at once, until `raypath_unit_close`.
+pub struct Unit {
+    pub(crate) embedded: Embedded,
+    description: CString,
+}
+
+/// The parameters of a traversal unit.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct UnitParameters {
+    /// Rays in flight.
+    pub contexts: u32,
+    /// Entries of the stack of each ray.
+    pub stack: u32,
+    /// Bits of a beat of the memory; a block of 128 bytes has 1024 / `memory_width` beats.
+    pub memory_width: u32,
+    /// Bits of the id of a ray.
+    pub id_width: u32,
+    /// Cycles of a division.
+    pub divider_latency: u32,
+}
+
+/// `raypath_unit_hit`: no triangle is hit.
+pub const RAYPATH_UNIT_MISS: u32 = 0;
+/// A triangle is hit.
+pub const RAYPATH_UNIT_HIT: u32 = 1;
+/// The ray is refused: a direction that cannot be inverted, a value that is not finite, a negative `t_min`.
+pub const RAYPATH_UNIT_REFUSED: u32 = 2;
+/// An error of the memory, or a scene that is not valid.
+pub const RAYPATH_UNIT_ERROR: u32 = 3;
+
+/// A bit of `raypath_unit_ray`: back faces are not hit.
+pub const RAYPATH_CULL_BACK: u32 = 1;
+/// Front faces are not hit.
+pub const RAYPATH_CULL_FRONT: u32 = 2;
+
+/// Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
+/// `contexts`, `stack`, `memory-width`, `id-width`, `divider-latency`. For example `preset = "compact"` and
+/// `contexts = 16` in a line each; NULL is the default. Any thread may call it.
+///
+/// Errors: `RAYPATH_ERROR_CONFIGURATION` with the line of `toml`, or for a datapath that the unit does not have;
+/// `RAYPATH_ERROR_NULL`. Then `*unit` is not changed.
+///
+/// # Safety
+/// `toml` is NULL or a string; `unit` is NULL or points to a pointer.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_open(toml: *const c_char, unit: *mut *mut Unit) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (toml, unit) = unsafe { (text("toml", toml)?, reference_mut("unit", unit)?) };
+        let embedded = Embedded::open(toml.unwrap_or_default())?;
+        let description = CString::new(embedded.description()).unwrap_or_default();
+        *unit = Box::into_raw(Box::new(Unit { embedded, description }));
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Closes a unit. NULL is ignored. Models of the unit remain usable.
+///
+/// # Safety
+/// `unit` is NULL or came from `raypath_unit_open` and was not closed; no other call uses it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_close(unit: *mut Unit) {
+    if !unit.is_null() {
+        // SAFETY: by the contract of this function.
+        drop(unsafe { Box::from_raw(unit) });
+    }
+}
+
+/// The parameters of the unit and of its datapath in words. Valid while the unit is open; NULL after an error.
+///
+/// # Safety
+/// `unit` is NULL or an open unit.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_description(unit: *const Unit) -> *const c_char {
+    let mut description = std::ptr::null();
+    status(|| {
+        // SAFETY: by the contract of this function.
+        description = unsafe { reference("unit", unit)? }.description.as_ptr();
+        Ok(RAYPATH_OK)
+    });
+    description
+}
+
+/// Sets `*values` to the parameters of the unit.
+///
+/// Errors: `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`.
+///
+/// # Safety
+/// `unit` is NULL or an open unit; `values` is NULL or points to a structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_parameters(unit: *const Unit, values: *mut UnitParameters) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (unit, values) = unsafe { (reference("unit", unit)?, reference_mut("values", values)?) };
+        let parameters = unit.embedded.parameters();
+        *values = UnitParameters {
+            contexts: parameters.contexts,
+            stack: parameters.step.stack,
+            memory_width: parameters.memory_width,
+            id_width: parameters.id_width,
+            divider_latency: parameters.divider_latency,
+        };
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Traces `count` rays through a scene of `size` bytes by the functional model, and sets a hit for each. The first byte
+/// of the scene has the address 0; an address outside of it is an error of the memory, which ends a ray with
+/// `RAYPATH_UNIT_ERROR`. Any thread may call it.
+///
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for a `cull` above 3, with the index of the ray; `RAYPATH_ERROR_NULL`,
+/// `_ALIGNMENT`, `_OVERLAP` of the hits with another array. Then no hit is set.
+///
+/// # Safety
+/// `unit` is NULL or an open unit; the arrays are NULL or have that many elements.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_trace(
+    unit: *const Unit,
+    scene: *const u8,
+    size: usize,
+    rays: *const UnitRay,
+    count: usize,
+    hits: *mut UnitHit,
+) -> Status {
+    status(|| {
+        let to = ("hits", hits.cast_const(), count);
+        separate(("scene", scene, size), to)?;
+        separate(("rays", rays, count), to)?;
+        // SAFETY: by the contract of this function; the hits overlap nothing.
+        let (unit, scene, rays, hits) = unsafe {
+            (
+                reference("unit", unit)?,
+                array("scene", scene, size)?,
+                array("rays", rays, count)?,
+                results("hits", hits, count)?,
+            )
+        };
+        unit.embedded.trace(scene, rays, hits)?;
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Writes the hardware into a folder, as `raypath generate --unit` does: SystemVerilog, assertions, the AXI4 wrapper,
+/// manifests. Creates the folder if it does not exist. Any thread may call it.
+///
+/// Errors: `RAYPATH_ERROR_IO` with the path; then no file has changed. `RAYPATH_ERROR_NULL`.
+///
+/// # Safety
+/// `unit` is NULL or an open unit; `folder` is NULL or a string.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_generate(unit: *const Unit, folder: *const c_char) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (unit, folder) = unsafe { (reference("unit", unit)?, required_text("folder", folder)?) };
+        unit.embedded.generate(Path::new(folder))?;
+        Ok(RAYPATH_OK)
+    })
+}

@@ -1,0 +1,215 @@
+//! The cycle-exact model of a traversal unit.
+
+use crate::Unit;
+use crate::memory::{array, reference, reference_mut};
+use crate::status::{RAYPATH_OK, Status, status, value_or_zero};
+use raypath_embed::{self as embed, Response, UnitHit, UnitRay};
+
+/// The cycle-exact model of a traversal unit. One thread at a time may use it; another thread may use it later.
+///
+/// A cycle consists of `raypath_unit_model_outputs`, which depend on earlier cycles alone, then
+/// `raypath_unit_model_step`. The caller is the memory.
+pub struct UnitModel {
+    embedded: embed::UnitModel,
+    beat_bytes: usize,
+}
+
+/// The inputs of a unit in a cycle. The members are its ports. What belongs to a channel that is not valid is not read.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct UnitInputs {
+    /// The id of the ray that is offered, which comes out with its hit.
+    pub ray_id: u64,
+    /// The ray that is offered.
+    pub ray: UnitRay,
+    /// Not 0: a ray is offered. It is accepted in this cycle if the output `ray_ready` is 1; hold it until then.
+    pub ray_valid: u32,
+    /// The bytes of the beat, an eighth of the memory's width, the lowest address first. They are read during the call.
+    pub mem_rsp_data: *const u8,
+    /// Not 0: a beat of a block arrives. The beats of a block arrive in order, in any cycle after that of the request.
+    pub mem_rsp_valid: u32,
+    /// The tag of the request.
+    pub mem_rsp_tag: u32,
+    /// Not 0: the memory has no valid data for the beat.
+    pub mem_rsp_error: u32,
+    /// Not 0: the hit at the outputs is taken.
+    pub hit_ready: u32,
+    /// Not 0: the request at the outputs is taken.
+    pub mem_req_ready: u32,
+}
+
+/// The outputs of a unit in a cycle. The members are its ports. Those of a channel that is not valid are 0.
+#[repr(C)]
+#[derive(Clone, Copy, Default)]
+pub struct UnitOutputs {
+    /// The id of the ray that has ended.
+    pub hit_id: u64,
+    /// Its hit.
+    pub hit: UnitHit,
+    /// 1: a ray that is offered is accepted in this cycle.
+    pub ray_ready: u32,
+    /// 1: a ray has ended. Its hit stays at the outputs until a step takes it.
+    pub hit_valid: u32,
+    /// 1: a block of 128 bytes is requested. The request stays at the outputs until a step takes it.
+    pub mem_req_valid: u32,
+    /// The address of the block.
+    pub mem_req_addr: u32,
+    /// The tag of its response.
+    pub mem_req_tag: u32,
+}
+
+/// What a unit did since its last reset.
+#[repr(C)]
+#[derive(Clone, Copy, Default)]
+pub struct UnitCounts {
+    /// Cycles.
+    pub cycles: u64,
+    /// Box jobs of the datapath.
+    pub boxes: u64,
+    /// Triangle jobs of the datapath.
+    pub triangles: u64,
+    /// Steps of rays.
+    pub steps: u64,
+    /// Blocks that were requested.
+    pub fetches: u64,
+    /// Rays that ended.
+    pub rays: u64,
+}
+
+/// Makes a model of the unit after a reset, and sets `*model`. The unit may be closed before the model. Any thread may
+/// call it.
+///
+/// Errors: `RAYPATH_ERROR_NULL`.
+///
+/// # Safety
+/// `unit` is NULL or an open unit; `model` is NULL or points to a pointer.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_model_new(unit: *const Unit, model: *mut *mut UnitModel) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (unit, model) = unsafe { (reference("unit", unit)?, reference_mut("model", model)?) };
+        let beat_bytes = unit.embedded.parameters().memory_width as usize / 8;
+        let embedded = embed::UnitModel::new(&unit.embedded);
+        *model = Box::into_raw(Box::new(UnitModel { embedded, beat_bytes }));
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Frees a model. NULL is ignored.
+///
+/// # Safety
+/// `model` is NULL or came from `raypath_unit_model_new` and was not freed; no other call uses it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_model_free(model: *mut UnitModel) {
+    if !model.is_null() {
+        // SAFETY: by the contract of this function.
+        drop(unsafe { Box::from_raw(model) });
+    }
+}
+
+/// Sets `*outputs` to the outputs in this cycle. No cycle passes.
+///
+/// Errors: `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`.
+///
+/// # Safety
+/// `model` is NULL or a model that no other thread changes; `outputs` is NULL or points to a structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_model_outputs(model: *const UnitModel, outputs: *mut UnitOutputs) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (model, outputs) = unsafe { (reference("model", model)?, reference_mut("outputs", outputs)?) };
+        *outputs = model.embedded.outputs().into();
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// The clock edge that ends this cycle.
+///
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, a `cull` above 3, and a beat whose
+/// tag is that of no request that waits for one; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
+///
+/// # Safety
+/// `model` is NULL or a model that no other thread uses; `inputs` is NULL or points to a structure, whose beat has an
+/// eighth of the memory's width if it is valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_model_step(model: *mut UnitModel, inputs: *const UnitInputs) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (model, inputs) = unsafe { (reference_mut("model", model)?, reference("inputs", inputs)?) };
+        let response = if inputs.mem_rsp_valid == 0 {
+            None
+        } else {
+            // SAFETY: by the contract of this function.
+            let beat = unsafe { array("mem_rsp_data", inputs.mem_rsp_data, model.beat_bytes)? };
+            Some(Response { tag: inputs.mem_rsp_tag, is_error: inputs.mem_rsp_error != 0, beat })
+        };
+        model.embedded.step(&embed::UnitInputs {
+            ray: (inputs.ray_valid != 0).then_some((inputs.ray_id, &inputs.ray)),
+            hit_ready: inputs.hit_ready != 0,
+            request_ready: inputs.mem_req_ready != 0,
+            response,
+        })?;
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// Advances up to `cycles` cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the
+/// first with a hit or a request at the outputs. Returns the number of cycles that passed: 0 if there is one already,
+/// and after an error. Equivalent to that many calls of `raypath_unit_model_step`, but cycles in which the unit waits
+/// for the memory take no time.
+///
+/// # Safety
+/// `model` is NULL or a model that no other thread uses.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_model_skip(model: *mut UnitModel, cycles: u64) -> u64 {
+    // SAFETY: by the contract of this function.
+    value_or_zero(|| Ok(unsafe { reference_mut("model", model)? }.embedded.skip(cycles)))
+}
+
+/// Sets `*counts` to what the unit did since its last reset.
+///
+/// Errors: `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`.
+///
+/// # Safety
+/// That of `raypath_unit_model_outputs`; `counts` is NULL or points to a structure.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_model_counts(model: *const UnitModel, counts: *mut UnitCounts) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        let (model, counts) = unsafe { (reference("model", model)?, reference_mut("counts", counts)?) };
+        let embed::UnitCounts { cycles, boxes, triangles, steps, fetches, rays } = model.embedded.counts();
+        *counts = UnitCounts { cycles, boxes, triangles, steps, fetches, rays };
+        Ok(RAYPATH_OK)
+    })
+}
+
+/// A cycle in which `rst_ni` is 0: all rays are lost, and requests get no response.
+///
+/// Errors: `RAYPATH_ERROR_NULL`.
+///
+/// # Safety
+/// `model` is NULL or a model that no other thread uses.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn raypath_unit_model_reset(model: *mut UnitModel) -> Status {
+    status(|| {
+        // SAFETY: by the contract of this function.
+        unsafe { reference_mut("model", model)? }.embedded.reset();
+        Ok(RAYPATH_OK)
+    })
+}
+
+impl From<embed::UnitOutputs> for UnitOutputs {
+    fn from(outputs: embed::UnitOutputs) -> Self {
+        let (hit_id, hit) = outputs.hit.unwrap_or_default();
+        let request = outputs.request.unwrap_or_default();
+        Self {
+            hit_id,
+            hit,
+            ray_ready: outputs.ray_ready.into(),
+            hit_valid: outputs.hit.is_some().into(),
+            mem_req_valid: outputs.request.is_some().into(),
+            mem_req_addr: request.address,
+            mem_req_tag: request.tag,
+        }
+    }
+}
