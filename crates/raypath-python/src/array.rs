@@ -5,7 +5,7 @@ use numpy::npyffi::_PyArray_GET_ITEM_DATA;
 use numpy::{PyArrayDescr, PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use raypath_embed::{Bounds, QuadboxResult, Ray, TriangleResult, Vertices};
+use raypath_embed::{Bounds, QuadboxResult, Ray, TriangleResult, UnitHit, UnitRay, Vertices};
 
 /// An item of an array: the numbers of one job.
 ///
@@ -67,6 +67,8 @@ macro_rules! structures {
 structures! {
     Ray: "raypath.RAY", ["origin": "(3,)f4" @ 0, "direction": "(3,)f4" @ 12, "inverse": "(3,)f4" @ 24,
         "extent": "f4" @ 36, "shear": "(3,)f4" @ 40, "kx": "u4" @ 52, "ky": "u4" @ 56, "kz": "u4" @ 60];
+    UnitRay: "raypath.UNIT_RAY", ["origin": "(3,)f4" @ 0, "direction": "(3,)f4" @ 12, "t_min": "f4" @ 24,
+        "t_max": "f4" @ 28, "any_hit": "u4" @ 32, "cull": "u4" @ 36, "root": "u4" @ 40];
     QuadboxResult: "quadbox", ["tmin": "(4,)f4" @ 0, "is_intersect": "(4,)?" @ 16, "box_index": "(4,)u1" @ 20];
 }
 
@@ -78,11 +80,29 @@ unsafe impl Item for TriangleResult {
         let description = PyDict::new(py);
         description.set_item("names", ["t_num", "t_denom", "triangle_hit"])?;
         description.set_item("formats", ["f4", "f4", "?"])?;
-        description.set_item("offsets", [0, 4, if cfg!(target_endian = "little") { 8 } else { 11 }])?;
+        description.set_item("offsets", [0, 4, 8 + LEAST_BYTE])?;
         description.set_item("itemsize", size_of::<Self>())?;
         PyArrayDescr::new(py, description)
     }
 }
+
+#[allow(unsafe_code)]
+// SAFETY: as above. `back_face` is a word of 32 bits of value 0 or 1, shown as its least significant byte.
+unsafe impl Item for UnitHit {
+    const ELEMENT: &str = "hit";
+    fn dtype(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
+        let description = PyDict::new(py);
+        let names = ["status", "triangle", "t", "t_num", "t_denom", "back_face", "nodes", "triangles"];
+        description.set_item("names", names)?;
+        description.set_item("formats", ["u4", "u4", "f4", "f4", "f4", "?", "u4", "u4"])?;
+        description.set_item("offsets", [0, 4, 8, 12, 16, 20 + LEAST_BYTE, 24, 28])?;
+        description.set_item("itemsize", size_of::<Self>())?;
+        PyArrayDescr::new(py, description)
+    }
+}
+
+/// The least significant byte of a word of 32 bits.
+const LEAST_BYTE: usize = if cfg!(target_endian = "little") { 0 } else { 3 };
 
 /// The type of the elements of an array of `T`.
 pub fn dtype<T: Item>(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {

@@ -1,18 +1,17 @@
 //! The class `Datapath`.
 
 use crate::array::{Output, items, items_like, matrix};
+use crate::config::{Around, chosen};
 use crate::error::{exception, value_error};
 use crate::hits::{QuadboxHits, TriangleHits};
 use crate::tables;
 use crate::words::{outcomes, words_of};
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyList, PyTuple};
+use pyo3::types::{PyDict, PyList, PyTuple};
 use raypath_embed::{self as embed, Bounds, QuadboxResult, Ray, TriangleResult, Vertices};
+use raypath_rtl::parameters;
 use raypath_rtl::report::picture;
-use raypath_rtl::{Config, Preset, parameters};
-use raypath_sim::configuration;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A datapath: a configuration with its operations, netlist and models.
@@ -57,15 +56,8 @@ impl Datapath {
         with_: Option<&Bound<'_, PyAny>>,
         flags: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let mut chosen = match (preset, config) {
-            (Some(_), Some(_)) => return Err(value_error("preset and config are given, expected at most one of them")),
-            (Some(name), None) => name.parse::<Preset>().map_err(value_error)?.config,
-            (None, Some(config)) => configuration(config)?,
-            (None, None) => Config::DEFAULT,
-        };
-        for (name, value) in flags.into_iter().flatten() {
-            set(&mut chosen, &name.extract::<String>()?, &value)?;
-        }
+        let around = Around { of: "a datapath", names: &[], set: &mut |_, _| Ok(()) };
+        let chosen = chosen(preset, config, flags, around)?;
         let added = match with_ {
             None => Vec::new(),
             Some(names) => names_of(names)?,
@@ -352,30 +344,6 @@ fn pairs<'a>(
         return Err(value_error(format!("{name_a}: found shape ({count}, 0), expected at least 1 dimension")));
     }
     Ok((a, b, count, dimensions))
-}
-
-/// A configuration as text, or in the file of this path.
-fn configuration(config: &Bound<'_, PyAny>) -> PyResult<Config> {
-    match config.extract::<String>() {
-        Ok(text) if text.contains('=') || text.is_empty() => configuration::parse(&text, Path::new("config")),
-        Ok(path) => configuration::read(path.as_ref()),
-        Err(_) => configuration::read(&config.extract::<PathBuf>()?),
-    }
-    .map_err(value_error)
-}
-
-/// Sets the parameter that a keyword names.
-fn set(config: &mut Config, keyword: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
-    let Some(parameter) = parameters().find(|parameter| parameter.name.replace('-', "_") == keyword) else {
-        let names: Vec<String> = parameters().map(|parameter| parameter.name.replace('-', "_")).collect();
-        let problem = format!("'{keyword}' is not a flag of a datapath, expected {}", names.join(", "));
-        return Err(PyTypeError::new_err(problem));
-    };
-    let text = match value.cast::<PyBool>() {
-        Ok(value) => value.is_true().to_string(),
-        Err(_) => value.str()?.to_string(),
-    };
-    parameter.set(config, &text).map_err(|problem| value_error(format!("{keyword}: {problem}")))
 }
 
 /// Names in a list, or separated by commas.

@@ -1,4 +1,4 @@
-//! The outcomes of arrays of boxes and triangles.
+//! The outcomes of arrays of boxes, triangles and rays.
 
 use pyo3::prelude::*;
 
@@ -69,5 +69,29 @@ hits! {
         t_num,
         " float32 array of shape (n,): the denominator of the distance."
         t_denom,
+    }
+}
+
+hits! {
+    " The hits of n rays of a ``Unit``."
+    ""
+    " Values of a ray without a hit are 0, except for ``status``, ``nodes`` and ``triangles``."
+    UnitHits {
+        " uint32 array of shape (n,): 0 miss, 1 hit, 2 ray refused, 3 error of the memory or of the scene."
+        status,
+        " uint32 array of shape (n,): the index of the triangle that is hit."
+        triangle,
+        " float32 array of shape (n,): the distance of the hit in units of the direction's length."
+        t,
+        " float32 array of shape (n,): the numerator of the distance."
+        t_num,
+        " float32 array of shape (n,): the denominator of the distance; negative for a back face."
+        t_denom,
+        " bool array of shape (n,): whether the ray hits the triangle from behind."
+        back_face,
+        " uint32 array of shape (n,): the nodes that the ray has read."
+        nodes,
+        " uint32 array of shape (n,): the triangles that the ray has read."
+        triangles,
     }
 }

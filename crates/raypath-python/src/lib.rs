@@ -4,6 +4,7 @@
 
 mod array;
 mod bench;
+mod config;
 mod datapath;
 mod error;
 mod hits;
@@ -13,6 +14,8 @@ mod render;
 mod search;
 mod tables;
 mod timing;
+mod unit;
+mod unit_model;
 mod watch;
 mod words;
 
@@ -31,7 +34,7 @@ mod _raypath {
     #[pymodule_export]
     use crate::datapath::Datapath;
     #[pymodule_export]
-    use crate::hits::{QuadboxHits, TriangleHits};
+    use crate::hits::{QuadboxHits, TriangleHits, UnitHits};
     #[pymodule_export]
     use crate::job::{Job, Outcome};
     #[pymodule_export]
@@ -42,13 +45,18 @@ mod _raypath {
     use crate::search::{Search, search};
     #[pymodule_export]
     use crate::tables::{operations, parameters, presets};
+    #[pymodule_export]
+    use crate::unit::{Unit, UnitScene};
+    #[pymodule_export]
+    use crate::unit_model::{UnitModel, UnitOutputs};
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        module.add("RAY", crate::array::dtype::<raypath_embed::Ray>(module.py())?)
+        module.add("RAY", crate::array::dtype::<raypath_embed::Ray>(module.py())?)?;
+        module.add("UNIT_RAY", crate::array::dtype::<raypath_embed::UnitRay>(module.py())?)
     }
 
     /// Runs the command line `arguments`, the first of which is the name of the program, and returns the exit code.

@@ -51,13 +51,15 @@ def test_document(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.chdir(tmp_path)
     text = (root / "docs/integration/python.md").read_text()
     blocks = re.findall(r"```python\n(.*?)```", text, re.S)
-    assert len(blocks) == 6
+    assert len(blocks) == 7
     names: dict[str, Any] = {}
     for block in blocks:
         exec(block, names)
     assert names["hits"].is_intersect.shape == (1000, 4)
     np.testing.assert_array_equal(names["d"] > 0, np.ones(1000, bool))
     assert os.path.exists("build/raypath.sv")
+    assert names["outputs"].hit["t"] == names["traced"].t[0]
+    assert os.path.exists("build/unit/raypath_unit.sv")
 
 
 def test_notebook(root: Path) -> None:

@@ -1,7 +1,9 @@
 """An open hardware ray-tracer datapath: its models, generator, renderer and vector search.
 
 A :class:`Datapath` computes arrays of jobs, bit for bit as the hardware does, and writes the hardware. A
-:class:`Pipeline` adds clock cycles. :func:`render`, :func:`trace` and :func:`search` work on meshes and vectors.
+:class:`Pipeline` adds clock cycles. A :class:`Unit` is the traversal unit around a datapath: a ray goes in, its hit
+comes out; a :class:`UnitModel` adds clock cycles. :func:`render`, :func:`trace` and :func:`search` work on meshes and
+vectors.
 
 Example:
     >>> import numpy as np, raypath
@@ -14,6 +16,7 @@ Example:
 
 from raypath._raypath import (
     RAY,
+    UNIT_RAY,
     VERSION,
     Datapath,
     Job,
@@ -24,6 +27,11 @@ from raypath._raypath import (
     Search,
     Trace,
     TriangleHits,
+    Unit,
+    UnitHits,
+    UnitModel,
+    UnitOutputs,
+    UnitScene,
     operations,
     parameters,
     presets,
@@ -37,6 +45,7 @@ __version__ = VERSION
 
 __all__ = [
     "RAY",
+    "UNIT_RAY",
     "Datapath",
     "Job",
     "Outcome",
@@ -46,6 +55,11 @@ __all__ = [
     "Search",
     "Trace",
     "TriangleHits",
+    "Unit",
+    "UnitHits",
+    "UnitModel",
+    "UnitOutputs",
+    "UnitScene",
     "__version__",
     "operations",
     "parameters",

@@ -11,6 +11,7 @@ _Row = dict[str, Any]
 
 __all__ = [
     "RAY",
+    "UNIT_RAY",
     "VERSION",
     "Datapath",
     "Job",
@@ -21,6 +22,11 @@ __all__ = [
     "Search",
     "Trace",
     "TriangleHits",
+    "Unit",
+    "UnitHits",
+    "UnitModel",
+    "UnitOutputs",
+    "UnitScene",
     "main",
     "operations",
     "parameters",
@@ -33,6 +39,7 @@ __all__ = [
 ]
 
 RAY: np.dtype[np.void]
+UNIT_RAY: np.dtype[np.void]
 VERSION: str
 
 def main(arguments: Sequence[str]) -> int: ...
@@ -151,6 +158,114 @@ class Pipeline:
     def step(self, output_ready: bool = True) -> Outcome | None: ...
     def skip(self, cycles: int) -> int: ...
     def input_ready(self, operation: str) -> bool: ...
+    def reset(self) -> None: ...
+
+@final
+class UnitScene:
+    def __new__(cls, data: bytes, root: int) -> UnitScene: ...
+    @property
+    def data(self) -> bytes: ...
+    @property
+    def root(self) -> int: ...
+    def rays(
+        self,
+        origins: _Float32,
+        directions: _Float32,
+        *,
+        t_min: float = 0.0,
+        t_max: float = ...,
+        any_hit: bool = False,
+        cull: Literal["none", "back", "front", "both"] = "none",
+    ) -> _Rays: ...
+    def __len__(self) -> int: ...
+
+@final
+class UnitHits:
+    @property
+    def array(self) -> NDArray[np.void]: ...
+    @property
+    def status(self) -> NDArray[np.uint32]: ...
+    @property
+    def triangle(self) -> NDArray[np.uint32]: ...
+    @property
+    def t(self) -> _Float32: ...
+    @property
+    def t_num(self) -> _Float32: ...
+    @property
+    def t_denom(self) -> _Float32: ...
+    @property
+    def back_face(self) -> NDArray[np.bool_]: ...
+    @property
+    def nodes(self) -> NDArray[np.uint32]: ...
+    @property
+    def triangles(self) -> NDArray[np.uint32]: ...
+    def __len__(self) -> int: ...
+
+@final
+class Unit:
+    def __new__(
+        cls,
+        preset: str | None = None,
+        *,
+        config: str | os.PathLike[str] | None = None,
+        contexts: int = ...,
+        stack: Literal[2, 4, 8, 16, 32] = ...,
+        memory_width: Literal[128, 256, 512, 1024] = ...,
+        id_width: int = ...,
+        divider_latency: int = ...,
+        registers: Literal["ieee", "recoded"] = ...,
+        control: Literal["skid", "credit"] = ...,
+        sharing: Literal["union", "segregated"] = ...,
+        unit_latency: Literal[1, 2, 3] = ...,
+    ) -> Unit: ...
+    @property
+    def parameters(self) -> _Row: ...
+    @staticmethod
+    def scene(triangles: _Float32, *, reach: float | None = None) -> UnitScene: ...
+    def trace(self, scene: UnitScene, rays: _Rays) -> UnitHits: ...
+    def simulate(
+        self,
+        scene: UnitScene,
+        rays: _Rays,
+        *,
+        latency: int = 100,
+        bandwidth: int | None = None,
+        cache: int | None = None,
+        cache_ways: int = 4,
+        cache_line: int = 128,
+        cache_latency: int = 8,
+    ) -> tuple[UnitHits, _Row]: ...
+    def generate(self, folder: str | os.PathLike[str]) -> int: ...
+
+@final
+class UnitOutputs:
+    @property
+    def ray_ready(self) -> bool: ...
+    @property
+    def hit_id(self) -> int | None: ...
+    @property
+    def hit(self) -> _Row | None: ...
+    @property
+    def request(self) -> tuple[int, int] | None: ...
+
+@final
+class UnitModel:
+    def __new__(cls, unit: Unit) -> UnitModel: ...
+    @property
+    def outputs(self) -> UnitOutputs: ...
+    @property
+    def counts(self) -> dict[str, int]: ...
+    def step(
+        self,
+        ray: Any = None,
+        ray_id: int = 0,
+        *,
+        response: tuple[int, bytes] | None = None,
+        response_error: bool = False,
+        hit_ready: bool = True,
+        request_ready: bool = True,
+    ) -> UnitOutputs: ...
+    def skip(self, cycles: int) -> int: ...
     def reset(self) -> None: ...
 
 @final

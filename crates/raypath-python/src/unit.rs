@@ -1,0 +1,301 @@
+//! The classes `Unit` and `UnitScene`.
+
+use crate::array::{Output, items, items_like};
+use crate::config::{Around, chosen};
+use crate::error::{exception, value_error};
+use crate::hits::UnitHits;
+use crate::tables::row;
+use crate::watch::watched;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use raypath_embed::{self as embed, UnitHit, UnitRay, Vertices};
+use raypath_render::{Blocks, Mesh, Scene};
+use raypath_unit::UnitParameters;
+use raypath_unit::system::{CacheParameters, MemoryParameters};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A traversal unit around a datapath: a ray goes in, its closest or any hit comes out.
+///
+/// It does not change, so that threads can share it. Its methods release the interpreter lock while they compute.
+///
+/// Args:
+///     preset: the name of a configuration of the datapath, as for ``Datapath``. Distance operations are left out.
+///     config: in place of a preset, the path of a TOML file, or its text, which contains "=".
+///     flags: the options of ``raypath generate --unit``, with ``_`` in place of ``-``: ``contexts``, ``stack``,
+///         ``memory_width``, ``id_width``, ``divider_latency``, and those of the datapath.
+///
+/// Raises:
+///     ValueError: a value that a flag does not have; a datapath that the unit does not have.
+///     TypeError: a keyword that is not a flag.
+///
+/// Example:
+///     >>> import numpy as np, raypath
+///     >>> unit = raypath.Unit("compact", contexts=16)
+///     >>> scene = unit.scene(np.float32([[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]]))
+///     >>> rays = scene.rays(np.float32([[0, 0, 4], [9, 0, 4]]), np.float32([[0, 0, -2], [0, 0, -1]]))
+///     >>> hits = unit.trace(scene, rays)
+///     >>> hits.status, hits.t
+///     (array([1, 0], dtype=uint32), array([2., 0.], dtype=float32))
+#[pyclass(module = "raypath", frozen)]
+pub struct Unit {
+    pub inner: Arc<embed::Unit>,
+}
+
+#[pymethods]
+impl Unit {
+    #[new]
+    #[pyo3(signature = (preset = None, *, config = None, **flags))]
+    fn new(
+        py: Python<'_>,
+        preset: Option<&str>,
+        config: Option<&Bound<'_, PyAny>>,
+        flags: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let mut parameters = UnitParameters::default();
+        let set = &mut |name: &str, value: &str| parameters.set(name, value).unwrap_or(Ok(()));
+        let around = Around { of: "a unit", names: &UnitParameters::NAMES, set };
+        let config = chosen(preset, config, flags, around)?;
+        let inner = py.detach(|| embed::Unit::new(config, parameters)).map_err(exception)?;
+        Ok(Self { inner: Arc::new(inner) })
+    }
+
+    /// The parameters of the unit by their keywords, without those of the datapath.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let row = PyDict::new(py);
+        let parameters = self.inner.parameters();
+        for name in UnitParameters::NAMES {
+            let value: Option<u32> = parameters.get(name).and_then(|value| value.parse().ok());
+            row.set_item(name.replace('-', "_"), value)?;
+        }
+        Ok(row)
+    }
+
+    /// A scene of triangles in the layout that the unit reads, as ``raypath scene`` writes it.
+    ///
+    /// Args:
+    ///     triangles: float32 array of shape (n, 3, 3): three vertices for each triangle, counter-clockwise as seen
+    ///         from its front, with finite coordinates of magnitude at most 2**40.
+    ///     reach: the greatest distance, along any axis, between the origin of a ray and a vertex. Rays from further
+    ///         away may lose hits at the edges of boxes. 16 times the longest side of the scene by default.
+    ///
+    /// Raises:
+    ///     ValueError: another type or shape; a coordinate out of range; no triangle, or too many.
+    #[staticmethod]
+    #[pyo3(signature = (triangles, *, reach = None))]
+    fn scene(py: Python<'_>, triangles: &Bound<'_, PyAny>, reach: Option<f32>) -> PyResult<UnitScene> {
+        let triangles = items::<Vertices>(triangles, "triangles")?;
+        if let Some(reach) = reach.filter(|reach| !(*reach >= 0.0 && reach.is_finite())) {
+            return Err(value_error(format!("reach: found {reach}, expected a finite number of at least 0")));
+        }
+        let blocks = py.detach(|| blocks(triangles, reach))?;
+        Ok(UnitScene { data: blocks.bytes().into(), root: blocks.root() })
+    }
+
+    /// Traces rays by the functional model, without time.
+    ///
+    /// Args:
+    ///     scene: the memory that the unit reads. An address outside of it is an error of the memory.
+    ///     rays: rays of ``scene.rays``.
+    ///
+    /// Returns:
+    ///     n hits with the attributes ``status``, ``triangle``, ``t`` and others, each of shape (n,). They have the
+    ///     bits of the hardware, for any memory and any number of contexts.
+    ///
+    /// Raises:
+    ///     ValueError: another type or shape; a ray with a ``cull`` above 3.
+    fn trace(&self, py: Python<'_>, scene: &Bound<'_, UnitScene>, rays: &Bound<'_, PyAny>) -> PyResult<UnitHits> {
+        let (scene, rays) = (scene.get(), items::<UnitRay>(rays, "rays")?);
+        let mut output = Output::new::<UnitHit>(py, rays.len())?;
+        let hits = output.items()?;
+        py.detach(|| self.inner.trace(&scene.data, rays, hits)).map_err(exception)?;
+        Ok(UnitHits::new(output.into_array()))
+    }
+
+    /// Traces rays by the cycle-exact model with a memory, and measures. Rays are offered in order as soon as the unit
+    /// is ready, and hits are taken at once.
+    ///
+    /// Args:
+    ///     scene: the memory that the unit reads.
+    ///     rays: rays of ``scene.rays``.
+    ///     latency: cycles from a request to the first beat of its block, 1 to 1,000,000; with a cache, of a miss.
+    ///     bandwidth: the bytes that arrive from the memory in a cycle, 1 to 65,536; as many as the unit takes by
+    ///         default.
+    ///     cache: the bytes of a cache before the memory; none by default.
+    ///     cache_ways: the ways of the cache.
+    ///     cache_line: the bytes of a line of the cache, a power of two from 32 to 4096.
+    ///     cache_latency: cycles of a hit in the cache.
+    ///
+    /// Returns:
+    ///     The hits, as those of ``trace``, and a dictionary of what was measured: ``cycles``, ``rays``, ``boxes`` and
+    ///     ``triangles`` (jobs of the datapath), ``steps``, ``fetches``, ``beats`` (of the memory), ``cache_hits``,
+    ///     ``cache_misses``, ``rays_in_flight`` (the mean) and ``jobs_per_cycle``.
+    ///
+    /// Raises:
+    ///     ValueError: another type or shape; an argument out of range.
+    ///     KeyboardInterrupt: after Ctrl-C.
+    #[pyo3(signature = (scene, rays, *, latency = 100, bandwidth = None, cache = None, cache_ways = 4, cache_line = 128,
+        cache_latency = 8))]
+    #[allow(clippy::too_many_arguments)] // keywords of Python
+    fn simulate<'py>(
+        &self,
+        py: Python<'py>,
+        scene: &Bound<'py, UnitScene>,
+        rays: &Bound<'py, PyAny>,
+        latency: u64,
+        bandwidth: Option<u32>,
+        cache: Option<u32>,
+        cache_ways: u32,
+        cache_line: u32,
+        cache_latency: u64,
+    ) -> PyResult<(UnitHits, Bound<'py, PyDict>)> {
+        let (scene, rays) = (scene.get(), items::<UnitRay>(rays, "rays")?);
+        let cache = cache.map(|bytes| CacheParameters {
+            bytes,
+            ways: cache_ways,
+            line: cache_line,
+            hit_latency: cache_latency,
+        });
+        let memory = MemoryParameters { latency, bandwidth, cache };
+        let mut output = Output::new::<UnitHit>(py, rays.len())?;
+        let hits = output.items()?;
+        let unit = &self.inner;
+        let found = watched(py, |progress| {
+            unit.simulate(&scene.data, rays, &memory, hits, &|done| progress(done)).map_err(exception)
+        })?;
+        let counts = found.unit;
+        let row = row!(py,
+            "cycles": counts.cycles,
+            "rays": counts.rays,
+            "boxes": counts.boxes,
+            "triangles": counts.triangles,
+            "steps": counts.steps,
+            "fetches": counts.fetches,
+            "beats": found.beats,
+            "cache_hits": found.cache_hits,
+            "cache_misses": found.cache_misses,
+            "rays_in_flight": found.ray_cycles as f64 / counts.cycles.max(1) as f64,
+            "jobs_per_cycle": found.jobs_per_cycle(),
+        )?;
+        Ok((UnitHits::new(output.into_array()), row))
+    }
+
+    /// Writes SystemVerilog, assertions, the AXI4 wrapper and manifests, as ``raypath generate --unit`` does.
+    ///
+    /// Args:
+    ///     folder: the folder to write to, which is created if it does not exist.
+    ///
+    /// Returns:
+    ///     The number of files.
+    ///
+    /// Raises:
+    ///     OSError: a file or folder that cannot be written; then no file is changed.
+    fn generate(&self, py: Python<'_>, folder: PathBuf) -> PyResult<usize> {
+        py.detach(|| self.inner.generate(&folder)).map_err(exception)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<raypath.Unit: {}>", self.inner.description())
+    }
+}
+
+/// A scene in memory, as a ``Unit`` reads it.
+///
+/// Args:
+///     data: the bytes, the first of which has the address 0; ``Unit.scene`` and ``raypath scene`` make them.
+///     root: the child word of the root, which ``raypath scene`` prints.
+///
+/// Raises:
+///     OverflowError: a root of more than 32 bits.
+#[pyclass(module = "raypath", frozen)]
+pub struct UnitScene {
+    pub data: Box<[u8]>,
+    root: u32,
+}
+
+#[pymethods]
+impl UnitScene {
+    #[new]
+    fn new(data: &Bound<'_, PyBytes>, root: u32) -> Self {
+        Self { data: data.as_bytes().into(), root }
+    }
+
+    /// The bytes, from address 0 on. Each access makes a copy.
+    #[getter]
+    fn data<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.data)
+    }
+
+    /// The child word of the root, with which each ray begins.
+    #[getter]
+    fn root(&self) -> u32 {
+        self.root
+    }
+
+    /// Rays as the unit takes them, for this scene.
+    ///
+    /// Directions of any length are allowed, and distances are in units of it. The unit refuses a ray with a direction
+    /// that cannot be inverted, a value that is not finite, or a negative ``t_min``: its hit has the status 2.
+    ///
+    /// Args:
+    ///     origins: float32 array of shape (n, 3).
+    ///     directions: float32 array of shape (n, 3).
+    ///     t_min: the least distance of a hit.
+    ///     t_max: the greatest distance of a hit; infinity reaches everything.
+    ///     any_hit: whether a ray ends at the first block of triangles with a hit.
+    ///     cull: the faces that are not hit: "none", "back", "front" or "both".
+    ///
+    /// Returns:
+    ///     A structured array of shape (n,) with the fields of the C structure ``raypath_unit_ray``: ``origin``,
+    ///     ``direction``, ``t_min``, ``t_max``, ``any_hit``, ``cull`` (1 back, 2 front, 3 both) and ``root``. A field
+    ///     can be changed for each ray.
+    ///
+    /// Raises:
+    ///     ValueError: another type or shape; another ``cull``.
+    #[pyo3(signature = (origins, directions, *, t_min = 0.0, t_max = f32::INFINITY, any_hit = false, cull = "none"))]
+    #[allow(clippy::too_many_arguments)] // keywords of Python
+    fn rays<'py>(
+        &self,
+        py: Python<'py>,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_min: f32,
+        t_max: f32,
+        any_hit: bool,
+        cull: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let origins = items::<[f32; 3]>(origins, "origins")?;
+        let directions = items_like::<[f32; 3]>(directions, "directions", origins.len(), "origins")?;
+        let Some(cull) = ["none", "back", "front", "both"].iter().position(|name| *name == cull) else {
+            return Err(value_error(format!("cull: found '{cull}', expected none, back, front or both")));
+        };
+        let (any_hit, cull, root) = (any_hit.into(), cull as u32, self.root);
+        let mut output = Output::new::<UnitRay>(py, origins.len())?;
+        for (ray, (&origin, &direction)) in output.items()?.iter_mut().zip(origins.iter().zip(directions)) {
+            *ray = UnitRay { origin, direction, t_min, t_max, any_hit, cull, root };
+        }
+        Ok(output.into_array())
+    }
+
+    fn __len__(&self) -> usize {
+        self.data.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<raypath.UnitScene: {} bytes, root {:#010x}>", self.data.len(), self.root)
+    }
+}
+
+fn blocks(triangles: &[Vertices], reach: Option<f32>) -> PyResult<Blocks> {
+    let vertices: Vec<[f32; 3]> = triangles.iter().flat_map(|&Vertices { a, b, c }| [a, b, c]).collect();
+    let count = u32::try_from(vertices.len())
+        .map_err(|_| value_error(format!("triangles: found {}, expected at most {}", triangles.len(), u32::MAX / 3)))?;
+    let faces = (0..count / 3).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+    let mesh = Mesh::new(vertices, faces).map_err(value_error)?;
+    let scene = match reach {
+        None => Scene::new(mesh),
+        Some(reach) => Scene::with_reach(mesh, reach),
+    };
+    Blocks::of(scene.map_err(value_error)?.bvh()).map_err(value_error)
+}
