@@ -83,13 +83,27 @@ impl NetlistEngine {
     /// # Errors
     /// A netlist that cannot be compiled.
     pub fn of_module(top: &Arc<Module>) -> Result<Self, Error> {
-        let simulator = Simulator::new(top)?;
+        Self::observing(top, |_| false)
+    }
+
+    /// As [`of_module`](Self::of_module), with signals that can be observed: those whose hierarchical name is `wanted`
+    /// ([`Simulator::observing`]).
+    ///
+    /// # Errors
+    /// A netlist that cannot be compiled.
+    pub fn observing(top: &Arc<Module>, wanted: impl Fn(&str) -> bool) -> Result<Self, Error> {
+        let simulator = Simulator::observing(top, wanted)?;
         let input = |port: &raypath_hdl::Port| simulator.input(&port.name);
         let inputs = top.inputs().iter().map(input).collect::<Result<_, _>>()?;
         let output = |port: &raypath_hdl::Port| simulator.output(&port.name);
         let outputs = top.outputs().iter().map(output).collect::<Result<_, _>>()?;
         let widths = top.inputs().iter().map(|port| top.signal(port.signal).width).collect();
         Ok(Self { simulator, inputs, outputs, widths, arbitrary: 1 })
+    }
+
+    /// The simulator, from which observed signals are read.
+    pub fn simulator(&self) -> &Simulator {
+        &self.simulator
     }
 
     /// The state after a reset, with random values in registers without a reset value and in memories, on which nothing

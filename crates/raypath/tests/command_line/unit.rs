@@ -90,6 +90,48 @@ fn wrong_parameters_of_the_unit_are_named() {
         let arguments: Vec<&str> = ["generate"].into_iter().chain(options.split(' ')).collect();
         ends_with(&arguments, 2, words);
     }
+    ends_with(&["wave", "--unit", "jobs.txt"], 2, &["--unit", "cannot be used with", "FILES"]);
+    ends_with(&["wave", "--contexts", "8", "jobs.txt"], 2, &["--contexts 8", "expected --unit"]);
+}
+
+/// The rays and hits of the waveform are those of the channels' handshakes, counted at the rising edges of the clock.
+#[test]
+fn wave_shows_the_channels_of_the_unit_and_the_names_of_its_parts() {
+    const NS_PER_CYCLE: u64 = 10;
+    let folder = folder();
+    let path = folder.path().join("unit.fst");
+    let out = text(&path);
+    let options = "wave --unit --preset compact --contexts 8 --rays 12 --out";
+    ends_with(&options.split(' ').chain([out.as_str()]).collect::<Vec<_>>(), 0, &["12 rays in "]);
+
+    let mut waves = wellen::simple::read(&path).expect("a waveform");
+    let cycles = waves.time_table().last().expect("a time") / NS_PER_CYCLE;
+    let mut values = |scopes: &[&str], name: &str| {
+        let variable = waves.hierarchy().lookup_var(scopes, name).unwrap_or_else(|| panic!("no {name} in {scopes:?}"));
+        let signal = waves.hierarchy()[variable].signal_ref();
+        waves.load_signals(&[signal]);
+        let changes = waves.get_signal(signal).expect("loaded").iter_changes();
+        let changes: Vec<(u64, String)> =
+            changes.map(|(time, value)| (waves.time_table()[time as usize], value.to_string())).collect();
+        let at = |time: u64| changes.iter().take_while(|(from, _)| *from <= time).last().expect("a value").1.clone();
+        (0..cycles).map(|cycle| at(cycle * NS_PER_CYCLE)).collect::<Vec<String>>()
+    };
+    let top = ["raypath_unit"];
+    let mut transfers = |valid: &str, ready: &str, id: &str| {
+        let [valid, ready, id] = [valid, ready, id].map(|name| values(&top, name));
+        let moves = valid.into_iter().zip(ready).map(|(valid, ready)| valid == "1" && ready == "1");
+        id.into_iter().zip(moves).filter(|(_, moves)| *moves).map(|(id, _)| id).collect::<Vec<String>>()
+    };
+    let ids: Vec<String> = (0..12).map(|id| format!("{id:016b}")).collect();
+    assert_eq!(transfers("ray_valid_i", "ray_ready_o", "ray_id_i"), ids);
+    let mut hits = transfers("hit_valid_o", "hit_ready_i", "hit_id_o");
+    hits.sort();
+    assert_eq!(hits, ids);
+    let fetched = transfers("mem_req_valid_o", "mem_req_ready_i", "mem_req_addr_o").len();
+    let asked = values(&["raypath_unit", "u_walk"], "fetches_o").iter().filter(|value| *value == "1").count();
+    assert_eq!((fetched, fetched > 12), (asked, true));
+    values(&["raypath_unit", "u_datapath", "u_stage_5"], "quadbox_inside_0_tmin");
+    values(&["raypath_unit", "u_walk", "u_stack"], "write_enable");
 }
 
 /// `examples/unit` on the commands of `docs/integration/unit.md`: the Verilated RTL behind cocotb's AXI4 memory traces

@@ -12,7 +12,6 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub struct StreamArguments {
     /// Transaction files, plain or gzip; several merge by seq into one stream
-    #[arg(required = true)]
     files: Vec<PathBuf>,
     /// The kind of jobs in the files, if the names of the files do not begin with it
     #[arg(long, value_name = "triangle|quadbox|euclidean|angular|NAME")]
@@ -32,6 +31,9 @@ impl StreamArguments {
     /// Reads all files into one stream for a configuration and its model.
     pub fn read(&self, model: &WordModel, config: Config) -> Result<Vec<Transaction>, CliError> {
         let kind = self.kind.as_ref().map(|name| kind_named(name, model)).transpose()?;
+        if self.files.is_empty() {
+            return Err(CliError::unusable("no FILES are given, expected at least one file of transactions"));
+        }
         let mut files = Vec::new();
         for path in &self.files {
             files.push(read(path, kind, model, config)?);
@@ -54,6 +56,11 @@ impl StreamArguments {
             "random" => Traffic::random(self.seed),
             path => Traffic::recorded(read_recorded(path.as_ref())?),
         })
+    }
+
+    /// The seed of all random choices.
+    pub fn seed(&self) -> u64 {
+        self.seed
     }
 
     /// Whether the handshakes are those of a file, with resets perhaps.

@@ -1,6 +1,9 @@
 //! `raypath wave`: recorded transactions through the netlist, with a waveform.
 
+mod unit;
+
 use crate::commands::full::StreamArguments;
+use crate::commands::unit::UnitArguments;
 use crate::{CliError, DatapathArguments, Progress, whole};
 use clap::Args;
 use raypath_rtl::UnitKind;
@@ -20,11 +23,23 @@ pub struct Arguments {
     /// Stop after this many jobs
     #[arg(long, value_name = "N", value_parser = whole(1..=u32::MAX))]
     jobs: Option<u32>,
+    /// Show the traversal unit around the datapath, with random rays in a random scene in place of transactions
+    #[arg(long, conflicts_with_all = ["files", "kind", "handshake", "interleave", "jobs", "specs"])]
+    unit: bool,
+    /// The number of random rays
+    #[arg(long, default_value_t = 20, requires = "unit", value_parser = whole(1..=100_000_u32))]
+    rays: u32,
     #[command(flatten)]
     datapath: DatapathArguments,
+    #[command(flatten)]
+    unit_parameters: UnitArguments,
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    if arguments.unit {
+        return unit::run(arguments, out);
+    }
+    arguments.unit_parameters.expect_none("--unit")?;
     let (config, whole) = arguments.datapath.datapath()?;
     let (model, datapath) = (whole.model(), whole.elaborate()?);
     let stream = arguments.stream.read(&model, config)?;

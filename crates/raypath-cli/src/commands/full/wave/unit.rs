@@ -1,0 +1,84 @@
+//! `raypath wave --unit`: random rays through the netlist of the traversal unit, with a waveform.
+
+use super::{Arguments, is_of_interest};
+use crate::{CliError, Progress};
+use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
+use raypath_rtl::UnitKind;
+use raypath_unit::traffic::{Behaviour, BlockScene, Environment, random_ray};
+use raypath_unit::{NetlistEngine, RayRequest, UnitEngine, UnitInputs, UnitNetlist, UnitOutputs};
+use raypath_wave::{WaveError, WaveWriter};
+use std::io::Write;
+
+/// The triangles of the random scene.
+const TRIANGLES: u32 = 500;
+/// The memory and the users of the ports, which never stall.
+const BEHAVIOUR: Behaviour = Behaviour { latency: (20, 20), stalls: [0; 4], errors: 0 };
+/// The most cycles that a ray takes in this scene, by far.
+const CYCLES_PER_RAY: u64 = 100_000;
+
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    let unit = UnitNetlist::new(arguments.datapath.config()?, arguments.unit_parameters.parameters())?;
+    let seed = arguments.stream.seed();
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (scene, root) = BlockScene::random(TRIANGLES, &mut random);
+    let total = arguments.rays as usize;
+    let rays: Vec<RayRequest> = (0..total).map(|_| random_ray(root, &mut random)).collect();
+
+    let mut units: Vec<String> = UnitKind::ALL.map(|kind| format!("u_{}", kind.stem())).into();
+    units.push("u_divider".to_string());
+    let netlist = NetlistEngine::observing(&unit.top, |name| is_of_interest(name, &units))?;
+    let waves = WaveWriter::create(&arguments.out, netlist.simulator())?;
+    let mut waving = Waving { netlist, waves, cycle: 0, failed: None };
+    let mut environment = Environment::new(&scene.0, unit.parameters.memory_width, rays, BEHAVIOUR, seed);
+    let mut progress = Progress::new("rays", total);
+    let limit = CYCLES_PER_RAY.saturating_mul(total as u64);
+    while !environment.is_done() && progress.at(environment.replies.len()) {
+        let cycle = environment.cycle(&mut [&mut waving]);
+        cycle.map_err(|problem| CliError::Mismatch(format!("netlist: {problem}")))?;
+        if let Some(failed) = waving.failed.take() {
+            return Err(failed.into());
+        }
+        if environment.cycles() > limit {
+            let ended = environment.replies.len();
+            return Err(CliError::Mismatch(format!("{ended} of {total} rays ended in {limit} cycles, expected all")));
+        }
+    }
+    let ended = environment.replies.len();
+    progress.finish(ended)?;
+    waving.waves.finish()?;
+    writeln!(out, "Wrote {ended} rays in {} cycles to {}", environment.cycles(), arguments.out.display())?;
+    Ok(())
+}
+
+struct Waving {
+    netlist: NetlistEngine,
+    waves: WaveWriter,
+    cycle: u64,
+    failed: Option<WaveError>,
+}
+
+impl UnitEngine for Waving {
+    fn outputs(&mut self) -> UnitOutputs {
+        self.netlist.outputs()
+    }
+
+    fn cycle(&mut self, inputs: &UnitInputs<'_>) {
+        self.netlist.cycle(inputs);
+        self.sample();
+    }
+
+    fn reset(&mut self) {
+        self.netlist.reset();
+        self.sample();
+    }
+}
+
+impl Waving {
+    fn sample(&mut self) {
+        if self.failed.is_none() {
+            self.failed = self.waves.sample(self.netlist.simulator(), self.cycle).err();
+        }
+        self.cycle += 1;
+    }
+}
