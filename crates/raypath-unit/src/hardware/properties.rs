@@ -21,8 +21,8 @@ impl UnitNetlist {
                 text,
                 "\nbind raypath_unit raypath_stall_properties #(\n    .Width ({width})\n  ) u_{name}_stall_properties (\n    \
                  .clk_i (clk_i),\n    .rst_ni (rst_ni),\n    .valid_i ({valid}),\n    .ready_i ({ready}),\n    \
-                 .data_i ({{{}}})\n  );\n",
-                names.join(", ")
+                 .data_i ({{\n      {}\n    }})\n  );\n",
+                names.join(",\n      ")
             );
         }
         let contexts = self.parameters.contexts;

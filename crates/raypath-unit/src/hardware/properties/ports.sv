@@ -1,5 +1,5 @@
-// The ports of the traversal unit: a ray that enters ends once, a request has a tag that is not in use, and
-// the memory answers requests alone.
+// The ports of the traversal unit: a ray that enters ends once, a request has a tag that is not in
+// use, and the memory answers requests alone.
 module raypath_unit_ports_properties #(
   parameter int unsigned Contexts     = 8,
   parameter int unsigned ContextWidth = 3,
@@ -15,16 +15,19 @@ module raypath_unit_ports_properties #(
   input logic [ContextWidth-1:0] arrival_tag_i
 );
 
+  logic                  runs_q;  // not in reset
   logic [ContextWidth:0] inside_q;
   logic [31:0]           left_q [0:2**ContextWidth-1];  // beats of each tag that have not arrived
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
+      runs_q   <= 1'b0;
       inside_q <= '0;
       for (int tag = 0; tag < 2**ContextWidth; tag++) begin
         left_q[tag] <= '0;
       end
     end else begin
+      runs_q   <= 1'b1;
       inside_q <= inside_q + {{ContextWidth{1'b0}}, enters_i} - {{ContextWidth{1'b0}}, leaves_i};
       if (arrives_i) begin
         left_q[arrival_tag_i] <= left_q[arrival_tag_i] - 1;
@@ -36,7 +39,7 @@ module raypath_unit_ports_properties #(
   end
 
   always_ff @(posedge clk_i) begin
-    if (rst_ni) begin
+    if (runs_q) begin
       hits_have_rays:      assert (!leaves_i || inside_q != 0);
       contexts_suffice:    assert (inside_q <= Contexts[ContextWidth:0]);
       tags_are_free:       assert (!requests_i || left_q[request_tag_i] == 0);
