@@ -569,7 +569,7 @@ typedef struct {
 } raypath_unit_ray;
 
 /**
- * What the traversal unit returns for a ray, 32 bytes. The members are the ports of the hit's channel: without a hit,
+ * What the traversal unit returns for a ray, 40 bytes. The members are the ports of the hit's channel: without a hit,
  * all but `status`, `nodes` and `triangles` are 0.
  */
 typedef struct {
@@ -593,6 +593,15 @@ typedef struct {
    * The denominator of the distance; negative for a back face.
    */
   float t_denom;
+  /**
+   * With `barycentrics`, the weight of the triangle's first vertex at the hit; 0 otherwise. The weights of the three
+   * vertices add up to 1.
+   */
+  float u;
+  /**
+   * With `barycentrics`, the weight of the second vertex.
+   */
+  float v;
   /**
    * Whether the ray meets the back face: 0 or 1.
    */
@@ -1134,7 +1143,8 @@ const char *raypath_last_error(void);
 /**
  * Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
  * `contexts`, `stack`, `memory-width`, `id-width`, `divider-latency`. For example `preset = "compact"` and
- * `contexts = 16` in a line each; NULL is the default. Any thread may call it.
+ * `contexts = 16` in a line each; NULL is the default. Of the features, a unit has `barycentrics` alone. Any thread
+ * may call it.
  *
  * Errors: `RAYPATH_ERROR_CONFIGURATION` with the line of `toml`, or for a datapath that the unit does not have;
  * `RAYPATH_ERROR_NULL`. Then `*unit` is not changed.
@@ -1231,15 +1241,15 @@ raypath_status raypath_unit_model_outputs(const raypath_unit_model *model, raypa
 /**
  * The clock edge that ends this cycle.
  *
- * Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, a `cull` above 3, and a beat whose
- * tag is that of no request that waits for one; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
+ * Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, a `cull` above 3, and a beat
+ * whose tag is that of no request that waits for one; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle
+ * passes.
  *
  * # Safety
  * `model` is NULL or a model that no other thread uses; `inputs` is NULL or points to a structure, whose beat has an
  * eighth of the memory's width if it is valid.
  */
-raypath_status raypath_unit_model_step(raypath_unit_model *model,
-                                       const raypath_unit_inputs *inputs);
+raypath_status raypath_unit_model_step(raypath_unit_model *model, const raypath_unit_inputs *inputs);
 
 /**
  * Advances up to `cycles` cycles in which no ray is offered, no beat arrives and nothing is taken, and stops in the

@@ -45,7 +45,8 @@ pub const RAYPATH_CULL_FRONT: u32 = 2;
 
 /// Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
 /// `contexts`, `stack`, `memory-width`, `id-width`, `divider-latency`. For example `preset = "compact"` and
-/// `contexts = 16` in a line each; NULL is the default. Any thread may call it.
+/// `contexts = 16` in a line each; NULL is the default. Of the features, a unit has `barycentrics` alone. Any thread
+/// may call it.
 ///
 /// Errors: `RAYPATH_ERROR_CONFIGURATION` with the line of `toml`, or for a datapath that the unit does not have;
 /// `RAYPATH_ERROR_NULL`. Then `*unit` is not changed.

@@ -125,8 +125,9 @@ pub unsafe extern "C" fn raypath_unit_model_outputs(model: *const UnitModel, out
 
 /// The clock edge that ends this cycle.
 ///
-/// Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, a `cull` above 3, and a beat whose
-/// tag is that of no request that waits for one; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle passes.
+/// Errors: `RAYPATH_ERROR_ARGUMENT` for an id with more bits than the unit has for it, a `cull` above 3, and a beat
+/// whose tag is that of no request that waits for one; `RAYPATH_ERROR_NULL`; `RAYPATH_ERROR_ALIGNMENT`. Then no cycle
+/// passes.
 ///
 /// # Safety
 /// `model` is NULL or a model that no other thread uses; `inputs` is NULL or points to a structure, whose beat has an

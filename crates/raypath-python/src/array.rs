@@ -92,10 +92,10 @@ unsafe impl Item for UnitHit {
     const ELEMENT: &str = "hit";
     fn dtype(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
         let description = PyDict::new(py);
-        let names = ["status", "triangle", "t", "t_num", "t_denom", "back_face", "nodes", "triangles"];
+        let names = ["status", "triangle", "t", "t_num", "t_denom", "u", "v", "back_face", "nodes", "triangles"];
         description.set_item("names", names)?;
-        description.set_item("formats", ["u4", "u4", "f4", "f4", "f4", "?", "u4", "u4"])?;
-        description.set_item("offsets", [0, 4, 8, 12, 16, 20 + LEAST_BYTE, 24, 28])?;
+        description.set_item("formats", ["u4", "u4", "f4", "f4", "f4", "f4", "f4", "?", "u4", "u4"])?;
+        description.set_item("offsets", [0, 4, 8, 12, 16, 20, 24, 28 + LEAST_BYTE, 32, 36])?;
         description.set_item("itemsize", size_of::<Self>())?;
         PyArrayDescr::new(py, description)
     }

@@ -87,6 +87,11 @@ hits! {
         t_num,
         " float32 array of shape (n,): the denominator of the distance; negative for a back face."
         t_denom,
+        " float32 array of shape (n,): with ``barycentrics``, the weight of the triangle's first vertex at the hit; 0"
+        " otherwise. The weights of the three vertices add up to 1."
+        u,
+        " float32 array of shape (n,): with ``barycentrics``, the weight of the second vertex."
+        v,
         " bool array of shape (n,): whether the ray hits the triangle from behind."
         back_face,
         " uint32 array of shape (n,): the nodes that the ray has read."

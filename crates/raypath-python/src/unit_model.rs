@@ -151,9 +151,9 @@ impl UnitOutputs {
     #[getter]
     fn hit<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let Some((_, hit)) = self.0.hit else { return Ok(None) };
-        let UnitHit { status, triangle, t, t_num, t_denom, back_face, nodes, triangles } = hit;
+        let UnitHit { status, triangle, t, t_num, t_denom, u, v, back_face, nodes, triangles } = hit;
         let row = row!(py, "status": status, "triangle": triangle, "t": t, "t_num": t_num, "t_denom": t_denom,
-            "back_face": back_face == 1, "nodes": nodes, "triangles": triangles)?;
+            "u": u, "v": v, "back_face": back_face == 1, "nodes": nodes, "triangles": triangles)?;
         Ok(Some(row))
     }
 

@@ -17,7 +17,7 @@ Float32 = NDArray[np.float32]
 @pytest.fixture(scope="module")
 def unit() -> raypath.Unit:
     """A small unit, so that rays wait for contexts."""
-    return raypath.Unit("compact", contexts=8, stack=2, memory_width=256, id_width=12)
+    return raypath.Unit("compact", contexts=8, stack=2, memory_width=256, id_width=12, barycentrics=True)
 
 
 @pytest.fixture(scope="module")
@@ -57,13 +57,18 @@ def test_trace(unit: raypath.Unit, scene: raypath.UnitScene, mesh: Mesh) -> None
         np.testing.assert_allclose(hits.t[chosen], t[chosen], rtol=1e-3)
         np.testing.assert_array_equal(hits.t[chosen], hits.t_num[chosen] / hits.t_denom[chosen])
         assert (hits.back_face[chosen] == is_back).all()
+        corners = mesh[0][mesh[1]].astype(np.float64)[triangle[chosen]][:, :: -1 if is_back else 1]
+        weights = np.stack([hits.u, hits.v, 1 - hits.u - hits.v], axis=1)[chosen]
+        points = (origins + t[:, None] * directions)[chosen]
+        np.testing.assert_allclose((weights[:, :, None] * corners).sum(1), points, atol=1e-3)
         assert (hits.t_denom[chosen] < 0).all() == is_back
         assert not hits.t[hits.status == 0].any()
         assert len(hits) == 2000
 
 
-def test_fields_of_rays(unit: raypath.Unit) -> None:
-    """Range, faces and any hit, set for single rays, and what the unit refuses."""
+def test_fields_of_rays() -> None:
+    """Range, faces and any hit, set for single rays, and what the unit refuses. Weights are a feature."""
+    unit = raypath.Unit()
     scene = unit.scene(f32([[[-1, -1, z], [1, -1, z], [0, 1, z]] for z in (0, 2)]))
     rays = scene.rays(np.tile(f32([0, 0, 4]), (7, 1)), np.tile(f32([0, 0, -2]), (7, 1)), t_max=10)
     rays["t_min"][1] = 1.5
@@ -76,6 +81,7 @@ def test_fields_of_rays(unit: raypath.Unit) -> None:
     assert hits.status.tolist() == [1, 1, 0, 0, 1, 2, 2]
     assert hits.t.tolist()[:4] == [1, 2, 0, 0]
     assert hits.triangle.tolist()[:2] == [1, 0]
+    assert not hits.u.any()
     beyond = raypath.UnitScene(b"", scene.root)
     assert unit.trace(beyond, rays[:1]).status.tolist() == [3]
     again = raypath.UnitScene(scene.data, scene.root)
@@ -149,7 +155,8 @@ def test_parameters(unit: raypath.Unit) -> None:
     """Keywords and TOML set the same parameters."""
     expected = {"contexts": 8, "stack": 2, "memory_width": 256, "id_width": 12, "divider_latency": 11}
     assert unit.parameters == expected
-    toml = raypath.Unit(config='preset = "compact"\ncontexts = 8\nstack = 2\nmemory-width = 256\nid-width = 12')
+    lines = ["contexts = 8", "stack = 2", "memory-width = 256", "id-width = 12", "barycentrics = true"]
+    toml = raypath.Unit(config='preset = "compact"\n' + "\n".join(lines))
     assert (toml.parameters, repr(toml)) == (expected, repr(unit))
 
 

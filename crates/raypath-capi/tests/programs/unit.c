@@ -1,5 +1,5 @@
 /* The traversal unit: rays through a scene that this program lays out in memory, against every triangle in double
-   precision. Then the cycle-exact model with a memory of this program, against the functional model. Wrong arguments. */
+   precision. The cycle-exact model with a memory of this program, against the functional model. Wrong arguments. */
 
 #include <raypath.h>
 
@@ -152,6 +152,11 @@ static void functional_model(const raypath_unit *unit) {
     }
     CHECK(hit->triangle == index && fabs(hit->t - nearest) < 1e-3 * nearest);
     CHECK(hit->back_face == (uint32_t)is_back);
+    for (int axis = 0; axis < 3; axis++) { /* the weights of the vertices give the point of the hit */
+      const double a = triangles[index][0][axis], b = triangles[index][1][axis], c = triangles[index][2][axis];
+      const double point = rays[i].origin[axis] + nearest * rays[i].direction[axis];
+      CHECK(fabs(hit->u * a + hit->v * b + (1.0 - hit->u - hit->v) * c - point) < 1e-3);
+    }
   }
   CHECK(found[0] > 100 && found[1] > 100);
 }
@@ -347,7 +352,8 @@ int main(int count, char **arguments) {
   make_scene();
   make_rays();
   raypath_unit *unit = NULL;
-  const char *toml = "preset = \"compact\"\ncontexts = 8\nstack = 2\nmemory-width = 256\nid-width = 10";
+  const char *toml =
+      "preset = \"compact\"\nbarycentrics = true\ncontexts = 8\nstack = 2\nmemory-width = 256\nid-width = 10";
   CHECK(raypath_unit_open(toml, &unit) == RAYPATH_OK);
   opening(unit, arguments[1]);
   functional_model(unit);

@@ -23,7 +23,7 @@ pub struct UnitRay {
     pub root: u32,
 }
 
-/// What the traversal unit returns for a ray, 32 bytes. The members are the ports of the hit's channel: without a hit,
+/// What the traversal unit returns for a ray, 40 bytes. The members are the ports of the hit's channel: without a hit,
 /// all but `status`, `nodes` and `triangles` are 0.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -38,6 +38,11 @@ pub struct UnitHit {
     pub t_num: f32,
     /// The denominator of the distance; negative for a back face.
     pub t_denom: f32,
+    /// With `barycentrics`, the weight of the triangle's first vertex at the hit; 0 otherwise. The weights of the three
+    /// vertices add up to 1.
+    pub u: f32,
+    /// With `barycentrics`, the weight of the second vertex.
+    pub v: f32,
     /// Whether the ray meets the back face: 0 or 1.
     pub back_face: u32,
     /// The nodes that the ray has read.
@@ -71,13 +76,17 @@ impl From<&UnitRay> for RayRequest {
 impl From<&Reply> for UnitHit {
     fn from(reply: &Reply) -> Self {
         let missed = Self { status: reply.status, nodes: reply.nodes, triangles: reply.triangles, ..Self::default() };
-        reply.hit.map_or(missed, |hit| Self {
+        let Some(hit) = reply.hit else { return missed };
+        let [u, v] = hit.barycentric.unwrap_or_default();
+        Self {
             triangle: hit.triangle,
             t: hit.t,
             t_num: hit.t_num,
             t_denom: hit.t_denom,
+            u,
+            v,
             back_face: hit.back_face.into(),
             ..missed
-        })
+        }
     }
 }
