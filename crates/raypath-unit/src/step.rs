@@ -254,42 +254,37 @@ struct Chosen<C: WordCircuit> {
     rest: Group<C>,
 }
 
-/// The child at a place, 0 to 4, of the order of a box job. There is none at place 4.
+/// The child at a place, 0 to 4, of the order of a box job, and those at the places after it. There is none at place 4.
 #[inline(always)]
 fn from_place<C: WordCircuit>(c: C, answer: &Answer<C>, place: Word<C, 3>) -> Chosen<C> {
     let [one, two, four] = [place.part::<0, 1>(), place.part::<1, 1>(), place.part::<2, 1>()].map(|bit| bit.is(1));
-    // Children move to the front by the place: by one, then by two. Behind the last, the last is repeated.
-    let Flags([a, b, d, e]) = answer.hit;
+    let number = place.part::<0, 2>();
     let no = c.bit(false);
-    let hit = moved(two, 2, moved(one, 1, [a, b, d, e, no, no, no]));
+    let Flags([a, b, d, e]) = answer.hit;
     let [w, x, y, z] = answer.box_index;
-    let number = moved(two, 2, moved(one, 1, [w, x, y, z, z, z, z]));
     let [t, u, v] = answer.tmin;
-    let tmin = moved(two, 2, moved(one, 1, [t, u, v, v, v, v, v]));
-    let exists = |k: usize| hit[k] & !four;
-    let child = |k: usize| numbered(answer.child, number[k]);
+    let child = |number| numbered(answer.child, number);
     Chosen {
-        hit: exists(0),
-        child: child(0),
+        hit: !four & numbered([a, b, d, e], number),
+        child: child(numbered([w, x, y, z], number)),
+        // The last place has nothing after it, that before it has one child, and so on.
         rest: Group {
-            present: Flags([exists(1), exists(2), exists(3)]),
-            child: [child(1), child(2), child(3)],
-            tmin: [tmin[0], tmin[1], tmin[2]],
+            present: Flags([
+                !four & numbered([b, d, e, no], number),
+                !four & !two & one.select(e, d),
+                !four & !two & !one & e,
+            ]),
+            child: [child(two.select(z, one.select(y, x))), child(one.select(z, y)), child(z)],
+            tmin: [two.select(v, one.select(u, t)), one.select(v, u), v],
         },
     }
 }
 
-/// The values, moved to the front by `count` places if `moves`. The last stays in the places behind.
+/// The value of this number.
 #[inline(always)]
-fn moved<C: WordCircuit, T: Select<C>>(moves: Bit<C>, count: usize, values: [T; 7]) -> [T; 7] {
-    std::array::from_fn(|k| moves.select(values[(k + count).min(6)], values[k]))
-}
-
-/// The word of this number.
-#[inline(always)]
-fn numbered<C: WordCircuit>(words: [Word<C, 32>; 4], number: Word<C, 2>) -> Word<C, 32> {
+fn numbered<C: WordCircuit, T: Select<C>>(values: [T; 4], number: Word<C, 2>) -> T {
     let [low, high] = [number.part::<0, 1>().is(1), number.part::<1, 1>().is(1)];
-    high.select(low.select(words[3], words[2]), low.select(words[1], words[0]))
+    high.select(low.select(values[3], values[2]), low.select(values[1], values[0]))
 }
 
 /// A child word, decoded.
