@@ -73,6 +73,13 @@ pub fn keep<'m>(name: &str, depth: u32, write: Access<'m>, words: Named<'m>, rea
     words.into_iter().map(|(name, _)| name).zip(read).collect()
 }
 
+/// A register that takes `wire` in every cycle.
+pub fn delay<'m>(name: &str, wire: Wire<'m>) -> Wire<'m> {
+    let register = wire.builder().register(name, wire.width());
+    register.next(wire);
+    register.wire()
+}
+
 /// A register that takes `wire` where `enable` is 1.
 pub fn hold<'m>(name: &str, enable: Wire<'m>, wire: Wire<'m>) -> Wire<'m> {
     let register = wire.builder().register(name, wire.width());

@@ -15,14 +15,17 @@ pub fn contexts(count: u32) -> Result<Arc<Module>, Error> {
     let take = m.input("take_i", 1);
     let release = m.input("release_i", 1);
     let released = m.input("released_i", width);
-    // The contexts from here on were never used.
-    let fresh = m.register("fresh_q", bits(count + 1)).reset_to(0);
-    let is_fresh = (!fresh.wire().is(count.into())).named("is_fresh");
-    fresh.next_when(take & is_fresh, fresh.wire() + m.constant(bits(count + 1), 1));
+    // The contexts from `fresh_q` on were never used, as long as `has_fresh_q` is 1.
+    let fresh = m.register("fresh_q", width).reset_to(0);
+    let has_fresh = m.register("has_fresh_q", 1).reset_to(1);
+    let is_fresh = has_fresh.wire();
+    let is_last = (take & fresh.wire().is(u64::from(count) - 1)).named("is_last");
+    has_fresh.next(is_fresh & !is_last);
+    fresh.next_when(take, fresh.wire() + m.constant(width, 1));
     let free = queue("raypath_unit_free", count, &[("context", width)])?;
     let inputs = [("push_i", release), ("context_i", released), ("pop_i", take & !is_fresh)];
     let outputs = m.instance("u_free", &free, &inputs);
     m.output("valid_o", is_fresh | outputs[0]);
-    m.output("context_o", is_fresh.mux(fresh.wire().lower(width), outputs[1]));
+    m.output("context_o", is_fresh.mux(fresh.wire(), outputs[1]));
     builder.finish()
 }

@@ -15,14 +15,14 @@ pub fn queue(name: &str, depth: u32, columns: &[(&str, u32)]) -> Result<Arc<Modu
     let push = m.input("push_i", 1);
     let data: Vec<Wire<'_>> = columns.iter().map(|(column, width)| m.input(&format!("{column}_i"), *width)).collect();
     let pop = m.input("pop_i", 1);
-    let count = m.register("count_q", bits(depth + 1)).reset_to(0);
     let [head, tail] = ["head_q", "tail_q"].map(|name| m.register(name, bits(depth)).reset_to(0));
     let valid = m.register("valid_q", 1).reset_to(0);
 
-    let read = (count.wire().any() & (!valid.wire() | pop)).named("read");
+    // A word waits here only while another is at the output, or for one cycle. So the memory is never full, and it is
+    // empty where both ends are the same.
+    let waits = !head.wire().equals(tail.wire());
+    let read = (waits & (!valid.wire() | pop)).named("read");
     valid.next(read | (valid.wire() & !pop));
-    let one = m.constant(bits(depth + 1), 1);
-    count.next_when(push ^ read, push.mux(count.wire() + one, count.wire() - one));
     tail.next_when(push, after(tail.wire(), depth));
     head.next_when(read, after(head.wire(), depth));
     let memory = m.memory("u_words", depth, columns);

@@ -15,12 +15,14 @@ pub fn scheduler() -> Result<Arc<Module>, Error> {
     m.doc("Which answer is the next step's: that of the first source after the one that was granted last.");
     m.doc(format!("The sources, from bit 0 on: {}.", SOURCES.join(", ")));
     let request = m.input("request_i", count);
-    // The sources after the one that was granted last.
-    let after = m.register("after_q", count).reset_to(0);
-    let one = m.constant(count, 1);
-    let later = (request & after.wire()).named("later");
-    let grant = later.any().mux(lowest(later), lowest(request)).named("grant");
-    after.next_when(request.any(), !(grant | (grant - one)));
+    // The sources after the one that was granted last. The first is after none.
+    let after = m.register("after_q", count - 1).reset_to(0);
+    let later = (request.upper(count - 1) & after.wire()).named("later");
+    let first_later = m.concat(&[lowest(later), m.constant(1, 0)]);
+    let grant = later.any().mux(first_later, lowest(request)).named("grant");
+    let is_after = |source: u32| if source == 1 { grant.bit(0) } else { grant.lower(source).any() };
+    let behind: Vec<Wire<'_>> = (1..count).rev().map(is_after).collect();
+    after.next_when(request.any(), m.concat(&behind));
     m.output("grant_o", grant);
     builder.finish()
 }

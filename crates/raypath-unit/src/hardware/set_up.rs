@@ -1,5 +1,6 @@
 //! The set-up of rays: five quotients of each, from one pipelined divider.
 
+use super::connect::{delay, hold};
 use super::queue::bits;
 use crate::netlist::{Netlist, Value, from_list, inputs, outputs, wires};
 use crate::set_up::{Axes, Entry, QUOTIENTS, axes, derived, divisions, is_refused};
@@ -21,11 +22,6 @@ pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error>
     let valid = m.input("valid_i", 1);
     let entry: Entry<Netlist<'_>> = inputs(m, "entry");
     let context = m.input("context_i", bits(contexts));
-    let hold = |name: &str, when: Wire<'_>, wire: Wire<'_>| {
-        let register = m.register(name, wire.width());
-        register.next_when(when, wire);
-        register.wire()
-    };
 
     m.section("The ray whose operands enter the divider, and the number of the next quotient");
     let busy = m.register("busy_q", 1).reset_to(0);
@@ -41,10 +37,9 @@ pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error>
     let refused = hold("is_refused_q", enters, is_refused(c, &entry).value.0);
     let context = hold("context_q", enters, context);
 
-    m.section("The axes, which the last two quotients need");
-    let is_first = (busy.wire() & number.wire().is(0)).named("is_first");
+    m.section("The axes, which the last two quotients need, in a register of their own, because they are slow");
     let found = wires("axis", &axes(c, dir));
-    let held: Vec<_> = found.iter().map(|(name, wire)| hold(&format!("{name}_q"), is_first, *wire)).collect();
+    let held: Vec<_> = found.iter().map(|(name, wire)| delay(&format!("{name}_q"), *wire)).collect();
     let operands = divisions(c, dir, from_list(m, &held));
 
     m.section("The operands");
@@ -53,7 +48,7 @@ pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error>
         let all = of.map(|number| number.value.0);
         let chosen = (1..QUOTIENTS).fold(all[0], |chosen, k| number.wire().is(k as u64).mux(all[k], chosen));
         let recoded = m.instance(&format!("u_encode_{name}"), &encoder, &[("ieee_i", chosen)])[0];
-        hold(&format!("{name}_q"), busy.wire(), recoded)
+        delay(&format!("{name}_q"), recoded)
     };
     let a = operand("dividend", operands.map(|division| division.dividend));
     let b = operand("divisor", operands.map(|division| division.divisor));
@@ -61,7 +56,7 @@ pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error>
     has_operands.next(busy.wire());
     let tag: Vec<Wire<'_>> = [context, refused].into_iter().chain(held).chain([is_last]).collect();
     let widths: Vec<u32> = tag.iter().map(|wire| wire.width()).collect();
-    let tag = hold("tag_q", busy.wire(), m.concat(&tag));
+    let tag = delay("tag_q", m.concat(&tag));
 
     m.section("The divider, whose results are always taken");
     let divider = DivSqrt::Quotient.pipelined(Format::BINARY32, divider_latency, tag.width())?;

@@ -2,9 +2,10 @@
 //!
 //! In the first stage an answer is chosen, and the state of its ray is read. In the second the step is prepared, and
 //! the stack is read. In the third the step is finished, and everything is written. A ray has at most one answer at a
-//! time, so steps of the same ray do not overlap.
+//! time, so steps of the same ray do not overlap. The registers between the stages take a value in every cycle: what
+//! they have without a step is not used.
 
-use super::connect::{Inputs, Named, Outputs, hold, keep, prefixed};
+use super::connect::{Inputs, Named, Outputs, delay, keep, prefixed};
 use super::hits::is_shown;
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
@@ -80,21 +81,22 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let kind = granted(grant, kinds.chain([start_kind, constant(3, answer::CONTINUE)]));
     let prepares = m.register("prepares_q", 1).reset_to(0);
     prepares.next(read);
-    let prepared_context = hold("prepared_context_q", read, read_context);
-    let kind = hold("kind_q", read, kind);
+    let prepared_context = delay("prepared_context_q", read_context);
+    let kind = delay("kind_q", kind);
     let boxes = keep("u_outcomes", count, tested, boxes, (read, read_context));
-    let closest = hold_all(taken("block"), closest);
+    let closest = delay_all(closest);
 
     m.section("The step is prepared, and the stack is read");
     let finishes = m.register("finishes_q", 1).reset_to(0);
     finishes.next(prepares.wire());
-    let finished_context = hold("finished_context_q", prepares.wire(), prepared_context);
+    let finished_context = delay("finished_context_q", prepared_context);
     context.drive(finished_context);
     let fields = ports_of::<RayState<Binary32>>();
-    let fields = fields.iter().filter(|port| step.features.has(&port.name));
+    let fields = fields.iter().filter(|port| step.features.has(&port.name) && !OF_RAY.contains(&port.name.as_str()));
     let columns: Vec<(&str, u32)> = fields.map(|port| (port.name.as_str(), port.width.unwrap_or(32))).collect();
     let states = m.memory("u_states", count, &columns);
-    let kept_state = states.read(read, read_context);
+    let kept: Vec<(&str, Wire<'_>)> =
+        columns.iter().map(|(name, _)| *name).zip(states.read(read, read_context)).collect();
     let c = Netlist(m);
     let first = RayState::begin(
         c,
@@ -103,8 +105,15 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         Bit::new(c, Value(begin[2].1)),
     );
     let begins = (kind.is(answer::START.into()) | kind.is(answer::REFUSED.into())).named("begins");
-    let state = wires_with("state", &first, step.features).zip(kept_state);
-    let state: Named<'_> = state.map(|((name, first), kept)| (name, begins.mux(first, kept))).collect();
+    let state = wires_with("", &first, step.features).map(|(name, first)| {
+        let value = match kept.iter().find(|(known, _)| *known == name) {
+            None => first,
+            Some((_, kept)) if AT_FIRST.contains(&name.as_str()) => begins.mux(first, *kept),
+            Some((_, kept)) => *kept,
+        };
+        (name, value)
+    });
+    let state = prefixed("state", state.collect());
     let answer_words = [("kind".to_string(), kind)].into_iter();
     let answer_words = answer_words
         .chain(boxes.into_iter().map(|(name, wire)| (name.trim_start_matches("boxes_").to_string(), wire)))
@@ -118,7 +127,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let slot_bits = step.stack.trailing_zeros();
     let slot = |context: Wire<'_>, level: Wire<'_>| m.concat(&[context, level.lower(slot_bits)]);
     let deepest = half.port("half_deepest");
-    let half = hold_all(prepares.wire(), prefixed("half", half.under("half")));
+    let half = delay_all(prefixed("half", half.under("half")));
 
     m.section("The step is finished, and everything is written");
     let top_columns = ports_of::<Group<Binary32>>();
@@ -129,7 +138,8 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let top = top_columns.iter().map(|port| format!("top_{}", port.name)).zip(top);
     let done = Inputs::default().ports(half).ports(top).place(m, "u_finish", &finish_module(step)?);
     let next = done.under("next");
-    states.write(finishes.wire(), finished_context, &next.iter().map(|(_, wire)| *wire).collect::<Vec<_>>());
+    let changed = next.iter().filter(|(name, _)| !OF_RAY.contains(&name.as_str()));
+    states.write(finishes.wire(), finished_context, &changed.map(|(_, wire)| *wire).collect::<Vec<_>>());
     let group: Vec<Wire<'_>> = done.under("request_group").into_iter().map(|(_, wire)| wire).collect();
     stack.write(
         finishes.wire() & done.port("request_writes"),
@@ -173,9 +183,16 @@ fn granted<'m>(grant: Wire<'m>, values: impl Iterator<Item = Wire<'m>>) -> Wire<
     gated.reduce(|a, b| a | b).unwrap_or(grant)
 }
 
-fn hold_all<'m>(when: Wire<'m>, words: Named<'m>) -> Named<'m> {
-    words.into_iter().map(|(name, wire)| (name.clone(), hold(&format!("{name}_q"), when, wire))).collect()
+fn delay_all(words: Named<'_>) -> Named<'_> {
+    words.into_iter().map(|(name, wire)| (name.clone(), delay(&format!("{name}_q"), wire))).collect()
 }
+
+/// The fields of a ray's state that stay as the ray has them, and are kept with the ray.
+const OF_RAY: [&str; 2] = ["any_hit", "root"];
+
+/// The other fields that a ray has at its beginning. The rest of its state is written before it is read.
+const AT_FIRST: [&str; 8] =
+    ["extent", "has_hit", "nodes", "triangles", "pending_low", "pending_high", "base", "restarting"];
 
 /// The outcome of a box job.
 const BOXES: [(&str, u32); 8] = [

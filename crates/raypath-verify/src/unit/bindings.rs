@@ -4,8 +4,8 @@ use super::setting::Setting;
 use raypath_hdl::Module;
 use std::fmt::Write as _;
 
-/// The registers of a queue, whose memory is expanded, at this path: `p_count`, `p_head`, `p_tail`, `p_valid`, its
-/// `p_words`, of W bits each, and the word at its output, `p_front`.
+/// The registers of a queue, whose memory is expanded, at this path: `p_head`, `p_tail`, `p_valid`, its `p_words`, of W
+/// bits each, of which `p_count` wait, and the word at its output, `p_front`.
 pub fn of_queue(path: &str, queue: &Module, depth: u32) -> String {
     let mut text = String::new();
     let columns: Vec<(&str, u32)> = columns(queue);
@@ -20,8 +20,7 @@ pub fn of_queue(path: &str, queue: &Module, depth: u32) -> String {
         queue.registers().iter().find(|register| queue.signal(register.signal).name.as_deref() == Some(name))
     };
     let width_of = |name: &str| register(name).map_or(1, |register| queue.signal(register.signal).width);
-    let [count, head, tail, valid] =
-        ["count_q", "head_q", "tail_q", "valid_q"].map(|name| seen(name.to_string(), width_of(name)));
+    let [head, tail, valid] = ["head_q", "tail_q", "valid_q"].map(|name| seen(name.to_string(), width_of(name)));
     let front: Vec<String> = columns.iter().map(|(name, width)| seen(format!("words_{name}"), *width)).collect();
     let slots: Vec<String> = (0..depth)
         .rev()
@@ -31,7 +30,8 @@ pub fn of_queue(path: &str, queue: &Module, depth: u32) -> String {
     let _ = write!(
         text,
         "  localparam int W = {width};\n  \
-         wire [8:0] p_count = {count}, p_head = {head}, p_tail = {tail};\n  \
+         wire [8:0] p_head = {head}, p_tail = {tail};\n  \
+         wire [8:0] p_count = p_tail - p_head + (p_tail < p_head ? 9'd{depth} : 9'd0);\n  \
          wire p_valid = {valid};\n  \
          wire [{high}:0] p_words = {{{}}};\n  \
          wire [W-1:0] p_front = {{{}}};\n",
@@ -66,9 +66,9 @@ pub fn nothing(_: &Setting, _: &Module) -> String {
     String::new()
 }
 
-/// The contexts that were never used begin with this one.
+/// The contexts that were never used begin with this one; there are N contexts.
 pub fn contexts(_: &Setting, _: &Module) -> String {
-    "  wire [8:0] p_fresh_q = fresh_q;\n".to_string()
+    "  wire [8:0] p_fresh_q = has_fresh_q ? fresh_q : 9'(N);\n".to_string()
 }
 
 /// The beats of a block.

@@ -34,11 +34,11 @@ const QUEUE_FAULTS: &[(&str, &str)] = &[
     // A word is at the output for less than it takes.
     ("valid_q <= read | (valid_q & ~pop_i)", "valid_q <= read"),
     // The word at the output is overwritten.
-    ("(|count_q) & (~valid_q | pop_i)", "|count_q"),
+    ("(head_q != tail_q) & (~valid_q | pop_i)", "head_q != tail_q"),
     // A word is left out.
     ("head_q <= head_q + 3'd1", "head_q <= head_q + 3'd2"),
-    // The count is wrong if a word enters while another leaves.
-    ("if (push_i ^ read) begin", "if (push_i | read) begin"),
+    // A word is read although none waits.
+    ("(head_q != tail_q) & (~valid_q | pop_i)", "~valid_q | pop_i"),
     // The last word of the memory is not written.
     ("push_i & (tail_q == 3'd7)", "push_i & (tail_q == 3'd6)"),
 ];
@@ -75,13 +75,13 @@ pub const CLAIMS: &[Claim] = &[
         happens: "p_returns_q && p_takes",
         faults: &[
             // A context that was used is given out as if it were new.
-            ("fresh_q != 4'd8", "fresh_q != 4'd9"),
+            ("has_fresh_q & ~is_last", "has_fresh_q"),
             // A released context is lost.
-            (".push_i (release_i)", ".push_i (release_i & is_fresh)"),
+            (".push_i (release_i)", ".push_i (release_i & has_fresh_q)"),
             // A released context is lost when a new one is given out.
-            (".pop_i (take_i & ~is_fresh)", ".pop_i (take_i)"),
+            (".pop_i (take_i & ~has_fresh_q)", ".pop_i (take_i)"),
             // A new context is left out.
-            ("if (take_i & is_fresh) begin", "if (is_fresh) begin"),
+            ("fresh_q <= fresh_q + 3'd1", "fresh_q <= fresh_q + 3'd2"),
         ],
     },
     Claim {
@@ -94,11 +94,11 @@ pub const CLAIMS: &[Claim] = &[
         happens: "p_waits_q[14:12] == 4 && grant_o[4]",
         faults: &[
             // The lowest source is always first.
-            ("assign later = request_i & after_q", "assign later = 5'd0"),
-            // A source is granted twice before the others.
-            ("~(grant | (grant - 5'd1))", "~(grant - 5'd1)"),
+            ("assign later = request_i[4:1] & after_q", "assign later = 4'd0"),
+            // The last source waits for ever.
+            ("{|grant[3:0],", "{|grant[2:0],"),
             // Two are granted.
-            ("later & (~later + 5'd1)", "later"),
+            ("later & (~later + 4'd1)", "later"),
             // Nothing is granted.
             ("request_i & (~request_i + 5'd1)", "5'd0"),
         ],
@@ -221,8 +221,8 @@ pub const CLAIMS: &[Claim] = &[
             ("valid_o        = divider_valid & divider_tag[0]", "valid_o        = divider_valid"),
             // A ray has one quotient more.
             ("is_last = number_q == 3'd4", "is_last = number_q == 3'd5"),
-            // Operands enter while there is no ray.
-            ("has_operands_q <= busy_q", "has_operands_q <= 1'b1"),
+            // Operands enter with their ray, before they are known.
+            ("has_operands_q <= busy_q", "has_operands_q <= enters"),
         ],
     },
 ];

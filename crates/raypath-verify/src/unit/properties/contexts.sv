@@ -50,6 +50,6 @@
     .followed (p_returns_q), .index (p_ahead_q - p_fresh), .word (p_context), .holds (p_is_once)
   );
   wire p_is_fresh = 9'(p_context) >= p_fresh_q;
-  always_comb lemmas: assert (p_holds && p_is_once && p_fresh_q <= N && !(p_is_out_q && p_is_fresh)
+  always_comb lemmas: assert (p_holds && p_is_once && (!has_fresh_q || p_fresh_q < N) && !(p_is_out_q && p_is_fresh)
     && p_returns_q == (!p_is_out_q && !p_is_fresh) && (!p_returns_q || p_ahead_q >= p_fresh)
     && (!p_waited_q || valid_o));

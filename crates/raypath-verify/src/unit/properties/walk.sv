@@ -60,12 +60,12 @@
     .inside (p_inside_q), .followed (p_follows_q), .index (p_ahead_q), .word (p_word_q), .holds (p_holds)
   );
   // The scheduler has granted sources nearer and nearer to one that waits.
-  (* hierconn *) logic [4:0] \u_scheduler.after_q ;
-  wire [4:0] p_after = \u_scheduler.after_q ;
+  (* hierconn *) logic [3:0] \u_scheduler.after_q ;
+  wire [4:0] p_after = {\u_scheduler.after_q , 1'b0};
   wire [3:0] p_later = {3'd0, p_after[4]} + {3'd0, p_after[3]} + {3'd0, p_after[2]} + {3'd0, p_after[1]};
   logic p_nearer;
   always_comb begin
-    p_nearer = !p_after[0] && ((p_after << 1) & ~p_after & 5'h1f) == 0;
+    p_nearer = ((p_after << 1) & ~p_after & 5'h1f) == 0;
     for (int k = 0; k < 5; k++)
       p_nearer = p_nearer && {1'b0, p_waits_q[3*k +: 3]} + (p_after[k] ? 4'(k) + p_later - 4'd5 : p_later + 4'(k))
         <= (k == 4 ? 5 : 4);
