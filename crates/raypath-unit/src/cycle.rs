@@ -287,6 +287,7 @@ impl UnitEngine for UnitModel {
             ray_ready: self.set_up.busy <= 1 && self.has_context(),
             hit: self.hit,
             request: self.requests.front(),
+            response_ready: true,
         }
     }
 

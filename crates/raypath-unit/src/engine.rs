@@ -39,6 +39,8 @@ pub struct UnitOutputs {
     pub hit: Option<(u64, Reply)>,
     /// A request to the memory.
     pub request: Option<BlockRequest>,
+    /// Whether a beat is taken, which is so in every cycle.
+    pub response_ready: bool,
 }
 
 /// A request to the memory.
@@ -177,7 +179,9 @@ pub fn outputs_of(words: &[u64]) -> UnitOutputs {
     else {
         unreachable!("fewer outputs than the unit has")
     };
-    let Some((features, &[has_request, address, tag, _])) = rest.split_last_chunk() else { unreachable!("as above") };
+    let Some((features, &[has_request, address, tag, response_ready])) = rest.split_last_chunk() else {
+        unreachable!("as above")
+    };
     let number = |word: u64| f32::from_bits(word as u32);
     let hit = (status == u64::from(status::HIT)).then(|| Hit {
         triangle: triangle as u32,
@@ -192,5 +196,6 @@ pub fn outputs_of(words: &[u64]) -> UnitOutputs {
         ray_ready: ray_ready == 1,
         hit: (has_hit == 1).then_some((id, reply)),
         request: (has_request == 1).then_some(BlockRequest { address: address as u32, tag: tag as u32 }),
+        response_ready: response_ready == 1,
     }
 }

@@ -18,7 +18,7 @@ use thiserror::Error;
 pub struct Behaviour {
     /// The least and greatest cycles from a request to the first beat.
     pub latency: (u64, u64),
-    /// The share of cycles in which each channel stalls, in 256ths: rays, hits, requests, responses.
+    /// The share of cycles in which a stall of each channel begins, in 256ths: rays, hits, requests, responses.
     pub stalls: [u32; 4],
     /// The share of beats with an error, in 65,536ths.
     pub errors: u32,
@@ -35,6 +35,9 @@ pub struct Environment<'s> {
     scene: &'s [u8],
     beat_bytes: usize,
     behaviour: Behaviour,
+    /// The cycles of the longest stall, and the cycle up to which each channel stalls.
+    longest_stall: u64,
+    stalled: [u64; 4],
     random: ChaCha8Rng,
     now: u64,
     pending: Vec<Pending>,
@@ -71,6 +74,8 @@ impl<'s> Environment<'s> {
             scene,
             beat_bytes: memory_width as usize / 8,
             behaviour,
+            longest_stall: 1,
+            stalled: [0; 4],
             random: ChaCha8Rng::seed_from_u64(seed),
             now: 0,
             pending: Vec::new(),
@@ -85,6 +90,11 @@ impl<'s> Environment<'s> {
             failed: 0,
             moved: 0,
         }
+    }
+
+    /// Stalls take up to so many cycles, so that queues fill. Otherwise each takes one.
+    pub fn with_longest_stall(self, cycles: u64) -> Self {
+        Self { longest_stall: cycles.max(1), ..self }
     }
 
     /// Whether all rays have ended, or were lost in a reset.
@@ -127,7 +137,7 @@ impl<'s> Environment<'s> {
     ///
     /// # Errors
     /// The engines differ; a hit is that of no ray inside; a request is not aligned or has a tag in use; a hit or a
-    /// request that waits changes.
+    /// request that waits changes; a beat is not taken.
     pub fn cycle(&mut self, engines: &mut [&mut dyn UnitEngine]) -> Result<(), ProtocolError> {
         let now = self.now;
         let mut all = engines.iter_mut().map(|engine| engine.outputs());
@@ -141,7 +151,15 @@ impl<'s> Environment<'s> {
         if hit.is_some() && hit.map(same) != outputs.hit.map(same) || request.is_some() && *request != outputs.request {
             return Err(wrong(format!("cycle {now}: {:?} waits and becomes {outputs:?}", self.held)));
         }
-        let stalls = self.behaviour.stalls.map(|share| self.random.random_range(0..256) < share);
+        for (until, share) in self.stalled.iter_mut().zip(self.behaviour.stalls) {
+            if *until <= now && self.random.random_range(0..256) < share {
+                *until = now + self.random.random_range(1..=self.longest_stall);
+            }
+        }
+        if !outputs.response_ready {
+            return Err(wrong(format!("cycle {now}: a beat is not taken")));
+        }
+        let stalls = self.stalled.map(|until| now < until);
         self.offers |= !stalls[0] && self.next < self.rays.len();
         let ray = self.offers.then(|| (self.next as u64, self.rays[self.next]));
         let (hit_ready, request_ready) = (!stalls[1], !stalls[2]);

@@ -1,4 +1,5 @@
-//! The traversal unit: proofs of the control of its modules, a campaign of the whole unit, and faults in modules.
+//! The traversal unit: proofs of the control of its modules, a campaign of the whole unit, checks of single modules, and
+//! faults in modules.
 //!
 //! `docs/development/verification.md` has the argument from the proofs to the whole: no ray is lost, duplicated or
 //! mixed up, and each that is accepted ends.
@@ -6,6 +7,7 @@
 mod bindings;
 pub mod campaign;
 mod claims;
+mod modules;
 pub mod mutants;
 pub mod proofs;
 mod setting;
@@ -14,13 +16,14 @@ use crate::{Error, Request, Verdict};
 use campaign::{Counts, Subject};
 use mutants::{Fate, Mutant};
 use proofs::{Checked, Obligation};
+use raypath_hdl::verilog;
 use raypath_tools::pool;
 use raypath_unit::NetlistEngine;
 use serde::{Deserialize, Serialize};
 
 const FAILURES_SHOWN: usize = 8;
 
-/// Proves the control of the unit's modules, runs the campaign, and checks that it finds faults.
+/// Proves the control of the unit's modules, runs the campaign and the checks of modules, and looks for faults by them.
 ///
 /// # Errors
 /// A program is missing or fails; a unit cannot be built.
@@ -28,11 +31,12 @@ pub(crate) fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
     let mut verdict = Verdict::default();
     let proofs = prove(request, &mut verdict)?;
     let counts = run_campaign(request, &mut verdict)?;
+    let modules = check_modules(request, &mut verdict)?;
     let faults = check_mutants(request, &mut verdict)?;
     let Counts { episodes, cycles, rays, errors, lost, resets } = counts;
     verdict.covered = format!(
         "{proofs}; {rays} rays in {episodes} episodes and {cycles} netlist cycles, {errors} with an error of the \
-         memory, {lost} ended by {resets} resets; {faults}"
+         memory, {lost} ended by {resets} resets; {modules}; {faults}"
     );
     verdict.failures.truncate(FAILURES_SHOWN);
     Ok(verdict)
@@ -78,7 +82,7 @@ fn run_campaign(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<Coun
             let mut found = Episodes::default();
             queue.run(|number, _| {
                 let place = number as usize % subjects.len();
-                match campaign::run(&mut engines[place], subjects[place].unit.parameters, [seed, number], None) {
+                match campaign::run(&mut engines[place], &subjects[place].unit, [seed, number], None) {
                     Ok(counts) => found.counts.add(&counts),
                     Err(problem) => {
                         let parameters = subjects[place].unit.parameters;
@@ -100,8 +104,37 @@ fn run_campaign(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<Coun
     Ok(counts)
 }
 
-/// Puts faults into the unit's modules, and runs the first episodes of the campaign on each. Survivors are remarks:
-/// they show what the campaign does not exercise.
+/// Runs the checks of single modules, at level regression those of one unit.
+fn check_modules(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<String, Error> {
+    let mut subjects = Vec::new();
+    for Subject { unit } in Subject::all()?.into_iter().take(request.level.pick(1, usize::MAX, usize::MAX)) {
+        let own = verilog::modules(&unit.top)?.into_iter().filter(|module| modules::has_check(module));
+        subjects.extend(own.map(|module| (module, unit.parameters)));
+    }
+    let (cases, seed) = (request.cases(subjects.len() as u64, 1), request.seed);
+    let shards = request.parts.phase(|| {
+        let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
+            let mut results: Vec<Result<(), String>> = Vec::new();
+            queue.run(|number, _| {
+                let (module, parameters) = &subjects[number as usize];
+                results.push(modules::check(module, *parameters, seed)?);
+                Ok(())
+            });
+            Ok(results)
+        })?;
+        Ok::<_, Error>(finished.workers.concat())
+    })?;
+    let results: Vec<Result<(), String>> = shards.into_iter().flatten().collect();
+    let count = results.len();
+    verdict.is_stopped |= (count as u64) < cases.share();
+    verdict.failures.extend(results.into_iter().filter_map(Result::err));
+    Ok(format!("{count} modules checked by themselves"))
+}
+
+/// The share of the faults without equivalents that must be found, in hundredths.
+const LEAST_SCORE: usize = 99;
+
+/// Puts faults into the unit's modules, and looks for each by the check of its module, episodes and proofs.
 fn check_mutants(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<String, Error> {
     let count = request.level.pick(16, 400, 4_000);
     let subjects = mutants::subjects()?;
@@ -120,21 +153,28 @@ fn check_mutants(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<Str
         })?;
         Ok::<_, Error>(finished.workers.concat())
     })?;
-    let (mut killed, mut refuted, mut equivalent, mut survivors) = (0_usize, 0, 0, Vec::new());
+    let (mut checked, mut killed, mut refuted, mut equivalent, mut survivors) = (0_usize, 0, 0, 0, Vec::new());
     for (fault, fate) in shards.into_iter().flatten() {
         match fate {
+            Fate::Checked => checked += 1,
             Fate::Killed => killed += 1,
             Fate::Refuted => refuted += 1,
-            Fate::Equivalent => equivalent += 1,
+            Fate::Equivalent | Fate::Harmless => equivalent += 1,
             Fate::Survived(why) => survivors.push(format!("survivor: {fault}; {why}")),
         }
     }
     let all: usize = subjects.iter().map(|subject| subject.faults.len()).sum();
     let left = survivors.len();
     verdict.remarks.extend(survivors);
+    let found = checked + killed + refuted;
+    // The score is that of the whole sample: a few faults of a shard may have a low one.
+    if 100 * found < LEAST_SCORE * (found + left) && !request.parts.is_saved() {
+        let of = found + left;
+        verdict.failures.push(format!("{found} of {of} faults are found, expected at least {LEAST_SCORE} %"));
+    }
     Ok(format!(
-        "of the {all} faults in {} modules, {killed} killed by the campaign, {refuted} by the \
-         proofs, {equivalent} proven equivalent, {left} survivors",
+        "of the {all} faults in {} modules, {checked} found by checks of their modules, {killed} by the campaign, \
+         {refuted} by the proofs, {equivalent} proven equivalent, {left} survivors",
         subjects.len()
     ))
 }

@@ -52,7 +52,7 @@ impl UnitModel {
 
     /// The outputs in this cycle.
     pub fn outputs(&self) -> UnitOutputs {
-        let unit::UnitOutputs { ray_ready, hit, request } = self.outputs;
+        let unit::UnitOutputs { ray_ready, hit, request, .. } = self.outputs;
         UnitOutputs { ray_ready, hit: hit.map(|(id, reply)| (id, (&reply).into())), request }
     }
 

@@ -30,7 +30,8 @@ impl BlockScene {
         word
     }
 
-    /// A tree over random triangles in a cube from -1 to 1, and the child word of its root.
+    /// A tree over random triangles in a cube from -1 to 1, and the child word of its root. Some triangles lie on
+    /// others, with either face towards a ray.
     pub fn random(triangles: u32, random: &mut ChaCha8Rng) -> (Self, u32) {
         let mut scene = Self::default();
         let mut all: Vec<LeafTriangle> = (0..triangles)
@@ -40,12 +41,18 @@ impl BlockScene {
                 LeafTriangle { triangle: Triangle::new(corner(), corner(), corner()), index }
             })
             .collect();
+        for place in 1..all.len() {
+            if random.random_range(0..8) == 0 {
+                let Triangle { a, b, c } = all[random.random_range(0..place)].triangle;
+                all[place].triangle = if random.random() { Triangle { a, b, c } } else { Triangle { a, b: c, c: b } };
+            }
+        }
         let (root, _) = scene.tree(&mut all, random);
         (scene, root)
     }
 
     /// A path of this many nodes whose boxes are all the same, so that every level is pending at its end, with a
-    /// leaf of a random triangle at each; and the child word of its root.
+    /// leaf of a random triangle once to three times at each; and the child word of its root.
     pub fn deep(depth: u32, random: &mut ChaCha8Rng) -> (Self, u32) {
         let mut scene = Self::default();
         let all = Aabb::new([-2.0; 3], [2.0; 3]);
@@ -58,8 +65,10 @@ impl BlockScene {
             let (mut boxes, mut children) = ([never(); 4], [0; 4]);
             (boxes[place], children[place]) = (all, next.unwrap_or(leaf));
             if next.is_some() {
-                let other = (place + random.random_range(1..4)) % 4;
-                (boxes[other], children[other]) = (all, leaf);
+                for other in 1..1 + random.random_range(1..4) {
+                    let other = (place + other) % 4;
+                    (boxes[other], children[other]) = (all, leaf);
+                }
             }
             next = Some(scene.node(boxes, children));
         }
@@ -107,7 +116,7 @@ fn around(triangles: &[LeafTriangle]) -> Aabb<Binary32> {
 /// A ray through the cube, or one of the odd ones: refused, along an axis, short, of any kind of hit.
 pub fn random_ray(root: u32, random: &mut ChaCha8Rng) -> RayRequest {
     let mut point = |scale: f32| -> [f32; 3] { std::array::from_fn(|_| random.random_range(-scale..scale)) };
-    let (origin, target) = (point(3.0), point(1.0));
+    let (mut origin, target) = (point(3.0), point(1.0));
     let mut direction: [f32; 3] = std::array::from_fn(|axis| target[axis] - origin[axis]);
     if random.random_range(0..8) == 0 {
         let axis = random.random_range(0..3);
@@ -116,6 +125,9 @@ pub fn random_ray(root: u32, random: &mut ChaCha8Rng) -> RayRequest {
     let odd = [0.0, -0.0, f32::NAN, f32::INFINITY, 1e-40, -1.0];
     if random.random_range(0..16) == 0 {
         direction[random.random_range(0..3)] = odd[random.random_range(0..odd.len())];
+    }
+    if random.random_range(0..16) == 0 {
+        origin[random.random_range(0..3)] = odd[random.random_range(0..odd.len())];
     }
     let mut one_of = |common: f32, count: u32| {
         let is_odd = random.random_range(0..count) == 0;

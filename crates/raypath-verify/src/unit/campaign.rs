@@ -1,5 +1,5 @@
 //! A campaign of the whole unit: netlist and functional model return the same for random scenes, rays, memories and
-//! users of the channels.
+//! users of the channels, and the cycle-exact model has the netlist's outputs in every cycle.
 
 use crate::Error;
 use rand::rngs::ChaCha8Rng;
@@ -8,7 +8,9 @@ use raypath_ops::Rules;
 use raypath_rtl::{Config, Control};
 use raypath_unit::state::status;
 use raypath_unit::traffic::{Behaviour, BlockScene, Environment, random_ray};
-use raypath_unit::{NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitFeatures, UnitNetlist, UnitParameters};
+use raypath_unit::{
+    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitFeatures, UnitModel, UnitNetlist, UnitParameters,
+};
 use serde::{Deserialize, Serialize};
 
 /// A unit of the campaign.
@@ -81,6 +83,8 @@ struct Episode {
     scene: BlockScene,
     rays: Vec<RayRequest>,
     behaviour: Behaviour,
+    /// The cycles of the longest stall.
+    longest_stall: u64,
     /// The probability of a reset in a cycle, in 65,536ths.
     resets: u32,
 }
@@ -90,15 +94,18 @@ impl Episode {
         let size = random.random_range(0..5);
         let ((scene, root), count) = match [1, 8, 40, 300].get(size) {
             Some(&triangles) => (BlockScene::random(triangles, random), RAYS),
-            None => (BlockScene::deep(random.random_range(30..64), random), DEEP_RAYS),
+            // The last of these is too deep.
+            None => (BlockScene::deep(random.random_range(30..66), random), DEEP_RAYS),
         };
         let rays = (0..count).map(|_| random_ray(root, random)).collect();
         let least = [1, 1, 5, 40][random.random_range(0..4)];
         let latency = (least, least + [0, 3, 60, 460][random.random_range(0..4)]);
-        let stalls = std::array::from_fn(|_| [0, 0, 26, 128, 240][random.random_range(0..5)]);
+        let longest_stall = [1, 1, 1, 200][random.random_range(0..4)];
+        let shares = if longest_stall == 1 { [0, 0, 26, 128, 240] } else { [0, 1, 2, 4, 8] };
+        let stalls = std::array::from_fn(|_| shares[random.random_range(0..5)]);
         let errors = [0, 0, 200, 4000][random.random_range(0..4)];
         let resets = [0, 0, 40, 400][random.random_range(0..4)];
-        Self { scene, rays, behaviour: Behaviour { latency, stalls, errors }, resets }
+        Self { scene, rays, behaviour: Behaviour { latency, stalls, errors }, longest_stall, resets }
     }
 }
 
@@ -108,25 +115,27 @@ impl Episode {
 /// What the unit did wrong.
 pub fn run(
     netlist: &mut NetlistEngine,
-    parameters: UnitParameters,
+    unit: &UnitNetlist,
     [seed, number]: [u64; 2],
     most: Option<u64>,
 ) -> Result<Counts, String> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(number);
-    let Episode { scene, rays, behaviour, resets } = Episode::new(&mut random);
+    let Episode { scene, rays, behaviour, longest_stall, resets } = Episode::new(&mut random);
     netlist.restart_randomly(random.random());
-    let mut environment = Environment::new(&scene.0, parameters.memory_width, rays.clone(), behaviour, random.random());
+    let (mut cycle_exact, parameters) = (UnitModel::of(unit), unit.parameters);
+    let mut environment = Environment::new(&scene.0, parameters.memory_width, rays.clone(), behaviour, random.random())
+        .with_longest_stall(longest_stall);
     let mut counts = Counts { episodes: 1, ..Counts::default() };
     let mut model = Unit::new(Rules::Paper, parameters.step);
     let expected: Vec<Reply> = rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect();
-    let limit = most.unwrap_or_else(|| limit(&expected, behaviour));
+    let limit = most.unwrap_or_else(|| limit(&expected, behaviour, longest_stall));
     while !environment.is_done() {
         if random.random_range(0..65_536) < resets && counts.resets < 8 {
-            environment.reset(&mut [netlist]);
+            environment.reset(&mut [netlist, &mut cycle_exact]);
             counts.resets += 1;
         }
-        environment.cycle(&mut [netlist]).map_err(|problem| problem.to_string())?;
+        environment.cycle(&mut [netlist, &mut cycle_exact]).map_err(|problem| problem.to_string())?;
         if environment.idle() > IDLE || environment.cycles() > limit {
             let (ended, cycles) = (environment.replies.len(), environment.cycles());
             return Err(format!("{ended} of {} rays ended within {cycles} cycles", rays.len()));
@@ -156,8 +165,9 @@ pub fn run(
 const IDLE: u64 = 4_000;
 
 /// Cycles that suffice for all rays, one after the other, with the slowest users of the channels.
-fn limit(expected: &[Reply], behaviour: Behaviour) -> u64 {
+fn limit(expected: &[Reply], behaviour: Behaviour, longest_stall: u64) -> u64 {
     let blocks: u64 = expected.iter().map(|reply| u64::from(2 * reply.nodes + reply.triangles) + 4).sum();
-    let slowest = behaviour.stalls.iter().map(|share| 256 / (256 - u64::from(*share))).max().unwrap_or(1);
+    let share = u64::from(behaviour.stalls.into_iter().max().unwrap_or(0));
+    let slowest = 1 + longest_stall * share / (256 - share);
     20_000 + blocks * (behaviour.latency.1 + 100) * 2 * slowest
 }

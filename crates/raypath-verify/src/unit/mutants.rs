@@ -1,7 +1,8 @@
-//! Faults in the modules of the unit, and whether the first episodes of the campaign find them.
+//! Faults in the modules of the unit, and whether checks of modules and the first episodes of the campaign find them.
 
-use super::campaign;
+use super::proofs::Obligation;
 use super::setting::Setting;
+use super::{campaign, modules};
 use crate::Error;
 use crate::control::{CheckResult, ModelChecker};
 use crate::equivalence::Equivalence;
@@ -36,13 +37,17 @@ pub struct Mutant<'s> {
 /// What became of a fault.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fate {
+    /// The check of the module by itself failed.
+    Checked,
     /// An episode failed.
     Killed,
-    /// No episode failed, and the model checker refutes the properties of the module.
+    /// Neither failed, and the model checker refutes the properties of the module.
     Refuted,
-    /// No episode failed, and the modules are proven equivalent, with registers and memories as cut points.
+    /// None of these, and the modules are proven equivalent, with registers and memories as cut points.
     Equivalent,
-    /// No episode failed, and the proof had this result.
+    /// None of these, and the properties of the module, which are all that a queue must do, are proved in spite of it.
+    Harmless,
+    /// None of these, and the proof had this result.
     Survived(String),
 }
 
@@ -72,7 +77,7 @@ pub fn subjects() -> Result<Vec<Subject>, Error> {
 pub fn limits(subjects: &[Subject], seed: u64) -> Result<Vec<u64>, Error> {
     let Some(Subject { unit, .. }) = subjects.first() else { return Ok(Vec::new()) };
     let mut netlist = NetlistEngine::new(unit)?;
-    let mut cycles = |number| campaign::run(&mut netlist, unit.parameters, [seed, number], None);
+    let mut cycles = |number| campaign::run(&mut netlist, unit, [seed, number], None);
     Ok((0..EPISODES).map_while(|number| Some(4 * cycles(number).ok()?.cycles)).collect())
 }
 
@@ -92,26 +97,49 @@ pub fn choose(subjects: &[Subject], count: usize, seed: u64) -> Vec<Mutant<'_>> 
 }
 
 impl Mutant<'_> {
-    /// Runs the first episodes of the campaign, and then the proofs.
+    /// Runs the check of the module by itself, the first episodes of the campaign, and then the proofs.
     ///
     /// # Errors
     /// The faulty netlist cannot be built, or a program is missing.
     pub fn fate(&self, seed: u64, limits: &[u64], stop: &AtomicBool) -> Result<Fate, Error> {
-        let Subject { unit, module, .. } = self.subject;
-        let faulty = Arc::new(self.fault.apply(module)?);
-        let mut netlist = NetlistEngine::of_module(&replace(&unit.top, &faulty)?)?;
+        let faulty = Arc::new(self.fault.apply(&self.subject.module)?);
+        match self.simulated(&faulty, seed, limits)? {
+            Some(fate) => Ok(fate),
+            None => self.proved(&faulty, stop),
+        }
+    }
+
+    /// What simulation finds.
+    fn simulated(&self, faulty: &Arc<Module>, seed: u64, limits: &[u64]) -> Result<Option<Fate>, Error> {
+        let unit = &self.subject.unit;
+        if modules::check(faulty, unit.parameters, seed)?.is_err() {
+            return Ok(Some(Fate::Checked));
+        }
+        let mut netlist = NetlistEngine::of_module(&replace(&unit.top, faulty)?)?;
         for (number, &limit) in (0..).zip(limits) {
-            if campaign::run(&mut netlist, unit.parameters, [seed, number], Some(limit)).is_err() {
-                return Ok(Fate::Killed);
+            if campaign::run(&mut netlist, unit, [seed, number], Some(limit)).is_err() {
+                return Ok(Some(Fate::Killed));
             }
         }
-        let mut found = Prover::find()?.equivalent(&[(module, &faulty)], LIMIT, stop);
+        Ok(None)
+    }
+
+    /// What proofs find.
+    fn proved(&self, faulty: &Arc<Module>, stop: &AtomicBool) -> Result<Fate, Error> {
+        let module = &self.subject.module;
+        let mut found = Prover::find()?.equivalent(&[(module, faulty)], LIMIT, stop);
         if !matches!(found.as_deref(), Ok([Equivalence::Proved]))
-            && let Some(obligation) = Setting::least(false)?.faulty(&faulty)?
-            // An error is that of an assertion without state, to which synthesis may reduce a faulty module.
-            && let Ok(Some(CheckResult::Fails)) = ModelChecker::find()?.check(&obligation.problem, stop)
+            && let Some([refutation, proof]) = Setting::least(false)?.faulty(faulty)?
         {
-            return Ok(Fate::Refuted);
+            let checker = ModelChecker::find()?;
+            // An error is that of an assertion without state, to which synthesis may reduce a faulty module.
+            let check = |obligation: &Obligation| checker.check(&obligation.problem, stop).ok().flatten();
+            if check(&refutation) == Some(CheckResult::Fails) {
+                return Ok(Fate::Refuted);
+            }
+            if modules::is_queue(module) && check(&proof) == Some(CheckResult::Holds) {
+                return Ok(Fate::Harmless);
+            }
         }
         Ok(match found.as_mut().map(Vec::pop) {
             Ok(Some(Equivalence::Proved)) => Fate::Equivalent,

@@ -37,12 +37,12 @@ const MORE: [UnitParameters; 3] = [
 ];
 
 impl Setting {
-    /// The problem that the properties of this module's claim hold for a faulty copy, without lemmas; none if there
-    /// is no claim.
+    /// The problems that the properties of this module's claim hold for a faulty copy, which must fail without lemmas
+    /// in few cycles, and which would be a proof with them; none if there is no claim.
     ///
     /// # Errors
     /// The module cannot be printed.
-    pub fn faulty(&self, module: &Arc<Module>) -> Result<Option<Obligation>, Error> {
+    pub fn faulty(&self, module: &Arc<Module>) -> Result<Option<[Obligation; 2]>, Error> {
         let Some(claim) = CLAIMS.iter().find(|claim| claim.module == module.name()) else { return Ok(None) };
         let unit = UnitNetlist::new(Config::DEFAULT, self.unit.parameters)?;
         let modules = self.modules.iter().map(|own| if own.name() == module.name() { module } else { own });
@@ -51,7 +51,9 @@ impl Setting {
         let assertions = properties.matches(": assert (").count();
         let text = setting.text(claim, None, properties)?;
         let Obligation { problem, expected } = setting.refuted(claim, "a fault".to_string(), text, assertions)?;
-        Ok(Some(Obligation { problem: SafetyProblem { method: Method::Bounded(FEW_CYCLES), ..problem }, expected }))
+        let refutation =
+            Obligation { problem: SafetyProblem { method: Method::Bounded(FEW_CYCLES), ..problem }, expected };
+        Ok(Some([refutation, setting.claim(claim)?]))
     }
 
     /// The module of a claim, with registers in place of the memories that its properties see.

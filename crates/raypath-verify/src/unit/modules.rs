@@ -1,0 +1,175 @@
+//! Checks of modules, each by itself: with states that episodes do not reach, or seldom.
+
+mod contexts;
+mod distance;
+mod queue;
+mod scheduler;
+mod set_up;
+mod steps;
+
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use raypath_hdl::{Error, InputPort, Module, OutputPort, Simulator};
+use raypath_unit::UnitParameters;
+use std::sync::Arc;
+
+/// The cycles of a module with registers.
+const CYCLES: usize = 20_000;
+
+/// Runs a module beside what it must do. Modules without a check of their own pass.
+///
+/// # Errors
+/// What is wrong; the module cannot be compiled.
+pub fn check(module: &Arc<Module>, parameters: UnitParameters, seed: u64) -> Result<Result<(), String>, Error> {
+    let UnitParameters { contexts, step, divider_latency, .. } = parameters;
+    let bench = || Bench::new(module, seed);
+    let found = match module.name() {
+        "raypath_unit_prepare" => steps::prepare(&mut bench()?),
+        "raypath_unit_finish" => steps::finish(&mut bench()?, step),
+        "raypath_unit_set_up" => set_up::run(&mut bench()?, divider_latency),
+        "raypath_unit_distance" => distance::run(&mut bench()?, contexts),
+        "raypath_unit_contexts" => contexts::run(&mut bench()?, contexts),
+        "raypath_unit_scheduler" => scheduler::run(&mut bench()?),
+        _ if is_queue(module) => queue::run(&mut bench()?, contexts),
+        _ => Ok(()),
+    };
+    Ok(found.map_err(|problem| format!("{} by itself, {parameters:?}: {problem}", module.name())))
+}
+
+/// Whether a module has a check of its own.
+pub fn has_check(module: &Module) -> bool {
+    const OTHERS: [&str; 6] = [
+        "raypath_unit_scheduler",
+        "raypath_unit_prepare",
+        "raypath_unit_finish",
+        "raypath_unit_set_up",
+        "raypath_unit_distance",
+        "raypath_unit_contexts",
+    ];
+    OTHERS.contains(&module.name()) || is_queue(module)
+}
+
+/// Whether a module is a queue.
+pub fn is_queue(module: &Module) -> bool {
+    QUEUES.contains(&module.name())
+}
+
+/// The queues of the unit.
+const QUEUES: [&str; 7] = [
+    "raypath_unit_free",
+    "raypath_unit_starts",
+    "raypath_unit_arrivals",
+    "raypath_unit_tested",
+    "raypath_unit_continues",
+    "raypath_unit_requests",
+    "raypath_unit_ended",
+];
+
+/// A simulated module, and random values for it.
+struct Bench {
+    module: Arc<Module>,
+    simulator: Simulator,
+    inputs: Vec<(InputPort, u32)>,
+    outputs: Vec<OutputPort>,
+    random: ChaCha8Rng,
+}
+
+impl Bench {
+    fn new(module: &Arc<Module>, seed: u64) -> Result<Self, Error> {
+        let mut simulator = Simulator::new(module)?;
+        simulator.restart_randomly(seed);
+        let inputs = module.inputs().iter().map(|port| {
+            let width = module.port_width(&port.name).unwrap_or(1);
+            Ok::<_, Error>((simulator.input(&port.name)?, width))
+        });
+        let inputs = inputs.collect::<Result<_, _>>()?;
+        let outputs = module.outputs().iter().map(|port| simulator.output(&port.name)).collect::<Result<_, _>>()?;
+        Ok(Self { module: module.clone(), simulator, inputs, outputs, random: ChaCha8Rng::seed_from_u64(seed) })
+    }
+
+    /// The places of these inputs among all.
+    fn inputs<const N: usize>(&self, names: [&str; N]) -> [usize; N] {
+        names.map(|name| self.module.inputs().iter().position(|port| port.name == name).unwrap_or_default())
+    }
+
+    /// The places of these outputs among all.
+    fn outputs<const N: usize>(&self, names: [&str; N]) -> [usize; N] {
+        names.map(|name| self.module.outputs().iter().position(|port| port.name == name).unwrap_or_default())
+    }
+
+    fn set(&mut self, input: usize, value: u64) {
+        self.simulator.set(self.inputs[input].0, value);
+    }
+
+    fn get(&self, output: usize) -> u64 {
+        self.simulator.get(self.outputs[output])
+    }
+
+    fn chance(&mut self, one_in: u32) -> bool {
+        self.random.random_range(0..one_in) == 0
+    }
+
+    /// Random words for all inputs. Words meet earlier ones, or differ from them in a bit, and many are at a limit.
+    fn words(&mut self) -> Vec<u64> {
+        let mut words: Vec<u64> = Vec::with_capacity(self.inputs.len());
+        for place in 0..self.inputs.len() {
+            let width = self.inputs[place].1;
+            let alike: Vec<usize> = (0..place).filter(|&other| self.inputs[other].1 == width).collect();
+            let random = &mut self.random;
+            let near = |random: &mut ChaCha8Rng, value: u64| match random.random_range(0..5) {
+                0 => value ^ 1 << random.random_range(0..width),
+                1 => value.wrapping_add(1),
+                2 => value.wrapping_sub(1),
+                _ => value,
+            };
+            let value = match random.random_range(0..8) {
+                0 => random.random(),
+                1 => random.random_range(0..9),
+                2 | 3 if !alike.is_empty() => {
+                    let other = words[alike[random.random_range(0..alike.len())]];
+                    near(random, other)
+                }
+                4 if width == 32 => random.random::<u64>() << 7 | random.random_range(0..70),
+                5 if width == 32 => f32::to_bits(NUMBERS[random.random_range(0..NUMBERS.len())]).into(),
+                6 => 0,
+                _ => {
+                    let limit = 1 << random.random_range(0..width);
+                    near(random, limit)
+                }
+            };
+            words.push(value & u64::MAX >> (64 - width));
+        }
+        words
+    }
+}
+
+/// Numbers at the limits of the format and between.
+const NUMBERS: [f32; 11] = [
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    2.5,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    f32::NAN,
+    f32::from_bits(f32::INFINITY.to_bits() + 1),
+    f32::MIN_POSITIVE,
+    f32::MAX,
+];
+
+#[cfg(test)]
+mod tests {
+    use super::super::campaign::Subject;
+    use super::*;
+    use raypath_hdl::verilog;
+
+    #[test]
+    fn modules_do_what_they_must() {
+        for Subject { unit } in Subject::all().expect("units") {
+            for module in verilog::modules(&unit.top).expect("modules") {
+                assert_eq!(check(&module, unit.parameters, 1).expect("a simulation"), Ok(()));
+            }
+        }
+    }
+}
