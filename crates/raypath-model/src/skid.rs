@@ -48,6 +48,12 @@ impl SkidBuffers {
     /// One clock edge. `entering` is the opcode of a job that was accepted. The job at the output leaves if `taken`.
     #[inline]
     pub fn cycle(&mut self, entering: Option<u64>, taken: bool) {
+        let waits = self.output_valid() && !taken;
+        if self.spare == 0 && !waits && self.gates.is_empty() {
+            // All jobs move.
+            self.front = (self.front & !self.last) << 1 | Occupancy::from(entering.is_some());
+            return;
+        }
         // A buffer whose front leaves is ready only if it was ready when the cycle began.
         let next_is_ready = !self.spare >> 1;
         let held = self.gates.iter().fold(0, |held, gate| held | gate.held());
