@@ -4,12 +4,11 @@ mod cache;
 
 use crate::blocks::BLOCK_BYTES;
 use crate::cycle::{UnitCounts, UnitModel};
-use crate::engine::{BlockRequest, Response, UnitEngine, UnitInputs};
+use crate::engine::{BlockRequest, Response, UnitEngine, UnitInputs, UnitOutputs};
 use crate::model::{Memory, RayRequest, Reply};
 use cache::Cache;
 pub use cache::{CacheError, CacheParameters};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::VecDeque;
 
 /// The memory behind the unit's port.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,44 +73,47 @@ pub fn simulate<M: Memory + ?Sized>(
 ) -> SystemTiming {
     let mut memory = Port::new(unit.beat_bytes(), parameters);
     let mut timing = SystemTiming::default();
-    let mut offered = None;
+    let mut inputs = UnitInputs { ray: None, hit_ready: true, request_ready: true, response: None };
     let (mut now, mut in_flight) = (0, 0);
     loop {
-        offered = offered.or_else(|| user.next_ray());
-        let outputs = unit.outputs();
-        let response = memory.response(scene, now);
-        let inputs = UnitInputs { ray: offered, hit_ready: true, request_ready: true, response };
-        let is_quiet = outputs.hit.is_none()
-            && outputs.request.is_none()
-            && response.is_none()
-            && (offered.is_none() || !outputs.ray_ready);
-        timing.beats += u64::from(response.is_some());
-        unit.cycle(&inputs);
+        if inputs.ray.is_none() {
+            inputs.ray = user.next_ray();
+        }
+        inputs.response = memory.response(scene, now);
+        let UnitOutputs { ray_ready, hit, request } = unit.outputs();
+        let enters = ray_ready && inputs.ray.is_some();
+        let is_quiet = !enters && hit.is_none() && request.is_none() && inputs.response.is_none();
+        if is_quiet && let Some(due) = memory.next_due() {
+            let skipped = unit.idle(due.saturating_sub(now));
+            if skipped > 0 {
+                timing.ray_cycles += in_flight * skipped;
+                now += skipped;
+                continue;
+            }
+        }
+        timing.beats += u64::from(inputs.response.is_some());
         timing.ray_cycles += in_flight;
         now += 1;
-        if outputs.ray_ready && offered.take_if(|_| true).is_some() {
-            in_flight += 1;
-        }
-        if let Some(request) = outputs.request {
-            memory.request(request, now);
-        }
-        if let Some((number, reply)) = outputs.hit {
+        if let Some((number, reply)) = hit {
             in_flight -= 1;
             if !user.receive(number, &reply) {
                 timing.is_stopped = true;
                 break;
             }
         }
-        if in_flight == 0 && offered.is_none() {
-            offered = user.next_ray();
-            if offered.is_none() {
+        if let Some(request) = request {
+            memory.request(request, now);
+        }
+        unit.cycle(&inputs);
+        if enters {
+            inputs.ray = None;
+            in_flight += 1;
+        }
+        if in_flight == 0 && inputs.ray.is_none() {
+            inputs.ray = user.next_ray();
+            if inputs.ray.is_none() {
                 break;
             }
-        }
-        if is_quiet && let Some(due) = memory.next_due() {
-            let skipped = unit.idle(due.saturating_sub(now));
-            timing.ray_cycles += in_flight * skipped;
-            now += skipped;
         }
     }
     timing.unit = unit.counts();
@@ -120,21 +122,28 @@ pub fn simulate<M: Memory + ?Sized>(
 }
 
 /// The memory with the requests in it.
-struct Port {
+struct Port<'s> {
     beat_bytes: usize,
     latency: u64,
     bandwidth: Option<u32>,
     cache: Option<Cache>,
     /// The cycle from which the next bytes can arrive from behind the cache, times the bandwidth.
     free_from: u64,
-    /// Requests by the cycle of their first beat, then by age.
-    waiting: BinaryHeap<Reverse<(u64, u64, u32, u32)>>,
-    age: u64,
-    /// The block whose beats arrive, and the bytes that have arrived.
-    arriving: Option<(BlockRequest, usize)>,
+    /// Requests with the cycle of their first beat: in the order of these cycles, then by age.
+    waiting: VecDeque<(u64, BlockRequest)>,
+    arriving: Arriving<'s>,
 }
 
-impl Port {
+/// The block whose beats arrive.
+#[derive(Default)]
+struct Arriving<'s> {
+    tag: u32,
+    is_error: bool,
+    /// The bytes that have not yet arrived.
+    bytes: &'s [u8],
+}
+
+impl<'s> Port<'s> {
     fn new(beat_bytes: usize, parameters: &MemoryParameters) -> Self {
         Self {
             beat_bytes,
@@ -142,22 +151,28 @@ impl Port {
             bandwidth: parameters.bandwidth,
             cache: parameters.cache.map(Cache::new),
             free_from: 0,
-            waiting: BinaryHeap::new(),
-            age: 0,
-            arriving: None,
+            waiting: VecDeque::new(),
+            arriving: Arriving::default(),
         }
     }
 
     /// A request that was accepted in the cycle before `now`.
-    fn request(&mut self, BlockRequest { address, tag }: BlockRequest, now: u64) {
+    #[inline]
+    fn request(&mut self, request: BlockRequest, now: u64) {
         let (line, hit_latency) = self.cache.as_ref().map_or((BLOCK_BYTES, 0), Cache::line);
-        let misses = self.cache.as_mut().map_or(1, |cache| cache.misses(address));
+        let misses = self.cache.as_mut().map_or(1, |cache| cache.misses(request.address));
         let due = if misses == 0 { now + hit_latency } else { self.transfer(misses * line, now) } - 1;
-        self.waiting.push(Reverse((due, self.age, address, tag)));
-        self.age += 1;
+        // A request that the cache has overtakes others.
+        if self.waiting.back().is_none_or(|(last, _)| *last <= due) {
+            self.waiting.push_back((due, request));
+        } else {
+            let place = self.waiting.partition_point(|(other, _)| *other <= due);
+            self.waiting.insert(place, (due, request));
+        }
     }
 
     /// The cycle in which these bytes have arrived from behind the cache.
+    #[inline]
     fn transfer(&mut self, bytes: u32, now: u64) -> u64 {
         let Some(bandwidth) = self.bandwidth.map(u64::from) else { return now + self.latency };
         let begin = self.free_from.max(now * bandwidth);
@@ -169,21 +184,19 @@ impl Port {
 
     /// The cycle of the next beat.
     fn next_due(&self) -> Option<u64> {
-        if self.arriving.is_some() { Some(0) } else { self.waiting.peek().map(|Reverse((due, ..))| *due) }
+        if !self.arriving.bytes.is_empty() { Some(0) } else { self.waiting.front().map(|(due, _)| *due) }
     }
 
-    fn response<'s, M: Memory + ?Sized>(&mut self, scene: &'s M, now: u64) -> Option<Response<'s>> {
-        if self.arriving.is_none() {
-            let Reverse((_, _, address, tag)) = *self.waiting.peek().filter(|Reverse((due, ..))| *due <= now)?;
-            self.waiting.pop();
-            self.arriving = Some((BlockRequest { address, tag }, 0));
-        }
-        let (BlockRequest { address, tag }, from) = self.arriving?;
-        let to = from + self.beat_bytes;
-        self.arriving = (to < BLOCK_BYTES as usize).then_some((BlockRequest { address, tag }, to));
+    #[inline]
+    fn response<M: Memory + ?Sized>(&mut self, scene: &'s M, now: u64) -> Option<Response<'s>> {
         const NOTHING: &[u8; BLOCK_BYTES as usize] = &[0; BLOCK_BYTES as usize];
-        let found = scene.block(address);
-        let (block, is_error) = (*found.as_ref().unwrap_or(&NOTHING), found.is_err());
-        Some(Response { tag, is_error, beat: block.get(from..to)? })
+        if self.arriving.bytes.is_empty() {
+            let (_, BlockRequest { address, tag }) = self.waiting.pop_front_if(|(due, _)| *due <= now)?;
+            let found = scene.block(address);
+            let bytes: &[u8] = *found.as_ref().unwrap_or(&NOTHING);
+            self.arriving = Arriving { tag, is_error: found.is_err(), bytes };
+        }
+        let Arriving { tag, is_error, bytes } = &mut self.arriving;
+        Some(Response { tag: *tag, is_error: *is_error, beat: bytes.split_off(..self.beat_bytes)? })
     }
 }
