@@ -65,6 +65,7 @@ impl Answers {
     }
 
     /// The outcome of a node's box job, for a ray of this length.
+    #[inline(always)]
     pub fn node(&self, ready: &ReadyRay, extent: Num<Binary32>, block: &Block) -> Answer<Binary32> {
         let Node { boxes, children } = Node::of(block);
         let input = RayBoxInput { ray: Ray { extent, ..ready.ray }, aabb: boxes };
@@ -138,6 +139,7 @@ fn no_hit() -> TriangleHit<Binary32> {
     }
 }
 
+#[inline(always)]
 fn nothing(kind: u32) -> Answer<Binary32> {
     let (no, zero, none) = (false.into(), 0.0.into(), Word::truncate(0));
     Answer {

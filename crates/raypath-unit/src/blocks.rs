@@ -20,7 +20,7 @@
 //!
 //! Bytes of triangles that a block does not have are 0.
 
-use raypath_ops::{Aabb, Binary32, Triangle};
+use raypath_ops::{Aabb, Binary32, Slab, Triangle, array_of};
 use thiserror::Error;
 
 /// The bytes of a block.
@@ -130,12 +130,14 @@ impl Node {
     }
 
     /// The node in a block.
+    #[inline(always)]
     pub fn of(block: &[u8; BLOCK_BYTES as usize]) -> Self {
-        let number = |index: usize| f32::from_bits(word(block, index));
-        let corner = |index: usize| std::array::from_fn(|axis| number(index + axis));
+        let number = |index: usize| f32::from_bits(word(block, index)).into();
+        let slab = |index: usize| Slab { min: number(index), max: number(index + 3) };
+        let aabb = |index: usize| Aabb { x: slab(index), y: slab(index + 1), z: slab(index + 2) };
         Self {
-            boxes: std::array::from_fn(|child| Aabb::new(corner(BOX_WORDS * child), corner(BOX_WORDS * child + 3))),
-            children: std::array::from_fn(|child| word(block, CHILD_WORD + child)),
+            boxes: array_of!(child => aabb(BOX_WORDS * child)),
+            children: array_of!(child => word(block, CHILD_WORD + child)),
         }
     }
 }
@@ -165,6 +167,7 @@ impl LeafTriangle {
 }
 
 /// A word of a block; 0 beyond its end.
+#[inline(always)]
 fn word(block: &[u8; BLOCK_BYTES as usize], index: usize) -> u32 {
     block.as_chunks().0.get(index).copied().map_or(0, u32::from_le_bytes)
 }

@@ -8,16 +8,18 @@ mod parts;
 
 use crate::answers::{Answers, Block, ReadyRay};
 use crate::blocks::BLOCK_BYTES;
-use crate::engine::{BlockRequest, UnitEngine, UnitInputs, UnitOutputs};
+use crate::engine::{BlockRequest, Response, UnitEngine, UnitInputs, UnitOutputs};
 use crate::fold::HitLimits;
 use crate::hardware::{UnitNetlist, UnitParameters};
 use crate::model::{RayRequest, Reply};
+use crate::native;
 use crate::set_up::{Entry, QUOTIENTS};
-use crate::state::{Group, RayState, request, status};
-use crate::step::{StepParameters, UnitFeatures, finish, prepare};
-use parts::{InOrder, Line, Queue, Scheduler, Weights};
+use crate::state::{Answer, Group, RayState, request, status};
+use crate::step::UnitFeatures;
+use parts::{Line, Queues, Ring, Scheduler, Weights};
 use raypath_model::{Flow, Shape};
 use raypath_ops::{Binary32, JobKind, Rules, Word};
+use std::mem::replace;
 
 /// The cycle-exact model of the unit: in every cycle its outputs are those of the hardware.
 #[derive(Debug, Clone)]
@@ -30,29 +32,29 @@ pub struct UnitModel {
 
     /// The contexts from here on were never used.
     fresh: u32,
-    free: Queue<u32>,
-    set_up: SetUp,
-    starts: Queue<u32>,
-    arrivals: Queue<Arrival>,
-    issue: Option<Issue>,
+    queues: Queues<7>,
+    /// Cycles until the next ray can enter the set-up.
+    busy: u32,
+    /// The rays whose quotients are divided.
+    set_up: Line<u8>,
+    /// The context whose block failed.
+    fault: Option<u8>,
+    /// The job that is offered to the datapath, and how many jobs of its block follow it.
+    offer: Option<Job>,
+    following: u32,
     flow: Flow,
-    /// The jobs in the datapath, oldest first.
-    jobs: InOrder<Job>,
-    /// The contexts of outcomes of box jobs that wait for a step, oldest first.
-    tested: Queue<u32>,
+    /// The jobs in the datapath.
+    jobs: Ring<Job>,
     /// The triangle whose distance is divided next.
     operands: Option<Job>,
     divider: Line<Job>,
     /// The triangle whose limits are read.
     triangle: Option<Job>,
     /// The context with the closest hit of a block.
-    closest: Option<u32>,
+    closest: Option<u8>,
     scheduler: Scheduler,
-    prepared: Option<Answered>,
-    finished: Option<Answered>,
-    again: Queue<u32>,
-    requests: Queue<BlockRequest>,
-    ended: Queue<u32>,
+    prepared: Answered,
+    finished: Answered,
     /// With barycentric coordinates, which are divided before a hit is shown.
     weights: Option<Weights>,
     hit: Option<(u64, Reply)>,
@@ -84,57 +86,36 @@ struct Context {
     limits: HitLimits<Binary32>,
     state: RayState<Binary32>,
     block: Block,
-    /// The triangles of the block that was requested last; 0 for a node.
+    /// The address of the block that was requested last.
+    address: u32,
+    /// Its triangles; 0 for a node.
     count: u32,
-    /// The beats of the block so far, and whether one had an error.
+    /// Its beats so far, and whether one had an error.
     beats: usize,
     failed: bool,
-    reply: Reply,
-}
-
-/// The rays in the set-up.
-#[derive(Debug, Clone)]
-struct SetUp {
-    /// Cycles until the next ray can enter.
-    busy: u32,
-    /// Rays that entered, with the cycles in which their constants are known.
-    rays: std::collections::VecDeque<(u64, u32)>,
-}
-
-#[derive(Debug, Clone, Copy, Default)]
-struct Arrival {
-    context: u32,
-    failed: bool,
-}
-
-/// The block whose jobs are offered.
-#[derive(Debug, Clone, Copy)]
-struct Issue {
-    arrival: Arrival,
-    place: u32,
+    /// How the ray ended.
+    status: u32,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
 struct Job {
-    context: u32,
-    is_node: bool,
-    is_last: bool,
+    context: u8,
+    kind: Kind,
 }
 
-/// A step, by the source of its answer.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+enum Kind {
+    #[default]
+    Node,
+    Triangle,
+    LastTriangle,
+}
+
+/// A step of a context, by the source of its answer; none if the source is 0.
+#[derive(Debug, Clone, Copy, Default)]
 struct Answered {
-    context: u32,
+    context: u8,
     source: u32,
-}
-
-/// What a ray asks for after a step.
-#[derive(Debug, Clone, Copy)]
-struct Asked {
-    context: u32,
-    /// One of [`request`].
-    kind: u32,
-    address: u32,
 }
 
 // The bits of the sources, in the order of `hardware::SOURCES`.
@@ -143,6 +124,15 @@ const BLOCK: u32 = 2;
 const FAULT: u32 = 4;
 const START: u32 = 8;
 const AGAIN: u32 = 16;
+
+// The numbers of the queues.
+const TESTED: usize = 0;
+const STARTS: usize = 1;
+const AGAINS: usize = 2;
+const FREE: usize = 3;
+const ARRIVALS: usize = 4;
+const REQUESTS: usize = 5;
+const ENDED: usize = 6;
 
 impl UnitModel {
     /// The model of a unit after a reset, whose datapath has this shape.
@@ -156,24 +146,22 @@ impl UnitModel {
             stacks: vec![Group::none(Binary32); contexts * parameters.step.stack as usize],
             beat_bytes: parameters.memory_width as usize / 8,
             fresh: 0,
-            free: Queue::new(parameters.contexts),
-            set_up: SetUp { busy: 0, rays: Default::default() },
-            starts: Queue::new(parameters.contexts),
-            arrivals: Queue::new(parameters.contexts),
-            issue: None,
+            queues: Queues::new(),
+            busy: 0,
+            // The operands of the last quotient enter a register, then the divider.
+            set_up: Line::new(QUOTIENTS as u32 + 1 + parameters.divider_latency),
+            fault: None,
+            offer: None,
+            following: 0,
             flow: Flow::new(shape),
-            jobs: InOrder::new(shape.capacity()),
-            tested: Queue::new(parameters.contexts),
+            jobs: Ring::new(),
             operands: None,
             divider: Line::new(parameters.divider_latency),
             triangle: None,
             closest: None,
             scheduler: Scheduler::default(),
-            prepared: None,
-            finished: None,
-            again: Queue::new(parameters.contexts),
-            requests: Queue::new(parameters.contexts),
-            ended: Queue::new(parameters.contexts),
+            prepared: Answered::default(),
+            finished: Answered::default(),
             weights: features.barycentrics.then(|| Weights::new(parameters.divider_latency)),
             hit: None,
             counts: UnitCounts::default(),
@@ -193,24 +181,21 @@ impl UnitModel {
     /// Advances up to `limit` cycles in which no ray is offered, no response arrives, and nothing is taken, if that
     /// changes nothing but time. Returns the number of cycles, 0 if something moves.
     pub fn idle(&mut self, limit: u64) -> u64 {
-        let is_still = self.set_up.busy == 0
-            && self.set_up.rays.is_empty()
+        let waiting = 1 << TESTED | 1 << STARTS | 1 << AGAINS | 1 << ARRIVALS | 1 << ENDED;
+        let is_still = self.busy == 0
+            && self.set_up.is_empty()
             && self.jobs.is_empty()
-            && self.tested.is_empty()
             && self.operands.is_none()
             && self.divider.is_empty()
             && self.triangle.is_none()
             && self.closest.is_none()
-            && self.issue.is_none()
-            && self.prepared.is_none()
-            && self.finished.is_none()
-            && self.arrivals.is_empty()
-            && self.starts.is_empty()
-            && self.again.is_empty()
-            && self.requests.is_settled()
-            && self.free.is_settled()
+            && self.fault.is_none()
+            && self.offer.is_none()
+            && self.prepared.source == 0
+            && self.finished.source == 0
+            && self.queues.are_settled()
             && self.weights.as_ref().is_none_or(Weights::is_empty)
-            && (self.ended.is_empty() || self.hit.is_some() && self.ended.is_settled());
+            && self.queues.ready() & waiting == 0;
         let cycles = if is_still { limit } else { 0 };
         self.counts.cycles += cycles;
         cycles
@@ -221,220 +206,254 @@ impl UnitModel {
         self.beat_bytes
     }
 
-    fn has_context(&self) -> bool {
-        self.fresh < self.parameters.contexts || self.free.front().is_some()
+    #[inline]
+    fn ray_ready(&self) -> bool {
+        self.busy <= 1 && (self.fresh < self.parameters.contexts || self.queues.front(FREE).is_some())
     }
 
-    /// The step that is finished in this cycle.
-    fn step(&mut self, answered: Answered) -> Asked {
+    /// The step that is finished in this cycle. Returns what the ray asks for: one of [`request`].
+    fn step(&mut self, Answered { context, source }: Answered) -> u32 {
+        // Each kind of answer has a copy of the step, from which the compiler removes what other answers need.
+        match source {
+            BOXES => self.advance(context, |answers, ray| answers.node(&ray.ready, ray.state.extent, &ray.block)),
+            BLOCK => self.advance(context, |answers, ray| answers.leaf(&ray.ready, ray.limits, &ray.block, ray.count)),
+            FAULT => self.advance(context, |_, _| Answers::failure()),
+            START => self.advance(context, |_, ray| Answers::begin(&ray.ready)),
+            _ => self.advance(context, |_, _| Answers::again()),
+        }
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, context: u8, answer: impl FnOnce(&Answers, &Context) -> Answer<Binary32>) -> u32 {
         let Self { parameters, answers, contexts, stacks, .. } = self;
-        let Answered { context, source } = answered;
-        let ray = &mut contexts[context as usize];
-        let answer = match source {
-            BOXES => answers.node(&ray.ready, ray.state.extent, &ray.block),
-            BLOCK => answers.leaf(&ray.ready, ray.limits, &ray.block, ray.count),
-            FAULT => Answers::failure(),
-            START => Answers::begin(&ray.ready),
-            _ => Answers::again(),
-        };
-        let StepParameters { stack, .. } = parameters.step;
-        // The number of entries is a power of two.
-        let slot = |level: Word<Binary32, 7>| (context * stack + (level.value & (stack - 1))) as usize;
-        let half = prepare(Binary32, ray.state, answer);
-        let (state, request) = finish(Binary32, parameters.step, half, stacks[slot(half.deepest)]);
-        if request.writes.into() {
-            stacks[slot(request.level)] = request.group;
-        }
-        (ray.state, ray.count) = (state, request.count.value);
-        if request.kind.value == request::DONE {
-            ray.reply = Reply::of(&state, request.status.value, parameters.step.features);
-        }
-        Asked { context, kind: request.kind.value, address: request.address.value }
+        let context = usize::from(context);
+        let ray = &mut contexts[context];
+        let answer = answer(answers, ray);
+        let entries = parameters.step.stack as usize;
+        let request =
+            native::step(parameters.step, &mut ray.state, answer, &mut stacks[context * entries..][..entries]);
+        (ray.address, ray.count, ray.status) = (request.address.value, request.count.value, request.status.value);
+        request.kind.value
     }
 
     /// A ray enters a context.
-    fn enter(&mut self, id: u64, ray: &RayRequest) -> u32 {
-        let is_fresh = self.fresh < self.parameters.contexts;
-        let context = if is_fresh { self.fresh } else { self.free.front().unwrap_or(0) };
-        self.fresh += u32::from(is_fresh);
+    fn enter(&mut self, id: u64, ray: &RayRequest) -> u8 {
+        let context = if self.fresh < self.parameters.contexts {
+            self.fresh += 1;
+            (self.fresh - 1) as u8
+        } else {
+            self.queues.pop(FREE)
+        };
         let ready = self.answers.set_up(&Entry::from(ray));
-        let kept = &mut self.contexts[context as usize];
+        let kept = &mut self.contexts[usize::from(context)];
         (kept.id, kept.ready, kept.limits) = (id, ready, ray.limits());
         kept.state = RayState::begin(Binary32, Word::truncate(ray.root), ray.t_max.into(), ray.any_hit.into());
         context
     }
 
-    /// A beat arrives. Returns its block if it is the last.
-    fn arrive(&mut self, inputs: &UnitInputs<'_>) -> Option<Arrival> {
-        let response = inputs.response?;
+    /// A beat arrives. Returns the context of its block if it is the last.
+    #[inline]
+    fn arrive(&mut self, response: &Response<'_>) -> Option<u8> {
         let context = self.contexts.get_mut(response.tag as usize)?;
-        context.failed |= response.is_error;
-        let from = context.beats * self.beat_bytes;
-        let part = context.block.get_mut(from..from + self.beat_bytes)?;
-        part.copy_from_slice(response.beat.get(..self.beat_bytes)?);
-        context.beats += 1;
-        if context.beats * self.beat_bytes < BLOCK_BYTES as usize {
-            return None;
+        let Context { block, beats, .. } = context;
+        let is_last = match self.beat_bytes {
+            16 => put::<16>(block, *beats, response.beat)?,
+            32 => put::<32>(block, *beats, response.beat)?,
+            64 => put::<64>(block, *beats, response.beat)?,
+            _ => put::<128>(block, *beats, response.beat)?,
+        };
+        context.failed = response.is_error | (context.failed & (context.beats > 0));
+        context.beats = if is_last { 0 } else { context.beats + 1 };
+        is_last.then_some(response.tag as u8)
+    }
+
+    /// Chooses the answer of the next step, and takes it.
+    #[inline]
+    fn choose(&mut self) -> Answered {
+        let bit = |source: u32, has_answer: bool| if has_answer { source } else { 0 };
+        let queued = |source: u32, queue: usize| bit(source, self.queues.front(queue).is_some());
+        let request = queued(BOXES, TESTED)
+            | bit(BLOCK, self.closest.is_some())
+            | bit(FAULT, self.fault.is_some())
+            | queued(START, STARTS)
+            | queued(AGAIN, AGAINS);
+        if request == 0 {
+            return Answered::default();
         }
-        context.beats = 0;
-        Some(Arrival { context: response.tag, failed: std::mem::take(&mut context.failed) })
+        let source = self.scheduler.grant(request);
+        let context = match source {
+            BOXES => self.queues.pop(TESTED),
+            BLOCK => self.closest.take().unwrap_or_default(),
+            FAULT => self.fault.take().unwrap_or_default(),
+            START => self.queues.pop(STARTS),
+            _ => self.queues.pop(AGAINS),
+        };
+        Answered { context, source }
+    }
+
+    /// The edge of the requests and the steps.
+    #[inline]
+    fn walk(&mut self, chosen: Answered, request_ready: bool) {
+        if request_ready && self.queues.front(REQUESTS).is_some() {
+            self.queues.pop(REQUESTS);
+        }
+        let finished = replace(&mut self.finished, replace(&mut self.prepared, chosen));
+        if finished.source != 0 {
+            self.counts.steps += 1;
+            let queue = match self.step(finished) {
+                request::FETCH => REQUESTS,
+                request::CONTINUE => AGAINS,
+                _ => ENDED,
+            };
+            self.counts.fetches += u64::from(queue == REQUESTS);
+            self.counts.rays += u64::from(queue == ENDED);
+            self.queues.push(queue, finished.context);
+        }
+    }
+
+    /// The edge of the hits.
+    #[inline]
+    fn hits(&mut self, ready: bool) {
+        let can_show = ready || self.hit.is_none();
+        let ended = self.queues.front(ENDED);
+        let shown = self.weights.as_ref().map_or(ended, Weights::front).filter(|_| can_show);
+        if self.weights.as_mut().map_or(shown.is_some(), |weights| weights.edge(ended, can_show)) {
+            self.queues.pop(ENDED);
+        }
+        if can_show {
+            self.hit = shown.map(|context| {
+                let Context { id, state, status, .. } = &self.contexts[usize::from(context)];
+                (*id, Reply::of(state, *status, self.parameters.step.features))
+            });
+        }
+        if let Some(context) = shown {
+            self.queues.push(FREE, context);
+        }
+    }
+
+    /// The edge of the rays that begin.
+    #[inline]
+    fn rays(&mut self, ray: Option<&(u64, RayRequest)>) {
+        let entered = ray.filter(|_| self.ray_ready()).map(|(id, ray)| self.enter(*id, ray));
+        self.busy = if entered.is_some() { QUOTIENTS as u32 } else { self.busy.saturating_sub(1) };
+        if let Some(context) = self.set_up.advance(entered) {
+            self.queues.push(STARTS, context);
+        }
+    }
+
+    /// The edge of the distances of triangles. Returns whether an outcome can be taken.
+    #[inline]
+    fn distances(&mut self) -> bool {
+        if self.closest.is_none()
+            && let Some(Job { context, kind }) = self.triangle.take()
+        {
+            self.closest = (kind == Kind::LastTriangle).then_some(context);
+        }
+        if self.triangle.is_none() || self.divider.front().is_none() {
+            let divided = self.divider.advance(self.operands.take());
+            self.triangle = self.triangle.or(divided);
+        }
+        self.operands.is_none()
+    }
+
+    /// The edge of the datapath.
+    #[inline]
+    fn jobs(&mut self) {
+        let takes_triangle = self.distances();
+        let outcome_leaves = self.flow.output_valid() && (takes_triangle || self.jobs.first().kind == Kind::Node);
+        let opcode = |job: Job| if job.kind == Kind::Node { JobKind::Quadbox } else { JobKind::Triangle }.opcode();
+        let leaves = self.offer.filter(|job| self.flow.input_ready(opcode(*job)));
+        self.flow.cycle(leaves.map(opcode), outcome_leaves);
+        if outcome_leaves {
+            let job = self.jobs.pop();
+            match job.kind {
+                Kind::Node => self.queues.push(TESTED, job.context),
+                _ => self.operands = Some(job),
+            }
+        }
+        if let Some(job) = leaves {
+            self.jobs.push(job);
+            let is_node = job.kind == Kind::Node;
+            self.counts.boxes += u64::from(is_node);
+            self.counts.triangles += u64::from(!is_node);
+            let kind = if self.following == 1 { Kind::LastTriangle } else { Kind::Triangle };
+            self.offer = (self.following > 0).then_some(Job { kind, ..job });
+            self.following = self.following.saturating_sub(1);
+        }
+    }
+
+    /// The edge of the blocks.
+    #[inline]
+    fn blocks(&mut self, response: Option<&Response<'_>>) {
+        if self.offer.is_none() && self.fault.is_none() && self.queues.front(ARRIVALS).is_some() {
+            let context = self.queues.pop(ARRIVALS);
+            self.issue(context);
+        }
+        if let Some(context) = response.and_then(|response| self.arrive(response)) {
+            self.queues.push(ARRIVALS, context);
+        }
+    }
+
+    /// Offers the jobs of a block.
+    #[inline]
+    fn issue(&mut self, context: u8) {
+        let Context { count, failed, .. } = self.contexts[usize::from(context)];
+        let kind = [Kind::Node, Kind::LastTriangle].get(count as usize).copied().unwrap_or(Kind::Triangle);
+        self.fault = failed.then_some(context);
+        self.offer = (!failed).then_some(Job { context, kind });
+        self.following = count.saturating_sub(1);
     }
 }
 
 impl UnitEngine for UnitModel {
+    #[inline]
     fn outputs(&mut self) -> UnitOutputs {
+        let address = |context: u8| self.contexts[usize::from(context)].address;
         UnitOutputs {
-            ray_ready: self.set_up.busy <= 1 && self.has_context(),
+            ray_ready: self.ray_ready(),
             hit: self.hit,
-            request: self.requests.front(),
+            request: self.queues.front(REQUESTS).map(|tag| BlockRequest { address: address(tag), tag: tag.into() }),
             response_ready: true,
         }
     }
 
+    #[inline]
     fn cycle(&mut self, inputs: &UnitInputs<'_>) {
-        // What the registers say.
-        let outcome = if self.flow.output_valid() { self.jobs.front() } else { None };
-        let boxes = self.tested.front();
-        let fault = self.issue.filter(|issue| issue.arrival.failed).map(|issue| issue.arrival.context);
-        let start = self.starts.front();
-        let again = self.again.front();
-        let bit = |source: u32, context: Option<u32>| if context.is_some() { source } else { 0 };
-        let request =
-            bit(BOXES, boxes) | bit(BLOCK, self.closest) | bit(FAULT, fault) | bit(START, start) | bit(AGAIN, again);
-        let grant = self.scheduler.grant(request);
-        let granted = match grant {
-            BOXES => boxes,
-            BLOCK => self.closest,
-            FAULT => fault,
-            START => start,
-            _ => again,
-        };
-        let answered = granted.filter(|_| grant != 0).map(|context| Answered { context, source: grant });
-
-        // What moves.
-        let folds = self.triangle.filter(|_| self.closest.is_none() || grant == BLOCK);
-        let moves = self.triangle.is_none() || folds.is_some();
-        let divider_moves = self.divider.front().is_none() || moves;
-        let divides = outcome.filter(|job| !job.is_node && (self.operands.is_none() || divider_moves));
-        let tested = outcome.filter(|job| job.is_node).map(|job| job.context);
-        let outcome_leaves = tested.is_some() || divides.is_some();
-        let offer = self.issue.filter(|issue| !issue.arrival.failed).map(|issue| {
-            let count = self.contexts[issue.arrival.context as usize].count;
-            let (is_node, is_last) = (count == 0, count == 0 || issue.place + 1 == count);
-            Job { context: issue.arrival.context, is_node, is_last }
-        });
-        let kind = |job: Job| if job.is_node { JobKind::Quadbox } else { JobKind::Triangle };
-        let leaves = offer.filter(|job| self.flow.input_ready(kind(*job).opcode()));
-        let block_ends = leaves.is_some_and(|job| job.is_last) || grant == FAULT;
-        let takes_block = self.arrivals.front().is_some() && (self.issue.is_none() || block_ends);
-        let can_show = self.hit.is_none() || inputs.hit_ready;
-        let entering = inputs.ray.as_ref().filter(|_| self.set_up.busy <= 1 && self.has_context());
-
-        // The edge.
-        let asked = self.finished.take().map(|answered| self.step(answered));
-        self.finished = self.prepared;
-        self.prepared = answered;
-        let asks = |kind: u32| asked.filter(|asked| asked.kind == kind);
-        let fetched = asks(request::FETCH).map(|asked| BlockRequest { address: asked.address, tag: asked.context });
-        self.requests.edge(fetched, inputs.request_ready);
-        self.again.edge(asks(request::CONTINUE).map(|asked| asked.context), grant == AGAIN);
-        let complete = self.weights.as_ref().map_or(self.ended.front(), Weights::front);
-        let released = complete.filter(|_| can_show);
-        let takes_ended = match &mut self.weights {
-            Some(weights) => weights.edge(self.ended.front(), can_show),
-            None => can_show,
-        };
-        match released {
-            Some(context) => {
-                let Context { id, reply, .. } = &self.contexts[context as usize];
-                self.hit = Some((*id, *reply));
-            }
-            None if inputs.hit_ready => self.hit = None,
-            None => {}
-        }
-        let ended = asks(request::DONE).map(|asked| asked.context);
-        self.ended.edge(ended, takes_ended);
-
-        self.scheduler.edge(grant);
-        let uses_free = entering.is_some() && self.fresh == self.parameters.contexts;
-        let entered = entering.map(|(id, ray)| self.enter(*id, ray));
-        self.free.edge(released, uses_free);
-        let begins = self.set_up.edge(self.counts.cycles, entered, self.parameters.divider_latency);
-        self.starts.edge(begins, grant == START);
-
-        if moves {
-            self.triangle = None;
-        }
-        if let Some(job) = folds {
-            self.closest = job.is_last.then_some(job.context);
-        } else if grant == BLOCK {
-            self.closest = None;
-        }
-        if divider_moves {
-            if moves {
-                self.triangle = self.divider.front();
-            }
-            self.divider.advance(self.operands.take());
-        }
-
-        self.operands = divides.or(self.operands);
-
-        let arrived = self.arrive(inputs);
-        let block = if takes_block { self.arrivals.front() } else { None };
-        self.arrivals.edge(arrived, takes_block);
-        self.issue = match (block, self.issue) {
-            (Some(arrival), _) => Some(Issue { arrival, place: 0 }),
-            (None, _) if block_ends => None,
-            (None, Some(issue)) if leaves.is_some() => Some(Issue { place: issue.place + 1, ..issue }),
-            (None, issue) => issue,
-        };
-        self.tested.edge(tested, grant == BOXES);
-        self.flow.cycle(leaves.map(|job| kind(job).opcode()), outcome_leaves);
-        self.jobs.edge(leaves, outcome_leaves);
-
+        // Each part reads what the parts after it had in registers, because it comes after them.
+        let chosen = self.choose();
+        self.rays(inputs.ray.as_ref());
+        self.hits(inputs.hit_ready);
+        self.walk(chosen, inputs.request_ready);
+        self.jobs();
+        self.blocks(inputs.response.as_ref());
+        self.queues.edge();
         self.counts.cycles += 1;
-        self.counts.steps += u64::from(asked.is_some());
-        self.counts.fetches += u64::from(fetched.is_some());
-        self.counts.rays += u64::from(ended.is_some());
-        self.counts.boxes += u64::from(leaves.is_some_and(|job| job.is_node));
-        self.counts.triangles += u64::from(leaves.is_some_and(|job| !job.is_node));
     }
 
     fn reset(&mut self) {
         self.fresh = 0;
-        self.set_up = SetUp { busy: 0, rays: Default::default() };
-        let queues = [&mut self.free, &mut self.starts, &mut self.tested, &mut self.again, &mut self.ended];
-        queues.into_iter().for_each(Queue::clear);
-        self.arrivals.clear();
-        self.requests.clear();
-        (self.issue, self.operands, self.triangle, self.closest, self.hit) = (None, None, None, None, None);
-        (self.prepared, self.finished) = (None, None);
+        self.busy = 0;
+        self.set_up.clear();
+        self.queues.clear();
+        (self.fault, self.offer, self.operands) = (None, None, None);
+        (self.triangle, self.closest, self.hit) = (None, None, None);
+        (self.prepared, self.finished) = (Answered::default(), Answered::default());
         self.flow.reset();
         self.jobs.clear();
         self.divider.clear();
         self.weights.iter_mut().for_each(Weights::clear);
         self.scheduler = Scheduler::default();
-        self.contexts.iter_mut().for_each(|context| (context.beats, context.failed) = (0, false));
+        self.contexts.iter_mut().for_each(|context| context.beats = 0);
         self.counts = UnitCounts::default();
     }
 }
 
-impl SetUp {
-    /// The clock edge of cycle `now`: a ray enters. Returns the context whose constants are known.
-    #[inline]
-    fn edge(&mut self, now: u64, entered: Option<u32>, divider_latency: u32) -> Option<u32> {
-        self.busy = self.busy.saturating_sub(1);
-        let begins = self.rays.front().filter(|(due, _)| *due == now).map(|(_, context)| *context);
-        if begins.is_some() {
-            self.rays.pop_front();
-        }
-        if let Some(context) = entered {
-            // The operands of the last quotient enter a register, then the divider.
-            self.rays.push_back((now + QUOTIENTS as u64 + 1 + u64::from(divider_latency), context));
-            self.busy = QUOTIENTS as u32;
-        }
-        begins
-    }
+/// Puts beat `number` into a block. Returns whether it is the last.
+#[inline(always)]
+fn put<const BYTES: usize>(block: &mut Block, number: usize, beat: &[u8]) -> Option<bool> {
+    let beats = block.as_chunks_mut::<BYTES>().0;
+    *beats.get_mut(number)? = *beat.first_chunk()?;
+    Some(number + 1 == beats.len())
 }
 
 impl Context {
@@ -456,10 +475,11 @@ impl Context {
             limits: ray.limits(),
             state: RayState::begin(Binary32, Word::truncate(0), 0.0.into(), false.into()),
             block: [0; BLOCK_BYTES as usize],
+            address: 0,
             count: 0,
             beats: 0,
             failed: false,
-            reply: Reply { status: status::MISS, hit: None, nodes: 0, triangles: 0 },
+            status: status::MISS,
         }
     }
 }

@@ -13,6 +13,7 @@ mod error;
 mod fold;
 mod hardware;
 mod model;
+mod native;
 mod netlist;
 pub mod set_up;
 pub mod state;

@@ -2,9 +2,10 @@
 
 use crate::answers::{Answers, quotient};
 use crate::blocks::BLOCK_BYTES;
+use crate::native;
 use crate::set_up::Entry;
-use crate::state::{Answer, Group, RayState, Request, request, status};
-use crate::step::{HalfStep, StepParameters, UnitFeatures, finish, prepare};
+use crate::state::{Group, RayState, request, status};
+use crate::step::{StepParameters, UnitFeatures};
 use raypath_ops::{Binary32, Rules, Word};
 use thiserror::Error;
 
@@ -23,6 +24,7 @@ pub trait Memory {
 pub struct MemoryError(pub u32);
 
 impl Memory for [u8] {
+    #[inline]
     fn block(&self, address: u32) -> Result<&[u8; BLOCK_BYTES as usize], MemoryError> {
         let block = self.get(address as usize..).and_then(<[u8]>::first_chunk);
         block.filter(|_| address.is_multiple_of(BLOCK_BYTES)).ok_or(MemoryError(address))
@@ -100,8 +102,8 @@ impl Unit {
     pub fn trace(&mut self, memory: &(impl Memory + ?Sized), ray: &RayRequest) -> Reply {
         let ready = self.answers.set_up(&Entry::from(ray));
         let root = Word::truncate(ray.root);
-        let state = RayState::begin(Binary32, root, ray.t_max.into(), ray.any_hit.into());
-        let (mut state, mut asked) = self.step(state, Answers::begin(&ready));
+        let mut state = RayState::begin(Binary32, root, ray.t_max.into(), ray.any_hit.into());
+        let mut asked = native::step(self.parameters, &mut state, Answers::begin(&ready), &mut self.stack);
         while asked.kind.value != request::DONE {
             let answer = if asked.kind.value == request::CONTINUE {
                 Answers::again()
@@ -112,19 +114,9 @@ impl Unit {
                     Err(_) => Answers::failure(),
                 }
             };
-            (state, asked) = self.step(state, answer);
+            asked = native::step(self.parameters, &mut state, answer, &mut self.stack);
         }
         Reply::of(&state, asked.status.value, self.parameters.features)
-    }
-
-    fn step(&mut self, state: RayState<Binary32>, answer: Answer<Binary32>) -> (RayState<Binary32>, Request<Binary32>) {
-        let slot = |level: Word<Binary32, 7>| (level.value % self.parameters.stack) as usize;
-        let half: HalfStep<Binary32> = prepare(Binary32, state, answer);
-        let (state, request) = finish(Binary32, self.parameters, half, self.stack[slot(half.deepest)]);
-        if request.writes.into() {
-            self.stack[slot(request.level)] = request.group;
-        }
-        (state, request)
     }
 }
 

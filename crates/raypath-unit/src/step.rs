@@ -106,7 +106,7 @@ pub fn step<C: WordCircuit>(
 }
 
 /// The first half of a [`step`], which does not read the stack.
-#[inline]
+#[inline(always)]
 pub fn prepare<C: WordCircuit>(c: C, state: RayState<C>, answer: Answer<C>) -> HalfStep<C> {
     let starts = answer.kind.is(answer::START);
     let has_boxes = answer.kind.is(answer::BOXES);
@@ -158,7 +158,7 @@ pub fn prepare<C: WordCircuit>(c: C, state: RayState<C>, answer: Answer<C>) -> H
 }
 
 /// The second half of a [`step`].
-#[inline]
+#[inline(always)]
 pub fn finish<C: WordCircuit>(
     c: C,
     parameters: StepParameters,
@@ -192,16 +192,16 @@ pub fn finish<C: WordCircuit>(
     let moves = descends | takes;
     let some_remain = group.present.0[0];
     let writes = moves & some_remain;
-    let changed = (moves | drops).select(state.pending.with(parent, some_remain & !drops), state.pending);
-    let set_place = |levels: Levels<C>, bit: Bit<C>| moves.select(levels.with(parent, bit), levels);
+    let changed = state.pending.with(Levels::only(parent, moves | drops), some_remain & !drops);
+    let moved = Levels::only(parent, moves);
 
     let lowest = lowest_kept(c, parent, parameters.stack);
     let base = (writes & state.base.less(lowest)).select(lowest, state.base);
     let next = RayState {
         level: visits.select(level, state.level),
         pending: is_lost.select(state.pending.below(state.level), changed),
-        place_low: set_place(state.place_low, half.place.part::<0, 1>().is(1)),
-        place_high: set_place(state.place_high, half.place.part::<1, 1>().is(1)),
+        place_low: state.place_low.with(moved, half.place.part::<0, 1>().is(1)),
+        place_high: state.place_high.with(moved, half.place.part::<1, 1>().is(1)),
         base: restarts.select(c.word(0), base),
         restarting: restarts | state.restarting,
         target: restarts.select(deepest, state.target),

@@ -147,18 +147,26 @@ impl<C: WordCircuit> Levels<C> {
         level.part::<5, 1>().is(1).select(bit(self.high), bit(self.low))
     }
 
-    /// The set with or without a level below 64.
+    /// Only a level below 64 if `present`, else no level.
     #[inline(always)]
-    pub fn with(self, level: Word<C, 7>, present: Bit<C>) -> Self {
-        let c = self.low.circuit;
-        let one = c.word_one_hot(level.part::<0, 5>().value);
-        let of = |word: Word<C, 32>, is_here: Bit<C>| {
-            let cleared = c.word_and(32, word.value, c.word_not(32, one));
-            let set = c.word_or(32, word.value, one);
-            is_here.select(present.select(Word::new(c, set), Word::new(c, cleared)), word)
-        };
+    pub fn only(level: Word<C, 7>, present: Bit<C>) -> Self {
+        let c = level.circuit;
+        let one = Word::new(c, c.word_one_hot(level.part::<0, 5>().value));
         let is_high = level.part::<5, 1>().is(1);
-        Self { low: of(self.low, !is_high), high: of(self.high, is_high) }
+        let of = |is_here: Bit<C>| (present & is_here).select(one, c.word(0));
+        Self { low: of(!is_high), high: of(is_high) }
+    }
+
+    /// The set with or without the levels of another.
+    #[inline(always)]
+    pub fn with(self, others: Self, present: Bit<C>) -> Self {
+        let c = self.low.circuit;
+        let of = |word: Word<C, 32>, others: Word<C, 32>| {
+            let added = present.select(others, c.word(0));
+            let kept = c.word_and(32, word.value, c.word_not(32, others.value));
+            Word::new(c, c.word_or(32, kept, added.value))
+        };
+        Self { low: of(self.low, others.low), high: of(self.high, others.high) }
     }
 
     /// The levels below a level, which is less than 64.

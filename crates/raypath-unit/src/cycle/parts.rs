@@ -1,120 +1,115 @@
 //! The timing of the unit's parts, each as the module of the same name in `hardware` has it.
 
-/// Words in a circle, oldest first.
+/// The places of a [`Ring`]: more than the contexts of a unit, and more than the jobs in a datapath.
+const PLACES: u32 = 512;
+
+/// Items in a circle, oldest first.
 #[derive(Debug, Clone)]
-struct Ring<T> {
-    /// A power of two.
-    words: Box<[T]>,
-    first: usize,
-    count: usize,
+pub struct Ring<T> {
+    items: [T; PLACES as usize],
+    /// The numbers of items that have entered and left, modulo 2^32.
+    entered: u32,
+    left: u32,
 }
 
 impl<T: Copy + Default> Ring<T> {
-    fn new(capacity: usize) -> Self {
-        Self { words: vec![T::default(); capacity.next_power_of_two()].into(), first: 0, count: 0 }
-    }
-
-    #[inline]
-    fn front(&self) -> Option<T> {
-        let word = self.words.get(self.first).copied();
-        word.filter(|_| self.count > 0)
-    }
-
-    #[inline]
-    fn pop(&mut self) {
-        self.first = (self.first + 1) & (self.words.len() - 1);
-        self.count -= 1;
-    }
-
-    #[inline]
-    fn push(&mut self, word: T) {
-        let place = (self.first + self.count) & (self.words.len() - 1);
-        self.words[place] = word;
-        self.count += 1;
-    }
-}
-
-/// A queue in a memory with a word at the output.
-#[derive(Debug, Clone)]
-pub struct Queue<T> {
-    ring: Ring<T>,
-    /// The first word is at the output.
-    valid: bool,
-}
-
-impl<T: Copy + Default> Queue<T> {
-    /// An empty queue of `capacity` words.
-    pub fn new(capacity: u32) -> Self {
-        Self { ring: Ring::new(capacity as usize), valid: false }
-    }
-
-    /// The word at the output.
-    #[inline]
-    pub fn front(&self) -> Option<T> {
-        self.ring.front().filter(|_| self.valid)
+    /// No items.
+    pub fn new() -> Self {
+        Self { items: [T::default(); PLACES as usize], entered: 0, left: 0 }
     }
 
     #[inline]
     pub fn is_empty(&self) -> bool {
-        self.ring.count == 0
+        self.entered == self.left
     }
 
-    /// Whether an edge without words that enter or leave changes nothing.
+    /// The oldest item. An empty ring has an arbitrary one.
     #[inline]
-    pub fn is_settled(&self) -> bool {
-        self.valid || self.ring.count == 0
+    pub fn first(&self) -> T {
+        self.items[(self.left % PLACES) as usize]
     }
 
-    /// The clock edge: the word at the output leaves if `pop`, and `push` enters.
+    /// Removes the oldest item.
     #[inline]
-    pub fn edge(&mut self, push: Option<T>, pop: bool) {
-        if pop && self.valid {
-            self.ring.pop();
-        }
-        // A word that enters now is read at the next edge.
-        self.valid = self.ring.count > 0;
-        if let Some(word) = push {
-            self.ring.push(word);
-        }
+    pub fn pop(&mut self) -> T {
+        let first = self.first();
+        self.left = self.left.wrapping_add(1);
+        first
+    }
+
+    #[inline]
+    pub fn push(&mut self, item: T) {
+        self.items[(self.entered % PLACES) as usize] = item;
+        self.entered = self.entered.wrapping_add(1);
     }
 
     pub fn clear(&mut self) {
-        (self.ring.first, self.ring.count, self.valid) = (0, 0, false);
+        (self.entered, self.left) = (0, 0);
     }
 }
 
-/// The jobs in the datapath, oldest first.
+/// The queues of contexts, each in a memory with a word at the output. They have numbers from 0. In a cycle, a queue is
+/// popped before it is pushed.
 #[derive(Debug, Clone)]
-pub struct InOrder<T>(Ring<T>);
+pub struct Queues<const N: usize> {
+    queues: [Ring<u8>; N],
+    /// A bit for each queue: it has a word at the output.
+    ready: u32,
+    /// The queues that were pushed in the last cycle. Their words are not yet at the output.
+    arrived: u32,
+    /// The queues that were pushed in this cycle.
+    pushed: u32,
+}
 
-impl<T: Copy + Default> InOrder<T> {
-    /// No jobs, of at most `capacity`.
-    pub fn new(capacity: usize) -> Self {
-        Self(Ring::new(capacity))
+impl<const N: usize> Queues<N> {
+    /// Empty queues.
+    pub fn new() -> Self {
+        Self { queues: std::array::from_fn(|_| Ring::new()), ready: 0, arrived: 0, pushed: 0 }
     }
 
+    /// A bit for each queue: it has a word at the output.
     #[inline]
-    pub fn front(&self) -> Option<T> {
-        self.0.front()
+    pub fn ready(&self) -> u32 {
+        self.ready
     }
 
+    /// The word at the output of a queue.
     #[inline]
-    pub fn is_empty(&self) -> bool {
-        self.0.count == 0
+    pub fn front(&self, queue: usize) -> Option<u8> {
+        (self.ready >> queue & 1 == 1).then(|| self.queues[queue].first())
     }
 
+    /// Whether an edge changes nothing.
     #[inline]
-    pub fn edge(&mut self, push: Option<T>, pop: bool) {
-        if pop {
-            self.0.pop();
-        }
-        if let Some(job) = push {
-            self.0.push(job);
-        }
+    pub fn are_settled(&self) -> bool {
+        self.arrived == 0
+    }
+
+    /// The word at the output leaves.
+    #[inline]
+    pub fn pop(&mut self, queue: usize) -> u8 {
+        let word = self.queues[queue].pop();
+        self.ready &= !(u32::from(self.queues[queue].is_empty()) << queue);
+        word
+    }
+
+    /// A word enters.
+    #[inline]
+    pub fn push(&mut self, queue: usize, word: u8) {
+        self.queues[queue].push(word);
+        self.pushed |= 1 << queue;
+    }
+
+    /// The clock edge.
+    #[inline]
+    pub fn edge(&mut self) {
+        self.ready |= self.arrived;
+        self.arrived = std::mem::take(&mut self.pushed);
     }
 
     pub fn clear(&mut self) {
-        (self.0.first, self.0.count) = (0, 0);
+        self.queues.iter_mut().for_each(Ring::clear);
+        (self.ready, self.arrived, self.pushed) = (0, 0, 0);
     }
 }
 
@@ -124,19 +119,12 @@ pub struct Line<T> {
     /// Bit i: stage i has an item.
     occupied: u64,
     last: u64,
-    /// The items, oldest first.
     items: Ring<T>,
 }
 
 impl<T: Copy + Default> Line<T> {
     pub fn new(stages: u32) -> Self {
-        Self { occupied: 0, last: 1 << (stages - 1), items: Ring::new(stages as usize) }
-    }
-
-    /// The item in the last stage.
-    #[inline]
-    pub fn front(&self) -> Option<T> {
-        self.items.front().filter(|_| self.occupied & self.last != 0)
+        Self { occupied: 0, last: 1 << (stages - 1), items: Ring::new() }
     }
 
     #[inline]
@@ -144,20 +132,26 @@ impl<T: Copy + Default> Line<T> {
         self.occupied == 0
     }
 
-    /// A clock edge at which the line moves: the last item leaves, and `item` enters.
+    /// The item in the last stage.
     #[inline]
-    pub fn advance(&mut self, item: Option<T>) {
-        if self.occupied & self.last != 0 {
-            self.items.pop();
-        }
+    pub fn front(&self) -> Option<T> {
+        (self.occupied & self.last != 0).then(|| self.items.first())
+    }
+
+    /// A clock edge at which the line moves: `item` enters, and the last item leaves.
+    #[inline]
+    pub fn advance(&mut self, item: Option<T>) -> Option<T> {
+        let leaves = (self.occupied & self.last != 0).then(|| self.items.pop());
         self.occupied = (self.occupied & !self.last) << 1 | u64::from(item.is_some());
         if let Some(item) = item {
             self.items.push(item);
         }
+        leaves
     }
 
     pub fn clear(&mut self) {
-        (self.occupied, self.items.first, self.items.count) = (0, 0, 0);
+        self.occupied = 0;
+        self.items.clear();
     }
 }
 
@@ -165,9 +159,9 @@ impl<T: Copy + Default> Line<T> {
 #[derive(Debug, Clone)]
 pub struct Weights {
     /// The context whose operands enter the divider, and whether the next is the second.
-    reading: Option<(u32, bool)>,
-    operands: Option<(u32, bool)>,
-    divider: Line<(u32, bool)>,
+    reading: Option<(u8, bool)>,
+    operands: Option<(u8, bool)>,
+    divider: Line<(u8, bool)>,
 }
 
 impl Weights {
@@ -177,7 +171,7 @@ impl Weights {
 
     /// The context whose weights are there.
     #[inline]
-    pub fn front(&self) -> Option<u32> {
+    pub fn front(&self) -> Option<u8> {
         self.divider.front().filter(|(_, is_second)| *is_second).map(|(context, _)| context)
     }
 
@@ -188,7 +182,7 @@ impl Weights {
     /// The clock edge: `waiting` is taken if possible, and the weights at the front are if `ready`. Returns whether
     /// `waiting` was taken.
     #[inline]
-    pub fn edge(&mut self, waiting: Option<u32>, ready: bool) -> bool {
+    pub fn edge(&mut self, waiting: Option<u8>, ready: bool) -> bool {
         let moves = self.front().is_none() || ready;
         let divided = if moves { self.operands.take() } else { None };
         let enters = self.reading.filter(|_| self.operands.is_none());
@@ -220,19 +214,13 @@ pub struct Scheduler {
 }
 
 impl Scheduler {
-    /// The source that is granted.
+    /// Grants a source of at least one, and advances by a cycle.
     #[inline]
-    pub fn grant(self, request: u32) -> u32 {
+    pub fn grant(&mut self, request: u32) -> u32 {
         let later = request & self.after;
         let from = if later != 0 { later } else { request };
-        from & from.wrapping_neg()
-    }
-
-    /// The clock edge after a grant.
-    #[inline]
-    pub fn edge(&mut self, grant: u32) {
-        if grant != 0 {
-            self.after = !(grant | (grant - 1));
-        }
+        let grant = from & from.wrapping_neg();
+        self.after = !(grant | (grant - 1));
+        grant
     }
 }

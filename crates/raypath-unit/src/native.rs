@@ -1,0 +1,52 @@
+//! A step in native binary32, with the stack of its ray.
+
+use crate::state::{Answer, Group, RayState, Request};
+use crate::step::{HalfStep, StepParameters, finish, prepare};
+use raypath_ops::{Binary32, Bit, Word};
+
+/// Evaluates an expression for each value of a bit, which is a constant in it. The compiler removes from each copy what
+/// the other value needs.
+macro_rules! for_each_value {
+    ($bit:ident, $result:expr) => {
+        if $bit.into() {
+            let $bit = Bit::from(true);
+            $result
+        } else {
+            let $bit = Bit::from(false);
+            $result
+        }
+    };
+}
+
+/// Computes a step of a ray, and changes its state and its stack.
+#[inline(always)]
+pub(crate) fn step(
+    parameters: StepParameters,
+    state: &mut RayState<Binary32>,
+    answer: Answer<Binary32>,
+    stack: &mut [Group<Binary32>],
+) -> Request<Binary32> {
+    let restarting = state.restarting;
+    for_each_value!(restarting, {
+        let half = prepare(Binary32, RayState { restarting, ..*state }, answer);
+        let descends = half.descends;
+        for_each_value!(descends, end(parameters, state, HalfStep { descends, ..half }, stack))
+    })
+}
+
+#[inline(always)]
+fn end(
+    parameters: StepParameters,
+    state: &mut RayState<Binary32>,
+    half: HalfStep<Binary32>,
+    stack: &mut [Group<Binary32>],
+) -> Request<Binary32> {
+    // The number of entries is a power of two.
+    let slot = |level: Word<Binary32, 7>| (level.value & (parameters.stack - 1)) as usize;
+    let (next, request) = finish(Binary32, parameters, half, stack[slot(half.deepest)]);
+    *state = next;
+    if request.writes.into() {
+        stack[slot(request.level)] = request.group;
+    }
+    request
+}
