@@ -50,19 +50,13 @@ impl Sources {
         Ok(())
     }
 
-    /// Runs all linters, side by side: Verilator on the separate files, Yosys and slang on the joined file, which has the same text.
+    /// Runs all linters: Verilator on the separate files, Yosys and slang on the joined file, which has the same text.
     ///
     /// # Errors
     /// A linter is missing, or reports anything.
     pub fn lint(&self) -> Result<(), ToolError> {
-        std::thread::scope(|scope| {
-            let others = [
-                scope.spawn(|| crate::lint_yosys(&self.all, &self.top)),
-                scope.spawn(|| crate::lint_slang(std::slice::from_ref(&self.all))),
-            ];
-            let verilator = crate::lint_verilator(&self.files, &self.top, &[]);
-            let others = others.map(|other| other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-            others.into_iter().fold(verilator, Result::and)
-        })
+        crate::lint_verilator(&self.files, &self.top, &[])?;
+        crate::lint_yosys(&self.all, &self.top)?;
+        crate::lint_slang(std::slice::from_ref(&self.all))
     }
 }
