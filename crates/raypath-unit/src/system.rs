@@ -80,7 +80,7 @@ pub fn simulate<M: Memory + ?Sized>(
             inputs.ray = user.next_ray();
         }
         inputs.response = memory.response(scene, now);
-        let UnitOutputs { ray_ready, hit, request } = unit.outputs();
+        let UnitOutputs { ray_ready, hit, request, .. } = unit.outputs();
         let enters = ray_ready && inputs.ray.is_some();
         let is_quiet = !enters && hit.is_none() && request.is_none() && inputs.response.is_none();
         if is_quiet && let Some(due) = memory.next_due() {

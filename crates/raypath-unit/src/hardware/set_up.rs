@@ -74,10 +74,10 @@ pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error>
         })
         .collect();
 
-    m.section("The constants of a ray, with its last quotient");
+    m.section("The constants of a ray, with its last quotient: its quotients come in consecutive cycles");
     let mut quotients = vec![m.instance("u_decode", &decode(Format::BINARY32)?, &[("recoded_i", result)])[0]];
     for k in (0..QUOTIENTS - 1).rev() {
-        quotients.insert(0, hold(&format!("quotient_{k}_q"), has_result, quotients[0]));
+        quotients.insert(0, delay(&format!("quotient_{k}_q"), quotients[0]));
     }
     let axes: Axes<Netlist<'_>> = from_list(m, &tag[2..5]);
     let derived = derived(c, axes, std::array::from_fn(|k| Num::new(c, Value(quotients[k]))));

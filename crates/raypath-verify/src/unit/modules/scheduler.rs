@@ -9,6 +9,10 @@ pub fn run(bench: &mut Bench) -> Result<(), String> {
     let count = bench.inputs[request].1;
     let mut first = 0;
     for cycle in 0..CYCLES {
+        if cycle % 16 == 0 {
+            bench.simulator.restart();
+            first = 0;
+        }
         let requested: u64 = bench.random.random_range(0..1 << count);
         bench.set(request, requested);
         bench.simulator.settle();
