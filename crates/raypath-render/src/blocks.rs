@@ -1,63 +1,84 @@
 //! A scene as the traversal unit reads it from memory.
 
 use crate::bvh::{Bvh4, Node, Reference, Target};
-use raypath_ops::{Binary32, Ray};
+use raypath_ops::{Binary32, Ray, Triangle};
 use raypath_unit::RayRequest;
-use raypath_unit::blocks::{BLOCK_BYTES, Child, LeafTriangle, Node as NodeBlock, leaf_blocks};
+use raypath_unit::blocks::quantised::BoxError;
+use raypath_unit::blocks::{Child, LeafTriangle, Node as NodeBlock, NodeKind};
 use thiserror::Error;
 
 /// A scene in memory: the blocks of [`raypath_unit::blocks`] from address 0 on. The nodes come first, the root at 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Blocks {
     bytes: Vec<u8>,
+    nodes: NodeKind,
     root: u32,
 }
 
-/// The error of a scene that does not fit into an address space of 32 bits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("the scene takes {bytes} bytes, expected at most {}", u32::MAX)]
-pub struct SceneTooLarge {
-    /// The bytes of the scene.
-    pub bytes: u64,
+/// The reason why a scene has no blocks.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum BlocksError {
+    /// The scene does not fit into an address space of 32 bits.
+    #[error("the scene takes {bytes} bytes, expected at most {}", u32::MAX)]
+    TooLarge {
+        /// The bytes of the scene.
+        bytes: u64,
+    },
+    /// A box has no quantised bounds.
+    #[error("the box of triangle {triangle} cannot be quantised: {problem}")]
+    Box {
+        /// The triangle of the mesh that is farthest out in the box.
+        triangle: u32,
+        /// The problem.
+        problem: BoxError,
+    },
 }
 
 impl Blocks {
-    /// The blocks of a tree.
+    /// The blocks of a tree, with these nodes.
     ///
     /// # Errors
-    /// They take more than 4 GiB.
-    pub fn of(bvh: &Bvh4) -> Result<Self, SceneTooLarge> {
+    /// They take more than 4 GiB, or a box has no quantised bounds.
+    pub fn of(bvh: &Bvh4, kind: NodeKind) -> Result<Self, BlocksError> {
+        let block_bytes = kind.block_bytes();
         let leaves = bvh.nodes().iter().flat_map(children).filter_map(|child| match child.target() {
-            Target::Leaf { count, .. } => Some(u64::from(leaf_blocks(count))),
+            Target::Leaf { count, .. } => Some(u64::from(kind.leaf_blocks(count))),
             Target::Node(_) => None,
         });
-        let size = (bvh.nodes().len() as u64 + leaves.sum::<u64>()) * u64::from(BLOCK_BYTES);
+        let size = (bvh.nodes().len() as u64 + leaves.sum::<u64>()) * u64::from(block_bytes);
         if size > u64::from(u32::MAX) {
-            return Err(SceneTooLarge { bytes: size });
+            return Err(BlocksError::TooLarge { bytes: size });
         }
         let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
-        let first_leaf = bvh.nodes().len() as u32 * BLOCK_BYTES;
+        let first_leaf = bvh.nodes().len() as u32 * block_bytes;
         for node in bvh.nodes() {
             let mut words = [0; 4];
             for (word, child) in words.iter_mut().zip(children(node)) {
                 let child = match child.target() {
-                    Target::Node(index) => Child::Node { address: index * BLOCK_BYTES },
+                    Target::Node(index) => Child::Node { address: index * block_bytes },
                     Target::Leaf { first, count } => {
                         let address = first_leaf + leaves.len() as u32;
                         let slots = first..first + count;
                         let triangle = |slot| LeafTriangle { triangle: *bvh.triangle(slot), index: bvh.index(slot) };
-                        leaves.extend(LeafTriangle::to_bytes(&slots.map(triangle).collect::<Vec<_>>()));
+                        leaves.extend(LeafTriangle::to_bytes(&slots.map(triangle).collect::<Vec<_>>(), kind));
                         Child::Leaf { address, count }
                     }
                 };
                 // Addresses are multiples of a block and leaves have 1 to 8 triangles, so the word is valid.
-                *word = child.word().unwrap_or(0);
+                *word = child.word(kind).unwrap_or(0);
             }
-            nodes.extend(NodeBlock { boxes: node.boxes, children: words }.to_bytes());
+            let block = NodeBlock { boxes: node.boxes, children: words };
+            match kind {
+                NodeKind::Wide4 => nodes.extend(block.to_bytes()),
+                NodeKind::Quantised => nodes.extend(block.to_quantised_bytes().map_err(|problem| {
+                    let triangle = farthest(bvh, node.children[problem.child], problem.axis);
+                    BlocksError::Box { triangle, problem }
+                })?),
+            }
         }
         nodes.extend(leaves);
-        let root = Child::Node { address: 0 }.word().unwrap_or(0);
-        Ok(Self { bytes: nodes, root })
+        let root = Child::Node { address: 0 }.word(kind).unwrap_or(0);
+        Ok(Self { bytes: nodes, nodes: kind, root })
     }
 
     /// The bytes, from address 0 on.
@@ -68,7 +89,12 @@ impl Blocks {
     /// The number of blocks, which is at least 1.
     #[expect(clippy::len_without_is_empty, reason = "a tree has a root")]
     pub fn len(&self) -> usize {
-        self.bytes.len() / BLOCK_BYTES as usize
+        self.bytes.len() / self.nodes.block_bytes() as usize
+    }
+
+    /// The kind of its nodes.
+    pub fn nodes(&self) -> NodeKind {
+        self.nodes
     }
 
     /// A ray as the unit takes it, for this scene.
@@ -89,6 +115,27 @@ impl Blocks {
     pub fn root(&self) -> u32 {
         self.root
     }
+}
+
+/// The index of the triangle below a child that is farthest from 0 along an axis.
+fn farthest(bvh: &Bvh4, child: Reference, axis: usize) -> u32 {
+    let (mut left, mut found) = (vec![child], (f32::NEG_INFINITY, 0));
+    while let Some(child) = left.pop() {
+        match child.target() {
+            Target::Node(index) => left.extend(bvh.nodes().get(index as usize).into_iter().flat_map(children)),
+            Target::Leaf { first, count } => {
+                for slot in first..first + count {
+                    let Triangle { a, b, c } = *bvh.triangle(slot);
+                    let distance = [a, b, c].map(|vertex| <[f32; 3]>::from(vertex)[axis].abs());
+                    let distance = distance.into_iter().fold(0.0, f32::max);
+                    if distance > found.0 {
+                        found = (distance, bvh.index(slot));
+                    }
+                }
+            }
+        }
+    }
+    found.1
 }
 
 /// The children of a node that exist. They come first.

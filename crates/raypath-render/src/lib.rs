@@ -22,7 +22,7 @@ pub mod timing;
 pub mod trace;
 mod vector;
 
-pub use blocks::{Blocks, SceneTooLarge};
+pub use blocks::{Blocks, BlocksError};
 pub use builtin::builtin;
 pub use bvh::Bvh4;
 pub use camera::{Camera, CameraError};

@@ -1,8 +1,9 @@
 //! A scene: a mesh with its bounding volume hierarchy.
 
-use crate::blocks::{Blocks, SceneTooLarge};
+use crate::blocks::{Blocks, BlocksError};
 use crate::bvh::{Bvh4, MeshTooLarge};
 use crate::mesh::{Bounds, Mesh};
+use raypath_unit::blocks::NodeKind;
 
 /// The default reach in units of the longest side of the mesh.
 const DEFAULT_REACH: f32 = 16.0;
@@ -50,12 +51,20 @@ impl Scene {
     }
 
     /// The scene with its blocks in memory, so that [`Tracer`](crate::Tracer) traces rays through the functional model
-    /// of the traversal unit.
+    /// of the traversal unit with wide nodes.
     ///
     /// # Errors
-    /// The blocks do not fit into an address space of 32 bits.
-    pub fn through_unit(mut self) -> Result<Self, SceneTooLarge> {
-        self.blocks = Some(Blocks::of(&self.bvh)?);
+    /// Those of [`Blocks::of`].
+    pub fn through_unit(self) -> Result<Self, BlocksError> {
+        self.through_unit_of(NodeKind::Wide4)
+    }
+
+    /// The same with these nodes.
+    ///
+    /// # Errors
+    /// Those of [`Blocks::of`].
+    pub fn through_unit_of(mut self, nodes: NodeKind) -> Result<Self, BlocksError> {
+        self.blocks = Some(Blocks::of(&self.bvh, nodes)?);
         Ok(self)
     }
 

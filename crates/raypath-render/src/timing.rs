@@ -13,6 +13,7 @@ use image::Rgb;
 use raypath_model::{CycleModel, Functional};
 use raypath_ops::{Binary32, Ray, Rules};
 use raypath_timing::{Observer, Progress, Sample, SimulationError, Sweep, System, Timing, simulate, sweep};
+use raypath_unit::blocks::NodeKind;
 use sequence::{ResultStore, SingleRay};
 use thiserror::Error;
 pub use unit::{UnitSystem, time_picture_through_unit, time_rays_through_unit};
@@ -53,6 +54,14 @@ pub enum PictureError {
     /// The scene has no blocks for the traversal unit.
     #[error("the scene is not in memory, expected one through the unit")]
     NotInMemory,
+    /// The unit reads other nodes than the scene has.
+    #[error("the scene has {scene} nodes, expected {unit}, which the unit reads")]
+    Nodes {
+        /// Those of the scene.
+        scene: NodeKind,
+        /// Those of the unit.
+        unit: NodeKind,
+    },
     /// The progress callback stopped the simulation of the unit.
     #[error("stopped")]
     Stopped,

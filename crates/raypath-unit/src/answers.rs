@@ -1,18 +1,18 @@
 //! What jobs and the memory answer, in native binary32.
 
-use crate::blocks::{BLOCK_BYTES, LeafTriangle, Node};
+use crate::blocks::{BLOCK_BYTES, LeafTriangle, Node, NodeKind};
 use crate::fold::{HitLimits, fold};
 use crate::model::RayRequest;
 use crate::set_up::{self, Entry};
 use crate::state::{Answer, TriangleHit, answer};
-use crate::step::UnitFeatures;
+use crate::step::{StepParameters, UnitFeatures};
 use raypath_model::SimdKernels;
 use raypath_ops::{
     Binary32, Culling, Flags, Num, Operation, Ray, RayBox, RayBoxInput, RayTriangleExtended, RayTriangleExtendedInput,
     Rules, Word,
 };
 
-/// A block of the memory.
+/// A block of the memory, of the largest size.
 pub(crate) type Block = [u8; BLOCK_BYTES as usize];
 
 /// The operations of the unit's jobs.
@@ -20,6 +20,7 @@ pub(crate) type Block = [u8; BLOCK_BYTES as usize];
 pub(crate) struct Answers {
     boxes: RayBox,
     triangles: RayTriangleExtended,
+    nodes: NodeKind,
 }
 
 /// A ray after its set-up.
@@ -32,11 +33,12 @@ pub(crate) struct ReadyRay {
 }
 
 impl Answers {
-    pub fn new(rules: Rules, features: UnitFeatures) -> Self {
-        let UnitFeatures { barycentrics } = features;
+    /// The jobs of a unit by these rules.
+    pub fn new(rules: Rules, parameters: StepParameters) -> Self {
+        let StepParameters { node: nodes, features: UnitFeatures { barycentrics }, .. } = parameters;
         let (culling, facing, range) = (Culling::None, true, false);
         let triangles = RayTriangleExtended { rules, culling, facing, barycentrics, range };
-        Self { boxes: RayBox { rules }, triangles }
+        Self { boxes: RayBox { rules }, triangles, nodes }
     }
 
     /// The constants of a ray.
@@ -66,8 +68,13 @@ impl Answers {
 
     /// The outcome of a node's box job, for a ray of this length.
     #[inline(always)]
-    pub fn node(&self, ready: &ReadyRay, extent: Num<Binary32>, block: &Block) -> Answer<Binary32> {
-        let Node { boxes, children } = Node::of(block);
+    pub fn node(&self, ready: &ReadyRay, extent: Num<Binary32>, block: &[u8]) -> Answer<Binary32> {
+        let node = match self.nodes {
+            NodeKind::Wide4 => block.first_chunk().map(Node::of),
+            NodeKind::Quantised => block.first_chunk().map(Node::of_quantised),
+        };
+        // A block that is shorter than the memory promises is none.
+        let Some(Node { boxes, children }) = node else { return Self::failure() };
         let input = RayBoxInput { ray: Ray { extent, ..ready.ray }, aabb: boxes };
         let (outcome, ()) = self.boxes.run_with(Binary32, SimdKernels, input, ());
         Answer {
@@ -80,7 +87,7 @@ impl Answers {
     }
 
     /// The outcomes of the triangle jobs of a leaf's block.
-    pub fn leaf(&self, ready: &ReadyRay, limits: HitLimits<Binary32>, block: &Block, count: u32) -> Answer<Binary32> {
+    pub fn leaf(&self, ready: &ReadyRay, limits: HitLimits<Binary32>, block: &[u8], count: u32) -> Answer<Binary32> {
         let mut closest = no_hit();
         for place in 0..count {
             closest = fold(closest, (place == 0).into(), self.triangle(ready, block, place), limits);
@@ -89,8 +96,8 @@ impl Answers {
     }
 
     /// The outcome of a triangle job with its distance.
-    fn triangle(&self, ready: &ReadyRay, block: &Block, place: u32) -> TriangleHit<Binary32> {
-        let LeafTriangle { triangle, index } = LeafTriangle::of(block, place as usize);
+    fn triangle(&self, ready: &ReadyRay, block: &[u8], place: u32) -> TriangleHit<Binary32> {
+        let LeafTriangle { triangle, index } = LeafTriangle::of(block, place as usize, self.nodes);
         let input = RayTriangleExtendedInput { ray: ready.ray, triangle, t_min: 0.0.into() };
         let (outcome, ()) = self.triangles.run(Binary32, input, ());
         TriangleHit {

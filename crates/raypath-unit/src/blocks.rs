@@ -1,7 +1,10 @@
-//! The layout of a scene in memory: blocks of 128 bytes, which are nodes or parts of leaves.
+//! The layout of a scene in memory: blocks, which are nodes or parts of leaves.
 //!
-//! All numbers are little-endian. A **child word** refers to a node or a leaf: bits 31 to 7 are bits 31 to 7 of its
-//! address, bit 6 is 0, and bits 5 to 0 are its [`kind`](Child).
+//! All numbers are little-endian. All blocks of a scene have the size that its [`NodeKind`] gives, and addresses that
+//! are multiples of it. A **child word** refers to a node or a leaf: its low bits, as many as an address has inside of
+//! a block, are its [`kind`](Child), and the others are those of its address.
+//!
+//! # Wide nodes: blocks of 128 bytes
 //!
 //! | bytes of a node | contents |
 //! | --- | --- |
@@ -19,24 +22,44 @@
 //! | 124 to 127 | 0 |
 //!
 //! Bytes of triangles that a block does not have are 0.
+//!
+//! # Quantised nodes: blocks of 64 bytes
+//!
+//! [`quantised`] says what the bounds mean.
+//!
+//! | bytes of a node | contents |
+//! | --- | --- |
+//! | 0 to 11 | the base: x, y, z, in binary32 |
+//! | 12 to 14 | the biased exponents of x, y, z |
+//! | 15 | 0 |
+//! | 16 + 6 · i to 21 + 6 · i | box i (0 to 3): min x, min y, min z, max x, max y, max z, a byte each |
+//! | 40 + 4 · i to 43 + 4 · i | the child word of box i |
+//! | 56 to 63 | 0 |
+//!
+//! A leaf of n triangles is n consecutive blocks, with a triangle each:
+//!
+//! | bytes of a leaf's block | contents |
+//! | --- | --- |
+//! | 0 to 35 | the vertices a, b, c, each as x, y, z in binary32 |
+//! | 36 to 39 | the index of the triangle |
+//! | 40 to 63 | 0 |
+
+mod kind;
+pub mod quantised;
+
+pub use kind::{NodeKind, ParseNodeKindError};
 
 use raypath_ops::{Aabb, Binary32, Slab, Triangle, array_of};
 use thiserror::Error;
 
-/// The bytes of a block.
-pub const BLOCK_BYTES: u32 = 128;
-/// The triangles of a full block of a leaf.
-pub const TRIANGLES_PER_BLOCK: u32 = 3;
+/// The bytes of the largest block: that of wide nodes.
+pub const BLOCK_BYTES: u32 = NodeKind::Wide4.block_bytes();
 /// The triangles of the largest leaf.
 pub const MAX_LEAF: u32 = 8;
 /// The words of 32 bits that a triangle's vertices take.
 pub const VERTEX_WORDS: usize = 9;
-/// The word of a leaf's block with the index of its first triangle.
-pub const INDEX_WORD: usize = 28;
-/// The words of 32 bits that a box takes.
+/// The bounds of a box.
 pub const BOX_WORDS: usize = 6;
-/// The word of a node's block with its first child word.
-pub const CHILD_WORD: usize = 24;
 /// The kind of a child word that refers to a node.
 pub const NODE_KIND: u32 = 32;
 
@@ -79,59 +102,61 @@ pub struct Node {
 
 /// The error of a child word that is not valid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("child word {0:#010x} has no valid kind, expected 0, 1 to 8 or 32 in bits 5 to 0, and 0 in bit 6")]
-pub struct InvalidChild(pub u32);
+#[error(
+    "child word {word:#010x} has no valid kind, expected 0, 1 to 8 or 32 in its low {} bits",
+    nodes.offset_bits()
+)]
+pub struct InvalidChild {
+    /// The word.
+    pub word: u32,
+    /// The nodes of the scene.
+    pub nodes: NodeKind,
+}
 
 impl Child {
-    /// The child word.
+    /// The child word in a scene with these nodes.
     ///
     /// # Errors
-    /// The address is no multiple of 128, or a leaf has no triangle or more than 8.
-    pub fn word(self) -> Result<u32, InvalidChild> {
+    /// The address is no multiple of a block, or a leaf has no triangle or more than 8.
+    pub fn word(self, nodes: NodeKind) -> Result<u32, InvalidChild> {
         let word = match self {
             Self::None => 0,
             Self::Node { address } => address | NODE_KIND,
             Self::Leaf { address, count } => address | count,
         };
-        if Self::of(word) == Ok(self) { Ok(word) } else { Err(InvalidChild(word)) }
+        if Self::of(word, nodes) == Ok(self) { Ok(word) } else { Err(InvalidChild { word, nodes }) }
     }
 
-    /// What a child word refers to.
+    /// What a child word refers to in a scene with these nodes.
     ///
     /// # Errors
     /// Its kind is not valid.
-    pub fn of(word: u32) -> Result<Self, InvalidChild> {
-        let address = word & !(BLOCK_BYTES - 1);
-        match word & (BLOCK_BYTES - 1) {
+    pub fn of(word: u32, nodes: NodeKind) -> Result<Self, InvalidChild> {
+        let inside = nodes.block_bytes() - 1;
+        let address = word & !inside;
+        match word & inside {
             0 if address == 0 => Ok(Self::None),
             NODE_KIND => Ok(Self::Node { address }),
             count @ 1..=MAX_LEAF => Ok(Self::Leaf { address, count }),
-            _ => Err(InvalidChild(word)),
+            _ => Err(InvalidChild { word, nodes }),
         }
     }
 }
 
-/// The number of blocks of a leaf.
-pub fn leaf_blocks(count: u32) -> u32 {
-    count.div_ceil(TRIANGLES_PER_BLOCK)
-}
-
 impl Node {
-    /// The bytes of the node's block.
+    /// The bytes of the wide node's block.
     pub fn to_bytes(&self) -> [u8; BLOCK_BYTES as usize] {
         let mut block = [0; BLOCK_BYTES as usize];
-        let bounds = self.boxes.iter().flat_map(|aabb| {
-            let slabs = [aabb.x, aabb.y, aabb.z];
-            slabs.map(|slab| slab.min).into_iter().chain(slabs.map(|slab| slab.max))
-        });
-        let words = bounds.map(|bound| f32::from(bound).to_bits()).chain(self.children);
+        let bounds = self.boxes.iter().flat_map(bounds);
+        let words = bounds.map(f32::to_bits).chain(self.children);
         block.as_chunks_mut().0.iter_mut().zip(words).for_each(|(bytes, word)| *bytes = word.to_le_bytes());
         block
     }
 
-    /// The node in a block.
+    /// The wide node in a block.
     #[inline(always)]
     pub fn of(block: &[u8; BLOCK_BYTES as usize]) -> Self {
+        const CHILD_WORD: usize = NodeKind::Wide4.child_word();
         let number = |index: usize| f32::from_bits(word(block, index)).into();
         let slab = |index: usize| Slab { min: number(index), max: number(index + 3) };
         let aabb = |index: usize| Aabb { x: slab(index), y: slab(index + 1), z: slab(index + 2) };
@@ -143,31 +168,40 @@ impl Node {
 }
 
 impl LeafTriangle {
-    /// The bytes of the blocks of a leaf of these triangles.
-    pub fn to_bytes(leaf: &[Self]) -> Vec<u8> {
+    /// The bytes of the blocks of a leaf of these triangles, in a scene with these nodes.
+    pub fn to_bytes(leaf: &[Self], nodes: NodeKind) -> Vec<u8> {
         let mut blocks = Vec::new();
-        for triangles in leaf.chunks(TRIANGLES_PER_BLOCK as usize) {
-            let mut words = [0; BLOCK_BYTES as usize / 4];
+        for triangles in leaf.chunks(nodes.triangles_per_block() as usize) {
+            let mut words = vec![0; nodes.block_bytes() as usize / 4];
             for (place, LeafTriangle { triangle: Triangle { a, b, c }, index }) in triangles.iter().enumerate() {
                 let numbers = [a, b, c].into_iter().flat_map(|vertex| <[f32; 3]>::from(*vertex));
                 words[VERTEX_WORDS * place..].iter_mut().zip(numbers).for_each(|(word, x)| *word = x.to_bits());
-                words[INDEX_WORD + place] = *index;
+                words[nodes.index_word() + place] = *index;
             }
             blocks.extend(words.into_iter().flat_map(u32::to_le_bytes));
         }
         blocks
     }
 
-    /// A triangle of a leaf's block, by its place: 0 to 2.
-    pub fn of(block: &[u8; BLOCK_BYTES as usize], place: usize) -> Self {
+    /// A triangle of a leaf's block, by its place, in a scene with these nodes.
+    pub fn of(block: &[u8], place: usize, nodes: NodeKind) -> Self {
         let vertex =
             |index: usize| std::array::from_fn(|axis| f32::from_bits(word(block, VERTEX_WORDS * place + index + axis)));
-        Self { triangle: Triangle::new(vertex(0), vertex(3), vertex(6)), index: word(block, INDEX_WORD + place) }
+        Self {
+            triangle: Triangle::new(vertex(0), vertex(3), vertex(6)),
+            index: word(block, nodes.index_word() + place),
+        }
     }
+}
+
+/// The bounds of a box in the order of memory: the minima, then the maxima.
+fn bounds(aabb: &Aabb<Binary32>) -> [f32; BOX_WORDS] {
+    let Aabb { x, y, z } = *aabb;
+    [x.min, y.min, z.min, x.max, y.max, z.max].map(f32::from)
 }
 
 /// A word of a block; 0 beyond its end.
 #[inline(always)]
-fn word(block: &[u8; BLOCK_BYTES as usize], index: usize) -> u32 {
+fn word(block: &[u8], index: usize) -> u32 {
     block.as_chunks().0.get(index).copied().map_or(0, u32::from_le_bytes)
 }

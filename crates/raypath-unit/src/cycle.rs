@@ -7,15 +7,15 @@
 mod parts;
 
 use crate::answers::{Answers, Block, ReadyRay};
-use crate::blocks::BLOCK_BYTES;
+use crate::blocks::{BLOCK_BYTES, NodeKind};
 use crate::engine::{BlockRequest, Response, UnitEngine, UnitInputs, UnitOutputs};
 use crate::fold::HitLimits;
-use crate::hardware::{UnitNetlist, UnitParameters};
+use crate::hardware::{DECODER_LATENCY, UnitNetlist, UnitParameters};
 use crate::model::{RayRequest, Reply};
 use crate::native;
 use crate::set_up::{Entry, QUOTIENTS};
 use crate::state::{Answer, Group, RayState, request, status};
-use crate::step::UnitFeatures;
+use crate::step::StepParameters;
 use parts::{Line, Queues, Ring, Scheduler, Weights};
 use raypath_model::{Flow, Shape};
 use raypath_ops::{Binary32, JobKind, Rules, Word};
@@ -42,6 +42,8 @@ pub struct UnitModel {
     /// The job that is offered to the datapath, and how many jobs of its block follow it.
     offer: Option<Job>,
     following: u32,
+    /// With quantised nodes: the jobs of blocks whose boxes are decoded.
+    decoder: Option<Line<Job>>,
     flow: Flow,
     /// The jobs in the datapath.
     jobs: Ring<Job>,
@@ -138,10 +140,10 @@ impl UnitModel {
     /// The model of a unit after a reset, whose datapath has this shape.
     pub fn new(shape: &Shape, parameters: UnitParameters) -> Self {
         let contexts = parameters.contexts as usize;
-        let features = parameters.step.features;
+        let StepParameters { node: nodes, features, .. } = parameters.step;
         Self {
             parameters,
-            answers: Answers::new(Rules::Paper, features),
+            answers: Answers::new(Rules::Paper, parameters.step),
             contexts: vec![Context::new(); contexts],
             stacks: vec![Group::none(Binary32); contexts * parameters.step.stack as usize],
             beat_bytes: parameters.memory_width as usize / 8,
@@ -153,6 +155,7 @@ impl UnitModel {
             fault: None,
             offer: None,
             following: 0,
+            decoder: (nodes == NodeKind::Quantised).then(|| Line::new(DECODER_LATENCY)),
             flow: Flow::new(shape),
             jobs: Ring::new(),
             operands: None,
@@ -191,6 +194,7 @@ impl UnitModel {
             && self.closest.is_none()
             && self.fault.is_none()
             && self.offer.is_none()
+            && self.decoder.as_ref().is_none_or(Line::is_empty)
             && self.prepared.source == 0
             && self.finished.source == 0
             && self.queues.are_settled()
@@ -204,6 +208,11 @@ impl UnitModel {
     /// The bytes of a beat.
     pub(crate) fn beat_bytes(&self) -> usize {
         self.beat_bytes
+    }
+
+    /// The bytes of a block.
+    pub(crate) fn block_bytes(&self) -> u32 {
+        self.parameters.step.node.block_bytes()
     }
 
     #[inline]
@@ -254,8 +263,9 @@ impl UnitModel {
     /// A beat arrives. Returns the context of its block if it is the last.
     #[inline]
     fn arrive(&mut self, response: &Response<'_>) -> Option<u8> {
+        let bytes = self.block_bytes() as usize;
         let context = self.contexts.get_mut(response.tag as usize)?;
-        let Context { block, beats, .. } = context;
+        let (block, beats) = (context.block.get_mut(..bytes)?, &context.beats);
         let is_last = match self.beat_bytes {
             16 => put::<16>(block, *beats, response.beat)?,
             32 => put::<32>(block, *beats, response.beat)?,
@@ -362,7 +372,8 @@ impl UnitModel {
         let takes_triangle = self.distances();
         let outcome_leaves = self.flow.output_valid() && (takes_triangle || self.jobs.first().kind == Kind::Node);
         let opcode = |job: Job| if job.kind == Kind::Node { JobKind::Quadbox } else { JobKind::Triangle }.opcode();
-        let leaves = self.offer.filter(|job| self.flow.input_ready(opcode(*job)));
+        let ready = self.decoder.as_ref().map_or(self.offer, Line::front);
+        let leaves = ready.filter(|job| self.flow.input_ready(opcode(*job)));
         self.flow.cycle(leaves.map(opcode), outcome_leaves);
         if outcome_leaves {
             let job = self.jobs.pop();
@@ -376,6 +387,16 @@ impl UnitModel {
             let is_node = job.kind == Kind::Node;
             self.counts.boxes += u64::from(is_node);
             self.counts.triangles += u64::from(!is_node);
+        }
+        let issued = match &mut self.decoder {
+            None => leaves,
+            Some(decoder) if ready.is_none() || leaves.is_some() => {
+                decoder.advance(self.offer);
+                self.offer
+            }
+            Some(_) => None,
+        };
+        if let Some(job) = issued {
             let kind = if self.following == 1 { Kind::LastTriangle } else { Kind::Triangle };
             self.offer = (self.following > 0).then_some(Job { kind, ..job });
             self.following = self.following.saturating_sub(1);
@@ -442,6 +463,7 @@ impl UnitEngine for UnitModel {
         self.jobs.clear();
         self.divider.clear();
         self.weights.iter_mut().for_each(Weights::clear);
+        self.decoder.iter_mut().for_each(Line::clear);
         self.scheduler = Scheduler::default();
         self.contexts.iter_mut().for_each(|context| context.beats = 0);
         self.counts = UnitCounts::default();
@@ -450,7 +472,7 @@ impl UnitEngine for UnitModel {
 
 /// Puts beat `number` into a block. Returns whether it is the last.
 #[inline(always)]
-fn put<const BYTES: usize>(block: &mut Block, number: usize, beat: &[u8]) -> Option<bool> {
+fn put<const BYTES: usize>(block: &mut [u8], number: usize, beat: &[u8]) -> Option<bool> {
     let beats = block.as_chunks_mut::<BYTES>().0;
     *beats.get_mut(number)? = *beat.first_chunk()?;
     Some(number + 1 == beats.len())
@@ -471,7 +493,7 @@ impl Context {
         };
         Self {
             id: 0,
-            ready: Answers::new(Rules::Paper, UnitFeatures::OFF).set_up(&Entry::from(&ray)),
+            ready: Answers::new(Rules::Paper, StepParameters::default()).set_up(&Entry::from(&ray)),
             limits: ray.limits(),
             state: RayState::begin(Binary32, Word::truncate(0), 0.0.into(), false.into()),
             block: [0; BLOCK_BYTES as usize],

@@ -4,6 +4,7 @@ mod axi;
 mod blocks;
 mod connect;
 mod contexts;
+mod decoder;
 mod distance;
 mod files;
 mod hits;
@@ -20,6 +21,7 @@ mod top;
 mod walk;
 mod weights;
 
+pub(crate) use decoder::LATENCY as DECODER_LATENCY;
 pub use parameters::{UnitParameters, UnitParametersError};
 pub use step::{finish_module, prepare_module};
 pub use top::UnitNetlist;

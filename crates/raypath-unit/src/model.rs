@@ -1,7 +1,6 @@
 //! The functional model of the unit: a ray goes in, its hit comes out, without time.
 
 use crate::answers::{Answers, quotient};
-use crate::blocks::BLOCK_BYTES;
 use crate::native;
 use crate::set_up::Entry;
 use crate::state::{Group, RayState, request, status};
@@ -11,11 +10,11 @@ use thiserror::Error;
 
 /// The memory that a unit reads.
 pub trait Memory {
-    /// The block of 128 bytes at an address, a multiple of 128.
+    /// The block of so many bytes at an address, a multiple of them.
     ///
     /// # Errors
     /// There is no block at the address.
-    fn block(&self, address: u32) -> Result<&[u8; BLOCK_BYTES as usize], MemoryError>;
+    fn block(&self, address: u32, bytes: u32) -> Result<&[u8], MemoryError>;
 }
 
 /// The error of an address without a block.
@@ -25,9 +24,9 @@ pub struct MemoryError(pub u32);
 
 impl Memory for [u8] {
     #[inline]
-    fn block(&self, address: u32) -> Result<&[u8; BLOCK_BYTES as usize], MemoryError> {
-        let block = self.get(address as usize..).and_then(<[u8]>::first_chunk);
-        block.filter(|_| address.is_multiple_of(BLOCK_BYTES)).ok_or(MemoryError(address))
+    fn block(&self, address: u32, bytes: u32) -> Result<&[u8], MemoryError> {
+        let block = self.get(address as usize..).and_then(|rest| rest.get(..bytes as usize));
+        block.filter(|_| address.is_multiple_of(bytes)).ok_or(MemoryError(address))
     }
 }
 
@@ -95,7 +94,7 @@ impl Unit {
     /// A unit with these rules for special cases.
     pub fn new(rules: Rules, parameters: StepParameters) -> Self {
         let stack = vec![Group::none(Binary32); parameters.stack as usize];
-        Self { parameters, answers: Answers::new(rules, parameters.features), stack }
+        Self { parameters, answers: Answers::new(rules, parameters), stack }
     }
 
     /// Traces a ray.
@@ -108,7 +107,7 @@ impl Unit {
             let answer = if asked.kind.value == request::CONTINUE {
                 Answers::again()
             } else {
-                match memory.block(asked.address.value) {
+                match memory.block(asked.address.value, self.parameters.node.block_bytes()) {
                     Ok(block) if asked.count.value == 0 => self.answers.node(&ready, state.extent, block),
                     Ok(block) => self.answers.leaf(&ready, ray.limits(), block, asked.count.value),
                     Err(_) => Answers::failure(),

@@ -194,6 +194,9 @@ impl<'m> WordCircuit for Netlist<'m> {
     fn word_one_hot(self, index: Value<'m>) -> Value<'m> {
         Value(self.0.constant(32, 1).shift_left(index.0))
     }
+    fn number_of_bits(self, a: Value<'m>) -> Value<'m> {
+        a
+    }
     fn word_and(self, _width: u32, a: Value<'m>, b: Value<'m>) -> Value<'m> {
         Value(a.0 & b.0)
     }

@@ -12,7 +12,7 @@
 //! from the stack. Children at exactly that distance are visited, because they may have a triangle of a lower index.
 //! Box tests of a second descent therefore find the same children in the same places, or fewer at the end.
 
-use crate::blocks::{BLOCK_BYTES, MAX_LEAF, NODE_KIND, TRIANGLES_PER_BLOCK};
+use crate::blocks::{MAX_LEAF, NODE_KIND, NodeKind};
 use crate::state::{Answer, Group, RayState, Request, answer, request, status};
 use crate::words::{LEVELS, Levels, WordCircuit, WordMethods};
 use raypath_ops::{Bit, Flags, Select, Word, bundle};
@@ -22,6 +22,8 @@ use raypath_ops::{Bit, Flags, Select, Word, bundle};
 pub struct StepParameters {
     /// The number of entries of a ray's stack: 2, 4, 8, 16 or 32.
     pub stack: u32,
+    /// The nodes of the scene.
+    pub node: NodeKind,
     /// Optional parts.
     pub features: UnitFeatures,
 }
@@ -34,9 +36,9 @@ pub struct UnitFeatures {
 }
 
 impl Default for StepParameters {
-    /// A stack of 8 entries, without optional parts.
+    /// A stack of 8 entries and wide nodes, without optional parts.
     fn default() -> Self {
-        Self { stack: 8, features: UnitFeatures::OFF }
+        Self { stack: 8, node: NodeKind::Wide4, features: UnitFeatures::OFF }
     }
 }
 
@@ -176,11 +178,12 @@ pub fn finish<C: WordCircuit>(
     let visits = at_root | descends | takes;
     let child = at_root.select(state.root, descends.select(half.child, top.child[0]));
     let level = at_root.select(c.word(0), parent.plus_constant(1));
-    let target = Target::of(c, child, level);
+    let target = Target::of(c, parameters.node, child, level);
     let fetches_node = visits & target.is_node;
     let fetches_leaf = (visits & target.is_leaf) | leaf_continues;
     let left = leaf_continues.select(state.leaf_left, target.count);
-    let count = left.less(c.word(TRIANGLES_PER_BLOCK)).select(left.part::<0, 2>(), c.word(TRIANGLES_PER_BLOCK));
+    let full = parameters.node.triangles_per_block();
+    let count = left.less(c.word(full)).select(left.part::<0, 2>(), c.word(full));
     let address = leaf_continues.select(state.leaf_address, target.address);
 
     let is_over_limit = !(state.nodes.less(c.word(VISIT_LIMIT)) & state.triangles.less(c.word(VISIT_LIMIT)));
@@ -207,7 +210,7 @@ pub fn finish<C: WordCircuit>(
         target: restarts.select(deepest, state.target),
         nodes: fetches_node.select(state.nodes.plus_constant(1), state.nodes),
         triangles: fetches_leaf.select(state.triangles.plus(count.widened()), state.triangles),
-        leaf_address: fetches_leaf.select(address.plus_constant(BLOCK_BYTES), state.leaf_address),
+        leaf_address: fetches_leaf.select(address.plus_constant(parameters.node.block_bytes()), state.leaf_address),
         leaf_left: fetches_leaf.select(without(c, left, count), state.leaf_left),
         ..state
     };
@@ -300,12 +303,17 @@ impl<C: WordCircuit> Target<C> {
     /// What a child word at this level refers to: neither a node nor a leaf if its kind is not valid, or if a node is
     /// too deep.
     #[inline(always)]
-    fn of(c: C, child: Word<C, 32>, level: Word<C, 7>) -> Self {
-        let kind = child.part::<0, 7>();
+    fn of(c: C, node: NodeKind, child: Word<C, 32>, level: Word<C, 7>) -> Self {
+        // The bits of the kind, and the address without them.
+        let low = node.offset_bits();
+        let part = |low, width| c.word_part(child.value, low, width);
+        let kind: Word<C, 7> = match node {
+            NodeKind::Wide4 => child.part::<0, 7>(),
+            NodeKind::Quantised => child.part::<0, 6>().widened(),
+        };
         let fits = level.less(c.word(LEVELS));
         let is_leaf = !kind.is(0) & kind.less(c.word(MAX_LEAF + 1));
-        let block = child.part::<7, 25>();
-        let address = Word::new(c, c.word_join((25, block.value), (7, c.constant_word(7, 0))));
+        let address = Word::new(c, c.word_join((32 - low, part(low, 32 - low)), (low, c.constant_word(low, 0))));
         Self { is_node: fits & kind.is(NODE_KIND), is_leaf, address, count: child.part::<0, 4>() }
     }
 }

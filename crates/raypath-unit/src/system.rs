@@ -71,7 +71,7 @@ pub fn simulate<M: Memory + ?Sized>(
     parameters: &MemoryParameters,
     user: &mut impl RayUser,
 ) -> SystemTiming {
-    let mut memory = Port::new(unit.beat_bytes(), parameters);
+    let mut memory = Port::new(unit.beat_bytes(), unit.block_bytes(), parameters);
     let mut timing = SystemTiming::default();
     let mut inputs = UnitInputs { ray: None, hit_ready: true, request_ready: true, response: None };
     let (mut now, mut in_flight) = (0, 0);
@@ -124,6 +124,7 @@ pub fn simulate<M: Memory + ?Sized>(
 /// The memory with the requests in it.
 struct Port<'s> {
     beat_bytes: usize,
+    block_bytes: u32,
     latency: u64,
     bandwidth: Option<u32>,
     cache: Option<Cache>,
@@ -144,9 +145,10 @@ struct Arriving<'s> {
 }
 
 impl<'s> Port<'s> {
-    fn new(beat_bytes: usize, parameters: &MemoryParameters) -> Self {
+    fn new(beat_bytes: usize, block_bytes: u32, parameters: &MemoryParameters) -> Self {
         Self {
             beat_bytes,
+            block_bytes,
             latency: parameters.latency,
             bandwidth: parameters.bandwidth,
             cache: parameters.cache.map(Cache::new),
@@ -159,8 +161,8 @@ impl<'s> Port<'s> {
     /// A request that was accepted in the cycle before `now`.
     #[inline]
     fn request(&mut self, request: BlockRequest, now: u64) {
-        let (line, hit_latency) = self.cache.as_ref().map_or((BLOCK_BYTES, 0), Cache::line);
-        let misses = self.cache.as_mut().map_or(1, |cache| cache.misses(request.address));
+        let (line, hit_latency) = self.cache.as_ref().map_or((self.block_bytes, 0), Cache::line);
+        let misses = self.cache.as_mut().map_or(1, |cache| cache.misses(request.address, self.block_bytes));
         let due = if misses == 0 { now + hit_latency } else { self.transfer(misses * line, now) } - 1;
         // A request that the cache has overtakes others.
         if self.waiting.back().is_none_or(|(last, _)| *last <= due) {
@@ -189,11 +191,11 @@ impl<'s> Port<'s> {
 
     #[inline]
     fn response<M: Memory + ?Sized>(&mut self, scene: &'s M, now: u64) -> Option<Response<'s>> {
-        const NOTHING: &[u8; BLOCK_BYTES as usize] = &[0; BLOCK_BYTES as usize];
+        const NOTHING: &[u8] = &[0; BLOCK_BYTES as usize];
         if self.arriving.bytes.is_empty() {
             let (_, BlockRequest { address, tag }) = self.waiting.pop_front_if(|(due, _)| *due <= now)?;
-            let found = scene.block(address);
-            let bytes: &[u8] = *found.as_ref().unwrap_or(&NOTHING);
+            let found = scene.block(address, self.block_bytes);
+            let bytes = found.unwrap_or(NOTHING).get(..self.block_bytes as usize)?;
             self.arriving = Arriving { tag, is_error: found.is_err(), bytes };
         }
         let Arriving { tag, is_error, bytes } = &mut self.arriving;

@@ -6,7 +6,7 @@ mod scene;
 pub use recorder::{RecordedCycle, Recorder};
 pub use scene::{BlockScene, never, random_ray};
 
-use crate::blocks::BLOCK_BYTES;
+use crate::blocks::NodeKind;
 use crate::{BlockRequest, Memory, RayRequest, Reply, Response, UnitEngine, UnitInputs, UnitOutputs};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -33,6 +33,7 @@ pub struct ProtocolError(pub String);
 /// address in the scene is an error of the memory.
 pub struct Environment<'s> {
     scene: &'s [u8],
+    nodes: NodeKind,
     beat_bytes: usize,
     behaviour: Behaviour,
     /// The cycles of the longest stall, and the cycle up to which each channel stalls.
@@ -61,17 +62,18 @@ pub struct Environment<'s> {
 struct Pending {
     due: u64,
     tag: u32,
-    block: [u8; BLOCK_BYTES as usize],
+    block: Vec<u8>,
     is_missing: bool,
     is_failed: bool,
     beat: usize,
 }
 
 impl<'s> Environment<'s> {
-    /// A memory with this scene, and rays, whose numbers are their places.
+    /// A memory with this scene of wide nodes, and rays, whose numbers are their places.
     pub fn new(scene: &'s [u8], memory_width: u32, rays: Vec<RayRequest>, behaviour: Behaviour, seed: u64) -> Self {
         Self {
             scene,
+            nodes: NodeKind::Wide4,
             beat_bytes: memory_width as usize / 8,
             behaviour,
             longest_stall: 1,
@@ -95,6 +97,11 @@ impl<'s> Environment<'s> {
     /// Stalls take up to so many cycles, so that queues fill. Otherwise each takes one.
     pub fn with_longest_stall(self, cycles: u64) -> Self {
         Self { longest_stall: cycles.max(1), ..self }
+    }
+
+    /// The same with a scene of these nodes.
+    pub fn of_nodes(self, nodes: NodeKind) -> Self {
+        Self { nodes, ..self }
     }
 
     /// Whether all rays have ended, or were lost in a reset.
@@ -179,7 +186,7 @@ impl<'s> Environment<'s> {
             self.moved = now;
             self.pending[k].beat += 1;
             self.pending[k].is_failed |= is_error || self.pending[k].is_missing;
-            if self.pending[k].beat * self.beat_bytes == BLOCK_BYTES as usize {
+            if self.pending[k].beat * self.beat_bytes == self.pending[k].block.len() {
                 self.failed += u64::from(self.pending.swap_remove(k).is_failed);
             }
         }
@@ -210,7 +217,7 @@ impl<'s> Environment<'s> {
             }
         }
         if let (Some(BlockRequest { address, tag }), true) = (outputs.request, request_ready) {
-            if !address.is_multiple_of(BLOCK_BYTES) {
+            if !address.is_multiple_of(self.nodes.block_bytes()) {
                 return Err(wrong(format!("cycle {now}: the address {address:#x} is not aligned")));
             }
             if self.pending.iter().any(|pending| pending.tag == tag) {
@@ -218,11 +225,12 @@ impl<'s> Environment<'s> {
             }
             self.moved = now;
             let (least, greatest) = self.behaviour.latency;
-            let found = self.scene.block(address);
+            let bytes = self.nodes.block_bytes();
+            let found = self.scene.block(address, bytes);
             self.pending.push(Pending {
                 due: now + self.random.random_range(least..=greatest),
                 tag,
-                block: *found.unwrap_or(&[0xff; BLOCK_BYTES as usize]),
+                block: found.map_or_else(|_| vec![0xff; bytes as usize], <[u8]>::to_vec),
                 is_missing: found.is_err(),
                 is_failed: false,
                 beat: 0,

@@ -1,6 +1,6 @@
 //! Arithmetic on words, which the control of the unit needs beside that of [`Circuit`].
 
-use raypath_ops::{Binary32, Bit, Circuit, Select, Word};
+use raypath_ops::{Binary32, Bit, Circuit, Select, Single, Word};
 
 /// A circuit with arithmetic on words. Widths are in bits, from 1 to 32; bits beyond the width of a word are 0.
 pub trait WordCircuit: Circuit {
@@ -16,6 +16,8 @@ pub trait WordCircuit: Circuit {
     fn word_bit(self, a: Self::Word, index: Self::Word) -> Self::Bit;
     /// The word of 32 bits of which only bit `index` is set. The index has 5 bits.
     fn word_one_hot(self, index: Self::Word) -> Self::Word;
+    /// The number in binary32 with the 32 bits of a word.
+    fn number_of_bits(self, a: Self::Word) -> Self::Num;
     /// The words' bits that are set in both.
     fn word_and(self, width: u32, a: Self::Word, b: Self::Word) -> Self::Word;
     /// The words' bits that are set in either.
@@ -50,6 +52,10 @@ impl WordCircuit for Binary32 {
     #[inline(always)]
     fn word_one_hot(self, index: u32) -> u32 {
         1 << index
+    }
+    #[inline(always)]
+    fn number_of_bits(self, a: u32) -> Single {
+        Single(f32::from_bits(a))
     }
     #[inline(always)]
     fn word_and(self, _width: u32, a: u32, b: u32) -> u32 {

@@ -27,7 +27,8 @@ fn every_ray_ends_within_the_bound() {
     for (number, (contexts, memory_width, latency)) in
         [(8, 128, 1), (8, 1024, 200), (64, 512, 20), (64, 128, 1), (16, 256, 500)].into_iter().enumerate()
     {
-        let step = StepParameters { stack: 2, features: UnitFeatures { barycentrics: number % 2 == 1 } };
+        let features = UnitFeatures { barycentrics: number % 2 == 1 };
+        let step = StepParameters { stack: 2, features, ..StepParameters::default() };
         let parameters = UnitParameters { contexts, memory_width, step, ..UnitParameters::default() };
         let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
         let mut random = ChaCha8Rng::seed_from_u64(number as u64);

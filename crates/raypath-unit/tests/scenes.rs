@@ -2,7 +2,7 @@
 
 use raypath_model::Shape;
 use raypath_ops::{Aabb, Binary32, Rules, Triangle};
-use raypath_unit::blocks::{Child, LeafTriangle};
+use raypath_unit::blocks::{Child, LeafTriangle, NodeKind};
 use raypath_unit::state::status;
 use raypath_unit::traffic::{BlockScene, never};
 use raypath_unit::{
@@ -163,7 +163,7 @@ fn memories_that_are_no_trees_end_the_ray() {
     };
     let mut memory = BlockScene::default();
     let leaf = memory.leaf(&[at(3.0, 0)]);
-    let own = Child::Node { address: memory.address() }.word().expect("a node");
+    let own = Child::Node { address: memory.address() }.word(NodeKind::Wide4).expect("a node");
     let cycle = memory.node([everywhere, never(), never(), never()], [own, 0, 0, 0]);
     error(&memory, cycle);
     // A child outside of the memory, none although its box is hit, and kinds that are not valid.

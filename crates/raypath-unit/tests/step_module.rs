@@ -6,6 +6,7 @@ use rand::{RngExt, SeedableRng};
 use raypath_hdl::{Builder, Module, Simulator, Wire};
 use raypath_ops::{Binary32, Port, from_words, ports_of, to_words};
 use raypath_tools::{Sources, Verilated};
+use raypath_unit::blocks::NodeKind;
 use raypath_unit::state::{Answer, Group, RayState};
 use raypath_unit::{StepParameters, UnitFeatures, finish_module, prepare_module, step};
 use std::sync::Arc;
@@ -93,7 +94,8 @@ fn cases(parameters: StepParameters, count: usize) -> Vec<(Vec<u64>, Vec<u64>)> 
 #[test]
 fn the_simulated_module_equals_the_function() {
     for stack in [2, 4, 8, 16, 32] {
-        let parameters = StepParameters { stack, features: ALL };
+        let node = if stack == 4 { NodeKind::Quantised } else { NodeKind::Wide4 };
+        let parameters = StepParameters { stack, node, features: ALL };
         let module = step_module(parameters);
         let mut simulator = Simulator::new(&module).expect("a simulator");
         let inputs: Vec<_> = module.inputs().iter().map(|port| simulator.input(&port.name).expect("a port")).collect();

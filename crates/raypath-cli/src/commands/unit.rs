@@ -2,6 +2,7 @@
 
 use crate::CliError;
 use clap::Args;
+use raypath_unit::blocks::NodeKind;
 use raypath_unit::{StepParameters, UnitParameters};
 
 /// The parameters of the unit around the datapath.
@@ -14,7 +15,10 @@ pub struct UnitArguments {
     /// Entries of the stack of each ray [default: 8]
     #[arg(long, value_name = "2|4|8|16|32", value_parser = parser(|unit, value| unit.step.stack = value))]
     stack: Option<u32>,
-    /// Bits of a beat of the memory [default: 512]
+    /// Nodes of the scene: boxes in binary32, or of 8 bits a bound [default: wide4]
+    #[arg(long, value_name = "wide4|quantised")]
+    node: Option<NodeKind>,
+    /// Bits of a beat of the memory; 1024 with wide4 only [default: 512]
     #[arg(long, value_name = "128|256|512|1024", value_parser = parser(|unit, value| unit.memory_width = value))]
     memory_width: Option<u32>,
     /// Bits of the number that a ray brings and its hit returns [default: 16]
@@ -26,13 +30,15 @@ pub struct UnitArguments {
 }
 
 impl UnitArguments {
-    /// The selected parameters, which are in their ranges.
+    /// The selected parameters, each in its range.
     pub fn parameters(&self) -> UnitParameters {
-        let Self { contexts, stack, memory_width, id_width, divider_latency } = *self;
+        let Self { contexts, stack, node, memory_width, id_width, divider_latency } = *self;
         let default = UnitParameters::default();
+        let stack = stack.unwrap_or(default.step.stack);
+        let step = StepParameters { stack, node: node.unwrap_or_default(), ..default.step };
         UnitParameters {
             contexts: contexts.unwrap_or(default.contexts),
-            step: stack.map_or(default.step, |stack| StepParameters { stack, ..StepParameters::default() }),
+            step,
             memory_width: memory_width.unwrap_or(default.memory_width),
             id_width: id_width.unwrap_or(default.id_width),
             divider_latency: divider_latency.unwrap_or(default.divider_latency),
@@ -41,7 +47,7 @@ impl UnitArguments {
 
     /// An error if an option is given without what selects the unit.
     pub fn expect_none(&self, selector: &str) -> Result<(), CliError> {
-        let Self { contexts, stack, memory_width, id_width, divider_latency } = self;
+        let Self { contexts, stack, node, memory_width, id_width, divider_latency } = self;
         let given = [
             ("contexts", contexts),
             ("stack", stack),
@@ -49,7 +55,9 @@ impl UnitArguments {
             ("id-width", id_width),
             ("divider-latency", divider_latency),
         ];
-        match given.into_iter().find_map(|(name, value)| Some((name, (*value)?))) {
+        let node = node.map(|node| ("node", node.to_string()));
+        let number = || given.into_iter().find_map(|(name, value)| Some((name, (*value)?.to_string())));
+        match node.or_else(number) {
             None => Ok(()),
             Some((name, value)) => Err(CliError::unusable(format!(
                 "--{name} {value} is an option of the traversal unit, expected {selector}"

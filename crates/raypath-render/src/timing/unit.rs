@@ -55,7 +55,7 @@ pub fn time_picture_through_unit(
 /// `progress` gets the number of completed rays.
 ///
 /// # Errors
-/// A scene that is not in memory; the progress stopped it.
+/// A scene that is not in memory, or with other nodes; the progress stopped it.
 pub fn time_rays_through_unit(
     batch: &RayBatch,
     sample: Sample,
@@ -76,6 +76,10 @@ fn run<S: RaySequence>(
     system: &UnitSystem,
     progress: Progress,
 ) -> Result<(SystemTiming, Vec<S::Result>), PictureError> {
+    let (scene, nodes) = (blocks.nodes(), system.unit.step.node);
+    if scene != nodes {
+        return Err(PictureError::Nodes { scene, unit: nodes });
+    }
     let mut unit = UnitModel::new(&system.shape, system.unit);
     let mut user = Sequences {
         results: vec![S::Result::default(); sequences.len()],

@@ -85,7 +85,8 @@ impl<'s> Tracer<'s> {
         let Tracing { rules, two_sided } = tracing;
         Self(match scene.blocks() {
             Some(blocks) => {
-                let unit = Unit::new(rules, StepParameters::default());
+                let step = StepParameters { node: blocks.nodes(), ..StepParameters::default() };
+                let unit = Unit::new(rules, step);
                 Way::Unit { unit, blocks, two_sided, counts: Counts::default() }
             }
             None => Way::Traversal { traversal: Traversal::new(scene.bvh(), tracing), rules },

@@ -3,7 +3,6 @@
 use super::blocks::data_words;
 use super::connect::Inputs;
 use super::top::UnitNetlist;
-use crate::blocks::BLOCK_BYTES;
 use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
 
@@ -29,7 +28,7 @@ impl UnitNetlist {
         let builder = Builder::new("raypath_unit_axi");
         let m = &builder;
         let (unit, width) = (&self.top, self.parameters.memory_width);
-        let (beats, beat_bytes) = (BLOCK_BYTES * 8 / width, width / 8);
+        let (beats, beat_bytes) = (self.parameters.step.node.block_bytes() * 8 / width, width / 8);
         let tag = unit.port_width("mem_req_tag_o").unwrap_or(1);
         m.doc("raypath_unit with an AXI4 read master as its memory port.");
         m.doc(format!("A block is a burst of {beats} beats of {beat_bytes} bytes; its id is the context, {tag} bits."));

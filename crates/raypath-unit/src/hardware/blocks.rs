@@ -1,24 +1,32 @@
 //! The blocks that the memory returns.
 
 use super::queue::bits;
-use crate::blocks::{BLOCK_BYTES, CHILD_WORD, INDEX_WORD, TRIANGLES_PER_BLOCK, VERTEX_WORDS};
+use crate::blocks::{NodeKind, VERTEX_WORDS, quantised};
+use crate::netlist::{Netlist, Value};
 use raypath_hdl::text::PortGroup;
 use raypath_hdl::{Builder, Error, Module, Wire};
+use raypath_ops::Word;
 use std::sync::Arc;
 
-/// The words of a block that its jobs need: three triangles or, at the same places, four boxes.
-pub const JOB_WORDS: usize = VERTEX_WORDS * TRIANGLES_PER_BLOCK as usize;
+/// The words of a block that its jobs need: triangles or, at the same places, boxes.
+pub const fn job_words(nodes: NodeKind) -> usize {
+    match nodes {
+        NodeKind::Wide4 => VERTEX_WORDS * nodes.triangles_per_block() as usize,
+        NodeKind::Quantised => quantised::WORDS,
+    }
+}
 
 /// The module `raypath_unit_blocks`, which keeps a block for each context. It takes a beat in every cycle.
 ///
 /// A beat, `data_i` with `context_i` and `error_i`, arrives where `valid_i` is 1. With the last beat of a block,
 /// `arrived_o` is 1, and `failed_o` says whether one of its beats had an error. Three readers have ports of their own:
 /// `<reader>_read_i` and `<reader>_context_i`; the words are there in the next cycle and stay until the next read. The
-/// readers are `job` (`word_…_o`), `child` (`child_…_o`) and `index` (`index_…_o`).
-pub fn blocks(contexts: u32, memory_width: u32) -> Result<Arc<Module>, Error> {
+/// readers are `job` (`word_…_o`, and with quantised nodes `exists_…_o`, which children exist), `child` (`child_…_o`)
+/// and `index` (`index_…_o`).
+pub fn blocks(contexts: u32, memory_width: u32, nodes: NodeKind) -> Result<Arc<Module>, Error> {
     let builder = Builder::new("raypath_unit_blocks");
     let m = &builder;
-    let beats = BLOCK_BYTES * 8 / memory_width;
+    let beats = nodes.block_bytes() * 8 / memory_width;
     m.doc(format!("The blocks of {contexts} contexts, which arrive in {beats} beats of {memory_width} bits."));
     let valid = m.input("valid_i", 1);
     let context = m.input("context_i", bits(contexts));
@@ -40,33 +48,52 @@ pub fn blocks(contexts: u32, memory_width: u32) -> Result<Arc<Module>, Error> {
 
     m.section("The words");
     let per_beat = words.len();
-    let store = |name: &str, of: Vec<usize>, (read, reader)| {
+    let data = |word: usize| words[word % per_beat];
+    // The columns of a memory, by the words from which they come.
+    let store = |name: &str, of: Vec<(usize, String, Wire<'_>)>, (read, reader)| {
         let mut stored = Vec::new();
         for number in 0..beats {
-            let here: Vec<usize> = of.iter().copied().filter(|word| word / per_beat == number as usize).collect();
+            let here: Vec<_> = of.iter().filter(|(word, ..)| word / per_beat == number as usize).collect();
             if here.is_empty() {
                 continue;
             }
-            let titles: Vec<String> = here.iter().map(|word| format!("word_{word}")).collect();
-            let columns: Vec<(&str, u32)> = titles.iter().map(|title| (title.as_str(), 32)).collect();
+            let columns: Vec<(&str, u32)> =
+                here.iter().map(|(_, title, wire)| (title.as_str(), wire.width())).collect();
             let memory = m.memory(&format!("u_{name}_{number}"), contexts, &columns);
-            let data: Vec<Wire<'_>> = here.iter().map(|word| words[word % per_beat]).collect();
-            memory.write(is_beat(number), context, &data);
+            memory.write(is_beat(number), context, &here.iter().map(|(.., wire)| *wire).collect::<Vec<_>>());
             stored.extend(memory.read(read, reader));
         }
         stored
     };
+    let whole = |from: usize, count: usize| {
+        (from..from + count).map(|word| (word, format!("word_{word}"), data(word))).collect::<Vec<_>>()
+    };
+    let (child_word, index_word) = (nodes.child_word(), nodes.index_word());
+    let exist = |child: usize| {
+        let (word, c) = (child_word + child, Netlist(m));
+        let exists = quantised::exists(Word::new(c, Value(data(word)))).value.0;
+        (word, format!("exists_{child}"), exists)
+    };
     let [job, child, index] = readers;
-    let jobs = store("jobs", (0..JOB_WORDS).collect(), job);
-    let children = store("children", (CHILD_WORD..CHILD_WORD + 4).collect(), child);
-    let indices = store("indices", (INDEX_WORD..INDEX_WORD + TRIANGLES_PER_BLOCK as usize).collect(), index);
+    let jobs = match nodes {
+        NodeKind::Wide4 => store("jobs", whole(0, job_words(nodes)), job),
+        NodeKind::Quantised => {
+            // The columns are in the order of the outputs, because words before others come in the same beat or before.
+            let columns = whole(0, job_words(nodes)).into_iter().chain((0..4).map(exist)).collect();
+            store("jobs", columns, job)
+        }
+    };
+    let children = store("children", whole(child_word, 4), child);
+    let indices = store("indices", whole(index_word, nodes.triangles_per_block() as usize), index);
     if beats == 1 {
-        m.unused("unused_data", &words[INDEX_WORD + TRIANGLES_PER_BLOCK as usize..]);
+        let last = (child_word + 4).max(index_word + nodes.triangles_per_block() as usize);
+        m.unused("unused_data", &words[last..]);
     }
 
     m.output("arrived_o", arrived);
     m.output("failed_o", failed);
-    for (name, words) in [("word", jobs), ("child", children), ("index", indices)] {
+    let (words, exist) = jobs.split_at(job_words(nodes));
+    for (name, words) in [("word", words), ("exists", exist), ("child", &children), ("index", &indices)] {
         words.iter().enumerate().for_each(|(k, word)| m.output(&format!("{name}_{k}_o"), *word));
     }
     builder.finish()

@@ -19,19 +19,24 @@ use std::sync::Arc;
 /// Numerators and denominators wait in a memory of this module. Where `read_o` is 1, the limits of the ray of
 /// `read_context_o` and the indices of its block are read: `limits_…_i` and `index_…_i` have them in the next cycle.
 pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
-    let UnitParameters { contexts, step: StepParameters { features, .. }, divider_latency, .. } = parameters;
+    let UnitParameters { contexts, step: StepParameters { features, node, .. }, divider_latency, .. } = parameters;
     let builder = Builder::new("raypath_unit_distance");
     let m = &builder;
     m.doc("The distances of triangles by division, and the closest hit of each block.");
     let c = Netlist(m);
     let width = bits(contexts);
+    // Blocks of quantised nodes have one triangle, so there are no places.
+    let per_block = node.triangles_per_block();
+    let has_places = per_block > 1;
     let valid = m.input("valid_i", 1);
-    let [context, place] = [("context_i", width), ("place_i", 2)].map(|(name, width)| m.input(name, width));
-    let [is_last, is_hit, is_front] = ["is_last_i", "is_hit_i", "is_front_i"].map(|name| m.input(name, 1));
+    let context = m.input("context_i", width);
+    let place = has_places.then(|| m.input("place_i", 2));
+    let is_last = has_places.then(|| m.input("is_last_i", 1));
+    let [is_hit, is_front] = ["is_hit_i", "is_front_i"].map(|name| m.input(name, 1));
     let numbers = FRACTION.into_iter().filter(|name| features.has(name));
     let numbers: Named<'_> = numbers.map(|name| named(name, m.input(&format!("{name}_i"), 32))).collect();
     let limits: HitLimits<Netlist<'_>> = inputs(m, "limits");
-    let indices = [0, 1, 2].map(|k| m.input(&format!("index_{k}_i"), 32));
+    let indices: Vec<Wire<'_>> = (0..per_block).map(|k| m.input(&format!("index_{k}_i"), 32)).collect();
     let taken = m.input("taken_i", 1);
 
     m.section("The operands, in a register of their own, because their encoders are slow");
@@ -39,7 +44,9 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let recoded =
         |name: &str, wire: Wire<'_>| m.instance(&format!("u_encode_{name}"), &encoder, &[("ieee_i", wire)])[0];
     let (a, b) = (recoded("t_num", numbers[0].1), recoded("t_denom", numbers[1].1));
-    let tag = m.concat(&[context, place, is_last, is_hit, !is_front]);
+    let slot: Vec<Wire<'_>> = [context].into_iter().chain(place).collect();
+    let whole: Vec<Wire<'_>> = slot.iter().copied().chain(is_last).chain([is_hit, !is_front]).collect();
+    let tag = m.concat(&whole);
     let divides = m.forward("divides", 1);
     let has_operands = m.register("has_operands_q", 1).reset_to(0);
     let ready = (!has_operands.wire() | divides.wire()).named("ready");
@@ -55,7 +62,8 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let (has_quotient, result, tag) = (results[1], results[2], results[3]);
     divides.drive(results[0]);
     let quotient = m.instance("u_decode", &decode(Format::BINARY32)?, &[("recoded_i", result)])[0];
-    let slot = tag.bits(width + 4, 3);
+    let slot_bits = width + 2 * u32::from(has_places);
+    let read_slot = tag.upper(slot_bits);
 
     m.section("The hit whose limits and index are read");
     let read = (has_quotient & moves.wire()).named("read");
@@ -64,12 +72,13 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     moves.drive(!has_hit.wire() | folds.wire());
     has_hit.next(read | (has_hit.wire() & !folds.wire()));
     let (t, tag_q) = (hold("t_q", read, quotient), hold("tag_q", read, tag));
-    let at_entry = (enters, m.concat(&[context, place]));
-    let fraction = keep("u_fractions", 4 * contexts, at_entry, numbers, (read, slot));
+    let at_entry = (enters, m.concat(&slot));
+    let fraction = keep("u_fractions", contexts << (slot_bits - width), at_entry, numbers, (read, read_slot));
 
     m.section("The closest hit of its block so far");
-    let place = tag_q.bits(4, 3);
-    let index = place.bit(1).mux(indices[2], place.bit(0).mux(indices[1], indices[0]));
+    let place = has_places.then(|| tag_q.bits(4, 3));
+    let index =
+        place.map_or(indices[0], |place| place.bit(1).mux(indices[2], place.bit(0).mux(indices[1], indices[0])));
     let rest = [("is_hit", tag_q.bit(1)), ("t", t), ("back_face", tag_q.bit(0)), ("triangle", index)];
     let known: Named<'_> = rest.into_iter().map(|(name, wire)| named(name, wire)).chain(fraction).collect();
     let found: TriangleHit<Netlist<'_>> = from_wires(m, "", |field, width| found_in(m, &known, field, width));
@@ -78,13 +87,15 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         .collect();
     let held: Named<'_> = registers.iter().map(|(register, name)| named(name, register.wire())).collect();
     let before: TriangleHit<Netlist<'_>> = from_wires(m, "closest", |field, width| found_in(m, &held, field, width));
-    let closest = fold(before, Bit::new(c, Value(place.is(0))), found, limits);
+    let is_first = place.map_or(m.constant(1, 1), |place| place.is(0));
+    let closest = fold(before, Bit::new(c, Value(is_first)), found, limits);
     for ((register, _), (_, wire)) in registers.iter().zip(wires_with("", &closest, features)) {
         register.next_when(folds.wire(), wire);
     }
     let is_complete = m.register("is_complete_q", 1).reset_to(0);
     folds.drive(has_hit.wire() & (!is_complete.wire() | taken));
-    is_complete.next((folds.wire() & tag_q.bit(2)) | (is_complete.wire() & !taken));
+    let completes = if has_places { folds.wire() & tag_q.bit(2) } else { folds.wire() };
+    is_complete.next(completes | (is_complete.wire() & !taken));
     let complete_context = m.register("context_q", width);
     complete_context.next_when(folds.wire(), tag_q.upper(width));
 

@@ -1,5 +1,6 @@
 //! The parameters of the unit's hardware.
 
+use crate::blocks::NodeKind;
 use crate::step::StepParameters;
 use std::fmt;
 use thiserror::Error;
@@ -11,7 +12,7 @@ pub struct UnitParameters {
     pub contexts: u32,
     /// The step of a ray, with the entries of its stack.
     pub step: StepParameters,
-    /// Bits of a beat of the memory: 128, 256, 512 or 1024.
+    /// Bits of a beat of the memory: 128, 256, 512 or, with wide nodes, 1024.
     pub memory_width: u32,
     /// Bits of the number that comes out with a ray's hit: 1 to 64.
     pub id_width: u32,
@@ -33,7 +34,11 @@ impl fmt::Display for UnitParameters {
             "{contexts} contexts, stacks of {}, memory of {memory_width} bits, ids of {id_width} bits, division in \
              {divider_latency} cycles",
             step.stack
-        )
+        )?;
+        match step.node {
+            NodeKind::Wide4 => Ok(()),
+            NodeKind::Quantised => f.write_str(", quantised nodes"),
+        }
     }
 }
 
@@ -56,10 +61,16 @@ impl UnitParameters {
     /// The first parameter out of its range.
     pub fn check(self) -> Result<(), UnitParametersError> {
         let Self { contexts, step, memory_width, id_width, divider_latency } = self;
+        let (widths, expected_widths) = match step.node {
+            NodeKind::Wide4 => (&[128, 256, 512, 1024][..], "128, 256, 512 or 1024"),
+            NodeKind::Quantised => {
+                (&[128, 256, 512][..], "128, 256 or 512 with quantised nodes, whose blocks have 512")
+            }
+        };
         let checks = [
             ("contexts", contexts, (8..=256).contains(&contexts), "8 to 256"),
             ("stack", step.stack, [2, 4, 8, 16, 32].contains(&step.stack), "2, 4, 8, 16 or 32"),
-            ("memory width", memory_width, [128, 256, 512, 1024].contains(&memory_width), "128, 256, 512 or 1024"),
+            ("memory width", memory_width, widths.contains(&memory_width), expected_widths),
             ("id width", id_width, (1..=64).contains(&id_width), "1 to 64"),
             ("divider latency", divider_latency, (1..=27).contains(&divider_latency), "1 to 27"),
         ];

@@ -1,20 +1,21 @@
 //! The top module: the datapath and the parts around it.
 
-use super::blocks::{JOB_WORDS, blocks, data_words};
+use super::blocks::{blocks, data_words, job_words};
 use super::connect::{Inputs, Named, Outputs, keep, named, prefixed};
+use super::decoder::decoder;
 use super::distance::distance;
 use super::hits::hits;
 use super::issue::issue;
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::rays::rays;
-use super::walk::{OFFSET_BITS, walk};
-use crate::blocks::BOX_WORDS;
+use super::walk::walk;
+use crate::blocks::{BOX_WORDS, NodeKind};
 use crate::error::UnitError;
 use crate::netlist::{Netlist, from_wires, wires};
 use crate::set_up::Entry;
-use crate::step::{StepParameters, UnitFeatures};
-use raypath_hdl::{Builder, Module, Wire};
+use crate::step::UnitFeatures;
+use raypath_hdl::{Builder, Forward, Module, Wire};
 use raypath_model::{Control, Shape};
 use raypath_ops::{Binary32, Culling, JobKind, RayBoxInput, RayTriangleInput, Rules, ports_of};
 use raypath_rtl::{Config, Datapath, Features, Lanes};
@@ -34,7 +35,13 @@ pub struct UnitNetlist {
 }
 
 /// The bits of a job's tag besides the context: the triangle's place, and whether it is the last of its block.
-const TAG_BITS: u32 = 3;
+/// Blocks of quantised nodes have one.
+const fn tag_bits(nodes: NodeKind) -> u32 {
+    match nodes {
+        NodeKind::Wide4 => 3,
+        NodeKind::Quantised => 0,
+    }
+}
 
 impl UnitNetlist {
     /// Builds the unit around a datapath of this configuration. Distance operations are left out, and the features that
@@ -47,7 +54,7 @@ impl UnitNetlist {
         parameters.step.features.barycentrics |= config.semantics.features.barycentrics;
         parameters.check()?;
         check(config)?;
-        let tag = bits(parameters.contexts) + TAG_BITS;
+        let tag = bits(parameters.contexts) + tag_bits(parameters.step.node);
         let UnitFeatures { barycentrics } = parameters.step.features;
         let features = Features { tag, facing: true, barycentrics, culling: Culling::None, ..Features::OFF };
         let config = config.lanes(Lanes::None).features(features);
@@ -86,7 +93,8 @@ fn check(config: Config) -> Result<(), UnitError> {
 }
 
 fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>, UnitError> {
-    let UnitParameters { contexts, memory_width, id_width, step: StepParameters { features, .. }, .. } = parameters;
+    let UnitParameters { contexts, memory_width, id_width, step, .. } = parameters;
+    let (features, nodes, offset_bits) = (step.features, step.node, step.node.offset_bits());
     let builder = Builder::new("raypath_unit");
     let m = &builder;
     m.doc("A ray goes in, the closest or any hit comes out.");
@@ -112,6 +120,13 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let [hit_context, take_context, limits_context, step_context, fetch_context] =
         ["hit_context", "take_context", "limits_context", "step_context", "fetch_context"]
             .map(|name| m.forward(name, width));
+    // The ray is read when its job comes next: with quantised nodes, when the block leaves the decoder.
+    let decodes = (nodes == NodeKind::Quantised)
+        .then(|| [("decodes", 1), ("decodes_context", width), ("issue_ready", 1)].map(|(name, w)| m.forward(name, w)));
+    let [job_read, job_context, issue_ready] = match &decodes {
+        None => [take.wire(), take_context.wire(), job_ready.wire()],
+        Some(decodes) => decodes.map(Forward::wire),
+    };
     let [fetch_count, fetch_extent] = [("fetch_count", 2), ("fetch_extent", 32)].map(|(name, w)| m.forward(name, w));
 
     m.section("Rays");
@@ -122,8 +137,8 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
         .port("start_taken", start_taken.wire())
         .port("release", releases.wire())
         .port("hit_context", hit_context.wire())
-        .port("job_read", take.wire())
-        .port("job_context", take_context.wire())
+        .port("job_read", job_read)
+        .port("job_context", job_context)
         .port("limits_read", limits_read.wire())
         .port("limits_context", limits_context.wire())
         .port("step_read", step_read.wire())
@@ -143,31 +158,59 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
         .port("child_context", step_context.wire())
         .port("index_read", limits_read.wire())
         .port("index_context", limits_context.wire())
-        .place(m, "u_blocks", &blocks(contexts, memory_width)?);
+        .place(m, "u_blocks", &blocks(contexts, memory_width, nodes)?);
     let fetched = vec![named("count", fetch_count.wire()), named("extent", fetch_extent.wire())];
     let by_fetch = (fetches.wire(), fetch_context.wire());
-    let fetched = keep("u_fetched", contexts, by_fetch, fetched, (take.wire(), take_context.wire()));
+    let fetched = keep("u_fetched", contexts, by_fetch, fetched, (job_read, job_context));
+    let words = prefixed("word", blocks.under("word"));
+    let count = named("count", fetched[0].1);
+    let of_block: Named<'_> = match nodes {
+        NodeKind::Wide4 => [count].into_iter().chain(words.iter().cloned()).collect(),
+        NodeKind::Quantised => Vec::new(),
+    };
     let issue = Inputs::default()
         .port("arrived", blocks.port("arrived"))
         .port("arrived_failed", blocks.port("failed"))
         .port("arrived_context", arrived_context)
-        .port("count", fetched[0].1)
-        .ports(prefixed("word", blocks.under("word")))
-        .port("ready", job_ready.wire())
+        .ports(of_block)
+        .port("ready", issue_ready)
         .port("fault_taken", fault_taken.wire())
-        .place(m, "u_issue", &issue(contexts)?);
+        .place(m, "u_issue", &issue(contexts, nodes)?);
     take.drive(issue.port("take"));
     take_context.drive(issue.port("take_context"));
+    let decoder = match decodes {
+        None => None,
+        Some([decodes, context, ready]) => {
+            let decoder = Inputs::default()
+                .port("valid", issue.port("offer"))
+                .port("context", issue.port("context"))
+                .ports(words)
+                .ports(prefixed("exists", blocks.under("exists")))
+                .port("ready", job_ready.wire())
+                .place(m, "u_decoder", &decoder(contexts)?);
+            decodes.drive(decoder.port("read"));
+            context.drive(decoder.port("read_context"));
+            ready.drive(decoder.port("ready"));
+            Some(decoder)
+        }
+    };
 
     m.section("The datapath");
     let opcode = |kind: JobKind| m.constant(datapath.port_width("opcode_i").unwrap_or(1), kind.opcode());
-    let job = Job { rays: &rays, blocks: &blocks, issue: &issue, extent: fetched[1].1 };
+    let job = Job { rays: &rays, blocks: &blocks, issue: &issue, decoder: decoder.as_ref(), extent: fetched[1].1 };
+    let (offer, is_node, tag) = match &decoder {
+        None => {
+            let tag = m.concat(&[issue.port("context"), issue.port("place"), issue.port("is_last")]);
+            (issue.port("offer"), issue.port("is_node"), tag)
+        }
+        Some(decoder) => (decoder.port("valid"), fetched[0].1.is(0).named("is_node"), decoder.port("context")),
+    };
     let outcome_ready = m.forward("outcome_ready", 1);
     let outcome = Inputs::default()
-        .port("input_valid", issue.port("offer"))
+        .port("input_valid", offer)
         .port("output_ready", outcome_ready.wire())
-        .port("opcode", issue.port("is_node").mux(opcode(JobKind::Quadbox), opcode(JobKind::Triangle)))
-        .port("tag", m.concat(&[issue.port("context"), issue.port("place"), issue.port("is_last")]))
+        .port("opcode", is_node.mux(opcode(JobKind::Quadbox), opcode(JobKind::Triangle)))
+        .port("tag", tag)
         .ports(job.inputs(m, datapath))
         .place(m, "u_datapath", datapath);
     job_ready.drive(outcome.port("input_ready"));
@@ -179,11 +222,14 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let weights = ["u", "v"].map(|name| (format!("{name}_num"), format!("barycentric_{name}")));
     let weights = weights.into_iter().filter(|(name, _)| features.has(name));
     let weights: Named<'_> = weights.map(|(name, port)| (name, outcome.port(&port))).collect();
+    let place: Named<'_> = match nodes {
+        NodeKind::Wide4 => vec![named("place", tag.bits(2, 1)), named("is_last", tag.bit(0))],
+        NodeKind::Quantised => Vec::new(),
+    };
     let closest = Inputs::default()
         .port("valid", outcome.port("output_valid") & !is_boxes)
         .port("context", outcome_context)
-        .port("place", tag.bits(2, 1))
-        .port("is_last", tag.bit(0))
+        .ports(place)
         .port("is_hit", outcome.port("triangle_hit"))
         .port("is_front", outcome.port("facing"))
         .port("t_num", outcome.port("t_num"))
@@ -226,7 +272,7 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     fetch_extent.drive(walk.port("next_extent"));
 
     m.section("Requests to the memory, and hits");
-    let columns = [("context", width), ("block", 32 - OFFSET_BITS)];
+    let columns = [("context", width), ("block", 32 - offset_bits)];
     let request = Inputs::default()
         .port("push", walk.port("fetches"))
         .port("context", walk.port("context"))
@@ -253,7 +299,7 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
         ["u", "v"].into_iter().for_each(|name| m.output(&format!("hit_{name}_o"), hits.port(name)));
     }
     m.output("mem_req_valid_o", request.port("valid"));
-    m.output("mem_req_addr_o", m.concat(&[request.port("block"), m.constant(OFFSET_BITS, 0)]));
+    m.output("mem_req_addr_o", m.concat(&[request.port("block"), m.constant(offset_bits, 0)]));
     m.output("mem_req_tag_o", request.port("context"));
     m.output("mem_rsp_ready_o", m.constant(1, 1));
     Ok(builder.finish()?)
@@ -264,6 +310,7 @@ struct Job<'a, 'm> {
     rays: &'a Outputs<'m>,
     blocks: &'a Outputs<'m>,
     issue: &'a Outputs<'m>,
+    decoder: Option<&'a Outputs<'m>>,
     extent: Wire<'m>,
 }
 
@@ -287,11 +334,15 @@ impl<'m> Job<'_, 'm> {
                 Some(field) => self.rays.port(&format!("job_{field}")),
                 None if name.starts_with("aabb_") => {
                     let corner: usize = corners.next().unwrap_or_default();
-                    self.blocks.port(&format!("word_{}", box_word(corner)))
+                    let word = box_word(corner);
+                    self.decoder.map_or_else(
+                        || self.blocks.port(&format!("word_{word}")),
+                        |decoder| decoder.port(&format!("bound_{word}")),
+                    )
                 }
                 None => {
                     let vertex: usize = vertices.next().unwrap_or_default();
-                    self.issue.port(&format!("triangle_{vertex}"))
+                    self.decoder.unwrap_or(self.issue).port(&format!("triangle_{vertex}"))
                 }
             };
             found.push((name, wire));
@@ -300,7 +351,7 @@ impl<'m> Job<'_, 'm> {
     }
 }
 
-/// The word of a block with a bound of its boxes. In the operation's input, the bounds of a slab follow each other; in
+/// The place in memory of a bound of the boxes of a block. In the operation's input, the bounds of a slab follow each other; in
 /// memory the minima come first.
 fn box_word(place: usize) -> usize {
     let (child, bound) = (place / BOX_WORDS, place % BOX_WORDS);
@@ -308,4 +359,4 @@ fn box_word(place: usize) -> usize {
     BOX_WORDS * child + 3 * is_max + axis
 }
 
-const _: () = assert!(4 * BOX_WORDS <= JOB_WORDS);
+const _: () = assert!(4 * BOX_WORDS <= job_words(NodeKind::Wide4));

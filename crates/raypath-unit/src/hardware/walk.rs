@@ -11,7 +11,6 @@ use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::scheduler::{SOURCES, scheduler};
 use super::step::{finish_module, prepare_module};
-use crate::blocks::BLOCK_BYTES;
 use crate::netlist::{Netlist, Value, wires_with};
 use crate::state::{Group, RayState, answer, request};
 use raypath_hdl::{Builder, Error, Module, Wire};
@@ -159,9 +158,9 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.output("ends_o", asks(request::DONE));
     m.output("context_o", finished_context);
     let (address, level) = (done.port("request_address"), done.port("request_level"));
-    m.unused("unused_offset", &[address.lower(OFFSET_BITS)]);
+    m.unused("unused_offset", &[address.lower(step.node.offset_bits())]);
     m.unused("unused_level", &[level.upper(level.width() - slot_bits)]);
-    m.output("block_o", address.upper(address.width() - OFFSET_BITS));
+    m.output("block_o", address.upper(address.width() - step.node.offset_bits()));
     for name in ["count", "status"] {
         m.output(&format!("{name}_o"), done.port(&format!("request_{name}")));
     }
@@ -169,9 +168,6 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     shown.for_each(|(name, wire)| m.output(&format!("next_{name}_o"), wire));
     builder.finish()
 }
-
-/// The bits of an address inside a block.
-pub const OFFSET_BITS: u32 = BLOCK_BYTES.trailing_zeros();
 
 fn queued<'m>(queue: &Outputs<'m>) -> (Wire<'m>, Wire<'m>) {
     (queue.port("valid"), queue.port("context"))

@@ -1,6 +1,5 @@
 //! A cache before the memory.
 
-use crate::blocks::BLOCK_BYTES;
 use thiserror::Error;
 
 /// A set-associative cache whose least recently used line is replaced. Several misses of one line at a time count as
@@ -83,10 +82,10 @@ impl Cache {
         (self.hits, self.misses)
     }
 
-    /// Reads the block at an address. Returns the number of lines that must be fetched.
-    pub fn misses(&mut self, address: u32) -> u32 {
+    /// Reads the block of so many bytes at an address. Returns the number of lines that must be fetched.
+    pub fn misses(&mut self, address: u32, bytes: u32) -> u32 {
         let CacheParameters { ways, line, .. } = self.parameters;
-        let last = address.saturating_add(BLOCK_BYTES - 1) / line;
+        let last = address.saturating_add(bytes - 1) / line;
         let mut missing = 0;
         for number in address / line..=last {
             let place = number as usize % self.sets.len();
@@ -119,14 +118,14 @@ mod tests {
         let mut cache = Cache::new(parameters);
         // Four sets: these blocks are all in set 0.
         let [a, b, c] = [0, 512, 1024];
-        assert_eq!([a, b, a, c, a, b].map(|address| cache.misses(address)), [1, 1, 0, 1, 0, 1]);
+        assert_eq!([a, b, a, c, a, b].map(|address| cache.misses(address, 128)), [1, 1, 0, 1, 0, 1]);
         assert_eq!(cache.counts(), (2, 4));
         // Short lines: a block has two.
         let mut cache = Cache::new(CacheParameters { line: 64, ..parameters });
-        assert_eq!([0, 128, 0].map(|address| cache.misses(address)), [2, 2, 0]);
+        assert_eq!([0, 128, 0].map(|address| cache.misses(address, 128)), [2, 2, 0]);
         // A long line has two blocks.
         let mut cache = Cache::new(CacheParameters { line: 256, ..parameters });
-        assert_eq!([0, 128, 256].map(|address| cache.misses(address)), [1, 0, 1]);
+        assert_eq!([0, 128, 256].map(|address| cache.misses(address, 128)), [1, 0, 1]);
     }
 
     #[test]

@@ -1,14 +1,14 @@
 //! Scenes made block by block, random ones, and random rays.
 
 use crate::RayRequest;
-use crate::blocks::{LeafTriangle, NODE_KIND, Node};
+use crate::blocks::{LeafTriangle, NODE_KIND, Node, NodeKind};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_ops::{Aabb, Binary32, Triangle};
 
-/// The blocks of a scene, appended one after another, from address 0 on.
+/// The blocks of a scene with these nodes, appended one after another, from address 0 on.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct BlockScene(pub Vec<u8>);
+pub struct BlockScene(pub Vec<u8>, pub NodeKind);
 
 impl BlockScene {
     /// The address of the next block.
@@ -19,21 +19,31 @@ impl BlockScene {
     /// Appends a leaf, and returns its child word. The word is valid for 1 to 8 triangles.
     pub fn leaf(&mut self, triangles: &[LeafTriangle]) -> u32 {
         let word = self.address() | triangles.len() as u32;
-        self.0.extend(LeafTriangle::to_bytes(triangles));
+        self.0.extend(LeafTriangle::to_bytes(triangles, self.1));
         word
     }
 
-    /// Appends a node, and returns its child word.
+    /// Appends a node, and returns its child word. A quantised node whose boxes cannot be contained becomes one without
+    /// children.
     pub fn node(&mut self, boxes: [Aabb<Binary32>; 4], children: [u32; 4]) -> u32 {
         let word = self.address() | NODE_KIND;
-        self.0.extend(Node { boxes, children }.to_bytes());
+        let node = Node { boxes, children };
+        match self.1 {
+            NodeKind::Wide4 => self.0.extend(node.to_bytes()),
+            NodeKind::Quantised => self.0.extend(node.to_quantised_bytes().unwrap_or([0; 64])),
+        }
         word
     }
 
     /// A tree over random triangles in a cube from -1 to 1, and the child word of its root. Some triangles lie on
     /// others, with either face towards a ray.
     pub fn random(triangles: u32, random: &mut ChaCha8Rng) -> (Self, u32) {
-        let mut scene = Self::default();
+        Self::random_of(NodeKind::Wide4, triangles, random)
+    }
+
+    /// The same with these nodes. The tree does not depend on them.
+    pub fn random_of(nodes: NodeKind, triangles: u32, random: &mut ChaCha8Rng) -> (Self, u32) {
+        let mut scene = Self(Vec::new(), nodes);
         let mut all: Vec<LeafTriangle> = (0..triangles)
             .map(|index| {
                 let at: [f32; 3] = std::array::from_fn(|_| random.random_range(-1.0..1.0));
@@ -54,7 +64,12 @@ impl BlockScene {
     /// A path of this many nodes whose boxes are all the same, so that every level is pending at its end, with a
     /// leaf of a random triangle once to three times at each; and the child word of its root.
     pub fn deep(depth: u32, random: &mut ChaCha8Rng) -> (Self, u32) {
-        let mut scene = Self::default();
+        Self::deep_of(NodeKind::Wide4, depth, random)
+    }
+
+    /// The same with these nodes.
+    pub fn deep_of(nodes: NodeKind, depth: u32, random: &mut ChaCha8Rng) -> (Self, u32) {
+        let mut scene = Self(Vec::new(), nodes);
         let all = Aabb::new([-2.0; 3], [2.0; 3]);
         let mut next = None;
         for level in 0..depth {

@@ -6,6 +6,7 @@ use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control};
+use raypath_unit::blocks::NodeKind;
 use raypath_unit::state::status;
 use raypath_unit::traffic::{Behaviour, BlockScene, Environment, random_ray};
 use raypath_unit::{
@@ -53,14 +54,15 @@ const RAYS: usize = 96;
 /// The rays of an episode whose rays visit thousands of nodes.
 const DEEP_RAYS: usize = 8;
 
-/// The units of the campaign: contexts, stack, width of the memory, latency of division, control, barycentrics.
-const SUBJECTS: [(u32, u32, u32, u32, Control, bool); 6] = [
-    (8, 2, 256, 2, Control::Skid, false),
-    (16, 4, 512, 9, Control::Credit, false),
-    (11, 8, 128, 1, Control::Credit, true),
-    (64, 16, 1024, 5, Control::Skid, false),
-    (32, 32, 512, 27, Control::Skid, true),
-    (9, 2, 128, 9, Control::Credit, false),
+/// The units of the campaign: contexts, stack, nodes, width of the memory, latency of division, control, barycentrics.
+const SUBJECTS: [(u32, u32, NodeKind, u32, u32, Control, bool); 7] = [
+    (8, 2, NodeKind::Wide4, 256, 2, Control::Skid, false),
+    (16, 4, NodeKind::Wide4, 512, 9, Control::Credit, false),
+    (11, 8, NodeKind::Wide4, 128, 1, Control::Credit, true),
+    (64, 16, NodeKind::Wide4, 1024, 5, Control::Skid, false),
+    (32, 32, NodeKind::Wide4, 512, 27, Control::Skid, true),
+    (9, 2, NodeKind::Wide4, 128, 9, Control::Credit, false),
+    (10, 2, NodeKind::Quantised, 128, 2, Control::Skid, true),
 ];
 
 impl Subject {
@@ -69,8 +71,8 @@ impl Subject {
     /// # Errors
     /// A unit cannot be built.
     pub fn all() -> Result<Vec<Self>, Error> {
-        let subject = |(contexts, stack, memory_width, divider_latency, control, barycentrics)| {
-            let step = StepParameters { stack, features: UnitFeatures { barycentrics } };
+        let subject = |(contexts, stack, node, memory_width, divider_latency, control, barycentrics)| {
+            let step = StepParameters { stack, node, features: UnitFeatures { barycentrics } };
             let parameters = UnitParameters { contexts, step, memory_width, divider_latency, id_width: 16 };
             Ok(Self { unit: UnitNetlist::new(Config::DEFAULT.control(control), parameters)? })
         };
@@ -90,12 +92,12 @@ struct Episode {
 }
 
 impl Episode {
-    fn new(random: &mut ChaCha8Rng) -> Self {
+    fn new(nodes: NodeKind, random: &mut ChaCha8Rng) -> Self {
         let size = random.random_range(0..5);
         let ((scene, root), count) = match [1, 8, 40, 300].get(size) {
-            Some(&triangles) => (BlockScene::random(triangles, random), RAYS),
+            Some(&triangles) => (BlockScene::random_of(nodes, triangles, random), RAYS),
             // The last of these is too deep.
-            None => (BlockScene::deep(random.random_range(30..66), random), DEEP_RAYS),
+            None => (BlockScene::deep_of(nodes, random.random_range(30..66), random), DEEP_RAYS),
         };
         let rays = (0..count).map(|_| random_ray(root, random)).collect();
         let least = [1, 1, 5, 40][random.random_range(0..4)];
@@ -121,11 +123,12 @@ pub fn run(
 ) -> Result<Counts, String> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(number);
-    let Episode { scene, rays, behaviour, longest_stall, resets } = Episode::new(&mut random);
-    netlist.restart_randomly(random.random());
     let (mut cycle_exact, parameters) = (UnitModel::of(unit), unit.parameters);
+    let Episode { scene, rays, behaviour, longest_stall, resets } = Episode::new(parameters.step.node, &mut random);
+    netlist.restart_randomly(random.random());
     let mut environment = Environment::new(&scene.0, parameters.memory_width, rays.clone(), behaviour, random.random())
-        .with_longest_stall(longest_stall);
+        .with_longest_stall(longest_stall)
+        .of_nodes(parameters.step.node);
     let mut counts = Counts { episodes: 1, ..Counts::default() };
     let mut model = Unit::new(Rules::Paper, parameters.step);
     let expected: Vec<Reply> = rays.iter().map(|ray| model.trace(&scene.0[..], ray)).collect();

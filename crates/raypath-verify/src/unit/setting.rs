@@ -3,13 +3,14 @@
 use crate::Error;
 use raypath_hdl::{Module, verilog};
 use raypath_rtl::Config;
+use raypath_unit::blocks::NodeKind;
 use raypath_unit::{StepParameters, UnitFeatures, UnitNetlist, UnitParameters};
 use std::sync::Arc;
 
 /// The least unit: the faults of the claims are in its text.
 pub(super) const LEAST: UnitParameters = UnitParameters {
     contexts: 8,
-    step: StepParameters { stack: 2, features: UnitFeatures::OFF },
+    step: StepParameters { stack: 2, node: NodeKind::Wide4, features: UnitFeatures::OFF },
     memory_width: 256,
     id_width: 16,
     divider_latency: 2,

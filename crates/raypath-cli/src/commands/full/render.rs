@@ -99,10 +99,10 @@ enum Through {
 
 impl Through {
     /// The scene, in memory if the unit traces its rays.
-    fn prepared(self, scene: Scene) -> Result<Scene, CliError> {
+    fn prepared(self, scene: Scene, unit: &UnitTimingArguments) -> Result<Scene, CliError> {
         match self {
             Self::Datapath => Ok(scene),
-            Self::Unit => scene.through_unit().map_err(CliError::unusable),
+            Self::Unit => scene.through_unit_of(unit.nodes()).map_err(CliError::unusable),
         }
     }
 }
@@ -138,7 +138,7 @@ fn picture(
     let (width, height) = arguments.size;
     let camera = arguments.camera.camera(&mesh, width as f32 / height as f32)?;
     let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(CliError::unusable)?;
-    let scene = arguments.through.prepared(scene)?;
+    let scene = arguments.through.prepared(scene, &arguments.unit)?;
     scene::describe(arguments.scene.as_deref(), &scene, out)?;
     let shading = Shading {
         tracing,
@@ -199,7 +199,7 @@ fn trace(
 ) -> Result<(), CliError> {
     let mesh = scene::mesh(arguments.scene.as_deref())?;
     let scene = Scene::for_origins(mesh, rays.iter().map(|ray| ray.origin.into())).map_err(CliError::unusable)?;
-    let scene = arguments.through.prepared(scene)?;
+    let scene = arguments.through.prepared(scene, &arguments.unit)?;
     let mut divided = Divided::begin(&arguments.division, arguments.work(&scene, config))?;
     let hits = divided.trace(&scene, &rays, tracing)?;
     let seconds = divided.seconds();

@@ -118,14 +118,15 @@ fn parts(top: &Module) -> Table {
 
 /// Traces random rays through a random scene by the netlist and the models.
 fn check(unit: &UnitNetlist, arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
-    let begin = Instant::now();
+    let (begin, nodes) = (Instant::now(), unit.parameters.step.node);
     let mut random = ChaCha8Rng::seed_from_u64(arguments.seed);
-    let (scene, root) = BlockScene::random(TRIANGLES, &mut random);
+    let (scene, root) = BlockScene::random_of(nodes, TRIANGLES, &mut random);
     let total = arguments.rays as usize;
     let rays: Vec<RayRequest> = (0..total).map(|_| random_ray(root, &mut random)).collect();
     let (mut netlist, mut model) = (NetlistEngine::new(unit)?, UnitModel::of(unit));
     let width = unit.parameters.memory_width;
-    let mut environment = Environment::new(&scene.0, width, rays.clone(), BEHAVIOUR, arguments.seed);
+    let environment = Environment::new(&scene.0, width, rays.clone(), BEHAVIOUR, arguments.seed);
+    let mut environment = environment.of_nodes(nodes);
     let mut progress = Progress::new("rays", total);
     let limit = CYCLES_PER_RAY.saturating_mul(total as u64);
     while !environment.is_done() && progress.at(environment.replies.len()) {

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use raypath_render::{UnitSystem, time_picture_through_unit, time_rays_through_unit};
 use raypath_rtl::Config;
 use raypath_timing::{Panel, Plot, Progress, Sample, Series};
+use raypath_unit::blocks::NodeKind;
 use raypath_unit::system::{CacheParameters, MemoryParameters, SystemTiming};
 use raypath_unit::{UnitNetlist, UnitParameters};
 use std::io::Write;
@@ -41,6 +42,7 @@ pub struct UnitTimingArguments {
 /// The numbers of contexts, latencies and widths of a sweep.
 const CONTEXTS: [u32; 5] = [8, 16, 64, 192, 256];
 const LATENCIES: [u64; 3] = [20, 100, 200];
+/// The widths for blocks of 1024 bits; half of them for those of quantised nodes.
 const WIDTHS: [u32; 3] = [256, 512, 1024];
 /// The pixels or rays at each point of a sweep, and those that are traced one after another.
 const SWEPT: usize = 20_000;
@@ -55,6 +57,11 @@ impl UnitTimingArguments {
             return Err(CliError::unusable(problem));
         }
         self.unit.expect_none("--through unit")
+    }
+
+    /// The nodes of the scene.
+    pub fn nodes(&self) -> NodeKind {
+        self.unit.parameters().step.node
     }
 
     /// Checks the options, and makes the system.
@@ -106,7 +113,7 @@ pub fn time(
         let ratio = reached / bound;
         writeln!(out, "{width:>6} {latency:>8} {contexts:>9} {reached:>11.3} {bound:>6.3} {ratio:>6.3}")?;
     }
-    Ok(vec![(path.clone(), plot(&points).svg().into_bytes())])
+    Ok(vec![(path.clone(), plot(&points, widths(system)).svg().into_bytes())])
 }
 
 fn run(
@@ -148,6 +155,12 @@ fn results(found: &SystemTiming, clock_mhz: f64) -> Vec<(String, String)> {
     rows
 }
 
+/// The widths of a sweep.
+fn widths(system: &UnitSystem) -> [u32; 3] {
+    let nodes = system.unit.step.node;
+    WIDTHS.map(|width| width * nodes.block_bytes() / NodeKind::Wide4.block_bytes())
+}
+
 /// A point of a sweep.
 struct Swept {
     width: u32,
@@ -161,7 +174,7 @@ struct Swept {
 /// The jobs per cycle over contexts, latencies and widths, with the bound of each point: one job a cycle, the contexts'
 /// jobs in the time of a ray alone, and the beats of the memory.
 fn sweep(work: &Work<'_>, system: &UnitSystem) -> Result<Vec<Swept>, CliError> {
-    let points: Vec<(u32, u64, u32)> = WIDTHS
+    let points: Vec<(u32, u64, u32)> = widths(system)
         .iter()
         .flat_map(|width| {
             LATENCIES.iter().flat_map(move |latency| CONTEXTS.map(|contexts| (*width, *latency, contexts)))
@@ -193,7 +206,7 @@ fn sweep(work: &Work<'_>, system: &UnitSystem) -> Result<Vec<Swept>, CliError> {
     })
 }
 
-fn plot(points: &[Swept]) -> Plot {
+fn plot(points: &[Swept], widths: [u32; 3]) -> Plot {
     let panel = |width: u32| {
         let line = |(colour, latency): (usize, &u64), is_limit: bool| {
             let here = points.iter().filter(|point| (point.width, point.latency) == (width, *latency));
@@ -207,7 +220,7 @@ fn plot(points: &[Swept]) -> Plot {
     Plot {
         title: "Throughput of the traversal unit; dashed: bound".to_string(),
         horizontal: "contexts".to_string(),
-        panels: WIDTHS.map(panel).into(),
+        panels: widths.map(panel).into(),
         legend: "memory latency".to_string(),
         colours: LATENCIES.map(|latency| format!("{latency} cycles")).into(),
     }

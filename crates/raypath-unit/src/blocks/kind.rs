@@ -1,0 +1,84 @@
+//! The kinds of nodes that a scene may have.
+
+use std::fmt;
+use std::str::FromStr;
+use thiserror::Error;
+
+/// How the nodes of a scene are laid out, and with them the blocks of its leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum NodeKind {
+    /// Four boxes in binary32, in blocks of 128 bytes.
+    #[default]
+    Wide4,
+    /// Four boxes of 8 bits a bound, in blocks of 64 bytes.
+    Quantised,
+}
+
+/// The error of a name that is none of a kind of nodes.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("nodes '{0}', expected wide4 or quantised")]
+pub struct ParseNodeKindError(pub String);
+
+impl NodeKind {
+    /// All kinds.
+    pub const ALL: [Self; 2] = [Self::Wide4, Self::Quantised];
+
+    /// The bytes of a block.
+    pub const fn block_bytes(self) -> u32 {
+        match self {
+            Self::Wide4 => 128,
+            Self::Quantised => 64,
+        }
+    }
+
+    /// The bits of an address inside of a block.
+    pub const fn offset_bits(self) -> u32 {
+        self.block_bytes().trailing_zeros()
+    }
+
+    /// The triangles of a full block of a leaf.
+    pub const fn triangles_per_block(self) -> u32 {
+        match self {
+            Self::Wide4 => 3,
+            Self::Quantised => 1,
+        }
+    }
+
+    /// The number of blocks of a leaf.
+    pub const fn leaf_blocks(self, count: u32) -> u32 {
+        count.div_ceil(self.triangles_per_block())
+    }
+
+    /// The word of a node's block with its first child word.
+    pub const fn child_word(self) -> usize {
+        match self {
+            Self::Wide4 => 24,
+            Self::Quantised => 10,
+        }
+    }
+
+    /// The word of a leaf's block with the index of its first triangle.
+    pub const fn index_word(self) -> usize {
+        match self {
+            Self::Wide4 => 28,
+            Self::Quantised => 9,
+        }
+    }
+}
+
+impl fmt::Display for NodeKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Wide4 => "wide4",
+            Self::Quantised => "quantised",
+        })
+    }
+}
+
+impl FromStr for NodeKind {
+    type Err = ParseNodeKindError;
+
+    fn from_str(name: &str) -> Result<Self, ParseNodeKindError> {
+        Self::ALL.into_iter().find(|kind| kind.to_string() == name).ok_or_else(|| ParseNodeKindError(name.to_string()))
+    }
+}
