@@ -2,14 +2,15 @@
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use raypath_ops::{Aabb, Binary32, Rules};
+use raypath_model::Shape;
+use raypath_ops::{Aabb, Binary32, Rules, Triangle};
 use raypath_rtl::{Config, Control};
-use raypath_tools::{Sources, Verilated};
-use raypath_unit::blocks::{Node, NodeKind};
+use raypath_tools::{Options, Sources, Verilated};
+use raypath_unit::blocks::{LeafTriangle, Node, NodeKind};
 use raypath_unit::traffic::{Behaviour, BlockScene as Scene, Environment, Recorder, random_ray as ray};
 use raypath_unit::{
-    NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitFeatures, UnitModel, UnitNetlist, UnitParameters,
-    outputs_of,
+    BlockRequest, NetlistEngine, RayRequest, Reply, Response, StepParameters, Unit, UnitEngine, UnitFeatures,
+    UnitInputs, UnitModel, UnitNetlist, UnitParameters, outputs_of,
 };
 
 const NODE: NodeKind = NodeKind::Quantised;
@@ -231,6 +232,46 @@ fn nodes_of_any_bytes_are_decoded_alike() {
     assert!(nodes > 600, "{nodes} nodes were read");
 }
 
+/// The cycles from the last beat of a block to the next request of its ray, as `docs/reference/unit.md` has them: from
+/// a node, from a triangle, and from the last triangle to the hit.
+#[test]
+fn a_fetch_takes_as_many_cycles_as_documented() {
+    let mut scene = Scene(Vec::new(), NODE);
+    let triangle = Triangle::new([-1.0, -1.0, 3.0], [0.0, 2.0, 3.0], [1.0, -1.0, 3.0]);
+    let leaf = scene.leaf(&[LeafTriangle { triangle, index: 0 }, LeafTriangle { triangle, index: 1 }]);
+    let root = scene.node([Aabb::new([-2.0; 3], [4.0; 3]); 4], [leaf, 0, 0, 0]);
+    let parameters = UnitParameters { step: step(8), ..Default::default() };
+    let mut unit = UnitModel::new(&Shape::default(), parameters);
+    let request = RayRequest {
+        origin: [0.0, 0.0, -1.0],
+        direction: [0.0, 0.0, 1.0],
+        t_min: 0.0,
+        t_max: f32::INFINITY,
+        any_hit: false,
+        cull_back: false,
+        cull_front: false,
+        root,
+    };
+    let (mut events, mut due) = (Vec::new(), None);
+    for cycle in 0..200 {
+        let outputs = unit.outputs();
+        let asked = outputs.request;
+        if asked.is_some() || outputs.hit.is_some() {
+            events.push(cycle);
+        }
+        let beat = due.take().map(|BlockRequest { address, tag }| {
+            let beat = &scene.0[address as usize..][..64];
+            Response { tag, is_error: false, beat }
+        });
+        due = asked;
+        let ray = (cycle == 0).then_some((0, request));
+        unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response: beat });
+    }
+    // The block arrives in the cycle after its request.
+    let gaps: Vec<i32> = events.windows(2).map(|pair| pair[1] - pair[0] - 1).collect();
+    assert_eq!((events[0], &gaps[..]), (23, &[23, 35, 36][..]));
+}
+
 /// The frames that drove the model drive Verilator, and the linters have nothing to say.
 #[test]
 fn verilator_equals_the_model_in_every_cycle() {
@@ -239,7 +280,10 @@ fn verilator_equals_the_model_in_every_cycle() {
     let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
     let folder = tempfile::tempdir().expect("a folder");
     Sources::write(&unit.axi().expect("a wrapper"), folder.path()).expect("sources").lint().expect("no report");
-    let verilated = Verilated::build(&unit.top, folder.path()).expect("a build");
+    let mut sources = Sources::write(&unit.top, folder.path()).expect("sources");
+    sources.add(folder.path().join("raypath_properties.sv"), &unit.properties()).expect("the assertions");
+    let options = Options::default();
+    let verilated = Verilated::build_sources(&sources.files, &unit.top, folder.path(), &options).expect("a build");
     let mut recorded = Recorder::new(UnitModel::of(&unit), &unit.top);
     let environment = Environment::new(&scene.0, parameters.memory_width, rays, QUIET, 2);
     let mut environment = environment.of_nodes(NODE);

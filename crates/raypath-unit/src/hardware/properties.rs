@@ -2,7 +2,6 @@
 
 use super::queue::bits;
 use super::top::UnitNetlist;
-use crate::blocks::BLOCK_BYTES;
 use std::fmt::Write;
 
 impl UnitNetlist {
@@ -26,7 +25,7 @@ impl UnitNetlist {
             );
         }
         let contexts = self.parameters.contexts;
-        let beats = 8 * BLOCK_BYTES / self.parameters.memory_width;
+        let beats = 8 * self.parameters.step.node.block_bytes() / self.parameters.memory_width;
         let _ = write!(
             text,
             "\nbind raypath_unit raypath_unit_ports_properties #(\n    .Contexts ({contexts}),\n    .ContextWidth \

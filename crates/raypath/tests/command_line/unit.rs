@@ -72,7 +72,10 @@ fn the_unit_is_written_listed_and_checked() {
 
 #[test]
 fn wrong_parameters_of_the_unit_are_named() {
-    let wrong: [(&str, &[&str]); 12] = [
+    let wrong: [(&str, &[&str]); 15] = [
+        ("--unit --node wide", &["'wide'", "--node", "expected wide4 or quantised"]),
+        ("--unit --node quantised --memory-width 1024", &["memory width is 1024", "expected 128, 256 or 512 with"]),
+        ("--node quantised", &["--node quantised", "expected --unit"]),
         ("--unit --contexts 7", &["'7'", "--contexts", "expected 8 to 256"]),
         ("--unit --contexts many", &["'many'", "expected 8 to 256"]),
         ("--unit --stack 3", &["'3'", "--stack", "expected 2, 4, 8, 16 or 32"]),

@@ -1,0 +1,80 @@
+//! Scenes with quantised nodes, compared with the same scenes with wide ones.
+
+mod common;
+
+use common::meshes::{self, Named};
+use common::rays::{Kind, rays};
+use raypath_model::Shape;
+use raypath_ops::Rules;
+use raypath_render::{
+    Hit, Mesh, PictureError, RayBatch, Scene, Tracing, UnitSystem, time_rays_through_unit, trace_closest,
+};
+use raypath_timing::Sample;
+use raypath_unit::blocks::NodeKind;
+use raypath_unit::system::MemoryParameters;
+use raypath_unit::{StepParameters, UnitParameters};
+
+fn bits(hits: &[Option<Hit>]) -> Vec<Option<(u32, [u32; 3], bool)>> {
+    let bits = |hit: Hit| (hit.triangle, [hit.t, hit.t_num, hit.t_denom].map(f32::to_bits), hit.from_behind);
+    hits.iter().map(|hit| hit.map(bits)).collect()
+}
+
+#[test]
+fn hits_are_those_of_wide_nodes() {
+    for Named { name, mesh } in meshes::all() {
+        let scene = Scene::new(mesh.clone()).unwrap();
+        let wide = scene.clone().through_unit().unwrap();
+        let quantised = scene.through_unit_of(NodeKind::Quantised).unwrap();
+        let nodes = wide.bvh().nodes().len();
+        let triangles = mesh.triangles().len();
+        assert_eq!(quantised.blocks().unwrap().bytes().len(), 64 * (nodes + triangles));
+        for two_sided in [false, true] {
+            let tracing = Tracing { two_sided, rules: Rules::Paper };
+            let (mut more, mut found) = (0, 0);
+            for kind in Kind::ALL {
+                let rays = rays(&mesh, kind, 2_000, 7);
+                let (expected, few) = trace_closest(&wide, &rays, tracing, &|_| true).unwrap();
+                let (hits, many) = trace_closest(&quantised, &rays, tracing, &|_| true).unwrap();
+                assert!(bits(&hits) == bits(&expected), "{name}, {kind:?}, {tracing:?}");
+                (more, found) = (more + many.nodes - few.nodes, found + hits.iter().flatten().count());
+            }
+            assert!(found > 1000 && more > 100, "{name}: {found} hits, {more} more nodes");
+        }
+    }
+}
+
+/// The simulated unit has the hits of the functional model, and reads only a scene with its nodes.
+#[test]
+fn the_simulated_unit_reads_its_nodes() {
+    let Named { mesh, .. } = meshes::real("suzanne");
+    let rays = rays(&mesh, Kind::Primary, 300, 1);
+    let scene = Scene::new(mesh).unwrap();
+    let memory = MemoryParameters { latency: 40, bandwidth: None, cache: None };
+    let step = StepParameters { node: NodeKind::Quantised, ..StepParameters::default() };
+    let unit = UnitParameters { contexts: 8, step, ..UnitParameters::default() };
+    let system = UnitSystem { shape: Shape::default(), unit, memory, in_flight: 16 };
+    let time = |scene: &Scene| {
+        let batch = RayBatch { scene, rays: &rays, tracing: Tracing::default() };
+        time_rays_through_unit(&batch, Sample::ALL, &system, &|_| true)
+    };
+    let quantised = scene.clone().through_unit_of(NodeKind::Quantised).unwrap();
+    let (timing, hits) = time(&quantised).unwrap();
+    let (expected, counts) = trace_closest(&quantised, &rays, Tracing::default(), &|_| true).unwrap();
+    assert_eq!(bits(&hits), bits(&expected));
+    assert_eq!(timing.unit.fetches, counts.nodes + counts.triangle, "each block has a node or a triangle");
+    assert_eq!(timing.beats, timing.unit.fetches, "beats of 512 bits");
+
+    let error = time(&scene.through_unit().unwrap()).err().unwrap();
+    assert!(matches!(error, PictureError::Nodes { .. }));
+    assert_eq!(error.to_string(), "the scene has wide4 nodes, expected quantised, which the unit reads");
+}
+
+#[test]
+fn a_triangle_that_is_too_large_is_named() {
+    let far = 1.2e38;
+    let positions =
+        vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-far, 0.0, 1.0], [far, 0.0, 1.0], [0.0, 1.0, 1.0]];
+    let scene = Scene::with_reach(Mesh::new(positions, vec![[0, 1, 2], [3, 4, 5]]).unwrap(), 0.0).unwrap();
+    let error = scene.through_unit_of(NodeKind::Quantised).err().unwrap().to_string();
+    assert!(error.starts_with("the box of triangle 1 cannot be quantised: box "), "{error}");
+}
