@@ -1,7 +1,7 @@
 //! A scene as the traversal unit reads it from memory.
 
 use crate::bvh::{Bvh4, Node, Reference, Target};
-use raypath_ops::{Binary32, Ray, Triangle};
+use raypath_ops::{Binary32, Ray};
 use raypath_unit::RayRequest;
 use raypath_unit::blocks::quantised::BoxError;
 use raypath_unit::blocks::{Child, LeafTriangle, Node as NodeBlock, NodeKind};
@@ -27,7 +27,7 @@ pub enum BlocksError {
     /// A box has no quantised bounds.
     #[error("the box of triangle {triangle} cannot be quantised: {problem}")]
     Box {
-        /// The triangle of the mesh that is farthest out in the box.
+        /// A triangle of the mesh in the box.
         triangle: u32,
         /// The problem.
         problem: BoxError,
@@ -71,7 +71,7 @@ impl Blocks {
             match kind {
                 NodeKind::Wide4 => nodes.extend(block.to_bytes()),
                 NodeKind::Quantised => nodes.extend(block.to_quantised_bytes().map_err(|problem| {
-                    let triangle = farthest(bvh, node.children[problem.child], problem.axis);
+                    let triangle = triangle_below(bvh, node.children[problem.child]);
                     BlocksError::Box { triangle, problem }
                 })?),
             }
@@ -117,25 +117,14 @@ impl Blocks {
     }
 }
 
-/// The index of the triangle below a child that is farthest from 0 along an axis.
-fn farthest(bvh: &Bvh4, child: Reference, axis: usize) -> u32 {
-    let (mut left, mut found) = (vec![child], (f32::NEG_INFINITY, 0));
-    while let Some(child) = left.pop() {
+/// The index of a triangle below a child.
+fn triangle_below(bvh: &Bvh4, mut child: Reference) -> u32 {
+    loop {
         match child.target() {
-            Target::Node(index) => left.extend(bvh.nodes().get(index as usize).into_iter().flat_map(children)),
-            Target::Leaf { first, count } => {
-                for slot in first..first + count {
-                    let Triangle { a, b, c } = *bvh.triangle(slot);
-                    let distance = [a, b, c].map(|vertex| <[f32; 3]>::from(vertex)[axis].abs());
-                    let distance = distance.into_iter().fold(0.0, f32::max);
-                    if distance > found.0 {
-                        found = (distance, bvh.index(slot));
-                    }
-                }
-            }
+            Target::Node(index) => child = bvh.nodes()[index as usize].children[0],
+            Target::Leaf { first, .. } => return bvh.index(first),
         }
     }
-    found.1
 }
 
 /// The children of a node that exist. They come first.

@@ -154,7 +154,7 @@ fn hits_are_those_of_wide_nodes() {
 /// The netlist, the cycle-exact model and the functional model.
 #[test]
 fn the_model_equals_the_netlist_in_every_cycle() {
-    let (scene, rays) = setting(200, 120, 4);
+    let (scene, rays) = setting(100, 60, 4);
     let slow = Behaviour { latency: (1, 500), stalls: [64; 4], errors: 200 };
     let blocked = Behaviour { latency: (1, 30), stalls: [10, 240, 200, 100], errors: 0 };
     let parameters = [
@@ -196,7 +196,7 @@ fn nodes_of_any_bytes_are_decoded_alike() {
                 1 => f32::NAN,
                 2 => f32::NEG_INFINITY,
                 3 => f32::INFINITY,
-                _ => random.random_range(-6.0..-2.0),
+                _ => random.random_range(-6.5..-5.5),
             };
             block[4 * axis..][..4].copy_from_slice(&base.to_le_bytes());
             block[12 + axis] = if random.random_range(0..20) > 0 { 129 } else { [0, 1, 254, 255][number as usize % 4] };
@@ -204,8 +204,8 @@ fn nodes_of_any_bytes_are_decoded_alike() {
         for child in 0..4 {
             for axis in 0..3 {
                 let [least, greatest] = [16, 19].map(|from| from + 6 * child + axis);
-                if random.random_range(0..20) > 0 && block[least] > block[greatest] {
-                    block.swap(least, greatest);
+                if random.random_range(0..20) > 0 {
+                    (block[least], block[greatest]) = (block[least] & 63, block[greatest] | 192);
                 }
             }
             let word = (random.random_range(0..2000) * 64) | [0, 1, 2, 32, 32, 32][random.random_range(0..6)];
@@ -215,7 +215,7 @@ fn nodes_of_any_bytes_are_decoded_alike() {
         scene.0.extend(block);
     }
     let rays: Vec<RayRequest> =
-        (0..300).map(|_| ray(64 * random.random_range(0..2000_u32) | 32, &mut random)).collect();
+        (0..100).map(|_| ray(64 * random.random_range(0..2000_u32) | 32, &mut random)).collect();
     let parameters = UnitParameters { contexts: 16, step: step(4), ..Default::default() };
     let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
     let (mut netlist, mut model) = (NetlistEngine::new(&unit).expect("a simulation"), UnitModel::of(&unit));
