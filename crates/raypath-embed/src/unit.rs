@@ -22,12 +22,12 @@ use user::List;
 /// ```
 /// use raypath_embed::{Unit, UnitHit, UnitRay};
 /// use raypath_ops::Triangle;
-/// use raypath_unit::blocks::{Child, LeafTriangle};
+/// use raypath_unit::blocks::{Child, LeafTriangle, NodeKind};
 ///
 /// let unit = Unit::open("contexts = 8\npreset = \"compact\"")?;
 /// let triangle = Triangle::new([-1.0, -1.0, 3.0], [0.0, 1.0, 3.0], [1.0, -1.0, 3.0]);
-/// let scene = LeafTriangle::to_bytes(&[LeafTriangle { triangle, index: 7 }]);
-/// let root = Child::Leaf { address: 0, count: 1 }.word()?;
+/// let scene = LeafTriangle::to_bytes(&[LeafTriangle { triangle, index: 7 }], NodeKind::Wide4);
+/// let root = Child::Leaf { address: 0, count: 1 }.word(NodeKind::Wide4)?;
 /// let ray = UnitRay { direction: [0.0, 0.0, 2.0], t_max: f32::INFINITY, root, ..UnitRay::default() };
 /// let mut hits = [UnitHit::default()];
 /// unit.trace(&scene, &[ray], &mut hits)?;

@@ -11,6 +11,7 @@ use pyo3::types::{PyBytes, PyDict};
 use raypath_embed::{self as embed, UnitHit, UnitRay, Vertices};
 use raypath_render::{Blocks, Mesh, Scene};
 use raypath_unit::UnitParameters;
+use raypath_unit::blocks::NodeKind;
 use raypath_unit::system::{CacheParameters, MemoryParameters};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -297,5 +298,5 @@ fn blocks(triangles: &[Vertices], reach: Option<f32>) -> PyResult<Blocks> {
         None => Scene::new(mesh),
         Some(reach) => Scene::with_reach(mesh, reach),
     };
-    Blocks::of(scene.map_err(value_error)?.bvh()).map_err(value_error)
+    Blocks::of(scene.map_err(value_error)?.bvh(), NodeKind::Wide4).map_err(value_error)
 }

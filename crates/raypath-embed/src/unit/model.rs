@@ -3,7 +3,6 @@
 use super::Unit;
 use super::layout::{UnitHit, UnitRay};
 use crate::Error;
-use raypath_unit::blocks::BLOCK_BYTES;
 use raypath_unit::{self as unit, BlockRequest, Response, UnitCounts, UnitEngine, UnitParameters};
 
 /// The cycle-exact model of a unit. In every cycle its outputs are those of the hardware.
@@ -77,7 +76,7 @@ impl UnitModel {
         if let Some(request) = self.outputs.request.filter(|_| request_ready)
             && let Some(awaited) = self.awaited.get_mut(request.tag as usize)
         {
-            *awaited = 8 * BLOCK_BYTES / self.parameters.memory_width;
+            *awaited = 8 * self.parameters.step.node.block_bytes() / self.parameters.memory_width;
         }
         self.outputs = self.inner.outputs();
         Ok(())
