@@ -39,7 +39,7 @@ fn every_cycle(
     let count = user.rays.len();
     let mut ray = user.next_ray();
     for now in 0.. {
-        let UnitOutputs { ray_ready, hit, request } = unit.outputs();
+        let UnitOutputs { ray_ready, hit, request, .. } = unit.outputs();
         let beat = beats.pop_front_if(|(due, _)| *due <= now);
         let response = beat.map(|(_, (tag, beat))| Response { tag, is_error: false, beat });
         unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response });
@@ -47,7 +47,7 @@ fn every_cycle(
             ray = user.next_ray();
         }
         if let Some(request) = request {
-            let block = scene.block(request.address).expect("a block");
+            let block = scene.block(request.address, 128).expect("a block");
             beats.extend(block.chunks(beat_bytes).map(|beat| (now + latency, (request.tag, beat))));
         }
         if let Some((number, reply)) = hit {
