@@ -178,7 +178,7 @@ pub unsafe extern "C" fn raypath_unit_model_counts(model: *const UnitModel, coun
     status(|| {
         // SAFETY: by the contract of this function.
         let (model, counts) = unsafe { (reference("model", model)?, reference_mut("counts", counts)?) };
-        let embed::UnitCounts { cycles, boxes, triangles, steps, fetches, rays } = model.embedded.counts();
+        let embed::UnitCounts { cycles, boxes, triangles, steps, fetches, rays, .. } = model.embedded.counts();
         *counts = UnitCounts { cycles, boxes, triangles, steps, fetches, rays };
         Ok(RAYPATH_OK)
     })

@@ -113,7 +113,7 @@ impl UnitModel {
     /// ``steps``, ``fetches`` and ``rays`` (that ended).
     #[getter]
     fn counts<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let UnitCounts { cycles, boxes, triangles, steps, fetches, rays } = self.inner().counts();
+        let UnitCounts { cycles, boxes, triangles, steps, fetches, rays, .. } = self.inner().counts();
         row!(py, "cycles": cycles, "boxes": boxes, "triangles": triangles, "steps": steps, "fetches": fetches,
             "rays": rays)
     }

@@ -1,10 +1,12 @@
 //! A scene as the traversal unit reads it from memory.
 
-use crate::bvh::{Bvh4, Node, Reference, Target};
-use raypath_ops::{Binary32, Ray};
-use raypath_unit::RayRequest;
+use crate::bvh::{Bvh4, Node, Reference, Target, padded};
+use crate::mesh::Bounds;
+use crate::placement::Placement;
+use raypath_ops::{Aabb, Binary32, Ray};
 use raypath_unit::blocks::quantised::BoxError;
-use raypath_unit::blocks::{Child, LeafTriangle, Node as NodeBlock, NodeKind};
+use raypath_unit::blocks::{BLOCK_BYTES, Child, LeafTriangle, Node as NodeBlock, NodeKind};
+use raypath_unit::{RayRequest, UnitFeatures};
 use thiserror::Error;
 
 /// A scene in memory: the blocks of [`raypath_unit::blocks`] from address 0 on. The nodes come first, the root at 0.
@@ -13,6 +15,7 @@ pub struct Blocks {
     bytes: Vec<u8>,
     nodes: NodeKind,
     root: u32,
+    features: UnitFeatures,
 }
 
 /// The reason why a scene has no blocks.
@@ -31,6 +34,12 @@ pub enum BlocksError {
         triangle: u32,
         /// The problem.
         problem: BoxError,
+    },
+    /// Instances need the blocks of wide nodes.
+    #[error("a scene of instances has no {nodes} nodes, expected wide4")]
+    Instances {
+        /// The nodes that were asked for.
+        nodes: NodeKind,
     },
 }
 
@@ -78,7 +87,58 @@ impl Blocks {
         }
         nodes.extend(leaves);
         let root = Child::Node { address: 0 }.word(kind).unwrap_or(0);
-        Ok(Self { bytes: nodes, nodes: kind, root })
+        Ok(Self { bytes: nodes, nodes: kind, root, features: UnitFeatures::OFF })
+    }
+
+    /// The blocks of instances of an object, each with its padded box in the scene.
+    ///
+    /// # Errors
+    /// They take more than 4 GiB.
+    pub(crate) fn with_instances(object: &Bvh4, placed: &[(Placement, Bounds, f64)]) -> Result<Self, BlocksError> {
+        let mut blocks = Self::of(object, NodeKind::Wide4)?;
+        // A node for at least two children, so that there are fewer than instances.
+        let bytes = blocks.bytes.len() as u64 + 2 * placed.len() as u64 * u64::from(BLOCK_BYTES);
+        if bytes > u64::from(u32::MAX) {
+            return Err(BlocksError::TooLarge { bytes });
+        }
+        let object = blocks.root;
+        let mut parts: Vec<Part> = Vec::with_capacity(placed.len());
+        for (index, (placement, bounds, pad)) in (0..).zip(placed) {
+            let word = Child::Instance { address: blocks.bytes.len() as u32 }.word(NodeKind::Wide4).unwrap_or(0);
+            blocks.bytes.extend(placement.instance(object, index).to_bytes());
+            let centre = bounds.centre();
+            parts.push(Part { word, centre, aabb: padded(*bounds, *pad) });
+        }
+        blocks.root = blocks.upper(&mut parts).word;
+        blocks.features.instances = true;
+        Ok(blocks)
+    }
+
+    /// Appends the nodes over parts, of which there is at least one: they are divided along the axis on which their
+    /// centres differ the most, twice, into four.
+    fn upper(&mut self, parts: &mut [Part]) -> Part {
+        if let [part] = parts {
+            return *part;
+        }
+        let (left, right) = halves(parts);
+        let quarters = [left, right].map(|half| if half.len() > 1 { halves(half) } else { (half, &mut [] as &mut _) });
+        let mut children: Vec<Part> = Vec::new();
+        for (first, second) in quarters {
+            children.extend([first, second].into_iter().filter(|part| !part.is_empty()).map(|part| self.upper(part)));
+        }
+        let (mut boxes, mut words) = ([Aabb::new(Bounds::EMPTY.min, Bounds::EMPTY.max); 4], [0; 4]);
+        for (place, child) in children.iter().enumerate() {
+            (boxes[place], words[place]) = (child.aabb, child.word);
+        }
+        let word = Child::Node { address: self.bytes.len() as u32 }.word(NodeKind::Wide4).unwrap_or(0);
+        self.bytes.extend(NodeBlock { boxes, children: words }.to_bytes());
+        let all = children.iter().fold(Bounds::EMPTY, |all, child| all.union(bounds_of(&child.aabb)));
+        Part { word, centre: all.centre(), aabb: Aabb::new(all.min, all.max) }
+    }
+
+    /// What a unit needs beside the default for this scene.
+    pub fn features(&self) -> UnitFeatures {
+        self.features
     }
 
     /// The bytes, from address 0 on.
@@ -125,6 +185,29 @@ fn triangle_below(bvh: &Bvh4, mut child: Reference) -> u32 {
             Target::Leaf { first, .. } => return bvh.index(first),
         }
     }
+}
+
+/// A part of the upper level of a scene.
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    word: u32,
+    centre: [f32; 3],
+    aabb: Aabb<Binary32>,
+}
+
+/// Parts on either side along the axis on which their centres differ the most.
+fn halves(parts: &mut [Part]) -> (&mut [Part], &mut [Part]) {
+    let all = parts.iter().fold(Bounds::EMPTY, |all, part| all.with(part.centre));
+    let side = |axis: usize| all.max[axis] - all.min[axis];
+    let axis = (0..3).max_by(|&a, &b| side(a).total_cmp(&side(b))).unwrap_or(0);
+    let middle = parts.len() / 2;
+    parts.select_nth_unstable_by(middle, |a, b| a.centre[axis].total_cmp(&b.centre[axis]));
+    parts.split_at_mut(middle)
+}
+
+fn bounds_of(aabb: &Aabb<Binary32>) -> Bounds {
+    let slabs = [aabb.x, aabb.y, aabb.z];
+    Bounds { min: slabs.map(|slab| slab.min.into()), max: slabs.map(|slab| slab.max.into()) }
 }
 
 /// The children of a node that exist. They come first.

@@ -298,7 +298,7 @@ fn halves(tree: &Bvh2, inner: Subtree) -> [Subtree; 2] {
 }
 
 /// The box, enlarged by `pad` on each side and rounded outwards.
-fn padded(bounds: Bounds, pad: f64) -> Aabb<Binary32> {
+pub(crate) fn padded(bounds: Bounds, pad: f64) -> Aabb<Binary32> {
     let below = |bound: f32| {
         let exact = f64::from(bound) - pad;
         let rounded = exact as f32;

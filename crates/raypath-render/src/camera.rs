@@ -1,6 +1,7 @@
 //! Cameras and their primary rays.
 
-use crate::mesh::Mesh;
+use crate::mesh::{Bounds, Mesh};
+use crate::placement::Placement;
 use crate::vector::{Vector, add, cross, dot, length, scale, single, subtract, unit, vector};
 use raypath_ops::{Binary32, Ray, RayError};
 use thiserror::Error;
@@ -54,20 +55,32 @@ impl Camera {
     /// A camera that sees the whole mesh from the front, the right and above, in a picture that is `aspect` times as
     /// wide as high. Up is +y.
     pub fn framing(mesh: &Mesh, aspect: f32) -> Self {
-        let target = mesh.bounds().centre();
+        let corners = (0..mesh.triangles().len() as u32).flat_map(|index| mesh.corners(index));
+        Self::around(mesh.bounds(), corners.map(vector), aspect)
+    }
+
+    /// A camera that sees all instances of a mesh, as [`framing`](Self::framing) does.
+    pub fn framing_instances(mesh: &Mesh, placements: &[Placement], aspect: f32) -> Self {
+        let own = mesh.bounds();
+        let bounds = placements.iter().fold(Bounds::EMPTY, |all, placement| all.union(placement.bounds(own)));
+        Self::around(bounds, placements.iter().flat_map(|placement| placement.corners(own)), aspect)
+    }
+
+    /// A camera that sees these points, which are inside of the bounds.
+    fn around(bounds: Bounds, points: impl Iterator<Item = Vector>, aspect: f32) -> Self {
+        let target = bounds.centre();
         let towards = unit([0.45, 0.42, 1.0]);
         let up = [0.0, 1.0, 0.0];
         let frame = Frame::new(scale(-1.0, towards), vector(up));
         let vertical = (f64::from(Self::FIELD_OF_VIEW).to_radians() / 2.0).tan();
         let horizontal = vertical * f64::from(aspect.max(0.01));
         // The distance at which a corner is inside the edges of the picture.
-        let required = |corner: [f32; 3]| {
-            let r = subtract(vector(corner), vector(target));
+        let required = |corner: Vector| {
+            let r = subtract(corner, vector(target));
             let (x, y) = (dot(r, frame.right).abs() / horizontal, dot(r, frame.up).abs() / vertical);
             x.max(y) + dot(r, towards)
         };
-        let corners = (0..mesh.triangles().len() as u32).flat_map(|index| mesh.corners(index));
-        let distance = 1.08 * corners.map(required).fold(0.0, f64::max);
+        let distance = 1.08 * points.map(required).fold(0.0, f64::max);
         let eye = single(add(vector(target), scale(distance, towards)));
         // A mesh of a single point has no size, and any distance shows it.
         let eye =

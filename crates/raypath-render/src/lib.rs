@@ -14,6 +14,7 @@ pub mod camera;
 pub mod compare;
 pub mod mesh;
 pub mod picture;
+pub mod placement;
 pub mod rays;
 pub mod read;
 pub mod render;
@@ -28,10 +29,11 @@ pub use bvh::Bvh4;
 pub use camera::{Camera, CameraError};
 pub use mesh::{Bounds, Mesh, MeshError};
 pub use picture::{Picture, heatmap, to_png};
+pub use placement::{Placement, parse_instances, read_instances};
 pub use rays::{parse_hits, parse_rays, read_hits, read_rays, write_hits, write_rays};
 pub use read::{Format, ReadError, parse_mesh, read_mesh};
 pub use render::{Costs, RenderError, Rendering, Rows, Shading, draw, render, render_rows};
-pub use scene::Scene;
+pub use scene::{Scene, SceneError};
 pub use timing::{
     PictureError, PictureSpec, RayBatch, UnitSystem, sweep_picture, sweep_rays, time_picture,
     time_picture_through_unit, time_rays, time_rays_through_unit,

@@ -4,10 +4,12 @@
 //! be `inf`. `#` starts a comment; empty lines are ignored. Rays are numbered from 0.
 //!
 //! A file of hits has one line per ray: `triangle t t_num t_denom t_bits t_num_bits t_denom_bits`, or `miss`.
-//! `triangle` is the index in the mesh, from 0, followed by `b` for a hit from behind. Numbers are the shortest
+//! `triangle` is the index in the mesh, from 0, followed by `b` for a hit from behind, and by `@` and the number of the
+//! instance in scenes with instances. Numbers are the shortest
 //! decimals that denote the same binary32; bits are 8 hexadecimal digits. t is t_num / t_denom, rounded to binary32, in
 //! units of the direction's length. Of several triangles at the closest t, the file has the one with the lowest index.
 
+use crate::read::text;
 use crate::{Hit, ReadError};
 use raypath_ops::{Binary32, Ray};
 use std::io::{self, Write};
@@ -20,9 +22,7 @@ const FIELDS: [&str; 7] = ["ox", "oy", "oz", "dx", "dy", "dz", "extent"];
 /// # Errors
 /// A file that cannot be read, or a line that is not a valid ray.
 pub fn read_rays(path: &Path) -> Result<Vec<Ray<Binary32>>, ReadError> {
-    let text = std::fs::read_to_string(path);
-    let text = text.map_err(|problem| ReadError::new(path, format!("cannot read: {problem}")))?;
-    parse_rays(&text, path)
+    parse_rays(&text(path)?, path)
 }
 
 /// Reads rays from text. `path` appears in messages.
@@ -67,9 +67,7 @@ pub fn write_rays(mut writer: impl Write, rays: &[Ray<Binary32>]) -> io::Result<
 /// # Errors
 /// A file that cannot be read, or a line that is not a hit.
 pub fn read_hits(path: &Path) -> Result<Vec<Option<Hit>>, ReadError> {
-    let text = std::fs::read_to_string(path);
-    let text = text.map_err(|problem| ReadError::new(path, format!("cannot read: {problem}")))?;
-    parse_hits(&text, path)
+    parse_hits(&text(path)?, path)
 }
 
 /// Reads hits from text, as [`read_hits`] does. `path` appears in messages.
@@ -89,20 +87,29 @@ fn parse_hit(text: &str) -> Result<Option<Hit>, String> {
         return Err(format!("{} words, expected 7 or miss", words.len()));
     };
     let &[t, t_num, t_denom] = bits else { return Err(format!("{} words, expected 7 or miss", words.len())) };
-    let number = triangle.strip_suffix('b');
+    let wrong =
+        || format!("triangle '{triangle}', expected a whole number, with a b if from behind, and @ and an instance");
+    let (front, instance) = match triangle.split_once('@') {
+        Some((front, instance)) => (front, Some(instance.parse().map_err(|_| wrong())?)),
+        None => (*triangle, None),
+    };
+    let number = front.strip_suffix('b');
     let from_behind = number.is_some();
-    let index = number.unwrap_or(triangle).parse();
-    let index =
-        index.map_err(|_| format!("triangle '{triangle}', expected a whole number, with a b if from behind"))?;
+    let index = number.unwrap_or(front).parse().map_err(|_| wrong())?;
     let number = |word: &str| match u32::from_str_radix(word, 16) {
         Ok(bits) if word.len() == 8 => Ok(f32::from_bits(bits)),
         _ => Err(format!("bits '{word}', expected 8 hexadecimal digits")),
     };
-    Ok(Some(Hit { triangle: index, from_behind, t: number(t)?, t_num: number(t_num)?, t_denom: number(t_denom)? }))
+    let (t, t_num, t_denom) = (number(t)?, number(t_num)?, number(t_denom)?);
+    Ok(Some(Hit { triangle: index, from_behind, t_num, t_denom, t, instance }))
 }
 
 /// What `parse` makes of each line, comments and empty lines left out.
-fn parse_lines<T>(text: &str, path: &Path, parse: impl Fn(&str) -> Result<T, String>) -> Result<Vec<T>, ReadError> {
+pub(crate) fn parse_lines<T>(
+    text: &str,
+    path: &Path,
+    parse: impl Fn(&str) -> Result<T, String>,
+) -> Result<Vec<T>, ReadError> {
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.split('#').next().unwrap_or("")));
     let filled = lines.filter(|(_, line)| !line.trim().is_empty());
     let parsed =
@@ -123,12 +130,13 @@ pub fn write_hits(mut writer: impl Write, hits: &[Option<Hit>]) -> io::Result<()
     for hit in hits {
         match hit {
             None => writeln!(writer, "miss")?,
-            Some(Hit { triangle, from_behind, t_num, t_denom, t }) => {
+            Some(Hit { triangle, from_behind, t_num, t_denom, t, instance }) => {
                 let side = if *from_behind { "b" } else { "" };
+                let instance = instance.map_or(String::new(), |instance| format!("@{instance}"));
                 let [t_bits, num_bits, denom_bits] = [t, t_num, t_denom].map(|x| x.to_bits());
                 writeln!(
                     writer,
-                    "{triangle}{side} {t:e} {t_num:e} {t_denom:e} {t_bits:08x} {num_bits:08x} {denom_bits:08x}"
+                    "{triangle}{side}{instance} {t:e} {t_num:e} {t_denom:e} {t_bits:08x} {num_bits:08x} {denom_bits:08x}"
                 )?;
             }
         }

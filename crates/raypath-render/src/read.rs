@@ -61,6 +61,11 @@ pub fn parse_mesh(format: Format, bytes: &[u8], path: &Path) -> Result<Mesh, Rea
     Mesh::new(positions, triangles).map_err(|problem| ReadError::new(path, problem.to_string()))
 }
 
+/// The text of a file.
+pub(crate) fn text(path: &Path) -> Result<String, ReadError> {
+    std::fs::read_to_string(path).map_err(|problem| ReadError::new(path, format!("cannot read: {problem}")))
+}
+
 impl ReadError {
     pub(crate) fn new(path: &Path, problem: String) -> Self {
         Self { path: path.to_owned(), line: None, problem }

@@ -98,6 +98,17 @@ pub enum RenderError {
         /// The number of triangles of the scene.
         triangles: usize,
     },
+    /// A hit has an instance that the scene does not have, or none in a scene of instances.
+    #[error("pixel {pixel} shows {}, expected one of the scene's {instances} instances",
+        instance.map_or("no instance".to_string(), |instance| format!("instance {instance}")))]
+    Instance {
+        /// The number of the pixel, row by row from 0.
+        pixel: usize,
+        /// The number of the instance.
+        instance: Option<u32>,
+        /// The number of instances of the scene.
+        instances: usize,
+    },
     /// The number of samples is out of range.
     #[error("{0} x {0} samples per pixel, expected 1 to 64")]
     Samples(u32),
@@ -197,6 +208,12 @@ pub fn draw(scene: &Scene, camera: &Camera, size: (u32, u32), hits: &[Option<Hit
             && triangle as usize >= triangles
         {
             return Err(RenderError::Triangle { pixel, triangle, triangles });
+        }
+        let instances = scene.instances();
+        if let Some(Hit { instance, .. }) = *hit
+            && instance.map_or(instances > 0, |instance| instance as usize >= instances)
+        {
+            return Err(RenderError::Instance { pixel, instance, instances });
         }
         let mut pixel = sampler.pixel(pixel);
         pixel.next_ray(None)?;

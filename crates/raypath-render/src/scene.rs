@@ -3,18 +3,38 @@
 use crate::blocks::{Blocks, BlocksError};
 use crate::bvh::{Bvh4, MeshTooLarge};
 use crate::mesh::{Bounds, Mesh};
+use crate::placement::Placement;
 use raypath_unit::blocks::NodeKind;
+use thiserror::Error;
 
 /// The default reach in units of the longest side of the mesh.
 const DEFAULT_REACH: f32 = 16.0;
 
-/// A mesh with its bounding volume hierarchy, built for ray origins within its [`reach`](Self::reach).
+/// A mesh, or instances of one, with its bounding volume hierarchy, built for ray origins within its
+/// [`reach`](Self::reach).
 #[derive(Debug, Clone)]
 pub struct Scene {
     mesh: Mesh,
     bounds: Bounds,
     bvh: Bvh4,
     blocks: Option<Blocks>,
+    /// The instances, with how much larger the boxes of each are than it.
+    placed: Vec<(Placement, f64)>,
+    reach: f32,
+}
+
+/// The reason why a scene with instances cannot be built.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SceneError {
+    /// Too many triangles.
+    #[error(transparent)]
+    Mesh(#[from] MeshTooLarge),
+    /// Too many blocks.
+    #[error(transparent)]
+    Blocks(#[from] BlocksError),
+    /// An instance that is too far away or too large.
+    #[error("instance {0} has a coordinate beyond 2^40 in the scene or in its mesh, expected a smaller one")]
+    Far(usize),
 }
 
 impl Scene {
@@ -47,7 +67,39 @@ impl Scene {
     pub fn with_reach(mesh: Mesh, reach: f32) -> Result<Self, MeshTooLarge> {
         let bounds = mesh.bounds();
         let bvh = Bvh4::build(&mesh, reach.max(bounds.longest_side()))?;
-        Ok(Self { mesh, bounds, bvh, blocks: None })
+        let reach = bvh.reach();
+        Ok(Self { mesh, bounds, bvh, blocks: None, placed: Vec::new(), reach })
+    }
+
+    /// A scene of instances of a mesh, for ray origins as in [`for_origins`](Self::for_origins). Rays are traced through
+    /// the functional model of the unit.
+    ///
+    /// # Errors
+    /// A scene that is too large; an instance that is too far away.
+    pub fn of_instances(
+        mesh: Mesh,
+        placements: &[Placement],
+        origins: impl IntoIterator<Item = [f32; 3]>,
+    ) -> Result<Self, SceneError> {
+        let own = mesh.bounds();
+        let all: Vec<Bounds> = placements.iter().map(|placement| placement.bounds(own)).collect();
+        let bounds = all.iter().fold(Bounds::EMPTY, |all, bounds| all.union(*bounds));
+        let near = DEFAULT_REACH * bounds.longest_side();
+        let reach = origins.into_iter().map(|origin| bounds.reach_from(origin)).fold(near, f32::max);
+        let coordinate = reach + bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f32, x| most.max(x.abs()));
+        let in_object = |placement: &Placement| placement.object_reach(reach);
+        let is_far = |placement: &Placement| in_object(placement).max(coordinate) > Mesh::MAX_COORDINATE;
+        if let Some(instance) = placements.iter().position(is_far) {
+            return Err(SceneError::Far(instance));
+        }
+        let object_reach = placements.iter().map(in_object).fold(own.longest_side(), f32::max);
+        let bvh = Bvh4::build(&mesh, object_reach)?;
+        let placed: Vec<_> =
+            placements.iter().map(|placement| (*placement, placement.pad(reach, coordinate))).collect();
+        let parts: Vec<_> =
+            placed.iter().zip(all).map(|((placement, pad), bounds)| (*placement, bounds, *pad)).collect();
+        let blocks = Some(Blocks::with_instances(&bvh, &parts)?);
+        Ok(Self { mesh, bounds, bvh, blocks, placed, reach })
     }
 
     /// The scene with its blocks in memory, so that [`Tracer`](crate::Tracer) traces rays through the functional model
@@ -62,9 +114,13 @@ impl Scene {
     /// The same with these nodes.
     ///
     /// # Errors
-    /// Those of [`Blocks::of`].
+    /// Those of [`Blocks::of`]; instances among quantised nodes.
     pub fn through_unit_of(mut self, nodes: NodeKind) -> Result<Self, BlocksError> {
-        self.blocks = Some(Blocks::of(&self.bvh, nodes)?);
+        match &self.blocks {
+            Some(blocks) if blocks.nodes() != nodes => return Err(BlocksError::Instances { nodes }),
+            Some(_) => {}
+            None => self.blocks = Some(Blocks::of(&self.bvh, nodes)?),
+        }
         Ok(self)
     }
 
@@ -78,7 +134,17 @@ impl Scene {
         &self.mesh
     }
 
-    /// The bounds of the mesh.
+    /// The number of instances; 0 if the scene is the mesh itself.
+    pub fn instances(&self) -> usize {
+        self.placed.len()
+    }
+
+    /// An instance, and how much larger its box is than it.
+    pub(crate) fn placed(&self, instance: u32) -> Option<&(Placement, f64)> {
+        self.placed.get(instance as usize)
+    }
+
+    /// The bounds of the mesh, or of its instances.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
@@ -90,7 +156,7 @@ impl Scene {
 
     /// The distance, along any axis, between a ray origin and a point of the mesh up to which tracing is watertight.
     pub fn reach(&self) -> f32 {
-        self.bvh.reach()
+        self.reach
     }
 
     /// Whether tracing is watertight for rays from `origin`. Other rays may lose hits at the edge of a box, within the

@@ -43,6 +43,8 @@ pub struct Hit {
     pub t_denom: f32,
     /// The distance `t_num / t_denom`, rounded to binary32, in units of the direction's length.
     pub t: f32,
+    /// The number of the instance, in a scene with instances.
+    pub instance: Option<u32>,
 }
 
 /// The jobs and fetches of tracing.

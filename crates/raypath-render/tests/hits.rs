@@ -86,7 +86,7 @@ fn brute_force(mesh: &Mesh, ray: &Ray<Binary32>, two_sided: bool) -> Option<Hit>
             let t = t_num / t_denom;
             let nearer = best.is_none_or(|best| t < best.t);
             if bool::from(output.triangle_hit) && t <= f32::from(ray.extent) && nearer {
-                best = Some(Hit { triangle, from_behind, t_num, t_denom, t });
+                best = Some(Hit { triangle, from_behind, t_num, t_denom, t, instance: None });
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::blocks::{BLOCK_BYTES, LeafTriangle, Node, NodeKind};
 use crate::fold::{HitLimits, fold};
+use crate::instance::{Instance, Row, Transform, TransformInput};
 use crate::model::RayRequest;
 use crate::set_up::{self, Entry};
 use crate::state::{Answer, TriangleHit, answer};
@@ -9,7 +10,7 @@ use crate::step::{StepParameters, UnitFeatures};
 use raypath_model::SimdKernels;
 use raypath_ops::{
     Binary32, Culling, Flags, Num, Operation, Ray, RayBox, RayBoxInput, RayTriangleExtended, RayTriangleExtendedInput,
-    Rules, Word,
+    Rules, Vec3, Word,
 };
 
 /// A block of the memory, of the largest size.
@@ -35,7 +36,7 @@ pub(crate) struct ReadyRay {
 impl Answers {
     /// The jobs of a unit by these rules.
     pub fn new(rules: Rules, parameters: StepParameters) -> Self {
-        let StepParameters { node: nodes, features: UnitFeatures { barycentrics }, .. } = parameters;
+        let StepParameters { node: nodes, features: UnitFeatures { barycentrics, .. }, .. } = parameters;
         let (culling, facing, range) = (Culling::None, true, false);
         let triangles = RayTriangleExtended { rules, culling, facing, barycentrics, range };
         Self { boxes: RayBox { rules }, triangles, nodes }
@@ -49,6 +50,35 @@ impl Answers {
         let is_refused = set_up::is_refused(Binary32, entry) | derived.is_too_short;
         let ray = set_up::ray(entry.origin, entry.dir, derived, axes, entry.t_max);
         ReadyRay { ray, is_refused: is_refused.into() }
+    }
+
+    /// The constants of a ray in the space of an instance. The range of the ray was tested before.
+    pub fn instance(&self, outside: &ReadyRay, block: &[u8]) -> ReadyRay {
+        // A block that is shorter than the memory promises is none.
+        let Some(Instance { to_object, .. }) = block.first_chunk().map(Instance::of) else {
+            return ReadyRay { is_refused: true, ..*outside };
+        };
+        let transformed = |point: Vec3<Binary32>, is_moved: bool| {
+            let row = |[x, y, z, t]: [f32; 4]| {
+                let t = if is_moved { t } else { 0.0 };
+                Row { x: x.into(), y: y.into(), z: z.into(), t: t.into() }
+            };
+            let (outcome, ()) = Transform.run(Binary32, TransformInput { point, matrix: to_object.map(row) }, ());
+            outcome.transformed
+        };
+        let Ray { origin, dir, .. } = outside.ray;
+        let (origin, dir) = (transformed(origin, true), transformed(dir, false));
+        self.set_up(&Entry { origin, dir, t_min: 0.0.into(), t_max: 0.0.into() })
+    }
+
+    /// A ray enters an instance with these constants, or fails to.
+    pub fn enter(ready: &ReadyRay, block: &[u8]) -> Answer<Binary32> {
+        match block.first_chunk().map(Node::of) {
+            Some(Node { children, .. }) if !ready.is_refused => {
+                Answer { child: children.map(Word::truncate), ..nothing(answer::ENTER) }
+            }
+            _ => Self::failure(),
+        }
     }
 
     /// A ray begins, or is refused.

@@ -1,8 +1,8 @@
-//! The layout of a scene in memory: blocks, which are nodes or parts of leaves.
+//! The layout of a scene in memory: blocks, which are nodes, parts of leaves, or instances.
 //!
 //! All numbers are little-endian. All blocks of a scene have the size that its [`NodeKind`] gives, and addresses that
-//! are multiples of it. A **child word** refers to a node or a leaf: its low bits, as many as an address has inside of
-//! a block, are its [`kind`](Child), and the others are those of its address.
+//! are multiples of it. A **child word** refers to a node, a leaf or an instance: its low bits, as many as an address
+//! has inside of a block, are its [`kind`](Child), and the others are those of its address.
 //!
 //! # Wide nodes: blocks of 128 bytes
 //!
@@ -49,6 +49,7 @@ pub mod quantised;
 
 pub use kind::{NodeKind, ParseNodeKindError};
 
+use crate::instance::INSTANCE_KIND;
 use raypath_ops::{Aabb, Binary32, Slab, Triangle, array_of};
 use thiserror::Error;
 
@@ -70,6 +71,11 @@ pub enum Child {
     None,
     /// A node, kind 32.
     Node {
+        /// Its address.
+        address: u32,
+    },
+    /// An instance, kind 33: see [`Instance`](crate::Instance).
+    Instance {
         /// Its address.
         address: u32,
     },
@@ -103,7 +109,7 @@ pub struct Node {
 /// The error of a child word that is not valid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error(
-    "child word {word:#010x} has no valid kind, expected 0, 1 to 8 or 32 in its low {} bits",
+    "child word {word:#010x} has no valid kind, expected 0, 1 to 8, 32 or 33 in its low {} bits",
     nodes.offset_bits()
 )]
 pub struct InvalidChild {
@@ -122,6 +128,7 @@ impl Child {
         let word = match self {
             Self::None => 0,
             Self::Node { address } => address | NODE_KIND,
+            Self::Instance { address } => address | INSTANCE_KIND,
             Self::Leaf { address, count } => address | count,
         };
         if Self::of(word, nodes) == Ok(self) { Ok(word) } else { Err(InvalidChild { word, nodes }) }
@@ -137,6 +144,7 @@ impl Child {
         match word & inside {
             0 if address == 0 => Ok(Self::None),
             NODE_KIND => Ok(Self::Node { address }),
+            INSTANCE_KIND => Ok(Self::Instance { address }),
             count @ 1..=MAX_LEAF => Ok(Self::Leaf { address, count }),
             _ => Err(InvalidChild { word, nodes }),
         }

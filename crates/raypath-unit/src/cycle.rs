@@ -4,21 +4,22 @@
 //! moves the numbers of contexts through queues and pipelines, and computes a step with all its jobs in the cycle in
 //! which the hardware finishes it.
 
+mod context;
 mod parts;
 
-use crate::answers::{Answers, Block, ReadyRay};
-use crate::blocks::{BLOCK_BYTES, NodeKind};
+use crate::answers::Answers;
+use crate::blocks::NodeKind;
 use crate::engine::{BlockRequest, Response, UnitEngine, UnitInputs, UnitOutputs};
-use crate::fold::HitLimits;
 use crate::hardware::{DECODER_LATENCY, UnitNetlist, UnitParameters};
 use crate::model::{RayRequest, Reply};
 use crate::native;
 use crate::set_up::{Entry, QUOTIENTS};
-use crate::state::{Answer, Group, RayState, request, status};
+use crate::state::{Answer, Group, RayState, request};
 use crate::step::StepParameters;
+use context::{Context, Job, Kind};
 use parts::{Line, Queues, Ring, Scheduler, Weights};
 use raypath_model::{Flow, Shape};
-use raypath_ops::{Binary32, JobKind, Rules, Word};
+use raypath_ops::{Binary32, Rules, Word};
 use std::mem::replace;
 
 /// The cycle-exact model of the unit: in every cycle its outputs are those of the hardware.
@@ -35,6 +36,8 @@ pub struct UnitModel {
     queues: Queues<7>,
     /// Cycles until the next ray can enter the set-up.
     busy: u32,
+    /// A ray entered an instance in the last turn of the set-up, so that a new ray has the next one.
+    yields: bool,
     /// The rays whose quotients are divided.
     set_up: Line<u8>,
     /// The context whose block failed.
@@ -72,45 +75,14 @@ pub struct UnitCounts {
     pub boxes: u64,
     /// Triangle jobs.
     pub triangles: u64,
+    /// Transforms: two for each instance that a ray enters.
+    pub transforms: u64,
     /// Steps.
     pub steps: u64,
     /// Blocks that were requested.
     pub fetches: u64,
     /// Rays that ended.
     pub rays: u64,
-}
-
-/// What is kept of a ray.
-#[derive(Debug, Clone)]
-struct Context {
-    id: u64,
-    ready: ReadyRay,
-    limits: HitLimits<Binary32>,
-    state: RayState<Binary32>,
-    block: Block,
-    /// The address of the block that was requested last.
-    address: u32,
-    /// Its triangles; 0 for a node.
-    count: u32,
-    /// Its beats so far, and whether one had an error.
-    beats: usize,
-    failed: bool,
-    /// How the ray ended.
-    status: u32,
-}
-
-#[derive(Debug, Clone, Copy, Default)]
-struct Job {
-    context: u8,
-    kind: Kind,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-enum Kind {
-    #[default]
-    Node,
-    Triangle,
-    LastTriangle,
 }
 
 /// A step of a context, by the source of its answer; none if the source is 0.
@@ -150,6 +122,7 @@ impl UnitModel {
             fresh: 0,
             queues: Queues::new(),
             busy: 0,
+            yields: false,
             // The operands of the last quotient enter a register, then the divider.
             set_up: Line::new(QUOTIENTS as u32 + 1 + parameters.divider_latency),
             fault: None,
@@ -216,17 +189,33 @@ impl UnitModel {
     }
 
     #[inline]
+    fn has_context(&self) -> bool {
+        self.fresh < self.parameters.contexts || self.queues.front(FREE).is_some()
+    }
+
+    #[inline]
     fn ray_ready(&self) -> bool {
-        self.busy <= 1 && (self.fresh < self.parameters.contexts || self.queues.front(FREE).is_some())
+        self.busy <= 1 && self.has_context() && self.transformed().is_none()
+    }
+
+    /// The ray that has the next turn of the set-up to enter an instance.
+    #[inline]
+    fn transformed(&self) -> Option<u8> {
+        let Job { context, kind } = self.jobs.first();
+        let waits = kind == Kind::Direction && self.flow.output_valid();
+        (waits && !(self.yields && self.has_context())).then_some(context)
     }
 
     /// The step that is finished in this cycle. Returns what the ray asks for: one of [`request`].
     fn step(&mut self, Answered { context, source }: Answered) -> u32 {
         // Each kind of answer has a copy of the step, from which the compiler removes what other answers need.
         match source {
-            BOXES => self.advance(context, |answers, ray| answers.node(&ray.ready, ray.state.extent, &ray.block)),
-            BLOCK => self.advance(context, |answers, ray| answers.leaf(&ray.ready, ray.limits, &ray.block, ray.count)),
+            BOXES => self.advance(context, |answers, ray| answers.node(ray.space(), ray.state.extent, &ray.block)),
+            BLOCK => self.advance(context, |answers, ray| answers.leaf(ray.space(), ray.limits, &ray.block, ray.count)),
             FAULT => self.advance(context, |_, _| Answers::failure()),
+            START if self.contexts[usize::from(context)].is_instance => {
+                self.advance(context, |_, ray| Answers::enter(&ray.inside, &ray.block))
+            }
             START => self.advance(context, |_, ray| Answers::begin(&ray.ready)),
             _ => self.advance(context, |_, _| Answers::again()),
         }
@@ -242,6 +231,7 @@ impl UnitModel {
         let request =
             native::step(parameters.step, &mut ray.state, answer, &mut stacks[context * entries..][..entries]);
         (ray.address, ray.count, ray.status) = (request.address.value, request.count.value, request.status.value);
+        ray.is_instance = request.is_instance.into();
         request.kind.value
     }
 
@@ -255,7 +245,7 @@ impl UnitModel {
         };
         let ready = self.answers.set_up(&Entry::from(ray));
         let kept = &mut self.contexts[usize::from(context)];
-        (kept.id, kept.ready, kept.limits) = (id, ready, ray.limits());
+        (kept.id, kept.ready, kept.limits, kept.is_instance) = (id, ready, ray.limits(), false);
         kept.state = RayState::begin(Binary32, Word::truncate(ray.root), ray.t_max.into(), ray.any_hit.into());
         context
     }
@@ -341,14 +331,28 @@ impl UnitModel {
         }
     }
 
-    /// The edge of the rays that begin.
+    /// The edge of the rays that begin, and of those that enter an instance. Returns whether one does.
     #[inline]
-    fn rays(&mut self, ray: Option<&(u64, RayRequest)>) {
-        let entered = ray.filter(|_| self.ray_ready()).map(|(id, ray)| self.enter(*id, ray));
+    fn rays(&mut self, ray: Option<&(u64, RayRequest)>) -> bool {
+        let in_instance = self.transformed();
+        let is_ready = self.busy <= 1;
+        let entered = if in_instance.is_none() {
+            ray.filter(|_| self.ray_ready()).map(|(id, ray)| self.enter(*id, ray))
+        } else {
+            in_instance.filter(|_| is_ready)
+        };
+        if is_ready {
+            self.yields = in_instance.is_some();
+            if let Some(context) = in_instance {
+                let Context { ready, inside, block, .. } = &mut self.contexts[usize::from(context)];
+                *inside = self.answers.instance(ready, block);
+            }
+        }
         self.busy = if entered.is_some() { QUOTIENTS as u32 } else { self.busy.saturating_sub(1) };
         if let Some(context) = self.set_up.advance(entered) {
             self.queues.push(STARTS, context);
         }
+        is_ready && in_instance.is_some()
     }
 
     /// The edge of the distances of triangles. Returns whether an outcome can be taken.
@@ -368,25 +372,33 @@ impl UnitModel {
 
     /// The edge of the datapath.
     #[inline]
-    fn jobs(&mut self) {
+    fn jobs(&mut self, enters_instance: bool) {
         let takes_triangle = self.distances();
-        let outcome_leaves = self.flow.output_valid() && (takes_triangle || self.jobs.first().kind == Kind::Node);
-        let opcode = |job: Job| if job.kind == Kind::Node { JobKind::Quadbox } else { JobKind::Triangle }.opcode();
+        let outcome_leaves = self.flow.output_valid()
+            && match self.jobs.first().kind {
+                Kind::Node | Kind::Origin => true,
+                Kind::Triangle | Kind::LastTriangle => takes_triangle,
+                Kind::Direction => enters_instance,
+            };
         let ready = self.decoder.as_ref().map_or(self.offer, Line::front);
-        let leaves = ready.filter(|job| self.flow.input_ready(opcode(*job)));
-        self.flow.cycle(leaves.map(opcode), outcome_leaves);
+        let leaves = ready.filter(|job| self.flow.input_ready(job.kind.opcode()));
+        self.flow.cycle(leaves.map(|job| job.kind.opcode()), outcome_leaves);
         if outcome_leaves {
             let job = self.jobs.pop();
             match job.kind {
                 Kind::Node => self.queues.push(TESTED, job.context),
-                _ => self.operands = Some(job),
+                Kind::Triangle | Kind::LastTriangle => self.operands = Some(job),
+                Kind::Origin | Kind::Direction => {}
             }
         }
         if let Some(job) = leaves {
             self.jobs.push(job);
-            let is_node = job.kind == Kind::Node;
-            self.counts.boxes += u64::from(is_node);
-            self.counts.triangles += u64::from(!is_node);
+            let counter = match job.kind {
+                Kind::Node => &mut self.counts.boxes,
+                Kind::Triangle | Kind::LastTriangle => &mut self.counts.triangles,
+                Kind::Origin | Kind::Direction => &mut self.counts.transforms,
+            };
+            *counter += 1;
         }
         let issued = match &mut self.decoder {
             None => leaves,
@@ -397,7 +409,11 @@ impl UnitModel {
             Some(_) => None,
         };
         if let Some(job) = issued {
-            let kind = if self.following == 1 { Kind::LastTriangle } else { Kind::Triangle };
+            let kind = match job.kind {
+                Kind::Origin => Kind::Direction,
+                _ if self.following == 1 => Kind::LastTriangle,
+                _ => Kind::Triangle,
+            };
             self.offer = (self.following > 0).then_some(Job { kind, ..job });
             self.following = self.following.saturating_sub(1);
         }
@@ -418,8 +434,13 @@ impl UnitModel {
     /// Offers the jobs of a block.
     #[inline]
     fn issue(&mut self, context: u8) {
-        let Context { count, failed, .. } = self.contexts[usize::from(context)];
-        let kind = [Kind::Node, Kind::LastTriangle].get(count as usize).copied().unwrap_or(Kind::Triangle);
+        let Context { count, is_instance, failed, .. } = self.contexts[usize::from(context)];
+        let kind = match count {
+            0 => Kind::Node,
+            1 => Kind::LastTriangle,
+            _ if is_instance => Kind::Origin,
+            _ => Kind::Triangle,
+        };
         self.fault = failed.then_some(context);
         self.offer = (!failed).then_some(Job { context, kind });
         self.following = count.saturating_sub(1);
@@ -442,10 +463,10 @@ impl UnitEngine for UnitModel {
     fn cycle(&mut self, inputs: &UnitInputs<'_>) {
         // Each part reads what the parts after it had in registers, because it comes after them.
         let chosen = self.choose();
-        self.rays(inputs.ray.as_ref());
+        let enters_instance = self.rays(inputs.ray.as_ref());
         self.hits(inputs.hit_ready);
         self.walk(chosen, inputs.request_ready);
-        self.jobs();
+        self.jobs(enters_instance);
         self.blocks(inputs.response.as_ref());
         self.queues.edge();
         self.counts.cycles += 1;
@@ -453,7 +474,7 @@ impl UnitEngine for UnitModel {
 
     fn reset(&mut self) {
         self.fresh = 0;
-        self.busy = 0;
+        (self.busy, self.yields) = (0, false);
         self.set_up.clear();
         self.queues.clear();
         (self.fault, self.offer, self.operands) = (None, None, None);
@@ -476,32 +497,4 @@ fn put<const BYTES: usize>(block: &mut [u8], number: usize, beat: &[u8]) -> Opti
     let beats = block.as_chunks_mut::<BYTES>().0;
     *beats.get_mut(number)? = *beat.first_chunk()?;
     Some(number + 1 == beats.len())
-}
-
-impl Context {
-    fn new() -> Self {
-        let zero = [0.0; 3];
-        let ray = RayRequest {
-            origin: zero,
-            direction: zero,
-            t_min: 0.0,
-            t_max: 0.0,
-            any_hit: false,
-            cull_back: false,
-            cull_front: false,
-            root: 0,
-        };
-        Self {
-            id: 0,
-            ready: Answers::new(Rules::Paper, StepParameters::default()).set_up(&Entry::from(&ray)),
-            limits: ray.limits(),
-            state: RayState::begin(Binary32, Word::truncate(0), 0.0.into(), false.into()),
-            block: [0; BLOCK_BYTES as usize],
-            address: 0,
-            count: 0,
-            beats: 0,
-            failed: false,
-            status: status::MISS,
-        }
-    }
 }

@@ -1,7 +1,7 @@
 //! What runs the unit cycle by cycle: its ports, and the simulated netlist behind them.
 
 use crate::hardware::UnitNetlist;
-use crate::model::{Hit, RayRequest, Reply};
+use crate::model::{Hit, RayRequest, Reply, instance_of};
 use crate::state::status;
 use raypath_hdl::{Error, InputPort, Module, OutputPort, Simulator};
 use std::sync::Arc;
@@ -182,6 +182,10 @@ pub fn outputs_of(words: &[u64]) -> UnitOutputs {
     let Some((features, &[has_request, address, tag, response_ready])) = rest.split_last_chunk() else {
         unreachable!("as above")
     };
+    let (weights, instance) = match features.split_first_chunk() {
+        Some((weights, instance)) => (Some(weights), instance),
+        None => (None, features),
+    };
     let number = |word: u64| f32::from_bits(word as u32);
     let hit = (status == u64::from(status::HIT)).then(|| Hit {
         triangle: triangle as u32,
@@ -189,7 +193,8 @@ pub fn outputs_of(words: &[u64]) -> UnitOutputs {
         t_num: number(t_num),
         t_denom: number(t_denom),
         back_face: back_face == 1,
-        barycentric: features.first_chunk().map(|&[u, v]| [number(u), number(v)]),
+        barycentric: weights.map(|&[u, v]| [number(u), number(v)]),
+        instance: instance.first().and_then(|&index| instance_of(index as u32)),
     });
     let reply = Reply { status: status as u32, hit, nodes: nodes as u32, triangles: triangles as u32 };
     UnitOutputs {

@@ -12,6 +12,7 @@ mod engine;
 mod error;
 mod fold;
 mod hardware;
+mod instance;
 mod model;
 mod native;
 mod netlist;
@@ -27,6 +28,7 @@ pub use engine::{BlockRequest, NetlistEngine, Response, UnitEngine, UnitInputs, 
 pub use error::UnitError;
 pub use fold::{HitLimits, fold};
 pub use hardware::{UnitNetlist, UnitParameters, UnitParametersError, finish_module, prepare_module};
+pub use instance::{INSTANCE_KIND, Instance, Row, Transform, TransformInput, TransformOutput};
 pub use model::{Hit, Memory, MemoryError, RayRequest, Reply, Unit};
 pub use netlist::{Netlist, Value};
 pub use step::{HalfStep, StepParameters, UnitFeatures, VISIT_LIMIT, finish, prepare, step};

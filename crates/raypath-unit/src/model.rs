@@ -1,9 +1,9 @@
 //! The functional model of the unit: a ray goes in, its hit comes out, without time.
 
-use crate::answers::{Answers, quotient};
+use crate::answers::{Answers, ReadyRay, quotient};
 use crate::native;
 use crate::set_up::Entry;
-use crate::state::{Group, RayState, request, status};
+use crate::state::{Group, NO_INSTANCE, RayState, request, status};
 use crate::step::{StepParameters, UnitFeatures};
 use raypath_ops::{Binary32, Rules, Word};
 use thiserror::Error;
@@ -62,10 +62,12 @@ pub struct Hit {
     pub t_num: f32,
     /// The denominator of the distance; negative for a back face.
     pub t_denom: f32,
-    /// The ray meets the back face.
+    /// The ray meets the back face, as seen in the space of the object.
     pub back_face: bool,
     /// With the feature `barycentrics`: the weights of the vertices a and b at the hit; the three weights add up to 1.
     pub barycentric: Option<[f32; 2]>,
+    /// The index of the instance of the triangle, if it is in one.
+    pub instance: Option<u32>,
 }
 
 /// What the unit returns for a ray.
@@ -99,17 +101,23 @@ impl Unit {
 
     /// Traces a ray.
     pub fn trace(&mut self, memory: &(impl Memory + ?Sized), ray: &RayRequest) -> Reply {
-        let ready = self.answers.set_up(&Entry::from(ray));
+        let outside = self.answers.set_up(&Entry::from(ray));
+        let mut inside = outside;
         let root = Word::truncate(ray.root);
         let mut state = RayState::begin(Binary32, root, ray.t_max.into(), ray.any_hit.into());
-        let mut asked = native::step(self.parameters, &mut state, Answers::begin(&ready), &mut self.stack);
+        let mut asked = native::step(self.parameters, &mut state, Answers::begin(&outside), &mut self.stack);
         while asked.kind.value != request::DONE {
             let answer = if asked.kind.value == request::CONTINUE {
                 Answers::again()
             } else {
+                let ready: &ReadyRay = if state.inside.into() { &inside } else { &outside };
                 match memory.block(asked.address.value, self.parameters.node.block_bytes()) {
-                    Ok(block) if asked.count.value == 0 => self.answers.node(&ready, state.extent, block),
-                    Ok(block) => self.answers.leaf(&ready, ray.limits(), block, asked.count.value),
+                    Ok(block) if asked.is_instance.into() => {
+                        inside = self.answers.instance(&outside, block);
+                        Answers::enter(&inside, block)
+                    }
+                    Ok(block) if asked.count.value == 0 => self.answers.node(ready, state.extent, block),
+                    Ok(block) => self.answers.leaf(ready, ray.limits(), block, asked.count.value),
                     Err(_) => Answers::failure(),
                 }
             };
@@ -117,6 +125,11 @@ impl Unit {
         }
         Reply::of(&state, asked.status.value, self.parameters.features)
     }
+}
+
+/// The instance of an index, which a hit in none does not have.
+pub(crate) fn instance_of(index: u32) -> Option<u32> {
+    (index != NO_INSTANCE).then_some(index)
 }
 
 impl Reply {
@@ -130,6 +143,7 @@ impl Reply {
             t_denom: state.t_denom.into(),
             back_face: state.back_face.into(),
             barycentric: features.barycentrics.then(|| [weight(state.u_num), weight(state.v_num)]),
+            instance: instance_of(state.hit_instance.value),
         });
         Self { status, hit, nodes: state.nodes.value, triangles: state.triangles.value }
     }

@@ -28,7 +28,7 @@ pub(crate) fn step(
 ) -> Request<Binary32> {
     let restarting = state.restarting;
     for_each_value!(restarting, {
-        let half = prepare(Binary32, RayState { restarting, ..*state }, answer);
+        let half = prepare(Binary32, parameters.features, RayState { restarting, ..*state }, answer);
         let descends = half.descends;
         for_each_value!(descends, end(parameters, state, HalfStep { descends, ..half }, stack))
     })

@@ -13,10 +13,12 @@ pub mod answer {
     pub const BLOCK: u32 = 2;
     /// Nothing new: the ray asked to continue, because it reads its stack once in a step.
     pub const CONTINUE: u32 = 3;
-    /// The memory reported an error.
+    /// The memory reported an error, or the set-up refuses the ray in the space of an instance.
     pub const ERROR: u32 = 4;
     /// A ray begins that its set-up refuses.
     pub const REFUSED: u32 = 5;
+    /// The constants of a ray in the space of an instance are there.
+    pub const ENTER: u32 = 6;
 }
 
 /// The kinds of a [`Request`].
@@ -40,6 +42,9 @@ pub mod status {
     /// The memory reported an error, or the scene is not a tree of at most 64 levels.
     pub const ERROR: u32 = 3;
 }
+
+/// The index of what is in no instance.
+pub const NO_INSTANCE: u32 = u32::MAX;
 
 bundle! {
     /// The state of a ray between two steps, without the constants that its jobs need.
@@ -65,8 +70,10 @@ bundle! {
         pub back_face: Bit<C>,
         /// The index of the closest triangle.
         pub triangle: Word<C, 32>,
+        /// The index of the instance of that triangle, or [`NO_INSTANCE`].
+        pub hit_instance: Word<C, 32>,
 
-        /// The nodes that were fetched.
+        /// The nodes and instances that were fetched.
         pub nodes: Word<C, 32>,
         /// The triangles that were fetched.
         pub triangles: Word<C, 32>,
@@ -90,6 +97,13 @@ bundle! {
         pub leaf_address: Word<C, 32>,
         /// The triangles of the leaf that are not yet fetched.
         pub leaf_left: Word<C, 4>,
+
+        /// The path is inside an instance: jobs need the constants in its space.
+        pub inside: Bit<C>,
+        /// The index of that instance, or [`NO_INSTANCE`].
+        pub instance: Word<C, 32>,
+        /// The level of that instance. Its object begins one level deeper.
+        pub instance_level: Word<C, 7>,
     }
 
     /// The remaining children of a node, near to far: an entry of the stack.
@@ -144,8 +158,10 @@ bundle! {
         pub kind: Word<C, 2>,
         /// To fetch: the address of the block.
         pub address: Word<C, 32>,
-        /// To fetch: the number of triangles in the block; 0 for a node.
+        /// To fetch: the number of triangles in the block; 0 for a node, 2 for an instance: the number of its jobs.
         pub count: Word<C, 2>,
+        /// To fetch: the block is that of an instance.
+        pub is_instance: Bit<C>,
         /// An entry of the stack is written.
         pub writes: Bit<C>,
         /// The level of the entry.
@@ -173,6 +189,7 @@ impl<C: WordCircuit> RayState<C> {
             v_num: c.zero(),
             back_face: no,
             triangle: c.word(0),
+            hit_instance: c.word(NO_INSTANCE),
             nodes: c.word(0),
             triangles: c.word(0),
             level: c.word(0),
@@ -184,6 +201,9 @@ impl<C: WordCircuit> RayState<C> {
             target: c.word(0),
             leaf_address: c.word(0),
             leaf_left: c.word(0),
+            inside: no,
+            instance: c.word(NO_INSTANCE),
+            instance_level: c.word(0),
         }
     }
 }

@@ -11,9 +11,14 @@
 //! Hits shorten the ray. A child behind the closest hit is skipped when its node is tested and again when it is taken
 //! from the stack. Children at exactly that distance are visited, because they may have a triangle of a lower index.
 //! Box tests of a second descent therefore find the same children in the same places, or fewer at the end.
+//!
+//! An instance is a level of the path with one child, the root of its object. From there on, jobs need the constants of
+//! the ray in the object's space. The ray leaves the instance when it takes a child of a level above, or begins again
+//! at the root.
 
 use crate::blocks::{MAX_LEAF, NODE_KIND, NodeKind};
-use crate::state::{Answer, Group, RayState, Request, answer, request, status};
+use crate::instance::{INSTANCE_JOBS, INSTANCE_KIND};
+use crate::state::{Answer, Group, NO_INSTANCE, RayState, Request, answer, request, status};
 use crate::words::{LEVELS, Levels, WordCircuit, WordMethods};
 use raypath_ops::{Bit, Flags, Select, Word, bundle};
 
@@ -33,6 +38,8 @@ pub struct StepParameters {
 pub struct UnitFeatures {
     /// Hits have barycentric coordinates.
     pub barycentrics: bool,
+    /// Scenes have instances.
+    pub instances: bool,
 }
 
 impl Default for StepParameters {
@@ -44,11 +51,13 @@ impl Default for StepParameters {
 
 impl UnitFeatures {
     /// No optional parts.
-    pub const OFF: Self = Self { barycentrics: false };
+    pub const OFF: Self = Self { barycentrics: false, instances: false };
 
-    /// Whether the hardware has a field of the state, of an answer or of a hit, by the end of its name.
+    /// Whether the hardware has a field of the state, of an answer, of a request or of a hit, by the end of its name.
     pub(crate) fn has(self, field: &str) -> bool {
-        self.barycentrics || !(field.ends_with("u_num") || field.ends_with("v_num"))
+        let is_one_of = |ends: &[&str]| ends.iter().any(|end| field.ends_with(end));
+        (self.barycentrics || !is_one_of(&["u_num", "v_num"]))
+            && (self.instances || !is_one_of(&["inside", "instance", "instance_level"]))
     }
 }
 
@@ -104,30 +113,31 @@ pub fn step<C: WordCircuit>(
     answer: Answer<C>,
     top: Group<C>,
 ) -> (RayState<C>, Request<C>) {
-    finish(c, parameters, prepare(c, state, answer), top)
+    finish(c, parameters, prepare(c, parameters.features, state, answer), top)
 }
 
 /// The first half of a [`step`], which does not read the stack.
 #[inline(always)]
-pub fn prepare<C: WordCircuit>(c: C, state: RayState<C>, answer: Answer<C>) -> HalfStep<C> {
+pub fn prepare<C: WordCircuit>(c: C, features: UnitFeatures, state: RayState<C>, answer: Answer<C>) -> HalfStep<C> {
     let starts = answer.kind.is(answer::START);
     let has_boxes = answer.kind.is(answer::BOXES);
     let has_block = answer.kind.is(answer::BLOCK);
     let continues = answer.kind.is(answer::CONTINUE);
     let is_refused = answer.kind.is(answer::REFUSED);
     let failed = answer.kind.is(answer::ERROR) | is_refused;
+    let enters = if features.instances { answer.kind.is(answer::ENTER) } else { c.bit(false) };
 
-    let state = with_hit(state, &answer, has_block);
+    let state = with_hit(features, state, &answer, has_block);
     let ends_by_any_hit = has_block & state.any_hit & state.has_hit;
     let leaf_continues = has_block & !ends_by_any_hit & !state.leaf_left.is(0);
     let leaf_ends = has_block & !ends_by_any_hit & state.leaf_left.is(0);
 
-    // The child at `place` of the tested node.
+    // The child at `place` of the tested node, or the only child of an instance.
     let at_target = same(state.level, state.target);
     let along: Word<C, 3> = place_of(c, &state, state.level).widened();
     let first = state.restarting.select(at_target.select(along.plus_constant(1), along), c.word(0));
     let chosen = from_place(c, &answer, first);
-    let descends = has_boxes & chosen.hit;
+    let descends = (has_boxes & chosen.hit) | enters;
     let is_lost = has_boxes & !chosen.hit & state.restarting;
 
     // The first remaining child of the deepest pending level.
@@ -149,9 +159,12 @@ pub fn prepare<C: WordCircuit>(c: C, state: RayState<C>, answer: Answer<C>) -> H
         deepest,
         parent,
         place,
-        child: chosen.child,
-        rest: chosen.rest,
+        child: enters.select(answer.child[0], chosen.child),
+        rest: Group { present: Flags(chosen.rest.present.0.map(|present| present & !enters)), ..chosen.rest },
         state: RayState {
+            inside: state.inside | enters,
+            instance: enters.select(answer.child[1], state.instance),
+            instance_level: enters.select(state.level, state.instance_level),
             // The ray is on its path again where it takes the next child.
             restarting: state.restarting & !is_lost & !(descends & at_target),
             ..state
@@ -178,7 +191,11 @@ pub fn finish<C: WordCircuit>(
     let visits = at_root | descends | takes;
     let child = at_root.select(state.root, descends.select(half.child, top.child[0]));
     let level = at_root.select(c.word(0), parent.plus_constant(1));
+    let leaves_instance = at_root | (takes & parent.less(state.instance_level));
+    let inside = state.inside & !leaves_instance;
     let target = Target::of(c, parameters.node, child, level);
+    let is_instance = if parameters.features.instances { target.is_instance & !inside } else { c.bit(false) };
+    let fetches_instance = visits & is_instance;
     let fetches_node = visits & target.is_node;
     let fetches_leaf = (visits & target.is_leaf) | leaf_continues;
     let left = leaf_continues.select(state.leaf_left, target.count);
@@ -187,7 +204,8 @@ pub fn finish<C: WordCircuit>(
     let address = leaf_continues.select(state.leaf_address, target.address);
 
     let is_over_limit = !(state.nodes.less(c.word(VISIT_LIMIT)) & state.triangles.less(c.word(VISIT_LIMIT)));
-    let is_invalid = (visits & !target.is_node & !target.is_leaf) | ((visits | leaf_continues) & is_over_limit);
+    let is_invalid =
+        (visits & !target.is_node & !target.is_leaf & !is_instance) | ((visits | leaf_continues) & is_over_limit);
     let errs = half.failed | is_invalid;
     let is_done = errs | half.ends_by_any_hit | (pops & is_empty);
 
@@ -208,10 +226,12 @@ pub fn finish<C: WordCircuit>(
         base: restarts.select(c.word(0), base),
         restarting: restarts | state.restarting,
         target: restarts.select(deepest, state.target),
-        nodes: fetches_node.select(state.nodes.plus_constant(1), state.nodes),
+        nodes: (fetches_node | fetches_instance).select(state.nodes.plus_constant(1), state.nodes),
         triangles: fetches_leaf.select(state.triangles.plus(count.widened()), state.triangles),
         leaf_address: fetches_leaf.select(address.plus_constant(parameters.node.block_bytes()), state.leaf_address),
         leaf_left: fetches_leaf.select(without(c, left, count), state.leaf_left),
+        inside,
+        instance: leaves_instance.select(c.word(NO_INSTANCE), state.instance),
         ..state
     };
     let kind = is_done
@@ -221,7 +241,8 @@ pub fn finish<C: WordCircuit>(
     let request = Request {
         kind,
         address,
-        count: fetches_node.select(c.word(0), count),
+        count: fetches_node.select(c.word(0), fetches_instance.select(c.word(INSTANCE_JOBS), count)),
+        is_instance: fetches_instance,
         writes,
         level: parent,
         group,
@@ -230,12 +251,24 @@ pub fn finish<C: WordCircuit>(
     (next, request)
 }
 
-/// The state with the closest hit of a block: the closer one, at equal distances that of the lower index.
+/// The state with the closest hit of a block: the closer one, at equal distances that of the lower instance, then that
+/// of the lower index.
 #[inline(always)]
-fn with_hit<C: WordCircuit>(state: RayState<C>, answer: &Answer<C>, has_block: Bit<C>) -> RayState<C> {
+fn with_hit<C: WordCircuit>(
+    features: UnitFeatures,
+    state: RayState<C>,
+    answer: &Answer<C>,
+    has_block: Bit<C>,
+) -> RayState<C> {
     let hit = answer.closest;
     let distance = hit.t.compare(state.extent);
-    let wins_tie = !state.has_hit | hit.triangle.less(state.triangle);
+    let is_lower = hit.triangle.less(state.triangle);
+    let is_lower = if features.instances {
+        state.instance.less(state.hit_instance) | (same(state.instance, state.hit_instance) & is_lower)
+    } else {
+        is_lower
+    };
+    let wins_tie = !state.has_hit | is_lower;
     let is_better = has_block & hit.is_hit & (distance.less() | (distance.equal() & wins_tie));
     RayState {
         extent: is_better.select(hit.t, state.extent),
@@ -246,6 +279,7 @@ fn with_hit<C: WordCircuit>(state: RayState<C>, answer: &Answer<C>, has_block: B
         v_num: is_better.select(hit.v_num, state.v_num),
         back_face: is_better.select(hit.back_face, state.back_face),
         triangle: is_better.select(hit.triangle, state.triangle),
+        hit_instance: is_better.select(state.instance, state.hit_instance),
         ..state
     }
 }
@@ -294,14 +328,15 @@ fn numbered<C: WordCircuit, T: Select<C>>(values: [T; 4], number: Word<C, 2>) ->
 struct Target<C: WordCircuit> {
     is_node: Bit<C>,
     is_leaf: Bit<C>,
+    is_instance: Bit<C>,
     address: Word<C, 32>,
     /// The number of triangles of a leaf.
     count: Word<C, 4>,
 }
 
 impl<C: WordCircuit> Target<C> {
-    /// What a child word at this level refers to: neither a node nor a leaf if its kind is not valid, or if a node is
-    /// too deep.
+    /// What a child word at this level refers to: nothing if its kind is not valid, or if a node or an instance is too
+    /// deep.
     #[inline(always)]
     fn of(c: C, node: NodeKind, child: Word<C, 32>, level: Word<C, 7>) -> Self {
         // The bits of the kind, and the address without them.
@@ -314,7 +349,8 @@ impl<C: WordCircuit> Target<C> {
         let fits = level.less(c.word(LEVELS));
         let is_leaf = !kind.is(0) & kind.less(c.word(MAX_LEAF + 1));
         let address = Word::new(c, c.word_join((32 - low, part(low, 32 - low)), (low, c.constant_word(low, 0))));
-        Self { is_node: fits & kind.is(NODE_KIND), is_leaf, address, count: child.part::<0, 4>() }
+        let is_instance = fits & kind.is(INSTANCE_KIND);
+        Self { is_node: fits & kind.is(NODE_KIND), is_leaf, is_instance, address, count: child.part::<0, 4>() }
     }
 }
 
@@ -340,6 +376,6 @@ fn without<C: WordCircuit>(c: C, left: Word<C, 4>, count: Word<C, 2>) -> Word<C,
 }
 
 #[inline(always)]
-fn same<C: WordCircuit>(a: Word<C, 7>, b: Word<C, 7>) -> Bit<C> {
+fn same<C: WordCircuit, const W: u32>(a: Word<C, W>, b: Word<C, W>) -> Bit<C> {
     Bit::new(a.circuit, a.circuit.word_equal(a.value, b.value))
 }

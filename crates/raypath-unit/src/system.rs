@@ -55,7 +55,7 @@ impl SystemTiming {
 
     /// The jobs of the datapath.
     pub fn jobs(&self) -> u64 {
-        self.unit.boxes + self.unit.triangles
+        self.unit.boxes + self.unit.triangles + self.unit.transforms
     }
 
     /// The mean number of cycles that a ray is in flight for each of its fetches.

@@ -2,9 +2,11 @@
 
 mod recorder;
 mod scene;
+mod two_level;
 
 pub use recorder::{RecordedCycle, Recorder};
 pub use scene::{BlockScene, never, random_ray};
+pub use two_level::TwoLevelScene;
 
 use crate::blocks::NodeKind;
 use crate::{BlockRequest, Memory, RayRequest, Reply, Response, UnitEngine, UnitInputs, UnitOutputs};

@@ -106,7 +106,7 @@ fn boxes_that_cannot_be_contained_are_named() {
 }
 
 fn step(stack: u32) -> StepParameters {
-    StepParameters { stack, node: NODE, features: UnitFeatures { barycentrics: stack == 4 } }
+    StepParameters { stack, node: NODE, features: UnitFeatures { barycentrics: stack == 4, ..UnitFeatures::OFF } }
 }
 
 fn setting(triangles: u32, rays: usize, seed: u64) -> (Scene, Vec<RayRequest>) {

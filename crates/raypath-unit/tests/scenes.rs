@@ -136,7 +136,7 @@ fn weights_of_vertices_give_the_point_of_the_hit() {
     let back = LeafTriangle { triangle: Triangle { a: c, b, c: a }, index: 0 };
     let roots = [memory.leaf(&[front]), memory.leaf(&[back])];
     let [a, b, c] = [a, b, c].map(<[f32; 3]>::from);
-    let features = UnitFeatures { barycentrics: true };
+    let features = UnitFeatures { barycentrics: true, ..UnitFeatures::OFF };
     let mut unit = Unit::new(Rules::Paper, StepParameters { features, ..StepParameters::default() });
     for (u, v) in [(0.25, 0.5), (0.5, 0.125), (0.0625, 0.75), (0.875, 0.0625), (0.3, 0.3)] {
         let w = 1.0 - u - v;

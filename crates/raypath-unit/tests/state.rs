@@ -5,11 +5,17 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::{Simulator, depends_combinationally};
 use raypath_rtl::{Config, Control};
-use raypath_unit::traffic::{Behaviour, BlockScene, Environment, random_ray};
-use raypath_unit::{UnitEngine, UnitInputs, UnitNetlist, UnitOutputs, UnitParameters, outputs_of, words_of};
+use raypath_unit::traffic::{Behaviour, Environment, TwoLevelScene, random_ray};
+use raypath_unit::{
+    StepParameters, UnitEngine, UnitFeatures, UnitInputs, UnitNetlist, UnitOutputs, UnitParameters, outputs_of,
+    words_of,
+};
 
 fn unit(control: Control) -> UnitNetlist {
-    let parameters = UnitParameters { contexts: 8, memory_width: 256, ..UnitParameters::default() };
+    // With all that a unit can have.
+    let step =
+        StepParameters { features: UnitFeatures { barycentrics: true, instances: true }, ..StepParameters::default() };
+    let parameters = UnitParameters { contexts: 8, memory_width: 256, step, ..UnitParameters::default() };
     UnitNetlist::new(Config::DEFAULT.control(control), parameters).expect("a unit")
 }
 
@@ -74,11 +80,11 @@ impl UnitEngine for Unknown {
 fn nothing_depends_on_what_was_before_a_reset() {
     let unit = unit(Control::Credit);
     let mut random = ChaCha8Rng::seed_from_u64(6);
-    let (scene, root) = BlockScene::random(150, &mut random);
+    let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(12, true, &mut random);
     let rays = (0..100).map(|_| random_ray(root, &mut random)).collect();
     let behaviour = Behaviour { latency: (1, 40), stalls: [40; 4], errors: 100 };
     let [mut first, mut second, mut third] = [1, 2, 3].map(|seed| Unknown::new(&unit, seed));
-    let mut environment = Environment::new(&scene.0, unit.parameters.memory_width, rays, behaviour, 5);
+    let mut environment = Environment::new(&blocks.0, unit.parameters.memory_width, rays, behaviour, 5);
     while !environment.is_done() {
         environment.cycle(&mut [&mut first, &mut second, &mut third]).expect("equal outputs");
         assert!(environment.cycles() < 200_000, "{} rays ended", environment.replies.len());

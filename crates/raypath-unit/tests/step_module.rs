@@ -69,7 +69,7 @@ fn expected(parameters: StepParameters, inputs: &[u64]) -> Vec<u64> {
 }
 
 /// All fields of the function are ports of the module.
-const ALL: UnitFeatures = UnitFeatures { barycentrics: true };
+const ALL: UnitFeatures = UnitFeatures { barycentrics: true, instances: true };
 
 /// Stimuli, and what the function makes of each: random ones, and walks in which the next state comes from the last.
 fn cases(parameters: StepParameters, count: usize) -> Vec<(Vec<u64>, Vec<u64>)> {

@@ -6,12 +6,15 @@ use rand::rngs::ChaCha8Rng;
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control};
 use raypath_tools::{Options, Sources, Verilated};
-use raypath_unit::traffic::{Behaviour, BlockScene, Environment, Recorder, random_ray};
+use raypath_unit::state::status;
+use raypath_unit::traffic::{Behaviour, BlockScene, Environment, Recorder, TwoLevelScene, random_ray};
 use raypath_unit::{
     NetlistEngine, RayRequest, Reply, StepParameters, Unit, UnitFeatures, UnitModel, UnitNetlist, UnitParameters,
     outputs_of,
 };
 
+/// All optional parts.
+const EVERYTHING: UnitFeatures = UnitFeatures { barycentrics: true, instances: true };
 const QUIET: Behaviour = Behaviour { latency: (1, 20), stalls: [0; 4], errors: 0 };
 
 /// The replies of the functional model.
@@ -53,7 +56,10 @@ fn the_model_equals_the_netlist_in_every_cycle() {
     let (scene, rays) = setting(300, 250, 4);
     let slow = Behaviour { latency: (1, 500), stalls: [64; 4], errors: 200 };
     let blocked = Behaviour { latency: (1, 30), stalls: [10, 240, 200, 100], errors: 0 };
-    let with_weights = StepParameters { features: UnitFeatures { barycentrics: true }, ..StepParameters::default() };
+    let with_weights = StepParameters {
+        features: UnitFeatures { barycentrics: true, ..UnitFeatures::OFF },
+        ..StepParameters::default()
+    };
     let parameters = [
         UnitParameters { contexts: 8, memory_width: 128, divider_latency: 1, ..UnitParameters::default() },
         UnitParameters {
@@ -86,11 +92,64 @@ fn the_model_equals_the_netlist_in_every_cycle() {
     }
 }
 
+/// The same for scenes with instances, some of which no ray can enter.
+#[test]
+fn the_model_equals_the_netlist_in_every_cycle_with_instances() {
+    let slow = Behaviour { latency: (1, 200), stalls: [64; 4], errors: 100 };
+    let parameters = |contexts, stack, memory_width, divider_latency| {
+        let features = UnitFeatures { instances: true, ..UnitFeatures::OFF };
+        let step = StepParameters { stack, features, ..StepParameters::default() };
+        UnitParameters { contexts, step, memory_width, divider_latency, ..UnitParameters::default() }
+    };
+    let mut random = ChaCha8Rng::seed_from_u64(8);
+    let (mut entered, mut failed) = (0, 0);
+    for (control, parameters) in
+        [(Control::Skid, parameters(8, 2, 128, 1)), (Control::Credit, parameters(64, 8, 1024, 11))]
+    {
+        let unit = UnitNetlist::new(Config::DEFAULT.control(control), parameters).expect("a unit");
+        for behaviour in [QUIET, slow] {
+            let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(20, true, &mut random);
+            let rays: Vec<RayRequest> = (0..200).map(|_| random_ray(root, &mut random)).collect();
+            let mut netlist = NetlistEngine::new(&unit).expect("a simulation");
+            let mut model = UnitModel::of(&unit);
+            let width = parameters.memory_width;
+            let mut environment = Environment::new(&blocks.0, width, rays.clone(), behaviour, 3);
+            while !environment.is_done() {
+                environment.cycle(&mut [&mut netlist, &mut model]).expect("the protocol");
+                assert!(environment.cycles() < 1_000_000, "{} rays ended", environment.replies.len());
+            }
+            entered += model.counts().transforms / 2;
+            if behaviour.errors == 0 {
+                let replies: Vec<Reply> = environment.replies.values().copied().collect();
+                failed += replies.iter().filter(|reply| reply.status == status::ERROR).count();
+                assert_eq!(replies, expected(&blocks, &rays, parameters));
+            }
+        }
+    }
+    assert!(entered > 500 && failed > 20, "{entered} instances were entered, {failed} rays failed");
+}
+
 /// The frames that drove the netlist drive Verilator.
 #[test]
 fn verilator_equals_the_netlist_in_every_cycle() {
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(16, true, &mut random);
+    let rays: Vec<RayRequest> = (0..60).map(|_| random_ray(root, &mut random)).collect();
+    let step = StepParameters { features: EVERYTHING, ..StepParameters::default() };
+    let parameters = UnitParameters { contexts: 8, memory_width: 256, step, ..UnitParameters::default() };
+    verilator_equals_the_netlist(&blocks, rays, parameters);
+}
+
+/// Without anything that a unit may have.
+#[test]
+#[ignore = "long: another build by Verilator"]
+fn verilator_equals_the_plain_netlist_in_every_cycle() {
     let (scene, rays) = setting(200, 60, 3);
     let parameters = UnitParameters { contexts: 8, memory_width: 256, ..UnitParameters::default() };
+    verilator_equals_the_netlist(&scene, rays, parameters);
+}
+
+fn verilator_equals_the_netlist(scene: &BlockScene, rays: Vec<RayRequest>, parameters: UnitParameters) {
     let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
     let folder = tempfile::tempdir().expect("a folder");
     let mut sources = Sources::write(&unit.top, folder.path()).expect("sources");

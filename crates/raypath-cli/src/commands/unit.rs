@@ -1,9 +1,9 @@
 //! The options of the traversal unit.
 
 use crate::CliError;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use raypath_unit::blocks::NodeKind;
-use raypath_unit::{StepParameters, UnitParameters};
+use raypath_unit::{StepParameters, UnitFeatures, UnitParameters};
 
 /// The parameters of the unit around the datapath.
 #[derive(Debug, Args)]
@@ -27,15 +27,26 @@ pub struct UnitArguments {
     /// Cycles of a division, one of which begins in each cycle [default: 11]
     #[arg(long, value_name = "1..27", value_parser = parser(|unit, value| unit.divider_latency = value))]
     divider_latency: Option<u32>,
+    /// Optional parts of the unit
+    #[arg(long, value_name = "instances", value_delimiter = ',')]
+    unit_features: Vec<UnitFeature>,
+}
+
+/// An optional part of the unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum UnitFeature {
+    /// Scenes have instances
+    Instances,
 }
 
 impl UnitArguments {
     /// The selected parameters, each in its range.
     pub fn parameters(&self) -> UnitParameters {
-        let Self { contexts, stack, node, memory_width, id_width, divider_latency } = *self;
+        let Self { contexts, stack, node, memory_width, id_width, divider_latency, ref unit_features } = *self;
         let default = UnitParameters::default();
+        let features = UnitFeatures { instances: unit_features.contains(&UnitFeature::Instances), ..UnitFeatures::OFF };
         let stack = stack.unwrap_or(default.step.stack);
-        let step = StepParameters { stack, node: node.unwrap_or_default(), ..default.step };
+        let step = StepParameters { stack, node: node.unwrap_or_default(), features };
         UnitParameters {
             contexts: contexts.unwrap_or(default.contexts),
             step,
@@ -47,7 +58,12 @@ impl UnitArguments {
 
     /// An error if an option is given without what selects the unit.
     pub fn expect_none(&self, selector: &str) -> Result<(), CliError> {
-        let Self { contexts, stack, node, memory_width, id_width, divider_latency } = self;
+        let Self { contexts, stack, node, memory_width, id_width, divider_latency, unit_features } = self;
+        if !unit_features.is_empty() {
+            return Err(CliError::unusable(format!(
+                "--unit-features is an option of the traversal unit, expected {selector}"
+            )));
+        }
         let given = [
             ("contexts", contexts),
             ("stack", stack),

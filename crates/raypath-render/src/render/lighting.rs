@@ -55,18 +55,25 @@ impl SurfacePoint {
     /// rounding errors of the triangle test: with u = 2⁻²⁴ and M the greatest coordinate or side of the scene, vertices
     /// are at most R = 2·M away along any axis and computed to within 8·u·R across the ray, in two directions, and
     /// 4·u·R along it (docs/reference/error-bounds.md), in total 12·u·R = 24·u·M; rounding the origin adds √3·u·M. The
-    /// distance 32·u·M exceeds the sum. The point is first projected onto the plane of the triangle, because the error
+    /// distance 32·u·M exceeds the sum. In an instance, the errors of its transform are added. The point is first projected onto the plane of the triangle, because the error
     /// of t is greater for faces seen edge-on.
     pub(super) fn new(scene: &Scene, ray: &Ray<Binary32>, hit: &Hit) -> Self {
         let (origin, direction) = (vector(ray.origin.into()), vector(ray.dir.into()));
-        let [a, b, c] = scene.mesh().corners(hit.triangle).map(vector);
-        let front = unit(cross(subtract(b, a), subtract(c, a)));
+        let corners = scene.mesh().corners(hit.triangle);
+        let (a, front, error) = match hit.instance.and_then(|instance| scene.placed(instance)) {
+            Some((placement, pad)) => (placement.moved(corners[0]), placement.normal(corners), *pad),
+            None => {
+                let [a, b, c] = corners.map(vector);
+                (a, cross(subtract(b, a), subtract(c, a)), 0.0)
+            }
+        };
+        let front = unit(front);
         let seen = if hit.from_behind { scale(-1.0, front) } else { front };
         // A triangle without area has no normal; it is shaded as if it faced the ray.
         let normal = if seen == [0.0; 3] { unit(scale(-1.0, direction)) } else { seen };
         let near = add(origin, scale(f64::from(hit.t), direction));
         let on_plane = subtract(near, scale(dot(subtract(near, a), normal), normal));
-        let offset = 32.0 * f64::from(f32::EPSILON / 2.0) * f64::from(greatest(scene));
+        let offset = 32.0 * f64::from(f32::EPSILON / 2.0) * f64::from(greatest(scene)) + error;
         Self { origin: single(add(on_plane, scale(offset, normal))), normal }
     }
 }

@@ -80,7 +80,9 @@ fn run<S: RaySequence>(
     if scene != nodes {
         return Err(PictureError::Nodes { scene, unit: nodes });
     }
-    let mut unit = UnitModel::new(&system.shape, system.unit);
+    let mut parameters = system.unit;
+    parameters.step.features.instances |= blocks.features().instances;
+    let mut unit = UnitModel::new(&system.shape, parameters);
     let mut user = Sequences {
         results: vec![S::Result::default(); sequences.len()],
         waiting: sequences.enumerate(),

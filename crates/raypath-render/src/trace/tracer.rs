@@ -85,7 +85,8 @@ impl<'s> Tracer<'s> {
         let Tracing { rules, two_sided } = tracing;
         Self(match scene.blocks() {
             Some(blocks) => {
-                let step = StepParameters { node: blocks.nodes(), ..StepParameters::default() };
+                let (node, features) = (blocks.nodes(), blocks.features());
+                let step = StepParameters { node, features, ..StepParameters::default() };
                 let unit = Unit::new(rules, step);
                 Way::Unit { unit, blocks, two_sided, counts: Counts::default() }
             }
@@ -129,9 +130,9 @@ impl<'s> Tracer<'s> {
 impl From<raypath_unit::Hit> for Hit {
     /// The numerator and the denominator of a back face are negative in the unit, which tests both faces in one job.
     fn from(hit: raypath_unit::Hit) -> Self {
-        let raypath_unit::Hit { triangle, t, t_num, t_denom, back_face, .. } = hit;
+        let raypath_unit::Hit { triangle, t, t_num, t_denom, back_face, instance, .. } = hit;
         let (t_num, t_denom) = if back_face { (-t_num, -t_denom) } else { (t_num, t_denom) };
-        Self { triangle, from_behind: back_face, t_num, t_denom, t }
+        Self { triangle, from_behind: back_face, t_num, t_denom, t, instance }
     }
 }
 

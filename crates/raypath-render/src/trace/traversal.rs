@@ -203,7 +203,7 @@ impl<'s> Traversal<'s> {
             Some(best) => t < best.t || t == best.t && triangle < best.triangle,
         };
         if closer {
-            self.best = Some(Hit { triangle, from_behind: job % 2 == 1, t_num, t_denom, t });
+            self.best = Some(Hit { triangle, from_behind: job % 2 == 1, t_num, t_denom, t, instance: None });
             self.ray.extent = t.into();
         }
     }

@@ -10,7 +10,7 @@ use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
 
 /// The values of a hit, by the field of the ray's state, and whether each is 0 for rays without a hit.
-const VALUES: [(&str, &str, u32, bool); 7] = [
+const VALUES: [(&str, &str, u32, bool); 8] = [
     ("t", "extent", 32, true),
     ("triangle", "triangle", 32, true),
     ("t_num", "t_num", 32, true),
@@ -18,6 +18,7 @@ const VALUES: [(&str, &str, u32, bool); 7] = [
     ("back_face", "back_face", 1, true),
     ("nodes", "nodes", 32, false),
     ("triangles", "triangles", 32, false),
+    ("instance", "hit_instance", 32, true),
 ];
 
 /// The numerators of barycentric coordinates, which are fields of the ray's state.
@@ -46,7 +47,8 @@ pub fn hits(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         let state = m.input(&format!("next_{field}_i"), width);
         named(name, if is_of_hit { state & is_hit.replicate(width) } else { state })
     };
-    let words: Named<'_> = [named("status", status_word)].into_iter().chain(VALUES.map(value)).collect();
+    let values = VALUES.into_iter().filter(|(_, field, ..)| features.has(field));
+    let words: Named<'_> = [named("status", status_word)].into_iter().chain(values.map(value)).collect();
     let numerators: Vec<_> = NUMERATORS.iter().filter(|field| features.has(field)).collect();
     let numerators: Named<'_> =
         numerators.into_iter().map(|field| named(field, m.input(&format!("next_{field}_i"), 32))).collect();

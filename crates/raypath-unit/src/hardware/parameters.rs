@@ -35,10 +35,10 @@ impl fmt::Display for UnitParameters {
              {divider_latency} cycles",
             step.stack
         )?;
-        match step.node {
-            NodeKind::Wide4 => Ok(()),
-            NodeKind::Quantised => f.write_str(", quantised nodes"),
+        if step.node == NodeKind::Quantised {
+            f.write_str(", quantised nodes")?;
         }
+        f.write_str(if step.features.instances { ", instances" } else { "" })
     }
 }
 
@@ -67,12 +67,14 @@ impl UnitParameters {
                 (&[128, 256, 512][..], "128, 256 or 512 with quantised nodes, whose blocks have 512")
             }
         };
+        let bytes = step.node.block_bytes();
         let checks = [
             ("contexts", contexts, (8..=256).contains(&contexts), "8 to 256"),
             ("stack", step.stack, [2, 4, 8, 16, 32].contains(&step.stack), "2, 4, 8, 16 or 32"),
             ("memory width", memory_width, widths.contains(&memory_width), expected_widths),
             ("id width", id_width, (1..=64).contains(&id_width), "1 to 64"),
             ("divider latency", divider_latency, (1..=27).contains(&divider_latency), "1 to 27"),
+            ("size of a block in bytes", bytes, bytes == 128 || !step.features.instances, "128, which instances need"),
         ];
         match checks.into_iter().find(|(_, _, is_valid, _)| !is_valid) {
             None => Ok(()),

@@ -2,14 +2,16 @@
 
 use super::connect::{Inputs, Named, keep, named};
 use super::contexts::contexts;
+use super::entries::entries;
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::set_up::set_up;
 use crate::fold::HitLimits;
 use crate::netlist::{Netlist, Value, inputs, wires};
 use crate::set_up::Entry;
+use crate::step::StepParameters;
 use raypath_hdl::{Builder, Error, Module};
-use raypath_ops::Bit;
+use raypath_ops::{Bit, Vec3};
 use std::sync::Arc;
 
 /// The module `raypath_unit_rays`.
@@ -20,8 +22,13 @@ use std::sync::Arc;
 ///
 /// Readers give an enable and a context, and have their words in the next cycle: `job_read_i` for `job_…_o`,
 /// `limits_read_i` for `limits_…_o`, `step_read_i` for `begin_…_o`.
+///
+/// With instances, the outcomes of transforms, `transformed_…_i`, enter the set-up as `raypath_unit_entries` says, and
+/// `start_is_instance_o` says that a ray does not begin but enters an instance. `job_…_o` has the constants in its space
+/// if `job_inside_i` is 1; `job_dir_…_o` is the direction outside.
 pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
-    let UnitParameters { contexts: count, id_width, divider_latency, .. } = parameters;
+    let UnitParameters { contexts: count, id_width, divider_latency, step: StepParameters { features, .. }, .. } =
+        parameters;
     let builder = Builder::new("raypath_unit_rays");
     let m = &builder;
     m.doc("The contexts of rays, the set-up of rays, and what is kept of them.");
@@ -49,11 +56,23 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         .port("released", release.1)
         .place(m, "u_contexts", &contexts(count)?);
     let context = free.port("context");
-    let constants = Inputs::default()
+    let entering = Inputs::default()
         .port("valid", valid & free.port("valid"))
         .ports(wires("entry", &entry))
-        .port("context", context)
-        .place(m, "u_set_up", &set_up(count, divider_latency)?);
+        .port("context", context);
+    let constants = if features.instances {
+        let [is_transformed, is_last] = ["valid", "is_last"].map(|name| m.input(&format!("transformed_{name}_i"), 1));
+        let transformed: Vec3<Netlist<'_>> = inputs(m, "transformed");
+        entering
+            .port("free", free.port("valid"))
+            .port("transformed_valid", is_transformed)
+            .port("transformed_is_last", is_last)
+            .port("transformed_context", m.input("transformed_context_i", width))
+            .ports(wires("transformed", &transformed))
+            .place(m, "u_entries", &entries(count, divider_latency)?)
+    } else {
+        entering.place(m, "u_set_up", &set_up(count, divider_latency)?)
+    };
     let ready = (constants.port("ready") & free.port("valid")).named("ready");
     enters.drive(valid & ready);
 
@@ -67,24 +86,41 @@ pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let limits = keep("u_limits", count, at_entry, wires("limits", &limits), limits_reader);
     let begin = keep("u_begins", count, at_entry, begin, step);
     let is_known = constants.port("valid");
+    let known = constants.port("context");
     let derived: Named<'_> = CONSTANTS.iter().map(|name| named(name, constants.port(name))).collect();
-    let derived = keep("u_constants", count, (is_known, constants.port("context")), derived, job);
+    let of_job: Named<'_> = if features.instances {
+        let is_instance = constants.port("is_instance");
+        let outside = keep("u_constants", count, (is_known & !is_instance, known), derived.clone(), job);
+        let inside = keep("u_object_constants", count, (is_known & is_instance, known), derived, job);
+        let at_instance = (constants.port("enters_instance"), constants.port("origin_context"));
+        let object_origin = keep("u_object_origins", count, at_instance, constants.under("object"), job);
+        let is_inside = m.input("job_inside_i", 1);
+        let pairs = origin.into_iter().chain(outside).zip(object_origin.into_iter().chain(inside));
+        let chosen = pairs.map(|((name, outside), (_, inside))| (name, is_inside.mux(inside, outside)));
+        chosen.chain(keep("u_directions", count, at_entry, wires("dir", &entry.dir), job)).collect()
+    } else {
+        origin.into_iter().chain(keep("u_constants", count, (is_known, known), derived, job)).collect()
+    };
 
     m.section("Rays that begin");
+    let columns = [("context", width), ("is_refused", 1), ("is_instance", 1)];
+    let columns = if features.instances { &columns[..] } else { &columns[..2] };
     let start = Inputs::default()
         .port("push", is_known)
-        .port("context", constants.port("context"))
-        .port("is_refused", constants.port("is_refused"))
+        .ports(columns.iter().map(|(name, _)| named(name, constants.port(name))))
         .port("pop", start_taken)
-        .place(m, "u_starts", &queue("raypath_unit_starts", count, &[("context", width), ("is_refused", 1)])?);
+        .place(m, "u_starts", &queue("raypath_unit_starts", count, columns)?);
 
     m.output("ready_o", ready);
-    for name in ["valid", "context", "is_refused"] {
+    for name in ["valid"].into_iter().chain(columns.iter().map(|(name, _)| *name)) {
         m.output(&format!("start_{name}_o"), start.port(name));
+    }
+    if features.instances {
+        m.output("transformed_ready_o", constants.port("transformed_ready"));
     }
     let output = |name: &str, wire| m.output(&format!("{name}_o"), wire);
     id.iter().chain(&limits).for_each(|(name, wire)| output(name, *wire));
-    origin.into_iter().chain(derived).for_each(|(name, wire)| output(&format!("job_{name}"), wire));
+    of_job.into_iter().for_each(|(name, wire)| output(&format!("job_{name}"), wire));
     begin.iter().for_each(|(name, wire)| output(&format!("begin_{name}"), *wire));
     builder.finish()
 }

@@ -1,6 +1,6 @@
 //! A step in hardware: two modules without registers, and the pipeline around them.
 
-use crate::netlist::{Netlist, inputs, inputs_with, outputs, outputs_with};
+use crate::netlist::{Netlist, inputs, inputs_with, outputs_with};
 use crate::state::{Answer, Group, RayState};
 use crate::step::{HalfStep, StepParameters, UnitFeatures, finish, prepare};
 use raypath_hdl::{Builder, Error, Module};
@@ -16,7 +16,7 @@ pub fn prepare_module(features: UnitFeatures) -> Result<Arc<Module>, Error> {
     m.doc("What happens to a ray when an answer arrives, before its stack is read.");
     let state: RayState<Netlist<'_>> = inputs_with(&m, "state", features);
     let answer: Answer<Netlist<'_>> = inputs_with(&m, "answer", features);
-    outputs_with(&m, "half", &prepare(Netlist(&m), state, answer), features);
+    outputs_with(&m, "half", &prepare(Netlist(&m), features, state, answer), features);
     m.finish()
 }
 
@@ -34,6 +34,6 @@ pub fn finish_module(parameters: StepParameters) -> Result<Arc<Module>, Error> {
     let top: Group<Netlist<'_>> = inputs(&m, "top");
     let (next, request) = finish(Netlist(&m), parameters, half, top);
     outputs_with(&m, "next", &next, parameters.features);
-    outputs(&m, "request", &request);
+    outputs_with(&m, "request", &request, parameters.features);
     m.finish()
 }

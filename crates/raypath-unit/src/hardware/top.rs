@@ -12,13 +12,14 @@ use super::rays::rays;
 use super::walk::walk;
 use crate::blocks::{BOX_WORDS, NodeKind};
 use crate::error::UnitError;
+use crate::instance::{TRANSFORM_OPCODE, Transform, TransformInput};
 use crate::netlist::{Netlist, from_wires, wires};
 use crate::set_up::Entry;
 use crate::step::UnitFeatures;
 use raypath_hdl::{Builder, Forward, Module, Wire};
 use raypath_model::{Control, Shape};
 use raypath_ops::{Binary32, Culling, JobKind, RayBoxInput, RayTriangleInput, Rules, ports_of};
-use raypath_rtl::{Config, Datapath, Features, Lanes};
+use raypath_rtl::{Config, Datapath, Features, Lanes, Operations};
 use std::sync::Arc;
 
 /// The unit's netlist and that of its datapath.
@@ -55,10 +56,10 @@ impl UnitNetlist {
         parameters.check()?;
         check(config)?;
         let tag = bits(parameters.contexts) + tag_bits(parameters.step.node);
-        let UnitFeatures { barycentrics } = parameters.step.features;
+        let UnitFeatures { barycentrics, .. } = parameters.step.features;
         let features = Features { tag, facing: true, barycentrics, culling: Culling::None, ..Features::OFF };
         let config = config.lanes(Lanes::None).features(features);
-        let datapath = Datapath::new(config)?;
+        let datapath = datapath(config, parameters)?;
         let top = top(datapath.top(), parameters)?;
         Ok(Self { top, datapath, config, parameters })
     }
@@ -90,6 +91,17 @@ fn check(config: Config) -> Result<(), UnitError> {
         None => Ok(()),
         Some((parameter, _, value, expected)) => Err(UnitError::Datapath { parameter, value, expected }),
     }
+}
+
+/// The datapath of this configuration; with instances, it has the operation that transforms rays too.
+fn datapath(config: Config, parameters: UnitParameters) -> Result<Datapath, UnitError> {
+    if !parameters.step.features.instances {
+        return Ok(Datapath::new(config)?);
+    }
+    config.check()?;
+    let mut operations = Operations::new().tag(config.semantics.features.tag);
+    config.semantics.operations(&mut operations)?;
+    Ok(Datapath::build(operations.with(&Transform, TRANSFORM_OPCODE)?, config.microarchitecture)?)
 }
 
 fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>, UnitError> {
@@ -128,6 +140,21 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
         Some(decodes) => decodes.map(Forward::wire),
     };
     let [fetch_count, fetch_extent] = [("fetch_count", 2), ("fetch_extent", 32)].map(|(name, w)| m.forward(name, w));
+    // With instances: to the set-up of rays, and to what is kept of a fetch.
+    let backwards = |paths: &[(&str, u32)]| -> Vec<(String, Forward<'_>)> {
+        let paths = if features.instances { paths } else { &[] };
+        paths.iter().map(|(name, width)| (name.to_string(), m.forward(name, *width))).collect()
+    };
+    let to_rays = backwards(&[
+        ("job_inside", 1),
+        ("transformed_valid", 1),
+        ("transformed_is_last", 1),
+        ("transformed_context", width),
+        ("transformed_x", 32),
+        ("transformed_y", 32),
+        ("transformed_z", 32),
+    ]);
+    let to_fetched = backwards(&[("fetch_is_instance", 1), ("fetch_inside", 1)]);
 
     m.section("Rays");
     let rays = Inputs::default()
@@ -143,6 +170,7 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
         .port("limits_context", limits_context.wire())
         .port("step_read", step_read.wire())
         .port("step_context", step_context.wire())
+        .ports(to_rays.iter().map(|(name, forward)| named(name, forward.wire())))
         .place(m, "u_rays", &rays(parameters)?);
 
     m.section("Blocks and their jobs");
@@ -159,7 +187,8 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
         .port("index_read", limits_read.wire())
         .port("index_context", limits_context.wire())
         .place(m, "u_blocks", &blocks(contexts, memory_width, nodes)?);
-    let fetched = vec![named("count", fetch_count.wire()), named("extent", fetch_extent.wire())];
+    let mut fetched = vec![named("count", fetch_count.wire()), named("extent", fetch_extent.wire())];
+    fetched.extend(to_fetched.iter().map(|(name, forward)| named(name.trim_start_matches("fetch_"), forward.wire())));
     let by_fetch = (fetches.wire(), fetch_context.wire());
     let fetched = keep("u_fetched", contexts, by_fetch, fetched, (job_read, job_context));
     let words = prefixed("word", blocks.under("word"));
@@ -196,7 +225,9 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     };
 
     m.section("The datapath");
-    let opcode = |kind: JobKind| m.constant(datapath.port_width("opcode_i").unwrap_or(1), kind.opcode());
+    let opcode = |opcode: u64| m.constant(datapath.port_width("opcode_i").unwrap_or(1), opcode);
+    let [boxes, triangle] = [JobKind::Quadbox, JobKind::Triangle].map(|kind| opcode(kind.opcode()));
+    let other = fetched.get(2).map_or(triangle, |(_, is_instance)| is_instance.mux(opcode(TRANSFORM_OPCODE), triangle));
     let job = Job { rays: &rays, blocks: &blocks, issue: &issue, decoder: decoder.as_ref(), extent: fetched[1].1 };
     let (offer, is_node, tag) = match &decoder {
         None => {
@@ -209,14 +240,16 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     let outcome = Inputs::default()
         .port("input_valid", offer)
         .port("output_ready", outcome_ready.wire())
-        .port("opcode", is_node.mux(opcode(JobKind::Quadbox), opcode(JobKind::Triangle)))
+        .port("opcode", is_node.mux(boxes, other))
         .port("tag", tag)
         .ports(job.inputs(m, datapath))
         .place(m, "u_datapath", datapath);
     job_ready.drive(outcome.port("input_ready"));
-    let is_boxes = outcome.port("opcode").equals(opcode(JobKind::Quadbox)).named("is_boxes");
+    let is_boxes = outcome.port("opcode").equals(boxes).named("is_boxes");
     let tag = outcome.port("tag");
     let outcome_context = tag.upper(width).named("outcome_context");
+    let is_transform =
+        features.instances.then(|| outcome.port("opcode").equals(opcode(TRANSFORM_OPCODE)).named("is_transform"));
 
     m.section("Distances of triangles");
     let weights = ["u", "v"].map(|name| (format!("{name}_num"), format!("barycentric_{name}")));
@@ -226,8 +259,9 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
         NodeKind::Wide4 => vec![named("place", tag.bits(2, 1)), named("is_last", tag.bit(0))],
         NodeKind::Quantised => Vec::new(),
     };
+    let is_triangle = is_transform.map_or(!is_boxes, |is_transform| !is_boxes & !is_transform);
     let closest = Inputs::default()
-        .port("valid", outcome.port("output_valid") & !is_boxes)
+        .port("valid", outcome.port("output_valid") & is_triangle)
         .port("context", outcome_context)
         .ports(place)
         .port("is_hit", outcome.port("triangle_hit"))
@@ -242,7 +276,9 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     limits_read.drive(closest.port("read"));
     limits_context.drive(closest.port("read_context"));
     // Outcomes of box jobs wait in a memory.
-    outcome_ready.drive(is_boxes | closest.port("ready"));
+    let is_taken = closest.port("ready");
+    let is_taken = is_transform.map_or(is_taken, |is| is.mux(rays.port("transformed_ready"), is_taken));
+    outcome_ready.drive(is_boxes | is_taken);
 
     m.section("Steps");
     let tmin = (1..4).map(|k| named(&format!("boxes_tmin_{}", k - 1), outcome.port(&format!("tmin_{k}"))));
@@ -271,6 +307,15 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     fetch_count.drive(walk.port("count"));
     fetch_extent.drive(walk.port("next_extent"));
 
+    if let Some(is_transform) = is_transform {
+        let to_set_up = [outcome.port("output_valid") & is_transform, tag.bit(0), outcome_context].into_iter();
+        let transformed = outcome.under("transformed").into_iter().map(|(_, wire)| wire);
+        let wires = [fetched[3].1].into_iter().chain(to_set_up).chain(transformed);
+        to_rays.into_iter().zip(wires).for_each(|((_, forward), wire)| forward.drive(wire));
+        let wires = [walk.port("is_instance"), walk.port("is_inside")];
+        to_fetched.into_iter().zip(wires).for_each(|((_, forward), wire)| forward.drive(wire));
+    }
+
     m.section("Requests to the memory, and hits");
     let columns = [("context", width), ("block", 32 - offset_bits)];
     let request = Inputs::default()
@@ -298,6 +343,9 @@ fn top(datapath: &Arc<Module>, parameters: UnitParameters) -> Result<Arc<Module>
     if features.barycentrics {
         ["u", "v"].into_iter().for_each(|name| m.output(&format!("hit_{name}_o"), hits.port(name)));
     }
+    if features.instances {
+        m.output("hit_instance_o", hits.port("instance"));
+    }
     m.output("mem_req_valid_o", request.port("valid"));
     m.output("mem_req_addr_o", m.concat(&[request.port("block"), m.constant(offset_bits, 0)]));
     m.output("mem_req_tag_o", request.port("context"));
@@ -315,14 +363,16 @@ struct Job<'a, 'm> {
 }
 
 impl<'m> Job<'_, 'm> {
-    /// The inputs of the datapath's two operations.
+    /// The inputs of the datapath's operations.
     fn inputs(&self, m: &'m Builder, datapath: &Module) -> Named<'m> {
         let mut found: Named<'m> = Vec::new();
         let mut corners = 0..;
         let mut vertices = 0..;
+        let mut matrix = 0..;
         let boxes = ports_of::<RayBoxInput<Binary32>>().into_iter();
         let triangles = ports_of::<RayTriangleInput<Binary32>>().into_iter();
-        for port in boxes.chain(triangles) {
+        let transform = ports_of::<TransformInput<Binary32>>().into_iter();
+        for port in boxes.chain(triangles).chain(transform) {
             let name = port.name;
             if found.iter().any(|(known, _)| *known == name) || datapath.port_width(&format!("{name}_i")).is_none() {
                 continue;
@@ -339,6 +389,18 @@ impl<'m> Job<'_, 'm> {
                         || self.blocks.port(&format!("word_{word}")),
                         |decoder| decoder.port(&format!("bound_{word}")),
                     )
+                }
+                None if name.starts_with("point_") => {
+                    let axis = name.trim_start_matches("point_");
+                    let [origin, dir] = ["origin", "dir"].map(|of| self.rays.port(&format!("job_{of}_{axis}")));
+                    self.issue.port("is_last").mux(dir, origin)
+                }
+                None if name.starts_with("matrix_") => {
+                    let place: usize = matrix.next().unwrap_or_default();
+                    let word = self.blocks.port(&format!("word_{place}"));
+                    // A direction is not moved.
+                    let is_moved = !self.issue.port("is_last");
+                    if name.ends_with("_t") { word & is_moved.replicate(32) } else { word }
                 }
                 None => {
                     let vertex: usize = vertices.next().unwrap_or_default();

@@ -21,13 +21,13 @@ use std::sync::Arc;
 ///
 /// The outcome of a box job, `boxes_…_i`, enters where `boxes_valid_i` is 1, with `boxes_context_i`, and waits in a
 /// memory. The other sources of answers have `<source>_valid_i` and `<source>_context_i`, and `<source>_taken_o` where
-/// their answer is taken: `block` with `closest_…_i`, `fault`, and `start` with `start_is_refused_i`. Where `read_o` is
-/// 1, the child words and the ray of `read_context_o` are read, which are there in the next cycle: `child_…_i`,
-/// `begin_…_i`.
+/// their answer is taken: `block` with `closest_…_i`, `fault`, and `start` with `start_is_refused_i` and, with instances,
+/// `start_is_instance_i`. Where `read_o` is 1, the child words and the ray of `read_context_o` are read, which are there
+/// in the next cycle: `child_…_i`, `begin_…_i`.
 ///
 /// A step ends with `fetches_o` or `ends_o`, or neither if the ray continues, and `context_o`. To fetch: `block_o`, the
-/// address without its offset, and `count_o`. At the end: `status_o` and what a hit shows of the
-/// state, `next_…_o`.
+/// address without its offset, `count_o` and, with instances, `is_instance_o` and `is_inside_o`. At the end:
+/// `status_o` and what a hit shows of the state, `next_…_o`.
 pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let UnitParameters { contexts: count, step, .. } = parameters;
     let builder = Builder::new("raypath_unit_walk");
@@ -44,6 +44,7 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
         names.iter().map(|(name, width)| (name.to_string(), m.input(&format!("{name}_i"), *width))).collect()
     };
     let is_refused = m.input("start_is_refused_i", 1);
+    let is_instance = step.features.instances.then(|| m.input("start_is_instance_i", 1));
     let boxes = inputs(&BOXES);
     let closest: Vec<_> = CLOSEST.into_iter().filter(|(name, _)| step.features.has(name)).collect();
     let closest = inputs(&closest);
@@ -75,7 +76,9 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     boxes_taken.drive(taken("boxes"));
     let read = grant.any().named("read");
     let read_context = granted(grant, sources.iter().map(|(_, context)| *context)).named("read_context");
-    let start_kind = is_refused.mux(constant(3, answer::REFUSED), constant(3, answer::START));
+    let either = |refused: u32, ready: u32| is_refused.mux(constant(3, refused), constant(3, ready));
+    let start_kind = either(answer::REFUSED, answer::START);
+    let start_kind = is_instance.map_or(start_kind, |is| is.mux(either(answer::ERROR, answer::ENTER), start_kind));
     let kinds = [answer::BOXES, answer::BLOCK, answer::ERROR].map(|kind| constant(3, kind)).into_iter();
     let kind = granted(grant, kinds.chain([start_kind, constant(3, answer::CONTINUE)]));
     let prepares = m.register("prepares_q", 1).reset_to(0);
@@ -161,9 +164,11 @@ pub fn walk(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.unused("unused_offset", &[address.lower(step.node.offset_bits())]);
     m.unused("unused_level", &[level.upper(level.width() - slot_bits)]);
     m.output("block_o", address.upper(address.width() - step.node.offset_bits()));
-    for name in ["count", "status"] {
+    for name in ["count", "status", "is_instance"].into_iter().filter(|name| step.features.has(name)) {
         m.output(&format!("{name}_o"), done.port(&format!("request_{name}")));
     }
+    let is_inside = next.iter().filter(|(name, _)| name == "inside");
+    is_inside.for_each(|(_, wire)| m.output("is_inside_o", *wire));
     let shown = next.into_iter().filter(|(name, _)| is_shown(name));
     shown.for_each(|(name, wire)| m.output(&format!("next_{name}_o"), wire));
     builder.finish()

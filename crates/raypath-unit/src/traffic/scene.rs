@@ -2,6 +2,7 @@
 
 use crate::RayRequest;
 use crate::blocks::{LeafTriangle, NODE_KIND, Node, NodeKind};
+use crate::instance::{INSTANCE_KIND, Instance};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_ops::{Aabb, Binary32, Triangle};
@@ -9,6 +10,15 @@ use raypath_ops::{Aabb, Binary32, Triangle};
 /// The blocks of a scene with these nodes, appended one after another, from address 0 on.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct BlockScene(pub Vec<u8>, pub NodeKind);
+
+/// A tree in a scene.
+#[derive(Debug, Clone)]
+pub(super) struct Object {
+    /// The child word of its root.
+    pub root: u32,
+    pub bounds: Aabb<Binary32>,
+    pub triangles: Vec<LeafTriangle>,
+}
 
 impl BlockScene {
     /// The address of the next block.
@@ -35,6 +45,13 @@ impl BlockScene {
         word
     }
 
+    /// Appends an instance, and returns its child word.
+    pub fn instance(&mut self, instance: &Instance) -> u32 {
+        let word = self.address() | INSTANCE_KIND;
+        self.0.extend(instance.to_bytes());
+        word
+    }
+
     /// A tree over random triangles in a cube from -1 to 1, and the child word of its root. Some triangles lie on
     /// others, with either face towards a ray.
     pub fn random(triangles: u32, random: &mut ChaCha8Rng) -> (Self, u32) {
@@ -44,6 +61,12 @@ impl BlockScene {
     /// The same with these nodes. The tree does not depend on them.
     pub fn random_of(nodes: NodeKind, triangles: u32, random: &mut ChaCha8Rng) -> (Self, u32) {
         let mut scene = Self(Vec::new(), nodes);
+        let Object { root, .. } = scene.random_object(triangles, random);
+        (scene, root)
+    }
+
+    /// Appends a tree over random triangles in a cube from -1 to 1.
+    pub(super) fn random_object(&mut self, triangles: u32, random: &mut ChaCha8Rng) -> Object {
         let mut all: Vec<LeafTriangle> = (0..triangles)
             .map(|index| {
                 let at: [f32; 3] = std::array::from_fn(|_| random.random_range(-1.0..1.0));
@@ -57,8 +80,8 @@ impl BlockScene {
                 all[place].triangle = if random.random() { Triangle { a, b, c } } else { Triangle { a, b: c, c: b } };
             }
         }
-        let (root, _) = scene.tree(&mut all, random);
-        (scene, root)
+        let (root, bounds) = self.tree(&mut all, random);
+        Object { root, bounds, triangles: all }
     }
 
     /// A path of this many nodes whose boxes are all the same, so that every level is pending at its end, with a
@@ -70,12 +93,19 @@ impl BlockScene {
     /// The same with these nodes.
     pub fn deep_of(nodes: NodeKind, depth: u32, random: &mut ChaCha8Rng) -> (Self, u32) {
         let mut scene = Self(Vec::new(), nodes);
+        let Object { root, .. } = scene.deep_object(depth, random);
+        (scene, root)
+    }
+
+    /// Appends such a path.
+    pub(super) fn deep_object(&mut self, depth: u32, random: &mut ChaCha8Rng) -> Object {
         let all = Aabb::new([-2.0; 3], [2.0; 3]);
-        let mut next = None;
+        let (mut next, mut triangles) = (None, Vec::new());
         for level in 0..depth {
             let mut corner = || std::array::from_fn(|_| random.random_range(-1.5_f32..1.5));
             let triangle = Triangle::new(corner(), corner(), corner());
-            let leaf = scene.leaf(&[LeafTriangle { triangle, index: level }]);
+            triangles.push(LeafTriangle { triangle, index: level });
+            let leaf = self.leaf(&triangles[level as usize..]);
             let place = random.random_range(0..4);
             let (mut boxes, mut children) = ([never(); 4], [0; 4]);
             (boxes[place], children[place]) = (all, next.unwrap_or(leaf));
@@ -85,9 +115,9 @@ impl BlockScene {
                     (boxes[other], children[other]) = (all, leaf);
                 }
             }
-            next = Some(scene.node(boxes, children));
+            next = Some(self.node(boxes, children));
         }
-        (scene, next.unwrap_or(0))
+        Object { root: next.unwrap_or(0), bounds: all, triangles }
     }
 
     fn tree(&mut self, triangles: &mut [LeafTriangle], random: &mut ChaCha8Rng) -> (u32, Aabb<Binary32>) {

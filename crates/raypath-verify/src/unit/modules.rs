@@ -24,7 +24,7 @@ pub fn check(module: &Arc<Module>, parameters: UnitParameters, seed: u64) -> Res
     let UnitParameters { contexts, step, divider_latency, .. } = parameters;
     let bench = || Bench::new(module, seed);
     let found = match module.name() {
-        "raypath_unit_prepare" => steps::prepare(&mut bench()?),
+        "raypath_unit_prepare" => steps::prepare(&mut bench()?, step.features),
         "raypath_unit_finish" => steps::finish(&mut bench()?, step),
         "raypath_unit_set_up" => set_up::run(&mut bench()?, divider_latency),
         "raypath_unit_distance" => distance::run(&mut bench()?, contexts),

@@ -72,7 +72,7 @@ fn the_unit_is_written_listed_and_checked() {
 
 #[test]
 fn wrong_parameters_of_the_unit_are_named() {
-    let wrong: [(&str, &[&str]); 15] = [
+    let wrong: [(&str, &[&str]); 17] = [
         ("--unit --node wide", &["'wide'", "--node", "expected wide4 or quantised"]),
         ("--unit --node quantised --memory-width 1024", &["memory width is 1024", "expected 128, 256 or 512 with"]),
         ("--node quantised", &["--node quantised", "expected --unit"]),
@@ -84,6 +84,8 @@ fn wrong_parameters_of_the_unit_are_named() {
         ("--unit --divider-latency 0", &["'0'", "--divider-latency", "expected 1 to 27"]),
         ("--unit --rays 0", &["'0'", "--rays", "expected a whole number from 1"]),
         ("--contexts 8", &["--unit"]),
+        ("--unit-features instances", &["--unit-features", "--unit"]),
+        ("--unit --unit-features motion", &["'motion'", "--unit-features", "instances"]),
         ("--unit --with sphere", &["--unit", "cannot be used with", "--with"]),
         ("--unit --jobs 5", &["--unit", "cannot be used with", "--jobs"]),
         ("--unit --preset half", &["format e5s11", "expected format fp32"]),
@@ -137,6 +139,45 @@ fn wave_shows_the_channels_of_the_unit_and_the_names_of_its_parts() {
     values(&["raypath_unit", "u_walk", "u_stack"], "write_enable");
 }
 
+/// A unit with instances, and a scene of two levels for it.
+#[test]
+fn instances_on_the_command_line() {
+    let folder = folder();
+    let below = |name: &str| text(&folder.path().join(name));
+    let (out, image) = (below("unit"), below("image.png"));
+    let said = page::succeeds(&["generate", "--unit", "--unit-features", "instances", "--rays", "50", "--out", &out]);
+    for words in ["instances; datapath", "hit_instance_o [31:0]", "| u_rays.u_object_constants ", "50 instances"] {
+        assert!(said.contains(words), "no '{words}' in {said}");
+    }
+    let paths: Vec<PathBuf> = std::fs::read_to_string(folder.path().join("unit/raypath_unit_axi.f"))
+        .expect("a list")
+        .lines()
+        .map(|name| folder.path().join("unit").join(name))
+        .collect();
+    lint_verilator(&paths, "raypath_unit_axi", &[]).expect("no report of Verilator");
+    lint_yosys(&folder.path().join("unit/raypath_unit.sv"), "raypath_unit").expect("no report of Yosys");
+    lint_slang(&paths).expect("no report of slang");
+
+    let places = "1 0 0 0 0 1 0 0 0 0 1 0\n-1 0 0 40 0 1 0 0 0 0 1 0\n";
+    let places = file(folder.path(), "places.txt", places);
+    let said = page::succeeds(&["scene", "--instances", &places, "--out", &below("scene.bin")]);
+    assert!(said.contains("119168 triangles") && said.contains(", 2 instances: "), "{said}");
+    let hits = below("hits.txt");
+    let render = ["render", "--instances", &places, "--size", "48x33", "--out", &image];
+    let said = page::succeeds(&[&render[..], &["--through", "unit", "--hits", &hits]].concat());
+    assert!(said.contains("2 instances of 119168 triangles"), "{said}");
+    let written = std::fs::read_to_string(&hits).expect("hits");
+    assert!(["@0 ", "@1 "].iter().all(|instance| written.contains(instance)), "{written}");
+    let drawn = below("drawn.png");
+    page::succeeds(&["render", "--instances", &places, "--size", "48x33", "--draw", &hits, "--out", &drawn]);
+    let bytes = |path: &str| std::fs::read(path).expect("a picture");
+    assert!(bytes(&drawn) == bytes(&image), "the pictures differ");
+
+    ends_with(&render, 2, &["--instances", "--through unit"]);
+    let wrong = file(folder.path(), "wrong.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 2 3\n");
+    ends_with(&["scene", "--instances", &wrong], 2, &["wrong.txt:2", "3 numbers, expected 12"]);
+}
+
 /// `examples/unit` on the commands of `docs/integration/unit.md`: the Verilated RTL behind cocotb's AXI4 memory traces
 /// the rays of a picture of the built-in scene, with the hits of the functional model to the bit, and its picture is
 /// the model's.
@@ -181,6 +222,7 @@ fn hits_that_are_not_of_the_picture_are_named() {
         (hits("word.txt", "miss\nhit\n"), ["word.txt:2", "1 words, expected 7 or miss"]),
         (hits("bits.txt", "1 1 1 1 3f800000 3f8 3f800000\n"), ["bits '3f8'", "expected 8 hexadecimal digits"]),
         (hits("index.txt", &hit.replacen('1', "-1", 1)), ["triangle '-1'", "expected a whole number"]),
+        (hits("instance.txt", &hit.replacen('1', "1@x", 1)), ["triangle '1@x'", "@ and an instance"]),
         (
             hits("large.txt", &format!("{}{hit}{hit}{hit}", hit.replacen('1', "119168b", 1))),
             ["pixel 0 shows triangle 119168", "expected one of the scene's 119168"],

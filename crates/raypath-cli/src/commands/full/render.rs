@@ -18,6 +18,7 @@ use raypath_render::{
 use raypath_rtl::Config;
 use raypath_timing::report::Image;
 use scene::CameraArguments;
+pub use scene::Shown;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use timing::{Simulated, Work};
@@ -27,6 +28,10 @@ use unit::UnitTimingArguments;
 pub struct Arguments {
     /// The scene: a mesh as .obj, .gltf, .glb, .ply or .stl [default: a built-in one]
     scene: Option<PathBuf>,
+    /// Show the mesh at several places: a file with 12 numbers a line, of an affine matrix from the mesh to the scene,
+    /// row by row; with --through unit or --draw
+    #[arg(long, value_name = "FILE")]
+    instances: Option<PathBuf>,
     #[command(flatten)]
     camera: CameraArguments,
     /// Size of the picture in pixels
@@ -134,10 +139,10 @@ fn picture(
     tracing: Tracing,
     out: &mut dyn Write,
 ) -> Result<(), CliError> {
-    let mesh = scene::mesh(arguments.scene.as_deref())?;
+    let shown = arguments.shown()?;
     let (width, height) = arguments.size;
-    let camera = arguments.camera.camera(&mesh, width as f32 / height as f32)?;
-    let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(CliError::unusable)?;
+    let camera = arguments.camera.camera(&shown, width as f32 / height as f32)?;
+    let scene = shown.scene([camera.eye()])?;
     let scene = arguments.through.prepared(scene, &arguments.unit)?;
     scene::describe(arguments.scene.as_deref(), &scene, out)?;
     let shading = Shading {
@@ -179,10 +184,10 @@ fn picture(
 /// The picture of hits that were traced elsewhere.
 fn drawn(arguments: &Arguments, hits: &Path, out: &mut dyn Write) -> Result<(), CliError> {
     let hits = read_hits(hits).map_err(CliError::unusable)?;
-    let mesh = scene::mesh(arguments.scene.as_deref())?;
+    let shown = arguments.shown()?;
     let (width, height) = arguments.size;
-    let camera = arguments.camera.camera(&mesh, width as f32 / height as f32)?;
-    let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(CliError::unusable)?;
+    let camera = arguments.camera.camera(&shown, width as f32 / height as f32)?;
+    let scene = shown.scene([camera.eye()])?;
     let picture = draw(&scene, &camera, arguments.size, &hits).map_err(CliError::unusable)?;
     let png = to_png(&picture).map_err(CliError::unusable)?;
     writeln!(out, "{} pixels, {} with a hit", hits.len(), hits.iter().flatten().count())?;
@@ -197,8 +202,8 @@ fn trace(
     rays: Vec<Ray<Binary32>>,
     out: &mut dyn Write,
 ) -> Result<(), CliError> {
-    let mesh = scene::mesh(arguments.scene.as_deref())?;
-    let scene = Scene::for_origins(mesh, rays.iter().map(|ray| ray.origin.into())).map_err(CliError::unusable)?;
+    let shown = arguments.shown()?;
+    let scene = shown.scene(rays.iter().map(|ray| ray.origin.into()))?;
     let scene = arguments.through.prepared(scene, &arguments.unit)?;
     let mut divided = Divided::begin(&arguments.division, arguments.work(&scene, config))?;
     let hits = divided.trace(&scene, &rays, tracing)?;
@@ -251,6 +256,14 @@ fn time(
 }
 
 impl Arguments {
+    /// What the scene shows. The traversal in software has no instances.
+    fn shown(&self) -> Result<Shown, CliError> {
+        if self.instances.is_some() && self.through == Through::Datapath && self.draw.is_none() {
+            return Err(CliError::unusable("--instances is an option of --through unit, and of --draw"));
+        }
+        Shown::read(self.scene.as_deref(), self.instances.as_deref())
+    }
+
     /// The simulated unit; `None` if the rays do not go through it, or without timing.
     fn unit_system(&self, config: Config) -> Result<Option<UnitSystem>, CliError> {
         if self.through == Through::Datapath {
@@ -267,8 +280,9 @@ impl Arguments {
     fn work(&self, scene: &Scene, config: Config) -> String {
         let Self { camera, size, shadows, ao, samples, two_sided, seed, rays, hits, .. } = self;
         let (triangles, rays, hits) = (scene.mesh().triangles().len(), rays.is_some(), hits.is_some());
+        let instances = scene.instances();
         format!(
-            "render {triangles} triangles, {camera:?}, size {size:?}, shadows {shadows}, ao {ao}, samples {samples}, \
+            "render {triangles} triangles, {instances} instances, {camera:?}, size {size:?}, shadows {shadows}, ao {ao}, samples {samples}, \
              two-sided {two_sided}, seed {seed}, rays {rays}, hits {hits}, {config}"
         )
     }

@@ -8,13 +8,15 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_hdl::Module;
 use raypath_sim::files::{in_folder, write_all};
-use raypath_unit::traffic::{Behaviour, BlockScene, Environment, random_ray};
+use raypath_unit::traffic::{Behaviour, BlockScene, Environment, TwoLevelScene, random_ray};
 use raypath_unit::{NetlistEngine, RayRequest, Reply, Unit, UnitModel, UnitNetlist};
 use std::io::Write;
 use std::time::Instant;
 
 /// The triangles of the random scene.
 const TRIANGLES: u32 = 500;
+/// The instances of the random scene of a unit that has them.
+const INSTANCES: u32 = 50;
 /// The memory and the users of the ports in the check.
 const BEHAVIOUR: Behaviour = Behaviour { latency: (1, 60), stalls: [32; 4], errors: 0 };
 /// The most cycles that a ray takes in the check, by far.
@@ -120,7 +122,13 @@ fn parts(top: &Module) -> Table {
 fn check(unit: &UnitNetlist, arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let (begin, nodes) = (Instant::now(), unit.parameters.step.node);
     let mut random = ChaCha8Rng::seed_from_u64(arguments.seed);
-    let (scene, root) = BlockScene::random_of(nodes, TRIANGLES, &mut random);
+    let (scene, root, described) = if unit.parameters.step.features.instances {
+        let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(INSTANCES, false, &mut random);
+        (blocks, root, format!("{INSTANCES} instances"))
+    } else {
+        let (scene, root) = BlockScene::random_of(nodes, TRIANGLES, &mut random);
+        (scene, root, format!("{TRIANGLES} triangles"))
+    };
     let total = arguments.rays as usize;
     let rays: Vec<RayRequest> = (0..total).map(|_| random_ray(root, &mut random)).collect();
     let (mut netlist, mut model) = (NetlistEngine::new(unit)?, UnitModel::of(unit));
@@ -161,7 +169,7 @@ fn check(unit: &UnitNetlist, arguments: &Arguments, out: &mut dyn Write) -> Resu
     )?;
     writeln!(
         out,
-        "{TRIANGLES} triangles in {cycles} cycles with stalls at all channels and a memory that answers in any order:"
+        "{described} in {cycles} cycles with stalls at all channels and a memory that answers in any order:"
     )?;
     writeln!(out, "{} mismatches between netlist, cycle-exact and functional model. {seconds:.2} s", different.len())?;
     for (id, found, expected) in different.iter().take(SHOWN) {

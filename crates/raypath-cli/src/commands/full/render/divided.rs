@@ -82,16 +82,16 @@ impl<'a> Divided<'a> {
     }
 }
 
-/// A hit: triangle, from behind, and the bits of `t_num`, `t_denom` and `t`.
-type SavedHit = (u32, bool, [u32; 3]);
+/// A hit: triangle, from behind, the bits of `t_num`, `t_denom` and `t`, and the instance.
+type SavedHit = (u32, bool, [u32; 3], Option<u32>);
 
 fn saved(hit: Hit) -> SavedHit {
-    (hit.triangle, hit.from_behind, [hit.t_num, hit.t_denom, hit.t].map(f32::to_bits))
+    (hit.triangle, hit.from_behind, [hit.t_num, hit.t_denom, hit.t].map(f32::to_bits), hit.instance)
 }
 
-fn restored((triangle, from_behind, bits): SavedHit) -> Hit {
+fn restored((triangle, from_behind, bits, instance): SavedHit) -> Hit {
     let [t_num, t_denom, t] = bits.map(f32::from_bits);
-    Hit { triangle, from_behind, t_num, t_denom, t }
+    Hit { triangle, from_behind, t_num, t_denom, t, instance }
 }
 
 #[derive(Serialize, Deserialize)]

@@ -2,7 +2,7 @@
 
 use crate::error::CliError;
 use clap::Args;
-use raypath_render::{Camera, Mesh, Scene, builtin, read_mesh};
+use raypath_render::{Camera, Mesh, Placement, Scene, builtin, read_instances, read_mesh};
 use std::io::Write;
 use std::path::Path;
 
@@ -22,10 +22,13 @@ pub struct CameraArguments {
 }
 
 impl CameraArguments {
-    /// The requested camera, or one that sees the whole mesh.
-    pub fn camera(&self, mesh: &Mesh, aspect: f32) -> Result<Camera, CliError> {
+    /// The requested camera, or one that sees the whole mesh or all instances of it.
+    pub fn camera(&self, Shown { mesh, instances }: &Shown, aspect: f32) -> Result<Camera, CliError> {
         match self.camera.as_deref() {
-            None => Ok(Camera::framing(mesh, aspect)),
+            None => Ok(match instances {
+                Some(instances) => Camera::framing_instances(mesh, instances, aspect),
+                None => Camera::framing(mesh, aspect),
+            }),
             Some(&[ex, ey, ez, tx, ty, tz]) => {
                 let camera = Camera::new([ex, ey, ez], [tx, ty, tz], [0.0, 1.0, 0.0], self.fov);
                 camera.map_err(|problem| CliError::unusable(format!("--camera: {problem}")))
@@ -42,10 +45,29 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
     sides.ok_or_else(|| "expected two numbers from 1 to 16384 with an x between them, like 640x480".to_string())
 }
 
-pub fn mesh(path: Option<&Path>) -> Result<Mesh, CliError> {
-    match path {
-        Some(path) => read_mesh(path).map_err(CliError::unusable),
-        None => builtin().map_err(CliError::unusable),
+/// What a scene shows: a mesh, or instances of it.
+pub struct Shown {
+    mesh: Mesh,
+    instances: Option<Vec<Placement>>,
+}
+
+impl Shown {
+    /// The mesh of a file, or the built-in one, and the instances of a file, if there is one.
+    pub fn read(mesh: Option<&Path>, instances: Option<&Path>) -> Result<Self, CliError> {
+        let mesh = match mesh {
+            Some(path) => read_mesh(path).map_err(CliError::unusable)?,
+            None => builtin().map_err(CliError::unusable)?,
+        };
+        let instances = instances.map(read_instances).transpose().map_err(CliError::unusable)?;
+        Ok(Self { mesh, instances })
+    }
+
+    /// The scene for ray origins at these points.
+    pub fn scene(self, origins: impl IntoIterator<Item = [f32; 3]>) -> Result<Scene, CliError> {
+        match self.instances {
+            Some(instances) => Scene::of_instances(self.mesh, &instances, origins).map_err(CliError::unusable),
+            None => Scene::for_origins(self.mesh, origins).map_err(CliError::unusable),
+        }
     }
 }
 
@@ -56,6 +78,10 @@ pub fn name(path: Option<&Path>) -> String {
 pub fn describe(path: Option<&Path>, scene: &Scene, out: &mut dyn Write) -> Result<(), CliError> {
     let name = name(path);
     let (triangles, nodes) = (scene.mesh().triangles().len(), scene.bvh().nodes().len());
-    writeln!(out, "{name}: {triangles} triangles, a tree of {nodes} nodes with four boxes each\n")?;
+    let instances = match scene.instances() {
+        0 => String::new(),
+        count => format!("{count} instances of "),
+    };
+    writeln!(out, "{name}: {instances}{triangles} triangles, a tree of {nodes} nodes with four boxes each\n")?;
     Ok(())
 }

@@ -1,0 +1,145 @@
+//! Instances: objects that are placed in a scene by an affine transform.
+//!
+//! A child word of kind 33 refers to the block of an instance. Its words are little-endian:
+//!
+//! | words of an instance's block | contents |
+//! | --- | --- |
+//! | 4 · i to 4 · i + 3 | row i (0 to 2) of the matrix from the scene to the object: x, y, z and t, in binary32 |
+//! | where a node has child word 0 | the child word of the object's root: a node or a leaf |
+//! | where a node has child word 1 | the index of the instance, which its hits report; all ones are no index |
+//! | others | 0 |
+
+use crate::blocks::{BLOCK_BYTES, NodeKind};
+use raypath_ops::{Circuit, Num, Operation, Vec3, bundle};
+
+/// The kind of a child word that refers to an instance.
+pub const INSTANCE_KIND: u32 = 33;
+/// The jobs of an instance: the ray's origin, then its direction.
+pub const INSTANCE_JOBS: u32 = 2;
+/// The opcode of [`Transform`] in the unit's datapath.
+pub const TRANSFORM_OPCODE: u64 = 2;
+
+/// The word of an instance's block with the child word of its root: the first child word of a wide node.
+const CHILD_WORD: usize = NodeKind::Wide4.child_word();
+
+/// An instance, in a block of 128 bytes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instance {
+    /// The rows x, y, z of the matrix from the scene to the object; the last number of each is the translation.
+    pub to_object: [[f32; 4]; 3],
+    /// The child word of the object's root.
+    pub root: u32,
+    /// The index that hits report.
+    pub index: u32,
+}
+
+impl Instance {
+    /// The instance of an object that this matrix, from the object to the scene, places there. It is inverted in
+    /// binary64 and rounded. `None` if it has no inverse, or a number that is not finite in binary32.
+    pub fn placed(to_scene: [[f64; 4]; 3], root: u32, index: u32) -> Option<Self> {
+        let [x, y, z] = to_scene.map(|[x, y, z, _]| [x, y, z]);
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        };
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let columns = [cross(y, z), cross(z, x), cross(x, y)];
+        let determinant = dot(x, columns[0]);
+        let translation = to_scene.map(|row| row[3]);
+        let to_object = std::array::from_fn(|row| {
+            let linear = columns.map(|column| column[row] / determinant);
+            let [x, y, z] = linear.map(|number| number as f32);
+            [x, y, z, -dot(linear, translation) as f32]
+        });
+        let is_finite = to_object.as_flattened().iter().all(|number: &f32| number.is_finite());
+        is_finite.then_some(Self { to_object, root, index })
+    }
+
+    /// The bytes of the instance's block.
+    pub fn to_bytes(&self) -> [u8; BLOCK_BYTES as usize] {
+        let mut block = [0; BLOCK_BYTES as usize];
+        let words = block.as_chunks_mut().0;
+        let numbers = self.to_object.as_flattened().iter().map(|number| number.to_le_bytes());
+        words.iter_mut().zip(numbers).for_each(|(word, bytes)| *word = bytes);
+        let children = [self.root, self.index].map(u32::to_le_bytes);
+        words.iter_mut().skip(CHILD_WORD).zip(children).for_each(|(word, bytes)| *word = bytes);
+        block
+    }
+
+    /// The instance in a block.
+    pub fn of(block: &[u8; BLOCK_BYTES as usize]) -> Self {
+        let word = |index: usize| block.as_chunks().0.get(index).copied().map_or(0, u32::from_le_bytes);
+        let number = |index: usize| f32::from_bits(word(index));
+        Self {
+            to_object: std::array::from_fn(|row| std::array::from_fn(|column| number(4 * row + column))),
+            root: word(CHILD_WORD),
+            index: word(CHILD_WORD + 1),
+        }
+    }
+}
+
+bundle! {
+    /// A row of an affine transform.
+    pub struct Row<C> {
+        /// The factor of x.
+        pub x: Num<C>,
+        /// The factor of y.
+        pub y: Num<C>,
+        /// The factor of z.
+        pub z: Num<C>,
+        /// The translation.
+        pub t: Num<C>,
+    }
+
+    /// A point and an affine transform. A direction is a point of a transform without translation.
+    pub struct TransformInput<C> {
+        /// The point.
+        pub point: Vec3<C>,
+        /// The rows of x, y and z.
+        pub matrix: [Row<C>; 3],
+    }
+
+    /// The point after the transform.
+    pub struct TransformOutput<C> {
+        /// Each coordinate is ((x + y) + z) + t of its row, rounded after every product and sum.
+        pub transformed: Vec3<C>,
+    }
+}
+
+/// An affine transform of a point: 9 products and 9 sums. A datapath with boxes and triangles needs no more units for
+/// it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Transform;
+
+impl Operation for Transform {
+    const NAME: &'static str = "transform";
+    type Input<C: Circuit> = TransformInput<C>;
+    type Output<C: Circuit> = TransformOutput<C>;
+    type State<C: Circuit> = ();
+
+    #[inline(always)]
+    fn run<C: Circuit>(&self, circuit: C, input: TransformInput<C>, _state: ()) -> (TransformOutput<C>, ()) {
+        let TransformInput { point, matrix } = input;
+
+        // Triangles subtract in stages 4 and 6. Negated products are subtracted too, so that nothing selects a sign
+        // before the adders; the sums are the same.
+        circuit.stage(3, "products of the matrix and the point");
+        let products = matrix.map(|row| Vec3 { x: row.x * point.x, y: -(row.y * point.y), z: -(row.z * point.z) });
+        circuit.label(format_args!("product"), &products);
+
+        circuit.stage(4, "x + y of each row");
+        let xy = products.map(|product| product.x - product.y);
+        circuit.label(format_args!("row_xy"), &xy);
+
+        circuit.stage(6, "+ z of each row");
+        let [x, y, z] = [xy[0] - products[0].z, xy[1] - products[1].z, xy[2] - products[2].z];
+        circuit.label(format_args!("row_xyz"), &[x, y, z]);
+
+        // Two adders in either stage.
+        circuit.stage(8, "+ t of x and y");
+        let (x, y) = (x + matrix[0].t, y + matrix[1].t);
+        circuit.stage(9, "+ t of z");
+        let transformed = Vec3 { x, y, z: z + matrix[2].t };
+        circuit.label(format_args!("transformed"), &transformed);
+        (TransformOutput { transformed }, ())
+    }
+}
