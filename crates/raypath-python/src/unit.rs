@@ -67,13 +67,17 @@ impl Unit {
         let row = PyDict::new(py);
         let parameters = self.inner.parameters();
         for name in UnitParameters::NAMES {
-            let value: Option<u32> = parameters.get(name).and_then(|value| value.parse().ok());
-            row.set_item(name.replace('-', "_"), value)?;
+            let value = parameters.get(name).unwrap_or_default();
+            let name = name.replace('-', "_");
+            match value.parse::<u32>() {
+                Ok(number) => row.set_item(name, number)?,
+                Err(_) => row.set_item(name, value)?,
+            }
         }
         Ok(row)
     }
 
-    /// A scene of triangles in the layout that the unit reads, as ``raypath scene`` writes it.
+    /// A scene of triangles in the layout that this unit reads, with its nodes, as ``raypath scene`` writes it.
     ///
     /// Args:
     ///     triangles: float32 array of shape (n, 3, 3): three vertices for each triangle, counter-clockwise as seen
@@ -83,14 +87,14 @@ impl Unit {
     ///
     /// Raises:
     ///     ValueError: another type or shape; a coordinate out of range; no triangle, or too many.
-    #[staticmethod]
     #[pyo3(signature = (triangles, *, reach = None))]
-    fn scene(py: Python<'_>, triangles: &Bound<'_, PyAny>, reach: Option<f32>) -> PyResult<UnitScene> {
+    fn scene(&self, py: Python<'_>, triangles: &Bound<'_, PyAny>, reach: Option<f32>) -> PyResult<UnitScene> {
         let triangles = items::<Vertices>(triangles, "triangles")?;
         if let Some(reach) = reach.filter(|reach| !(*reach >= 0.0 && reach.is_finite())) {
             return Err(value_error(format!("reach: found {reach}, expected a finite number of at least 0")));
         }
-        let blocks = py.detach(|| blocks(triangles, reach))?;
+        let nodes = self.inner.parameters().step.node;
+        let blocks = py.detach(|| blocks(triangles, reach, nodes))?;
         Ok(UnitScene { data: blocks.bytes().into(), root: blocks.root() })
     }
 
@@ -288,7 +292,7 @@ impl UnitScene {
     }
 }
 
-fn blocks(triangles: &[Vertices], reach: Option<f32>) -> PyResult<Blocks> {
+fn blocks(triangles: &[Vertices], reach: Option<f32>, nodes: NodeKind) -> PyResult<Blocks> {
     let vertices: Vec<[f32; 3]> = triangles.iter().flat_map(|&Vertices { a, b, c }| [a, b, c]).collect();
     let count = u32::try_from(vertices.len())
         .map_err(|_| value_error(format!("triangles: found {}, expected at most {}", triangles.len(), u32::MAX / 3)))?;
@@ -298,5 +302,5 @@ fn blocks(triangles: &[Vertices], reach: Option<f32>) -> PyResult<Blocks> {
         None => Scene::new(mesh),
         Some(reach) => Scene::with_reach(mesh, reach),
     };
-    Blocks::of(scene.map_err(value_error)?.bvh(), NodeKind::Wide4).map_err(value_error)
+    Blocks::of(scene.map_err(value_error)?.bvh(), nodes).map_err(value_error)
 }

@@ -82,6 +82,12 @@ def test_fields_of_rays() -> None:
     assert hits.t.tolist()[:4] == [1, 2, 0, 0]
     assert hits.triangle.tolist()[:2] == [1, 0]
     assert not hits.u.any()
+    small = raypath.Unit(node="quantised")
+    assert small.parameters["node"] == "quantised"
+    their_scene = small.scene(f32([[[-1, -1, z], [1, -1, z], [0, 1, z]] for z in (0, 2)]))
+    rays_there = rays.copy()
+    rays_there["root"] = their_scene.root
+    assert small.trace(their_scene, rays_there).t.tolist() == hits.t.tolist()
     beyond = raypath.UnitScene(b"", scene.root)
     assert unit.trace(beyond, rays[:1]).status.tolist() == [3]
     again = raypath.UnitScene(scene.data, scene.root)

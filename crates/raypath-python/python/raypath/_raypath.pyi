@@ -217,6 +217,7 @@ class Unit:
         memory_width: Literal[128, 256, 512, 1024] = ...,
         id_width: int = ...,
         divider_latency: int = ...,
+        node: Literal["wide4", "quantised"] = ...,
         registers: Literal["ieee", "recoded"] = ...,
         control: Literal["skid", "credit"] = ...,
         sharing: Literal["union", "segregated"] = ...,
@@ -225,8 +226,7 @@ class Unit:
     ) -> Unit: ...
     @property
     def parameters(self) -> _Row: ...
-    @staticmethod
-    def scene(triangles: _Float32, *, reach: float | None = None) -> UnitScene: ...
+    def scene(self, triangles: _Float32, *, reach: float | None = None) -> UnitScene: ...
     def trace(self, scene: UnitScene, rays: _Rays) -> UnitHits: ...
     def simulate(
         self,

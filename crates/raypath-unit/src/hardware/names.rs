@@ -2,9 +2,11 @@
 
 use super::parameters::UnitParameters;
 
+const NODES: &str = "wide4 or quantised";
+
 impl UnitParameters {
-    /// The names of the parameters. `step.stack` is `stack`.
-    pub const NAMES: [&str; 5] = ["contexts", "stack", "memory-width", "id-width", "divider-latency"];
+    /// The names of the parameters. `step.stack` is `stack`, `step.node` is `node`.
+    pub const NAMES: [&str; 6] = ["contexts", "stack", "node", "memory-width", "id-width", "divider-latency"];
 
     /// Sets the parameter of this name. Returns `None` if there is none.
     ///
@@ -16,6 +18,10 @@ impl UnitParameters {
     /// assert_eq!(parameters.memory_width, 128);
     /// let problem = "'5', expected 2, 4, 8, 16 or 32".to_string();
     /// assert_eq!(parameters.set("stack", "5"), Some(Err(problem)));
+    /// assert_eq!(parameters.set("node", "quantised"), Some(Ok(())));
+    /// assert_eq!(parameters.get("node").as_deref(), Some("quantised"));
+    /// let problem = "'5', expected wide4 or quantised".to_string();
+    /// assert_eq!(parameters.set("node", "5"), Some(Err(problem)));
     /// assert_eq!(parameters.set("lanes", "4"), None);
     /// ```
     ///
@@ -23,6 +29,12 @@ impl UnitParameters {
     /// A value that the parameter does not have: what was found, and what was expected.
     pub fn set(&mut self, name: &str, value: &str) -> Option<Result<(), String>> {
         let mut changed = *self;
+        if name == "node" {
+            let Ok(node) = value.parse() else { return Some(Err(format!("'{value}', expected {NODES}"))) };
+            changed.step.node = node;
+            let checked = changed.check().map(|()| *self = changed);
+            return Some(checked.map_err(|error| error.to_string()));
+        }
         // No parameter has the greatest value, so that other text gets the same message.
         *changed.field(name)? = value.parse().unwrap_or(u32::MAX);
         let checked = changed.check().map(|()| *self = changed);
@@ -31,6 +43,9 @@ impl UnitParameters {
 
     /// The value of the parameter of this name, if there is one.
     pub fn get(mut self, name: &str) -> Option<String> {
+        if name == "node" {
+            return Some(self.step.node.to_string());
+        }
         self.field(name).map(|value| value.to_string())
     }
 

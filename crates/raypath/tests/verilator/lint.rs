@@ -7,6 +7,8 @@ use raypath::rtl::{Config, Datapath, Encoding, Lanes, PRESETS};
 use raypath_tools::{Sources, ToolError, lint_slang, lint_verilator, lint_yosys};
 use std::process::Command;
 
+type Linter = fn(&Sources) -> Result<(), ToolError>;
+
 /// All three front ends, for every preset and for every value of every parameter.
 #[test]
 fn presets_and_representatives_are_clean() {
@@ -17,7 +19,7 @@ fn presets_and_representatives_are_clean() {
         assert!(!text.contains("lint_off") && !text.contains("verilator"), "a waiver");
     }
     // A task for each linter, so that the largest configuration does not keep one core busy at the end.
-    let linters: [fn(&Sources) -> Result<(), ToolError>; 3] = [
+    let linters: [Linter; 3] = [
         |sources| lint_verilator(&sources.files, "raypath", &[]),
         |sources| lint_yosys(&sources.all, "raypath"),
         |sources| lint_slang(std::slice::from_ref(&sources.all)),
