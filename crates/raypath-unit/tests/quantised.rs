@@ -215,7 +215,7 @@ fn nodes_of_any_bytes_are_decoded_alike() {
         scene.0.extend(block);
     }
     let rays: Vec<RayRequest> =
-        (0..100).map(|_| ray(64 * random.random_range(0..2000_u32) | 32, &mut random)).collect();
+        (0..100).map(|_| ray((64 * random.random_range(0..2000_u32)) | 32, &mut random)).collect();
     let parameters = UnitParameters { contexts: 16, step: step(4), ..Default::default() };
     let unit = UnitNetlist::new(Config::DEFAULT, parameters).expect("a unit");
     let (mut netlist, mut model) = (NetlistEngine::new(&unit).expect("a simulation"), UnitModel::of(&unit));
