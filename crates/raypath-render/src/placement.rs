@@ -5,9 +5,8 @@
 //! translation. `#` starts a comment; empty lines are ignored. Instances are numbered from 0.
 
 use crate::mesh::{Bounds, Mesh};
-use crate::rays::parse_lines;
+use crate::read::{ReadError, parse_lines, text};
 use crate::vector::{Vector, add, cross, dot, scale, vector};
-use crate::{ReadError, read};
 use raypath_unit::Instance;
 use std::path::Path;
 
@@ -100,7 +99,7 @@ impl Placement {
 /// # Errors
 /// A file that cannot be read, no instance, or a line that is not a matrix with an inverse.
 pub fn read_instances(path: &Path) -> Result<Vec<Placement>, ReadError> {
-    parse_instances(&read::text(path)?, path)
+    parse_instances(&text(path)?, path)
 }
 
 /// Reads instances from text. `path` appears in messages.

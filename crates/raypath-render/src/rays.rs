@@ -9,7 +9,7 @@
 //! decimals that denote the same binary32; bits are 8 hexadecimal digits. t is t_num / t_denom, rounded to binary32, in
 //! units of the direction's length. Of several triangles at the closest t, the file has the one with the lowest index.
 
-use crate::read::text;
+use crate::read::{parse_lines, text};
 use crate::{Hit, ReadError};
 use raypath_ops::{Binary32, Ray};
 use std::io::{self, Write};
@@ -102,19 +102,6 @@ fn parse_hit(text: &str) -> Result<Option<Hit>, String> {
     };
     let (t, t_num, t_denom) = (number(t)?, number(t_num)?, number(t_denom)?);
     Ok(Some(Hit { triangle: index, from_behind, t_num, t_denom, t, instance }))
-}
-
-/// What `parse` makes of each line, comments and empty lines left out.
-pub(crate) fn parse_lines<T>(
-    text: &str,
-    path: &Path,
-    parse: impl Fn(&str) -> Result<T, String>,
-) -> Result<Vec<T>, ReadError> {
-    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.split('#').next().unwrap_or("")));
-    let filled = lines.filter(|(_, line)| !line.trim().is_empty());
-    let parsed =
-        |(line, text)| parse(text).map_err(|problem| ReadError { line: Some(line), ..ReadError::new(path, problem) });
-    filled.map(parsed).collect()
 }
 
 /// Writes a line for each ray, after two lines of comment that describe the fields.

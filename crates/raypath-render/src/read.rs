@@ -66,6 +66,19 @@ pub(crate) fn text(path: &Path) -> Result<String, ReadError> {
     std::fs::read_to_string(path).map_err(|problem| ReadError::new(path, format!("cannot read: {problem}")))
 }
 
+/// What `parse` makes of each line, comments and empty lines left out.
+pub(crate) fn parse_lines<T>(
+    text: &str,
+    path: &Path,
+    parse: impl Fn(&str) -> Result<T, String>,
+) -> Result<Vec<T>, ReadError> {
+    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.split('#').next().unwrap_or("")));
+    let filled = lines.filter(|(_, line)| !line.trim().is_empty());
+    let parsed =
+        |(line, text)| parse(text).map_err(|problem| ReadError { line: Some(line), ..ReadError::new(path, problem) });
+    filled.map(parsed).collect()
+}
+
 impl ReadError {
     pub(crate) fn new(path: &Path, problem: String) -> Self {
         Self { path: path.to_owned(), line: None, problem }

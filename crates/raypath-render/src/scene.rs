@@ -71,8 +71,8 @@ impl Scene {
         Ok(Self { mesh, bounds, bvh, blocks: None, placed: Vec::new(), reach })
     }
 
-    /// A scene of instances of a mesh, for ray origins as in [`for_origins`](Self::for_origins). Rays are traced through
-    /// the functional model of the unit.
+    /// A scene of instances of a mesh, for ray origins as in [`for_origins`](Self::for_origins). Rays are traced
+    /// through the functional model of the unit.
     ///
     /// # Errors
     /// A scene that is too large; an instance that is too far away.

@@ -1,5 +1,5 @@
-//! The traversal unit: proofs of the control of its modules, a campaign of the whole unit, checks of single modules, and
-//! faults in modules.
+//! The traversal unit: proofs of the control of its modules, a campaign of the whole unit, checks of single modules,
+//! and faults in modules.
 //!
 //! `docs/development/verification.md` has the argument from the proofs to the whole: no ray is lost, duplicated or
 //! mixed up, and each that is accepted ends.

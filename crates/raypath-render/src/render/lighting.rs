@@ -55,8 +55,8 @@ impl SurfacePoint {
     /// rounding errors of the triangle test: with u = 2⁻²⁴ and M the greatest coordinate or side of the scene, vertices
     /// are at most R = 2·M away along any axis and computed to within 8·u·R across the ray, in two directions, and
     /// 4·u·R along it (docs/reference/error-bounds.md), in total 12·u·R = 24·u·M; rounding the origin adds √3·u·M. The
-    /// distance 32·u·M exceeds the sum. In an instance, the errors of its transform are added. The point is first projected onto the plane of the triangle, because the error
-    /// of t is greater for faces seen edge-on.
+    /// distance 32·u·M exceeds the sum. In an instance, the errors of its transform are added. The point is first
+    /// projected onto the plane of the triangle, because the error of t is greater for faces seen edge-on.
     pub(super) fn new(scene: &Scene, ray: &Ray<Binary32>, hit: &Hit) -> Self {
         let (origin, direction) = (vector(ray.origin.into()), vector(ray.dir.into()));
         let corners = scene.mesh().corners(hit.triangle);

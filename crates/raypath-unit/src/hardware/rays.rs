@@ -24,8 +24,8 @@ use std::sync::Arc;
 /// `limits_read_i` for `limits_…_o`, `step_read_i` for `begin_…_o`.
 ///
 /// With instances, the outcomes of transforms, `transformed_…_i`, enter the set-up as `raypath_unit_entries` says, and
-/// `start_is_instance_o` says that a ray does not begin but enters an instance. `job_…_o` has the constants in its space
-/// if `job_inside_i` is 1; `job_dir_…_o` is the direction outside.
+/// `start_is_instance_o` says that a ray does not begin but enters an instance. `job_…_o` has the constants in its
+/// space if `job_inside_i` is 1; `job_dir_…_o` is the direction outside.
 pub fn rays(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let UnitParameters { contexts: count, id_width, divider_latency, step: StepParameters { features, .. }, .. } =
         parameters;

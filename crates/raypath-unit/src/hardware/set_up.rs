@@ -37,7 +37,7 @@ pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error>
     let refused = hold("is_refused_q", enters, is_refused(c, &entry).value.0);
     let context = hold("context_q", enters, context);
 
-    m.section("The axes, which the last two quotients need, in a register of their own, because they are slow");
+    m.section("The axes, which the last two quotients need, in a register because they are slow");
     let found = wires("axis", &axes(c, dir));
     let held: Vec<_> = found.iter().map(|(name, wire)| delay(&format!("{name}_q"), *wire)).collect();
     let operands = divisions(c, dir, from_list(m, &held));

@@ -413,8 +413,8 @@ impl<'m> Job<'_, 'm> {
     }
 }
 
-/// The place in memory of a bound of the boxes of a block. In the operation's input, the bounds of a slab follow each other; in
-/// memory the minima come first.
+/// The place in memory of a bound of the boxes of a block. In the operation's input, the bounds of a slab follow each
+/// other; in memory the minima come first.
 fn box_word(place: usize) -> usize {
     let (child, bound) = (place / BOX_WORDS, place % BOX_WORDS);
     let (axis, is_max) = (bound / 2, bound % 2);

@@ -21,9 +21,9 @@ use std::sync::Arc;
 ///
 /// The outcome of a box job, `boxes_…_i`, enters where `boxes_valid_i` is 1, with `boxes_context_i`, and waits in a
 /// memory. The other sources of answers have `<source>_valid_i` and `<source>_context_i`, and `<source>_taken_o` where
-/// their answer is taken: `block` with `closest_…_i`, `fault`, and `start` with `start_is_refused_i` and, with instances,
-/// `start_is_instance_i`. Where `read_o` is 1, the child words and the ray of `read_context_o` are read, which are there
-/// in the next cycle: `child_…_i`, `begin_…_i`.
+/// their answer is taken: `block` with `closest_…_i`, `fault`, and `start` with `start_is_refused_i` and, with
+/// instances, `start_is_instance_i`. Where `read_o` is 1, the child words and the ray of `read_context_o` are read,
+/// which are there in the next cycle: `child_…_i`, `begin_…_i`.
 ///
 /// A step ends with `fetches_o` or `ends_o`, or neither if the ray continues, and `context_o`. To fetch: `block_o`, the
 /// address without its offset, `count_o` and, with instances, `is_instance_o` and `is_inside_o`. At the end:

@@ -282,7 +282,8 @@ impl Arguments {
         let (triangles, rays, hits) = (scene.mesh().triangles().len(), rays.is_some(), hits.is_some());
         let instances = scene.instances();
         format!(
-            "render {triangles} triangles, {instances} instances, {camera:?}, size {size:?}, shadows {shadows}, ao {ao}, samples {samples}, \
+            "render {triangles} triangles, {instances} instances, {camera:?}, \
+             size {size:?}, shadows {shadows}, ao {ao}, samples {samples}, \
              two-sided {two_sided}, seed {seed}, rays {rays}, hits {hits}, {config}"
         )
     }

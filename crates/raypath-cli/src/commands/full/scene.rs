@@ -15,8 +15,8 @@ pub struct Arguments {
     /// The nodes: boxes in binary32, or of 8 bits a bound
     #[arg(long, default_value = "wide4", value_name = "wide4|quantised")]
     node: NodeKind,
-    /// Place the mesh in the scene as this file says: 12 numbers a line, of an affine matrix from the mesh to the scene,
-    /// row by row. The unit needs instances (generate --unit --unit-features instances)
+    /// Place the mesh in the scene as this file says: 12 numbers a line, of an affine matrix from the mesh to the
+    /// scene, row by row. The unit needs instances (generate --unit --unit-features instances)
     #[arg(long, value_name = "FILE")]
     instances: Option<PathBuf>,
     /// The file to write: the blocks of the scene, from address 0 on
