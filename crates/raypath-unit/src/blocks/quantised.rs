@@ -5,8 +5,8 @@
 //! q · 2¹⁵, that is 2^(E - 127) · (1 + q / 256). With E = 0 it is 0, and with E = 255 it is infinity. A child word of
 //! kind 0 has the addends +∞ for its minima and -∞ for its maxima, so that no ray hits its box.
 //!
-//! [`operands`] takes a node apart, as a function over an abstract circuit: the models add the operands by the machine's
-//! binary32, the hardware by its adders. Decoding takes no other arithmetic.
+//! [`operands`] takes a node apart, as a function over an abstract circuit: the models add the operands by the
+//! machine's binary32, the hardware by its adders. Decoding takes no other arithmetic.
 
 use super::{BOX_WORDS, NODE_KIND, Node, NodeKind, bounds, word};
 use crate::words::{WordCircuit, WordMethods};
