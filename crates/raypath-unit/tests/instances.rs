@@ -1,5 +1,8 @@
 //! Scenes of two levels: what a ray does in an instance, made by hand, and against every triangle in binary64.
 
+mod common;
+
+use common::{along_z, at};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Shape;
@@ -20,24 +23,6 @@ const IDENTITY: [[f32; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.
 fn trace(scene: &Scene, stack: u32, ray: &RayRequest) -> Reply {
     Unit::new(Rules::Paper, StepParameters { stack, features: INSTANCES, ..StepParameters::default() })
         .trace(&scene.0[..], ray)
-}
-
-fn along_z(root: u32) -> RayRequest {
-    RayRequest {
-        origin: [0.0, 0.0, -1.0],
-        direction: [0.0, 0.0, 1.0],
-        t_min: 0.0,
-        t_max: f32::INFINITY,
-        any_hit: false,
-        cull_back: false,
-        cull_front: false,
-        root,
-    }
-}
-
-/// A triangle around the z axis at a depth.
-fn at(z: f32, index: u32) -> LeafTriangle {
-    LeafTriangle { triangle: Triangle::new([-1.0, -1.0, z], [0.0, 2.0, z], [1.0, -1.0, z]), index }
 }
 
 fn everywhere() -> Aabb<Binary32> {

@@ -1,12 +1,15 @@
 //! Units with quantised nodes: their layout, their hits, and their hardware.
 
+mod common;
+
+use common::{along_z, at};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_model::Shape;
-use raypath_ops::{Aabb, Binary32, Rules, Triangle};
+use raypath_ops::{Aabb, Binary32, Rules};
 use raypath_rtl::{Config, Control};
 use raypath_tools::{Options, Sources, Verilated};
-use raypath_unit::blocks::{LeafTriangle, Node, NodeKind};
+use raypath_unit::blocks::{Node, NodeKind};
 use raypath_unit::traffic::{Behaviour, BlockScene as Scene, Environment, Recorder, random_ray as ray};
 use raypath_unit::{
     BlockRequest, NetlistEngine, RayRequest, Reply, Response, StepParameters, Unit, UnitEngine, UnitFeatures,
@@ -237,21 +240,11 @@ fn nodes_of_any_bytes_are_decoded_alike() {
 #[test]
 fn a_fetch_takes_as_many_cycles_as_documented() {
     let mut scene = Scene(Vec::new(), NODE);
-    let triangle = Triangle::new([-1.0, -1.0, 3.0], [0.0, 2.0, 3.0], [1.0, -1.0, 3.0]);
-    let leaf = scene.leaf(&[LeafTriangle { triangle, index: 0 }, LeafTriangle { triangle, index: 1 }]);
+    let leaf = scene.leaf(&[at(3.0, 0), at(3.0, 1)]);
     let root = scene.node([Aabb::new([-2.0; 3], [4.0; 3]); 4], [leaf, 0, 0, 0]);
     let parameters = UnitParameters { step: step(8), ..Default::default() };
     let mut unit = UnitModel::new(&Shape::default(), parameters);
-    let request = RayRequest {
-        origin: [0.0, 0.0, -1.0],
-        direction: [0.0, 0.0, 1.0],
-        t_min: 0.0,
-        t_max: f32::INFINITY,
-        any_hit: false,
-        cull_back: false,
-        cull_front: false,
-        root,
-    };
+    let request = along_z(root);
     let (mut events, mut due) = (Vec::new(), None);
     for cycle in 0..200 {
         let outputs = unit.outputs();

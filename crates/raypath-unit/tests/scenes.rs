@@ -1,5 +1,8 @@
 //! Scenes made by hand: degenerate trees, and memories that are no trees.
 
+mod common;
+
+use common::{along_z, at};
 use raypath_model::Shape;
 use raypath_ops::{Aabb, Binary32, Rules, Triangle};
 use raypath_unit::blocks::{Child, LeafTriangle, NodeKind};
@@ -14,24 +17,6 @@ const STACKS: [u32; 5] = [2, 4, 8, 16, 32];
 
 fn trace(scene: &BlockScene, root: u32, stack: u32) -> Reply {
     Unit::new(Rules::Paper, StepParameters { stack, ..StepParameters::default() }).trace(&scene.0[..], &along_z(root))
-}
-
-fn along_z(root: u32) -> RayRequest {
-    RayRequest {
-        origin: [0.0, 0.0, -1.0],
-        direction: [0.0, 0.0, 1.0],
-        t_min: 0.0,
-        t_max: f32::INFINITY,
-        any_hit: false,
-        cull_back: false,
-        cull_front: false,
-        root,
-    }
-}
-
-/// A triangle around the z axis at a depth.
-fn at(z: f32, index: u32) -> LeafTriangle {
-    LeafTriangle { triangle: Triangle::new([-1.0, -1.0, z], [0.0, 2.0, z], [1.0, -1.0, z]), index }
 }
 
 fn around(near: f32, far: f32) -> Aabb<Binary32> {
