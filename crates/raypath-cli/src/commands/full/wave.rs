@@ -6,6 +6,7 @@ use crate::commands::full::StreamArguments;
 use crate::commands::unit::UnitArguments;
 use crate::{CliError, DatapathArguments, Progress, whole};
 use clap::Args;
+use raypath_hdl::Simulator;
 use raypath_rtl::UnitKind;
 use raypath_sim::Words;
 use raypath_sim::engine::{Engine, NetlistEngine, Shown, drive};
@@ -46,7 +47,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let units = UnitKind::ALL.map(|kind| format!("u_{}_", kind.stem()));
     let netlist = NetlistEngine::of(model, config, &datapath, |name| is_of_interest(name, &units))?;
     let waves = WaveWriter::create(&arguments.out, netlist.simulator())?;
-    let mut waving = Waving { netlist, waves, cycle: 0, failed: None };
+    let mut waving = Waving { netlist, samples: Samples::new(waves) };
 
     let total = arguments.jobs.map_or(stream.len(), |jobs| stream.len().min(jobs as usize));
     let mut progress = Progress::new("jobs", total);
@@ -54,10 +55,10 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let mut traffic = arguments.stream.traffic()?;
     let run = drive(&mut waving, jobs, &mut traffic, |index, _| progress.at(index + 1));
     progress.finish(run.jobs)?;
-    if let Some(failed) = waving.failed {
+    if let Some(failed) = waving.samples.failed {
         return Err(failed.into());
     }
-    waving.waves.finish()?;
+    waving.samples.waves.finish()?;
     writeln!(out, "Wrote {} jobs in {} cycles to {}", run.jobs, run.cycles, arguments.out.display())?;
     Ok(())
 }
@@ -69,6 +70,11 @@ fn is_of_interest(name: &str, units: &[String]) -> bool {
 
 struct Waving {
     netlist: NetlistEngine,
+    samples: Samples,
+}
+
+/// A waveform with a sample for each cycle, until one fails.
+struct Samples {
     waves: WaveWriter,
     cycle: u64,
     failed: Option<WaveError>,
@@ -81,20 +87,24 @@ impl Engine for Waving {
 
     fn cycle(&mut self, input_valid: bool, output_ready: bool) -> Shown {
         let shown = self.netlist.cycle(input_valid, output_ready);
-        self.sample();
+        self.samples.take(self.netlist.simulator());
         shown
     }
 
     fn reset(&mut self) {
         self.netlist.reset();
-        self.sample();
+        self.samples.take(self.netlist.simulator());
     }
 }
 
-impl Waving {
-    fn sample(&mut self) {
+impl Samples {
+    fn new(waves: WaveWriter) -> Self {
+        Self { waves, cycle: 0, failed: None }
+    }
+
+    fn take(&mut self, simulator: &Simulator) {
         if self.failed.is_none() {
-            self.failed = self.waves.sample(self.netlist.simulator(), self.cycle).err();
+            self.failed = self.waves.sample(simulator, self.cycle).err();
         }
         self.cycle += 1;
     }

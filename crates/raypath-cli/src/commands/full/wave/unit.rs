@@ -1,13 +1,13 @@
 //! `raypath wave --unit`: random rays through the netlist of the traversal unit, with a waveform.
 
-use super::{Arguments, is_of_interest};
+use super::{Arguments, Samples, is_of_interest};
 use crate::{CliError, Progress};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_rtl::UnitKind;
 use raypath_unit::traffic::{Behaviour, BlockScene, Environment, random_ray};
 use raypath_unit::{NetlistEngine, RayRequest, UnitEngine, UnitInputs, UnitNetlist, UnitOutputs};
-use raypath_wave::{WaveError, WaveWriter};
+use raypath_wave::WaveWriter;
 use std::io::Write;
 
 /// The triangles of the random scene.
@@ -30,7 +30,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     units.push("u_divider".to_string());
     let netlist = NetlistEngine::observing(&unit.top, |name| is_of_interest(name, &units))?;
     let waves = WaveWriter::create(&arguments.out, netlist.simulator())?;
-    let mut waving = Waving { netlist, waves, cycle: 0, failed: None };
+    let mut waving = Waving { netlist, samples: Samples::new(waves) };
     let environment = Environment::new(&scene.0, unit.parameters.memory_width, rays, BEHAVIOUR, seed);
     let mut environment = environment.of_nodes(nodes);
     let mut progress = Progress::new("rays", total);
@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     while !environment.is_done() && progress.at(environment.replies.len()) {
         let cycle = environment.cycle(&mut [&mut waving]);
         cycle.map_err(|problem| CliError::Mismatch(format!("netlist: {problem}")))?;
-        if let Some(failed) = waving.failed.take() {
+        if let Some(failed) = waving.samples.failed.take() {
             return Err(failed.into());
         }
         if environment.cycles() > limit {
@@ -48,16 +48,14 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     }
     let ended = environment.replies.len();
     progress.finish(ended)?;
-    waving.waves.finish()?;
+    waving.samples.waves.finish()?;
     writeln!(out, "Wrote {ended} rays in {} cycles to {}", environment.cycles(), arguments.out.display())?;
     Ok(())
 }
 
 struct Waving {
     netlist: NetlistEngine,
-    waves: WaveWriter,
-    cycle: u64,
-    failed: Option<WaveError>,
+    samples: Samples,
 }
 
 impl UnitEngine for Waving {
@@ -67,20 +65,11 @@ impl UnitEngine for Waving {
 
     fn cycle(&mut self, inputs: &UnitInputs<'_>) {
         self.netlist.cycle(inputs);
-        self.sample();
+        self.samples.take(self.netlist.simulator());
     }
 
     fn reset(&mut self) {
         self.netlist.reset();
-        self.sample();
-    }
-}
-
-impl Waving {
-    fn sample(&mut self) {
-        if self.failed.is_none() {
-            self.failed = self.waves.sample(self.netlist.simulator(), self.cycle).err();
-        }
-        self.cycle += 1;
+        self.samples.take(self.netlist.simulator());
     }
 }
