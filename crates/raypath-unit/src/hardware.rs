@@ -6,6 +6,7 @@ mod connect;
 mod contexts;
 mod decoder;
 mod distance;
+mod division;
 mod entries;
 mod files;
 mod hits;

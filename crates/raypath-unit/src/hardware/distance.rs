@@ -1,13 +1,13 @@
 //! The distances of triangles, and the closest hit of each block.
 
 use super::connect::{Named, hold, keep, named};
+use super::division::{Division, Operands, divide};
 use super::parameters::UnitParameters;
 use super::queue::bits;
 use crate::fold::{HitLimits, fold};
 use crate::netlist::{Netlist, Value, from_wires, inputs, outputs_with, wires_with};
 use crate::state::TriangleHit;
 use crate::step::StepParameters;
-use raypath_float::{DivSqrt, Format, decode, encode};
 use raypath_hdl::{Builder, Error, Module, Wire};
 use raypath_ops::Bit;
 use std::sync::Arc;
@@ -39,29 +39,17 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let indices: Vec<Wire<'_>> = (0..per_block).map(|k| m.input(&format!("index_{k}_i"), 32)).collect();
     let taken = m.input("taken_i", 1);
 
-    m.section("The operands, in a register of their own, because their encoders are slow");
-    let encoder = encode(Format::BINARY32)?;
-    let recoded =
-        |name: &str, wire: Wire<'_>| m.instance(&format!("u_encode_{name}"), &encoder, &[("ieee_i", wire)])[0];
-    let (a, b) = (recoded("t_num", numbers[0].1), recoded("t_denom", numbers[1].1));
+    m.section("The operands, and their division");
     let slot: Vec<Wire<'_>> = [context].into_iter().chain(place).collect();
-    let whole: Vec<Wire<'_>> = slot.iter().copied().chain(is_last).chain([is_hit, !is_front]).collect();
-    let tag = m.concat(&whole);
-    let divides = m.forward("divides", 1);
-    let has_operands = m.register("has_operands_q", 1).reset_to(0);
-    let ready = (!has_operands.wire() | divides.wire()).named("ready");
-    let enters = (valid & ready).named("enters");
-    has_operands.next(enters | (has_operands.wire() & !divides.wire()));
-    let [a, b, tag] = [("a_q", a), ("b_q", b), ("operands_tag_q", tag)].map(|(name, wire)| hold(name, enters, wire));
-
-    m.section("Division");
-    let divider = DivSqrt::Quotient.pipelined(Format::BINARY32, divider_latency, tag.width())?;
     let moves = m.forward("moves", 1);
-    let given = [("valid_i", has_operands.wire()), ("ready_i", moves.wire()), ("a_i", a), ("b_i", b), ("tag_i", tag)];
-    let results = m.instance("u_divider", &divider, &given);
-    let (has_quotient, result, tag) = (results[1], results[2], results[3]);
-    divides.drive(results[0]);
-    let quotient = m.instance("u_decode", &decode(Format::BINARY32)?, &[("recoded_i", result)])[0];
+    let operands = Operands {
+        valid,
+        dividend: numbers[0].1,
+        divisor: numbers[1].1,
+        tag: slot.iter().copied().chain(is_last).chain([is_hit, !is_front]).collect(),
+    };
+    let Division { ready, enters, valid: has_quotient, quotient, tag } =
+        divide(divider_latency, operands, Some(moves.wire()))?;
     let slot_bits = width + 2 * u32::from(has_places);
     let read_slot = tag.upper(slot_bits);
 

@@ -1,12 +1,12 @@
 //! The hits of rays that have ended.
 
-use super::connect::{Inputs, Named, hold, keep, named};
+use super::connect::{Access, Inputs, Named, hold, keep, named};
 use super::parameters::UnitParameters;
 use super::queue::{bits, queue};
 use super::weights::weights;
 use crate::state::status;
 use crate::step::StepParameters;
-use raypath_hdl::{Builder, Error, Module};
+use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
 
 /// The values of a hit, by the field of the ray's state, and whether each is 0 for rays without a hit.
@@ -53,38 +53,57 @@ pub fn hits(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let numerators: Named<'_> =
         numerators.into_iter().map(|field| named(field, m.input(&format!("next_{field}_i"), 32))).collect();
 
-    let takes = m.forward("takes", 1);
-    let waiting = Inputs::default().port("push", ends).port("context", context).port("pop", takes.wire()).place(
-        m,
-        "u_ended",
-        &queue("raypath_unit_ended", contexts, &[("context", width)])?,
-    );
     let valid = m.register("valid_q", 1).reset_to(0);
     let can_show = !valid.wire() | ready;
-    let (complete, weights) = if features.barycentrics {
-        let t_denom = words.iter().filter(|(name, _)| name == "t_denom").cloned();
-        let divided = numerators.into_iter().chain(t_denom).chain([named("is_hit", is_hit)]).collect();
-        let reader = (takes.wire(), waiting.port("context"));
-        let weights = Inputs::default()
-            .port("valid", waiting.port("valid"))
-            .port("context", waiting.port("context"))
-            .ports(keep("u_fractions", contexts, (ends, context), divided, reader))
-            .port("ready", can_show)
-            .place(m, "u_weights", &weights(parameters)?);
-        takes.drive(weights.port("take"));
-        (weights, ["u", "v"].as_slice())
-    } else {
-        takes.drive(waiting.port("valid") & can_show);
-        (waiting, [].as_slice())
-    };
-    let release = if features.barycentrics { complete.port("valid") & can_show } else { takes.wire() };
-    valid.next(release | (valid.wire() & !ready));
-    let hit = keep("u_hits", contexts, (ends, context), words, (release, complete.port("context")));
-    let weights = weights.iter().map(|name| named(name, hold(&format!("{name}_q"), release, complete.port(name))));
+    let t_denom = words.iter().filter(|(name, _)| name == "t_denom").cloned();
+    let divided = numerators.into_iter().chain(t_denom).chain([named("is_hit", is_hit)]).collect();
+    let Complete { releases, context: first, weights } = complete(parameters, (ends, context), divided, can_show)?;
+    valid.next(releases | (valid.wire() & !ready));
+    let hit = keep("u_hits", contexts, (ends, context), words, (releases, first));
+    let weights = weights.iter().map(|(name, wire)| named(name, hold(&format!("{name}_q"), releases, *wire)));
 
-    m.output("release_o", release);
-    m.output("context_o", complete.port("context"));
+    m.output("release_o", releases);
+    m.output("context_o", first);
     m.output("valid_o", valid.wire());
     hit.into_iter().chain(weights).for_each(|(name, wire)| m.output(&format!("{name}_o"), wire));
     builder.finish()
+}
+
+/// The first ray that has ended, with its weights: where `releases` is 1, its hit is complete and can be shown.
+struct Complete<'m> {
+    releases: Wire<'m>,
+    context: Wire<'m>,
+    weights: Named<'m>,
+}
+
+/// The rays that have ended, at `ended`, in a queue. With barycentrics, `divided` is kept, and each waits for its
+/// weights.
+fn complete<'m>(
+    parameters: UnitParameters,
+    ended: Access<'m>,
+    divided: Named<'m>,
+    can_show: Wire<'m>,
+) -> Result<Complete<'m>, Error> {
+    let (UnitParameters { contexts, .. }, (ends, context), m) = (parameters, ended, can_show.builder());
+    let takes = m.forward("takes", 1);
+    let ended = Inputs::default().port("push", ends).port("context", context).port("pop", takes.wire()).place(
+        m,
+        "u_ended",
+        &queue("raypath_unit_ended", contexts, &[("context", context.width())])?,
+    );
+    let [valid, first] = ["valid", "context"].map(|name| ended.port(name));
+    if !parameters.step.features.barycentrics {
+        takes.drive(valid & can_show);
+        return Ok(Complete { releases: takes.wire(), context: first, weights: Vec::new() });
+    }
+    let weights = Inputs::default()
+        .port("valid", valid)
+        .port("context", first)
+        .ports(keep("u_fractions", contexts, (ends, context), divided, (takes.wire(), first)))
+        .port("ready", can_show)
+        .place(m, "u_weights", &weights(parameters)?);
+    takes.drive(weights.port("take"));
+    let releases = (weights.port("valid") & can_show).named("releases");
+    let words = ["u", "v"].map(|name| named(name, weights.port(name)));
+    Ok(Complete { releases, context: weights.port("context"), weights: words.into() })
 }

@@ -1,10 +1,10 @@
 //! The set-up of rays: five quotients of each, from one pipelined divider.
 
 use super::connect::{delay, hold};
+use super::division::{Division, Operands, divide};
 use super::queue::bits;
 use crate::netlist::{Netlist, Value, from_list, inputs, outputs, wires};
 use crate::set_up::{Axes, Entry, QUOTIENTS, axes, derived, divisions, is_refused};
-use raypath_float::{DivSqrt, Format, decode, encode};
 use raypath_hdl::{Builder, Error, Module, Wire};
 use raypath_ops::{Num, Vec3};
 use std::sync::Arc;
@@ -42,40 +42,27 @@ pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error>
     let held: Vec<_> = found.iter().map(|(name, wire)| delay(&format!("{name}_q"), *wire)).collect();
     let operands = divisions(c, dir, from_list(m, &held));
 
-    m.section("The operands");
-    let encoder = encode(Format::BINARY32)?;
-    let operand = |name: &str, of: [Num<Netlist<'_>>; QUOTIENTS]| {
-        let all = of.map(|number| number.value.0);
-        let chosen = (1..QUOTIENTS).fold(all[0], |chosen, k| number.wire().is(k as u64).mux(all[k], chosen));
-        let recoded = m.instance(&format!("u_encode_{name}"), &encoder, &[("ieee_i", chosen)])[0];
-        delay(&format!("{name}_q"), recoded)
-    };
-    let a = operand("dividend", operands.map(|division| division.dividend));
-    let b = operand("divisor", operands.map(|division| division.divisor));
-    let has_operands = m.register("has_operands_q", 1).reset_to(0);
-    has_operands.next(busy.wire());
+    m.section("The operands, and their division: a quotient is always taken");
     let tag: Vec<Wire<'_>> = [context, refused].into_iter().chain(held).chain([is_last]).collect();
     let widths: Vec<u32> = tag.iter().map(|wire| wire.width()).collect();
-    let tag = delay("tag_q", m.concat(&tag));
-
-    m.section("The divider, whose results are always taken");
-    let divider = DivSqrt::Quotient.pipelined(Format::BINARY32, divider_latency, tag.width())?;
-    let always = m.constant(1, 1);
-    let given = [("valid_i", has_operands.wire()), ("ready_i", always), ("a_i", a), ("b_i", b), ("tag_i", tag)];
-    let results = m.instance("u_divider", &divider, &given);
-    m.unused("unused_ready", &results[..1]);
-    let (has_result, result) = (results[1], results[2]);
-    let mut low = results[3].width();
+    let operands = Operands {
+        valid: busy.wire(),
+        dividend: one_of(number.wire(), operands.map(|division| division.dividend)),
+        divisor: one_of(number.wire(), operands.map(|division| division.divisor)),
+        tag,
+    };
+    let Division { valid: has_result, quotient, tag, .. } = divide(divider_latency, operands, None)?;
+    let mut low = tag.width();
     let tag: Vec<Wire<'_>> = widths
         .iter()
         .map(|width| {
             low -= width;
-            results[3].bits(low + width - 1, low)
+            tag.bits(low + width - 1, low)
         })
         .collect();
 
     m.section("The constants of a ray, with its last quotient: its quotients come in consecutive cycles");
-    let mut quotients = vec![m.instance("u_decode", &decode(Format::BINARY32)?, &[("recoded_i", result)])[0]];
+    let mut quotients = vec![quotient];
     for k in (0..QUOTIENTS - 1).rev() {
         quotients.insert(0, delay(&format!("quotient_{k}_q"), quotients[0]));
     }
@@ -89,4 +76,10 @@ pub fn set_up(contexts: u32, divider_latency: u32) -> Result<Arc<Module>, Error>
     outputs(m, "shear", &derived.shear);
     wires("", &axes).into_iter().for_each(|(name, wire)| m.output(&format!("{name}_o"), wire));
     builder.finish()
+}
+
+/// The number at this place.
+fn one_of<'m>(place: Wire<'m>, numbers: [Num<Netlist<'m>>; QUOTIENTS]) -> Wire<'m> {
+    let numbers = numbers.map(|number| number.value.0);
+    (1..QUOTIENTS).fold(numbers[0], |chosen, k| place.is(k as u64).mux(numbers[k], chosen))
 }

@@ -1,10 +1,10 @@
 //! The barycentric coordinates of hits.
 
 use super::connect::hold;
+use super::division::{Division, Operands, divide};
 use super::parameters::UnitParameters;
 use super::queue::bits;
-use raypath_float::{DivSqrt, Format, decode, encode};
-use raypath_hdl::{Builder, Error, Module, Wire};
+use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
 
 /// The module `raypath_unit_weights`, which divides twice for each ray: u and v.
@@ -26,36 +26,23 @@ pub fn weights(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     m.section("The ray whose operands enter the divider: of u first, then of v");
     let busy = m.register("busy_q", 1).reset_to(0);
     let is_second = m.register("is_second_q", 1).reset_to(0);
-    let enters = m.forward("enters", 1);
-    let ends = (enters.wire() & is_second.wire()).named("ends");
-    let take = (valid & (!busy.wire() | ends)).named("take");
-    busy.next(take | (busy.wire() & !ends));
-    is_second.next_when(enters.wire(), !is_second.wire());
+    let ends = m.forward("ends", 1);
+    let take = (valid & (!busy.wire() | ends.wire())).named("take");
+    busy.next(take | (busy.wire() & !ends.wire()));
     let context = hold("context_q", take, context);
 
-    m.section("The operands");
-    let divides = m.forward("divides", 1);
-    let has_operands = m.register("has_operands_q", 1).reset_to(0);
-    enters.drive(busy.wire() & (!has_operands.wire() | divides.wire()));
-    let enters = enters.wire();
-    has_operands.next(enters | (has_operands.wire() & !divides.wire()));
-    let encoder = encode(Format::BINARY32)?;
-    let operand = |name: &str, wire: Wire<'_>| {
-        let recoded = m.instance(&format!("u_encode_{name}"), &encoder, &[("ieee_i", wire)])[0];
-        hold(&format!("{name}_q"), enters, recoded)
-    };
-    let a = operand("dividend", is_second.wire().mux(v_num, u_num));
-    let b = operand("divisor", t_denom);
-    let tag = hold("operands_tag_q", enters, m.concat(&[context, is_hit, is_second.wire()]));
-
-    m.section("Division");
-    let divider = DivSqrt::Quotient.pipelined(Format::BINARY32, divider_latency, tag.width())?;
+    m.section("The operands, and their division");
     let moves = m.forward("moves", 1);
-    let given = [("valid_i", has_operands.wire()), ("ready_i", moves.wire()), ("a_i", a), ("b_i", b), ("tag_i", tag)];
-    let results = m.instance("u_divider", &divider, &given);
-    let (has_quotient, result, tag) = (results[1], results[2], results[3]);
-    divides.drive(results[0]);
-    let quotient = m.instance("u_decode", &decode(Format::BINARY32)?, &[("recoded_i", result)])[0];
+    let operands = Operands {
+        valid: busy.wire(),
+        dividend: is_second.wire().mux(v_num, u_num),
+        divisor: t_denom,
+        tag: vec![context, is_hit, is_second.wire()],
+    };
+    let Division { enters, valid: has_quotient, quotient, tag, .. } =
+        divide(divider_latency, operands, Some(moves.wire()))?;
+    is_second.next_when(enters, !is_second.wire());
+    ends.drive(enters & is_second.wire());
     let quotient = (quotient & tag.bit(1).replicate(32)).named("weight");
 
     m.section("Both quotients: u waits for v");

@@ -195,7 +195,7 @@ pub const CLAIMS: &[Claim] = &[
         happens: "p_chosen_q && p_before_q == 0 && p_leaves",
         faults: &[
             // A triangle is lost while a closest hit waits.
-            ("moves = ~has_hit_q | folds", "moves = 1'b1"),
+            ("moves   = ~has_hit_q | folds", "moves   = 1'b1"),
             // A closest hit that waits is overwritten.
             ("folds = has_hit_q & (~is_complete_q | taken_i)", "folds = has_hit_q"),
             // Each triangle ends its block.
