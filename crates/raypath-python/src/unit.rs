@@ -55,7 +55,7 @@ impl Unit {
     ) -> PyResult<Self> {
         let mut parameters = UnitParameters::default();
         let set = &mut |name: &str, value: &str| parameters.set(name, value).unwrap_or(Ok(()));
-        let around = Around { of: "a unit", names: &UnitParameters::NAMES, set };
+        let around = Around { of: "a unit", names: UnitParameters::NAMES, set };
         let config = chosen(preset, config, flags, around)?;
         let inner = py.detach(|| embed::Unit::new(config, parameters)).map_err(exception)?;
         Ok(Self { inner: Arc::new(inner) })
@@ -66,12 +66,12 @@ impl Unit {
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let row = PyDict::new(py);
         let parameters = self.inner.parameters();
-        for name in UnitParameters::NAMES {
-            let value = parameters.get(name).unwrap_or_default();
-            let name = name.replace('-', "_");
-            match value.parse::<u32>() {
-                Ok(number) => row.set_item(name, number)?,
-                Err(_) => row.set_item(name, value)?,
+        for parameter in UnitParameters::TABLE {
+            let (name, value) = (parameter.name.replace('-', "_"), parameter.get(&parameters));
+            match (value.parse::<u32>(), value.parse::<bool>()) {
+                (Ok(number), _) => row.set_item(name, number)?,
+                (_, Ok(has)) => row.set_item(name, has)?,
+                _ => row.set_item(name, value)?,
             }
         }
         Ok(row)
