@@ -85,6 +85,11 @@
 #define RAYPATH_UNIT_ERROR 3
 
 /**
+ * The `instance` of a `raypath_unit_hit` whose triangle is in none.
+ */
+#define RAYPATH_UNIT_NO_INSTANCE 4294967295
+
+/**
  * A bit of `raypath_unit_ray`: back faces are not hit.
  */
 #define RAYPATH_CULL_BACK 1
@@ -521,7 +526,11 @@ typedef struct {
    */
   uint32_t stack;
   /**
-   * Bits of a beat of the memory; a block of 128 bytes has 1024 / `memory_width` beats.
+   * Bytes of a block of the scene: 128, and with `node = "quantised"` 64.
+   */
+  uint32_t block_bytes;
+  /**
+   * Bits of a beat of the memory; a block has 8 · `block_bytes` / `memory_width` beats.
    */
   uint32_t memory_width;
   /**
@@ -532,6 +541,10 @@ typedef struct {
    * Cycles of a division.
    */
   uint32_t divider_latency;
+  /**
+   * Whether scenes have instances: 0 or 1.
+   */
+  uint32_t instances;
 } raypath_unit_parameter_values;
 
 /**
@@ -569,7 +582,7 @@ typedef struct {
 } raypath_unit_ray;
 
 /**
- * What the traversal unit returns for a ray, 40 bytes. The members are the ports of the hit's channel: without a hit,
+ * What the traversal unit returns for a ray, 44 bytes. The members are the ports of the hit's channel: without a hit,
  * all but `status`, `nodes` and `triangles` are 0.
  */
 typedef struct {
@@ -581,6 +594,11 @@ typedef struct {
    * The index of the triangle, as the scene has it.
    */
   uint32_t triangle;
+  /**
+   * The index of the triangle's instance, as the scene has it; `RAYPATH_UNIT_NO_INSTANCE` for a triangle in none, as
+   * all are in a unit without `instances`.
+   */
+  uint32_t instance;
   /**
    * The distance, in units of the direction's length.
    */
@@ -637,7 +655,7 @@ typedef struct {
    */
   uint32_t hit_valid;
   /**
-   * 1: a block of 128 bytes is requested. The request stays at the outputs until a step takes it.
+   * 1: a block is requested. The request stays at the outputs until a step takes it.
    */
   uint32_t mem_req_valid;
   /**
@@ -1142,9 +1160,9 @@ const char *raypath_last_error(void);
 
 /**
  * Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
- * `contexts`, `stack`, `memory-width`, `id-width`, `divider-latency`. For example `preset = "compact"` and
- * `contexts = 16` in a line each; NULL is the default. Of the features, a unit has `barycentrics` alone. Any thread
- * may call it.
+ * `contexts`, `stack`, `node`, `memory-width`, `id-width`, `divider-latency`, `instances`. For example
+ * `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default. Of the features, a
+ * unit has `barycentrics` alone. Any thread may call it.
  *
  * Errors: `RAYPATH_ERROR_CONFIGURATION` with the line of `toml`, or for a datapath that the unit does not have;
  * `RAYPATH_ERROR_NULL`. Then `*unit` is not changed.

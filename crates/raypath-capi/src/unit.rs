@@ -21,12 +21,16 @@ pub struct UnitParameters {
     pub contexts: u32,
     /// Entries of the stack of each ray.
     pub stack: u32,
-    /// Bits of a beat of the memory; a block of 128 bytes has 1024 / `memory_width` beats.
+    /// Bytes of a block of the scene: 128, and with `node = "quantised"` 64.
+    pub block_bytes: u32,
+    /// Bits of a beat of the memory; a block has 8 · `block_bytes` / `memory_width` beats.
     pub memory_width: u32,
     /// Bits of the id of a ray.
     pub id_width: u32,
     /// Cycles of a division.
     pub divider_latency: u32,
+    /// Whether scenes have instances: 0 or 1.
+    pub instances: u32,
 }
 
 /// `raypath_unit_hit`: no triangle is hit.
@@ -38,15 +42,18 @@ pub const RAYPATH_UNIT_REFUSED: u32 = 2;
 /// An error of the memory, or a scene that is not valid.
 pub const RAYPATH_UNIT_ERROR: u32 = 3;
 
+/// The `instance` of a `raypath_unit_hit` whose triangle is in none.
+pub const RAYPATH_UNIT_NO_INSTANCE: u32 = 0xffff_ffff;
+
 /// A bit of `raypath_unit_ray`: back faces are not hit.
 pub const RAYPATH_CULL_BACK: u32 = 1;
 /// Front faces are not hit.
 pub const RAYPATH_CULL_FRONT: u32 = 2;
 
 /// Opens a traversal unit and sets `*unit`. `toml` has the keys of a configuration file, and those of the unit:
-/// `contexts`, `stack`, `memory-width`, `id-width`, `divider-latency`. For example `preset = "compact"` and
-/// `contexts = 16` in a line each; NULL is the default. Of the features, a unit has `barycentrics` alone. Any thread
-/// may call it.
+/// `contexts`, `stack`, `node`, `memory-width`, `id-width`, `divider-latency`, `instances`. For example
+/// `preset = "compact"`, `contexts = 16` and `instances = true` in a line each; NULL is the default. Of the features, a
+/// unit has `barycentrics` alone. Any thread may call it.
 ///
 /// Errors: `RAYPATH_ERROR_CONFIGURATION` with the line of `toml`, or for a datapath that the unit does not have;
 /// `RAYPATH_ERROR_NULL`. Then `*unit` is not changed.
@@ -107,9 +114,11 @@ pub unsafe extern "C" fn raypath_unit_parameters(unit: *const Unit, values: *mut
         *values = UnitParameters {
             contexts: parameters.contexts,
             stack: parameters.step.stack,
+            block_bytes: parameters.step.node.block_bytes(),
             memory_width: parameters.memory_width,
             id_width: parameters.id_width,
             divider_latency: parameters.divider_latency,
+            instances: parameters.step.features.instances.into(),
         };
         Ok(RAYPATH_OK)
     })

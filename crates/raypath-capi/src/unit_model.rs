@@ -50,7 +50,7 @@ pub struct UnitOutputs {
     pub ray_ready: u32,
     /// 1: a ray has ended. Its hit stays at the outputs until a step takes it.
     pub hit_valid: u32,
-    /// 1: a block of 128 bytes is requested. The request stays at the outputs until a step takes it.
+    /// 1: a block is requested. The request stays at the outputs until a step takes it.
     pub mem_req_valid: u32,
     /// The address of the block.
     pub mem_req_addr: u32,

@@ -50,7 +50,7 @@ impl Unit {
     pub fn open(toml: &str) -> Result<Self, Error> {
         let mut parameters = UnitParameters::default();
         let set = &mut |name: &str, value: &str| parameters.set(name, value).unwrap_or(Ok(()));
-        let config = configuration::parse_with(toml, Path::new("configuration"), &UnitParameters::NAMES, set)?;
+        let config = configuration::parse_with(toml, Path::new("configuration"), UnitParameters::NAMES, set)?;
         Self::new(config, parameters)
     }
 

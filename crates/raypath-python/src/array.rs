@@ -46,6 +46,16 @@ unsafe impl Item for [u32; 3] {
     }
 }
 
+#[allow(unsafe_code)]
+// SAFETY: twelve f64.
+unsafe impl Item for [[f64; 4]; 3] {
+    const SHAPE: &[usize] = &[3, 4];
+    const ELEMENT: &str = "float64";
+    fn dtype(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
+        PyArrayDescr::new(py, "f8")
+    }
+}
+
 /// A structure with a name, a type and an offset for each field.
 macro_rules! structures {
     ($($type:ty: $name:literal, [$($field:literal: $format:literal @ $offset:literal),*];)*) => {$(
@@ -92,10 +102,11 @@ unsafe impl Item for UnitHit {
     const ELEMENT: &str = "hit";
     fn dtype(py: Python<'_>) -> PyResult<Bound<'_, PyArrayDescr>> {
         let description = PyDict::new(py);
-        let names = ["status", "triangle", "t", "t_num", "t_denom", "u", "v", "back_face", "nodes", "triangles"];
+        let names =
+            ["status", "triangle", "instance", "t", "t_num", "t_denom", "u", "v", "back_face", "nodes", "triangles"];
         description.set_item("names", names)?;
-        description.set_item("formats", ["u4", "u4", "f4", "f4", "f4", "f4", "f4", "?", "u4", "u4"])?;
-        description.set_item("offsets", [0, 4, 8, 12, 16, 20, 24, 28 + LEAST_BYTE, 32, 36])?;
+        description.set_item("formats", ["u4", "u4", "u4", "f4", "f4", "f4", "f4", "f4", "?", "u4", "u4"])?;
+        description.set_item("offsets", [0, 4, 8, 12, 16, 20, 24, 28, 32 + LEAST_BYTE, 36, 40])?;
         description.set_item("itemsize", size_of::<Self>())?;
         PyArrayDescr::new(py, description)
     }
@@ -155,8 +166,10 @@ fn checked<'a, 'py, T: Item>(
     };
     let (found, dtype) = (array.shape(), array.dtype());
     if found.len() != free + tail.len() || found[free..] != *tail || !dtype.is_equiv_to(&T::dtype(array.py())?) {
-        let convert = match dtype.to_string().as_str() {
-            "float64" | "float16" if T::ELEMENT == "float32" => format!("; {name}.astype(numpy.float32) converts"),
+        let convert = match (dtype.to_string().as_str(), T::ELEMENT) {
+            ("float64" | "float16", "float32") | ("float32" | "float16", "float64") => {
+                format!("; {name}.astype(numpy.{}) converts", T::ELEMENT)
+            }
             _ => String::new(),
         };
         let found = format!("a {dtype} array of shape {}", shape(found));

@@ -9,9 +9,8 @@ use crate::watch::watched;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use raypath_embed::{self as embed, UnitHit, UnitRay, Vertices};
-use raypath_render::{Blocks, Mesh, Scene};
+use raypath_render::{Mesh, Placement, Scene};
 use raypath_unit::UnitParameters;
-use raypath_unit::blocks::NodeKind;
 use raypath_unit::system::{CacheParameters, MemoryParameters};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,7 +23,8 @@ use std::sync::Arc;
 ///     preset: the name of a configuration of the datapath, as for ``Datapath``. Distance operations are left out.
 ///     config: in place of a preset, the path of a TOML file, or its text, which contains "=".
 ///     flags: the options of ``raypath generate --unit``, with ``_`` in place of ``-``: ``contexts``, ``stack``,
-///         ``memory_width``, ``id_width``, ``divider_latency``, and those of the datapath.
+///         ``node``, ``memory_width``, ``id_width``, ``divider_latency``, and those of the datapath. ``instances=True``
+///         for scenes of two levels.
 ///
 /// Raises:
 ///     ValueError: a value that a flag does not have; a datapath that the unit does not have.
@@ -55,7 +55,7 @@ impl Unit {
     ) -> PyResult<Self> {
         let mut parameters = UnitParameters::default();
         let set = &mut |name: &str, value: &str| parameters.set(name, value).unwrap_or(Ok(()));
-        let around = Around { of: "a unit", names: &UnitParameters::NAMES, set };
+        let around = Around { of: "a unit", names: UnitParameters::NAMES, set };
         let config = chosen(preset, config, flags, around)?;
         let inner = py.detach(|| embed::Unit::new(config, parameters)).map_err(exception)?;
         Ok(Self { inner: Arc::new(inner) })
@@ -66,12 +66,12 @@ impl Unit {
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let row = PyDict::new(py);
         let parameters = self.inner.parameters();
-        for name in UnitParameters::NAMES {
-            let value = parameters.get(name).unwrap_or_default();
-            let name = name.replace('-', "_");
-            match value.parse::<u32>() {
-                Ok(number) => row.set_item(name, number)?,
-                Err(_) => row.set_item(name, value)?,
+        for parameter in UnitParameters::TABLE {
+            let (name, value) = (parameter.name.replace('-', "_"), parameter.get(&parameters));
+            match (value.parse::<u32>(), value.parse::<bool>()) {
+                (Ok(number), _) => row.set_item(name, number)?,
+                (_, Ok(has)) => row.set_item(name, has)?,
+                _ => row.set_item(name, value)?,
             }
         }
         Ok(row)
@@ -84,18 +84,41 @@ impl Unit {
     ///         from its front, with finite coordinates of magnitude at most 2**40.
     ///     reach: the greatest distance, along any axis, between the origin of a ray and a vertex. Rays from further
     ///         away may lose hits at the edges of boxes. 16 times the longest side of the scene by default.
+    ///     instances: the places of the triangles in the scene, for a unit with ``instances``: a float64 array of shape
+    ///         (m, 3, 4), an affine matrix from the triangles to the scene for each place. The last number of each row
+    ///         is the translation, and numbers have a magnitude of at most 2**40.
     ///
     /// Raises:
-    ///     ValueError: another type or shape; a coordinate out of range; no triangle, or too many.
-    #[pyo3(signature = (triangles, *, reach = None))]
-    fn scene(&self, py: Python<'_>, triangles: &Bound<'_, PyAny>, reach: Option<f32>) -> PyResult<UnitScene> {
+    ///     ValueError: another type or shape; a coordinate out of range; no triangle, or too many; no instance, one
+    ///         that is too far away, a matrix without an inverse, or a unit without ``instances``.
+    #[pyo3(signature = (triangles, *, reach = None, instances = None))]
+    fn scene(
+        &self,
+        py: Python<'_>,
+        triangles: &Bound<'_, PyAny>,
+        reach: Option<f32>,
+        instances: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<UnitScene> {
         let triangles = items::<Vertices>(triangles, "triangles")?;
+        let instances = instances.map(|matrices| self.placements(matrices)).transpose()?;
         if let Some(reach) = reach.filter(|reach| !(*reach >= 0.0 && reach.is_finite())) {
             return Err(value_error(format!("reach: found {reach}, expected a finite number of at least 0")));
         }
         let nodes = self.inner.parameters().step.node;
-        let blocks = py.detach(|| blocks(triangles, reach, nodes))?;
-        Ok(UnitScene { data: blocks.bytes().into(), root: blocks.root() })
+        py.detach(|| {
+            let mesh = mesh(triangles)?;
+            let scene = match (instances, reach) {
+                (None, None) => Scene::new(mesh).map_err(value_error),
+                (None, Some(reach)) => Scene::with_reach(mesh, reach).map_err(value_error),
+                (Some(places), None) => Scene::of_instances(mesh, &places, []).map_err(value_error),
+                (Some(places), Some(reach)) => {
+                    Scene::of_instances_with_reach(mesh, &places, reach).map_err(value_error)
+                }
+            };
+            let scene = scene?.through_unit_of(nodes).map_err(value_error)?;
+            let blocks = scene.blocks().map_or((&[][..], 0), |blocks| (blocks.bytes(), blocks.root()));
+            Ok(UnitScene { data: blocks.0.into(), root: blocks.1 })
+        })
     }
 
     /// Traces rays by the functional model, without time.
@@ -292,15 +315,25 @@ impl UnitScene {
     }
 }
 
-fn blocks(triangles: &[Vertices], reach: Option<f32>, nodes: NodeKind) -> PyResult<Blocks> {
+impl Unit {
+    /// The places of instances by their matrices.
+    fn placements(&self, matrices: &Bound<'_, PyAny>) -> PyResult<Vec<Placement>> {
+        if !self.inner.parameters().step.features.instances {
+            return Err(value_error("instances: the unit has none, expected a Unit(instances=True)"));
+        }
+        let matrices = items::<[[f64; 4]; 3]>(matrices, "instances")?.iter().enumerate();
+        let placed = |(index, matrix): (usize, &[[f64; 4]; 3])| {
+            Placement::checked(*matrix)
+                .map_err(|problem| value_error(format!("instances: instance {index}: {problem}")))
+        };
+        matrices.map(placed).collect()
+    }
+}
+
+fn mesh(triangles: &[Vertices]) -> PyResult<Mesh> {
     let vertices: Vec<[f32; 3]> = triangles.iter().flat_map(|&Vertices { a, b, c }| [a, b, c]).collect();
     let count = u32::try_from(vertices.len())
         .map_err(|_| value_error(format!("triangles: found {}, expected at most {}", triangles.len(), u32::MAX / 3)))?;
     let faces = (0..count / 3).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
-    let mesh = Mesh::new(vertices, faces).map_err(value_error)?;
-    let scene = match reach {
-        None => Scene::new(mesh),
-        Some(reach) => Scene::with_reach(mesh, reach),
-    };
-    Blocks::of(scene.map_err(value_error)?.bvh(), nodes).map_err(value_error)
+    Mesh::new(vertices, faces).map_err(value_error)
 }

@@ -11,8 +11,8 @@ use std::sync::{Mutex, PoisonError};
 
 /// The cycle-exact model of a traversal unit. In every cycle its outputs are those of the hardware.
 ///
-/// A cycle is a ``step``. The caller is the memory: it answers requests with beats of blocks of 128 bytes. A model
-/// belongs to one thread at a time.
+/// A cycle is a ``step``. The caller is the memory: it answers requests with beats of blocks of 128 bytes, or 64
+/// with quantised nodes. A model belongs to one thread at a time.
 ///
 /// Args:
 ///     unit: the unit, which other models may share.
@@ -151,9 +151,9 @@ impl UnitOutputs {
     #[getter]
     fn hit<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let Some((_, hit)) = self.0.hit else { return Ok(None) };
-        let UnitHit { status, triangle, t, t_num, t_denom, u, v, back_face, nodes, triangles } = hit;
-        let row = row!(py, "status": status, "triangle": triangle, "t": t, "t_num": t_num, "t_denom": t_denom,
-            "u": u, "v": v, "back_face": back_face == 1, "nodes": nodes, "triangles": triangles)?;
+        let UnitHit { status, triangle, instance, t, t_num, t_denom, u, v, back_face, nodes, triangles } = hit;
+        let row = row!(py, "status": status, "triangle": triangle, "instance": instance, "t": t, "t_num": t_num,
+            "t_denom": t_denom, "u": u, "v": v, "back_face": back_face == 1, "nodes": nodes, "triangles": triangles)?;
         Ok(Some(row))
     }
 

@@ -1,5 +1,7 @@
 """The traversal unit: hits against a brute-force oracle in float64, cycle-exact against functional model."""
 
+import subprocess
+import sys
 from collections import deque
 from pathlib import Path
 from typing import Any, Callable
@@ -160,7 +162,7 @@ def test_simulation(unit: raypath.Unit, scene: raypath.UnitScene) -> None:
 def test_parameters(unit: raypath.Unit) -> None:
     """Keywords and TOML set the same parameters."""
     numbers_of = {"contexts": 8, "stack": 2, "memory_width": 256, "id_width": 12, "divider_latency": 11}
-    expected = {**numbers_of, "node": "wide4"}
+    expected = {**numbers_of, "node": "wide4", "instances": False}
     assert unit.parameters == expected
     lines = ["contexts = 8", "stack = 2", "memory-width = 256", "id-width = 12", "barycentrics = true"]
     toml = raypath.Unit(config='preset = "compact"\n' + "\n".join(lines))
@@ -177,6 +179,87 @@ def test_generate(unit: raypath.Unit, tmp_path: Path) -> None:
         unit.generate("/dev/null/x")
 
 
+TRIANGLE = f32([[[-1, -1, 0], [1, -1, 0], [0, 1, 0]]])
+TWO_LEVELS = raypath.Unit("compact", contexts=8, memory_width=256, instances=True)
+# The object itself, moved, and with its axes exchanged: under these, transforms of numbers on a grid are exact.
+PLACES = np.array(
+    [
+        [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]],
+        [[1, 0, 0, 8], [0, 1, 0, 0], [0, 0, 1, 16]],
+        [[0, 0, 1, 0], [1, 0, 0, -16], [0, 1, 0, 0]],
+    ],
+    np.float64,
+)
+
+
+def on_grid(values: NDArray[np.floating[Any]]) -> Float32:
+    """Multiples of 1/1024."""
+    return (np.round(values * 1024) / 1024).astype(np.float32)
+
+
+def two_levels(mesh: Mesh) -> tuple[Float32, Float32, Float32, Float32]:
+    """The triangles of an object, those of its instances, and rays towards the instances."""
+    triangles = on_grid(mesh[0][mesh[1]])
+    flat = np.concatenate([triangles @ place[:, :3].T + place[:, 3] for place in PLACES]).astype(np.float32)
+    random = np.random.default_rng(9)
+    origins = on_grid(random.uniform(-4, 4, (900, 3)))
+    targets = flat[random.integers(len(flat), size=900), 0] + on_grid(random.uniform(-0.3, 0.3, (900, 3)))
+    return triangles, flat, origins, targets - origins
+
+
+def test_instances(mesh: Mesh) -> None:
+    """Hits of instances have the bits of those of all their triangles as one mesh, by both models."""
+    triangles, flat, origins, directions = two_levels(mesh)
+    scene, expected_scene = TWO_LEVELS.scene(triangles, instances=PLACES), TWO_LEVELS.scene(flat)
+    rays, expected_rays = (memory.rays(origins, directions, cull="back") for memory in (scene, expected_scene))
+    hits, expected = TWO_LEVELS.trace(scene, rays), TWO_LEVELS.trace(expected_scene, expected_rays)
+    hit = hits.status == 1
+    assert 0.2 < hit.mean() < 0.9
+    assert (np.bincount(hits.instance[hit]) > 20).all()
+    np.testing.assert_array_equal(hits.status, expected.status)
+    np.testing.assert_array_equal((hits.instance * 100 + hits.triangle)[hit], expected.triangle[hit])
+    for name in ("t", "t_num", "t_denom", "back_face"):
+        np.testing.assert_array_equal(hits.array[name], expected.array[name])
+    assert not hits.instance[~hit].any()
+    assert (expected.instance[hit] == 2**32 - 1).all()
+    timed, _ = TWO_LEVELS.simulate(scene, rays, latency=5)
+    np.testing.assert_array_equal(timed.array, hits.array)
+    found = run(raypath.UnitModel(TWO_LEVELS), scene, rays[:30], 3)
+    assert [found[ray]["instance"] for ray in range(30)] == hits.instance[:30].tolist()
+    near = TWO_LEVELS.scene(triangles, instances=PLACES, reach=64)
+    np.testing.assert_array_equal(TWO_LEVELS.trace(near, rays).t, hits.t)
+
+
+def test_instances_of_the_command(mesh: Mesh, tmp_path: Path) -> None:
+    """``scene --instances`` writes the bytes of ``Unit.scene``, and ``render`` finds the hits of ``Unit.trace``."""
+    triangles, _, origins, directions = two_levels(mesh)
+    scene = TWO_LEVELS.scene(triangles, instances=PLACES)
+    hits = TWO_LEVELS.trace(scene, scene.rays(origins, directions, cull="back"))
+    corners = triangles.reshape(-1, 3).astype(np.float64).tolist()
+    faces = np.arange(1, len(corners) + 1).reshape(-1, 3).tolist()
+    obj = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in faces]
+    (tmp_path / "mesh.obj").write_text("\n".join(obj))
+    np.savetxt(tmp_path / "places.txt", PLACES.reshape(-1, 12))
+    extents = np.full((len(origins), 1), np.inf)
+    np.savetxt(tmp_path / "rays.txt", np.hstack([origins, directions, extents]).astype(np.float64))
+
+    def command(*words: str) -> None:
+        program = [sys.executable, "-m", "raypath", words[0], "mesh.obj", "--instances", "places.txt", *words[1:]]
+        subprocess.run(program, cwd=tmp_path, check=True, capture_output=True)
+
+    command("scene", "--out", "scene.bin")
+    assert (tmp_path / "scene.bin").read_bytes() == scene.data
+    command("render", "--through", "unit", "--rays", "rays.txt", "--hits", "hits.txt")
+    lines = [line.split() for line in (tmp_path / "hits.txt").read_text().splitlines() if not line.startswith("#")]
+    names = [words[0] for words in lines]
+    is_hit = hits.status == 1
+    both = zip(hits.triangle.tolist(), hits.instance.tolist(), is_hit.tolist())
+    assert names == [f"{triangle}@{instance}" if hit else "miss" for triangle, instance, hit in both]
+    bits = [[int(word, 16) for word in words[4:]] for words in lines if words != ["miss"]]
+    values = np.stack([hits.t, hits.t_num, hits.t_denom], axis=1)[is_hit]
+    np.testing.assert_array_equal(np.array(bits, np.uint32), values.view(np.uint32))
+
+
 RAYS: Any = np.zeros(2, raypath.UNIT_RAY)
 SCENE: Any = raypath.UnitScene(b"", 0)
 ONES: Any = np.ones((2, 3), np.float32)
@@ -186,6 +269,26 @@ WRONG: list[tuple[Callable[[Any], Any], str]] = [
     (lambda unit: raypath.Unit(stack="deep"), r"stack: 'deep', expected 2, 4, 8"),  # type: ignore[arg-type]
     (lambda unit: raypath.Unit("half"), r"no datapath with format .* expected format fp32"),
     (lambda unit: raypath.Unit(config="contexts = 9\nstack = 3"), r"config:2: stack: '3'"),
+    (
+        lambda unit: raypath.Unit(node="quantised", instances=True),
+        r"node is quantised, expected wide4, which instances",
+    ),
+    (lambda unit: raypath.Unit(instances=2), r"instances: '2', expected true or false"),  # type: ignore[arg-type]
+    (lambda unit: unit.scene(TRIANGLE, instances=PLACES), r"instances: the unit has none, expected a Unit\(instances"),
+    (lambda unit: TWO_LEVELS.scene(TRIANGLE, instances=PLACES[:0]), r"0 instances, expected at least 1"),
+    (lambda unit: TWO_LEVELS.scene(TRIANGLE, instances=0 * PLACES), r"instance 0: the matrix has no inverse"),
+    (
+        lambda unit: TWO_LEVELS.scene(TRIANGLE, instances=PLACES * [[[1], [1], [1e13]]]),
+        r"instance 0: zz = 1.*, expected a number",
+    ),
+    (
+        lambda unit: TWO_LEVELS.scene(TRIANGLE, instances=PLACES[0]),
+        r"instances: found a float64 array of shape \(3, 4\)",
+    ),
+    (
+        lambda unit: TWO_LEVELS.scene(TRIANGLE, instances=PLACES.astype("f4")),
+        r"instances.astype\(numpy.float64\) converts",
+    ),
     (lambda unit: unit.scene(ONES), r"triangles: found .* expected .* \(n, 3, 3\)"),
     (lambda unit: unit.scene(np.zeros((0, 3, 3), np.float32)), r"0 triangles, expected at least 1"),
     (lambda unit: unit.scene(np.full((1, 3, 3), np.nan, np.float32)), r"vertex 0 has x = NaN"),

@@ -29,7 +29,7 @@ pub use bvh::Bvh4;
 pub use camera::{Camera, CameraError};
 pub use mesh::{Bounds, Mesh, MeshError};
 pub use picture::{Picture, heatmap, to_png};
-pub use placement::{Placement, parse_instances, read_instances};
+pub use placement::{Placement, PlacementError, parse_instances, read_instances};
 pub use rays::{parse_hits, parse_rays, read_hits, read_rays, write_hits, write_rays};
 pub use read::{Format, ReadError, parse_mesh, read_mesh};
 pub use render::{Costs, RenderError, Rendering, Rows, Shading, draw, render, render_rows};

@@ -9,6 +9,7 @@ use crate::read::{ReadError, parse_lines, text};
 use crate::vector::{Vector, add, cross, dot, scale, vector};
 use raypath_unit::Instance;
 use std::path::Path;
+use thiserror::Error;
 
 const NUMBERS: [&str; 12] = ["xx", "xy", "xz", "xt", "yx", "yy", "yz", "yt", "zx", "zy", "zz", "zt"];
 
@@ -21,7 +22,36 @@ pub struct Placement {
     to_object: [[f32; 4]; 3],
 }
 
+/// The reason why a matrix gives a mesh no place.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum PlacementError {
+    /// A number out of range.
+    #[error("{name} = {value}, expected a number of magnitude at most 2^40")]
+    Number {
+        /// Its place in the matrix, as files name it.
+        name: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// A matrix without an inverse, or with one whose numbers binary32 does not have.
+    #[error("the matrix has no inverse, expected one that does not flatten")]
+    Flat,
+}
+
 impl Placement {
+    /// The place that this matrix gives a mesh, as a user wrote it.
+    ///
+    /// # Errors
+    /// A number that is not finite or exceeds 2⁴⁰ in magnitude; a matrix without an inverse.
+    pub fn checked(to_scene: [[f64; 4]; 3]) -> Result<Self, PlacementError> {
+        let most = f64::from(Mesh::MAX_COORDINATE);
+        let mut numbers = NUMBERS.into_iter().zip(to_scene.as_flattened());
+        match numbers.find(|(_, number)| number.is_nan() || number.abs() > most) {
+            Some((name, &value)) => Err(PlacementError::Number { name, value }),
+            None => Self::new(to_scene).ok_or(PlacementError::Flat),
+        }
+    }
+
     /// The place that this matrix, from the mesh to the scene, gives a mesh. `None` if it has no inverse, or one with
     /// numbers that binary32 does not have.
     pub fn new(to_scene: [[f64; 4]; 3]) -> Option<Self> {
@@ -120,10 +150,8 @@ fn parse_instance(text: &str) -> Result<Placement, String> {
         return Err(format!("{} numbers, expected 12: {}", words.len(), NUMBERS.join(" ")));
     }
     let mut numbers = [[0.0; 4]; 3];
-    let most = f64::from(Mesh::MAX_COORDINATE);
     for ((number, name), word) in numbers.as_flattened_mut().iter_mut().zip(NUMBERS).zip(words) {
-        let found = word.parse().ok().filter(|number: &f64| number.abs() <= most);
-        *number = found.ok_or_else(|| format!("{name} = '{word}', expected a number of magnitude at most 2^40"))?;
+        *number = word.parse().map_err(|_| format!("{name} = '{word}', expected a decimal number"))?;
     }
-    Placement::new(numbers).ok_or_else(|| "the matrix has no inverse, expected one that does not flatten".to_string())
+    Placement::checked(numbers).map_err(|problem| problem.to_string())
 }

@@ -5,9 +5,9 @@
 //!
 //! A file of hits has one line per ray: `triangle t t_num t_denom t_bits t_num_bits t_denom_bits`, or `miss`.
 //! `triangle` is the index in the mesh, from 0, followed by `b` for a hit from behind, and by `@` and the number of the
-//! instance in scenes with instances. Numbers are the shortest
-//! decimals that denote the same binary32; bits are 8 hexadecimal digits. t is t_num / t_denom, rounded to binary32, in
-//! units of the direction's length. Of several triangles at the closest t, the file has the one with the lowest index.
+//! instance in scenes with instances. Numbers are the shortest decimals that denote the same binary32; bits are 8
+//! hexadecimal digits. t is t_num / t_denom, rounded to binary32, in units of the direction's length. Of several
+//! triangles at the closest t, the file has the one with the lowest index.
 
 use crate::read::{parse_lines, text};
 use crate::{Hit, ReadError};
@@ -123,7 +123,8 @@ pub fn write_hits(mut writer: impl Write, hits: &[Option<Hit>]) -> io::Result<()
                 let [t_bits, num_bits, denom_bits] = [t, t_num, t_denom].map(|x| x.to_bits());
                 writeln!(
                     writer,
-                    "{triangle}{side}{instance} {t:e} {t_num:e} {t_denom:e} {t_bits:08x} {num_bits:08x} {denom_bits:08x}"
+                    "{triangle}{side}{instance} {t:e} {t_num:e} {t_denom:e} {t_bits:08x} {num_bits:08x} \
+                     {denom_bits:08x}"
                 )?;
             }
         }

@@ -32,6 +32,9 @@ pub enum SceneError {
     /// Too many blocks.
     #[error(transparent)]
     Blocks(#[from] BlocksError),
+    /// No instance.
+    #[error("0 instances, expected at least 1")]
+    Empty,
     /// An instance that is too far away or too large.
     #[error("instance {0} has a coordinate beyond 2^40 in the scene or in its mesh, expected a smaller one")]
     Far(usize),
@@ -75,20 +78,35 @@ impl Scene {
     /// through the functional model of the unit.
     ///
     /// # Errors
-    /// A scene that is too large; an instance that is too far away.
+    /// Those of [`of_instances_with_reach`](Self::of_instances_with_reach).
     pub fn of_instances(
         mesh: Mesh,
         placements: &[Placement],
         origins: impl IntoIterator<Item = [f32; 3]>,
     ) -> Result<Self, SceneError> {
-        let own = mesh.bounds();
-        let all: Vec<Bounds> = placements.iter().map(|placement| placement.bounds(own)).collect();
-        let bounds = all.iter().fold(Bounds::EMPTY, |all, bounds| all.union(*bounds));
+        let bounds = bounds_of_instances(mesh.bounds(), placements);
         let near = DEFAULT_REACH * bounds.longest_side();
         let reach = origins.into_iter().map(|origin| bounds.reach_from(origin)).fold(near, f32::max);
+        Self::of_instances_with_reach(mesh, placements, reach)
+    }
+
+    /// A scene of instances of a mesh, for ray origins within `reach` as in [`with_reach`](Self::with_reach).
+    ///
+    /// # Errors
+    /// No instance; a scene that is too large; an instance that is too far away.
+    pub fn of_instances_with_reach(mesh: Mesh, placements: &[Placement], reach: f32) -> Result<Self, SceneError> {
+        if placements.is_empty() {
+            return Err(SceneError::Empty);
+        }
+        let own = mesh.bounds();
+        let all: Vec<Bounds> = placements.iter().map(|placement| placement.bounds(own)).collect();
+        let bounds = bounds_of_instances(own, placements);
+        let reach = reach.max(bounds.longest_side());
         let coordinate = reach + bounds.min.iter().chain(&bounds.max).fold(0.0, |most: f32, x| most.max(x.abs()));
         let in_object = |placement: &Placement| placement.object_reach(reach);
-        let is_far = |placement: &Placement| in_object(placement).max(coordinate) > Mesh::MAX_COORDINATE;
+        // A coordinate that is not a number is far.
+        let is_near = |length: f32| length <= Mesh::MAX_COORDINATE;
+        let is_far = |placement: &Placement| !(is_near(in_object(placement)) && is_near(coordinate));
         if let Some(instance) = placements.iter().position(is_far) {
             return Err(SceneError::Far(instance));
         }
@@ -164,4 +182,9 @@ impl Scene {
     pub fn reaches(&self, origin: [f32; 3]) -> bool {
         self.bounds.reach_from(origin) <= self.reach()
     }
+}
+
+/// The box around instances of a mesh with these bounds.
+fn bounds_of_instances(own: Bounds, placements: &[Placement]) -> Bounds {
+    placements.iter().fold(Bounds::EMPTY, |all, placement| all.union(placement.bounds(own)))
 }

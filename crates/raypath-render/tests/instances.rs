@@ -156,9 +156,9 @@ fn files_of_instances() {
     for (line, words) in [
         ("1 2 3", "a/places.txt:2: 3 numbers, expected 12: xx xy xz xt"),
         (&format!("{row} 1"), "a/places.txt:2: 13 numbers, expected 12"),
-        ("1 0 0 0 0 1 0 y 0 0 1 0", "a/places.txt:2: yt = 'y', expected a number of magnitude at most 2^40"),
-        ("1 0 0 0 0 1 0 0 0 0 nan 0", "a/places.txt:2: zz = 'nan'"),
-        ("1 0 0 0 0 1 0 2e12 0 0 1 0", "a/places.txt:2: yt = '2e12'"),
+        ("1 0 0 0 0 1 0 y 0 0 1 0", "a/places.txt:2: yt = 'y', expected a decimal number"),
+        ("1 0 0 0 0 1 0 0 0 0 nan 0", "a/places.txt:2: zz = NaN, expected a number of magnitude at most 2^40"),
+        ("1 0 0 0 0 1 0 2e12 0 0 1 0", "a/places.txt:2: yt = 2000000000000, expected a number of magnitude"),
         ("1 0 0 0 1 0 0 0 0 0 1 0", "a/places.txt:2: the matrix has no inverse"),
         ("1e-39 0 0 0 0 1 0 0 0 0 1 0", "a/places.txt:2: the matrix has no inverse"),
     ] {
@@ -183,4 +183,7 @@ fn instances_that_are_too_far_away_are_named() {
     assert!(problem(&[at(2e12, 1.0)]).starts_with("instance 0 has a coordinate beyond 2^40"));
     // In the mesh of a tiny instance, a large one is far away.
     assert!(problem(&[at(0.0, 1e5), at(0.0, 1e-5)]).starts_with("instance 1 has"));
+    // The longest side of this scene is not a number.
+    assert!(problem(&[at(1e42, 1e5)]).starts_with("instance 0 has"));
+    assert_eq!(problem(&[]), "0 instances, expected at least 1");
 }

@@ -74,7 +74,7 @@ pub enum Child {
         /// Its address.
         address: u32,
     },
-    /// An instance, kind 33: see [`Instance`](crate::Instance).
+    /// An instance, kind 33, in a scene of wide nodes: see [`Instance`](crate::Instance).
     Instance {
         /// Its address.
         address: u32,
@@ -109,7 +109,8 @@ pub struct Node {
 /// The error of a child word that is not valid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error(
-    "child word {word:#010x} has no valid kind, expected 0, 1 to 8, 32 or 33 in its low {} bits",
+    "child word {word:#010x} has no valid kind, expected 0, 1 to 8{} in its low {} bits",
+    if nodes.has_instances() { ", 32 or 33" } else { " or 32" },
     nodes.offset_bits()
 )]
 pub struct InvalidChild {
@@ -123,7 +124,8 @@ impl Child {
     /// The child word in a scene with these nodes.
     ///
     /// # Errors
-    /// The address is no multiple of a block, or a leaf has no triangle or more than 8.
+    /// The address is no multiple of a block, a leaf has no triangle or more than 8, or an instance is among quantised
+    /// nodes.
     pub fn word(self, nodes: NodeKind) -> Result<u32, InvalidChild> {
         let word = match self {
             Self::None => 0,
@@ -144,7 +146,7 @@ impl Child {
         match word & inside {
             0 if address == 0 => Ok(Self::None),
             NODE_KIND => Ok(Self::Node { address }),
-            INSTANCE_KIND => Ok(Self::Instance { address }),
+            INSTANCE_KIND if nodes.has_instances() => Ok(Self::Instance { address }),
             count @ 1..=MAX_LEAF => Ok(Self::Leaf { address, count }),
             _ => Err(InvalidChild { word, nodes }),
         }
@@ -154,11 +156,7 @@ impl Child {
 impl Node {
     /// The bytes of the wide node's block.
     pub fn to_bytes(&self) -> [u8; BLOCK_BYTES as usize] {
-        let mut block = [0; BLOCK_BYTES as usize];
-        let bounds = self.boxes.iter().flat_map(bounds);
-        let words = bounds.map(f32::to_bits).chain(self.children);
-        block.as_chunks_mut().0.iter_mut().zip(words).for_each(|(bytes, word)| *bytes = word.to_le_bytes());
-        block
+        wide_block(self.boxes.iter().flat_map(bounds), self.children)
     }
 
     /// The wide node in a block.
@@ -208,8 +206,20 @@ fn bounds(aabb: &Aabb<Binary32>) -> [f32; BOX_WORDS] {
     [x.min, y.min, z.min, x.max, y.max, z.max].map(f32::from)
 }
 
+/// A block of 128 bytes with these numbers, then, where a wide node has its child words, these words.
+pub(crate) fn wide_block(
+    numbers: impl IntoIterator<Item = f32>,
+    words: impl IntoIterator<Item = u32>,
+) -> [u8; BLOCK_BYTES as usize] {
+    let mut block = [0; BLOCK_BYTES as usize];
+    let (front, back) = block.as_chunks_mut().0.split_at_mut(NodeKind::Wide4.child_word());
+    front.iter_mut().zip(numbers).for_each(|(word, number)| *word = number.to_le_bytes());
+    back.iter_mut().zip(words).for_each(|(bytes, word)| *bytes = word.to_le_bytes());
+    block
+}
+
 /// A word of a block; 0 beyond its end.
 #[inline(always)]
-fn word(block: &[u8], index: usize) -> u32 {
+pub(crate) fn word(block: &[u8], index: usize) -> u32 {
     block.as_chunks().0.get(index).copied().map_or(0, u32::from_le_bytes)
 }

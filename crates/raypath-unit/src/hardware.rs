@@ -24,6 +24,7 @@ mod walk;
 mod weights;
 
 pub(crate) use decoder::LATENCY as DECODER_LATENCY;
+pub use names::UnitParameter;
 pub use parameters::{UnitParameters, UnitParametersError};
 pub use step::{finish_module, prepare_module};
 pub use top::UnitNetlist;

@@ -9,7 +9,7 @@
 //! | where a node has child word 1 | the index of the instance, which its hits report; all ones are no index |
 //! | others | 0 |
 
-use crate::blocks::{BLOCK_BYTES, NodeKind};
+use crate::blocks::{BLOCK_BYTES, NodeKind, wide_block, word};
 use raypath_ops::{Circuit, Num, Operation, Vec3, bundle};
 
 /// The kind of a child word that refers to an instance.
@@ -56,23 +56,16 @@ impl Instance {
 
     /// The bytes of the instance's block.
     pub fn to_bytes(&self) -> [u8; BLOCK_BYTES as usize] {
-        let mut block = [0; BLOCK_BYTES as usize];
-        let words = block.as_chunks_mut().0;
-        let numbers = self.to_object.as_flattened().iter().map(|number| number.to_le_bytes());
-        words.iter_mut().zip(numbers).for_each(|(word, bytes)| *word = bytes);
-        let children = [self.root, self.index].map(u32::to_le_bytes);
-        words.iter_mut().skip(CHILD_WORD).zip(children).for_each(|(word, bytes)| *word = bytes);
-        block
+        wide_block(self.to_object.as_flattened().iter().copied(), [self.root, self.index])
     }
 
     /// The instance in a block.
     pub fn of(block: &[u8; BLOCK_BYTES as usize]) -> Self {
-        let word = |index: usize| block.as_chunks().0.get(index).copied().map_or(0, u32::from_le_bytes);
-        let number = |index: usize| f32::from_bits(word(index));
+        let number = |index: usize| f32::from_bits(word(block, index));
         Self {
             to_object: std::array::from_fn(|row| std::array::from_fn(|column| number(4 * row + column))),
-            root: word(CHILD_WORD),
-            index: word(CHILD_WORD + 1),
+            root: word(block, CHILD_WORD),
+            index: word(block, CHILD_WORD + 1),
         }
     }
 }

@@ -207,6 +207,7 @@ pub const ITEMS: &[Item] = &[
              state; what was read means the same when it is written and read again",
         subject: &[
             "crates/raypath-ppa/src",
+            "crates/raypath-render/src",
             "crates/raypath-rtl/src/config",
             "crates/raypath-sim/src",
             "crates/raypath-tools/src",

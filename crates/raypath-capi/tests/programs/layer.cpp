@@ -14,7 +14,7 @@ static_assert(sizeof(raypath::Ray) == 64 && sizeof(raypath::Box) == 24 && sizeof
 static_assert(sizeof(raypath::QuadboxResult) == 24 && sizeof(raypath::TriangleResult) == 12);
 static_assert(!std::is_copy_constructible_v<raypath::Datapath> && !std::is_copy_constructible_v<raypath::Pipeline>);
 static_assert(std::is_nothrow_move_constructible_v<raypath::Datapath>);
-static_assert(sizeof(raypath::UnitRay) == 44 && sizeof(raypath::UnitHit) == 40);
+static_assert(sizeof(raypath::UnitRay) == 44 && sizeof(raypath::UnitHit) == 44);
 static_assert(!std::is_copy_constructible_v<raypath::Unit> && !std::is_copy_constructible_v<raypath::UnitModel>);
 
 static void errors() {
@@ -86,6 +86,7 @@ static void traversal() {
   CHECK(unit.trace(scene, rays, hits));
   // The back face at z = 3, in units of a direction of length 2.
   CHECK(hits[0].status == RAYPATH_UNIT_HIT && hits[0].triangle == 5 && hits[0].t == 1.5f && hits[0].back_face == 1);
+  CHECK(hits[0].instance == RAYPATH_UNIT_NO_INSTANCE);
   CHECK(unit.trace(scene, rays, {}).error().status == RAYPATH_ERROR_ARGUMENT);
   CHECK(!unit.generate("/dev/null/x"));
 

@@ -1,5 +1,6 @@
 /* The traversal unit: rays through a scene that this program lays out in memory, against every triangle in double
-   precision. The cycle-exact model with a memory of this program, against the functional model. Wrong arguments. */
+   precision. The cycle-exact model with a memory of this program, against the functional model. Instances of a scene
+   against the same triangles in one tree. Wrong arguments. */
 
 #include <raypath.h>
 
@@ -33,6 +34,9 @@ static void extend(float bounds[6], const float by[6]) {
   }
 }
 
+/* A multiple of 2^-10, so that the transforms of instances are exact. */
+static float on_grid(float x) { return roundf(1024.0f * x) / 1024.0f; }
+
 /* A root with four nodes, of which each has three leaves of 1 to 8 triangles. */
 static void make_scene(void) {
   static const float none[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
@@ -47,7 +51,8 @@ static void make_scene(void) {
       memcpy(bounds, none, sizeof bounds);
       for (int axis = 0; axis < 3; axis++) centre[axis] = next_random(&random);
       for (uint32_t i = 0; i < count; i++, triangle++) {
-        for (int k = 0; k < 9; k++) triangles[triangle][k / 3][k % 3] = centre[k % 3] + 0.5f * next_random(&random);
+        for (int k = 0; k < 9; k++)
+          triangles[triangle][k / 3][k % 3] = on_grid(centre[k % 3] + 0.5f * next_random(&random));
         for (int k = 0; k < 3; k++) {
           float padded[6];
           for (int axis = 0; axis < 3; axis++) {
@@ -334,6 +339,7 @@ static void opening(const raypath_unit *unit, const char *folder) {
   CHECK_FAILS(raypath_unit_parameters(unit, NULL), RAYPATH_ERROR_NULL, "values is NULL");
   CHECK(raypath_unit_parameters(unit, &values) == RAYPATH_OK && values.contexts == 8 && values.stack == 2);
   CHECK(values.memory_width == 256 && values.id_width == 10 && values.divider_latency == 11);
+  CHECK(values.block_bytes == BLOCK && values.instances == 0);
   CHECK(strstr(raypath_unit_description(unit), "8 contexts") != NULL && raypath_unit_description(NULL) == NULL);
 
   char path[4096];
@@ -345,6 +351,133 @@ static void opening(const raypath_unit *unit, const char *folder) {
   CHECK(stat(path, &found) == 0 && found.st_size > 100000);
   snprintf(path, sizeof path, "%s/rtl/raypath_unit_axi.sv", folder);
   CHECK(stat(path, &found) == 0);
+}
+
+enum { PLACES = 3, LEVELS = BLOCKS + PLACES + 1 };
+
+/* Matrices from the object to the scene under which transforms have no rounding: the object itself, moved, and with
+   its axes exchanged, so that a point (x, y, z) is at (z, x, y) + (0, -16, 0). */
+static const float to_scene[PLACES][3][4] = {
+    {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}},
+    {{1, 0, 0, 8}, {0, 1, 0, 0}, {0, 0, 1, 16}},
+    {{0, 0, 1, 0}, {1, 0, 0, -16}, {0, 1, 0, 0}},
+};
+
+static void place(const float matrix[3][4], const float from[3], float to[3]) {
+  for (int axis = 0; axis < 3; axis++) {
+    to[axis] = matrix[axis][3];
+    for (int k = 0; k < 3; k++) to[axis] += matrix[axis][k] * from[k];
+  }
+}
+
+/* A scene of two levels: the tree of `scene`, three instances of it, and a node over them as the root. */
+static void instantiate(uint8_t *two_levels) {
+  memcpy(two_levels, scene, sizeof scene);
+  uint8_t *root = two_levels + (BLOCKS + PLACES) * BLOCK;
+  for (int number = 0; number < PLACES; number++) {
+    const uint32_t address = (uint32_t)(BLOCKS + number) * BLOCK, object = 32, index = (uint32_t)number;
+    const uint32_t word = address | 33;
+    float matrix[3][4], bounds[6];
+    const float corners[2][3] = {{-2, -2, -2}, {2, 2, 2}};
+    for (int row = 0; row < 3; row++) { /* the inverse of a matrix that turns and moves */
+      matrix[row][3] = 0;
+      for (int k = 0; k < 3; k++) {
+        matrix[row][k] = to_scene[number][k][row];
+        matrix[row][3] -= to_scene[number][k][row] * to_scene[number][k][3];
+      }
+    }
+    memcpy(two_levels + address, matrix, sizeof matrix);
+    memcpy(two_levels + address + 96, &object, 4);
+    memcpy(two_levels + address + 100, &index, 4);
+    for (int k = 0; k < 2; k++) place(to_scene[number], corners[k], bounds + 3 * k);
+    memcpy(root + 24 * number, bounds, 24);
+    memcpy(root + 96 + 4 * number, &word, 4);
+  }
+  const float none[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
+  memcpy(root + 24 * PLACES, none, 24);
+}
+
+/* The same triangles in one list of leaves below a node: index `TRIANGLES * instance + triangle`. */
+static uint32_t flatten(uint8_t *flat) {
+  enum { LEAF = 8, PARTS = (PLACES * TRIANGLES + LEAF - 1) / LEAF };
+  uint32_t words[64], address = 0, count = PARTS;
+  for (uint32_t part = 0; part < PARTS; part++) {
+    const uint32_t first = part * LEAF, left = PLACES * TRIANGLES - first, in_leaf = left < LEAF ? left : LEAF;
+    words[part] = address | in_leaf;
+    for (uint32_t i = 0; i < in_leaf; i++) {
+      const uint32_t index = first + i;
+      uint8_t *block = flat + address + i / 3 * BLOCK;
+      for (int k = 0; k < 3; k++) {
+        float corner[3];
+        place(to_scene[index / TRIANGLES], triangles[index % TRIANGLES][k], corner);
+        memcpy(block + 36 * (i % 3) + 12 * k, corner, 12);
+      }
+      memcpy(block + 112 + 4 * (i % 3), &index, 4);
+    }
+    address += (in_leaf + 2) / 3 * BLOCK;
+  }
+  static const float all[6] = {-100, -100, -100, 100, 100, 100};
+  static const float none[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
+  while (count > 1) {
+    uint32_t nodes = 0;
+    for (uint32_t first = 0; first < count; first += 4, nodes++, address += BLOCK) {
+      for (uint32_t child = 0; child < 4; child++) {
+        const uint32_t word = first + child < count ? words[first + child] : 0;
+        memcpy(flat + address + 24 * child, word ? all : none, 24);
+        memcpy(flat + address + 96 + 4 * child, &word, 4);
+      }
+      words[nodes] = address | 32;
+    }
+    count = nodes;
+  }
+  return words[0];
+}
+
+/* Hits of instances have the bits of those in one tree, because no transform rounds. */
+static void instances(void) {
+  static uint8_t two_levels[LEVELS * BLOCK], flat[128 * BLOCK];
+  static raypath_unit_ray sent[RAYS];
+  static raypath_unit_hit found[RAYS], expected[RAYS];
+  raypath_unit *unit = NULL;
+  raypath_unit_parameter_values values;
+  CHECK_FAILS(raypath_unit_open("instances = true\nnode = \"quantised\"", &unit), RAYPATH_ERROR_CONFIGURATION,
+              "expected wide4, which instances need");
+  CHECK(raypath_unit_open("barycentrics = true\ninstances = true", &unit) == RAYPATH_OK);
+  CHECK(raypath_unit_parameters(unit, &values) == RAYPATH_OK && values.instances == 1 && values.block_bytes == 128);
+
+  instantiate(two_levels);
+  const uint32_t root = (uint32_t)(BLOCKS + PLACES) * BLOCK | 32, flat_root = flatten(flat);
+  uint32_t random = 23;
+  for (uint32_t i = 0; i < RAYS; i++) {
+    float target[3];
+    memset(&sent[i], 0, sizeof sent[i]);
+    place(to_scene[i % PLACES], triangles[i % TRIANGLES][0], target);
+    for (int axis = 0; axis < 3; axis++) {
+      sent[i].origin[axis] = on_grid(4.0f * next_random(&random));
+      sent[i].direction[axis] = target[axis] + on_grid(0.4f * next_random(&random)) - sent[i].origin[axis];
+    }
+    sent[i].t_max = INFINITY;
+    sent[i].cull = i / 4 % 3;
+    sent[i].root = root;
+  }
+  CHECK(raypath_unit_trace(unit, two_levels, sizeof two_levels, sent, RAYS, found) == RAYPATH_OK);
+  for (int i = 0; i < RAYS; i++) sent[i].root = flat_root;
+  CHECK(raypath_unit_trace(unit, flat, sizeof flat, sent, RAYS, expected) == RAYPATH_OK);
+  int in_place[PLACES] = {0}, missed = 0;
+  for (int i = 0; i < RAYS; i++) {
+    CHECK(found[i].status == expected[i].status && found[i].status <= RAYPATH_UNIT_HIT);
+    if (found[i].status == RAYPATH_UNIT_MISS) {
+      CHECK(found[i].instance == 0);
+      missed++;
+      continue;
+    }
+    CHECK(found[i].instance < PLACES && expected[i].instance == RAYPATH_UNIT_NO_INSTANCE);
+    CHECK(found[i].instance * TRIANGLES + found[i].triangle == expected[i].triangle);
+    CHECK(memcmp(&found[i].t, &expected[i].t, 6 * sizeof(float)) == 0); /* t to back_face */
+    in_place[found[i].instance]++;
+  }
+  CHECK(missed > 20 && in_place[0] > 20 && in_place[1] > 20 && in_place[2] > 20);
+  raypath_unit_close(unit);
 }
 
 int main(int count, char **arguments) {
@@ -361,5 +494,6 @@ int main(int count, char **arguments) {
   wrong_inputs(unit);
   cycle_exact_model(unit);
   raypath_unit_close(unit);
+  instances();
   return 0;
 }

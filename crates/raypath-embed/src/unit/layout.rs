@@ -1,6 +1,7 @@
 //! Rays and hits of the unit as other languages have them in memory. Each structure has the layout of the C structure
 //! `raypath_unit_…` of the same name.
 
+use raypath_unit::state::NO_INSTANCE;
 use raypath_unit::{RayRequest, Reply};
 
 /// A ray as the traversal unit takes it, 44 bytes. The members are the ports of the ray's channel.
@@ -23,7 +24,7 @@ pub struct UnitRay {
     pub root: u32,
 }
 
-/// What the traversal unit returns for a ray, 40 bytes. The members are the ports of the hit's channel: without a hit,
+/// What the traversal unit returns for a ray, 44 bytes. The members are the ports of the hit's channel: without a hit,
 /// all but `status`, `nodes` and `triangles` are 0.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -32,6 +33,9 @@ pub struct UnitHit {
     pub status: u32,
     /// The index of the triangle, as the scene has it.
     pub triangle: u32,
+    /// The index of the triangle's instance, as the scene has it; `RAYPATH_UNIT_NO_INSTANCE` for a triangle in none, as
+    /// all are in a unit without `instances`.
+    pub instance: u32,
     /// The distance, in units of the direction's length.
     pub t: f32,
     /// The numerator of the distance.
@@ -80,6 +84,7 @@ impl From<&Reply> for UnitHit {
         let [u, v] = hit.barycentric.unwrap_or_default();
         Self {
             triangle: hit.triangle,
+            instance: hit.instance.unwrap_or(NO_INSTANCE),
             t: hit.t,
             t_num: hit.t_num,
             t_denom: hit.t_denom,

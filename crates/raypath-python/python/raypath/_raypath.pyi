@@ -188,6 +188,8 @@ class UnitHits:
     @property
     def triangle(self) -> NDArray[np.uint32]: ...
     @property
+    def instance(self) -> NDArray[np.uint32]: ...
+    @property
     def t(self) -> _Float32: ...
     @property
     def t_num(self) -> _Float32: ...
@@ -218,6 +220,7 @@ class Unit:
         id_width: int = ...,
         divider_latency: int = ...,
         node: Literal["wide4", "quantised"] = ...,
+        instances: bool = ...,
         registers: Literal["ieee", "recoded"] = ...,
         control: Literal["skid", "credit"] = ...,
         sharing: Literal["union", "segregated"] = ...,
@@ -226,7 +229,13 @@ class Unit:
     ) -> Unit: ...
     @property
     def parameters(self) -> _Row: ...
-    def scene(self, triangles: _Float32, *, reach: float | None = None) -> UnitScene: ...
+    def scene(
+        self,
+        triangles: _Float32,
+        *,
+        reach: float | None = None,
+        instances: NDArray[np.float64] | None = None,
+    ) -> UnitScene: ...
     def trace(self, scene: UnitScene, rays: _Rays) -> UnitHits: ...
     def simulate(
         self,

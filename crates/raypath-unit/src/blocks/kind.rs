@@ -36,6 +36,11 @@ impl NodeKind {
         self.block_bytes().trailing_zeros()
     }
 
+    /// Whether a scene may have instances, whose matrices need blocks of 128 bytes.
+    pub const fn has_instances(self) -> bool {
+        matches!(self, Self::Wide4)
+    }
+
     /// The triangles of a full block of a leaf.
     pub const fn triangles_per_block(self) -> u32 {
         match self {

@@ -134,8 +134,8 @@ impl Node {
 /// The error of a box that no quantised node can contain.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "box {child} from {min:e} to {max:e} along axis {axis}, expected finite bounds, and boxes of a node that lie within \
-     2^127 of each other"
+    "box {child} from {min:e} to {max:e} along axis {axis}, expected finite bounds, and boxes of a node that lie \
+     within 2^127 of each other"
 )]
 pub struct BoxError {
     /// The number of the child.

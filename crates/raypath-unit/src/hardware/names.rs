@@ -1,13 +1,94 @@
-//! The parameters of the unit by name, as options, files and keywords have them.
+//! The parameters of the unit by name: one table, from which options, configuration files and keywords follow.
 
 use super::parameters::UnitParameters;
 
-const NODES: &str = "wide4 or quantised";
+/// A parameter of the unit: what users need to know of it, and how it is read and changed.
+#[derive(Debug, Clone, Copy)]
+pub struct UnitParameter {
+    /// The key in configuration files. On the command line, `--` and this is the option of a value, and this is a value
+    /// of `--unit-features` for an optional part.
+    pub name: &'static str,
+    /// The accepted values: the least and the greatest number with `..` between them, or all values separated by `|`.
+    pub values: &'static str,
+    /// What it means, without a full stop.
+    pub help: &'static str,
+    get: fn(&UnitParameters) -> String,
+    set: fn(&mut UnitParameters, &str) -> Option<()>,
+}
+
+/// Declares the parameters: the name, the field, the accepted values and the meaning of each.
+macro_rules! declare {
+    ($($name:literal: $($field:ident).+, $values:literal, $help:literal;)*) => {
+        impl UnitParameters {
+            /// The parameters, in the order in which they are shown. The feature `barycentrics` is missing: it belongs
+            /// to the configuration of the datapath.
+            pub const TABLE: &[UnitParameter] = &[$(UnitParameter {
+                name: $name,
+                values: $values,
+                help: $help,
+                get: |parameters| parameters.$($field).+.to_string(),
+                set: |parameters, text| text.parse().ok().map(|value| parameters.$($field).+ = value),
+            }),*];
+            /// The names of the parameters.
+            pub const NAMES: &[&str] = &[$($name),*];
+        }
+    };
+}
+
+declare! {
+    "contexts": contexts, "8..256", "Rays in flight";
+    "stack": step.stack, "2|4|8|16|32", "Entries of the stack of each ray";
+    "node": step.node, "wide4|quantised", "Nodes of the scene: boxes in binary32, or of 8 bits a bound";
+    "memory-width": memory_width, "128|256|512|1024", "Bits of a beat of the memory; 1024 with wide4 only";
+    "id-width": id_width, "1..64", "Bits of the number that a ray brings and its hit returns";
+    "divider-latency": divider_latency, "1..27", "Cycles of a division, one of which begins in each cycle";
+    "instances": step.features.instances, "true|false", "Scenes have instances; with wide4 only";
+}
+
+impl UnitParameter {
+    /// Whether it is an optional part of the unit, which is there (`true`) or not.
+    pub fn is_feature(&self) -> bool {
+        self.values == "true|false"
+    }
+
+    /// The value among these parameters, as users write it.
+    pub fn get(&self, parameters: &UnitParameters) -> String {
+        (self.get)(parameters)
+    }
+
+    /// Sets the parameter to a value that a user wrote, whatever the others are.
+    ///
+    /// # Errors
+    /// A value that the parameter does not have: what was found, and what was expected.
+    pub fn set(&self, parameters: &mut UnitParameters, text: &str) -> Result<(), String> {
+        let mut changed = *parameters;
+        match (self.set)(&mut changed, text) {
+            Some(()) if self.accepts(&self.get(&changed)) => *parameters = changed,
+            _ => return Err(format!("'{text}', expected {}", self.expected())),
+        }
+        Ok(())
+    }
+
+    /// Whether the parameter has this value.
+    pub(super) fn accepts(&self, value: &str) -> bool {
+        let number = |text: &str| text.parse::<u32>().ok();
+        match self.values.split_once("..") {
+            Some((least, greatest)) => (number(least)..=number(greatest)).contains(&number(value)),
+            None => self.values.split('|').any(|accepted| accepted == value),
+        }
+    }
+
+    /// The accepted values in words.
+    pub(super) fn expected(&self) -> String {
+        let words = self.values.replace("..", " to ");
+        match words.rsplit_once('|') {
+            Some((others, last)) => format!("{} or {last}", others.replace('|', ", ")),
+            None => words,
+        }
+    }
+}
 
 impl UnitParameters {
-    /// The names of the parameters. `step.stack` is `stack`, `step.node` is `node`.
-    pub const NAMES: [&str; 6] = ["contexts", "stack", "node", "memory-width", "id-width", "divider-latency"];
-
     /// Sets the parameter of this name. Returns `None` if there is none.
     ///
     /// ```
@@ -19,44 +100,19 @@ impl UnitParameters {
     /// let problem = "'5', expected 2, 4, 8, 16 or 32".to_string();
     /// assert_eq!(parameters.set("stack", "5"), Some(Err(problem)));
     /// assert_eq!(parameters.set("node", "quantised"), Some(Ok(())));
-    /// assert_eq!(parameters.get("node").as_deref(), Some("quantised"));
-    /// let problem = "'5', expected wide4 or quantised".to_string();
-    /// assert_eq!(parameters.set("node", "5"), Some(Err(problem)));
+    /// let problem = "'true': node is quantised, expected wide4, which instances need".to_string();
+    /// assert_eq!(parameters.set("instances", "true"), Some(Err(problem)));
     /// assert_eq!(parameters.set("lanes", "4"), None);
     /// ```
     ///
     /// # Errors
-    /// A value that the parameter does not have: what was found, and what was expected.
+    /// A value that the parameter does not have, or not with the others: what was found, and what was expected.
     pub fn set(&mut self, name: &str, value: &str) -> Option<Result<(), String>> {
+        let parameter = Self::TABLE.iter().find(|parameter| parameter.name == name)?;
         let mut changed = *self;
-        if name == "node" {
-            let Ok(node) = value.parse() else { return Some(Err(format!("'{value}', expected {NODES}"))) };
-            changed.step.node = node;
-            let checked = changed.check().map(|()| *self = changed);
-            return Some(checked.map_err(|error| error.to_string()));
-        }
-        // No parameter has the greatest value, so that other text gets the same message.
-        *changed.field(name)? = value.parse().unwrap_or(u32::MAX);
-        let checked = changed.check().map(|()| *self = changed);
-        Some(checked.map_err(|error| format!("'{value}', expected {}", error.expected)))
-    }
-
-    /// The value of the parameter of this name, if there is one.
-    pub fn get(mut self, name: &str) -> Option<String> {
-        if name == "node" {
-            return Some(self.step.node.to_string());
-        }
-        self.field(name).map(|value| value.to_string())
-    }
-
-    fn field(&mut self, name: &str) -> Option<&mut u32> {
-        match name {
-            "contexts" => Some(&mut self.contexts),
-            "stack" => Some(&mut self.step.stack),
-            "memory-width" => Some(&mut self.memory_width),
-            "id-width" => Some(&mut self.id_width),
-            "divider-latency" => Some(&mut self.divider_latency),
-            _ => None,
-        }
+        let checked = parameter
+            .set(&mut changed, value)
+            .and_then(|()| changed.check().map_err(|problem| format!("'{value}': {problem}")));
+        Some(checked.map(|()| *self = changed))
     }
 }

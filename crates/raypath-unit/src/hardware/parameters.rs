@@ -44,41 +44,38 @@ impl fmt::Display for UnitParameters {
 
 /// The error of a parameter out of its range.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("{name} is {value}, expected {expected}")]
+#[error("{} is {value}, expected {expected}", name.replace('-', " "))]
 pub struct UnitParametersError {
     /// The parameter.
     pub name: &'static str,
     /// Its value.
-    pub value: u32,
+    pub value: String,
     /// The values that it may have.
-    pub expected: &'static str,
+    pub expected: String,
 }
 
 impl UnitParameters {
-    /// Checks the ranges.
+    /// Checks the range of each parameter, and what `quantised` nodes cannot be combined with.
     ///
     /// # Errors
     /// The first parameter out of its range.
     pub fn check(self) -> Result<(), UnitParametersError> {
-        let Self { contexts, step, memory_width, id_width, divider_latency } = self;
-        let (widths, expected_widths) = match step.node {
-            NodeKind::Wide4 => (&[128, 256, 512, 1024][..], "128, 256, 512 or 1024"),
-            NodeKind::Quantised => {
-                (&[128, 256, 512][..], "128, 256 or 512 with quantised nodes, whose blocks have 512")
+        let error = |name, value, expected| Err(UnitParametersError { name, value, expected });
+        for parameter in Self::TABLE {
+            let value = parameter.get(&self);
+            if !parameter.accepts(&value) {
+                return error(parameter.name, value, parameter.expected());
             }
-        };
-        let bytes = step.node.block_bytes();
-        let checks = [
-            ("contexts", contexts, (8..=256).contains(&contexts), "8 to 256"),
-            ("stack", step.stack, [2, 4, 8, 16, 32].contains(&step.stack), "2, 4, 8, 16 or 32"),
-            ("memory width", memory_width, widths.contains(&memory_width), expected_widths),
-            ("id width", id_width, (1..=64).contains(&id_width), "1 to 64"),
-            ("divider latency", divider_latency, (1..=27).contains(&divider_latency), "1 to 27"),
-            ("size of a block in bytes", bytes, bytes == 128 || !step.features.instances, "128, which instances need"),
-        ];
-        match checks.into_iter().find(|(_, _, is_valid, _)| !is_valid) {
-            None => Ok(()),
-            Some((name, value, _, expected)) => Err(UnitParametersError { name, value, expected }),
         }
+        let Self { step: StepParameters { node, features, .. }, memory_width, .. } = self;
+        let bits = 8 * node.block_bytes();
+        if memory_width > bits {
+            let expected = format!("128, 256 or 512 with {node} nodes, whose blocks have {bits}");
+            return error("memory-width", memory_width.to_string(), expected);
+        }
+        if features.instances && !node.has_instances() {
+            return error("node", node.to_string(), "wide4, which instances need".to_string());
+        }
+        Ok(())
     }
 }

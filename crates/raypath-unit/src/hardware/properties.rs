@@ -18,8 +18,8 @@ impl UnitNetlist {
             let names: Vec<&str> = data.iter().map(|(name, _)| name.as_str()).collect();
             let _ = write!(
                 text,
-                "\nbind raypath_unit raypath_stall_properties #(\n    .Width ({width})\n  ) u_{name}_stall_properties (\n    \
-                 .clk_i (clk_i),\n    .rst_ni (rst_ni),\n    .valid_i ({valid}),\n    .ready_i ({ready}),\n    \
+                "\nbind raypath_unit raypath_stall_properties #(\n    .Width ({width})\n  ) u_{name}_stall_properties \
+                 (\n    .clk_i (clk_i),\n    .rst_ni (rst_ni),\n    .valid_i ({valid}),\n    .ready_i ({ready}),\n    \
                  .data_i ({{\n      {}\n    }})\n  );\n",
                 names.join(",\n      ")
             );

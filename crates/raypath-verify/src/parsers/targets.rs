@@ -5,6 +5,7 @@ use raypath_float::Format;
 use raypath_model::Model;
 use raypath_ops::{JobKind, Ray, Rules};
 use raypath_ppa::{Baseline, parsers};
+use raypath_render::{Camera, Goal, Hit, Mesh, Scene, Tracer, Tracing, draw, parse_hits, parse_instances, write_hits};
 use raypath_rtl::{Config, Control, Encoding, Lanes, Preset, Sharing, UnitLatency, parameters};
 use raypath_sim::configuration::{parse, parse_sweep};
 use raypath_sim::transactions::{Transaction, read_from};
@@ -34,6 +35,8 @@ pub const TARGETS: &[Target] = &[
     target("opensta_paths", "output of OpenSTA", parsers::opensta_paths),
     target("kept_result", "results in the cache", parsers::kept_result),
     target("earlier_report", "reports to compare with, in JSON", earlier_report),
+    target("hits", "hits of rays, with instances and without", hits),
+    target("instances", "places of a mesh in a scene", instances),
     target("arguments", "values of the command line's options", arguments),
 ];
 
@@ -83,6 +86,67 @@ fn earlier_report(bytes: &[u8]) -> bool {
     let Ok(baseline) = Baseline::parse(bytes, Path::new("ppa.json")) else { return false };
     assert!(baseline.area.total.is_finite() && baseline.slowest.ns.is_finite());
     baseline.stages.iter().all(|stage| baseline.stage(&stage.name).is_some())
+}
+
+/// Hits are written as they are read, and a picture of them is drawn or refused.
+fn hits(bytes: &[u8]) -> bool {
+    let read = |text: &[u8]| parse_hits(std::str::from_utf8(text).ok()?, Path::new("hits.txt")).ok();
+    let write = |hits: &[Option<Hit>]| {
+        let mut text = Vec::new();
+        write_hits(&mut text, hits).map(|()| text).ok()
+    };
+    let Some(hits) = read(bytes) else { return false };
+    // As text, because a NaN differs from itself.
+    let text = write(&hits);
+    assert_eq!(text.as_deref().and_then(read).as_deref().and_then(write), text);
+    let drawn = &hits[..hits.len().min(64)];
+    let size = (drawn.len() as u32, 1);
+    let places = parse_instances("1 0 0 0 0 1 0 0 0 0 1 0\n-2 0 0 9 0 1 0 0 0 0 1 0", Path::new("places.txt"));
+    let mesh = pyramid();
+    let camera = mesh.as_ref().map(|mesh| Camera::framing(mesh, 1.0));
+    let one = mesh.clone().and_then(|mesh| Scene::new(mesh).ok());
+    let two = mesh.zip(places.ok()).and_then(|(mesh, places)| Scene::of_instances(mesh, &places, []).ok());
+    if let (Some(camera), Some(one), Some(two)) = (camera, one, two) {
+        for scene in [one, two] {
+            let is_drawn = draw(&scene, &camera, size, drawn).is_ok();
+            assert_eq!(is_drawn, hits_exist(&scene, drawn) && !drawn.is_empty(), "{drawn:?}");
+        }
+    }
+    true
+}
+
+/// Whether the triangles and instances of hits are those of a scene.
+fn hits_exist(scene: &Scene, hits: &[Option<Hit>]) -> bool {
+    let (triangles, instances) = (scene.mesh().triangles().len(), scene.instances());
+    hits.iter().flatten().all(|hit| {
+        let number = hit.instance.map_or(0, |instance| instance as usize + 1);
+        (hit.triangle as usize) < triangles && (number > 0) == (instances > 0) && number <= instances
+    })
+}
+
+/// A scene of the instances is refused, or rays through it have hits in one of them.
+fn instances(bytes: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(bytes) else { return false };
+    let Ok(places) = parse_instances(text, Path::new("places.txt")) else { return false };
+    let places = &places[..places.len().min(16)];
+    let Some(Ok(scene)) = pyramid().map(|mesh| Scene::of_instances(mesh, places, [])) else { return true };
+    let mut tracer = Tracer::new(&scene, Tracing { two_sided: true, ..Tracing::default() });
+    let bounds = scene.bounds();
+    for corner in [bounds.min, bounds.max] {
+        let towards = bounds.centre();
+        let direction = std::array::from_fn(|axis| towards[axis] - corner[axis]);
+        let Ok(ray) = Ray::new(corner, direction, f32::INFINITY) else { continue };
+        if let Some(hit) = tracer.trace(&ray, Goal::Closest) {
+            assert!(hits_exist(&scene, &[Some(hit)]) && hit.t >= 0.0 && hit.t.is_finite(), "{hit:?}");
+        }
+    }
+    true
+}
+
+/// A mesh of four triangles.
+fn pyramid() -> Option<Mesh> {
+    let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    Mesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).ok()
 }
 
 /// Each line is parsed as the value of every option; a line of seven numbers is a ray.

@@ -1,0 +1,83 @@
+//! Rays through scenes of two levels: the hits of the functional model of `raypath-unit`, by both models of this
+//! interface.
+
+use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
+use raypath_embed::{Unit, UnitHit, UnitRay};
+use raypath_unit::state::NO_INSTANCE;
+use raypath_unit::system::MemoryParameters;
+use raypath_unit::traffic::{TwoLevelScene, random_ray};
+use raypath_unit::{RayRequest, Unit as Functional};
+
+const MEMORY: MemoryParameters = MemoryParameters { latency: 30, bandwidth: None, cache: None };
+
+#[test]
+fn hits_have_the_instances_of_the_functional_model() {
+    let unit = Unit::open("preset = \"compact\"\ncontexts = 8\nbarycentrics = true\ninstances = true").expect("a unit");
+    let mut functional = Functional::new(unit.config().semantics.rules, unit.parameters().step);
+    let mut random = ChaCha8Rng::seed_from_u64(11);
+    let mut count = [0; 3];
+    for number in 0..20 {
+        let scene = TwoLevelScene::random(6, number % 4 == 3, &mut random);
+        let memory = &scene.blocks.0[..];
+        let rays: Vec<UnitRay> = (0..200).map(|_| of(&random_ray(scene.root, &mut random))).collect();
+        let (mut hits, mut timed) = (vec![UnitHit::default(); 200], vec![UnitHit::default(); 200]);
+        unit.trace(memory, &rays, &mut hits).expect("hits");
+        unit.simulate(memory, &rays, &MEMORY, &mut timed, &|_| true).expect("the same hits");
+        let words = |hits: &[UnitHit]| format!("{hits:?}");
+        assert_eq!(words(&timed), words(&hits), "scene {number}");
+        for (ray, hit) in rays.iter().zip(&hits) {
+            let reply = functional.trace(memory, &ray.into());
+            assert_eq!((hit.status, hit.nodes, hit.triangles), (reply.status, reply.nodes, reply.triangles));
+            let Some(expected) = reply.hit else {
+                assert_eq!(*hit, UnitHit { status: hit.status, nodes: hit.nodes, triangles: hit.triangles, ..NOTHING });
+                continue;
+            };
+            assert_eq!(hit.instance, expected.instance.unwrap_or(NO_INSTANCE));
+            assert_eq!((hit.triangle, hit.back_face == 1), (expected.triangle, expected.back_face));
+            let numbers = [hit.t, hit.t_num, hit.t_denom, hit.u, hit.v];
+            let [u, v] = expected.barycentric.expect("the feature");
+            let expected = [expected.t, expected.t_num, expected.t_denom, u, v];
+            assert_eq!(numbers.map(f32::to_bits), expected.map(f32::to_bits));
+            count[usize::from(hit.instance == NO_INSTANCE)] += 1;
+            count[2] += usize::from(hit.instance == 5);
+        }
+    }
+    assert!(count.iter().all(|&hits| hits > 20), "in instances, in none, in the last: {count:?}");
+}
+
+const NOTHING: UnitHit = UnitHit {
+    status: 0,
+    triangle: 0,
+    instance: 0,
+    t: 0.0,
+    t_num: 0.0,
+    t_denom: 0.0,
+    u: 0.0,
+    v: 0.0,
+    back_face: 0,
+    nodes: 0,
+    triangles: 0,
+};
+
+fn of(ray: &RayRequest) -> UnitRay {
+    let &RayRequest { origin, direction, t_min, t_max, any_hit, cull_back, cull_front, root } = ray;
+    let cull = u32::from(cull_back) + 2 * u32::from(cull_front);
+    UnitRay { origin, direction, t_min, t_max, any_hit: any_hit.into(), cull, root }
+}
+
+#[test]
+fn instances_are_refused_among_quantised_nodes() {
+    for (toml, words) in [
+        (
+            "instances = true\nnode = \"quantised\"",
+            "configuration:2: node: 'quantised': node is quantised, expected wide4",
+        ),
+        ("node = \"quantised\"\ninstances = true", "configuration:2: instances: 'true': node is quantised"),
+        ("node = \"quantised\"\nmemory-width = 1024", "memory width is 1024, expected 128, 256 or 512 with quantised"),
+        ("instances = 1", "configuration:1: instances: '1', expected true or false"),
+    ] {
+        let problem = Unit::open(toml).expect_err("an error").to_string();
+        assert!(problem.contains(words), "{problem}");
+    }
+}
