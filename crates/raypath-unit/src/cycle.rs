@@ -14,7 +14,7 @@ use crate::hardware::{DECODER_LATENCY, UnitNetlist, UnitParameters};
 use crate::model::{RayRequest, Reply};
 use crate::native;
 use crate::set_up::{Entry, QUOTIENTS};
-use crate::state::{Answer, Group, RayState, request};
+use crate::state::{Answer, RayState, request};
 use crate::step::StepParameters;
 use context::{Context, Job, Kind};
 use parts::{Line, Queues, Ring, Scheduler, Weights};
@@ -27,8 +27,8 @@ use std::mem::replace;
 pub struct UnitModel {
     parameters: UnitParameters,
     answers: Answers,
-    contexts: Vec<Context>,
-    stacks: Vec<Group<Binary32>>,
+    /// As many as a number of 8 bits can tell; a unit uses the first.
+    contexts: Box<[Context; 256]>,
     beat_bytes: usize,
 
     /// The contexts from here on were never used.
@@ -99,25 +99,24 @@ const FAULT: u32 = 4;
 const START: u32 = 8;
 const AGAIN: u32 = 16;
 
-// The numbers of the queues.
-const TESTED: usize = 0;
-const STARTS: usize = 1;
-const AGAINS: usize = 2;
-const FREE: usize = 3;
-const ARRIVALS: usize = 4;
+// The numbers of the queues. Those of answers have the number of their source's bit.
+const TESTED: usize = BOXES.ilog2() as usize;
+const STARTS: usize = START.ilog2() as usize;
+const AGAINS: usize = AGAIN.ilog2() as usize;
+const FREE: usize = 1;
+const ARRIVALS: usize = 2;
 const REQUESTS: usize = 5;
 const ENDED: usize = 6;
 
 impl UnitModel {
     /// The model of a unit after a reset, whose datapath has this shape.
     pub fn new(shape: &Shape, parameters: UnitParameters) -> Self {
-        let contexts = parameters.contexts as usize;
+        let empty = Context::new();
         let StepParameters { node: nodes, features, .. } = parameters.step;
         Self {
             parameters,
             answers: Answers::new(Rules::Paper, parameters.step),
-            contexts: vec![Context::new(); contexts],
-            stacks: vec![Group::none(Binary32); contexts * parameters.step.stack as usize],
+            contexts: Box::new(std::array::from_fn(|_| empty.clone())),
             beat_bytes: parameters.memory_width as usize / 8,
             fresh: 0,
             queues: Queues::new(),
@@ -156,6 +155,8 @@ impl UnitModel {
 
     /// Advances up to `limit` cycles in which no ray is offered, no response arrives, and nothing is taken, if that
     /// changes nothing but time. Returns the number of cycles, 0 if something moves.
+    // Within `simulate`, its many conditions would be computed in every cycle.
+    #[inline(never)]
     pub fn idle(&mut self, limit: u64) -> u64 {
         let waiting = 1 << TESTED | 1 << STARTS | 1 << AGAINS | 1 << ARRIVALS | 1 << ENDED;
         let is_still = self.busy == 0
@@ -201,6 +202,9 @@ impl UnitModel {
     /// The ray that has the next turn of the set-up to enter an instance.
     #[inline]
     fn transformed(&self) -> Option<u8> {
+        if !self.parameters.step.features.instances {
+            return None;
+        }
         let Job { context, kind } = self.jobs.first();
         let waits = kind == Kind::Direction && self.flow.output_valid();
         (waits && !(self.yields && self.has_context())).then_some(context)
@@ -223,13 +227,9 @@ impl UnitModel {
 
     #[inline(always)]
     fn advance(&mut self, context: u8, answer: impl FnOnce(&Answers, &Context) -> Answer<Binary32>) -> u32 {
-        let Self { parameters, answers, contexts, stacks, .. } = self;
-        let context = usize::from(context);
-        let ray = &mut contexts[context];
-        let answer = answer(answers, ray);
-        let entries = parameters.step.stack as usize;
-        let request =
-            native::step(parameters.step, &mut ray.state, answer, &mut stacks[context * entries..][..entries]);
+        let (parameters, ray) = (self.parameters.step, &mut self.contexts[usize::from(context)]);
+        let answer = answer(&Answers::new(Rules::Paper, parameters), ray);
+        let request = native::step(parameters, &mut ray.state, answer, &mut ray.stack);
         (ray.address, ray.count, ray.status) = (request.address.value, request.count.value, request.status.value);
         ray.is_instance = request.is_instance.into();
         request.kind.value
@@ -254,7 +254,8 @@ impl UnitModel {
     #[inline]
     fn arrive(&mut self, response: &Response<'_>) -> Option<u8> {
         let bytes = self.block_bytes() as usize;
-        let context = self.contexts.get_mut(response.tag as usize)?;
+        let tag = u8::try_from(response.tag).ok().filter(|tag| u32::from(*tag) < self.parameters.contexts)?;
+        let context = &mut self.contexts[usize::from(tag)];
         let (block, beats) = (context.block.get_mut(..bytes)?, &context.beats);
         let is_last = match self.beat_bytes {
             16 => put::<16>(block, *beats, response.beat)?,
@@ -264,29 +265,23 @@ impl UnitModel {
         };
         context.failed = response.is_error | (context.failed & (context.beats > 0));
         context.beats = if is_last { 0 } else { context.beats + 1 };
-        is_last.then_some(response.tag as u8)
+        is_last.then_some(tag)
     }
 
     /// Chooses the answer of the next step, and takes it.
     #[inline]
     fn choose(&mut self) -> Answered {
         let bit = |source: u32, has_answer: bool| if has_answer { source } else { 0 };
-        let queued = |source: u32, queue: usize| bit(source, self.queues.front(queue).is_some());
-        let request = queued(BOXES, TESTED)
-            | bit(BLOCK, self.closest.is_some())
-            | bit(FAULT, self.fault.is_some())
-            | queued(START, STARTS)
-            | queued(AGAIN, AGAINS);
+        let queued = self.queues.ready() & (BOXES | START | AGAIN);
+        let request = queued | bit(BLOCK, self.closest.is_some()) | bit(FAULT, self.fault.is_some());
         if request == 0 {
             return Answered::default();
         }
         let source = self.scheduler.grant(request);
         let context = match source {
-            BOXES => self.queues.pop(TESTED),
             BLOCK => self.closest.take().unwrap_or_default(),
             FAULT => self.fault.take().unwrap_or_default(),
-            START => self.queues.pop(STARTS),
-            _ => self.queues.pop(AGAINS),
+            queued => self.queues.pop(queued.ilog2() as usize),
         };
         Answered { context, source }
     }
@@ -358,6 +353,9 @@ impl UnitModel {
     /// The edge of the distances of triangles. Returns whether an outcome can be taken.
     #[inline]
     fn distances(&mut self) -> bool {
+        if self.operands.is_none() && self.triangle.is_none() && self.divider.is_empty() {
+            return true;
+        }
         if self.closest.is_none()
             && let Some(Job { context, kind }) = self.triangle.take()
         {

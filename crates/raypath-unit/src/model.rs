@@ -1,16 +1,16 @@
 //! The functional model of the unit: a ray goes in, its hit comes out, without time.
 
 use crate::answers::{Answers, ReadyRay, quotient};
-use crate::native;
+use crate::native::{self, Stack, empty_stack};
 use crate::set_up::Entry;
-use crate::state::{Group, NO_INSTANCE, RayState, request, status};
+use crate::state::{NO_INSTANCE, RayState, request, status};
 use crate::step::{StepParameters, UnitFeatures};
 use raypath_ops::{Binary32, Rules, Word};
 use thiserror::Error;
 
 /// The memory that a unit reads.
 pub trait Memory {
-    /// The block of so many bytes at an address, a multiple of them.
+    /// The block of so many bytes, a power of two, at an address that is a multiple of them.
     ///
     /// # Errors
     /// There is no block at the address.
@@ -26,7 +26,7 @@ impl Memory for [u8] {
     #[inline]
     fn block(&self, address: u32, bytes: u32) -> Result<&[u8], MemoryError> {
         let block = self.get(address as usize..).and_then(|rest| rest.get(..bytes as usize));
-        block.filter(|_| address.is_multiple_of(bytes)).ok_or(MemoryError(address))
+        block.filter(|_| address & (bytes - 1) == 0).ok_or(MemoryError(address))
     }
 }
 
@@ -89,14 +89,13 @@ pub struct Reply {
 pub struct Unit {
     parameters: StepParameters,
     answers: Answers,
-    stack: Vec<Group<Binary32>>,
+    stack: Stack,
 }
 
 impl Unit {
     /// A unit with these rules for special cases.
     pub fn new(rules: Rules, parameters: StepParameters) -> Self {
-        let stack = vec![Group::none(Binary32); parameters.stack as usize];
-        Self { parameters, answers: Answers::new(rules, parameters), stack }
+        Self { parameters, answers: Answers::new(rules, parameters), stack: empty_stack() }
     }
 
     /// Traces a ray.

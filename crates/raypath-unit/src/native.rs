@@ -4,6 +4,17 @@ use crate::state::{Answer, Group, RayState, Request};
 use crate::step::{HalfStep, StepParameters, finish, prepare};
 use raypath_ops::{Binary32, Bit, Word};
 
+/// The stack of a ray: a unit uses the first entries.
+pub(crate) type Stack = [Group<Binary32>; MAX_STACK];
+
+/// The most entries that a stack can have.
+const MAX_STACK: usize = 32;
+
+/// A stack without children.
+pub(crate) fn empty_stack() -> Stack {
+    [Group::none(Binary32); MAX_STACK]
+}
+
 /// Evaluates an expression for each value of a bit, which is a constant in it. The compiler removes from each copy what
 /// the other value needs.
 macro_rules! for_each_value {
@@ -24,7 +35,7 @@ pub(crate) fn step(
     parameters: StepParameters,
     state: &mut RayState<Binary32>,
     answer: Answer<Binary32>,
-    stack: &mut [Group<Binary32>],
+    stack: &mut Stack,
 ) -> Request<Binary32> {
     let restarting = state.restarting;
     for_each_value!(restarting, {
@@ -39,10 +50,10 @@ fn end(
     parameters: StepParameters,
     state: &mut RayState<Binary32>,
     half: HalfStep<Binary32>,
-    stack: &mut [Group<Binary32>],
+    stack: &mut Stack,
 ) -> Request<Binary32> {
     // The number of entries is a power of two.
-    let slot = |level: Word<Binary32, 7>| (level.value & (parameters.stack - 1)) as usize;
+    let slot = |level: Word<Binary32, 7>| (level.value & (parameters.stack - 1)) as usize % MAX_STACK;
     let (next, request) = finish(Binary32, parameters, half, stack[slot(half.deepest)]);
     *state = next;
     if request.writes.into() {

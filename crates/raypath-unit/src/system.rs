@@ -83,7 +83,8 @@ pub fn simulate<M: Memory + ?Sized>(
         let UnitOutputs { ray_ready, hit, request, .. } = unit.outputs();
         let enters = ray_ready && inputs.ray.is_some();
         let is_quiet = !enters && hit.is_none() && request.is_none() && inputs.response.is_none();
-        if is_quiet && let Some(due) = memory.next_due() {
+        let due = memory.next_due();
+        if is_quiet && due != NEVER {
             let skipped = unit.idle(due.saturating_sub(now));
             if skipped > 0 {
                 timing.ray_cycles += in_flight * skipped;
@@ -121,6 +122,9 @@ pub fn simulate<M: Memory + ?Sized>(
     timing
 }
 
+/// A cycle that is never reached.
+const NEVER: u64 = u64::MAX;
+
 /// The memory with the requests in it.
 struct Port<'s> {
     beat_bytes: usize,
@@ -132,6 +136,9 @@ struct Port<'s> {
     free_from: u64,
     /// Requests with the cycle of their first beat: in the order of these cycles, then by age.
     waiting: VecDeque<(u64, BlockRequest)>,
+    /// The cycles of the first of them and of the last; `NEVER` and 0 if there is none.
+    first_due: u64,
+    last_due: u64,
     arriving: Arriving<'s>,
 }
 
@@ -154,6 +161,8 @@ impl<'s> Port<'s> {
             cache: parameters.cache.map(Cache::new),
             free_from: 0,
             waiting: VecDeque::new(),
+            first_due: NEVER,
+            last_due: 0,
             arriving: Arriving::default(),
         }
     }
@@ -164,13 +173,15 @@ impl<'s> Port<'s> {
         let (line, hit_latency) = self.cache.as_ref().map_or((self.block_bytes, 0), Cache::line);
         let misses = self.cache.as_mut().map_or(1, |cache| cache.misses(request.address, self.block_bytes));
         let due = if misses == 0 { now + hit_latency } else { self.transfer(misses * line, now) } - 1;
-        // A request that the cache has overtakes others.
-        if self.waiting.back().is_none_or(|(last, _)| *last <= due) {
+        if due >= self.last_due {
             self.waiting.push_back((due, request));
+            self.last_due = due;
         } else {
+            // A request that the cache has overtakes others.
             let place = self.waiting.partition_point(|(other, _)| *other <= due);
             self.waiting.insert(place, (due, request));
         }
+        self.first_due = self.first_due.min(due);
     }
 
     /// The cycle in which these bytes have arrived from behind the cache.
@@ -184,21 +195,32 @@ impl<'s> Port<'s> {
         self.free_from.div_ceil(bandwidth) + self.latency.saturating_sub(alone)
     }
 
-    /// The cycle of the next beat.
-    fn next_due(&self) -> Option<u64> {
-        if !self.arriving.bytes.is_empty() { Some(0) } else { self.waiting.front().map(|(due, _)| *due) }
+    /// The cycle of the next beat; `NEVER` if nothing is requested.
+    #[inline]
+    fn next_due(&self) -> u64 {
+        if self.arriving.bytes.is_empty() { self.first_due } else { 0 }
     }
 
     #[inline]
     fn response<M: Memory + ?Sized>(&mut self, scene: &'s M, now: u64) -> Option<Response<'s>> {
-        const NOTHING: &[u8] = &[0; BLOCK_BYTES as usize];
         if self.arriving.bytes.is_empty() {
-            let (_, BlockRequest { address, tag }) = self.waiting.pop_front_if(|(due, _)| *due <= now)?;
-            let found = scene.block(address, self.block_bytes);
-            let bytes = found.unwrap_or(NOTHING).get(..self.block_bytes as usize)?;
-            self.arriving = Arriving { tag, is_error: found.is_err(), bytes };
+            if self.first_due > now {
+                return None;
+            }
+            self.arriving = self.next_block(scene)?;
         }
         let Arriving { tag, is_error, bytes } = &mut self.arriving;
         Some(Response { tag: *tag, is_error: *is_error, beat: bytes.split_off(..self.beat_bytes)? })
+    }
+
+    /// The block of the next request.
+    #[inline]
+    fn next_block<M: Memory + ?Sized>(&mut self, scene: &'s M) -> Option<Arriving<'s>> {
+        const NOTHING: &[u8] = &[0; BLOCK_BYTES as usize];
+        let (_, BlockRequest { address, tag }) = self.waiting.pop_front()?;
+        self.first_due = self.waiting.front().map_or(NEVER, |(due, _)| *due);
+        let found = scene.block(address, self.block_bytes);
+        let bytes = found.unwrap_or(NOTHING).get(..self.block_bytes as usize)?;
+        Some(Arriving { tag, is_error: found.is_err(), bytes })
     }
 }

@@ -5,6 +5,7 @@ use crate::blocks::BLOCK_BYTES;
 use crate::fold::HitLimits;
 use crate::instance::TRANSFORM_OPCODE;
 use crate::model::RayRequest;
+use crate::native::{Stack, empty_stack};
 use crate::set_up::Entry;
 use crate::state::{RayState, status};
 use crate::step::StepParameters;
@@ -19,6 +20,7 @@ pub struct Context {
     pub inside: ReadyRay,
     pub limits: HitLimits<Binary32>,
     pub state: RayState<Binary32>,
+    pub stack: Stack,
     pub block: Block,
     /// The address of the block that was requested last.
     pub address: u32,
@@ -90,6 +92,7 @@ impl Context {
             inside: ready,
             limits: ray.limits(),
             state: RayState::begin(Binary32, Word::truncate(0), 0.0.into(), false.into()),
+            stack: empty_stack(),
             block: [0; BLOCK_BYTES as usize],
             address: 0,
             count: 0,
