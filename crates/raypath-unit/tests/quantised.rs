@@ -267,6 +267,7 @@ fn a_fetch_takes_as_many_cycles_as_documented() {
 
 /// The frames that drove the model drive Verilator, and the linters have nothing to say.
 #[test]
+#[ignore = "long: another build by Verilator"]
 fn verilator_equals_the_model_in_every_cycle() {
     let (scene, rays) = setting(200, 60, 3);
     let parameters = UnitParameters { contexts: 8, memory_width: 256, step: step(8), ..Default::default() };
