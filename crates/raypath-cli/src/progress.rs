@@ -45,6 +45,14 @@ impl Progress {
         Self { what, total, is_terminal, begin: now, last_line: now, last_done: None, shown: 0 }
     }
 
+    /// Sets the number of items. A new number begins another phase of the task, with a pace of its own.
+    pub fn of(&mut self, total: usize) -> &mut Self {
+        if self.total != total {
+            (self.total, self.begin) = (total, Instant::now());
+        }
+        self
+    }
+
     /// Shows that `done` items are done. Returns false if the user pressed Ctrl-C.
     pub fn at(&mut self, done: usize) -> bool {
         let pause = if self.is_terminal { BETWEEN_CHANGES } else { BETWEEN_LINES };
@@ -109,6 +117,16 @@ mod tests {
         assert_eq!(line(0, 10, "jobs", 0.0), "0 of 10 jobs");
         assert_eq!(line(30, 40, "jobs", 10.0), "30 of 40 jobs, 3 a second, 3 s left");
         assert_eq!(line(1, 4, "parts", 20.0), "1 of 4 parts, 3.0 a minute, 60 s left");
+    }
+
+    #[test]
+    fn a_phase_counts_its_own_items() {
+        let mut progress = Progress::new("unit", 108);
+        let begin = progress.begin;
+        assert_eq!(progress.of(108).begin, begin);
+        progress.of(8_000);
+        assert_eq!(progress.total, 8_000);
+        assert!(progress.begin > begin);
     }
 
     #[test]

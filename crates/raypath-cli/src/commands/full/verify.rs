@@ -102,7 +102,8 @@ fn verify(
     let mut reached = 0;
     let mut watch = |step: raypath_verify::Progress| {
         reached = step.done as usize;
-        progress.get_or_insert_with(|| progress::Progress::new(item.name, step.total as usize)).at(reached)
+        let total = step.total as usize;
+        progress.get_or_insert_with(|| progress::Progress::new(item.name, total)).of(total).at(reached)
     };
     let Arguments { level, jobs, seed, division: DivisionArguments { shard, .. }, .. } = *arguments;
     let mut request = Request { config, level, jobs, seed, shard, parts, proceed: &mut watch };
