@@ -45,7 +45,7 @@ pub fn run(bench: &mut Bench, divider_latency: u32) -> Result<(), String> {
 }
 
 /// The words of a ray: often one of them is odd, or components of the direction have the same magnitude.
-fn entry(bench: &mut Bench) -> Vec<u64> {
+pub fn entry(bench: &mut Bench) -> Vec<u64> {
     let is_odd = bench.chance(2).then(|| bench.random.random_range(0..8));
     let is_tied = bench.chance(3);
     let mut words: Vec<u64> = Vec::new();
@@ -65,7 +65,8 @@ fn entry(bench: &mut Bench) -> Vec<u64> {
     words
 }
 
-fn constants_of(words: &[u64]) -> (bool, Vec<u64>) {
+/// Whether a ray is refused, and the words of its constants.
+pub fn constants_of(words: &[u64]) -> (bool, Vec<u64>) {
     let entry: Entry<Binary32> = from_words(Binary32, words);
     let axes = axes(Binary32, entry.dir);
     let quotient = |Division { dividend, divisor }: Division<Binary32>| {
