@@ -170,12 +170,14 @@ fn number(random: &mut ChaCha8Rng) -> f32 {
 }
 
 /// Numbers at the limits of the format and between.
-const NUMBERS: [f32; 11] = [
+const NUMBERS: [f32; 13] = [
     0.0,
     -0.0,
     1.0,
     -1.0,
+    2.0,
     2.5,
+    f32::from_bits(1),
     f32::INFINITY,
     f32::NEG_INFINITY,
     f32::NAN,
