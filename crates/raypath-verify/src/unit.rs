@@ -104,13 +104,13 @@ fn run_campaign(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<Coun
     Ok(counts)
 }
 
-/// Runs the checks of single modules, at level regression those of one unit.
+/// Runs the checks of the modules that get faults, and at further levels of those of the campaign's units.
 fn check_modules(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<String, Error> {
-    let mut subjects = Vec::new();
-    for Subject { unit } in Subject::all()?.into_iter().take(request.level.pick(1, usize::MAX, usize::MAX)) {
-        let own = verilog::modules(&unit.top)?.into_iter().filter(|module| modules::has_check(module));
-        subjects.extend(own.map(|module| (module, unit.parameters)));
+    let mut subjects: Vec<_> = mutants::subjects()?.into_iter().map(mutants::Subject::original).collect();
+    for Subject { unit } in Subject::all()?.into_iter().take(request.level.pick(0, usize::MAX, usize::MAX)) {
+        subjects.extend(verilog::modules(&unit.top)?.into_iter().map(|module| (module, unit.parameters)));
     }
+    subjects.retain(|(module, _)| modules::has_check(module));
     let (cases, seed) = (request.cases(subjects.len() as u64, 1), request.seed);
     let shards = request.parts.phase(|| {
         let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
@@ -140,7 +140,7 @@ fn check_mutants(request: &mut Request<'_>, verdict: &mut Verdict) -> Result<Str
     let subjects = mutants::subjects()?;
     let mutants: Vec<Mutant<'_>> = mutants::choose(&subjects, count, request.seed);
     let (cases, seed) = (request.cases(mutants.len() as u64, 1), request.seed);
-    let limits = mutants::limits(&subjects, seed)?;
+    let limits = mutants::limits(seed)?;
     let shards = request.parts.phase(|| {
         let finished = pool::run::<_, Error>(cases, pool::ALL_CORES, request.proceed, |queue| {
             let mut fates: Vec<(String, Fate)> = Vec::new();

@@ -1,7 +1,7 @@
 //! The modules of the unit whose control is proved, with their properties and the faults that the proofs must refute.
 
 use super::bindings;
-use super::setting::Setting;
+use super::setting::{Setting, Variant};
 use crate::control::Method;
 use raypath_hdl::Module;
 
@@ -9,6 +9,8 @@ use raypath_hdl::Module;
 pub struct Claim {
     /// The module.
     pub module: &'static str,
+    /// The unit that it is taken from.
+    pub variant: Variant,
     /// Environment, assertions and, after a line with [`LEMMAS`], what makes them inductive.
     pub properties: &'static str,
     /// The path of the queue whose words the lemmas see, with its module.
@@ -46,6 +48,7 @@ const QUEUE_FAULTS: &[(&str, &str)] = &[
 const fn queue(module: &'static str) -> Claim {
     Claim {
         module,
+        variant: Variant::Plain,
         properties: include_str!("properties/queue.sv"),
         queue: Some(("", module)),
         expands: true,
@@ -67,6 +70,7 @@ pub const CLAIMS: &[Claim] = &[
     queue("raypath_unit_ended"),
     Claim {
         module: "raypath_unit_contexts",
+        variant: Variant::Plain,
         properties: include_str!("properties/contexts.sv"),
         queue: Some(("u_free.", "raypath_unit_free")),
         expands: false,
@@ -86,6 +90,7 @@ pub const CLAIMS: &[Claim] = &[
     },
     Claim {
         module: "raypath_unit_scheduler",
+        variant: Variant::Plain,
         properties: include_str!("properties/scheduler.sv"),
         queue: None,
         expands: false,
@@ -105,6 +110,7 @@ pub const CLAIMS: &[Claim] = &[
     },
     Claim {
         module: "raypath_unit_blocks",
+        variant: Variant::Plain,
         properties: include_str!("properties/blocks.sv"),
         queue: None,
         expands: false,
@@ -124,6 +130,7 @@ pub const CLAIMS: &[Claim] = &[
     },
     Claim {
         module: "raypath_unit_issue",
+        variant: Variant::Plain,
         properties: include_str!("properties/issue.sv"),
         queue: Some(("u_arrivals.", "raypath_unit_arrivals")),
         expands: false,
@@ -147,6 +154,7 @@ pub const CLAIMS: &[Claim] = &[
     },
     Claim {
         module: "raypath_unit_hits",
+        variant: Variant::Plain,
         properties: include_str!("properties/hits.sv"),
         queue: Some(("u_ended.", "raypath_unit_ended")),
         expands: true,
@@ -166,6 +174,7 @@ pub const CLAIMS: &[Claim] = &[
     },
     Claim {
         module: "raypath_unit_walk",
+        variant: Variant::Plain,
         properties: include_str!("properties/walk.sv"),
         queue: Some(("u_continues.", "raypath_unit_continues")),
         expands: false,
@@ -187,6 +196,7 @@ pub const CLAIMS: &[Claim] = &[
     },
     Claim {
         module: "raypath_unit_distance",
+        variant: Variant::Plain,
         properties: include_str!("properties/distance.sv"),
         queue: None,
         expands: true,
@@ -208,6 +218,7 @@ pub const CLAIMS: &[Claim] = &[
     },
     Claim {
         module: "raypath_unit_set_up",
+        variant: Variant::Plain,
         properties: include_str!("properties/set_up.sv"),
         queue: None,
         expands: false,
@@ -223,6 +234,132 @@ pub const CLAIMS: &[Claim] = &[
             ("is_last = number_q == 3'd4", "is_last = number_q == 3'd5"),
             // Operands enter with their ray, before they are known.
             ("has_operands_q <= busy_q", "has_operands_q <= enters"),
+        ],
+    },
+    Claim {
+        module: "raypath_unit_rays",
+        variant: Variant::Plain,
+        properties: include_str!("properties/rays.sv"),
+        queue: Some(("u_starts.", "raypath_unit_starts")),
+        expands: true,
+        bindings: bindings::rays,
+        method: Method::Inductive,
+        happens: "p_follows_q && p_leaves && p_ahead_q == 0",
+        faults: &[
+            // A ray enters although another has just entered the set-up.
+            ("ready = set_up_ready & contexts_valid", "ready = contexts_valid"),
+            // A ray is kept at another context.
+            ("enters & (contexts_context == 3'd2)", "enters & (contexts_context == 3'd3)"),
+            // A number is read too late.
+            ("    if (release_i) begin", "    if (start_taken_i) begin"),
+            // A ray that is refused never starts.
+            (".push_i (set_up_valid)", ".push_i (set_up_valid & ~set_up_is_refused)"),
+            // A job has the constants of another ray.
+            ("job_context_i[2] ? constants_kx_t2 : constants_kx_t1", "constants_kx_t2"),
+        ],
+    },
+    Claim {
+        module: "raypath_unit_rays",
+        variant: Variant::Instances,
+        properties: include_str!("properties/rays.sv"),
+        queue: Some(("u_starts.", "raypath_unit_starts")),
+        expands: true,
+        bindings: bindings::rays,
+        method: Method::Inductive,
+        happens: "p_follows_q && p_leaves && p_ahead_q == 0",
+        faults: &[
+            // The constants outside are lost where a ray enters an instance.
+            ("constants_inv_x_0_t1 = entries_valid & ~entries_is_instance", "constants_inv_x_0_t1 = entries_valid"),
+            // A job in an instance has the constants outside.
+            ("job_inside_i ? object_constants_kx : constants_kx", "constants_kx"),
+            // A job outside has the origin in an instance.
+            ("job_inside_i ? object_origins_x : origins_origin_x", "object_origins_x"),
+            // A ray begins again where it enters an instance.
+            (".is_instance_i (entries_is_instance)", ".is_instance_i (1'b0)"),
+        ],
+    },
+    Claim {
+        module: "raypath_unit_entries",
+        variant: Variant::Instances,
+        properties: include_str!("properties/entries.sv"),
+        queue: None,
+        expands: false,
+        bindings: bindings::set_up,
+        method: Method::Unbounded,
+        happens: "enters_instance_o && p_waits_q[3:0] == 9",
+        faults: &[
+            // New rays never have their turn.
+            ("chosen = waits & ~(yields_q & free_i)", "chosen = waits"),
+            // The origin is that of another instance, or of none.
+            ("if (is_origin) begin", "if (transformed_valid_i) begin"),
+            // A new ray enters in an instance's turn.
+            ("ready_o             = ready & ~chosen", "ready_o             = ready"),
+            // A direction is taken although the set-up is not ready.
+            ("~transformed_is_last_i | (chosen & ready)", "~transformed_is_last_i | chosen"),
+            // Constants are those of the other context.
+            ("chosen ? transformed_context_i : context_i", "chosen ? context_i : transformed_context_i"),
+        ],
+    },
+    Claim {
+        module: "raypath_unit_decoder",
+        variant: Variant::Quantised,
+        properties: include_str!("properties/decoder.sv"),
+        queue: None,
+        expands: false,
+        bindings: bindings::decoder,
+        method: Method::Unbounded,
+        happens: "p_follows_q && p_ahead_q == 1",
+        faults: &[
+            // A block that waits is overwritten.
+            ("advances = ~has_sums_q | ready_i", "advances = 1'b1"),
+            // A block is at the outputs without a read.
+            ("read = advances & has_operands_q", "read = has_operands_q"),
+            // A block stays.
+            ("has_sums_q <= has_operands_q", "has_sums_q <= has_operands_q | has_sums_q"),
+            // A context is that of the next block.
+            ("context_q    <= operands_context_q", "context_q    <= context_i"),
+        ],
+    },
+    Claim {
+        module: "raypath_unit_weights",
+        variant: Variant::Quantised,
+        properties: include_str!("properties/weights.sv"),
+        queue: None,
+        expands: false,
+        bindings: bindings::weights,
+        method: Method::Inductive,
+        happens: "p_follows_q && p_leaves && p_ahead_q == 2",
+        faults: &[
+            // A ray gives way after its first quotient.
+            ("ends = enters & is_second_q", "ends = enters"),
+            // Weights that wait are overwritten.
+            ("moves   = ~is_complete | ready_i", "moves   = 1'b1"),
+            // Weights are complete with the first quotient.
+            ("is_complete = divider_valid & divider_tag[0]", "is_complete = divider_valid"),
+            // The second quotient takes the place of the first.
+            ("if (divider_valid & ~divider_tag[0]) begin", "if (divider_valid) begin"),
+            // A ray without a hit has weights.
+            ("decode_ieee & {32{divider_tag[1]}}", "decode_ieee"),
+        ],
+    },
+    Claim {
+        module: "raypath_unit_issue",
+        variant: Variant::Quantised,
+        properties: include_str!("properties/issue.sv"),
+        queue: Some(("u_arrivals.", "raypath_unit_arrivals")),
+        expands: false,
+        bindings: bindings::issue,
+        method: Method::Inductive,
+        happens: "p_served && !p_failed",
+        faults: &[
+            // A block gives way although its job waits.
+            ("assign ends = leaves |", "assign ends = offer |"),
+            // A block is taken although none waits.
+            ("take = arrivals_valid & (~busy_q | ends)", "take = ~busy_q | ends"),
+            // A fault has a job.
+            ("offer  = busy_q & ~failed_q", "offer  = busy_q"),
+            // A fault does not wait.
+            ("(fault & fault_taken_i)", "fault"),
         ],
     },
 ];

@@ -1,17 +1,19 @@
 //! Checks of modules, each by itself: with states that episodes do not reach, or seldom.
 
 mod contexts;
+mod decoder;
 mod distance;
+mod entries;
 mod queue;
 mod scheduler;
 mod set_up;
 mod steps;
+mod weights;
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use raypath_hdl::{Error, InputPort, Module, OutputPort, Simulator};
 use raypath_unit::UnitParameters;
-use raypath_unit::blocks::NodeKind;
 use std::sync::Arc;
 
 /// The cycles of a module with registers.
@@ -28,8 +30,10 @@ pub fn check(module: &Arc<Module>, parameters: UnitParameters, seed: u64) -> Res
         "raypath_unit_prepare" => steps::prepare(&mut bench()?, step.features),
         "raypath_unit_finish" => steps::finish(&mut bench()?, step),
         "raypath_unit_set_up" => set_up::run(&mut bench()?, divider_latency),
-        // With quantised nodes a block has one triangle; episodes check that.
-        "raypath_unit_distance" if step.node == NodeKind::Wide4 => distance::run(&mut bench()?, contexts),
+        "raypath_unit_entries" => entries::run(&mut bench()?, divider_latency),
+        "raypath_unit_decoder" => decoder::run(&mut bench()?),
+        "raypath_unit_weights" => weights::run(&mut bench()?, divider_latency),
+        "raypath_unit_distance" => distance::run(&mut bench()?, contexts),
         "raypath_unit_contexts" => contexts::run(&mut bench()?, contexts),
         "raypath_unit_scheduler" => scheduler::run(&mut bench()?),
         _ if is_queue(module) => queue::run(&mut bench()?, contexts),
@@ -40,7 +44,10 @@ pub fn check(module: &Arc<Module>, parameters: UnitParameters, seed: u64) -> Res
 
 /// Whether a module has a check of its own.
 pub fn has_check(module: &Module) -> bool {
-    const OTHERS: [&str; 6] = [
+    const OTHERS: [&str; 9] = [
+        "raypath_unit_entries",
+        "raypath_unit_decoder",
+        "raypath_unit_weights",
         "raypath_unit_scheduler",
         "raypath_unit_prepare",
         "raypath_unit_finish",
@@ -91,12 +98,20 @@ impl Bench {
 
     /// The places of these inputs among all.
     fn inputs<const N: usize>(&self, names: [&str; N]) -> [usize; N] {
-        names.map(|name| self.module.inputs().iter().position(|port| port.name == name).unwrap_or_default())
+        names.map(|name| self.input(name).unwrap_or_default())
     }
 
     /// The places of these outputs among all.
     fn outputs<const N: usize>(&self, names: [&str; N]) -> [usize; N] {
-        names.map(|name| self.module.outputs().iter().position(|port| port.name == name).unwrap_or_default())
+        names.map(|name| self.output(name).unwrap_or_default())
+    }
+
+    fn input(&self, name: &str) -> Option<usize> {
+        self.module.inputs().iter().position(|port| port.name == name)
+    }
+
+    fn output(&self, name: &str) -> Option<usize> {
+        self.module.outputs().iter().position(|port| port.name == name)
     }
 
     fn set(&mut self, input: usize, value: u64) {
@@ -145,13 +160,24 @@ impl Bench {
     }
 }
 
+/// A number: often one at a limit, or any bits.
+fn number(random: &mut ChaCha8Rng) -> f32 {
+    match random.random_range(0..4) {
+        0 => NUMBERS[random.random_range(0..NUMBERS.len())],
+        1 => f32::from_bits(random.random()),
+        _ => random.random_range(-2.0..9.0),
+    }
+}
+
 /// Numbers at the limits of the format and between.
-const NUMBERS: [f32; 11] = [
+const NUMBERS: [f32; 13] = [
     0.0,
     -0.0,
     1.0,
     -1.0,
+    2.0,
     2.5,
+    f32::from_bits(1),
     f32::INFINITY,
     f32::NEG_INFINITY,
     f32::NAN,

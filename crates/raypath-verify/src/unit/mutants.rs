@@ -1,7 +1,7 @@
 //! Faults in the modules of the unit, and whether checks of modules and the first episodes of the campaign find them.
 
 use super::proofs::Obligation;
-use super::setting::Setting;
+use super::setting::{Setting, Variant};
 use super::{campaign, modules};
 use crate::Error;
 use crate::control::{CheckResult, ModelChecker};
@@ -12,19 +12,27 @@ use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 use raypath_hdl::mutate::{Fault, faults, replace};
 use raypath_hdl::{Module, verilog};
-use raypath_rtl::Config;
-use raypath_unit::{NetlistEngine, StepParameters, UnitNetlist, UnitParameters};
+use raypath_unit::{NetlistEngine, UnitNetlist, UnitParameters};
 use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// A module of the unit, and the faults that it can have.
 pub struct Subject {
+    variant: Variant,
     unit: Arc<UnitNetlist>,
     module: Arc<Module>,
     /// All its faults.
     pub faults: Vec<Fault>,
+}
+
+impl Subject {
+    /// The module without a fault, and the parameters of its unit.
+    pub fn original(self) -> (Arc<Module>, UnitParameters) {
+        (self.module, self.unit.parameters)
+    }
 }
 
 /// A fault in a module.
@@ -56,30 +64,44 @@ const LIMIT: Duration = Duration::from_secs(20);
 /// Episodes that run on each mutant, the short ones first.
 const EPISODES: u64 = 24;
 
-/// The modules of the unit besides the datapath and the floating-point units, which `mutation` has.
+/// The modules of the least units besides the datapath and the floating-point units, which `mutation` has. A module
+/// that has the same text in several units is one subject.
 ///
 /// # Errors
-/// The unit cannot be built.
+/// A unit cannot be built.
 pub fn subjects() -> Result<Vec<Subject>, Error> {
-    let step = StepParameters { stack: 2, ..StepParameters::default() };
-    let parameters = UnitParameters { contexts: 8, step, memory_width: 256, divider_latency: 2, id_width: 16 };
-    let unit = Arc::new(UnitNetlist::new(Config::DEFAULT, parameters)?);
-    let modules = verilog::modules(&unit.top)?;
-    let own = modules.into_iter().filter(|module| module.name().starts_with("raypath_unit"));
-    let subject = |module: Arc<Module>| Subject { unit: unit.clone(), faults: faults(&module), module };
-    Ok(own.map(subject).filter(|subject| !subject.faults.is_empty()).collect())
+    let mut subjects = Vec::new();
+    let mut texts: HashSet<String> = HashSet::new();
+    for variant in Variant::ALL {
+        let unit = Arc::new(Setting::least(variant, false)?.unit);
+        for module in verilog::modules(&unit.top)? {
+            let text = verilog::print_module(&module, &[])?;
+            let faults = if module.name().starts_with("raypath_unit") { faults(&module) } else { Vec::new() };
+            if !faults.is_empty() && texts.insert(text) {
+                subjects.push(Subject { variant, unit: unit.clone(), module, faults });
+            }
+        }
+    }
+    Ok(subjects)
 }
 
-/// The cycles of the first episodes without a fault, four times: a unit that takes more has a fault.
+/// The cycles of the first episodes without a fault, four times, for each variant: a unit that takes more has a fault.
 ///
 /// # Errors
-/// The netlist cannot be compiled.
-pub fn limits(subjects: &[Subject], seed: u64) -> Result<Vec<u64>, Error> {
-    let Some(Subject { unit, .. }) = subjects.first() else { return Ok(Vec::new()) };
-    let mut netlist = NetlistEngine::new(unit)?;
-    let mut cycles = |number| campaign::run(&mut netlist, unit, [seed, number], None);
-    Ok((0..EPISODES).map_while(|number| Some(4 * cycles(number).ok()?.cycles)).collect())
+/// A netlist cannot be compiled.
+pub fn limits(seed: u64) -> Result<Limits, Error> {
+    let mut limits = Limits::default();
+    for (variant, limits) in Variant::ALL.into_iter().zip(&mut limits) {
+        let unit = Setting::least(variant, false)?.unit;
+        let mut netlist = NetlistEngine::new(&unit)?;
+        let mut cycles = |number| campaign::run(&mut netlist, &unit, [seed, number], None);
+        *limits = (0..EPISODES).map_while(|number| Some(4 * cycles(number).ok()?.cycles)).collect();
+    }
+    Ok(limits)
 }
+
+/// The most cycles of the first episodes, for each variant in the order of [`Variant::ALL`].
+pub type Limits = [Vec<u64>; 3];
 
 /// A random sample of about `count` faults: the same number of each module, as far as it has so many.
 pub fn choose(subjects: &[Subject], count: usize, seed: u64) -> Vec<Mutant<'_>> {
@@ -101,7 +123,7 @@ impl Mutant<'_> {
     ///
     /// # Errors
     /// The faulty netlist cannot be built, or a program is missing.
-    pub fn fate(&self, seed: u64, limits: &[u64], stop: &AtomicBool) -> Result<Fate, Error> {
+    pub fn fate(&self, seed: u64, limits: &Limits, stop: &AtomicBool) -> Result<Fate, Error> {
         let faulty = Arc::new(self.fault.apply(&self.subject.module)?);
         match self.simulated(&faulty, seed, limits)? {
             Some(fate) => Ok(fate),
@@ -110,13 +132,13 @@ impl Mutant<'_> {
     }
 
     /// What simulation finds.
-    fn simulated(&self, faulty: &Arc<Module>, seed: u64, limits: &[u64]) -> Result<Option<Fate>, Error> {
+    fn simulated(&self, faulty: &Arc<Module>, seed: u64, limits: &Limits) -> Result<Option<Fate>, Error> {
         let unit = &self.subject.unit;
         if modules::check(faulty, unit.parameters, seed)?.is_err() {
             return Ok(Some(Fate::Checked));
         }
         let mut netlist = NetlistEngine::of_module(&replace(&unit.top, faulty)?)?;
-        for (number, &limit) in (0..).zip(limits) {
+        for (number, &limit) in (0..).zip(&limits[self.subject.variant as usize]) {
             if campaign::run(&mut netlist, unit, [seed, number], Some(limit)).is_err() {
                 return Ok(Some(Fate::Killed));
             }
@@ -129,7 +151,7 @@ impl Mutant<'_> {
         let module = &self.subject.module;
         let mut found = Prover::find()?.equivalent(&[(module, faulty)], LIMIT, stop);
         if !matches!(found.as_deref(), Ok([Equivalence::Proved]))
-            && let Some([refutation, proof]) = Setting::least(false)?.faulty(faulty)?
+            && let Some([refutation, proof]) = Setting::least(self.subject.variant, false)?.faulty(faulty)?
         {
             let checker = ModelChecker::find()?;
             // An error is that of an assertion without state, to which synthesis may reduce a faulty module.

@@ -3,7 +3,7 @@
 use super::bindings;
 use super::claims::{CLAIMS, Claim, LEMMAS};
 use super::setting::LEAST;
-pub use super::setting::Setting;
+pub use super::setting::{Setting, Variant};
 use crate::control::{CheckResult, Method, ModelChecker, ModuleTexts, RESET, SafetyProblem, TextFault};
 use crate::{Error, Level, Progress, Shard};
 use raypath_hdl::mutate::replace;
@@ -27,7 +27,8 @@ const CYCLES: u32 = 24;
 /// The cycles in which any fault may be refuted: more take minutes if it cannot be.
 const FEW_CYCLES: u32 = 11;
 /// The most contexts of a unit for which these modules are proved: more take many minutes.
-const LIMITED: [(&str, u32); 2] = [("raypath_unit_contexts", 16), ("raypath_unit_distance", 16)];
+const LIMITED: [(&str, u32); 3] =
+    [("raypath_unit_contexts", 16), ("raypath_unit_distance", 16), ("raypath_unit_rays", 16)];
 
 /// Further units.
 const MORE: [UnitParameters; 3] = [
@@ -43,10 +44,10 @@ impl Setting {
     /// # Errors
     /// The module cannot be printed.
     pub fn faulty(&self, module: &Arc<Module>) -> Result<Option<[Obligation; 2]>, Error> {
-        let Some(claim) = CLAIMS.iter().find(|claim| claim.module == module.name()) else { return Ok(None) };
+        let Some(claim) = self.claims().find(|claim| claim.module == module.name()) else { return Ok(None) };
         let unit = UnitNetlist::new(Config::DEFAULT, self.unit.parameters)?;
         let modules = self.modules.iter().map(|own| if own.name() == module.name() { module } else { own });
-        let setting = Self { unit, modules: modules.cloned().collect(), is_wide: self.is_wide };
+        let setting = Self { unit, modules: modules.cloned().collect(), ..*self };
         let properties = claim.properties.split(LEMMAS).next().unwrap_or_default();
         let assertions = properties.matches(": assert (").count();
         let text = setting.text(claim, None, properties)?;
@@ -54,6 +55,11 @@ impl Setting {
         let refutation =
             Obligation { problem: SafetyProblem { method: Method::Bounded(FEW_CYCLES), ..problem }, expected };
         Ok(Some([refutation, setting.claim(claim)?]))
+    }
+
+    fn claims(&self) -> impl Iterator<Item = &'static Claim> + use<> {
+        let variant = self.variant;
+        CLAIMS.iter().filter(move |claim| claim.variant == variant)
     }
 
     /// The module of a claim, with registers in place of the memories that its properties see.
@@ -89,7 +95,7 @@ impl Setting {
     /// The module cannot be printed.
     fn claim(&self, claim: &Claim) -> Result<Obligation, Error> {
         let assertions = claim.properties.matches(": assert (").count();
-        let name = format!("{} of {} contexts", claim.module, self.unit.parameters.contexts);
+        let name = format!("{} of {} contexts, {:?}", claim.module, self.unit.parameters.contexts, self.variant);
         let text = self.text(claim, None, claim.properties)?;
         let problem = SafetyProblem { name, top: claim.module.to_string(), text, assertions, method: claim.method };
         Ok(Obligation { problem, expected: CheckResult::Holds })
@@ -128,7 +134,7 @@ impl Setting {
     /// # Errors
     /// The module cannot be printed.
     pub fn faults(&self) -> Result<Vec<Obligation>, Error> {
-        let all = CLAIMS.iter().filter(|claim| is_representative(claim));
+        let all = self.claims().filter(|claim| is_representative(claim));
         let of = |claim: &'static Claim| {
             let faults = claim.faults.iter().map(move |fault| self.fault(claim, *fault));
             std::iter::once(self.never(claim)).chain(faults)
@@ -149,33 +155,41 @@ fn is_representative(claim: &Claim) -> bool {
     claim.module == CLAIMS[0].module || claim.queue.is_none_or(|(path, _)| !path.is_empty())
 }
 
+/// Whether no claim before is one of the same module, in another unit.
+fn is_first(claim: &Claim) -> bool {
+    CLAIMS.iter().find(|other| other.module == claim.module).is_some_and(|first| first.variant == claim.variant)
+}
+
 /// The obligations of a level: all claims of one unit or of several, what must happen, and faults.
 ///
 /// # Errors
 /// A unit cannot be built.
 pub fn obligations(level: Level) -> Result<Vec<Obligation>, Error> {
     let is_thorough = level > Level::Regression;
-    let least = Setting::least(is_thorough)?;
     let mut all = Vec::new();
-    for claim in CLAIMS {
-        all.push(least.claim(claim)?);
-    }
-    for claim in CLAIMS.iter().filter(|claim| is_representative(claim)) {
-        let faults = if is_thorough { claim.faults } else { &claim.faults[..1] };
-        if is_thorough {
-            all.push(least.never(claim)?);
+    for variant in Variant::ALL {
+        let least = Setting::least(variant, is_thorough)?;
+        let claims = || least.claims().filter(|claim| is_thorough || is_first(claim));
+        for claim in claims() {
+            all.push(least.claim(claim)?);
         }
-        for &fault in faults {
-            all.push(least.fault(claim, fault)?);
+        for claim in claims().filter(|claim| is_representative(claim)) {
+            let faults = if is_thorough { claim.faults } else { &claim.faults[..1] };
+            if is_thorough {
+                all.push(least.never(claim)?);
+            }
+            for &fault in faults {
+                all.push(least.fault(claim, fault)?);
+            }
         }
-    }
-    for parameters in MORE.into_iter().filter(|_| is_thorough) {
-        let setting = Setting::new(parameters, false)?;
-        let is_limited = |claim: &&Claim| {
-            LIMITED.iter().any(|(module, most)| *module == claim.module && parameters.contexts > *most)
-        };
-        for claim in CLAIMS.iter().filter(|claim| !is_limited(claim)) {
-            all.push(setting.claim(claim)?);
+        for parameters in MORE.into_iter().filter(|_| is_thorough) {
+            let setting = Setting::new(variant, parameters, false)?;
+            let is_limited = |claim: &&Claim| {
+                LIMITED.iter().any(|(module, most)| *module == claim.module && parameters.contexts > *most)
+            };
+            for claim in setting.claims().filter(|claim| !is_limited(claim)) {
+                all.push(setting.claim(claim)?);
+            }
         }
     }
     Ok(all)

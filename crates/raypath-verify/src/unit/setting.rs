@@ -16,28 +16,52 @@ pub(super) const LEAST: UnitParameters = UnitParameters {
     divider_latency: 2,
 };
 
+/// The optional parts of a unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variant {
+    /// None.
+    Plain,
+    /// Instances and barycentric coordinates.
+    Instances,
+    /// Quantised nodes and barycentric coordinates.
+    Quantised,
+}
+
+impl Variant {
+    /// All variants.
+    pub const ALL: [Self; 3] = [Self::Plain, Self::Instances, Self::Quantised];
+
+    /// The parameters of a unit, with these parts.
+    pub fn of(self, parameters: UnitParameters) -> UnitParameters {
+        let features = UnitFeatures { barycentrics: self != Self::Plain, instances: self == Self::Instances };
+        let node = if self == Self::Quantised { NodeKind::Quantised } else { NodeKind::Wide4 };
+        UnitParameters { step: StepParameters { node, features, ..parameters.step }, ..parameters }
+    }
+}
+
 /// A unit whose modules are proved.
 pub struct Setting {
     /// The unit.
     pub unit: UnitNetlist,
+    pub(super) variant: Variant,
     pub(super) modules: Vec<Arc<Module>>,
     /// Whether all bits of the data are followed, and not some of them.
     pub is_wide: bool,
 }
 
 impl Setting {
-    /// The least unit.
+    /// The least unit with these parts.
     ///
     /// # Errors
     /// The unit cannot be built.
-    pub fn least(is_wide: bool) -> Result<Self, Error> {
-        Self::new(LEAST, is_wide)
+    pub fn least(variant: Variant, is_wide: bool) -> Result<Self, Error> {
+        Self::new(variant, LEAST, is_wide)
     }
 
-    pub(super) fn new(parameters: UnitParameters, is_wide: bool) -> Result<Self, Error> {
-        let unit = UnitNetlist::new(Config::DEFAULT, parameters)?;
+    pub(super) fn new(variant: Variant, parameters: UnitParameters, is_wide: bool) -> Result<Self, Error> {
+        let unit = UnitNetlist::new(Config::DEFAULT, variant.of(parameters))?;
         let modules = verilog::modules(&unit.top)?;
-        Ok(Self { unit, modules, is_wide })
+        Ok(Self { unit, variant, modules, is_wide })
     }
 
     pub(super) fn module(&self, name: &str) -> Result<&Arc<Module>, Error> {

@@ -44,14 +44,19 @@ pub fn run(bench: &mut Bench, divider_latency: u32) -> Result<(), String> {
     Ok(())
 }
 
-/// The words of a ray: often one of them is odd, or components of the direction have the same magnitude.
-fn entry(bench: &mut Bench) -> Vec<u64> {
+/// Zeros, and numbers that differ from them in a bit or by one.
+const NEAR_ZERO: [f32; 5] = [0.0, -0.0, 2.0, f32::from_bits(1), f32::from_bits(0x7fff_ffff)];
+
+/// The words of a ray: often one of them is odd, or components of the direction have the same magnitude, or all are
+/// zeros or near them.
+pub fn entry(bench: &mut Bench) -> Vec<u64> {
     let is_odd = bench.chance(2).then(|| bench.random.random_range(0..8));
-    let is_tied = bench.chance(3);
+    let (is_tied, is_near_zero) = (bench.chance(3), bench.chance(4));
     let mut words: Vec<u64> = Vec::new();
     for place in 0..8 {
         let random = &mut bench.random;
         let number = match place {
+            3..=5 if is_near_zero => NEAR_ZERO[random.random_range(0..NEAR_ZERO.len())],
             _ if is_odd == Some(place) || random.random_range(0..24) == 0 => {
                 let all = [1e-40, -1e-40, 3e38, 0.0, NUMBERS[random.random_range(0..NUMBERS.len())]];
                 all[random.random_range(0..all.len())]
@@ -65,7 +70,8 @@ fn entry(bench: &mut Bench) -> Vec<u64> {
     words
 }
 
-fn constants_of(words: &[u64]) -> (bool, Vec<u64>) {
+/// Whether a ray is refused, and the words of its constants.
+pub fn constants_of(words: &[u64]) -> (bool, Vec<u64>) {
     let entry: Entry<Binary32> = from_words(Binary32, words);
     let axes = axes(Binary32, entry.dir);
     let quotient = |Division { dividend, divisor }: Division<Binary32>| {

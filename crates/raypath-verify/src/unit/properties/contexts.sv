@@ -16,6 +16,7 @@
   always_comb assume (!p_releases || p_is_out_q);
   always_comb assume (!release_i || (p_out_q != 0 && released_i < N));
   always_comb once: assert (!(p_takes && p_is_out_q));
+  always_comb in_range: assert (!valid_o || context_o < N);
   always_comb count: assert (p_out_q <= N && !(p_out_q == N && valid_o));
 
   // If a context is free for two cycles, one is offered.
@@ -49,7 +50,14 @@
     .count (p_count), .head (p_head), .tail (p_tail), .valid (p_valid), .words (p_words), .front (p_front),
     .followed (p_returns_q), .index (p_ahead_q - p_fresh), .word (p_context), .holds (p_is_once)
   );
+  logic p_in_range;
+  always_comb begin
+    p_in_range = !p_valid || p_front < N;
+    for (int k = 0; k < N; k++)
+      if (p_head < p_tail ? 9'(k) >= p_head && 9'(k) < p_tail : p_count != 0 && (9'(k) >= p_head || 9'(k) < p_tail))
+        p_in_range = p_in_range && p_words[k*W +: W] < N;
+  end
   wire p_is_fresh = 9'(p_context) >= p_fresh_q;
-  always_comb lemmas: assert (p_holds && p_is_once && (!has_fresh_q || p_fresh_q < N) && !(p_is_out_q && p_is_fresh)
-    && p_returns_q == (!p_is_out_q && !p_is_fresh) && (!p_returns_q || p_ahead_q >= p_fresh)
-    && (!p_waited_q || valid_o));
+  always_comb lemmas: assert (p_holds && p_is_once && p_in_range && (!has_fresh_q || p_fresh_q < N)
+    && !(p_is_out_q && p_is_fresh) && p_returns_q == (!p_is_out_q && !p_is_fresh)
+    && (!p_returns_q || p_ahead_q >= p_fresh) && (!p_waited_q || valid_o));

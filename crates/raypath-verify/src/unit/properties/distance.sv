@@ -1,6 +1,7 @@
   // Each triangle is read once, in order, with its own context and fraction, and each block gives one closest hit, in
   // the order of their last triangles. Environment: a context has one block at a time, so that a place of a context is
   // not used again before it is read.
+  always_comb assume (!valid_i || context_i < N);
   wire p_enters = valid_i && ready_o;
   wire p_ends = p_enters && is_last_i;
   wire p_leaves = valid_o && taken_i;

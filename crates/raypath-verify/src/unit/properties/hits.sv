@@ -5,6 +5,7 @@
     if (!rst_ni) p_inside_q <= 0;
     else p_inside_q <= p_inside_q + {8'd0, ends_i} - {8'd0, release_o};
   always_comb assume (!(ends_i && p_inside_q - {8'd0, release_o} == N));
+  always_comb assume (!ends_i || context_i < N);
 
   // Some end is followed: until its release, and then until its hit is taken.
   wire p_follow;

@@ -41,3 +41,22 @@ module p_nowhere_else #(parameter int N = 8, parameter int W = 3) (
       holds = holds && (!holds_word[k] || (followed && !(valid && index == 0) && wrapped == 9'(k)));
   end
 endmodule
+
+// What is kept in a memory for the context that is followed: a reader has in the next cycle what was written last.
+module p_kept #(parameter int B = 1) (
+  input logic clk_i, rst_ni, writes, reads, ignored,
+  input logic [B-1:0] given, shown, stored,
+  output logic right, stays
+);
+  logic has_q, read_q;
+  logic [B-1:0] kept_q, expected_q;
+  always_ff @(posedge clk_i or negedge rst_ni)
+    if (!rst_ni) {has_q, read_q} <= 0;
+    else {has_q, read_q} <= {has_q || writes, reads && has_q};
+  always_ff @(posedge clk_i) begin
+    if (writes) kept_q <= given;
+    if (reads) expected_q <= kept_q;
+  end
+  assign right = !read_q || ignored || shown == expected_q;
+  assign stays = !has_q || stored == kept_q;
+endmodule
