@@ -1,12 +1,32 @@
 use crate::{CliError, Progress};
-use raypath_ppa::{Bench, Design, Report};
+use raypath_ppa::{Bench, Design, Error, Report};
+#[cfg(feature = "full")]
+use raypath_ppa::{PowerResults, Workload};
 
 /// Measures designs with a progress bar. Results are taken from the bench's cache and added to it, also if the user
 /// stops the work.
 pub fn measure(bench: &Bench, designs: &[Design]) -> Result<Vec<Report>, CliError> {
+    watched(|watch| bench.measure(designs, watch))
+}
+
+/// Measures the power of a design in workloads with a progress bar.
+#[cfg(feature = "full")]
+pub fn power(
+    bench: &Bench,
+    design: &Design,
+    report: &Report,
+    workloads: &[Workload],
+) -> Result<PowerResults, CliError> {
+    watched(|watch| bench.power(design, report, workloads, watch))
+}
+
+/// Shows the progress of `work`, which reports its steps.
+fn watched<T>(
+    work: impl FnOnce(&mut dyn FnMut(raypath_ppa::Progress) -> bool) -> Result<T, Error>,
+) -> Result<T, CliError> {
     let mut progress: Option<Progress> = None;
     let mut reached = 0;
-    let result = bench.measure(designs, |steps| {
+    let result = work(&mut |steps| {
         let total = steps.total as usize;
         reached = steps.done as usize;
         // If all results are in the cache, there is no progress to show.

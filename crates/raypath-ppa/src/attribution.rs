@@ -18,6 +18,25 @@ pub enum CellRole {
     Gate,
 }
 
+/// What a cell is counted as in a report.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Kind {
+    Unit(UnitKind),
+    Registers,
+    OperandMuxes,
+    RegisterMuxes,
+    SharedLogic,
+    OutputGates,
+    Control,
+}
+
+/// A group and kind that a cell, or a part of it, is counted in.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Share {
+    pub group: usize,
+    pub kind: Kind,
+}
+
 /// A flattened design whose cells are attributed to groups: the instances in the top module, and the top module.
 pub struct Attribution<'a> {
     netlist: &'a Netlist,
@@ -48,6 +67,21 @@ enum Search {
     New,
     Open,
     Done(Sinks),
+}
+
+impl Kind {
+    /// Its name in tables.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Unit(kind) => kind.to_string(),
+            Self::Registers => "registers".to_string(),
+            Self::OperandMuxes => "operand muxes".to_string(),
+            Self::RegisterMuxes => "register muxes".to_string(),
+            Self::SharedLogic => "shared logic".to_string(),
+            Self::OutputGates => "output gates".to_string(),
+            Self::Control => "control".to_string(),
+        }
+    }
 }
 
 impl<'a> Attribution<'a> {
@@ -96,33 +130,52 @@ impl<'a> Attribution<'a> {
         self.groups.saturating_sub(2)
     }
 
+    /// The groups and kinds that each cell belongs to. A gate that reaches several groups has a share for each of them,
+    /// all of the same size.
+    pub fn shares(&self, library: &Library) -> Vec<Vec<Share>> {
+        let mut searches = vec![Search::New; self.roles.len()];
+        let whole = |group: &usize, kind| vec![Share { group: *group, kind }];
+        let shares = self.roles.iter().enumerate().map(|(index, role)| match role {
+            CellRole::Unit { group, kind } => whole(group, Kind::Unit(kind.clone())),
+            CellRole::Register { group, is_control: true } => whole(group, Kind::Control),
+            CellRole::Register { group, .. } => whole(group, Kind::Registers),
+            CellRole::Gate => {
+                let sinks = self.sinks(index, library, &mut searches);
+                let groups: BTreeSet<usize> = sinks.iter().map(|(group, _)| *group).collect();
+                if groups.is_empty() {
+                    return whole(&(self.groups - 1), Kind::SharedLogic);
+                }
+                let share = |group: usize| {
+                    let kinds: Vec<Sink> = sinks.iter().filter(|(of, _)| *of == group).map(|(_, sink)| *sink).collect();
+                    Share { group, kind: kind_by_sinks(&kinds) }
+                };
+                groups.into_iter().map(share).collect()
+            }
+        });
+        shares.collect()
+    }
+
     /// The area of each group, by kind.
     pub fn areas(&self, units: &BTreeMap<String, Netlist>, library: &Library) -> Vec<Area> {
         let unit_areas: HashMap<&String, f64> =
             units.iter().map(|(name, unit)| (name, cell_area(unit, library))).collect();
         let mut areas = vec![Area::default(); self.groups];
-        let mut searches = vec![Search::New; self.roles.len()];
-        for (index, instance) in self.netlist.cells.iter().enumerate() {
-            let own = library.cell(&instance.cell).map_or(0.0, |cell| cell.area);
-            match &self.roles[index] {
-                CellRole::Unit { group, kind } => {
-                    let units = areas[*group].units.entry(kind.to_string()).or_default();
-                    units.count += 1;
-                    units.area += unit_areas.get(&instance.cell).copied().unwrap_or(0.0);
-                }
-                CellRole::Register { group, is_control: true } => areas[*group].control += own,
-                CellRole::Register { group, .. } => areas[*group].registers += own,
-                CellRole::Gate => {
-                    let sinks = self.sinks(index, library, &mut searches);
-                    let groups: BTreeSet<usize> = sinks.iter().map(|(group, _)| *group).collect();
-                    for group in &groups {
-                        let kinds: Vec<Sink> =
-                            sinks.iter().filter(|(of, _)| of == group).map(|(_, sink)| *sink).collect();
-                        *area_by_sinks(&mut areas[*group], &kinds) += own / groups.len() as f64;
+        for (instance, shares) in self.netlist.cells.iter().zip(self.shares(library)) {
+            let own = library.cell(&instance.cell).map_or(0.0, |cell| cell.area) / shares.len() as f64;
+            for Share { group, kind } in &shares {
+                let area = &mut areas[*group];
+                match kind {
+                    Kind::Unit(kind) => {
+                        let units = area.units.entry(kind.to_string()).or_default();
+                        units.count += 1;
+                        units.area += unit_areas.get(&instance.cell).copied().unwrap_or(0.0);
                     }
-                    if groups.is_empty() {
-                        areas[self.groups - 1].shared_logic += own;
-                    }
+                    Kind::Registers => area.registers += own,
+                    Kind::OperandMuxes => area.operand_muxes += own,
+                    Kind::RegisterMuxes => area.register_muxes += own,
+                    Kind::SharedLogic => area.shared_logic += own,
+                    Kind::OutputGates => area.output_gates += own,
+                    Kind::Control => area.control += own,
                 }
             }
         }
@@ -197,14 +250,14 @@ pub fn cell_area(netlist: &Netlist, library: &Library) -> f64 {
     netlist.cells.iter().filter_map(|instance| library.cell(&instance.cell)).map(|cell| cell.area).sum()
 }
 
-/// The kind of area that a gate with these sinks counts as.
-fn area_by_sinks<'a>(area: &'a mut Area, sinks: &[Sink]) -> &'a mut f64 {
+/// The kind that a gate with these sinks counts as.
+fn kind_by_sinks(sinks: &[Sink]) -> Kind {
     match sinks {
-        [Sink::Unit] => &mut area.operand_muxes,
-        [Sink::ControlRegister] => &mut area.control,
-        [Sink::Port] => &mut area.output_gates,
-        [Sink::DataRegister] | [Sink::DataRegister, Sink::ControlRegister] => &mut area.register_muxes,
-        _ => &mut area.shared_logic,
+        [Sink::Unit] => Kind::OperandMuxes,
+        [Sink::ControlRegister] => Kind::Control,
+        [Sink::Port] => Kind::OutputGates,
+        [Sink::DataRegister] | [Sink::DataRegister, Sink::ControlRegister] => Kind::RegisterMuxes,
+        _ => Kind::SharedLogic,
     }
 }
 

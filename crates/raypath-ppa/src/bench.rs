@@ -69,7 +69,7 @@ impl Bench {
         Ok(all(pool::map(&plans, self.jobs, &mut reported, report)?)?)
     }
 
-    fn plan<'d>(&self, design: &'d Design) -> Result<Plan<'d>, Error> {
+    pub(crate) fn plan<'d>(&self, design: &'d Design) -> Result<Plan<'d>, Error> {
         let blocks: Vec<(Block, Key)> = design
             .blocks()?
             .into_iter()
@@ -89,7 +89,13 @@ impl Bench {
     }
 
     /// A synthesised block, from the cache if the cache has it.
-    fn netlist(&self, plan: &Plan<'_>, block: usize, cache: &Cache, stop: &AtomicBool) -> Result<Netlist, Error> {
+    pub(crate) fn netlist(
+        &self,
+        plan: &Plan<'_>,
+        block: usize,
+        cache: &Cache,
+        stop: &AtomicBool,
+    ) -> Result<Netlist, Error> {
         let (block, key) = &plan.blocks[block];
         match cache.get(key) {
             Some(netlist) => Ok(netlist),
@@ -101,14 +107,26 @@ impl Bench {
         }
     }
 
-    /// The report of a design whose blocks are synthesised.
-    fn report(&self, plan: &Plan<'_>, cache: &Cache, stop: &AtomicBool) -> Result<Report, Error> {
-        let Plan { design, registers, .. } = plan;
+    /// The synthesised top module of a design, and its units by name.
+    pub(crate) fn netlists(
+        &self,
+        plan: &Plan<'_>,
+        cache: &Cache,
+        stop: &AtomicBool,
+    ) -> Result<(Netlist, BTreeMap<String, Netlist>), Error> {
         let mut units = BTreeMap::new();
         for (number, (block, _)) in plan.blocks.iter().enumerate() {
             units.insert(block.module.clone(), self.netlist(plan, number, cache, stop)?);
         }
-        let top = units.remove(design.top()).ok_or_else(|| ToolError::unexpected("yosys", "no top module", "one"))?;
+        let top = units.remove(plan.design.top());
+        let top = top.ok_or_else(|| ToolError::unexpected("yosys", "no top module", "one"))?;
+        Ok((top, units))
+    }
+
+    /// The report of a design whose blocks are synthesised.
+    fn report(&self, plan: &Plan<'_>, cache: &Cache, stop: &AtomicBool) -> Result<Report, Error> {
+        let Plan { design, registers, .. } = plan;
+        let (top, units) = self.netlists(plan, cache, stop)?;
         let groups = design.groups();
         let attribution = Attribution::new(&top, &units, &self.library, &groups, registers);
         let areas = attribution.areas(&units, &self.library);
@@ -144,6 +162,7 @@ impl Bench {
             area,
             slowest,
             stages,
+            power: None,
         })
     }
 
@@ -175,9 +194,7 @@ impl Bench {
 
         let folder = temporary_folder()?;
         let folder = folder.path();
-        let mut text: String =
-            units.values().map(|unit| structural::module(unit, |index| format!("x{index}"))).collect();
-        text += &structural::module(top, |index| structural::cell_name(index, &attribution.roles[index]));
+        let text = structural::design(top, units, |index| structural::cell_name(index, &attribution.roles[index]));
         write(&folder.join(timing::NETLIST), &text)?;
         write(&folder.join(timing::LIBRARY), &self.library.text)?;
         write(&folder.join(timing::SCRIPT), &timing::script(&top.module, &self.library, self.period, &ends))?;
@@ -199,12 +216,12 @@ impl Bench {
 }
 
 /// All results; an error if one was left out, because the user stopped the work.
-fn all<T>(results: Vec<Option<T>>) -> Result<Vec<T>, ToolError> {
+pub(crate) fn all<T>(results: Vec<Option<T>>) -> Result<Vec<T>, ToolError> {
     results.into_iter().collect::<Option<_>>().ok_or(ToolError::Stopped)
 }
 
 /// No result if the run ended while a tool ran: an error that ended the run is reported, not its consequence.
-fn unless_stopped<T>(result: Result<T, Error>) -> Result<Option<T>, Error> {
+pub(crate) fn unless_stopped<T>(result: Result<T, Error>) -> Result<Option<T>, Error> {
     match result {
         Err(Error::Tool(ToolError::Stopped)) => Ok(None),
         other => other.map(Some),
@@ -212,11 +229,11 @@ fn unless_stopped<T>(result: Result<T, Error>) -> Result<Option<T>, Error> {
 }
 
 /// A design, and the cache keys of its results.
-struct Plan<'d> {
-    design: &'d Design,
-    registers: BTreeMap<String, RegisterKind>,
-    blocks: Vec<(Block, Key)>,
-    key: Key,
+pub(crate) struct Plan<'d> {
+    pub design: &'d Design,
+    pub registers: BTreeMap<String, RegisterKind>,
+    pub blocks: Vec<(Block, Key)>,
+    pub key: Key,
 }
 
 /// The blocks that are not in the cache, as plans and indices into their blocks. A block that several designs share
@@ -257,7 +274,7 @@ fn named_path(raw: &RawPath, top: &Netlist, attribution: &Attribution<'_>) -> Pa
 }
 
 /// The name of a stage by its instance: `u_stage_3` is stage 3, `u_stage_3_1` stage 3.1.
-fn stage_name(instance: &str) -> String {
+pub(crate) fn stage_name(instance: &str) -> String {
     let name = instance.strip_prefix("u_").unwrap_or(instance);
     match name.strip_prefix("stage_") {
         Some(number) => format!("stage {}", number.replace('_', ".")),

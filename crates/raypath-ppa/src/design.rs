@@ -68,6 +68,11 @@ impl Design {
         self.top.name()
     }
 
+    /// The netlist that is synthesised.
+    pub(crate) fn netlist(&self) -> &Arc<Module> {
+        &self.top
+    }
+
     /// The blocks to synthesise: each kind of unit, and last everything else.
     pub(crate) fn blocks(&self) -> Result<Vec<Block>, Error> {
         let modules = verilog::modules(&self.top)?;

@@ -22,30 +22,41 @@
 //! # Ok::<(), raypath_ppa::Error>(())
 //! ```
 
+mod activity;
 mod attribution;
 mod baseline;
 mod bench;
 pub mod charts;
 mod design;
+mod energy;
 mod error;
 mod function;
+mod gates;
 mod liberty;
 mod library;
+mod logic;
 mod names;
 mod netlist;
 #[doc(hidden)]
 pub mod parsers;
+mod power;
 mod recipe;
 mod report;
+mod saif;
 mod structural;
 mod synthesis;
 pub mod tables;
 mod timing;
 
+pub use activity::{Check, Frame, STREAMS, Workload};
 pub use baseline::{Baseline, BaselineArea, BaselineStage};
 pub use bench::Bench;
 pub use design::Design;
 pub use error::Error;
 pub use library::{Cell, DEFAULT_LIBRARY, Library};
+pub use power::PowerResults;
 pub use raypath_tools::pool::Progress;
-pub use report::{Area, DesignPoint, Exploration, Path, Report, Setting, Slowest, Stage, Step, Units};
+pub use report::{
+    Area, DesignPoint, Exploration, Path, Power, Report, Setting, Slowest, Stage, StagePower, Step, Units,
+    WorkloadPower,
+};

@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::function::truth_table;
 use crate::liberty::{self, Group};
+use crate::logic::Logic;
 use raypath_tools::{Program, ToolError, digest, text};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -37,6 +38,8 @@ pub struct Library {
     /// The load of every output: the capacitance of ten inputs of the buffer, in whole femtofarads.
     pub load: f64,
     pub(crate) tie: Option<Tie>,
+    /// The femtofarads of the unit of capacitances.
+    pub(crate) femtofarads: f64,
 }
 
 /// The properties of a cell that a measurement needs.
@@ -48,6 +51,8 @@ pub struct Cell {
     pub is_flip_flop: bool,
     /// The names of its output pins.
     pub outputs: Vec<String>,
+    /// Its behaviour, if it is a gate or a flip-flop on a rising edge.
+    pub(crate) logic: Option<Logic>,
 }
 
 /// The cells and pins for the constants 1 and 0.
@@ -118,6 +123,7 @@ impl Library {
         }
         let buffer = buffer.name().to_string();
         let tie = tie(&used);
+        let femtofarads = femtofarads(&library);
         let cells = used.iter().map(|cell| (cell.name().to_string(), Cell::of(cell))).collect();
         let name = library.name().to_string();
 
@@ -129,7 +135,7 @@ impl Library {
         }
         kept += &text[reached..];
         let digest = digest(kept.as_bytes());
-        Ok(Self { name, text: kept, digest, cells, nand2, buffer, load, tie })
+        Ok(Self { name, text: kept, digest, cells, nand2, buffer, load, tie, femtofarads })
     }
 
     /// The usable cell of this name.
@@ -149,6 +155,7 @@ impl Cell {
             area: area(cell),
             is_flip_flop: cell.groups.iter().any(|group| group.kind == "ff" || group.kind == "ff_bank"),
             outputs: pins(cell, "output").into_iter().map(|pin| pin.name().to_string()).collect(),
+            logic: Logic::of(cell),
         }
     }
 }

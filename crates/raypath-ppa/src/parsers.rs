@@ -3,9 +3,11 @@
 
 use crate::attribution::Attribution;
 use crate::design::{RegisterKind, Words};
+use crate::energy::{self, CellEnergy};
+use crate::gates::Gates;
 use crate::library::Library;
 use crate::names::RegisterNames;
-use crate::netlist::Netlist;
+use crate::netlist::{Direction, Instance, Net, Netlist, Port};
 use crate::report::Report;
 use crate::structural;
 use crate::synthesis::{chip_area, json, netlist};
@@ -38,6 +40,18 @@ pub fn yosys_netlist(bytes: &[u8]) -> bool {
     assert_eq!(attribution.areas(&units, &CELLS).len(), groups.len());
     let text = structural::module(&top, |index| structural::cell_name(index, &attribution.roles[index]));
     assert!(text.ends_with("endmodule\n"));
+    if let Ok(gates) = Gates::new(&top, &units, &CELLS) {
+        assert_eq!(gates.order.len(), gates.cells.len());
+    }
+    true
+}
+
+/// OpenSTA's messages about the power of a small netlist.
+pub fn opensta_power(bytes: &[u8]) -> bool {
+    let Ok(energies) = energy::energies(&String::from_utf8_lossy(bytes), &GATES) else { return false };
+    assert_eq!(energies.cells.len(), GATES.cells.len());
+    let of_cell = |cell: &CellEnergy| [&cell.inputs[..], &cell.outputs, &cell.loads, &[cell.leakage]].concat();
+    assert!(energies.cells.iter().flat_map(of_cell).all(f64::is_finite) && energies.volts.is_finite());
     true
 }
 
@@ -79,6 +93,18 @@ static CELLS: LazyLock<Library> = LazyLock::new(|| {
                pin (Q) { direction : output; function : \"I\"; } }";
     Library::read_from(format!("library (cells) {{ {gates}{dff} }}").as_bytes(), Path::new("cells.lib"))
         .expect("a library")
+});
+
+/// A NAND of two inputs, `x0`.
+static GATES: LazyLock<Gates> = LazyLock::new(|| {
+    let port = |direction, net| Port { direction, bits: vec![Net::Wire(net)] };
+    let ports =
+        [("a_i", port(Direction::Input, 1)), ("b_i", port(Direction::Input, 2)), ("y_o", port(Direction::Output, 3))];
+    let pins = [("A", 1), ("B", 2), ("Y", 3)].map(|(pin, net)| (pin.to_string(), vec![Net::Wire(net)]));
+    let nand = Instance { cell: "NAND2".to_string(), name: String::new(), connections: pins.into() };
+    let ports = ports.map(|(name, port)| (name.to_string(), port)).into();
+    let netlist = Netlist { module: "raypath".to_string(), ports, cells: vec![nand] };
+    Gates::new(&netlist, &BTreeMap::new(), &CELLS).expect("gates")
 });
 
 /// The registers that such a netlist may have.

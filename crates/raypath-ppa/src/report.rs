@@ -27,6 +27,72 @@ pub struct Report {
     pub area_period: f64,
     /// The stages, from the input to the output.
     pub stages: Vec<Stage>,
+    /// The power, if it was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub power: Option<Power>,
+}
+
+/// The power of a design in workloads, without glitches and wires.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Power {
+    /// The clock period in nanoseconds: the design's slowest path. Leakage energy and power depend on it.
+    pub period_ns: f64,
+    /// The number of streams of jobs that were simulated side by side.
+    pub streams: u64,
+    /// The simulated cycles of all streams, in each of which the outputs of the gates were those of the netlist before
+    /// synthesis.
+    pub compared_cycles: u64,
+    /// The workloads.
+    pub workloads: Vec<WorkloadPower>,
+}
+
+/// The power of a design in a workload. Energies are in picojoules per cycle where nothing else is said.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WorkloadPower {
+    /// The workload's name.
+    pub name: String,
+    /// The measured cycles of all streams.
+    pub cycles: u64,
+    /// The jobs accepted in them.
+    pub jobs: u64,
+    /// The power in milliwatts at [`Power::period_ns`].
+    pub milliwatts: f64,
+    /// The energy of a cycle.
+    pub picojoules_per_cycle: f64,
+    /// The energy of a job, with what the design takes meanwhile; None without jobs.
+    pub picojoules_per_job: Option<f64>,
+    /// Energy inside flip-flops for their clock pins, and for charging these.
+    pub clock: f64,
+    /// Other energy inside cells.
+    pub internal: f64,
+    /// Energy for charging the loads of cells.
+    pub switching: f64,
+    /// Energy that leaks in a cycle.
+    pub leakage: f64,
+    /// The stages, from the input to the output.
+    pub stages: Vec<StagePower>,
+}
+
+/// The energy of a stage in picojoules per cycle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StagePower {
+    /// The stage's name.
+    pub name: String,
+    /// The sum of all kinds.
+    pub picojoules: f64,
+    /// By kind: those of [`Area`], and `clock` for the clock pins of flip-flops.
+    pub kinds: BTreeMap<String, f64>,
+}
+
+impl WorkloadPower {
+    /// The energy of all stages by kind, in picojoules per cycle.
+    pub fn kinds(&self) -> BTreeMap<&str, f64> {
+        let mut sums = BTreeMap::new();
+        for (kind, energy) in self.stages.iter().flat_map(|stage| &stage.kinds) {
+            *sums.entry(kind.as_str()).or_default() += energy;
+        }
+        sums
+    }
 }
 
 /// The tools and the library.

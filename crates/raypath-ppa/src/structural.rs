@@ -3,7 +3,7 @@
 
 use crate::attribution::CellRole;
 use crate::netlist::{Constant, Direction, Net, Netlist};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write;
 
 const OPEN: Net = Net::Constant(Constant::Open);
@@ -17,6 +17,11 @@ pub fn cell_name(index: usize, role: &CellRole) -> String {
     }
 }
 
+/// The name of a cell of a unit.
+pub fn inner_name(index: usize) -> String {
+    format!("x{index}")
+}
+
 /// The index of the cell with this name.
 pub fn cell_index(name: &str) -> Option<usize> {
     let number = name.strip_prefix('x').or_else(|| name.split_once("_r").or(name.split_once("_u")).map(|(_, n)| n))?;
@@ -26,6 +31,22 @@ pub fn cell_index(name: &str) -> Option<usize> {
 /// A name pattern that matches the registers of a group.
 pub fn registers(group: usize) -> String {
     format!("g{group}_r*")
+}
+
+/// The name of a net that is at no port.
+pub fn wire_name(number: u32) -> String {
+    format!("n{number}")
+}
+
+/// The names of the nets at ports.
+pub fn net_names(netlist: &Netlist) -> HashMap<Net, String> {
+    port_nets(netlist).0
+}
+
+/// Prints a design as Verilog: its units, and the top module with cells named by `name_of` their indices.
+pub fn design(top: &Netlist, units: &BTreeMap<String, Netlist>, name_of: impl Fn(usize) -> String) -> String {
+    let units: String = units.values().map(|unit| module(unit, inner_name)).collect();
+    units + &module(top, name_of)
 }
 
 /// Prints a module as Verilog, its cells named by `name_of` their indices.
@@ -39,36 +60,25 @@ pub fn module(netlist: &Netlist, name_of: impl Fn(usize) -> String) -> String {
 fn write_module(text: &mut String, netlist: &Netlist, name_of: impl Fn(usize) -> String) -> std::fmt::Result {
     let ports: Vec<&str> = netlist.ports.keys().map(String::as_str).collect();
     writeln!(text, "module {} ({});", netlist.module, ports.join(", "))?;
-    // A net at a port has the port's name. If it is at several ports, the others are assigned.
-    let mut names: HashMap<Net, String> = HashMap::new();
-    let mut assigned = Vec::new();
-    for (wanted, direction) in [(Direction::Input, "input"), (Direction::Inout, "inout"), (Direction::Output, "output")]
-    {
-        for (name, port) in netlist.ports.iter().filter(|(_, port)| port.direction == wanted) {
+    for (direction, word) in DIRECTIONS {
+        for (name, port) in netlist.ports.iter().filter(|(_, port)| port.direction == direction) {
             let high = port.bits.len().saturating_sub(1);
             let range = if high > 0 { format!("[{high}:0] ") } else { String::new() };
-            writeln!(text, "  {direction} {range}{name};")?;
-            for (position, net) in port.bits.iter().enumerate() {
-                let bit = if high > 0 { format!("{name}[{position}]") } else { name.clone() };
-                if matches!(net, Net::Wire(_)) && !names.contains_key(net) {
-                    names.insert(*net, bit);
-                } else if *net != OPEN {
-                    assigned.push((bit, *net));
-                }
-            }
+            writeln!(text, "  {word} {range}{name};")?;
         }
     }
+    let (names, assigned) = port_nets(netlist);
     let connected = netlist.cells.iter().flat_map(|instance| instance.connections.values().flatten());
     let inner: BTreeSet<&Net> = connected.filter(|net| !names.contains_key(net)).collect();
     for net in inner {
         if let Net::Wire(number) = net {
-            writeln!(text, "  wire n{number};")?;
+            writeln!(text, "  wire {};", wire_name(*number))?;
         }
     }
     let value = |net: &Net| match net {
         Net::Constant(Constant::Zero | Constant::Open) => "1'b0".to_string(),
         Net::Constant(Constant::One) => "1'b1".to_string(),
-        Net::Wire(number) => names.get(net).cloned().unwrap_or_else(|| format!("n{number}")),
+        Net::Wire(number) => names.get(net).cloned().unwrap_or_else(|| wire_name(*number)),
     };
     for (port, net) in assigned {
         writeln!(text, "  assign {port} = {};", value(&net))?;
@@ -83,6 +93,29 @@ fn write_module(text: &mut String, netlist: &Netlist, name_of: impl Fn(usize) ->
         writeln!(text, "  {} {} ({});", instance.cell, name_of(index), pins.join(", "))?;
     }
     writeln!(text, "endmodule")
+}
+
+/// The directions of ports in the order of declaration.
+const DIRECTIONS: [(Direction, &str); 3] =
+    [(Direction::Input, "input"), (Direction::Inout, "inout"), (Direction::Output, "output")];
+
+/// The names of nets at ports, and the bits of ports to assign a net to. A net at a port has the port's name. If it is
+/// at several ports, the others are assigned.
+fn port_nets(netlist: &Netlist) -> (HashMap<Net, String>, Vec<(String, Net)>) {
+    let (mut names, mut assigned) = (HashMap::new(), Vec::new());
+    for (direction, _) in DIRECTIONS {
+        for (name, port) in netlist.ports.iter().filter(|(_, port)| port.direction == direction) {
+            for (position, net) in port.bits.iter().enumerate() {
+                let bit = if port.bits.len() > 1 { format!("{name}[{position}]") } else { name.clone() };
+                if matches!(net, Net::Wire(_)) && !names.contains_key(net) {
+                    names.insert(*net, bit);
+                } else if *net != OPEN {
+                    assigned.push((bit, *net));
+                }
+            }
+        }
+    }
+    (names, assigned)
 }
 
 #[cfg(test)]

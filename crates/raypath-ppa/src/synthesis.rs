@@ -16,7 +16,7 @@ impl Bench {
     pub(crate) fn netlist_key(&self, block: &Block) -> Key {
         let Self { library, yosys, period, .. } = self;
         let recipe = recipe::yosys(block, library) + &recipe::abc(*period) + &recipe::constraints(library);
-        Key::new("netlist", &[&recipe::source(block), &recipe, &library.digest, &yosys.version])
+        Key::new("gates", &[&recipe::source(block), &recipe, &library.digest, &yosys.version])
     }
 
     /// Synthesises a block. `registers` are those that it may have.
@@ -79,14 +79,19 @@ impl Bench {
 /// Parses a module of Yosys's JSON, and names its flip-flops after their registers.
 pub fn netlist(text: &[u8], module: &str, names: &RegisterNames, library: &Library) -> Result<Netlist, Error> {
     let (mut netlist, net_names) = json::<YosysDesign>(text)?.take(module)?;
-    let mut names_of: HashMap<Net, Vec<&str>> = HashMap::new();
+    let mut names_of: HashMap<Net, Vec<String>> = HashMap::new();
     for (name, net) in &net_names {
-        net.bits.iter().for_each(|bit| names_of.entry(*bit).or_default().push(name));
+        for (position, bit) in net.bits.iter().enumerate() {
+            let is_vector = net.bits.len() > 1;
+            let name =
+                if is_vector { format!("{name}[{}]", net.offset.saturating_add(position)) } else { name.clone() };
+            names_of.entry(*bit).or_default().push(name);
+        }
     }
     for instance in &mut netlist.cells {
         let Some(cell) = library.cell(&instance.cell) else { continue };
         let outputs = cell.outputs.iter().filter_map(|pin| instance.connections.get(pin)).flatten();
-        let mut driven = outputs.filter_map(|net| names_of.get(net)).flatten().copied();
+        let mut driven = outputs.filter_map(|net| names_of.get(net)).flatten().map(String::as_str);
         instance.name = match cell.is_flip_flop {
             true => driven.clone().find_map(|net| names.register(net)).or(driven.next()).unwrap_or("?").to_string(),
             false => String::new(),

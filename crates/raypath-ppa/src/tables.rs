@@ -1,9 +1,10 @@
 //! Measurements as tables and text.
 
-use crate::{Area, Baseline, Exploration, Report};
+use crate::{Area, Baseline, Exploration, Power, Report, WorkloadPower};
 use comfy_table::{CellAlignment, Table};
 use raypath_rtl::report::tables::new_table;
 use raypath_tools::grouped;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A table of area by stage and kind, and of flip-flops by stage.
 pub fn areas(report: &Report) -> String {
@@ -122,6 +123,71 @@ pub fn explored(exploration: &Exploration) -> String {
         ]);
     }
     aligned(table, 1)
+}
+
+/// A table of workloads, a row each: power, energy of a cycle and of a job, and their parts.
+pub fn workloads(power: &Power) -> String {
+    let head = ["workload", "jobs", "mW", "pJ per cycle", "pJ per job", "clock pins", "in cells", "loads", "leakage"];
+    let mut table = table(&head);
+    for workload in &power.workloads {
+        let whole = workload.picojoules_per_cycle;
+        let parts = [workload.clock, workload.internal, workload.switching, workload.leakage];
+        let shares = parts.map(|part| percent(part / whole));
+        let figures = [
+            workload.name.clone(),
+            grouped(workload.jobs),
+            format!("{:.2}", workload.milliwatts),
+            format!("{whole:.1}"),
+            workload.picojoules_per_job.map(|energy| format!("{energy:.1}")).unwrap_or_default(),
+        ];
+        table.add_row(figures.into_iter().chain(shares));
+    }
+    aligned(table, 1)
+}
+
+/// A table of energy by kind, a column for each workload.
+pub fn energy_by_kind(power: &Power) -> String {
+    let kinds: Vec<BTreeMap<&str, f64>> = power.workloads.iter().map(WorkloadPower::kinds).collect();
+    let names: BTreeSet<&str> = kinds.iter().flat_map(|kinds| kinds.keys().copied()).collect();
+    let row = |name: &str| kinds.iter().map(|kinds| kinds.get(name).copied().unwrap_or(0.0)).collect();
+    energies("kind", power, names.into_iter().map(|name| (name, row(name))))
+}
+
+/// A table of energy by stage, a column for each workload.
+pub fn energy_by_stage(power: &Power) -> String {
+    let stages = power.workloads.first().map(|workload| workload.stages.as_slice()).unwrap_or_default();
+    let row = |number: usize| {
+        let of = |workload: &WorkloadPower| workload.stages.get(number).map_or(0.0, |stage| stage.picojoules);
+        power.workloads.iter().map(of).collect()
+    };
+    energies("stage", power, stages.iter().enumerate().map(|(number, stage)| (stage.name.as_str(), row(number))))
+}
+
+fn energies<'r>(what: &str, power: &Power, rows: impl Iterator<Item = (&'r str, Vec<f64>)>) -> String {
+    let names = power.workloads.iter().map(|workload| workload.name.as_str());
+    let mut table = table(&[what].into_iter().chain(names).collect::<Vec<_>>());
+    for (name, figures) in rows {
+        let figures = figures.into_iter().map(|energy| format!("{energy:.2}"));
+        table.add_row([name.to_string()].into_iter().chain(figures));
+    }
+    aligned(table, 1)
+}
+
+/// The conditions of power figures, and the share of idle power, as text.
+pub fn power_summary(power: &Power) -> String {
+    let find = |is_idle: bool| power.workloads.iter().filter(move |workload| (workload.jobs == 0) == is_idle);
+    let idle = find(true).next().map_or(0.0, |workload| workload.milliwatts);
+    let busy = find(false).map(|workload| workload.milliwatts).fold(0.0, f64::max);
+    let lines = [
+        format!("Idle power is {} of the highest.", percent(if busy > 0.0 { idle / busy } else { 0.0 })),
+        format!(
+            "Clock period {:.2} ns. The gates gave the outputs of the netlist and of the models in {} cycles.",
+            power.period_ns,
+            grouped(power.compared_cycles)
+        ),
+        "Energies of cells by OpenSTA; no glitches, no wires, no clock tree.".to_string(),
+    ];
+    lines.join("\n")
 }
 
 fn table(head: &[&str]) -> Table {

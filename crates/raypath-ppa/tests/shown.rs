@@ -1,8 +1,11 @@
 //! Tables and pictures of a report small enough to compute by hand.
 
-use raypath_ppa::tables::{areas, comparison, explored, paths, summary, units};
+use raypath_ppa::tables::{
+    areas, comparison, energy_by_kind, energy_by_stage, explored, paths, power_summary, summary, units, workloads,
+};
 use raypath_ppa::{
-    Area, Baseline, DesignPoint, Exploration, Path, Report, Setting, Slowest, Stage, Step, Units, charts,
+    Area, Baseline, DesignPoint, Exploration, Path, Power, Report, Setting, Slowest, Stage, StagePower, Step, Units,
+    WorkloadPower, charts,
 };
 use std::collections::BTreeMap;
 
@@ -57,6 +60,7 @@ fn report() -> Report {
         clock_mhz: 200.0,
         area_period: 0.02,
         stages: vec![first, second],
+        power: None,
     }
 }
 
@@ -212,4 +216,62 @@ fn points_are_at_their_figures() {
     // The least area per job, and per dimension, a second is marked by colour.
     assert!(graphics["fill"] != four["fill"] && four["fill"] == eight["fill"]);
     assert_eq!((far_eight["fill"], far_four["fill"]), (graphics["fill"], four["fill"]));
+}
+
+fn workload(name: &str, jobs: u64, stages: &[(&str, &[(&str, f64)])]) -> WorkloadPower {
+    let stage = |(name, kinds): &(&str, &[(&str, f64)])| StagePower {
+        name: name.to_string(),
+        picojoules: kinds.iter().map(|(_, energy)| energy).sum(),
+        kinds: kinds.iter().map(|(kind, energy)| (kind.to_string(), *energy)).collect(),
+    };
+    let stages: Vec<StagePower> = stages.iter().map(stage).collect();
+    let sum: f64 = stages.iter().map(|stage| stage.picojoules).sum();
+    WorkloadPower {
+        name: name.to_string(),
+        cycles: 100,
+        jobs,
+        milliwatts: sum / 5.0,
+        picojoules_per_cycle: sum,
+        picojoules_per_job: (jobs > 0).then(|| sum * 100.0 / jobs as f64),
+        clock: 10.0,
+        internal: (sum - 10.0) / 4.0,
+        switching: (sum - 10.0) * 0.75,
+        leakage: 0.0,
+        stages,
+    }
+}
+
+/// Two workloads: 10 pJ without jobs, and 50 pJ per cycle with a job in every second cycle.
+fn power() -> Power {
+    let idle = workload("idle", 0, &[("input", &[("clock", 4.0)]), ("stage 1", &[("clock", 6.0)])]);
+    let busy: &[(&str, &[(&str, f64)])] =
+        &[("input", &[("clock", 4.0), ("registers", 6.0)]), ("stage 1", &[("clock", 6.0), ("mul", 34.0)])];
+    let workloads = vec![idle, workload("quadbox, random", 50, busy)];
+    Power { period_ns: 5.0, streams: 64, compared_cycles: 12_800, workloads }
+}
+
+#[test]
+fn energies_are_shown_by_workload_kind_and_stage() {
+    let shown = rows(&workloads(&power()));
+    assert_eq!(shown[1], ["idle", "0", "2.00", "10.0", "", "100.0 %", "0.0 %", "0.0 %", "0.0 %"]);
+    assert_eq!(shown[2], ["quadbox, random", "50", "10.00", "50.0", "100.0", "20.0 %", "20.0 %", "60.0 %", "0.0 %"]);
+    let kinds = rows(&energy_by_kind(&power()));
+    assert_eq!(kinds[1..], [["clock", "10.00", "10.00"], ["mul", "0.00", "34.00"], ["registers", "0.00", "6.00"]]);
+    let stages = rows(&energy_by_stage(&power()));
+    assert_eq!(stages[1..], [["input", "4.00", "10.00"], ["stage 1", "6.00", "40.00"]]);
+    let text = power_summary(&power());
+    assert!(text.starts_with("Idle power is 20.0 % of the highest.\nClock period 5.00 ns."), "{text}");
+    assert!(text.contains("in 12,800 cycles"), "{text}");
+}
+
+#[test]
+fn the_picture_of_energy_has_all_workloads_and_kinds() {
+    let picture = charts::power(&report(), &power());
+    for word in ["quadbox, random", "idle", "clock: 4.00", "clock: 10.00", "mul: 34.00", "by stage: quadbox, random"] {
+        assert!(picture.contains(word), "{word}");
+    }
+    let with_power = Report { power: Some(power()), ..report() };
+    let json = serde_json::to_string(&with_power).expect("JSON");
+    assert_eq!(serde_json::from_str::<Report>(&json).expect("a report"), with_power);
+    assert!(!serde_json::to_string(&report()).expect("JSON").contains("power"));
 }

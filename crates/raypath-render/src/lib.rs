@@ -35,7 +35,7 @@ pub use read::{Format, ReadError, parse_mesh, read_mesh};
 pub use render::{Costs, RenderError, Rendering, Rows, Shading, draw, render, render_rows};
 pub use scene::{Scene, SceneError};
 pub use timing::{
-    PictureError, PictureSpec, RayBatch, UnitSystem, sweep_picture, sweep_rays, time_picture,
+    PictureError, PictureSpec, RayBatch, UnitSystem, picture_jobs, sweep_picture, sweep_rays, time_picture,
     time_picture_through_unit, time_rays, time_rays_through_unit,
 };
 pub use trace::{Counts, Goal, Hit, Stopped, Tracer, Tracing, Traversal, trace_any, trace_closest};

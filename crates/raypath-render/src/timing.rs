@@ -11,8 +11,10 @@ use crate::render::PictureSampler;
 use crate::{Camera, Hit, Picture, RenderError, Scene, Shading, Tracing};
 use image::Rgb;
 use raypath_model::{CycleModel, Functional};
-use raypath_ops::{Binary32, Ray, Rules};
-use raypath_timing::{Observer, Progress, Sample, SimulationError, Sweep, System, Timing, simulate, sweep};
+use raypath_ops::{Binary32, Job, Ray, Rules};
+use raypath_timing::{
+    Observer, Progress, Sample, SimulationError, Sweep, System, Timing, accepted_jobs, simulate, sweep,
+};
 use raypath_unit::blocks::NodeKind;
 use sequence::{ResultStore, SingleRay};
 use thiserror::Error;
@@ -90,6 +92,27 @@ pub fn time_picture(
         picture.put_pixel(number as u32 % spec.size.0, number as u32 / spec.size.0, Rgb(colour));
     }
     Ok((timing, picture))
+}
+
+/// The jobs of a picture in the order in which the datapath accepts them. `progress` gets the number of completed
+/// pixels.
+///
+/// # Errors
+/// The errors of [`render`](crate::render()) and of [`simulate`].
+pub fn picture_jobs(
+    spec: &PictureSpec,
+    sample: Sample,
+    system: &System,
+    progress: Progress,
+) -> Result<Vec<Job>, PictureError> {
+    let sampler = spec.sampler()?;
+    let tracing = spec.shading.tracing;
+    let numbers = sample.numbers(sampler.pixels());
+    let store = ResultStore::new(numbers.len());
+    let agents = store.clone().agents(spec.scene, tracing, numbers, |pixel| sampler.pixel(pixel));
+    let jobs = accepted_jobs(agents, system, Functional::new(tracing.rules), progress)?;
+    store.results().map_err(RenderError::Camera)?;
+    Ok(jobs)
 }
 
 /// Simulates the rendering of a picture with each number of pixels in flight and each memory latency, in place of those

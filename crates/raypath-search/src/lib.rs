@@ -43,5 +43,5 @@ pub use lanes::{LaneGraph, LaneSearch, lanes};
 pub use metric::{Metric, ParseMetricError, cosine_distance, euclidean_distance};
 pub use recall::recall;
 pub use results::{Neighbour, SearchResults, Work};
-pub use timing::{Candidates, SearchSpec, TimingError, sweep_search, time_search};
+pub use timing::{Candidates, SearchSpec, TimingError, search_jobs, sweep_search, time_search};
 pub use vectors::{DataError, MAX_DIMENSIONS, Neighbours, Vectors};

@@ -6,8 +6,10 @@
 
 use crate::{Metric, Neighbour, QueryAgent, SearchError, SearchTrace, Vectors, Work};
 use raypath_model::{CycleModel, Functional};
-use raypath_ops::Rules;
-use raypath_timing::{Observer, Progress, Sample, SimulationError, Sweep, System, Timing, simulate, sweep};
+use raypath_ops::{Job, Rules};
+use raypath_timing::{
+    Observer, Progress, Sample, SimulationError, Sweep, System, Timing, accepted_jobs, simulate, sweep,
+};
 use thiserror::Error;
 
 /// A search to simulate.
@@ -113,6 +115,23 @@ pub fn time_search<const E: usize, const A: usize>(
     let mut agents = agents(spec, sample)?;
     let timing = simulate(agents.iter_mut(), &system.environment, pipeline::<E, A>(system), observer, progress)?;
     Ok((timing, agents.into_iter().map(QueryAgent::into_neighbours).collect()))
+}
+
+/// The jobs of a search in the order in which the datapath accepts them. `progress` gets the number of completed
+/// queries.
+///
+/// # Errors
+/// The errors of [`time_search`].
+pub fn search_jobs<const E: usize, const A: usize>(
+    spec: &SearchSpec,
+    sample: Sample,
+    system: &System,
+    progress: Progress,
+) -> Result<Vec<Job<E, A>>, TimingError> {
+    const { assert!(E == 2 * A, "half as many angular lanes as Euclidean ones") };
+    let mut agents = agents(spec, sample)?;
+    let model = Functional::<E, A>::new(Rules::Paper);
+    Ok(accepted_jobs(agents.iter_mut(), system, model, progress)?)
 }
 
 /// Simulates a search with each number of queries in flight and each memory latency, in place of those of `system`.

@@ -43,6 +43,7 @@ mod environment;
 #[cfg(feature = "sweep")]
 mod plot;
 mod progress;
+mod record;
 #[cfg(feature = "report")]
 pub mod report;
 mod simulation;
@@ -55,6 +56,7 @@ pub use environment::{Environment, Sample, Sink, System};
 #[cfg(feature = "sweep")]
 pub use plot::{Panel, Plot, Series, plot};
 pub use progress::{Progress, ProgressCounter};
+pub use record::accepted_jobs;
 pub use simulation::{SimulationError, simulate};
 #[cfg(feature = "sweep")]
 pub use sweep::{Point, Sweep, sweep};

@@ -1,8 +1,11 @@
 //! Measurements as pictures in SVG.
 
+mod bars;
+mod power;
 mod scatter;
 mod stages;
 
+pub use power::power;
 pub use scatter::scatter;
 pub use stages::stages;
 

@@ -1,19 +1,14 @@
 //! The stages of a design as bars of area and of delay.
 
-use super::{grid, marks};
+use super::bars::{BAR, COLUMN, LEFT, LEGEND, Segment, axis, bar, colour, legend, scaled};
 use crate::{Area, Path, Report};
-use raypath_rtl::report::drawing::{self, line, rectangle, text};
+use raypath_rtl::report::drawing::{self, text};
 use raypath_tools::grouped;
-use svg::node::element::{Group, Title};
 
-const LEFT: i32 = 64;
-const COLUMN: i32 = 66;
-const BAR: i32 = 44;
 const AREA_TOP: i32 = 84;
 const AREA_HEIGHT: i32 = 320;
 const TIME_TOP: i32 = 470;
 const TIME_HEIGHT: i32 = 150;
-const LEGEND: i32 = 150;
 
 /// The colours of the segments of a path: the register at its start, gates, units, set-up time.
 const REGISTER: &str = "#555555";
@@ -71,28 +66,11 @@ pub fn stages(report: &Report) -> String {
     picture.to_string() + "\n"
 }
 
-/// A segment of a stacked bar.
-struct Segment {
-    name: String,
-    colour: &'static str,
-    size: f64,
-}
-
-/// A stage's area by kind, from the bottom, in colours that colour-blind readers distinguish (Okabe and Ito).
+/// A stage's area by kind, from the bottom.
 fn kinds(area: &Area) -> Vec<Segment> {
-    let unit = |kind: &str| match kind.split(' ').next() {
-        Some("mul") => "#0072b2",
-        Some("add") => "#d55e00",
-        Some("compare") => "#009e73",
-        Some("encode") => "#cc79a7",
-        _ => "#e69f00",
-    };
-    let units =
-        area.units.iter().map(|(kind, units)| Segment { name: kind.clone(), colour: unit(kind), size: units.area });
-    let colours = ["#555555", "#56b4e9", "#999999", "#f0e442", "#c8c8c8", "#000000"];
-    let others = area.other_kinds().into_iter().zip(colours);
-    let others = others.map(|((name, size), colour)| Segment { name: name.to_string(), colour, size });
-    units.chain(others).filter(|segment| segment.size > 0.0).collect()
+    let units = area.units.iter().map(|(kind, units)| (kind.as_str(), units.area));
+    let segment = |(name, size): (&str, f64)| Segment { name: name.to_string(), colour: colour(name), size };
+    units.chain(area.other_kinds()).map(segment).filter(|segment| segment.size > 0.0).collect()
 }
 
 /// A path's delay by element, from the bottom.
@@ -111,37 +89,4 @@ fn delays(path: &Path) -> Vec<Segment> {
     }
     segments.push(Segment { name: "set-up".to_string(), colour: SETUP, size: path.setup_ns });
     segments
-}
-
-fn bar(x: i32, bottom: i32, height: i32, max: f64, segments: &[Segment]) -> Group {
-    let mut reached = 0.0;
-    let mut group = Group::new();
-    for segment in segments {
-        // Edges, not heights, are rounded, so that errors do not add up.
-        let (low, high) = (scaled(reached, max, height), scaled(reached + segment.size, max, height));
-        reached += segment.size;
-        if high > low {
-            let title = Title::new(format!("{}: {:.2}", segment.name, segment.size));
-            group = group.add(rectangle(x, bottom - high, BAR, high - low, segment.colour).add(title));
-        }
-    }
-    group
-}
-
-/// Horizontal grid lines at round numbers.
-fn axis(top: i32, height: i32, right: i32, max: f64) -> Group {
-    let group = Group::new().add(line((LEFT, top + height), (right, top + height), "#222222"));
-    grid(group, LEFT, right, marks(max / 4.0, max), |value| top + height - scaled(value, max, height))
-}
-
-fn legend(x: i32, top: i32, entries: impl Iterator<Item = (String, &'static str)>) -> Group {
-    let entry = |(number, (name, colour)): (usize, (String, &str))| {
-        let y = top + 18 * number as i32;
-        Group::new().add(rectangle(x, y, 12, 12, colour)).add(text(x + 18, y + 10, "small", &name))
-    };
-    entries.enumerate().map(entry).fold(Group::new(), Group::add)
-}
-
-fn scaled(value: f64, max: f64, height: i32) -> i32 {
-    (value / max * f64::from(height)).round() as i32
 }

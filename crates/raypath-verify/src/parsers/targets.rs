@@ -33,6 +33,7 @@ pub const TARGETS: &[Target] = &[
     target("yosys_netlist", "synthesised netlists in JSON", parsers::yosys_netlist),
     target("yosys_statistics", "output of Yosys's stat", parsers::yosys_statistics),
     target("opensta_paths", "output of OpenSTA", parsers::opensta_paths),
+    target("opensta_power", "OpenSTA's messages about power", parsers::opensta_power),
     target("kept_result", "results in the cache", parsers::kept_result),
     target("earlier_report", "reports to compare with, in JSON", earlier_report),
     target("hits", "hits of rays, with instances and without", hits),

@@ -74,7 +74,8 @@ fn wrong_input_is_named_before_any_work() {
     write("empty.toml", "\nlanes = []\n");
     fs::create_dir(folder.join("earlier")).expect("a folder");
     write("earlier/ppa.json", "{\"design\": \"x\"}");
-    let cases: [(&[&str], &[&str]); 11] = [
+    write("one.fvecs", "\u{1}\0\0\0\0\0\0\0");
+    let cases: [(&[&str], &[&str]); 16] = [
         (&["ppa", "--liberty", "none.lib"], &["none.lib: cannot read: No such file"]),
         (&["ppa", "--liberty", "broken.lib"], &["broken.lib:2: found '3', expected ':' or '('"]),
         (&["ppa", "--liberty", "bare.lib"], &["bare.lib: no NAND with two inputs in this library"]),
@@ -82,6 +83,11 @@ fn wrong_input_is_named_before_any_work() {
         (&["ppa", "--against", "earlier"], &["earlier/ppa.json: missing field `area`", "expected a report"]),
         (&["ppa", "--period", "0"], &["expected nanoseconds"]),
         (&["ppa", "--jobs", "0"], &["expected a whole number from 1 to 65535"]),
+        (&["ppa", "--scene", "none.obj"], &["--power"]),
+        (&["ppa", "--power", "--unit"], &["'--power' cannot be used with '--unit'"]),
+        (&["ppa", "--power", "--scene", "none.obj"], &["none.obj: cannot read: No such file"]),
+        (&["ppa", "--power", "--vectors", "one.fvecs"], &["one.fvecs: 1 vectors, expected at least 2"]),
+        (&["ppa", "--power", "--recorded", "none.txt"], &["none.txt: "]),
         (&["explore", "--preset", "big"], &["'big' is not a valid preset, expected paper,"]),
         (&["explore", "--sweep", "lanes.toml"], &["lanes.toml:2: lanes: '3' is not a valid number of lanes"]),
         (&["explore", "--sweep", "key.toml"], &["key.toml:1: 'lane' is not a valid parameter"]),

@@ -3,7 +3,7 @@
 use crate::{CliError, number, whole};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library, Report};
+use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library, PowerResults, Report, Workload};
 use raypath_tools::{OpenSta, Yosys, YosysKind};
 use std::path::PathBuf;
 
@@ -35,21 +35,34 @@ fn yosys() -> impl TypedValueParser<Value = YosysKind> {
 impl BenchArguments {
     /// Finds the library and the tools, and measures designs with a progress bar.
     pub fn measure(&self, designs: &[Design]) -> Result<Vec<Report>, CliError> {
+        crate::measure::measure(&self.bench()?, designs).map_err(resumable)
+    }
+
+    /// Measures the power of a design in workloads with a progress bar. `report` is the design's.
+    pub fn power(&self, design: &Design, report: &Report, workloads: &[Workload]) -> Result<PowerResults, CliError> {
+        crate::measure::power(&self.bench()?, design, report, workloads).map_err(resumable)
+    }
+
+    fn bench(&self) -> Result<Bench, CliError> {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-        let bench = Bench {
+        Ok(Bench {
             library: Library::read(&self.liberty)?,
             yosys: Yosys::find(self.yosys)?,
             sta: OpenSta::find()?,
             period: self.period,
             jobs: self.jobs.map_or_else(cores, usize::from),
             cache: self.cache.clone(),
-        };
-        crate::measure::measure(&bench, designs).map_err(|error| match error {
-            CliError::Stopped(stopped) => {
-                let kept = "what is done is kept, and the same command goes on from there";
-                CliError::Stopped(format!("{stopped}; {kept}"))
-            }
-            other => other,
         })
+    }
+}
+
+/// Adds to the message about a stop that a measurement resumes.
+fn resumable(error: CliError) -> CliError {
+    match error {
+        CliError::Stopped(stopped) => {
+            let kept = "what is done is kept, and the same command goes on from there";
+            CliError::Stopped(format!("{stopped}; {kept}"))
+        }
+        other => other,
     }
 }

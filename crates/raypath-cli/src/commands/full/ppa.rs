@@ -1,10 +1,14 @@
-//! `raypath ppa`: area and timing of the datapath in a cell library.
+//! `raypath ppa`: area, timing and power of the datapath in a cell library.
+
+mod jobs;
+mod power;
 
 use crate::commands::full::BenchArguments;
 use crate::commands::unit::UnitArguments;
 use crate::{CliError, DatapathArguments};
 use clap::Args;
-use raypath_ppa::{Baseline, Design, Report, charts, tables};
+use jobs::JobArguments;
+use raypath_ppa::{Baseline, Design, PowerResults, Report, charts, tables};
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::files::write_all;
 use raypath_unit::UnitNetlist;
@@ -28,6 +32,11 @@ pub struct Arguments {
     /// The folder to write ppa.json and ppa.svg to
     #[arg(long, default_value = "build/ppa", value_name = "DIR")]
     out: PathBuf,
+    /// Measure power too: simulate the gates with real and random jobs
+    #[arg(long, conflicts_with = "unit")]
+    power: bool,
+    #[command(flatten)]
+    jobs: JobArguments,
     /// Print the report as JSON instead of tables
     #[arg(long)]
     json: bool,
@@ -36,9 +45,24 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     // Read first, so that an error is reported before minutes of work.
     let baseline = arguments.against.as_deref().map(Baseline::read).transpose()?;
-    let reports = arguments.bench.measure(&[arguments.design()?])?;
-    for report in reports {
-        write_all(&files(&report, &arguments.out)?)?;
+    let workloads = match arguments.power {
+        true => {
+            let (config, datapath) = arguments.datapath.datapath()?;
+            Some(power::workloads(&arguments.jobs, config, &datapath)?)
+        }
+        false => None,
+    };
+    let design = arguments.design()?;
+    let reports = arguments.bench.measure(std::slice::from_ref(&design))?;
+    for mut report in reports {
+        let mut written = Vec::new();
+        if let Some(workloads) = &workloads {
+            let measured = arguments.bench.power(&design, &report, workloads)?;
+            written.extend(power_files(&measured, &arguments.out));
+            report.power = Some(measured.power);
+        }
+        written.extend(files(&report, &arguments.out)?);
+        write_all(&written)?;
         if arguments.json {
             writeln!(out, "{}", json(&report)?)?;
         } else {
@@ -76,8 +100,27 @@ fn show(
     if let Some(baseline) = baseline {
         writeln!(out, "\nThis divided by {}\n\n{}", baseline.design, tables::comparison(report, baseline))?;
     }
+    if let Some(power) = &report.power {
+        writeln!(out, "\nEnergy by workload\n\n{}\n", tables::workloads(power))?;
+        writeln!(out, "Energy by kind, pJ per cycle\n\n{}\n", tables::energy_by_kind(power))?;
+        writeln!(out, "Energy by stage, pJ per cycle\n\n{}\n", tables::energy_by_stage(power))?;
+        writeln!(out, "{}", tables::power_summary(power))?;
+    }
     writeln!(out, "\nWrote {0}/ppa.json and {0}/ppa.svg.", arguments.out.display())?;
+    if report.power.is_some() {
+        writeln!(out, "Wrote {0}/power.svg, {0}/gates.v and a .saif file for each workload.", arguments.out.display())?;
+    }
     Ok(())
+}
+
+/// The gates, and their activity in each workload.
+fn power_files(measured: &PowerResults, folder: &std::path::Path) -> Vec<(PathBuf, String)> {
+    let plain = |name: &str| name.replace(|c: char| !c.is_ascii_alphanumeric() && c != '.', "_");
+    let mut files = vec![(folder.join("gates.v"), measured.netlist.clone())];
+    for (name, text) in &measured.activities {
+        files.push((folder.join(format!("{}.saif", plain(name))), text.clone()));
+    }
+    files
 }
 
 pub fn design(config: Config) -> Result<Design, CliError> {
@@ -86,7 +129,10 @@ pub fn design(config: Config) -> Result<Design, CliError> {
 
 /// The files of a report.
 pub fn files(report: &Report, folder: &std::path::Path) -> Result<Vec<(PathBuf, String)>, CliError> {
-    Ok(vec![(folder.join("ppa.json"), json(report)? + "\n"), (folder.join("ppa.svg"), charts::stages(report))])
+    let mut files =
+        vec![(folder.join("ppa.json"), json(report)? + "\n"), (folder.join("ppa.svg"), charts::stages(report))];
+    files.extend(report.power.as_ref().map(|power| (folder.join("power.svg"), charts::power(report, power))));
+    Ok(files)
 }
 
 pub fn json(report: &impl serde::Serialize) -> Result<String, CliError> {

@@ -23,12 +23,9 @@ pub struct CameraArguments {
 
 impl CameraArguments {
     /// The requested camera, or one that sees the whole mesh or all instances of it.
-    pub fn camera(&self, Shown { mesh, instances }: &Shown, aspect: f32) -> Result<Camera, CliError> {
+    pub fn camera(&self, shown: &Shown, aspect: f32) -> Result<Camera, CliError> {
         match self.camera.as_deref() {
-            None => Ok(match instances {
-                Some(instances) => Camera::framing_instances(mesh, instances, aspect),
-                None => Camera::framing(mesh, aspect),
-            }),
+            None => Ok(shown.framing(aspect)),
             Some(&[ex, ey, ez, tx, ty, tz]) => {
                 let camera = Camera::new([ex, ey, ez], [tx, ty, tz], [0.0, 1.0, 0.0], self.fov);
                 camera.map_err(|problem| CliError::unusable(format!("--camera: {problem}")))
@@ -60,6 +57,14 @@ impl Shown {
         };
         let instances = instances.map(read_instances).transpose().map_err(CliError::unusable)?;
         Ok(Self { mesh, instances })
+    }
+
+    /// A camera that sees the whole mesh or all instances of it.
+    pub fn framing(&self, aspect: f32) -> Camera {
+        match &self.instances {
+            Some(instances) => Camera::framing_instances(&self.mesh, instances, aspect),
+            None => Camera::framing(&self.mesh, aspect),
+        }
     }
 
     /// The scene for ray origins at these points.
