@@ -1,6 +1,6 @@
 //! Diagrams of stacked bars.
 
-use super::{grid, marks};
+use super::axes::{grid, marks};
 use raypath_rtl::report::drawing::{line, rectangle, text};
 use svg::node::element::{Group, Title};
 

@@ -1,6 +1,6 @@
 //! Configurations as points of area against throughput.
 
-use super::{grid, marks, shown};
+use super::axes::{grid, marks, shown};
 use crate::{DesignPoint, Exploration};
 use raypath_rtl::report::drawing::{self, line, text};
 use svg::node::element::{Circle, Group, Title};
