@@ -1,6 +1,6 @@
 //! The names by which the properties see the inside of a module.
 
-use super::setting::Setting;
+use super::setting::{Setting, Variant};
 use raypath_hdl::Module;
 use raypath_unit::blocks::NodeKind;
 use std::fmt::Write as _;
@@ -284,7 +284,9 @@ fn memories(part: &str, has_instances: bool) -> Vec<Kept> {
 /// That a reader has what was written last: all its bits, or the lowest of each column.
 fn kept(setting: &Setting, module: &Module, number: usize, memory: &Kept) -> String {
     let Kept { name, writes, context, reader: [reads, reader], ignored, columns } = memory;
-    let bits = |column: &[String; 3]| if setting.is_wide { module.port_width(&column[2]).unwrap_or(1) } else { 1 };
+    // With instances the memories are of the same kind, and the proof of all bits takes minutes.
+    let is_wide = setting.is_wide && setting.variant == Variant::Plain;
+    let bits = |column: &[String; 3]| if is_wide { module.port_width(&column[2]).unwrap_or(1) } else { 1 };
     let words = |word: &dyn Fn(&[String; 3]) -> String| {
         let words: Vec<String> = columns.iter().map(|column| format!("{}'({})", bits(column), word(column))).collect();
         format!("{{{}}}", words.join(", "))
