@@ -76,7 +76,9 @@ pub fn distance(parameters: UnitParameters) -> Result<Arc<Module>, Error> {
     let held: Named<'_> = registers.iter().map(|(register, name)| named(name, register.wire())).collect();
     let before: TriangleHit<Netlist<'_>> = from_wires(m, "closest", |field, width| found_in(m, &held, field, width));
     let is_first = place.map_or(m.constant(1, 1), |place| place.is(0));
-    let closest = fold(before, Bit::new(c, Value(is_first)), found, limits);
+    // The only triangle of a block is the closest, whether it counts or not.
+    let earlier = if has_places { before } else { found };
+    let closest = fold(earlier, Bit::new(c, Value(is_first)), found, limits);
     for ((register, _), (_, wire)) in registers.iter().zip(wires_with("", &closest, features)) {
         register.next_when(folds.wire(), wire);
     }
