@@ -76,7 +76,7 @@ pub struct Tracer<'s>(Way<'s>);
 #[derive(Debug, Clone)]
 enum Way<'s> {
     Traversal { traversal: Traversal<'s>, rules: Rules },
-    Unit { unit: Unit, blocks: &'s Blocks, two_sided: bool, counts: Counts },
+    Unit { unit: Box<Unit>, blocks: &'s Blocks, two_sided: bool, counts: Counts },
 }
 
 impl<'s> Tracer<'s> {
@@ -87,7 +87,7 @@ impl<'s> Tracer<'s> {
             Some(blocks) => {
                 let (node, features) = (blocks.nodes(), blocks.features());
                 let step = StepParameters { node, features, ..StepParameters::default() };
-                let unit = Unit::new(rules, step);
+                let unit = Box::new(Unit::new(rules, step));
                 Way::Unit { unit, blocks, two_sided, counts: Counts::default() }
             }
             None => Way::Traversal { traversal: Traversal::new(scene.bvh(), tracing), rules },
