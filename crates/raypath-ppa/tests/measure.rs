@@ -1,12 +1,14 @@
 //! Measurements with Yosys, OpenSTA and Debian's cell library: of a design small enough to know its figures, and of an
 //! elaborated datapath, whose report finds every register and unit by its name.
 
+mod common;
+
+use common::bench;
 use raypath_hdl::{Builder, Module, Wire};
 use raypath_ops::{Circuit, Num, Operation, bundle};
-use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, Report, Stage};
+use raypath_ppa::{Bench, Design, Error, Report, Stage};
 use raypath_rtl::{Control, Datapath, Microarchitecture, Operations, UnitKind};
-use raypath_tools::{OpenSta, ToolError, Yosys, YosysKind};
-use std::path::Path;
+use raypath_tools::ToolError;
 use std::sync::Arc;
 
 const WIDTH: u32 = 6;
@@ -66,17 +68,6 @@ fn design() -> Design {
     m.output("num_0_o", wires.0);
     m.output("valid_o", wires.1);
     Design::new("tiny", &m.finish().expect("a design"))
-}
-
-fn bench(cache: &Path) -> Bench {
-    Bench {
-        library: Library::read(Path::new(DEFAULT_LIBRARY)).expect("the package qflow-tech-osu018"),
-        yosys: Yosys::find(Some(YosysKind::Program)).expect("the package yosys"),
-        sta: OpenSta::find().expect("the package opensta"),
-        period: 5.0,
-        jobs: 2,
-        cache: cache.to_path_buf(),
-    }
 }
 
 fn stage_of<'r>(report: &'r Report, name: &str) -> &'r Stage {

@@ -1,11 +1,13 @@
 //! The activity of every net of a small design, compared with Verilator's values of the same nets. The models of the
 //! cells for Verilator are Yosys's reading of the library.
 
+mod common;
+
+use common::bench;
 use raypath_hdl::{Builder, Module, Wire};
-use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Error, Library, PowerResults, STREAMS, Workload};
-use raypath_tools::{OpenSta, Options, Verilated, Yosys, YosysKind};
+use raypath_ppa::{DEFAULT_LIBRARY, Design, Error, PowerResults, STREAMS, Workload};
+use raypath_tools::{Options, Verilated};
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
@@ -51,17 +53,6 @@ fn top() -> Arc<Module> {
     m.output("num_0_o", wires.0);
     m.output("valid_o", wires.1);
     m.finish().expect("a design")
-}
-
-fn bench(cache: &Path) -> Bench {
-    Bench {
-        library: Library::read(Path::new(DEFAULT_LIBRARY)).expect("the package qflow-tech-osu018"),
-        yosys: Yosys::find(Some(YosysKind::Program)).expect("the package yosys"),
-        sta: OpenSta::find().expect("the package opensta"),
-        period: 5.0,
-        jobs: 2,
-        cache: cache.to_path_buf(),
-    }
 }
 
 /// The number and the valid bit at the ports.

@@ -81,8 +81,8 @@ hits! {
         status,
         " uint32 array of shape (n,): the index of the triangle that is hit."
         triangle,
-        " uint32 array of shape (n,): with ``instances``, the index of the triangle's instance; 2**32 - 1 for a triangle"
-        " in no instance."
+        " uint32 array of shape (n,): with ``instances``, the index of the triangle's instance; 2**32 - 1 for a"
+        " triangle in no instance."
         instance,
         " float32 array of shape (n,): the distance of the hit in units of the direction's length."
         t,
