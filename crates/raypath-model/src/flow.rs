@@ -1,6 +1,7 @@
 //! The control of an elastic pipeline, without the items.
 
 use crate::credit::Credits;
+use crate::folded::Folded;
 use crate::shape::{Control, PipelinePosition, Shape};
 use crate::skid::SkidBuffers;
 
@@ -13,14 +14,16 @@ pub struct Flow(Kind);
 enum Kind {
     Skid(SkidBuffers),
     Credit(Credits),
+    Folded(Folded),
 }
 
-/// Evaluates an expression for either control.
+/// Evaluates an expression for each control.
 macro_rules! each_control {
     ($kind:expr, $control:ident => $result:expr) => {
         match $kind {
             Kind::Skid($control) => $result,
             Kind::Credit($control) => $result,
+            Kind::Folded($control) => $result,
         }
     };
 }
@@ -29,6 +32,7 @@ impl Flow {
     /// An empty pipeline.
     pub fn new(shape: &Shape) -> Self {
         Self(match shape.control {
+            _ if shape.is_folded() => Kind::Folded(Folded::new(shape)),
             Control::Skid => Kind::Skid(SkidBuffers::new(shape)),
             Control::Credit => Kind::Credit(Credits::new(shape)),
         })
@@ -40,6 +44,7 @@ impl Flow {
         match &self.0 {
             Kind::Skid(buffers) => buffers.input_ready(),
             Kind::Credit(credits) => credits.input_ready(opcode),
+            Kind::Folded(folded) => folded.input_ready(),
         }
     }
 
@@ -54,7 +59,11 @@ impl Flow {
     /// [`output_valid`](Self::output_valid) was true.
     #[inline]
     pub fn cycle(&mut self, entering: Option<u64>, taken: bool) {
-        each_control!(&mut self.0, control => control.cycle(entering, taken));
+        match &mut self.0 {
+            Kind::Skid(buffers) => buffers.cycle(entering, taken),
+            Kind::Credit(credits) => credits.cycle(entering, taken),
+            Kind::Folded(folded) => folded.cycle(entering.is_some(), taken),
+        }
     }
 
     /// Advances up to `limit` cycles in which nothing enters, and stops in the first with a valid output. Returns the
@@ -66,11 +75,12 @@ impl Flow {
 
     /// The positions of the items, oldest first.
     pub fn positions(&self) -> impl Iterator<Item = PipelinePosition> + '_ {
-        let (buffers, credits) = match &self.0 {
-            Kind::Skid(buffers) => (Some(buffers.positions()), None),
-            Kind::Credit(credits) => (None, Some(credits.positions())),
+        let (buffers, credits, folded) = match &self.0 {
+            Kind::Skid(buffers) => (Some(buffers.positions()), None, None),
+            Kind::Credit(credits) => (None, Some(credits.positions()), None),
+            Kind::Folded(folded) => (None, None, Some(folded.positions())),
         };
-        buffers.into_iter().flatten().chain(credits.into_iter().flatten())
+        buffers.into_iter().flatten().chain(credits.into_iter().flatten()).chain(folded.into_iter().flatten())
     }
 
     /// A hardware reset: all items are lost.

@@ -31,6 +31,7 @@ mod cycle;
 mod dynamic;
 mod elastic;
 mod flow;
+mod folded;
 mod functional;
 mod kernels;
 mod lanes;

@@ -8,6 +8,9 @@ pub struct Shape {
     pub latency: usize,
     /// The flow control.
     pub control: Control,
+    /// Cycles from a job to the next at full throughput. Above 1, the pipeline is folded: jobs are at least as many
+    /// positions apart, and there are no accumulator loops. Clamped to 1 to 64, and the latency to at least 2 then.
+    pub interval: usize,
     /// The accumulators whose loop takes more than one cycle. Step i is between registers i - 1 and i; the input's
     /// register is 0. A loop delays jobs only if 1 ≤ first < last < latency.
     pub loops: Vec<Loop>,
@@ -37,7 +40,7 @@ pub struct Loop {
 impl Default for Shape {
     /// The shape of the paper's datapath: twelve skid buffers, and accumulators that take one cycle.
     fn default() -> Self {
-        Self { latency: LATENCY, control: Control::Skid, loops: Vec::new() }
+        Self { latency: LATENCY, control: Control::Skid, interval: 1, loops: Vec::new() }
     }
 }
 
@@ -45,8 +48,11 @@ impl Shape {
     /// The number of jobs that fit while the sink is not ready, if no loop delays them.
     pub fn capacity(&self) -> usize {
         match self.control {
+            // A job in each interval of positions, and two at the exit.
+            Control::Skid if self.is_folded() => (self.length() - 1).div_ceil(self.spacing()) + 2,
             Control::Skid => 2 * self.length(),
-            Control::Credit => self.length() + 1,
+            // As many as a source offers until the credit of the first job returns.
+            Control::Credit => (self.length() + 1).div_ceil(self.spacing()),
         }
     }
 
@@ -54,18 +60,28 @@ impl Shape {
     /// and the sink is always ready.
     pub fn interval(&self, opcode: u64) -> usize {
         let own = self.loops().filter(|a_loop| a_loop.opcode == opcode);
-        own.map(|Loop { first, last, .. }| last - first + 1).max().unwrap_or(1)
+        own.map(|Loop { first, last, .. }| last - first + 1).max().unwrap_or(1).max(self.spacing())
     }
 
     /// The latency, clamped to its bounds.
     pub(crate) fn length(&self) -> usize {
-        self.latency.clamp(1, Occupancy::BITS as usize)
+        self.latency.clamp(if self.is_folded() { 2 } else { 1 }, Occupancy::BITS as usize)
+    }
+
+    /// The interval, clamped to its bounds.
+    pub(crate) fn spacing(&self) -> usize {
+        self.interval.clamp(1, 64)
+    }
+
+    /// Whether jobs take several cycles in a stage.
+    pub(crate) fn is_folded(&self) -> bool {
+        self.interval > 1
     }
 
     /// The loops that delay jobs.
     pub(crate) fn loops(&self) -> impl Iterator<Item = Loop> {
         let fits = |a_loop: &Loop| 1 <= a_loop.first && a_loop.first < a_loop.last && a_loop.last < self.length();
-        self.loops.iter().copied().filter(fits)
+        self.loops.iter().copied().filter(move |a_loop| !self.is_folded() && fits(a_loop))
     }
 }
 

@@ -1,7 +1,9 @@
 //! Allocation: the unit and the register of every value.
 
 mod affinity;
+mod alike;
 mod binding;
+mod lanes;
 pub mod layout;
 pub mod plan;
 mod registers;

@@ -8,10 +8,11 @@ use crate::emit::top::{self, Pipeline};
 use crate::error::Error;
 use crate::ir::graph::OperationGraph;
 use crate::ir::position::{Step, StepLabel};
-use crate::ir::units::Units;
+use crate::ir::units::{Unit, Units};
 use crate::operations::Operations;
 use crate::schedule;
 use raypath_hdl::{Label, Module};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// An elaborated datapath: its netlist, schedule, units and registers.
@@ -90,9 +91,10 @@ impl Datapath {
     /// Those of [`Datapath::of`].
     pub fn build(operations: Operations, microarchitecture: Microarchitecture) -> Result<Self, Error> {
         let Operations { format, exception_flags: with_flags, .. } = operations;
+        microarchitecture.check(with_flags)?;
         let staged = operations.staged(microarchitecture)?;
         let (operations, labels) = schedule::expand(&staged, microarchitecture.unit_latency.steps());
-        let plan = Plan::new(operations, labels, format, microarchitecture);
+        let plan = Plan::new(operations, labels, format, microarchitecture)?;
         let library = Library::new(&plan, with_flags)?;
         let pipeline = top::pipeline(&plan, &library, &description(&plan))?;
         Ok(Self { plan, library, pipeline })
@@ -150,6 +152,22 @@ impl Datapath {
             .collect()
     }
 
+    /// Cycles between two jobs of any operation at full throughput.
+    pub fn interval(&self) -> u32 {
+        self.plan.microarchitecture.interval.cycles()
+    }
+
+    /// The number of jobs that fit while the sink is not ready.
+    pub fn capacity(&self) -> u64 {
+        self.plan.capacity()
+    }
+
+    /// The first position of each step in a folded pipeline; empty otherwise. A job is at position 0 in the cycle after
+    /// its acceptance.
+    pub fn starts(&self) -> &[u32] {
+        self.plan.rounds.as_ref().map_or(&[], |rounds| &rounds.starts)
+    }
+
     /// The work of each operation in a step.
     pub fn schedule(&self, step: usize) -> Vec<StageNote> {
         let Some(plan) = self.plan.steps.get(step) else { return Vec::new() };
@@ -158,8 +176,9 @@ impl Datapath {
             .enumerate()
             .map(|(op, (graph, bindings))| {
                 let mut units = self.plan.conversions(step, op);
-                for binding in bindings.values() {
-                    *units.of_mut(binding.unit.kind) += 1;
+                let used: BTreeSet<Unit> = bindings.values().map(|binding| binding.unit).collect();
+                for unit in used {
+                    *units.of_mut(unit.kind) += 1;
                 }
                 StageNote { operation: graph.name, what: notes(&self.plan, graph, step), units }
             })
@@ -194,7 +213,8 @@ impl Datapath {
         let here = states.filter(|(_, state)| state.written == Step(step as u32));
         let state = here.map(|(graph, state)| u64::from(stage::width(graph, state, &self.library))).sum();
         let below: u64 = module.instances().iter().map(|instance| instance.module.register_bits()).sum();
-        let entrance = self.pipeline.credit.iter().filter(|_| step == 0).map(|module| module.register_bits());
+        let entrance = self.pipeline.credit.iter().chain(&self.pipeline.rounds);
+        let entrance = entrance.filter(|_| step == 0).map(|module| module.register_bits());
         let control = own(true) - state + below + entrance.sum::<u64>();
         Registers { live, data: own(false), control, state }
     }
@@ -213,7 +233,14 @@ fn description(plan: &Plan) -> Vec<String> {
     operations.sort_by_key(|graph| graph.opcode);
     let opcodes: Vec<String> = operations.iter().map(|graph| format!("{} {}", graph.opcode, graph.name)).collect();
     let mut lines = vec![
-        format!("A ray-tracer datapath: one job a cycle, latency {}, ready and valid at both ends.", plan.latency()),
+        format!(
+            "A ray-tracer datapath: one job {}, latency {}, ready and valid at both ends.",
+            match plan.microarchitecture.interval.cycles() {
+                1 => "a cycle".to_string(),
+                cycles => format!("every {cycles} cycles"),
+            },
+            plan.latency()
+        ),
         format!("Opcodes: {}.", opcodes.join(", ")),
     ];
     for graph in plan.operations.iter().filter(|graph| graph.is_loop()) {

@@ -3,10 +3,12 @@
 pub mod boundary;
 mod control;
 mod elastic;
+mod folded;
 mod input;
 pub mod interface;
 pub mod library;
 mod output;
+mod positions;
 pub mod properties;
 pub mod stage;
 pub mod top;

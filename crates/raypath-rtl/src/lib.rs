@@ -18,6 +18,7 @@ mod config;
 mod datapath;
 mod emit;
 mod error;
+mod fold;
 mod ir;
 mod operations;
 pub mod package;
@@ -25,9 +26,9 @@ pub mod report;
 mod schedule;
 
 pub use config::{
-    Accumulators, Config, Control, Encoding, Features, Lanes, Microarchitecture, OperationVisitor, PARAMETER_GROUPS,
-    PRESETS, Parameter, ParameterGroup, ParseChoiceError, Preset, Semantics, Sharing, UnitLatency, alternatives,
-    parameters,
+    Accumulators, Config, Control, Encoding, Features, Interval, Lanes, Microarchitecture, OperationVisitor,
+    PARAMETER_GROUPS, PRESETS, Parameter, ParameterGroup, ParseChoiceError, Preset, Semantics, Sharing, UnitLatency,
+    UnitSharing, alternatives, parameters,
 };
 pub use datapath::{Datapath, Registers, StageNote, StateLoop};
 pub use emit::properties::{Bind, Checker, Properties};

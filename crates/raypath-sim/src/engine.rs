@@ -55,7 +55,8 @@ pub fn shape(config: Config, datapath: &Datapath) -> Shape {
         first: found.first as usize,
         last: found.last as usize,
     });
-    Shape { latency: datapath.latency() as usize, control, loops: loops.collect() }
+    let (latency, interval) = (datapath.latency() as usize, datapath.interval() as usize);
+    Shape { latency, control, interval, loops: loops.collect() }
 }
 
 /// Runs jobs through the functional model. `on_outcome` gets the position of a job and its outcome; false ends the run.

@@ -68,4 +68,16 @@ impl Affinity {
         let both = ours.iter().any(|a| theirs.iter().any(|b| match_each_other(a, b) && others_share(a, b)));
         ours.len().min(theirs.len()) + if both { 100 } else { 0 }
     }
+
+    /// How well two values of a folded pipeline share a register: whether the same kind of unit reads both, and
+    /// beside the same operand if they are of one operation.
+    pub fn similarity(&self, id: NodeId, other: &Self, other_id: NodeId, is_same_operation: bool) -> usize {
+        let (Some(ours), Some(theirs)) = (self.0.get(&id), other.0.get(&other_id)) else { return 0 };
+        let similar = |a: &UnitRead, b: &UnitRead| {
+            let is_same_port = (a.step, a.kind, a.operand) == (b.step, b.kind, b.operand);
+            let is_beside_same = is_same_operation && a.other_operand == b.other_operand;
+            usize::from(is_same_port) * if is_beside_same { 10 } else { 2 }
+        };
+        ours.iter().flat_map(|a| theirs.iter().map(move |b| similar(a, b))).max().unwrap_or(0)
+    }
 }

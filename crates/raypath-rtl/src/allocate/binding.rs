@@ -4,7 +4,9 @@
 //! and the operands of adders and multipliers can be exchanged. Both choices are made so that a unit's operand is the
 //! same net for as many operations as possible, because different nets need a multiplexer.
 
+use crate::allocate::alike::Alike;
 use crate::allocate::layout::{Layout, Origin, RegisterSlot, Slots};
+use crate::config::UnitSharing;
 use crate::ir::graph::{NodeId, Op, OperationGraph};
 use crate::ir::liveness::PositionValues;
 use crate::ir::position::Step;
@@ -22,36 +24,69 @@ pub struct Binding {
 /// The units of one operation's values in a step.
 pub type Bindings = BTreeMap<NodeId, Binding>;
 
-/// Binds the values of all operations in one step. `before` is the layout of the registers before the step.
-pub fn bind(operations: &[OperationGraph<Step>], steps: &[&PositionValues], before: &Layout) -> Vec<Bindings> {
+/// What the binder knows of a step.
+pub struct StepValues<'a> {
+    pub operations: &'a [OperationGraph<Step>],
+    /// The values of each operation.
+    pub values: &'a [&'a PositionValues],
+    /// The layout of the registers before the step.
+    pub before: &'a Layout,
+    /// Values that are the same net, for each operation.
+    pub alike: &'a [Alike],
+    /// Whether operations share units.
+    pub sharing: UnitSharing,
+}
+
+/// Values of an operation that different units compute: all of a step, or those of a round.
+type Round = (usize, Vec<NodeId>);
+
+/// Binds the values of all operations in one step. A unit computes one value of an operation in each round.
+pub fn bind(step: &StepValues<'_>, round: impl Fn(usize, NodeId) -> u32) -> Vec<Bindings> {
+    let operations = step.operations;
     let mut bindings = vec![Bindings::new(); operations.len()];
-    let mut kinds: BTreeMap<(UnitKind, u32), Vec<Vec<NodeId>>> = BTreeMap::new();
-    for (op, (graph, step)) in operations.iter().zip(steps).enumerate() {
-        for &id in &step.made {
+    let mut kinds: BTreeMap<(UnitKind, u32), BTreeMap<(usize, u32), Vec<NodeId>>> = BTreeMap::new();
+    for (op, (graph, values)) in operations.iter().zip(step.values).enumerate() {
+        for &id in &values.made {
             if let Some(kind) = graph.unit_part(id) {
-                kinds.entry(kind).or_insert_with(|| vec![Vec::new(); operations.len()])[op].push(id);
+                kinds.entry(kind).or_default().entry((op, round(op, id))).or_default().push(id);
             }
         }
     }
     for ((kind, part), values) in kinds {
+        let rounds: Vec<Round> = values.into_iter().map(|((op, _), values)| (op, values)).collect();
         if part > 0 {
-            for (op, values) in values.iter().enumerate() {
-                bind_next_parts(&operations[op], values, before.slots.get(op), &mut bindings[op]);
+            for (op, values) in &rounds {
+                bind_next_parts(&operations[*op], values, step.before.slots.get(*op), &mut bindings[*op]);
             }
-        } else if values.iter().enumerate().any(|(op, values)| is_chained(&operations[op], steps[op], values)) {
-            // In order, because another choice could make a combinational loop of two operations' chains.
-            for (op, values) in values.iter().enumerate() {
-                let in_order = values
-                    .iter()
-                    .enumerate()
-                    .map(|(number, &id)| (id, Binding { unit: Unit { kind, part, number }, swapped: false }));
-                bindings[op].extend(in_order);
-            }
-        } else {
-            bind_by_nets(operations, kind, &values, before, &mut bindings);
+            continue;
+        }
+        let sets: Vec<&[Round]> = match step.sharing {
+            UnitSharing::Shared => vec![&rounds],
+            UnitSharing::Disjoint => rounds.chunk_by(|a, b| a.0 == b.0).collect(),
+        };
+        let mut first = 0;
+        for set in sets {
+            bind_set(step, kind, first, set, &mut bindings);
+            first += set.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
         }
     }
     bindings
+}
+
+/// Binds values to units with numbers from `first`.
+fn bind_set(step: &StepValues<'_>, kind: UnitKind, first: usize, rounds: &[Round], bindings: &mut [Bindings]) {
+    let is_chained = |(op, values): &Round| is_chained(&step.operations[*op], step.values[*op], values);
+    if !rounds.iter().any(is_chained) {
+        return bind_by_nets(step, kind, first, rounds, bindings);
+    }
+    // In order, because another choice could make a combinational loop of two operations' chains.
+    for (op, values) in rounds {
+        let in_order = values.iter().enumerate().map(|(index, &id)| {
+            let unit = Unit { kind, part: 0, number: first + index };
+            (id, Binding { unit, swapped: false })
+        });
+        bindings[*op].extend(in_order);
+    }
 }
 
 /// Binds values to the next parts of units: the part with the same number as the part before.
@@ -83,24 +118,17 @@ fn is_chained(graph: &OperationGraph<Step>, step: &PositionValues, values: &[Nod
 /// The nets at a unit's operand for the operations bound so far, and whether their signs are inverted.
 type Nets = BTreeSet<(Origin, bool)>;
 
-/// Binds values to the units where they add the fewest nets; the operation with the most values is first.
-fn bind_by_nets(
-    operations: &[OperationGraph<Step>],
-    kind: UnitKind,
-    values: &[Vec<NodeId>],
-    before: &Layout,
-    bindings: &mut [Bindings],
-) {
-    let units = values.iter().map(Vec::len).max().unwrap_or(0);
+/// Binds values to the units where they add the fewest nets; the round with the most values is first.
+fn bind_by_nets(step: &StepValues<'_>, kind: UnitKind, first: usize, rounds: &[Round], bindings: &mut [Bindings]) {
+    let units = rounds.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
     let mut nets: Vec<[Nets; 2]> = vec![Default::default(); units];
-    let mut order: Vec<usize> = (0..operations.len()).collect();
-    order.sort_by_key(|&op| std::cmp::Reverse(values[op].len()));
-    for op in order {
-        let graph = &operations[op];
+    let mut order: Vec<&Round> = rounds.iter().collect();
+    order.sort_by_key(|(_, values)| std::cmp::Reverse(values.len()));
+    for &(op, ref values) in order {
         let mut candidates = Vec::new();
-        for (index, &id) in values[op].iter().enumerate() {
+        for (index, &id) in values.iter().enumerate() {
             for swapped in [false, true] {
-                let Some(operands) = operands(graph, op, id, swapped, before) else { continue };
+                let Some(operands) = operands(step, op, id, swapped) else { continue };
                 for (number, nets) in nets.iter().enumerate() {
                     let new =
                         operands.iter().zip(nets).filter(|(net, known)| !known.is_empty() && !known.contains(net));
@@ -111,10 +139,11 @@ fn bind_by_nets(
         candidates.sort();
         let mut free = vec![true; units];
         for (_, swapped, _, index, number, operands) in candidates {
-            let id = values[op][index];
+            let id = values[index];
             if free[number] && !bindings[op].contains_key(&id) {
                 free[number] = false;
-                bindings[op].insert(id, Binding { unit: Unit { kind, part: 0, number }, swapped });
+                let unit = Unit { kind, part: 0, number: first + number };
+                bindings[op].insert(id, Binding { unit, swapped });
                 for (net, known) in operands.into_iter().zip(&mut nets[number]) {
                     known.insert(net);
                 }
@@ -124,23 +153,17 @@ fn bind_by_nets(
 }
 
 /// The nets of a value's two operands; `None` if they are to be exchanged and cannot be.
-fn operands(
-    graph: &OperationGraph<Step>,
-    op: usize,
-    id: NodeId,
-    swapped: bool,
-    before: &Layout,
-) -> Option<[(Origin, bool); 2]> {
-    let (a, b, inverts) = match graph.node(id).op {
+fn operands(step: &StepValues<'_>, op: usize, id: NodeId, swapped: bool) -> Option<[(Origin, bool); 2]> {
+    let (a, b, inverts) = match step.operations[op].node(id).op {
         Op::Add(a, b) | Op::Multiply(a, b) if swapped => (b, a, false),
         Op::Add(a, b) | Op::Multiply(a, b) => (a, b, false),
         Op::Subtract(a, b) if !swapped => (a, b, true),
         Op::Compare(a, b) if !swapped => (a, b, false),
         _ => return None,
     };
-    let net = |id| match before.slot(op, id) {
+    let net = |id| match step.before.slot(op, id) {
         Some(slot) => Origin::Register(slot),
-        None => Origin::Logic(op, id),
+        None => Origin::Logic(op, *step.alike.get(op).and_then(|alike| alike.get(&id)).unwrap_or(&id)),
     };
     Some([(net(a), false), (net(b), inverts)])
 }

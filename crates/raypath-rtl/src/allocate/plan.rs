@@ -1,10 +1,13 @@
 //! The plan of a datapath: the units of every step and the registers of every boundary.
 
 use crate::allocate::affinity::Affinity;
-use crate::allocate::binding::{self, Bindings};
+use crate::allocate::alike::{Alike, alike};
+use crate::allocate::binding::{self, Bindings, StepValues};
 use crate::allocate::layout::{Layout, Origin, RegisterSlot};
-use crate::allocate::registers;
-use crate::config::{Control, Encoding, Microarchitecture};
+use crate::allocate::{lanes, registers};
+use crate::config::{Control, Encoding, Interval, Microarchitecture};
+use crate::error::Error;
+use crate::fold::{self, Rounds};
 use crate::ir::graph::{Kind, NodeId, Op, OperationGraph};
 use crate::ir::liveness::{self, PositionValues};
 use crate::ir::position::{Step, StepLabel};
@@ -26,6 +29,8 @@ pub struct Plan {
     pub operations: Vec<OperationGraph<Step>>,
     /// All steps; the first is the input's registers.
     pub steps: Vec<StepPlan>,
+    /// When a folded pipeline computes its values; `None` if it accepts a job per cycle.
+    pub rounds: Option<Rounds>,
 }
 
 /// A step and the registers after it.
@@ -37,35 +42,68 @@ pub struct StepPlan {
     pub bindings: Vec<Bindings>,
     /// The values that each operation computes.
     pub made: Vec<Vec<NodeId>>,
+    /// In a folded pipeline, the values that are the same net, for each operation.
+    pub alike: Vec<Alike>,
     /// The registers after it.
     pub layout: Layout,
 }
 
 impl Plan {
     /// Allocates units and registers to operations that are expanded to the steps with these labels.
+    ///
+    /// # Errors
+    /// A folded pipeline for which no schedule was found.
     pub fn new(
         operations: Vec<OperationGraph<Step>>,
         labels: Vec<StepLabel>,
         format: Format,
         microarchitecture: Microarchitecture,
-    ) -> Self {
+    ) -> Result<Self, Error> {
         let last = labels.len() as u32 - 1;
         let values: Vec<Vec<PositionValues>> = operations.iter().map(|graph| liveness::analyse(graph, last)).collect();
         let affinities: Vec<Affinity> = operations.iter().map(Affinity::new).collect();
+        let interval = microarchitecture.interval;
+        let rounds = match interval {
+            Interval::One => None,
+            _ => Some(fold::plan(interval.cycles(), &operations, &values, format).ok_or_else(|| Error::Feature {
+                feature: "interval",
+                problem: format!("no schedule found for {interval}, expected a smaller interval"),
+            })?),
+        };
         let mut steps: Vec<StepPlan> = Vec::new();
         for (index, label) in labels.into_iter().enumerate() {
             let here: Vec<&PositionValues> = values.iter().map(|values| &values[index]).collect();
-            let carried: Vec<Vec<NodeId>> = here.iter().map(|values| values.carried.clone()).collect();
             let empty = Layout::default();
             let before = steps.last().map_or(&empty, |plan| &plan.layout);
-            let bindings = binding::bind(&operations, &here, before);
-            let origin = |op, id| origin(&operations, before, &bindings, op, id);
+            let same = |bindings: &[Bindings]| -> Vec<Alike> {
+                let each = operations.iter().zip(&here).zip(bindings).enumerate();
+                let folded = each.filter(|_| rounds.is_some());
+                folded.map(|(op, ((graph, values), own))| alike(graph, op, &values.made, before, own)).collect()
+            };
+            let step = StepValues {
+                operations: &operations,
+                values: &here,
+                before,
+                alike: &same(&vec![Bindings::new(); operations.len()]),
+                sharing: microarchitecture.units,
+            };
+            let bindings = binding::bind(&step, |op, id| {
+                rounds.as_ref().map_or(0, |rounds| rounds.units[op][index].get(&id).copied().unwrap_or(0))
+            });
+            let alike = same(&bindings);
+            let origin = |op, id| origin(&operations, before, &bindings, &alike, op, id);
             let sharing = microarchitecture.sharing;
-            let layout = registers::allocate(sharing, &operations, &carried, &affinities, before, origin);
+            let layout = match &rounds {
+                None => {
+                    let carried: Vec<Vec<NodeId>> = here.iter().map(|values| values.carried.clone()).collect();
+                    registers::allocate(sharing, &operations, &carried, &affinities, before, origin)
+                }
+                Some(rounds) => lanes::allocate(sharing, &operations, rounds, index, &affinities, origin),
+            };
             let made = here.iter().map(|values| values.made.clone()).collect();
-            steps.push(StepPlan { label, bindings, made, layout });
+            steps.push(StepPlan { label, bindings, made, alike, layout });
         }
-        Self { format, microarchitecture, operations, steps }
+        Ok(Self { format, microarchitecture, operations, steps, rounds })
     }
 
     /// Bits of the opcode: as many as the greatest needs, and at least as many as in the paper.
@@ -79,16 +117,20 @@ impl Plan {
         self.steps.len() - 1
     }
 
-    /// Cycles from the acceptance of a job to its outcome: one for each boundary.
+    /// Cycles from the acceptance of a job to its outcome: one for each boundary, or in a folded pipeline one for each
+    /// position and one for the exit.
     pub fn latency(&self) -> u32 {
-        self.steps.len() as u32
+        self.rounds.as_ref().map_or(self.steps.len() as u32, |rounds| rounds.positions() + 1)
     }
 
     /// The number of jobs that the datapath can hold while the sink is not ready.
     pub fn capacity(&self) -> u64 {
+        let (latency, interval) = (u64::from(self.latency()), u64::from(self.microarchitecture.interval.cycles()));
         match self.microarchitecture.control {
-            Control::Skid => 2 * u64::from(self.latency()),
-            Control::Credit => u64::from(self.latency()) + 1,
+            Control::Skid if interval > 1 => (latency - 1).div_ceil(interval) + 2,
+            Control::Skid => 2 * latency,
+            // As many as the source offers until the first credit returns.
+            Control::Credit => (latency + 1).div_ceil(interval),
         }
     }
 
@@ -96,7 +138,8 @@ impl Plan {
     pub fn origin(&self, step: usize, op: usize, id: NodeId) -> Origin {
         let none = Layout::default();
         let before = step.checked_sub(1).map_or(&none, |before| &self.steps[before].layout);
-        origin(&self.operations, before, &self.steps[step].bindings, op, id)
+        let plan = &self.steps[step];
+        origin(&self.operations, before, &plan.bindings, &plan.alike, op, id)
     }
 
     /// The units of a step, or their parts, sorted by kind.
@@ -147,16 +190,18 @@ fn origin(
     operations: &[OperationGraph<Step>],
     before: &Layout,
     bindings: &[Bindings],
+    alike: &[Alike],
     op: usize,
     id: NodeId,
 ) -> Origin {
     if let Some(slot) = before.slot(op, id) {
         return Origin::Register(slot);
     }
+    let logic = || Origin::Logic(op, *alike.get(op).and_then(|alike| alike.get(&id)).unwrap_or(&id));
     match &operations[op].node(id).op {
         Op::Input(port) => Origin::Port(port.clone()),
         // A comparator has several results; the selection among them is the operation's logic.
-        Op::Compare(..) => Origin::Logic(op, id),
-        _ => bindings[op].get(&id).map_or(Origin::Logic(op, id), |binding| Origin::Unit(binding.unit)),
+        Op::Compare(..) => logic(),
+        _ => bindings[op].get(&id).map_or_else(logic, |binding| Origin::Unit(binding.unit)),
     }
 }

@@ -1,6 +1,6 @@
 //! The parameters and the configuration that they make up.
 
-use super::enumerations::{Accumulators, Control, Encoding, Lanes, Sharing, UnitLatency};
+use super::enumerations::{Accumulators, Control, Encoding, Interval, Lanes, Sharing, UnitLatency, UnitSharing};
 use super::parameter::{Parameter, ParameterGroup, declare_parameters, values};
 use super::values::{MAX_TAG_WIDTH, TagWidth, Values};
 use crate::error::Error;
@@ -40,6 +40,10 @@ declare_parameters! {
         control ("control"): Control = Control::Skid,
         /// Whether operations share registers.
         sharing ("sharing"): Sharing = Sharing::Union,
+        /// Whether operations share the units of a stage and the multiplexers of their operands.
+        units ("units"): UnitSharing = UnitSharing::Shared,
+        /// Cycles from a job to the next: with k, each stage computes its values in k rounds on about 1/k of the units.
+        interval ("interval"): Interval = Interval::One,
         /// Pipeline steps of an adder or a multiplier.
         unit_latency ("unit-latency"): UnitLatency = UnitLatency::One,
     }
@@ -116,9 +120,10 @@ impl Config {
     /// Checks that the parameters can be combined.
     ///
     /// # Errors
-    /// Those of [`Semantics::check`].
+    /// Those of [`Semantics::check`] and [`Microarchitecture::check`].
     pub fn check(self) -> Result<(), Error> {
-        self.semantics.check()
+        self.semantics.check()?;
+        self.microarchitecture.check(self.semantics.features.exception_flags)
     }
 
     /// The command-line options that select this configuration, such as `--lanes none --control credit`; empty for the
@@ -174,6 +179,23 @@ impl Semantics {
             return Err(Error::Feature { feature: "exception flags", problem });
         }
         Ok(())
+    }
+}
+
+impl Microarchitecture {
+    /// Checks that an interval above 1 can be combined with the other parameters.
+    ///
+    /// # Errors
+    /// An interval above 1 with units of several steps, or with exception flags, which join all units of a stage.
+    pub fn check(self, exception_flags: bool) -> Result<(), Error> {
+        let Self { interval, unit_latency, .. } = self;
+        let problem = match (interval, unit_latency) {
+            (Interval::One, _) => return Ok(()),
+            (_, UnitLatency::One) if !exception_flags => return Ok(()),
+            (_, UnitLatency::One) => "not available with exception flags, expected interval 1".to_string(),
+            _ => format!("not available with unit-latency {unit_latency}, expected unit-latency 1"),
+        };
+        Err(Error::Feature { feature: "interval", problem: format!("{interval} is {problem}") })
     }
 }
 

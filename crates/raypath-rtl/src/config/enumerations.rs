@@ -60,6 +60,37 @@ choices! {
 }
 
 choices! {
+    /// Whether operations share units.
+    pub enum UnitSharing ("sharing of units") {
+        /// All operations share the adders, multipliers and comparators of a stage (the paper's).
+        Shared = "shared",
+        /// Every operation has its own units, without multiplexers before them.
+        Disjoint = "disjoint",
+    }
+}
+
+choices! {
+    /// The number of cycles from a job to the next one at full throughput.
+    pub enum Interval ("interval between jobs") {
+        /// One (the paper's).
+        One = "1",
+        /// Two.
+        Two = "2",
+        /// Four.
+        Four = "4",
+        /// Eight.
+        Eight = "8",
+    }
+}
+
+impl Interval {
+    /// The number of cycles.
+    pub fn cycles(self) -> u32 {
+        [1, 2, 4, 8][self as usize]
+    }
+}
+
+choices! {
     /// The number of pipeline steps of an adder or a multiplier.
     pub enum UnitLatency ("latency of units") {
         /// One: units are combinational (the paper's).

@@ -4,6 +4,7 @@ use crate::allocate::layout::{FLAG_REGISTER, Layout, Origin, RegisterSlot};
 use crate::allocate::plan::Plan;
 use crate::config::{Encoding, Sharing};
 use crate::emit::library::Library;
+use crate::emit::positions::Positions;
 use crate::error::Error;
 use crate::ir::graph::{NodeId, OperationGraph};
 use crate::ir::position::Step;
@@ -121,9 +122,91 @@ pub struct StepBuilder<'m, 'p> {
     pub step: usize,
     /// The opcode of the job in the registers before it.
     pub opcode: Wire<'m>,
+    /// Where the job is, in a folded pipeline.
+    pub positions: Option<&'p Positions<'m>>,
 }
 
 impl<'m> StepBuilder<'m, '_> {
+    /// Whether the job belongs to one of these operations; `None` if there is none.
+    pub fn is_any(self, ops: &[usize]) -> Option<Wire<'m>> {
+        let is = |&op: &usize| {
+            let label = self.m.label(&self.label(op), self.opcode.width());
+            self.opcode.equals(label)
+        };
+        ops.iter().map(is).reduce(|a, b| a | b)
+    }
+
+    /// The net that the job's operation uses at its position, in a folded pipeline. A use is an operation, a position
+    /// and a key that identifies the net; `wire` gives the net of the use with an index. No multiplexer if all are the
+    /// same net. Without a use for the job, any net.
+    pub fn choose<K: PartialEq>(
+        self,
+        uses: &[(usize, u32, K)],
+        wire: &mut dyn FnMut(usize) -> Result<Wire<'m>, Error>,
+    ) -> Result<Option<Wire<'m>>, Error> {
+        // The uses of each net.
+        let mut nets: Vec<Vec<usize>> = Vec::new();
+        for (index, (_, _, key)) in uses.iter().enumerate() {
+            match nets.iter_mut().find(|net| uses[net[0]].2 == *key) {
+                Some(net) => net.push(index),
+                None => nets.push(vec![index]),
+            }
+        }
+        let has = |net: &[usize], op: usize, position: Option<u32>| {
+            net.iter().any(|&index| uses[index].0 == op && position.is_none_or(|position| uses[index].1 == position))
+        };
+        let ops = |net: &[usize], position: Option<u32>| -> Vec<usize> {
+            (0..self.plan.operations.len()).filter(|&op| has(net, op, position)).collect()
+        };
+        let all: Vec<usize> = (0..uses.len()).collect();
+        let is_by_opcode = ops(&all, None).iter().all(|&op| nets.iter().filter(|net| has(net, op, None)).count() == 1);
+        // The condition for a net: terms of a position and operations.
+        let terms = |net: &Vec<usize>| -> Vec<(Option<u32>, Vec<usize>)> {
+            if is_by_opcode {
+                return vec![(None, ops(net, None))];
+            }
+            let mut positions: Vec<u32> = net.iter().map(|&index| uses[index].1).collect();
+            positions.sort_unstable();
+            positions.dedup();
+            let term = |position| {
+                let own = ops(net, Some(position));
+                let is_only = own == ops(&all, Some(position));
+                (Some(position), if is_only { Vec::new() } else { own })
+            };
+            positions.into_iter().map(term).collect()
+        };
+        // The net with the longest condition needs none.
+        let Some(rest) = (0..nets.len()).max_by_key(|&net| terms(&nets[net]).len()) else { return Ok(None) };
+        let mut chosen = wire(nets[rest][0])?;
+        for (_, net) in nets.iter().enumerate().filter(|(number, _)| *number != rest) {
+            let condition = terms(net).into_iter().filter_map(|(position, ops)| {
+                let at = position.and_then(|position| Some(self.positions?.at(position)));
+                match (at, self.is_any(&ops)) {
+                    (Some(at), Some(is)) => Some(at & is),
+                    (at, is) => at.or(is),
+                }
+            });
+            if let Some(condition) = condition.reduce(|a, b| a | b) {
+                chosen = condition.mux(wire(net[0])?, chosen);
+            }
+        }
+        Ok(Some(chosen))
+    }
+
+    /// The operand of a unit in each round: [`Self::by_opcode`] with the positions of the arms.
+    pub fn by_round<K: PartialEq>(
+        self,
+        arms: &[(u32, Arm<K>)],
+        wires: &mut dyn Wires<'m>,
+    ) -> Result<Option<Wire<'m>>, Error> {
+        let uses: Vec<_> = arms.iter().map(|(position, (op, key, _, invert))| (*op, *position, (key, *invert))).collect();
+        self.choose(&uses, &mut |index| {
+            let (_, (op, _, id, invert)) = &arms[index];
+            let wire = wires.shared(*op, *id)?;
+            Ok(if *invert { negate(wire) } else { wire })
+        })
+    }
+
     /// The value of the job's operation among `arms`, without a multiplexer if all are the same net. An opcode without
     /// an operation selects the first arm.
     pub fn by_opcode<K: PartialEq>(
@@ -242,11 +325,13 @@ impl<'m> Wires<'m> for Registers<'_, 'm> {
     }
 }
 
-/// The operations that use a number register, and their values in it.
+/// The operations that use a number register, and their values in it: one each, or in a folded pipeline several.
 fn live_values(plan: &Plan, layout: &Layout, place: usize) -> Vec<(usize, NodeId)> {
-    let value =
-        |op: usize| layout.slots[op].iter().find(|(_, p)| **p == RegisterSlot::Number(place)).map(|(&id, _)| (op, id));
-    (0..plan.operations.len()).filter_map(value).collect()
+    let values = |op: usize| {
+        let own = layout.slots[op].iter().filter(move |(_, slot)| **slot == RegisterSlot::Number(place));
+        own.map(move |(&id, _)| (op, id))
+    };
+    (0..plan.operations.len()).flat_map(values).collect()
 }
 
 /// Fields, lowest first, as one word of `width` bits that begins at flag bit `first`; `None` if there are no fields.

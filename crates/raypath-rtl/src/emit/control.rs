@@ -7,9 +7,11 @@ mod buffer;
 mod credit;
 mod exit;
 mod plain;
+mod rounds;
 mod skid;
 
 pub use credit::{Spacing, credit};
 pub use exit::Exit;
 pub use plain::Plain;
+pub use rounds::Rounds;
 pub use skid::Skid;

@@ -4,8 +4,10 @@ use crate::allocate::plan::Plan;
 use crate::config::Control;
 use crate::emit::boundary::{StepBuilder, Wires};
 use crate::emit::elastic::Registers;
+use crate::emit::folded::Folded;
 use crate::emit::interface;
 use crate::emit::library::Library;
+use crate::emit::positions::Positions;
 use crate::error::Error;
 use crate::ir::graph::{Kind, NodeId, Op, PortBit};
 use crate::ir::units::Unit;
@@ -60,7 +62,12 @@ pub fn input(plan: &Plan, library: &Library, package: &Arc<Package>) -> Result<A
         .map(|port| (port.name.clone(), m.input(&format!("{}_i", port.name), port.width)))
         .collect();
     let mut wires = Ports { plan, wires };
-    let at = StepBuilder { m: &m, plan, library, step: 0, opcode };
+    let positions = Positions::new(&m, plan);
+    let at = StepBuilder { m: &m, plan, library, step: 0, opcode, positions: Some(&positions) };
+    if let Some(rounds) = &plan.rounds {
+        Folded::new(at, rounds, Some(m.input("valid_i", 1))).store(&mut wires)?;
+        return Ok(m.finish()?);
+    }
     let registers = Registers::new(at, at.next(&mut wires)?);
     match plan.microarchitecture.control {
         Control::Skid => registers.skid_buffers(None),

@@ -27,7 +27,9 @@ pub fn package(plan: &Plan, library: &Library) -> Arc<Package> {
         doc: Some("The opcode port as an enumeration.".to_string()),
         fields: vec![("opcode_e".to_string(), "opcode".to_string())],
     };
-    let registers = (0..plan.steps.len()).map(|step| Structure {
+    // The registers of a folded pipeline hold values of several positions, except those at the exit.
+    let first = if plan.rounds.is_some() { plan.last() } else { 0 };
+    let registers = (first..plan.steps.len()).map(|step| Structure {
         name: structure(plan, step),
         doc: Some(match step {
             0 => "The input registers.".to_string(),

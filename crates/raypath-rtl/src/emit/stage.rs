@@ -4,8 +4,10 @@ use crate::allocate::plan::Plan;
 use crate::config::{Control, Encoding};
 use crate::emit::boundary::{self, StepBuilder};
 use crate::emit::elastic::Registers;
+use crate::emit::folded::Folded;
 use crate::emit::interface;
 use crate::emit::library::Library;
+use crate::emit::positions::Positions;
 use crate::emit::values::{StepInputs, Values};
 use crate::error::Error;
 use crate::ir::graph::{Kind, NodeId, Op, OperationGraph, StateValue};
@@ -37,9 +39,12 @@ fn build(
     names: &[(usize, NodeId)],
 ) -> Result<Vec<(usize, NodeId)>, Error> {
     let opcode = m.input("opcode_i", plan.opcode_width());
-    let at = StepBuilder { m, plan, library, step, opcode };
+    let positions = Positions::new(m, plan);
+    let at = StepBuilder { m, plan, library, step, opcode, positions: Some(&positions) };
     let mut before = StepInputs::ports(m, plan, library, step);
-    m.group_inputs(interface::input(plan, library, step - 1));
+    if plan.rounds.is_none() {
+        m.group_inputs(interface::input(plan, library, step - 1));
+    }
     let states = States::new(at);
     before.states = states.wires.clone();
     let mut values = Values::new(at, before);
@@ -60,8 +65,13 @@ fn build(
             values.unit(unit)?;
         }
     }
-    let next = at.next(&mut values)?;
     let last = step == plan.last();
+    if let Some(rounds) = plan.rounds.as_ref().filter(|_| !last) {
+        Folded::new(at, rounds, None).store(&mut values)?;
+        states.write(at, None, &mut values)?;
+        return Ok(values.read_from_registers());
+    }
+    let next = at.next(&mut values)?;
     let registers = Registers::new(at, next);
     let advance = match plan.microarchitecture.control {
         Control::Skid => {
@@ -71,10 +81,10 @@ fn build(
             busy.into_iter().for_each(|busy| busy.follow(advance));
             advance
         }
-        Control::Credit if last => registers.exit(plan.latency())?,
+        Control::Credit if last => registers.exit(plan.capacity() as u32 - 1)?,
         Control::Credit => registers.plain(),
     };
-    states.write(at, advance, &mut values)?;
+    states.write(at, Some(advance), &mut values)?;
     Ok(values.read_from_registers())
 }
 
@@ -154,14 +164,29 @@ impl<'m> States<'m> {
         states
     }
 
-    /// Sets the next values of the registers.
-    fn write(self, at: StepBuilder<'m, '_>, advance: Wire<'m>, values: &mut Values<'m, '_>) -> Result<(), Error> {
+    /// Sets the next values of the registers. `advance` is whether the job leaves the step; a folded pipeline has a
+    /// position for each state instead.
+    fn write(
+        self,
+        at: StepBuilder<'m, '_>,
+        advance: Option<Wire<'m>>,
+        values: &mut Values<'m, '_>,
+    ) -> Result<(), Error> {
         let StepBuilder { m, plan, opcode, .. } = at;
         if self.registers.is_empty() {
             return Ok(());
         }
         m.section("The job leaves the step");
-        let advance = advance.named("advance");
+        let advance = advance.map(|advance| advance.named("advance"));
+        if let (Some(rounds), Some(positions)) = (&plan.rounds, at.positions) {
+            for ((op, number), register) in self.registers {
+                let traced = &plan.operations[op];
+                let moves = positions.moves(rounds.states[op][number]);
+                register.next_when(moves & is(opcode, traced), values.get(op, traced.states[number].next)?);
+            }
+            return Ok(());
+        }
+        let Some(advance) = advance else { return Ok(()) };
         let mut advances: BTreeMap<usize, Wire<'_>> = BTreeMap::new();
         for ((op, number), register) in self.registers {
             let traced = &plan.operations[op];

@@ -8,8 +8,10 @@ use crate::emit::input;
 use crate::emit::interface;
 use crate::emit::library::Library;
 use crate::emit::output;
+use crate::emit::positions;
 use crate::emit::stage;
 use crate::error::Error;
+use crate::fold::Rounds;
 use raypath_hdl::{Builder, Forward, Module, Wire};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,6 +23,8 @@ pub struct Pipeline {
     pub steps: Vec<Arc<Module>>,
     /// The module `raypath_credit`, if control is by credits.
     pub credit: Option<Arc<Module>>,
+    /// The module `raypath_rounds`, if the pipeline is folded.
+    pub rounds: Option<Arc<Module>>,
 }
 
 /// Builds the module `raypath` and all below it. `doc` is its head comment.
@@ -58,7 +62,9 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
     let mut leaves = None;
     if plan.microarchitecture.control == Control::Credit {
         m.section("A job enters while the exit has a place for it");
-        let module = control::credit(plan.latency() + 1, plan.opcode_width(), &spacings(plan), &package)?;
+        let interval = plan.microarchitecture.interval.cycles();
+        let credits = plan.capacity() as u32;
+        let module = control::credit(credits, interval, plan.opcode_width(), &spacings(plan), &package)?;
         let returned = m.forward("job_leaves", 1);
         wires.insert("returned".to_string(), returned.wire());
         let outputs = instance(&m, "credit", &module, &wires);
@@ -67,16 +73,32 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
         (credit, leaves) = (Some(module), Some(returned));
     }
 
+    let rounds = match &plan.rounds {
+        None => None,
+        Some(rounds) => {
+            m.section("The positions of the jobs");
+            Some(Positions::new(&m, plan, rounds, &modules, &mut wires)?)
+        }
+    };
+
     m.section("The pipeline");
     let mut backward = Backward { m: &m, forwards: BTreeMap::new(), driven: BTreeMap::new() };
     let mut ready_before: Option<Forward<'_>> = None;
     for (index, (name, module)) in modules.iter().enumerate() {
-        let next = modules.get(index + 1).filter(|_| plan.microarchitecture.control == Control::Skid);
+        if let Some(rounds) = &rounds {
+            rounds.supply(index + 1 == modules.len(), &mut wires);
+        }
+        let is_elastic = plan.microarchitecture.control == Control::Skid && rounds.is_none();
+        let next = modules.get(index + 1).filter(|_| is_elastic);
         let ready_after = next.map(|_| m.forward_unnamed(1));
         wires.insert("ready".to_string(), ready_after.map_or(output_ready, |forward| forward.wire()));
         backward.supply(module, &mut wires);
         wires = instance(&m, name, module, &wires);
         backward.collect(&wires);
+        if let Some(rounds) = &rounds {
+            rounds.collect(&wires);
+            continue;
+        }
         match (ready_before, wires.get("ready").copied()) {
             (Some(forward), Some(ready)) => forward.drive(ready),
             (None, Some(ready)) => m.output("input_ready_o", ready),
@@ -96,7 +118,60 @@ pub fn pipeline(plan: &Plan, library: &Library, doc: &[String]) -> Result<Pipeli
         m.output(&format!("{name}_o"), wire);
     }
     let steps = modules.into_iter().map(|(_, module)| module).collect();
-    Ok(Pipeline { top: m.finish()?, steps, credit })
+    let rounds = rounds.map(|rounds| rounds.module);
+    Ok(Pipeline { top: m.finish()?, steps, credit, rounds })
+}
+
+/// The control of a folded pipeline at the top.
+struct Positions<'m> {
+    module: Arc<Module>,
+    /// Its outputs for the steps, by stem.
+    outputs: BTreeMap<String, Wire<'m>>,
+    /// Whether the exit is ready, if jobs may have to wait for it.
+    ready: Option<Forward<'m>>,
+}
+
+impl<'m> Positions<'m> {
+    /// The instance of `raypath_rounds`, with the outputs that the steps read.
+    fn new(
+        m: &'m Builder,
+        plan: &Plan,
+        rounds: &Rounds,
+        steps: &[(String, Arc<Module>)],
+        wires: &mut BTreeMap<String, Wire<'m>>,
+    ) -> Result<Self, Error> {
+        let stops = positions::stops(plan);
+        let last = rounds.positions() - 1;
+        let control = control::Rounds { positions: last + 1, interval: rounds.interval, stops: &stops };
+        let is_read = |stem: &str| steps.iter().flat_map(|(_, step)| step.inputs()).any(|port| port.stem() == stem);
+        let at = (0..=last).filter(|&position| position == last || is_read(&positions::at(position)));
+        let moves = stops.iter().copied().filter(|&stop| is_read(&positions::moves(stop, &stops)));
+        let module = control.module(&at.collect(), &moves.collect())?;
+        let ready = (!stops.is_empty()).then(|| m.forward("exit_ready", 1));
+        wires.extend(ready.map(|ready| ("ready".to_string(), ready.wire())));
+        let mut outputs = instance(m, "rounds", &module, wires);
+        if let (Some(ready), Some(enters)) = (outputs.remove("ready"), outputs.remove("enters")) {
+            m.output("input_ready_o", ready);
+            wires.insert("valid".to_string(), enters);
+        }
+        outputs.insert("last".to_string(), outputs[&positions::at(last)]);
+        Ok(Self { module, outputs, ready })
+    }
+
+    /// Adds the wires for a step.
+    fn supply(&self, is_last: bool, wires: &mut BTreeMap<String, Wire<'m>>) {
+        wires.extend(self.outputs.iter().map(|(stem, wire)| (stem.clone(), *wire)));
+        if is_last {
+            wires.insert("valid".to_string(), self.outputs["last"]);
+        }
+    }
+
+    /// Takes the ready of the last step.
+    fn collect(&self, outputs: &BTreeMap<String, Wire<'m>>) {
+        if let (Some(forward), Some(ready)) = (self.ready, outputs.get("ready")) {
+            forward.drive(*ready);
+        }
+    }
 }
 
 /// The operations whose jobs must keep a distance, because the pipeline cannot delay a job after its acceptance.

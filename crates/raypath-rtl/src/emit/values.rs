@@ -91,6 +91,7 @@ impl<'m, 'p> Values<'m, 'p> {
 
     /// The wire of an operation's value, named as in the operation's description.
     pub fn get(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {
+        let id = self.first_alike(op, id);
         if let Some(&wire) = self.made.get(&(op, id)) {
             return Ok(wire);
         }
@@ -107,6 +108,13 @@ impl<'m, 'p> Values<'m, 'p> {
         };
         self.made.insert((op, id), wire);
         Ok(wire)
+    }
+
+    /// The first of the values that are the same net in a folded pipeline.
+    fn first_alike(&self, op: usize, id: NodeId) -> NodeId {
+        let alike = self.at.plan.steps[self.at.step].alike.get(op);
+        let first = alike.and_then(|alike| alike.get(&id).copied());
+        if self.slot(op, id).is_some() { id } else { first.unwrap_or(id) }
     }
 
     /// A unit's results, in the order of its ports.
@@ -155,8 +163,16 @@ impl<'m, 'p> Values<'m, 'p> {
                 (op, self.at.plan.origin(self.at.step, op, source), source, inverted(op, id) && !all_inverted)
             })
             .collect();
-        let StepBuilder { m, library, .. } = self.at;
-        let chosen = self.at.by_opcode(&arms, self)?;
+        let StepBuilder { m, plan, library, step, .. } = self.at;
+        let chosen = match &plan.rounds {
+            None => self.at.by_opcode(&arms, self)?,
+            Some(rounds) => {
+                let arms = arms.iter().zip(self.users(unit)).map(|((op, origin, source, inverts), (_, id))| {
+                    (rounds.units[*op][step][&id], (*op, origin, *source, *inverts))
+                });
+                self.at.by_round(&arms.collect::<Vec<_>>(), self)?
+            }
+        };
         let chosen = chosen.unwrap_or_else(|| m.constant(library.format.recoded_width(), 0));
         let one_net = arms.iter().all(|arm| (&arm.1, arm.3) == (&arms[0].1, arms[0].3));
         let chosen = if one_net { chosen } else { chosen.named(name) };
@@ -166,8 +182,10 @@ impl<'m, 'p> Values<'m, 'p> {
     /// The values that a unit computes, with their operations.
     fn users(&self, unit: Unit) -> Vec<(usize, NodeId)> {
         let bindings = &self.at.plan.steps[self.at.step].bindings;
-        let made = |op: usize| bindings[op].iter().find(|(_, binding)| binding.unit == unit).map(|(&id, _)| (op, id));
-        (0..bindings.len()).filter_map(made).collect()
+        let made = |op: usize| {
+            bindings[op].iter().filter(move |(_, binding)| binding.unit == unit).map(move |(&id, _)| (op, id))
+        };
+        (0..bindings.len()).flat_map(made).collect()
     }
 
     fn make(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {

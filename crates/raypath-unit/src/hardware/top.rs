@@ -71,7 +71,8 @@ impl UnitNetlist {
             raypath_rtl::Control::Credit => Control::Credit,
         };
         // Boxes and triangles have no accumulators.
-        Shape { latency: self.datapath.latency() as usize, control, loops: Vec::new() }
+        let (latency, interval) = (self.datapath.latency() as usize, self.datapath.interval() as usize);
+        Shape { latency, control, interval, loops: Vec::new() }
     }
 }
 

@@ -15,9 +15,11 @@ pub struct Spacing {
     pub cycles: u32,
 }
 
-/// `raypath_credit`: accepts a job while the exit has a place for it. `credits` is the number of places.
+/// `raypath_credit`: accepts a job while the exit has a place for it. `credits` is the number of places, `interval` the
+/// number of cycles between two jobs, at least 1.
 pub fn credit(
     credits: u32,
+    interval: u32,
     opcode_width: u32,
     spacings: &[Spacing],
     package: &Arc<Package>,
@@ -45,7 +47,20 @@ pub fn credit(
             spaced.push((spacing, recent, same));
         }
     }
+    let recent = (interval > 1).then(|| {
+        m.section(format!("A job enters {interval} or more cycles after the job before it"));
+        m.register("recent_q", interval - 1).reset_to(0)
+    });
+    if let Some(recent) = recent {
+        ready = ready & !recent.wire().any();
+    }
     let enters = (valid & ready).named("enters");
+    if let Some(recent) = recent {
+        recent.next(match interval {
+            2 => enters,
+            _ => m.concat(&[recent.wire().lower(interval - 2), enters]),
+        });
+    }
     for (spacing, recent, same) in spaced {
         let enters = enters & same;
         recent.next(match spacing.cycles {

@@ -1,0 +1,134 @@
+//! A folded pipeline: jobs at least an interval apart, each of which takes several cycles in a stage.
+
+use crate::shape::{Control, Occupancy, PipelinePosition, Shape, highest};
+
+/// The control of a folded pipeline. Jobs move from position 0 to the last position, and then to the exit, which shows
+/// the oldest job to the sink.
+///
+/// Bit i of an [`Occupancy`] is position i.
+#[derive(Debug, Clone)]
+pub struct Folded {
+    /// The least number of positions between two jobs.
+    interval: u32,
+    /// The bit of the last position.
+    last: Occupancy,
+    /// The jobs before the exit.
+    at: Occupancy,
+    /// The number of jobs in the exit.
+    arrived: usize,
+    admission: Admission,
+}
+
+/// What limits the jobs inside.
+#[derive(Debug, Clone)]
+enum Admission {
+    /// The exit holds two jobs. While it is full, jobs wait at positions that are an interval apart, the last one among
+    /// them.
+    Elastic,
+    /// The exit has a place for every job.
+    Credits {
+        /// The number of jobs that may be inside.
+        capacity: usize,
+        /// The number of cycles in which no job may enter, because another one has entered.
+        closed_for: u64,
+    },
+}
+
+/// The jobs that the exit of an elastic pipeline holds.
+const EXIT_PLACES: usize = 2;
+
+impl Folded {
+    pub fn new(shape: &Shape) -> Self {
+        let admission = match shape.control {
+            Control::Skid => Admission::Elastic,
+            Control::Credit => Admission::Credits { capacity: shape.capacity(), closed_for: 0 },
+        };
+        let last = 1 << (shape.length() - 2);
+        Self { interval: shape.spacing() as u32, last, at: 0, arrived: 0, admission }
+    }
+
+    #[inline]
+    pub fn input_ready(&self) -> bool {
+        match self.admission {
+            Admission::Elastic => {
+                let near = (1 << (self.interval - 1)) - 1;
+                // A job at the position behind those must move.
+                self.at & near == 0 && self.waiting() & (near + 1) == 0
+            }
+            Admission::Credits { capacity, closed_for } => {
+                closed_for == 0 && self.at.count_ones() as usize + self.arrived < capacity
+            }
+        }
+    }
+
+    #[inline]
+    pub fn output_valid(&self) -> bool {
+        self.arrived > 0
+    }
+
+    /// One clock edge. `entering` is whether a job was accepted. The job at the output leaves if `taken`.
+    #[inline]
+    pub fn cycle(&mut self, entering: bool, taken: bool) {
+        let waiting = self.waiting();
+        let moving = self.at & !waiting;
+        self.arrived = self.arrived + usize::from(moving & self.last != 0) - usize::from(taken);
+        self.at = waiting | ((moving & !self.last) << 1) | Occupancy::from(entering);
+        if let Admission::Credits { closed_for, .. } = &mut self.admission {
+            *closed_for = if entering { u64::from(self.interval) - 1 } else { closed_for.saturating_sub(1) };
+        }
+    }
+
+    /// The jobs that do not move in this cycle.
+    #[inline]
+    fn waiting(&self) -> Occupancy {
+        if matches!(self.admission, Admission::Credits { .. }) || self.arrived < EXIT_PLACES {
+            return 0;
+        }
+        let mut waiting = self.at & self.last;
+        let mut stop = highest(self.last);
+        while let Some(before) = stop.checked_sub(self.interval) {
+            let between = (1 << stop) - (2 << before);
+            if self.at & between != 0 || waiting >> stop & 1 == 1 {
+                waiting |= self.at & (1 << before);
+            }
+            stop = before;
+        }
+        waiting
+    }
+
+    /// Advances up to `limit` cycles without input, until the output is valid. Returns the number of cycles.
+    #[inline]
+    pub fn idle(&mut self, limit: u64) -> u64 {
+        if self.output_valid() {
+            return 0;
+        }
+        let steps = match self.at {
+            0 => limit,
+            at => limit.min((highest(self.last) + 1 - highest(at)).into()),
+        };
+        // `steps` may exceed the shift's range if there are no jobs.
+        let moved = if self.at == 0 { 0 } else { self.at << steps };
+        let exit = self.last << 1;
+        self.arrived = usize::from(moved & exit != 0);
+        self.at = moved & !exit;
+        if let Admission::Credits { closed_for, .. } = &mut self.admission {
+            *closed_for = closed_for.saturating_sub(steps);
+        }
+        steps
+    }
+
+    /// The positions of the jobs, oldest first.
+    pub fn positions(&self) -> impl Iterator<Item = PipelinePosition> + '_ {
+        let exit = highest(self.last) as usize + 2;
+        let arrived = (0..self.arrived).map(move |index| PipelinePosition { stage: exit, waits: index > 0 });
+        let moving = (0..exit - 1).rev().filter(|index| self.at >> index & 1 == 1);
+        arrived.chain(moving.map(|index| PipelinePosition { stage: index + 1, waits: false }))
+    }
+
+    pub fn reset(&mut self) {
+        (self.at, self.arrived) = (0, 0);
+        if let Admission::Credits { closed_for, .. } = &mut self.admission {
+            *closed_for = 0;
+        }
+    }
+}
