@@ -14,7 +14,7 @@ const ANGULAR: u64 = 3;
 
 fn shape(latency: usize, control: Control, loops: &[(u64, usize, usize)]) -> Shape {
     let loops = loops.iter().map(|&(opcode, first, last)| Loop { opcode, first, last }).collect();
-    Shape { latency, control, loops }
+    Shape { latency, control, interval: 1, loops }
 }
 
 /// Pipelines of several lengths under both controls, with and without loops.

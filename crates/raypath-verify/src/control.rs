@@ -20,7 +20,7 @@ pub use structure::structural_faults;
 
 use crate::{Error, Progress, Request, Verdict};
 use raypath_ops::Rules;
-use raypath_rtl::{Config, Control, Datapath, Lanes, Sharing, UnitLatency};
+use raypath_rtl::{Config, Control, Datapath, Interval, Lanes, Sharing, UnitLatency};
 use raypath_tools::pool;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
@@ -94,6 +94,10 @@ pub fn all() -> Vec<Config> {
                 }
             }
         }
+        for &interval in Interval::ALL.iter().filter(|interval| **interval != Interval::One) {
+            let folded = Config::DEFAULT.control(control).interval(interval);
+            configs.extend([Lanes::None, Lanes::Two].map(|lanes| folded.lanes(lanes)));
+        }
     }
     configs
 }
@@ -101,7 +105,8 @@ pub fn all() -> Vec<Config> {
 /// One configuration of each kind of control.
 fn representatives() -> Vec<Config> {
     let config = |control, unit_latency| Config::DEFAULT.control(control).unit_latency(unit_latency).lanes(Lanes::Two);
-    vec![config(Control::Skid, UnitLatency::One), config(Control::Credit, UnitLatency::One)]
+    let configs = Control::ALL.iter().map(|&control| config(control, UnitLatency::One));
+    configs.flat_map(|config| [config, config.interval(Interval::Four)]).collect()
 }
 
 /// Checks each problem, equal ones once, on all cores; none for problems not reached when the run was stopped.

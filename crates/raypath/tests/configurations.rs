@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 use raypath::float::Format;
 use raypath::ops::Rules;
-use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
+use raypath::rtl::{Config, Control, Encoding, Interval, Lanes, Sharing, UnitLatency, UnitSharing};
 use raypath::sim::Datapath;
 use raypath::sim::engine::NetlistEngine;
 use raypath::sim::lockstep::RegressionChecks;
@@ -21,6 +21,8 @@ struct Space {
     control: &'static [Control],
     sharing: &'static [Sharing],
     unit_latency: &'static [UnitLatency],
+    units: &'static [UnitSharing],
+    interval: &'static [Interval],
 }
 
 /// Only the default configuration.
@@ -33,6 +35,8 @@ const DEFAULT: Space = Space {
     control: &[Control::Skid],
     sharing: &[Sharing::Union],
     unit_latency: &[UnitLatency::One],
+    units: &[UnitSharing::Shared],
+    interval: &[Interval::One],
 };
 
 const RULES: &[Rules] = &[Rules::Paper, Rules::Chisel];
@@ -52,7 +56,7 @@ fn configurations_of_all_spaces() {
     all.par_iter().enumerate().for_each(|(seed, config)| check(*config, seed as u64, 2000));
 }
 
-const SPACES: [Space; 7] = [
+const SPACES: [Space; 12] = [
     LANES_AND_RULES,
     ENCODINGS,
     CONTROL_WITHOUT_DISTANCES,
@@ -60,6 +64,11 @@ const SPACES: [Space; 7] = [
     ENCODINGS_WITH_CONTROL,
     FORMATS,
     FORMATS_WITH_CONTROL,
+    UNITS,
+    FOLDED,
+    FOLDED_REGISTERS,
+    FOLDED_ENCODINGS,
+    FOLDED_FORMATS,
 ];
 
 const LANES_AND_RULES: Space = Space { lanes: Lanes::ALL, rules: RULES, ..DEFAULT };
@@ -91,6 +100,39 @@ const FORMATS_WITH_CONTROL: Space = Space {
     unit_latency: UnitLatency::ALL,
     ..DEFAULT
 };
+
+/// Units of each operation, with units of one and of several steps.
+const UNITS: Space = Space {
+    lanes: &[Lanes::None, Lanes::Four],
+    unit_latency: UnitLatency::ALL,
+    units: &[UnitSharing::Disjoint],
+    ..DEFAULT
+};
+
+const INTERVALS: &[Interval] = &[Interval::Two, Interval::Four, Interval::Eight];
+const FOLDED: Space =
+    Space { rules: RULES, lanes: FEW_AND_MANY_LANES, control: Control::ALL, interval: INTERVALS, ..DEFAULT };
+
+const FOLDED_REGISTERS: Space = Space {
+    lanes: &[Lanes::None, Lanes::Four],
+    control: Control::ALL,
+    sharing: &[Sharing::Segregated],
+    units: UnitSharing::ALL,
+    interval: INTERVALS,
+    ..DEFAULT
+};
+
+const FOLDED_ENCODINGS: Space = Space {
+    lanes: &[Lanes::Two],
+    io: Encoding::ALL,
+    registers: Encoding::ALL,
+    control: Control::ALL,
+    interval: &[Interval::Four],
+    ..DEFAULT
+};
+
+const FOLDED_FORMATS: Space =
+    Space { formats: &["bf16", "e3s3"], lanes: &[Lanes::None, Lanes::Two], interval: INTERVALS, ..DEFAULT };
 
 /// The documents state how many configurations these tests run.
 #[test]
@@ -131,6 +173,8 @@ impl Space {
         vary(&mut configs, self.control, |config, control| config.microarchitecture.control = control);
         vary(&mut configs, self.sharing, |config, sharing| config.microarchitecture.sharing = sharing);
         vary(&mut configs, self.unit_latency, |config, latency| config.microarchitecture.unit_latency = latency);
+        vary(&mut configs, self.units, |config, units| config.microarchitecture.units = units);
+        vary(&mut configs, self.interval, |config, interval| config.microarchitecture.interval = interval);
         configs
     }
 }

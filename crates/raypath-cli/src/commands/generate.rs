@@ -131,11 +131,12 @@ fn report_timing(
             return Err(CliError::Mismatch(format!("{kind} jobs have {timing}, expected {expected}")));
         }
     }
-    let slower = measured.iter().filter(|(kind, _)| shape.interval(kind.opcode()) > 1);
+    let least = shape.interval;
+    let slower = measured.iter().filter(|(kind, _)| shape.interval(kind.opcode()) > least);
     let slower: Vec<String> =
         slower.map(|(kind, _)| format!("{} between {kind} jobs", shape.interval(kind.opcode()))).collect();
     let exceptions = if slower.is_empty() { String::new() } else { format!("; {}", slower.join(", ")) };
-    let usual = Timing { latency: shape.latency as u64, initiation_interval: 1 };
+    let usual = Timing { latency: shape.latency as u64, initiation_interval: least as u64 };
     writeln!(out, "Measured at the ports: {usual}{exceptions}.")?;
     Ok(())
 }

@@ -17,13 +17,7 @@ enum Operand {
 }
 
 /// The values of an operation in a stage that are the same net. Units without a binding differ from each other.
-pub fn alike(
-    graph: &OperationGraph<Step>,
-    op: usize,
-    made: &[NodeId],
-    before: &Layout,
-    bindings: &Bindings,
-) -> Alike {
+pub fn alike(graph: &OperationGraph<Step>, op: usize, made: &[NodeId], before: &Layout, bindings: &Bindings) -> Alike {
     let mut alike = Alike::new();
     let mut first: BTreeMap<(String, Vec<Operand>), NodeId> = BTreeMap::new();
     for &id in made {

@@ -199,7 +199,8 @@ impl<'m> StepBuilder<'m, '_> {
         arms: &[(u32, Arm<K>)],
         wires: &mut dyn Wires<'m>,
     ) -> Result<Option<Wire<'m>>, Error> {
-        let uses: Vec<_> = arms.iter().map(|(position, (op, key, _, invert))| (*op, *position, (key, *invert))).collect();
+        let uses: Vec<_> =
+            arms.iter().map(|(position, (op, key, _, invert))| (*op, *position, (key, *invert))).collect();
         self.choose(&uses, &mut |index| {
             let (_, (op, _, id, invert)) = &arms[index];
             let wire = wires.shared(*op, *id)?;

@@ -56,7 +56,9 @@ impl<'m, 'p> Folded<'m, 'p> {
             }
         }
         let mut registers: Vec<(RegisterSlot, Register<'m>)> = Vec::new();
-        for ((name, next, enable), slot) in stored.into_iter().zip(std::iter::once(None).chain(slots.into_iter().map(Some))) {
+        for ((name, next, enable), slot) in
+            stored.into_iter().zip(std::iter::once(None).chain(slots.into_iter().map(Some)))
+        {
             let register = m.register(&format!("{name}_q"), next.width());
             match enable {
                 Some(enable) => register.next_when(enable, next),

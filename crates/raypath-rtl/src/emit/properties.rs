@@ -6,7 +6,8 @@
 use crate::allocate::plan::Plan;
 use crate::config::Control;
 use crate::emit::top::Pipeline;
-use crate::emit::{interface, stage};
+use crate::emit::{interface, positions, stage};
+use crate::fold::Rounds;
 use crate::ir::graph::OperationGraph;
 use crate::ir::position::Step;
 use raypath_hdl::{Driver, Module, RegisterInfo};
@@ -47,6 +48,8 @@ pub enum Checker {
     Beats,
     /// The pipeline accepts no more jobs than it can hold.
     Credit,
+    /// Jobs of a folded pipeline keep their distance.
+    Rounds,
 }
 
 impl Properties {
@@ -56,8 +59,12 @@ impl Properties {
         for traced in plan.operations.iter().filter(|traced| traced.is_loop()) {
             binds.push(beats(plan, traced));
         }
+        binds.extend(plan.rounds.iter().zip(&pipeline.rounds).map(|(rounds, module)| distance(plan, rounds, module)));
         for (step, module) in pipeline.steps.iter().enumerate() {
-            binds.push(order_of_step(plan, step, module));
+            // The jobs of a folded pipeline are in one register of positions, up to the exit.
+            if plan.rounds.is_none() || step == plan.last() {
+                binds.push(order_of_step(plan, step, module));
+            }
             binds.extend(states(plan, step, module));
         }
         Self { binds }
@@ -88,6 +95,7 @@ impl Checker {
             Self::State => include_str!("properties/state.sv"),
             Self::Beats => include_str!("properties/beats.sv"),
             Self::Credit => include_str!("properties/credit.sv"),
+            Self::Rounds => include_str!("properties/rounds.sv"),
         }
     }
 
@@ -103,6 +111,7 @@ impl Checker {
             Self::State => "state",
             Self::Beats => "beats",
             Self::Credit => "credit",
+            Self::Rounds => "rounds",
         }
     }
 }
@@ -193,6 +202,21 @@ fn entrance(plan: &Plan, module: &Module) -> Bind {
         .connect("returned_i", "returned_i")
 }
 
+/// The distance of jobs in a folded pipeline.
+fn distance(plan: &Plan, rounds: &Rounds, module: &Module) -> Bind {
+    let last = rounds.positions() - 1;
+    let (enters, leaves) = match plan.microarchitecture.control {
+        Control::Skid => ("enters", format!("at_q[{last}] & ready_i")),
+        Control::Credit => ("valid_i", format!("at_q[{last}]")),
+    };
+    Bind::new(module.name(), Checker::Rounds)
+        .parameter("Positions", rounds.positions().into())
+        .parameter("Interval", rounds.interval.into())
+        .connect("enters_i", enters)
+        .connect("leaves_i", leaves)
+        .connect("at_i", "at_q")
+}
+
 /// Jobs through the registers of a step, which hold one or two jobs, or at the exit one for every credit.
 fn order_of_step(plan: &Plan, step: usize, module: &Module) -> Bind {
     let capacity = match plan.microarchitecture.control {
@@ -219,8 +243,13 @@ fn port_or_one(module: &Module, port: &str) -> String {
 /// The accumulators that a step writes.
 fn states(plan: &Plan, step: usize, module: &Module) -> Vec<Bind> {
     let mut binds = Vec::new();
-    for traced in &plan.operations {
-        for state in traced.states.iter().filter(|state| state.written == Step(step as u32)) {
+    for (op, traced) in plan.operations.iter().enumerate() {
+        let own = traced.states.iter().enumerate().filter(|(_, state)| state.written == Step(step as u32));
+        for (number, state) in own {
+            // In a folded pipeline the state changes at one position of the step.
+            let valid = plan.rounds.as_ref().map_or("valid_i".to_string(), |rounds| {
+                format!("{}_i", positions::moves(rounds.states[op][number], &positions::stops(plan)))
+            });
             let stem = stage::port(traced, state);
             let named = |register: &&RegisterInfo| module.signal(register.signal).name == Some(format!("{stem}_q"));
             let Some(register) = module.registers().iter().find(named) else { continue };
@@ -229,7 +258,7 @@ fn states(plan: &Plan, step: usize, module: &Module) -> Vec<Bind> {
             binds.push(
                 bind.parameter("Width", module.signal(register.signal).width.into())
                     .parameter("Opcode", traced.opcode)
-                    .connect("valid_i", "valid_i")
+                    .connect("valid_i", valid)
                     .connect("ready_i", port_or_one(module, "ready_o"))
                     .connect("opcode_i", module.port_text("opcode_i"))
                     .connect("reset_i", reset)

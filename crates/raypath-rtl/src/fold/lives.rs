@@ -49,13 +49,8 @@ pub struct Rounds {
 impl Rounds {
     /// The lives of all values, each carried as late as possible; `None` if a value would stay too long in a register.
     pub fn new(interval: u32, works: &[Vec<Work>], starts: &[u32], assigned: &[StageRounds]) -> Option<Self> {
-        let mut rounds = Self {
-            interval,
-            starts: starts.to_vec(),
-            units: Vec::new(),
-            lives: Vec::new(),
-            states: Vec::new(),
-        };
+        let mut rounds =
+            Self { interval, starts: starts.to_vec(), units: Vec::new(), lives: Vec::new(), states: Vec::new() };
         for (op, work) in works.iter().enumerate() {
             let position = |stage: usize, group: usize| starts[stage] + assigned[stage].rounds[op][group];
             let (mut units, mut states) = (vec![BTreeMap::new(); work.len()], BTreeMap::new());

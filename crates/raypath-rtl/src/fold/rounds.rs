@@ -120,11 +120,7 @@ fn stage_rounds(works: &[Vec<Work>], stage: usize, rounds: u32, windows: &[Vec<W
 }
 
 /// The rounds of an operation's groups with these units, or the group that does not fit.
-fn list<'a>(
-    groups: &'a [Group],
-    windows: &[Window],
-    units: &BTreeMap<UnitKind, usize>,
-) -> Result<Vec<u32>, &'a Group> {
+fn list<'a>(groups: &'a [Group], windows: &[Window], units: &BTreeMap<UnitKind, usize>) -> Result<Vec<u32>, &'a Group> {
     let mut order: Vec<usize> = (0..groups.len()).collect();
     order.sort_by_key(|&group| (windows[group], group));
     let mut free: BTreeMap<(u32, UnitKind), usize> = BTreeMap::new();

@@ -114,16 +114,17 @@ impl RegressionChecks {
         expect(resets > 3 && left > 100, || format!("{resets} resets, {left} jobs"))
     }
 
-    /// Latency 12 if units take one step. The initiation interval is the duration of an addition for distances, and 1
-    /// for other operations.
+    /// Latency 12 if units take one step and stages one round. The initiation interval is the configured one, or the
+    /// duration of an addition for distances.
     fn has_the_specified_timing(self, netlist: &mut NetlistEngine, model: &WordModel) -> Result<(), String> {
         let (kinds, unit_latency) = (self.config.kinds(), self.config.microarchitecture.unit_latency.steps());
         let latency = netlist.shape().latency as u64;
-        let is_specified = if unit_latency == 1 { latency == 12 } else { latency > 12 };
+        let interval = u64::from(self.config.microarchitecture.interval.cycles());
+        let is_specified = if unit_latency == 1 && interval == 1 { latency == 12 } else { latency > 12 };
         expect(is_specified, || format!("latency {latency}"))?;
         for &kind in kinds {
             let sums = matches!(kind, JobKind::Euclidean | JobKind::Angular);
-            let initiation_interval = if sums { unit_latency.into() } else { 1 };
+            let initiation_interval = if sums { interval.max(unit_latency.into()) } else { interval };
             let shaped = netlist.shape().interval(kind.opcode()) as u64;
             expect(shaped == initiation_interval, || format!("{kind}: an interval of {shaped}"))?;
             let (measured, specified) = match self.jobs(model, &[kind]).next() {
@@ -139,7 +140,8 @@ impl RegressionChecks {
         let jobs: Vec<Words> = (0..ROUNDS).flat_map(round).collect();
         netlist.reset();
         let run = drive(netlist, jobs.iter(), &mut Traffic::always(), |_, _| true);
-        let is_full_speed = (run.jobs, run.cycles) == (jobs.len(), jobs.len() as u64 + latency);
+        let cycles = (jobs.len() as u64 - 1) * interval + 1 + latency;
+        let is_full_speed = (run.jobs, run.cycles) == (jobs.len(), cycles);
         expect(is_full_speed, || format!("mixed jobs: {} in {} cycles", run.jobs, run.cycles))
     }
 }

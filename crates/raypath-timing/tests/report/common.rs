@@ -61,7 +61,8 @@ impl Agent<Functional> for Walk {
 }
 
 pub fn shape(control: Control) -> Shape {
-    Shape { latency: 12, control, loops: vec![Loop { opcode: JobKind::Euclidean.opcode(), first: 9, last: 10 }] }
+    let loops = vec![Loop { opcode: JobKind::Euclidean.opcode(), first: 9, last: 10 }];
+    Shape { latency: 12, control, interval: 1, loops }
 }
 
 /// A run with a recorder of the first `jobs` jobs from cycle `from` on.

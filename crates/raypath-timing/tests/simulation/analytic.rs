@@ -17,7 +17,7 @@ fn environment(in_flight: usize, memory_latency: u64) -> Environment {
 fn shapes() -> impl Iterator<Item = Shape> {
     [Control::Skid, Control::Credit]
         .into_iter()
-        .flat_map(|control| [1, 2, 12, 30].map(|latency| Shape { latency, control, loops: Vec::new() }))
+        .flat_map(|control| [1, 2, 12, 30].map(|latency| Shape { latency, control, ..Shape::default() }))
 }
 
 /// With one agent nothing overlaps: each job takes the latency of the pipeline and one cycle at the output, each fetch
@@ -113,7 +113,7 @@ fn the_last_action_of_an_agent_counts() {
 fn a_loop_in_the_pipeline_refuses_beats() {
     for control in [Control::Skid, Control::Credit] {
         let loops = vec![Loop { opcode: Euclidean.opcode(), first: 6, last: 9 }];
-        let shape = Shape { latency: 12, control, loops };
+        let shape = Shape { latency: 12, control, interval: 1, loops };
         let beats = |kind| vec![(0..100).map(|n| issue(kind, n)).collect::<Vec<_>>()];
         let timing = run(beats(Euclidean), &environment(1, 0), &shape).expect("runs");
         assert_eq!(timing.cycles, 99 * 4 + 13, "{control:?}");

@@ -141,7 +141,7 @@ fn acceptance_cycles_equal_those_of_the_reference_simulator() {
             .collect();
         let (in_flight, memory) = (rng.random_range(1..20), [0, 1, 2, 13, 50][rng.random_range(0..5)]);
         let control = [Control::Skid, Control::Credit][rng.random_range(0..2)];
-        let shape = Shape { latency: rng.random_range(1..15), control, loops: Vec::new() };
+        let shape = Shape { latency: rng.random_range(1..15), control, ..Shape::default() };
         let environment = Environment { in_flight, memory_latency: memory, sink: Sink::Always };
         let scripts = || agents.iter().cloned().map(Script::<Echo>::new);
         let mut recorder = Recorder::new("agent", shape.latency, 0, usize::MAX);
@@ -230,7 +230,7 @@ fn beats_of_locked_vectors_do_not_interleave() {
         }
         let environment =
             Environment { in_flight: 16, memory_latency: 9, sink: Sink::Stalls { probability: 0.1, seed: 3 } };
-        let shape = Shape { latency: 13, control, loops: loops.clone() };
+        let shape = Shape { latency: 13, control, interval: 1, loops: loops.clone() };
         let pipeline = CycleModel::new(Functional::new(Rules::Paper), &shape);
         let timing = simulate(queries.iter_mut(), &environment, pipeline, &mut (), &|_| true).expect("runs");
         assert!(queries.iter().map(|query| &query.sums).eq(&expected), "{control:?}");

@@ -13,7 +13,7 @@ pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
         .filter_map(|step| datapath.module(step))
         .map(|module| Step::new(format!("{}.", module.name().replacen("raypath", "u", 1)), module))
         .collect();
-    let (latency, full) = (steps.len(), capacity(datapath, config));
+    let (latency, full) = (steps.len(), datapath.capacity() as usize);
     let mut lemmas = Lemmas::new(full, latency);
     steps.reverse();
     let mut first = 0;
@@ -41,23 +41,14 @@ pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
 }
 
 /// The lemmas for the exit's module. Its environment counts jobs as the checker does.
-pub fn of_exit(datapath: &Datapath, config: Config) -> String {
-    let full = capacity(datapath, config);
+pub fn of_exit(datapath: &Datapath) -> String {
+    let full = datapath.capacity() as usize;
     let mut lemmas = Lemmas::new(full, 1);
     if let Some(module) = datapath.module(datapath.steps().count() - 1) {
         lemmas.exit(&Step::new(String::new(), module), full - 1);
     }
     lemmas.assert("environment_q == lemma_count".to_string());
     lemmas.end()
-}
-
-/// The number of jobs that fit into a pipeline.
-pub fn capacity(datapath: &Datapath, config: Config) -> usize {
-    let latency = datapath.latency() as usize;
-    match config.microarchitecture.control {
-        Control::Skid => 2 * latency,
-        Control::Credit => latency + 1,
-    }
 }
 
 /// A step of the pipeline.

@@ -5,7 +5,7 @@ use super::model_checker::{Method, SafetyProblem};
 use crate::error::Error;
 use raypath_hdl::Module;
 use raypath_hdl::verilog::{self, Source};
-use raypath_rtl::{Bind, Checker, Config, Control, Datapath, UnitLatency};
+use raypath_rtl::{Bind, Checker, Config, Control, Datapath, Interval, UnitLatency};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -111,14 +111,15 @@ pub fn problems(datapath: &Datapath, config: Config, texts: &ModuleTexts) -> Vec
         let is_long = |bind: &&&Bind| (is_top || is_exit) && bind.checker == Checker::Order;
         let (order, others): (Vec<&Bind>, Vec<&Bind>) = own.iter().partition(is_long);
         let environment = environment(datapath, config, module);
-        // A longer pipeline is proved step by step.
-        let order =
-            if is_top && config.microarchitecture.unit_latency != UnitLatency::One { Vec::new() } else { order };
-        let lemmas = if is_top { lemmas::of_pipeline } else { lemmas::of_exit };
+        // A longer pipeline is proved step by step, a folded one by the distance of its jobs and the order at its exit.
+        let is_longer = config.microarchitecture.unit_latency != UnitLatency::One
+            || config.microarchitecture.interval != Interval::One;
+        let order = if is_top && is_longer { Vec::new() } else { order };
+        let lemmas = || if is_top { lemmas::of_pipeline(datapath, config) } else { lemmas::of_exit(datapath) };
         for (binds, method) in [(others, Method::Unbounded), (order, Method::Inductive)] {
             if !binds.is_empty() {
                 let (besides, more) = match method {
-                    Method::Inductive => (environment.clone() + &lemmas(datapath, config), 1),
+                    Method::Inductive => (environment.clone() + &lemmas(), 1),
                     _ => (environment.clone(), 0),
                 };
                 let problem = problem(texts, module, &binds, &besides, method);
@@ -151,7 +152,7 @@ fn environment(datapath: &Datapath, config: Config, module: &str) -> String {
             ("valid_o", "returned_i", "returned_i && environment_q == 0".to_string())
         }
         (Control::Credit, _) if is_exit => {
-            let full = datapath.latency() + 1;
+            let full = datapath.capacity();
             ("valid_i", "valid_o && ready_i", format!("valid_i && environment_q == {full}"))
         }
         _ => return String::new(),
