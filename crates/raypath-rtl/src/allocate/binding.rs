@@ -40,11 +40,14 @@ pub struct StepValues<'a> {
 /// Values of an operation that different units compute: all of a step, or those of a round.
 type Round = (usize, Vec<NodeId>);
 
+/// The values of each operation and round.
+type ByRound = BTreeMap<(usize, u32), Vec<NodeId>>;
+
 /// Binds the values of all operations in one step. A unit computes one value of an operation in each round.
 pub fn bind(step: &StepValues<'_>, round: impl Fn(usize, NodeId) -> u32) -> Vec<Bindings> {
     let operations = step.operations;
     let mut bindings = vec![Bindings::new(); operations.len()];
-    let mut kinds: BTreeMap<(UnitKind, u32), BTreeMap<(usize, u32), Vec<NodeId>>> = BTreeMap::new();
+    let mut kinds: BTreeMap<(UnitKind, u32), ByRound> = BTreeMap::new();
     for (op, (graph, values)) in operations.iter().zip(step.values).enumerate() {
         for &id in &values.made {
             if let Some(kind) = graph.unit_part(id) {

@@ -40,6 +40,9 @@ fn build(
 ) -> Result<Vec<(usize, NodeId)>, Error> {
     let opcode = m.input("opcode_i", plan.opcode_width());
     let positions = Positions::new(m, plan);
+    if plan.rounds.is_some() && step == plan.last() {
+        m.enumerate_input(interface::opcode_input());
+    }
     let at = StepBuilder { m, plan, library, step, opcode, positions: Some(&positions) };
     let mut before = StepInputs::ports(m, plan, library, step);
     if plan.rounds.is_none() {

@@ -2,7 +2,7 @@
 
 use raypath::hdl::{Builder, Module, depends_combinationally};
 use raypath::ops::Rules;
-use raypath::rtl::{Config, Control, Datapath, Lanes, UnitLatency};
+use raypath::rtl::{Config, Control, Datapath, Interval, Lanes, UnitLatency};
 use std::sync::Arc;
 
 fn depends(module: &Arc<Module>, output: &str, input: &str) -> bool {
@@ -32,6 +32,9 @@ fn configurations() -> Vec<Config> {
             for &control in Control::ALL {
                 for &unit_latency in UnitLatency::ALL {
                     all.push(Config::DEFAULT.rules(rules).lanes(lanes).control(control).unit_latency(unit_latency));
+                }
+                for &interval in Interval::ALL {
+                    all.push(Config::DEFAULT.rules(rules).lanes(lanes).control(control).interval(interval));
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use raypath::float::Format;
 use raypath::ops::Rules;
-use raypath::rtl::{Config, Control, Encoding, Lanes, PARAMETER_GROUPS, Sharing, UnitLatency};
+use raypath::rtl::{Config, Control, Encoding, Interval, Lanes, PARAMETER_GROUPS, Sharing, UnitLatency, UnitSharing};
 
 const DEFAULT: Config = Config::DEFAULT;
 
@@ -16,10 +16,11 @@ pub const REPRESENTATIVES: [Config; 6] = [
         .rules(Rules::Chisel)
         .format(Format::TF32)
         .control(Control::Credit)
+        .units(UnitSharing::Disjoint)
         .unit_latency(UnitLatency::Three),
-    DEFAULT.lanes(Lanes::ThirtyTwo).format(Format::BFLOAT16).control(Control::Credit),
-    DEFAULT.lanes(Lanes::SixtyFour).format(Format::BINARY16),
-    DEFAULT.lanes(Lanes::None).rules(Rules::Chisel).control(Control::Credit),
+    DEFAULT.lanes(Lanes::ThirtyTwo).format(Format::BFLOAT16).control(Control::Credit).interval(Interval::Two),
+    DEFAULT.lanes(Lanes::SixtyFour).format(Format::BINARY16).interval(Interval::Four),
+    DEFAULT.lanes(Lanes::None).rules(Rules::Chisel).control(Control::Credit).interval(Interval::Eight),
 ];
 
 /// Checks the claim of the list.
