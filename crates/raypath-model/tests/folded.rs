@@ -29,7 +29,7 @@ impl Reference {
         let mut after: Vec<usize> = vec![];
         for &(_, place) in &self.jobs {
             let may_wait = self.shape.control == Control::Skid
-                && (self.end - 1 - place.min(self.end - 1)) % self.shape.interval == 0;
+                && (self.end - 1 - place.min(self.end - 1)).is_multiple_of(self.shape.interval);
             let waits = if place == self.end {
                 true
             } else if place == self.end - 1 {
