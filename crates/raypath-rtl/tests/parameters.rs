@@ -1,6 +1,6 @@
 //! The table of parameters against the configuration.
 
-use raypath_rtl::{Config, Lanes, parameters};
+use raypath_rtl::{Config, Datapath, Interval, Lanes, UnitLatency, parameters};
 use std::collections::BTreeSet;
 
 /// Every listed value of a parameter is accepted, selects a configuration of its own, and is displayed unchanged.
@@ -37,4 +37,20 @@ fn the_display_of_a_configuration_is_its_changes() {
     assert_eq!(config.to_string(), "lanes 2, rules paper, tag 4, facing true");
     assert_eq!(config.options(), "--lanes 2 --tag 4 --facing");
     assert_eq!(Config::DEFAULT.to_string(), "lanes 16, rules paper");
+}
+
+/// The message names the option, its value and what was expected.
+#[test]
+fn an_interval_is_refused_where_it_cannot_work() {
+    let folded = Config::DEFAULT.interval(Interval::Four);
+    for (config, expected) in [
+        (
+            folded.unit_latency(UnitLatency::Two),
+            "interval: 4 is not available with unit-latency 2, expected unit-latency 1",
+        ),
+        (folded.exception_flags(true), "interval: 4 is not available with exception flags, expected interval 1"),
+    ] {
+        let problem = Datapath::new(config).expect_err("a refusal");
+        assert_eq!(problem.to_string(), expected);
+    }
 }
