@@ -1,6 +1,6 @@
 //! Proofs of the control: they hold for the design, and the same commands find deliberate faults.
 
-use raypath_rtl::{Config, Control, Datapath, Lanes, UnitLatency};
+use raypath_rtl::{Config, Control, Datapath, Interval, Lanes, UnitLatency};
 use raypath_verify::control::{
     CheckResult, ModelChecker, ModuleTexts, TextFault, never_leaves, problems, structural_faults,
 };
@@ -36,6 +36,24 @@ fn faults_of_a_step_are_found() {
         (skid, "raypath_stage_9_2: ", "raypath_stage_9_2", "= advance & (data_i.opcode", "= valid_i & (data_i.opcode"),
         // A credit too many.
         (credit, "raypath_credit: ", "raypath_credit", "available_q <= |count_d", "available_q <= 1'b1"),
+    ] {
+        let fault = TextFault { module, from, to };
+        assert_eq!(result(config, problem, None), Some(CheckResult::Holds), "{config}: {problem}");
+        assert_eq!(result(config, problem, Some(fault)), Some(CheckResult::Fails), "{config}: {problem}, {fault:?}");
+    }
+}
+
+#[test]
+fn faults_of_a_folded_pipeline_are_found() {
+    let folded = |control| Config::DEFAULT.control(control).lanes(Lanes::None).interval(Interval::Four);
+    let (skid, credit) = (folded(Control::Skid), folded(Control::Credit));
+    for (config, problem, module, from, to) in [
+        // A job that enters too early.
+        (credit, "raypath: raypath_order", "raypath_credit", "recent_q[1:0]", "2'b0"),
+        // A job that moves on while the next one is near.
+        (skid, "raypath_rounds: ", "raypath_rounds", "at_q[7] | at_q[8] | at_q[9] | ", ""),
+        // An opcode that is loaded a position too early.
+        (skid, "raypath: raypath_order", "raypath_stage_2", "if (at_1_i)", "if (1'b1)"),
     ] {
         let fault = TextFault { module, from, to };
         assert_eq!(result(config, problem, None), Some(CheckResult::Holds), "{config}: {problem}");

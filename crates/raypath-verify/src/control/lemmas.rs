@@ -13,7 +13,7 @@ pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
         .filter_map(|step| datapath.module(step))
         .map(|module| Step::new(format!("{}.", module.name().replacen("raypath", "u", 1)), module))
         .collect();
-    let (latency, full) = (steps.len(), datapath.capacity() as usize);
+    let (latency, full) = (datapath.latency() as usize, datapath.capacity() as usize);
     let mut lemmas = Lemmas::new(full, latency);
     steps.reverse();
     let mut first = 0;
@@ -24,6 +24,14 @@ pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
         let available = lemmas.observe("available", 1, "u_credit.available_q");
         lemmas.assert(format!("{credits} + lemma_count == {full}"));
         lemmas.assert(format!("{available} == ({credits} != 0)"));
+    }
+    if datapath.interval() > 1 {
+        if config.microarchitecture.control == Control::Skid {
+            lemmas.skid_buffer(0, &steps[0], latency - 1);
+        }
+        steps.reverse();
+        lemmas.positions(datapath, config, &steps);
+        return lemmas.end();
     }
     for (index, step) in steps.iter().enumerate().skip(first) {
         // The oldest job has been refused at most once in each step behind it.
@@ -185,6 +193,37 @@ impl Lemmas {
         self.lemmas.push(format!("((in_turn ^ lemma_inside[2 +: {}]) & ~unused) == 0", 2 * depth));
         self.before += 1;
         self.counter(format!("before_{} + {waiting}", self.before - 1));
+    }
+
+    /// The jobs before the exit of a folded pipeline: a slot for each position, whose opcode is in the registers before
+    /// each step that reads it there.
+    fn positions(&mut self, datapath: &Datapath, config: Config, steps: &[Step]) {
+        let (interval, count) = (datapath.interval(), datapath.latency() - 1);
+        let at = self.observe("at", count as usize, "u_rounds.at_q");
+        for distance in 1..interval.min(count) {
+            self.assert(format!("({at} & ({at} >> {distance})) == 0"));
+        }
+        if config.microarchitecture.control == Control::Credit {
+            let recent = self.observe("recent", interval as usize - 1, "u_credit.recent_q");
+            self.assert(format!("{recent} == {at}[{}:0]", interval - 2));
+        }
+        // The first position of each step after the input, and the opcode that it reads.
+        let mut opcodes: Vec<(u32, String)> = Vec::new();
+        for ((before, step), &start) in steps.iter().enumerate().zip(&datapath.starts()[1..]) {
+            let opcode = self.observe(&format!("opcode_{before}"), 2, &format!("{}opcode_q", step.path));
+            opcodes.push((start, opcode));
+        }
+        for position in (0..count).rev() {
+            let full = format!("{at}[{position}]");
+            let holds = |(start, _): &&(u32, String)| (*start..start + interval).contains(&position);
+            let held: Vec<String> = opcodes.iter().filter(holds).map(|(_, opcode)| opcode.clone()).collect();
+            for pair in held.windows(2) {
+                self.assert(format!("!{full} || {} == {}", pair[0], pair[1]));
+            }
+            if let Some(opcode) = held.first() {
+                self.slot(&full, opcode, Some(position as usize));
+            }
+        }
     }
 
     fn end(mut self) -> String {

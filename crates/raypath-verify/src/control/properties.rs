@@ -5,7 +5,7 @@ use super::model_checker::{Method, SafetyProblem};
 use crate::error::Error;
 use raypath_hdl::Module;
 use raypath_hdl::verilog::{self, Source};
-use raypath_rtl::{Bind, Checker, Config, Control, Datapath, Interval, UnitLatency};
+use raypath_rtl::{Bind, Checker, Config, Control, Datapath, UnitLatency};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -111,10 +111,9 @@ pub fn problems(datapath: &Datapath, config: Config, texts: &ModuleTexts) -> Vec
         let is_long = |bind: &&&Bind| (is_top || is_exit) && bind.checker == Checker::Order;
         let (order, others): (Vec<&Bind>, Vec<&Bind>) = own.iter().partition(is_long);
         let environment = environment(datapath, config, module);
-        // A longer pipeline is proved step by step, a folded one by the distance of its jobs and the order at its exit.
-        let is_longer = config.microarchitecture.unit_latency != UnitLatency::One
-            || config.microarchitecture.interval != Interval::One;
-        let order = if is_top && is_longer { Vec::new() } else { order };
+        // A longer pipeline is proved step by step.
+        let order =
+            if is_top && config.microarchitecture.unit_latency != UnitLatency::One { Vec::new() } else { order };
         let lemmas = || if is_top { lemmas::of_pipeline(datapath, config) } else { lemmas::of_exit(datapath) };
         for (binds, method) in [(others, Method::Unbounded), (order, Method::Inductive)] {
             if !binds.is_empty() {
