@@ -168,7 +168,7 @@ fn script(top: &str) -> String {
 }
 
 /// The arguments for nextpnr. Pins are placed freely, and a clock below the aim is no failure. The default router rips
-/// up three of four wires of a datapath again and does not end in an hour.
+/// up three of four wires of a datapath in binary32 again.
 fn arguments(target: Target) -> Vec<String> {
     let files = ["--json", NETLIST, "--report", REPORT, "--textcfg", CONFIGURATION];
     let options = ["--detailed-timing-report", "--lpf-allow-unconstrained", "--timing-allow-fail", "--quiet"];

@@ -1,8 +1,8 @@
 //! Frames: how a job or an outcome is divided into the words of a stream.
 //!
 //! A frame is the opcode and then every port in the order of declaration. A port takes whole words, its least
-//! significant word first. Bits of a word above the port are zero in outcomes, and ignored in jobs. A word of 32 bits is
-//! four bytes, the least significant first.
+//! significant word first. Bits of a word above the port are zero in outcomes, and ignored in jobs. A word of 32 bits
+//! is four bytes, the least significant first.
 
 use raypath_hdl::{Module, Port};
 use std::fmt;

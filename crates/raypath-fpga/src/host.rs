@@ -58,6 +58,7 @@ impl<'s> Host<'s> {
         mut to: impl Write + Send,
         from: impl Read,
     ) -> io::Result<Comparison> {
+        // A thread writes while this one reads, so that neither side waits for the other with full buffers.
         std::thread::scope(|scope| {
             let sender = scope.spawn(move || {
                 jobs.iter().try_for_each(|job| to.write_all(&self.job(job)))?;

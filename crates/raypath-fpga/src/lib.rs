@@ -1,8 +1,8 @@
 //! A datapath on an FPGA.
 //!
 //! [`Shell`] is a module around a datapath with few pins: a stream of bytes or of words of 32 bits in, another one out.
-//! [`Host`] is the other side of these streams: it sends jobs and compares the outcomes with the model. [`Flow`] makes a
-//! bitstream of a shell with Yosys, nextpnr and ecppack, and a [`Report`] of it. `docs/integration/fpga.md` describes
+//! [`Host`] is the other side of these streams: it sends jobs and compares the outcomes with the model. [`Flow`] makes
+//! a bitstream of a shell with Yosys, nextpnr and ecppack, and a [`Report`] of it. `docs/integration/fpga.md` describes
 //! the streams and says what the figures include.
 //!
 //! ```no_run

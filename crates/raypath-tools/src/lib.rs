@@ -1,8 +1,8 @@
 //! External programs: how they are found, run and stopped, and how their results are cached.
 //!
-//! [`Yosys`] synthesises, [`OpenSta`] finds the slowest paths, [`Nextpnr`] places and routes, [`Abc`] proves. [`Verilated`] is SystemVerilog compiled
-//! by Verilator, an implementation of the language that is independent of `raypath-hdl`'s simulator, so that the two
-//! can be compared cycle by cycle. [`Sources::lint`] runs the linters.
+//! [`Yosys`] synthesises, [`OpenSta`] finds the slowest paths, [`Nextpnr`] places and routes, [`Abc`] proves.
+//! [`Verilated`] is SystemVerilog compiled by Verilator, an implementation of the language that is independent of
+//! `raypath-hdl`'s simulator, so that the two can be compared cycle by cycle. [`Sources::lint`] runs the linters.
 //!
 //! Every function reports a missing program, a failure or an unexpected result as a [`ToolError`].
 //!
