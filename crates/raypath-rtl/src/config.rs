@@ -14,7 +14,9 @@ mod values;
 
 pub use choice::{ParseChoiceError, alternatives};
 pub use declarations::{Config, Features, Microarchitecture, PARAMETER_GROUPS, Semantics, parameters};
-pub use enumerations::{Accumulators, Control, Encoding, Interval, Lanes, Sharing, UnitLatency, UnitSharing};
+pub use enumerations::{
+    Accumulators, Control, Encoding, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing,
+};
 pub use operations::OperationVisitor;
 pub use parameter::{Parameter, ParameterGroup};
 pub use preset::{PRESETS, Preset};

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 use raypath::float::Format;
 use raypath::ops::Rules;
-use raypath::rtl::{Config, Control, Encoding, Interval, Lanes, Sharing, UnitLatency, UnitSharing};
+use raypath::rtl::{Config, Control, Encoding, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing};
 use raypath::sim::Datapath;
 use raypath::sim::engine::NetlistEngine;
 use raypath::sim::lockstep::RegressionChecks;
@@ -23,6 +23,7 @@ struct Space {
     unit_latency: &'static [UnitLatency],
     units: &'static [UnitSharing],
     interval: &'static [Interval],
+    multiplier: &'static [Multiplier],
 }
 
 /// Only the default configuration.
@@ -37,6 +38,7 @@ const DEFAULT: Space = Space {
     unit_latency: &[UnitLatency::One],
     units: &[UnitSharing::Shared],
     interval: &[Interval::One],
+    multiplier: &[Multiplier::Booth],
 };
 
 const RULES: &[Rules] = &[Rules::Paper, Rules::Chisel];
@@ -56,7 +58,7 @@ fn configurations_of_all_spaces() {
     all.par_iter().enumerate().for_each(|(seed, config)| check(*config, seed as u64, 2000));
 }
 
-const SPACES: [Space; 12] = [
+const SPACES: [Space; 13] = [
     LANES_AND_RULES,
     ENCODINGS,
     CONTROL_WITHOUT_DISTANCES,
@@ -69,6 +71,7 @@ const SPACES: [Space; 12] = [
     FOLDED_REGISTERS,
     FOLDED_ENCODINGS,
     FOLDED_FORMATS,
+    INFERRED_MULTIPLIERS,
 ];
 
 const LANES_AND_RULES: Space = Space { lanes: Lanes::ALL, rules: RULES, ..DEFAULT };
@@ -134,6 +137,16 @@ const FOLDED_ENCODINGS: Space = Space {
 const FOLDED_FORMATS: Space =
     Space { formats: &["bf16", "e3s3"], lanes: &[Lanes::None, Lanes::Two], interval: INTERVALS, ..DEFAULT };
 
+/// Multipliers with `*` in one, two and three parts.
+const INFERRED_MULTIPLIERS: Space = Space {
+    formats: &["fp32", "e3s3"],
+    lanes: &[Lanes::None, Lanes::Two],
+    control: Control::ALL,
+    unit_latency: UnitLatency::ALL,
+    multiplier: &[Multiplier::Inferred],
+    ..DEFAULT
+};
+
 /// The documents state how many configurations these tests run.
 #[test]
 fn documents_state_the_number_of_configurations() {
@@ -150,6 +163,7 @@ fn documents_state_the_number_of_configurations() {
         registers: Encoding::ALL,
         units: UnitSharing::ALL,
         interval: Interval::ALL,
+        multiplier: Multiplier::ALL,
         ..CONTROL
     };
     let valid = all.configs().into_iter().filter(|config| config.check().is_ok()).count();
@@ -184,6 +198,7 @@ impl Space {
         vary(&mut configs, self.unit_latency, |config, latency| config.microarchitecture.unit_latency = latency);
         vary(&mut configs, self.units, |config, units| config.microarchitecture.units = units);
         vary(&mut configs, self.interval, |config, interval| config.microarchitecture.interval = interval);
+        vary(&mut configs, self.multiplier, |config, multiplier| config.microarchitecture.multiplier = multiplier);
         configs
     }
 }

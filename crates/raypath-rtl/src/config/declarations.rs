@@ -1,6 +1,8 @@
 //! The parameters and the configuration that they make up.
 
-use super::enumerations::{Accumulators, Control, Encoding, Interval, Lanes, Sharing, UnitLatency, UnitSharing};
+use super::enumerations::{
+    Accumulators, Control, Encoding, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing,
+};
 use super::parameter::{Parameter, ParameterGroup, declare_parameters, values};
 use super::values::{MAX_TAG_WIDTH, TagWidth, Values};
 use crate::error::Error;
@@ -46,6 +48,8 @@ declare_parameters! {
         interval ("interval"): Interval = Interval::One,
         /// Pipeline steps of an adder or a multiplier.
         unit_latency ("unit-latency"): UnitLatency = UnitLatency::One,
+        /// How a multiplier multiplies significands: in gates (Booth), or with `*`, for the DSP blocks of an FPGA.
+        multiplier ("multiplier"): Multiplier = Multiplier::Booth,
     }
 }
 

@@ -6,7 +6,9 @@ use raypath_model::Model;
 use raypath_ops::{JobKind, Ray, Rules};
 use raypath_ppa::{Baseline, parsers};
 use raypath_render::{Camera, Goal, Hit, Mesh, Scene, Tracer, Tracing, draw, parse_hits, parse_instances, write_hits};
-use raypath_rtl::{Config, Control, Encoding, Interval, Lanes, Preset, Sharing, UnitLatency, UnitSharing, parameters};
+use raypath_rtl::{
+    Config, Control, Encoding, Interval, Lanes, Multiplier, Preset, Sharing, UnitLatency, UnitSharing, parameters,
+};
 use raypath_sim::configuration::{parse, parse_sweep};
 use raypath_sim::transactions::{Transaction, read_from};
 use std::fmt::Display;
@@ -159,7 +161,7 @@ fn arguments(bytes: &[u8]) -> bool {
         is_valid |= round_trips::<Lanes>(line) | round_trips::<Encoding>(line) | round_trips::<Control>(line);
         is_valid |= round_trips::<Sharing>(line) | round_trips::<UnitLatency>(line) | round_trips::<Preset>(line);
         is_valid |= round_trips::<UnitSharing>(line) | round_trips::<Interval>(line);
-        is_valid |= round_trips::<JobKind>(line) | line.parse::<Level>().is_ok();
+        is_valid |= round_trips::<Multiplier>(line) | round_trips::<JobKind>(line) | line.parse::<Level>().is_ok();
         if let Ok(shard) = line.parse::<Shard>() {
             assert!(shard.share(u64::MAX) >= 1 || shard.number() == u64::MAX);
         }

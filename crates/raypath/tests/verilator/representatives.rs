@@ -2,13 +2,20 @@
 
 use raypath::float::Format;
 use raypath::ops::Rules;
-use raypath::rtl::{Config, Control, Encoding, Interval, Lanes, PARAMETER_GROUPS, Sharing, UnitLatency, UnitSharing};
+use raypath::rtl::{
+    Config, Control, Encoding, Interval, Lanes, Multiplier, PARAMETER_GROUPS, Sharing, UnitLatency, UnitSharing,
+};
 
 const DEFAULT: Config = Config::DEFAULT;
 
 /// No two of these share more than half of their parameters. Tests add the default and `lanes none`.
 pub const REPRESENTATIVES: [Config; 6] = [
-    DEFAULT.lanes(Lanes::Two).io(Encoding::Recoded).registers(Encoding::Ieee).control(Control::Credit),
+    DEFAULT
+        .lanes(Lanes::Two)
+        .io(Encoding::Recoded)
+        .registers(Encoding::Ieee)
+        .control(Control::Credit)
+        .multiplier(Multiplier::Inferred),
     DEFAULT.lanes(Lanes::Four).io(Encoding::Recoded).sharing(Sharing::Segregated).unit_latency(UnitLatency::Two),
     DEFAULT
         .lanes(Lanes::Eight)
@@ -17,7 +24,8 @@ pub const REPRESENTATIVES: [Config; 6] = [
         .format(Format::TF32)
         .control(Control::Credit)
         .units(UnitSharing::Disjoint)
-        .unit_latency(UnitLatency::Three),
+        .unit_latency(UnitLatency::Three)
+        .multiplier(Multiplier::Inferred),
     DEFAULT.lanes(Lanes::ThirtyTwo).format(Format::BFLOAT16).control(Control::Credit).interval(Interval::Two),
     DEFAULT.lanes(Lanes::SixtyFour).format(Format::BINARY16).interval(Interval::Four),
     DEFAULT.lanes(Lanes::None).rules(Rules::Chisel).control(Control::Credit).interval(Interval::Eight),
