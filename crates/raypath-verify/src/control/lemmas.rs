@@ -210,7 +210,7 @@ impl Lemmas {
         // The first position of each step after the input, and the opcode that it reads.
         let mut opcodes: Vec<(u32, String)> = Vec::new();
         for ((before, step), &start) in steps.iter().enumerate().zip(&datapath.starts()[1..]) {
-            let opcode = self.observe(&format!("opcode_{before}"), 2, &format!("{}opcode_q", step.path));
+            let opcode = self.observe(&format!("step_opcode_{before}"), 2, &format!("{}opcode_q", step.path));
             opcodes.push((start, opcode));
         }
         for position in (0..count).rev() {

@@ -150,6 +150,11 @@ fn environment(datapath: &Datapath, config: Config, module: &str) -> String {
         (Control::Credit, "raypath_credit") => {
             ("valid_o", "returned_i", "returned_i && environment_q == 0".to_string())
         }
+        // `raypath_credit` keeps jobs apart; a lemma of the whole pipeline shows it.
+        (Control::Credit, "raypath_rounds") => {
+            let near = datapath.interval() - 2;
+            return format!("  always_comb assume (!(valid_i && at_q[{near}:0] != 0));\n");
+        }
         (Control::Credit, _) if is_exit => {
             let full = datapath.capacity();
             ("valid_i", "valid_o && ready_i", format!("valid_i && environment_q == {full}"))
