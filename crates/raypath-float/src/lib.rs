@@ -27,4 +27,7 @@ mod units;
 
 pub use format::{Format, FormatError, ParseFormatError};
 #[cfg(feature = "units")]
-pub use units::{DivSqrt, add, add_parts, compare, decode, div, encode, flags, mul, mul_parts, number, sqrt};
+pub use units::{
+    DivSqrt, Narrow, add, add_parts, compare, compare_narrow, decode, div, encode, flags, mul, mul_narrow_parts,
+    mul_parts, narrow, number, sqrt,
+};
