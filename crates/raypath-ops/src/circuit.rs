@@ -124,7 +124,7 @@ pub struct Narrowing {
     pub bits: u32,
     /// The direction.
     pub direction: Direction,
-    /// Units in the last place of the circuit's format, less than 16.
+    /// Units in the last place of the circuit's format, at most 4.
     pub margin: u32,
 }
 

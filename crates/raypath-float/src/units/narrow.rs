@@ -21,7 +21,7 @@ pub struct Narrow {
     pub bits: u32,
     /// Whether magnitudes are rounded up; otherwise they are rounded down.
     pub away: bool,
-    /// Units in the last place of the operand by which its magnitude is changed in that direction before.
+    /// Units in the last place of the operand by which its magnitude is changed in that direction before, at most 4.
     pub margin: u32,
 }
 
