@@ -8,7 +8,8 @@ use crate::allocate::layout::{Layout, Origin, RegisterSlot, Slots};
 use crate::ir::graph::{NodeId, Op, OperationGraph};
 use crate::ir::liveness::PositionValues;
 use crate::ir::position::Step;
-use crate::ir::units::{Unit, UnitKind};
+use crate::ir::units::{Unit, UnitKind, UnitWidth};
+use crate::ir::widths::Widths;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The unit that computes a value.
@@ -23,7 +24,12 @@ pub struct Binding {
 pub type Bindings = BTreeMap<NodeId, Binding>;
 
 /// Binds the values of all operations in one step. `before` is the layout of the registers before the step.
-pub fn bind(operations: &[OperationGraph<Step>], steps: &[&PositionValues], before: &Layout) -> Vec<Bindings> {
+pub fn bind(
+    operations: &[OperationGraph<Step>],
+    widths: &Widths,
+    steps: &[&PositionValues],
+    before: &Layout,
+) -> Vec<Bindings> {
     let mut bindings = vec![Bindings::new(); operations.len()];
     let mut kinds: BTreeMap<(UnitKind, u32), Vec<Vec<NodeId>>> = BTreeMap::new();
     for (op, (graph, step)) in operations.iter().zip(steps).enumerate() {
@@ -38,20 +44,51 @@ pub fn bind(operations: &[OperationGraph<Step>], steps: &[&PositionValues], befo
             for (op, values) in values.iter().enumerate() {
                 bind_next_parts(&operations[op], values, before.slots.get(op), &mut bindings[op]);
             }
-        } else if values.iter().enumerate().any(|(op, values)| is_chained(&operations[op], steps[op], values)) {
-            // In order, because another choice could make a combinational loop of two operations' chains.
-            for (op, values) in values.iter().enumerate() {
-                let in_order = values
-                    .iter()
-                    .enumerate()
-                    .map(|(number, &id)| (id, Binding { unit: Unit { kind, part, number }, swapped: false }));
-                bindings[op].extend(in_order);
+            continue;
+        }
+        for (width, values) in by_width(operations, widths, values) {
+            let first = Unit { kind, part, width, number: 0 };
+            if values.iter().enumerate().any(|(op, values)| is_chained(&operations[op], steps[op], values)) {
+                // In order, because another choice could make a combinational loop of two operations' chains.
+                for (op, values) in values.iter().enumerate() {
+                    let in_order = values
+                        .iter()
+                        .enumerate()
+                        .map(|(number, &id)| (id, Binding { unit: Unit { number, ..first }, swapped: false }));
+                    bindings[op].extend(in_order);
+                }
+            } else {
+                bind_by_nets(operations, first, &values, before, &mut bindings);
             }
-        } else {
-            bind_by_nets(operations, kind, &values, before, &mut bindings);
         }
     }
     bindings
+}
+
+/// The values by the width of the unit that computes each. A value that fits a narrow unit is computed by a full one if
+/// another operation needs that anyway, as far as there are such units.
+fn by_width(
+    operations: &[OperationGraph<Step>],
+    widths: &Widths,
+    values: Vec<Vec<NodeId>>,
+) -> BTreeMap<UnitWidth, Vec<Vec<NodeId>>> {
+    let own = |op: usize, ids: &[NodeId]| -> Vec<UnitWidth> {
+        ids.iter().map(|&id| widths.of_unit(op, &operations[op], id)).collect()
+    };
+    let own: Vec<Vec<UnitWidth>> = values.iter().enumerate().map(|(op, ids)| own(op, ids)).collect();
+    let full = |widths: &Vec<UnitWidth>| widths.iter().filter(|&&width| width == UnitWidth::Full).count();
+    let needed = own.iter().map(full).max().unwrap_or(0);
+    let mut divided = BTreeMap::new();
+    for (op, (ids, widths)) in values.iter().zip(&own).enumerate() {
+        let mut room = needed - full(widths);
+        for (&id, &width) in ids.iter().zip(widths) {
+            let shares = width != UnitWidth::Full && room > 0;
+            room -= usize::from(shares);
+            let width = if shares { UnitWidth::Full } else { width };
+            divided.entry(width).or_insert_with(|| vec![Vec::new(); values.len()])[op].push(id);
+        }
+    }
+    divided
 }
 
 /// Binds values to the next parts of units: the part with the same number as the part before.
@@ -86,7 +123,7 @@ type Nets = BTreeSet<(Origin, bool)>;
 /// Binds values to the units where they add the fewest nets; the operation with the most values is first.
 fn bind_by_nets(
     operations: &[OperationGraph<Step>],
-    kind: UnitKind,
+    first: Unit,
     values: &[Vec<NodeId>],
     before: &Layout,
     bindings: &mut [Bindings],
@@ -114,7 +151,7 @@ fn bind_by_nets(
             let id = values[op][index];
             if free[number] && !bindings[op].contains_key(&id) {
                 free[number] = false;
-                bindings[op].insert(id, Binding { unit: Unit { kind, part: 0, number }, swapped });
+                bindings[op].insert(id, Binding { unit: Unit { number, ..first }, swapped });
                 for (net, known) in operands.into_iter().zip(&mut nets[number]) {
                     known.insert(net);
                 }

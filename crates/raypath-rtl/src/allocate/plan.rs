@@ -9,6 +9,7 @@ use crate::ir::graph::{Kind, NodeId, Op, OperationGraph};
 use crate::ir::liveness::{self, PositionValues};
 use crate::ir::position::{Step, StepLabel};
 use crate::ir::units::{Unit, Units};
+use crate::ir::widths::Widths;
 use raypath_float::Format;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,6 +25,8 @@ pub struct Plan {
     pub microarchitecture: Microarchitecture,
     /// The operations, with their values in steps.
     pub operations: Vec<OperationGraph<Step>>,
+    /// The significands of the operations' numbers.
+    pub widths: Widths,
     /// All steps; the first is the input's registers.
     pub steps: Vec<StepPlan>,
 }
@@ -52,20 +55,21 @@ impl Plan {
         let last = labels.len() as u32 - 1;
         let values: Vec<Vec<PositionValues>> = operations.iter().map(|graph| liveness::analyse(graph, last)).collect();
         let affinities: Vec<Affinity> = operations.iter().map(Affinity::new).collect();
+        let widths = Widths::of(&operations, format);
         let mut steps: Vec<StepPlan> = Vec::new();
         for (index, label) in labels.into_iter().enumerate() {
             let here: Vec<&PositionValues> = values.iter().map(|values| &values[index]).collect();
             let carried: Vec<Vec<NodeId>> = here.iter().map(|values| values.carried.clone()).collect();
             let empty = Layout::default();
             let before = steps.last().map_or(&empty, |plan| &plan.layout);
-            let bindings = binding::bind(&operations, &here, before);
+            let bindings = binding::bind(&operations, &widths, &here, before);
             let origin = |op, id| origin(&operations, before, &bindings, op, id);
             let sharing = microarchitecture.sharing;
             let layout = registers::allocate(sharing, &operations, &carried, &affinities, before, origin);
             let made = here.iter().map(|values| values.made.clone()).collect();
             steps.push(StepPlan { label, bindings, made, layout });
         }
-        Self { format, microarchitecture, operations, steps }
+        Self { format, microarchitecture, operations, widths, steps }
     }
 
     /// Bits of the opcode: as many as the greatest needs, and at least as many as in the paper.
