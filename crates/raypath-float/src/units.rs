@@ -28,7 +28,7 @@ pub use compare::{compare, compare_narrow};
 pub use decode::decode;
 pub use div_sqrt::{div, sqrt};
 pub use encode::encode;
-pub use mul::{mul, mul_parts};
+pub use mul::{mul, mul_inferred_parts, mul_parts};
 pub use mul_narrow::mul_narrow_parts;
 pub use narrow::{Narrow, narrow};
 pub use number::number;

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 use raypath::float::Format;
 use raypath::ops::{BoxBits, Rules};
-use raypath::rtl::{Config, Control, Encoding, Features, Lanes, Sharing, UnitLatency};
+use raypath::rtl::{Config, Control, Encoding, Features, Lanes, Multiplier, Sharing, UnitLatency};
 use raypath::sim::Datapath;
 use raypath::sim::engine::NetlistEngine;
 use raypath::sim::lockstep::RegressionChecks;
@@ -21,6 +21,7 @@ struct Space {
     control: &'static [Control],
     sharing: &'static [Sharing],
     unit_latency: &'static [UnitLatency],
+    multiplier: &'static [Multiplier],
 }
 
 /// Only the default configuration.
@@ -33,6 +34,7 @@ const DEFAULT: Space = Space {
     control: &[Control::Skid],
     sharing: &[Sharing::Union],
     unit_latency: &[UnitLatency::One],
+    multiplier: &[Multiplier::Booth],
 };
 
 const RULES: &[Rules] = &[Rules::Paper, Rules::Chisel];
@@ -52,7 +54,7 @@ fn configurations_of_all_spaces() {
     all.par_iter().enumerate().for_each(|(seed, config)| check(*config, seed as u64, 2000));
 }
 
-const SPACES: [Space; 7] = [
+const SPACES: [Space; 8] = [
     LANES_AND_RULES,
     ENCODINGS,
     CONTROL_WITHOUT_DISTANCES,
@@ -60,6 +62,7 @@ const SPACES: [Space; 7] = [
     ENCODINGS_WITH_CONTROL,
     FORMATS,
     FORMATS_WITH_CONTROL,
+    INFERRED_MULTIPLIERS,
 ];
 
 const LANES_AND_RULES: Space = Space { lanes: Lanes::ALL, rules: RULES, ..DEFAULT };
@@ -92,6 +95,16 @@ const FORMATS_WITH_CONTROL: Space = Space {
     ..DEFAULT
 };
 
+/// Multipliers with `*` in one, two and three parts.
+const INFERRED_MULTIPLIERS: Space = Space {
+    formats: &["fp32", "e3s3"],
+    lanes: &[Lanes::None, Lanes::Two],
+    control: Control::ALL,
+    unit_latency: UnitLatency::ALL,
+    multiplier: &[Multiplier::Inferred],
+    ..DEFAULT
+};
+
 /// Boxes in few bits: every width, and some with each parameter that changes units or registers.
 #[test]
 fn boxes_in_few_bits() {
@@ -121,6 +134,7 @@ fn documents_state_the_number_of_configurations() {
     formats.sort_by_key(|format| format.to_string());
     formats.dedup();
     let all = Space { rules: RULES, lanes: Lanes::ALL, io: Encoding::ALL, registers: Encoding::ALL, ..CONTROL };
+    let all = Space { multiplier: Multiplier::ALL, ..all };
     let sentence = format!(
         "The tests compare the netlist with the cycle-exact and the functional model under random handshakes in {} \
          configurations: {} of the {} combinations in `fp32`, and {} in {} other formats",
@@ -150,6 +164,7 @@ impl Space {
         vary(&mut configs, self.control, |config, control| config.microarchitecture.control = control);
         vary(&mut configs, self.sharing, |config, sharing| config.microarchitecture.sharing = sharing);
         vary(&mut configs, self.unit_latency, |config, latency| config.microarchitecture.unit_latency = latency);
+        vary(&mut configs, self.multiplier, |config, multiplier| config.microarchitecture.multiplier = multiplier);
         configs
     }
 }

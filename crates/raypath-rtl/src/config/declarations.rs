@@ -1,6 +1,6 @@
 //! The parameters and the configuration that they make up.
 
-use super::enumerations::{Accumulators, Control, Encoding, Lanes, Sharing, UnitLatency};
+use super::enumerations::{Accumulators, Control, Encoding, Lanes, Multiplier, Sharing, UnitLatency};
 use super::parameter::{Parameter, ParameterGroup, declare_parameters, values};
 use super::values::{MAX_TAG_WIDTH, TagWidth, Values};
 use crate::error::Error;
@@ -45,6 +45,8 @@ declare_parameters! {
         sharing ("sharing"): Sharing = Sharing::Union,
         /// Pipeline steps of an adder or a multiplier.
         unit_latency ("unit-latency"): UnitLatency = UnitLatency::One,
+        /// How a multiplier multiplies significands: in gates (Booth), or with `*`, for the DSP blocks of an FPGA.
+        multiplier ("multiplier"): Multiplier = Multiplier::Booth,
     }
 }
 
