@@ -60,7 +60,7 @@ impl Unit {
     /// A parameter out of its range; a datapath that the unit does not have.
     pub fn new(config: Config, parameters: UnitParameters) -> Result<Self, Error> {
         let netlist = UnitNetlist::new(config, parameters)?;
-        let functional = unit::Unit::new(netlist.config.semantics.rules, netlist.parameters.step);
+        let functional = unit::Unit::new(netlist.config.semantics.rules_in_full(), netlist.parameters.step);
         Ok(Self { description: netlist.description(), functional, netlist })
     }
 

@@ -28,5 +28,6 @@ mod units;
 pub use format::{Format, FormatError, ParseFormatError};
 #[cfg(feature = "units")]
 pub use units::{
-    DivSqrt, add, add_parts, compare, decode, div, encode, flags, mul, mul_inferred_parts, mul_parts, number, sqrt,
+    DivSqrt, Narrow, add, add_parts, compare, compare_narrow, decode, div, encode, flags, mul, mul_inferred_parts,
+    mul_narrow_parts, mul_parts, narrow, number, sqrt,
 };

@@ -49,13 +49,17 @@ impl<const E: usize, const A: usize> Batch<E, A> {
 
     /// Computes blocks of jobs into `answers`; stops at the end of the shorter slice.
     pub fn quadbox(&self, jobs: &[RayBoxInput<Packed>], answers: &mut [RayBoxOutput<Packed>]) {
-        // Two calls, so that the rules are constants in each.
+        // A call for each, so that the rules are constants in each.
         match self.rules {
             Rules::Paper => {
                 dispatch!(self.level, simd => run_blocks(simd, &RayBox { rules: Rules::Paper }, jobs, answers, &mut ()));
             }
             Rules::Chisel => {
                 dispatch!(self.level, simd => run_blocks(simd, &RayBox { rules: Rules::Chisel }, jobs, answers, &mut ()));
+            }
+            Rules::Bounds(bits) => {
+                let op = RayBox { rules: Rules::Bounds(bits) };
+                dispatch!(self.level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::soft::{Soft, SoftNumber};
 use raypath_float::Format;
-use raypath_ops::{Binary32, Circuit, Concrete, Flagged, Relation, Single, Test, known_bits_and_words};
+use raypath_ops::{Binary32, Circuit, Concrete, Flagged, Narrowing, Relation, Single, Test, known_bits_and_words};
 use std::cell::Cell;
 use std::cmp::Ordering;
 
@@ -80,6 +80,10 @@ impl Circuit for Dynamic<'_> {
     #[inline(never)]
     fn negate(self, a: SoftNumber) -> SoftNumber {
         either!(self, number(Binary32.negate(single(a))), soft => soft.negate(a))
+    }
+    #[inline(never)]
+    fn narrow(self, a: SoftNumber, to: Narrowing) -> SoftNumber {
+        either!(self, number(Binary32.narrow(single(a), to)), soft => soft.narrow(a, to))
     }
     #[inline(never)]
     fn compare(self, a: SoftNumber, b: SoftNumber) -> Option<Ordering> {

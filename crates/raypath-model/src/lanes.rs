@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Select, Simd, f32x4, i32x4, mask32x4, u8x16, u32x4};
-use raypath_ops::{Binary32, Circuit, Relation, Test};
+use raypath_ops::{Binary32, Circuit, Direction, Narrowing, Relation, Test};
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -106,6 +106,8 @@ impl<S: Simd, W: Width<S>> Lanes<S, W> {
     }
 }
 
+const SIGN: u32 = 1 << 31;
+
 const TWO_TO_23: f32 = 8_388_608.0;
 
 const X86: bool = cfg!(any(target_arch = "x86", target_arch = "x86_64"));
@@ -142,6 +144,26 @@ where
     #[inline(always)]
     fn negate(self, a: Self::Num) -> Self::Num {
         Register(-a.0)
+    }
+    #[inline(always)]
+    fn narrow(self, a: Self::Num, to: Narrowing) -> Self::Num {
+        // As in `native_numbers`: codes of magnitudes are in the order of the magnitudes.
+        let word = |code: u32| W::Words::simd_from(self.simd, code);
+        let (code, sign) = (a.0.bitcast::<W::Words>() & word(!SIGN), a.0.bitcast::<W::Words>() & word(SIGN));
+        let low = (1 << (f32::MANTISSA_DIGITS - to.bits)) - 1;
+        let infinity = word(f32::INFINITY.to_bits());
+        let least_kept = 2 * f32::MIN_POSITIVE.to_bits();
+        let (moved, small) = match to.direction {
+            Direction::TowardZero => (code - word(to.margin), code.simd_lt(word(least_kept + to.margin))),
+            Direction::AwayFromZero => {
+                let moved = code + word(to.margin + low);
+                (moved, moved.simd_lt(word(least_kept)))
+            }
+        };
+        let rounded = moved & word(!low);
+        let finite = rounded.simd_lt(infinity).select(rounded, infinity);
+        let kept = small.select(word(0), finite);
+        Register((code.simd_lt(infinity).select(kept, code) | sign).bitcast::<W::Nums>())
     }
     #[inline(always)]
     fn compare(self, a: Self::Num, b: Self::Num) -> Self::Order {

@@ -3,7 +3,9 @@
 use crate::lanes::{Lanes, Native, Register, Width};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use raypath_ops::{Binary32, Bit, Circuit, Gather, Num, Put, Relation, Scatter, Single, Test, Word, array_of};
+use raypath_ops::{
+    Binary32, Bit, Circuit, Gather, Narrowing, Num, Put, Relation, Scatter, Single, Test, Word, array_of,
+};
 
 /// A circuit whose values belong to sixteen jobs, each value in one cache line: a `RayBoxInput<Packed>` is sixteen jobs
 /// as a structure of arrays. It is a storage format for [`Lanes`]; computing over it directly is correct but slow.
@@ -61,6 +63,9 @@ impl Circuit for Packed {
     }
     fn negate(self, a: Self::Num) -> Self::Num {
         a.map(|a| -a)
+    }
+    fn narrow(self, a: Self::Num, to: Narrowing) -> Self::Num {
+        a.map(|a| Binary32.narrow(Single(a), to).0)
     }
     fn compare(self, a: Self::Num, b: Self::Num) -> Self::Order {
         (a, b)

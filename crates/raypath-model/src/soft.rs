@@ -1,6 +1,6 @@
 use crate::kernels::ModelCircuit;
 use raypath_float::Format;
-use raypath_ops::{Circuit, Concrete, Portable, Relation, Test};
+use raypath_ops::{Circuit, Concrete, Direction, Narrowing, Portable, Relation, Test};
 use std::cmp::Ordering;
 
 /// Software arithmetic in any format. The operations over it are the golden model of a datapath in that format.
@@ -44,6 +44,13 @@ impl Circuit for Soft {
     #[inline]
     fn negate(self, a: SoftNumber) -> SoftNumber {
         SoftNumber(self.format.neg(a.0))
+    }
+    #[inline]
+    fn narrow(self, a: SoftNumber, to: Narrowing) -> SoftNumber {
+        SoftNumber(match to.direction {
+            Direction::TowardZero => self.format.narrow_toward_zero(a.0, to.bits, to.margin),
+            Direction::AwayFromZero => self.format.narrow_away_from_zero(a.0, to.bits, to.margin),
+        })
     }
     #[inline]
     fn compare(self, a: SoftNumber, b: SoftNumber) -> Option<Ordering> {

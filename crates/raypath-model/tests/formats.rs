@@ -9,8 +9,8 @@ use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
 use raypath_model::{Binary64, Functional, ModelCircuit, Soft};
 use raypath_ops::{
-    Aabb, Binary32, Circuit, Concrete, Job, JobKind, Outcome, PortKind, PortValue, Ray, RayBoxInput, RayTriangleInput,
-    Relation, Rules, Test, Triangle,
+    Aabb, Binary32, BoxBits, Circuit, Concrete, Job, JobKind, Outcome, PortKind, PortValue, Ray, RayBoxInput,
+    RayTriangleInput, Relation, Rules, Test, Triangle,
 };
 use std::collections::BTreeMap;
 use std::num::FpCategory;
@@ -61,11 +61,13 @@ fn canonical<C: Concrete>(code: u64, circuit: C) -> u64 {
     if is_nan { circuit.bits(circuit.subtract(infinity, infinity)) } else { code }
 }
 
+const RULES: [Rules; 4] = [Rules::Paper, Rules::Chisel, Rules::Bounds(BoxBits(8)), Rules::Bounds(BoxBits::DEFAULT)];
+
 #[test]
 fn soft_binary32_is_binary32() {
     const JOBS: usize = 200_000;
     let soft = Soft { format: Format::BINARY32 };
-    for rules in [Rules::Paper, Rules::Chisel] {
+    for rules in RULES {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let (mut host, mut in_software) = (Functional::<16, 8>::new(rules), Functional::<16, 8, _>::over(soft, rules));
         let mut seen = Seen::new();

@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use raypath_float::Format;
 use raypath_model::{Batch, Functional, Packed, Soft, blank, levels, pack, unpack};
 use raypath_ops::{
-    AngularOutput, BeatInput, Binary32, EuclideanOutput, Family, Job, JobKind, Of, Operation, Outcome, RayBox,
+    AngularOutput, BeatInput, Binary32, BoxBits, EuclideanOutput, Family, Job, JobKind, Of, Operation, Outcome, RayBox,
     RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules,
 };
 
@@ -45,6 +45,16 @@ fn words(kind: JobKind, seed: u64) -> Vec<Vec<u64>> {
 
 /// The outcomes in software arithmetic, one job after another, in canonical words. Every sixteenth job uses the same
 /// model, as in a block.
+/// All rules, and several widths of boxes.
+const RULES: [Rules; 6] = [
+    Rules::Paper,
+    Rules::Chisel,
+    Rules::Bounds(BoxBits(8)),
+    Rules::Bounds(BoxBits(12)),
+    Rules::Bounds(BoxBits(13)),
+    Rules::Bounds(BoxBits(24)),
+];
+
 fn answers(kind: JobKind, rules: Rules, jobs: &[Vec<u64>]) -> Vec<Vec<u64>> {
     let soft = Soft { format: Format::BINARY32 };
     let mut datapaths = vec![Functional::<16, 8, Soft>::over(soft, rules); 16];
@@ -69,7 +79,7 @@ fn check<I, O>(
     let inputs: Vec<Of<I, Binary32>> =
         jobs.iter().map(|words| input(Job::from_words_in(Binary32, kind, words))).collect();
     let blocks = pack::<I>(&inputs);
-    for rules in [Rules::Paper, Rules::Chisel] {
+    for rules in RULES {
         let expected = answers(kind, rules, jobs);
         for level in levels() {
             let mut batch = Batch::at(level, rules);

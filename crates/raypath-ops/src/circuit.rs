@@ -40,6 +40,8 @@ pub trait Circuit: Copy + Debug + PartialEq {
     fn multiply(self, a: Self::Num, b: Self::Num) -> Self::Num;
     /// The number with its sign inverted.
     fn negate(self, a: Self::Num) -> Self::Num;
+    /// The number rounded in one direction to a shorter significand.
+    fn narrow(self, a: Self::Num, to: Narrowing) -> Self::Num;
     /// Compares two numbers; −0 equals +0.
     fn compare(self, a: Self::Num, b: Self::Num) -> Self::Order;
     /// Reads a relation from a comparison.
@@ -107,6 +109,49 @@ pub enum Relation {
     GreaterOrEqual,
     /// a > b
     Greater,
+}
+
+/// A rounding to a shorter significand in one direction ([`Circuit::narrow`]).
+///
+/// Infinities and NaN stay. The magnitude of any other number is moved by `margin` units in the last place of the
+/// circuit's format in the direction, at most to zero, and then rounded in the direction to `bits` bits. A magnitude
+/// below twice the least normal number becomes zero, and one that exceeds the largest number of the format infinite.
+/// Numbers keep their signs. (Below twice the least normal number, and not below that number itself, because there a
+/// product is rounded in the same places whether or not the exponent has a limit.)
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Narrowing {
+    /// The bits of the significand, hidden bit included: from 3 to those of the circuit's format.
+    pub bits: u32,
+    /// The direction.
+    pub direction: Direction,
+    /// Units in the last place of the circuit's format, at most 4.
+    pub margin: u32,
+}
+
+/// The direction in which a magnitude is rounded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Direction {
+    /// To a magnitude that is not greater.
+    TowardZero,
+    /// To a magnitude that is not less.
+    AwayFromZero,
+}
+
+impl Narrowing {
+    /// Rounding toward zero to `bits` bits.
+    pub const fn toward_zero(bits: u32) -> Self {
+        Self { bits, direction: Direction::TowardZero, margin: 0 }
+    }
+
+    /// Rounding away from zero to `bits` bits.
+    pub const fn away_from_zero(bits: u32) -> Self {
+        Self { bits, direction: Direction::AwayFromZero, margin: 0 }
+    }
+
+    /// The same with another margin.
+    pub const fn margin(self, margin: u32) -> Self {
+        Self { margin, ..self }
+    }
 }
 
 /// A property that follows from a number's sign and class alone.

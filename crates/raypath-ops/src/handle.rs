@@ -1,7 +1,7 @@
 //! Handles on the numbers, bits and words of a circuit. A handle contains its circuit, which allows expressions such as
 //! `(bound - origin) * inv`.
 
-use crate::circuit::{Circuit, Relation, Test};
+use crate::circuit::{Circuit, Narrowing, Relation, Test};
 use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 
 /// A number of a circuit.
@@ -71,6 +71,12 @@ impl<C: Circuit> Num<C> {
     #[inline(always)]
     pub fn larger(self, other: Self) -> Self {
         (self.compare(other).greater() | other.is_nan()).select(self, other)
+    }
+
+    /// The number rounded in one direction to a shorter significand.
+    #[inline(always)]
+    pub fn narrow(self, to: Narrowing) -> Self {
+        Self::new(self.circuit, self.circuit.narrow(self.value, to))
     }
 
     /// The smaller of two numbers. If one is NaN, the result is the other; if they are equal, `other`.

@@ -71,6 +71,22 @@ macro_rules! native_numbers {
             $number(-a.0)
         }
         #[inline(always)]
+        fn narrow(self, a: $number, to: $crate::Narrowing) -> $number {
+            let magnitude = a.0.abs();
+            if !magnitude.is_finite() {
+                return a;
+            }
+            let low = (1 << (<$float>::MANTISSA_DIGITS - to.bits)) - 1;
+            let [code, least, margin] = [magnitude.to_bits(), <$float>::MIN_POSITIVE.to_bits(), to.margin.into()];
+            // Codes of magnitudes are in the order of the magnitudes, and a step of one is a unit in the last place.
+            let rounded = match to.direction {
+                $crate::Direction::TowardZero => code.saturating_sub(margin) & !low,
+                $crate::Direction::AwayFromZero => ((code + margin + low) & !low).min(<$float>::INFINITY.to_bits()),
+            };
+            let kept = if rounded < 2 * least { 0 } else { rounded };
+            $number(<$float>::from_bits(kept).copysign(a.0))
+        }
+        #[inline(always)]
         fn compare(self, a: $number, b: $number) -> ($float, $float) {
             (a.0, b.0)
         }

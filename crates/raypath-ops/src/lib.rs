@@ -42,6 +42,7 @@ pub mod operations;
 mod ports;
 mod ray;
 mod ray_box;
+mod ray_box_bounds;
 mod ray_triangle;
 mod ray_triangle_extended;
 mod rules;
@@ -51,7 +52,7 @@ mod sort;
 pub use array::array_from;
 pub use binary32::{Binary32, Single};
 pub use bundle::{Bundle, Field, Path, Sink, Source};
-pub use circuit::{Circuit, Concrete, Relation, Test};
+pub use circuit::{Circuit, Concrete, Direction, Narrowing, Relation, Test};
 pub use distance::{
     Angular, AngularOutput, AngularState, Beat, BeatInput, Euclidean, EuclideanOutput, EuclideanState, VectorError,
 };
@@ -70,5 +71,5 @@ pub use ray_triangle::{Edges, RayTriangle, RayTriangleInput, RayTriangleOutput};
 pub use ray_triangle_extended::{
     Culling, ParseCullingError, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,
 };
-pub use rules::{ParseRulesError, Rules};
+pub use rules::{BoxBits, ParseBoxBitsError, ParseRulesError, Rules};
 pub use sort::SortEntry;

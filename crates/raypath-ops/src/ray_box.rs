@@ -1,6 +1,7 @@
 //! Ray against four boxes: the slab method (Table VII, column Quadbox).
 
 use crate::operation::run_portable;
+use crate::ray_box_bounds::outer_intervals;
 use crate::rules::Interval;
 use crate::{
     Aabb, Binary32, Bit, Circuit, Flags, Kernels, LaneMap, Num, Operation, Portable, Ray, Rules, SortEntry, Word,
@@ -139,32 +140,10 @@ impl LaneMap for Slabs {
         ray: &Ray<C>,
         aabb: &[Aabb<C>; N],
     ) -> [Entry<C>; N] {
-        c.stage(2, "every box bound - origin");
-        let relative: [Aabb<C>; N] = array_of!(i => aabb[i] - ray.origin);
-        c.label(format_args!("relative"), &relative);
-
-        c.stage(3, "times inv: slab distances");
-        let distance: [Aabb<C>; N] = array_of!(i => relative[i] * ray.inv);
-        c.label(format_args!("distance"), &distance);
-
-        c.stage(4, "near and far by sign; tmin = max(near, 0), tmax = min(far, extent)");
-        let inside: [Interval<C>; N] = array_of!(i => {
-                let Aabb { x, y, z } = distance[i];
-                let slabs = [(x, ray.dir.x, ray.inv.x), (y, ray.dir.y, ray.inv.y), (z, ray.dir.z, ray.inv.z)];
-                let backwards: [Bit<C>; 3] = array_of!(k => self.rules.runs_backwards(c, slabs[k].1, slabs[k].2));
-                let ends: [(Num<C>, Num<C>); 3] =
-                    array_of!(k => kernels.exchange(backwards[k], slabs[k].0.min, slabs[k].0.max));
-                let (near, far): ([Num<C>; 3], [Num<C>; 3]) = (array_of!(k => ends[k].0), array_of!(k => ends[k].1));
-                for (k, axis) in ["x", "y", "z"].iter().enumerate() {
-                    c.label(format_args!("near_{i}_{axis}"), &near[k]);
-                    c.label(format_args!("far_{i}_{axis}"), &far[k]);
-                }
-                Interval {
-                    tmin: self.rules.entry(c, kernels, format_args!("near_{i}"), near),
-                    tmax: self.rules.exit(c, kernels, format_args!("far_{i}"), far, ray.extent),
-                }
-            },
-        );
+        let inside = match self.rules {
+            Rules::Bounds(bits) => outer_intervals(c, kernels, bits, ray, aabb),
+            Rules::Paper | Rules::Chisel => self.intervals(c, kernels, ray, aabb),
+        };
         c.label(format_args!("inside"), &inside);
 
         let inside = if self.is_conservative {
@@ -182,6 +161,44 @@ impl LaneMap for Slabs {
         array_of!(i => {
             let hit = self.rules.box_hit(inside[i]);
             Entry { hit, tmin: hit.select(inside[i].tmin, c.infinity()) }
+        })
+    }
+}
+
+impl Slabs {
+    /// The interval of the ray in each box, each operator rounded to nearest.
+    #[inline(always)]
+    fn intervals<C: Circuit, const N: usize>(
+        &self,
+        c: C,
+        kernels: impl Kernels<C>,
+        ray: &Ray<C>,
+        aabb: &[Aabb<C>; N],
+    ) -> [Interval<C>; N] {
+        c.stage(2, "every box bound - origin");
+        let relative: [Aabb<C>; N] = array_of!(i => aabb[i] - ray.origin);
+        c.label(format_args!("relative"), &relative);
+
+        c.stage(3, "times inv: slab distances");
+        let distance: [Aabb<C>; N] = array_of!(i => relative[i] * ray.inv);
+        c.label(format_args!("distance"), &distance);
+
+        c.stage(4, "near and far by sign; tmin = max(near, 0), tmax = min(far, extent)");
+        array_of!(i => {
+            let Aabb { x, y, z } = distance[i];
+            let slabs = [(x, ray.dir.x, ray.inv.x), (y, ray.dir.y, ray.inv.y), (z, ray.dir.z, ray.inv.z)];
+            let backwards: [Bit<C>; 3] = array_of!(k => self.rules.runs_backwards(c, slabs[k].1, slabs[k].2));
+            let ends: [(Num<C>, Num<C>); 3] =
+                array_of!(k => kernels.exchange(backwards[k], slabs[k].0.min, slabs[k].0.max));
+            let (near, far): ([Num<C>; 3], [Num<C>; 3]) = (array_of!(k => ends[k].0), array_of!(k => ends[k].1));
+            for (k, axis) in ["x", "y", "z"].iter().enumerate() {
+                c.label(format_args!("near_{i}_{axis}"), &near[k]);
+                c.label(format_args!("far_{i}_{axis}"), &far[k]);
+            }
+            Interval {
+                tmin: self.rules.entry(c, kernels, format_args!("near_{i}"), near),
+                tmax: self.rules.exit(c, kernels, format_args!("far_{i}"), far, ray.extent),
+            }
         })
     }
 }

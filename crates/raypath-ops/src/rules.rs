@@ -2,7 +2,9 @@
 
 use crate::sort::sort_four;
 use crate::{Bit, Circuit, Kernels, Num, Order, SortEntry, bundle};
-use std::fmt::Arguments;
+use std::fmt::{self, Arguments};
+use std::str::FromStr;
+use thiserror::Error;
 
 /// A set of rules for zeros, NaNs, ties and touching boxes. Everything else is the same in both sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -12,7 +14,43 @@ pub enum Rules {
     Paper,
     /// The behaviour of the original hardware, bit for bit, except for its accumulator fault.
     Chisel,
+    /// Those of `Paper`, but slab distances have significands of a few bits and are rounded outwards: `tmin` is a lower
+    /// bound of the distance at which the ray enters a box, and no box that the ray enters is missed.
+    Bounds(BoxBits),
 }
+
+/// The bits of the significands in the box test of [`Rules::Bounds`], hidden bit included: from 8 to 24, and at most
+/// those of the circuit's format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct BoxBits(pub u32);
+
+impl BoxBits {
+    /// The least number of bits.
+    pub const MIN: Self = Self(8);
+    /// The greatest number of bits.
+    pub const MAX: Self = Self(24);
+    /// The least number that adds at most 2 % to the visits in the scenes of `docs/user/area-and-timing.md`.
+    pub const DEFAULT: Self = Self(13);
+}
+
+impl fmt::Display for BoxBits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.0)
+    }
+}
+
+impl FromStr for BoxBits {
+    type Err = ParseBoxBitsError;
+    fn from_str(text: &str) -> Result<Self, ParseBoxBitsError> {
+        let bits = text.parse().ok().map(Self).filter(|bits| (Self::MIN..=Self::MAX).contains(bits));
+        bits.ok_or_else(|| ParseBoxBitsError(text.to_string()))
+    }
+}
+
+/// The error of a text that is not a number of bits for boxes.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("'{0}' is not a valid number of bits, expected 8 to 24")]
+pub struct ParseBoxBitsError(String);
 
 bundle! {
     /// The part of a ray that lies inside a box. It is empty if `tmin` exceeds `tmax`.
@@ -29,7 +67,7 @@ impl Rules {
     #[inline(always)]
     pub(crate) fn runs_backwards<C: Circuit>(self, c: C, dir: Num<C>, inv: Num<C>) -> Bit<C> {
         match self {
-            Rules::Paper => inv.sign_bit(),
+            Rules::Paper | Rules::Bounds(_) => inv.sign_bit(),
             Rules::Chisel => !dir.compare(c.zero()).greater_or_equal(),
         }
     }
@@ -45,7 +83,7 @@ impl Rules {
         [x, y, z]: [Num<C>; 3],
     ) -> Num<C> {
         match self {
-            Rules::Paper => kernels.largest_or_zero(c, name, [x, y, z]),
+            Rules::Paper | Rules::Bounds(_) => kernels.largest_or_zero(c, name, [x, y, z]),
             Rules::Chisel => sort_four(c, name, [x, y, z, c.zero()], chisel_swaps)[0],
         }
     }
@@ -62,7 +100,7 @@ impl Rules {
     ) -> Num<C> {
         match self {
             // The result is only compared, so the sign of a zero does not matter.
-            Rules::Paper => kernels.smallest_or_extent(c, name, [x, y, z], extent),
+            Rules::Paper | Rules::Bounds(_) => kernels.smallest_or_extent(c, name, [x, y, z], extent),
             Rules::Chisel => sort_four(c, name, [x, y, z, extent], chisel_swaps)[3],
         }
     }
@@ -72,7 +110,7 @@ impl Rules {
     pub(crate) fn box_hit<C: Circuit>(self, interval: Interval<C>) -> Bit<C> {
         let order = interval.tmin.compare(interval.tmax);
         match self {
-            Rules::Paper => order.less_or_equal(),
+            Rules::Paper | Rules::Bounds(_) => order.less_or_equal(),
             Rules::Chisel => order.less(),
         }
     }
@@ -86,7 +124,7 @@ impl Rules {
         entries: [SortEntry<C, 2>; 4],
     ) -> [SortEntry<C, 2>; 4] {
         match self {
-            Rules::Paper => kernels.sort(c, entries),
+            Rules::Paper | Rules::Bounds(_) => kernels.sort(c, entries),
             Rules::Chisel => {
                 let [first, second, third, last] = sort_four(
                     c,
@@ -110,7 +148,7 @@ impl Rules {
         t_denom: Num<C>,
     ) -> Bit<C> {
         match self {
-            Rules::Paper => {
+            Rules::Paper | Rules::Bounds(_) => {
                 let inside = u.is_at_least_zero() & v.is_at_least_zero() & w.is_at_least_zero();
                 inside & !t_denom.is_zero() & !t_denom.is_nan() & t_num.is_above_zero()
             }
@@ -127,8 +165,8 @@ impl Rules {
     #[inline(always)]
     pub(crate) fn within<C: Circuit>(self, [near, far]: [Order<C>; 2], is_front: bool) -> Bit<C> {
         match (self, is_front) {
-            (Rules::Paper, true) => near.less_or_equal() & far.less_or_equal(),
-            (Rules::Paper, false) => near.greater_or_equal() & far.greater_or_equal(),
+            (Rules::Paper | Rules::Bounds(_), true) => near.less_or_equal() & far.less_or_equal(),
+            (Rules::Paper | Rules::Bounds(_), false) => near.greater_or_equal() & far.greater_or_equal(),
             (Rules::Chisel, true) => !near.greater() & !far.greater(),
             (Rules::Chisel, false) => !near.less() & !far.less(),
         }
@@ -141,8 +179,30 @@ fn chisel_swaps<C: Circuit>(a: Num<C>, b: Num<C>) -> Bit<C> {
     !a.compare(b).greater_or_equal()
 }
 
-names! {
-    Rules { Paper = "paper", Chisel = "chisel" },
-    /// The error of an unknown name of a rule set.
-    ParseRulesError, "'{0}' is not a valid rule set, expected paper or chisel"
+impl fmt::Display for Rules {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Paper => "paper",
+            Self::Chisel => "chisel",
+            Self::Bounds(_) => "bounds",
+        })
+    }
 }
+
+/// The rules `bounds` have the default number of bits.
+impl FromStr for Rules {
+    type Err = ParseRulesError;
+    fn from_str(name: &str) -> Result<Self, ParseRulesError> {
+        match name {
+            "paper" => Ok(Self::Paper),
+            "chisel" => Ok(Self::Chisel),
+            "bounds" => Ok(Self::Bounds(BoxBits::DEFAULT)),
+            _ => Err(ParseRulesError(name.to_string())),
+        }
+    }
+}
+
+/// The error of an unknown name of a rule set.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("'{0}' is not a valid rule set, expected paper, chisel or bounds")]
+pub struct ParseRulesError(String);

@@ -204,7 +204,7 @@ pub fn render(
         None => Camera::framing(&mesh, size.0 as f32 / size.1 as f32),
         Some(eye) => Camera::new(eye, target, up, fov).map_err(|problem| value_error(format!("camera: {problem}")))?,
     };
-    let tracing = Tracing { rules: datapath.config().semantics.rules, two_sided };
+    let tracing = Tracing { rules: datapath.config().semantics.rules_in_full(), two_sided };
     let shading = Shading { tracing, shadows, ambient_occlusion: ao, samples, seed };
     let system = system(&datapath, rays_in_flight, memory_latency);
     watched(py, move |progress| {
@@ -267,7 +267,7 @@ pub fn trace(
     let datapath = plain(datapath)?;
     let mesh = mesh(py, vertices, faces)?;
     let rays: Vec<ops::Ray<ops::Binary32>> = items::<Ray>(rays, "rays")?.iter().map(Into::into).collect();
-    let tracing = Tracing { rules: datapath.config().semantics.rules, two_sided };
+    let tracing = Tracing { rules: datapath.config().semantics.rules_in_full(), two_sided };
     let system = system(&datapath, rays_in_flight, memory_latency);
     watched(py, move |progress| {
         let scene = Scene::for_origins(mesh, rays.iter().map(|ray| ray.origin.into())).map_err(value_error)?;

@@ -5,3 +5,4 @@ pub mod liveness;
 pub mod position;
 pub mod recorder;
 pub mod units;
+pub mod widths;

@@ -3,7 +3,7 @@
 use crate::step::UnitFeatures;
 use crate::words::WordCircuit;
 use raypath_hdl::{Builder, Wire};
-use raypath_ops::{Bit, Bundle, Circuit, Field, Num, Path, Relation, Sink, Source, Test};
+use raypath_ops::{Bit, Bundle, Circuit, Field, Narrowing, Num, Path, Relation, Sink, Source, Test};
 use std::fmt;
 
 /// A circuit that adds gates to a module. Numbers are in the IEEE 754 layout of binary32. It has no arithmetic on
@@ -97,6 +97,10 @@ impl<'m> Circuit for Netlist<'m> {
     }
     fn negate(self, a: Value<'m>) -> Value<'m> {
         Value(self.0.concat(&[!a.0.top(), self.magnitude(a)]))
+    }
+
+    fn narrow(self, _a: Value<'m>, _to: Narrowing) -> Value<'m> {
+        self.no_arithmetic()
     }
 
     fn compare(self, a: Value<'m>, b: Value<'m>) -> Comparison<'m> {

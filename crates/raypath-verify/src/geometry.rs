@@ -6,6 +6,7 @@ pub mod boxes;
 mod campaign;
 mod dyadic;
 mod mesh;
+mod outer_boxes;
 mod shapes;
 pub mod sums;
 pub mod triangle_distances;

@@ -3,8 +3,10 @@
 
 use rayon::prelude::*;
 use raypath::float::Format;
-use raypath::ops::Rules;
-use raypath::rtl::{Config, Control, Encoding, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing};
+use raypath::ops::{BoxBits, Rules};
+use raypath::rtl::{
+    Config, Control, Encoding, Features, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing,
+};
 use raypath::sim::Datapath;
 use raypath::sim::engine::NetlistEngine;
 use raypath::sim::lockstep::RegressionChecks;
@@ -146,6 +148,25 @@ const INFERRED_MULTIPLIERS: Space = Space {
     multiplier: &[Multiplier::Inferred],
     ..DEFAULT
 };
+
+/// Boxes in few bits: every width, and some with each parameter that changes units or registers.
+#[test]
+fn boxes_in_few_bits() {
+    let bounds = |bits: u32| Config::DEFAULT.rules(Rules::Bounds(BoxBits::DEFAULT)).box_bits(BoxBits(bits));
+    let widths = (8..=24).map(|bits| bounds(bits).lanes(Lanes::None).control(Control::Credit));
+    let mut configs: Vec<Config> = widths.collect();
+    for bits in [9, 12, 13] {
+        configs.extend(UnitLatency::ALL.iter().map(|&latency| bounds(bits).unit_latency(latency)));
+        configs.push(bounds(bits).io(Encoding::Recoded).registers(Encoding::Ieee));
+        configs.push(bounds(bits).sharing(Sharing::Segregated).lanes(Lanes::Two));
+    }
+    for (format, bits) in [("tf32", 11), ("bf16", 8), ("fp16", 10), ("e11s24", 13)] {
+        configs.push(bounds(bits).format(format.parse().expect("a format")));
+    }
+    let features = Features { exception_flags: true, range: true, ..Features::OFF };
+    configs.push(bounds(13).features(features));
+    configs.par_iter().enumerate().for_each(|(seed, config)| check(*config, seed as u64, 2000));
+}
 
 /// The documents state how many configurations these tests run.
 #[test]

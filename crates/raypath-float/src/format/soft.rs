@@ -65,6 +65,35 @@ impl Format {
         self.canonical(a ^ self.sign_bit())
     }
 
+    /// The number rounded toward zero to a significand of `bits` bits, after its magnitude is reduced by `margin` units
+    /// in the last place. Results below twice the least normal number are zeros of its sign; infinities and NaN stay.
+    #[inline]
+    pub fn narrow_toward_zero(self, a: u64, bits: u32, margin: u32) -> u64 {
+        self.narrow(a, |magnitude| magnitude.saturating_sub(margin.into()) & !mask(self.significand() - bits))
+    }
+
+    /// The number rounded away from zero to a significand of `bits` bits, after its magnitude is increased by `margin`
+    /// units in the last place. Results below twice the least normal number are zeros of its sign; infinities and NaN
+    /// stay.
+    #[inline]
+    pub fn narrow_away_from_zero(self, a: u64, bits: u32, margin: u32) -> u64 {
+        let low = mask(self.significand() - bits);
+        self.narrow(a, |magnitude| ((magnitude + u64::from(margin) + low) & !low).min(self.infinity()))
+    }
+
+    /// Rounds the magnitude of a finite number, as a code.
+    #[inline]
+    fn narrow(self, a: u64, round: impl Fn(u64) -> u64) -> u64 {
+        // Codes of magnitudes are in the order of the magnitudes, and a step of one is a unit in the last place.
+        let magnitude = self.magnitude(a) as u64;
+        if magnitude >= self.infinity() {
+            return self.canonical(a);
+        }
+        let rounded = round(magnitude);
+        let least_kept = 2 << self.fraction_width();
+        (if rounded < least_kept { 0 } else { rounded }) | a & self.sign_bit()
+    }
+
     /// The order of `a` and `b`: -0 equals +0; `None` if one of them is NaN.
     #[inline]
     pub fn compare(self, a: u64, b: u64) -> Option<Ordering> {

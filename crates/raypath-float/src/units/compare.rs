@@ -7,6 +7,7 @@
 //! `verilator.rs`.
 
 use crate::Format;
+use crate::units::narrow::narrowed;
 use crate::units::recoded::Magnitude;
 use raypath_hdl::{Builder, Error, Module, Wire};
 use std::sync::Arc;
@@ -43,6 +44,15 @@ pub fn compare(format: Format) -> Result<Arc<Module>, Error> {
     m.output("equal_o", !unordered & same & (same_sign | both_zero));
     m.output("unordered_o", unordered);
     m.finish()
+}
+
+/// The comparison of two numbers of `format` that have significands of `bits` bits: that of the format with such a
+/// significand. The words have no lower bits of the fractions, which are zeros.
+///
+/// # Errors
+/// A significand of less than 3 bits or of more than the format has.
+pub fn compare_narrow(format: Format, bits: u32) -> Result<Arc<Module>, Error> {
+    compare(narrowed(format, bits, "raypath_fp_compare", "a_i")?)
 }
 
 /// The order of two words. They are equal if `b` covers `a` and `a` is not less.

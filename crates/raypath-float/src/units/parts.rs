@@ -32,7 +32,17 @@ impl<'m> Parts<'m> {
         let (in_name, in_doc) = if with_flags { ("_flags", ", and its exceptions") } else { ("", "") };
         let name = format!("raypath_fp_{operation}{in_name}_{format}");
         let doc = format!("{result}, rounded to nearest even{in_doc}.");
-        let builders: Vec<Builder> = (1..=count).map(|part| begin(&name, &doc, part, count)).collect();
+        Self::build_module(&name, &doc, count, describe)
+    }
+
+    /// As [`build`](Self::build), for a module of any name, with the first line of its head comment.
+    pub fn build_module(
+        name: &str,
+        doc: &str,
+        count: u32,
+        describe: impl for<'b> FnOnce(&mut Parts<'b>),
+    ) -> Result<Vec<Arc<Module>>, Error> {
+        let builders: Vec<Builder> = (1..=count).map(|part| begin(name, doc, part, count)).collect();
         let undivided = || Error::Name {
             module: name.to_string(),
             name: part_name(1, count),

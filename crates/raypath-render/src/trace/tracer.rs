@@ -104,6 +104,7 @@ impl<'s> Tracer<'s> {
                 match rules {
                     Rules::Paper => run(traversal, Rules::Paper),
                     Rules::Chisel => run(traversal, Rules::Chisel),
+                    Rules::Bounds(bits) => run(traversal, Rules::Bounds(*bits)),
                 }
                 traversal.hit()
             }

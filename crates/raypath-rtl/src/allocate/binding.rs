@@ -10,7 +10,8 @@ use crate::config::UnitSharing;
 use crate::ir::graph::{NodeId, Op, OperationGraph};
 use crate::ir::liveness::PositionValues;
 use crate::ir::position::Step;
-use crate::ir::units::{Unit, UnitKind};
+use crate::ir::units::{Unit, UnitKind, UnitWidth};
+use crate::ir::widths::Widths;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The unit that computes a value.
@@ -27,6 +28,8 @@ pub type Bindings = BTreeMap<NodeId, Binding>;
 /// What the binder knows of a step.
 pub struct StepValues<'a> {
     pub operations: &'a [OperationGraph<Step>],
+    /// The significands of their numbers.
+    pub widths: &'a Widths,
     /// The values of each operation.
     pub values: &'a [&'a PositionValues],
     /// The layout of the registers before the step.
@@ -67,29 +70,54 @@ pub fn bind(step: &StepValues<'_>, round: impl Fn(usize, NodeId) -> u32) -> Vec<
             UnitSharing::Shared => vec![&rounds],
             UnitSharing::Disjoint => rounds.chunk_by(|a, b| a.0 == b.0).collect(),
         };
-        let mut first = 0;
+        let mut number = 0;
         for set in sets {
-            bind_set(step, kind, first, set, &mut bindings);
-            first += set.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
+            for (width, rounds) in by_width(step, set) {
+                bind_set(step, Unit { kind, part, width, number }, &rounds, &mut bindings);
+            }
+            number += set.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
         }
     }
     bindings
 }
 
-/// Binds values to units with numbers from `first`.
-fn bind_set(step: &StepValues<'_>, kind: UnitKind, first: usize, rounds: &[Round], bindings: &mut [Bindings]) {
+/// Binds values to units with numbers from that of `first`.
+fn bind_set(step: &StepValues<'_>, first: Unit, rounds: &[Round], bindings: &mut [Bindings]) {
     let is_chained = |(op, values): &Round| is_chained(&step.operations[*op], step.values[*op], values);
     if !rounds.iter().any(is_chained) {
-        return bind_by_nets(step, kind, first, rounds, bindings);
+        return bind_by_nets(step, first, rounds, bindings);
     }
     // In order, because another choice could make a combinational loop of two operations' chains.
     for (op, values) in rounds {
         let in_order = values.iter().enumerate().map(|(index, &id)| {
-            let unit = Unit { kind, part: 0, number: first + index };
+            let unit = Unit { number: first.number + index, ..first };
             (id, Binding { unit, swapped: false })
         });
         bindings[*op].extend(in_order);
     }
+}
+
+/// The values by the width of the unit that computes each. A value that fits a narrow unit is computed by a full one if
+/// another operation or round needs that anyway, as far as there are such units.
+fn by_width(step: &StepValues<'_>, rounds: &[Round]) -> BTreeMap<UnitWidth, Vec<Round>> {
+    let own = |(op, ids): &Round| -> Vec<UnitWidth> {
+        ids.iter().map(|&id| step.widths.of_unit(*op, &step.operations[*op], id)).collect()
+    };
+    let own: Vec<Vec<UnitWidth>> = rounds.iter().map(own).collect();
+    let full = |widths: &Vec<UnitWidth>| widths.iter().filter(|&&width| width == UnitWidth::Full).count();
+    let needed = own.iter().map(full).max().unwrap_or(0);
+    let mut divided: BTreeMap<UnitWidth, Vec<Round>> = BTreeMap::new();
+    for (round, ((_, ids), widths)) in rounds.iter().zip(&own).enumerate() {
+        let mut room = needed - full(widths);
+        for (&id, &width) in ids.iter().zip(widths) {
+            let shares = width != UnitWidth::Full && room > 0;
+            room -= usize::from(shares);
+            let width = if shares { UnitWidth::Full } else { width };
+            let empty = || rounds.iter().map(|(op, _)| (*op, Vec::new())).collect();
+            divided.entry(width).or_insert_with(empty)[round].1.push(id);
+        }
+    }
+    divided
 }
 
 /// Binds values to the next parts of units: the part with the same number as the part before.
@@ -122,7 +150,7 @@ fn is_chained(graph: &OperationGraph<Step>, step: &PositionValues, values: &[Nod
 type Nets = BTreeSet<(Origin, bool)>;
 
 /// Binds values to the units where they add the fewest nets; the round with the most values is first.
-fn bind_by_nets(step: &StepValues<'_>, kind: UnitKind, first: usize, rounds: &[Round], bindings: &mut [Bindings]) {
+fn bind_by_nets(step: &StepValues<'_>, first: Unit, rounds: &[Round], bindings: &mut [Bindings]) {
     let units = rounds.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
     let mut nets: Vec<[Nets; 2]> = vec![Default::default(); units];
     let mut order: Vec<&Round> = rounds.iter().collect();
@@ -145,7 +173,7 @@ fn bind_by_nets(step: &StepValues<'_>, kind: UnitKind, first: usize, rounds: &[R
             let id = values[index];
             if free[number] && !bindings[op].contains_key(&id) {
                 free[number] = false;
-                let unit = Unit { kind, part: 0, number: first + number };
+                let unit = Unit { number: first.number + number, ..first };
                 bindings[op].insert(id, Binding { unit, swapped });
                 for (net, known) in operands.into_iter().zip(&mut nets[number]) {
                     known.insert(net);

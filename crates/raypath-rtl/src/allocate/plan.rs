@@ -12,6 +12,7 @@ use crate::ir::graph::{Kind, NodeId, Op, OperationGraph};
 use crate::ir::liveness::{self, PositionValues};
 use crate::ir::position::{Step, StepLabel};
 use crate::ir::units::{Unit, Units};
+use crate::ir::widths::Widths;
 use raypath_float::Format;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -27,6 +28,8 @@ pub struct Plan {
     pub microarchitecture: Microarchitecture,
     /// The operations, with their values in steps.
     pub operations: Vec<OperationGraph<Step>>,
+    /// The significands of the operations' numbers.
+    pub widths: Widths,
     /// All steps; the first is the input's registers.
     pub steps: Vec<StepPlan>,
     /// When a folded pipeline computes its values; `None` if it accepts a job per cycle.
@@ -62,6 +65,7 @@ impl Plan {
         let last = labels.len() as u32 - 1;
         let values: Vec<Vec<PositionValues>> = operations.iter().map(|graph| liveness::analyse(graph, last)).collect();
         let affinities: Vec<Affinity> = operations.iter().map(Affinity::new).collect();
+        let widths = Widths::of(&operations, format);
         let interval = microarchitecture.interval;
         let rounds = match interval {
             Interval::One => None,
@@ -82,6 +86,7 @@ impl Plan {
             };
             let step = StepValues {
                 operations: &operations,
+                widths: &widths,
                 values: &here,
                 before,
                 alike: &same(&vec![Bindings::new(); operations.len()]),
@@ -103,7 +108,7 @@ impl Plan {
             let made = here.iter().map(|values| values.made.clone()).collect();
             steps.push(StepPlan { label, bindings, made, alike, layout });
         }
-        Ok(Self { format, microarchitecture, operations, steps, rounds })
+        Ok(Self { format, microarchitecture, operations, widths, steps, rounds })
     }
 
     /// Bits of the opcode: as many as the greatest needs, and at least as many as in the paper.

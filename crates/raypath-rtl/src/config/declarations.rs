@@ -7,7 +7,7 @@ use super::parameter::{Parameter, ParameterGroup, declare_parameters, values};
 use super::values::{MAX_TAG_WIDTH, TagWidth, Values};
 use crate::error::Error;
 use raypath_float::Format;
-use raypath_ops::{Culling, JobKind, Rules};
+use raypath_ops::{BoxBits, Culling, JobKind, Rules};
 use std::fmt;
 
 declare_parameters! {
@@ -18,8 +18,11 @@ declare_parameters! {
     pub struct Semantics {
         /// Lanes of a Euclidean beat; an angular beat has half as many. `none`: no distance operations.
         lanes ("lanes"): Lanes = Lanes::Sixteen,
-        /// The rules for edge cases: `paper` (this project's rulings) or `chisel` (those of the original hardware).
+        /// The rules for edge cases: `paper` (this project's rulings), `chisel` (those of the original hardware) or
+        /// `bounds` (`paper`, with boxes in fewer bits, rounded outwards).
         rules ("rules"): Rules = Rules::Paper,
+        /// Bits of the significands in box tests, hidden bit included; needs the rules `bounds`.
+        box_bits ("box-bits"): BoxBits = BoxBits::DEFAULT,
         /// The number format; `eXsY` has X exponent bits (3 to 11) and Y significand bits, hidden bit included (3 to
         /// 24).
         format ("format"): Format = Format::BINARY32,
@@ -127,6 +130,11 @@ impl Config {
     /// Those of [`Semantics::check`] and [`Microarchitecture::check`].
     pub fn check(self) -> Result<(), Error> {
         self.semantics.check()?;
+        if matches!(self.semantics.rules, Rules::Bounds(_)) && self.microarchitecture.interval != Interval::One {
+            let problem =
+                format!("{} is not available with rules bounds, expected interval 1", self.microarchitecture.interval);
+            return Err(Error::Feature { feature: "interval", problem });
+        }
         self.microarchitecture.check(self.semantics.features.exception_flags)
     }
 
@@ -166,16 +174,30 @@ impl Semantics {
         if self.lanes == Lanes::None { &[JobKind::Triangle, JobKind::Quadbox] } else { &JobKind::ALL }
     }
 
+    /// The rules with the parameters that belong to them: the bits of boxes.
+    pub fn rules_in_full(self) -> Rules {
+        match self.rules {
+            Rules::Bounds(_) => Rules::Bounds(self.box_bits),
+            rules => rules,
+        }
+    }
+
     /// Checks that the features can be combined with each other, the rules and the format.
     ///
     /// # Errors
-    /// A tag of more than [`Features::MAX_TAG_WIDTH`] bits; conservative boxes under the rules `chisel`; exception
-    /// flags in another format than binary32.
+    /// A tag of more than [`Features::MAX_TAG_WIDTH`] bits; conservative boxes under other rules than `paper`; bits of
+    /// boxes under other rules than `bounds`, or more than the format has; exception flags in another format than
+    /// binary32.
     pub fn check(self) -> Result<(), Error> {
         let Features { tag, conservative, exception_flags, .. } = self.features;
         Features::check_tag(tag)?;
-        if conservative && self.rules == Rules::Chisel {
-            let problem = "not available with rules chisel, which miss touched boxes; expected rules paper".to_string();
+        self.check_box_bits()?;
+        if conservative && self.rules != Rules::Paper {
+            let reason = match self.rules {
+                Rules::Chisel => "which miss touched boxes",
+                _ => "under which no box is missed anyway",
+            };
+            let problem = format!("not available with rules {}, {reason}; expected rules paper", self.rules);
             return Err(Error::Feature { feature: "conservative", problem });
         }
         if exception_flags && self.format != Format::BINARY32 {
@@ -200,6 +222,23 @@ impl Microarchitecture {
             _ => format!("not available with unit-latency {unit_latency}, expected unit-latency 1"),
         };
         Err(Error::Feature { feature: "interval", problem: format!("{interval} is {problem}") })
+    }
+}
+
+impl Semantics {
+    fn check_box_bits(self) -> Result<(), Error> {
+        let BoxBits(bits) = self.box_bits;
+        let error = |problem: String| Err(Error::Feature { feature: "box bits", problem });
+        let is_bounds = matches!(self.rules, Rules::Bounds(_));
+        if !is_bounds && self.box_bits != BoxBits::DEFAULT {
+            return error(format!("{bits} not available with rules {}, expected rules bounds", self.rules));
+        }
+        let most = self.format.significand().min(BoxBits::MAX.0);
+        if is_bounds && !(BoxBits::MIN.0..=most).contains(&bits) {
+            let least = BoxBits::MIN.0;
+            return error(format!("{bits} not available in format {}, expected {least} to {most}", self.format));
+        }
+        Ok(())
     }
 }
 

@@ -26,7 +26,7 @@ impl Semantics {
     /// # Errors
     /// Those of the visitor.
     pub fn operations<V: OperationVisitor>(self, visitor: &mut V) -> Result<(), V::Error> {
-        let (rules, features) = (self.rules, self.features);
+        let (rules, features) = (self.rules_in_full(), self.features);
         if features.conservative {
             visitor.visit(RayBoxConservative, JobKind::Quadbox.opcode())?;
         } else {

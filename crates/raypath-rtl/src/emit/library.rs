@@ -2,9 +2,10 @@ use crate::allocate::plan::Plan;
 use crate::emit::control::{Plain, Skid};
 use crate::ir::graph::{Kind, Op, OperationGraph};
 use crate::ir::position::Step;
-use crate::ir::units::{Unit, UnitKind};
-use raypath_float::Format;
+use crate::ir::units::{Unit, UnitKind, UnitWidth};
+use raypath_float::{Format, Narrow};
 use raypath_hdl::{Error, Module};
+use raypath_ops::{Direction, Narrowing};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -23,8 +24,24 @@ pub struct Library {
     add: Vec<Arc<Module>>,
     multiply: Vec<Arc<Module>>,
     compare: Arc<Module>,
+    /// Units for operands with short significands, if the plan has such numbers.
+    narrow: Option<NarrowUnits>,
+    /// Converters of numbers to shorter significands.
+    narrowings: BTreeMap<Narrowing, Arc<Module>>,
     /// Converters of words to numbers, by the words' width.
     numbers: BTreeMap<u32, Arc<Module>>,
+}
+
+/// Units whose operands have short significands.
+#[derive(Debug)]
+struct NarrowUnits {
+    /// Multipliers by the rounding of their products, in parts.
+    multiply: BTreeMap<Narrowing, Vec<Arc<Module>>>,
+    compare: Arc<Module>,
+}
+
+fn rounding(to: Narrowing) -> Narrow {
+    Narrow { bits: to.bits, away: to.direction == Direction::AwayFromZero, margin: to.margin }
 }
 
 impl Library {
@@ -35,6 +52,17 @@ impl Library {
         for width in plan.operations.iter().flat_map(word_widths) {
             numbers.insert(width, raypath_float::number(format, width)?);
         }
+        let mut narrowings = BTreeMap::new();
+        for to in plan.operations.iter().flat_map(|graph| &graph.nodes).filter_map(|node| node.op.narrowing()) {
+            narrowings.insert(to, raypath_float::narrow(format, rounding(to))?);
+        }
+        let narrow = plan.widths.narrow().map(|operand| {
+            let mut multiply = BTreeMap::new();
+            for to in narrowings.keys().filter(|to| to.margin == 0) {
+                multiply.insert(*to, raypath_float::mul_narrow_parts(format, operand, rounding(*to), parts)?);
+            }
+            Ok::<_, Error>(NarrowUnits { multiply, compare: raypath_float::compare_narrow(format, operand)? })
+        });
         Ok(Self {
             format,
             skid: Skid::module()?,
@@ -45,6 +73,8 @@ impl Library {
             add: raypath_float::add_parts(format, parts, with_flags)?,
             multiply: plan.microarchitecture.multiplier.parts(format, parts, with_flags)?,
             compare: raypath_float::compare(format)?,
+            narrow: narrow.transpose()?,
+            narrowings,
             numbers,
         })
     }
@@ -52,6 +82,11 @@ impl Library {
     /// The module of a unit's part.
     pub fn unit(&self, unit: Unit) -> &Arc<Module> {
         let part = unit.part as usize;
+        match (unit.width, &self.narrow) {
+            (UnitWidth::Rounding(to), Some(narrow)) => return &narrow.multiply[&to][part],
+            (UnitWidth::Short, Some(narrow)) => return &narrow.compare,
+            _ => {}
+        }
         match unit.kind {
             UnitKind::Encode => &self.encode,
             UnitKind::Add => &self.add[part],
@@ -66,9 +101,19 @@ impl Library {
         self.numbers.get(&width)
     }
 
+    /// The converter of numbers to a shorter significand, if the plan has it.
+    pub fn narrowing(&self, to: Narrowing) -> Option<&Arc<Module>> {
+        self.narrowings.get(&to)
+    }
+
     /// The kind of unit that a module is, or is a part of.
     pub fn kind(&self, module: &Arc<Module>) -> Option<UnitKind> {
         let is = |parts: &[Arc<Module>]| parts.iter().any(|part| Arc::ptr_eq(part, module));
+        match &self.narrow {
+            Some(narrow) if narrow.multiply.values().any(|parts| is(parts)) => return Some(UnitKind::Multiply),
+            Some(narrow) if Arc::ptr_eq(&narrow.compare, module) => return Some(UnitKind::Compare),
+            _ => {}
+        }
         UnitKind::ALL.into_iter().find(|kind| match kind {
             UnitKind::Encode => Arc::ptr_eq(&self.encode, module),
             UnitKind::Add => is(&self.add),

@@ -7,7 +7,7 @@ use crate::emit::boundary::{self, StepBuilder, Wires, negate};
 use crate::emit::library::Library;
 use crate::error::Error;
 use crate::ir::graph::{Kind, NodeId, Op};
-use crate::ir::units::Unit;
+use crate::ir::units::{Unit, UnitWidth};
 use raypath_float::Format;
 use raypath_hdl::{Builder, Wire};
 use raypath_ops::{Relation, Test};
@@ -129,15 +129,25 @@ impl<'m, 'p> Values<'m, 'p> {
         let mut connections = Vec::new();
         for (operand, port) in module.inputs().iter().enumerate() {
             let wire = if unit.part == 0 {
-                self.operand(unit, operand, &format!("{}_{}", unit.stem(), port.stem()))?
+                let number = self.operand(unit, operand, &format!("{}_{}", unit.stem(), port.stem()))?;
+                if unit.width == UnitWidth::Full { number } else { number.upper(module.signal(port.signal).width) }
             } else {
                 self.result_of_part_before(unit, port.stem())?
             };
             connections.push((port.name.as_str(), wire));
         }
-        let wires = self.at.m.instance(&format!("u_{}", unit.stem()), module, &connections);
+        let mut wires = self.at.m.instance(&format!("u_{}", unit.stem()), module, &connections);
+        if matches!(unit.width, UnitWidth::Rounding(_)) && module.outputs().len() == 1 {
+            wires = vec![self.padded(wires[0])];
+        }
         self.units.insert(unit, wires.clone());
         Ok(wires)
+    }
+
+    /// A number with a short significand as one of the format.
+    fn padded(&self, number: Wire<'m>) -> Wire<'m> {
+        let missing = self.at.library.format.recoded_width() - number.width();
+        if missing == 0 { number } else { self.at.m.concat(&[number, self.at.m.constant(missing, 0)]) }
     }
 
     /// The intermediate result of the part before, whose unit has the same number.
@@ -225,6 +235,16 @@ impl<'m, 'p> Values<'m, 'p> {
                 self.unit(unit)?[1]
             }
             Op::Negate(a) => negate(self.get(op, a)?),
+            Op::Narrow(a, to) => {
+                let number = self.get(op, a)?;
+                let rounds = UnitWidth::Rounding(to);
+                if self.at.plan.steps[self.at.step].bindings[op].get(&a).is_some_and(|b| b.unit.width == rounds) {
+                    return Ok(number);
+                }
+                let name = self.free_name(&format!("u_narrow_{}_{}", graph.name, graph.name_of(id)));
+                let unit = self.at.library.narrowing(to).ok_or_else(|| self.unplaced(op, a))?;
+                self.padded(m.instance(&name, unit, &[("number_i", number)])[0])
+            }
             Op::NumberOf(a) => {
                 let word = self.get(op, a)?;
                 let name = self.free_name(&format!("u_number_{}_{}", graph.name, graph.name_of(id)));

@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::ir::position::{LAST_STAGE, Position, STAGES, Stage, Step};
 use crate::ir::units::UnitKind;
 use raypath_float::flags;
-use raypath_ops::{Relation, Test};
+use raypath_ops::{Narrowing, Relation, Test};
 use std::borrow::Cow;
 
 /// The greatest number of operations in a datapath. Opcodes are below it.
@@ -42,6 +42,8 @@ pub enum Op {
     Multiply(NodeId, NodeId),
     Compare(NodeId, NodeId),
     Negate(NodeId),
+    /// A number with a shorter significand.
+    Narrow(NodeId, Narrowing),
     /// A word as a number.
     NumberOf(NodeId),
     /// A test of a number's sign or class. It is computed wherever that saves registers
@@ -64,6 +66,14 @@ impl Op {
     /// Whether an adder or a multiplier computes it. Such a value is rounded and may raise exceptions.
     pub fn rounds(&self) -> bool {
         matches!(self, Self::Add(..) | Self::Subtract(..) | Self::Multiply(..))
+    }
+
+    /// The rounding, if it makes a significand shorter.
+    pub fn narrowing(&self) -> Option<Narrowing> {
+        match self {
+            Self::Narrow(_, to) => Some(*to),
+            _ => None,
+        }
     }
 }
 
@@ -302,6 +312,7 @@ impl<P: Position> OperationGraph<P> {
             Op::Input(_) | Op::State(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_) => vec![],
             Op::Continue(a)
             | Op::Negate(a)
+            | Op::Narrow(a, _)
             | Op::NumberOf(a)
             | Op::Test(_, a)
             | Op::Relation(a, _)

@@ -2,7 +2,9 @@
 
 use crate::ir::graph::{Kind, Node, NodeId, Op, OperationGraph, OutputValue, PortBit, StateValue};
 use crate::ir::position::{Position, Stage};
-use raypath_ops::{Binary32, Bit, Bundle, Circuit, Field, Num, Operation, Path, Relation, Single, Sink, Source, Test};
+use raypath_ops::{
+    Binary32, Bit, Bundle, Circuit, Field, Narrowing, Num, Operation, Path, Relation, Single, Sink, Source, Test,
+};
 use std::borrow::Cow;
 use std::cell::{Cell, RefCell};
 use std::fmt;
@@ -185,6 +187,9 @@ impl Circuit for Recorder<'_> {
     }
     fn negate(self, a: NodeId) -> NodeId {
         self.push(Kind::Number, Op::Negate(a))
+    }
+    fn narrow(self, a: NodeId, to: Narrowing) -> NodeId {
+        self.push(Kind::Number, Op::Narrow(a, to))
     }
     fn compare(self, a: NodeId, b: NodeId) -> NodeId {
         self.push(Kind::Order, Op::Compare(a, b))

@@ -1,5 +1,6 @@
 //! The floating-point units, and how many of each kind a step has.
 
+use raypath_ops::{Direction, Narrowing};
 use std::fmt;
 use std::iter::Sum;
 use std::ops::Add;
@@ -40,14 +41,34 @@ pub struct Unit {
     pub kind: UnitKind,
     /// The part, from 0.
     pub part: u32,
-    /// Its number among the units of this kind and part in the step, from 0.
+    /// The significands of its operands and its result.
+    pub width: UnitWidth,
+    /// Its number among the units of this kind, part and width in the step, from 0.
     pub number: usize,
 }
 
+/// The significands of a unit's operands and result. A narrow unit has short operands
+/// ([`Widths`](super::widths::Widths)).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum UnitWidth {
+    /// All have the significand of the format.
+    Full,
+    /// Operands are short, and the result is no number.
+    Short,
+    /// Operands are short, and the result is rounded so that it is short too.
+    Rounding(Narrowing),
+}
+
 impl Unit {
-    /// The stem of its instance name, such as `add_3`.
+    /// The stem of its instance name, such as `add_3` or `mul_toward_zero_3`.
     pub fn stem(self) -> String {
-        format!("{}_{}", self.kind.stem(), self.number)
+        let width = match self.width {
+            UnitWidth::Full => "",
+            UnitWidth::Short => "_narrow",
+            UnitWidth::Rounding(Narrowing { direction: Direction::TowardZero, .. }) => "_toward_zero",
+            UnitWidth::Rounding(Narrowing { direction: Direction::AwayFromZero, .. }) => "_away_from_zero",
+        };
+        format!("{}{width}_{}", self.kind.stem(), self.number)
     }
 }
 

@@ -119,8 +119,8 @@ pub fn difference(datapath: &Datapath, config: Config, index: usize) -> Vec<&'st
     }
     if ours.compare != paper.compare {
         causes.extend(match (step.stage, config.semantics.rules) {
-            (4, Rules::Paper) => &["ruling 1: the sign of inv is read, not compared"][..],
-            (10, Rules::Paper) => {
+            (4, Rules::Paper | Rules::Bounds(_)) => &["ruling 1: the sign of inv is read, not compared"][..],
+            (10, Rules::Paper | Rules::Bounds(_)) => {
                 &["one sorting network moves values and indices", "ruling 6: the hit test reads signs"]
             }
             (10, Rules::Chisel) => {

@@ -123,7 +123,7 @@ impl CoverageModel {
     /// The points that a job covers, as far as they are known when it enters.
     pub fn job_points(&self, kind: JobKind, words: &[u64]) -> JobPoints {
         let mut covered = JobPoints { kind, points: [0; 3] };
-        let (rules, format) = (self.config.semantics.rules, self.config.semantics.format);
+        let (rules, format) = (self.config.semantics.rules_in_full(), self.config.semantics.format);
         let mask = self.mask(kind, words);
         for (&field, &code) in self.layout.fields(kind).iter().zip(words) {
             // A masked lane is no operand; rule 7 has points for its value.
@@ -154,7 +154,7 @@ impl CoverageModel {
 
     /// Adds the points that a beat covers when it leaves.
     pub fn add_exit_points(&self, covered: &mut JobPoints, found: AccumulatorState) {
-        let first = rules_begin(covered.kind, self.config.semantics.rules) + RULES_AT_ENTRY;
+        let first = rules_begin(covered.kind, self.config.semantics.rules_in_full()) + RULES_AT_ENTRY;
         covered.set_rules(first, &rules_at_exit(self.config.semantics.format, found));
     }
 
@@ -174,7 +174,8 @@ fn rules_begin(kind: JobKind, rules: Rules) -> usize {
 }
 
 fn points(kind: JobKind, config: Config, layout: &Layout) -> Vec<CoveragePoint> {
-    let (rules, format, lanes) = (config.semantics.rules, config.semantics.format, config.semantics.lanes.count());
+    let (rules, format, lanes) =
+        (config.semantics.rules_in_full(), config.semantics.format, config.semantics.lanes.count());
     let point = |name: &str| CoveragePoint {
         name: format!("{kind}: {name}"),
         is_known_at_exit_only: false,

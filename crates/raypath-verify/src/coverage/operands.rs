@@ -34,7 +34,7 @@ pub fn class(format: Format, code: u64) -> usize {
 pub fn groups(kind: JobKind, rules: Rules) -> &'static [&'static str] {
     match (kind, rules) {
         (JobKind::Triangle, _) => &["origin", "shear", "vertex A", "vertex B", "vertex C"],
-        (JobKind::Quadbox, Rules::Paper) => &["origin", "inverse", "extent", "box min", "box max"],
+        (JobKind::Quadbox, Rules::Paper | Rules::Bounds(_)) => &["origin", "inverse", "extent", "box min", "box max"],
         (JobKind::Quadbox, Rules::Chisel) => &["origin", "inverse", "extent", "box min", "box max", "direction"],
         (JobKind::Euclidean | JobKind::Angular, _) => &["query", "candidate"],
     }

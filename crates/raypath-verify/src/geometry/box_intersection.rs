@@ -36,6 +36,11 @@ impl Fraction {
         (Dyadic::from(x) * &self.denominator - &self.numerator).abs().to_f64() / self.denominator.to_f64()
     }
 
+    /// Whether it is not less than a number.
+    pub fn is_at_least(&self, x: f32) -> bool {
+        x.is_finite() && Self::integer(x.into()) <= *self
+    }
+
     /// Whether rounding allows `x` as the computed value.
     pub fn may_round_to(&self, x: f32) -> bool {
         let (x, [below, above]) = (Self::integer(x.into()), self.rounded());

@@ -3,6 +3,7 @@
 use super::box_intersection::ExactIntersection;
 use super::campaign::{self, Tally};
 use super::dyadic::{U, ulps_of};
+use super::outer_boxes;
 use crate::{Error, Request, Verdict};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -20,10 +21,10 @@ pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
 }
 
 /// Whether the box is hit, and tmin.
-type Answer = (bool, f32);
+pub(super) type Answer = (bool, f32);
 
 /// The datapath's result for each box.
-fn datapath(rules: Rules, case: &Case) -> [Answer; 4] {
+pub(super) fn datapath(rules: Rules, case: &Case) -> [Answer; 4] {
     let aabb = case.boxes.map(|[low, high]| Aabb::new(low, high));
     let Outcome::Quadbox(output) =
         Functional::<16, 8>::new(rules).run(&Job::Quadbox(RayBoxInput { ray: case.ray, aabb }))
@@ -61,6 +62,7 @@ fn with_inverses(case: &Case, inverse: impl Fn(f32, f32) -> f32) -> [Answer; 4] 
 fn run(rng: &mut ChaCha8Rng, tally: &mut Tally) {
     let case = draw(rng);
     let geometry = case.boxes.map(|aabb| ExactIntersection::new(&case.ray, aabb));
+    outer_boxes::run(tally, &case, &geometry);
     let answers = datapath(Rules::Paper, &case);
     let faulty = FAULTY.map(|(name, fault)| (name, fault(&case)));
     for i in 0..4 {
@@ -140,9 +142,12 @@ fn verdict(tally: Tally, is_stopped: bool) -> Verdict {
             tally.largest("gap")
         ),
         format!("beyond the range of binary32, which the claim excludes: {} boxes", count("out of range")),
+        outer_boxes::remark(&tally),
     ];
     let is_enough = count("checked") >= ENOUGH;
-    let controls = ("wrong results of faulty implementations", FAULTY.map(|(name, _)| name), is_enough);
+    let [a, b, c] = FAULTY.map(|(name, _)| name);
+    let [d, e, f, g] = outer_boxes::CONTROLS;
+    let controls = ("wrong results of faulty implementations", [a, b, c, d, e, f, g], is_enough);
     tally.verdict(is_stopped, covered, remarks, controls)
 }
 
@@ -153,9 +158,9 @@ fn is_right(geometry: &ExactIntersection, (hit, tmin): Answer) -> bool {
 
 /// A ray and four boxes, each as its lower and upper corner.
 #[derive(Debug, Clone, Copy)]
-struct Case {
-    ray: Ray<Binary32>,
-    boxes: [[[f32; 3]; 2]; 4],
+pub(super) struct Case {
+    pub ray: Ray<Binary32>,
+    pub boxes: [[[f32; 3]; 2]; 4],
 }
 
 /// The magnitudes of directions' components whose inverses are normal numbers.
@@ -254,7 +259,7 @@ fn extent(rng: &mut ChaCha8Rng, reach: f64) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::{FAULTY, Tally, run};
+    use super::{FAULTY, Tally, outer_boxes, run};
     use rand::SeedableRng;
     use rand::rngs::ChaCha8Rng;
 
@@ -263,7 +268,7 @@ mod tests {
     fn faults_are_found() {
         let (mut tally, mut rng) = (Tally::default(), ChaCha8Rng::seed_from_u64(5));
         (0..2500).for_each(|_| run(&mut rng, &mut tally));
-        for (name, _) in FAULTY {
+        for name in FAULTY.map(|(name, _)| name).into_iter().chain(outer_boxes::CONTROLS) {
             assert!(tally.count(name) > 50, "{name}: {tally:?}");
         }
         for kind in ["hit", "undetermined", "flat", "empty", "along a slab", "in a plane", "touched"] {

@@ -15,7 +15,7 @@ const ENOUGH: u64 = 5_000;
 
 /// Compares random rays and triangles with exact arithmetic, by the bounds of `docs/reference/error-bounds.md`.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let rules = request.config.semantics.rules;
+    let rules = request.config.semantics.rules_in_full();
     let cases = request.jobs.unwrap_or(request.level.pick(300_000, 10_000_000, 300_000_000));
     let (tally, is_stopped) = campaign::run(request, 2, cases, |rng, tally| run(tally, rules, rng))?;
     Ok(verdict(tally, is_stopped))

@@ -18,7 +18,7 @@ const DRAWS: u32 = 200;
 /// Runs rays at closed meshes. In each case the ray passes, by exact arithmetic, through a patch of faces that all face
 /// it; the datapath must hit one of them.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let rules = request.config.semantics.rules;
+    let rules = request.config.semantics.rules_in_full();
     let cases = request.jobs.unwrap_or(request.level.pick(1_000_000, 20_000_000, 1_000_000_000));
     let bodies = bodies(request.seed);
     let is_hit = |ray: &Ray<Binary32>, corners| datapath(rules, ray, corners).triangle_hit.into();

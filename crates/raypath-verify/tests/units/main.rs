@@ -3,6 +3,7 @@
 mod binary32;
 mod division;
 mod exact;
+mod narrow;
 mod other_formats;
 mod small_formats;
 mod verilator;

@@ -87,7 +87,7 @@ fn random_jobs_and_resets() {
 #[test]
 #[ignore = "run by ./test.sh --long"]
 fn random_jobs_and_resets_in_the_other_representatives() {
-    let others = [REPRESENTATIVES[1], REPRESENTATIVES[3], REPRESENTATIVES[4], REPRESENTATIVES[5]];
+    let others = [REPRESENTATIVES[1], REPRESENTATIVES[3], REPRESENTATIVES[4], REPRESENTATIVES[5], REPRESENTATIVES[6]];
     others.into_par_iter().chain([Config::DEFAULT.lanes(Lanes::None)]).for_each(random_campaign);
 }
 

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod bench;
+mod box_bits;
 mod division;
 mod explore;
 mod fpga;
@@ -50,6 +51,8 @@ pub enum Command {
     Fpga(fpga::Arguments),
     /// Measure many configurations and draw area against clock and throughput
     Explore(explore::Arguments),
+    /// Compare boxes in fewer bits: visits that they add in scenes, and area
+    BoxBits(box_bits::Arguments),
     /// Measure the speed of the models, compared with Verilator and other libraries
     Bench(bench::Arguments),
     /// Check the claims about the datapath against independent oracles: proofs, campaigns, mutations
@@ -68,6 +71,7 @@ impl Command {
             Self::Ppa(arguments) => ppa::run(&arguments, out),
             Self::Fpga(arguments) => fpga::run(&arguments, out),
             Self::Explore(arguments) => explore::run(&arguments, out),
+            Self::BoxBits(arguments) => box_bits::run(&arguments, out),
             Self::Bench(arguments) => bench::run(&arguments, out),
             Self::Verify(arguments) => verify::run(&arguments, out),
         }

@@ -119,7 +119,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
         return Err(CliError::unusable(problem));
     }
     let system = arguments.unit_system(config)?;
-    let tracing = Tracing { rules: config.semantics.rules, two_sided: arguments.two_sided };
+    let tracing = Tracing { rules: config.semantics.rules_in_full(), two_sided: arguments.two_sided };
     if let Some(hits) = &arguments.draw {
         return drawn(arguments, hits, out);
     }

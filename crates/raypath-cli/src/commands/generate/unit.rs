@@ -148,7 +148,7 @@ fn check(unit: &UnitNetlist, arguments: &Arguments, out: &mut dyn Write) -> Resu
     let ended = environment.replies.len();
     let stopped = progress.finish(ended);
 
-    let mut functional = Unit::new(unit.config.semantics.rules, unit.parameters.step);
+    let mut functional = Unit::new(unit.config.semantics.rules_in_full(), unit.parameters.step);
     let mut different: Vec<(u64, Reply, Reply)> = Vec::new();
     let mut by_status = [0; 4];
     for (&id, &found) in &environment.replies {

@@ -93,7 +93,7 @@ impl JobArguments {
         let shown = Shown::read(self.scene.as_deref(), None)?;
         let camera = shown.framing(PICTURE.0 as f32 / PICTURE.1 as f32);
         let scene = shown.scene([camera.eye()])?;
-        let tracing = Tracing { rules: config.semantics.rules, ..Tracing::default() };
+        let tracing = Tracing { rules: config.semantics.rules_in_full(), ..Tracing::default() };
         let shading = Shading { tracing, shadows: true, ..Shading::default() };
         let spec = PictureSpec { scene: &scene, camera, size: PICTURE, shading };
         let sample = Sample::spread((PICTURE.0 * PICTURE.1) as usize, PIXELS);

@@ -1,0 +1,108 @@
+//! Rounding of a recoded number to a shorter significand, in one direction.
+//!
+//! Hardware: rounding toward zero drops bits, rounding away from zero adds one if a dropped bit is set. A carry out of
+//! the fraction steps the exponent, and from the largest number to infinity, because exponent and fraction are one
+//! word. The module is not a unit of its own in area reports, so that it is optimised with the logic around it.
+//!
+//! Tests in `tests/units/narrow.rs` (all numbers of small formats, by exact arithmetic).
+
+use crate::units::constants::Constants;
+use crate::units::recoded::Magnitude;
+use crate::{Format, FormatError};
+use raypath_hdl::{Builder, Error, Module};
+use std::fmt;
+use std::sync::Arc;
+
+/// A rounding to a shorter significand in one direction. Results below twice the least normal number are zeros of
+/// their sign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Narrow {
+    /// The bits of the significand, hidden bit included.
+    pub bits: u32,
+    /// Whether magnitudes are rounded up; otherwise they are rounded down.
+    pub away: bool,
+    /// Units in the last place of the operand by which its magnitude is changed in that direction before, at most 4.
+    pub margin: u32,
+}
+
+/// `s12_toward_zero`, with `_margin_4` if there is one.
+impl fmt::Display for Narrow {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "s{}_{}_zero", self.bits, if self.away { "away_from" } else { "toward" })?;
+        if self.margin > 0 { write!(f, "_margin_{}", self.margin) } else { Ok(()) }
+    }
+}
+
+impl Narrow {
+    /// The direction in words.
+    pub(crate) fn direction(self) -> &'static str {
+        if self.away { "away from zero" } else { "toward zero" }
+    }
+}
+
+impl Format {
+    /// The format of the same exponent and a significand of `bits` bits.
+    ///
+    /// # Errors
+    /// Less than 3 bits, or more than this format has.
+    pub fn narrowed(self, bits: u32) -> Result<Self, FormatError> {
+        if bits > self.significand() {
+            let (exponent, most) = (self.exponent(), self.significand());
+            return Err(FormatError::Significand { exponent, significand: bits, most });
+        }
+        Self::new(self.exponent(), bits)
+    }
+}
+
+/// The format of a narrow number at a port of a module.
+pub(crate) fn narrowed(format: Format, bits: u32, module: &str, signal: &str) -> Result<Format, Error> {
+    let error = |problem: FormatError| Error::Width {
+        module: module.to_string(),
+        signal: signal.to_string(),
+        problem: problem.to_string(),
+    };
+    format.narrowed(bits).map_err(error)
+}
+
+/// The module `raypath_narrow_<format>_<rounding>`: the recoded number `number_i` of `format`, rounded to `narrow_o`,
+/// which has no lower bits of the fraction.
+///
+/// # Errors
+/// A significand of less than 3 bits or of more than the format has.
+pub fn narrow(format: Format, to: Narrow) -> Result<Arc<Module>, Error> {
+    let name = format!("raypath_narrow_{format}_{to}");
+    narrowed(format, to.bits, &name, "narrow_o")?;
+    let (e, lost) = (format.exponent(), format.significand() - to.bits);
+    let m = Builder::new(&name);
+    m.doc(format!("A recoded number rounded {} to a significand of {} bits.", to.direction(), to.bits));
+    let number_i = m.input("number_i", format.recoded_width());
+    let number = Magnitude::of(format, number_i);
+
+    m.section("Round");
+    let special = number.exponent().upper(2).all().named("special");
+    let width = number.word.width();
+    let moved = match to {
+        Narrow { margin: 0, .. } => number.word,
+        Narrow { margin, away, .. } => {
+            let margin = m.constant(width, margin.into()) & (!special).replicate(width);
+            let moved = if away { number.word + margin } else { number.word - margin };
+            moved.named("moved")
+        }
+    };
+    let kept = moved.upper(width - lost);
+    let rounded = if to.away && lost > 0 {
+        let up = (moved.lower(lost).any() & !special).named("up");
+        (kept + up.extend(width - lost)).named("rounded")
+    } else {
+        kept
+    };
+
+    m.section("Flush small results");
+    let least_kept = m.parameter("LeastKept", e + 1, Constants(format).min_normal() + 1);
+    let flushed = rounded.upper(e + 1).less(least_kept);
+    // Zero less the margin is no small number.
+    let flushed = if to.margin > 0 && !to.away { flushed | number.exponent().less(least_kept) } else { flushed };
+    let magnitude = rounded & (!flushed.named("flushed")).replicate(width - lost);
+    m.output("narrow_o", m.concat(&[number_i.top(), magnitude]));
+    m.finish()
+}
