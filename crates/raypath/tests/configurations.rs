@@ -21,6 +21,7 @@ struct Space {
     control: &'static [Control],
     sharing: &'static [Sharing],
     unit_latency: &'static [UnitLatency],
+    clock_gating: &'static [bool],
 }
 
 /// Only the default configuration.
@@ -33,6 +34,7 @@ const DEFAULT: Space = Space {
     control: &[Control::Skid],
     sharing: &[Sharing::Union],
     unit_latency: &[UnitLatency::One],
+    clock_gating: &[false],
 };
 
 const RULES: &[Rules] = &[Rules::Paper, Rules::Chisel];
@@ -52,7 +54,7 @@ fn configurations_of_all_spaces() {
     all.par_iter().enumerate().for_each(|(seed, config)| check(*config, seed as u64, 2000));
 }
 
-const SPACES: [Space; 7] = [
+const SPACES: [Space; 8] = [
     LANES_AND_RULES,
     ENCODINGS,
     CONTROL_WITHOUT_DISTANCES,
@@ -60,6 +62,7 @@ const SPACES: [Space; 7] = [
     ENCODINGS_WITH_CONTROL,
     FORMATS,
     FORMATS_WITH_CONTROL,
+    CLOCK_GATES,
 ];
 
 const LANES_AND_RULES: Space = Space { lanes: Lanes::ALL, rules: RULES, ..DEFAULT };
@@ -92,6 +95,9 @@ const FORMATS_WITH_CONTROL: Space = Space {
     ..DEFAULT
 };
 
+/// Clock gates with all parameters that change the registers and their enables.
+const CLOCK_GATES: Space = Space { lanes: &[Lanes::None, Lanes::Two], clock_gating: &[true], ..CONTROL };
+
 /// The documents state how many configurations these tests run.
 #[test]
 fn documents_state_the_number_of_configurations() {
@@ -101,7 +107,15 @@ fn documents_state_the_number_of_configurations() {
     let mut formats: Vec<Format> = others.iter().map(|config| config.semantics.format).collect();
     formats.sort_by_key(|format| format.to_string());
     formats.dedup();
-    let all = Space { rules: RULES, lanes: Lanes::ALL, io: Encoding::ALL, registers: Encoding::ALL, ..CONTROL };
+    let gated = &[false, true];
+    let all = Space {
+        clock_gating: gated,
+        rules: RULES,
+        lanes: Lanes::ALL,
+        io: Encoding::ALL,
+        registers: Encoding::ALL,
+        ..CONTROL
+    };
     let sentence = format!(
         "The tests compare the netlist with the cycle-exact and the functional model under random handshakes in {} \
          configurations: {} of the {} combinations in `fp32`, and {} in {} other formats",
@@ -131,6 +145,7 @@ impl Space {
         vary(&mut configs, self.control, |config, control| config.microarchitecture.control = control);
         vary(&mut configs, self.sharing, |config, sharing| config.microarchitecture.sharing = sharing);
         vary(&mut configs, self.unit_latency, |config, latency| config.microarchitecture.unit_latency = latency);
+        vary(&mut configs, self.clock_gating, |config, gated| config.microarchitecture.clock_gating = gated);
         configs
     }
 }

@@ -42,6 +42,8 @@ declare_parameters! {
         sharing ("sharing"): Sharing = Sharing::Union,
         /// Pipeline steps of an adder or a multiplier.
         unit_latency ("unit-latency"): UnitLatency = UnitLatency::One,
+        /// Clock gates, so that registers get a clock edge only when they load a value that the job uses.
+        clock_gating ("clock-gating"): bool = false,
     }
 }
 

@@ -6,10 +6,12 @@
 mod buffer;
 mod credit;
 mod exit;
+mod gate;
 mod plain;
 mod skid;
 
 pub use credit::{Spacing, credit};
 pub use exit::Exit;
+pub use gate::Gate;
 pub use plain::Plain;
 pub use skid::Skid;

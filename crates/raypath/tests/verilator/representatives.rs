@@ -9,7 +9,12 @@ const DEFAULT: Config = Config::DEFAULT;
 /// No two of these share more than half of their parameters. Tests add the default and `lanes none`.
 pub const REPRESENTATIVES: [Config; 6] = [
     DEFAULT.lanes(Lanes::Two).io(Encoding::Recoded).registers(Encoding::Ieee).control(Control::Credit),
-    DEFAULT.lanes(Lanes::Four).io(Encoding::Recoded).sharing(Sharing::Segregated).unit_latency(UnitLatency::Two),
+    DEFAULT
+        .lanes(Lanes::Four)
+        .io(Encoding::Recoded)
+        .sharing(Sharing::Segregated)
+        .unit_latency(UnitLatency::Two)
+        .clock_gating(true),
     DEFAULT
         .lanes(Lanes::Eight)
         .registers(Encoding::Ieee)
@@ -17,7 +22,7 @@ pub const REPRESENTATIVES: [Config; 6] = [
         .format(Format::TF32)
         .control(Control::Credit)
         .unit_latency(UnitLatency::Three),
-    DEFAULT.lanes(Lanes::ThirtyTwo).format(Format::BFLOAT16).control(Control::Credit),
+    DEFAULT.lanes(Lanes::ThirtyTwo).format(Format::BFLOAT16).control(Control::Credit).clock_gating(true),
     DEFAULT.lanes(Lanes::SixtyFour).format(Format::BINARY16),
     DEFAULT.lanes(Lanes::None).rules(Rules::Chisel).control(Control::Credit),
 ];
