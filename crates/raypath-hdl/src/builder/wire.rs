@@ -236,8 +236,10 @@ impl<'m> Register<'m> {
             (name, known)
         };
         match name {
-            None => builder
-                .fail_drive(&describe(&builder.state.borrow().module, enable.id), "gates a clock, expected a name"),
+            None => {
+                let signal = describe(&builder.state.borrow().module, enable.id);
+                builder.fail_drive(&signal, "gates a clock, expected a name");
+            }
             Some(name) if !known => {
                 [gated_clock(&name), gate_instance(&name)].iter().for_each(|name| builder.claim(name))
             }
