@@ -27,4 +27,6 @@ mod units;
 
 pub use format::{Format, FormatError, ParseFormatError};
 #[cfg(feature = "units")]
-pub use units::{DivSqrt, add, add_parts, compare, decode, div, encode, flags, mul, mul_parts, number, sqrt};
+pub use units::{
+    DivSqrt, add, add_parts, compare, decode, div, encode, flags, mul, mul_inferred_parts, mul_parts, number, sqrt,
+};

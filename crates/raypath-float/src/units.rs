@@ -26,6 +26,6 @@ pub use compare::compare;
 pub use decode::decode;
 pub use div_sqrt::{div, sqrt};
 pub use encode::encode;
-pub use mul::{mul, mul_parts};
+pub use mul::{mul, mul_inferred_parts, mul_parts};
 pub use number::number;
 pub use recurrence::DivSqrt;

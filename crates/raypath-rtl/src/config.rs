@@ -14,7 +14,7 @@ mod values;
 
 pub use choice::{ParseChoiceError, alternatives};
 pub use declarations::{Config, Features, Microarchitecture, PARAMETER_GROUPS, Semantics, parameters};
-pub use enumerations::{Accumulators, Control, Encoding, Lanes, Sharing, UnitLatency};
+pub use enumerations::{Accumulators, Control, Encoding, Lanes, Multiplier, Sharing, UnitLatency};
 pub use operations::OperationVisitor;
 pub use parameter::{Parameter, ParameterGroup};
 pub use preset::{PRESETS, Preset};

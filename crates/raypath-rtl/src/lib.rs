@@ -25,9 +25,9 @@ pub mod report;
 mod schedule;
 
 pub use config::{
-    Accumulators, Config, Control, Encoding, Features, Lanes, Microarchitecture, OperationVisitor, PARAMETER_GROUPS,
-    PRESETS, Parameter, ParameterGroup, ParseChoiceError, Preset, Semantics, Sharing, UnitLatency, alternatives,
-    parameters,
+    Accumulators, Config, Control, Encoding, Features, Lanes, Microarchitecture, Multiplier, OperationVisitor,
+    PARAMETER_GROUPS, PRESETS, Parameter, ParameterGroup, ParseChoiceError, Preset, Semantics, Sharing, UnitLatency,
+    alternatives, parameters,
 };
 pub use datapath::{Datapath, Registers, StageNote, StateLoop};
 pub use emit::properties::{Bind, Checker, Properties};

@@ -1,8 +1,8 @@
 //! External programs: how they are found, run and stopped, and how their results are cached.
 //!
-//! [`Yosys`] synthesises, [`OpenSta`] finds the slowest paths, [`Abc`] proves. [`Verilated`] is SystemVerilog compiled
-//! by Verilator, an implementation of the language that is independent of `raypath-hdl`'s simulator, so that the two
-//! can be compared cycle by cycle. [`Sources::lint`] runs the linters.
+//! [`Yosys`] synthesises, [`OpenSta`] finds the slowest paths, [`Nextpnr`] places and routes, [`Abc`] proves.
+//! [`Verilated`] is SystemVerilog compiled by Verilator, an implementation of the language that is independent of
+//! `raypath-hdl`'s simulator, so that the two can be compared cycle by cycle. [`Sources::lint`] runs the linters.
 //!
 //! Every function reports a missing program, a failure or an unexpected result as a [`ToolError`].
 //!
@@ -33,6 +33,7 @@ mod files;
 mod grouped;
 mod input;
 mod lint;
+mod nextpnr;
 mod opensta;
 #[cfg(feature = "parts")]
 pub mod parts;
@@ -42,6 +43,7 @@ mod program;
 mod sources;
 mod verilator;
 mod verilator_main;
+mod verilator_stream;
 mod yosys;
 
 pub use abc::Abc;
@@ -52,8 +54,9 @@ pub use files::{read, temporary_folder, write};
 pub use grouped::grouped;
 pub use input::{plain_or_gzip, read_within, text};
 pub use lint::{lint_slang, lint_verilator, lint_yosys};
+pub use nextpnr::Nextpnr;
 pub use opensta::OpenSta;
 pub use program::Program;
 pub use sources::Sources;
-pub use verilator::{Options, Verilated};
+pub use verilator::{Options, Verilated, VerilatedStream};
 pub use yosys::{Yosys, YosysKind};

@@ -1,7 +1,7 @@
 //! SystemVerilog compiled by Verilator, and run as a process.
 
 use crate::files::{read, write};
-use crate::{Program, Sources, ToolError, verilator_main};
+use crate::{Program, Sources, ToolError, verilator_main, verilator_stream};
 use raypath_hdl::Module;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -76,43 +76,8 @@ impl Verilated {
     /// # Errors
     /// As for [`Self::build`].
     pub fn build_sources(files: &[PathBuf], top: &Module, folder: &Path, options: &Options) -> Result<Self, ToolError> {
-        let main_text = verilator_main::main_file(top);
-        let kept = kept_program(files, top, &main_text, options)?;
-        let verilated = |program: &Path| Self {
-            program: program.to_path_buf(),
-            inputs: verilator_main::input_words(top),
-            outputs: top.outputs().len(),
-        };
-        if let Some(kept) = kept.as_deref().filter(|kept| kept.exists()) {
-            return Ok(verilated(kept));
-        }
-        // Verilator's makefile runs in a folder of its own.
-        let folder = &folder.canonicalize().map_err(|problem| ToolError::file(folder, "find", problem))?;
-        let main = folder.join("main.cpp");
-        write(&main, &main_text)?;
-        let objects = folder.join("obj");
-        let mut command = Command::new("verilator");
-        let fixed = "--cc --exe --build --assert -O3 --x-assign 0 --x-initial 0 --prefix Vtop";
-        command.args(fixed.split(' '));
-        // Half of the C++ runs once, at the start, and is not worth optimising.
-        let optimisation = options.c_optimisation;
-        let levels = format!("OPT_FAST=-O{optimisation} OPT_GLOBAL=-O{optimisation} OPT_SLOW=-O0");
-        command.args(["-MAKEFLAGS", &levels, "-j", &options.jobs.max(1).to_string()]);
-        if optimisation == 0 {
-            // Most of the time goes into the header, which every file includes: one file is faster than many. With the
-            // limit 0, Verilator 5.006 splits the file at each constant.
-            command.args(["--output-split", "1000000000"]);
-        }
-        if options.native {
-            command.args(["-CFLAGS", "-march=native"]);
-        }
-        command.args(["--top-module", top.name(), "-Mdir"]).arg(&objects).args(files).arg(&main);
-        VERILATOR.output(&mut command)?;
-        let program = objects.join("Vtop");
-        if let Some(kept) = kept {
-            keep(&program, &kept).map_err(|problem| ToolError::file(&kept, "write", problem))?;
-        }
-        Ok(verilated(&program))
+        let program = compile(files, top, &verilator_main::main_file(top), folder, options)?;
+        Ok(Self { program, inputs: verilator_main::input_words(top), outputs: top.outputs().len() })
     }
 
     /// Runs a cycle for each frame of inputs: `rst_ni`, if the module has one, then the inputs in the order of
@@ -126,7 +91,7 @@ impl Verilated {
         frames: impl IntoIterator<Item = Vec<u64>, IntoIter: Send>,
         on_outputs: impl FnMut(usize, &[u64]),
     ) -> Result<(), ToolError> {
-        let (process, input, output) = self.start(&[])?;
+        let (process, input, output) = start(&self.program, &[])?;
         let frames = frames.into_iter();
         // A thread writes while this one reads, so that neither side waits for the other with a full pipe.
         let (sent, received, status) = std::thread::scope(|scope| {
@@ -141,7 +106,7 @@ impl Verilated {
         let received = received?;
         if !status.success() || sent != received {
             let output = format!("{status} after {received} of {sent} cycles");
-            return Err(self.ended(output));
+            return Err(ended(&self.program, output));
         }
         Ok(())
     }
@@ -152,7 +117,7 @@ impl Verilated {
     /// As for [`Self::run`].
     pub fn time(&self, frames: impl Iterator<Item = Vec<u64>>, times: usize) -> Result<Vec<f64>, ToolError> {
         let failed = |problem| failed(&self.program, problem);
-        let (mut process, input, mut output) = self.start(&[times.to_string()])?;
+        let (mut process, input, mut output) = start(&self.program, &[times.to_string()])?;
         // The program reads all frames before it writes anything.
         self.send(frames, input)?;
         let mut text = String::new();
@@ -161,25 +126,9 @@ impl Verilated {
         let seconds: Vec<f64> = text.lines().map_while(|line| line.parse().ok()).collect();
         if !status.success() || seconds.len() != times {
             let output = format!("{status} after {} of {times} runs", seconds.len());
-            return Err(self.ended(output));
+            return Err(ended(&self.program, output));
         }
         Ok(seconds)
-    }
-
-    /// Starts the program with pipes in both directions.
-    fn start(&self, arguments: &[String]) -> Result<(Process, ChildStdin, ChildStdout), ToolError> {
-        let failed = |problem| failed(&self.program, problem);
-        let mut command = Command::new(&self.program);
-        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
-        let mut process = Process(command.spawn().map_err(failed)?);
-        match (process.0.stdin.take(), process.0.stdout.take()) {
-            (Some(input), Some(output)) => Ok((process, input, output)),
-            _ => Err(failed(io::Error::from(ErrorKind::BrokenPipe))),
-        }
-    }
-
-    fn ended(&self, output: String) -> ToolError {
-        ToolError::Failed { program: self.program.display().to_string(), about: None, output }
     }
 
     /// Sends frames and returns their number. If the program has ended, that is no error here: its status tells more.
@@ -221,6 +170,96 @@ impl Verilated {
         }
         Ok(0)
     }
+}
+
+/// A module with a stream of words in and one out, compiled into a program whose standard input and output are these
+/// streams, in bytes: the other side of a host.
+#[derive(Debug)]
+pub struct VerilatedStream {
+    program: PathBuf,
+}
+
+impl VerilatedStream {
+    /// Writes `top` into `folder` and compiles it there. Its ports besides clock and reset are `data_i`, `valid_i`,
+    /// `ready_o` and `data_o`, `valid_o`, `ready_i`; data have 8 or 32 bits.
+    ///
+    /// # Errors
+    /// As for [`Verilated::build`].
+    pub fn build(top: &Arc<Module>, folder: &Path, options: &Options) -> Result<Self, ToolError> {
+        let files = Sources::write(top, folder)?.files;
+        Ok(Self { program: compile(&files, top, &verilator_stream::main_file(top), folder, options)? })
+    }
+
+    /// Starts the program. `host` gets the two streams; when it returns, the input is closed and the program ends.
+    ///
+    /// # Errors
+    /// The program cannot be started or fails; the host's errors.
+    pub fn run<T>(&self, host: impl FnOnce(ChildStdin, ChildStdout) -> io::Result<T>) -> Result<T, ToolError> {
+        let (mut process, input, output) = start(&self.program, &[])?;
+        let result = host(input, output).map_err(|problem| failed(&self.program, problem))?;
+        let status = process.0.wait().map_err(|problem| failed(&self.program, problem))?;
+        match status.success() {
+            true => Ok(result),
+            false => Err(ended(&self.program, status.to_string())),
+        }
+    }
+}
+
+/// Compiles files with a C++ program around them, unless the program is kept. Returns its path.
+fn compile(
+    files: &[PathBuf],
+    top: &Module,
+    main_text: &str,
+    folder: &Path,
+    options: &Options,
+) -> Result<PathBuf, ToolError> {
+    let kept = kept_program(files, top, main_text, options)?;
+    if let Some(kept) = kept.as_deref().filter(|kept| kept.exists()) {
+        return Ok(kept.to_path_buf());
+    }
+    // Verilator's makefile runs in a folder of its own.
+    let folder = &folder.canonicalize().map_err(|problem| ToolError::file(folder, "find", problem))?;
+    let main = folder.join("main.cpp");
+    write(&main, main_text)?;
+    let objects = folder.join("obj");
+    let mut command = Command::new("verilator");
+    let fixed = "--cc --exe --build --assert -O3 --x-assign 0 --x-initial 0 --prefix Vtop";
+    command.args(fixed.split(' '));
+    // Half of the C++ runs once, at the start, and is not worth optimising.
+    let optimisation = options.c_optimisation;
+    let levels = format!("OPT_FAST=-O{optimisation} OPT_GLOBAL=-O{optimisation} OPT_SLOW=-O0");
+    command.args(["-MAKEFLAGS", &levels, "-j", &options.jobs.max(1).to_string()]);
+    if optimisation == 0 {
+        // Most of the time goes into the header, which every file includes: one file is faster than many. With the
+        // limit 0, Verilator 5.006 splits the file at each constant.
+        command.args(["--output-split", "1000000000"]);
+    }
+    if options.native {
+        command.args(["-CFLAGS", "-march=native"]);
+    }
+    command.args(["--top-module", top.name(), "-Mdir"]).arg(&objects).args(files).arg(&main);
+    VERILATOR.output(&mut command)?;
+    let program = objects.join("Vtop");
+    if let Some(kept) = kept {
+        keep(&program, &kept).map_err(|problem| ToolError::file(&kept, "write", problem))?;
+    }
+    Ok(program)
+}
+
+/// Starts a program with pipes in both directions.
+fn start(program: &Path, arguments: &[String]) -> Result<(Process, ChildStdin, ChildStdout), ToolError> {
+    let failed = |problem| failed(program, problem);
+    let mut command = Command::new(program);
+    command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut process = Process(command.spawn().map_err(failed)?);
+    match (process.0.stdin.take(), process.0.stdout.take()) {
+        (Some(input), Some(output)) => Ok((process, input, output)),
+        _ => Err(failed(io::Error::from(ErrorKind::BrokenPipe))),
+    }
+}
+
+fn ended(program: &Path, output: String) -> ToolError {
+    ToolError::Failed { program: program.display().to_string(), about: None, output }
 }
 
 /// The place of the program of these texts in the folder of kept programs, if there is one.

@@ -27,8 +27,8 @@ use std::mem::replace;
 pub struct UnitModel {
     parameters: UnitParameters,
     answers: Answers,
-    /// As many as a number of 8 bits can tell; a unit uses the first.
-    contexts: Box<[Context; 256]>,
+    /// A unit uses the first.
+    contexts: Box<[Context; CONTEXTS]>,
     beat_bytes: usize,
 
     /// The contexts from here on were never used.
@@ -108,15 +108,19 @@ const ARRIVALS: usize = 2;
 const REQUESTS: usize = 5;
 const ENDED: usize = 6;
 
+/// As many contexts as a number of 8 bits can tell.
+const CONTEXTS: usize = 256;
+
 impl UnitModel {
     /// The model of a unit after a reset, whose datapath has this shape.
     pub fn new(shape: &Shape, parameters: UnitParameters) -> Self {
-        let empty = Context::new();
+        // From a vector, because an array of this size overflows the stack of a small thread.
+        let Ok(contexts) = vec![Context::new(); CONTEXTS].try_into() else { unreachable!("as many as the array has") };
         let StepParameters { node: nodes, features, .. } = parameters.step;
         Self {
             parameters,
             answers: Answers::new(Rules::Paper, parameters.step),
-            contexts: Box::new(std::array::from_fn(|_| empty.clone())),
+            contexts,
             beat_bytes: parameters.memory_width as usize / 8,
             fresh: 0,
             queues: Queues::new(),
@@ -191,12 +195,12 @@ impl UnitModel {
 
     #[inline]
     fn has_context(&self) -> bool {
-        self.fresh < self.parameters.contexts || self.queues.front(FREE).is_some()
+        (self.fresh < self.parameters.contexts) | (self.queues.ready() >> FREE & 1 == 1)
     }
 
     #[inline]
     fn ray_ready(&self) -> bool {
-        self.busy <= 1 && self.has_context() && self.transformed().is_none()
+        (self.busy <= 1) & self.has_context() && self.transformed().is_none()
     }
 
     /// The ray that has the next turn of the set-up to enter an instance.
@@ -353,7 +357,8 @@ impl UnitModel {
     /// The edge of the distances of triangles. Returns whether an outcome can be taken.
     #[inline]
     fn distances(&mut self) -> bool {
-        if self.operands.is_none() && self.triangle.is_none() && self.divider.is_empty() {
+        // One branch: each condition alone is as random as the traffic.
+        if self.operands.is_none() & self.triangle.is_none() & self.divider.is_empty() {
             return true;
         }
         if self.closest.is_none()
@@ -420,7 +425,7 @@ impl UnitModel {
     /// The edge of the blocks.
     #[inline]
     fn blocks(&mut self, response: Option<&Response<'_>>) {
-        if self.offer.is_none() && self.fault.is_none() && self.queues.front(ARRIVALS).is_some() {
+        if self.offer.is_none() & self.fault.is_none() & (self.queues.ready() >> ARRIVALS & 1 == 1) {
             let context = self.queues.pop(ARRIVALS);
             self.issue(context);
         }

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 use raypath::float::Format;
 use raypath::ops::Rules;
-use raypath::rtl::{Config, Control, Encoding, Lanes, Sharing, UnitLatency};
+use raypath::rtl::{Config, Control, Encoding, Lanes, Multiplier, Sharing, UnitLatency};
 use raypath::sim::Datapath;
 use raypath::sim::engine::NetlistEngine;
 use raypath::sim::lockstep::RegressionChecks;
@@ -22,6 +22,7 @@ struct Space {
     sharing: &'static [Sharing],
     unit_latency: &'static [UnitLatency],
     clock_gating: &'static [bool],
+    multiplier: &'static [Multiplier],
 }
 
 /// Only the default configuration.
@@ -35,6 +36,7 @@ const DEFAULT: Space = Space {
     sharing: &[Sharing::Union],
     unit_latency: &[UnitLatency::One],
     clock_gating: &[false],
+    multiplier: &[Multiplier::Booth],
 };
 
 const RULES: &[Rules] = &[Rules::Paper, Rules::Chisel];
@@ -54,7 +56,7 @@ fn configurations_of_all_spaces() {
     all.par_iter().enumerate().for_each(|(seed, config)| check(*config, seed as u64, 2000));
 }
 
-const SPACES: [Space; 8] = [
+const SPACES: [Space; 9] = [
     LANES_AND_RULES,
     ENCODINGS,
     CONTROL_WITHOUT_DISTANCES,
@@ -63,6 +65,7 @@ const SPACES: [Space; 8] = [
     FORMATS,
     FORMATS_WITH_CONTROL,
     CLOCK_GATES,
+    INFERRED_MULTIPLIERS,
 ];
 
 const LANES_AND_RULES: Space = Space { lanes: Lanes::ALL, rules: RULES, ..DEFAULT };
@@ -98,6 +101,16 @@ const FORMATS_WITH_CONTROL: Space = Space {
 /// Clock gates with all parameters that change the registers and their enables.
 const CLOCK_GATES: Space = Space { lanes: &[Lanes::None, Lanes::Two], clock_gating: &[true], ..CONTROL };
 
+/// Multipliers with `*` in one, two and three parts.
+const INFERRED_MULTIPLIERS: Space = Space {
+    formats: &["fp32", "e3s3"],
+    lanes: &[Lanes::None, Lanes::Two],
+    control: Control::ALL,
+    unit_latency: UnitLatency::ALL,
+    multiplier: &[Multiplier::Inferred],
+    ..DEFAULT
+};
+
 /// The documents state how many configurations these tests run.
 #[test]
 fn documents_state_the_number_of_configurations() {
@@ -114,6 +127,7 @@ fn documents_state_the_number_of_configurations() {
         lanes: Lanes::ALL,
         io: Encoding::ALL,
         registers: Encoding::ALL,
+        multiplier: Multiplier::ALL,
         ..CONTROL
     };
     let sentence = format!(
@@ -146,6 +160,7 @@ impl Space {
         vary(&mut configs, self.sharing, |config, sharing| config.microarchitecture.sharing = sharing);
         vary(&mut configs, self.unit_latency, |config, latency| config.microarchitecture.unit_latency = latency);
         vary(&mut configs, self.clock_gating, |config, gated| config.microarchitecture.clock_gating = gated);
+        vary(&mut configs, self.multiplier, |config, multiplier| config.microarchitecture.multiplier = multiplier);
         configs
     }
 }

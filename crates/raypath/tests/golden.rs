@@ -4,7 +4,7 @@ mod recorded;
 
 use raypath::model::{Shape, WordModel, Words};
 use raypath::ops::Rules;
-use raypath::rtl::{Config, Control, Encoding, Sharing, UnitLatency};
+use raypath::rtl::{Config, Control, Encoding, Multiplier, Sharing, UnitLatency};
 use raypath::sim::Datapath;
 use raypath::sim::engine::{CycleEngine, Engine, NetlistEngine, Run, drive, evaluate};
 use raypath::sim::traffic::{Traffic, interleave};
@@ -80,6 +80,7 @@ fn netlists_of_other_microarchitectures_answer_as_the_original() {
         CHISEL.registers(Encoding::Ieee).control(Control::Credit),
         CHISEL.unit_latency(UnitLatency::Two),
         CHISEL.unit_latency(UnitLatency::Three).control(Control::Credit),
+        CHISEL.unit_latency(UnitLatency::Two).multiplier(Multiplier::Inferred),
     ];
     for config in configs {
         let mut engine = NetlistEngine::new(model(), config, |_| false).expect("a datapath");

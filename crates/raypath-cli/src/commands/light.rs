@@ -22,6 +22,8 @@ pub enum Command {
     Accuracy(Ignored),
     /// Measure area and timing in a cell library, stage by stage, with Yosys and OpenSTA (feature `full`)
     Ppa(Ignored),
+    /// Place and route the datapath on an FPGA, or run jobs through its shell as a host does (feature `full`)
+    Fpga(Ignored),
     /// Measure many configurations and draw area against clock and throughput (feature `full`)
     Explore(Ignored),
     /// Measure the speed of the models, compared with Verilator and other libraries (feature `full`)
@@ -48,6 +50,7 @@ impl Command {
             Self::Wave(ignored) => ("wave", ignored),
             Self::Accuracy(ignored) => ("accuracy", ignored),
             Self::Ppa(ignored) => ("ppa", ignored),
+            Self::Fpga(ignored) => ("fpga", ignored),
             Self::Explore(ignored) => ("explore", ignored),
             Self::Bench(ignored) => ("bench", ignored),
             Self::Verify(ignored) => ("verify", ignored),

@@ -118,7 +118,7 @@ fn describe(function: DivSqrt, format: Format, parts: &mut Parts<'_>) {
     let zero = parts.builder().constant(1, 0);
     let [exponent, settled, sign] = along.map(|(stem, _)| parts.along(stem).unwrap_or(zero));
     let sticky = remainder.any().named("sticky");
-    let rounded = Unrounded { format, word: digits, sticky, exponent, settled, sign }.round();
+    let rounded = Unrounded { format, word: digits, sticky, exponent, settled, sign, subnormal: None }.round();
     parts.builder().output("result_o", rounded.number);
 }
 

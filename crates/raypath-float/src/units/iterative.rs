@@ -87,7 +87,7 @@ pub(crate) fn iterative(
     let spare = (places > needed).then(|| digits.wire().lower(places - needed).any());
     let rest = remainder.wire().any();
     let sticky = spare.map_or(rest, |spare| spare | rest).named("sticky");
-    let rounded = Unrounded { format, word, sticky, exponent, settled, sign }.round();
+    let rounded = Unrounded { format, word, sticky, exponent, settled, sign, subnormal: None }.round();
     m.output("ready_o", ready);
     m.output("valid_o", done.wire());
     m.output("result_o", rounded.number);

@@ -2,8 +2,8 @@
 //!
 //! Hardware: an adder for the exponents. For the significands, one multiple of the multiplicand for every three bits of
 //! the multiplier (`booth.rs`), full adders that reduce them to two rows (`compress.rs`), and a carry-lookahead adder
-//! (`lookahead.rs`). Then the product is rounded (`round.rs`). If operands or exponents alone determine the result, its
-//! class replaces the exponent.
+//! (`lookahead.rs`); or the operator `*`, for which synthesis takes the multipliers of an FPGA. Then the product is
+//! rounded (`round.rs`). If operands or exponents alone determine the result, its class replaces the exponent.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all operands, soft float), `binary32.rs` (the host's `f32`),
 //! `other_formats.rs` (soft float), `verilator.rs`; in all of them whole and in parts.
@@ -16,9 +16,21 @@ use crate::units::flags;
 use crate::units::lookahead;
 use crate::units::parts::{Parts, cut};
 use crate::units::recoded::Magnitude;
-use crate::units::round::Unrounded;
-use raypath_hdl::{Error, Formula, Module};
+use crate::units::round::{Unrounded, mark_lost};
+use raypath_hdl::{Error, Formula, Module, Wire};
 use std::sync::Arc;
+
+/// What is known of a product before the significands are multiplied.
+struct Factors<'m> {
+    multiplicand: Magnitude<'m>,
+    multiplier: Magnitude<'m>,
+    exponent: Wire<'m>,
+    settled: Wire<'m>,
+    sign: Wire<'m>,
+}
+
+/// Multiplies the significands in the remaining parts of a unit.
+type Multiply = for<'m> fn(Format, &mut Parts<'m>, Factors<'m>) -> Unrounded<'m>;
 
 /// The module `raypath_fp_mul_<format>`: `product_o = a_i * b_i`.
 pub fn mul(format: Format) -> Result<Arc<Module>, Error> {
@@ -31,12 +43,25 @@ pub fn mul(format: Format) -> Result<Arc<Module>, Error> {
 /// Another number of parts.
 pub fn mul_parts(format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
     Parts::build("mul", "Product of two recoded numbers", format, with_flags, parts, |parts| {
-        describe(format, parts, with_flags)
+        describe(format, parts, with_flags, booth_product)
     })
 }
 
-fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
-    let (e, s) = (format.exponent(), format.significand());
+/// The multiplier of [`mul_parts`] whose text multiplies significands with the operator `*`, so that synthesis for an
+/// FPGA takes its multipliers. The modules are named `raypath_fp_mul_inferred_<format>` and so on. In two parts, the
+/// product enters registers as it leaves `*`; in three, its factors leave registers too. Where these registers have
+/// neither reset nor enable, they can be those of the FPGA's multipliers.
+///
+/// # Errors
+/// Another number of parts.
+pub fn mul_inferred_parts(format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
+    Parts::build("mul_inferred", "Product of two recoded numbers", format, with_flags, parts, |parts| {
+        describe(format, parts, with_flags, inferred_product)
+    })
+}
+
+fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool, multiply: Multiply) {
+    let e = format.exponent();
     let m = parts.builder();
     let a_i = m.input("a_i", format.recoded_width());
     let b_i = m.input("b_i", format.recoded_width());
@@ -66,10 +91,28 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
         parts.take_along("ordinary", (!special & !a.is_zero() & !b.is_zero()).named("ordinary"));
     }
 
+    let rounded = multiply(format, parts, Factors { multiplicand: a, multiplier: b, exponent, settled, sign }).round();
+    let m = parts.builder();
+    m.output("product_o", rounded.number);
+    if with_flags {
+        m.section("Exceptions");
+        let absent = m.constant(1, 0);
+        let [invalid, ordinary] = ["invalid", "ordinary"].map(|stem| parts.along(stem).unwrap_or(absent));
+        let overflow = (ordinary & rounded.exponent.upper(2).all()).named("overflow");
+        let inexact = (overflow | (ordinary & rounded.is_inexact())).named("inexact");
+        let underflow = (inexact & rounded.is_tiny() & !overflow).named("underflow");
+        flags::output(m, [Some(invalid), Some(overflow), Some(underflow), Some(inexact)]);
+    }
+}
+
+fn booth_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>) -> Unrounded<'m> {
+    let s = format.significand();
+    let Factors { exponent, settled, sign, .. } = factors;
+    let m = parts.builder();
     m.section("Multiples");
-    let multiplicand = m.concat(&[m.constant(1, 1), a.fraction()]).named("multiplicand");
+    let multiplicand = m.concat(&[m.constant(1, 1), factors.multiplicand.fraction()]).named("multiplicand");
     let triple_above = booth::triple_above(multiplicand).named("triple_above");
-    let (multiplicand, multiplier) = (multiplicand.lower(s - 1), b.fraction());
+    let (multiplicand, multiplier) = (multiplicand.lower(s - 1), factors.multiplier.fraction());
     cut!(parts, [(1, 3)], multiplicand, triple_above, multiplier, exponent, settled, sign);
     let m = parts.builder();
     let multiplicand = m.concat(&[m.constant(1, 1), multiplicand]).named("factor");
@@ -92,16 +135,24 @@ fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool) {
     let word = lookahead::add(addend, augend, Some(low_carry), "high");
     m.unused("unused_carry", &[word.carry]);
     let word = word.word.named("word");
+    Unrounded { format, word, sticky, exponent, settled, sign, subnormal: None }
+}
 
-    let rounded = Unrounded { format, word, sticky, exponent, settled, sign }.round();
-    m.output("product_o", rounded.number);
-    if with_flags {
-        m.section("Exceptions");
-        let absent = m.constant(1, 0);
-        let [invalid, ordinary] = ["invalid", "ordinary"].map(|stem| parts.along(stem).unwrap_or(absent));
-        let overflow = (ordinary & rounded.exponent.upper(2).all()).named("overflow");
-        let inexact = (overflow | (ordinary & rounded.is_inexact())).named("inexact");
-        let underflow = (inexact & rounded.is_tiny() & !overflow).named("underflow");
-        flags::output(m, [Some(invalid), Some(overflow), Some(underflow), Some(inexact)]);
-    }
+fn inferred_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>) -> Unrounded<'m> {
+    let s = format.significand();
+    let Factors { exponent, settled, sign, .. } = factors;
+    let (multiplicand, multiplier) = (factors.multiplicand.fraction(), factors.multiplier.fraction());
+    cut!(parts, [(1, 3)], multiplicand, multiplier, exponent, settled, sign);
+    let m = parts.builder();
+
+    m.section("Multiply");
+    let significand = |fraction| m.concat(&[m.constant(1, 1), fraction]);
+    let factor = significand(multiplicand).named("factor");
+    let whole = (factor * significand(multiplier).named("other_factor")).named("whole");
+    // DSP blocks take longer than the exponent, which has time to mark the bits here.
+    let subnormal = mark_lost(format, exponent, settled);
+    cut!(parts, [(1, 2), (2, 3)], whole, exponent, settled, sign, subnormal);
+    let word = whole.upper(s + 2).named("word");
+    let sticky = whole.lower(s - 2).any().named("sticky");
+    Unrounded { format, word, sticky, exponent, settled, sign, subnormal: Some(subnormal) }
 }

@@ -23,6 +23,21 @@ pub(crate) struct Unrounded<'m> {
     pub settled: Wire<'m>,
     /// The sign; 0 for NaN.
     pub sign: Wire<'m>,
+    /// What [`mark_lost`] has marked, if it has been called already.
+    pub subnormal: Option<Wire<'m>>,
+}
+
+/// Marks the bits that a result loses because it is below the normal range, or because it is settled. `exponent` and
+/// `settled` are those of [`Unrounded`].
+pub(crate) fn mark_lost<'m>(format: Format, exponent: Wire<'m>, settled: Wire<'m>) -> Wire<'m> {
+    let (e, s, constants) = (format.exponent(), format.significand(), Constants(format));
+    let m = exponent.builder();
+    m.section("Mark the bits to lose: one or two, and more below the normal range");
+    let least = m.parameter("MinExp", e + 1, constants.min_normal() - (constants.sig_bits() + 1));
+    // A result that is settled loses every bit.
+    let above_least = ((exponent - least) & (!settled).replicate(e + 1)).named("above_least");
+    let all = m.parameter("AllBits", s + 1, (1 << (s + 1)) - 1);
+    all.shift_right(above_least).named("subnormal")
 }
 
 /// A rounded result.
@@ -40,17 +55,12 @@ pub(crate) struct Rounded<'m> {
 
 impl<'m> Unrounded<'m> {
     pub fn round(self) -> Rounded<'m> {
-        let Self { format, word, sticky, exponent, settled, sign } = self;
+        let Self { format, word, sticky, exponent, settled, sign, subnormal } = self;
         let (e, s, constants) = (format.exponent(), format.significand(), Constants(format));
         let m = word.builder();
 
-        m.section("Mark the bits to lose: one or two, and more below the normal range");
+        let subnormal = subnormal.unwrap_or_else(|| mark_lost(format, exponent, settled));
         let zero = m.constant(1, 0);
-        let least = m.parameter("MinExp", e + 1, constants.min_normal() - (constants.sig_bits() + 1));
-        // A result that is settled loses every bit.
-        let above_least = ((exponent - least) & (!settled).replicate(e + 1)).named("above_least");
-        let all = m.parameter("AllBits", s + 1, (1 << (s + 1)) - 1);
-        let subnormal = all.shift_right(above_least).named("subnormal");
         let carried = word.top().named("carried");
         let lost_half = subnormal.bit(0) | carried;
         let lost = m.concat(&[settled, subnormal.upper(s), lost_half, m.constant(1, 1)]).named("lost");

@@ -1,6 +1,6 @@
 //! The parameters and the configuration that they make up.
 
-use super::enumerations::{Accumulators, Control, Encoding, Lanes, Sharing, UnitLatency};
+use super::enumerations::{Accumulators, Control, Encoding, Lanes, Multiplier, Sharing, UnitLatency};
 use super::parameter::{Parameter, ParameterGroup, declare_parameters, values};
 use super::values::{MAX_TAG_WIDTH, TagWidth, Values};
 use crate::error::Error;
@@ -44,6 +44,8 @@ declare_parameters! {
         unit_latency ("unit-latency"): UnitLatency = UnitLatency::One,
         /// Clock gates, so that registers get a clock edge only when they load a value that the job uses.
         clock_gating ("clock-gating"): bool = false,
+        /// How a multiplier multiplies significands: in gates (Booth), or with `*`, for the DSP blocks of an FPGA.
+        multiplier ("multiplier"): Multiplier = Multiplier::Booth,
     }
 }
 

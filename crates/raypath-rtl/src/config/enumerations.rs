@@ -1,6 +1,9 @@
 //! The parameters with named values, except those of the operations themselves.
 
 use super::choice::choices;
+use raypath_float::Format;
+use raypath_hdl::{Error, Module};
+use std::sync::Arc;
 
 choices! {
     /// The number of dimensions of a Euclidean beat. An angular beat has half as many.
@@ -75,6 +78,29 @@ impl UnitLatency {
     /// The number of steps.
     pub fn steps(self) -> u32 {
         [1, 2, 3][self as usize]
+    }
+}
+
+choices! {
+    /// How the text of a multiplier forms the product of significands.
+    pub enum Multiplier ("multiplier") {
+        /// Booth digits, rows and full adders: gates, the same in every synthesis.
+        Booth = "booth",
+        /// The operator `*`, for which synthesis for an FPGA takes DSP blocks.
+        Inferred = "inferred",
+    }
+}
+
+impl Multiplier {
+    /// The modules of the parts of a multiplier, like [`raypath_float::mul_parts`].
+    ///
+    /// # Errors
+    /// Another number of parts than 1, 2 or 3.
+    pub fn parts(self, format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
+        match self {
+            Self::Booth => raypath_float::mul_parts(format, parts, with_flags),
+            Self::Inferred => raypath_float::mul_inferred_parts(format, parts, with_flags),
+        }
     }
 }
 

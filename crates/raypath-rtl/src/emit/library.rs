@@ -43,7 +43,7 @@ impl Library {
             encode: raypath_float::encode(format)?,
             decode: raypath_float::decode(format)?,
             add: raypath_float::add_parts(format, parts, with_flags)?,
-            multiply: raypath_float::mul_parts(format, parts, with_flags)?,
+            multiply: plan.microarchitecture.multiplier.parts(format, parts, with_flags)?,
             compare: raypath_float::compare(format)?,
             numbers,
         })

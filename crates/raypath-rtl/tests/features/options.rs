@@ -13,8 +13,8 @@ use raypath_ops::{
     WIDENING_ULPS,
 };
 use raypath_rtl::{
-    Accumulators, Config, Control, Datapath, Encoding, Error, Features, Lanes, OperationVisitor, Operations, Sharing,
-    UnitLatency,
+    Accumulators, Config, Control, Datapath, Encoding, Error, Features, Lanes, Multiplier, OperationVisitor,
+    Operations, Sharing, UnitLatency,
 };
 
 /// Each feature by itself, and all of them.
@@ -86,7 +86,7 @@ fn features_do_not_depend_on_the_microarchitecture() {
     for &control in Control::ALL {
         configs.extend(UnitLatency::ALL.iter().map(|&latency| all.control(control).unit_latency(latency)));
     }
-    configs.push(all.io(Encoding::Recoded));
+    configs.push(all.io(Encoding::Recoded).multiplier(Multiplier::Inferred));
     configs.push(all.registers(Encoding::Ieee).sharing(Sharing::Segregated));
     configs.push(all.lanes(Lanes::None));
     let features = Features { conservative: false, ..ALL };

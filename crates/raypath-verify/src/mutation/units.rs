@@ -31,7 +31,7 @@ impl Unit {
         let (format, count) = (config.semantics.format, config.microarchitecture.unit_latency.steps());
         let units = [
             (Kind::Add, raypath_float::add_parts(format, count, false)?),
-            (Kind::Multiply, raypath_float::mul_parts(format, count, false)?),
+            (Kind::Multiply, config.microarchitecture.multiplier.parts(format, count, false)?),
             (Kind::Compare, vec![raypath_float::compare(format)?]),
             (Kind::Encode, vec![raypath_float::encode(format)?]),
             (Kind::Decode, vec![raypath_float::decode(format)?]),

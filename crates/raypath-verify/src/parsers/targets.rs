@@ -6,7 +6,7 @@ use raypath_model::Model;
 use raypath_ops::{JobKind, Ray, Rules};
 use raypath_ppa::{Baseline, parsers};
 use raypath_render::{Camera, Goal, Hit, Mesh, Scene, Tracer, Tracing, draw, parse_hits, parse_instances, write_hits};
-use raypath_rtl::{Config, Control, Encoding, Lanes, Preset, Sharing, UnitLatency, parameters};
+use raypath_rtl::{Config, Control, Encoding, Lanes, Multiplier, Preset, Sharing, UnitLatency, parameters};
 use raypath_sim::configuration::{parse, parse_sweep};
 use raypath_sim::transactions::{Transaction, read_from};
 use std::fmt::Display;
@@ -158,7 +158,7 @@ fn arguments(bytes: &[u8]) -> bool {
         is_valid |= round_trips::<Format>(line) | round_trips::<Shard>(line) | round_trips::<Rules>(line);
         is_valid |= round_trips::<Lanes>(line) | round_trips::<Encoding>(line) | round_trips::<Control>(line);
         is_valid |= round_trips::<Sharing>(line) | round_trips::<UnitLatency>(line) | round_trips::<Preset>(line);
-        is_valid |= round_trips::<JobKind>(line) | line.parse::<Level>().is_ok();
+        is_valid |= round_trips::<Multiplier>(line) | round_trips::<JobKind>(line) | line.parse::<Level>().is_ok();
         if let Ok(shard) = line.parse::<Shard>() {
             assert!(shard.share(u64::MAX) >= 1 || shard.number() == u64::MAX);
         }

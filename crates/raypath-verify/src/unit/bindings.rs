@@ -147,16 +147,31 @@ pub fn weights(setting: &Setting, module: &Module) -> String {
     context_width(setting, module) + &of_divider(setting, width + 2)
 }
 
-/// The stages of the divider, and the fraction that is kept for the triangle that is followed, or its lowest bits.
+/// The stages of the divider with what their tags tell of a triangle, and the fraction that is kept for the triangle
+/// that is followed, or its lowest bits. A block of quantised nodes has one triangle.
 pub fn distance(setting: &Setting, module: &Module) -> String {
-    let width = module.port_width("context_i").unwrap_or(1) + 5;
-    let mut text = context_width(setting, module) + &of_divider(setting, width);
+    let width = module.port_width("context_i").unwrap_or(1);
+    let has_places = setting.unit.parameters.step.node != NodeKind::Quantised;
+    let tag = width + if has_places { 5 } else { 2 };
+    let mut text = context_width(setting, module) + &of_divider(setting, tag);
+    let (is_last, place) = if has_places { ("tag[2]", "tag[T-1:3]") } else { ("1'b1", "{tag[T-1:2], 2'd0}") };
+    for (bits, name, of) in [(0, "p_is_last", is_last), (width + 1, "p_place", place)] {
+        let _ = writeln!(text, "  function automatic [{bits}:0] {name}(input [T-1:0] tag); {name} = {of}; endfunction");
+    }
+    let _ = writeln!(
+        text,
+        "  function automatic [W-1:0] p_context(input [T-1:0] tag); p_context = tag[T-1 -: W]; endfunction"
+    );
+    if !has_places {
+        text += "  wire [1:0] place_i = 0;\n  wire is_last_i = 1;\n";
+    }
     let fraction = |suffix: &str| match setting.is_wide {
         true => format!("{{fractions_t_num{suffix}, fractions_t_denom{suffix}}}"),
         false => format!("{{fractions_t_num{suffix}[0], fractions_t_denom{suffix}[0]}}"),
     };
-    let kept = (0..4 * setting.unit.parameters.contexts).fold("0".to_string(), |others, place| {
-        format!("p_place_q == {place} ? {}\n    : {others}", fraction(&format!("_{place}_q")))
+    let per_context = if has_places { 4 } else { 1 };
+    let kept = (0..per_context * setting.unit.parameters.contexts).fold("0".to_string(), |others, place| {
+        format!("p_place_q == {} ? {}\n    : {others}", 4 / per_context * place, fraction(&format!("_{place}_q")))
     });
     let (bits, given) = match setting.is_wide {
         true => (64, "{t_num_i, t_denom_i}"),

@@ -343,6 +343,28 @@ pub const CLAIMS: &[Claim] = &[
         ],
     },
     Claim {
+        module: "raypath_unit_distance",
+        variant: Variant::Quantised,
+        properties: include_str!("properties/distance.sv"),
+        queue: None,
+        expands: true,
+        bindings: bindings::distance,
+        method: Method::Inductive,
+        happens: "p_chosen_q && p_before_q == 0 && p_leaves",
+        faults: &[
+            // A triangle is lost while a closest hit waits.
+            ("moves   = ~has_hit_q | folds", "moves   = 1'b1"),
+            // A closest hit that waits is overwritten.
+            ("folds = has_hit_q & (~is_complete_q | taken_i)", "folds = has_hit_q"),
+            // A closest hit that waits disappears.
+            ("is_complete_q <= folds | (is_complete_q & ~taken_i)", "is_complete_q <= folds"),
+            // A triangle is read twice.
+            ("read  = divider_valid & moves", "read  = divider_valid"),
+            // A context is that of the next triangle.
+            ("context_q           <= tag_q[4:2]", "context_q           <= divider_tag[4:2]"),
+        ],
+    },
+    Claim {
         module: "raypath_unit_issue",
         variant: Variant::Quantised,
         properties: include_str!("properties/issue.sv"),

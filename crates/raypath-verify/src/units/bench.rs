@@ -1,6 +1,6 @@
 //! A test bench of the floating-point units: one netlist with all units of a format and common operands.
 
-use raypath_float::{Format, add_parts, compare, decode, encode, mul_parts};
+use raypath_float::{Format, add_parts, compare, decode, encode, mul_inferred_parts, mul_parts};
 use raypath_hdl::{Builder, Error, InputPort, Module, OutputPort, Simulator, Wire, expose_registers};
 use std::sync::Arc;
 
@@ -19,30 +19,34 @@ pub struct UnitResults {
     pub equal: bool,
     /// An operand is NaN.
     pub unordered: bool,
-    /// Which split units differ from the unsplit ones: a bit for each of [`SPLIT_RESULTS`], the first one in bit 0. An
-    /// oracle returns 0.
-    pub parts_differ: u64,
+    /// Which other forms of units differ from the unsplit ones: a bit for each of [`OTHER_RESULTS`], the first one in
+    /// bit 0. An oracle returns 0.
+    pub others_differ: u64,
 }
 
-/// The results that split units compute too: units with registers between their parts, here without the registers.
-pub const SPLIT_RESULTS: [&str; 6] = [
+/// The results that other forms of units compute too: units with registers between their parts, here without the
+/// registers, and the multiplier with `*`.
+pub const OTHER_RESULTS: [&str; 9] = [
     "sum in two parts",
     "difference in two parts",
     "product in two parts",
     "sum in three parts",
     "difference in three parts",
     "product in three parts",
+    "product with *",
+    "product with * in two parts",
+    "product with * in three parts",
 ];
 
 /// The output ports of a bench, in the order of [`UnitResults`]'s fields.
 pub const OUTPUTS: [&str; 7] =
-    ["sum_o", "difference_o", "product_o", "less_o", "equal_o", "unordered_o", "parts_differ_o"];
+    ["sum_o", "difference_o", "product_o", "less_o", "equal_o", "unordered_o", "others_differ_o"];
 
 impl UnitResults {
     /// The results from the values of [`OUTPUTS`].
     pub fn from_outputs(outputs: [u64; OUTPUTS.len()]) -> Self {
-        let [sum, difference, product, less, equal, unordered, parts_differ] = outputs;
-        Self { sum, difference, product, less: less == 1, equal: equal == 1, unordered: unordered == 1, parts_differ }
+        let [sum, difference, product, less, equal, unordered, others_differ] = outputs;
+        Self { sum, difference, product, less: less == 1, equal: equal == 1, unordered: unordered == 1, others_differ }
     }
 
     /// A line for each result that differs from the expected one; `operands` names the operands.
@@ -57,9 +61,9 @@ impl UnitResults {
             names.iter().zip(shown(self).zip(shown(expected))).filter(|(_, (found, expected))| found != expected);
         let wrong =
             pairs.map(|(name, (found, expected))| format!("{name} of {operands}: {found}, expected {expected}"));
-        let differing = SPLIT_RESULTS.iter().enumerate().filter(|(bit, _)| self.parts_differ >> bit & 1 == 1);
-        let wrong_parts = differing.map(|(_, name)| format!("{name} of {operands}: differs from the unsplit unit"));
-        wrong.chain(wrong_parts).collect()
+        let differing = OTHER_RESULTS.iter().enumerate().filter(|(bit, _)| self.others_differ >> bit & 1 == 1);
+        let wrong_others = differing.map(|(_, name)| format!("{name} of {operands}: differs from the unsplit unit"));
+        wrong.chain(wrong_others).collect()
     }
 }
 
@@ -85,6 +89,8 @@ pub struct Units {
     pub add: [Arc<Module>; 3],
     /// The multiplier: unsplit, and joined from two and from three parts.
     pub mul: [Arc<Module>; 3],
+    /// The multiplier with `*`, likewise.
+    pub mul_inferred: [Arc<Module>; 3],
     /// The comparator.
     pub compare: Arc<Module>,
 }
@@ -92,12 +98,12 @@ pub struct Units {
 impl Units {
     /// The datapath's units.
     pub fn new(format: Format) -> Result<Self, Error> {
-        let [add, mul] = [add_parts, mul_parts].map(|unit| {
+        let [add, mul, mul_inferred] = [add_parts, mul_parts, mul_inferred_parts].map(|unit| {
             let in_parts = |count| chain(&unit(format, count, false)?);
             Ok([unit(format, 1, false)?.remove(0), in_parts(2)?, in_parts(3)?])
         });
         let (encode, decode, compare) = (encode(format)?, decode(format)?, compare(format)?);
-        Ok(Self { format, encode, decode, add: add?, mul: mul?, compare })
+        Ok(Self { format, encode, decode, add: add?, mul: mul?, mul_inferred: mul_inferred?, compare })
     }
 
     /// A netlist of all units, with the inputs `a_i` and `b_i` and the outputs [`OUTPUTS`]. It subtracts as the
@@ -140,12 +146,12 @@ impl Units {
             m.output(name, wire);
         }
         let in_parts = [2, 3].map(results);
-        let differ: Vec<Wire<'_>> = in_parts
-            .as_flattened()
-            .iter()
-            .zip(whole.iter().cycle())
-            .map(|(part, whole)| !part.equals(*whole))
-            .collect();
+        let in_parts = in_parts.as_flattened().iter().copied().zip(whole.into_iter().cycle());
+        let inferred = (1..).zip(&self.mul_inferred).map(|(count, unit)| {
+            let name = format!("product_inferred_in_{count}");
+            (single_output(&m, m.instance(&name, unit, &[("a_i", a), ("b_i", b)])), whole[2])
+        });
+        let differ: Vec<Wire<'_>> = in_parts.chain(inferred).map(|(other, whole)| !other.equals(whole)).collect();
         m.output(OUTPUTS[6], m.concat(&differ.into_iter().rev().collect::<Vec<_>>()));
         m.finish()
     }

@@ -24,7 +24,7 @@ pub fn host_results(x: f32, y: f32) -> UnitResults {
         less: x < y,
         equal: x == y,
         unordered: x.is_nan() || y.is_nan(),
-        parts_differ: 0,
+        others_differ: 0,
     }
 }
 

@@ -12,7 +12,7 @@ pub use claim::{Claim, Form, Operands, Subject};
 use crate::sat::{Miter, ProofResult, Prover};
 use crate::units::bench::Simulated;
 use crate::{Error, Level, Progress, Request, Verdict};
-use raypath_float::{DivSqrt, Format, add, compare, div, mul, sqrt};
+use raypath_float::{DivSqrt, Format, add, compare, div, mul, mul_inferred_parts, sqrt};
 use raypath_hdl::Module;
 use raypath_tools::{Cache, Key, ToolError, pool};
 use std::collections::{BTreeMap, BTreeSet};
@@ -200,10 +200,12 @@ impl Counterexample {
         };
         let top = 1 << (format.recoded_width() - 1);
         let encoded_b = format.encode(b);
+        let mul_inferred = || Ok(mul_inferred_parts(format, 1, false)?.remove(0));
         let simulated = match self.claim.subject {
             Subject::Add => simulate(add(format), encoded_b)?,
             Subject::Sub => simulate(add(format), encoded_b ^ top)?,
             Subject::Mul => simulate(mul(format), encoded_b)?,
+            Subject::MulInferred => simulate(mul_inferred(), encoded_b)?,
             Subject::Div => simulate(div(format), encoded_b)?,
             Subject::Sqrt => simulate(sqrt(format), 0)?,
             Subject::Divided(function, _) => {
@@ -218,6 +220,7 @@ impl Counterexample {
             Subject::RoundTrip => format.canonical(a),
             Subject::AddParts(_) => Simulated::new(&add(format)?)?.run::<1>([a, b])[0],
             Subject::MulParts(_) => Simulated::new(&mul(format)?)?.run::<1>([a, b])[0],
+            Subject::MulInferredParts(_) => Simulated::new(&mul_inferred()?)?.run::<1>([a, b])[0],
         };
         if simulated == self.wanted {
             return Ok(());
@@ -241,7 +244,9 @@ impl std::fmt::Display for Counterexample {
 
 /// The claims of a level, the longest proofs first. Each level includes the claims of the shorter ones.
 fn claims(level: Level) -> impl Iterator<Item = Claim> {
-    use Subject::{Add, AddParts, Compare, Div, Divided, Mul, MulParts, RoundTrip, Sqrt, Sub};
+    use Subject::{
+        Add, AddParts, Compare, Div, Divided, Mul, MulInferred, MulInferredParts, MulParts, RoundTrip, Sqrt, Sub,
+    };
     const CLAIMS: &[(Level, Subject, u32, u32)] = &[
         (Level::Full, Add, 5, 11),
         (Level::Full, Sub, 5, 11),
@@ -252,6 +257,8 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
         (Level::Full, Add, 8, 8),
         (Level::Full, Sub, 8, 8),
         (Level::Full, Mul, 5, 6),
+        (Level::Full, MulInferred, 8, 8),
+        (Level::Full, MulInferred, 5, 6),
         (Level::Full, Mul, 4, 5),
         (Level::Full, Mul, 5, 4),
         (Level::Full, Mul, 4, 4),
@@ -270,6 +277,8 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
         (Level::Full, Divided(DivSqrt::Root, Form::Iterative(1)), 8, 24),
         (Level::Full, MulParts(2), 8, 24),
         (Level::Full, MulParts(3), 8, 24),
+        (Level::Full, MulInferredParts(2), 8, 24),
+        (Level::Full, MulInferredParts(3), 8, 24),
         (Level::Full, AddParts(2), 8, 24),
         (Level::Full, AddParts(3), 8, 24),
         (Level::Regression, Compare, 8, 24),
@@ -277,6 +286,7 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
         (Level::Regression, Add, 3, 4),
         (Level::Regression, Sub, 3, 4),
         (Level::Regression, Mul, 3, 4),
+        (Level::Regression, MulInferred, 3, 4),
         (Level::Regression, Div, 3, 4),
         (Level::Regression, Sqrt, 3, 4),
         (Level::Regression, Divided(DivSqrt::Quotient, Form::Iterative(2)), 8, 24),

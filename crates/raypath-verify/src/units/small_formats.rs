@@ -116,7 +116,7 @@ fn of_semantics<S: Semantics>(a: u64, b: u64) -> UnitResults {
         less: order == Some(Ordering::Less),
         equal: order == Some(Ordering::Equal),
         unordered: order.is_none(),
-        parts_differ: 0,
+        others_differ: 0,
     }
 }
 

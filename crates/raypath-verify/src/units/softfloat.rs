@@ -69,7 +69,7 @@ fn oracle(a: u32, b: u32) -> (UnitResults, bool) {
         less,
         equal,
         unordered: !less_or_equal && !greater_or_equal,
-        parts_differ: 0,
+        others_differ: 0,
     };
     (results, less_or_equal)
 }

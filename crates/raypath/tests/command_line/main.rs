@@ -3,6 +3,7 @@
 mod accuracy;
 mod bench;
 mod campaign;
+mod fpga;
 mod operations;
 mod page;
 mod ppa;

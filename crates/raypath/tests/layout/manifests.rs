@@ -68,7 +68,7 @@ fn layers_depend_downwards() {
         &["raypath-float", "raypath-wave"],
         &["raypath-model", "raypath-rtl", "raypath-tools"],
         &["raypath-sim", "raypath-timing", "raypath-ppa", "raypath-unit"],
-        &["raypath-oracle", "raypath-render", "raypath-search"],
+        &["raypath-oracle", "raypath-render", "raypath-search", "raypath-fpga"],
         &["raypath-verify", "raypath-embed"],
         &["raypath-capi"],
         &["raypath-cli"],

@@ -7,7 +7,7 @@
 
 use raypath::hdl::verilog;
 use raypath::ops::Rules;
-use raypath::rtl::{Config, Control, Datapath, Encoding, Lanes, Sharing, UnitLatency};
+use raypath::rtl::{Config, Control, Datapath, Encoding, Lanes, Multiplier, Sharing, UnitLatency};
 use std::collections::HashMap;
 
 /// The text of all modules without comments, because comments name the configuration.
@@ -45,6 +45,7 @@ fn every_value_of_every_parameter_changes_the_design() {
         all_differ(base, Sharing::ALL, |config, sharing| config.microarchitecture.sharing = sharing);
         all_differ(base, UnitLatency::ALL, |config, latency| config.microarchitecture.unit_latency = latency);
         all_differ(base, &[false, true], |config, gated| config.microarchitecture.clock_gating = gated);
+        all_differ(base, Multiplier::ALL, |config, multiplier| config.microarchitecture.multiplier = multiplier);
         all_differ(base, &["fp32", "tf32", "bf16", "fp16", "e3s3", "e8s23"], |config, name| {
             config.semantics.format = name.parse().expect("a format");
         });

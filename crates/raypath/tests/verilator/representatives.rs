@@ -2,13 +2,18 @@
 
 use raypath::float::Format;
 use raypath::ops::Rules;
-use raypath::rtl::{Config, Control, Encoding, Lanes, PARAMETER_GROUPS, Sharing, UnitLatency};
+use raypath::rtl::{Config, Control, Encoding, Lanes, Multiplier, PARAMETER_GROUPS, Sharing, UnitLatency};
 
 const DEFAULT: Config = Config::DEFAULT;
 
 /// No two of these share more than half of their parameters. Tests add the default and `lanes none`.
 pub const REPRESENTATIVES: [Config; 6] = [
-    DEFAULT.lanes(Lanes::Two).io(Encoding::Recoded).registers(Encoding::Ieee).control(Control::Credit),
+    DEFAULT
+        .lanes(Lanes::Two)
+        .io(Encoding::Recoded)
+        .registers(Encoding::Ieee)
+        .control(Control::Credit)
+        .multiplier(Multiplier::Inferred),
     DEFAULT
         .lanes(Lanes::Four)
         .io(Encoding::Recoded)
@@ -21,7 +26,8 @@ pub const REPRESENTATIVES: [Config; 6] = [
         .rules(Rules::Chisel)
         .format(Format::TF32)
         .control(Control::Credit)
-        .unit_latency(UnitLatency::Three),
+        .unit_latency(UnitLatency::Three)
+        .multiplier(Multiplier::Inferred),
     DEFAULT.lanes(Lanes::ThirtyTwo).format(Format::BFLOAT16).control(Control::Credit).clock_gating(true),
     DEFAULT.lanes(Lanes::SixtyFour).format(Format::BINARY16),
     DEFAULT.lanes(Lanes::None).rules(Rules::Chisel).control(Control::Credit),

@@ -4,6 +4,7 @@ mod accuracy;
 mod bench;
 mod division;
 mod explore;
+mod fpga;
 mod measuring;
 mod ppa;
 mod progress;
@@ -45,6 +46,8 @@ pub enum Command {
     Accuracy(accuracy::Arguments),
     /// Measure area and timing in a cell library, stage by stage, with Yosys and OpenSTA
     Ppa(ppa::Arguments),
+    /// Place and route the datapath on an FPGA, or run jobs through its shell as a host does
+    Fpga(fpga::Arguments),
     /// Measure many configurations and draw area against clock and throughput
     Explore(explore::Arguments),
     /// Measure the speed of the models, compared with Verilator and other libraries
@@ -63,6 +66,7 @@ impl Command {
             Self::Wave(arguments) => wave::run(&arguments, out),
             Self::Accuracy(arguments) => accuracy::run(&arguments, out),
             Self::Ppa(arguments) => ppa::run(&arguments, out),
+            Self::Fpga(arguments) => fpga::run(&arguments, out),
             Self::Explore(arguments) => explore::run(&arguments, out),
             Self::Bench(arguments) => bench::run(&arguments, out),
             Self::Verify(arguments) => verify::run(&arguments, out),

@@ -73,26 +73,26 @@
     p_holds = !(p_chosen_q && valid_o && p_before_q == 0) || context_q == p_context_q;
     p_triangles = 0;
     p_lasts = {8'd0, valid_o};
-    if (has_hit_q && tag_q[2]) begin
-      p_holds = p_holds && (!(p_chosen_q && p_lasts == p_before_q) || tag_q[W+4:5] == p_context_q)
+    if (has_hit_q && p_is_last(tag_q)) begin
+      p_holds = p_holds && (!(p_chosen_q && p_lasts == p_before_q) || p_context(tag_q) == p_context_q)
         && (p_lasts != 0 || p_waits_q <= LATENCY + 1);
       p_lasts = p_lasts + 9'd1;
     end
     for (int k = LATENCY - 1; k >= 0; k--)
       if (p_stages[k]) begin
-        p_holds = p_holds && (!(p_follows_q && p_triangles == p_ahead_q) || p_tags[k*T+3 +: W+2] == p_place_q);
+        p_holds = p_holds && (!(p_follows_q && p_triangles == p_ahead_q) || p_place(p_tags[k*T +: T]) == p_place_q);
         p_triangles = p_triangles + 9'd1;
-        if (p_tags[k*T+2]) begin
-          p_holds = p_holds && (!(p_chosen_q && p_lasts == p_before_q) || p_tags[k*T+5 +: W] == p_context_q)
+        if (p_is_last(p_tags[k*T +: T])) begin
+          p_holds = p_holds && (!(p_chosen_q && p_lasts == p_before_q) || p_context(p_tags[k*T +: T]) == p_context_q)
             && (p_lasts != 0 || p_waits_q <= k + 1);
           p_lasts = p_lasts + 9'd1;
         end
       end
     if (has_operands_q) begin
-      p_holds = p_holds && (!(p_follows_q && p_triangles == p_ahead_q) || operands_tag_q[3 +: W+2] == p_place_q);
+      p_holds = p_holds && (!(p_follows_q && p_triangles == p_ahead_q) || p_place(operands_tag_q) == p_place_q);
       p_triangles = p_triangles + 9'd1;
-      if (operands_tag_q[2]) begin
-        p_holds = p_holds && (!(p_chosen_q && p_lasts == p_before_q) || operands_tag_q[5 +: W] == p_context_q)
+      if (p_is_last(operands_tag_q)) begin
+        p_holds = p_holds && (!(p_chosen_q && p_lasts == p_before_q) || p_context(operands_tag_q) == p_context_q)
           && (p_lasts != 0 || p_waits_q == 0);
         p_lasts = p_lasts + 9'd1;
       end

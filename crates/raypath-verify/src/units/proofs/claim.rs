@@ -3,7 +3,9 @@
 use crate::error::Error;
 use crate::sat::{Miter, SOURCE};
 use crate::units::bench::{chain, unrolled};
-use raypath_float::{DivSqrt, Format, add, add_parts, compare, decode, div, encode, mul, mul_parts, sqrt};
+use raypath_float::{
+    DivSqrt, Format, add, add_parts, compare, decode, div, encode, mul, mul_inferred_parts, mul_parts, sqrt,
+};
 use raypath_hdl::Module;
 use raypath_hdl::verilog::text;
 use raypath_tools::ToolError;
@@ -30,6 +32,8 @@ pub enum Subject {
     Sub,
     /// The multiplier between encoders and decoder.
     Mul,
+    /// The multiplier with `*` between encoders and decoder.
+    MulInferred,
     /// The combinational divider between encoders and decoder.
     Div,
     /// The combinational square root between encoder and decoder.
@@ -42,6 +46,8 @@ pub enum Subject {
     AddParts(u32),
     /// The multiplier split into this many parts, against the unsplit one, for all recoded words.
     MulParts(u32),
+    /// The multiplier with `*` split into this many parts, against the unsplit one, for all recoded words.
+    MulInferredParts(u32),
     /// The divider or the square root in another form, against the combinational one, for all recoded words.
     Divided(DivSqrt, Form),
 }
@@ -73,7 +79,9 @@ impl Subject {
     pub fn fault(self) -> (&'static str, &'static str) {
         match self {
             Self::Add | Self::Sub | Self::AddParts(_) => ("~(half & quarter)", "~(half | quarter)"),
-            Self::Mul | Self::MulParts(_) => ("= exponent_sum < ", "= exponent_sum <= "),
+            Self::Mul | Self::MulParts(_) | Self::MulInferred | Self::MulInferredParts(_) => {
+                ("= exponent_sum < ", "= exponent_sum <= ")
+            }
             Self::Div | Self::Sqrt | Self::Divided(..) => ("below_half)) | sticky", "below_half)) & sticky"),
             Self::Compare => ("a_negative & ~both_zero", "a_negative"),
             Self::RoundTrip => ("exponent < ", "exponent <= "),
@@ -100,12 +108,20 @@ impl Claim {
             Subject::Add => (whole(add(f)?)?, conversions()?, Some("-op add -rm RNE")),
             Subject::Sub => (whole(add(f)?)?, conversions()?, Some("-op sub -rm RNE")),
             Subject::Mul => (whole(mul(f)?)?, conversions()?, Some("-op mul -rm RNE")),
+            Subject::MulInferred => {
+                (whole(mul_inferred_parts(f, 1, false)?.remove(0))?, conversions()?, Some("-op mul -rm RNE"))
+            }
             Subject::Div => (whole(div(f)?)?, conversions()?, Some("-op div -rm RNE")),
             Subject::Sqrt => (whole(sqrt(f)?)?, conversions()?, Some("-op sqrt -rm RNE")),
             Subject::Compare => (whole(compare(f)?)?, conversions()?, Some("-compare")),
             Subject::RoundTrip => (text(&decode(f)?)?, text(&encode(f)?)?, None),
             Subject::AddParts(count) => (joined(add_parts(f, count, false)?)?, whole(add(f)?)?, None),
             Subject::MulParts(count) => (joined(mul_parts(f, count, false)?)?, whole(mul(f)?)?, None),
+            Subject::MulInferredParts(count) => (
+                joined(mul_inferred_parts(f, count, false)?)?,
+                whole(mul_inferred_parts(f, 1, false)?.remove(0))?,
+                None,
+            ),
             Subject::Divided(function, form) => {
                 let [ours, reference] = in_form(f, function, form)?;
                 (whole(ours)?, whole(reference)?, None)
@@ -151,7 +167,8 @@ impl Claim {
 
     /// Whether both sides are units of ours, from one description: they may be equal before any proof.
     pub fn compares_own_units(&self) -> bool {
-        matches!(self.subject, Subject::AddParts(_) | Subject::MulParts(_) | Subject::Divided(..))
+        use Subject::{AddParts, Divided, MulInferredParts, MulParts};
+        matches!(self.subject, AddParts(_) | MulParts(_) | MulInferredParts(_) | Divided(..))
     }
 
     /// Whether the second operand is not used.
@@ -218,7 +235,13 @@ impl Claim {
         let is_nan = |word: &str| format!("((&{word}[{}:{}]) && (|{word}[{}:0]))", e + s - 2, s - 1, s - 2);
         let wanted = match self.subject {
             // The reference may return any NaN, our units return the canonical one.
-            Subject::Add | Subject::Sub | Subject::Mul | Subject::Div | Subject::Sqrt | Subject::RoundTrip => {
+            Subject::Add
+            | Subject::Sub
+            | Subject::Mul
+            | Subject::MulInferred
+            | Subject::Div
+            | Subject::Sqrt
+            | Subject::RoundTrip => {
                 format!("{} ? {ieee}'d{} : expected", is_nan("expected"), f.nan())
             }
             Subject::Compare => {
@@ -263,6 +286,7 @@ impl Claim {
                 arithmetic("add", &format!("{{~recoded_b[{0}], recoded_b[{1}:0]}}", recoded - 1, recoded - 2), "sum_o")
             }
             Subject::Mul => arithmetic("mul", "recoded_b", "product_o"),
+            Subject::MulInferred => arithmetic("mul_inferred", "recoded_b", "product_o"),
             Subject::Div => arithmetic("div", "recoded_b", "result_o"),
             Subject::Sqrt => format!(
                 "wire [{0}:0] recoded_a, recoded_result;\n\
@@ -286,6 +310,7 @@ impl Claim {
             ),
             Subject::AddParts(count) => parts(count, "add", "sum_o"),
             Subject::MulParts(count) => parts(count, "mul", "product_o"),
+            Subject::MulInferredParts(count) => parts(count, "mul_inferred", "product_o"),
             Subject::Divided(function, form) => {
                 let sides = in_form(f, function, form)?.into_iter().zip(["ours", "expected"]);
                 let instance = |(module, result): (Arc<Module>, &str)| {
@@ -326,6 +351,7 @@ impl fmt::Display for Claim {
             Subject::Add => f.write_str("addition"),
             Subject::Sub => f.write_str("subtraction"),
             Subject::Mul => f.write_str("multiplication"),
+            Subject::MulInferred => f.write_str("multiplication with *"),
             Subject::Compare => f.write_str("comparison"),
             Subject::RoundTrip => f.write_str("encoding and decoding"),
             Subject::Div => f.write_str("division"),
@@ -340,6 +366,7 @@ impl fmt::Display for Claim {
             }
             Subject::AddParts(count) => write!(f, "the adder in {count} parts"),
             Subject::MulParts(count) => write!(f, "the multiplier in {count} parts"),
+            Subject::MulInferredParts(count) => write!(f, "the multiplier with * in {count} parts"),
         }?;
         write!(f, " at ({},{})", self.format.exponent(), self.format.significand())?;
         match self.operands {

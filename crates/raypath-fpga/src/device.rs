@@ -1,0 +1,74 @@
+//! The FPGAs that the flow supports.
+
+use std::fmt;
+use std::str::FromStr;
+use thiserror::Error;
+
+/// An FPGA of Lattice's family ECP5, in the package CABGA381.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Device {
+    /// LFE5U-25F: 24 k LUTs, 28 multipliers.
+    Ecp5_25k,
+    /// LFE5U-45F: 44 k LUTs, 72 multipliers.
+    Ecp5_45k,
+    /// LFE5U-85F: 84 k LUTs, 156 multipliers.
+    Ecp5_85k,
+}
+
+/// A text that names no device.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("'{0}' is not a valid device, expected ecp5-25k, ecp5-45k or ecp5-85k")]
+pub struct ParseDeviceError(String);
+
+/// What to place and route for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Target {
+    /// The FPGA.
+    pub device: Device,
+    /// Its speed grade, 6 (the slowest) to 8.
+    pub speed: u8,
+    /// The clock that placement and routing aim at, in MHz; not a limit.
+    pub clock_mhz: f64,
+    /// The seed of the placement.
+    pub seed: u32,
+}
+
+impl Device {
+    /// Every device.
+    pub const ALL: [Self; 3] = [Self::Ecp5_25k, Self::Ecp5_45k, Self::Ecp5_85k];
+
+    /// Its size as nextpnr writes it.
+    pub(crate) fn size(self) -> &'static str {
+        ["25k", "45k", "85k"][self as usize]
+    }
+}
+
+impl Target {
+    /// A device of the slowest grade, with 70 MHz as the aim and the seed 1.
+    pub fn of(device: Device) -> Self {
+        Self { device, speed: 6, clock_mhz: 70.0, seed: 1 }
+    }
+
+    /// The arguments for nextpnr that select it.
+    pub(crate) fn arguments(self) -> Vec<String> {
+        let Self { device, speed, clock_mhz, seed } = self;
+        let size = format!("--{}", device.size());
+        let numbers = [("--speed", speed.to_string()), ("--freq", clock_mhz.to_string()), ("--seed", seed.to_string())];
+        let numbers = numbers.into_iter().flat_map(|(option, value)| [option.to_string(), value]);
+        [size, "--package".to_string(), "CABGA381".to_string()].into_iter().chain(numbers).collect()
+    }
+}
+
+impl fmt::Display for Device {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "ecp5-{}", self.size())
+    }
+}
+
+impl FromStr for Device {
+    type Err = ParseDeviceError;
+    fn from_str(text: &str) -> Result<Self, ParseDeviceError> {
+        let found = Self::ALL.into_iter().find(|device| device.to_string() == text);
+        found.ok_or_else(|| ParseDeviceError(text.to_string()))
+    }
+}

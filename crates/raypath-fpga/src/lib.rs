@@ -1,0 +1,37 @@
+//! A datapath on an FPGA.
+//!
+//! [`Shell`] is a module around a datapath with few pins: a stream of bytes or of words of 32 bits in, another one out.
+//! [`Host`] is the other side of these streams: it sends jobs and compares the outcomes with the model. [`Flow`] makes
+//! a bitstream of a shell with Yosys, nextpnr and ecppack, and a [`Report`] of it. `docs/integration/fpga.md` describes
+//! the streams and says what the figures include.
+//!
+//! ```no_run
+//! use raypath_fpga::{Device, Flow, Shell, StreamWidth, Target};
+//! use raypath_rtl::{Config, Datapath, Multiplier};
+//! use raypath_tools::{Nextpnr, Yosys};
+//!
+//! let config = Config::DEFAULT.multiplier(Multiplier::Inferred);
+//! let shell = Shell::new(Datapath::new(config)?.top(), StreamWidth::Eight)?;
+//! let flow = Flow { yosys: Yosys::find(None)?, nextpnr: Nextpnr::find()?, cache: "build/ppa-cache".into() };
+//! let implemented = flow.implement("paper", &shell, Target::of(Device::Ecp5_85k), |_| true)?;
+//! println!("{} MHz", implemented.report.clock_mhz);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod device;
+mod flow;
+mod frame;
+mod host;
+mod netlist;
+mod report;
+mod shell;
+pub mod tables;
+mod timing;
+
+pub use device::{Device, ParseDeviceError, Target};
+pub use flow::{Flow, Implementation};
+pub use frame::{Field, Frame, StreamWidth};
+pub use host::{Comparison, Host};
+pub use raypath_tools::pool::Progress;
+pub use report::{Cells, Report, Setting, Stage, Step, Use};
+pub use shell::Shell;

@@ -1,0 +1,35 @@
+//! `raypath fpga`: missing programs, wrong input, and a board that does not answer.
+
+use crate::{ends_with, file, folder, program_ends_with};
+use std::process::Command;
+
+#[test]
+fn wrong_options_are_named_with_what_was_expected() {
+    ends_with(&["fpga", "--device", "ecp5-12k"], 2, &["'ecp5-12k'", "expected ecp5-25k, ecp5-45k or ecp5-85k"]);
+    ends_with(&["fpga", "--speed", "9"], 2, &["'9'", "--speed", "expected a whole number from 6 to 8"]);
+    ends_with(&["fpga", "--clock", "0"], 2, &["'0'", "--clock", "expected MHz, 1 to 1000"]);
+    ends_with(&["fpga", "--stream", "16"], 2, &["'16'", "--stream", "8, 32"]);
+    ends_with(&["fpga", "--multiplier", "dsp"], 2, &["'dsp'", "multiplier", "booth or inferred"]);
+    ends_with(&["fpga", "--loopback", "--connect", "x"], 2, &["--loopback", "--connect"]);
+}
+
+#[test]
+fn missing_tools_are_named_with_their_packages() {
+    let folder = folder();
+    let mut program = Command::new(env!("CARGO_BIN_EXE_raypath"));
+    program.args(["fpga", "--preset", "half"]).current_dir(folder.path()).env("PATH", folder.path());
+    program_ends_with(&mut program, 2, &["yosys not found", "apt-get install yosys"]);
+    assert!(!folder.path().join("build").exists());
+}
+
+/// A plain file keeps the jobs, which are no outcomes when they are read again.
+#[test]
+fn outcomes_that_do_not_come_are_an_error() {
+    let folder = folder();
+    let board = file(folder.path(), "board", "");
+    let connect = ["fpga", "--format", "e3s3", "--lanes", "none", "--jobs", "3", "--connect"];
+    let missing = folder.path().join("none");
+    let missing = missing.to_str().expect("a plain path");
+    ends_with(&[&connect[..], &[missing]].concat(), 2, &[missing, "cannot write"]);
+    ends_with(&[&connect[..], &[&board]].concat(), 1, &["of 3 outcomes are wrong or missing"]);
+}
