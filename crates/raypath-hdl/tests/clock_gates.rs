@@ -75,7 +75,7 @@ fn a_gate_needs_a_name_that_is_free() {
     let load = m.input("load_i", 1);
     m.register("a_q", 1).next_gated(!load, load);
     let error = m.finish().expect_err("an enable without a name").to_string();
-    assert_eq!(error, "module bad, signal Not 2: gates a clock, expected a name");
+    assert_eq!(error, "module bad: 'Not 2' gates a clock, expected a name");
     let m = Builder::new("bad");
     let load = m.input("load_i", 1);
     m.input("clk_load_i", 1);
