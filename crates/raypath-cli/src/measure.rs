@@ -16,8 +16,9 @@ pub fn power(
     design: &Design,
     report: &Report,
     workloads: &[Workload],
+    with_saif: bool,
 ) -> Result<PowerResults, CliError> {
-    watched(|watch| bench.power(design, report, workloads, watch))
+    watched(|watch| bench.power(design, report, workloads, with_saif, watch))
 }
 
 /// Shows the progress of `work`, which reports its steps.

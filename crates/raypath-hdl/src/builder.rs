@@ -103,7 +103,13 @@ impl Builder {
         let index = self.state.borrow().module.registers.len();
         let wire = self.declare(name, width, Driver::Register(index));
         let mut state = self.state.borrow_mut();
-        state.module.registers.push(RegisterInfo { signal: wire.id, next: wire.id, enable: None, reset: None });
+        state.module.registers.push(RegisterInfo {
+            signal: wire.id,
+            next: wire.id,
+            enable: None,
+            reset: None,
+            gated: false,
+        });
         state.module.items.push(Item::Register(index));
         state.undriven.push(Undriven::Signal(wire.id));
         Register { wire, index }

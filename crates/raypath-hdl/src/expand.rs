@@ -92,7 +92,7 @@ impl Open {
     fn hold(&mut self, signal: SignalId, enable: SignalId, next: SignalId) {
         let register = self.module.registers.len();
         self.module.signals[signal.index()].driver = Driver::Register(register);
-        self.module.registers.push(RegisterInfo { signal, next, enable: Some(enable), reset: None });
+        self.module.registers.push(RegisterInfo { signal, next, enable: Some(enable), reset: None, gated: false });
         self.module.items.push(Item::Register(register));
     }
 }

@@ -18,6 +18,20 @@ pub fn expose_registers(module: &Arc<Module>) -> Arc<Module> {
     Exposed { with_registers: true, done: HashMap::new() }.expose(module)
 }
 
+/// `module` with enables instead of clock gates in its text and in that of its instances: for tools with one clock.
+pub fn with_enables(module: &Arc<Module>) -> Arc<Module> {
+    fn of(module: &Arc<Module>, known: &mut HashMap<*const Module, Arc<Module>>) -> Arc<Module> {
+        if let Some(made) = known.get(&Arc::as_ptr(module)) {
+            return made.clone();
+        }
+        let mut open = Module::clone(module);
+        open.registers.iter_mut().for_each(|register| register.gated = false);
+        open.instances.iter_mut().for_each(|instance| instance.module = of(&instance.module, known));
+        known.entry(Arc::as_ptr(module)).or_insert(Arc::new(open)).clone()
+    }
+    of(module, &mut HashMap::new())
+}
+
 /// `module` with every memory, in it and inside its instances, replaced by ports, as for [`expose_registers`], but
 /// without the depth, and with the signals at the memory as they are. Registers stay. It shows what is around memories.
 pub fn expose_memories(module: &Arc<Module>) -> Arc<Module> {

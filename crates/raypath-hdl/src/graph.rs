@@ -142,7 +142,7 @@ impl Graph {
                     let register = first_register + module.registers.len() + columns.len();
                     self.columns.insert(register, (first_memory + memory, *column));
                     let signal = SignalId(place);
-                    columns.push(RegisterInfo { signal, next: signal, enable: None, reset: None });
+                    columns.push(RegisterInfo { signal, next: signal, enable: None, reset: None, gated: false });
                     Operation::Register(register)
                 }
                 driver => {
@@ -163,6 +163,7 @@ impl Graph {
             next: shift(register.next),
             enable: register.enable.map(shift),
             reset: register.reset,
+            gated: register.gated,
         }));
         self.registers.extend(columns);
         self.memories.extend(module.memories.iter().cloned().map(|mut memory| {

@@ -43,7 +43,7 @@ pub use builder::memory::Memory;
 pub use builder::{Builder, Forward, Register, Wire};
 pub use error::Error;
 pub use expand::{MAX_EXPANDED_WORDS, expand_memories};
-pub use expose::{expose_memories, expose_registers};
+pub use expose::{expose_memories, expose_registers, with_enables};
 pub use flatten::depends_combinationally;
 pub use formula::Formula;
 pub use lanes::{LANES, LaneSimulator};

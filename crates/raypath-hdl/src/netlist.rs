@@ -2,6 +2,7 @@
 
 use crate::formula::Formula;
 use crate::text::Text;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A signal of one module, by position in [`Module::signals`].
@@ -147,6 +148,10 @@ pub struct RegisterInfo {
     pub enable: Option<SignalId>,
     /// Its value while `rst_ni` is 0 (asynchronous). Data registers have no reset value.
     pub reset: Option<u64>,
+    /// Whether the text has a clock gate in place of the enable: an instance of
+    /// [`CLOCK_GATE`](crate::verilog::CLOCK_GATE) for all such registers of the module with one enable. The register does
+    /// the same.
+    pub gated: bool,
 }
 
 /// A memory with one write port and one read port, both on the rising edge of `clk_i`. The text has an instance of
@@ -316,6 +321,16 @@ impl Instance {
     }
 }
 
+/// The clock that the text has behind the gate for an enable of this name.
+pub(crate) fn gated_clock(enable: &str) -> String {
+    format!("clk_{enable}")
+}
+
+/// The instance of that gate.
+pub(crate) fn gate_instance(enable: &str) -> String {
+    format!("u_gate_{enable}")
+}
+
 /// The largest word of `width` bits, 1 to 64.
 pub(crate) fn mask(width: u32) -> u64 {
     u64::MAX >> (64 - width)
@@ -424,7 +439,15 @@ impl Module {
             Item::Unused(name, _) => Some(name.clone()),
             _ => None,
         });
-        implied.into_iter().chain(ports).chain(signals).chain(instances).chain(memories).chain(unused)
+        let gates = self.gates().flat_map(|enable| [gated_clock(enable), gate_instance(enable)]);
+        implied.into_iter().chain(ports).chain(signals).chain(instances).chain(memories).chain(unused).chain(gates)
+    }
+
+    /// The names of the enables that the text has clock gates for.
+    pub(crate) fn gates(&self) -> impl Iterator<Item = &str> {
+        let gated = self.registers.iter().filter(|register| register.gated);
+        let enables: BTreeSet<SignalId> = gated.filter_map(|register| register.enable).collect();
+        enables.into_iter().filter_map(|enable| self.signal(enable).name.as_deref())
     }
 
     /// The width of an input or output port of this name.

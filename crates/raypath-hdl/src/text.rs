@@ -101,6 +101,8 @@ pub struct Text {
     pub enumerated: Option<EnumeratedInput>,
     /// Registers that are printed in another module, and output ports in a structure.
     pub bank: Option<Bank>,
+    /// Output ports in a structure, in a module without a bank.
+    pub output: Option<PortGroup>,
     /// Whether the text has a parameter `Width` instead of words of [`PAYLOAD`] bits.
     pub has_width_parameter: bool,
 }
@@ -116,7 +118,7 @@ impl Package {
 impl Text {
     /// The structure of output ports.
     pub(crate) fn output(&self) -> Option<&PortGroup> {
-        self.bank.as_ref().map(|bank| &bank.output)
+        self.bank.as_ref().map(|bank| &bank.output).or(self.output.as_ref())
     }
 }
 
@@ -177,7 +179,7 @@ impl Module {
 
     /// The width in bits of what its text stores in another module; 0 if it stores nothing there.
     pub fn bank_width(&self) -> u32 {
-        let members = self.text.output().into_iter().flat_map(|output| &output.members);
+        let members = self.text.bank.iter().flat_map(|bank| &bank.output.members);
         members.filter_map(|(port, _)| self.port_width(port)).sum()
     }
 

@@ -6,6 +6,7 @@
 
 mod entries;
 mod expression;
+mod gate;
 mod hierarchy;
 mod labels;
 mod layout;
@@ -15,9 +16,10 @@ mod ram;
 mod statements;
 mod structures;
 
-use crate::netlist::Module;
+use crate::netlist::{Module, gated_clock};
 use crate::{Error, SignalId};
 use entries::{Entry, Section};
+pub use gate::CLOCK_GATE;
 pub use hierarchy::{Source, modules, sources, text};
 use layout::{comment, logic};
 pub use package::print_package;
@@ -158,6 +160,11 @@ fn declarations(plan: &Plan<'_>, section: &Section<'_>, declared: &mut HashSet<S
     for entry in &section.entries {
         match entry {
             Entry::Unused(name, _) => rows.push(("logic".to_string(), format!("{name};"), None)),
+            Entry::Registers(group) if statements::begins_gate(plan.module(), group) => {
+                let enable = plan.module().registers()[group[0]].enable;
+                let clock = enable.and_then(|enable| plan.module().signal(enable).name.as_deref()).map(gated_clock);
+                rows.extend(clock.map(|clock| ("logic".to_string(), format!("{clock};"), None)));
+            }
             Entry::Instance(index) => {
                 let group = plan.module().instances()[*index].module.text().output();
                 if let (Some(group), Some(variable)) = (group, plan.structures().of_instance(*index)) {

@@ -58,6 +58,8 @@ pub struct GateSimulator<'g> {
     text: LaneSimulator,
     inputs: Vec<(InputPort, &'g [NetId])>,
     outputs: Vec<(&'g str, OutputPort, &'g [NetId])>,
+    /// The clock, and those behind clock gates. The value of a clock is whether it has a pulse in the cycle.
+    clocks: Vec<NetId>,
     clock: Option<NetId>,
     reset: Option<NetId>,
 }
@@ -82,14 +84,17 @@ impl<'g> GateSimulator<'g> {
             let (name, nets) = port(&output.name, Direction::Output)?;
             outputs.push((name, text.output(&output.name)?, nets));
         }
-        let single = |name: &str| port(name, Direction::Input).ok().and_then(|(_, nets)| nets.first().copied());
         let is_flip_flop = |cell: &u32| gates.logic(&gates.cells[*cell as usize]).state.is_some();
+        let clock = gates.input("clk_i");
+        let behind_gates = gates.cells.iter().filter(|cell| gates.logic(cell).is_clock_gate);
+        let clocks = behind_gates.flat_map(|cell| &cell.outputs).copied().chain(clock).collect();
         Ok(Self {
             values: vec![0; gates.nets],
             states: vec![0; gates.cells.len()],
             flip_flops: (0..gates.cells.len() as u32).filter(is_flip_flop).collect(),
-            clock: single("clk_i"),
-            reset: single("rst_ni"),
+            clocks,
+            clock,
+            reset: gates.input("rst_ni"),
             gates,
             text,
             inputs,
@@ -106,6 +111,9 @@ impl<'g> GateSimulator<'g> {
         self.states.fill(0);
         self.values.fill(0);
         self.values[ONE as usize] = u64::MAX;
+        if let Some(clock) = self.clock {
+            self.values[clock as usize] = u64::MAX;
+        }
         self.reset_cycle();
         let nets = self.gates.nets;
         let mut activity = Activity { cycles: 0, toggles: vec![0; nets], ones: vec![0; nets] };
@@ -125,9 +133,10 @@ impl<'g> GateSimulator<'g> {
             self.clock_edge();
             self.text.cycle();
         }
-        if let Some(clock) = self.clock {
-            (activity.toggles[clock as usize], activity.ones[clock as usize]) =
-                (2 * activity.cycles, activity.cycles / 2);
+        // A clock has two transitions in each cycle with a pulse, and is 1 in half of it.
+        for clock in &self.clocks {
+            let pulses = activity.ones[*clock as usize];
+            (activity.toggles[*clock as usize], activity.ones[*clock as usize]) = (2 * pulses, pulses / 2);
         }
         Ok(activity)
     }
@@ -186,10 +195,13 @@ impl<'g> GateSimulator<'g> {
             for (value, net) in inputs.iter_mut().zip(&cell.inputs) {
                 *value = self.values[*net as usize];
             }
-            if let Some(state) = &self.gates.logic(cell).state {
+            let logic = self.gates.logic(cell);
+            let pulse = logic.clock.map_or(u64::MAX, |clock| inputs[clock.input]);
+            if let Some(state) = &logic.state {
                 let [next, clear, preset] =
                     [state.next, state.clear, state.preset].map(|table| evaluate(table, inputs));
-                self.states[*index as usize] = (next | preset) & !clear;
+                let loaded = (next & pulse) | (self.states[*index as usize] & !pulse);
+                self.states[*index as usize] = (loaded | preset) & !clear;
             }
         }
     }

@@ -13,8 +13,18 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 /// The kind of a cell of the top module, and the group (stage) that it belongs to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum CellRole {
-    Unit { group: usize, kind: UnitKind },
-    Register { group: usize, is_control: bool },
+    Unit {
+        group: usize,
+        kind: UnitKind,
+    },
+    Register {
+        group: usize,
+        is_control: bool,
+    },
+    /// A clock gate, of the group of the registers behind it.
+    ClockGate {
+        group: usize,
+    },
     Gate,
 }
 
@@ -108,6 +118,9 @@ impl<'a> Attribution<'a> {
                     let group = known.map_or_else(|| group_of(&instance.name), |register| register.group);
                     CellRole::Register { group, is_control: known.is_some_and(|register| register.is_control) }
                 }
+                None if cell.is_some_and(|cell| cell.is_clock_gate) => {
+                    CellRole::ClockGate { group: group_of(&instance.name) }
+                }
                 None => CellRole::Gate,
             });
             let unit = units.get(&instance.cell);
@@ -138,7 +151,7 @@ impl<'a> Attribution<'a> {
         let shares = self.roles.iter().enumerate().map(|(index, role)| match role {
             CellRole::Unit { group, kind } => whole(group, Kind::Unit(kind.clone())),
             CellRole::Register { group, is_control: true } => whole(group, Kind::Control),
-            CellRole::Register { group, .. } => whole(group, Kind::Registers),
+            CellRole::Register { group, .. } | CellRole::ClockGate { group } => whole(group, Kind::Registers),
             CellRole::Gate => {
                 let sinks = self.sinks(index, library, &mut searches);
                 let groups: BTreeSet<usize> = sinks.iter().map(|(group, _)| *group).collect();
@@ -219,7 +232,9 @@ impl<'a> Attribution<'a> {
                         (CellRole::Register { group, is_control: true }, _) => {
                             _ = sinks.insert((*group, Sink::ControlRegister))
                         }
-                        (CellRole::Register { group, .. }, _) => _ = sinks.insert((*group, Sink::DataRegister)),
+                        (CellRole::Register { group, .. } | CellRole::ClockGate { group }, _) => {
+                            _ = sinks.insert((*group, Sink::DataRegister))
+                        }
                         (CellRole::Gate, Search::Done(further)) => sinks.extend(further),
                         (CellRole::Gate, Search::New) => open.push(reader),
                         // A combinational loop, which no design here has: an open gate adds nothing.

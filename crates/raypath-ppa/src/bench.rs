@@ -78,6 +78,11 @@ impl Bench {
                 (block, key)
             })
             .collect();
+        if self.library.clock_gate.is_none() && blocks.iter().any(|(block, _)| block.has_clock_gates) {
+            let what =
+                "clock gate (clock_gating_integrated_cell : latch_posedge), which the option clock-gating needs,";
+            return Err(Error::MissingCell { path: self.library.name.clone().into(), what: what.to_string() });
+        }
         let period = self.period.to_string();
         let mut parts: Vec<&str> = vec![&design.name, &self.library.digest, &period, &self.sta.version];
         // The blocks are without memories.
@@ -255,7 +260,7 @@ fn named_path(raw: &RawPath, top: &Netlist, attribution: &Attribution<'_>) -> Pa
         let cell = pin.split('/').next().unwrap_or_default();
         let Some(index) = structural::cell_index(cell) else { return format!("port {cell}") };
         match attribution.roles.get(index) {
-            Some(CellRole::Register { .. }) => register_name(&top.cells[index].name),
+            Some(CellRole::Register { .. } | CellRole::ClockGate { .. }) => register_name(&top.cells[index].name),
             Some(CellRole::Unit { .. }) => top.cells[index].name.rsplit('.').next().unwrap_or_default().to_string(),
             Some(CellRole::Gate) | None => "gates".to_string(),
         }

@@ -28,6 +28,8 @@ pub(crate) struct Block {
     /// SystemVerilog of the module and all modules below it. Of units inside, only the ports.
     pub text: String,
     pub is_unit: bool,
+    /// Whether its text instantiates clock gates, whose module it lacks.
+    pub has_clock_gates: bool,
     /// Words of the text that hold several registers of the netlist.
     pub words: Words,
 }
@@ -87,10 +89,19 @@ impl Design {
                 inside_units.insert(source.name);
             }
             surroundings += &ports_only(unit)?;
-            blocks.push(Block { module: unit.name().to_string(), text, is_unit: true, words: Words::new() });
+            blocks.push(Block {
+                module: unit.name().to_string(),
+                text,
+                is_unit: true,
+                has_clock_gates: false,
+                words: Words::new(),
+            });
         }
+        let mut has_clock_gates = false;
         for source in verilog::sources(&self.top, &[])? {
-            if !inside_units.contains(&source.name) {
+            if source.name == verilog::CLOCK_GATE {
+                has_clock_gates = true;
+            } else if !inside_units.contains(&source.name) {
                 surroundings += &source.text;
             }
         }
@@ -101,7 +112,8 @@ impl Design {
                 words.insert(format!("{path}{word}"), registers);
             }
         });
-        blocks.push(Block { module: self.top().to_string(), text: surroundings, is_unit: false, words });
+        let module = self.top().to_string();
+        blocks.push(Block { module, text: surroundings, is_unit: false, has_clock_gates, words });
         Ok(blocks)
     }
 

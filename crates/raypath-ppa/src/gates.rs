@@ -88,6 +88,12 @@ impl Gates {
         }
     }
 
+    /// The lowest bit of an input port.
+    pub fn input(&self, name: &str) -> Option<NetId> {
+        let port = self.ports.iter().find(|(known, of, _)| known == name && *of == Direction::Input);
+        port.and_then(|(_, _, nets)| nets.first().copied())
+    }
+
     /// The behaviour of a cell.
     pub fn logic(&self, cell: &Cell) -> &Logic {
         &self.logic[cell.logic as usize]

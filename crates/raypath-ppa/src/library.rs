@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::function::truth_table;
 use crate::liberty::{self, Group};
-use crate::logic::Logic;
+use crate::logic::{ClockGate, Logic};
 use raypath_tools::{Program, ToolError, digest, text};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -38,6 +38,8 @@ pub struct Library {
     /// The load of every output: the capacitance of ten inputs of the buffer, in whole femtofarads.
     pub load: f64,
     pub(crate) tie: Option<Tie>,
+    /// The strongest integrated clock gate with a latch, and without an input for tests: the largest.
+    pub(crate) clock_gate: Option<ClockGateCell>,
     /// The femtofarads of the unit of capacitances.
     pub(crate) femtofarads: f64,
 }
@@ -49,10 +51,21 @@ pub struct Cell {
     pub area: f64,
     /// Whether it is a flip-flop.
     pub is_flip_flop: bool,
+    /// Whether it is a clock gate.
+    pub is_clock_gate: bool,
     /// The names of its output pins.
     pub outputs: Vec<String>,
     /// Its behaviour, if it is a gate or a flip-flop on a rising edge.
     pub(crate) logic: Option<Logic>,
+}
+
+/// The cell of clock gates, and its pins.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClockGateCell {
+    pub name: String,
+    pub clock: String,
+    pub enable: String,
+    pub output: String,
 }
 
 /// The cells and pins for the constants 1 and 0.
@@ -122,7 +135,7 @@ impl Library {
             return Err(wrong(buffer, format!("a load of {load} fF"), "a unit and a capacitance for one up to 1e12"));
         }
         let buffer = buffer.name().to_string();
-        let tie = tie(&used);
+        let (tie, clock_gate) = (tie(&used), clock_gate(&used));
         let femtofarads = femtofarads(&library);
         let cells = used.iter().map(|cell| (cell.name().to_string(), Cell::of(cell))).collect();
         let name = library.name().to_string();
@@ -135,7 +148,7 @@ impl Library {
         }
         kept += &text[reached..];
         let digest = digest(kept.as_bytes());
-        Ok(Self { name, text: kept, digest, cells, nand2, buffer, load, tie, femtofarads })
+        Ok(Self { name, text: kept, digest, cells, nand2, buffer, load, tie, clock_gate, femtofarads })
     }
 
     /// The usable cell of this name.
@@ -155,6 +168,7 @@ impl Cell {
             area: area(cell),
             is_flip_flop: cell.groups.iter().any(|group| group.kind == "ff" || group.kind == "ff_bank"),
             outputs: pins(cell, "output").into_iter().map(|pin| pin.name().to_string()).collect(),
+            is_clock_gate: ClockGate::of(cell).is_some(),
             logic: Logic::of(cell),
         }
     }
@@ -203,6 +217,13 @@ fn tie(cells: &[&Group<'_>]) -> Option<Tie> {
         Some((cell, pin.name().to_string()))
     };
     Some(Tie { one: constant("1")?, zero: constant("0")? })
+}
+
+fn clock_gate(cells: &[&Group<'_>]) -> Option<ClockGateCell> {
+    let gates = cells.iter().filter_map(|cell| Some((*cell, ClockGate::of(cell)?)));
+    let (cell, gate) = gates.max_by(|(a, _), (b, _)| area(a).total_cmp(&area(b)))?;
+    let [name, clock, enable, output] = [cell.name(), gate.clock, gate.enable, gate.output].map(str::to_string);
+    Some(ClockGateCell { name, clock, enable, output })
 }
 
 /// The library's unit of capacitance, in femtofarads.

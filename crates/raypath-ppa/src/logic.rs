@@ -15,6 +15,20 @@ pub struct Logic {
     pub outputs: Vec<(String, Output)>,
     /// The state of a flip-flop.
     pub state: Option<State>,
+    /// The clock pin of a flip-flop or a clock gate.
+    pub clock: Option<ClockPin>,
+    /// Whether it is a clock gate with a latch, which is open while the clock is 0. The value of a gated clock is whether
+    /// it has a pulse in the cycle, so a gate is the conjunction of its clock and its enable.
+    pub is_clock_gate: bool,
+}
+
+/// The clock pin of a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClockPin {
+    /// The index of the input.
+    pub input: usize,
+    /// Its capacitance in the library's unit.
+    pub capacitance: f64,
 }
 
 /// The value of an output pin.
@@ -31,10 +45,6 @@ pub enum Output {
 /// The state of a flip-flop, as truth tables of the inputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
-    /// The index of the input that is the clock.
-    pub clock: usize,
-    /// The capacitance of that input in the library's unit.
-    pub clock_capacitance: f64,
     /// The state after a rising edge of the clock.
     pub next: u64,
     /// When the state is 0 at once; constant 0 without such an input.
@@ -49,13 +59,24 @@ impl Logic {
     pub fn of(cell: &Group<'_>) -> Option<Self> {
         let pins = |direction| cell.of_kind("pin").filter(move |pin| pin.attribute("direction") == Some(direction));
         let inputs: Vec<&str> = pins("input").map(Group::name).collect();
+        if let Some(gate) = ClockGate::of(cell) {
+            let inputs = [gate.clock, gate.enable].map(str::to_string).to_vec();
+            let outputs = vec![(gate.output.to_string(), Output::Table(0b1000))];
+            return Some(Self {
+                inputs,
+                outputs,
+                state: None,
+                clock: ClockPin::of(cell, gate.clock, 0),
+                is_clock_gate: true,
+            });
+        }
         let is_other = |kind: &str| ["latch", "latch_bank", "ff_bank", "statetable"].contains(&kind);
         if inputs.len() > MAX_INPUTS || cell.groups.iter().any(|group| is_other(group.kind)) {
             return None;
         }
         let flip_flop = cell.of_kind("ff").next();
         let state = match flip_flop {
-            Some(flip_flop) => Some(State::of(flip_flop, cell, &inputs)?),
+            Some(flip_flop) => Some(State::of(flip_flop, &inputs)?),
             None => None,
         };
         let names = flip_flop.map(|flip_flop| flip_flop.names.as_slice()).unwrap_or_default();
@@ -72,20 +93,63 @@ impl Logic {
             Some((pin.name().to_string(), value))
         };
         let outputs = pins("output").map(output).collect::<Option<_>>()?;
-        Some(Self { inputs: inputs.into_iter().map(str::to_string).collect(), outputs, state })
+        let clock = flip_flop.map(|flip_flop| clocked_on(flip_flop)).map(|clock| {
+            let input = inputs.iter().position(|input| Some(*input) == clock)?;
+            ClockPin::of(cell, clock?, input)
+        });
+        let clock = match clock {
+            Some(found) => Some(found?),
+            None => None,
+        };
+        let inputs = inputs.into_iter().map(str::to_string).collect();
+        Some(Self { inputs, outputs, state, clock, is_clock_gate: false })
+    }
+}
+
+/// The input in the attribute `clocked_on`; None if it is another expression.
+fn clocked_on<'a>(flip_flop: &Group<'a>) -> Option<&'a str> {
+    Some(flip_flop.attribute("clocked_on")?.trim_matches(|c: char| c == '(' || c == ')' || c.is_whitespace()))
+}
+
+impl ClockPin {
+    fn of(cell: &Group<'_>, name: &str, input: usize) -> Option<Self> {
+        let pin = cell.of_kind("pin").find(|pin| pin.name() == name)?;
+        let capacitance = pin.attribute("capacitance").and_then(|capacitance| capacitance.parse().ok());
+        Some(Self { input, capacitance: capacitance.unwrap_or(0.0) })
+    }
+}
+
+/// The pins of an integrated clock gate with a latch for the rising edge, and no other inputs.
+pub struct ClockGate<'a> {
+    pub clock: &'a str,
+    pub enable: &'a str,
+    pub output: &'a str,
+}
+
+impl<'a> ClockGate<'a> {
+    /// None if the cell is no such gate.
+    pub fn of(cell: &Group<'a>) -> Option<Self> {
+        if cell.attribute("clock_gating_integrated_cell") != Some("latch_posedge") {
+            return None;
+        }
+        let pin = |attribute| {
+            let mut marked = cell.of_kind("pin").filter(move |pin| pin.attribute(attribute) == Some("true"));
+            marked.next().map(|pin| pin.names.first().copied()).filter(|_| marked.next().is_none()).flatten()
+        };
+        let inputs = cell.of_kind("pin").filter(|pin| pin.attribute("direction") == Some("input")).count();
+        let gate = Self {
+            clock: pin("clock_gate_clock_pin")?,
+            enable: pin("clock_gate_enable_pin")?,
+            output: pin("clock_gate_out_pin")?,
+        };
+        (inputs == 2).then_some(gate)
     }
 }
 
 impl State {
-    fn of(flip_flop: &Group<'_>, cell: &Group<'_>, inputs: &[&str]) -> Option<Self> {
-        let clock =
-            flip_flop.attribute("clocked_on")?.trim_matches(|c: char| c == '(' || c == ')' || c.is_whitespace());
+    fn of(flip_flop: &Group<'_>, inputs: &[&str]) -> Option<Self> {
         let table = |name: &str| flip_flop.attribute(name).map_or(Some(0), |text| truth_table(text, inputs));
-        let pin = cell.of_kind("pin").find(|pin| pin.name() == clock);
-        let capacitance = pin.and_then(|pin| pin.attribute("capacitance")?.parse().ok());
         Some(Self {
-            clock: inputs.iter().position(|input| *input == clock)?,
-            clock_capacitance: capacitance.unwrap_or(0.0),
             next: truth_table(flip_flop.attribute("next_state")?, inputs)?,
             clear: table("clear")?,
             preset: table("preset")?,
@@ -146,10 +210,31 @@ mod tests {
              pin (P) { direction : output; function : \"(!IQN)\"; } }",
         )
         .expect("a flip-flop");
-        let state = State { clock: 0, clock_capacitance: 0.5, next: 0b1100_1100, clear: 0b0000_1111, preset: 0 };
+        assert_eq!(flip_flop.clock, Some(ClockPin { input: 0, capacitance: 0.5 }));
+        let state = State { next: 0b1100_1100, clear: 0b0000_1111, preset: 0 };
         assert_eq!(flip_flop.state, Some(state));
         let outputs: Vec<Output> = flip_flop.outputs.iter().map(|(_, output)| *output).collect();
         assert_eq!(outputs, [Output::State, Output::Complement, Output::State]);
+    }
+
+    #[test]
+    fn clock_gates() {
+        let cell = |kind: &str, more: &str| {
+            logic(&format!(
+                "cell (ICG) {{ clock_gating_integrated_cell : \"{kind}\"; statetable (\"CK EN\", \"M\") {{ }}
+                 pin (EN) {{ direction : input; clock_gate_enable_pin : true; }}
+                 pin (CK) {{ direction : input; clock_gate_clock_pin : true; capacitance : 0.25; }} {more}
+                 pin (GCK) {{ direction : output; clock_gate_out_pin : true; state_function : \"CK M\"; }} }}"
+            ))
+        };
+        let gate = cell("latch_posedge", "").expect("a gate");
+        assert_eq!((gate.inputs.join(" "), gate.is_clock_gate), ("CK EN".to_string(), true));
+        assert_eq!(gate.outputs, [("GCK".to_string(), Output::Table(0b1000))]);
+        assert_eq!(gate.clock, Some(ClockPin { input: 0, capacitance: 0.25 }));
+        // One with a pin for tests, and one for the falling edge.
+        let scan = "pin (SE) { direction : input; clock_gate_test_pin : true; }";
+        assert_eq!(cell("latch_posedge_precontrol", scan), None);
+        assert_eq!(cell("latch_negedge", ""), None);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::activity::{Activity, GateSimulator, STREAMS, Workload};
 use crate::attribution::{Attribution, Share};
 use crate::bench::{Plan, all, stage_name, unless_stopped};
 use crate::energy::{self, CellEnergy, Energies};
-use crate::gates::{Cell, Gates};
+use crate::gates::{Cell, Gates, NetId};
 use crate::netlist::Netlist;
 use crate::report::{Power, StagePower, WorkloadPower};
 use crate::{Bench, Design, Error, Report, saif, structural, timing};
@@ -12,6 +12,7 @@ use raypath_tools::pool::{self, Progress};
 use raypath_tools::{Cache, Key, ToolError, read_within, temporary_folder, write};
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
 
 /// The limit on OpenSTA's output, which has about 40 lines for each cell.
 const MAX_STA_OUTPUT: u64 = 4 << 30;
@@ -26,7 +27,7 @@ pub struct PowerResults {
     pub power: Power,
     /// The gates as structural Verilog, with names that those of `activities` are relative to.
     pub netlist: String,
-    /// For each workload its name and the activity of every net, in SAIF.
+    /// For each workload its name and the activity of every net, in SAIF; empty if not wanted.
     pub activities: Vec<(String, String)>,
 }
 
@@ -34,7 +35,8 @@ impl Bench {
     /// Measures the power of a design in workloads. `report` is the design's own; its slowest path is the clock period.
     ///
     /// Each workload is simulated on the gates. Their outputs are compared in each cycle with those of the netlist
-    /// before synthesis. `proceed` is as for [`Bench::measure`], and counts OpenSTA's run and the workloads.
+    /// before synthesis. `with_saif` gives [`PowerResults::activities`], of about 13 MB for each workload of a datapath.
+    /// `proceed` is as for [`Bench::measure`], and counts OpenSTA's run and the workloads.
     ///
     /// # Errors
     /// Those of [`Bench::measure`]; another version of OpenSTA than 2.0.17; a library with cells other than gates and
@@ -44,6 +46,7 @@ impl Bench {
         design: &Design,
         report: &Report,
         workloads: &[Workload],
+        with_saif: bool,
         mut proceed: impl FnMut(Progress) -> bool,
     ) -> Result<PowerResults, Error> {
         if self.sta.version != energy::VERSION {
@@ -60,9 +63,15 @@ impl Bench {
         };
 
         let mut then = |steps: Progress| proceed(Progress { done: steps.done + 1, total });
+        // Compiling the netlist takes as long as a workload. A simulator serves the next one.
+        let idle: Mutex<Vec<GateSimulator<'_>>> = Mutex::default();
+        let pool = || idle.lock().unwrap_or_else(PoisonError::into_inner);
         let simulate = |workload: &Workload, stop: &AtomicBool| {
-            let mut simulator = GateSimulator::new(&gates, design.netlist())?;
-            unless_stopped(simulator.run(workload, stop).map_err(Error::from))
+            let free = pool().pop();
+            let mut simulator = free.map_or_else(|| GateSimulator::new(&gates, design.netlist()), Ok)?;
+            let activity = unless_stopped(simulator.run(workload, stop).map_err(Error::from));
+            pool().push(simulator);
+            activity
         };
         let activities = all(pool::map(workloads, self.jobs, &mut then, simulate)?)?;
 
@@ -72,6 +81,7 @@ impl Bench {
             femtofarads: self.library.femtofarads,
             shares: &shares,
             groups: design.groups(),
+            clock: gates.input("clk_i"),
             period_ns: report.slowest.ns,
         };
         let of_workload = |(workload, activity): (&Workload, &Activity)| parts.power(workload, activity);
@@ -86,7 +96,8 @@ impl Bench {
             let text = saif::text(&gates, &top, &units, activity, report.slowest.ns, &name_of);
             (workload.name.clone(), text)
         };
-        Ok(PowerResults { power, netlist, activities: workloads.iter().zip(&activities).map(in_saif).collect() })
+        let shown = workloads.iter().zip(&activities).filter(|_| with_saif);
+        Ok(PowerResults { power, netlist, activities: shown.map(in_saif).collect() })
     }
 
     /// The gates of a plan with their energies, which are taken from the cache if it has them.
@@ -155,6 +166,8 @@ struct Parts<'g> {
     femtofarads: f64,
     shares: &'g [Vec<Share>],
     groups: Vec<String>,
+    /// The root of the clock.
+    clock: Option<NetId>,
     period_ns: f64,
 }
 
@@ -217,19 +230,24 @@ impl Parts<'_> {
         let toggles = |net: &u32| activity.toggles[*net as usize] as f64 / activity.cycles.max(1) as f64;
         // Nanowatts times nanoseconds are 10⁻³ fJ.
         let mut parcel = Parcel { leakage: energy.leakage * self.period_ns * 1e-3, ..Parcel::default() };
-        let state = self.gates.logic(cell).state.as_ref();
+        let logic = self.gates.logic(cell);
         for (input, (net, inside)) in cell.inputs.iter().zip(&energy.inputs).enumerate() {
-            match state.filter(|state| state.clock == input) {
-                Some(state) => {
-                    // No cell drives the clock, so its load is counted where it is.
-                    let capacitance = state.clock_capacitance * self.femtofarads;
-                    let charging = 0.5 * capacitance * self.energies.volts.powi(2);
+            match logic.clock.filter(|clock| clock.input == input) {
+                Some(clock) => {
+                    // No cell drives the root of the clock, so its load is counted where it is.
+                    let capacitance = clock.capacitance * self.femtofarads;
+                    let is_root = Some(*net) == self.clock;
+                    let charging = if is_root { 0.5 * capacitance * self.energies.volts.powi(2) } else { 0.0 };
                     parcel.clock += toggles(net) * (inside + charging);
                 }
                 None => parcel.internal += toggles(net) * inside,
             }
         }
         for (net, (inside, load)) in cell.outputs.iter().zip(energy.outputs.iter().zip(&energy.loads)) {
+            if logic.is_clock_gate {
+                parcel.clock += toggles(net) * (inside + load);
+                continue;
+            }
             parcel.internal += toggles(net) * inside;
             parcel.switching += toggles(net) * load;
         }

@@ -1,7 +1,8 @@
 //! The scripts for Yosys and ABC. All designs are synthesised by the same script, so that they can be compared.
 
 use crate::design::Block;
-use crate::library::Library;
+use crate::library::{ClockGateCell, Library};
+use raypath_hdl::verilog::CLOCK_GATE;
 
 /// Names of the files in Yosys's folder.
 pub const DESIGN: &str = "design.sv";
@@ -19,9 +20,10 @@ pub const ABC_CONSTRAINTS: &str = "abc.constr";
 /// reuses the numbers of dropped names first. A whole design drops enough names; a unit alone drops none, and its gates
 /// come in another order, for which ABC finds areas that differ by up to 8 %. With the names of the dropped module, a
 /// unit alone has the same gates as in a design.
-pub fn source(block: &Block) -> String {
+pub fn source(block: &Block, library: &Library) -> String {
     if !block.is_unit {
-        return block.text.clone();
+        let gate = library.clock_gate.as_ref().filter(|_| block.has_clock_gates);
+        return gate.map(clock_gate).unwrap_or_default() + &block.text;
     }
     let last = NAMES_TO_REUSE;
     let mut text = format!("module names_to_reuse (input a, output y);\n  wire [{last}:0] w;\n  assign w[0] = a;\n");
@@ -29,6 +31,15 @@ pub fn source(block: &Block) -> String {
         text += &format!("  assign w[{}] = ~w[{number}];\n", number + 1);
     }
     text + &format!("  assign y = w[{last}];\nendmodule\n\n{}", block.text)
+}
+
+/// The module of clock gates with the library's cell inside.
+fn clock_gate(ClockGateCell { name, clock, enable, output }: &ClockGateCell) -> String {
+    let cell =
+        format!("(* blackbox *)\nmodule {name} (input {clock}, input {enable}, output {output});\nendmodule\n\n");
+    let ports = "(\n  input  logic clk_i,\n  input  logic enable_i,\n  output logic clk_o\n);\n";
+    let inside = format!("  {name} u_cell (.{clock} (clk_i), .{enable} (enable_i), .{output} (clk_o));\n");
+    format!("{cell}module {CLOCK_GATE} {ports}{inside}endmodule\n\n")
 }
 
 const NAMES_TO_REUSE: usize = 5000;

@@ -11,7 +11,8 @@ const OPEN: Net = Net::Constant(Constant::Open);
 /// The name of a cell of the top module.
 pub fn cell_name(index: usize, role: &CellRole) -> String {
     match role {
-        CellRole::Register { group, .. } => format!("g{group}_r{index}"),
+        // A path to the enable of a clock gate is one to the registers behind it.
+        CellRole::Register { group, .. } | CellRole::ClockGate { group } => format!("g{group}_r{index}"),
         CellRole::Unit { group, .. } => format!("g{group}_u{index}"),
         CellRole::Gate => format!("x{index}"),
     }

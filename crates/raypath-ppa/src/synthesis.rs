@@ -5,7 +5,7 @@ use crate::library::Library;
 use crate::names::RegisterNames;
 use crate::netlist::{Net, Netlist, YosysDesign};
 use crate::recipe;
-use crate::{Bench, Error};
+use crate::{Bench, Error, clock_gates};
 use raypath_tools::{Key, MAX_RESULT_BYTES, ToolError, read_within, temporary_folder, write};
 use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, HashMap};
@@ -16,7 +16,11 @@ impl Bench {
     pub(crate) fn netlist_key(&self, block: &Block) -> Key {
         let Self { library, yosys, period, .. } = self;
         let recipe = recipe::yosys(block, library) + &recipe::abc(*period) + &recipe::constraints(library);
-        Key::new("gates", &[&recipe::source(block), &recipe, &library.digest, &yosys.version])
+        let source = recipe::source(block, library);
+        let fan_out = clock_gates::MAX_FAN_OUT.to_string();
+        let mut parts = vec![source.as_str(), &recipe, &library.digest, &yosys.version];
+        parts.extend(block.has_clock_gates.then_some(fan_out.as_str()));
+        Key::new("gates", &parts)
     }
 
     /// Synthesises a block. `registers` are those that it may have.
@@ -28,7 +32,7 @@ impl Bench {
     ) -> Result<Netlist, Error> {
         let folder = temporary_folder()?;
         let folder = folder.path();
-        write(&folder.join(recipe::DESIGN), &recipe::source(block))?;
+        write(&folder.join(recipe::DESIGN), &recipe::source(block, &self.library))?;
         write(&folder.join(recipe::LIBRARY), &self.library.text)?;
         write(&folder.join(recipe::SCRIPT), &recipe::yosys(block, &self.library))?;
         write(&folder.join(recipe::ABC_SCRIPT), &recipe::abc(self.period))?;
@@ -40,9 +44,10 @@ impl Bench {
             true => RegisterNames::default(),
             false => RegisterNames::new(json(&bytes(recipe::NAMES)?)?, &block.module, registers, &block.words),
         };
-        let netlist = netlist(&bytes(recipe::NETLIST)?, &block.module, &names, &self.library)?;
+        let mut netlist = netlist(&bytes(recipe::NETLIST)?, &block.module, &names, &self.library)?;
         let statistics = bytes(recipe::STATISTICS).unwrap_or_default();
         self.check_netlist(block, &netlist, &String::from_utf8_lossy(&statistics))?;
+        clock_gates::divide(&mut netlist, &self.library);
         Ok(netlist)
     }
 

@@ -73,7 +73,7 @@ fn measured(workloads: &[Workload]) -> Result<PowerResults, Error> {
     let bench = bench(&folder.path().join("cache"));
     let design = Design::new("tiny", &top());
     let reports = bench.measure(std::slice::from_ref(&design), |_| true)?;
-    bench.power(&design, &reports[0], workloads, |_| true)
+    bench.power(&design, &reports[0], workloads, true, |_| true)
 }
 
 /// The transitions of each net, by instance and name, as a SAIF file has them.

@@ -1,5 +1,6 @@
 //! The table of parameters against the configuration.
 
+use raypath_ops::{BoxBits, Rules};
 use raypath_rtl::{Config, Datapath, Interval, Lanes, UnitLatency, parameters};
 use std::collections::BTreeSet;
 
@@ -49,6 +50,11 @@ fn an_interval_is_refused_where_it_cannot_work() {
             "interval: 4 is not available with unit-latency 2, expected unit-latency 1",
         ),
         (folded.exception_flags(true), "interval: 4 is not available with exception flags, expected interval 1"),
+        (folded.clock_gating(true), "interval: 4 is not available with clock gating, expected interval 1"),
+        (
+            folded.rules(Rules::Bounds(BoxBits::DEFAULT)),
+            "interval: 4 is not available with rules bounds, expected interval 1",
+        ),
     ] {
         let problem = Datapath::new(config).expect_err("a refusal");
         assert_eq!(problem.to_string(), expected);

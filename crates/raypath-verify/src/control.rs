@@ -19,6 +19,7 @@ pub use properties::{ModuleTexts, TextFault, never_leaves, problems};
 pub use structure::structural_faults;
 
 use crate::{Error, Progress, Request, Verdict};
+use raypath_hdl::with_enables;
 use raypath_ops::Rules;
 use raypath_rtl::{Config, Control, Datapath, Interval, Lanes, Sharing, UnitLatency};
 use raypath_tools::pool;
@@ -42,7 +43,8 @@ pub fn control(request: &mut Request<'_>) -> Result<Verdict, Error> {
             let datapath = Datapath::new(config)?;
             let faults = structural_faults(&datapath, config)?.into_iter().map(|fault| format!("{config}: {fault}"));
             results.entry(number).or_default().failures.extend(faults);
-            let texts = ModuleTexts::new(datapath.top())?;
+            // A clock gate is an enable for the model checker, which has one clock.
+            let texts = ModuleTexts::new(&with_enables(datapath.top()))?;
             let mut problems = problems(&datapath, config, &texts);
             problems.push(never_leaves(&datapath, config, &texts, datapath.top().name()));
             work.extend(problems.into_iter().map(|problem| (number, config, problem)));
@@ -90,6 +92,7 @@ pub fn all() -> Vec<Config> {
                     for rules in [Rules::Paper, Rules::Chisel] {
                         let config = Config::DEFAULT.control(control).unit_latency(unit_latency).lanes(lanes);
                         configs.push(config.sharing(sharing).rules(rules));
+                        configs.push(config.sharing(sharing).rules(rules).clock_gating(true));
                     }
                 }
             }
@@ -102,11 +105,11 @@ pub fn all() -> Vec<Config> {
     configs
 }
 
-/// One configuration of each kind of control.
+/// One configuration of each kind of control, with and without clock gates.
 fn representatives() -> Vec<Config> {
     let config = |control, unit_latency| Config::DEFAULT.control(control).unit_latency(unit_latency).lanes(Lanes::Two);
     let configs = Control::ALL.iter().map(|&control| config(control, UnitLatency::One));
-    configs.flat_map(|config| [config, config.interval(Interval::Four)]).collect()
+    configs.flat_map(|config| [config, config.interval(Interval::Four), config.clock_gating(true)]).collect()
 }
 
 /// Checks each problem, equal ones once, on all cores; none for problems not reached when the run was stopped.

@@ -18,6 +18,9 @@ pub enum Error {
     /// A module cannot be built or compiled.
     #[error(transparent)]
     Netlist(#[from] raypath_hdl::Error),
+    /// A unit cannot be synthesised.
+    #[error(transparent)]
+    Synthesis(#[from] raypath_ppa::Error),
     /// A traversal unit cannot be built.
     #[error(transparent)]
     Unit(#[from] raypath_unit::UnitError),

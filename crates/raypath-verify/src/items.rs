@@ -4,7 +4,7 @@ use crate::units::Dividers;
 use crate::units::bench::Units;
 use crate::units::proofs;
 use crate::{Error, Request, Verdict};
-use crate::{campaign, control, geometry, models, mutation, parsers, unit, units};
+use crate::{campaign, control, gates, geometry, models, mutation, parsers, unit, units};
 use raypath_float::Format;
 use std::path::Path;
 
@@ -86,6 +86,19 @@ pub const ITEMS: &[Item] = &[
         oracle: "Yosys's symfpu, by SAT (ABC), for each of the 1024 fractions of the second operand",
         subject: PROOFS,
         run: proofs::multiplier_proof,
+    },
+    Item {
+        name: "gates",
+        claim: "the gates that `raypath ppa` synthesises for the floating-point units compute what their text says",
+        oracle: "the emitted SystemVerilog, by SAT (ABC)",
+        subject: &[
+            "crates/raypath-float/src",
+            "crates/raypath-hdl/src",
+            "crates/raypath-ppa/src",
+            "crates/raypath-verify/src/gates.rs",
+            "crates/raypath-verify/src/sat",
+        ],
+        run: gates::gates,
     },
     Item {
         name: "control",

@@ -25,6 +25,7 @@ struct Space {
     unit_latency: &'static [UnitLatency],
     units: &'static [UnitSharing],
     interval: &'static [Interval],
+    clock_gating: &'static [bool],
     multiplier: &'static [Multiplier],
 }
 
@@ -40,6 +41,7 @@ const DEFAULT: Space = Space {
     unit_latency: &[UnitLatency::One],
     units: &[UnitSharing::Shared],
     interval: &[Interval::One],
+    clock_gating: &[false],
     multiplier: &[Multiplier::Booth],
 };
 
@@ -60,7 +62,7 @@ fn configurations_of_all_spaces() {
     all.par_iter().enumerate().for_each(|(seed, config)| check(*config, seed as u64, 2000));
 }
 
-const SPACES: [Space; 13] = [
+const SPACES: [Space; 14] = [
     LANES_AND_RULES,
     ENCODINGS,
     CONTROL_WITHOUT_DISTANCES,
@@ -73,6 +75,7 @@ const SPACES: [Space; 13] = [
     FOLDED_REGISTERS,
     FOLDED_ENCODINGS,
     FOLDED_FORMATS,
+    CLOCK_GATES,
     INFERRED_MULTIPLIERS,
 ];
 
@@ -139,6 +142,9 @@ const FOLDED_ENCODINGS: Space = Space {
 const FOLDED_FORMATS: Space =
     Space { formats: &["bf16", "e3s3"], lanes: &[Lanes::None, Lanes::Two], interval: INTERVALS, ..DEFAULT };
 
+/// Clock gates with all parameters that change the registers and their enables.
+const CLOCK_GATES: Space = Space { lanes: &[Lanes::None, Lanes::Two], clock_gating: &[true], ..CONTROL };
+
 /// Multipliers with `*` in one, two and three parts.
 const INFERRED_MULTIPLIERS: Space = Space {
     formats: &["fp32", "e3s3"],
@@ -177,7 +183,9 @@ fn documents_state_the_number_of_configurations() {
     let mut formats: Vec<Format> = others.iter().map(|config| config.semantics.format).collect();
     formats.sort_by_key(|format| format.to_string());
     formats.dedup();
+    let gated = &[false, true];
     let all = Space {
+        clock_gating: gated,
         rules: RULES,
         lanes: Lanes::ALL,
         io: Encoding::ALL,
@@ -219,6 +227,7 @@ impl Space {
         vary(&mut configs, self.unit_latency, |config, latency| config.microarchitecture.unit_latency = latency);
         vary(&mut configs, self.units, |config, units| config.microarchitecture.units = units);
         vary(&mut configs, self.interval, |config, interval| config.microarchitecture.interval = interval);
+        vary(&mut configs, self.clock_gating, |config, gated| config.microarchitecture.clock_gating = gated);
         vary(&mut configs, self.multiplier, |config, multiplier| config.microarchitecture.multiplier = multiplier);
         configs
     }

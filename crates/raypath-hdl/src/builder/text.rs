@@ -17,6 +17,12 @@ impl Builder {
         self.state.borrow_mut().module.text.input = Some(group);
     }
 
+    /// Prints output ports as one port of a structure.
+    pub fn group_outputs(&self, group: PortGroup) {
+        self.expect_members(&group, |module| module.outputs());
+        self.state.borrow_mut().module.text.output = Some(group);
+    }
+
     /// Prints an input port as a variable of an enumeration.
     pub fn enumerate_input(&self, input: EnumeratedInput) {
         self.claim(&input.variable);

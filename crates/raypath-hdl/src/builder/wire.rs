@@ -1,7 +1,7 @@
 //! Wires, registers and forward wires, and the operations on them.
 
-use super::{Builder, Undriven};
-use crate::netlist::{Driver, Item, RegisterInfo, SignalId, fits};
+use super::{Builder, Undriven, describe};
+use crate::netlist::{Driver, Item, RegisterInfo, SignalId, fits, gate_instance, gated_clock};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 
 /// A signal of the module that `Builder` builds: a small copyable handle with operators.
@@ -222,6 +222,30 @@ impl<'m> Register<'m> {
         self.wire.builder.expect_width(self.wire.id, enable.width(), 1);
         let enable = self.wire.builder.own(enable);
         self.info(|info| info.enable = Some(enable));
+    }
+
+    /// Takes `next` at edges where `enable` is 1; the text has a clock gate for it. `enable` must have a name, from which
+    /// the names of the gate and its clock are made.
+    pub fn next_gated(self, enable: Wire<'m>, next: Wire<'m>) {
+        self.next_when(enable, next);
+        let builder = self.wire.builder;
+        let (name, known) = {
+            let module = &builder.state.borrow().module;
+            let name = module.signals[enable.id.index()].name.clone();
+            let known = name.as_deref().is_some_and(|name| module.gates().any(|gate| gate == name));
+            (name, known)
+        };
+        match name {
+            None => {
+                let signal = describe(&builder.state.borrow().module, enable.id);
+                builder.fail_drive(&signal, "gates a clock, expected a name");
+            }
+            Some(name) if !known => {
+                [gated_clock(&name), gate_instance(&name)].iter().for_each(|name| builder.claim(name))
+            }
+            Some(_) => {}
+        }
+        self.info(|info| info.gated = true);
     }
 
     fn info(self, change: impl FnOnce(&mut RegisterInfo)) {

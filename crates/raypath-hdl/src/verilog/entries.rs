@@ -23,7 +23,7 @@ pub enum Entry<'m> {
     Instance(usize),
     /// A memory.
     Memory(usize),
-    /// Registers with one enable, with or without reset, in one block.
+    /// Registers with one enable or gated clock, with or without reset, in one block.
     Registers(Vec<usize>),
     /// Signals without a reader, and their common name.
     Unused(&'m str, &'m [SignalId]),
@@ -178,7 +178,7 @@ impl<'m> Entry<'m> {
 fn add_register(module: &Module, blocks: &mut Vec<Entry<'_>>, register: usize) {
     let kind = |register: usize| {
         let info = &module.registers()[register];
-        (info.enable, info.reset.is_some())
+        (info.enable, info.gated, info.reset.is_some())
     };
     for block in blocks.iter_mut() {
         if let Entry::Registers(group) = block

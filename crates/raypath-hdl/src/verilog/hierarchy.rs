@@ -1,5 +1,6 @@
 //! The modules of a design, and its text as files.
 
+use super::gate::{CLOCK_GATE, CLOCK_GATE_DOC, CLOCK_GATE_TEXT};
 use super::ram::{RAM, RAM_DOC, RAM_TEXT};
 use super::{LICENSE, head, print_module, print_package};
 use crate::Error;
@@ -16,12 +17,12 @@ pub struct Source {
     pub text: String,
 }
 
-/// The text of `top` and everything that it needs, in the order of compilation: the package, then [`RAM`] if there
-/// is a memory, then modules, those that are instantiated before those that instantiate them. Each begins with the
+/// The text of `top` and everything that it needs, in the order of compilation: the package, [`RAM`] if there is a
+/// memory, [`CLOCK_GATE`] if there is one, then modules, those that are instantiated before those that instantiate them. Each begins with the
 /// lines of `banner`.
 ///
 /// # Errors
-/// Different modules or packages of one name, or a module with the name of [`RAM`] beside memories.
+/// Different modules or packages of one name, or a module with the name of one of these cells.
 pub fn sources(top: &Arc<Module>, banner: &[String]) -> Result<Vec<Source>, Error> {
     let mut found = Found { is_text: true, ..Found::default() };
     found.visit(top)?;
@@ -35,12 +36,14 @@ pub fn sources(top: &Arc<Module>, banner: &[String]) -> Result<Vec<Source>, Erro
             Some(_) => return Err(two_of_a_name(&source.name)),
         }
     }
-    if found.order.iter().any(|module| !module.memories.is_empty()) {
-        if found.by_name.contains_key(RAM) {
-            return Err(two_of_a_name(RAM));
+    let has_memories = found.order.iter().any(|module| !module.memories.is_empty());
+    let has_gates = found.order.iter().any(|module| module.gates().next().is_some());
+    let cells = [(has_memories, RAM, RAM_DOC, RAM_TEXT), (has_gates, CLOCK_GATE, CLOCK_GATE_DOC, CLOCK_GATE_TEXT)];
+    for (_, name, doc, text) in cells.into_iter().filter(|(is_used, ..)| *is_used) {
+        if found.by_name.contains_key(name) {
+            return Err(two_of_a_name(name));
         }
-        let text = head(&banner[1..], &[RAM_DOC.to_string()]) + RAM_TEXT;
-        sources.push(Source { name: RAM.to_string(), text });
+        sources.push(Source { name: name.to_string(), text: head(&banner[1..], &[doc.to_string()]) + text });
     }
     for module in &found.order {
         sources.push(Source { name: module.name().to_string(), text: print_module(module, &banner)? });

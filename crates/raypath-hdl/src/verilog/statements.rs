@@ -2,10 +2,11 @@
 
 use super::entries::{Entry, is_case};
 use super::expression::constant;
+use super::gate::CLOCK_GATE;
 use super::layout::{COLUMNS, fill, table, wrap};
 use super::plan::Plan;
 use super::ram::RAM;
-use crate::netlist::{Arm, Driver, Instance, Module, SignalId};
+use crate::netlist::{Arm, Driver, Instance, Module, SignalId, gate_instance, gated_clock};
 use crate::text::{Bank, PortGroup};
 use std::collections::HashMap;
 
@@ -30,10 +31,13 @@ pub fn print(plan: &Plan<'_>, entries: &[Entry<'_>]) -> Vec<String> {
             Entry::Output(index) if plan.is_connected(*index) => {}
             Entry::Output(index) => {
                 let port = &plan.module().outputs()[*index];
-                if plan.is_renamed(port.signal) {
-                    text.drive(plan, &port.name, port.signal);
-                } else {
-                    text.assign(&port.name, plan.read(port.signal).to_string());
+                let group = plan.module().text().output.as_ref().filter(|group| group.contains(&port.name));
+                match group {
+                    // A structure is assigned as a whole, because a field of an enumeration takes no vector.
+                    Some(group) if group.begins_with(&port.name) => text.assign(&group.name, whole(plan, group)),
+                    Some(_) => {}
+                    None if plan.is_renamed(port.signal) => text.drive(plan, &port.name, port.signal),
+                    None => text.assign(&port.name, plan.read(port.signal).to_string()),
                 }
             }
         }
@@ -191,6 +195,14 @@ fn structure(plan: &Plan<'_>, group: &PortGroup, instance: &Instance) -> String 
     })
 }
 
+/// The output ports that form a structure.
+fn whole(plan: &Plan<'_>, group: &PortGroup) -> String {
+    let outputs = plan.module().outputs();
+    let of = |(name, _): &(String, String)| outputs.iter().find(|port| port.name == *name);
+    let parts: Vec<&str> = group.members.iter().filter_map(of).map(|port| plan.read(port.signal)).collect();
+    format!("{{{}}}", parts.join(", "))
+}
+
 /// The instance that holds a bank of registers.
 fn bank_instance(plan: &Plan<'_>, bank: &Bank) -> Vec<String> {
     let next = plan.structures().next();
@@ -257,10 +269,20 @@ impl Connections {
     }
 }
 
-/// Registers that share their enable and either all have a reset or none.
+/// Whether a block of registers has the first of those behind its clock gate. The text has the gate before it.
+pub fn begins_gate(module: &Module, group: &[usize]) -> bool {
+    let info = |index: usize| &module.registers()[index];
+    let is_of_gate = |index: usize| info(index).gated && info(index).enable == info(group[0]).enable;
+    (0..module.registers().len()).find(|&index| is_of_gate(index)).is_some_and(|first| group.contains(&first))
+}
+
+/// Registers that share their enable or their gated clock, and either all have a reset or none.
 fn registers(plan: &Plan<'_>, group: &[usize]) -> Vec<String> {
     let infos: Vec<_> = group.iter().map(|&index| &plan.module().registers()[index]).collect();
-    let enable = infos[0].enable.map(|id| plan.read(id));
+    let enable = infos[0].enable.filter(|_| !infos[0].gated).map(|id| plan.read(id));
+    let gated = infos[0].enable.filter(|_| infos[0].gated);
+    let gated = gated.and_then(|id| Some((id, plan.module().signal(id).name.as_deref()?)));
+    let clock = gated.map_or("clk_i".to_string(), |(_, enable)| gated_clock(enable));
     let assignments = |indent: &str, value: &dyn Fn(usize) -> String| {
         let rows = infos.iter().enumerate();
         let rows: Vec<_> =
@@ -276,16 +298,23 @@ fn registers(plan: &Plan<'_>, group: &[usize]) -> Vec<String> {
         }
     };
     let mut lines = Vec::new();
+    if let Some((id, enable)) = gated.filter(|_| begins_gate(plan.module(), group)) {
+        let mut connections = Connections { items: vec![".clk_i".to_string()] };
+        connections.add("enable_i", plan.read(id));
+        connections.add("clk_o", &clock);
+        lines.extend(connections.print(&format!("{CLOCK_GATE} {}", gate_instance(enable))));
+        lines.push(String::new());
+    }
     let condition = enable.map(|enable| format!("if ({enable}) begin"));
     if infos[0].reset.is_some() {
-        lines.push("  always_ff @(posedge clk_i or negedge rst_ni) begin".to_string());
+        lines.push(format!("  always_ff @(posedge {clock} or negedge rst_ni) begin"));
         lines.push("    if (!rst_ni) begin".to_string());
         lines.extend(assignments("      ", &reset));
         lines.push(format!("    end else {}", condition.as_deref().unwrap_or("begin")));
         lines.extend(assignments("      ", &next));
         lines.push("    end".to_string());
     } else {
-        lines.push("  always_ff @(posedge clk_i) begin".to_string());
+        lines.push(format!("  always_ff @(posedge {clock}) begin"));
         match condition {
             None => lines.extend(assignments("    ", &next)),
             Some(condition) => {

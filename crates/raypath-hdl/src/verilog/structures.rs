@@ -41,9 +41,9 @@ impl Structures {
         }
         let is_printed = |index: usize| text.bank.as_ref().is_none_or(|bank| bank.replaces != Some(index));
         for (index, instance) in module.instances().iter().enumerate().filter(|(index, _)| is_printed(*index)) {
-            let Some(bank) = &instance.module.text().bank else { continue };
-            let variable = fresh(&format!("{}_{}", instance.stem(), bank.output.stem()));
-            found.add(&variable, &bank.output, |port| {
+            let Some(output) = instance.module.text().output() else { continue };
+            let variable = fresh(&format!("{}_{}", instance.stem(), output.stem()));
+            found.add(&variable, output, |port| {
                 let position = instance.module.outputs().iter().position(|output| output.name == port)?;
                 Some(instance.outputs[position])
             });

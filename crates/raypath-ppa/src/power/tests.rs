@@ -48,6 +48,16 @@ fn library() -> Library {
             internal("", 0.001, 0.003),
             internal("related_pin : \"CK\";", 0.040, 0.060)
         ),
+        format!(
+            "cell (ICG) {{ area : 6; cell_leakage_power : 0; clock_gating_integrated_cell : \"latch_posedge\";
+             pin (CK) {{ direction : input; clock : true; clock_gate_clock_pin : true; capacitance : 0.003; {} }}
+             pin (EN) {{ direction : input; clock_gate_enable_pin : true; capacitance : 0.002; {} }}
+             pin (GCK) {{ direction : output; clock_gate_out_pin : true; state_function : \"CK\"; {}
+               timing () {{ related_pin : \"CK\"; timing_sense : positive_unate; {TIMES} }} }} }}\n",
+            internal("", 0.006, 0.010),
+            internal("", 0.001, 0.003),
+            internal("related_pin : \"CK\";", 0.012, 0.016)
+        ),
     ];
     let units = "time_unit : \"1ns\"; voltage_unit : \"1V\"; current_unit : \"1mA\"; capacitive_load_unit (1, pf);
         leakage_power_unit : \"1nW\"; nom_voltage : 2.0; nom_process : 1; nom_temperature : 25;
@@ -88,19 +98,17 @@ fn counting() -> Workload {
     Workload { name: "counting".to_string(), jobs: 64 * 8, warm_up: 8, frames: (0..16).map(frame).collect(), check }
 }
 
-fn design(json: &str) -> Netlist {
+fn design(json: &str, module: &str) -> Netlist {
     let mut design: YosysDesign = serde_json::from_str(json).expect("JSON");
-    design.take("adder").expect("a module").0
+    design.take(module).expect("a module").0
 }
 
-#[test]
-fn an_adder_by_hand() {
+/// The power and the activity of a netlist in a workload, and its gates.
+fn measured(top: &Netlist, text: &Arc<raypath_hdl::Module>, workload: &Workload) -> (WorkloadPower, Activity, Gates) {
     let library = library();
-    let top = design(NETLIST);
-    let gates = Gates::new(&top, &BTreeMap::new(), &library).expect("gates");
+    let gates = Gates::new(top, &BTreeMap::new(), &library).expect("gates");
     let never = AtomicBool::new(false);
-    let workload = counting();
-    let activity = GateSimulator::new(&gates, &text()).expect("ports").run(&workload, &never).expect("equal outputs");
+    let activity = GateSimulator::new(&gates, text).expect("ports").run(workload, &never).expect("equal outputs");
 
     let folder = tempfile::tempdir().expect("a folder");
     let bench = Bench {
@@ -111,19 +119,27 @@ fn an_adder_by_hand() {
         jobs: 1,
         cache: folder.path().to_path_buf(),
     };
-    let verilog = structural::design(&top, &BTreeMap::new(), |index| format!("x{index}"));
-    let script = energy::script("adder", &bench.library);
-    let energies = bench.energies("adder", &gates, &verilog, &script, &never).expect("energies");
+    let verilog = structural::design(top, &BTreeMap::new(), |index| format!("x{index}"));
+    let script = energy::script(&top.module, &bench.library);
+    let energies = bench.energies(&top.module, &gates, &verilog, &script, &never).expect("energies");
     let share = Share { group: 0, kind: crate::attribution::Kind::SharedLogic };
     let parts = Parts {
         gates: &gates,
         energies: &energies,
         femtofarads: bench.library.femtofarads,
-        shares: &vec![vec![share]; 7],
-        groups: vec!["adder".to_string()],
+        shares: &vec![vec![share]; top.cells.len()],
+        groups: vec![top.module.clone()],
+        clock: gates.input("clk_i"),
         period_ns: 20.0,
     };
-    let found = parts.power(&workload, &activity);
+    let found = parts.power(workload, &activity);
+    (found, activity, gates)
+}
+
+#[test]
+fn an_adder_by_hand() {
+    let workload = counting();
+    let (found, activity, gates) = measured(&design(NETLIST, "adder"), &text(), &workload);
 
     // Transitions in eight cycles of counting: c 8, b 4, a 2, and of functions of them, from 0 to 7 and back to 0:
     // a ^ b     0 0 1 1 1 1 0 0   2      !(a b)        1 1 1 1 1 1 0 0   2
@@ -157,12 +173,49 @@ fn an_adder_by_hand() {
 #[test]
 fn a_wrong_gate_is_found() {
     let library = library();
-    let top = design(&NETLIST.replace("\"A\": [6], \"B\": [4], \"Y\": [9]", "\"A\": [6], \"B\": [3], \"Y\": [9]"));
+    let top =
+        design(&NETLIST.replace("\"A\": [6], \"B\": [4], \"Y\": [9]", "\"A\": [6], \"B\": [3], \"Y\": [9]"), "adder");
     let gates = Gates::new(&top, &BTreeMap::new(), &library).expect("gates");
     let mut simulator = GateSimulator::new(&gates, &text()).expect("ports");
     let error = simulator.run(&counting(), &AtomicBool::new(false)).expect_err("a difference").to_string();
     assert!(error.contains("s_o") && error.contains("as in the netlist before synthesis"), "{error}");
-    let looping = design(&NETLIST.replace("\"A\": [2], \"B\": [3], \"Y\": [6]", "\"A\": [9], \"B\": [3], \"Y\": [6]"));
+    let looping =
+        design(&NETLIST.replace("\"A\": [2], \"B\": [3], \"Y\": [6]", "\"A\": [9], \"B\": [3], \"Y\": [6]"), "adder");
     let error = Gates::new(&looping, &BTreeMap::new(), &library).err().expect("a loop").to_string();
     assert!(error.contains("a combinational loop"), "{error}");
+}
+
+/// A register that loads d_i in every second cycle.
+#[test]
+fn a_clock_gate_by_hand() {
+    let json = r#"{"modules": {"gated": {
+        "ports": {"d_i": {"direction": "input", "bits": [2]}, "e_i": {"direction": "input", "bits": [3]},
+                  "clk_i": {"direction": "input", "bits": [4]}, "q_o": {"direction": "output", "bits": [5]}},
+        "cells": {"f": {"type": "DFF", "connections": {"CK": [6], "D": [2], "Q": [5]}},
+                  "g": {"type": "ICG", "connections": {"CK": [4], "EN": [3], "GCK": [6]}}}}}}"#;
+    let m = Builder::new("gated");
+    let (data, enable) = (m.input("d_i", 1), m.input("e_i", 1));
+    let register = m.register("q_q", 1);
+    register.next_gated(enable, data);
+    m.output("q_o", register.wire());
+    let frame = |number: u64| [number >> 1, number].map(|value| [value & 1; STREAMS]).to_vec();
+    let check = Box::new(|_, _, _: &[u64]| None);
+    let frames = (0..16).map(frame).collect();
+    let workload = Workload { name: "counting".to_string(), jobs: 0, warm_up: 8, frames, check };
+    let (found, activity, gates) = measured(&design(json, "gated"), &m.finish().expect("a module"), &workload);
+
+    // In eight cycles d is 0 0 1 1 0 0 1 1, and it is loaded in the second, fourth, sixth and eighth: q changes four
+    // times. The gated clock has four pulses.
+    let toggles = |port: &str| {
+        let (_, _, nets) = gates.ports.iter().find(|(name, ..)| name == port).expect("a port");
+        activity.toggles[nets[0] as usize] / 64
+    };
+    assert_eq!([toggles("clk_i"), toggles("d_i"), toggles("e_i"), toggles("q_o")], [16, 4, 8, 4]);
+    let charge = |picofarads: f64| 0.5 * picofarads * 2.0 * 2.0;
+    let (in_flip_flop, in_gate, in_gated) = (0.020, 0.008, 0.014);
+    let clock = 16.0 * (in_gate + charge(0.003)) + 8.0 * (in_gated + charge(0.001) + in_flip_flop);
+    let internal = 4.0 * (0.002 + 0.050) + 8.0 * 0.002;
+    assert!((found.clock - clock / 8.0).abs() <= 1e-4, "{found:?} {clock}");
+    assert!((found.internal - internal / 8.0).abs() <= 1e-4, "{found:?} {internal}");
+    assert!((found.switching - 4.0 * charge(0.020) / 8.0).abs() <= 1e-4, "{found:?}");
 }

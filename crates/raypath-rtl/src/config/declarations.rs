@@ -51,6 +51,8 @@ declare_parameters! {
         interval ("interval"): Interval = Interval::One,
         /// Pipeline steps of an adder or a multiplier.
         unit_latency ("unit-latency"): UnitLatency = UnitLatency::One,
+        /// Clock gates, so that registers get a clock edge only when they load a value that the job uses.
+        clock_gating ("clock-gating"): bool = false,
         /// How a multiplier multiplies significands: in gates (Booth), or with `*`, for the DSP blocks of an FPGA.
         multiplier ("multiplier"): Multiplier = Multiplier::Booth,
     }
@@ -212,13 +214,17 @@ impl Microarchitecture {
     /// Checks that an interval above 1 can be combined with the other parameters.
     ///
     /// # Errors
-    /// An interval above 1 with units of several steps, or with exception flags, which join all units of a stage.
+    /// An interval above 1 with units of several steps, with clock gates, or with exception flags, which join all units
+    /// of a stage.
     pub fn check(self, exception_flags: bool) -> Result<(), Error> {
-        let Self { interval, unit_latency, .. } = self;
-        let problem = match (interval, unit_latency) {
-            (Interval::One, _) => return Ok(()),
-            (_, UnitLatency::One) if !exception_flags => return Ok(()),
-            (_, UnitLatency::One) => "not available with exception flags, expected interval 1".to_string(),
+        let Self { interval, unit_latency, clock_gating, .. } = self;
+        let problem = match unit_latency {
+            _ if interval == Interval::One => return Ok(()),
+            UnitLatency::One if exception_flags => {
+                "not available with exception flags, expected interval 1".to_string()
+            }
+            UnitLatency::One if clock_gating => "not available with clock gating, expected interval 1".to_string(),
+            UnitLatency::One => return Ok(()),
             _ => format!("not available with unit-latency {unit_latency}, expected unit-latency 1"),
         };
         Err(Error::Feature { feature: "interval", problem: format!("{interval} is {problem}") })

@@ -10,6 +10,7 @@ use crate::ir::graph::{NodeId, OperationGraph};
 use crate::ir::position::Step;
 use crate::ir::units::Unit;
 use raypath_hdl::{Builder, Label, Wire};
+use std::collections::BTreeSet;
 
 /// The name of a number register at a port.
 pub fn number(place: usize) -> String {
@@ -109,6 +110,8 @@ pub struct Next<'m> {
     /// The register's name without `_q`.
     pub name: String,
     pub wire: Wire<'m>,
+    /// The operations that have a value in the register.
+    pub users: BTreeSet<usize>,
 }
 
 /// A step under construction.
@@ -236,20 +239,28 @@ impl<'m> StepBuilder<'m, '_> {
     pub fn next(self, wires: &mut dyn Wires<'m>) -> Result<Vec<Next<'m>>, Error> {
         let layout = &self.plan.steps[self.step].layout;
         self.m.section("Next values of the registers");
-        let mut next = vec![Next { name: "opcode".to_string(), wire: self.opcode }];
+        let operations = 0..self.plan.operations.len();
+        let mut next =
+            vec![Next { name: "opcode".to_string(), wire: self.opcode, users: operations.clone().collect() }];
         for place in 0..layout.numbers {
             if let Some(wire) = self.next_number(place, wires)? {
-                next.push(Next { name: number(place), wire });
+                let users = live_values(self.plan, layout, place).into_iter().map(|(op, _)| op).collect();
+                next.push(Next { name: number(place), wire, users });
             }
         }
         for &unit in &layout.cuts {
+            let is_user = |op: &usize| layout.slots[*op].values().any(|slot| *slot == RegisterSlot::Cut(unit));
+            let users: BTreeSet<usize> = operations.clone().filter(is_user).collect();
             for (stem, wire) in wires.cut(unit)? {
-                next.push(Next { name: format!("{}_{stem}", unit.stem()), wire });
+                next.push(Next { name: format!("{}_{stem}", unit.stem()), wire, users: users.clone() });
             }
         }
         for (register, width) in layout.flag_registers().enumerate() {
             if let Some(wire) = self.next_flags(register, width, wires)? {
-                next.push(Next { name: flag_register(layout, register), wire });
+                let is_here = |(low, ..): &(u32, u32, NodeId)| *low / FLAG_REGISTER == register as u32;
+                let is_user = |op: &usize| flag_fields(layout, *op).iter().any(is_here);
+                let users = operations.clone().filter(is_user).collect();
+                next.push(Next { name: flag_register(layout, register), wire, users });
             }
         }
         Ok(next)

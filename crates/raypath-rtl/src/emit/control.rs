@@ -6,12 +6,14 @@
 mod buffer;
 mod credit;
 mod exit;
+mod gate;
 mod plain;
 mod rounds;
 mod skid;
 
 pub use credit::{Spacing, credit};
 pub use exit::Exit;
+pub use gate::Gate;
 pub use plain::Plain;
 pub use rounds::Rounds;
 pub use skid::Skid;

@@ -1,18 +1,17 @@
 //! The registers after a step: a skid buffer, a register that never stalls, or the FIFO at the exit.
 
-use crate::emit::boundary::{Next, StepBuilder};
-use crate::emit::control::{Exit, Plain, Skid};
+use crate::emit::boundary::{Next, StepBuilder, label};
+use crate::emit::control::{Exit, Gate, Plain, Skid};
 use crate::emit::interface;
-use crate::emit::library::Library;
 use crate::error::Error;
 use raypath_hdl::text::PortGroup;
-use raypath_hdl::{Builder, Module, Register, Wire};
+use raypath_hdl::{Module, Register, Wire};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// The registers after a step.
 pub struct Registers<'m, 'p> {
-    m: &'m Builder,
-    library: &'p Library,
+    at: StepBuilder<'m, 'p>,
     /// The output port that shows them.
     output: PortGroup,
     next: Vec<Next<'m>>,
@@ -21,16 +20,16 @@ pub struct Registers<'m, 'p> {
 impl<'m, 'p> Registers<'m, 'p> {
     /// The registers after a step of a plan, which take `next`.
     pub fn new(at: StepBuilder<'m, 'p>, mut next: Vec<Next<'m>>) -> Self {
-        let StepBuilder { m, plan, library, step, .. } = at;
+        let StepBuilder { plan, library, step, .. } = at;
         let output = interface::output(plan, library, step);
         next.iter_mut().for_each(|next| next.wire = next.wire.named(&format!("{}_d", next.name)));
-        Self { m, library, output, next }
+        Self { at, output, next }
     }
 
     /// Adds skid buffers, their handshake and output ports. `hold` keeps the job in the registers before. Returns
     /// whether the job leaves the step in this cycle.
     pub fn skid_buffers(self, hold: Option<Wire<'m>>) -> Wire<'m> {
-        let (m, library) = (self.m, self.library);
+        let (m, library) = (self.at.m, self.at.library);
         m.section("Registers: a skid buffer");
         let valid = m.input("valid_i", 1);
         let ready_after = m.input("ready_i", 1);
@@ -38,6 +37,20 @@ impl<'m, 'p> Registers<'m, 'p> {
         let skid = Skid::instance(m, &library.skid, &[("valid_i", valid), ("ready_i", ready_after)]);
         m.output("ready_o", hold.map_or(skid.ready, |hold| skid.ready & !hold));
         m.output("valid_o", skid.valid);
+        if self.is_gated() {
+            // What is in the spare registers moves whole: they hold a job only after a stall.
+            let waits = (skid.arrives & !skid.load_front).named("waits").comment("an arriving job cannot leave");
+            self.store_gated(|uses, group| {
+                let spare = Gate::new(&format!("keep_{group}"), uses.map_or(waits, |uses| waits & uses));
+                let moves = uses.map_or(skid.load_front, |uses| skid.load_front & (uses | !skid.arrives));
+                let front = Gate::new(&format!("load_{group}"), moves);
+                move |name, word| {
+                    let kept = spare.register(m, &format!("{name}_spare_q"), word);
+                    vec![kept, front.register(m, &format!("{name}_q"), skid.arrives.mux(word, kept.wire()))]
+                }
+            });
+            return valid & skid.ready;
+        }
         let ports = [("valid_i", valid), ("ready_i", ready_after), ("ready_o", skid.ready), ("valid_o", skid.valid)];
         self.store("u_skid", &library.skid_buffer, &ports, |name, wire| skid.store(m, name, wire).to_vec());
         valid & skid.ready
@@ -45,11 +58,18 @@ impl<'m, 'p> Registers<'m, 'p> {
 
     /// Adds registers that take a job in every cycle.
     pub fn plain(self) -> Wire<'m> {
-        let (m, library) = (self.m, self.library);
+        let (m, library) = (self.at.m, self.at.library);
         m.section("Registers, which never stall");
         let valid = m.input("valid_i", 1);
         let register = Plain::new(m, valid);
         m.output("valid_o", register.valid.wire());
+        if self.is_gated() {
+            self.store_gated(|uses, group| {
+                let load = Gate::new(&format!("load_{group}"), uses.map_or(valid, |uses| valid & uses));
+                move |name, word| vec![load.register(m, &format!("{name}_q"), word)]
+            });
+            return valid;
+        }
         let ports = [("valid_i", valid), ("valid_o", register.valid.wire())];
         let mut own = Some(register.valid);
         self.store("u_register", &library.register, &ports, |name, wire| {
@@ -60,16 +80,70 @@ impl<'m, 'p> Registers<'m, 'p> {
 
     /// Adds the FIFO at the exit: a register that the sink sees, and `depth` jobs behind it.
     pub fn exit(self, depth: u32) -> Result<Wire<'m>, Error> {
-        let m = self.m;
+        let m = self.at.m;
         m.section("Registers: a FIFO with a place for every job that holds a credit");
         let valid = m.input("valid_i", 1);
         let ready_after = m.input("ready_i", 1);
         let inputs = [("valid_i", valid), ("ready_i", ready_after)];
         let exit = Exit::instance(m, &Exit::module(depth)?, &inputs);
         m.output("valid_o", exit.valid);
+        if self.is_gated() {
+            self.store_gated(|uses, group| {
+                let places = (0..depth).map(|place| {
+                    let stores = exit.store.bit(place);
+                    Gate::new(&format!("store_{place}_{group}"), uses.map_or(stores, |uses| stores & uses))
+                });
+                let places: Vec<Gate<'m>> = places.collect();
+                let moves = uses.map_or(exit.load_front, |uses| exit.load_front & (uses | exit.from_store));
+                let front = Gate::new(&format!("load_{group}"), moves);
+                move |name, word| {
+                    exit.store_with(m, name, word, |place, register, next| match place {
+                        Some(place) => places[place as usize].load(register, next),
+                        None => front.load(register, next),
+                    })
+                }
+            });
+            return Ok(valid);
+        }
         let ports = [inputs[0], inputs[1], ("valid_o", exit.valid)];
         self.store("u_exit", &Exit::buffer(depth)?, &ports, |name, wire| exit.store(m, name, wire));
         Ok(valid)
+    }
+
+    fn is_gated(&self) -> bool {
+        self.at.plan.microarchitecture.clock_gating
+    }
+
+    /// Adds the data registers behind clock gates, and their ports. Registers that the same operations use are a group.
+    /// `of_group` is called with whether the arriving job uses the group, if not all jobs do, and the name of the
+    /// group. It gives what makes the registers of a word, the one that is shown last.
+    fn store_gated<R: FnMut(&str, Wire<'m>) -> Vec<Register<'m>>>(
+        self,
+        mut of_group: impl FnMut(Option<Wire<'m>>, &str) -> R,
+    ) {
+        let StepBuilder { m, plan, opcode, .. } = self.at;
+        let mut groups: BTreeMap<&BTreeSet<usize>, Vec<&Next<'m>>> = BTreeMap::new();
+        for next in &self.next {
+            groups.entry(&next.users).or_default().push(next);
+        }
+        let mut shown: BTreeMap<&str, Wire<'m>> = BTreeMap::new();
+        for (users, registers) in groups {
+            let is_all = users.len() == plan.operations.len();
+            let names: Vec<&str> = users.iter().map(|&op| plan.operations[op].name).collect();
+            let group = if is_all { "all".to_string() } else { names.join("_") };
+            let is = |&op: &usize| opcode.equals(m.label(&label(&plan.operations[op]), opcode.width()));
+            let uses = users.iter().map(is).reduce(|a, b| a | b).filter(|_| !is_all);
+            let uses = uses.map(|uses| uses.named(&format!("uses_{group}")));
+            let mut make = of_group(uses, &group);
+            for Next { name, wire, .. } in registers {
+                shown.insert(name, make(name, *wire)[..].last().map_or(*wire, |register| register.wire()));
+            }
+        }
+        // The ports have the order of the structure, not of the groups.
+        for Next { name, .. } in &self.next {
+            m.output(&format!("{name}_o"), shown[name.as_str()]);
+        }
+        m.group_outputs(self.output);
     }
 
     /// Adds the data registers that `registers` gives for each word, the one that is shown last, and their ports.
@@ -81,13 +155,13 @@ impl<'m, 'p> Registers<'m, 'p> {
         mut registers: impl FnMut(&str, Wire<'m>) -> Vec<Register<'m>>,
     ) {
         let mut all = Vec::new();
-        for Next { name, wire } in &self.next {
+        for Next { name, wire, .. } in &self.next {
             let own = registers(name, *wire);
-            self.m.output(&format!("{name}_o"), own[own.len() - 1].wire());
+            self.at.m.output(&format!("{name}_o"), own[own.len() - 1].wire());
             all.extend(own);
         }
         let of = |port: &str| self.next.iter().find(|next| port == format!("{}_o", next.name));
         let next: Vec<Wire<'m>> = self.output.members.iter().filter_map(|(port, _)| of(port)).map(|n| n.wire).collect();
-        self.m.bank(instance, buffer, ports, &next, &all, self.output);
+        self.at.m.bank(instance, buffer, ports, &next, &all, self.output);
     }
 }

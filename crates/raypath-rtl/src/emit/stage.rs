@@ -196,7 +196,11 @@ impl<'m> States<'m> {
             let state = &traced.states[number];
             let next = values.get(op, state.next)?;
             let named = || (advance & is(opcode, traced)).named(&format!("{}_advances", traced.name));
-            register.next_when(*advances.entry(op).or_insert_with(named), next);
+            let advances = *advances.entry(op).or_insert_with(named);
+            match plan.microarchitecture.clock_gating {
+                true => register.next_gated(advances, next),
+                false => register.next_when(advances, next),
+            }
             if state.read < state.written {
                 m.output(&format!("{}_o", port(traced, state)), register.wire());
             }

@@ -1,5 +1,6 @@
 //! Compares the netlist simulator with Verilator, and runs the linters on emitted SystemVerilog.
 
+mod clock_gates;
 mod compare;
 #[path = "../../../raypath-hdl/tests/common/operators.rs"]
 mod every;

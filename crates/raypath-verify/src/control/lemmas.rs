@@ -39,7 +39,8 @@ pub fn of_pipeline(datapath: &Datapath, config: Config) -> String {
         match config.microarchitecture.control {
             Control::Skid => lemmas.skid_buffer(index, step, behind),
             Control::Credit => {
-                let valid = lemmas.observe(&format!("valid_{index}"), 1, &format!("{}u_register.valid_q", step.path));
+                let buffer = if config.microarchitecture.clock_gating { "" } else { "u_register." };
+                let valid = lemmas.observe(&format!("valid_{index}"), 1, &format!("{}{buffer}valid_q", step.path));
                 let opcode = lemmas.observe_opcode(&format!("opcode_{index}"), step, "u_register.data_q");
                 lemmas.slot(&valid, &opcode, Some(behind));
             }
@@ -63,7 +64,7 @@ pub fn of_exit(datapath: &Datapath) -> String {
 struct Step {
     /// The path of its instance, with a dot at the end.
     path: String,
-    /// The width of its data registers, whose highest bits are the opcode.
+    /// The width of the data registers in its buffer, whose highest bits are the opcode; 0 if it has its own.
     width: u32,
 }
 
@@ -104,9 +105,13 @@ impl Lemmas {
         format!("lemma_{name}")
     }
 
-    /// The opcode in a data register of a step.
+    /// The opcode in a data register of a step's buffer, or in the step's own register behind a clock gate.
     fn observe_opcode(&mut self, name: &str, step: &Step, register: &str) -> String {
         let Step { path, width } = step;
+        if *width == 0 {
+            let suffix = register.split_once(".data").map_or(register, |(_, suffix)| suffix);
+            return self.observe(name, 2, &format!("{path}opcode{suffix}"));
+        }
         let net = format!("\\{path}{register} ");
         self.nets += &format!("  (* hierconn *) logic [{}:0] {net};\n", width - 1);
         self.nets +=

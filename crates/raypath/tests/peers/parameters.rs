@@ -48,6 +48,7 @@ fn every_value_of_every_parameter_changes_the_design() {
         all_differ(base, UnitSharing::ALL, |config, units| config.microarchitecture.units = units);
         all_differ(base, Interval::ALL, |config, interval| config.microarchitecture.interval = interval);
         all_differ(base, UnitLatency::ALL, |config, latency| config.microarchitecture.unit_latency = latency);
+        all_differ(base, &[false, true], |config, gated| config.microarchitecture.clock_gating = gated);
         all_differ(base, Multiplier::ALL, |config, multiplier| config.microarchitecture.multiplier = multiplier);
         all_differ(base, &["fp32", "tf32", "bf16", "fp16", "e3s3", "e8s23"], |config, name| {
             config.semantics.format = name.parse().expect("a format");

@@ -16,7 +16,12 @@ pub const REPRESENTATIVES: [Config; 7] = [
         .registers(Encoding::Ieee)
         .control(Control::Credit)
         .multiplier(Multiplier::Inferred),
-    DEFAULT.lanes(Lanes::Four).io(Encoding::Recoded).sharing(Sharing::Segregated).unit_latency(UnitLatency::Two),
+    DEFAULT
+        .lanes(Lanes::Four)
+        .io(Encoding::Recoded)
+        .sharing(Sharing::Segregated)
+        .unit_latency(UnitLatency::Two)
+        .clock_gating(true),
     DEFAULT
         .lanes(Lanes::Eight)
         .registers(Encoding::Ieee)

@@ -39,8 +39,14 @@ impl BenchArguments {
     }
 
     /// Measures the power of a design in workloads with a progress bar. `report` is the design's.
-    pub fn power(&self, design: &Design, report: &Report, workloads: &[Workload]) -> Result<PowerResults, CliError> {
-        crate::measure::power(&self.bench()?, design, report, workloads).map_err(resumable)
+    pub fn power(
+        &self,
+        design: &Design,
+        report: &Report,
+        workloads: &[Workload],
+        with_saif: bool,
+    ) -> Result<PowerResults, CliError> {
+        crate::measure::power(&self.bench()?, design, report, workloads, with_saif).map_err(resumable)
     }
 
     fn bench(&self) -> Result<Bench, CliError> {

@@ -35,6 +35,9 @@ pub struct Arguments {
     /// Measure power too: simulate the gates with real and random jobs
     #[arg(long, conflicts_with = "unit")]
     power: bool,
+    /// Write the activity of every net in each workload too, as SAIF of about 13 MB
+    #[arg(long, requires = "power")]
+    saif: bool,
     #[command(flatten)]
     jobs: JobArguments,
     /// Print the report as JSON instead of tables
@@ -57,7 +60,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     for mut report in reports {
         let mut written = Vec::new();
         if let Some(workloads) = &workloads {
-            let measured = arguments.bench.power(&design, &report, workloads)?;
+            let measured = arguments.bench.power(&design, &report, workloads, arguments.saif)?;
             written.extend(power_files(&measured, &arguments.out));
             report.power = Some(measured.power);
         }
@@ -108,7 +111,8 @@ fn show(
     }
     writeln!(out, "\nWrote {0}/ppa.json and {0}/ppa.svg.", arguments.out.display())?;
     if report.power.is_some() {
-        writeln!(out, "Wrote {0}/power.svg, {0}/gates.v and a .saif file for each workload.", arguments.out.display())?;
+        let saif = if arguments.saif { ", and a .saif file for each workload" } else { "" };
+        writeln!(out, "Wrote {0}/power.svg and {0}/gates.v{saif}.", arguments.out.display())?;
     }
     Ok(())
 }

@@ -88,19 +88,32 @@ impl<'m> Exit<'m> {
 
     /// The data registers of a word: the stored ones, then the one that the sink sees.
     pub fn store(self, m: &'m Builder, name: &str, word: Wire<'m>) -> Vec<Register<'m>> {
+        self.store_with(m, name, word, |place, register, next| {
+            register.next_when(place.map_or(self.load_front, |place| self.store.bit(place)), next);
+        })
+    }
+
+    /// The same; `load` gives each register its enable and its next value. It is called with the place of a stored one.
+    pub fn store_with(
+        self,
+        m: &'m Builder,
+        name: &str,
+        word: Wire<'m>,
+        load: impl Fn(Option<u32>, Register<'m>, Wire<'m>),
+    ) -> Vec<Register<'m>> {
         let bits = word.width();
         let mut registers = Vec::new();
         let mut oldest: Option<Wire<'m>> = None;
         for place in 0..self.store.width() {
             let stored = m.register(&format!("{name}_store_{place}_q"), bits);
-            stored.next_when(self.store.bit(place), word);
+            load(Some(place), stored, word);
             registers.push(stored);
             let shown = stored.wire() & self.read.bit(place).replicate(bits);
             oldest = Some(oldest.map_or(shown, |others| others | shown));
         }
         let oldest = oldest.unwrap_or(word).named(&format!("{name}_oldest"));
         let front = m.register(&format!("{name}_q"), bits);
-        front.next_when(self.load_front, self.from_store.mux(oldest, word));
+        load(None, front, self.from_store.mux(oldest, word));
         registers.push(front);
         registers
     }
