@@ -149,8 +149,8 @@ pub struct RegisterInfo {
     /// Its value while `rst_ni` is 0 (asynchronous). Data registers have no reset value.
     pub reset: Option<u64>,
     /// Whether the text has a clock gate in place of the enable: an instance of
-    /// [`CLOCK_GATE`](crate::verilog::CLOCK_GATE) for all such registers of the module with one enable. The register does
-    /// the same.
+    /// [`CLOCK_GATE`](crate::verilog::CLOCK_GATE) for all such registers of the module with one enable. The register
+    /// does the same.
     pub gated: bool,
 }
 

@@ -7,8 +7,8 @@ use std::collections::HashMap;
 /// The most flip-flops behind a clock gate: without a clock tree, the gate itself drives their clock pins.
 pub const MAX_FAN_OUT: usize = 32;
 
-/// Repeats each clock gate until none has more flip-flops behind it than [`MAX_FAN_OUT`], as a tool for clock trees does.
-/// Each gets the name of a register behind it.
+/// Repeats each clock gate until none has more flip-flops behind it than [`MAX_FAN_OUT`], as a tool for clock trees
+/// does. Each gets the name of a register behind it.
 pub fn divide(netlist: &mut Netlist, library: &Library) {
     let Some(gate) = &library.clock_gate else { return };
     let gates: Vec<usize> = (0..netlist.cells.len()).filter(|&cell| netlist.cells[cell].cell == gate.name).collect();

@@ -18,7 +18,8 @@ pub struct SynthesisedUnit {
 }
 
 impl Bench {
-    /// Each kind of unit in a design with its gates, by the recipe of [`Bench::measure`]; from the cache if it has them.
+    /// Each kind of unit in a design with its gates, by the recipe of [`Bench::measure`]; from the cache if it has
+    /// them.
     ///
     /// # Errors
     /// Those of [`Bench::measure`]; a library with other cells than gates.

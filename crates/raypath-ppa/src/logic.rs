@@ -17,8 +17,8 @@ pub struct Logic {
     pub state: Option<State>,
     /// The clock pin of a flip-flop or a clock gate.
     pub clock: Option<ClockPin>,
-    /// Whether it is a clock gate with a latch, which is open while the clock is 0. The value of a gated clock is whether
-    /// it has a pulse in the cycle, so a gate is the conjunction of its clock and its enable.
+    /// Whether it is a clock gate with a latch, which is open while the clock is 0. The value of a gated clock is
+    /// whether it has a pulse in the cycle, so a gate is the conjunction of its clock and its enable.
     pub is_clock_gate: bool,
 }
 

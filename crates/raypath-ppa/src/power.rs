@@ -35,8 +35,8 @@ impl Bench {
     /// Measures the power of a design in workloads. `report` is the design's own; its slowest path is the clock period.
     ///
     /// Each workload is simulated on the gates. Their outputs are compared in each cycle with those of the netlist
-    /// before synthesis. `with_saif` gives [`PowerResults::activities`], of about 13 MB for each workload of a datapath.
-    /// `proceed` is as for [`Bench::measure`], and counts OpenSTA's run and the workloads.
+    /// before synthesis. `with_saif` gives [`PowerResults::activities`], of about 13 MB for each workload of a
+    /// datapath. `proceed` is as for [`Bench::measure`], and counts OpenSTA's run and the workloads.
     ///
     /// # Errors
     /// Those of [`Bench::measure`]; another version of OpenSTA than 2.0.17; a library with cells other than gates and

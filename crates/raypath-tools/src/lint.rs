@@ -45,8 +45,8 @@ pub fn lint_verilator(files: &[PathBuf], top: &str, arguments: &[&str]) -> Resul
 /// Reads a file with Yosys and runs `check -assert` on it.
 ///
 /// # Errors
-/// The file cannot be read; Yosys is missing, reports an error or a warning, or infers a latch elsewhere than in a clock
-/// gate.
+/// The file cannot be read; Yosys is missing, reports an error or a warning, or infers a latch elsewhere than in a
+/// clock gate.
 pub fn lint_yosys(file: &Path, top: &str) -> Result<(), ToolError> {
     // Yosys warns of a selection in a module that does not exist.
     let text = std::fs::read_to_string(file).map_err(|problem| ToolError::file(file, "read", problem))?;

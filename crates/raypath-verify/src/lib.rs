@@ -8,7 +8,8 @@
 //! [`oracle`], and [`campaign`] the netlist with the models, under random [`stimuli`] whose [`coverage`] is counted.
 //! [`mutation`] measures how many faults the regression tests find, and [`parsers`] runs damaged files through every
 //! parser. [`unit`](mod@unit) has the proofs and the campaign of the traversal unit. [`sat`] and [`equivalence`] are
-//! the solvers behind the proofs; the item `gates` proves units after synthesis with them. [`record`] writes results to files.
+//! the solvers behind the proofs; the item `gates` proves units after synthesis with them. [`record`] writes results to
+//! files.
 
 pub mod campaign;
 pub mod control;

@@ -43,7 +43,7 @@ fn a_file_overrides_its_preset_in_any_order() {
 #[test]
 fn wrong_input_is_named() {
     let cases = [
-        ("\nlans = 2", "raypath.toml:2: 'lans' is not a valid parameter, expected preset, lanes, rules, format,"),
+        ("\nlans = 2", "raypath.toml:2: 'lans' is not a valid parameter, expected preset, lanes, rules, box-bits,"),
         ("unit_latency = 2", "raypath.toml:1: 'unit_latency' is not a valid parameter"),
         (
             "lanes = 3",
@@ -57,7 +57,7 @@ fn wrong_input_is_named() {
         ("lanes = [16,\n 2]", "raypath.toml:1: lanes: '[16,' is not a valid number"),
         ("lanes = { count = 2 }", "raypath.toml:1: lanes: '{ count = 2 }' is not a valid number"),
         ("rules = 'paper'\n[lanes]\ncount = 2", "raypath.toml:2: lanes: '[lanes]' is not a valid number"),
-        ("rules = ''", "raypath.toml:1: rules: '' is not a valid rule set, expected paper or chisel"),
+        ("rules = ''", "raypath.toml:1: rules: '' is not a valid rule set, expected paper, chisel or bounds"),
         ("format = 'e5s90'", "raypath.toml:1: format: 'e5s90': format with a significand of 90 bits, expected 3 to 11"),
         ("preset = 'big'", "raypath.toml:1: preset: 'big' is not a valid preset, expected paper, original, graphics,"),
         // The first wrong line of the file is reported.

@@ -103,6 +103,14 @@ pub fn narrow(format: Format, to: Narrow) -> Result<Arc<Module>, Error> {
     // Zero less the margin is no small number.
     let flushed = if to.margin > 0 && !to.away { flushed | number.exponent().less(least_kept) } else { flushed };
     let magnitude = rounded & (!flushed.named("flushed")).replicate(width - lost);
+    let magnitude = if to.margin > 0 && to.away {
+        // The margin may carry a large number beyond the canonical infinity.
+        let overflows = (magnitude.upper(2).all() & !special).named("overflows");
+        let fraction = magnitude.lower(to.bits - 1) & (!overflows).replicate(to.bits - 1);
+        m.concat(&[magnitude.upper(e + 1), fraction])
+    } else {
+        magnitude
+    };
     m.output("narrow_o", m.concat(&[number_i.top(), magnitude]));
     m.finish()
 }

@@ -224,8 +224,8 @@ impl<'m> Register<'m> {
         self.info(|info| info.enable = Some(enable));
     }
 
-    /// Takes `next` at edges where `enable` is 1; the text has a clock gate for it. `enable` must have a name, from which
-    /// the names of the gate and its clock are made.
+    /// Takes `next` at edges where `enable` is 1; the text has a clock gate for it. `enable` must have a name, from
+    /// which the names of the gate and its clock are made.
     pub fn next_gated(self, enable: Wire<'m>, next: Wire<'m>) {
         self.next_when(enable, next);
         let builder = self.wire.builder;

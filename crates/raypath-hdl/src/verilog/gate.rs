@@ -1,6 +1,7 @@
 //! The module that clock gates are instances of.
 
-/// The name of the module that clock gates are instances of. A design can replace it by another one with the same ports.
+/// The name of the module that clock gates are instances of. A design can replace it by another one with the same
+/// ports.
 pub const CLOCK_GATE: &str = "raypath_clock_gate";
 
 /// Its text, without the head.

@@ -18,8 +18,8 @@ pub struct Source {
 }
 
 /// The text of `top` and everything that it needs, in the order of compilation: the package, [`RAM`] if there is a
-/// memory, [`CLOCK_GATE`] if there is one, then modules, those that are instantiated before those that instantiate them. Each begins with the
-/// lines of `banner`.
+/// memory, [`CLOCK_GATE`] if there is one, then modules, those that are instantiated before those that instantiate
+/// them. Each begins with the lines of `banner`.
 ///
 /// # Errors
 /// Different modules or packages of one name, or a module with the name of one of these cells.

@@ -130,7 +130,7 @@ impl<'m, 'p> Values<'m, 'p> {
         for (operand, port) in module.inputs().iter().enumerate() {
             let wire = if unit.part == 0 {
                 let number = self.operand(unit, operand, &format!("{}_{}", unit.stem(), port.stem()))?;
-                if unit.width == UnitWidth::Full { number } else { number.upper(module.signal(port.signal).width) }
+                self.shortened(number, module.signal(port.signal).width, &format!("{}_{}", unit.stem(), port.stem()))
             } else {
                 self.result_of_part_before(unit, port.stem())?
             };
@@ -142,6 +142,15 @@ impl<'m, 'p> Values<'m, 'p> {
         }
         self.units.insert(unit, wires.clone());
         Ok(wires)
+    }
+
+    /// The upper bits of a number, as a unit reads them. The others are zeros in a number with a short significand.
+    fn shortened(&self, number: Wire<'m>, width: u32, reader: &str) -> Wire<'m> {
+        if number.width() == width {
+            return number;
+        }
+        self.at.m.unused(&format!("unused_{reader}"), &[number.lower(number.width() - width)]);
+        number.upper(width)
     }
 
     /// A number with a short significand as one of the format.

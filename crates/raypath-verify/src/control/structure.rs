@@ -102,8 +102,8 @@ fn load_faults(module: &Module) -> Vec<String> {
 }
 
 /// Whether a register loads with the opcode's. Behind a clock gate it may load less often: the conjunction of the
-/// opcode's enable with a condition. That the condition holds for each job that uses the register is a claim about data,
-/// which the comparisons with the models check.
+/// opcode's enable with a condition. That the condition holds for each job that uses the register is a claim about
+/// data, which the comparisons with the models check.
 fn loads_with(module: &Module, register: &RegisterInfo, opcode: &RegisterInfo) -> bool {
     let enable = bit(module, opcode.enable);
     let is_same = |signal| bit(module, Some(signal)) == enable;

@@ -240,7 +240,7 @@ fn wrong_input_is_named() {
         (&["replay", &nameless], &["jobs.txt", "--kind"]),
         (&["replay"], &["FILES"]),
         (&["generate", "--lanes", "0"], &["'0' is not a valid number of lanes", "none, 2, 4"]),
-        (&["generate", "--rules", "none"], &["'none' is not a valid rule set", "paper or chisel"]),
+        (&["generate", "--rules", "none"], &["'none' is not a valid rule set", "paper, chisel or bounds"]),
         (&["generate", "--preset", "small"], &["'small' is not a valid preset", "paper, original, graphics"]),
         (&["generate", "--config", &lanes], &["small.toml:2: lanes: '5' is not a valid number of lanes", "none, 2, 4"]),
         (&["generate", "--config", &lanes, "--preset", "paper"], &["'--config <FILE>' cannot be used with '--preset"]),
