@@ -9,7 +9,11 @@ use std::collections::BTreeSet;
 fn every_value_is_accepted_and_shown() {
     for parameter in parameters() {
         let mut seen = Vec::new();
-        for text in parameter.values.split(['|', '.']).filter(|text| !text.is_empty()) {
+        let default = parameter.get(&Config::DEFAULT);
+        let mut values: BTreeSet<&str> = parameter.values.split(['|', '.']).filter(|text| !text.is_empty()).collect();
+        // The default is inside a range.
+        values.insert(&default);
+        for text in values {
             let text = if text == "eXsY" { "e3s5" } else { text };
             let mut config = Config::DEFAULT;
             parameter.set(&mut config, text).unwrap_or_else(|problem| panic!("{}: {problem}", parameter.name));
