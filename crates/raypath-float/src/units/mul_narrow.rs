@@ -103,8 +103,9 @@ fn describe(format: Format, operand: Format, to: Narrow, parts: &mut Parts<'_>) 
     let rounded = (unrounded + steps.extend(width)).named("rounded");
 
     m.section("Result");
-    let exponent = rounded.upper(e + 2);
+    // Before rounding, which may carry the largest exponent into the sign.
     let negative = exponent.top();
+    let exponent = rounded.upper(e + 2);
     let least_kept = m.parameter("LeastKept", e + 2, Constants(format).min_normal() + 1);
     let infinite = m.parameter("Infinite", e + 2, Constants(format).max_finite() + 1);
     let vanishes = (zero | negative | exponent.less(least_kept)).named("vanishes");
