@@ -88,15 +88,17 @@ fn describe(format: Format, operand: Format, to: Narrow, parts: &mut Parts<'_>) 
         let more = if below > 1 { digits.lower(below - 1).any() | even } else { even };
         (half & more).named("nearest_up")
     });
-    let zero_bit = m.constant(1, 0);
-    let up = match (to.away, nearest_up, between) {
-        (true, nearest_up, between) => {
-            nearest_up.unwrap_or(zero_bit) | between.map_or(zero_bit, |between| between.any())
-        }
-        (false, Some(nearest_up), Some(between)) => nearest_up & between.all(),
-        (false, nearest_up, _) => nearest_up.unwrap_or(zero_bit),
+    let up = match (nearest_up, between) {
+        (Some(nearest_up), Some(between)) if to.away => Some(nearest_up | between.any()),
+        (Some(nearest_up), Some(between)) => Some(nearest_up & between.all()),
+        (None, Some(between)) if to.away => Some(between.any()),
+        (nearest_up, _) => nearest_up,
     };
-    let up = up.named("up");
+    m.unused("unused_hidden", &[digits.top()]);
+    if up.is_none() && 2 * n > kept_bits {
+        m.unused("unused_lost", &[digits.lower(2 * n - kept_bits)]);
+    }
+    let up = up.map_or(m.constant(1, 0), |up| up.named("up"));
     let width = e + 1 + kept_bits;
     let unrounded = m.concat(&[exponent, kept.lower(kept_bits - 1)]);
     let steps = m.concat(&[m.constant(e + 1, 0), carried, m.constant(kept_bits - 2, 0), up]);

@@ -79,22 +79,29 @@ pub fn narrow(format: Format, to: Narrow) -> Result<Arc<Module>, Error> {
     let number = Magnitude::of(format, number_i);
 
     m.section("Round");
-    let special = number.exponent().upper(2).all().named("special");
+    let changes = to.margin > 0 || (to.away && lost > 0);
+    let ordinary = changes.then(|| (!number.exponent().upper(2).all()).named("ordinary"));
     let width = number.word.width();
-    let moved = match to {
-        Narrow { margin: 0, .. } => number.word,
-        Narrow { margin, away, .. } => {
-            let margin = m.constant(width, margin.into()) & (!special).replicate(width);
-            let moved = if away { number.word + margin } else { number.word - margin };
+    let moved = match ordinary {
+        Some(ordinary) if to.margin > 0 => {
+            let margin = m.constant(width, to.margin.into()) & ordinary.replicate(width);
+            let moved = if to.away { number.word + margin } else { number.word - margin };
             moved.named("moved")
         }
+        _ => number.word,
     };
     let kept = moved.upper(width - lost);
-    let rounded = if to.away && lost > 0 {
-        let up = (moved.lower(lost).any() & !special).named("up");
-        (kept + up.extend(width - lost)).named("rounded")
-    } else {
-        kept
+    let rounded = match ordinary {
+        Some(ordinary) if to.away && lost > 0 => {
+            let up = (moved.lower(lost).any() & ordinary).named("up");
+            (kept + up.extend(width - lost)).named("rounded")
+        }
+        _ => {
+            if lost > 0 {
+                m.unused("unused_lost", &[moved.lower(lost)]);
+            }
+            kept
+        }
     };
 
     m.section("Flush small results");
@@ -103,13 +110,14 @@ pub fn narrow(format: Format, to: Narrow) -> Result<Arc<Module>, Error> {
     // Zero less the margin is no small number.
     let flushed = if to.margin > 0 && !to.away { flushed | number.exponent().less(least_kept) } else { flushed };
     let magnitude = rounded & (!flushed.named("flushed")).replicate(width - lost);
-    let magnitude = if to.margin > 0 && to.away {
+    let magnitude = match ordinary {
         // The margin may carry a large number beyond the canonical infinity.
-        let overflows = (magnitude.upper(2).all() & !special).named("overflows");
-        let fraction = magnitude.lower(to.bits - 1) & (!overflows).replicate(to.bits - 1);
-        m.concat(&[magnitude.upper(e + 1), fraction])
-    } else {
-        magnitude
+        Some(ordinary) if to.margin > 0 && to.away => {
+            let overflows = (magnitude.upper(2).all() & ordinary).named("overflows");
+            let fraction = magnitude.lower(to.bits - 1) & (!overflows).replicate(to.bits - 1);
+            m.concat(&[magnitude.upper(e + 1), fraction])
+        }
+        _ => magnitude,
     };
     m.output("narrow_o", m.concat(&[number_i.top(), magnitude]));
     m.finish()
