@@ -225,9 +225,9 @@ pub unsafe extern "C" fn raypath_cost(datapath: *const Datapath, cost: *mut Cost
 }
 
 fn cost_of(units: Units, registers: Registers) -> Cost {
-    let Units { encode, add, multiply, compare, decode } = units;
+    let Units { encode, add, sum, multiply, compare, decode } = units;
     let [encoders, adders, multipliers, comparators, decoders] =
-        [encode, add, multiply, compare, decode].map(|count| count as u32);
+        [encode, add + sum, multiply, compare, decode].map(|count| count as u32);
     Cost { encoders, adders, multipliers, comparators, decoders, flip_flops: registers.flip_flops() }
 }
 

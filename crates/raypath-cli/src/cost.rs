@@ -75,6 +75,7 @@ impl Cost {
         Units {
             encode: with.encode.saturating_sub(without.encode),
             add: with.add.saturating_sub(without.add),
+            sum: with.sum.saturating_sub(without.sum),
             multiply: with.multiply.saturating_sub(without.multiply),
             compare: with.compare.saturating_sub(without.compare),
             decode: with.decode.saturating_sub(without.decode),

@@ -5,7 +5,7 @@ use rand::rngs::ChaCha8Rng;
 use raypath_cli::prelude::*;
 use raypath_float::Format;
 use raypath_model::{Functional, Model, ModelCircuit, Soft};
-use raypath_ops::{Binary32, Job, JobKind, RayBox, RayTriangle, Rules};
+use raypath_ops::{Binary32, Job, JobKind, RayBox, RayTriangle, Rounding, Rules};
 use raypath_rtl::{Budget, Config, Error, Lanes, Units};
 use raypath_sim::WordModel;
 use raypath_sim::jobs::any_job;
@@ -100,7 +100,10 @@ fn typed_jobs_and_outcomes() {
 #[test]
 fn opcodes_are_assigned() {
     let rules = Rules::Paper;
-    let set = Datapath::new().with(RayBox { rules }).with_opcode(2, RayTriangle { rules }).with(Before::<4>);
+    let set = Datapath::new()
+        .with(RayBox { rules })
+        .with_opcode(2, RayTriangle { rules, rounding: Rounding::Unit })
+        .with(Before::<4>);
     let opcodes: Vec<u64> = set.model().kinds().iter().map(|kind| kind.opcode()).collect();
     assert_eq!(opcodes, [0, 1, 2]);
     let width = |set: &Datapath| set.elaborate().expect("it fits").top().port_width("opcode_i");

@@ -4,7 +4,7 @@ use crate::layout::{Bounds, QuadboxResult, Ray, TriangleResult, Vertices};
 use crate::{Error, native};
 use raypath_float::Format;
 use raypath_model::{Shape, WordModel};
-use raypath_ops::{JobKind, Port, Rules};
+use raypath_ops::{JobKind, Port, Rounding, Rules};
 use raypath_oracle::added_operation;
 use raypath_rtl::{self as rtl, Config, Features, Lanes, Semantics, package};
 use raypath_sim::files::{in_folder, write_all};
@@ -276,8 +276,9 @@ impl Datapath {
 
     /// The rules, if the paper's operations can be computed in native binary32.
     pub(crate) fn native_rules(&self) -> Option<Rules> {
-        let Semantics { format, features, rules, .. } = self.config().semantics;
-        (format == Format::BINARY32 && features == Features::OFF).then_some(rules)
+        let Semantics { format, features, rules, rounding, .. } = self.config().semantics;
+        let is_native = format == Format::BINARY32 && rounding == Rounding::Unit && features == Features::OFF;
+        is_native.then_some(rules)
     }
 }
 

@@ -108,6 +108,13 @@ impl Format {
         self.ieee_width() + 1
     }
 
+    /// Bits of the window to which the terms of a sum are truncated before they are added, and the sum is rounded once
+    /// ([`Format::sum`]): those of the significand, and the bits of the number of terms.
+    #[inline]
+    pub fn sum_window(self, terms: u32) -> u32 {
+        self.significand + terms.next_power_of_two().ilog2()
+    }
+
     /// The code of +infinity.
     #[inline]
     pub fn infinity(self) -> u64 {

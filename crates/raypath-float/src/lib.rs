@@ -29,5 +29,5 @@ pub use format::{Format, FormatError, ParseFormatError};
 #[cfg(feature = "units")]
 pub use units::{
     DivSqrt, Narrow, add, add_parts, compare, compare_narrow, decode, div, encode, flags, mul, mul_inferred_parts,
-    mul_narrow_parts, mul_parts, narrow, number, sqrt,
+    mul_narrow_parts, mul_parts, narrow, number, sqrt, sum_parts,
 };

@@ -22,6 +22,7 @@ mod pipeline;
 mod recoded;
 mod recurrence;
 mod round;
+mod sum;
 
 pub use add::{add, add_parts};
 pub use compare::{compare, compare_narrow};
@@ -33,3 +34,4 @@ pub use mul_narrow::mul_narrow_parts;
 pub use narrow::{Narrow, narrow};
 pub use number::number;
 pub use recurrence::DivSqrt;
+pub use sum::sum_parts;

@@ -5,7 +5,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use raypath_ops::{
     Angular, AngularOutput, AngularState, BeatInput, Binary32, Bit, Bundle, Circuit, Euclidean, EuclideanOutput,
     EuclideanState, Family, Field, Num, Of, Operation, Path, RayBox, RayBoxInput, RayBoxOutput, RayTriangle,
-    RayTriangleInput, RayTriangleOutput, Rules, Source, array_of,
+    RayTriangleInput, RayTriangleOutput, Rounding, Rules, Source, array_of,
 };
 
 /// Sixteen functional models over binary32, computed in SIMD lanes. Each returns the results of a
@@ -31,6 +31,7 @@ use raypath_ops::{
 #[derive(Debug, Clone)]
 pub struct Batch<const E: usize = 16, const A: usize = 8> {
     rules: Rules,
+    rounding: Rounding,
     level: Level,
     euclidean: EuclideanState<Packed>,
     angular: AngularState<Packed>,
@@ -44,7 +45,13 @@ impl<const E: usize, const A: usize> Batch<E, A> {
 
     /// As [`new`](Self::new), with the instruction set `level`.
     pub fn at(level: Level, rules: Rules) -> Self {
-        Self { rules, level, euclidean: EuclideanState::zero(Packed), angular: AngularState::zero(Packed) }
+        let (euclidean, angular) = (EuclideanState::zero(Packed), AngularState::zero(Packed));
+        Self { rules, rounding: Rounding::Unit, level, euclidean, angular }
+    }
+
+    /// The same models with another rounding of sums; [`Rounding::Unit`] by default.
+    pub fn rounding(self, rounding: Rounding) -> Self {
+        Self { rounding, ..self }
     }
 
     /// Computes blocks of jobs into `answers`; stops at the end of the shorter slice.
@@ -66,22 +73,50 @@ impl<const E: usize, const A: usize> Batch<E, A> {
 
     /// Computes blocks of jobs into `answers`; stops at the end of the shorter slice.
     pub fn triangle(&self, jobs: &[RayTriangleInput<Packed>], answers: &mut [RayTriangleOutput<Packed>]) {
-        let op = RayTriangle { rules: self.rules };
-        dispatch!(self.level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
+        let rules = self.rules;
+        // A call for each, so that the rounding is a constant in each.
+        match self.rounding {
+            Rounding::Unit => {
+                let op = RayTriangle { rules, rounding: Rounding::Unit };
+                dispatch!(self.level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
+            }
+            Rounding::Sum => {
+                let op = RayTriangle { rules, rounding: Rounding::Sum };
+                dispatch!(self.level, simd => run_blocks(simd, &op, jobs, answers, &mut ()));
+            }
+        }
     }
 
     /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain
     /// for the next call.
     pub fn euclidean(&mut self, beats: &[BeatInput<Packed, E>], answers: &mut [EuclideanOutput<Packed>]) {
         let state = &mut self.euclidean;
-        dispatch!(self.level, simd => run_blocks(simd, &Euclidean::<E>, beats, answers, state));
+        match self.rounding {
+            Rounding::Unit => {
+                let op = Euclidean::<E> { rounding: Rounding::Unit };
+                dispatch!(self.level, simd => run_blocks(simd, &op, beats, answers, state));
+            }
+            Rounding::Sum => {
+                let op = Euclidean::<E> { rounding: Rounding::Sum };
+                dispatch!(self.level, simd => run_blocks(simd, &op, beats, answers, state));
+            }
+        }
     }
 
     /// Computes blocks of beats in order into `answers`; stops at the end of the shorter slice. The accumulators remain
     /// for the next call.
     pub fn angular(&mut self, beats: &[BeatInput<Packed, A>], answers: &mut [AngularOutput<Packed>]) {
         let state = &mut self.angular;
-        dispatch!(self.level, simd => run_blocks(simd, &Angular::<A>, beats, answers, state));
+        match self.rounding {
+            Rounding::Unit => {
+                let op = Angular::<A> { rounding: Rounding::Unit };
+                dispatch!(self.level, simd => run_blocks(simd, &op, beats, answers, state));
+            }
+            Rounding::Sum => {
+                let op = Angular::<A> { rounding: Rounding::Sum };
+                dispatch!(self.level, simd => run_blocks(simd, &op, beats, answers, state));
+            }
+        }
     }
 }
 

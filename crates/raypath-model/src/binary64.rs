@@ -1,5 +1,5 @@
 use crate::kernels::ModelCircuit;
-use raypath_ops::{Circuit, Concrete, Portable};
+use raypath_ops::{Circuit, Concrete, Layout, Portable};
 
 /// IEEE 754 binary64, computed by the machine: the reference for the accuracy of other formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -29,6 +29,10 @@ impl Circuit for Binary64 {
     #[inline(always)]
     fn add(self, a: Double, b: Double) -> Double {
         Double(a.0 + b.0)
+    }
+    #[inline]
+    fn sum(self, terms: &[Double]) -> Double {
+        Double(f64::from_bits(Layout::BINARY64.sum(terms.iter().map(|term| term.0.to_bits()))))
     }
     #[inline(always)]
     fn subtract(self, a: Double, b: Double) -> Double {

@@ -78,6 +78,15 @@ impl Circuit for Dynamic<'_> {
     arithmetic! { add subtract multiply }
 
     #[inline(never)]
+    fn sum(self, terms: &[SoftNumber]) -> SoftNumber {
+        let soft = match self {
+            Self::Native | Self::Flagged(_) => Soft { format: Format::BINARY32 },
+            Self::Soft(soft) => soft,
+        };
+        soft.sum(terms)
+    }
+
+    #[inline(never)]
     fn negate(self, a: SoftNumber) -> SoftNumber {
         either!(self, number(Binary32.negate(single(a))), soft => soft.negate(a))
     }

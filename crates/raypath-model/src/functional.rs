@@ -2,7 +2,7 @@ use crate::{Model, ModelCircuit};
 use raypath_ops::{
     Angular, AngularOutput, AngularState, BeatInput, Binary32, Euclidean, EuclideanOutput, EuclideanState, Job,
     JobKind, Operation, Outcome, RayBox, RayBoxInput, RayBoxOutput, RayTriangle, RayTriangleInput, RayTriangleOutput,
-    Rules,
+    Rounding, Rules,
 };
 
 /// The functional model of the paper's operations over circuit `C` (the machine's binary32 by default), with `E`
@@ -11,6 +11,7 @@ use raypath_ops::{
 pub struct Functional<const E: usize = 16, const A: usize = 8, C: ModelCircuit = Binary32> {
     circuit: C,
     rules: Rules,
+    rounding: Rounding,
     euclidean: EuclideanState<C>,
     angular: AngularState<C>,
 }
@@ -25,7 +26,13 @@ impl<const E: usize, const A: usize> Functional<E, A> {
 impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
     /// The model over `circuit`, with accumulators of zero.
     pub fn over(circuit: C, rules: Rules) -> Self {
-        Self { circuit, rules, euclidean: EuclideanState::zero(circuit), angular: AngularState::zero(circuit) }
+        let (euclidean, angular) = (EuclideanState::zero(circuit), AngularState::zero(circuit));
+        Self { circuit, rules, rounding: Rounding::Unit, euclidean, angular }
+    }
+
+    /// The same model with another rounding of sums; [`Rounding::Unit`] by default.
+    pub fn rounding(self, rounding: Rounding) -> Self {
+        Self { rounding, ..self }
     }
 
     /// Computes a job. A beat of a distance updates its accumulator.
@@ -44,7 +51,7 @@ impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
     /// Tests a ray against a triangle.
     #[inline(always)]
     pub fn triangle(&self, input: &RayTriangleInput<C>) -> RayTriangleOutput<C> {
-        RayTriangle { rules: self.rules }.run_with(self.circuit, C::KERNELS, *input, ()).0
+        RayTriangle { rules: self.rules, rounding: self.rounding }.run_with(self.circuit, C::KERNELS, *input, ()).0
     }
 
     /// Tests a ray against four boxes.
@@ -56,7 +63,8 @@ impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
     /// Adds a beat to the Euclidean distance.
     #[inline(always)]
     pub fn euclidean(&mut self, input: &BeatInput<C, E>) -> EuclideanOutput<C> {
-        let (output, state) = Euclidean::<E>.run_with(self.circuit, C::KERNELS, *input, self.euclidean);
+        let operation = Euclidean::<E> { rounding: self.rounding };
+        let (output, state) = operation.run_with(self.circuit, C::KERNELS, *input, self.euclidean);
         self.euclidean = state;
         output
     }
@@ -64,14 +72,15 @@ impl<const E: usize, const A: usize, C: ModelCircuit> Functional<E, A, C> {
     /// Adds a beat to the angular distance.
     #[inline(always)]
     pub fn angular(&mut self, input: &BeatInput<C, A>) -> AngularOutput<C> {
-        let (output, state) = Angular::<A>.run_with(self.circuit, C::KERNELS, *input, self.angular);
+        let operation = Angular::<A> { rounding: self.rounding };
+        let (output, state) = operation.run_with(self.circuit, C::KERNELS, *input, self.angular);
         self.angular = state;
         output
     }
 
     /// A hardware reset: the accumulators are zero.
     pub fn reset(&mut self) {
-        *self = Self::over(self.circuit, self.rules);
+        *self = Self::over(self.circuit, self.rules).rounding(self.rounding);
     }
 }
 

@@ -1,5 +1,6 @@
 //! Arithmetic in SIMD lanes: one instruction computes the same value of several jobs.
 
+use crate::packed::sum_of;
 use fearless_simd::prelude::*;
 use fearless_simd::{Select, Simd, f32x4, i32x4, mask32x4, u8x16, u32x4};
 use raypath_ops::{Binary32, Circuit, Direction, Narrowing, Relation, Test};
@@ -132,6 +133,15 @@ where
     #[inline(always)]
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num {
         Register(a.0 + b.0)
+    }
+    /// Lane by lane, in integers.
+    #[inline(always)]
+    fn sum(self, terms: &[Self::Num]) -> Self::Num {
+        let mut sum = self.constant(0.0).0;
+        for (lane, sum) in sum.as_mut_slice().iter_mut().enumerate() {
+            *sum = sum_of(terms.iter().map(|term| term.0.as_slice()[lane]));
+        }
+        Register(sum)
     }
     #[inline(always)]
     fn subtract(self, a: Self::Num, b: Self::Num) -> Self::Num {

@@ -4,7 +4,7 @@ use crate::lanes::{Lanes, Native, Register, Width};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use raypath_ops::{
-    Binary32, Bit, Circuit, Gather, Narrowing, Num, Put, Relation, Scatter, Single, Test, Word, array_of,
+    Binary32, Bit, Circuit, Gather, Layout, Narrowing, Num, Put, Relation, Scatter, Single, Test, Word, array_of,
 };
 
 /// A circuit whose values belong to sixteen jobs, each value in one cache line: a `RayBoxInput<Packed>` is sixteen jobs
@@ -54,6 +54,9 @@ impl Circuit for Packed {
     }
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num {
         a.zip(b, |a, b| a + b)
+    }
+    fn sum(self, terms: &[Self::Num]) -> Self::Num {
+        BlockValue(array_of!(i => sum_of(terms.iter().map(|term| term.0[i]))))
     }
     fn subtract(self, a: Self::Num, b: Self::Num) -> Self::Num {
         a.zip(b, |a, b| a - b)
@@ -109,6 +112,11 @@ impl Circuit for Packed {
     fn select_word(self, condition: Self::Bit, if_true: Self::Word, if_false: Self::Word) -> Self::Word {
         choose(condition, if_true, if_false)
     }
+}
+
+/// The sum of binary32 numbers, rounded once.
+pub(crate) fn sum_of(terms: impl ExactSizeIterator<Item = f32> + Clone) -> f32 {
+    f32::from_bits(Layout::BINARY32.sum(terms.map(|term| term.to_bits().into())) as u32)
 }
 
 fn mask(bit: bool) -> i32 {

@@ -1,6 +1,6 @@
 use crate::kernels::ModelCircuit;
 use raypath_float::Format;
-use raypath_ops::{Circuit, Concrete, Direction, Narrowing, Portable, Relation, Test};
+use raypath_ops::{Circuit, Concrete, Direction, Layout, Narrowing, Portable, Relation, Test};
 use std::cmp::Ordering;
 
 /// Software arithmetic in any format. The operations over it are the golden model of a datapath in that format.
@@ -32,6 +32,11 @@ impl Circuit for Soft {
     #[inline]
     fn add(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {
         SoftNumber(self.format.add(a.0, b.0))
+    }
+    #[inline]
+    fn sum(self, terms: &[SoftNumber]) -> SoftNumber {
+        let layout = Layout { exponent: self.format.exponent(), significand: self.format.significand() };
+        SoftNumber(layout.sum(terms.iter().map(|term| term.0)))
     }
     #[inline]
     fn subtract(self, a: SoftNumber, b: SoftNumber) -> SoftNumber {

@@ -1,6 +1,6 @@
 //! Native binary32 arithmetic.
 
-use crate::{Bit, Circuit, Concrete, Flags, Num, Word};
+use crate::{Bit, Circuit, Concrete, Flags, Layout, Num, Word};
 use std::fmt;
 
 /// IEEE 754 binary32, computed by the floating-point instructions of the machine.
@@ -37,6 +37,10 @@ impl Circuit for Binary32 {
     #[inline(always)]
     fn add(self, a: Single, b: Single) -> Single {
         Single(a.0 + b.0)
+    }
+    #[inline]
+    fn sum(self, terms: &[Single]) -> Single {
+        Single(f32::from_bits(Layout::BINARY32.sum(terms.iter().map(|term| term.0.to_bits().into())) as u32))
     }
     #[inline(always)]
     fn subtract(self, a: Single, b: Single) -> Single {

@@ -22,6 +22,12 @@ pub trait Circuit: Copy + Debug + PartialEq {
     /// Marks the operators that follow as part of pipeline stage `number`, from 1. The printed schedule shows `what`.
     fn stage(self, _number: u32, _what: &'static str) {}
 
+    /// Marks the operators that follow as part of stage `number`, or of stage `short` in the shorter pipeline of
+    /// datapaths whose sums round once ([`Rounding::Sum`](crate::Rounding::Sum)).
+    fn stage_or(self, number: u32, _short: u32, what: &'static str) {
+        self.stage(number, what);
+    }
+
     /// Requests automatic staging. An operation that calls this before its first operator marks no stages itself.
     fn auto(self) {}
 
@@ -34,6 +40,10 @@ pub trait Circuit: Copy + Debug + PartialEq {
     fn one_plus_ulps(self, ulps: u32) -> Self::Num;
     /// Sum.
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num;
+    /// The sum of 3 to 64 terms, rounded once. The terms are truncated to a window below the greatest of their exponents,
+    /// and then added exactly (`docs/reference/semantics.md`). The order of the terms does not matter. The marked stage
+    /// is the one in which the sum is available: it begins one stage earlier if there are 3 terms, otherwise two.
+    fn sum(self, terms: &[Self::Num]) -> Self::Num;
     /// Difference.
     fn subtract(self, a: Self::Num, b: Self::Num) -> Self::Num;
     /// Product.

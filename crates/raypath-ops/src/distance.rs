@@ -1,17 +1,23 @@
 //! Distances between vectors, accumulated over beats of several lanes (Table VII, columns Euclidean and Angular).
 
 use crate::operation::run_portable;
-use crate::{Binary32, Bit, Circuit, Flags, Kernels, LaneMap, Num, Operation, bundle};
+use crate::{Binary32, Bit, Circuit, Flags, Kernels, LaneMap, Num, Operation, Rounding, bundle};
 use thiserror::Error;
 
 /// Squared Euclidean distance with `N` dimensions per beat: a power of two, at most 64.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Euclidean<const N: usize>;
+pub struct Euclidean<const N: usize> {
+    /// How the sum of a beat is rounded.
+    pub rounding: Rounding,
+}
 
 /// Dot product, and squared norm of the candidate, with `N` dimensions per beat: a power of two, at most 32. A datapath
 /// has half as many angular lanes as Euclidean ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Angular<const N: usize>;
+pub struct Angular<const N: usize> {
+    /// How the sums of a beat are rounded.
+    pub rounding: Rounding,
+}
 
 bundle! {
     /// `N` dimensions of two vectors.
@@ -87,6 +93,12 @@ const EUCLIDEAN_TREE: [u32; 6] = [4, 6, 8, 9, 5, 7];
 const ANGULAR_TREE: [u32; 5] = [4, 6, 8, 5, 7];
 const TREE_TITLE: &str = "sums i + (i + half)";
 
+/// The stage in which sums that round once are available.
+const SUMMED: u32 = 6;
+const SUM_TITLE: &str = "sums of each half, from stage 4, rounded once";
+/// The stage of the accumulators if sums round once.
+pub(crate) const ACCUMULATED: u32 = 8;
+
 impl<const N: usize> Operation for Euclidean<N> {
     const NAME: &'static str = "euclidean";
     type Input<C: Circuit> = BeatInput<C, N>;
@@ -104,9 +116,9 @@ impl<const N: usize> Operation for Euclidean<N> {
         state: EuclideanState<C>,
     ) -> (EuclideanOutput<C>, EuclideanState<C>) {
         let reset_accum = input.euclidean.reset_accum;
-        let sum = squares_of(c, kernels, &input.euclidean);
+        let sum = squares_of(c, kernels, self.rounding, &input.euclidean);
 
-        c.stage(10, "accumulated");
+        c.stage_or(10, ACCUMULATED, "accumulated");
         let accumulator = state.accumulator + sum;
         c.label(format_args!("accumulator"), &accumulator);
         let next = EuclideanState { accumulator: reset_accum.select(c.zero(), accumulator) };
@@ -131,9 +143,9 @@ impl<const N: usize> Operation for Angular<N> {
         state: AngularState<C>,
     ) -> (AngularOutput<C>, AngularState<C>) {
         let reset_accum = input.euclidean.reset_accum;
-        let [dot_sum, norm_sum] = products_of(c, kernels, &input.euclidean);
+        let [dot_sum, norm_sum] = products_of(c, kernels, self.rounding, &input.euclidean);
 
-        c.stage(9, "both accumulated");
+        c.stage_or(9, ACCUMULATED, "both accumulated");
         let (dot_product, norm) = (state.dot_product + dot_sum, state.norm + norm_sum);
         c.label(format_args!("dot_product"), &dot_product);
         c.label(format_args!("norm"), &norm);
@@ -168,12 +180,20 @@ fn lanes_of<C: Circuit, const N: usize>(beat: &Beat<C, N>) -> [Lane<C>; N] {
 
 /// The sum of a beat's squared differences.
 #[inline(always)]
-pub(crate) fn squares_of<C: Circuit, const N: usize>(c: C, kernels: impl Kernels<C>, beat: &Beat<C, N>) -> Num<C> {
+pub(crate) fn squares_of<C: Circuit, const N: usize>(
+    c: C,
+    kernels: impl Kernels<C>,
+    rounding: Rounding,
+    beat: &Beat<C, N>,
+) -> Num<C> {
     let lanes = lanes_of(beat);
     let squares = kernels.map(c, &SquaredDifference, &(), &lanes);
     c.label(format_args!("square"), &squares);
 
     const { assert!(N.is_power_of_two() && N <= 64, "lanes are a power of two, 64 at most") };
+    if rounding == Rounding::Sum {
+        return sum_of_halves(c, squares);
+    }
     let [sum] = tree(c, kernels, &EUCLIDEAN_TREE, ["sum"], [squares]);
     sum
 }
@@ -183,6 +203,7 @@ pub(crate) fn squares_of<C: Circuit, const N: usize>(c: C, kernels: impl Kernels
 pub(crate) fn products_of<C: Circuit, const N: usize>(
     c: C,
     kernels: impl Kernels<C>,
+    rounding: Rounding,
     beat: &Beat<C, N>,
 ) -> [Num<C>; 2] {
     let lanes = lanes_of(beat);
@@ -193,7 +214,42 @@ pub(crate) fn products_of<C: Circuit, const N: usize>(
     c.label(format_args!("norm"), &norms);
 
     const { assert!(N.is_power_of_two() && N <= 32, "lanes are a power of two, 32 at most") };
+    if rounding == Rounding::Sum {
+        c.stage(SUMMED, "both sums, from stage 4, rounded once");
+        let sums = [Num::sum(dots), Num::sum(norms)];
+        c.label(format_args!("dot_sum"), &sums[0]);
+        c.label(format_args!("norm_sum"), &sums[1]);
+        return sums;
+    }
     tree(c, kernels, &ANGULAR_TREE, ["dot_sum", "norm_sum"], [dots, norms])
+}
+
+/// The sum of both halves of the lanes, each rounded once. The halves have as many lanes as an angular beat, so that
+/// hardware computes both by the same units.
+#[inline(always)]
+fn sum_of_halves<C: Circuit, const N: usize>(c: C, lanes: [Num<C>; N]) -> Num<C> {
+    c.stage(SUMMED, SUM_TITLE);
+    let halves = match N {
+        2 => halves::<C, N, 1>(lanes),
+        4 => halves::<C, N, 2>(lanes),
+        8 => halves::<C, N, 4>(lanes),
+        16 => halves::<C, N, 8>(lanes),
+        32 => halves::<C, N, 16>(lanes),
+        _ => halves::<C, N, 32>(lanes),
+    };
+    c.label(format_args!("half"), &halves);
+
+    c.stage(SUMMED + 1, "sum of the halves");
+    let sum = halves[0] + halves[1];
+    c.label(format_args!("sum"), &sum);
+    sum
+}
+
+/// The sums of the lower and the upper half of `N` lanes.
+#[inline(always)]
+fn halves<C: Circuit, const N: usize, const HALF: usize>(lanes: [Num<C>; N]) -> [Num<C>; 2] {
+    let half = |first: usize| Num::sum::<HALF>(array_of!(i => lanes[(first + i) % N]));
+    [half(0), half(HALF)]
 }
 
 /// (a - b)² of each lane.

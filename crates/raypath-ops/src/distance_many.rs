@@ -1,17 +1,23 @@
 //! Distances of several vectors whose beats are interleaved: each vector has its own accumulator.
 
-use crate::distance::{products_of, squares_of};
+use crate::distance::{ACCUMULATED, products_of, squares_of};
 use crate::{
-    Angular, AngularOutput, Beat, Circuit, Euclidean, EuclideanOutput, Num, Operation, Portable, Word, bundle,
+    Angular, AngularOutput, Beat, Circuit, Euclidean, EuclideanOutput, Num, Operation, Portable, Rounding, Word, bundle,
 };
 
 /// [`Euclidean`] with `M` accumulators, selected by a word of `W` bits. `M` is 2 to the power of `W`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct EuclideanMany<const N: usize, const M: usize, const W: u32>;
+pub struct EuclideanMany<const N: usize, const M: usize, const W: u32> {
+    /// How the sum of a beat is rounded.
+    pub rounding: Rounding,
+}
 
 /// [`Angular`] with `M` pairs of accumulators, selected by a word of `W` bits. `M` is 2 to the power of `W`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct AngularMany<const N: usize, const M: usize, const W: u32>;
+pub struct AngularMany<const N: usize, const M: usize, const W: u32> {
+    /// How the sums of a beat are rounded.
+    pub rounding: Rounding,
+}
 
 bundle! {
     /// The input of [`EuclideanMany`] and [`AngularMany`], which share their ports.
@@ -51,9 +57,9 @@ impl<const N: usize, const M: usize, const W: u32> Operation for EuclideanMany<N
         state: EuclideanManyState<C, M>,
     ) -> (EuclideanOutput<C>, EuclideanManyState<C, M>) {
         let reset_accum = input.euclidean.reset_accum;
-        let sum = squares_of(c, Portable, &input.euclidean);
+        let sum = squares_of(c, Portable, self.rounding, &input.euclidean);
 
-        c.stage(10, "accumulated");
+        c.stage_or(10, ACCUMULATED, "accumulated");
         let accumulator = chosen(c, input.accumulator, &state.accumulator) + sum;
         c.label(format_args!("accumulator"), &accumulator);
         let next = reset_accum.select(c.zero(), accumulator);
@@ -77,9 +83,9 @@ impl<const N: usize, const M: usize, const W: u32> Operation for AngularMany<N, 
         state: AngularManyState<C, M>,
     ) -> (AngularOutput<C>, AngularManyState<C, M>) {
         let (reset_accum, which) = (input.euclidean.reset_accum, input.accumulator);
-        let [dot_sum, norm_sum] = products_of(c, Portable, &input.euclidean);
+        let [dot_sum, norm_sum] = products_of(c, Portable, self.rounding, &input.euclidean);
 
-        c.stage(9, "both accumulated");
+        c.stage_or(9, ACCUMULATED, "both accumulated");
         let dot_product = chosen(c, which, &state.dot_product) + dot_sum;
         let norm = chosen(c, which, &state.norm) + norm_sum;
         c.label(format_args!("dot_product"), &dot_product);

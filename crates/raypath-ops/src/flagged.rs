@@ -57,6 +57,11 @@ impl Circuit for Flagged<'_> {
         let lost = (x - (sum - rounded_y)) + (y - rounded_y);
         self.note([a, b], Single(a.0 + b.0), sum, lost)
     }
+    /// Without its exceptions: no configuration has sums that round once and exception flags.
+    #[inline]
+    fn sum(self, terms: &[Single]) -> Single {
+        Binary32.sum(terms)
+    }
     #[inline]
     fn subtract(self, a: Single, b: Single) -> Single {
         self.add(a, Single(-b.0))

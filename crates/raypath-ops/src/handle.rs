@@ -79,6 +79,21 @@ impl<C: Circuit> Num<C> {
         Self::new(self.circuit, self.circuit.narrow(self.value, to))
     }
 
+    /// The sum of at most 64 terms, rounded once: by [`Circuit::sum`] from three terms on, and by an addition if there are
+    /// two.
+    #[inline(always)]
+    pub fn sum<const N: usize>(terms: [Self; N]) -> Self {
+        const { assert!(N >= 1 && N <= 64, "a sum has 1 to 64 terms") };
+        match N {
+            1 => terms[0],
+            2 => terms[0] + terms[1],
+            _ => {
+                let values: [C::Num; N] = array_of!(i => terms[i].value);
+                Self::new(terms[0].circuit, terms[0].circuit.sum(&values))
+            }
+        }
+    }
+
     /// The smaller of two numbers. If one is NaN, the result is the other; if they are equal, `other`.
     #[inline(always)]
     pub fn smaller(self, other: Self) -> Self {

@@ -47,6 +47,7 @@ mod ray_triangle;
 mod ray_triangle_extended;
 mod rules;
 mod sort;
+mod sum;
 
 #[doc(hidden)]
 pub use array::array_from;
@@ -73,3 +74,4 @@ pub use ray_triangle_extended::{
 };
 pub use rules::{BoxBits, ParseBoxBitsError, ParseRulesError, Rules};
 pub use sort::SortEntry;
+pub use sum::{Layout, ParseRoundingError, Rounding};

@@ -89,7 +89,7 @@ fn nearest_first<C: Circuit>(c: C, kernels: impl Kernels<C>, input: RayBoxInput<
         array_of!(i => SortEntry { hit: hits[i].hit, tmin: hits[i].tmin, index: c.word(i as u32) });
     c.label(format_args!("unsorted"), &unsorted);
 
-    c.stage(10, "sort the four by tmin, values and indices");
+    c.stage_or(10, 8, "sort the four by tmin, values and indices");
     let sorted = slabs.rules.sort(c, kernels, unsorted);
     c.label(format_args!("sorted"), &sorted);
 

@@ -1,13 +1,15 @@
 //! The watertight test of a ray against a triangle (Woop, Benthin and Wald; Table VII, column Triangle).
 
 use crate::operation::run_portable;
-use crate::{Binary32, Bit, Circuit, Kernels, LaneMap, Num, Operation, Ray, Rules, Triangle, Vec3, bundle};
+use crate::{Binary32, Bit, Circuit, Kernels, LaneMap, Num, Operation, Ray, Rounding, Rules, Triangle, Vec3, bundle};
 
 /// Tests a ray against the front of a triangle and computes the distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RayTriangle {
     /// The rules for special cases.
     pub rules: Rules,
+    /// How t_num and t_denom, sums of three terms each, are rounded.
+    pub rounding: Rounding,
 }
 
 bundle! {
@@ -65,9 +67,9 @@ impl Operation for RayTriangle {
         _state: (),
     ) -> (RayTriangleOutput<C>, ()) {
         let RayTriangleInput { ray, triangle } = input;
-        let Distance { edges, t_num, t_denom } = distance(circuit, kernels, &ray, triangle, &Self::SUMS);
+        let Distance { edges, t_num, t_denom } = distance(circuit, kernels, &ray, triangle, &Sums::of(self.rounding));
 
-        circuit.stage(10, "hit test");
+        circuit.stage_or(10, HIT_TEST, "hit test");
         let triangle_hit = self.rules.triangle_hit(circuit, edges.to_array(), t_num, t_denom);
         circuit.label(format_args!("triangle_hit"), &triangle_hit);
 
@@ -83,25 +85,44 @@ pub(crate) struct Distance<C: Circuit> {
 }
 
 /// The stages of the sums over U, V and W, with their titles in the schedule.
-pub(crate) struct Sums {
-    /// U + V
-    pub uv: (u32, &'static str),
-    /// U Az + V Bz
-    pub uv_depth: (u32, &'static str),
-    /// + W
-    pub t_denom: (u32, &'static str),
-    /// + W Cz
-    pub t_num: (u32, &'static str),
+#[derive(Clone, Copy)]
+pub(crate) enum Sums {
+    /// Every addition rounds.
+    Unit {
+        /// U + V
+        uv: (u32, &'static str),
+        /// U Az + V Bz
+        uv_depth: (u32, &'static str),
+        /// + W
+        t_denom: (u32, &'static str),
+        /// + W Cz
+        t_num: (u32, &'static str),
+    },
+    /// Both sums of three terms round once. These are the stages in which they are available.
+    Once {
+        /// U + V + W
+        t_denom: u32,
+        /// U Az + V Bz + W Cz
+        t_num: u32,
+    },
 }
 
-impl RayTriangle {
-    /// The stages of Table VII.
-    pub(crate) const SUMS: Sums = Sums {
-        uv: (8, "U + V ; U Az + V Bz"),
-        uv_depth: (8, "U + V ; U Az + V Bz"),
-        t_denom: (9, "+ W = t_denom ; + W Cz = t_num"),
-        t_num: (9, "+ W = t_denom ; + W Cz = t_num"),
-    };
+/// The stage of the hit test if sums round once.
+pub(crate) const HIT_TEST: u32 = 9;
+
+impl Sums {
+    /// The stages of Table VII, or those of sums that round once.
+    pub(crate) const fn of(rounding: Rounding) -> Self {
+        match rounding {
+            Rounding::Unit => Self::Unit {
+                uv: (8, "U + V ; U Az + V Bz"),
+                uv_depth: (8, "U + V ; U Az + V Bz"),
+                t_denom: (9, "+ W = t_denom ; + W Cz = t_num"),
+                t_num: (9, "+ W = t_denom ; + W Cz = t_num"),
+            },
+            Rounding::Sum => Self::Once { t_denom: HIT_TEST, t_num: HIT_TEST },
+        }
+    }
 }
 
 /// The arithmetic of a triangle test up to the hit test.
@@ -132,17 +153,27 @@ pub(crate) fn distance<C: Circuit>(
     let (uaz, vbz, wcz) = (u * a.z, v * b.z, w * c.z);
     circuit.label(format_args!("edge_depth"), &[uaz, vbz, wcz]);
 
-    circuit.stage(sums.uv.0, sums.uv.1);
-    let uv = u + v;
-    circuit.stage(sums.uv_depth.0, sums.uv_depth.1);
-    let uv_depth = uaz + vbz;
-    circuit.label(format_args!("uv"), &uv);
-    circuit.label(format_args!("uv_depth"), &uv_depth);
+    let (t_denom, t_num) = match *sums {
+        Sums::Unit { uv: at_uv, uv_depth: at_uv_depth, t_denom: at_t_denom, t_num: at_t_num } => {
+            circuit.stage(at_uv.0, at_uv.1);
+            let uv = u + v;
+            circuit.stage(at_uv_depth.0, at_uv_depth.1);
+            let uv_depth = uaz + vbz;
+            circuit.label(format_args!("uv"), &uv);
+            circuit.label(format_args!("uv_depth"), &uv_depth);
 
-    circuit.stage(sums.t_denom.0, sums.t_denom.1);
-    let t_denom = uv + w;
-    circuit.stage(sums.t_num.0, sums.t_num.1);
-    let t_num = uv_depth + wcz;
+            circuit.stage(at_t_denom.0, at_t_denom.1);
+            let t_denom = uv + w;
+            circuit.stage(at_t_num.0, at_t_num.1);
+            (t_denom, uv_depth + wcz)
+        }
+        Sums::Once { t_denom: at_t_denom, t_num: at_t_num } => {
+            circuit.stage(at_t_denom, "t_denom = U + V + W, from the stage before, rounded once");
+            let t_denom = Num::sum([u, v, w]);
+            circuit.stage(at_t_num, "t_num = U Az + V Bz + W Cz, from the stage before, rounded once");
+            (t_denom, Num::sum([uaz, vbz, wcz]))
+        }
+    };
     circuit.label(format_args!("t_denom"), &t_denom);
     circuit.label(format_args!("t_num"), &t_num);
 

@@ -1,7 +1,9 @@
 //! The ray-triangle test with optional culling, range and outputs.
 
-use crate::ray_triangle::{Distance, Sums, distance};
-use crate::{Bit, Circuit, Edges, Num, Operation, Order, Portable, Ray, RayTriangle, Rules, Triangle, bundle};
+use crate::ray_triangle::{Distance, HIT_TEST, Sums, distance};
+use crate::{
+    Bit, Circuit, Edges, Num, Operation, Order, Portable, Ray, RayTriangle, Rounding, Rules, Triangle, bundle,
+};
 
 /// [`RayTriangle`] with options. With all of them off, its results are those of [`RayTriangle`]. It has the same name,
 /// so a datapath has one or the other.
@@ -9,6 +11,8 @@ use crate::{Bit, Circuit, Edges, Num, Operation, Order, Portable, Ray, RayTriang
 pub struct RayTriangleExtended {
     /// The rules for special cases.
     pub rules: Rules,
+    /// How t_num and t_denom are rounded.
+    pub rounding: Rounding,
     /// The faces that are not hit.
     pub culling: Culling,
     /// Adds the output `facing`: which face the ray meets.
@@ -57,13 +61,18 @@ bundle! {
     }
 }
 
-/// The sums one stage earlier than in Table VII, so that there is time for products with the denominator.
-const EARLY: Sums = Sums {
-    uv: (7, "U + V"),
-    uv_depth: (8, "U Az + V Bz"),
-    t_denom: (8, "+ W = t_denom"),
-    t_num: (9, "+ W Cz = t_num"),
-};
+/// The denominator one stage earlier than in [`Sums::of`], so that there is time for products with it.
+const fn early(rounding: Rounding) -> Sums {
+    match rounding {
+        Rounding::Unit => Sums::Unit {
+            uv: (7, "U + V"),
+            uv_depth: (8, "U Az + V Bz"),
+            t_denom: (8, "+ W = t_denom"),
+            t_num: (9, "+ W Cz = t_num"),
+        },
+        Rounding::Sum => Sums::Once { t_denom: 8, t_num: 9 },
+    }
+}
 
 impl Operation for RayTriangleExtended {
     const NAME: &'static str = RayTriangle::NAME;
@@ -90,8 +99,8 @@ impl Operation for RayTriangleExtended {
         _state: (),
     ) -> (RayTriangleExtendedOutput<C>, ()) {
         let RayTriangleExtendedInput { ray, triangle, t_min } = input;
-        let sums = if self.range { &EARLY } else { &RayTriangle::SUMS };
-        let met = distance(c, Portable, &ray, triangle, sums);
+        let sums = if self.range { early(self.rounding) } else { Sums::of(self.rounding) };
+        let met = distance(c, Portable, &ray, triangle, &sums);
         let Distance { edges, t_num, t_denom } = met;
 
         let bounds = self.range.then(|| {
@@ -101,7 +110,8 @@ impl Operation for RayTriangleExtended {
             bounds
         });
 
-        c.stage(10, "hit test");
+        // Comparisons with the products of stage 9 need a stage of their own.
+        c.stage_or(10, if self.range { 10 } else { HIT_TEST }, "hit test");
         let mirrored = match self.culling {
             Culling::Back => None,
             Culling::Front | Culling::None => Some(mirrored(c, &met)),

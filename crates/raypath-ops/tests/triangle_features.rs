@@ -7,11 +7,12 @@ use rand::{Rng, RngExt, SeedableRng};
 use raypath_ops::{
     AngularMany, AngularManyState, Beat, BeatManyInput, Binary32, Culling, EuclideanMany, EuclideanManyState, Flags,
     Operation, Ray, RayTriangle, RayTriangleExtended, RayTriangleExtendedInput, RayTriangleExtendedOutput,
-    RayTriangleInput, Rules, Triangle, Word, from_words, ports_of,
+    RayTriangleInput, Rounding, Rules, Triangle, Word, from_words, ports_of,
 };
 
 const PLAIN: RayTriangleExtended = RayTriangleExtended {
     rules: Rules::Paper,
+    rounding: Rounding::Unit,
     culling: Culling::Back,
     facing: false,
     barycentrics: false,
@@ -240,7 +241,7 @@ fn the_default_is_the_configuration_of_the_paper() {
         let job: RayTriangleExtendedInput<Binary32> = from_words(Binary32, &words);
         for rules in [Rules::Paper, Rules::Chisel] {
             let found = RayTriangleExtended { rules, ..PLAIN }.run(Binary32, job, ()).0;
-            let plain = RayTriangle { rules };
+            let plain = RayTriangle { rules, rounding: Rounding::Unit };
             let expected = plain.run(Binary32, RayTriangleInput { ray: job.ray, triangle: job.triangle }, ()).0;
             assert_eq!(
                 (found.t_num, found.t_denom, found.triangle_hit),
@@ -272,11 +273,17 @@ fn accumulators_do_not_mix() {
         };
         let accumulator = Word::truncate(which as u32);
         let found;
-        (found, euclidean) =
-            EuclideanMany::<4, 8, 3>.run(Binary32, BeatManyInput { euclidean: beat, accumulator }, euclidean);
+        (found, euclidean) = EuclideanMany::<4, 8, 3> { rounding: Rounding::Unit }.run(
+            Binary32,
+            BeatManyInput { euclidean: beat, accumulator },
+            euclidean,
+        );
         let products;
-        (products, angular) =
-            AngularMany::<4, 8, 3>.run(Binary32, BeatManyInput { euclidean: beat, accumulator }, angular);
+        (products, angular) = AngularMany::<4, 8, 3> { rounding: Rounding::Unit }.run(
+            Binary32,
+            BeatManyInput { euclidean: beat, accumulator },
+            angular,
+        );
         for lane in (0..4).filter(|&lane| mask[lane]) {
             sums[which][0] += (a[lane] - b[lane]).pow(2);
             sums[which][1] += a[lane] * b[lane];

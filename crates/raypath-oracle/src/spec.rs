@@ -14,9 +14,9 @@ use std::sync::Arc;
 ///
 /// ```
 /// use raypath_oracle::{AnyOperationSpec, OperationSpec};
-/// use raypath_ops::{RayTriangle, Rules};
+/// use raypath_ops::{RayTriangle, Rounding, Rules};
 ///
-/// let spec = OperationSpec::of(RayTriangle { rules: Rules::Paper })
+/// let spec = OperationSpec::of(RayTriangle { rules: Rules::Paper, rounding: Rounding::Unit })
 ///     .purpose("a ray against a triangle")
 ///     .oracle("the sign of the distance", |_, answer| {
 ///         let (t_num, hit) = (f32::from(answer.t_num), bool::from(answer.triangle_hit));

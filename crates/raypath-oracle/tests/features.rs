@@ -2,7 +2,7 @@
 
 use rand::RngExt;
 use raypath_float::Format;
-use raypath_ops::{Culling, RayTriangleExtended, RayTriangleExtendedInput, Rules};
+use raypath_ops::{Culling, RayTriangleExtended, RayTriangleExtendedInput, Rounding, Rules};
 use raypath_ops::{Ray, Triangle};
 use raypath_oracle::{AnyOperationSpec, Checks, OperationSpec};
 use raypath_rtl::{Accumulators, Config, Control, Features, Lanes, UnitLatency};
@@ -65,6 +65,7 @@ fn unsupported_features_are_errors() {
 fn oracles_get_the_present_ports() {
     let extended = RayTriangleExtended {
         rules: Rules::Paper,
+        rounding: Rounding::Unit,
         culling: Culling::None,
         facing: true,
         barycentrics: false,

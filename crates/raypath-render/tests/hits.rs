@@ -10,7 +10,7 @@ use common::meshes::{self, Named};
 use common::oracle::{Oracle, Verdict};
 use common::rays::{Kind, rays};
 use rayon::prelude::*;
-use raypath_ops::{Binary32, Operation, Ray, RayTriangle, RayTriangleInput, Rules, Triangle};
+use raypath_ops::{Binary32, Operation, Ray, RayTriangle, RayTriangleInput, Rounding, Rules, Triangle};
 use raypath_render::{Hit, Mesh, Scene, Tracing, trace_any, trace_closest};
 
 fn ray_count() -> usize {
@@ -81,7 +81,7 @@ fn brute_force(mesh: &Mesh, ray: &Ray<Binary32>, two_sided: bool) -> Option<Hit>
         for from_behind in [false, true].into_iter().take(1 + usize::from(two_sided)) {
             let triangle_seen = if from_behind { Triangle::new(a, c, b) } else { Triangle::new(a, b, c) };
             let input = RayTriangleInput { ray: *ray, triangle: triangle_seen };
-            let (output, ()) = RayTriangle { rules: Rules::Paper }.run(Binary32, input, ());
+            let (output, ()) = RayTriangle { rules: Rules::Paper, rounding: Rounding::Unit }.run(Binary32, input, ());
             let (t_num, t_denom) = (f32::from(output.t_num), f32::from(output.t_denom));
             let t = t_num / t_denom;
             let nearer = best.is_none_or(|best| t < best.t);

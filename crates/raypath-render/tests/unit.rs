@@ -8,7 +8,9 @@ use common::oracle::Oracle;
 use common::rays::{Kind, rays};
 use rayon::prelude::*;
 use raypath_model::Shape;
-use raypath_ops::{Binary32, Culling, Operation, Ray, RayTriangleExtended, RayTriangleExtendedInput, Rules, Triangle};
+use raypath_ops::{
+    Binary32, Culling, Operation, Ray, RayTriangleExtended, RayTriangleExtendedInput, Rounding, Rules, Triangle,
+};
 use raypath_render::{
     Camera, Goal, Mesh, PictureSpec, RayBatch, Scene, Shading, Tracer, Tracing, UnitSystem, render,
     time_picture_through_unit, time_rays_through_unit, trace_any, trace_closest,
@@ -67,6 +69,7 @@ fn hits_of_both_faces() {
 fn of_all(mesh: &Mesh, ray: &Ray<Binary32>) -> Option<(u32, f32)> {
     let both_faces = RayTriangleExtended {
         rules: Rules::Paper,
+        rounding: Rounding::Unit,
         culling: Culling::None,
         facing: true,
         barycentrics: false,

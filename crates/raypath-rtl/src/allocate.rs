@@ -7,3 +7,4 @@ mod lanes;
 pub mod layout;
 pub mod plan;
 mod registers;
+mod terms;

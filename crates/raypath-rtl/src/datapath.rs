@@ -68,9 +68,9 @@ impl Datapath {
     /// Features that cannot be combined ([`Config::check`]).
     pub fn new(config: Config) -> Result<Self, Error> {
         config.check()?;
-        let Semantics { format, features, .. } = config.semantics;
-        let mut operations =
-            Operations::new().format(format).tag(features.tag).exception_flags(features.exception_flags);
+        let Semantics { format, rounding, features, .. } = config.semantics;
+        let mut operations = Operations::new().format(format).rounding(rounding).tag(features.tag);
+        operations = operations.exception_flags(features.exception_flags);
         config.semantics.operations(&mut operations)?;
         Self::build(operations, config.microarchitecture)
     }
@@ -92,8 +92,8 @@ impl Datapath {
     pub fn build(operations: Operations, microarchitecture: Microarchitecture) -> Result<Self, Error> {
         let Operations { format, exception_flags: with_flags, .. } = operations;
         microarchitecture.check(with_flags)?;
-        let staged = operations.staged(microarchitecture)?;
-        let (operations, labels) = schedule::expand(&staged, microarchitecture.unit_latency.steps());
+        let (staged, stages) = operations.staged(microarchitecture)?;
+        let (operations, labels) = schedule::expand(&staged, microarchitecture.unit_latency.steps(), stages);
         let plan = Plan::new(operations, labels, format, microarchitecture)?;
         let library = Library::new(&plan, with_flags)?;
         let pipeline = top::pipeline(&plan, &library, &description(&plan))?;

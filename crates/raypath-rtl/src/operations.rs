@@ -2,12 +2,12 @@
 
 use crate::config::{Encoding, Features, Microarchitecture, OperationVisitor};
 use crate::error::Error;
-use crate::ir::graph::{MAX_OPERATIONS, OperationGraph};
-use crate::ir::position::Stage;
+use crate::ir::graph::{MAX_OPERATIONS, Op, OperationGraph};
+use crate::ir::position::{SHORT_STAGES, STAGES, Stage};
 use crate::ir::recorder::{self, Marks};
 use crate::schedule::{self, Budget, Target};
 use raypath_float::Format;
-use raypath_ops::{Binary32, Operation, Port, ports_of};
+use raypath_ops::{Binary32, Operation, Port, Rounding, ports_of};
 
 /// A set of operations, each with its opcode, in the order of ports, tables and comments.
 #[derive(Debug)]
@@ -18,6 +18,7 @@ pub struct Operations {
     pub(crate) format: Format,
     tag: u32,
     pub(crate) exception_flags: bool,
+    rounding: Rounding,
     ports: Vec<PortUse>,
 }
 
@@ -80,6 +81,7 @@ impl Operations {
             format: Format::BINARY32,
             tag: 0,
             exception_flags: false,
+            rounding: Rounding::Unit,
             ports: Vec::new(),
         }
     }
@@ -117,6 +119,17 @@ impl Operations {
     /// job, as the bits of [`raypath_float::flags`].
     pub fn exception_flags(mut self, are_present: bool) -> Self {
         self.exception_flags = are_present;
+        self
+    }
+
+    /// Sets how the operations added after this call round their sums; at every addition by default. With
+    /// [`Rounding::Sum`] they mark the stages of the shorter pipeline, whose last stage also decodes. The pipeline has
+    /// its full length all the same if an operation computes something in a later stage.
+    pub fn rounding(mut self, rounding: Rounding) -> Self {
+        self.rounding = rounding;
+        if self.marks != Marks::Ignored {
+            self.marks = if rounding == Rounding::Sum { Marks::Short } else { Marks::Used };
+        }
         self
     }
 
@@ -166,8 +179,11 @@ impl Operations {
         Ok(())
     }
 
-    /// The graphs of the operations, with all stages assigned.
-    pub(crate) fn staged(mut self, microarchitecture: Microarchitecture) -> Result<Vec<OperationGraph<Stage>>, Error> {
+    /// The graphs of the operations, with all stages assigned, and the number of stages.
+    pub(crate) fn staged(
+        mut self,
+        microarchitecture: Microarchitecture,
+    ) -> Result<(Vec<OperationGraph<Stage>>, u32), Error> {
         Features::check_tag(self.tag)?;
         if self.tag > 0 {
             self.graphs.iter_mut().try_for_each(|graph| graph.add_tag(self.tag))?;
@@ -187,7 +203,13 @@ impl Operations {
             Encoding::Ieee => self.format.ieee_width(),
             Encoding::Recoded => self.format.recoded_width(),
         };
-        schedule::assign(self.graphs, &Target { budget: self.budget, number_width, sharing })
+        if self.graphs.iter().flat_map(|graph| &graph.nodes).any(|node| matches!(node.op, Op::Sum(_))) {
+            microarchitecture.check_sums(self.exception_flags)?;
+        }
+        let staged = schedule::assign(self.graphs, &Target { budget: self.budget, number_width, sharing })?;
+        let last = staged.iter().flat_map(|graph| &graph.nodes).map(|node| node.position).max();
+        let is_short = self.rounding == Rounding::Sum && last <= Some(Stage(SHORT_STAGES));
+        Ok((staged, if is_short { SHORT_STAGES } else { STAGES }))
     }
 }
 

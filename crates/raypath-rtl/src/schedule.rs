@@ -18,7 +18,7 @@ pub use steps::expand;
 
 use crate::config::Sharing;
 use crate::error::Error;
-use crate::ir::graph::OperationGraph;
+use crate::ir::graph::{Op, OperationGraph};
 use crate::ir::position::{LAST_STAGE, Stage};
 use cost::{Constraints, Costs, RegisterLoad};
 use problem::Problem;
@@ -29,6 +29,11 @@ use settle::Directions;
 pub fn check(graph: &OperationGraph<Stage>) -> Result<(), Error> {
     if let Some(&(stage, _)) = graph.notes.first() {
         return Err(Error::StagesMixed { operation: graph.name, stage });
+    }
+    if graph.nodes.iter().any(|node| matches!(node.op, Op::Sum(_))) {
+        let problem =
+            format!("sum is not available in {}, which is staged automatically; expected marked stages", graph.name);
+        return Err(Error::Feature { feature: "rounding", problem });
     }
     let problem = Problem::new(graph);
     let directions = Directions::new(&problem);

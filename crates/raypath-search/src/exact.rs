@@ -4,7 +4,7 @@ use crate::{Metric, Neighbour, SearchError, SearchResults, Vectors, Work, cosine
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use raypath_model::BLOCK;
-use raypath_ops::{Angular, AngularState, Euclidean, EuclideanState, array_of};
+use raypath_ops::{Angular, AngularState, Euclidean, EuclideanState, Rounding, array_of};
 use raypath_timing::{Progress, ProgressCounter};
 use std::time::Instant;
 
@@ -124,7 +124,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
                     for (first, block) in blocks {
                         let squared = kernel::block(
                             simd,
-                            &Euclidean::<E>,
+                            &Euclidean::<E> { rounding: Rounding::Unit },
                             EuclideanState::zero,
                             |sums| sums.accumulator,
                             &query.padded,
@@ -138,7 +138,7 @@ impl<const E: usize, const A: usize> Exact<E, A> {
                     for ((first, block), norms) in blocks.zip(self.norms[first..].as_chunks::<BLOCK>().0) {
                         let dots = kernel::block(
                             simd,
-                            &Angular::<A>,
+                            &Angular::<A> { rounding: Rounding::Unit },
                             AngularState::zero,
                             |sums| sums.dot_product,
                             &query.padded,

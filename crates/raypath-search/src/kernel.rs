@@ -6,7 +6,7 @@ use fearless_simd::Simd;
 use raypath_model::{BLOCK, BlockSlice, BlockValue, Lanes, Packed, SimdKernels};
 use raypath_ops::{
     Angular, AngularState, Beat, BeatInput, Binary32, Circuit, Euclidean, EuclideanState, Family, Flags, Kernels, Num,
-    Operation, array_of,
+    Operation, Rounding, array_of,
 };
 
 /// One coordinate of all candidates of a block.
@@ -50,17 +50,19 @@ impl Blocks {
 /// The squared Euclidean distance of a query and one candidate.
 #[inline(always)]
 pub(crate) fn squared<const E: usize>(query: &[f32], candidate: &[f32]) -> f32 {
-    pair(&Euclidean::<E>, EuclideanState::zero(Binary32), query, candidate).accumulator.into()
+    pair(&Euclidean::<E> { rounding: Rounding::Unit }, EuclideanState::zero(Binary32), query, candidate)
+        .accumulator
+        .into()
 }
 
 #[inline(always)]
 pub(crate) fn dot_product<const A: usize>(query: &[f32], candidate: &[f32]) -> f32 {
-    pair(&Angular::<A>, AngularState::zero(Binary32), query, candidate).dot_product.into()
+    pair(&Angular::<A> { rounding: Rounding::Unit }, AngularState::zero(Binary32), query, candidate).dot_product.into()
 }
 
 #[inline(always)]
 pub(crate) fn norm<const A: usize>(vector: &[f32]) -> f32 {
-    pair(&Angular::<A>, AngularState::zero(Binary32), vector, vector).norm.into()
+    pair(&Angular::<A> { rounding: Rounding::Unit }, AngularState::zero(Binary32), vector, vector).norm.into()
 }
 
 /// The sums of a query and one candidate of the same dimension.

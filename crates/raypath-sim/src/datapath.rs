@@ -15,10 +15,10 @@ use std::sync::Arc;
 ///
 /// ```
 /// use raypath_sim::Datapath;
-/// use raypath_ops::{RayBox, RayTriangle, Rules};
+/// use raypath_ops::{RayBox, RayTriangle, Rounding, Rules};
 ///
 /// let rules = Rules::Paper;
-/// let datapath = Datapath::new().with(RayBox { rules }).with(RayTriangle { rules });
+/// let datapath = Datapath::new().with(RayBox { rules }).with(RayTriangle { rules, rounding: Rounding::Unit });
 /// let netlist = datapath.elaborate()?;
 /// assert_eq!((netlist.latency(), netlist.units(2).add), (12, 24));
 /// # Ok::<(), raypath_rtl::Error>(())
@@ -122,8 +122,10 @@ impl Datapath {
     /// operations whose shared units would form a loop.
     pub fn elaborate(&self) -> Result<rtl::Datapath, Error> {
         self.config.check()?;
-        let Semantics { format, features: Features { tag, exception_flags, .. }, .. } = self.config.semantics;
-        let mut operations = Operations::new().format(format).tag(tag).exception_flags(exception_flags);
+        let Semantics { format, rounding, features, .. } = self.config.semantics;
+        let Features { tag, exception_flags, .. } = features;
+        let mut operations =
+            Operations::new().format(format).rounding(rounding).tag(tag).exception_flags(exception_flags);
         if let Some(budget) = self.budget {
             operations = operations.within(budget);
         }

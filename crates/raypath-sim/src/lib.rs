@@ -5,13 +5,13 @@
 //! [`lockstep`] compares them in every cycle. [`transactions`] are files of jobs with their outcomes.
 //!
 //! ```
-//! use raypath_ops::{RayBox, RayTriangle, Rules};
+//! use raypath_ops::{RayBox, RayTriangle, Rounding, Rules};
 //! use raypath_sim::Datapath;
 //! use raypath_sim::lockstep::lockstep;
 //! use raypath_sim::{jobs::any_jobs, traffic::Traffic};
 //!
 //! let rules = Rules::Paper;
-//! let datapath = Datapath::new().with(RayBox { rules }).with(RayTriangle { rules });
+//! let datapath = Datapath::new().with(RayBox { rules }).with(RayTriangle { rules, rounding: Rounding::Unit });
 //! let elaborated = datapath.elaborate()?;
 //! let mut netlist = datapath.netlist(&elaborated)?;
 //! let jobs = any_jobs(datapath.model(), 1).take(200);

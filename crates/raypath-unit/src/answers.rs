@@ -10,7 +10,7 @@ use crate::step::{StepParameters, UnitFeatures};
 use raypath_model::SimdKernels;
 use raypath_ops::{
     Binary32, Culling, Flags, Num, Operation, Ray, RayBox, RayBoxInput, RayTriangleExtended, RayTriangleExtendedInput,
-    Rules, Vec3, Word,
+    Rounding, Rules, Vec3, Word,
 };
 
 /// A block of the memory, of the largest size.
@@ -37,8 +37,9 @@ impl Answers {
     /// The jobs of a unit by these rules.
     pub fn new(rules: Rules, parameters: StepParameters) -> Self {
         let StepParameters { node: nodes, features: UnitFeatures { barycentrics, .. }, .. } = parameters;
+        let rounding = Rounding::Unit;
         let (culling, facing, range) = (Culling::None, true, false);
-        let triangles = RayTriangleExtended { rules, culling, facing, barycentrics, range };
+        let triangles = RayTriangleExtended { rules, rounding, culling, facing, barycentrics, range };
         Self { boxes: RayBox { rules }, triangles, nodes }
     }
 

@@ -89,6 +89,9 @@ impl<'m> Circuit for Netlist<'m> {
     fn add(self, _a: Value<'m>, _b: Value<'m>) -> Value<'m> {
         self.no_arithmetic()
     }
+    fn sum(self, _terms: &[Value<'m>]) -> Value<'m> {
+        self.no_arithmetic()
+    }
     fn subtract(self, _a: Value<'m>, _b: Value<'m>) -> Value<'m> {
         self.no_arithmetic()
     }

@@ -1,6 +1,6 @@
 //! The generated files, the checks and the cost of the operation.
 
-use raypath::ops::{RayBox, RayTriangle, Rules};
+use raypath::ops::{RayBox, RayTriangle, Rounding, Rules};
 use raypath::oracle::{AnyOperationSpec, Checks};
 use raypath::prelude::*;
 use raypath::sim::transactions::read;
@@ -121,7 +121,8 @@ fn the_models_are_a_few_lines() {
     let rules = Rules::Paper;
     // ANCHOR: models
     // Hardware: SystemVerilog, schedule, units, registers.
-    let datapath = Datapath::new().with(RayBox { rules }).with(RayTriangle { rules }).with(WithinRadius);
+    let datapath =
+        Datapath::new().with(RayBox { rules }).with(RayTriangle { rules, rounding: Rounding::Unit }).with(WithinRadius);
     let netlist = datapath.elaborate().expect("it fits");
 
     // The function itself, at native speed, for points at distances 1 to 4 and a radius of 2.5.

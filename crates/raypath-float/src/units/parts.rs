@@ -88,21 +88,40 @@ impl<'m> Parts<'m> {
     /// value of stem `x` leaves the part by the port `x_o` and enters the next by `x_i`. Returns the values in the part
     /// that is current then. [`cut`] is the usual way to call it.
     pub fn cut<const N: usize>(&mut self, cuts: &[(usize, usize)], values: [(&str, Wire<'m>); N]) -> [Wire<'m>; N] {
-        let next = self.current + 1;
-        if next == self.count() || !cuts.contains(&(next, self.count())) {
+        if !self.is_cut(cuts) {
             return values.map(|(_, wire)| wire);
         }
-        let (from, to) = (&self.builders[self.current], &self.builders[next]);
-        self.current = next;
-        let over = |stem: &str, wire: Wire<'m>| {
-            from.output(&format!("{stem}_o"), wire);
-            to.input(&format!("{stem}_i"), wire.width())
-        };
-        let values = values.map(|(stem, wire)| over(stem, wire));
-        for (stem, wire) in &mut self.along {
-            *wire = over(stem, *wire);
-        }
+        self.current += 1;
+        let values = values.map(|(stem, wire)| self.over(stem, wire));
+        self.pass_along();
         values
+    }
+
+    /// As [`cut`](Self::cut), for any number of values.
+    pub fn cut_all(&mut self, cuts: &[(usize, usize)], values: Vec<(String, Wire<'m>)>) -> Vec<Wire<'m>> {
+        if !self.is_cut(cuts) {
+            return values.into_iter().map(|(_, wire)| wire).collect();
+        }
+        self.current += 1;
+        let values = values.into_iter().map(|(stem, wire)| self.over(&stem, wire)).collect();
+        self.pass_along();
+        values
+    }
+
+    fn is_cut(&self, cuts: &[(usize, usize)]) -> bool {
+        let next = self.current + 1;
+        next != self.count() && cuts.contains(&(next, self.count()))
+    }
+
+    /// Passes a value from the part before to the current one.
+    fn over(&self, stem: &str, wire: Wire<'m>) -> Wire<'m> {
+        self.builders[self.current - 1].output(&format!("{stem}_o"), wire);
+        self.builders[self.current].input(&format!("{stem}_i"), wire.width())
+    }
+
+    fn pass_along(&mut self) {
+        let along = std::mem::take(&mut self.along);
+        self.along = along.into_iter().map(|(stem, wire)| (stem, self.over(stem, wire))).collect();
     }
 }
 

@@ -4,7 +4,7 @@ use crate::blocks::Blocks;
 use crate::scene::Scene;
 use rayon::prelude::*;
 use raypath_model::SimdKernels;
-use raypath_ops::{Binary32, Operation, Ray, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Rules};
+use raypath_ops::{Binary32, Operation, Ray, RayBox, RayBoxInput, RayTriangle, RayTriangleInput, Rounding, Rules};
 use raypath_timing::{Progress, ProgressCounter};
 use raypath_unit::{StepParameters, Unit};
 
@@ -149,7 +149,8 @@ fn run(traversal: &mut Traversal, rules: Rules) {
             }
             Request::Triangle(triangle) => {
                 let input = RayTriangleInput { ray: *traversal.ray(), triangle };
-                let (output, ()) = RayTriangle { rules }.run_with(Binary32, SimdKernels, input, ());
+                let (output, ()) =
+                    RayTriangle { rules, rounding: Rounding::Unit }.run_with(Binary32, SimdKernels, input, ());
                 traversal.finish_triangle(&output);
             }
             // No job is outstanding, so the traversal does not wait.

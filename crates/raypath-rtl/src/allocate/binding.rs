@@ -84,10 +84,11 @@ pub fn bind(step: &StepValues<'_>, round: impl Fn(usize, NodeId) -> u32) -> Vec<
 /// Binds values to units with numbers from that of `first`.
 fn bind_set(step: &StepValues<'_>, first: Unit, rounds: &[Round], bindings: &mut [Bindings]) {
     let is_chained = |(op, values): &Round| is_chained(&step.operations[*op], step.values[*op], values);
-    if !rounds.iter().any(is_chained) {
+    if first.kind != UnitKind::Sum && !rounds.iter().any(is_chained) {
         return bind_by_nets(step, first, rounds, bindings);
     }
-    // In order, because another choice could make a combinational loop of two operations' chains.
+    // In order, because another choice could make a combinational loop of two operations' chains. Sums too: their terms
+    // are in the order that suits the unit of this number ([`align`](super::terms::align)).
     for (op, values) in rounds {
         let in_order = values.iter().enumerate().map(|(index, &id)| {
             let unit = Unit { number: first.number + index, ..first };

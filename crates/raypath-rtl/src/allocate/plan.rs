@@ -4,8 +4,8 @@ use crate::allocate::affinity::Affinity;
 use crate::allocate::alike::{Alike, alike};
 use crate::allocate::binding::{self, Bindings, StepValues};
 use crate::allocate::layout::{Layout, Origin, RegisterSlot};
-use crate::allocate::{lanes, registers};
-use crate::config::{Control, Encoding, Interval, Microarchitecture};
+use crate::allocate::{lanes, registers, terms};
+use crate::config::{Control, Encoding, Interval, Microarchitecture, UnitSharing};
 use crate::error::Error;
 use crate::fold::{self, Rounds};
 use crate::ir::graph::{Kind, NodeId, Op, OperationGraph};
@@ -57,7 +57,7 @@ impl Plan {
     /// # Errors
     /// A folded pipeline for which no schedule was found.
     pub fn new(
-        operations: Vec<OperationGraph<Step>>,
+        mut operations: Vec<OperationGraph<Step>>,
         labels: Vec<StepLabel>,
         format: Format,
         microarchitecture: Microarchitecture,
@@ -79,6 +79,9 @@ impl Plan {
             let here: Vec<&PositionValues> = values.iter().map(|values| &values[index]).collect();
             let empty = Layout::default();
             let before = steps.last().map_or(&empty, |plan| &plan.layout);
+            if microarchitecture.units == UnitSharing::Shared {
+                terms::align(&mut operations, &here, before);
+            }
             let same = |bindings: &[Bindings]| -> Vec<Alike> {
                 let each = operations.iter().zip(&here).zip(bindings).enumerate();
                 let folded = each.filter(|_| rounds.is_some());

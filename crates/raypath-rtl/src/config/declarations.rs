@@ -7,7 +7,7 @@ use super::parameter::{Parameter, ParameterGroup, declare_parameters, values};
 use super::values::{MAX_TAG_WIDTH, TagWidth, Values};
 use crate::error::Error;
 use raypath_float::Format;
-use raypath_ops::{BoxBits, Culling, JobKind, Rules};
+use raypath_ops::{BoxBits, Culling, JobKind, Rounding, Rules};
 use std::fmt;
 
 declare_parameters! {
@@ -26,6 +26,8 @@ declare_parameters! {
         /// The number format; `eXsY` has X exponent bits (3 to 11) and Y significand bits, hidden bit included (3 to
         /// 24).
         format ("format"): Format = Format::BINARY32,
+        /// How sums of several products are rounded: at every adder (the paper's), or once, which shortens the pipeline.
+        rounding ("rounding"): Rounding = Rounding::Unit,
     }
     /// Functions that the paper's operations do not have; off by default.
     pub features: Features = Features::OFF,
@@ -132,6 +134,9 @@ impl Config {
     /// Those of [`Semantics::check`] and [`Microarchitecture::check`].
     pub fn check(self) -> Result<(), Error> {
         self.semantics.check()?;
+        if self.semantics.rounding == Rounding::Sum {
+            self.microarchitecture.check_sums(self.semantics.features.exception_flags)?;
+        }
         if matches!(self.semantics.rules, Rules::Bounds(_)) && self.microarchitecture.interval != Interval::One {
             let problem =
                 format!("{} is not available with rules bounds, expected interval 1", self.microarchitecture.interval);
@@ -188,8 +193,8 @@ impl Semantics {
     ///
     /// # Errors
     /// A tag of more than [`Features::MAX_TAG_WIDTH`] bits; conservative boxes under other rules than `paper`; bits of
-    /// boxes under other rules than `bounds`, or more than the format has; exception flags in another format than
-    /// binary32.
+    /// boxes under other rules than `bounds`, or more than the format has; sums that round once under the rules
+    /// `chisel`; exception flags in another format than binary32.
     pub fn check(self) -> Result<(), Error> {
         let Features { tag, conservative, exception_flags, .. } = self.features;
         Features::check_tag(tag)?;
@@ -201,6 +206,11 @@ impl Semantics {
             };
             let problem = format!("not available with rules {}, {reason}; expected rules paper", self.rules);
             return Err(Error::Feature { feature: "conservative", problem });
+        }
+        if self.rounding == Rounding::Sum && self.rules == Rules::Chisel {
+            let problem = "sum is not available with rules chisel, which answer as the original hardware; expected rules \
+                           paper or bounds";
+            return Err(Error::Feature { feature: "rounding", problem: problem.to_string() });
         }
         if exception_flags && self.format != Format::BINARY32 {
             let problem = format!("not available in format {}, expected format fp32", self.format);
@@ -228,6 +238,21 @@ impl Microarchitecture {
             _ => format!("not available with unit-latency {unit_latency}, expected unit-latency 1"),
         };
         Err(Error::Feature { feature: "interval", problem: format!("{interval} is {problem}") })
+    }
+
+    /// Checks that sums that round once can be combined with the other parameters.
+    ///
+    /// # Errors
+    /// Sums that round once with an interval above 1, units of several steps, or exception flags.
+    pub(crate) fn check_sums(self, exception_flags: bool) -> Result<(), Error> {
+        let Self { interval, unit_latency, .. } = self;
+        let problem = match unit_latency {
+            _ if interval != Interval::One => format!("interval {interval}, expected interval 1"),
+            UnitLatency::One if exception_flags => "exception flags, expected rounding unit".to_string(),
+            UnitLatency::One => return Ok(()),
+            _ => format!("unit-latency {unit_latency}, expected unit-latency 1"),
+        };
+        Err(Error::Feature { feature: "rounding", problem: format!("sum is not available with {problem}") })
     }
 }
 

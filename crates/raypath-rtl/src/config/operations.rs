@@ -4,7 +4,7 @@ use super::declarations::Semantics;
 use super::enumerations::{Accumulators, Lanes};
 use raypath_ops::{
     Angular, AngularMany, Euclidean, EuclideanMany, JobKind, Operation, RayBox, RayBoxConservative, RayTriangle,
-    RayTriangleExtended,
+    RayTriangleExtended, Rounding,
 };
 
 /// Receives the operations of a configuration, one after another.
@@ -26,7 +26,7 @@ impl Semantics {
     /// # Errors
     /// Those of the visitor.
     pub fn operations<V: OperationVisitor>(self, visitor: &mut V) -> Result<(), V::Error> {
-        let (rules, features) = (self.rules_in_full(), self.features);
+        let (rules, rounding, features) = (self.rules_in_full(), self.rounding, self.features);
         if features.conservative {
             visitor.visit(RayBoxConservative, JobKind::Quadbox.opcode())?;
         } else {
@@ -35,44 +35,46 @@ impl Semantics {
         if features.extend_triangles() {
             let (culling, facing) = (features.culling, features.facing);
             let (barycentrics, range) = (features.barycentrics, features.range);
-            let extended = RayTriangleExtended { rules, culling, facing, barycentrics, range };
+            let extended = RayTriangleExtended { rules, rounding, culling, facing, barycentrics, range };
             visitor.visit(extended, JobKind::Triangle.opcode())?;
         } else {
-            visitor.visit(RayTriangle { rules }, JobKind::Triangle.opcode())?;
+            visitor.visit(RayTriangle { rules, rounding }, JobKind::Triangle.opcode())?;
         }
         match self.lanes {
             Lanes::None => Ok(()),
-            Lanes::Two => distances::<2, 1, V>(features.accumulators, visitor),
-            Lanes::Four => distances::<4, 2, V>(features.accumulators, visitor),
-            Lanes::Eight => distances::<8, 4, V>(features.accumulators, visitor),
-            Lanes::Sixteen => distances::<16, 8, V>(features.accumulators, visitor),
-            Lanes::ThirtyTwo => distances::<32, 16, V>(features.accumulators, visitor),
-            Lanes::SixtyFour => distances::<64, 32, V>(features.accumulators, visitor),
+            Lanes::Two => distances::<2, 1, V>(self, visitor),
+            Lanes::Four => distances::<4, 2, V>(self, visitor),
+            Lanes::Eight => distances::<8, 4, V>(self, visitor),
+            Lanes::Sixteen => distances::<16, 8, V>(self, visitor),
+            Lanes::ThirtyTwo => distances::<32, 16, V>(self, visitor),
+            Lanes::SixtyFour => distances::<64, 32, V>(self, visitor),
         }
     }
 }
 
 /// The distance operations of `E` and `A` lanes.
 fn distances<const E: usize, const A: usize, V: OperationVisitor>(
-    accumulators: Accumulators,
+    semantics: Semantics,
     visitor: &mut V,
 ) -> Result<(), V::Error> {
-    match accumulators {
+    let Semantics { rounding, features, .. } = semantics;
+    match features.accumulators {
         Accumulators::One => {
-            visitor.visit(Euclidean::<E>, JobKind::Euclidean.opcode())?;
-            visitor.visit(Angular::<A>, JobKind::Angular.opcode())
+            visitor.visit(Euclidean::<E> { rounding }, JobKind::Euclidean.opcode())?;
+            visitor.visit(Angular::<A> { rounding }, JobKind::Angular.opcode())
         }
-        Accumulators::Two => several::<E, A, 2, 1, V>(visitor),
-        Accumulators::Four => several::<E, A, 4, 2, V>(visitor),
-        Accumulators::Eight => several::<E, A, 8, 3, V>(visitor),
-        Accumulators::Sixteen => several::<E, A, 16, 4, V>(visitor),
+        Accumulators::Two => several::<E, A, 2, 1, V>(rounding, visitor),
+        Accumulators::Four => several::<E, A, 4, 2, V>(rounding, visitor),
+        Accumulators::Eight => several::<E, A, 8, 3, V>(rounding, visitor),
+        Accumulators::Sixteen => several::<E, A, 16, 4, V>(rounding, visitor),
     }
 }
 
 /// The distance operations with `K` accumulators each; a word of `W` bits selects one.
 fn several<const E: usize, const A: usize, const K: usize, const W: u32, V: OperationVisitor>(
+    rounding: Rounding,
     visitor: &mut V,
 ) -> Result<(), V::Error> {
-    visitor.visit(EuclideanMany::<E, K, W>, JobKind::Euclidean.opcode())?;
-    visitor.visit(AngularMany::<A, K, W>, JobKind::Angular.opcode())
+    visitor.visit(EuclideanMany::<E, K, W> { rounding }, JobKind::Euclidean.opcode())?;
+    visitor.visit(AngularMany::<A, K, W> { rounding }, JobKind::Angular.opcode())
 }

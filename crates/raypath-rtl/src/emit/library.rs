@@ -2,7 +2,7 @@ use crate::allocate::plan::Plan;
 use crate::emit::control::{Plain, Skid};
 use crate::ir::graph::{Kind, Op, OperationGraph};
 use crate::ir::position::Step;
-use crate::ir::units::{Unit, UnitKind, UnitWidth};
+use crate::ir::units::{Unit, UnitKind, UnitWidth, sum_steps};
 use raypath_float::{Format, Narrow};
 use raypath_hdl::{Error, Module};
 use raypath_ops::{Direction, Narrowing};
@@ -22,6 +22,8 @@ pub struct Library {
     pub encode: Arc<Module>,
     pub decode: Arc<Module>,
     add: Vec<Arc<Module>>,
+    /// Adders of several terms in parts, by the number of terms.
+    sum: BTreeMap<u32, Vec<Arc<Module>>>,
     multiply: Vec<Arc<Module>>,
     compare: Arc<Module>,
     /// Units for operands with short significands, if the plan has such numbers.
@@ -52,6 +54,13 @@ impl Library {
         for width in plan.operations.iter().flat_map(word_widths) {
             numbers.insert(width, raypath_float::number(format, width)?);
         }
+        let mut sum = BTreeMap::new();
+        for node in plan.operations.iter().flat_map(|graph| &graph.nodes) {
+            if let Op::Sum(terms) = &node.op {
+                let terms = terms.len() as u32;
+                sum.insert(terms, raypath_float::sum_parts(format, terms, sum_steps(terms))?);
+            }
+        }
         let mut narrowings = BTreeMap::new();
         for to in plan.operations.iter().flat_map(|graph| &graph.nodes).filter_map(|node| node.op.narrowing()) {
             narrowings.insert(to, raypath_float::narrow(format, rounding(to))?);
@@ -71,6 +80,7 @@ impl Library {
             encode: raypath_float::encode(format)?,
             decode: raypath_float::decode(format)?,
             add: raypath_float::add_parts(format, parts, with_flags)?,
+            sum,
             multiply: plan.microarchitecture.multiplier.parts(format, parts, with_flags)?,
             compare: raypath_float::compare(format)?,
             narrow: narrow.transpose()?,
@@ -85,11 +95,12 @@ impl Library {
         match (unit.width, &self.narrow) {
             (UnitWidth::Rounding(to), Some(narrow)) => return &narrow.multiply[&to][part],
             (UnitWidth::Short, Some(narrow)) => return &narrow.compare,
+            (UnitWidth::Terms(terms), _) => return &self.sum[&terms][part],
             _ => {}
         }
         match unit.kind {
             UnitKind::Encode => &self.encode,
-            UnitKind::Add => &self.add[part],
+            UnitKind::Add | UnitKind::Sum => &self.add[part],
             UnitKind::Multiply => &self.multiply[part],
             UnitKind::Compare => &self.compare,
             UnitKind::Decode => &self.decode,
@@ -117,6 +128,7 @@ impl Library {
         UnitKind::ALL.into_iter().find(|kind| match kind {
             UnitKind::Encode => Arc::ptr_eq(&self.encode, module),
             UnitKind::Add => is(&self.add),
+            UnitKind::Sum => self.sum.values().any(|parts| is(parts)),
             UnitKind::Multiply => is(&self.multiply),
             UnitKind::Compare => Arc::ptr_eq(&self.compare, module),
             UnitKind::Decode => Arc::ptr_eq(&self.decode, module),

@@ -230,7 +230,7 @@ impl<'m, 'p> Values<'m, 'p> {
                 let Kind::Word(width) = node.kind else { unreachable!("a word constant has a word's kind") };
                 m.constant(width, value.into())
             }
-            Op::Continue(_) | Op::Add(..) | Op::Subtract(..) | Op::Multiply(..) | Op::Compare(..) => {
+            Op::Continue(_) | Op::Add(..) | Op::Sum(_) | Op::Subtract(..) | Op::Multiply(..) | Op::Compare(..) => {
                 let unit = self.at.plan.steps[self.at.step].bindings[op][&id].unit;
                 self.unit(unit)?[0]
             }

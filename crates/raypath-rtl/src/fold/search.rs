@@ -74,7 +74,7 @@ impl Problem<'_> {
         let bits = u64::from(self.format.significand());
         let area = |kind: UnitKind| match kind {
             UnitKind::Multiply => bits * bits * 5,
-            UnitKind::Add => bits * 50,
+            UnitKind::Add | UnitKind::Sum => bits * 50,
             UnitKind::Compare | UnitKind::Encode | UnitKind::Decode => bits * 8,
         };
         let units = assigned.iter().flat_map(|stage| &stage.units).map(|(&kind, &count)| area(kind) * count as u64);

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::ir::position::{LAST_STAGE, Position, STAGES, Stage, Step};
-use crate::ir::units::UnitKind;
+use crate::ir::units::{UnitKind, sum_steps};
 use raypath_float::flags;
 use raypath_ops::{Narrowing, Relation, Test};
 use std::borrow::Cow;
@@ -38,6 +38,8 @@ pub enum Op {
     /// The next part of a unit with a latency of several steps.
     Continue(NodeId),
     Add(NodeId, NodeId),
+    /// A sum of three or more terms. Its stage is the one in which it is available ([`sum_steps`]).
+    Sum(Vec<NodeId>),
     Subtract(NodeId, NodeId),
     Multiply(NodeId, NodeId),
     Compare(NodeId, NodeId),
@@ -262,6 +264,11 @@ impl OperationGraph<Stage> {
                 let value = self.name_of(id);
                 return Err(Error::NoSuchStage { operation: self.name, value, stage, last: LAST_STAGE });
             }
+            // A sum begins before the stage in which it is available.
+            let stage = match &self.node(id).op {
+                Op::Sum(terms) => (stage + 1).saturating_sub(sum_steps(terms.len() as u32)),
+                _ => stage,
+            };
             for operand in self.operands(id) {
                 let made = self.node(operand).position.0;
                 if !self.is_everywhere(operand) && made > stage {
@@ -310,6 +317,7 @@ impl<P: Position> OperationGraph<P> {
     pub fn operands(&self, id: NodeId) -> Vec<NodeId> {
         match self.node(id).op {
             Op::Input(_) | Op::State(_) | Op::Number(_) | Op::OnePlusUlps(_) | Op::Bit(_) | Op::Word(_) => vec![],
+            Op::Sum(ref terms) => terms.clone(),
             Op::Continue(a)
             | Op::Negate(a)
             | Op::Narrow(a, _)
@@ -369,6 +377,7 @@ impl<P: Position> OperationGraph<P> {
     pub fn unit_part(&self, id: NodeId) -> Option<(UnitKind, u32)> {
         match self.node(id).op {
             Op::Add(..) | Op::Subtract(..) => Some((UnitKind::Add, 0)),
+            Op::Sum(_) => Some((UnitKind::Sum, 0)),
             Op::Multiply(..) => Some((UnitKind::Multiply, 0)),
             Op::Compare(..) => Some((UnitKind::Compare, 0)),
             Op::Continue(before) => match self.node(before).kind {

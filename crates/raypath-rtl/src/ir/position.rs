@@ -8,6 +8,9 @@ pub const STAGES: u32 = 11;
 /// The last stage that operations may use; the stage after it decodes.
 pub const LAST_STAGE: u32 = STAGES - 1;
 
+/// The number of stages in the shorter pipeline of sums that round once: the last one also decodes.
+pub const SHORT_STAGES: u32 = 9;
+
 /// A stage of Table VII, from 1; 0 is the input's registers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Stage(pub u32);

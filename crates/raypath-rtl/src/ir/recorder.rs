@@ -15,6 +15,8 @@ pub enum Marks {
     /// They are the stages of its values, unless it selects automatic staging.
     #[default]
     Used,
+    /// They are the stages of its values; [`Circuit::stage_or`] marks the stages of the shorter pipeline.
+    Short,
     /// They are ignored, and the operation is staged automatically.
     Ignored,
 }
@@ -161,6 +163,10 @@ impl Circuit for Recorder<'_> {
         }
     }
 
+    fn stage_or(self, number: u32, short: u32, what: &'static str) {
+        self.stage(if self.recording.marks == Marks::Short { short } else { number }, what);
+    }
+
     fn auto(self) {
         self.recording.auto.set(true);
     }
@@ -178,6 +184,9 @@ impl Circuit for Recorder<'_> {
     }
     fn add(self, a: NodeId, b: NodeId) -> NodeId {
         self.push(Kind::Number, Op::Add(a, b))
+    }
+    fn sum(self, terms: &[NodeId]) -> NodeId {
+        self.push(Kind::Number, Op::Sum(terms.to_vec()))
     }
     fn subtract(self, a: NodeId, b: NodeId) -> NodeId {
         self.push(Kind::Number, Op::Subtract(a, b))

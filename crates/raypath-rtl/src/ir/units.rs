@@ -12,6 +12,8 @@ pub enum UnitKind {
     Encode,
     /// Adder: sum or difference.
     Add,
+    /// Adder of three or more terms, which rounds once.
+    Sum,
     /// Multiplier.
     Multiply,
     /// Comparator.
@@ -27,12 +29,19 @@ pub struct Units {
     pub encode: usize,
     /// Adders.
     pub add: usize,
+    /// Adders of three or more terms.
+    pub sum: usize,
     /// Multipliers.
     pub multiply: usize,
     /// Comparators.
     pub compare: usize,
     /// Decoders, recoded to IEEE 754.
     pub decode: usize,
+}
+
+/// The steps of an adder of `terms` terms, at least 3. The stage that an operation marks is that of the last.
+pub fn sum_steps(terms: u32) -> u32 {
+    if terms == 3 { 2 } else { 3 }
 }
 
 /// A unit of a step. A unit with a latency of several steps has a part in each.
@@ -47,7 +56,7 @@ pub struct Unit {
     pub number: usize,
 }
 
-/// The significands of a unit's operands and result. A narrow unit has short operands
+/// The significands of a unit's operands and result, or the number of its operands. A narrow unit has short operands
 /// ([`Widths`](super::widths::Widths)).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum UnitWidth {
@@ -57,16 +66,20 @@ pub enum UnitWidth {
     Short,
     /// Operands are short, and the result is rounded so that it is short too.
     Rounding(Narrowing),
+    /// All have the significand of the format, and the unit has this number of operands.
+    Terms(u32),
 }
 
 impl Unit {
     /// The stem of its instance name, such as `add_3` or `mul_toward_zero_3`.
     pub fn stem(self) -> String {
-        let width = match self.width {
-            UnitWidth::Full => "",
-            UnitWidth::Short => "_narrow",
-            UnitWidth::Rounding(Narrowing { direction: Direction::TowardZero, .. }) => "_toward_zero",
-            UnitWidth::Rounding(Narrowing { direction: Direction::AwayFromZero, .. }) => "_away_from_zero",
+        let width: String = match self.width {
+            UnitWidth::Full => "".into(),
+            UnitWidth::Short => "_narrow".into(),
+            UnitWidth::Rounding(Narrowing { direction: Direction::TowardZero, .. }) => "_toward_zero".into(),
+            UnitWidth::Rounding(Narrowing { direction: Direction::AwayFromZero, .. }) => "_away_from_zero".into(),
+            // With the part, because a step may have parts of sums that began in different steps.
+            UnitWidth::Terms(terms) => format!("_of_{terms}_part_{}", self.part + 1),
         };
         format!("{}{width}_{}", self.kind.stem(), self.number)
     }
@@ -74,13 +87,14 @@ impl Unit {
 
 impl UnitKind {
     /// All kinds.
-    pub const ALL: [Self; 5] = [Self::Encode, Self::Add, Self::Multiply, Self::Compare, Self::Decode];
+    pub const ALL: [Self; 6] = [Self::Encode, Self::Add, Self::Sum, Self::Multiply, Self::Compare, Self::Decode];
 
     /// The stem of its module's name, `raypath_fp_<stem>_<format>`.
     pub fn stem(self) -> &'static str {
         match self {
             Self::Encode => "encode",
             Self::Add => "add",
+            Self::Sum => "sum",
             Self::Multiply => "mul",
             Self::Compare => "compare",
             Self::Decode => "decode",
@@ -93,6 +107,7 @@ impl fmt::Display for UnitKind {
         f.write_str(match self {
             Self::Encode => "encoder",
             Self::Add => "adder",
+            Self::Sum => "adder of several terms",
             Self::Multiply => "multiplier",
             Self::Compare => "comparator",
             Self::Decode => "decoder",
@@ -106,6 +121,7 @@ impl Units {
         match kind {
             UnitKind::Encode => self.encode,
             UnitKind::Add => self.add,
+            UnitKind::Sum => self.sum,
             UnitKind::Multiply => self.multiply,
             UnitKind::Compare => self.compare,
             UnitKind::Decode => self.decode,
@@ -117,6 +133,7 @@ impl Units {
         match kind {
             UnitKind::Encode => &mut self.encode,
             UnitKind::Add => &mut self.add,
+            UnitKind::Sum => &mut self.sum,
             UnitKind::Multiply => &mut self.multiply,
             UnitKind::Compare => &mut self.compare,
             UnitKind::Decode => &mut self.decode,
@@ -130,6 +147,7 @@ impl Add for Units {
         Self {
             encode: self.encode + other.encode,
             add: self.add + other.add,
+            sum: self.sum + other.sum,
             multiply: self.multiply + other.multiply,
             compare: self.compare + other.compare,
             decode: self.decode + other.decode,

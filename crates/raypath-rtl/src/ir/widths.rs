@@ -41,6 +41,7 @@ impl Widths {
                 let rounding = rounding_of(graph, id).filter(|to| to.margin == 0);
                 rounding.map_or(UnitWidth::Full, UnitWidth::Rounding)
             }
+            (Op::Sum(terms), _) => UnitWidth::Terms(terms.len() as u32),
             _ => UnitWidth::Full,
         }
     }

@@ -29,7 +29,8 @@ impl Budget {
     ]);
 
     /// No limits.
-    pub const UNLIMITED: Self = Self([units(usize::MAX, usize::MAX, usize::MAX); STAGES as usize + 1]);
+    pub const UNLIMITED: Self =
+        Self([Units { sum: usize::MAX, ..units(usize::MAX, usize::MAX, usize::MAX) }; STAGES as usize + 1]);
 
     /// No units at all.
     pub(crate) const NOTHING: Self = Self([units(0, 0, 0); STAGES as usize + 1]);
@@ -91,5 +92,5 @@ impl Budget {
 pub const KINDS: [UnitKind; 3] = [UnitKind::Add, UnitKind::Multiply, UnitKind::Compare];
 
 const fn units(add: usize, multiply: usize, compare: usize) -> Units {
-    Units { encode: 0, add, multiply, compare, decode: 0 }
+    Units { encode: 0, add, sum: 0, multiply, compare, decode: 0 }
 }

@@ -56,6 +56,7 @@ fn operator(op: &Op) -> Option<&'static str> {
     match op {
         Op::Add(..) => Some("add"),
         Op::Subtract(..) => Some("subtract"),
+        Op::Sum(_) => Some("sum"),
         Op::Multiply(..) => Some("multiply"),
         Op::Negate(..) => Some("negate"),
         Op::Compare(..) => Some("compare"),

@@ -3,18 +3,25 @@
 //! A step is the logic between two registers. If units are combinational, every stage is one step. If units have a
 //! latency of several steps, a stage has as many steps as its longest chain of units needs: an adder or a multiplier
 //! begins at a register and is cut into one part per step; a comparator is not cut, and has a step of its own.
+//!
+//! An adder of several terms has a part in each of several stages instead, so units are combinational beside it.
 
 use crate::ir::graph::{Kind, Node, NodeId, Op, OperationGraph, StateValue};
-use crate::ir::position::{STAGES, Stage, Step, StepLabel};
-use crate::ir::units::UnitKind;
+use crate::ir::position::{Stage, Step, StepLabel};
+use crate::ir::units::{UnitKind, sum_steps};
 
 /// Assigns the values of the operations to steps. Returns the graphs and the labels of the steps, that of the input's
-/// registers first. Adders and multipliers have a latency of `latency` steps, at least 1.
-pub fn expand(operations: &[OperationGraph<Stage>], latency: u32) -> (Vec<OperationGraph<Step>>, Vec<StepLabel>) {
+/// registers first. Adders and multipliers have a latency of `latency` steps, at least 1. The pipeline has `stages`
+/// stages.
+pub fn expand(
+    operations: &[OperationGraph<Stage>],
+    latency: u32,
+    stages: u32,
+) -> (Vec<OperationGraph<Step>>, Vec<StepLabel>) {
     let times: Vec<Vec<Time>> = operations.iter().map(|graph| times(graph, latency)).collect();
     let mut labels = vec![StepLabel { stage: 0, part: 1, parts: 1 }];
     let mut first = vec![0];
-    for stage in 1..=STAGES {
+    for stage in 1..=stages {
         first.push(labels.len() as u32);
         let parts = operations.iter().zip(&times).map(|(graph, times)| parts(graph, times, Stage(stage)));
         let parts = parts.max().unwrap_or(1);
@@ -70,6 +77,16 @@ fn assign(graph: &OperationGraph<Stage>, times: &[Time], first: &[u32]) -> Opera
     });
     let mut nodes: Vec<Node<Step>> = last.collect();
     for (index, (node, time)) in graph.nodes.iter().zip(times).enumerate() {
+        if let Op::Sum(terms) = &node.op {
+            let (steps, mut op) = (sum_steps(terms.len() as u32), node.op.clone());
+            for part in 0..steps - 1 {
+                let position = Step(first[(node.position.0 + part + 1 - steps) as usize]);
+                let name = node.name.as_ref().map(|name| format!("{name}_part_{}", part + 1));
+                nodes.push(Node { op, kind: Kind::Cut(UnitKind::Sum, part), position, name });
+                op = Op::Continue(NodeId(nodes.len() as u32 - 1));
+            }
+            nodes[index].op = op;
+        }
         let kind = match node.op {
             Op::Add(..) | Op::Subtract(..) => UnitKind::Add,
             Op::Multiply(..) => UnitKind::Multiply,

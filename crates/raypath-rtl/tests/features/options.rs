@@ -9,8 +9,8 @@ use raypath_float::Format;
 use raypath_hdl::verilog;
 use raypath_model::{Soft, SoftNumber};
 use raypath_ops::{
-    Angular, Binary32, Circuit, Culling, Euclidean, JobKind, Num, Operation, RayBox, RayTriangle, Relation, Rules,
-    WIDENING_ULPS,
+    Angular, Binary32, Circuit, Culling, Euclidean, JobKind, Num, Operation, RayBox, RayTriangle, Relation, Rounding,
+    Rules, WIDENING_ULPS,
 };
 use raypath_rtl::{
     Accumulators, Config, Control, Datapath, Encoding, Error, Features, Lanes, Multiplier, OperationVisitor,
@@ -57,12 +57,13 @@ fn text(datapath: &Datapath) -> String {
 
 #[test]
 fn features_that_are_off_add_no_hardware() {
+    let rounding = Rounding::Unit;
     for rules in [Rules::Paper, Rules::Chisel] {
         let plain = Operations::new()
             .with(&RayBox { rules }, JobKind::Quadbox.opcode())
-            .and_then(|set| set.with(&RayTriangle { rules }, JobKind::Triangle.opcode()))
-            .and_then(|set| set.with(&Euclidean::<16>, JobKind::Euclidean.opcode()))
-            .and_then(|set| set.with(&Angular::<8>, JobKind::Angular.opcode()))
+            .and_then(|set| set.with(&RayTriangle { rules, rounding }, JobKind::Triangle.opcode()))
+            .and_then(|set| set.with(&Euclidean::<16> { rounding }, JobKind::Euclidean.opcode()))
+            .and_then(|set| set.with(&Angular::<8> { rounding }, JobKind::Angular.opcode()))
             .expect("operations");
         let config = Config::DEFAULT.rules(rules).features(Features::default());
         let (plain, off) = (Datapath::build(plain, config.microarchitecture), Datapath::new(config));

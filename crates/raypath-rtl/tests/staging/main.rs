@@ -9,7 +9,9 @@ mod unread;
 
 use common::drive;
 use driver::Driver;
-use raypath_ops::{Angular, Binary32, Bit, Circuit, Euclidean, Num, Operation, RayBox, RayTriangle, Rules, bundle};
+use raypath_ops::{
+    Angular, Binary32, Bit, Circuit, Euclidean, Num, Operation, RayBox, RayTriangle, Rounding, Rules, bundle,
+};
 use raypath_rtl::{
     Budget, Config, Control, Datapath, Error, OperationVisitor, Operations, STAGES, Sharing, UnitKind, UnitLatency,
     Units,
@@ -18,11 +20,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Adds the operations with these opcodes: triangles, boxes, Euclidean and angular distances.
 fn with<const E: usize, const A: usize>(set: Operations, which: &[u64], rules: Rules) -> Result<Operations, Error> {
+    let rounding = Rounding::Unit;
     which.iter().try_fold(set, |set, &which| match which {
-        0 => set.with(&RayTriangle { rules }, which),
+        0 => set.with(&RayTriangle { rules, rounding }, which),
         1 => set.with(&RayBox { rules }, which),
-        2 => set.with(&Euclidean::<E>, which),
-        _ => set.with(&Angular::<A>, which),
+        2 => set.with(&Euclidean::<E> { rounding }, which),
+        _ => set.with(&Angular::<A> { rounding }, which),
     })
 }
 
@@ -323,7 +326,7 @@ fn too_many_units_are_counted_where_they_are() {
 #[test]
 fn what_is_offered_is_enough() {
     let wide = |budget| {
-        let set = Operations::new().auto().within(budget).with(&Euclidean::<64>, 2);
+        let set = Operations::new().auto().within(budget).with(&Euclidean::<64> { rounding: Rounding::Unit }, 2);
         set.and_then(Datapath::of)
     };
     let error = wide(Budget::TABLE_VIII).expect_err("64 lanes");

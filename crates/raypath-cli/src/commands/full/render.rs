@@ -10,7 +10,7 @@ use crate::{CliError, ConfigArguments, whole};
 use clap::{Args, ValueEnum};
 use divided::Divided;
 use raypath_float::Format;
-use raypath_ops::{Binary32, Ray};
+use raypath_ops::{Binary32, Ray, Rounding};
 use raypath_render::{
     Counts, Hit, PictureSpec, RayBatch, Rendering, Scene, Shading, Tracing, UnitSystem, draw, read_hits, read_rays,
     to_png, write_hits, write_rays,
@@ -116,6 +116,10 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.config.paper()?;
     if config.semantics.format != Format::BINARY32 {
         let problem = format!("--format {}: scenes are traced in fp32 only", config.semantics.format);
+        return Err(CliError::unusable(problem));
+    }
+    if config.semantics.rounding != Rounding::Unit {
+        let problem = format!("--rounding {}: scenes are traced with rounding unit only", config.semantics.rounding);
         return Err(CliError::unusable(problem));
     }
     let system = arguments.unit_system(config)?;

@@ -7,6 +7,7 @@ use crate::commands::full::{DivisionArguments, Timed, TimingArguments, print_row
 use crate::{CliError, ConfigArguments, whole};
 use clap::{Args, ValueEnum};
 use raypath_float::Format;
+use raypath_ops::Rounding;
 use raypath_rtl::{Config, Lanes};
 use raypath_search::{
     Clusters, Dataset, GraphParameters, LaneGraph, LaneSearch, Metric, Neighbours, SearchResults, Work, lanes, recall,
@@ -81,6 +82,10 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.config.paper()?;
     if config.semantics.format != Format::BINARY32 {
         let problem = format!("--format {}: vectors are searched in fp32 only", config.semantics.format);
+        return Err(CliError::unusable(problem));
+    }
+    if config.semantics.rounding != Rounding::Unit {
+        let problem = format!("--rounding {}: vectors are searched with rounding unit only", config.semantics.rounding);
         return Err(CliError::unusable(problem));
     }
     match config.semantics.lanes {

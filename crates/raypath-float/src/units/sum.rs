@@ -1,0 +1,214 @@
+//! Sum of three or more recoded numbers, rounded once.
+//!
+//! The terms are shifted right to the greatest exponent among them and truncated to a window of [`Format::sum_window`]
+//! bits. What remains is added exactly, and the sum is rounded to nearest even. `docs/reference/semantics.md` defines
+//! the result. It does not depend on the order of the terms.
+//!
+//! Hardware: a tree finds the greatest exponent, a tree of full adders reduces the shifted terms to two words, and one
+//! adder adds those. All signs are relative to that of the first term, so the terms to be complemented are one fewer
+//! than all, and each has a place for its carry: the free lowest place of a full adder's carries, or the carry into
+//! the adder. A sum below the normal range is exact and needs no special case.
+//!
+//! Tests: `raypath-verify/tests/units/sums.rs` (an oracle in integers of its own), whole and in parts.
+
+use crate::Format;
+use crate::units::constants::Constants;
+use crate::units::lookahead;
+use crate::units::normalise::Normalised;
+use crate::units::parts::{Parts, cut};
+use crate::units::recoded::Magnitude;
+use raypath_hdl::{Builder, Error, Module, Wire};
+use std::sync::Arc;
+
+/// The module `raypath_fp_sum_<terms>_<format>` in 1, 2 or 3 parts, like [`add_parts`](crate::add_parts): `sum_o` is
+/// the sum of `x_0_i` to `x_<terms - 1>_i`, rounded once.
+///
+/// # Errors
+/// Fewer than 3 terms or more than 64; another number of parts.
+pub fn sum_parts(format: Format, terms: u32, parts: u32) -> Result<Vec<Arc<Module>>, Error> {
+    let name = format!("raypath_fp_sum_{terms}_{format}");
+    if !(3..=64).contains(&terms) {
+        let problem = format!("has {terms} terms, expected 3 to 64");
+        return Err(Error::Name { module: name, name: "sum_o".to_string(), problem });
+    }
+    let doc = format!("Sum of {terms} recoded numbers, rounded once to nearest even.");
+    Parts::build_module(&name, &doc, parts, |parts| describe(format, terms, parts))
+}
+
+fn describe(format: Format, terms: u32, parts: &mut Parts<'_>) {
+    let (e, s, window) = (format.exponent(), format.significand(), format.sum_window(terms));
+    let growth = terms.next_power_of_two().ilog2();
+    let m = parts.builder();
+    let numbers: Vec<Wire<'_>> = (0..terms).map(|term| m.input(&format!("x_{term}_i"), e + s + 1)).collect();
+    let each: Vec<Magnitude<'_>> = numbers.iter().map(|&number| Magnitude::of(format, number)).collect();
+    let signs = all(m, numbers.iter().map(|number| number.top())).named("signs");
+    let zeros = all(m, each.iter().map(|x| x.is_zero())).named("zeros");
+
+    m.section("Zeros, infinities and NaN");
+    let infinities = all(m, each.iter().map(|x| x.is_infinite())).named("infinities");
+    let infinite = infinities.any().named("infinite");
+    let minus = (infinities & signs).any().named("minus_infinity");
+    let both = (infinities & !signs).any() & minus;
+    let nan = (all(m, each.iter().map(|x| x.is_nan())).any() | both).named("nan");
+    let special = (infinite | nan).named("special");
+    let minus_zero = (zeros.all() & signs.all()).named("minus_zero");
+
+    m.section("The greatest exponent");
+    // The exponent field of a zero is below all others.
+    let exponents: Vec<Wire<'_>> = each.iter().map(|x| x.exponent()).collect();
+    let mut greatest = exponents.clone();
+    while greatest.len() > 1 {
+        let left = greatest.len().div_ceil(2);
+        greatest = greatest
+            .chunks(2)
+            .enumerate()
+            .map(|(number, pair)| match *pair {
+                [a, b] => a.less(b).mux(b, a).named(&format!("greatest_{left}_{number}")),
+                _ => pair[0],
+            })
+            .collect();
+    }
+    let exponent = greatest[0];
+
+    m.section("Shift to the greatest exponent and truncate; complement where the sign differs from the first");
+    let relative = (signs ^ signs.bit(0).replicate(terms)).named("relative");
+    let width = window + growth + 1;
+    let mut complements: Vec<Wire<'_>> = (1..terms).map(|term| relative.bit(term)).collect();
+    let rows: Vec<Wire<'_>> = (0..terms)
+        .map(|term| {
+            let distance = (exponent - exponents[term as usize]).named(&format!("distance_{term}"));
+            let present = !zeros.bit(term);
+            let word = m.concat(&[present, each[term as usize].fraction(), m.constant(window - s, 0)]);
+            let shifted = truncating_shift(word, distance, present);
+            let row = if term == 0 {
+                shifted.extend(width)
+            } else {
+                let sign = relative.bit(term);
+                m.concat(&[sign.replicate(growth + 1), shifted ^ sign.replicate(window)])
+            };
+            row.named(&format!("row_{term}"))
+        })
+        .collect();
+
+    m.section("Add");
+    let sign = signs.bit(0);
+    let early = if parts.count() == 3 { LEVELS - growth } else { u32::MAX };
+    let rows = reduce(rows, early, &mut complements);
+    for (stem, wire) in [
+        ("minus", minus),
+        ("nan", nan),
+        ("special", special),
+        ("minus_zero", minus_zero),
+        ("sign", sign),
+        ("exponent", exponent),
+    ] {
+        parts.take_along(stem, wire);
+    }
+    let (rows, mut complements) = cut_rows(parts, rows, complements);
+    let rows = reduce(rows, u32::MAX, &mut complements);
+    let total = lookahead::add(rows[0], rows[1], complements.pop(), "total").word.named("total");
+    cut!(parts, [(1, 2)], total);
+    let negative = total.top().named("negative");
+    let magnitude = total.lower(width - 1) ^ negative.replicate(width - 1);
+    let magnitude = (magnitude + negative.extend(width - 1)).named("magnitude");
+    cut!(parts, [(2, 3)], negative, magnitude);
+    let m = parts.builder();
+    let [minus, nan, special, minus_zero, sign, exponent] =
+        ["minus", "nan", "special", "minus_zero", "sign", "exponent"]
+            .map(|stem| parts.along(stem).unwrap_or_else(|| m.constant(1, 0)));
+
+    m.section("Normalise");
+    let normalised = Normalised::of(magnitude);
+    let leading_zeros = normalised.leading_zeros();
+    let cancelled = (!normalised.word.upper(2).any()).named("cancelled");
+    let ordinary = (!special & !cancelled).named("ordinary");
+    let digits = normalised.fraction(width - 2, ordinary).named("digits");
+    let extended = (exponent.extend(e + 2) + m.constant(e + 2, growth.into())).named("extended");
+    let before = (extended - leading_zeros.extend(e + 2)).named("exponent_before");
+
+    m.section("Round");
+    let kept = digits.upper(s - 1);
+    let guard = digits.bit(width - 2 - s);
+    let below = digits.lower(width - 2 - s).any().named("below_guard");
+    let up = (guard & (below | kept.bit(0))).named("round_up");
+    let rounded = (kept.extend(s) + up.extend(s)).named("rounded");
+    let after = (before + rounded.top().extend(e + 2)).named("exponent_after");
+    let beyond = m.parameter("BeyondExp", e + 2, Constants(format).max_finite() + 1);
+    let overflow = (!after.less(beyond) & ordinary).named("overflow");
+
+    m.section("Result");
+    let infinite = (special | overflow).named("result_infinite");
+    let number = (ordinary & !overflow).named("number");
+    let class = m.concat(&[infinite, infinite, nan, m.constant(e - 2, 0)]);
+    let result_exponent = ((after.lower(e + 1) & number.replicate(e + 1)) | class).named("result_exponent");
+    m.unused("unused_exponent", &[after.top()]);
+    let fraction = (rounded.lower(s - 1) & number.replicate(s - 1)) | m.concat(&[nan, m.constant(s - 2, 0)]);
+    let ordinary_sign = cancelled.mux(minus_zero, sign ^ negative);
+    let result_sign = special.mux(minus & !nan, ordinary_sign).named("result_sign");
+    m.output("sum_o", m.concat(&[result_sign, result_exponent, fraction.named("result_fraction")]));
+}
+
+/// The levels of comparisons and of full adders in the first of three parts.
+const LEVELS: u32 = 10;
+
+/// One bit of each term as a word, the first term lowest.
+fn all<'m>(m: &'m Builder, bits: impl DoubleEndedIterator<Item = Wire<'m>>) -> Wire<'m> {
+    m.concat(&bits.rev().collect::<Vec<_>>())
+}
+
+/// `word` shifted right by any `amount`, without the bits that are shifted out; zeros unless `present`.
+fn truncating_shift<'m>(word: Wire<'m>, amount: Wire<'m>, present: Wire<'m>) -> Wire<'m> {
+    let (m, width) = (word.builder(), word.width());
+    let layers = width.next_power_of_two().ilog2().min(amount.width());
+    let layer = |word: Wire<'m>, layer: u32| {
+        let shifted = word.shift_right(m.constant(7, 1 << layer));
+        amount.bit(layer).mux(shifted, word)
+    };
+    let shifted = (0..layers).fold(word, layer);
+    let beyond = (amount.width() > layers).then(|| amount.bits(amount.width() - 1, layers).any());
+    shifted & beyond.map_or(present, |beyond| present & !beyond).replicate(width)
+}
+
+/// Reduces rows of one width by at most `levels` levels of full adders, to no fewer than two. A carry is taken from
+/// `complements` into the free lowest place of each row of carries.
+fn reduce<'m>(mut rows: Vec<Wire<'m>>, levels: u32, complements: &mut Vec<Wire<'m>>) -> Vec<Wire<'m>> {
+    let mut level = 0;
+    while rows.len() > 2 && level < levels {
+        let count = rows.len();
+        let full_adders = |(number, chunk): (usize, &[Wire<'m>])| match *chunk {
+            [x, y, z] => {
+                let (m, width) = (x.builder(), x.width());
+                let named = |wire: Wire<'m>, what: &str| wire.named(&format!("{what}_{count}_{number}"));
+                let differ = named(x ^ z, "differ");
+                let carry = (differ & y) | (!differ & x);
+                let lowest = complements.pop().unwrap_or_else(|| m.constant(1, 0));
+                m.unused(&format!("unused_carry_{count}_{number}"), &[carry.top()]);
+                let carries = m.concat(&[carry.lower(width - 1), lowest]);
+                vec![named(differ ^ y, "sum"), named(carries, "carries")]
+            }
+            _ => chunk.to_vec(),
+        };
+        rows = rows.chunks(3).enumerate().flat_map(full_adders).collect();
+        level += 1;
+    }
+    rows
+}
+
+/// Passes rows and the complements still to be added to the next part.
+fn cut_rows<'m>(
+    parts: &mut Parts<'m>,
+    rows: Vec<Wire<'m>>,
+    complements: Vec<Wire<'m>>,
+) -> (Vec<Wire<'m>>, Vec<Wire<'m>>) {
+    let m = parts.builder();
+    let left = complements.len();
+    let mut values: Vec<(String, Wire<'m>)> =
+        rows.into_iter().enumerate().map(|(number, row)| (format!("row_{number}"), row)).collect();
+    if left > 0 {
+        values.push(("complements".to_string(), m.concat(&complements)));
+    }
+    let mut wires = parts.cut_all(&[(1, 3)], values);
+    let complements = if left > 0 { wires.pop() } else { None };
+    let complements = complements.map_or_else(Vec::new, |word| (0..left as u32).map(|bit| word.bit(bit)).collect());
+    (wires, complements)
+}
