@@ -10,7 +10,7 @@ use raypath_float::Format;
 use raypath_model::{Batch, Functional, Packed, Soft, blank, levels, pack, unpack};
 use raypath_ops::{
     AngularOutput, BeatInput, Binary32, BoxBits, EuclideanOutput, Family, Job, JobKind, Of, Operation, Outcome, RayBox,
-    RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rules,
+    RayBoxInput, RayBoxOutput, RayTriangleInput, RayTriangleOutput, Rounding, Rules,
 };
 
 const JOBS: usize = 16 * 200;
@@ -55,9 +55,9 @@ const RULES: [Rules; 6] = [
     Rules::Bounds(BoxBits(24)),
 ];
 
-fn answers(kind: JobKind, rules: Rules, jobs: &[Vec<u64>]) -> Vec<Vec<u64>> {
+fn answers(kind: JobKind, rules: Rules, rounding: Rounding, jobs: &[Vec<u64>]) -> Vec<Vec<u64>> {
     let soft = Soft { format: Format::BINARY32 };
-    let mut datapaths = vec![Functional::<16, 8, Soft>::over(soft, rules); 16];
+    let mut datapaths = vec![Functional::<16, 8, Soft>::over(soft, rules).rounding(rounding); 16];
     let answer = |(i, words): (usize, &Vec<u64>)| {
         let mut answered = Vec::new();
         datapaths[i % 16].run(&Job::from_words_in(soft, kind, words)).words(&mut answered);
@@ -79,10 +79,11 @@ fn check<I, O>(
     let inputs: Vec<Of<I, Binary32>> =
         jobs.iter().map(|words| input(Job::from_words_in(Binary32, kind, words))).collect();
     let blocks = pack::<I>(&inputs);
-    for rules in RULES {
-        let expected = answers(kind, rules, jobs);
+    let cases = RULES.map(|rules| (rules, Rounding::Unit)).into_iter().chain([(Rules::Paper, Rounding::Sum)]);
+    for (rules, rounding) in cases {
+        let expected = answers(kind, rules, rounding, jobs);
         for level in levels() {
-            let mut batch = Batch::at(level, rules);
+            let mut batch = Batch::at(level, rules).rounding(rounding);
             let mut outputs = vec![blank::<O>(); blocks.len()];
             // In two calls, between which the sums remain.
             let (first, rest) = outputs.split_at_mut(7);
@@ -91,7 +92,7 @@ fn check<I, O>(
             for (i, (answer, expected)) in unpack::<O>(&outputs, JOBS).zip(&expected).enumerate() {
                 let mut words = Vec::new();
                 output(answer).words(&mut words);
-                assert_eq!(words, *expected, "{kind} job {i}, {rules}, {level:?}: {:x?}", jobs[i]);
+                assert_eq!(words, *expected, "{kind} job {i}, {rules}, rounding {rounding}, {level:?}: {:x?}", jobs[i]);
             }
         }
     }

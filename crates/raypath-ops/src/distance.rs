@@ -216,10 +216,11 @@ pub(crate) fn products_of<C: Circuit, const N: usize>(
     const { assert!(N.is_power_of_two() && N <= 32, "lanes are a power of two, 32 at most") };
     if rounding == Rounding::Sum {
         c.stage(SUMMED, "both sums, from stage 4, rounded once");
-        let sums = [Num::sum(dots), Num::sum(norms)];
-        c.label(format_args!("dot_sum"), &sums[0]);
-        c.label(format_args!("norm_sum"), &sums[1]);
-        return sums;
+        // The norms first, because their squares are in the registers of the lower half of Euclidean squares.
+        let (norm, dot) = (Num::sum(norms), Num::sum(dots));
+        c.label(format_args!("dot_sum"), &dot);
+        c.label(format_args!("norm_sum"), &norm);
+        return [dot, norm];
     }
     tree(c, kernels, &ANGULAR_TREE, ["dot_sum", "norm_sum"], [dots, norms])
 }

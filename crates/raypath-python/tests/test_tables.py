@@ -40,7 +40,7 @@ def test_schedule(datapath: raypath.Datapath) -> None:
     table = schedule.pivot_table(index="step", columns="operation", values="work", aggfunc="first")
     assert table.shape == (12, 4)
     assert "every box bound - origin" in table["quadbox"][2]
-    for kind in ["encode", "add", "mul", "compare", "decode"]:
+    for kind in ["encode", "add", "sum", "mul", "compare", "decode"]:
         assert (schedule.groupby("step")[kind].max() <= units[kind]).all()
 
 

@@ -3,9 +3,9 @@
 
 use rayon::prelude::*;
 use raypath::float::Format;
-use raypath::ops::{BoxBits, Rules};
+use raypath::ops::{BoxBits, Culling, Rounding, Rules};
 use raypath::rtl::{
-    Config, Control, Encoding, Features, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing,
+    Accumulators, Config, Control, Encoding, Features, Interval, Lanes, Multiplier, Sharing, UnitLatency, UnitSharing,
 };
 use raypath::sim::Datapath;
 use raypath::sim::engine::NetlistEngine;
@@ -172,6 +172,62 @@ fn boxes_in_few_bits() {
     let features = Features { exception_flags: true, range: true, ..Features::OFF };
     configs.push(bounds(13).features(features));
     configs.par_iter().enumerate().for_each(|(seed, config)| check(*config, seed as u64, 2000));
+}
+
+/// Sums that round once, with every number of lanes and each parameter that changes units, registers or operations.
+#[test]
+fn sums_that_round_once() {
+    let sum = Config::DEFAULT.rounding(Rounding::Sum);
+    let mut configs: Vec<Config> = Lanes::ALL.iter().map(|&lanes| sum.lanes(lanes)).collect();
+    configs.extend(Lanes::ALL.iter().map(|&lanes| sum.lanes(lanes).control(Control::Credit)));
+    for lanes in [Lanes::None, Lanes::Four, Lanes::Sixteen] {
+        let sum = sum.lanes(lanes);
+        configs.extend([
+            sum.sharing(Sharing::Segregated),
+            sum.units(UnitSharing::Disjoint),
+            sum.registers(Encoding::Ieee),
+            sum.io(Encoding::Recoded),
+            sum.clock_gating(true),
+            sum.multiplier(Multiplier::Inferred).control(Control::Credit),
+            sum.rules(Rules::Bounds(BoxBits::DEFAULT)),
+            sum.features(Features { accumulators: Accumulators::Four, ..Features::OFF }),
+            sum.features(Features { conservative: true, tag: 8, ..Features::OFF }),
+            sum.features(Features { barycentrics: true, facing: true, culling: Culling::None, ..Features::OFF }),
+            sum.features(Features { range: true, culling: Culling::Front, ..Features::OFF }),
+        ]);
+        for format in ["tf32", "bf16", "fp16", "e3s3", "e4s4", "e11s24"] {
+            configs.push(sum.format(format.parse().expect("a format")));
+        }
+    }
+    assert_eq!(configs.len(), 65);
+    configs.par_iter().enumerate().for_each(|(seed, config)| check(*config, seed as u64, 2000));
+}
+
+/// Sums that round once shorten the pipeline, unless an operation computes something in the stages that they save.
+#[test]
+fn sums_that_round_once_shorten_the_pipeline() {
+    let latency = |config: Config| Datapath::paper(config).elaborate().expect("a datapath").latency();
+    let sum = Config::DEFAULT.rounding(Rounding::Sum);
+    assert_eq!(
+        [Config::DEFAULT, sum, sum.lanes(Lanes::SixtyFour), sum.lanes(Lanes::None)].map(latency),
+        [12, 10, 10, 10]
+    );
+    assert_eq!(latency(sum.features(Features { range: true, ..Features::OFF })), 12);
+}
+
+#[test]
+fn sums_that_round_once_are_refused_where_they_do_not_exist() {
+    let sum = Config::DEFAULT.rounding(Rounding::Sum);
+    let refused = [
+        (sum.rules(Rules::Chisel), "expected rules paper or bounds"),
+        (sum.interval(Interval::Two), "expected interval 1"),
+        (sum.unit_latency(UnitLatency::Two), "expected unit-latency 1"),
+        (sum.features(Features { exception_flags: true, ..Features::OFF }), "expected rounding unit"),
+    ];
+    for (config, reason) in refused {
+        let error = config.check().expect_err("a refused configuration").to_string();
+        assert!(error.starts_with("rounding: sum is not available") && error.ends_with(reason), "{config}: {error}");
+    }
 }
 
 /// The documents state how many configurations these tests run.

@@ -63,6 +63,7 @@ class Datapath:
         rules: Literal["paper", "chisel", "bounds"] = ...,
         box_bits: int = ...,
         format: str = ...,
+        rounding: Literal["unit", "sum"] = ...,
         io: Literal["ieee", "recoded"] = ...,
         registers: Literal["ieee", "recoded"] = ...,
         control: Literal["skid", "credit"] = ...,

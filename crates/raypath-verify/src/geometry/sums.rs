@@ -7,7 +7,7 @@ use crate::{Error, Request, Verdict};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Functional;
-use raypath_ops::{Beat, BeatInput, Binary32, Flags, Job, Outcome, Rules};
+use raypath_ops::{Beat, BeatInput, Binary32, Flags, Job, Outcome, Rounding, Rules};
 
 /// One case of this many also runs on the wrong implementations.
 const CONTROL_INTERVAL: u64 = 16;
@@ -75,9 +75,39 @@ impl Sum {
     }
 }
 
-/// The kinds of sums. For each, the largest error in u of the sum of magnitudes counts, and relative to its bound.
-const NAMES: [&str; 3] = ["Euclidean sums", "dot products", "norms"];
-const PARTS: [&str; 3] = ["part of a Euclidean sum's bound", "part of a dot product's bound", "part of a norm's bound"];
+/// The kinds of sums: those of trees of adders, and those of beats that round once. For each, the largest error in u of
+/// the sum of magnitudes counts, and relative to its bound.
+const NAMES: [&str; 6] = [
+    "Euclidean sums",
+    "dot products",
+    "norms",
+    "Euclidean sums, rounding sum",
+    "dot products, rounding sum",
+    "norms, rounding sum",
+];
+const PARTS: [&str; 6] = [
+    "part of a Euclidean sum's bound",
+    "part of a dot product's bound",
+    "part of a norm's bound",
+    "part of the bound of a Euclidean sum with rounding sum",
+    "part of the bound of a dot product with rounding sum",
+    "part of the bound of a norm with rounding sum",
+];
+
+/// The roundings to which a sum of `terms` terms counts, relative to the sum of its terms' magnitudes.
+fn roundings_of(rounding: Rounding, terms: usize) -> u32 {
+    match (rounding, terms) {
+        (Rounding::Unit, _) => terms.ilog2(),
+        // One term is no sum, and two are an addition.
+        (Rounding::Sum, 1) => 0,
+        (Rounding::Sum, 2) => 1,
+        (Rounding::Sum, 3) => 2,
+        (Rounding::Sum, _) => 3,
+    }
+}
+
+/// The roundings with the first of their kinds of sums.
+const ROUNDINGS: [(Rounding, usize); 2] = [(Rounding::Unit, 0), (Rounding::Sum, 3)];
 
 fn check<const E: usize, const A: usize>(tally: &mut Tally, rng: &mut ChaCha8Rng) {
     let numbers = [Numbers::Unit, Numbers::Positive, Numbers::Near, Numbers::Wide][rng.random_range(0..4)];
@@ -89,13 +119,18 @@ fn check<const E: usize, const A: usize>(tally: &mut Tally, rng: &mut ChaCha8Rng
         let difference = Dyadic::from(a) - Dyadic::from(b);
         exact.add(&difference * &difference);
     }
-    // The difference, which counts twice, and the square; the tree; and the beats after the first.
-    let roundings = 3 + E.ilog2() + last;
     let case = tally.count("sums") / NAMES.len() as u64;
     let is_control = case.is_multiple_of(CONTROL_INTERVAL);
-    add(tally, 0, euclidean::<E, A>(&vectors), &exact, roundings);
-    if is_control {
-        refute(tally, |wrong, control| add(control, 0, wrong.euclidean::<E, A>(&vectors), &exact, roundings));
+    for (rounding, first) in ROUNDINGS {
+        // The difference, which counts twice, and the square; the sum of each half, and that of both; and the beats
+        // after the first.
+        let roundings = 3 + roundings_of(rounding, E / 2) + 1 + last;
+        add(tally, first, euclidean::<E, A>(rounding, &vectors), &exact, roundings);
+        if is_control {
+            refute(tally, |wrong, control| {
+                add(control, first, wrong.euclidean::<E, A>(rounding, &vectors), &exact, roundings);
+            });
+        }
     }
 
     let vectors: Vec<_> = (0..beats).map(|beat| draw::<A>(rng, numbers, beat == last)).collect();
@@ -104,14 +139,16 @@ fn check<const E: usize, const A: usize>(tally: &mut Tally, rng: &mut ChaCha8Rng
         dot.add(&a * &b);
         norm.add(&b * &b);
     }
-    let roundings = 1 + A.ilog2() + last;
-    let add_both = |tally: &mut Tally, [dot_product, norm_found]: [f32; 2]| {
-        add(tally, 1, dot_product, &dot, roundings);
-        add(tally, 2, norm_found, &norm, roundings);
-    };
-    add_both(tally, angular::<E, A>(&vectors));
-    if is_control {
-        refute(tally, |wrong, control| add_both(control, wrong.angular::<E, A>(&vectors)));
+    for (rounding, first) in ROUNDINGS {
+        let roundings = 1 + roundings_of(rounding, A) + last;
+        let add_both = |tally: &mut Tally, [dot_product, norm_found]: [f32; 2]| {
+            add(tally, first + 1, dot_product, &dot, roundings);
+            add(tally, first + 2, norm_found, &norm, roundings);
+        };
+        add_both(tally, angular::<E, A>(rounding, &vectors));
+        if is_control {
+            refute(tally, |wrong, control| add_both(control, wrong.angular::<E, A>(rounding, &vectors)));
+        }
     }
 }
 
@@ -166,8 +203,8 @@ fn draw<const N: usize>(rng: &mut ChaCha8Rng, numbers: Numbers, last: bool) -> B
 }
 
 /// The datapath's Euclidean sum over beats.
-fn euclidean<const E: usize, const A: usize>(beats: &[Beat<Binary32, E>]) -> f32 {
-    let mut datapath = Functional::<E, A>::new(Rules::Paper);
+fn euclidean<const E: usize, const A: usize>(rounding: Rounding, beats: &[Beat<Binary32, E>]) -> f32 {
+    let mut datapath = Functional::<E, A>::new(Rules::Paper).rounding(rounding);
     let sum = |beat: &Beat<Binary32, E>| match datapath.run(&Job::Euclidean(BeatInput { euclidean: *beat })) {
         Outcome::Euclidean(output) => output.euclidean_accumulator.into(),
         other => unreachable!("a Euclidean outcome is no {other:?}"),
@@ -176,8 +213,8 @@ fn euclidean<const E: usize, const A: usize>(beats: &[Beat<Binary32, E>]) -> f32
 }
 
 /// The datapath's dot product and norm over beats.
-fn angular<const E: usize, const A: usize>(beats: &[Beat<Binary32, A>]) -> [f32; 2] {
-    let mut datapath = Functional::<E, A>::new(Rules::Paper);
+fn angular<const E: usize, const A: usize>(rounding: Rounding, beats: &[Beat<Binary32, A>]) -> [f32; 2] {
+    let mut datapath = Functional::<E, A>::new(Rules::Paper).rounding(rounding);
     let sums = |beat: &Beat<Binary32, A>| match datapath.run(&Job::Angular(BeatInput { euclidean: *beat })) {
         Outcome::Angular(output) => [output.angular_dot_product.into(), output.angular_norm.into()],
         other => unreachable!("an angular outcome is no {other:?}"),
@@ -200,26 +237,33 @@ enum Wrong {
     LastBeatAlone,
     /// Euclidean sums by (a - b)² = a² - 2ab + b², which cancels if a is near b.
     Expanded,
+    /// Sums that round once, with a window as wide as the significand.
+    ShortWindow,
 }
 
 /// All wrong implementations, with their names in reports.
-const WRONG: [(Wrong, &str); 4] = [
+const WRONG: [(Wrong, &str); 5] = [
     (Wrong::MasksIgnored, "masks ignored"),
     (Wrong::ShortOperands, "operands of 16 bits"),
     (Wrong::LastBeatAlone, "the last beat alone"),
     (Wrong::Expanded, "squares of differences expanded"),
+    (Wrong::ShortWindow, "a window of 24 bits"),
 ];
 
 impl Wrong {
-    fn euclidean<const E: usize, const A: usize>(self, beats: &[Beat<Binary32, E>]) -> f32 {
+    fn euclidean<const E: usize, const A: usize>(self, rounding: Rounding, beats: &[Beat<Binary32, E>]) -> f32 {
         match self {
+            Self::ShortWindow => in_short_window(beats, |[a, b]| (a - b) * (a - b)),
             Self::Expanded => beats.iter().flat_map(lanes).map(|[a, b]| a * a - 2.0 * a * b + b * b).sum(),
-            _ => euclidean::<E, A>(&self.changed(beats)),
+            _ => euclidean::<E, A>(rounding, &self.changed(beats)),
         }
     }
 
-    fn angular<const E: usize, const A: usize>(self, beats: &[Beat<Binary32, A>]) -> [f32; 2] {
-        angular::<E, A>(&self.changed(beats))
+    fn angular<const E: usize, const A: usize>(self, rounding: Rounding, beats: &[Beat<Binary32, A>]) -> [f32; 2] {
+        match self {
+            Self::ShortWindow => [in_short_window(beats, |[a, b]| a * b), in_short_window(beats, |[_, b]| b * b)],
+            _ => angular::<E, A>(rounding, &self.changed(beats)),
+        }
     }
 
     /// The beats to run on the datapath instead of these.
@@ -228,11 +272,23 @@ impl Wrong {
         let change = |beat: &Beat<Binary32, N>| match self {
             Self::MasksIgnored => Beat { mask: Flags::from_mask(u64::MAX), ..*beat },
             Self::ShortOperands => Beat { a: short(beat.a), b: short(beat.b), ..*beat },
-            Self::LastBeatAlone | Self::Expanded => *beat,
+            Self::LastBeatAlone | Self::Expanded | Self::ShortWindow => *beat,
         };
         let first = if matches!(self, Self::LastBeatAlone) { beats.len() - 1 } else { 0 };
         beats[first..].iter().map(change).collect()
     }
+}
+
+/// The sum of the beats' terms, those of a beat truncated to 24 places below the greatest of their exponents.
+fn in_short_window<const N: usize>(beats: &[Beat<Binary32, N>], term: impl Fn([f32; 2]) -> f32) -> f32 {
+    let sum = |beat: &Beat<Binary32, N>| {
+        let terms: Vec<f64> = lanes(beat).map(|pair| f64::from(term(pair))).collect();
+        let greatest = terms.iter().fold(0.0_f64, |greatest, term| greatest.max(term.abs()));
+        let last_place = f64::from_bits(greatest.to_bits() & 0x7ff << 52) * 2_f64.powi(-23);
+        let kept = |term: &f64| if last_place == 0.0 { 0.0 } else { (term / last_place).trunc() * last_place };
+        terms.iter().map(kept).sum::<f64>() as f32
+    };
+    beats.iter().map(sum).sum()
 }
 
 #[cfg(test)]
@@ -245,6 +301,7 @@ mod tests {
     fn the_datapaths_sums_are_within_the_bound() {
         let (mut tally, mut rng) = (Tally::default(), ChaCha8Rng::seed_from_u64(1));
         for _ in 0..200 {
+            check::<64, 32>(&mut tally, &mut rng);
             check::<16, 8>(&mut tally, &mut rng);
             check::<2, 1>(&mut tally, &mut rng);
         }

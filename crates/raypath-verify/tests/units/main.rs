@@ -6,6 +6,7 @@ mod exact;
 mod narrow;
 mod other_formats;
 mod small_formats;
+mod sums;
 mod verilator;
 mod words;
 

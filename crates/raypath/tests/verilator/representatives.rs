@@ -1,7 +1,7 @@
 //! Configurations that together contain every value of every parameter.
 
 use raypath::float::Format;
-use raypath::ops::{BoxBits, Rules};
+use raypath::ops::{BoxBits, Rounding, Rules};
 use raypath::rtl::{
     Config, Control, Encoding, Interval, Lanes, Multiplier, PARAMETER_GROUPS, Sharing, UnitLatency, UnitSharing,
 };
@@ -9,7 +9,7 @@ use raypath::rtl::{
 const DEFAULT: Config = Config::DEFAULT;
 
 /// No two of these share more than half of their parameters. Tests add the default and `lanes none`.
-pub const REPRESENTATIVES: [Config; 7] = [
+pub const REPRESENTATIVES: [Config; 8] = [
     DEFAULT
         .lanes(Lanes::Two)
         .io(Encoding::Recoded)
@@ -40,6 +40,7 @@ pub const REPRESENTATIVES: [Config; 7] = [
         .box_bits(BoxBits(9))
         .control(Control::Credit)
         .unit_latency(UnitLatency::Two),
+    DEFAULT.lanes(Lanes::Eight).rounding(Rounding::Sum).sharing(Sharing::Segregated).clock_gating(true),
 ];
 
 /// Checks the claim of the list.
