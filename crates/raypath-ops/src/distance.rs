@@ -95,7 +95,6 @@ const TREE_TITLE: &str = "sums i + (i + half)";
 
 /// The stage in which sums that round once are available.
 const SUMMED: u32 = 6;
-const SUM_TITLE: &str = "sums of each half, from stage 4, rounded once";
 /// The stage of the accumulators if sums round once.
 pub(crate) const ACCUMULATED: u32 = 8;
 
@@ -215,7 +214,8 @@ pub(crate) fn products_of<C: Circuit, const N: usize>(
 
     const { assert!(N.is_power_of_two() && N <= 32, "lanes are a power of two, 32 at most") };
     if rounding == Rounding::Sum {
-        c.stage(SUMMED, "both sums, from stage 4, rounded once");
+        begin_sums(c, N);
+        c.stage(SUMMED, "both sums, rounded once");
         // The norms first, because their squares are in the registers of the lower half of Euclidean squares.
         let (norm, dot) = (Num::sum(norms), Num::sum(dots));
         c.label(format_args!("dot_sum"), &dot);
@@ -229,7 +229,8 @@ pub(crate) fn products_of<C: Circuit, const N: usize>(
 /// hardware computes both by the same units.
 #[inline(always)]
 fn sum_of_halves<C: Circuit, const N: usize>(c: C, lanes: [Num<C>; N]) -> Num<C> {
-    c.stage(SUMMED, SUM_TITLE);
+    begin_sums(c, N / 2);
+    c.stage(SUMMED, "sum of each half, rounded once");
     let halves = match N {
         2 => halves::<C, N, 1>(lanes),
         4 => halves::<C, N, 2>(lanes),
@@ -244,6 +245,15 @@ fn sum_of_halves<C: Circuit, const N: usize>(c: C, lanes: [Num<C>; N]) -> Num<C>
     let sum = halves[0] + halves[1];
     c.label(format_args!("sum"), &sum);
     sum
+}
+
+/// Describes the stages in which the sums of `terms` terms begin. Two terms are an addition.
+#[inline(always)]
+fn begin_sums<C: Circuit>(c: C, terms: usize) {
+    if terms > 2 {
+        c.stage(SUMMED - 2, "terms of the sums aligned");
+        c.stage(SUMMED - 1, "terms added");
+    }
 }
 
 /// The sums of the lower and the upper half of `N` lanes.

@@ -168,9 +168,11 @@ pub(crate) fn distance<C: Circuit>(
             (t_denom, uv_depth + wcz)
         }
         Sums::Once { t_denom: at_t_denom, t_num: at_t_num } => {
-            circuit.stage(at_t_denom, "t_denom = U + V + W, from the stage before, rounded once");
+            circuit.stage(at_t_denom - 1, "terms of t_denom aligned and added");
+            circuit.stage(at_t_denom, "t_denom = U + V + W, rounded once");
             let t_denom = Num::sum([u, v, w]);
-            circuit.stage(at_t_num, "t_num = U Az + V Bz + W Cz, from the stage before, rounded once");
+            circuit.stage(at_t_num - 1, "terms of t_num aligned and added");
+            circuit.stage(at_t_num, "t_num = U Az + V Bz + W Cz, rounded once");
             (t_denom, Num::sum([uaz, vbz, wcz]))
         }
     };

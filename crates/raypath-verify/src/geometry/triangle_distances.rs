@@ -6,7 +6,7 @@ use super::watertight::datapath;
 use crate::{Error, Request, Verdict};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
-use raypath_ops::{Binary32, Ray, RayTriangleOutput, Rules};
+use raypath_ops::{Binary32, Ray, RayTriangleOutput, Rounding, Rules};
 
 /// One case of this many also runs on the wrong implementations.
 const CONTROL_INTERVAL: u64 = 16;
@@ -15,9 +15,9 @@ const ENOUGH: u64 = 5_000;
 
 /// Compares random rays and triangles with exact arithmetic, by the bounds of `docs/reference/error-bounds.md`.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let rules = request.config.semantics.rules_in_full();
+    let (rules, rounding) = (request.config.semantics.rules_in_full(), request.config.semantics.rounding);
     let cases = request.jobs.unwrap_or(request.level.pick(300_000, 10_000_000, 300_000_000));
-    let (tally, is_stopped) = campaign::run(request, 2, cases, |rng, tally| run(tally, rules, rng))?;
+    let (tally, is_stopped) = campaign::run(request, 2, cases, |rng, tally| run(tally, rules, rounding, rng))?;
     Ok(verdict(tally, is_stopped))
 }
 
@@ -102,10 +102,10 @@ impl Exact {
 }
 
 /// Checks a random ray and triangle; in some cases also on the wrong implementations.
-fn run(tally: &mut Tally, rules: Rules, rng: &mut ChaCha8Rng) {
+fn run(tally: &mut Tally, rules: Rules, rounding: Rounding, rng: &mut ChaCha8Rng) {
     let (ray, corners) = draw(rng);
     let exact = Exact::new(&ray, corners);
-    check(tally, &exact, &ray, corners, TriangleResult::of(datapath(rules, &ray, corners)));
+    check(tally, &exact, &ray, corners, TriangleResult::of(datapath(rules, rounding, &ray, corners)));
     if tally.count("checked").is_multiple_of(CONTROL_INTERVAL) {
         for (name, answer) in WRONG {
             let mut control = Tally::default();
@@ -222,7 +222,7 @@ const WRONG: [Named; 4] = [
 /// The datapath's result for a ray with other shear constants.
 fn with_shear(ray: &Ray<Binary32>, corners: [[f32; 3]; 3], shear: impl Fn([f32; 3]) -> [f32; 3]) -> TriangleResult {
     let ray = Ray { shear: shear(ray.shear.into()).into(), ..*ray };
-    TriangleResult::of(datapath(Rules::Paper, &ray, corners))
+    TriangleResult::of(datapath(Rules::Paper, Rounding::Unit, &ray, corners))
 }
 
 /// The number with a significand of `bits` bits, rounded towards zero.
@@ -235,7 +235,7 @@ mod tests {
     use super::{Exact, Tally, TriangleResult, check, datapath, draw, ulps_of};
     use rand::SeedableRng;
     use rand::rngs::ChaCha8Rng;
-    use raypath_ops::{Ray, Rules};
+    use raypath_ops::{Ray, Rounding, Rules};
 
     #[test]
     fn the_exact_values_are_right_where_they_are_known() {
@@ -255,9 +255,11 @@ mod tests {
         let (mut right, mut wrong, mut hits) = (Tally::default(), Tally::default(), 0);
         for _ in 0..3000 {
             let (ray, corners) = draw(&mut rng);
-            let answer = TriangleResult::of(datapath(Rules::Paper, &ray, corners));
+            let answer = TriangleResult::of(datapath(Rules::Paper, Rounding::Unit, &ray, corners));
             let exact = Exact::new(&ray, corners);
             check(&mut right, &exact, &ray, corners, answer);
+            let once = TriangleResult::of(datapath(Rules::Paper, Rounding::Sum, &ray, corners));
+            check(&mut right, &exact, &ray, corners, once);
             if answer.hit {
                 hits += 1;
                 let t_num = answer.t_num * (1.0 + 1e-5);

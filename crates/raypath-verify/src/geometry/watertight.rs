@@ -8,7 +8,7 @@ use crate::{Error, Request, Verdict};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Functional;
-use raypath_ops::{Binary32, Job, Outcome, Ray, RayTriangleInput, RayTriangleOutput, Rules, Triangle};
+use raypath_ops::{Binary32, Job, Outcome, Ray, RayTriangleInput, RayTriangleOutput, Rounding, Rules, Triangle};
 
 /// The number of cases after which each leaking implementation must have been found.
 const ENOUGH: u64 = 100_000;
@@ -18,10 +18,10 @@ const DRAWS: u32 = 200;
 /// Runs rays at closed meshes. In each case the ray passes, by exact arithmetic, through a patch of faces that all face
 /// it; the datapath must hit one of them.
 pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
-    let rules = request.config.semantics.rules_in_full();
+    let (rules, rounding) = (request.config.semantics.rules_in_full(), request.config.semantics.rounding);
     let cases = request.jobs.unwrap_or(request.level.pick(1_000_000, 20_000_000, 1_000_000_000));
     let bodies = bodies(request.seed);
-    let is_hit = |ray: &Ray<Binary32>, corners| datapath(rules, ray, corners).triangle_hit.into();
+    let is_hit = |ray: &Ray<Binary32>, corners| datapath(rules, rounding, ray, corners).triangle_hit.into();
     let (tally, is_stopped) = campaign::run(request, 1, cases, |rng, tally| run(tally, rng, &bodies, &is_hit))?;
     Ok(verdict(tally, &bodies, is_stopped))
 }
@@ -94,9 +94,14 @@ fn verdict(tally: Tally, bodies: &[PlacedMesh], is_stopped: bool) -> Verdict {
 }
 
 /// The datapath's result for a ray and a triangle.
-pub fn datapath(rules: Rules, ray: &Ray<Binary32>, [a, b, c]: [[f32; 3]; 3]) -> RayTriangleOutput<Binary32> {
+pub fn datapath(
+    rules: Rules,
+    rounding: Rounding,
+    ray: &Ray<Binary32>,
+    [a, b, c]: [[f32; 3]; 3],
+) -> RayTriangleOutput<Binary32> {
     let job = Job::Triangle(RayTriangleInput { ray: *ray, triangle: Triangle::new(a, b, c) });
-    match Functional::<16, 8>::new(rules).run(&job) {
+    match Functional::<16, 8>::new(rules).rounding(rounding).run(&job) {
         Outcome::Triangle(output) => output,
         other => unreachable!("a triangle's outcome is no {other:?}"),
     }
@@ -149,7 +154,7 @@ mod tests {
     use super::{Intersect, LEAKY, TARGETS, Tally, bodies, datapath, run};
     use rand::SeedableRng;
     use rand::rngs::ChaCha8Rng;
-    use raypath_ops::{Binary32, Ray, Rules};
+    use raypath_ops::{Binary32, Ray, Rounding, Rules};
 
     fn run_rays(is_hit: &dyn Intersect) -> Tally {
         let (bodies, mut rng, mut tally) = (bodies(2), ChaCha8Rng::seed_from_u64(3), Tally::default());
@@ -157,13 +162,15 @@ mod tests {
         tally
     }
 
-    /// The campaign passes the datapath under both rule sets, and finds each leaking implementation.
+    /// The campaign passes the datapath under both rule sets and both roundings, and finds each leaking implementation.
     #[test]
     fn leaks_are_found() {
-        for rules in [Rules::Paper, Rules::Chisel] {
-            let rays = run_rays(&|ray: &Ray<Binary32>, corners| datapath(rules, ray, corners).triangle_hit.into());
+        let cases = [(Rules::Paper, Rounding::Unit), (Rules::Chisel, Rounding::Unit), (Rules::Paper, Rounding::Sum)];
+        for (rules, rounding) in cases {
+            let is_hit = |ray: &Ray<Binary32>, corners| datapath(rules, rounding, ray, corners).triangle_hit.into();
+            let rays = run_rays(&is_hit);
             let checked = TARGETS.map(|(_, name)| rays.count(name));
-            assert_eq!((rays.failures(), checked.iter().sum::<u64>()), (0, 20_000), "{rules}");
+            assert_eq!((rays.failures(), checked.iter().sum::<u64>()), (0, 20_000), "{rules}, {rounding}");
             assert!(checked.iter().all(|&rays| rays > 50) && rays.count("several hits") > 1000, "{rays:?}");
         }
         for (name, intersect) in LEAKY {
