@@ -40,9 +40,10 @@ pub trait Circuit: Copy + Debug + PartialEq {
     fn one_plus_ulps(self, ulps: u32) -> Self::Num;
     /// Sum.
     fn add(self, a: Self::Num, b: Self::Num) -> Self::Num;
-    /// The sum of 3 to 64 terms, rounded once. The terms are truncated to a window below the greatest of their exponents,
-    /// and then added exactly (`docs/reference/semantics.md`). The order of the terms does not matter. The marked stage
-    /// is the one in which the sum is available: it begins one stage earlier if there are 3 terms, otherwise two.
+    /// The sum of 3 to 64 terms, rounded once. The terms are truncated to a window below the greatest of their
+    /// exponents, and then added exactly (`docs/reference/semantics.md`). The order of the terms does not matter. The
+    /// marked stage is the one in which the sum is available: it begins one stage earlier if there are 3 terms,
+    /// otherwise two.
     fn sum(self, terms: &[Self::Num]) -> Self::Num;
     /// Difference.
     fn subtract(self, a: Self::Num, b: Self::Num) -> Self::Num;

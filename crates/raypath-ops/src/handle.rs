@@ -79,8 +79,8 @@ impl<C: Circuit> Num<C> {
         Self::new(self.circuit, self.circuit.narrow(self.value, to))
     }
 
-    /// The sum of at most 64 terms, rounded once: by [`Circuit::sum`] from three terms on, and by an addition if there are
-    /// two.
+    /// The sum of at most 64 terms, rounded once: by [`Circuit::sum`] from three terms on, and by an addition if there
+    /// are two.
     #[inline(always)]
     pub fn sum<const N: usize>(terms: [Self; N]) -> Self {
         const { assert!(N >= 1 && N <= 64, "a sum has 1 to 64 terms") };

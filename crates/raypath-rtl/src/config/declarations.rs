@@ -26,7 +26,8 @@ declare_parameters! {
         /// The number format; `eXsY` has X exponent bits (3 to 11) and Y significand bits, hidden bit included (3 to
         /// 24).
         format ("format"): Format = Format::BINARY32,
-        /// How sums of several products are rounded: at every adder (the paper's), or once, which shortens the pipeline.
+        /// How sums of several products are rounded: at every adder (the paper's), or once, which shortens the
+        /// pipeline.
         rounding ("rounding"): Rounding = Rounding::Unit,
     }
     /// Functions that the paper's operations do not have; off by default.
@@ -208,8 +209,8 @@ impl Semantics {
             return Err(Error::Feature { feature: "conservative", problem });
         }
         if self.rounding == Rounding::Sum && self.rules == Rules::Chisel {
-            let problem = "sum is not available with rules chisel, which answer as the original hardware; expected rules \
-                           paper or bounds";
+            let problem = "sum is not available with rules chisel, which answer as the original hardware; expected \
+                           rules paper or bounds";
             return Err(Error::Feature { feature: "rounding", problem: problem.to_string() });
         }
         if exception_flags && self.format != Format::BINARY32 {
