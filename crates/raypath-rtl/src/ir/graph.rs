@@ -258,17 +258,16 @@ impl OperationGraph<Stage> {
     /// Checks that stages are in range, operands come first, and state is read in the stage that writes it.
     pub fn check(&self) -> Result<(), Error> {
         for id in self.ids() {
-            let stage = self.node(id).position.0;
+            // A sum begins before the stage in which it is available.
+            let stage = match &self.node(id).op {
+                Op::Sum(terms) => (self.node(id).position.0 + 1).saturating_sub(sum_steps(terms.len() as u32)),
+                _ => self.node(id).position.0,
+            };
             let inside = !matches!(self.node(id).op, Op::Input(_));
             if inside && !self.is_everywhere(id) && !(1..=LAST_STAGE).contains(&stage) {
                 let value = self.name_of(id);
                 return Err(Error::NoSuchStage { operation: self.name, value, stage, last: LAST_STAGE });
             }
-            // A sum begins before the stage in which it is available.
-            let stage = match &self.node(id).op {
-                Op::Sum(terms) => (stage + 1).saturating_sub(sum_steps(terms.len() as u32)),
-                _ => stage,
-            };
             for operand in self.operands(id) {
                 let made = self.node(operand).position.0;
                 if !self.is_everywhere(operand) && made > stage {

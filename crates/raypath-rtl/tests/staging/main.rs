@@ -29,6 +29,49 @@ fn with<const E: usize, const A: usize>(set: Operations, which: &[u64], rules: R
     })
 }
 
+#[test]
+fn sums_that_round_once_are_not_staged_automatically() {
+    let set = Operations::new().auto().with(&Euclidean::<16> { rounding: Rounding::Sum }, 2);
+    let error = set.expect_err("no automatic stages").to_string();
+    assert!(error.contains("euclidean, which is staged automatically; expected marked stages"), "{error}");
+}
+
+/// A sum of three terms takes two stages, the marked one and the one before.
+struct Early(u32);
+
+impl Operation for Early {
+    const NAME: &'static str = "early";
+    type Input<C: Circuit> = Terms<C>;
+    type Output<C: Circuit> = Total<C>;
+    type State<C: Circuit> = ();
+
+    fn run<C: Circuit>(&self, c: C, input: Terms<C>, _state: ()) -> (Total<C>, ()) {
+        c.stage(self.0, "sum");
+        (Total { total: Num::sum(input.term) }, ())
+    }
+}
+
+bundle! {
+    /// Three terms.
+    pub struct Terms<C> {
+        /// The terms.
+        pub term: [Num<C>; 3],
+    }
+
+    /// The sum.
+    pub struct Total<C> {
+        /// The sum.
+        pub total: Num<C>,
+    }
+}
+
+#[test]
+fn a_sum_begins_one_stage_before_it_is_available() {
+    assert!(Operations::new().with(&Early(2), 0).and_then(Datapath::of).is_ok());
+    let error = Operations::new().with(&Early(1), 0).expect_err("no stage 0").to_string();
+    assert!(error.contains("is in stage 0, expected 1 to 10"), "{error}");
+}
+
 fn build<const E: usize, const A: usize>(set: Operations, which: &[u64], rules: Rules) -> Datapath {
     with::<E, A>(set, which, rules).and_then(Datapath::of).expect("a datapath")
 }
