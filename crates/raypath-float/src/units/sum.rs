@@ -71,9 +71,9 @@ fn describe(format: Format, terms: u32, parts: &mut Parts<'_>) {
     let exponent = greatest[0];
 
     m.section("Shift to the greatest exponent and truncate; complement where the sign differs from the first");
-    let relative = (signs ^ signs.bit(0).replicate(terms)).named("relative");
+    let relative = (signs.upper(terms - 1) ^ signs.bit(0).replicate(terms - 1)).named("relative");
     let width = window + growth + 1;
-    let mut complements: Vec<Wire<'_>> = (1..terms).map(|term| relative.bit(term)).collect();
+    let mut complements: Vec<Wire<'_>> = (0..terms - 1).map(|other| relative.bit(other)).collect();
     let rows: Vec<Wire<'_>> = (0..terms)
         .map(|term| {
             let distance = (exponent - exponents[term as usize]).named(&format!("distance_{term}"));
@@ -83,7 +83,7 @@ fn describe(format: Format, terms: u32, parts: &mut Parts<'_>) {
             let row = if term == 0 {
                 shifted.extend(width)
             } else {
-                let sign = relative.bit(term);
+                let sign = relative.bit(term - 1);
                 m.concat(&[sign.replicate(growth + 1), shifted ^ sign.replicate(window)])
             };
             row.named(&format!("row_{term}"))
@@ -106,7 +106,9 @@ fn describe(format: Format, terms: u32, parts: &mut Parts<'_>) {
     }
     let (rows, mut complements) = cut_rows(parts, rows, complements);
     let rows = reduce(rows, u32::MAX, &mut complements);
-    let total = lookahead::add(rows[0], rows[1], complements.pop(), "total").word.named("total");
+    let total = lookahead::add(rows[0], rows[1], complements.pop(), "total");
+    parts.builder().unused("unused_total_carry", &[total.carry]);
+    let total = total.word.named("total");
     cut!(parts, [(1, 2)], total);
     let negative = total.top().named("negative");
     let magnitude = total.lower(width - 1) ^ negative.replicate(width - 1);
