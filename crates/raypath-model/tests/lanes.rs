@@ -134,9 +134,12 @@ fn blocks_compute_as_jobs_do() {
         .collect();
     let run = |block: &RayBoxInput<Packed>| RayBox { rules: Rules::Paper }.run(Packed, *block, ()).0;
     let blocks: Vec<_> = pack::<RayBoxInput<Binary32>>(&inputs).iter().map(run).collect();
-    for (answer, expected) in
-        unpack::<RayBoxOutput<Binary32>>(&blocks, JOBS).zip(answers(JobKind::Quadbox, Rules::Paper, &jobs))
-    {
+    for (answer, expected) in unpack::<RayBoxOutput<Binary32>>(&blocks, JOBS).zip(answers(
+        JobKind::Quadbox,
+        Rules::Paper,
+        Rounding::Unit,
+        &jobs,
+    )) {
         let mut words = Vec::new();
         Outcome::Quadbox(answer).words(&mut words);
         assert_eq!(words, expected);

@@ -237,7 +237,7 @@ enum Wrong {
     LastBeatAlone,
     /// Euclidean sums by (a - b)² = a² - 2ab + b², which cancels if a is near b.
     Expanded,
-    /// Sums that round once, with a window as wide as the significand.
+    /// Sums that round once, with a window of 18 bits.
     ShortWindow,
 }
 
@@ -247,7 +247,7 @@ const WRONG: [(Wrong, &str); 5] = [
     (Wrong::ShortOperands, "operands of 16 bits"),
     (Wrong::LastBeatAlone, "the last beat alone"),
     (Wrong::Expanded, "squares of differences expanded"),
-    (Wrong::ShortWindow, "a window of 24 bits"),
+    (Wrong::ShortWindow, "a window of 18 bits"),
 ];
 
 impl Wrong {
@@ -279,12 +279,12 @@ impl Wrong {
     }
 }
 
-/// The sum of the beats' terms, those of a beat truncated to 24 places below the greatest of their exponents.
+/// The sum of the beats' terms, those of a beat truncated to 18 places below the greatest of their exponents.
 fn in_short_window<const N: usize>(beats: &[Beat<Binary32, N>], term: impl Fn([f32; 2]) -> f32) -> f32 {
     let sum = |beat: &Beat<Binary32, N>| {
         let terms: Vec<f64> = lanes(beat).map(|pair| f64::from(term(pair))).collect();
         let greatest = terms.iter().fold(0.0_f64, |greatest, term| greatest.max(term.abs()));
-        let last_place = f64::from_bits(greatest.to_bits() & 0x7ff << 52) * 2_f64.powi(-23);
+        let last_place = f64::from_bits(greatest.to_bits() & 0x7ff << 52) * 2_f64.powi(-17);
         let kept = |term: &f64| if last_place == 0.0 { 0.0 } else { (term / last_place).trunc() * last_place };
         terms.iter().map(kept).sum::<f64>() as f32
     };
