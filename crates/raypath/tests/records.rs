@@ -42,7 +42,7 @@ fn verify_writes_a_record_of_its_run() {
     let [record] = &records[..] else { panic!("{} records", records.len()) };
     assert_eq!((record.item.as_str(), record.result.as_str()), ("sums", "as claimed"));
     assert!(record.command.contains("verify sums") && record.command.ends_with("--seed 3 --shard 1/1 --jobs 20"));
-    assert!(record.covered.starts_with("60 sums") && record.seconds.is_some(), "{record:?}");
+    assert!(record.covered.starts_with("120 sums") && record.seconds.is_some(), "{record:?}");
     assert!(record.versions["rustc"].starts_with("rustc 1."), "{:?}", record.versions);
     let item = ITEMS.iter().find(|item| item.name == "sums").expect("the item");
     assert!(!record.is_stale(item, &root()).expect("a subject"));
