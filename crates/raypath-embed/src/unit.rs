@@ -114,8 +114,8 @@ impl Unit {
     ) -> Result<SystemTiming, Error> {
         check(rays, hits)?;
         check_memory(memory).map_err(Error::Argument)?;
-        let mut model = unit::UnitModel::of(&self.netlist);
-        Ok(simulate(&mut model, scene, memory, &mut List::new(rays, hits, progress)))
+        let (shape, parameters) = (self.netlist.shape(), self.netlist.parameters);
+        Ok(simulate(&shape, parameters, scene, memory, &mut List::new(rays, hits, progress)))
     }
 
     /// Writes SystemVerilog, assertions, the AXI4 wrapper and manifests into a folder, as `raypath generate --unit`

@@ -35,14 +35,15 @@ impl Kernels<Binary32> for SimdKernels {
             let [tmin, hit, index] = [entry.tmin.value.0.to_bits(), entry.hit.value.into(), entry.index.value];
             u64::from(tmin) << 3 | u64::from(!hit & 1) << 2 | u64::from(index)
         };
-        let mut keys = entries.map(key);
+        // Not `map`, which the compiler does not inline here.
+        let mut keys: [u64; 4] = array_of!(i => key(entries[i]));
         for (i, j) in [(0, 2), (1, 3), (0, 1), (2, 3), (1, 2)] {
             (keys[i], keys[j]) = (keys[i].min(keys[j]), keys[i].max(keys[j]));
         }
-        keys.map(|key| SortEntry {
-            hit: Bit::new(c, key & 4 == 0),
-            tmin: Num::new(c, Single(f32::from_bits((key >> 3) as u32))),
-            index: Word::new(c, (key & 3) as u32),
+        array_of!(i => SortEntry {
+            hit: Bit::new(c, keys[i] & 4 == 0),
+            tmin: Num::new(c, Single(f32::from_bits((keys[i] >> 3) as u32))),
+            index: Word::new(c, (keys[i] & 3) as u32),
         })
     }
 

@@ -10,7 +10,7 @@ use crate::step::{StepParameters, UnitFeatures};
 use raypath_model::SimdKernels;
 use raypath_ops::{
     Binary32, Culling, Flags, Num, Operation, Ray, RayBox, RayBoxInput, RayTriangleExtended, RayTriangleExtendedInput,
-    Rounding, Rules, Vec3, Word,
+    Rounding, Rules, Vec3, Word, array_of,
 };
 
 /// A block of the memory, of the largest size.
@@ -21,7 +21,6 @@ pub(crate) type Block = [u8; BLOCK_BYTES as usize];
 pub(crate) struct Answers {
     boxes: RayBox,
     triangles: RayTriangleExtended,
-    nodes: NodeKind,
 }
 
 /// A ray after its set-up.
@@ -36,11 +35,11 @@ pub(crate) struct ReadyRay {
 impl Answers {
     /// The jobs of a unit by these rules.
     pub fn new(rules: Rules, parameters: StepParameters) -> Self {
-        let StepParameters { node: nodes, features: UnitFeatures { barycentrics, .. }, .. } = parameters;
+        let UnitFeatures { barycentrics, .. } = parameters.features;
         let rounding = Rounding::Unit;
         let (culling, facing, range) = (Culling::None, true, false);
         let triangles = RayTriangleExtended { rules, rounding, culling, facing, barycentrics, range };
-        Self { boxes: RayBox { rules }, triangles, nodes }
+        Self { boxes: RayBox { rules }, triangles }
     }
 
     /// The constants of a ray.
@@ -99,36 +98,48 @@ impl Answers {
 
     /// The outcome of a node's box job, for a ray of this length.
     #[inline(always)]
-    pub fn node(&self, ready: &ReadyRay, extent: Num<Binary32>, block: &[u8]) -> Answer<Binary32> {
-        let node = match self.nodes {
-            NodeKind::Wide4 => block.first_chunk().map(Node::of),
-            NodeKind::Quantised => block.first_chunk().map(Node::of_quantised),
-        };
+    pub fn node(&self, nodes: NodeKind, ready: &ReadyRay, extent: Num<Binary32>, block: &[u8]) -> Answer<Binary32> {
         // A block that is shorter than the memory promises is none.
-        let Some(Node { boxes, children }) = node else { return Self::failure() };
+        let Node { boxes, children } = match nodes {
+            NodeKind::Wide4 => match block.first_chunk() {
+                Some(block) => Node::of(block),
+                None => return Self::failure(),
+            },
+            NodeKind::Quantised => match block.first_chunk() {
+                Some(block) => Node::of_quantised(block),
+                None => return Self::failure(),
+            },
+        };
         let input = RayBoxInput { ray: Ray { extent, ..ready.ray }, aabb: boxes };
         let (outcome, ()) = self.boxes.run_with(Binary32, SimdKernels, input, ());
         Answer {
             hit: outcome.is_intersect,
             tmin: [outcome.tmin[1], outcome.tmin[2], outcome.tmin[3]],
             box_index: outcome.box_index,
-            child: children.map(Word::truncate),
+            child: array_of!(i => Word::truncate(children[i])),
             ..nothing(answer::BOXES)
         }
     }
 
     /// The outcomes of the triangle jobs of a leaf's block.
-    pub fn leaf(&self, ready: &ReadyRay, limits: HitLimits<Binary32>, block: &[u8], count: u32) -> Answer<Binary32> {
+    pub fn leaf(
+        &self,
+        nodes: NodeKind,
+        ready: &ReadyRay,
+        limits: HitLimits<Binary32>,
+        block: &[u8],
+        count: u32,
+    ) -> Answer<Binary32> {
         let mut closest = no_hit();
         for place in 0..count {
-            closest = fold(closest, (place == 0).into(), self.triangle(ready, block, place), limits);
+            closest = fold(closest, (place == 0).into(), self.triangle(nodes, ready, block, place), limits);
         }
         Answer { closest, ..nothing(answer::BLOCK) }
     }
 
     /// The outcome of a triangle job with its distance.
-    fn triangle(&self, ready: &ReadyRay, block: &[u8], place: u32) -> TriangleHit<Binary32> {
-        let LeafTriangle { triangle, index } = LeafTriangle::of(block, place as usize, self.nodes);
+    fn triangle(&self, nodes: NodeKind, ready: &ReadyRay, block: &[u8], place: u32) -> TriangleHit<Binary32> {
+        let LeafTriangle { triangle, index } = LeafTriangle::of(block, place as usize, nodes);
         let input = RayTriangleExtendedInput { ray: ready.ray, triangle, t_min: 0.0.into() };
         let (outcome, ()) = self.triangles.run(Binary32, input, ());
         TriangleHit {

@@ -21,6 +21,7 @@ pub mod state;
 mod step;
 pub mod system;
 pub mod traffic;
+mod walk;
 mod words;
 
 pub use cycle::{UnitCounts, UnitModel};

@@ -1,11 +1,10 @@
 //! The functional model of the unit: a ray goes in, its hit comes out, without time.
 
-use crate::answers::{Answers, ReadyRay, quotient};
-use crate::native::{self, Stack, empty_stack};
-use crate::set_up::Entry;
-use crate::state::{NO_INSTANCE, RayState, request, status};
+use crate::answers::{Answers, quotient};
+use crate::state::{NO_INSTANCE, RayState, status};
 use crate::step::{StepParameters, UnitFeatures};
-use raypath_ops::{Binary32, Rules, Word};
+use crate::walk::{AskedKind, Walk};
+use raypath_ops::{Binary32, Rules};
 use thiserror::Error;
 
 /// The memory that a unit reads.
@@ -89,40 +88,21 @@ pub struct Reply {
 pub struct Unit {
     parameters: StepParameters,
     answers: Answers,
-    stack: Stack,
+    walk: Walk,
 }
 
 impl Unit {
     /// A unit with these rules for special cases.
     pub fn new(rules: Rules, parameters: StepParameters) -> Self {
-        Self { parameters, answers: Answers::new(rules, parameters), stack: empty_stack() }
+        let answers = Answers::new(rules, parameters);
+        Self { parameters, walk: Walk::new(&answers), answers }
     }
 
     /// Traces a ray.
     pub fn trace(&mut self, memory: &(impl Memory + ?Sized), ray: &RayRequest) -> Reply {
-        let outside = self.answers.set_up(&Entry::from(ray));
-        let mut inside = outside;
-        let root = Word::truncate(ray.root);
-        let mut state = RayState::begin(Binary32, root, ray.t_max.into(), ray.any_hit.into());
-        let mut asked = native::step(self.parameters, &mut state, Answers::begin(&outside), &mut self.stack);
-        while asked.kind.value != request::DONE {
-            let answer = if asked.kind.value == request::CONTINUE {
-                Answers::again()
-            } else {
-                let ready: &ReadyRay = if state.inside.into() { &inside } else { &outside };
-                match memory.block(asked.address.value, self.parameters.node.block_bytes()) {
-                    Ok(block) if asked.is_instance.into() => {
-                        inside = self.answers.instance(&outside, block);
-                        Answers::enter(&inside, block)
-                    }
-                    Ok(block) if asked.count.value == 0 => self.answers.node(ready, state.extent, block),
-                    Ok(block) => self.answers.leaf(ready, ray.limits(), block, asked.count.value),
-                    Err(_) => Answers::failure(),
-                }
-            };
-            asked = native::step(self.parameters, &mut state, answer, &mut self.stack);
-        }
-        Reply::of(&state, asked.status.value, self.parameters.features)
+        self.walk.begin(&self.answers, ray);
+        while self.walk.step(&self.answers, self.parameters, memory).kind != AskedKind::Nothing {}
+        self.walk.reply(self.parameters)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::state::{Answer, Group, RayState, Request};
 use crate::step::{HalfStep, StepParameters, finish, prepare};
-use raypath_ops::{Binary32, Bit, Word};
+use raypath_ops::{Binary32, Bit, Flags, Word};
 
 /// The stack of a ray: a unit uses the first entries.
 pub(crate) type Stack = [Group<Binary32>; MAX_STACK];
@@ -37,11 +37,15 @@ pub(crate) fn step(
     answer: Answer<Binary32>,
     stack: &mut Stack,
 ) -> Request<Binary32> {
-    let restarting = state.restarting;
+    let (restarting, first_hit) = (state.restarting, answer.hit.0[0]);
     for_each_value!(restarting, {
-        let half = prepare(Binary32, parameters.features, RayState { restarting, ..*state }, answer);
-        let descends = half.descends;
-        for_each_value!(descends, end(parameters, state, HalfStep { descends, ..half }, stack))
+        // If the ray is not on its way down again, it descends exactly if the first child is hit.
+        for_each_value!(first_hit, {
+            let Flags([_, second, third, fourth]) = answer.hit;
+            let answer = Answer { hit: Flags([first_hit, second, third, fourth]), ..answer };
+            let half = prepare(Binary32, parameters.features, RayState { restarting, ..*state }, answer);
+            end(parameters, state, half, stack)
+        })
     })
 }
 

@@ -1,7 +1,7 @@
 //! What the unit keeps for a ray, what it learns, and what it asks for next.
 
 use crate::words::{Levels, WordCircuit};
-use raypath_ops::{Bit, Circuit, Flags, Num, Select, Word, bundle};
+use raypath_ops::{Bit, Circuit, Flags, Num, Select, Word, array_of, bundle};
 
 /// The kinds of an [`Answer`].
 pub mod answer {
@@ -231,9 +231,9 @@ impl<C: Circuit> Select<C> for Group<C> {
     #[inline(always)]
     fn select(condition: Bit<C>, if_true: Self, if_false: Self) -> Self {
         Self {
-            present: Flags(std::array::from_fn(|i| condition.select(if_true.present.0[i], if_false.present.0[i]))),
-            child: std::array::from_fn(|i| condition.select(if_true.child[i], if_false.child[i])),
-            tmin: std::array::from_fn(|i| condition.select(if_true.tmin[i], if_false.tmin[i])),
+            present: Flags(array_of!(i => condition.select(if_true.present.0[i], if_false.present.0[i]))),
+            child: array_of!(i => condition.select(if_true.child[i], if_false.child[i])),
+            tmin: array_of!(i => condition.select(if_true.tmin[i], if_false.tmin[i])),
         }
     }
 }

@@ -20,7 +20,7 @@ use crate::blocks::{MAX_LEAF, NODE_KIND, NodeKind};
 use crate::instance::{INSTANCE_JOBS, INSTANCE_KIND};
 use crate::state::{Answer, Group, NO_INSTANCE, RayState, Request, answer, request, status};
 use crate::words::{LEVELS, Levels, WordCircuit, WordMethods};
-use raypath_ops::{Bit, Flags, Select, Word, bundle};
+use raypath_ops::{Bit, Flags, Select, Word, array_of, bundle};
 
 /// The parameters of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -160,7 +160,7 @@ pub fn prepare<C: WordCircuit>(c: C, features: UnitFeatures, state: RayState<C>,
         parent,
         place,
         child: enters.select(answer.child[0], chosen.child),
-        rest: Group { present: Flags(chosen.rest.present.0.map(|present| present & !enters)), ..chosen.rest },
+        rest: Group { present: Flags(array_of!(i => chosen.rest.present.0[i] & !enters)), ..chosen.rest },
         state: RayState {
             inside: state.inside | enters,
             instance: enters.select(answer.child[1], state.instance),

@@ -2,12 +2,15 @@
 
 mod cache;
 
-use crate::blocks::BLOCK_BYTES;
-use crate::cycle::{UnitCounts, UnitModel};
-use crate::engine::{BlockRequest, Response, UnitEngine, UnitInputs, UnitOutputs};
+use crate::cycle::UnitCounts;
+use crate::cycle::ahead::AheadContexts;
+use crate::cycle::timing::{Edge, Timing};
+use crate::engine::BlockRequest;
+use crate::hardware::UnitParameters;
 use crate::model::{Memory, RayRequest, Reply};
 use cache::Cache;
 pub use cache::{CacheError, CacheParameters};
+use raypath_model::Shape;
 use std::collections::VecDeque;
 
 /// The memory behind the unit's port.
@@ -64,25 +67,29 @@ impl SystemTiming {
     }
 }
 
-/// Simulates the unit until the user has no rays left and all have ended. Hits are taken at once.
+/// Simulates the cycle-exact model of a unit, whose datapath has this shape, until the user has no rays left and all
+/// have ended. Hits are taken at once.
 pub fn simulate<M: Memory + ?Sized>(
-    unit: &mut UnitModel,
+    shape: &Shape,
+    unit: UnitParameters,
     scene: &M,
-    parameters: &MemoryParameters,
+    memory: &MemoryParameters,
     user: &mut impl RayUser,
 ) -> SystemTiming {
-    let mut memory = Port::new(unit.beat_bytes(), unit.block_bytes(), parameters);
+    let mut contexts = AheadContexts::new(unit.step, scene, unit.contexts);
+    let mut memory = Port::new(unit, memory);
+    let mut unit = Timing::new(shape, unit);
     let mut timing = SystemTiming::default();
-    let mut inputs = UnitInputs { ray: None, hit_ready: true, request_ready: true, response: None };
     let (mut now, mut in_flight) = (0, 0);
+    let mut ray = None;
     loop {
-        if inputs.ray.is_none() {
-            inputs.ray = user.next_ray();
+        if ray.is_none() {
+            ray = user.next_ray();
         }
-        inputs.response = memory.response(scene, now);
-        let UnitOutputs { ray_ready, hit, request, .. } = unit.outputs();
-        let enters = ray_ready && inputs.ray.is_some();
-        let is_quiet = !enters && hit.is_none() && request.is_none() && inputs.response.is_none();
+        let beat = memory.beat(scene, now);
+        let (hit, request) = (unit.hit(), unit.request(&contexts));
+        let enters = ray.is_some() & unit.ray_ready();
+        let is_quiet = !enters & hit.is_none() & request.is_none() & beat.is_none();
         let due = memory.next_due();
         if is_quiet && due != NEVER {
             let skipped = unit.idle(due.saturating_sub(now));
@@ -92,7 +99,7 @@ pub fn simulate<M: Memory + ?Sized>(
                 continue;
             }
         }
-        timing.beats += u64::from(inputs.response.is_some());
+        timing.beats += u64::from(beat.is_some());
         timing.ray_cycles += in_flight;
         now += 1;
         if let Some((number, reply)) = hit {
@@ -105,14 +112,21 @@ pub fn simulate<M: Memory + ?Sized>(
         if let Some(request) = request {
             memory.request(request, now);
         }
-        unit.cycle(&inputs);
+        let arrived = beat.filter(|beat| beat.is_last).map(|beat| {
+            contexts.arrive(beat.context, beat.is_error);
+            beat.context
+        });
+        unit.cycle(
+            &mut contexts,
+            &Edge { ray: ray.as_ref().filter(|_| enters), hit_ready: true, request_ready: true, arrived },
+        );
         if enters {
-            inputs.ray = None;
+            ray = None;
             in_flight += 1;
         }
-        if in_flight == 0 && inputs.ray.is_none() {
-            inputs.ray = user.next_ray();
-            if inputs.ray.is_none() {
+        if in_flight == 0 && ray.is_none() {
+            ray = user.next_ray();
+            if ray.is_none() {
                 break;
             }
         }
@@ -126,8 +140,9 @@ pub fn simulate<M: Memory + ?Sized>(
 const NEVER: u64 = u64::MAX;
 
 /// The memory with the requests in it.
-struct Port<'s> {
-    beat_bytes: usize,
+struct Port {
+    /// The beats of a block.
+    beats: u32,
     block_bytes: u32,
     latency: u64,
     bandwidth: Option<u32>,
@@ -139,22 +154,31 @@ struct Port<'s> {
     /// The cycles of the first of them and of the last; `NEVER` and 0 if there is none.
     first_due: u64,
     last_due: u64,
-    arriving: Arriving<'s>,
+    arriving: Arriving,
 }
 
 /// The block whose beats arrive.
 #[derive(Default)]
-struct Arriving<'s> {
-    tag: u32,
+struct Arriving {
+    context: u8,
     is_error: bool,
-    /// The bytes that have not yet arrived.
-    bytes: &'s [u8],
+    /// The beats that have not yet arrived.
+    beats: u32,
 }
 
-impl<'s> Port<'s> {
-    fn new(beat_bytes: usize, block_bytes: u32, parameters: &MemoryParameters) -> Self {
+/// A beat of a block.
+#[derive(Clone, Copy)]
+struct Beat {
+    context: u8,
+    is_error: bool,
+    is_last: bool,
+}
+
+impl Port {
+    fn new(unit: UnitParameters, parameters: &MemoryParameters) -> Self {
+        let block_bytes = unit.step.node.block_bytes();
         Self {
-            beat_bytes,
+            beats: (8 * block_bytes).div_ceil(unit.memory_width),
             block_bytes,
             latency: parameters.latency,
             bandwidth: parameters.bandwidth,
@@ -198,29 +222,29 @@ impl<'s> Port<'s> {
     /// The cycle of the next beat; `NEVER` if nothing is requested.
     #[inline]
     fn next_due(&self) -> u64 {
-        if self.arriving.bytes.is_empty() { self.first_due } else { 0 }
+        if self.arriving.beats == 0 { self.first_due } else { 0 }
     }
 
+    /// The beat of this cycle.
     #[inline]
-    fn response<M: Memory + ?Sized>(&mut self, scene: &'s M, now: u64) -> Option<Response<'s>> {
-        if self.arriving.bytes.is_empty() {
+    fn beat<M: Memory + ?Sized>(&mut self, scene: &M, now: u64) -> Option<Beat> {
+        if self.arriving.beats == 0 {
             if self.first_due > now {
                 return None;
             }
             self.arriving = self.next_block(scene)?;
         }
-        let Arriving { tag, is_error, bytes } = &mut self.arriving;
-        Some(Response { tag: *tag, is_error: *is_error, beat: bytes.split_off(..self.beat_bytes)? })
+        let Arriving { context, is_error, beats } = &mut self.arriving;
+        *beats -= 1;
+        Some(Beat { context: *context, is_error: *is_error, is_last: *beats == 0 })
     }
 
     /// The block of the next request.
     #[inline]
-    fn next_block<M: Memory + ?Sized>(&mut self, scene: &'s M) -> Option<Arriving<'s>> {
-        const NOTHING: &[u8] = &[0; BLOCK_BYTES as usize];
+    fn next_block<M: Memory + ?Sized>(&mut self, scene: &M) -> Option<Arriving> {
         let (_, BlockRequest { address, tag }) = self.waiting.pop_front()?;
         self.first_due = self.waiting.front().map_or(NEVER, |(due, _)| *due);
-        let found = scene.block(address, self.block_bytes);
-        let bytes = found.unwrap_or(NOTHING).get(..self.block_bytes as usize)?;
-        Some(Arriving { tag, is_error: found.is_err(), bytes })
+        let is_error = scene.block(address, self.block_bytes).is_err();
+        Some(Arriving { context: tag as u8, is_error, beats: self.beats })
     }
 }

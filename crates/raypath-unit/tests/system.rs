@@ -69,9 +69,8 @@ fn skipped_cycles_change_nothing() {
         let rays = (0..rays).map(|number| (number, random_ray(root, &mut random))).collect();
         let mut user = List { rays, replies: Vec::new() };
         let again = List { rays: user.rays.clone(), replies: Vec::new() };
-        let mut unit = UnitModel::new(&Shape::default(), parameters);
         let memory = MemoryParameters { latency, bandwidth: None, cache: None };
-        let timing = simulate(&mut unit, &scene.0[..], &memory, &mut user);
+        let timing = simulate(&Shape::default(), parameters, &scene.0[..], &memory, &mut user);
         let mut unit = UnitModel::new(&Shape::default(), parameters);
         let replies = every_cycle(&mut unit, memory_width as usize / 8, &scene.0, again, latency);
         assert_eq!(timing.unit, unit.counts(), "{contexts} contexts, latency {latency}");

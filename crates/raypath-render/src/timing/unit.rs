@@ -9,7 +9,7 @@ use raypath_model::Shape;
 use raypath_ops::RayError;
 use raypath_timing::{Progress, Sample};
 use raypath_unit::system::{MemoryParameters, RayUser, SystemTiming, simulate};
-use raypath_unit::{RayRequest, Reply, UnitModel, UnitParameters};
+use raypath_unit::{RayRequest, Reply, UnitParameters};
 use std::collections::VecDeque;
 
 /// A simulated system: a traversal unit and its memory.
@@ -82,7 +82,6 @@ fn run<S: RaySequence>(
     }
     let mut parameters = system.unit;
     parameters.step.features.instances |= blocks.features().instances;
-    let mut unit = UnitModel::new(&system.shape, parameters);
     let mut user = Sequences {
         results: vec![S::Result::default(); sequences.len()],
         waiting: sequences.enumerate(),
@@ -96,7 +95,7 @@ fn run<S: RaySequence>(
         error: None,
     };
     user.places.resize_with(user.free.len(), || None);
-    let timing = simulate(&mut unit, blocks.bytes(), &system.memory, &mut user);
+    let timing = simulate(&system.shape, parameters, blocks.bytes(), &system.memory, &mut user);
     match user.error {
         Some(error) => Err(RenderError::Camera(error).into()),
         None if timing.is_stopped => Err(PictureError::Stopped),

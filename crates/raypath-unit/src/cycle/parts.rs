@@ -1,21 +1,22 @@
 //! The timing of the unit's parts, each as the module of the same name in `hardware` has it.
 
-/// The places of a [`Ring`]: more than the contexts of a unit, and more than the jobs in a datapath.
-const PLACES: u32 = 512;
+use crate::instance::TRANSFORM_OPCODE;
+use crate::walk::Asked;
+use raypath_ops::JobKind;
 
-/// Items in a circle, oldest first.
+/// Up to `N` items in a circle, oldest first. `N` is a power of two, 256 or more.
 #[derive(Debug, Clone)]
-pub struct Ring<T> {
-    items: [T; PLACES as usize],
+pub struct Ring<T, const N: usize> {
+    items: [T; N],
     /// The numbers of items that have entered and left, modulo 2^32.
     entered: u32,
     left: u32,
 }
 
-impl<T: Copy + Default> Ring<T> {
+impl<T: Copy + Default, const N: usize> Ring<T, N> {
     /// No items.
     pub fn new() -> Self {
-        Self { items: [T::default(); PLACES as usize], entered: 0, left: 0 }
+        Self { items: [T::default(); N], entered: 0, left: 0 }
     }
 
     #[inline]
@@ -26,21 +27,23 @@ impl<T: Copy + Default> Ring<T> {
     /// The oldest item. An empty ring has an arbitrary one.
     #[inline]
     pub fn first(&self) -> T {
-        self.items[(self.left % PLACES) as usize]
+        self.items[self.left as usize % N]
     }
 
-    /// Removes the oldest item.
+    /// Removes the oldest item if `leaves`. Returns it in any case.
     #[inline]
-    pub fn pop(&mut self) -> T {
+    pub fn pop_if(&mut self, leaves: bool) -> T {
         let first = self.first();
-        self.left = self.left.wrapping_add(1);
+        self.left = self.left.wrapping_add(leaves.into());
         first
     }
 
+    /// `item` enters if `enters`.
     #[inline]
-    pub fn push(&mut self, item: T) {
-        self.items[(self.entered % PLACES) as usize] = item;
-        self.entered = self.entered.wrapping_add(1);
+    pub fn push_if(&mut self, item: T, enters: bool) {
+        // The place of an item that does not enter is free, because a ring is never full before an item is offered.
+        self.items[self.entered as usize % N] = item;
+        self.entered = self.entered.wrapping_add(enters.into());
     }
 
     pub fn clear(&mut self) {
@@ -52,7 +55,8 @@ impl<T: Copy + Default> Ring<T> {
 /// popped before it is pushed.
 #[derive(Debug, Clone)]
 pub struct Queues<const N: usize> {
-    queues: [Ring<u8>; N],
+    /// Each has a place more than there are contexts.
+    queues: [Ring<u8, 512>; N],
     /// A bit for each queue: it has a word at the output.
     ready: u32,
     /// The queues that were pushed in the last cycle. Their words are not yet at the output.
@@ -73,10 +77,16 @@ impl<const N: usize> Queues<N> {
         self.ready
     }
 
+    /// Whether a queue has a word at the output.
+    #[inline]
+    pub fn is_ready(&self, queue: usize) -> bool {
+        self.ready >> queue & 1 == 1
+    }
+
     /// The word at the output of a queue.
     #[inline]
     pub fn front(&self, queue: usize) -> Option<u8> {
-        (self.ready >> queue & 1 == 1).then(|| self.queues[queue].first())
+        self.is_ready(queue).then(|| self.queues[queue].first())
     }
 
     /// Whether an edge changes nothing.
@@ -88,7 +98,13 @@ impl<const N: usize> Queues<N> {
     /// The word at the output leaves.
     #[inline]
     pub fn pop(&mut self, queue: usize) -> u8 {
-        let word = self.queues[queue].pop();
+        self.pop_if(queue, true)
+    }
+
+    /// As [`pop`](Self::pop), if `leaves`. Otherwise nothing changes, and the word is arbitrary.
+    #[inline]
+    pub fn pop_if(&mut self, queue: usize, leaves: bool) -> u8 {
+        let word = self.queues[queue].pop_if(leaves);
         self.ready &= !(u32::from(self.queues[queue].is_empty()) << queue);
         word
     }
@@ -96,8 +112,21 @@ impl<const N: usize> Queues<N> {
     /// A word enters.
     #[inline]
     pub fn push(&mut self, queue: usize, word: u8) {
-        self.queues[queue].push(word);
-        self.pushed |= 1 << queue;
+        self.push_if(queue, word, true);
+    }
+
+    /// A word enters if `enters`.
+    #[inline]
+    pub fn push_if(&mut self, queue: usize, word: u8, enters: bool) {
+        self.queues[queue].push_if(word, enters);
+        self.pushed |= u32::from(enters) << queue;
+    }
+
+    /// A word enters an empty queue, and is at the output in the next cycle.
+    #[inline]
+    pub fn put(&mut self, queue: usize, word: u8) {
+        self.queues[queue].push_if(word, true);
+        self.ready |= 1 << queue;
     }
 
     /// The clock edge.
@@ -116,15 +145,15 @@ impl<const N: usize> Queues<N> {
 /// A pipeline of up to 64 stages that all stop while the last waits.
 #[derive(Debug, Clone)]
 pub struct Line<T> {
-    /// Bit i: stage i has an item.
+    /// The top bit is the last stage, `first` the first.
     occupied: u64,
-    last: u64,
-    items: Ring<T>,
+    first: u32,
+    items: Ring<T, 256>,
 }
 
 impl<T: Copy + Default> Line<T> {
     pub fn new(stages: u32) -> Self {
-        Self { occupied: 0, last: 1 << (stages - 1), items: Ring::new() }
+        Self { occupied: 0, first: u64::BITS - stages, items: Ring::new() }
     }
 
     #[inline]
@@ -132,21 +161,40 @@ impl<T: Copy + Default> Line<T> {
         self.occupied == 0
     }
 
+    /// Whether the last stage has an item.
+    #[inline]
+    pub fn has_last(&self) -> bool {
+        self.occupied >> (u64::BITS - 1) == 1
+    }
+
+    /// The item that is, or will be, in the last stage first. An empty line has an arbitrary one.
+    #[inline]
+    pub fn first(&self) -> T {
+        self.items.first()
+    }
+
     /// The item in the last stage.
     #[inline]
     pub fn front(&self) -> Option<T> {
-        (self.occupied & self.last != 0).then(|| self.items.first())
+        self.has_last().then(|| self.first())
     }
 
     /// A clock edge at which the line moves: `item` enters, and the last item leaves.
     #[inline]
     pub fn advance(&mut self, item: Option<T>) -> Option<T> {
-        let leaves = (self.occupied & self.last != 0).then(|| self.items.pop());
-        self.occupied = (self.occupied & !self.last) << 1 | u64::from(item.is_some());
-        if let Some(item) = item {
-            self.items.push(item);
-        }
-        leaves
+        let leaves = self.has_last();
+        let last = self.advance_if(item.unwrap_or_default(), item.is_some());
+        leaves.then_some(last)
+    }
+
+    /// As [`advance`](Self::advance), but `item` enters only if `enters`. Returns the item in the last stage, or an
+    /// arbitrary one if [`has_last`](Self::has_last) was false.
+    #[inline]
+    pub fn advance_if(&mut self, item: T, enters: bool) -> T {
+        let last = self.items.pop_if(self.has_last());
+        self.occupied = self.occupied << 1 | u64::from(enters) << self.first;
+        self.items.push_if(item, enters);
+        last
     }
 
     pub fn clear(&mut self) {
@@ -214,13 +262,78 @@ pub struct Scheduler {
 }
 
 impl Scheduler {
-    /// Grants a source of at least one, and advances by a cycle.
+    /// Grants a source, and advances by a cycle. Returns 0 if there is none.
     #[inline]
     pub fn grant(&mut self, request: u32) -> u32 {
         let later = request & self.after;
         let from = if later != 0 { later } else { request };
         let grant = from & from.wrapping_neg();
-        self.after = !(grant | (grant - 1));
+        self.after = if grant == 0 { self.after } else { !(grant | (grant.wrapping_sub(1))) };
         grant
+    }
+}
+
+/// A job of a context.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Job {
+    pub context: u8,
+    pub kind: Kind,
+}
+
+/// The kinds of jobs. An instance has a job for the ray's origin and one for its direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Kind {
+    #[default]
+    Node,
+    Triangle,
+    LastTriangle,
+    Origin,
+    Direction,
+}
+
+impl Kind {
+    /// The number of kinds.
+    pub const COUNT: usize = 5;
+
+    /// The opcode in the datapath.
+    #[inline]
+    pub fn opcode(self) -> u64 {
+        match self {
+            Self::Node => JobKind::Quadbox.opcode(),
+            Self::Triangle | Self::LastTriangle => JobKind::Triangle.opcode(),
+            Self::Origin | Self::Direction => TRANSFORM_OPCODE,
+        }
+    }
+
+    /// The kind of the first job of a block.
+    #[inline]
+    pub fn first(asked: Asked) -> Self {
+        // The number of jobs is 0 to 3, where 0 is a node.
+        const OF_BLOCK: [Kind; 4] = [Kind::Node, Kind::LastTriangle, Kind::Triangle, Kind::Triangle];
+        if asked.is_instance { Self::Origin } else { OF_BLOCK[usize::from(asked.count) % OF_BLOCK.len()] }
+    }
+
+    /// The kind of the job after one of this kind, which is the last of its block if `is_last`.
+    #[inline]
+    pub fn next(self, is_last: bool) -> Self {
+        const AFTER_TRIANGLE: [Kind; 2] = [Kind::Triangle, Kind::LastTriangle];
+        if self == Self::Origin { Self::Direction } else { AFTER_TRIANGLE[usize::from(is_last)] }
+    }
+
+    /// Whether it is a job of a triangle.
+    #[inline]
+    pub fn is_triangle(self) -> bool {
+        matches!(self, Self::Triangle | Self::LastTriangle)
+    }
+
+    /// Whether its outcome is taken where those of triangles and of directions may be.
+    #[inline]
+    pub fn is_taken(self, takes_triangle: bool, takes_direction: bool) -> bool {
+        let taken = 1 << Self::Node as u32
+            | 1 << Self::Origin as u32
+            | u32::from(takes_triangle) << Self::Triangle as u32
+            | u32::from(takes_triangle) << Self::LastTriangle as u32
+            | u32::from(takes_direction) << Self::Direction as u32;
+        taken >> self as u32 & 1 == 1
     }
 }

@@ -30,9 +30,9 @@ pub fn run(results: &mut Results, repetitions: usize, with_verilator: bool) -> R
         let memory = MemoryParameters { latency, bandwidth: None, cache: None };
         let mut cycles = 0;
         let time = seconds(repetitions.div_ceil(8), || {
-            let mut unit = UnitModel::new(&Shape::default(), UnitParameters::default());
             let mut user = List { rays: &rays, next: 0 };
-            cycles = simulate(&mut unit, blocks.bytes(), &memory, &mut user).unit.cycles;
+            let unit = UnitParameters::default();
+            cycles = simulate(&Shape::default(), unit, blocks.bytes(), &memory, &mut user).unit.cycles;
         });
         let name = format!("traversal unit, cycle-exact, camera rays, memory {latency} cycles");
         results.rate(name, "unit cycles", cycles as f64 / time, None);

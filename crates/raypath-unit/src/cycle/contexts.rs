@@ -1,0 +1,135 @@
+//! What the rays in the contexts of a unit do.
+
+use crate::answers::{Answers, Block};
+use crate::blocks::BLOCK_BYTES;
+use crate::engine::Response;
+use crate::model::{Memory, MemoryError, RayRequest, Reply};
+use crate::step::StepParameters;
+use crate::walk::{Asked, Walk};
+use raypath_ops::Rules;
+
+/// As many contexts as a number of 8 bits can tell.
+pub const CONTEXTS: usize = 256;
+
+/// The rays in the contexts: what they do, whereas [`Timing`](super::timing::Timing) says when. A number of 8 bits
+/// selects a context.
+pub trait Contexts {
+    /// A ray enters a context.
+    fn enter(&mut self, context: u8, id: u64, ray: &RayRequest);
+    /// Computes the next step of a ray, if `steps`; otherwise nothing changes, and the result is arbitrary. The block
+    /// of the ray has arrived if it asked for one.
+    fn step(&mut self, context: u8, steps: bool) -> Asked;
+    /// What a ray asked for in its last step.
+    fn asked(&self, context: u8) -> Asked;
+    /// Whether the memory reported an error for the block that arrived last.
+    fn failed(&self, context: u8) -> bool;
+    /// The number of a ray that has ended, and its reply.
+    fn reply(&self, context: u8) -> (u64, Reply);
+}
+
+/// Rays whose blocks arrive at the ports.
+#[derive(Debug, Clone)]
+pub struct PortContexts {
+    parameters: StepParameters,
+    answers: Answers,
+    /// A unit uses the first.
+    contexts: Box<[Context; CONTEXTS]>,
+    beat_bytes: usize,
+}
+
+#[derive(Debug, Clone)]
+struct Context {
+    id: u64,
+    walk: Walk,
+    block: Block,
+    /// Its beats so far, and whether one had an error.
+    beats: usize,
+    failed: bool,
+}
+
+/// The block that has arrived in a context.
+struct Arrived<'b> {
+    block: &'b Block,
+    failed: bool,
+}
+
+impl PortContexts {
+    /// Contexts without rays, and a memory with beats of so many bytes.
+    pub fn new(parameters: StepParameters, beat_bytes: usize) -> Self {
+        let answers = Answers::new(Rules::Paper, parameters);
+        let block = [0; BLOCK_BYTES as usize];
+        let context = Context { id: 0, walk: Walk::new(&answers), block, beats: 0, failed: false };
+        // From a vector, because an array of this size overflows the stack of a small thread.
+        let Ok(contexts) = vec![context; CONTEXTS].try_into() else { unreachable!("as many as the array has") };
+        Self { parameters, answers, contexts, beat_bytes }
+    }
+
+    /// A beat arrives for one of the first `count` contexts. Returns the context if it is the last of its block.
+    #[inline]
+    pub fn arrive(&mut self, response: &Response<'_>, count: u32) -> Option<u8> {
+        let bytes = self.parameters.node.block_bytes() as usize;
+        let tag = u8::try_from(response.tag).ok().filter(|tag| u32::from(*tag) < count)?;
+        let context = &mut self.contexts[usize::from(tag)];
+        let (block, beats) = (context.block.get_mut(..bytes)?, &context.beats);
+        let is_last = match self.beat_bytes {
+            16 => put::<16>(block, *beats, response.beat)?,
+            32 => put::<32>(block, *beats, response.beat)?,
+            64 => put::<64>(block, *beats, response.beat)?,
+            _ => put::<128>(block, *beats, response.beat)?,
+        };
+        context.failed = response.is_error | (context.failed & (context.beats > 0));
+        context.beats = if is_last { 0 } else { context.beats + 1 };
+        is_last.then_some(tag)
+    }
+
+    /// No beats have arrived.
+    pub fn reset(&mut self) {
+        self.contexts.iter_mut().for_each(|context| context.beats = 0);
+    }
+}
+
+impl Contexts for PortContexts {
+    fn enter(&mut self, context: u8, id: u64, ray: &RayRequest) {
+        let context = &mut self.contexts[usize::from(context)];
+        context.id = id;
+        context.walk.begin(&self.answers, ray);
+    }
+
+    fn step(&mut self, context: u8, steps: bool) -> Asked {
+        if !steps {
+            return Asked::NOTHING;
+        }
+        let Context { walk, block, failed, .. } = &mut self.contexts[usize::from(context)];
+        walk.step(&self.answers, self.parameters, &Arrived { block, failed: *failed })
+    }
+
+    #[inline]
+    fn asked(&self, context: u8) -> Asked {
+        self.contexts[usize::from(context)].walk.asked()
+    }
+
+    #[inline]
+    fn failed(&self, context: u8) -> bool {
+        self.contexts[usize::from(context)].failed
+    }
+
+    fn reply(&self, context: u8) -> (u64, Reply) {
+        let Context { id, walk, .. } = &self.contexts[usize::from(context)];
+        (*id, walk.reply(self.parameters))
+    }
+}
+
+impl Memory for Arrived<'_> {
+    #[inline]
+    fn block(&self, address: u32, bytes: u32) -> Result<&[u8], MemoryError> {
+        self.block.get(..bytes as usize).filter(|_| !self.failed).ok_or(MemoryError(address))
+    }
+}
+
+/// Puts beat `number` into a block. Returns whether it is the last.
+#[inline(always)]
+fn put<const BYTES: usize>(block: &mut [u8], number: usize, beat: &[u8]) -> Option<bool> {
+    let beats = block.as_chunks_mut::<BYTES>().0;
+    *beats.get_mut(number)? = *beat.first_chunk()?;
+    Some(number + 1 == beats.len())
+}

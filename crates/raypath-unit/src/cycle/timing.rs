@@ -1,0 +1,405 @@
+//! The timing of the unit: which context is where in which cycle.
+
+use super::contexts::Contexts;
+use super::parts::{Job, Kind, Line, Queues, Ring, Scheduler, Weights};
+use crate::blocks::NodeKind;
+use crate::engine::BlockRequest;
+use crate::hardware::{DECODER_LATENCY, UnitParameters};
+use crate::model::{RayRequest, Reply};
+use crate::set_up::QUOTIENTS;
+use crate::walk::AskedKind;
+use raypath_model::{Flow, Shape};
+use std::hint::select_unpredictable;
+use std::mem::replace;
+
+/// The timing of the unit. It moves the numbers of contexts through queues and pipelines.
+#[derive(Debug, Clone)]
+pub struct Timing {
+    parameters: UnitParameters,
+    /// The contexts from here on were never used.
+    fresh: u32,
+    queues: Queues<QUEUES>,
+    /// Cycles until the next ray can enter the set-up.
+    busy: u32,
+    /// A ray entered an instance in the last turn of the set-up, so that a new ray has the next one.
+    yields: bool,
+    /// The rays whose quotients are divided.
+    set_up: Line<u8>,
+    /// The job that is offered to the datapath, and how many jobs of its block follow it.
+    offer: Job,
+    has_offer: bool,
+    following: u32,
+    /// With quantised nodes: the jobs of blocks whose boxes are decoded.
+    decoder: Option<Line<Job>>,
+    flow: Flow,
+    /// The jobs in the datapath.
+    jobs: Ring<Job, 512>,
+    /// The triangle whose distance is divided next.
+    operands: Job,
+    has_operands: bool,
+    divider: Line<Job>,
+    /// The triangle whose limits are read.
+    triangle: Job,
+    has_triangle: bool,
+    scheduler: Scheduler,
+    prepared: Answered,
+    finished: Answered,
+    /// With barycentric coordinates, which are divided before a hit is shown.
+    weights: Option<Weights>,
+    hit: Option<(u64, Reply)>,
+    cycles: u64,
+    /// The jobs of each kind.
+    offered: [u64; Kind::COUNT],
+    /// The steps of each kind of request.
+    asked: [u64; AskedKind::COUNT],
+}
+
+/// What the unit did since its last reset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct UnitCounts {
+    /// Cycles.
+    pub cycles: u64,
+    /// Box jobs.
+    pub boxes: u64,
+    /// Triangle jobs.
+    pub triangles: u64,
+    /// Transforms: two for each instance that a ray enters.
+    pub transforms: u64,
+    /// Steps.
+    pub steps: u64,
+    /// Blocks that were requested.
+    pub fetches: u64,
+    /// Rays that ended.
+    pub rays: u64,
+}
+
+/// What enters the unit in a cycle, and what may leave it.
+pub struct Edge<'r> {
+    /// A ray that enters, for which [`Timing::ray_ready`] was true, with its number.
+    pub ray: Option<&'r (u64, RayRequest)>,
+    pub hit_ready: bool,
+    pub request_ready: bool,
+    /// The context whose block has arrived with the beat of this cycle.
+    pub arrived: Option<u8>,
+}
+
+/// A step of a context, by the source of its answer; none if the source is 0.
+#[derive(Debug, Clone, Copy, Default)]
+struct Answered {
+    context: u8,
+    source: u32,
+}
+
+// The numbers of the queues. Those of answers come first, in the order of `hardware::SOURCES`.
+const TESTED: usize = 0;
+/// The context with the closest hit of a block.
+const CLOSEST: usize = 1;
+/// The context whose block failed.
+const FAULT: usize = 2;
+const STARTS: usize = 3;
+const AGAINS: usize = 4;
+const FREE: usize = 5;
+const ARRIVALS: usize = 6;
+const REQUESTS: usize = 7;
+const ENDED: usize = 8;
+const QUEUES: usize = 9;
+
+/// The sources of answers, a bit for each.
+const SOURCES: u32 = (1 << FREE) - 1;
+
+impl Timing {
+    /// The timing of a unit after a reset, whose datapath has this shape.
+    pub fn new(shape: &Shape, parameters: UnitParameters) -> Self {
+        let features = parameters.step.features;
+        Self {
+            parameters,
+            fresh: 0,
+            queues: Queues::new(),
+            busy: 0,
+            yields: false,
+            // The operands of the last quotient enter a register, then the divider.
+            set_up: Line::new(QUOTIENTS as u32 + 1 + parameters.divider_latency),
+            offer: Job::default(),
+            has_offer: false,
+            following: 0,
+            decoder: (parameters.step.node == NodeKind::Quantised).then(|| Line::new(DECODER_LATENCY)),
+            flow: Flow::new(shape),
+            jobs: Ring::new(),
+            operands: Job::default(),
+            has_operands: false,
+            divider: Line::new(parameters.divider_latency),
+            triangle: Job::default(),
+            has_triangle: false,
+            scheduler: Scheduler::default(),
+            prepared: Answered::default(),
+            finished: Answered::default(),
+            weights: features.barycentrics.then(|| Weights::new(parameters.divider_latency)),
+            hit: None,
+            cycles: 0,
+            offered: [0; Kind::COUNT],
+            asked: [0; AskedKind::COUNT],
+        }
+    }
+
+    /// What the unit did since its last reset.
+    pub fn counts(&self) -> UnitCounts {
+        let jobs = |kinds: [Kind; 2]| kinds.map(|kind| self.offered[kind as usize]).into_iter().sum();
+        UnitCounts {
+            cycles: self.cycles,
+            boxes: self.offered[Kind::Node as usize],
+            triangles: jobs([Kind::Triangle, Kind::LastTriangle]),
+            transforms: jobs([Kind::Origin, Kind::Direction]),
+            steps: self.asked.iter().sum(),
+            fetches: self.asked[AskedKind::Block as usize],
+            rays: self.asked[AskedKind::Nothing as usize],
+        }
+    }
+
+    /// The ray that has ended, and its reply.
+    #[inline]
+    pub fn hit(&self) -> Option<(u64, Reply)> {
+        self.hit
+    }
+
+    /// The request for a block.
+    #[inline]
+    pub fn request(&self, contexts: &impl Contexts) -> Option<BlockRequest> {
+        let context = self.queues.front(REQUESTS)?;
+        Some(BlockRequest { address: contexts.asked(context).address, tag: context.into() })
+    }
+
+    /// Advances up to `limit` cycles in which no ray is offered, no response arrives, and nothing is taken, if that
+    /// changes nothing but time. Returns the number of cycles, 0 if something moves.
+    // Within a loop, its many conditions would be computed in every cycle.
+    #[inline(never)]
+    pub fn idle(&mut self, limit: u64) -> u64 {
+        let waiting = SOURCES | 1 << ARRIVALS | 1 << ENDED;
+        let is_still = self.busy == 0
+            && self.set_up.is_empty()
+            && self.jobs.is_empty()
+            && !self.has_operands
+            && self.divider.is_empty()
+            && !self.has_triangle
+            && !self.has_offer
+            && self.decoder.as_ref().is_none_or(Line::is_empty)
+            && self.prepared.source == 0
+            && self.finished.source == 0
+            && self.queues.are_settled()
+            && self.weights.as_ref().is_none_or(Weights::is_empty)
+            && self.queues.ready() & waiting == 0;
+        let cycles = if is_still { limit } else { 0 };
+        self.cycles += cycles;
+        cycles
+    }
+
+    /// The clock edge.
+    #[inline(always)]
+    pub fn cycle(&mut self, contexts: &mut impl Contexts, edge: &Edge<'_>) {
+        // Each part reads what the parts after it had in registers, because it comes after them.
+        let chosen = self.choose();
+        let enters_instance = self.rays(contexts, edge.ray);
+        self.hits(contexts, edge.hit_ready);
+        self.walk(contexts, chosen, edge.request_ready);
+        self.jobs(enters_instance);
+        self.blocks(contexts, edge.arrived);
+        self.queues.edge();
+        self.cycles += 1;
+    }
+
+    pub fn reset(&mut self) {
+        self.fresh = 0;
+        (self.busy, self.yields) = (0, false);
+        self.set_up.clear();
+        self.queues.clear();
+        (self.has_offer, self.has_operands, self.has_triangle, self.hit) = (false, false, false, None);
+        (self.prepared, self.finished) = (Answered::default(), Answered::default());
+        self.flow.reset();
+        self.jobs.clear();
+        self.divider.clear();
+        self.weights.iter_mut().for_each(Weights::clear);
+        self.decoder.iter_mut().for_each(Line::clear);
+        self.scheduler = Scheduler::default();
+        (self.cycles, self.offered, self.asked) = (0, [0; Kind::COUNT], [0; AskedKind::COUNT]);
+    }
+
+    #[inline]
+    fn has_context(&self) -> bool {
+        (self.fresh < self.parameters.contexts) | self.queues.is_ready(FREE)
+    }
+
+    #[inline]
+    pub fn ray_ready(&self) -> bool {
+        (self.busy <= 1) & self.has_context() && self.transformed().is_none()
+    }
+
+    /// The ray that has the next turn of the set-up to enter an instance.
+    #[inline]
+    fn transformed(&self) -> Option<u8> {
+        if !self.parameters.step.features.instances {
+            return None;
+        }
+        let Job { context, kind } = self.jobs.first();
+        let waits = kind == Kind::Direction && self.flow.output_valid();
+        (waits && !(self.yields && self.has_context())).then_some(context)
+    }
+
+    /// Chooses the answer of the next step, and takes it.
+    // No branch depends on which queues have words, because that is as random as the traffic. So in the other parts.
+    #[inline]
+    fn choose(&mut self) -> Answered {
+        let source = self.scheduler.grant(self.queues.ready() & SOURCES);
+        let queue = source.trailing_zeros() as usize % QUEUES.next_power_of_two() % QUEUES;
+        Answered { context: self.queues.pop_if(queue, source != 0), source }
+    }
+
+    /// The edge of the rays that begin, and of those that enter an instance. Returns whether one does.
+    #[inline]
+    fn rays(&mut self, contexts: &mut impl Contexts, ray: Option<&(u64, RayRequest)>) -> bool {
+        let in_instance = self.transformed();
+        let is_ready = self.busy <= 1;
+        let entered = if in_instance.is_none() {
+            ray.map(|(id, ray)| {
+                let context = self.free_context();
+                contexts.enter(context, *id, ray);
+                context
+            })
+        } else {
+            in_instance.filter(|_| is_ready)
+        };
+        if is_ready {
+            self.yields = in_instance.is_some();
+        }
+        self.busy = if entered.is_some() { QUOTIENTS as u32 } else { self.busy.saturating_sub(1) };
+        if let Some(context) = self.set_up.advance(entered) {
+            self.queues.push(STARTS, context);
+        }
+        is_ready && in_instance.is_some()
+    }
+
+    /// The context that the next ray enters.
+    fn free_context(&mut self) -> u8 {
+        if self.fresh < self.parameters.contexts {
+            self.fresh += 1;
+            (self.fresh - 1) as u8
+        } else {
+            self.queues.pop(FREE)
+        }
+    }
+
+    /// The edge of the hits.
+    #[inline]
+    fn hits(&mut self, contexts: &impl Contexts, ready: bool) {
+        let can_show = ready || self.hit.is_none();
+        let Some(weights) = &mut self.weights else {
+            if can_show {
+                self.hit = None;
+                if self.queues.is_ready(ENDED) {
+                    let context = self.queues.pop(ENDED);
+                    self.show(contexts, context);
+                }
+            }
+            return;
+        };
+        let shown = weights.front().filter(|_| can_show);
+        if weights.edge(self.queues.front(ENDED), can_show) {
+            self.queues.pop(ENDED);
+        }
+        if can_show {
+            self.hit = None;
+        }
+        if let Some(context) = shown {
+            self.show(contexts, context);
+        }
+    }
+
+    /// Shows the hit of a ray, and frees its context.
+    fn show(&mut self, contexts: &impl Contexts, context: u8) {
+        self.hit = Some(contexts.reply(context));
+        self.queues.push(FREE, context);
+    }
+
+    /// The edge of the requests and the steps.
+    #[inline]
+    fn walk(&mut self, contexts: &mut impl Contexts, chosen: Answered, request_ready: bool) {
+        self.queues.pop_if(REQUESTS, request_ready & self.queues.is_ready(REQUESTS));
+        let Answered { context, source } = replace(&mut self.finished, replace(&mut self.prepared, chosen));
+        let steps = source != 0;
+        let asked = contexts.step(context, steps).kind;
+        let queue = match asked {
+            AskedKind::Block => REQUESTS,
+            AskedKind::Again | AskedKind::Begin => AGAINS,
+            AskedKind::Nothing => ENDED,
+        };
+        self.queues.push_if(queue, context, steps);
+        self.asked[asked as usize] += u64::from(steps);
+    }
+
+    /// The edge of the distances of triangles. Returns whether an outcome can be taken.
+    #[inline]
+    fn distances(&mut self) -> bool {
+        let reads = self.has_triangle & !self.queues.is_ready(CLOSEST);
+        if reads & (self.triangle.kind == Kind::LastTriangle) {
+            self.queues.put(CLOSEST, self.triangle.context);
+        }
+        self.has_triangle &= !reads;
+        let is_divided = self.divider.has_last();
+        if !(self.has_triangle & is_divided) {
+            let divided = self.divider.advance_if(self.operands, self.has_operands);
+            self.triangle = select_unpredictable(is_divided, divided, self.triangle);
+            self.has_triangle |= is_divided;
+            self.has_operands = false;
+        }
+        !self.has_operands
+    }
+
+    /// The edge of the datapath.
+    #[inline]
+    fn jobs(&mut self, enters_instance: bool) {
+        let takes_triangle = self.distances();
+        let outcome = self.jobs.first();
+        let outcome_leaves = self.flow.output_valid() & outcome.kind.is_taken(takes_triangle, enters_instance);
+        let (ready, has_ready) = match &self.decoder {
+            None => (self.offer, self.has_offer),
+            Some(decoder) => (decoder.first(), decoder.has_last()),
+        };
+        let leaves = has_ready & self.flow.input_ready(ready.kind.opcode());
+        self.flow.cycle(leaves.then_some(ready.kind.opcode()), outcome_leaves);
+        self.jobs.pop_if(outcome_leaves);
+        self.queues.push_if(TESTED, outcome.context, outcome_leaves & (outcome.kind == Kind::Node));
+        let divides = outcome_leaves & outcome.kind.is_triangle();
+        self.operands = select_unpredictable(divides, outcome, self.operands);
+        self.has_operands |= divides;
+        self.jobs.push_if(ready, leaves);
+        self.offered[ready.kind as usize] += u64::from(leaves);
+        let issues = match &mut self.decoder {
+            None => leaves,
+            Some(decoder) if leaves | !has_ready => {
+                decoder.advance(self.has_offer.then_some(self.offer));
+                self.has_offer
+            }
+            Some(_) => false,
+        };
+        let follows = self.following > 0;
+        let next = self.offer.kind.next(self.following == 1);
+        self.offer.kind = select_unpredictable(issues, next, self.offer.kind);
+        self.has_offer = select_unpredictable(issues, follows, self.has_offer);
+        self.following -= u32::from(issues & follows);
+    }
+
+    /// The edge of the blocks. A block offers its jobs to the datapath.
+    #[inline]
+    fn blocks(&mut self, contexts: &impl Contexts, arrived: Option<u8>) {
+        let is_free = !self.has_offer & !self.queues.is_ready(FAULT);
+        let begins = is_free & self.queues.is_ready(ARRIVALS);
+        let context = self.queues.pop_if(ARRIVALS, begins);
+        let asked = contexts.asked(context);
+        let fails = begins & contexts.failed(context);
+        if fails {
+            self.queues.put(FAULT, context);
+        }
+        self.offer = select_unpredictable(begins, Job { context, kind: Kind::first(asked) }, self.offer);
+        self.following = select_unpredictable(begins, u32::from(asked.count).saturating_sub(1), self.following);
+        self.has_offer |= begins & !fails;
+        self.queues.push_if(ARRIVALS, arrived.unwrap_or_default(), arrived.is_some());
+    }
+}
