@@ -2,11 +2,19 @@ use crate::{CliError, Progress};
 use raypath_ppa::{Bench, Design, Error, Report};
 #[cfg(feature = "full")]
 use raypath_ppa::{PowerResults, Workload};
+#[cfg(feature = "full")]
+use std::collections::BTreeMap;
 
 /// Measures designs with a progress bar. Results are taken from the bench's cache and added to it, also if the user
 /// stops the work.
 pub fn measure(bench: &Bench, designs: &[Design]) -> Result<Vec<Report>, CliError> {
     watched(|watch| bench.measure(designs, watch))
+}
+
+/// Synthesises the units of designs with a progress bar.
+#[cfg(feature = "full")]
+pub fn unit_areas(bench: &Bench, designs: &[Design]) -> Result<BTreeMap<String, f64>, CliError> {
+    watched(|watch| bench.unit_areas(designs, watch))
 }
 
 /// Measures the power of a design in workloads with a progress bar.

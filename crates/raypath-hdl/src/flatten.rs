@@ -271,7 +271,7 @@ fn live(graph: &Graph, roots: impl Iterator<Item = SignalId>) -> Vec<bool> {
 }
 
 /// The graph of every signal. Signals that depend on themselves are an error, even if no output needs them.
-fn loop_free(top: &Arc<Module>) -> Result<Graph, Error> {
+pub fn loop_free(top: &Arc<Module>) -> Result<Graph, Error> {
     let graph = Graph::new(top, |_, _| false);
     match graph.order(std::iter::empty()) {
         Ok(_) => Ok(graph),

@@ -23,6 +23,7 @@
 //! ```
 
 mod builder;
+mod depth;
 mod error;
 mod expand;
 mod expose;
@@ -41,6 +42,7 @@ pub mod verilog;
 
 pub use builder::memory::Memory;
 pub use builder::{Builder, Forward, Register, Wire};
+pub use depth::longest_path;
 pub use error::Error;
 pub use expand::{MAX_EXPANDED_WORDS, expand_memories};
 pub use expose::{expose_memories, expose_registers, with_enables};

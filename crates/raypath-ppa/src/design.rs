@@ -66,6 +66,11 @@ impl Design {
         Self { name: name.into(), memory_bits: top.memory_bits(), top: expose_memories(top) }
     }
 
+    /// Whether a module is a unit, which is synthesised on its own.
+    pub(crate) fn is_unit(module: &Module) -> bool {
+        is_unit(module)
+    }
+
     pub(crate) fn top(&self) -> &str {
         self.top.name()
     }

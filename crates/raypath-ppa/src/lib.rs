@@ -32,6 +32,7 @@ mod design;
 mod energy;
 mod equivalents;
 mod error;
+pub mod explore;
 mod function;
 mod gates;
 mod liberty;

@@ -156,6 +156,11 @@ impl Library {
         self.cells.get(name)
     }
 
+    /// Whether it has clock gates, which the parameter `clock-gating` needs.
+    pub fn has_clock_gates(&self) -> bool {
+        self.clock_gate.is_some()
+    }
+
     /// The area of [`Self::nand2`].
     pub fn nand2_area(&self) -> f64 {
         self.cells[&self.nand2].area

@@ -1,33 +1,53 @@
 //! Measurements as tables and text.
 
-use crate::{Area, Baseline, Exploration, Power, Report, WorkloadPower};
+use crate::{Area, Baseline, Exploration, Power, Report, Stage, WorkloadPower};
 use comfy_table::{CellAlignment, Table};
 use raypath_rtl::report::tables::new_table;
 use raypath_tools::grouped;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// A table as text: its head and its rows.
+pub(crate) struct Cells {
+    pub head: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Cells {
+    /// The table; columns of numbers from `from` on are aligned to the right.
+    fn printed(self, from: usize) -> String {
+        let mut table = new_table();
+        table.set_header(self.head);
+        self.rows.into_iter().for_each(|row| _ = table.add_row(row));
+        aligned(table, from)
+    }
+}
+
 /// A table of area by stage and kind, and of flip-flops by stage.
 pub fn areas(report: &Report) -> String {
+    area_cells(report).printed(2)
+}
+
+pub(crate) fn area_cells(report: &Report) -> Cells {
     let kinds = Area::default().other_kinds().map(|(kind, _)| kind);
-    let mut table =
-        table(&[&["stage", "units", "area of units"], kinds.as_slice(), &["all", "share", "flip-flops"]].concat());
+    let head = [&["stage", "units", "area of units"], kinds.as_slice(), &["all", "share", "flip-flops"]].concat();
     let whole = report.area.total;
-    let mut row = |name: &str, units: String, area: &Area, flip_flops: u64| {
+    let row = |name: &str, units: String, area: &Area, flip_flops: u64| {
         let mut cells = vec![name.to_string(), units, rounded(area.units_area())];
         cells.extend(area.other_kinds().map(|(_, area)| rounded(area)));
         cells.extend([rounded(area.total), percent(area.total / whole), grouped(flip_flops)]);
-        table.add_row(cells);
+        cells
     };
-    for stage in &report.stages {
+    let of_stage = |stage: &Stage| {
         let units = stage.area.units.iter().map(|(kind, units)| format!("{} {kind}", units.count));
-        row(&stage.name, units.collect::<Vec<_>>().join(", "), &stage.area, stage.flip_flops);
-    }
+        row(&stage.name, units.collect::<Vec<_>>().join(", "), &stage.area, stage.flip_flops)
+    };
+    let mut rows: Vec<Vec<String>> = report.stages.iter().map(of_stage).collect();
     let units: u64 = report.area.units.values().map(|units| units.count).sum();
-    row("all", grouped(units), &report.area, report.flip_flops);
+    rows.push(row("all", grouped(units), &report.area, report.flip_flops));
     let mut shares = vec!["share".to_string(), String::new(), percent(report.area.unit_share())];
     shares.extend(report.area.other_kinds().map(|(_, area)| percent(area / whole)));
-    table.add_row(shares);
-    aligned(table, 2)
+    rows.push(shares);
+    Cells { head: head.into_iter().map(str::to_string).collect(), rows }
 }
 
 /// A table of units by kind: number, area of one, area of all.
@@ -43,15 +63,19 @@ pub fn units(report: &Report) -> String {
 
 /// A table of the slowest path to each stage: its delay, its ends and the elements between.
 pub fn paths(report: &Report) -> String {
-    let mut table = table(&["ends in", "ns", "from", "through (ns at its end)", "to"]);
-    for stage in &report.stages {
-        let Some(path) = &stage.slowest else { continue };
+    path_cells(report).printed(1)
+}
+
+pub(crate) fn path_cells(report: &Report) -> Cells {
+    let row = |stage: &Stage| {
+        let path = stage.slowest.as_ref()?;
         let between = path.steps.get(1..path.steps.len().saturating_sub(1)).unwrap_or_default();
         let through: Vec<String> = between.iter().map(|step| format!("{} {:.2}", step.through, step.ns)).collect();
         let ns = format!("{:.2}", path.ns);
-        table.add_row([stage.name.clone(), ns, path.start.clone(), through.join(", "), path.end.clone()]);
-    }
-    aligned(table, 1)
+        Some(vec![stage.name.clone(), ns, path.start.clone(), through.join(", "), path.end.clone()])
+    };
+    let head = ["ends in", "ns", "from", "through (ns at its end)", "to"].map(str::to_string).to_vec();
+    Cells { head, rows: report.stages.iter().filter_map(row).collect() }
 }
 
 /// The main figures in three lines of text.
@@ -190,14 +214,14 @@ pub fn power_summary(power: &Power) -> String {
     lines.join("\n")
 }
 
-fn table(head: &[&str]) -> Table {
+pub(crate) fn table(head: &[&str]) -> Table {
     let mut table = new_table();
     table.set_header(head);
     table
 }
 
 /// Aligns columns of numbers to the right: each column from `from` on, all of whose cells begin with digits.
-fn aligned(mut table: Table, from: usize) -> String {
+pub(crate) fn aligned(mut table: Table, from: usize) -> String {
     for index in from..table.column_count() {
         let numbers = table.column_cells_iter(index).flatten().all(|cell| {
             let content = cell.content();

@@ -75,7 +75,7 @@ fn wrong_input_is_named_before_any_work() {
     fs::create_dir(folder.join("earlier")).expect("a folder");
     write("earlier/ppa.json", "{\"design\": \"x\"}");
     write("one.fvecs", "\u{1}\0\0\0\0\0\0\0");
-    let cases: [(&[&str], &[&str]); 16] = [
+    let cases: [(&[&str], &[&str]); 20] = [
         (&["ppa", "--liberty", "none.lib"], &["none.lib: cannot read: No such file"]),
         (&["ppa", "--liberty", "broken.lib"], &["broken.lib:2: found '3', expected ':' or '('"]),
         (&["ppa", "--liberty", "bare.lib"], &["bare.lib: no NAND with two inputs in this library"]),
@@ -92,6 +92,10 @@ fn wrong_input_is_named_before_any_work() {
         (&["explore", "--sweep", "lanes.toml"], &["lanes.toml:2: lanes: '3' is not a valid number of lanes"]),
         (&["explore", "--sweep", "key.toml"], &["key.toml:1: 'lane' is not a valid parameter"]),
         (&["explore", "--sweep", "empty.toml"], &["empty.toml:2: lanes: an empty list"]),
+        (&["explore", "--goal", "area<=1"], &["'area<=1': '' is not its unit, expected 'area<=0.6mm2'"]),
+        (&["explore", "--objective", "area,speed"], &["'speed' is not a metric, expected area, period, energy"]),
+        (&["explore", "--goal", "area<=1mm2", "--first", "2"], &["expected a whole number from 6 to 10000"]),
+        (&["explore", "--budget", "3"], &["--goal"]),
     ];
     for (arguments, words) in cases {
         ends_with(folder, arguments, 2, words);
@@ -141,4 +145,40 @@ fn a_stop_ends_all_programs_and_writes_nothing() {
             wait();
         }
     }
+}
+
+/// In a format of eight bits, with the real tools: the front of a search is that of all configurations, which a first set
+/// that is large enough contains. A budget ends the search, and the same command goes on from there.
+#[test]
+#[ignore = "two minutes of synthesis"]
+fn a_search_finds_the_front_of_all_configurations() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let sweep = "lanes = 'none'\nformat = 'e4s4'\ncontrol = ['skid', 'credit']\ninterval = [1, 2, 4, 8]\n\
+                 unit-latency = [1, 2]\nsharing = ['union', 'segregated']\n";
+    fs::write(folder.join("sweep.toml"), sweep).expect("written");
+    let explored = |more: &[&str]| -> serde_json::Value {
+        let own = ["explore", "--sweep", "sweep.toml", "--objective", "area,period,throughput", "--json"];
+        let mut command = Command::new(env!("CARGO_BIN_EXE_raypath"));
+        let output = command.args(own).args(["--cache", "cache"]).args(more).current_dir(folder).output();
+        let output = output.expect("the program");
+        assert!(output.status.success(), "{}", said(&output));
+        serde_json::from_slice(&output.stdout).expect("JSON")
+    };
+    let names = |found: &serde_json::Value, status: &str| -> Vec<String> {
+        let points = found["points"].as_array().expect("points").iter();
+        let chosen = points.filter(|point| point["status"] == status);
+        chosen.map(|point| point["name"].as_str().expect("a name").to_string()).collect()
+    };
+    let begun = explored(&["--budget", "9"]);
+    assert_eq!((&begun["measured"], &begun["is_finished"]), (&9.into(), &false.into()));
+    let found = explored(&[]);
+    let all = explored(&["--first", "1000"]);
+    // An interval above 1 needs units of one step: of 32 combinations 12 are refused.
+    let refused: u64 = all["refused"].as_object().expect("reasons").values().filter_map(|count| count.as_u64()).sum();
+    assert_eq!((refused, &all["measured"], names(&all, "predicted").len()), (12, &20.into(), 0));
+    assert!(!names(&all, "front").is_empty());
+    assert_eq!(names(&found, "front"), names(&all, "front"));
+    assert!(found["measured"].as_u64() < Some(20), "{} measured", found["measured"]);
+    assert!(folder.join("build/explore/explore.html").exists());
 }

@@ -2,12 +2,12 @@
 
 use crate::commands::full::measuring::BenchArguments;
 use crate::commands::full::ppa::design;
+use crate::commands::full::visits::{SIZE, scenes, visits};
 use crate::{CliError, ConfigArguments, Progress, whole};
 use clap::Args;
 use raypath_float::Format;
 use raypath_ops::{BoxBits, Rules};
 use raypath_ppa::{Design, Report};
-use raypath_render::{Camera, Costs, Rendering, Scene, Shading, Tracing, builtin, read_mesh, render};
 use raypath_rtl::Config;
 use raypath_sim::files::write_all;
 use raypath_timing::{Panel, Plot, Series};
@@ -36,16 +36,6 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// The size of the pictures.
-const SIZE: (u32, u32) = (320, 240);
-
-/// A scene with its name and camera.
-struct Shown {
-    name: String,
-    scene: Scene,
-    camera: Camera,
-}
-
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let config = arguments.config.paper()?;
     if config.semantics.rules != Rules::Paper || config.semantics.format != Format::BINARY32 {
@@ -58,18 +48,18 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     let scenes = scenes(&arguments.scenes)?;
     let mut progress = Progress::new("pictures", (bits.len() + 1) * scenes.len());
     let rules: Vec<Rules> = [Rules::Paper].into_iter().chain(bits.iter().copied().map(Rules::Bounds)).collect();
-    let mut visits = vec![vec![0; scenes.len()]; rules.len()];
+    let mut counts = vec![vec![0; scenes.len()]; rules.len()];
     let mut done = 0;
-    for (row, &rules) in visits.iter_mut().zip(&rules) {
-        for (visits, shown) in row.iter_mut().zip(&scenes) {
+    for (row, &rules) in counts.iter_mut().zip(&rules) {
+        for (count, shown) in row.iter_mut().zip(&scenes) {
             if progress.at(done) {
-                *visits = visits_of(&draw(shown, rules, arguments.ao)?);
+                *count = visits(shown, rules, arguments.ao)?;
                 done += 1;
             }
         }
     }
     progress.finish(done)?;
-    let added = |row: usize, scene: usize| 100.0 * (visits[row][scene] as f64 / visits[0][scene] as f64 - 1.0);
+    let added = |row: usize, scene: usize| 100.0 * (counts[row][scene] as f64 / counts[0][scene] as f64 - 1.0);
     let areas = if arguments.area { Some(areas(&arguments.bench, config, &bits)?) } else { None };
 
     let names = scenes.iter().map(|shown| shown.name.as_str()).collect::<Vec<_>>().join(" | ");
@@ -103,32 +93,6 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
     write_all(&[(arguments.out.clone(), plot.svg())])?;
     writeln!(out, "\nWrote {}.", arguments.out.display())?;
     Ok(())
-}
-
-/// The built-in scene, and those of the files.
-fn scenes(paths: &[PathBuf]) -> Result<Vec<Shown>, CliError> {
-    let mut meshes = vec![("built-in scene".to_string(), builtin().map_err(CliError::unusable)?)];
-    for path in paths {
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        meshes.push((name, read_mesh(path).map_err(CliError::unusable)?));
-    }
-    let shown = |(name, mesh)| {
-        let camera = Camera::framing(&mesh, SIZE.0 as f32 / SIZE.1 as f32);
-        let scene = Scene::for_origins(mesh, [camera.eye()]).map_err(CliError::unusable)?;
-        Ok(Shown { name, scene, camera })
-    };
-    meshes.into_iter().map(shown).collect()
-}
-
-fn draw(shown: &Shown, rules: Rules, ambient_occlusion: u32) -> Result<Rendering, CliError> {
-    let tracing = Tracing { rules, ..Tracing::default() };
-    let shading = Shading { tracing, shadows: true, ambient_occlusion, ..Shading::default() };
-    render(&shown.scene, &shown.camera, SIZE, &shading, &|_| true).map_err(CliError::unusable)
-}
-
-fn visits_of(rendering: &Rendering) -> u64 {
-    let visits = |costs: &Costs| costs.counts.nodes + costs.counts.leaves;
-    [&rendering.primary, &rendering.shadow, &rendering.occlusion].map(visits).iter().sum()
 }
 
 /// The areas with rules paper and with each number of bits.

@@ -1,4 +1,8 @@
-//! `raypath explore`: area and timing of many configurations.
+//! `raypath explore`: area and timing of many configurations, all of them or those that a search needs.
+
+mod exact;
+mod search;
+mod space;
 
 use crate::commands::full::division::DivisionArguments;
 use crate::commands::full::measuring::BenchArguments;
@@ -18,17 +22,21 @@ use std::time::Instant;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A configuration by name; may be given several times [default: all]
+    /// A configuration by name; may be given several times [default: all; with a search paper, and it searches around
+    /// each]
     #[arg(long)]
     preset: Vec<Preset>,
-    /// Configurations as a TOML file: a list of values for each parameter, all combinations of which are measured
+    /// Configurations as a TOML file: a list of values for each parameter, all combinations of which are measured, or
+    /// searched
     #[arg(long, value_name = "FILE", conflicts_with = "preset")]
     sweep: Option<PathBuf>,
     #[command(flatten)]
     bench: BenchArguments,
     #[command(flatten)]
     division: DivisionArguments,
-    /// The folder to write explore.json, explore.svg and each configuration's report to
+    #[command(flatten)]
+    search: search::SearchArguments,
+    /// The folder to write explore.json, explore.svg or explore.html, and each configuration's report to
     #[arg(long, default_value = "build/explore", value_name = "DIR")]
     out: PathBuf,
     /// Print the results as JSON instead of a table
@@ -37,6 +45,9 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), CliError> {
+    if arguments.search.is_wanted() {
+        return search::run(arguments, out);
+    }
     let configurations = configurations(arguments)?;
     let reports = match measured(arguments, &configurations)? {
         Measured::All(reports) => reports,

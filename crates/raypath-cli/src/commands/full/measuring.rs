@@ -5,6 +5,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use raypath_ppa::{Bench, DEFAULT_LIBRARY, Design, Library, PowerResults, Report, Workload};
 use raypath_tools::{OpenSta, Yosys, YosysKind};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -20,7 +21,7 @@ pub struct BenchArguments {
     jobs: Option<u16>,
     /// The folder of cached results
     #[arg(long, default_value = "build/ppa-cache", value_name = "DIR")]
-    cache: PathBuf,
+    pub cache: PathBuf,
     /// The kind of Yosys: the program or the Python module [default: the module if it is installed]
     #[arg(long, value_parser = yosys())]
     yosys: Option<YosysKind>,
@@ -38,6 +39,11 @@ impl BenchArguments {
         crate::measure::measure(&self.bench()?, designs).map_err(resumable)
     }
 
+    /// The areas of the units of designs by the digests of their texts, with a progress bar.
+    pub fn unit_areas(&self, bench: &Bench, designs: &[Design]) -> Result<BTreeMap<String, f64>, CliError> {
+        crate::measure::unit_areas(bench, designs).map_err(resumable)
+    }
+
     /// Measures the power of a design in workloads with a progress bar. `report` is the design's.
     pub fn power(
         &self,
@@ -49,7 +55,8 @@ impl BenchArguments {
         crate::measure::power(&self.bench()?, design, report, workloads, with_saif).map_err(resumable)
     }
 
-    fn bench(&self) -> Result<Bench, CliError> {
+    /// The library and the tools.
+    pub fn bench(&self) -> Result<Bench, CliError> {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         Ok(Bench {
             library: Library::read(&self.liberty)?,

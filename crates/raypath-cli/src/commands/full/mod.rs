@@ -18,6 +18,7 @@ mod timed;
 mod utilisation;
 mod verify;
 mod view;
+mod visits;
 mod wave;
 
 use division::DivisionArguments;

@@ -8,6 +8,7 @@ use crate::commands::unit::UnitArguments;
 use crate::{CliError, DatapathArguments};
 use clap::Args;
 use jobs::JobArguments;
+pub use power::picture;
 use raypath_ppa::{Baseline, Design, PowerResults, Report, charts, tables};
 use raypath_rtl::{Config, Datapath};
 use raypath_sim::files::write_all;

@@ -31,7 +31,7 @@ TIMING = (
 
 WHOLE = {
     "verify": ("--record",),
-    "explore": ("--out",),
+    "explore": ("--out", "--budget", "--batch"),
     "search": ("--out", "--truth", "--queries-in-flight", *TIMING),
     "render": ("--out", "--heatmap", "--rays-in-flight", *TIMING),
 }

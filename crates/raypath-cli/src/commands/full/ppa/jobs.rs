@@ -16,6 +16,11 @@ use raypath_sim::transactions;
 use raypath_timing::{Environment, Sample, System};
 use std::path::PathBuf;
 
+/// The default number of jobs in a stream.
+const STREAM: usize = 256;
+/// The default seed.
+const SEED: u64 = 1;
+
 #[derive(Debug, Args)]
 pub struct JobArguments {
     /// The scene of the measured picture: a mesh as .obj, .gltf, .glb, .ply or .stl [default: a built-in one]
@@ -28,10 +33,10 @@ pub struct JobArguments {
     #[arg(long, requires = "power", value_name = "FILE")]
     recorded: Vec<PathBuf>,
     /// The number of jobs in each of the 64 streams
-    #[arg(long, requires = "power", default_value_t = 256, value_parser = whole(16..=100_000usize), value_name = "N")]
+    #[arg(long, requires = "power", default_value_t = STREAM, value_parser = whole(16..=100_000usize), value_name = "N")]
     pub stream: usize,
     /// Seed of random jobs
-    #[arg(long, requires = "power", default_value_t = 1, value_parser = whole(0..=u64::MAX))]
+    #[arg(long, requires = "power", default_value_t = SEED, value_parser = whole(0..=u64::MAX))]
     seed: u64,
 }
 
@@ -49,6 +54,11 @@ const VECTORS: usize = 1000;
 const QUERIES: usize = 8;
 
 impl JobArguments {
+    /// The defaults: the built-in picture, and generated vectors.
+    pub fn built_in() -> Self {
+        Self { scene: None, vectors: None, recorded: Vec::new(), stream: STREAM, seed: SEED }
+    }
+
     /// All jobs that the operations of the model have; `count` random ones of each.
     pub fn jobs(&self, model: &WordModel, config: Config, count: usize) -> Result<Vec<Jobs>, CliError> {
         let mut all: Vec<Jobs> =
@@ -89,7 +99,8 @@ impl JobArguments {
         Jobs { name: format!("{}, random", kind.name()), jobs }
     }
 
-    fn picture(&self, model: &WordModel, config: Config) -> Result<Vec<Words>, CliError> {
+    /// The jobs of the picture.
+    pub fn picture(&self, model: &WordModel, config: Config) -> Result<Vec<Words>, CliError> {
         let shown = Shown::read(self.scene.as_deref(), None)?;
         let camera = shown.framing(PICTURE.0 as f32 / PICTURE.1 as f32);
         let scene = shown.scene([camera.eye()])?;

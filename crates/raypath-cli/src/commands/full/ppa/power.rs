@@ -5,7 +5,7 @@ use crate::CliError;
 use raypath_hdl::Module;
 use raypath_model::{Shape, WordModel, Words};
 use raypath_ppa::{Frame, STREAMS, Workload};
-use raypath_rtl::Config;
+use raypath_rtl::{Config, Datapath as Netlist};
 use raypath_sim::Datapath;
 use raypath_sim::engine::{PortEncoding, shape};
 use raypath_sim::frames::{Answers, Cycle, Stimulus};
@@ -18,13 +18,7 @@ const IDLE_CYCLES: usize = 64;
 /// The workloads of a datapath: idle, and all jobs that it has operations for.
 pub fn workloads(arguments: &JobArguments, config: Config, whole: &Datapath) -> Result<Vec<Workload>, CliError> {
     let netlist = whole.elaborate()?;
-    let streams = Streams {
-        top: netlist.top(),
-        shape: shape(config, &netlist),
-        encoding: PortEncoding::of(config),
-        model: whole.model(),
-        length: arguments.stream,
-    };
+    let streams = Streams::new(&netlist, config, whole, arguments.stream);
     let all = arguments.jobs(&streams.model, config, STREAMS * arguments.stream)?;
     let Some(first) = all.first() else {
         return Err(CliError::unusable("--power: a datapath without operations, expected at least one"));
@@ -34,6 +28,16 @@ pub fn workloads(arguments: &JobArguments, config: Config, whole: &Datapath) -> 
         workloads.push(streams.busy(jobs)?);
     }
     Ok(workloads)
+}
+
+/// The jobs of the built-in picture as a workload.
+pub fn picture(config: Config) -> Result<Workload, CliError> {
+    let whole = Datapath::paper(config);
+    let netlist = whole.elaborate()?;
+    let arguments = JobArguments::built_in();
+    let streams = Streams::new(&netlist, config, &whole, arguments.stream);
+    let jobs = arguments.picture(&streams.model, config)?;
+    streams.busy(&Jobs { name: "picture".to_string(), jobs })
 }
 
 /// The pipeline that streams of jobs go through.
@@ -46,7 +50,12 @@ struct Streams<'d> {
     length: usize,
 }
 
-impl Streams<'_> {
+impl<'d> Streams<'d> {
+    fn new(netlist: &'d Netlist, config: Config, whole: &Datapath, length: usize) -> Self {
+        let (shape, encoding) = (shape(config, netlist), PortEncoding::of(config));
+        Self { top: netlist.top(), shape, encoding, model: whole.model(), length }
+    }
+
     /// Jobs back to back. Stream i begins at 1/64 of the jobs times i, and starts over at the end.
     fn busy(&self, jobs: &Jobs) -> Result<Workload, CliError> {
         let cycles = self.cycles(&jobs.jobs, self.length);

@@ -1,0 +1,103 @@
+//! What can be counted in a netlist without synthesis, from which area and slowest path are predicted.
+
+use crate::{Design, Error};
+use raypath_hdl::{Driver, Module, RegisterInfo, Signal, longest_path};
+use raypath_tools::digest;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The counts of a design. Floating-point units are counted by their modules and not looked into, except for the path.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Structure {
+    /// The number of units by the digest of their text.
+    pub units: BTreeMap<String, u64>,
+    /// Bits of registers.
+    pub register_bits: u64,
+    /// Those of them behind clock gates.
+    pub gated_bits: u64,
+    /// Multiplexers of two words, in bits; those that hold the value of a register are among them.
+    pub mux_bits: u64,
+    /// All other logic, in gates of two inputs.
+    pub gates: f64,
+    /// The longest path in gates, with those that a large load needs.
+    pub depth: f64,
+}
+
+impl Structure {
+    /// Counts a design.
+    ///
+    /// # Errors
+    /// Signals that depend on themselves; names that cannot be printed.
+    pub fn of(design: &Design) -> Result<Self, Error> {
+        let mut structure = Self { depth: longest_path(design.netlist(), delay)?, ..Self::default() };
+        structure.add(design.netlist());
+        let digests = design.blocks()?.into_iter().map(|block| (block.module, digest(block.text.as_bytes())));
+        let digests: BTreeMap<String, String> = digests.collect();
+        let named = std::mem::take(&mut structure.units).into_iter();
+        structure.units = named.filter_map(|(module, count)| Some((digests.get(&module)?.clone(), count))).collect();
+        Ok(structure)
+    }
+
+    fn add(&mut self, module: &Module) {
+        for signal in module.signals() {
+            let words = match &signal.driver {
+                Driver::Mux { .. } => 1,
+                Driver::Case { arms, .. } => arms.len() as u64,
+                _ => 0,
+            };
+            self.mux_bits += words * u64::from(signal.width);
+            self.gates += gates(module, signal);
+        }
+        for RegisterInfo { signal, enable, gated, .. } in module.registers() {
+            let bits = u64::from(module.signal(*signal).width);
+            self.register_bits += bits;
+            self.gated_bits += if *gated { bits } else { 0 };
+            self.mux_bits += if enable.is_some() && !gated { bits } else { 0 };
+        }
+        for instance in module.instances() {
+            match Design::is_unit(&instance.module) {
+                true => *self.units.entry(instance.module.name().to_string()).or_default() += 1,
+                false => self.add(&instance.module),
+            }
+        }
+    }
+}
+
+/// The gates of an operator that is not a multiplexer.
+fn gates(module: &Module, signal: &Signal) -> f64 {
+    let width = |id: &raypath_hdl::SignalId| f64::from(module.signal(*id).width);
+    let own = f64::from(signal.width);
+    match &signal.driver {
+        Driver::And(..) | Driver::Or(..) => own,
+        Driver::Not(_) => 0.5 * own,
+        Driver::Xor(..) => 2.0 * own,
+        Driver::Add(..) | Driver::Sub(..) => 6.0 * own,
+        Driver::Mul(a, b) => 6.0 * width(a) * width(b),
+        Driver::Equal(a, _) => 3.0 * width(a),
+        Driver::Less(a, _) => 4.0 * width(a),
+        Driver::Any(a) | Driver::All(a) => width(a),
+        Driver::ShiftLeft(_, amount) | Driver::ShiftRight(_, amount) => 3.0 * own * width(amount),
+        _ => 0.0,
+    }
+}
+
+/// The delay of an operator in gates of two inputs.
+fn delay(driver: &Driver, operands: &[u32], width: u32, load: u64) -> f64 {
+    let levels = |count: u32| f64::from(count.max(1)).log2();
+    let operand = operands.first().copied().unwrap_or(1);
+    let own = match driver {
+        Driver::And(..) | Driver::Or(..) => 1.0,
+        Driver::Not(_) => 0.5,
+        Driver::Xor(..) | Driver::Mux { .. } => 1.6,
+        Driver::Case { arms, .. } => 1.6 * (1.0 + levels(arms.len() as u32)),
+        Driver::Add(..) | Driver::Sub(..) => 3.0 + 1.4 * levels(width),
+        Driver::Mul(..) => 3.0 + 4.0 * levels(width),
+        Driver::Equal(..) => 1.6 + levels(operand),
+        Driver::Less(..) => 2.0 + 1.4 * levels(operand),
+        Driver::Any(_) | Driver::All(_) => levels(operand),
+        Driver::ShiftLeft(..) | Driver::ShiftRight(..) => 1.6 * f64::from(operands.get(1).copied().unwrap_or(1).min(6)),
+        _ => 0.0,
+    };
+    // A tree of buffers, four loads each.
+    own + 0.5 * (load.max(1) as f64).log2()
+}
