@@ -109,7 +109,7 @@ impl Format {
     }
 
     /// Bits of the window to which the terms of a sum are truncated before they are added, and the sum is rounded once
-    /// ([`Format::sum`]): those of the significand, and the bits of the number of terms.
+    /// (docs/reference/semantics.md): those of the significand, and the bits of the number of terms.
     #[inline]
     pub fn sum_window(self, terms: u32) -> u32 {
         self.significand + terms.next_power_of_two().ilog2()
