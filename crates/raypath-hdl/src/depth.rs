@@ -9,8 +9,8 @@ use std::sync::Arc;
 /// The longest path between registers, memories and ports of `module` and everything inside it: the sum of the delays
 /// along it, in the unit of `delay`.
 ///
-/// `delay` gets the operator, register or input that drives a signal, the widths of its operands, the signal's width, and the bits that each of its
-/// bits drives: a select signal of a multiplexer drives one for each bit of the word.
+/// `delay` gets the operator, register or input that drives a signal, the widths of its operands, the signal's width,
+/// and the bits that each of its bits drives: a select signal of a multiplexer drives one for each bit of the word.
 ///
 /// # Errors
 /// Signals that depend on themselves.

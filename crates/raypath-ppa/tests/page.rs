@@ -1,5 +1,5 @@
-//! The page of a search in Chromium: it shows the numbers of the search, names the configuration under the pointer, shows
-//! the stages of a chosen one, and runs no script from data.
+//! The page of a search in Chromium: it shows the numbers of the search, names the configuration under the pointer,
+//! shows the stages of a chosen one, and runs no script from data.
 
 #[path = "../../raypath-timing/tests/report/chromium.rs"]
 mod chromium;

@@ -23,8 +23,8 @@ struct Space {
     truth: Vec<Values>,
 }
 
-/// Pipelines of 1 to 8 units of 1 to 4 steps with 0 to 3 rounds of registers, in boxes of 4 widths. Areas and periods are
-/// linear in what is counted, but for noise of this relative size.
+/// Pipelines of 1 to 8 units of 1 to 4 steps with 0 to 3 rounds of registers, in boxes of 4 widths. Areas and periods
+/// are linear in what is counted, but for noise of this relative size.
 fn space(seed: u64, noise: f64) -> Space {
     let (mut candidates, mut truth) = (Vec::new(), Vec::new());
     for interval in [1.0, 2.0, 4.0, 8.0] {

@@ -147,8 +147,8 @@ fn a_stop_ends_all_programs_and_writes_nothing() {
     }
 }
 
-/// In a format of eight bits, with the real tools: the front of a search is that of all configurations, which a first set
-/// that is large enough contains. A budget ends the search, and the same command goes on from there.
+/// In a format of eight bits, with the real tools: the front of a search is that of all configurations, which a first
+/// set that is large enough contains. A budget ends the search, and the same command goes on from there.
 #[test]
 #[ignore = "two minutes of synthesis"]
 fn a_search_finds_the_front_of_all_configurations() {
