@@ -66,11 +66,6 @@ impl Design {
         Self { name: name.into(), memory_bits: top.memory_bits(), top: expose_memories(top) }
     }
 
-    /// Whether a module is a unit, which is synthesised on its own.
-    pub(crate) fn is_unit(module: &Module) -> bool {
-        is_unit(module)
-    }
-
     pub(crate) fn top(&self) -> &str {
         self.top.name()
     }
@@ -162,7 +157,8 @@ impl fmt::Display for UnitKind {
     }
 }
 
-fn is_unit(module: &Module) -> bool {
+/// Whether a module is a unit, which is synthesised on its own.
+pub(crate) fn is_unit(module: &Module) -> bool {
     module.name().starts_with(UNIT_PREFIX)
 }
 

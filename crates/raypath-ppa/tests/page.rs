@@ -3,44 +3,29 @@
 
 #[path = "../../raypath-timing/tests/report/chromium.rs"]
 mod chromium;
+#[path = "common/setting.rs"]
+mod setting;
 
-use chromium::Tab;
+use chromium::Page;
 use raypath_ppa::explore::{
     Candidate, Found, Goal, LinearPredictor, Metric, Predicted, Search, SearchReport, Status, Terms, Values,
 };
-use raypath_ppa::{Area, Path, Report, Setting, Slowest, Stage, Step, Units};
+use raypath_ppa::{Area, Path, Report, Slowest, Stage, Step, Units};
 use serde_json::{Value, json};
-use std::cell::RefCell;
+use setting::setting;
 use std::collections::BTreeMap;
 
-/// A page in its own browser.
-struct Page {
-    tab: RefCell<Tab>,
-    _folder: tempfile::TempDir,
-}
-
 impl Page {
-    fn open(text: &str) -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
-        let file = folder.path().join("page.html");
-        std::fs::write(&file, text).expect("a page");
-        let tab = Tab::open(&format!("file://{}", file.display()), &folder.path().join("profile"));
-        Self { tab: RefCell::new(tab), _folder: folder }
-    }
-
     /// The value of a JavaScript expression.
-    fn value(&self, expression: &str) -> Value {
-        let text = format!("(async () => JSON.stringify((await ({expression})) ?? null))()");
-        let parameters = json!({ "expression": text, "awaitPromise": true, "returnByValue": true });
-        let found = self.tab.borrow_mut().call("Runtime.evaluate", parameters);
-        let text = found["result"]["value"].as_str().unwrap_or_else(|| panic!("{expression} gave {found}"));
-        serde_json::from_str(text).expect("JSON")
+    fn json(&self, expression: &str) -> Value {
+        let text = self.value(&format!("(async () => JSON.stringify((await ({expression})) ?? null))()"));
+        serde_json::from_str(&text).expect("JSON")
     }
 
     /// Moves the browser's mouse to the middle of an element, and presses its button there if wanted.
     fn mouse(&self, selector: &str, is_pressed: bool) {
         let selector = json!(selector);
-        let at = self.value(&format!(
+        let at = self.json(&format!(
             "(() => {{ const e = document.querySelector({selector}); e.scrollIntoView({{ block: 'center' }}); \
              const b = e.getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; }})()"
         ));
@@ -49,29 +34,8 @@ impl Page {
         for kind in kinds {
             let button = if kind == "mouseMoved" { "none" } else { "left" };
             let parameters = json!({ "type": kind, "x": at[0], "y": at[1], "button": button, "clickCount": 1 });
-            self.tab.borrow_mut().call("Input.dispatchMouseEvent", parameters);
+            self.call("Input.dispatchMouseEvent", parameters);
         }
-    }
-
-    fn assert_console_empty(&self) {
-        // The reply comes after all earlier events.
-        self.value("0");
-        let tab = self.tab.borrow();
-        let kinds = ["Log.entryAdded", "Runtime.consoleAPICalled", "Runtime.exceptionThrown"];
-        let messages: Vec<&Value> = kinds.iter().flat_map(|kind| tab.events_of(kind)).collect();
-        assert!(messages.is_empty(), "{messages:?}");
-    }
-}
-
-fn setting() -> Setting {
-    Setting {
-        synthesis: "Yosys 1".to_string(),
-        timing: "OpenSTA 2".to_string(),
-        library: "cells".to_string(),
-        nand2: "NAND".to_string(),
-        buffer: "BUF".to_string(),
-        load_ff: 10.0,
-        period_ns: 7.5,
     }
 }
 
@@ -151,22 +115,22 @@ const NAMES: [&str; 4] = ["small", "fast", "worse", "unmeasured"];
 fn the_page_shows_the_search() {
     let search = search(NAMES);
     let page = Page::open(&search.page());
-    let summary = page.value("[...document.querySelectorAll('#summary p')].map(p => p.textContent)");
+    let summary = page.json("[...document.querySelectorAll('#summary p')].map(p => p.textContent)");
     let lines = search.summary();
     let expected: Vec<&str> =
         lines.lines().chain(["Yosys 1, OpenSTA 2, library cells, gates chosen for 7.5 ns"]).collect();
     assert_eq!(summary, json!(expected));
     let front =
-        page.value("[...document.querySelectorAll('#front tbody tr')].map(r => [...r.cells].map(c => c.textContent))");
+        page.json("[...document.querySelectorAll('#front tbody tr')].map(r => [...r.cells].map(c => c.textContent))");
     assert_eq!(front, json!([["small", "0.500", "12.00", "0.500", "12"], ["fast", "0.750", "8.00", "0.500", "12"]]));
 
     // The measured configurations, those of the front last. A smaller period is further left, a smaller area lower.
     let circles =
         "[...document.querySelectorAll('circle')].map(c => [c.getAttribute('aria-label'), c.className.baseVal])";
-    let names = page.value(circles);
+    let names = page.json(circles);
     assert_eq!(names, json!([["worse", "dominated"], ["small", "front"], ["fast", "front"]]));
     let place = |page: &Page, name: &str| -> (f64, f64) {
-        let at = page.value(&format!(
+        let at = page.json(&format!(
             "(c => [Number(c.getAttribute('cx')), Number(c.getAttribute('cy'))])(document.querySelector('circle[aria-label={name}]'))"
         ));
         (at[0].as_f64().expect("x"), at[1].as_f64().expect("y"))
@@ -180,19 +144,19 @@ fn the_page_shows_the_search() {
     assert!(((small.0 - fast.0) / (worse.0 - small.0) - 8.0).abs() < 1e-6);
 
     // What was not measured, with two lines for its errors. The range of the axes now has the goal.
-    page.value("document.getElementById('unmeasured').click()");
-    assert_eq!(page.value("document.querySelectorAll('circle').length"), json!(4));
-    assert_eq!(page.value("document.querySelectorAll('.error').length"), json!(2));
-    assert_eq!(page.value("document.querySelectorAll('.goal').length"), json!(1));
+    page.json("document.getElementById('unmeasured').click()");
+    assert_eq!(page.json("document.querySelectorAll('circle').length"), json!(4));
+    assert_eq!(page.json("document.querySelectorAll('.error').length"), json!(2));
+    assert_eq!(page.json("document.querySelectorAll('.goal').length"), json!(1));
 
     // Other axes: all have the same throughput.
-    assert_eq!(page.value("document.getElementById('label-across').textContent"), json!("period, ns"));
-    page.value("(() => { const s = document.getElementById('across'); s.value = '2'; s.dispatchEvent(new Event('change')); })()");
-    assert_eq!(page.value("document.getElementById('label-across').textContent"), json!("throughput, jobs a cycle"));
+    assert_eq!(page.json("document.getElementById('label-across').textContent"), json!("period, ns"));
+    page.json("(() => { const s = document.getElementById('across'); s.value = '2'; s.dispatchEvent(new Event('change')); })()");
+    assert_eq!(page.json("document.getElementById('label-across').textContent"), json!("throughput, jobs a cycle"));
     let [small, fast] = ["small", "fast"].map(|name| place(&page, name));
     assert!(small.0 == fast.0 && fast.1 < small.1);
     assert_eq!(
-        page.value("performance.getEntriesByType('resource').filter(e => !e.name.startsWith('data:')).length"),
+        page.json("performance.getEntriesByType('resource').filter(e => !e.name.startsWith('data:')).length"),
         json!(0)
     );
     page.assert_console_empty();
@@ -202,19 +166,19 @@ fn the_page_shows_the_search() {
 fn the_pointer_names_a_configuration_and_a_click_shows_its_stages() {
     let page = Page::open(&search(NAMES).page());
     assert_eq!(
-        page.value("[document.getElementById('tip').hidden, document.getElementById('chosen').hidden]"),
+        page.json("[document.getElementById('tip').hidden, document.getElementById('chosen').hidden]"),
         json!([true, true])
     );
     page.mouse("circle[aria-label=fast]", false);
-    let tip = page.value("document.getElementById('tip').innerText");
+    let tip = page.json("document.getElementById('tip').innerText");
     assert_eq!(tip, json!("fast\n0.750 mm²\n8.00 ns\n0.500 jobs a cycle\n12 cycles"));
     page.mouse("h1", false);
-    assert_eq!(page.value("document.getElementById('tip').hidden"), json!(true));
+    assert_eq!(page.json("document.getElementById('tip').hidden"), json!(true));
 
     page.mouse("circle[aria-label=fast]", true);
     let chosen = "[document.querySelector('#chosen h2').textContent, document.querySelector('circle.is-chosen').getAttribute('aria-label')]";
-    assert_eq!(page.value(chosen), json!(["fast", "fast"]));
-    let tables = page.value(
+    assert_eq!(page.json(chosen), json!(["fast", "fast"]));
+    let tables = page.json(
         "[...document.querySelectorAll('#chosen table')].map(t => [...t.rows].map(r => [...r.cells].map(c => c.textContent)))",
     );
     // The rows of the tables that `ppa` prints: 0.75 mm², three quarters of it in three multipliers.
@@ -224,18 +188,18 @@ fn the_pointer_names_a_configuration_and_a_click_shows_its_stages() {
     assert_eq!(tables[1][1], json!(["stage 1", "8.00", "input num_0_q", "u_mul_2 7.00", "stage 1 num_1_q"]));
 
     // By the keyboard, and from the table of the front.
-    page.value(
+    page.json(
         "(() => { const c = document.querySelector('circle[aria-label=worse]'); c.focus(); \
                 c.dispatchEvent(new KeyboardEvent('keydown', { key: 'Enter' })); })()",
     );
-    assert_eq!(page.value("document.getElementById('tip').innerText.split('\\n')[0]"), json!("worse"));
-    assert_eq!(page.value(chosen), json!(["worse", "worse"]));
+    assert_eq!(page.json("document.getElementById('tip').innerText.split('\\n')[0]"), json!("worse"));
+    assert_eq!(page.json(chosen), json!(["worse", "worse"]));
     page.mouse("#front tbody tr", true);
-    assert_eq!(page.value(chosen), json!(["small", "small"]));
-    page.value("document.getElementById('unmeasured').click()");
+    assert_eq!(page.json(chosen), json!(["small", "small"]));
+    page.json("document.getElementById('unmeasured').click()");
     page.mouse("circle[aria-label=unmeasured]", true);
-    assert_eq!(page.value("document.querySelectorAll('#chosen table').length"), json!(0));
-    let text = page.value("document.getElementById('chosen').innerText");
+    assert_eq!(page.json("document.querySelectorAll('#chosen table').length"), json!(0));
+    let text = page.json("document.getElementById('chosen').innerText");
     assert!(text.as_str().expect("text").contains("1.00 ± 0.050, predicted"), "{text}");
     page.assert_console_empty();
 }
@@ -245,7 +209,7 @@ fn names_are_not_executed() {
     let hostile = "</script><!--<script>window.ran=1</script><img src=x onerror=\"window.ran=1\">'\"&amp;/* data */";
     let page = Page::open(&search([hostile, "fast", "worse", "unmeasured"]).page());
     page.mouse("circle[aria-label*=ran]", true);
-    assert_eq!(page.value("document.querySelector('#chosen h2').textContent"), json!(hostile));
-    assert_eq!(page.value("[document.querySelectorAll('script').length, window.ran ?? null]"), json!([2, null]));
+    assert_eq!(page.json("document.querySelector('#chosen h2').textContent"), json!(hostile));
+    assert_eq!(page.json("[document.querySelectorAll('script').length, window.ran ?? null]"), json!([2, null]));
     page.assert_console_empty();
 }

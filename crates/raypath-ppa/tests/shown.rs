@@ -1,12 +1,16 @@
 //! Tables and pictures of a report small enough to compute by hand.
 
+#[path = "common/setting.rs"]
+mod setting;
+
 use raypath_ppa::tables::{
     areas, comparison, energy_by_kind, energy_by_stage, explored, paths, power_summary, summary, units, workloads,
 };
 use raypath_ppa::{
-    Area, Baseline, DesignPoint, Exploration, Path, Power, Report, Setting, Slowest, Stage, StagePower, Step, Units,
+    Area, Baseline, DesignPoint, Exploration, Path, Power, Report, Slowest, Stage, StagePower, Step, Units,
     WorkloadPower, charts,
 };
+use setting::setting;
 use std::collections::BTreeMap;
 
 fn area(units: &[(&str, u64, f64)], registers: f64, operand_muxes: f64) -> Area {
@@ -43,15 +47,7 @@ fn report() -> Report {
     };
     Report {
         design: "small".to_string(),
-        setting: Setting {
-            synthesis: "Yosys 1".to_string(),
-            timing: "OpenSTA 2".to_string(),
-            library: "cells".to_string(),
-            nand2: "NAND".to_string(),
-            buffer: "BUF".to_string(),
-            load_ff: 10.0,
-            period_ns: 7.5,
-        },
+        setting: setting(),
         area: area(&[("add", 2, 400.0), ("mul", 1, 2000.0)], 1500.0, 100.0),
         flip_flops: 1075,
         memory_bits: 0,

@@ -132,6 +132,6 @@ class Dask:
         self._dask("worker", self.address, "--nthreads", "1", "--no-dashboard", "--memory-limit", "0")
 
     def _dask(self, *words: str) -> subprocess.Popen[str]:
-        # The output of a pipe that nobody reads would block the process.
+        # A process blocks when the pipe of its output is full and has no reader.
         script = f"exec {shlex.join([sys.executable, '-m', 'dask', *words])} > dask-{words[0]}.log 2>&1"
         return self._start(["sh", "-c", script], self._folder)

@@ -20,17 +20,12 @@ use timing::{Edge, Timing};
 pub struct UnitModel {
     timing: Timing,
     contexts: PortContexts,
-    count: u32,
 }
 
 impl UnitModel {
     /// The model of a unit after a reset, whose datapath has this shape.
     pub fn new(shape: &Shape, parameters: UnitParameters) -> Self {
-        Self {
-            timing: Timing::new(shape, parameters),
-            contexts: PortContexts::new(parameters.step, parameters.memory_width as usize / 8),
-            count: parameters.contexts,
-        }
+        Self { timing: Timing::new(shape, parameters), contexts: PortContexts::new(parameters) }
     }
 
     /// The model of a netlist.
@@ -53,16 +48,16 @@ impl UnitModel {
 impl UnitEngine for UnitModel {
     #[inline]
     fn outputs(&mut self) -> UnitOutputs {
-        let Self { timing, contexts, .. } = self;
+        let Self { timing, contexts } = self;
         let request = timing.request(contexts);
         UnitOutputs { ray_ready: timing.ray_ready(), hit: timing.hit(), request, response_ready: true }
     }
 
     fn cycle(&mut self, inputs: &UnitInputs<'_>) {
         // The steps of this cycle read the blocks before a beat of this cycle is written.
-        let Self { timing, contexts, count } = self;
+        let Self { timing, contexts } = self;
         let UnitInputs { ray, hit_ready, request_ready, response } = inputs;
-        let arrived = response.as_ref().and_then(|response| contexts.arrive(response, *count));
+        let arrived = response.as_ref().and_then(|response| contexts.arrive(response));
         let (hit_ready, request_ready) = (*hit_ready, *request_ready);
         let ray = ray.as_ref().filter(|_| timing.ray_ready());
         timing.cycle(contexts, &Edge { ray, hit_ready, request_ready, arrived });

@@ -1,12 +1,15 @@
-//! The simulated system skips cycles in which nothing happens. That changes neither time nor replies.
+//! The simulated system, compared with the unit at its ports.
 
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use raypath_model::Shape;
+use raypath_unit::blocks::{NODE_KIND, NodeKind};
+use raypath_unit::state::status;
 use raypath_unit::system::{MemoryParameters, RayUser, simulate};
-use raypath_unit::traffic::{BlockScene, random_ray};
+use raypath_unit::traffic::{BlockScene, TwoLevelScene, random_ray};
 use raypath_unit::{
-    Memory, RayRequest, Reply, Response, UnitEngine, UnitInputs, UnitModel, UnitOutputs, UnitParameters,
+    Memory, RayRequest, Reply, Response, StepParameters, UnitEngine, UnitFeatures, UnitInputs, UnitModel, UnitOutputs,
+    UnitParameters,
 };
 use std::collections::VecDeque;
 
@@ -27,28 +30,32 @@ impl RayUser for List {
     }
 }
 
-/// Runs the unit in every cycle, with a memory that answers in order. Returns the replies.
+/// Runs the unit by its ports in every cycle, with a memory that answers in order. Returns the replies.
 fn every_cycle(
     unit: &mut UnitModel,
-    beat_bytes: usize,
+    parameters: UnitParameters,
     scene: &[u8],
     mut user: List,
     latency: u64,
 ) -> Vec<(u64, Reply)> {
     let mut beats = VecDeque::new();
+    let block_bytes = parameters.step.node.block_bytes();
+    let nothing = vec![0; block_bytes as usize];
     let count = user.rays.len();
     let mut ray = user.next_ray();
     for now in 0.. {
         let UnitOutputs { ray_ready, hit, request, .. } = unit.outputs();
         let beat = beats.pop_front_if(|(due, _)| *due <= now);
-        let response = beat.map(|(_, (tag, beat))| Response { tag, is_error: false, beat });
+        let response = beat.map(|(_, response)| response);
         unit.cycle(&UnitInputs { ray, hit_ready: true, request_ready: true, response });
         if ray_ready {
             ray = user.next_ray();
         }
         if let Some(request) = request {
-            let block = scene.block(request.address, 128).expect("a block");
-            beats.extend(block.chunks(beat_bytes).map(|beat| (now + latency, (request.tag, beat))));
+            let block = scene.block(request.address, block_bytes);
+            let is_error = block.is_err();
+            let chunks = block.unwrap_or(&nothing).chunks(parameters.memory_width as usize / 8);
+            beats.extend(chunks.map(|beat| (now + latency, Response { tag: request.tag, is_error, beat })));
         }
         if let Some((number, reply)) = hit {
             user.receive(number, &reply);
@@ -60,20 +67,45 @@ fn every_cycle(
     user.replies
 }
 
+/// A simulation computes rays before their blocks arrive and skips cycles in which nothing happens. That changes
+/// neither time nor replies: with each kind of nodes, with optional parts, and for rays whose root is not in the memory.
 #[test]
-fn skipped_cycles_change_nothing() {
+fn simulations_equal_the_unit_at_its_ports() {
     let mut random = ChaCha8Rng::seed_from_u64(11);
-    let (scene, root) = BlockScene::random(200, &mut random);
-    for (rays, contexts, memory_width, latency) in [(40, 8, 128, 300), (200, 64, 512, 1000), (100, 8, 1024, 57)] {
-        let parameters = UnitParameters { contexts, memory_width, ..UnitParameters::default() };
-        let rays = (0..rays).map(|number| (number, random_ray(root, &mut random))).collect();
+    let none = UnitFeatures::OFF;
+    let (wide, quantised) = (NodeKind::Wide4, NodeKind::Quantised);
+    for (rays, contexts, memory_width, latency, node, features) in [
+        (40, 8, 128, 300, wide, none),
+        (200, 64, 512, 1000, wide, none),
+        (100, 8, 1024, 57, wide, none),
+        (100, 16, 256, 40, quantised, none),
+        (100, 16, 512, 40, wide, UnitFeatures { instances: true, ..none }),
+        (100, 16, 512, 40, wide, UnitFeatures { instances: true, barycentrics: true }),
+        (100, 16, 128, 40, quantised, UnitFeatures { barycentrics: true, ..none }),
+    ] {
+        let (BlockScene(scene, _), root) = if features.instances {
+            let TwoLevelScene { blocks, root, .. } = TwoLevelScene::random(20, true, &mut random);
+            (blocks, root)
+        } else {
+            BlockScene::random_of(node, 200, &mut random)
+        };
+        let step = StepParameters { node, features, ..StepParameters::default() };
+        let parameters = UnitParameters { contexts, memory_width, step, ..UnitParameters::default() };
+        let mut ray = |number| {
+            let root = if number % 16 == 5 { 1 << 30 | NODE_KIND } else { root };
+            (number, random_ray(root, &mut random))
+        };
+        let rays = (0..rays).map(&mut ray).collect();
         let mut user = List { rays, replies: Vec::new() };
         let again = List { rays: user.rays.clone(), replies: Vec::new() };
         let memory = MemoryParameters { latency, bandwidth: None, cache: None };
-        let timing = simulate(&Shape::default(), parameters, &scene.0[..], &memory, &mut user);
+        let timing = simulate(&Shape::default(), parameters, &scene[..], &memory, &mut user);
         let mut unit = UnitModel::new(&Shape::default(), parameters);
-        let replies = every_cycle(&mut unit, memory_width as usize / 8, &scene.0, again, latency);
-        assert_eq!(timing.unit, unit.counts(), "{contexts} contexts, latency {latency}");
-        assert_eq!(user.replies, replies, "{contexts} contexts, latency {latency}");
+        let replies = every_cycle(&mut unit, parameters, &scene, again, latency);
+        assert_eq!(timing.unit, unit.counts(), "{parameters}, latency {latency}");
+        assert_eq!(user.replies, replies, "{parameters}, latency {latency}");
+        let with = |wanted| replies.iter().filter(|(_, reply)| reply.status == wanted).count();
+        assert!([status::HIT, status::MISS, status::ERROR].into_iter().all(|wanted| with(wanted) > 0));
+        assert_eq!(timing.unit.transforms > 0, features.instances);
     }
 }

@@ -1,5 +1,6 @@
 //! What can be counted in a netlist without synthesis, from which area and slowest path are predicted.
 
+use crate::design::is_unit;
 use crate::{Design, Error};
 use raypath_hdl::{Driver, Module, RegisterInfo, Signal, longest_path};
 use raypath_tools::digest;
@@ -55,7 +56,7 @@ impl Structure {
             self.mux_bits += if enable.is_some() && !gated { bits } else { 0 };
         }
         for instance in module.instances() {
-            match Design::is_unit(&instance.module) {
+            match is_unit(&instance.module) {
                 true => *self.units.entry(instance.module.name().to_string()).or_default() += 1,
                 false => self.add(&instance.module),
             }

@@ -1,44 +1,12 @@
 //! The page in Chromium: it loads, shows the numbers of the recording, zooms, and runs no embedded script.
 
-use crate::chromium::Tab;
+use crate::chromium::Page;
 use crate::common;
 use raypath_model::Control;
 use raypath_timing::report::{Recording, html};
 use serde_json::json;
-use std::cell::RefCell;
-
-/// A page in its own browser.
-struct Page {
-    tab: RefCell<Tab>,
-    _folder: tempfile::TempDir,
-}
 
 impl Page {
-    fn open(recording: &Recording) -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
-        let file = folder.path().join("page.html");
-        std::fs::write(&file, html(recording)).expect("a page");
-        let tab = Tab::open(&format!("file://{}", file.display()), &folder.path().join("profile"));
-        Self { tab: RefCell::new(tab), _folder: folder }
-    }
-
-    /// The value of a JavaScript expression as text.
-    fn value(&self, expression: &str) -> String {
-        let expression = format!("(async () => String(await ({expression})))()");
-        let parameters = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
-        let value = self.tab.borrow_mut().call("Runtime.evaluate", parameters);
-        value["result"]["value"].as_str().unwrap_or_else(|| panic!("{expression} gave {value}")).to_string()
-    }
-
-    /// Messages of the console and uncaught exceptions, as JSON.
-    fn messages(&self) -> Vec<String> {
-        // The reply comes after all earlier events.
-        self.value("0");
-        let tab = self.tab.borrow();
-        let kinds = ["Log.entryAdded", "Runtime.consoleAPICalled", "Runtime.exceptionThrown"];
-        kinds.iter().flat_map(|kind| tab.events_of(kind)).map(ToString::to_string).collect()
-    }
-
     /// The first and last cycle in view.
     fn range(&self) -> (u64, u64) {
         let text = self.value("document.getElementById('range').textContent");
@@ -73,7 +41,7 @@ impl Page {
         let [left, top]: [f64; 2] = serde_json::from_str(&corner).expect("a position");
         let button = if ["mousePressed", "mouseReleased"].contains(&kind) { "left" } else { "none" };
         let held = u32::from(["mousePressed", "mouseMoved"].contains(&kind));
-        self.tab.borrow_mut().call(
+        self.call(
             "Input.dispatchMouseEvent",
             json!({
                 "type": kind, "x": left + x, "y": top + y, "button": button, "buttons": held, "clickCount": 1,
@@ -81,17 +49,13 @@ impl Page {
             }),
         );
     }
-
-    fn assert_console_empty(&self) {
-        assert_eq!(self.messages(), Vec::<String>::new());
-    }
 }
 
 #[test]
 fn the_page_shows_the_recordings_numbers() {
     for control in [Control::Skid, Control::Credit] {
         let recording = Recording { sweep: Some(SWEEP.to_string()), ..common::recording(control, 2000, 0.15) };
-        let page = Page::open(&recording);
+        let page = Page::open(&html(&recording));
         assert_eq!(page.value("document.title"), recording.title);
         for (id, pairs) in [("counts", &recording.counts), ("configuration", &recording.configuration)] {
             let rows = page.value(&format!(
@@ -143,7 +107,7 @@ fn the_page_shows_the_recordings_numbers() {
 #[test]
 fn the_timeline_zooms_moves_and_shows_tips() {
     let recording = common::recording(Control::Skid, 2000, 0.15);
-    let page = Page::open(&recording);
+    let page = Page::open(&html(&recording));
     let (start, drawn) = (page.range(), page.pixels());
     let wheel = |delta: i32| {
         page.at_canvas(&format!("c.dispatchEvent(new WheelEvent('wheel', {{ ...at(400, 200), deltaY: {delta} }}))"));
@@ -202,7 +166,7 @@ fn the_timeline_zooms_moves_and_shows_tips() {
 /// As [`the_timeline_zooms_moves_and_shows_tips`], with mouse events that the browser generates.
 #[test]
 fn a_mouse_zooms_and_drags() {
-    let page = Page::open(&common::recording(Control::Credit, 2000, 0.15));
+    let page = Page::open(&html(&common::recording(Control::Credit, 2000, 0.15)));
     let start = page.range();
     page.mouse("mouseWheel", 400.0, 200.0, -300.0);
     let closer = page.range();
@@ -220,7 +184,7 @@ fn windows_of_all_sizes_are_drawn() {
     for jobs in [1, 100, 20_000] {
         let recording = common::recording(Control::Skid, jobs, 0.15);
         assert_eq!(recording.window.jobs.len(), jobs);
-        let page = Page::open(&recording);
+        let page = Page::open(&html(&recording));
         for button in ["all", "reset", "by-stage", "all", "later", "stall", "by-job"] {
             let time = page.value(&format!(
                 "new Promise(done => {{ const t = performance.now(); document.getElementById('{button}').click(); \
@@ -257,7 +221,7 @@ fn text_from_files_is_not_executed() {
     if let Some(image) = &mut recording.image {
         image.title = hostile("image");
     }
-    let page = Page::open(&recording);
+    let page = Page::open(&html(&recording));
     page.at_canvas("c.dispatchEvent(new PointerEvent('pointermove', at(132 + 18 * 2 + 9, 35 + 22)))");
     assert!(page.value("document.getElementById('tip').innerText").starts_with("</script><!--"));
     assert_eq!(page.value("window.ran"), "undefined");
@@ -271,7 +235,7 @@ fn text_from_files_is_not_executed() {
 /// An empty recording gives a page without sections. The page loads no resources.
 #[test]
 fn an_empty_recording_is_a_page() {
-    let page = Page::open(&Recording { title: "Nothing".to_string(), ..Recording::default() });
+    let page = Page::open(&html(&Recording { title: "Nothing".to_string(), ..Recording::default() }));
     assert_eq!(page.value("document.querySelectorAll('section').length"), "0");
     assert_eq!(
         page.value("performance.getEntriesByType('resource').filter(e => !e.name.startsWith('data:')).length"),
@@ -283,7 +247,7 @@ fn an_empty_recording_is_a_page() {
 /// A check of the tests themselves: console messages are collected.
 #[test]
 fn console_messages_are_collected() {
-    let page = Page::open(&Recording::default());
+    let page = Page::open(&html(&Recording::default()));
     page.value("console.error('a message')");
     page.value("setTimeout(() => nothing.here, 0)");
     page.value("new Promise(done => setTimeout(done, 200))");

@@ -2,6 +2,7 @@
 //! from file descriptor 3 and writes them to 4, each terminated by a zero byte.
 
 use serde_json::{Value, json};
+use std::cell::RefCell;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -21,8 +22,51 @@ const FLAGS: [&str; 11] = [
     "--remote-debugging-pipe",
 ];
 
+/// A page in its own browser.
+pub struct Page {
+    tab: RefCell<Tab>,
+    _folder: tempfile::TempDir,
+}
+
+impl Page {
+    /// Opens the text of a page as a file.
+    pub fn open(text: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("page.html");
+        std::fs::write(&file, text).expect("a page");
+        let tab = Tab::open(&format!("file://{}", file.display()), &folder.path().join("profile"));
+        Self { tab: RefCell::new(tab), _folder: folder }
+    }
+
+    /// The value of a JavaScript expression as text.
+    pub fn value(&self, expression: &str) -> String {
+        let expression = format!("(async () => String(await ({expression})))()");
+        let parameters = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
+        let value = self.call("Runtime.evaluate", parameters);
+        value["result"]["value"].as_str().unwrap_or_else(|| panic!("{expression} gave {value}")).to_string()
+    }
+
+    /// Calls a method of the protocol and waits for its result.
+    pub fn call(&self, method: &str, parameters: Value) -> Value {
+        self.tab.borrow_mut().call(method, parameters)
+    }
+
+    /// Messages of the console and uncaught exceptions, as JSON.
+    pub fn messages(&self) -> Vec<String> {
+        // The reply comes after all earlier events.
+        self.value("0");
+        let tab = self.tab.borrow();
+        let kinds = ["Log.entryAdded", "Runtime.consoleAPICalled", "Runtime.exceptionThrown"];
+        kinds.iter().flat_map(|kind| tab.events_of(kind)).map(ToString::to_string).collect()
+    }
+
+    pub fn assert_console_empty(&self) {
+        assert_eq!(self.messages(), Vec::<String>::new());
+    }
+}
+
 /// A tab in its own browser, which exits when the tab is dropped.
-pub struct Tab {
+struct Tab {
     browser: Child,
     requests: Option<ChildStdin>,
     replies: BufReader<ChildStdout>,
@@ -33,7 +77,7 @@ pub struct Tab {
 
 impl Tab {
     /// A tab with the page at `url`, loaded.
-    pub fn open(url: &str, profile: &Path) -> Self {
+    fn open(url: &str, profile: &Path) -> Self {
         assert!(Path::new(CHROMIUM).exists(), "{CHROMIUM} is missing. help: install the Debian package chromium");
         let mut browser = Command::new("sh")
             .args(["-c", "exec timeout 300 \"$@\" 3<&0 4>&1 </dev/null >/dev/null 2>&1", "sh", CHROMIUM])
@@ -61,7 +105,7 @@ impl Tab {
     }
 
     /// Calls a method of the protocol and waits for its result.
-    pub fn call(&mut self, method: &str, parameters: Value) -> Value {
+    fn call(&mut self, method: &str, parameters: Value) -> Value {
         self.last_request += 1;
         let mut request = json!({ "id": self.last_request, "method": method, "params": parameters });
         if let Some(session) = &self.session {
@@ -79,7 +123,7 @@ impl Tab {
     }
 
     /// The parameters of all events of a method so far.
-    pub fn events_of(&self, method: &str) -> Vec<&Value> {
+    fn events_of(&self, method: &str) -> Vec<&Value> {
         self.events.iter().filter(|event| event["method"] == method).map(|event| &event["params"]).collect()
     }
 

@@ -3,8 +3,8 @@
 use crate::answers::{Answers, Block};
 use crate::blocks::BLOCK_BYTES;
 use crate::engine::Response;
+use crate::hardware::UnitParameters;
 use crate::model::{Memory, MemoryError, RayRequest, Reply};
-use crate::step::StepParameters;
 use crate::walk::{Asked, Walk};
 use raypath_ops::Rules;
 
@@ -30,7 +30,7 @@ pub trait Contexts {
 /// Rays whose blocks arrive at the ports.
 #[derive(Debug, Clone)]
 pub struct PortContexts {
-    parameters: StepParameters,
+    parameters: UnitParameters,
     answers: Answers,
     /// A unit uses the first.
     contexts: Box<[Context; CONTEXTS]>,
@@ -54,21 +54,21 @@ struct Arrived<'b> {
 }
 
 impl PortContexts {
-    /// Contexts without rays, and a memory with beats of so many bytes.
-    pub fn new(parameters: StepParameters, beat_bytes: usize) -> Self {
-        let answers = Answers::new(Rules::Paper, parameters);
+    /// The contexts of a unit without rays.
+    pub fn new(parameters: UnitParameters) -> Self {
+        let answers = Answers::new(Rules::Paper, parameters.step);
         let block = [0; BLOCK_BYTES as usize];
         let context = Context { id: 0, walk: Walk::new(&answers), block, beats: 0, failed: false };
         // From a vector, because an array of this size overflows the stack of a small thread.
         let Ok(contexts) = vec![context; CONTEXTS].try_into() else { unreachable!("as many as the array has") };
-        Self { parameters, answers, contexts, beat_bytes }
+        Self { parameters, answers, contexts, beat_bytes: parameters.memory_width as usize / 8 }
     }
 
-    /// A beat arrives for one of the first `count` contexts. Returns the context if it is the last of its block.
+    /// A beat arrives. Returns its context if it is the last of its block.
     #[inline]
-    pub fn arrive(&mut self, response: &Response<'_>, count: u32) -> Option<u8> {
-        let bytes = self.parameters.node.block_bytes() as usize;
-        let tag = u8::try_from(response.tag).ok().filter(|tag| u32::from(*tag) < count)?;
+    pub fn arrive(&mut self, response: &Response<'_>) -> Option<u8> {
+        let bytes = self.parameters.step.node.block_bytes() as usize;
+        let tag = u8::try_from(response.tag).ok().filter(|tag| u32::from(*tag) < self.parameters.contexts)?;
         let context = &mut self.contexts[usize::from(tag)];
         let (block, beats) = (context.block.get_mut(..bytes)?, &context.beats);
         let is_last = match self.beat_bytes {
@@ -100,7 +100,7 @@ impl Contexts for PortContexts {
             return Asked::NOTHING;
         }
         let Context { walk, block, failed, .. } = &mut self.contexts[usize::from(context)];
-        walk.step(&self.answers, self.parameters, &Arrived { block, failed: *failed })
+        walk.step(&self.answers, self.parameters.step, &Arrived { block, failed: *failed })
     }
 
     #[inline]
@@ -115,7 +115,7 @@ impl Contexts for PortContexts {
 
     fn reply(&self, context: u8) -> (u64, Reply) {
         let Context { id, walk, .. } = &self.contexts[usize::from(context)];
-        (*id, walk.reply(self.parameters))
+        (*id, walk.reply(self.parameters.step))
     }
 }
 

@@ -244,11 +244,13 @@ impl Timing {
     }
 
     /// Chooses the answer of the next step, and takes it.
-    // No branch depends on which queues have words, because that is as random as the traffic. So in the other parts.
+    // Here and in the other parts, no branch depends on which queues have words, because that is as random as the
+    // traffic.
     #[inline]
     fn choose(&mut self) -> Answered {
         let source = self.scheduler.grant(self.queues.ready() & SOURCES);
-        let queue = source.trailing_zeros() as usize % QUEUES.next_power_of_two() % QUEUES;
+        // No source is queue 0, from which nothing is taken.
+        let queue = source.trailing_zeros() as usize % FREE.next_power_of_two();
         Answered { context: self.queues.pop_if(queue, source != 0), source }
     }
 
