@@ -68,7 +68,7 @@ fn every_cycle(
 }
 
 /// A simulation computes rays before their blocks arrive and skips cycles in which nothing happens. That changes
-/// neither time nor replies: with each kind of nodes, with optional parts, and for rays whose root is not in the memory.
+/// neither time nor replies: with each kind of nodes, with optional parts, and for rays whose root is not in memory.
 #[test]
 fn simulations_equal_the_unit_at_its_ports() {
     let mut random = ChaCha8Rng::seed_from_u64(11);
