@@ -1,6 +1,7 @@
 //! External programs: how they are found, run and stopped, and how their results are cached.
 //!
-//! [`Yosys`] synthesises, [`OpenSta`] finds the slowest paths, [`Nextpnr`] places and routes, [`Abc`] proves.
+//! [`Yosys`] synthesises, [`OpenSta`] finds the slowest paths, [`Nextpnr`] places and routes, [`Abc`] and
+//! [`Z3`] prove.
 //! [`Verilated`] is SystemVerilog compiled by Verilator, an implementation of the language that is independent of
 //! `raypath-hdl`'s simulator, so that the two can be compared cycle by cycle. [`Sources::lint`] runs the linters.
 //!
@@ -45,6 +46,7 @@ mod verilator;
 mod verilator_main;
 mod verilator_stream;
 mod yosys;
+mod z3;
 
 pub use abc::Abc;
 #[cfg(feature = "cache")]
@@ -60,3 +62,4 @@ pub use program::Program;
 pub use sources::Sources;
 pub use verilator::{Options, Verilated, VerilatedStream};
 pub use yosys::{Yosys, YosysKind};
+pub use z3::Z3;

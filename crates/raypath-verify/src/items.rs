@@ -4,7 +4,7 @@ use crate::units::Dividers;
 use crate::units::bench::Units;
 use crate::units::proofs;
 use crate::{Error, Request, Verdict};
-use crate::{campaign, control, gates, geometry, models, mutation, parsers, unit, units};
+use crate::{campaign, control, dataflow, gates, geometry, models, mutation, parsers, unit, units};
 use raypath_float::Format;
 use std::path::Path;
 
@@ -113,6 +113,22 @@ pub const ITEMS: &[Item] = &[
             "crates/raypath-verify/src/sat",
         ],
         run: control::control,
+    },
+    Item {
+        name: "operations",
+        claim: "the emitted pipeline computes each operation, for all values of its inputs and states, if its units \
+            compute theirs",
+        oracle: "the operation's function over terms, by SMT (Z3), with the emitted SystemVerilog as Yosys reads it; units \
+            may be any functions with the laws that docs/development/verification.md lists",
+        subject: &[
+            "crates/raypath-hdl/src",
+            "crates/raypath-ops/src",
+            "crates/raypath-rtl/src",
+            "crates/raypath-verify/src/control",
+            "crates/raypath-verify/src/dataflow.rs",
+            "crates/raypath-verify/src/dataflow",
+        ],
+        run: dataflow::verify,
     },
     Item {
         name: "watertight",

@@ -3,9 +3,10 @@
 //! An [`Item`] states a claim, names its oracle, and runs the check: it takes a [`Request`] and returns a [`Verdict`].
 //! [`ITEMS`] are all items; `docs/development/verification.md` has their results.
 //!
-//! [`units`] checks the floating-point units against other implementations and by proof, and [`control`] proves the
-//! pipeline's control. `geometry` compares the operations with exact arithmetic, [`models`] the models with an
-//! [`oracle`], and [`campaign`] the netlist with the models, under random [`stimuli`] whose [`coverage`] is counted.
+//! [`units`] checks the floating-point units against other implementations and by proof. [`control`] proves the
+//! pipeline's control, and [`dataflow`] that it computes its operations. `geometry` compares the operations with exact
+//! arithmetic, [`models`] the models with an [`oracle`], and [`campaign`] the netlist with the models, under random
+//! [`stimuli`] whose [`coverage`] is counted.
 //! [`mutation`] measures how many faults the regression tests find, and [`parsers`] runs damaged files through every
 //! parser. [`unit`](mod@unit) has the proofs and the campaign of the traversal unit. [`sat`] and [`equivalence`] are
 //! the solvers behind the proofs; the item `gates` proves units after synthesis with them. [`record`] writes results to
@@ -14,6 +15,7 @@
 pub mod campaign;
 pub mod control;
 pub mod coverage;
+pub mod dataflow;
 pub mod equivalence;
 mod error;
 mod files;

@@ -67,7 +67,7 @@ const MAX_DEPTH: u32 = 3;
 /// The commands that convert a text to an and-inverter graph with state. Units are empty modules, so that their outputs
 /// are free in every cycle. The module's outputs are deleted, so that only the logic of assertions remains. The words
 /// of memories become registers. The data of a register that does not load may be unknown: it is free too.
-const TO_GRAPH: &str = "proc; flatten; memory; delete t:raypath_fp_* t:raypath_unit_prepare; delete -port o:*; opt_clean; setundef -undriven -anyseq; \
+const TO_GRAPH: &str = "proc; flatten; memory; delete t:raypath_fp_* t:raypath_narrow_* t:raypath_unit_prepare; delete -port o:*; opt_clean; setundef -undriven -anyseq; \
                         async2sync; chformal -lower; opt_clean; techmap; opt; setundef -undriven -anyseq; dffunmap; opt_clean; \
                         aigmap; opt_clean";
 

@@ -74,10 +74,10 @@ impl ModuleTexts {
     }
 }
 
-/// Whether the outputs of a module are free in every cycle: a floating-point unit, or what a step of the traversal unit
-/// prepares.
+/// Whether the outputs of a module are free in every cycle: a floating-point unit, a rounding to fewer bits, or what a
+/// step of the traversal unit prepares.
 fn is_free(module: &str) -> bool {
-    module.starts_with("raypath_fp_") || module == "raypath_unit_prepare"
+    module.starts_with("raypath_fp_") || module.starts_with("raypath_narrow_") || module == "raypath_unit_prepare"
 }
 
 /// A unit's ports without its logic.

@@ -1,0 +1,243 @@
+//! Proofs that the emitted pipeline computes its operations, for all values of inputs, states and registers.
+//!
+//! Yosys takes the floating-point units out of the emitted SystemVerilog. Z3 compares what is left, over the cycles of
+//! a job, with the operation's function: for each opcode, every output and every state. Units may be any functions of
+//! their operands, with the laws that the module `units` states. The job is alone in the pipeline; that other jobs do
+//! not change its outcome follows from the proofs of `control`: the stages are FIFOs, and all data loads with the
+//! opcode.
+
+mod conversion;
+mod design;
+mod problem;
+mod reference;
+mod script;
+mod subjects;
+mod units;
+mod unrolled;
+
+pub use subjects::Subject;
+
+use crate::control::{ModuleTexts, TextFault};
+use crate::{Error, Request, Verdict};
+use conversion::Conversion;
+use design::Design;
+use problem::Problem;
+use raypath_float::Format;
+use raypath_hdl::{verilog, with_enables};
+use raypath_rtl::Datapath;
+use raypath_tools::{ToolError, Yosys, YosysKind, Z3, pool, read, temporary_folder, write};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// Proves the operations of the level's configurations.
+///
+/// # Errors
+/// A program is missing or fails; a configuration cannot be elaborated.
+pub fn verify(request: &mut Request<'_>) -> Result<Verdict, Error> {
+    let subjects = subjects::all(request.level, request.seed);
+    let faults: Vec<(u64, Subject, Option<TextFault>)> =
+        (0..).zip(FAULTS).map(|(number, fault)| (number, Subject::default(), Some(*fault))).collect();
+    let proofs = (FAULTS.len() as u64..).zip(subjects).map(|(number, subject)| (number, subject, None));
+    let shard = request.shard;
+    let work: Vec<_> = faults.into_iter().chain(proofs).filter(|(number, ..)| shard.takes(*number)).collect();
+    let mut is_stopped = false;
+    let shards = request.parts.phase(|| {
+        let prover = DataflowProver::find()?;
+        let run = |(_, subject, fault): &(u64, Subject, Option<TextFault>), stop: &AtomicBool| {
+            prover.prove(subject, *fault, stop)
+        };
+        let results = pool::map(&work, pool::ALL_CORES, request.proceed, run)?;
+        is_stopped = results.iter().any(Option::is_none);
+        let results = work.iter().zip(results).filter_map(|((number, subject, fault), proved)| {
+            let result = proved.map(|proved| Tried { subject: subject.to_string(), proved });
+            result.map(|result| (*number, (result, fault.map(|fault| format!("{fault:?}")))))
+        });
+        Ok::<BTreeMap<u64, (Tried, Option<String>)>, Error>(results.collect())
+    })?;
+    let mut failures = Vec::new();
+    let (mut proved, mut configurations, mut refuted) = (0, 0, 0);
+    for (Tried { subject, proved: result }, fault) in shards.into_iter().flatten().map(|(_, result)| result) {
+        match (fault, result.failures.is_empty()) {
+            (Some(_), false) => refuted += 1,
+            (Some(fault), true) => failures.push(format!("{subject}: not refuted: {fault}")),
+            (None, _) => {
+                configurations += 1;
+                proved += result.problems;
+                failures.extend(result.failures.into_iter().map(|failure| format!("{subject}: {failure}")));
+            }
+        }
+    }
+    failures.truncate(FAILURES_SHOWN);
+    let covered = format!(
+        "{proved} operations and conversions of {configurations} configurations proved, {refuted} faults refuted"
+    );
+    Ok(Verdict { covered, failures, is_stopped, ..Verdict::default() })
+}
+
+const FAILURES_SHOWN: usize = 8;
+
+/// The longest time for a question.
+const LIMIT: Duration = Duration::from_secs(600);
+
+/// Deliberate faults in the default configuration, each of which must be refuted.
+pub const FAULTS: &[TextFault] = &[
+    // A unit bound to the wrong operand.
+    fault("raypath_stage_8", ".b_i (data_i.num[2])", ".b_i (data_i.num[3])"),
+    // A multiplexer that selects another operation's operand.
+    fault("raypath_stage_8", "add_0_a = euclidean_sum_4_0;", "add_0_a = angular_dot_sum_2_1;"),
+    // A value in another register than the one that it was placed in.
+    fault("raypath_stage_10", "= data_i.num[1];", "= data_i.num[2];"),
+    // A sum instead of a difference.
+    fault("raypath_stage_2", "{~add_1_b[32], add_1_b[31:0]}", "add_1_b"),
+    // A constant that is printed wrongly.
+    fault("raypath_stage_10", "quadbox_sort_swap_1 ? 2'd1 : 2'd3", "quadbox_sort_swap_1 ? 2'd1 : 2'd2"),
+    // A state that is not reset after the last beat.
+    fault("raypath_stage_10", "euclidean_reset_accum ? 33'd0 : euclidean_accumulator", "euclidean_accumulator"),
+    // A state that jobs of other operations change.
+    fault("raypath_stage_10", "advance & (data_i.opcode == raypath_pkg::OpEuclidean)", "advance"),
+    // Outputs that are exchanged.
+    fault("raypath_output", "t_num        = data_i.num[1];", "t_num        = data_i.num[0];"),
+    // A register that takes the wrong word.
+    fault("raypath_skid", "arrives ? data_i : data_spare_q", "arrives ? data_spare_q : data_i"),
+];
+
+const fn fault(module: &'static str, from: &'static str, to: &'static str) -> TextFault {
+    TextFault { module, from, to }
+}
+
+/// What was tried of a configuration.
+#[derive(Serialize, Deserialize)]
+struct Tried {
+    subject: String,
+    proved: Proved,
+}
+
+/// The result of a configuration: how many problems it has, and what was not proved.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct Proved {
+    /// Operations, and units of one operand with a definition.
+    pub problems: usize,
+    /// What is not proved, a line each.
+    pub failures: Vec<String>,
+}
+
+/// Yosys and Z3.
+#[derive(Debug)]
+pub struct DataflowProver {
+    yosys: Yosys,
+    z3: Z3,
+}
+
+/// The commands that take the units out of a text and write the rest. The words of memories become registers.
+const TO_DESIGN: &str = "proc; flatten; memory; opt_clean; async2sync; dffunmap; opt_clean\n\
+                         setundef -undriven -anyseq\n\
+                         write_json flat.json\n\
+                         expose -evert t:raypath_fp_* t:raypath_narrow_*\n\
+                         opt_clean\n\
+                         write_btor design.btor\n";
+
+impl DataflowProver {
+    /// Finds Python's modules `pyosys` and `z3`.
+    ///
+    /// # Errors
+    /// One is missing.
+    pub fn find() -> Result<Self, Error> {
+        Ok(Self { yosys: Yosys::find(Some(YosysKind::Python))?, z3: Z3::find()? })
+    }
+
+    /// Proves all operations of a configuration; none if `stop` is set meanwhile. With a fault in the text, up to the
+    /// first that is not proved.
+    ///
+    /// # Errors
+    /// A program fails; the configuration cannot be elaborated.
+    pub fn prove(
+        &self,
+        subject: &Subject,
+        fault: Option<TextFault>,
+        stop: &AtomicBool,
+    ) -> Result<Option<Proved>, Error> {
+        match self.proved(subject, fault, stop) {
+            Err(Error::Tool(ToolError::Stopped)) => Ok(None),
+            other => other.map(|proved| (!stop.load(Ordering::Relaxed)).then_some(proved)),
+        }
+    }
+
+    fn proved(&self, subject: &Subject, fault: Option<TextFault>, stop: &AtomicBool) -> Result<Proved, Error> {
+        let datapath = subject.elaborate()?;
+        // A clock gate is an enable here, because there is one clock.
+        let top = with_enables(datapath.top());
+        let mut texts = ModuleTexts::new(&top)?;
+        if let Some(fault) = fault.filter(|fault| !texts.insert(*fault)) {
+            return Err(
+                ToolError::unexpected("raypath", format!("no '{}' in {}", fault.from, fault.module), "it").into()
+            );
+        }
+        let design = self.design(&texts.with(top.name(), ""), top.name(), stop)?;
+        let mut problems = subject.problems(&datapath, &design)?;
+        let conversions: BTreeSet<Conversion> =
+            problems.iter().flat_map(|problem| problem.conversions.clone()).collect();
+        for conversion in conversions {
+            problems.extend(self.conversion(&datapath, subject.config.semantics.format, conversion, stop)?);
+        }
+        let mut proved = Proved { problems: problems.len(), ..Proved::default() };
+        for problem in &problems {
+            proved.failures.extend(self.failure(problem, stop)?);
+            // One operation is enough to refute a fault.
+            if fault.is_some() && !proved.failures.is_empty() {
+                break;
+            }
+        }
+        Ok(proved)
+    }
+
+    /// The problem of a unit of one operand, if the datapath has it.
+    fn conversion(
+        &self,
+        datapath: &Datapath,
+        format: Format,
+        conversion: Conversion,
+        stop: &AtomicBool,
+    ) -> Result<Option<Problem>, Error> {
+        let name = conversion.module(format);
+        let modules = verilog::modules(datapath.top())?;
+        let Some(module) = modules.iter().find(|module| module.name() == name) else { return Ok(None) };
+        let design = self.design(&verilog::text(module)?, &name, stop)?;
+        Problem::conversion(&design, format, conversion).map(Some)
+    }
+
+    /// Reads a text with Yosys.
+    fn design(&self, text: &str, top: &str, stop: &AtomicBool) -> Result<Design, Error> {
+        let folder = temporary_folder()?;
+        let folder = folder.path();
+        write(&folder.join("design.sv"), text)?;
+        let script = format!("read_verilog -sv design.sv\nhierarchy -check -top {top}\n{TO_DESIGN}");
+        write(&folder.join("script"), &script)?;
+        self.yosys.run(folder, "script", top, stop)?;
+        let text = |name: &str| Ok::<_, Error>(String::from_utf8_lossy(&read(&folder.join(name))?).into_owned());
+        Design::read(&text("design.btor")?, &text("flat.json")?, top)
+    }
+
+    /// Why a problem is not proved.
+    fn failure(&self, problem: &Problem, stop: &AtomicBool) -> Result<Option<String>, Error> {
+        let folder = temporary_folder()?;
+        let run = |scripts: &[String]| self.z3.run(folder.path(), scripts, LIMIT, stop);
+        let name = &problem.name;
+        let Some(answers) = run(&problem.questions())? else {
+            return Ok(Some(format!("{name}: no answer within {} s", LIMIT.as_secs())));
+        };
+        Ok(match answers.split_whitespace().collect::<Vec<_>>()[..] {
+            ["sat", "unsat"] => None,
+            ["sat", "sat"] => {
+                let (script, names) = problem.differences();
+                let answer = run(&[script])?.unwrap_or_default();
+                let differs = |number: usize| answer.contains(&format!("(d{number} true)"));
+                let differ: Vec<&str> =
+                    (0..).zip(names).filter(|(number, _)| differs(*number)).map(|(_, n)| n).collect();
+                Some(format!("{name}: {} can differ from the operation's", differ.join(", ")))
+            }
+            _ => Some(format!("{name}: Z3 answered '{}'", answers.trim())),
+        })
+    }
+}

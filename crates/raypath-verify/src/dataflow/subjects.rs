@@ -1,0 +1,152 @@
+//! The configurations whose operations are proved.
+
+use super::design::Design;
+use super::problem::{Pipeline, Problem};
+use crate::{Error, Level};
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use raypath_float::Format;
+use raypath_ops::operations::{NAMES, key_compare, octbox, point_in_box, quantised_box, sphere};
+use raypath_ops::{BoxBits, Culling, Operation, Rounding, Rules};
+use raypath_rtl::{
+    Accumulators, Config, Control, Datapath, Encoding, Interval, Lanes, Multiplier, OperationVisitor, Operations,
+    PRESETS, Sharing, UnitLatency, UnitSharing,
+};
+use std::fmt;
+
+/// A configuration, and an operation in addition to the paper's.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Subject {
+    /// The configuration.
+    pub config: Config,
+    /// The name of the added operation.
+    pub added: Option<&'static str>,
+}
+
+impl fmt::Display for Subject {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.config)?;
+        self.added.map_or(Ok(()), |added| write!(f, " with {added}"))
+    }
+}
+
+/// The subjects of a level.
+///
+/// Regression: some presets and representatives of the parameters. Full: all presets, every value of every parameter,
+/// all features, all added operations, and a random sample.
+pub(super) fn all(level: Level, seed: u64) -> Vec<Subject> {
+    let plain = |config| Subject { config, added: None };
+    let small = Config::DEFAULT.lanes(Lanes::Two);
+    let features = small.barycentrics(true).culling(Culling::None).facing(true).range(true).tag(7);
+    let mut subjects = vec![
+        plain(Config::DEFAULT),
+        plain(small.control(Control::Credit).rules(Rules::Chisel)),
+        plain(small.interval(Interval::Four).io(Encoding::Recoded)),
+        plain(small.unit_latency(UnitLatency::Three).sharing(Sharing::Segregated).clock_gating(true)),
+        plain(small.units(UnitSharing::Disjoint).exception_flags(true).accumulators(Accumulators::Four)),
+        plain(features.multiplier(Multiplier::Inferred)),
+        plain(small.lanes(Lanes::None).rules(Rules::Bounds(BoxBits::DEFAULT))),
+        Subject { config: small, added: Some(quantised_box::QuantisedBox::NAME) },
+    ];
+    if level == Level::Regression {
+        return subjects;
+    }
+    subjects.extend(PRESETS.iter().map(|preset| plain(preset.config)));
+    subjects.extend(NAMES.iter().map(|name| Subject { config: small, added: Some(name) }));
+    subjects
+        .extend([small.conservative(true), small.barycentrics(true), small.facing(true), small.range(true)].map(plain));
+    subjects.extend(Accumulators::ALL.iter().map(|&accumulators| plain(small.accumulators(accumulators))));
+    subjects.push(plain(Config::DEFAULT.lanes(Lanes::None).rounding(Rounding::Sum)));
+    subjects.extend(Interval::ALL.iter().map(|&interval| plain(Config::DEFAULT.interval(interval))));
+    let random = &mut ChaCha8Rng::seed_from_u64(seed);
+    let sample = std::iter::repeat_with(|| sampled(random)).filter(|config| config.check().is_ok());
+    subjects.extend(sample.take(level.pick(0, SAMPLE, 4 * SAMPLE)).map(plain));
+    subjects
+}
+
+/// Random configurations at level full.
+const SAMPLE: usize = 200;
+
+/// A configuration in which every parameter has a random value. It may be none that can be built.
+fn sampled(random: &mut ChaCha8Rng) -> Config {
+    fn one<T: Copy>(random: &mut ChaCha8Rng, values: &[T]) -> T {
+        values[random.random_range(0..values.len())]
+    }
+    let rules = [Rules::Paper, Rules::Chisel, Rules::Bounds(BoxBits(random.random_range(8..=24)))];
+    let formats =
+        ["fp32", "fp32", "fp16", "bf16", "tf32", "e5s4", "e11s24"].map(|name| name.parse().unwrap_or(Format::BINARY32));
+    Config::DEFAULT
+        .lanes(one(random, Lanes::ALL))
+        .rules(one(random, &rules))
+        .format(one(random, &formats))
+        .io(one(random, Encoding::ALL))
+        .registers(one(random, &[Encoding::Recoded, Encoding::Recoded, Encoding::Recoded, Encoding::Ieee]))
+        .control(one(random, Control::ALL))
+        .sharing(one(random, Sharing::ALL))
+        .units(one(random, UnitSharing::ALL))
+        .interval(one(random, Interval::ALL))
+        .unit_latency(one(random, UnitLatency::ALL))
+        .clock_gating(random.random())
+        .multiplier(one(random, Multiplier::ALL))
+        .tag(one(random, &[0, 1, 8, 32]))
+        .barycentrics(random.random())
+        .culling(one(random, &[Culling::Back, Culling::Front, Culling::None]))
+        .facing(random.random())
+        .range(random.random())
+        .accumulators(one(random, Accumulators::ALL))
+        .exception_flags(random.random())
+}
+
+impl Subject {
+    /// The datapath.
+    ///
+    /// # Errors
+    /// It cannot be elaborated.
+    pub(super) fn elaborate(&self) -> Result<Datapath, Error> {
+        let Some(name) = self.added else { return Ok(Datapath::new(self.config)?) };
+        let mut operations = Operations::new().format(self.config.semantics.format);
+        self.config.semantics.operations(&mut operations)?;
+        added(name, &mut operations)?;
+        Ok(Datapath::build(operations, self.config.microarchitecture)?)
+    }
+
+    /// The problems of all operations of the datapath, of which `design` is the text.
+    pub(super) fn problems(&self, datapath: &Datapath, design: &Design) -> Result<Vec<Problem>, Error> {
+        let has_added = self.added.is_some();
+        let pipeline = Pipeline { config: self.config, latency: datapath.latency(), has_added, design };
+        let mut problems = Problems { pipeline, all: Vec::new() };
+        self.config.semantics.operations(&mut problems)?;
+        self.added.map_or(Ok(()), |name| added(name, &mut problems))?;
+        Ok(problems.all)
+    }
+}
+
+/// The opcode of the added operation.
+const ADDED: u64 = 4;
+
+/// Shows the added operation of this name.
+fn added<V: OperationVisitor>(name: &str, visitor: &mut V) -> Result<(), V::Error> {
+    match name {
+        key_compare::KeyCompare::NAME => visitor.visit(key_compare::KeyCompare, ADDED),
+        octbox::Octbox::NAME => visitor.visit(octbox::Octbox, ADDED),
+        point_in_box::PointInBox::NAME => visitor.visit(point_in_box::PointInBox, ADDED),
+        quantised_box::QuantisedBox::NAME => visitor.visit(quantised_box::QuantisedBox, ADDED),
+        sphere::Sphere::NAME => visitor.visit(sphere::Sphere, ADDED),
+        _ => Ok(()),
+    }
+}
+
+/// Makes a problem of each operation.
+struct Problems<'d> {
+    pipeline: Pipeline<'d>,
+    all: Vec<Problem>,
+}
+
+impl OperationVisitor for Problems<'_> {
+    type Error = Error;
+
+    fn visit<O: Operation + Send + Sync + 'static>(&mut self, operation: O, opcode: u64) -> Result<(), Error> {
+        self.all.push(Problem::new(self.pipeline, &operation, opcode)?);
+        Ok(())
+    }
+}

@@ -1,0 +1,229 @@
+//! Floating-point units as functions that may be any: what is known of them are the laws that other proofs show.
+
+use super::conversion::{Conversion, direction_name};
+use super::design::{Design, UnitModule};
+use super::script::{Script, Term};
+use raypath_float::Format;
+use raypath_ops::Narrowing;
+
+/// The units of a design.
+#[derive(Clone, Copy)]
+pub(super) struct Units<'d> {
+    pub design: &'d Design,
+    pub format: Format,
+    /// The registers between the stages hold numbers in the layout of IEEE 754.
+    pub ieee_registers: bool,
+    /// NaNs at the ports have the sign 0, because the design reads signs before it encodes.
+    pub positive_nans: bool,
+}
+
+/// The results of a unit of two operands.
+pub(super) struct Results {
+    pub number: Term,
+    pub exceptions: Option<Term>,
+}
+
+impl Units<'_> {
+    /// A sum or a product. The order of the operands does not matter.
+    pub fn binary(&self, script: &mut Script, stem: &str, a: Term, b: Term, output: &str) -> Results {
+        let commutative = |script: &mut Script, output: &str| {
+            let result = self.apply(script, stem, &[("a", a), ("b", b)], output)?;
+            let exchanged = self.apply(script, stem, &[("a", b), ("b", a)], output)?;
+            script.assume(&format!("(= {result} {exchanged})"));
+            Some(result)
+        };
+        let number = commutative(script, output).unwrap_or_else(|| script.free(self.format.recoded_width()));
+        let exceptions = commutative(script, "flags");
+        self.is_canonical(script, number);
+        Results { number, exceptions }
+    }
+
+    /// The result of a unit of one operand, a short number with zeros below.
+    pub fn converted(&self, script: &mut Script, conversion: Conversion, operand: Term) -> Term {
+        let name = conversion.module(self.format);
+        let (port_in, port_out) = conversion.ports();
+        match self.chain(script, &self.modules(|module| module == name), &[(port_in, operand)], port_out) {
+            Some(result) => self.padded(script, result),
+            None => conversion.definition(script, self.format, operand),
+        }
+    }
+
+    /// What is known of a multiplier of short numbers: its product is that of the full multiplier, rounded.
+    pub fn narrow_product(&self, script: &mut Script, (a, b): (Term, Term), to: Narrowing, rounded: Term) {
+        let dropped = self.format.significand() - to.bits;
+        let short = [a, b].map(|operand| script.slice(operand, operand.width - 1, dropped));
+        let stem = format!("raypath_fp_mul_{}_s{1}_s{1}_{2}", self.layout(), to.bits, direction_name(to.direction));
+        let modules = self.modules(|module| module == stem || module.starts_with(&format!("{stem}_part_")));
+        for [a, b] in [short, [short[1], short[0]]] {
+            if let Some(product) = self.chain(script, &modules, &[("a", a), ("b", b)], "product") {
+                let product = self.padded(script, product);
+                script.assume(&format!("(= {product} {rounded})"));
+            }
+        }
+    }
+
+    /// The results of a comparison: less, equal, unordered. The unit reads `bits` bits of the significands, if there is
+    /// such a unit.
+    pub fn compare(&self, script: &mut Script, a: Term, b: Term, bits: u32) -> [Term; 3] {
+        let dropped = self.format.significand() - bits;
+        let narrow = self.modules(|module| module == format!("raypath_fp_compare_e{}s{bits}", self.format.exponent()));
+        let (modules, [a, b]) = match narrow.is_empty() || dropped == 0 {
+            true => (self.named("compare"), [a, b]),
+            false => (narrow, [a, b].map(|operand| script.slice(operand, operand.width - 1, dropped))),
+        };
+        ["less", "equal", "unordered"].map(|output| {
+            let result = self.chain(script, &modules, &[("a", a), ("b", b)], output);
+            result.unwrap_or_else(|| script.free(1))
+        })
+    }
+
+    /// A sum that rounds once. The order of the terms does not matter, but the design keeps it.
+    pub fn sum(&self, script: &mut Script, terms: &[Term]) -> Term {
+        let names: Vec<String> = (0..terms.len()).map(|number| format!("x_{number}")).collect();
+        let operands: Vec<(&str, Term)> = names.iter().map(String::as_str).zip(terms.iter().copied()).collect();
+        let sum = self.apply(script, &format!("sum_{}", terms.len()), &operands, "sum");
+        let sum = sum.unwrap_or_else(|| script.free(self.format.recoded_width()));
+        self.is_canonical(script, sum);
+        sum
+    }
+
+    /// The number at a port, recoded.
+    pub fn encoded(&self, script: &mut Script, value: Term) -> Term {
+        if value.width == self.format.recoded_width() {
+            return value;
+        }
+        let encoded = self.apply(script, "encode", &[("ieee", value)], "recoded");
+        let encoded = encoded.unwrap_or_else(|| script.free(self.format.recoded_width()));
+        self.is_canonical(script, encoded);
+        self.are_alike(script, value, encoded);
+        encoded
+    }
+
+    /// A recoded number as it is at a port of this width.
+    pub fn decoded(&self, script: &mut Script, value: Term, width: u32) -> Term {
+        if value.width == width {
+            return value;
+        }
+        let decoded = self.apply(script, "decode", &[("recoded", value)], "ieee");
+        decoded.unwrap_or_else(|| script.free(width))
+    }
+
+    /// What is known of the conversions of a constant.
+    pub fn is_constant(&self, script: &mut Script, recoded: Term, ieee: u64) {
+        if self.ieee_registers {
+            let ieee = script.constant(self.format.ieee_width(), ieee);
+            for (stem, operand, output, result) in
+                [("encode", ("ieee", ieee), "recoded", recoded), ("decode", ("recoded", recoded), "ieee", ieee)]
+            {
+                if let Some(converted) = self.apply(script, stem, &[operand], output) {
+                    script.assume(&format!("(= {converted} {result})"));
+                }
+            }
+        }
+    }
+
+    /// A short number with zeros below.
+    pub fn padded(&self, script: &mut Script, value: Term) -> Term {
+        match self.format.recoded_width() - value.width {
+            0 => value,
+            missing => {
+                let zeros = script.constant(missing, 0);
+                script.operator(value.width + missing, "concat", &[value, zeros])
+            }
+        }
+    }
+
+    /// What is known of a result: it is one of the words that the recoded format writes
+    /// (docs/reference/formats.md), and a register in the layout of IEEE 754 keeps it.
+    pub fn is_canonical(&self, script: &mut Script, result: Term) {
+        let (exponent, fraction, width) = (self.format.exponent(), self.format.fraction_width(), result.width);
+        let class = script.slice(result, width - 2, width - 4);
+        let magnitude = script.slice(result, width - 2, 0);
+        // The least and the greatest finite magnitude, infinity, NaN.
+        let least = (1_u64 << exponent) + 2 - (1 << (exponent - 1)) - u64::from(fraction);
+        let greatest = (((1_u64 << exponent) + (1 << (exponent - 1))) << fraction) - 1;
+        let infinity = 0b110_u64 << (exponent - 2 + fraction);
+        let nan = (0b111_u64 << (exponent - 2 + fraction)) | (1 << (fraction - 1));
+        let [zero, least, greatest, infinity, nan] =
+            [0, least << fraction, greatest, infinity, nan].map(|value| script.constant(width - 1, value));
+        script.assume(&format!(
+            "(or (= {magnitude} {zero}) (= {magnitude} {infinity}) (= {magnitude} {nan}) \
+             (and (bvuge {magnitude} {least}) (bvule {magnitude} {greatest}) (distinct {class} #b000)))"
+        ));
+        if self.ieee_registers {
+            let ieee = self.decoded(script, result, self.format.ieee_width());
+            let again = self.apply(script, "encode", &[("ieee", ieee)], "recoded").unwrap_or(result);
+            script.assume(&format!("(= {again} {result})"));
+            self.are_alike(script, ieee, result);
+        }
+    }
+
+    /// A number in the layout of IEEE 754 and recoded has the same class and, unless it is NaN, the same sign.
+    fn are_alike(&self, script: &mut Script, ieee: Term, recoded: Term) {
+        let (fraction, width) = (self.format.fraction_width(), ieee.width);
+        let [sign, magnitude] =
+            [(width - 1, width - 1), (width - 2, 0)].map(|(high, low)| script.slice(ieee, high, low));
+        let [recoded_sign, class] =
+            [(width, width), (width - 1, width - 3)].map(|(high, low)| script.slice(recoded, high, low));
+        let infinity = script.constant(width - 1, ((1_u64 << self.format.exponent()) - 1) << fraction);
+        let zero = script.constant(width - 1, 0);
+        script.assume(&format!("(= (= {magnitude} {zero}) (= {class} #b000))"));
+        script.assume(&format!("(= (bvugt {magnitude} {infinity}) (= {class} #b111))"));
+        script.assume(&format!("(or (= {class} #b111) (= {sign} {recoded_sign}))"));
+        if self.positive_nans {
+            script.assume(&format!("(=> (= {class} #b111) (and (= {sign} #b0) (= {recoded_sign} #b0)))"));
+        }
+    }
+
+    /// An output of the unit with this name; none if the design has no such unit.
+    fn apply(&self, script: &mut Script, stem: &str, operands: &[(&str, Term)], output: &str) -> Option<Term> {
+        self.chain(script, &self.named(stem), operands, output)
+    }
+
+    /// An output of the parts of a unit: what leaves a part by some name enters the next by the same name.
+    fn chain(
+        &self,
+        script: &mut Script,
+        parts: &[(&str, &UnitModule)],
+        operands: &[(&str, Term)],
+        output: &str,
+    ) -> Option<Term> {
+        let mut values: Vec<(String, Term)> = operands.iter().map(|(name, term)| (name.to_string(), *term)).collect();
+        for (module, ports) in parts {
+            let find = |name: &str| values.iter().rev().find(|(known, _)| known == name).map(|(_, term)| *term);
+            let operands = ports.inputs.iter().map(|(name, _)| find(name)).collect::<Option<Vec<Term>>>()?;
+            let outputs = ports
+                .outputs
+                .iter()
+                .map(|(name, width)| (name.clone(), script.apply(&format!("{module}.{name}"), &operands, *width)));
+            let outputs: Vec<(String, Term)> = outputs.collect();
+            values.extend(outputs);
+        }
+        let is_operand = |index: usize| index < operands.len();
+        values
+            .iter()
+            .enumerate()
+            .rev()
+            .find(|(index, (name, _))| name == output && !is_operand(*index))
+            .map(|(_, (_, term))| *term)
+    }
+
+    /// The modules of a unit of the format, whole or in parts.
+    fn named(&self, stem: &str) -> Vec<(&str, &UnitModule)> {
+        let layout = self.layout();
+        let whole = ["", "_flags", "_inferred"].map(|variant| format!("raypath_fp_{stem}{variant}_{layout}"));
+        self.modules(|module| {
+            whole.iter().any(|whole| module == whole || module.starts_with(&format!("{whole}_part_")))
+        })
+    }
+
+    /// Modules by name. The names of parts end in their numbers, which have one digit, so that they come in order.
+    fn modules(&self, is_wanted: impl Fn(&str) -> bool) -> Vec<(&str, &UnitModule)> {
+        let modules = self.design.modules.iter().map(|(name, ports)| (name.as_str(), ports));
+        modules.filter(|(name, _)| is_wanted(name)).collect()
+    }
+
+    fn layout(&self) -> String {
+        format!("e{}s{}", self.format.exponent(), self.format.significand())
+    }
+}
