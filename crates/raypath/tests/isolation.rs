@@ -14,7 +14,9 @@ fn operands(config: Config, kind: JobKind, stage: &str) -> Vec<(String, Vec<u64>
     let model = Datapath::paper(config).model();
     let is_operand = |name: &str| name.contains(stage) && name.ends_with("_or_zero");
     let mut netlist = NetlistEngine::new(model.clone(), config, is_operand).expect("a netlist");
-    let probes = netlist.simulator().probes().filter(|(name, ..)| is_operand(name));
+    // Units have signals of such names, too, of one bit.
+    let width = config.semantics.format.recoded_width();
+    let probes = netlist.simulator().probes().filter(|(name, bits, _)| is_operand(name) && *bits == width);
     let probes: Vec<_> = probes.map(|(name, _, probe)| (name.to_string(), probe)).collect();
     let mut words = vec![Vec::new(); probes.len()];
     netlist.reset();
