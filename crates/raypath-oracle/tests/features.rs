@@ -17,6 +17,7 @@ const ALL: Features = Features {
     facing: true,
     range: true,
     conservative: true,
+    quantised_boxes: false,
     accumulators: Accumulators::Four,
     exception_flags: true,
 };

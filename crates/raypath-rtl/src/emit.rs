@@ -6,6 +6,7 @@ mod elastic;
 mod folded;
 mod input;
 pub mod interface;
+mod isolation;
 pub mod library;
 mod output;
 mod positions;

@@ -68,7 +68,8 @@ pub const ITEMS: &[Item] = &[
     Item {
         name: "unit-proofs",
         claim: "adders, multipliers, dividers, square roots, comparison and conversions give IEEE 754's result for all \
-            operands; split and iterative units give the result of the unsplit ones",
+            operands; split and iterative units give the result of the unsplit ones; products and numbers with short \
+            significands are rounded in their direction",
         oracle: "Yosys's symfpu, by SAT (ABC)",
         subject: PROOFS,
         run: proofs::unit_proofs,
@@ -140,7 +141,8 @@ pub const ITEMS: &[Item] = &[
     Item {
         name: "boxes",
         claim: "a ray that crosses a box by more than the rounding bound hits it, a ray that misses it by more does not, \
-            and tmin has an error of at most three roundings",
+            and tmin has an error of at most three roundings; with rules bounds and 8 to 24 bits, no box that the ray \
+            enters is missed, and tmin is a lower bound",
         oracle: "exact arithmetic on integers times powers of two",
         subject: GEOMETRY,
         run: geometry::boxes::verify,

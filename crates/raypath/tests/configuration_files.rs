@@ -12,10 +12,13 @@ fn parse(text: &str) -> Result<Config, String> {
     read(&path).map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
 }
 
-/// The options of the command line, `--lanes 4 --io recoded`, as lines of a file.
+/// The options of the command line, `--lanes 4 --io recoded --range`, as lines of a file.
 fn lines(options: &str) -> String {
-    let words: Vec<&str> = options.split_whitespace().collect();
-    words.chunks(2).map(|pair| format!("{} = \"{}\"\n", &pair[0][2..], pair[1])).collect()
+    let line = |option: &str| match option.trim().split_once(' ') {
+        Some((name, value)) => format!("{name} = \"{value}\"\n"),
+        None => format!("{} = true\n", option.trim()),
+    };
+    options.split("--").filter(|option| !option.is_empty()).map(line).collect()
 }
 
 #[test]

@@ -6,6 +6,7 @@
 
 use crate::Format;
 use crate::units::constants::Constants;
+use crate::units::narrow::narrowed;
 use crate::units::recoded::Magnitude;
 use raypath_hdl::{Builder, Error, Module};
 use std::sync::Arc;
@@ -45,4 +46,13 @@ pub fn decode(format: Format) -> Result<Arc<Module>, Error> {
     let biased = ((biased & (!subnormal).replicate(e)) | special.replicate(e)).named("biased");
     m.output("ieee_o", m.concat(&[recoded_i.top() & !nan, biased, fraction]));
     m.finish()
+}
+
+/// The decoder of numbers of `format` that have significands of `bits` bits and are not subnormal: that of the format
+/// with such a significand. The words have no lower bits of the fractions, which are zeros.
+///
+/// # Errors
+/// A significand of less than 3 bits or of more than the format has.
+pub fn decode_narrow(format: Format, bits: u32) -> Result<Arc<Module>, Error> {
+    decode(narrowed(format, bits, "raypath_fp_decode", "recoded_i")?)
 }

@@ -6,7 +6,7 @@
 //! rounded (`round.rs`). If operands or exponents alone determine the result, its class replaces the exponent.
 //!
 //! Tests in `tests/units`: `small_formats.rs` (all operands, soft float), `binary32.rs` (the host's `f32`),
-//! `other_formats.rs` (soft float), `verilator.rs`; in all of them whole and in parts.
+//! `other_formats.rs` (soft float), `verilator.rs`; in all of them whole and in parts. `narrow.rs` for short factors.
 
 use crate::Format;
 use crate::units::booth;
@@ -14,6 +14,7 @@ use crate::units::compress::{Row, compress};
 use crate::units::constants::Constants;
 use crate::units::flags;
 use crate::units::lookahead;
+use crate::units::narrow::narrowed;
 use crate::units::parts::{Parts, cut};
 use crate::units::recoded::Magnitude;
 use crate::units::round::{Unrounded, mark_lost};
@@ -23,6 +24,7 @@ use std::sync::Arc;
 /// What is known of a product before the significands are multiplied.
 struct Factors<'m> {
     multiplicand: Magnitude<'m>,
+    /// Of a significand of at most as many bits.
     multiplier: Magnitude<'m>,
     exponent: Wire<'m>,
     settled: Wire<'m>,
@@ -43,8 +45,23 @@ pub fn mul(format: Format) -> Result<Arc<Module>, Error> {
 /// Another number of parts.
 pub fn mul_parts(format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
     Parts::build("mul", "Product of two recoded numbers", format, with_flags, parts, |parts| {
-        describe(format, parts, with_flags, booth_product)
+        describe(format, format, parts, with_flags, booth_product)
     })
+}
+
+/// The module `raypath_fp_mul_<format>_by_s<bits>`: the product of a number of `format` and one with a significand of
+/// `bits` bits, whose word has no lower bits of the fraction, which are zeros. Divided like the multiplier of
+/// [`mul_parts`], or with `inferred` like that of [`mul_inferred_parts`].
+///
+/// # Errors
+/// Another number of parts; a significand of less than 3 bits or of more than the format has.
+pub fn mul_by_short_parts(format: Format, bits: u32, parts: u32, inferred: bool) -> Result<Vec<Arc<Module>>, Error> {
+    let (stem, product): (_, Multiply) =
+        if inferred { ("mul_inferred", inferred_product) } else { ("mul", booth_product) };
+    let name = format!("raypath_fp_{stem}_{format}_by_s{bits}");
+    let factor = narrowed(format, bits, &name, "b_i")?;
+    let doc = format!("Product of a recoded number and one of {factor}, rounded to nearest even.");
+    Parts::build_module(&name, &doc, parts, |parts| describe(format, factor, parts, false, product))
 }
 
 /// The multiplier of [`mul_parts`] whose text multiplies significands with the operator `*`, so that synthesis for an
@@ -56,16 +73,16 @@ pub fn mul_parts(format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc
 /// Another number of parts.
 pub fn mul_inferred_parts(format: Format, parts: u32, with_flags: bool) -> Result<Vec<Arc<Module>>, Error> {
     Parts::build("mul_inferred", "Product of two recoded numbers", format, with_flags, parts, |parts| {
-        describe(format, parts, with_flags, inferred_product)
+        describe(format, format, parts, with_flags, inferred_product)
     })
 }
 
-fn describe(format: Format, parts: &mut Parts<'_>, with_flags: bool, multiply: Multiply) {
+fn describe(format: Format, factor: Format, parts: &mut Parts<'_>, with_flags: bool, multiply: Multiply) {
     let e = format.exponent();
     let m = parts.builder();
     let a_i = m.input("a_i", format.recoded_width());
-    let b_i = m.input("b_i", format.recoded_width());
-    let (a, b) = (Magnitude::of(format, a_i), Magnitude::of(format, b_i));
+    let b_i = m.input("b_i", factor.recoded_width());
+    let (a, b) = (Magnitude::of(format, a_i), Magnitude::of(factor, b_i));
 
     m.section("Exponent, or the class of a settled result");
     let exponent_sum = (a.exponent().extend(e + 2) + b.exponent().extend(e + 2)).named("exponent_sum");
@@ -109,6 +126,8 @@ fn booth_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>
     let s = format.significand();
     let Factors { exponent, settled, sign, .. } = factors;
     let m = parts.builder();
+    // The bits of the multiplier, hidden bit included.
+    let n = factors.multiplier.fraction().width() + 1;
     m.section("Multiples");
     let multiplicand = m.concat(&[m.constant(1, 1), factors.multiplicand.fraction()]).named("multiplicand");
     let triple_above = booth::triple_above(multiplicand).named("triple_above");
@@ -119,15 +138,15 @@ fn booth_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>
     let triple = m.concat(&[triple_above, multiplicand.bit(0)]);
 
     m.section("Multiply");
-    let mut rows = booth::rows(multiplicand, triple, multiplier, 2 * s);
+    let mut rows = booth::rows(multiplicand, triple, multiplier, s + n);
     // The multiplier's hidden bit.
-    rows.push(Row { word: multiplicand, low: s - 1 });
-    let rows = compress(rows, 2 * s);
-    let [addend, augend] = [0, 1].map(|row| rows[row].columns(0, 2 * s));
+    rows.push(Row { word: multiplicand, low: n - 1 });
+    let rows = compress(rows, s + n);
+    let [addend, augend] = [0, 1].map(|row| rows[row].columns(0, s + n));
     let (addend, augend) = (addend.named("addend"), augend.named("augend"));
 
     m.section("Add; the lower columns give a carry and a sticky bit");
-    let low = lookahead::add(addend.lower(s - 2), augend.lower(s - 2), None, "low");
+    let low = lookahead::add(addend.lower(n - 2), augend.lower(n - 2), None, "low");
     let sticky = low.word.any().named("sticky");
     let (addend, augend, low_carry) = (addend.upper(s + 2), augend.upper(s + 2), low.carry);
     cut!(parts, [(1, 2), (2, 3)], addend, augend, low_carry, sticky, exponent, settled, sign);
@@ -139,7 +158,7 @@ fn booth_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>
 }
 
 fn inferred_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<'m>) -> Unrounded<'m> {
-    let s = format.significand();
+    let (s, n) = (format.significand(), factors.multiplier.fraction().width() + 1);
     let Factors { exponent, settled, sign, .. } = factors;
     let (multiplicand, multiplier) = (factors.multiplicand.fraction(), factors.multiplier.fraction());
     cut!(parts, [(1, 3)], multiplicand, multiplier, exponent, settled, sign);
@@ -153,6 +172,6 @@ fn inferred_product<'m>(format: Format, parts: &mut Parts<'m>, factors: Factors<
     let subnormal = mark_lost(format, exponent, settled);
     cut!(parts, [(1, 2), (2, 3)], whole, exponent, settled, sign, subnormal);
     let word = whole.upper(s + 2).named("word");
-    let sticky = whole.lower(s - 2).any().named("sticky");
+    let sticky = whole.lower(n - 2).any().named("sticky");
     Unrounded { format, word, sticky, exponent, settled, sign, subnormal: Some(subnormal) }
 }

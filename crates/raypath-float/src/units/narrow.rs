@@ -2,14 +2,14 @@
 //!
 //! Hardware: rounding toward zero drops bits, rounding away from zero adds one if a dropped bit is set. A carry out of
 //! the fraction steps the exponent, and from the largest number to infinity, because exponent and fraction are one
-//! word. The module is not a unit of its own in area reports, so that it is optimised with the logic around it.
+//! word. A margin below the last kept place changes what is added to 1 or 2, or subtracts 1. The module is not a unit of its own in area reports, so that it is optimised with the logic around it.
 //!
 //! Tests in `tests/units/narrow.rs` (all numbers of small formats, by exact arithmetic).
 
 use crate::units::constants::Constants;
 use crate::units::recoded::Magnitude;
 use crate::{Format, FormatError};
-use raypath_hdl::{Builder, Error, Module};
+use raypath_hdl::{Builder, Error, Module, Wire};
 use std::fmt;
 use std::sync::Arc;
 
@@ -82,31 +82,50 @@ pub fn narrow(format: Format, to: Narrow) -> Result<Arc<Module>, Error> {
     let changes = to.margin > 0 || (to.away && lost > 0);
     let ordinary = changes.then(|| (!number.exponent().upper(2).all()).named("ordinary"));
     let width = number.word.width();
-    let moved = match ordinary {
-        Some(ordinary) if to.margin > 0 => {
+    let (moved, margin) = match ordinary {
+        // Of a margin within the lost bits, only a carry or borrow into the kept ones is computed.
+        Some(ordinary) if to.margin > 0 && to.margin >> lost > 0 => {
             let margin = m.constant(width, to.margin.into()) & ordinary.replicate(width);
             let moved = if to.away { number.word + margin } else { number.word - margin };
-            moved.named("moved")
+            (moved.named("moved"), 0)
         }
-        _ => number.word,
+        _ => (number.word, to.margin),
     };
     let kept = moved.upper(width - lost);
-    let rounded = match ordinary {
+    let least_kept = m.parameter("LeastKept", e + 1, Constants(format).min_normal() + 1);
+    let is_small = |word| Wire::upper(word, e + 1).less(least_kept);
+    let (rounded, flushed) = match ordinary {
+        Some(ordinary) if to.away && margin > 0 => {
+            // One is added if a bit is lost or the margin alone is, and two if the lost bits exceed what is left.
+            let two = m.constant(lost, (1 << lost) - u64::from(margin)).less(moved.lower(lost)).named("two");
+            let carry = ((kept.bit(0) | two) & ordinary).named("carry");
+            let upper = step(kept.upper(kept.width() - 1), carry, true).0;
+            let rounded = m.concat(&[upper, kept.bit(0) ^ (ordinary & !two)]).named("rounded");
+            (rounded, is_small(rounded))
+        }
+        Some(ordinary) if margin > 0 => {
+            let borrow = moved.lower(lost).less(m.constant(lost, margin.into()));
+            let rounded = step(kept, (borrow & ordinary).named("borrow"), false).0.named("rounded");
+            (rounded, is_small(rounded))
+        }
         Some(ordinary) if to.away && lost > 0 => {
             let up = (moved.lower(lost).any() & ordinary).named("up");
-            (kept + up.extend(width - lost)).named("rounded")
+            let (rounded, reach) = step(kept, up, true);
+            // Decided without waiting for the sum: of small numbers, only one below the least kept power of two is
+            // rounded up to it.
+            let below = kept.upper(e + 1).equals(m.parameter("MinNormal", e + 1, Constants(format).min_normal()));
+            let reaches = (below & up & reach.bit(to.bits - 1)).named("reaches");
+            (rounded.named("rounded"), is_small(kept) & !reaches)
         }
         _ => {
             if lost > 0 {
                 m.unused("unused_lost", &[moved.lower(lost)]);
             }
-            kept
+            (kept, is_small(kept))
         }
     };
 
     m.section("Flush small results");
-    let least_kept = m.parameter("LeastKept", e + 1, Constants(format).min_normal() + 1);
-    let flushed = rounded.upper(e + 1).less(least_kept);
     // Zero less the margin is no small number.
     let flushed = if to.margin > 0 && !to.away { flushed | number.exponent().less(least_kept) } else { flushed };
     let magnitude = rounded & (!flushed.named("flushed")).replicate(width - lost);
@@ -121,4 +140,12 @@ pub fn narrow(format: Format, to: Narrow) -> Result<Arc<Module>, Error> {
     };
     m.output("narrow_o", m.concat(&[number_i.top(), magnitude]));
     m.finish()
+}
+
+/// The word plus one, or minus one, if `condition` holds, and the bits that change then. They do not depend on the
+/// condition, which is the last to arrive.
+fn step<'m>(word: Wire<'m>, condition: Wire<'m>, is_up: bool) -> (Wire<'m>, Wire<'m>) {
+    let one = word.builder().constant(word.width(), 1);
+    let reach = (word ^ if is_up { word + one } else { word - one }).named("reach");
+    (word ^ (reach & condition.replicate(word.width())), reach)
 }

@@ -79,6 +79,7 @@ class Datapath:
         facing: bool = ...,
         range: bool = ...,
         conservative: bool = ...,
+        quantised_boxes: bool = ...,
         accumulators: Literal[1, 2, 4, 8, 16] = ...,
         exception_flags: bool = ...,
     ) -> Datapath: ...

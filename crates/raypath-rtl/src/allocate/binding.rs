@@ -92,7 +92,7 @@ fn bind_set(step: &StepValues<'_>, first: Unit, rounds: &[Round], bindings: &mut
     for (op, values) in rounds {
         let in_order = values.iter().enumerate().map(|(index, &id)| {
             let unit = Unit { number: first.number + index, ..first };
-            (id, Binding { unit, swapped: false })
+            (id, Binding { unit, swapped: !step.widths.fits(first.width, *op, &step.operations[*op], id, false) })
         });
         bindings[*op].extend(in_order);
     }
@@ -160,6 +160,9 @@ fn bind_by_nets(step: &StepValues<'_>, first: Unit, rounds: &[Round], bindings: 
         let mut candidates = Vec::new();
         for (index, &id) in values.iter().enumerate() {
             for swapped in [false, true] {
+                if !step.widths.fits(first.width, op, &step.operations[op], id, swapped) {
+                    continue;
+                }
                 let Some(operands) = operands(step, op, id, swapped) else { continue };
                 for (number, nets) in nets.iter().enumerate() {
                     let new =

@@ -155,6 +155,15 @@ impl Plan {
         self.steps[step].bindings.iter().flat_map(BTreeMap::values).map(|binding| binding.unit).collect()
     }
 
+    /// The values that a unit of a step computes, with their operations.
+    pub fn users(&self, step: usize, unit: Unit) -> Vec<(usize, NodeId)> {
+        let bindings = &self.steps[step].bindings;
+        let of = |op: usize| {
+            bindings[op].iter().filter(move |(_, binding)| binding.unit == unit).map(move |(&id, _)| (op, id))
+        };
+        (0..bindings.len()).flat_map(of).collect()
+    }
+
     /// The numbers of encoders and decoders that an operation uses in a step.
     pub fn conversions(&self, step: usize, op: usize) -> Units {
         let mut units = Units::default();

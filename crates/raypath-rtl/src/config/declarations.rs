@@ -80,6 +80,9 @@ declare_parameters! {
         range ("range"): bool = false,
         /// No box that a ray touches is missed through rounding; needs the rules `paper`.
         conservative ("conservative"): bool = false,
+        /// Boxes with bounds of 8 bits (the operation `quantised_box`) in place of boxes of numbers; needs the rules
+        /// `paper`.
+        quantised_boxes ("quantised-boxes"): bool = false,
         /// Accumulators of each distance operation; an input port selects one, so that vectors can be interleaved.
         accumulators ("accumulators"): Accumulators = Accumulators::One,
         /// An output port for the floating-point exceptions of a job's additions and multiplications.
@@ -177,9 +180,14 @@ impl fmt::Display for Config {
 }
 
 impl Semantics {
-    /// The kinds of jobs that the datapath accepts.
+    /// The paper's kinds of jobs that the datapath accepts.
     pub fn kinds(self) -> &'static [JobKind] {
-        if self.lanes == Lanes::None { &[JobKind::Triangle, JobKind::Quadbox] } else { &JobKind::ALL }
+        match (self.lanes, self.features.quantised_boxes) {
+            (Lanes::None, false) => &[JobKind::Triangle, JobKind::Quadbox],
+            (Lanes::None, true) => &[JobKind::Triangle],
+            (_, false) => &JobKind::ALL,
+            (_, true) => &[JobKind::Triangle, JobKind::Euclidean, JobKind::Angular],
+        }
     }
 
     /// The rules with the parameters that belong to them: the bits of boxes.
@@ -193,11 +201,11 @@ impl Semantics {
     /// Checks that the features can be combined with each other, the rules and the format.
     ///
     /// # Errors
-    /// A tag of more than [`Features::MAX_TAG_WIDTH`] bits; conservative boxes under other rules than `paper`; bits of
-    /// boxes under other rules than `bounds`, or more than the format has; sums that round once under the rules
+    /// A tag of more than [`Features::MAX_TAG_WIDTH`] bits; conservative boxes under other rules than `paper`; quantised
+    /// boxes under other rules or with conservative ones; bits of boxes under other rules than `bounds`, or more than the format has; sums that round once under the rules
     /// `chisel`; exception flags in another format than binary32.
     pub fn check(self) -> Result<(), Error> {
-        let Features { tag, conservative, exception_flags, .. } = self.features;
+        let Features { tag, conservative, quantised_boxes, exception_flags, .. } = self.features;
         Features::check_tag(tag)?;
         self.check_box_bits()?;
         if conservative && self.rules != Rules::Paper {
@@ -207,6 +215,11 @@ impl Semantics {
             };
             let problem = format!("not available with rules {}, {reason}; expected rules paper", self.rules);
             return Err(Error::Feature { feature: "conservative", problem });
+        }
+        if quantised_boxes && (conservative || self.rules != Rules::Paper) {
+            let found = if conservative { "conservative".to_string() } else { format!("rules {}", self.rules) };
+            let problem = format!("not available with {found}, which is about boxes of numbers; expected rules paper");
+            return Err(Error::Feature { feature: "quantised boxes", problem });
         }
         if self.rounding == Rounding::Sum && self.rules == Rules::Chisel {
             let problem = "sum is not available with rules chisel, which answer as the original hardware; expected \

@@ -2,6 +2,7 @@
 
 use super::declarations::Semantics;
 use super::enumerations::{Accumulators, Lanes};
+use raypath_ops::operations::quantised_box::QuantisedBox;
 use raypath_ops::{
     Angular, AngularMany, Euclidean, EuclideanMany, JobKind, Operation, RayBox, RayBoxConservative, RayTriangle,
     RayTriangleExtended, Rounding,
@@ -27,7 +28,9 @@ impl Semantics {
     /// Those of the visitor.
     pub fn operations<V: OperationVisitor>(self, visitor: &mut V) -> Result<(), V::Error> {
         let (rules, rounding, features) = (self.rules_in_full(), self.rounding, self.features);
-        if features.conservative {
+        if features.quantised_boxes {
+            visitor.visit(QuantisedBox, JobKind::Quadbox.opcode())?;
+        } else if features.conservative {
             visitor.visit(RayBoxConservative, JobKind::Quadbox.opcode())?;
         } else {
             visitor.visit(RayBox { rules }, JobKind::Quadbox.opcode())?;

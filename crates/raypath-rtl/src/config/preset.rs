@@ -1,7 +1,7 @@
 //! Presets: named configurations, for the command line, tests, documents and reports.
 
 use super::choice::ParseChoiceError;
-use super::declarations::Config;
+use super::declarations::{Config, Features};
 use super::enumerations::{Control, Encoding, Lanes, Sharing, UnitLatency};
 use raypath_float::Format;
 use raypath_ops::Rules;
@@ -21,6 +21,8 @@ pub struct Preset {
 
 const PAPER: Config = Config::DEFAULT;
 const GRAPHICS: Config = PAPER.lanes(Lanes::None);
+const QUANTISED: Config =
+    GRAPHICS.control(Control::Credit).features(Features { quantised_boxes: true, ..Features::OFF });
 
 /// All presets; the first is the default.
 pub const PRESETS: &[Preset] = &[
@@ -30,6 +32,7 @@ pub const PRESETS: &[Preset] = &[
     preset("search", "the widest distance beats", PAPER.lanes(Lanes::SixtyFour)),
     preset("credit", "all four, half the pipeline registers", PAPER.control(Control::Credit)),
     preset("compact", "the smallest in binary32", GRAPHICS.control(Control::Credit)),
+    preset("quantised", "triangles, and boxes of 8 bits a bound", QUANTISED),
     preset("fast", "boxes and triangles, units in two stages", GRAPHICS.unit_latency(UnitLatency::Two)),
     preset("fastest", "boxes and triangles, units in three", GRAPHICS.unit_latency(UnitLatency::Three)),
     preset("half", "boxes and triangles in binary16", GRAPHICS.format(Format::BINARY16)),

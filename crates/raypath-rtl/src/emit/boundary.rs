@@ -279,9 +279,15 @@ impl<'m> StepBuilder<'m, '_> {
         }
         let passes = |origin: &Origin| before == Some(Encoding::Ieee) && matches!(origin, Origin::Register(_));
         let (passing, made): (Vec<_>, Vec<_>) = arms.into_iter().partition(|(_, origin, ..)| passes(origin));
+        let short = library.decode_narrow().filter(|_| made.iter().all(|&(op, _, id, _)| plan.widths.is_short(op, id)));
         let decoded = self.by_opcode(&made, wires)?.map(|wire| {
             let name = format!("u_decode_{}", number(place));
-            m.instance(&name, &library.decode, &[("recoded_i", wire)])[0]
+            let Some(short) = short else { return m.instance(&name, &library.decode, &[("recoded_i", wire)])[0] };
+            let width = short.signal(short.inputs()[0].signal).width;
+            let missing = wire.width() - width;
+            m.unused(&format!("unused_decode_{}", number(place)), &[wire.lower(missing)]);
+            let decoded = m.instance(&name, short, &[("recoded_i", wire.upper(width))])[0];
+            m.concat(&[decoded, m.constant(missing, 0)])
         });
         let Some(decoded) = decoded else { return self.by_opcode(&passing, &mut Registers(wires)) };
         if passing.is_empty() {

@@ -1,4 +1,5 @@
 use crate::allocate::plan::Plan;
+use crate::config::Multiplier;
 use crate::emit::control::{Plain, Skid};
 use crate::ir::graph::{Kind, Op, OperationGraph};
 use crate::ir::position::Step;
@@ -25,6 +26,8 @@ pub struct Library {
     /// Adders of several terms in parts, by the number of terms.
     sum: BTreeMap<u32, Vec<Arc<Module>>>,
     multiply: Vec<Arc<Module>>,
+    /// Multipliers by a short factor in parts, if the plan has short words.
+    multiply_by_short: Option<Vec<Arc<Module>>>,
     compare: Arc<Module>,
     /// Units for operands with short significands, if the plan has such numbers.
     narrow: Option<NarrowUnits>,
@@ -40,6 +43,8 @@ struct NarrowUnits {
     /// Multipliers by the rounding of their products, in parts.
     multiply: BTreeMap<Narrowing, Vec<Arc<Module>>>,
     compare: Arc<Module>,
+    /// The decoder, whose words have no lower bits of the fraction. Narrow numbers are never subnormal.
+    decode: Arc<Module>,
 }
 
 fn rounding(to: Narrowing) -> Narrow {
@@ -70,10 +75,16 @@ impl Library {
             for to in narrowings.keys().filter(|to| to.margin == 0) {
                 multiply.insert(*to, raypath_float::mul_narrow_parts(format, operand, rounding(*to), parts)?);
             }
-            Ok::<_, Error>(NarrowUnits { multiply, compare: raypath_float::compare_narrow(format, operand)? })
+            let compare = raypath_float::compare_narrow(format, operand)?;
+            let decode = raypath_float::decode_narrow(format, operand)?;
+            Ok::<_, Error>(NarrowUnits { multiply, compare, decode })
         });
+        let inferred = plan.microarchitecture.multiplier == Multiplier::Inferred;
+        let by_short = |bits| raypath_float::mul_by_short_parts(format, bits, parts, inferred);
+        let multiply_by_short = plan.widths.factor().map(by_short).transpose()?;
         Ok(Self {
             format,
+            multiply_by_short,
             skid: Skid::module()?,
             skid_buffer: Skid::buffer()?,
             register: Plain::buffer()?,
@@ -95,6 +106,7 @@ impl Library {
         match (unit.width, &self.narrow) {
             (UnitWidth::Rounding(to), Some(narrow)) => return &narrow.multiply[&to][part],
             (UnitWidth::Short, Some(narrow)) => return &narrow.compare,
+            (UnitWidth::ShortFactor(_), _) => return &self.multiply_by_short.as_ref().unwrap_or(&self.multiply)[part],
             (UnitWidth::Terms(terms), _) => return &self.sum[&terms][part],
             _ => {}
         }
@@ -117,19 +129,25 @@ impl Library {
         self.narrowings.get(&to)
     }
 
+    /// The decoder of numbers with short significands, if the plan has narrow units.
+    pub fn decode_narrow(&self) -> Option<&Arc<Module>> {
+        self.narrow.as_ref().map(|narrow| &narrow.decode)
+    }
+
     /// The kind of unit that a module is, or is a part of.
     pub fn kind(&self, module: &Arc<Module>) -> Option<UnitKind> {
         let is = |parts: &[Arc<Module>]| parts.iter().any(|part| Arc::ptr_eq(part, module));
         match &self.narrow {
             Some(narrow) if narrow.multiply.values().any(|parts| is(parts)) => return Some(UnitKind::Multiply),
             Some(narrow) if Arc::ptr_eq(&narrow.compare, module) => return Some(UnitKind::Compare),
+            Some(narrow) if Arc::ptr_eq(&narrow.decode, module) => return Some(UnitKind::Decode),
             _ => {}
         }
         UnitKind::ALL.into_iter().find(|kind| match kind {
             UnitKind::Encode => Arc::ptr_eq(&self.encode, module),
             UnitKind::Add => is(&self.add),
             UnitKind::Sum => self.sum.values().any(|parts| is(parts)),
-            UnitKind::Multiply => is(&self.multiply),
+            UnitKind::Multiply => is(&self.multiply) || self.multiply_by_short.as_deref().is_some_and(is),
             UnitKind::Compare => Arc::ptr_eq(&self.compare, module),
             UnitKind::Decode => Arc::ptr_eq(&self.decode, module),
         })

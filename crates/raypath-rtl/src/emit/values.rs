@@ -4,6 +4,7 @@ use crate::allocate::layout::{FLAG_REGISTER, Origin, RegisterSlot};
 use crate::allocate::plan::Plan;
 use crate::config::Encoding;
 use crate::emit::boundary::{self, StepBuilder, Wires, negate};
+use crate::emit::isolation;
 use crate::emit::library::Library;
 use crate::error::Error;
 use crate::ir::graph::{Kind, NodeId, Op};
@@ -22,6 +23,8 @@ pub struct Values<'m, 'p> {
     recoded: BTreeMap<usize, Wire<'m>>,
     units: BTreeMap<Unit, Vec<Wire<'m>>>,
     in_progress: BTreeSet<Unit>,
+    /// Whether the job belongs to one of these operations.
+    computes: BTreeMap<Vec<usize>, Wire<'m>>,
     names: BTreeSet<String>,
 }
 
@@ -80,6 +83,7 @@ impl<'m, 'p> Values<'m, 'p> {
             recoded: BTreeMap::new(),
             units: BTreeMap::new(),
             in_progress: BTreeSet::new(),
+            computes: BTreeMap::new(),
             names: BTreeSet::new(),
         }
     }
@@ -170,7 +174,7 @@ impl<'m, 'p> Values<'m, 'p> {
 
     /// One operand of a unit, selected by opcode. A difference is a sum with the sign of the second operand inverted.
     fn operand(&mut self, unit: Unit, operand: usize, name: &str) -> Result<Wire<'m>, Error> {
-        let users: Vec<(usize, NodeId)> = self.users(unit);
+        let users: Vec<(usize, NodeId)> = self.at.plan.users(self.at.step, unit);
         let inverted =
             |op: usize, id: NodeId| operand == 1 && matches!(self.at.plan.operations[op].node(id).op, Op::Subtract(..));
         let all_inverted = users.iter().all(|&(op, id)| inverted(op, id));
@@ -186,25 +190,34 @@ impl<'m, 'p> Values<'m, 'p> {
         let chosen = match &plan.rounds {
             None => self.at.by_opcode(&arms, self)?,
             Some(rounds) => {
-                let arms = arms.iter().zip(self.users(unit)).map(|((op, origin, source, inverts), (_, id))| {
-                    (rounds.units[*op][step][&id], (*op, origin, *source, *inverts))
-                });
+                let arms = arms.iter().zip(self.at.plan.users(self.at.step, unit)).map(
+                    |((op, origin, source, inverts), (_, id))| {
+                        (rounds.units[*op][step][&id], (*op, origin, *source, *inverts))
+                    },
+                );
                 self.at.by_round(&arms.collect::<Vec<_>>(), self)?
             }
         };
         let chosen = chosen.unwrap_or_else(|| m.constant(library.format.recoded_width(), 0));
         let one_net = arms.iter().all(|arm| (&arm.1, arm.3) == (&arms[0].1, arms[0].3));
-        let chosen = if one_net { chosen } else { chosen.named(name) };
+        let mut chosen = if one_net { chosen } else { chosen.named(name) };
+        if let Some(computes) = self.isolation(unit) {
+            chosen = (chosen & computes.replicate(chosen.width())).named(&format!("{name}_or_zero"));
+        }
         Ok(if all_inverted { negate(chosen) } else { chosen })
     }
 
-    /// The values that a unit computes, with their operations.
-    fn users(&self, unit: Unit) -> Vec<(usize, NodeId)> {
-        let bindings = &self.at.plan.steps[self.at.step].bindings;
-        let made = |op: usize| {
-            bindings[op].iter().filter(move |(_, binding)| binding.unit == unit).map(move |(&id, _)| (op, id))
-        };
-        (0..bindings.len()).flat_map(made).collect()
+    /// Whether the job uses a unit, if the unit needs [isolation](isolation) from other jobs.
+    fn isolation(&mut self, unit: Unit) -> Option<Wire<'m>> {
+        let users = isolation::users_to_isolate(self.at.plan, self.at.step, unit)?;
+        if let Some(&computes) = self.computes.get(&users) {
+            return Some(computes);
+        }
+        let names: Vec<&str> = users.iter().map(|&op| self.at.plan.operations[op].name).collect();
+        let name = self.free_name(&format!("computes_{}", names.join("_")));
+        let computes = self.at.is_any(&users)?.named(&name);
+        self.computes.insert(users, computes);
+        Some(computes)
     }
 
     fn make(&mut self, op: usize, id: NodeId) -> Result<Wire<'m>, Error> {

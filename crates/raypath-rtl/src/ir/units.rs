@@ -66,6 +66,8 @@ pub enum UnitWidth {
     Short,
     /// Operands are short, and the result is rounded so that it is short too.
     Rounding(Narrowing),
+    /// The second operand has a significand of at most this number of bits; the others have that of the format.
+    ShortFactor(u32),
     /// All have the significand of the format, and the unit has this number of operands.
     Terms(u32),
 }
@@ -76,6 +78,7 @@ impl Unit {
         let width: String = match self.width {
             UnitWidth::Full => "".into(),
             UnitWidth::Short => "_narrow".into(),
+            UnitWidth::ShortFactor(_) => "_by_short".into(),
             UnitWidth::Rounding(Narrowing { direction: Direction::TowardZero, .. }) => "_toward_zero".into(),
             UnitWidth::Rounding(Narrowing { direction: Direction::AwayFromZero, .. }) => "_away_from_zero".into(),
             // With the part, because a step may have parts of sums that began in different steps.

@@ -6,13 +6,16 @@
 //! with a deliberate fault.
 
 mod claim;
+mod short;
 
 pub use claim::{Claim, Form, Operands, Subject};
 
 use crate::sat::{Miter, ProofResult, Prover};
 use crate::units::bench::Simulated;
 use crate::{Error, Level, Progress, Request, Verdict};
-use raypath_float::{DivSqrt, Format, add, compare, div, mul, mul_inferred_parts, sqrt};
+use raypath_float::{
+    DivSqrt, Format, Narrow, add, compare, div, mul, mul_inferred_parts, mul_narrow_parts, narrow, sqrt,
+};
 use raypath_hdl::Module;
 use raypath_tools::{Cache, Key, ToolError, pool};
 use std::collections::{BTreeMap, BTreeSet};
@@ -218,6 +221,15 @@ impl Counterexample {
                 less << 2 | equal << 1 | unordered
             }
             Subject::RoundTrip => format.canonical(a),
+            Subject::ShortProduct(to) => {
+                let short = format.narrowed(to.bits)?;
+                let unit = mul_narrow_parts(format, to.bits, to, 1)?.remove(0);
+                short.decode(Simulated::new(&unit)?.run::<1>([a, b].map(|operand| short.encode(operand)))[0])
+            }
+            Subject::Shortening(to) => {
+                let [result] = Simulated::new(&narrow(format, to)?)?.run([format.encode(a)]);
+                format.narrowed(to.bits)?.decode(result)
+            }
             Subject::AddParts(_) => Simulated::new(&add(format)?)?.run::<1>([a, b])[0],
             Subject::MulParts(_) => Simulated::new(&mul(format)?)?.run::<1>([a, b])[0],
             Subject::MulInferredParts(_) => Simulated::new(&mul_inferred()?)?.run::<1>([a, b])[0],
@@ -234,7 +246,7 @@ impl std::fmt::Display for Counterexample {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { claim, a, b, ours, wanted } = self;
         match claim.subject {
-            Subject::RoundTrip | Subject::Sqrt | Subject::Divided(DivSqrt::Root, _) => {
+            Subject::RoundTrip | Subject::Shortening(_) | Subject::Sqrt | Subject::Divided(DivSqrt::Root, _) => {
                 write!(f, "{claim}: {a:#x} gives {ours:#x}, expected {wanted:#x}")
             }
             _ => write!(f, "{claim}: {a:#x} and {b:#x} give {ours:#x}, expected {wanted:#x}"),
@@ -245,8 +257,15 @@ impl std::fmt::Display for Counterexample {
 /// The claims of a level, the longest proofs first. Each level includes the claims of the shorter ones.
 fn claims(level: Level) -> impl Iterator<Item = Claim> {
     use Subject::{
-        Add, AddParts, Compare, Div, Divided, Mul, MulInferred, MulInferredParts, MulParts, RoundTrip, Sqrt, Sub,
+        Add, AddParts, Compare, Div, Divided, Mul, MulInferred, MulInferredParts, MulParts, RoundTrip, ShortProduct,
+        Shortening, Sqrt, Sub,
     };
+    const fn product(bits: u32, away: bool) -> Subject {
+        ShortProduct(Narrow { bits, away, margin: 0 })
+    }
+    const fn rounding(bits: u32, away: bool, margin: u32) -> Subject {
+        Shortening(Narrow { bits, away, margin })
+    }
     const CLAIMS: &[(Level, Subject, u32, u32)] = &[
         (Level::Full, Add, 5, 11),
         (Level::Full, Sub, 5, 11),
@@ -281,6 +300,19 @@ fn claims(level: Level) -> impl Iterator<Item = Claim> {
         (Level::Full, MulInferredParts(3), 8, 24),
         (Level::Full, AddParts(2), 8, 24),
         (Level::Full, AddParts(3), 8, 24),
+        // Exact products, and products that are rounded to nearest first.
+        (Level::Full, product(6, false), 8, 12),
+        (Level::Full, product(6, true), 8, 12),
+        (Level::Full, product(6, false), 5, 9),
+        (Level::Full, product(6, true), 5, 9),
+        (Level::Regression, product(4, false), 5, 8),
+        (Level::Regression, product(4, true), 5, 8),
+        (Level::Regression, product(4, false), 4, 6),
+        (Level::Regression, product(4, true), 4, 6),
+        (Level::Regression, rounding(13, false, 0), 8, 24),
+        (Level::Regression, rounding(13, true, 0), 8, 24),
+        (Level::Regression, rounding(13, false, 4), 8, 24),
+        (Level::Regression, rounding(13, true, 4), 8, 24),
         (Level::Regression, Compare, 8, 24),
         (Level::Regression, Compare, 5, 11),
         (Level::Regression, Add, 3, 4),

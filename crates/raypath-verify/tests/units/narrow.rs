@@ -3,7 +3,7 @@
 
 use crate::converter;
 use crate::exact::Exact;
-use raypath_float::{Format, Narrow, mul_narrow_parts, narrow};
+use raypath_float::{Format, Narrow, decode_narrow, mul_by_short_parts, mul_narrow_parts, narrow};
 use raypath_verify::units::bench::{Simulated, chain};
 
 /// The roundings to `bits` bits.
@@ -43,9 +43,12 @@ fn every_number() {
         for to in (3..=s).flat_map(|bits| roundings(bits, &[0, 1, 4])) {
             let short = short(&exact, to.bits);
             let mut unit = converter(narrow(format, to));
+            let mut decoder = converter(decode_narrow(format, to.bits));
             for (word, number) in exact.recoded_words() {
                 let wanted = exact.ieee_code(expected(&exact, &short, number, to));
                 let [rounded] = unit.run([word]);
+                let [decoded] = decoder.run([rounded]);
+                assert_eq!(decoded << (s - to.bits), wanted, "{format}, {to}, decoded: {word:#x} ({number})");
                 let found = format.decode(rounded << (s - to.bits));
                 assert_eq!(found, wanted, "{format}, {to}: {word:#x} ({number})");
                 let code = exact.ieee_code(number);
@@ -124,6 +127,52 @@ fn products_in_binary32() {
                     let wanted = format.from_f64(wanted);
                     assert_eq!(found, wanted, "{to}: {a:#x} times {b:#x}");
                 }
+            }
+        }
+    }
+}
+
+/// A multiplier by a short factor, whole and joined from parts, in gates and with `*`.
+fn multipliers_by_short(format: Format, bits: u32) -> Vec<Simulated> {
+    let forms = [1, 2, 3].into_iter().flat_map(|parts| [false, true].map(|inferred| (parts, inferred)));
+    let unit = |(parts, inferred)| mul_by_short_parts(format, bits, parts, inferred).and_then(|parts| chain(&parts));
+    forms.map(|form| converter(unit(form))).collect()
+}
+
+#[test]
+fn every_product_by_a_short_factor() {
+    for (e, s, bits) in [(3, 5, 3), (4, 6, 3), (4, 6, 5), (4, 5, 5)] {
+        let exact = Exact::new(e, s);
+        let format = exact.format;
+        let low = (1 << (s - bits)) - 1;
+        let mut units = multipliers_by_short(format, bits);
+        for (a, x) in exact.recoded_words() {
+            for (b, y) in exact.recoded_words().into_iter().filter(|(word, _)| word & low == 0) {
+                let wanted = format.mul(exact.ieee_code(x), exact.ieee_code(y));
+                for unit in &mut units {
+                    let [found] = unit.run([a, b >> (s - bits)]);
+                    assert_eq!(format.decode(found), wanted, "{format}, a factor of {bits} bits: {x} times {y}");
+                }
+            }
+        }
+    }
+}
+
+/// Binary32 by words of 8 bits: the host multiplies.
+#[test]
+fn products_by_words_in_binary32() {
+    use rand::{RngExt, SeedableRng};
+    let mut rng = rand::rngs::ChaCha8Rng::seed_from_u64(2);
+    let format = Format::BINARY32;
+    let mut units = multipliers_by_short(format, 8);
+    for word in 0..256_u32 {
+        let y = word as f32;
+        for _ in 0..200 {
+            let x = f32::from_bits(rng.random());
+            for unit in &mut units {
+                let [found] = unit.run([format.encode(x.to_bits().into()), format.encode(y.to_bits().into()) >> 16]);
+                let wanted = format.canonical((x * y).to_bits().into());
+                assert_eq!(format.decode(found), wanted, "{x:e} times {word}");
             }
         }
     }

@@ -1,10 +1,12 @@
 //! Claims about units, and the miters that would show them wrong.
 
+use super::short;
 use crate::error::Error;
 use crate::sat::{Miter, SOURCE};
 use crate::units::bench::{chain, unrolled};
 use raypath_float::{
-    DivSqrt, Format, add, add_parts, compare, decode, div, encode, mul, mul_inferred_parts, mul_parts, sqrt,
+    DivSqrt, Format, Narrow, add, add_parts, compare, decode, div, encode, mul, mul_inferred_parts, mul_narrow_parts,
+    mul_parts, narrow, sqrt,
 };
 use raypath_hdl::Module;
 use raypath_hdl::verilog::text;
@@ -48,6 +50,11 @@ pub enum Subject {
     MulParts(u32),
     /// The multiplier with `*` split into this many parts, against the unsplit one, for all recoded words.
     MulInferredParts(u32),
+    /// The multiplier of short numbers, whose product is rounded to the format and then in one direction, so that it is
+    /// as short as they are.
+    ShortProduct(Narrow),
+    /// The rounding to a shorter significand in one direction.
+    Shortening(Narrow),
     /// The divider or the square root in another form, against the combinational one, for all recoded words.
     Divided(DivSqrt, Form),
 }
@@ -84,6 +91,9 @@ impl Subject {
             }
             Self::Div | Self::Sqrt | Self::Divided(..) => ("below_half)) | sticky", "below_half)) & sticky"),
             Self::Compare => ("a_negative & ~both_zero", "a_negative"),
+            Self::ShortProduct(_) => ("< LeastKept", "<= LeastKept"),
+            Self::Shortening(Narrow { away: false, margin: 1.., .. }) => (" & ordinary", ""),
+            Self::Shortening(_) => ("< LeastKept", "<= LeastKept"),
             Self::RoundTrip => ("exponent < ", "exponent <= "),
         }
     }
@@ -115,6 +125,19 @@ impl Claim {
             Subject::Sqrt => (whole(sqrt(f)?)?, conversions()?, Some("-op sqrt -rm RNE")),
             Subject::Compare => (whole(compare(f)?)?, conversions()?, Some("-compare")),
             Subject::RoundTrip => (text(&decode(f)?)?, text(&encode(f)?)?, None),
+            Subject::ShortProduct(to @ Narrow { bits, away, .. }) => {
+                let unit = mul_narrow_parts(f, bits, to, 1)?.remove(0);
+                let short = f.narrowed(bits)?;
+                let operation = match away {
+                    _ if 2 * bits > f.significand() => "-op mul -rm RNE",
+                    true => "-op mul -rm DYN",
+                    false => "-op mul -rm RTZ",
+                };
+                (whole(unit)?, text(&encode(short)?)? + &text(&decode(short)?)?, Some(operation))
+            }
+            Subject::Shortening(to) => {
+                (whole(narrow(f, to)?)?, text(&encode(f)?)? + &text(&decode(f.narrowed(to.bits)?)?)?, None)
+            }
             Subject::AddParts(count) => (joined(add_parts(f, count, false)?)?, whole(add(f)?)?, None),
             Subject::MulParts(count) => (joined(mul_parts(f, count, false)?)?, whole(mul(f)?)?, None),
             Subject::MulInferredParts(count) => (
@@ -139,7 +162,11 @@ impl Claim {
         }
         let mut commands = Vec::new();
         if let Some(operation) = reference {
-            commands.push(format!("symfpu -eb {} -sb {} {operation}", f.exponent(), f.significand()));
+            let significand = match self.subject {
+                Subject::ShortProduct(Narrow { bits, .. }) if 2 * bits <= f.significand() => bits,
+                _ => f.significand(),
+            };
+            commands.push(format!("symfpu -eb {} -sb {significand} {operation}", f.exponent()));
             // Its assertions would become outputs.
             commands.push("chformal -remove".to_string());
             commands.push(format!("select -assert-min {MIN_CELLS} symfpu/c:*"));
@@ -173,13 +200,20 @@ impl Claim {
 
     /// Whether the second operand is not used.
     fn is_unary(&self) -> bool {
-        matches!(self.subject, Subject::RoundTrip | Subject::Sqrt | Subject::Divided(DivSqrt::Root, _))
+        matches!(
+            self.subject,
+            Subject::RoundTrip | Subject::Shortening(_) | Subject::Sqrt | Subject::Divided(DivSqrt::Root, _)
+        )
     }
 
     /// The miter's inputs, with their widths.
     fn inputs(&self) -> Result<Vec<(String, u32)>, Error> {
         let f = self.format;
-        let width = if self.compares_own_units() { f.recoded_width() } else { f.ieee_width() };
+        let width = match self.subject {
+            _ if self.compares_own_units() => f.recoded_width(),
+            Subject::ShortProduct(Narrow { bits, .. }) => f.narrowed(bits)?.ieee_width(),
+            _ => f.ieee_width(),
+        };
         let ports: &[(&str, u32)] = match (self.subject, self.operands) {
             _ if self.is_unary() => &[("free_a", width)],
             (_, Operands::All) => &[("free_a", width), ("free_b", width)],
@@ -207,6 +241,8 @@ impl Claim {
         let (unit_ports, width) = match self.subject {
             _ if self.compares_own_units() => (recoded, recoded),
             Subject::Compare => (ieee, 3),
+            Subject::ShortProduct(Narrow { bits, .. }) => [f.narrowed(bits)?.ieee_width(); 2].into(),
+            Subject::Shortening(Narrow { bits, .. }) => (ieee, f.narrowed(bits)?.ieee_width()),
             _ => (ieee, ieee),
         };
         let mut lines = vec![
@@ -248,6 +284,7 @@ impl Claim {
                 lines.push(format!("assign expected[0] = {} || {};", is_nan("a"), is_nan("b")));
                 "expected".to_string()
             }
+            // The drivers of `expected` have the canonical NaN.
             _ => "expected".to_string(),
         };
         lines.push(format!("wire [{}:0] wanted = {wanted};", width - 1));
@@ -308,6 +345,8 @@ impl Claim {
                  assign expected = a;",
                 recoded - 1
             ),
+            Subject::ShortProduct(to) => short::product(f, to)?,
+            Subject::Shortening(to) => short::shortening(f, to)?,
             Subject::AddParts(count) => parts(count, "add", "sum_o"),
             Subject::MulParts(count) => parts(count, "mul", "product_o"),
             Subject::MulInferredParts(count) => parts(count, "mul_inferred", "product_o"),
@@ -363,6 +402,13 @@ impl fmt::Display for Claim {
                     Form::Iterative(1) => f.write_str(" with a digit a cycle"),
                     Form::Iterative(digits) => write!(f, " with {digits} digits a cycle"),
                 }
+            }
+            Subject::ShortProduct(to) => {
+                write!(f, "multiplication of {} bits rounded {} zero", to.bits, short::direction(to))
+            }
+            Subject::Shortening(to @ Narrow { bits, margin, .. }) => {
+                write!(f, "rounding {} zero to {bits} bits", short::direction(to))?;
+                if margin > 0 { write!(f, " with a margin of {margin}") } else { Ok(()) }
             }
             Subject::AddParts(count) => write!(f, "the adder in {count} parts"),
             Subject::MulParts(count) => write!(f, "the multiplier in {count} parts"),
