@@ -87,3 +87,67 @@ fn origin(column: u32) -> u32 {
         .find(|columns| column.is_multiple_of(*columns))
         .map_or(column - 1, |columns| column - columns)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt, SeedableRng};
+    use raypath_hdl::{Builder, Simulator};
+
+    /// Ends of groups and blocks, and the widths between them.
+    const WIDEST: u32 = 40;
+    const CASES: usize = 300;
+
+    /// Two operands. Every other pair lets a carry pass nearly all columns.
+    fn operands(random: &mut ChaCha8Rng, width: u32, case: usize) -> (u64, u64) {
+        let (a, b): (u64, u64) = (random.random(), random.random());
+        let few = b & random.random::<u64>() & random.random::<u64>() & random.random::<u64>();
+        let mask = (1 << width) - 1;
+        (a & mask, if case % 2 == 0 { b & mask } else { (!a ^ few) & mask })
+    }
+
+    #[test]
+    fn sums_are_those_of_integers() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        for (width, carries) in (1..=WIDEST).flat_map(|width| [(width, false), (width, true)]) {
+            let m = Builder::new("sum");
+            let (a, b) = (m.input("a_i", width), m.input("b_i", width));
+            let sum = add(a, b, carries.then(|| m.input("carry_i", 1)), "sum");
+            m.output("sum_o", m.concat(&[sum.carry, sum.word]));
+            let mut simulator = Simulator::new(&m.finish().expect("a module")).expect("no loop");
+            let inputs = ["a_i", "b_i"].map(|name| simulator.input(name).expect("an input"));
+            let sum = simulator.output("sum_o").expect("an output");
+            for case in 0..CASES {
+                let ((a, b), carry) = (operands(&mut random, width, case), u64::from(carries && case % 3 > 0));
+                [a, b].into_iter().zip(inputs).for_each(|(word, input)| simulator.set(input, word));
+                if carries {
+                    let input = simulator.input("carry_i").expect("an input");
+                    simulator.set(input, carry);
+                }
+                simulator.settle();
+                assert_eq!(simulator.get(sum), a + b + carry, "{a:#x} + {b:#x} + {carry}, {width} bits");
+            }
+        }
+    }
+
+    #[test]
+    fn increments_are_those_of_integers() {
+        let mut random = ChaCha8Rng::seed_from_u64(2);
+        for width in 1..=WIDEST {
+            let m = Builder::new("increment");
+            m.output("next_o", increment(m.input("word_i", width), "word"));
+            let mut simulator = Simulator::new(&m.finish().expect("a module")).expect("no loop");
+            let (word, next) = (simulator.input("word_i").expect("an input"), simulator.output("next_o"));
+            let next = next.expect("an output");
+            for case in 0..CASES {
+                let (a, b) = operands(&mut random, width, case);
+                // Ones in all low columns, up to a column of any number.
+                let value = if case % 2 == 0 { a } else { a | ((1 << (b % (u64::from(width) + 1))) - 1) };
+                simulator.set(word, value);
+                simulator.settle();
+                assert_eq!(simulator.get(next), (value + 1) & ((1 << width) - 1), "{value:#x}, {width} bits");
+            }
+        }
+    }
+}
