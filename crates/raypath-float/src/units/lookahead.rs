@@ -104,7 +104,7 @@ mod tests {
         let (a, b): (u64, u64) = (random.random(), random.random());
         let few = b & random.random::<u64>() & random.random::<u64>() & random.random::<u64>();
         let mask = (1 << width) - 1;
-        (a & mask, if case % 2 == 0 { b & mask } else { (!a ^ few) & mask })
+        (a & mask, if case.is_multiple_of(2) { b & mask } else { (!a ^ few) & mask })
     }
 
     #[test]
@@ -143,7 +143,7 @@ mod tests {
             for case in 0..CASES {
                 let (a, b) = operands(&mut random, width, case);
                 // Ones in all low columns, up to a column of any number.
-                let value = if case % 2 == 0 { a } else { a | ((1 << (b % (u64::from(width) + 1))) - 1) };
+                let value = if case.is_multiple_of(2) { a } else { a | ((1 << (b % (u64::from(width) + 1))) - 1) };
                 simulator.set(word, value);
                 simulator.settle();
                 assert_eq!(simulator.get(next), (value + 1) & ((1 << width) - 1), "{value:#x}, {width} bits");
